@@ -1,0 +1,124 @@
+"""Build an FMI 2.0 co-simulation FMU from the TOML file of a column.
+
+    python build_fmu.py [COLUMN.toml] [-o FILE.fmu]
+
+Packaging only. Inside the FMU the two packages carry the hash of their content in their names, so that two FMUs in one
+process, or two builds of one, never run each other's code.
+"""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import importlib
+import json
+import re
+import sys
+import tempfile
+import uuid
+import zipfile
+from pathlib import Path
+
+from pythonfmu import FmuBuilder
+
+from fmu_src.slave import COLUMN_FILE, GUID_FILE
+from solver import Column, InputError
+
+HERE = Path(__file__).resolve().parent
+DEFAULT_COLUMN = HERE / "examples" / "columns" / "phocas.toml"
+ZIP_DATE = (1980, 1, 1, 0, 0, 0)  # the same input gives the same bytes
+
+SCRIPT = '''"""Entry of the FMU: brings in the solver and offers the slave."""
+
+from pathlib import Path
+
+from {fmu_src}.host import import_solver
+
+import_solver("{solver}", Path(__file__).resolve().parent)
+
+from {fmu_src}.slave import ColumnSlave
+
+
+class Slave(ColumnSlave):
+    """The slave of this FMU; the wrapper wants a class of this script's own."""
+
+    def __init__(self, **kwargs):
+        super().__init__(**kwargs)
+'''
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run the command line; returns the exit code, 2 for a user's mistake."""
+    parser = argparse.ArgumentParser(description="Build the FMU of a column of blocks.")
+    parser.add_argument("column", nargs="?", type=Path, default=DEFAULT_COLUMN, help="TOML file (default: %(default)s)")
+    parser.add_argument("-o", "--output", type=Path, help="FMU file (default: NAME.fmu in the current folder)")
+    options = parser.parse_args(arguments)
+    try:
+        path = build_fmu(options.column, options.output)
+    except (InputError, OSError) as error:
+        print(f"build_fmu.py: {error}", file=sys.stderr)
+        return 2
+    print(path)
+    return 0
+
+
+def build_fmu(column_file: Path, output: Path | None = None) -> Path:
+    """Build the FMU of a column file and return its path. Raises InputError, OSError."""
+    column = Column.from_toml(column_file)
+    output = Path(f"{column.name}.fmu") if output is None else output
+    if output.suffix != ".fmu":
+        raise InputError(f"-o {output}: must end in .fmu")
+    column_text = json.dumps(column.to_dict(), indent=1)
+    with tempfile.TemporaryDirectory(prefix="build_fmu_") as folder:
+        stage = Path(folder)
+        solver = _carry_package(HERE / "solver", stage, {})
+        fmu_src = _carry_package(HERE / "fmu_src", stage, {"solver": solver})
+        script = SCRIPT.format(solver=solver, fmu_src=fmu_src)
+        identity = hashlib.sha256((script + column_text).encode()).hexdigest()
+        script_file = stage / f"slave_{identity[:16]}.py"
+        script_file.write_text(script, encoding="utf-8")
+        (stage / COLUMN_FILE).write_text(column_text, encoding="utf-8")
+        (stage / GUID_FILE).write_text(f"{{{uuid.uuid5(uuid.NAMESPACE_OID, identity)}}}", encoding="utf-8")
+        sys.path.insert(0, str(stage))
+        importlib.invalidate_caches()
+        try:
+            parts = [stage / fmu_src, stage / solver, stage / COLUMN_FILE, stage / GUID_FILE]
+            built = FmuBuilder.build_FMU(script_file, dest=stage / "built.fmu", project_files=parts)
+        finally:
+            sys.path[:] = [entry for entry in sys.path if not entry.startswith(str(stage))]
+        output.parent.mkdir(parents=True, exist_ok=True)
+        _repack(built, output)
+    return output
+
+
+def _carry_package(source: Path, stage: Path, renamed: dict[str, str]) -> str:
+    """Copy a package under a name that tells its content, with its imports of renamed packages; returns that name."""
+    texts = {}
+    for file in sorted(source.rglob("*.py")):
+        text = file.read_text(encoding="utf-8")
+        for old, new in renamed.items():
+            text = re.sub(rf"^(\s*)from {old}(?=[. ])", rf"\1from {new}", text, flags=re.MULTILINE)
+        texts[file.relative_to(source)] = text
+    content = "\0".join(f"{path.as_posix()}\0{text}" for path, text in texts.items())
+    name = f"{source.name}_{hashlib.sha256(content.encode()).hexdigest()[:16]}"
+    for path, text in texts.items():
+        target = stage / name / path
+        target.parent.mkdir(parents=True, exist_ok=True)
+        target.write_text(text, encoding="utf-8")
+    return name
+
+
+def _repack(source: Path, target: Path) -> None:
+    """Write the archive compressed, in a fixed order and with a fixed date."""
+    partial = target.with_suffix(".partial")
+    with zipfile.ZipFile(source) as old, zipfile.ZipFile(partial, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as new:
+        for name in sorted(old.namelist()):
+            entry = zipfile.ZipInfo(name, ZIP_DATE)
+            entry.compress_type = zipfile.ZIP_DEFLATED
+            entry.external_attr = 0o644 << 16
+            new.writestr(entry, old.read(name))
+    partial.replace(target)
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

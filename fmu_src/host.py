@@ -1,0 +1,100 @@
+"""What living in somebody else's process takes: compiled kernels that outlast the FMU's folder, and a clean exit.
+
+An FMU is extracted to a new folder for every run. Machine code cached there would never be found again, so the solver
+is copied once to a folder of the user's that is named after its content, and imported from there.
+"""
+
+from __future__ import annotations
+
+import atexit
+import contextlib
+import ctypes
+import importlib.util
+import os
+import shutil
+import sys
+import tempfile
+from pathlib import Path
+from typing import Any
+
+CACHE_FOLDER = "multiblock-fmu"
+FIXED_TIME = 315532800  # 1980-01-01: numba's cache goes by the time stamp of the source
+
+
+def user_cache() -> Path:
+    """The folder where programs of this user keep what can be made again."""
+    if sys.platform == "win32":
+        return Path(os.environ.get("LOCALAPPDATA") or Path.home() / "AppData" / "Local")
+    if sys.platform == "darwin":
+        return Path.home() / "Library" / "Caches"
+    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+
+
+def import_solver(package: str, resources: Path) -> None:
+    """Import `package` from its lasting copy, made if there is none; from the FMU itself where none can be made."""
+    if package in sys.modules:
+        return
+    folder = resources / package
+    with contextlib.suppress(OSError, RuntimeError):  # a home that is read-only, full or absent: slower, not wrong
+        folder = _lasting_copy(folder, user_cache() / CACHE_FOLDER / package)
+    spec = importlib.util.spec_from_file_location(
+        package, folder / "__init__.py", submodule_search_locations=[str(folder)]
+    )
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[package] = module
+    try:
+        spec.loader.exec_module(module)
+    except BaseException:
+        del sys.modules[package]
+        raise
+
+
+def _lasting_copy(source: Path, target: Path) -> Path:
+    """Copy a package so that others see either nothing or the whole of it; its name tells its content."""
+    if not (target / "__init__.py").is_file():
+        target.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(dir=target.parent) as staging:
+            staged = Path(staging) / target.name
+            shutil.copytree(source, staged, ignore=shutil.ignore_patterns("__pycache__"))
+            for file in staged.rglob("*.py"):
+                os.utime(file, (FIXED_TIME, FIXED_TIME))
+            try:
+                staged.replace(target)
+            except OSError:  # another process was faster
+                if not (target / "__init__.py").is_file():
+                    raise
+    return target
+
+
+def finalize_at_exit(resources: Path) -> None:
+    """Let the wrapper library of this FMU drop its Python state before the process ends.
+
+    Left to its static destructor, which runs after Python is gone, the wrapper aborts the process more often than not
+    once numba is loaded. Nothing to do where the wrapper itself started Python.
+    """
+    if not sys.orig_argv or not hasattr(os, "RTLD_NOLOAD"):
+        return
+    for library in sorted((resources.parent / "binaries").glob("*/*.so")):
+        atexit.unregister(_finalize)
+        _libraries.add(str(library))
+        atexit.register(_finalize)
+
+
+_libraries: set[str] = set()
+
+
+def _finalize() -> None:
+    for library in sorted(_libraries):
+        try:
+            loaded = ctypes.CDLL(library, mode=os.RTLD_NOLOAD | os.RTLD_NOW)
+            loaded.finalizePythonInterpreter()
+        except (OSError, AttributeError):  # not loaded (any more), or a wrapper without that function
+            continue
+
+
+def survive_exception(*objects: Any) -> None:
+    """Balance the references that the wrapper drops when an exception reaches it, so that the instance lives on."""
+    for item in objects:
+        ctypes.pythonapi.Py_IncRef(ctypes.py_object(item))

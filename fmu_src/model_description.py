@@ -1,0 +1,120 @@
+"""From the table of variables to the XML of an FMI 2.0 model description."""
+
+from __future__ import annotations
+
+from xml.etree.ElementTree import Element, SubElement
+
+from .variables import START_TIME, STEP_SIZE, STOP_TIME, Variable
+
+# unit -> exponents of the base units (FMI 2.0.3 section 2.2.2)
+UNITS = {
+    "m": {"m": 1},
+    "s": {"s": 1},
+    "rad": {"rad": 1},
+    "kg": {"kg": 1},
+    "kg.m2": {"kg": 1, "m": 2},
+    "m/s2": {"m": 1, "s": -2},
+    "N": {"kg": 1, "m": 1, "s": -2},
+    "N.m": {"kg": 1, "m": 2, "s": -2},
+    "N/m3": {"kg": 1, "m": -2, "s": -2},
+    "Pa": {"kg": 1, "m": -1, "s": -2},
+}
+
+LOG_CATEGORIES = {
+    "logStatusWarning": "What may be a mistake",
+    "logStatusDiscard": "Why a step was not made",
+    "logStatusError": "Why the slave cannot go on",
+    "logStatusFatal": "What the wrapper could not handle",
+    "logAll": "Everything else",
+}
+
+FLAGS = {
+    "needsExecutionTool": False,  # some masters refuse true; Python with numpy and numba is needed all the same
+    "canHandleVariableCommunicationStepSize": True,
+    "canInterpolateInputs": False,
+    "canRunAsynchronuously": False,
+    "canBeInstantiatedOnlyOncePerProcess": False,
+    "canNotUseMemoryManagementFunctions": True,
+    "canGetAndSetFMUstate": False,
+    "canSerializeFMUstate": False,
+    "providesDirectionalDerivative": False,
+}
+
+
+def model_description(name: str, guid: str, description: str, version: str, table: list[Variable]) -> Element:
+    """The root element; `name` is also the model identifier."""
+    root = Element(
+        "fmiModelDescription",
+        fmiVersion="2.0",
+        modelName=name,
+        guid=guid,
+        description=description,
+        version=version,
+        generationTool="build_fmu.py with PythonFMU",
+        variableNamingConvention="structured",
+        numberOfEventIndicators="0",
+    )
+    SubElement(root, "CoSimulation", {"modelIdentifier": name, **{key: _text(flag) for key, flag in FLAGS.items()}})
+    units = SubElement(root, "UnitDefinitions")
+    for unit in sorted({variable.unit for variable in table if variable.unit}):
+        exponents = {base: str(power) for base, power in UNITS[unit].items()}
+        SubElement(SubElement(units, "Unit", name=unit), "BaseUnit", exponents)
+    categories = SubElement(root, "LogCategories")
+    for category, text in LOG_CATEGORIES.items():
+        SubElement(categories, "Category", name=category, description=text)
+    SubElement(
+        root,
+        "DefaultExperiment",
+        startTime=_text(START_TIME),
+        stopTime=_text(STOP_TIME),
+        stepSize=_text(STEP_SIZE),
+    )
+    listed = SubElement(root, "ModelVariables")
+    for reference, variable in enumerate(table):
+        listed.append(_scalar_variable(reference, variable))
+    root.append(_structure(table))
+    return root
+
+
+def _scalar_variable(reference: int, variable: Variable) -> Element:
+    """One ScalarVariable; parameters start where told, outputs are calculated, inputs have neither."""
+    element = Element(
+        "ScalarVariable",
+        name=variable.name,
+        valueReference=str(reference),
+        description=variable.description,
+        causality=variable.causality,
+        variability=variable.variability,
+    )
+    initial = {"parameter": "exact", "output": "calculated"}.get(variable.causality)
+    if initial:
+        element.set("initial", initial)
+    attributes = {
+        "unit": variable.unit or None,
+        "min": variable.minimum,
+        "max": variable.maximum,
+        "start": variable.start,
+    }
+    SubElement(element, variable.kind, {key: _text(value) for key, value in attributes.items() if value is not None})
+    return element
+
+
+def _structure(table: list[Variable]) -> Element:
+    """Outputs with their direct dependencies on inputs, and everything that initialization calculates."""
+    index = {variable.name: str(k) for k, variable in enumerate(table, start=1)}
+    structure = Element("ModelStructure")
+    outputs = SubElement(structure, "Outputs")
+    unknowns = SubElement(structure, "InitialUnknowns")
+    for variable in table:
+        if variable.causality == "output":
+            inputs = " ".join(index[name] for name in variable.depends_on)
+            SubElement(outputs, "Unknown", index=index[variable.name], dependencies=inputs)
+            SubElement(unknowns, "Unknown", index=index[variable.name])
+    return structure
+
+
+def _text(value: float | int | bool | str) -> str:
+    """A value as XML Schema writes it; every digit of a float64."""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    return value if isinstance(value, str) else repr(value)

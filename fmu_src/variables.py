@@ -1,0 +1,149 @@
+"""The one table of the FMU's variables; the slave and the model description both follow from it.
+
+Value references count the table's rows. Real variables come first, in the order of the slave's list of numbers: inputs,
+then one output row as the kernels write it (solver/kernels/layout.py), then what else is visible, then the parameters.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from solver.column import Block, Column, Joint, Settings
+from solver.response import BASE_HISTORIES, BLOCK_HISTORIES
+
+# places of the inputs in the slave's list of numbers
+AX = 0
+AZ = 1
+
+START_TIME = 0.0  # s
+STOP_TIME = 20.0  # s
+STEP_SIZE = 1e-3  # s
+
+
+@dataclass(frozen=True)
+class Variable:
+    """One row of the table. A unit of "" is a pure number; `depends_on` names inputs that act without delay."""
+
+    name: str
+    kind: str  # Real, Integer, Boolean or String
+    causality: str  # input, output or parameter
+    variability: str
+    description: str
+    unit: str = ""
+    start: float | int | bool | str | None = None
+    minimum: float | None = None
+    maximum: float | None = None
+    depends_on: tuple[str, ...] = ()
+
+
+INPUTS = (
+    Variable("base.ax", "Real", "input", "continuous", "Base acceleration, horizontal, positive to +x", "m/s2", 0.0),
+    Variable("base.az", "Real", "input", "continuous", "Base acceleration, vertical, positive up", "m/s2", 0.0),
+)
+_BOTH = tuple(variable.name for variable in INPUTS)
+
+# history -> unit, description, least and largest value, inputs it depends on without delay
+_BLOCK_OUTPUTS: dict[str, tuple[str, str, float | None, float | None, tuple[str, ...]]] = {
+    "ux": ("m", "Top face of block {i} relative to the base, positive to +x", None, None, ()),
+    "uz": ("m", "Centroid of block {i} from the unloaded geometry, positive up", None, None, ()),
+    "theta": ("rad", "Rotation of block {i}, clockwise", None, None, ()),
+    "N": ("N", "Normal force in the joint under block {i}, compression", 0.0, None, ()),
+    "M": ("N.m", "Moment of the pressure about the centre of joint {i}, restoring", None, None, ()),
+    "S": ("N", "Horizontal shear force on what is under joint {i}, positive to +x", None, None, _BOTH),
+    "contact": ("", "Part of the width of joint {i} in contact", 0.0, 1.0, ()),
+    "sigma_max": ("Pa", "Largest pressure on joint {i}", 0.0, None, ()),
+}
+_BASE_OUTPUTS = {
+    "Fx": ("N", "Force of the column on the base, horizontal, positive to +x"),
+    "Fz": ("N", "Force of the column on the base, vertical, positive up"),
+    "My": ("N.m", "Moment of the column on the base about the centre of its joint, clockwise"),
+}
+OVERTURN_TIME = Variable(
+    "overturn_time", "Real", "output", "discrete", "Time of overturning, -1 while the column stands", "s"
+)
+OVERTURN_JOINT = Variable(
+    "overturn_joint", "Integer", "output", "discrete", "Joint over which the column has fallen, 0 while it stands"
+)
+OVERTURNED = Variable(
+    "overturned", "Boolean", "output", "discrete", "Whether the column has overturned; then it is held"
+)
+
+# field of Block or Joint -> unit, description, whether 0 stands for "not given"
+_BLOCK_PARAMETERS = {
+    "height": ("m", "Height of block {i}", False),
+    "width": ("m", "Width of block {i}, along the motion", False),
+    "depth": ("m", "Depth of block {i}, across the motion", False),
+    "mass": ("kg", "Mass of block {i}", False),
+    "centroid": ("m", "Centroid of block {i} above its bottom face; 0: half the height", True),
+    "inertia": ("kg.m2", "Moment of inertia of block {i} about its centroid; 0: homogeneous block", True),
+}
+_JOINT_PARAMETERS = {
+    "stiffness": ("N/m3", "Winkler modulus of the joint under block {i}", False),
+    "damping": ("s", "Damping eta of the joint under block {i}", False),
+    "width": ("m", "Contact width of the joint under block {i}; 0: that of the block", True),
+    "depth": ("m", "Contact depth of the joint under block {i}; 0: that of the block", True),
+}
+_SETTINGS_PARAMETERS = {
+    "step": ("s", "Step of an integrator with a fixed step"),
+    "tolerance": ("", "Error, relative to the peak, of an integrator that chooses its steps"),
+    "formulation": ("", "exact or paper"),
+    "integrator": ("", "auto or central-difference"),
+}
+
+
+def variables(column: Column) -> list[Variable]:
+    """The table for a column, whose values are the parameters' start values; Real first, then the other kinds."""
+    table = [*INPUTS, *_outputs(column.n), OVERTURN_TIME, *_parameters(column)]
+    reals = [variable for variable in table if variable.kind == "Real"]
+    others = [variable for variable in table if variable.kind != "Real"]
+    return [*reals, OVERTURN_JOINT, OVERTURNED, *others]
+
+
+def _outputs(n: int) -> list[Variable]:
+    rows = []
+    for name, _, output in sorted(BLOCK_HISTORIES, key=lambda history: history[1]):
+        unit, description, minimum, maximum, inputs = _BLOCK_OUTPUTS[name]
+        for i in range(1, n + 1):
+            text = description.format(i=i)
+            rows.append(
+                Variable(output.format(i=i), "Real", "output", "continuous", text, unit, None, minimum, maximum, inputs)
+            )
+    for name, _, output in sorted(BASE_HISTORIES, key=lambda history: history[1]):
+        unit, text = _BASE_OUTPUTS[name]
+        rows.append(Variable(output, "Real", "output", "continuous", text, unit, depends_on=_BOTH))
+    return rows
+
+
+def _parameters(column: Column) -> list[Variable]:
+    def parameter(name: str, unit: str, text: str, start: float | str) -> Variable:
+        if isinstance(start, str):
+            return Variable(name, "String", "parameter", "fixed", text, unit, start)
+        return Variable(name, "Real", "parameter", "fixed", text, unit, start, minimum=0.0)
+
+    rows = [parameter("g", "m/s2", "Acceleration of gravity", column.g)]
+    for i, block in enumerate(column.blocks, start=1):
+        for key, (unit, text, _) in _BLOCK_PARAMETERS.items():
+            rows.append(parameter(f"block[{i}].{key}", unit, text.format(i=i), getattr(block, key) or 0.0))
+    for i, block in enumerate(column.blocks, start=1):
+        for key, (unit, text, _) in _JOINT_PARAMETERS.items():
+            rows.append(parameter(f"joint[{i}].{key}", unit, text.format(i=i), getattr(block.joint, key) or 0.0))
+    for key, (unit, text) in _SETTINGS_PARAMETERS.items():
+        rows.append(parameter(f"solver.{key}", unit, text, getattr(column.settings, key)))
+    return rows
+
+
+def column_from(name: str, n: int, value: Callable[[str], float | str]) -> Column:
+    """The column that the parameters describe; `value` looks one up by its name. Raises InputError."""
+
+    def given(kind: str, i: int, key: str, optional: bool) -> float | None:
+        number = value(f"{kind}[{i}].{key}")
+        return None if optional and number == 0.0 else number  # type: ignore[return-value]
+
+    blocks = []
+    for i in range(1, n + 1):
+        joint = {key: given("joint", i, key, optional) for key, (_, _, optional) in _JOINT_PARAMETERS.items()}
+        block = {key: given("block", i, key, optional) for key, (_, _, optional) in _BLOCK_PARAMETERS.items()}
+        blocks.append(Block(joint=Joint(**joint), **block))  # type: ignore[arg-type]
+    settings = {key: value(f"solver.{key}") for key in _SETTINGS_PARAMETERS}
+    return Column(name, tuple(blocks), Settings(**settings), value("g"))  # type: ignore[arg-type]

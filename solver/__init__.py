@@ -1,0 +1,26 @@
+"""Seismic response of stacked rigid blocks with no-tension elastic joints."""
+
+from .column import Block, Column, Joint, Settings
+from .errors import InputError, SolverError
+from .modes import natural_frequencies
+from .motion import Motion
+from .packing import InitialState
+from .response import Response
+from .simulate import simulate
+
+__version__ = "0.1.0"
+
+__all__ = [
+    "Block",
+    "Column",
+    "InitialState",
+    "InputError",
+    "Joint",
+    "Motion",
+    "Response",
+    "Settings",
+    "SolverError",
+    "__version__",
+    "natural_frequencies",
+    "simulate",
+]

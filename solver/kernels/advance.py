@@ -1,0 +1,359 @@
+"""The one stepping loop: internal steps, error control, overturning, peaks, output rows."""
+
+import math
+
+from .dynamics import accelerate, base_acceleration, observe, rotation, scratch_offset, top_motion
+from .integrators import central_difference, dormand_prince
+from .interpolation import interpolate_phase, turning_point
+from .jit import entry, kernel
+from .layout import (
+    BASE_AX,
+    BASE_AZ,
+    BLOCK_FIELDS,
+    CENTRAL_DIFFERENCE,
+    FALL_ANGLE,
+    FIRST_STEP,
+    HAS_OVERTURNED,
+    INPUT_AMPLITUDE,
+    INPUT_AX,
+    INPUT_AZ,
+    INPUT_JX,
+    INPUT_JZ,
+    INPUT_OMEGA,
+    INPUT_T0,
+    INTEGRATOR,
+    JOINT_LENGTH,
+    JOINT_WIDTH,
+    MODEL_HEADER,
+    N_BLOCKS,
+    NEXT_ROW,
+    NEXT_STEP,
+    NOT_FINITE,
+    OK,
+    OVERTURN_TIME,
+    OVERTURNED,
+    PHASE_BETWEEN,
+    PHASE_END,
+    PHASE_START,
+    RATE_FLOOR,
+    RATE_SCALE,
+    REJECTED,
+    ROTATION_FLOOR,
+    ROTATION_SCALE,
+    STARTED,
+    STATE_HEADER,
+    STEP,
+    STEP_TOO_SMALL,
+    STEPS,
+    TIME_FLIGHT,
+    TIME_FULL,
+    TIME_ROCKING,
+    TOP_BETWEEN,
+    TOP_END,
+    TOP_START,
+    TURN_SIZE,
+)
+
+SAFETY = 0.9
+SHRINK = 0.2
+GROW = 5.0
+SLACK = 1e-9  # of a step: times closer than this are the same
+LEAST_STEP = 1e-13  # of the time scale: below this the error control has failed
+
+
+@kernel
+def _update_scales(model, state, x, o):
+    """Keep the largest rotation and rate so far: what errors are measured against."""
+    n = int(model[N_BLOCKS])
+    for i in range(n):
+        size = model[MODEL_HEADER + BLOCK_FIELDS * i + TURN_SIZE]
+        state[ROTATION_SCALE] = max(state[ROTATION_SCALE], abs(x[o + i]) / size)
+        state[RATE_SCALE] = max(state[RATE_SCALE], abs(x[o + 2 * n + i]) / size)
+
+
+@kernel
+def _fallen_joint(model, x, o):
+    """Number of the lowest joint over which the column has fallen, 0 if it stands."""
+    n = int(model[N_BLOCKS])
+    for i in range(n - 1, -1, -1):
+        turn = rotation(model, x, o, i)
+        limit = model[MODEL_HEADER + BLOCK_FIELDS * i + FALL_ANGLE]
+        if abs(turn - rotation(model, x, o, i + 1)) > limit or abs(turn) > limit:
+            return i + 1
+    return 0
+
+
+@kernel
+def _moment_of_overturning(model, work, h):
+    """Fraction of the step at which the column passes the angle of no return; its phase is left in PHASE_BETWEEN."""
+    n = int(model[N_BLOCKS])
+    start, end, between = 6 * n * PHASE_START, 6 * n * PHASE_END, 6 * n * PHASE_BETWEEN
+    lo, hi = 0.0, 1.0
+    for _ in range(40):
+        middle = 0.5 * (lo + hi)
+        interpolate_phase(work, start, end, between, 2 * n, h, middle)
+        if _fallen_joint(model, work, between) > 0:
+            hi = middle
+        else:
+            lo = middle
+    interpolate_phase(work, start, end, between, 2 * n, h, hi)
+    return hi
+
+
+@kernel
+def _track_peaks(model, state, work, h):
+    """Raise the peaks of |u_x| by the step just made, turning points inside it included."""
+    n = int(model[N_BLOCKS])
+    fields = scratch_offset(n)
+    first, last, middle = fields + TOP_START * n, fields + TOP_END * n, fields + TOP_BETWEEN * n
+    start, end, between = 6 * n * PHASE_START, 6 * n * PHASE_END, 6 * n * PHASE_BETWEEN
+    peaks = STATE_HEADER + 6 * n
+    for i in range(n):
+        d0, d1 = work[first + i], work[last + i]
+        v0, v1 = work[first + n + i], work[last + n + i]
+        state[peaks + i] = max(state[peaks + i], abs(d1))
+        # beyond its ends the step can only add a turning point, and no more than a quarter of speed times step
+        if v0 * v1 < 0.0 and max(abs(d0), abs(d1)) + h * min(abs(v0), abs(v1)) > state[peaks + i]:
+            interpolate_phase(work, start, end, between, 2 * n, h, turning_point(d0, v0, d1, v1, h))
+            top_motion(model, work, between, work, middle)
+            state[peaks + i] = max(state[peaks + i], abs(work[middle + i]))
+
+
+@kernel
+def _count_regime(model, state, work, h):
+    """Add the step to the time spent in full contact, rocking or in flight, by the joints at its end."""
+    n = int(model[N_BLOCKS])
+    lengths = scratch_offset(n) + JOINT_LENGTH * n
+    least = 1.0
+    for i in range(n):
+        least = min(least, work[lengths + i] / model[MODEL_HEADER + BLOCK_FIELDS * i + JOINT_WIDTH])
+    if least >= 1.0:
+        state[TIME_FULL] += h
+    elif least > 0.0:
+        state[TIME_ROCKING] += h
+    else:
+        state[TIME_FLIGHT] += h
+
+
+@kernel
+def _serve_rows(model, inputs, work, counters, t, h, times, rows):
+    """Write the output rows that fall into the step from t to t + h. Returns a code."""
+    n = int(model[N_BLOCKS])
+    between = 6 * n * PHASE_BETWEEN
+    while counters[NEXT_ROW] < times.size and times[counters[NEXT_ROW]] <= t + h * (1.0 + SLACK):
+        r = counters[NEXT_ROW]
+        fraction = min(1.0, max(0.0, (times[r] - t) / h))
+        interpolate_phase(work, 6 * n * PHASE_START, 6 * n * PHASE_END, between, 2 * n, h, fraction)
+        base_ax, base_az = base_acceleration(inputs, t + fraction * h)
+        code = observe(model, work, between, base_ax, base_az, work, counters, rows, r)
+        if code != OK:
+            return code
+        counters[NEXT_ROW] += 1
+    return OK
+
+
+@kernel
+def _serve_held_rows(model, state, work, counters, end_time, times, rows):
+    """Write the output rows up to end_time of a column that has fallen: all alike. Returns a code."""
+    n = int(model[N_BLOCKS])
+    between = 6 * n * PHASE_BETWEEN
+    while counters[NEXT_ROW] < times.size and times[counters[NEXT_ROW]] <= end_time:
+        for i in range(6 * n):
+            work[between + i] = state[STATE_HEADER + i]
+        code = observe(model, work, between, state[BASE_AX], state[BASE_AZ], work, counters, rows, counters[NEXT_ROW])
+        if code != OK:
+            return code
+        counters[NEXT_ROW] += 1
+    return OK
+
+
+@kernel
+def _all_finite(work, o, count):
+    """Whether every one of count numbers is finite."""
+    finite = True
+    for i in range(count):
+        finite = finite and math.isfinite(work[o + i])
+    return finite
+
+
+@kernel
+def advance(model, state, counters, inputs, work, t, h, times, rows):
+    """Take the column from t to t + h, landing there exactly. Returns a code.
+
+    The inputs hold within the call. Output rows for those of `times` that lie inside are written by interpolation;
+    with no times neither rows nor peaks are kept. A column that has overturned keeps its state.
+    """
+    n = int(model[N_BLOCKS])
+    size = 6 * n
+    start = size * PHASE_START
+    end = size * PHASE_END
+    fields = scratch_offset(n)
+    watched = times.size > 0
+    if counters[OVERTURNED] > 0:
+        code = _serve_held_rows(model, state, work, counters, t + h * (1.0 + SLACK), times, rows)
+        return code if code != OK else HAS_OVERTURNED
+
+    for i in range(size):
+        work[start + i] = state[STATE_HEADER + i]
+    base_ax, base_az = base_acceleration(inputs, t)
+    if counters[STARTED] == 0 or base_ax != state[BASE_AX] or base_az != state[BASE_AZ]:
+        code = accelerate(model, work, start, base_ax, base_az, work, counters)
+        if code != OK:
+            return code
+        if counters[STARTED] == 0:
+            counters[STARTED] = 1
+            state[NEXT_STEP] = model[FIRST_STEP]
+            state[ROTATION_SCALE] = max(state[ROTATION_SCALE], model[ROTATION_FLOOR])
+            state[RATE_SCALE] = max(state[RATE_SCALE], model[RATE_FLOOR])
+            _update_scales(model, state, work, start)
+            if not _all_finite(work, start, size):
+                return NOT_FINITE
+    if watched:
+        top_motion(model, work, start, work, fields + TOP_START * n)
+        for i in range(n):
+            peak = STATE_HEADER + 6 * n + i
+            state[peak] = max(state[peak], abs(work[fields + TOP_START * n + i]))
+
+    fixed = model[INTEGRATOR] == CENTRAL_DIFFERENCE
+    # a step that arrives as 0.00999...98 or 0.0100...02 is one of 0.01
+    whole = math.ceil(h / model[STEP] * (1.0 - SLACK))
+    pieces = max(1.0, whole)
+    made = 0.0
+    gone = 0.0  # time since t
+    code = OK
+    while gone < h:
+        left = h - gone
+        last = True
+        if fixed:
+            arrival = h * ((made + 1.0) / pieces)
+            last = made + 1.0 >= pieces
+            step = h - gone if last else arrival - gone
+            code, error = central_difference.attempt(
+                model, inputs, work, counters, state[ROTATION_SCALE], state[RATE_SCALE], t + gone, step
+            )
+        else:
+            step = state[NEXT_STEP]
+            if inputs[INPUT_AMPLITUDE] != 0.0:  # never skip over a cycle of the motion
+                step = min(step, 1.0 / inputs[INPUT_OMEGA])
+            if step * (1.0 + SLACK) >= left:
+                step = left
+            else:
+                last = False
+                if 2.0 * step > left:  # two alike rather than one and a sliver
+                    step = 0.5 * left
+            code, error = dormand_prince.attempt(
+                model, inputs, work, counters, state[ROTATION_SCALE], state[RATE_SCALE], t + gone, step
+            )
+            if code != OK or not error <= 1.0:
+                counters[REJECTED] += 1
+                factor = SHRINK
+                if code == OK and math.isfinite(error):
+                    factor = max(SHRINK, SAFETY * error ** (-1.0 / dormand_prince.ORDER))
+                state[NEXT_STEP] = step * factor
+                if state[NEXT_STEP] < LEAST_STEP * max(model[FIRST_STEP], abs(t + gone)):
+                    return code if code != OK else STEP_TOO_SMALL
+                continue
+            factor = GROW
+            if error > 0.0:
+                factor = min(GROW, SAFETY * error ** (-1.0 / dormand_prince.ORDER))
+            # a step cut short by the end of the call says nothing against the longer one proposed before
+            state[NEXT_STEP] = max(step * factor, state[NEXT_STEP]) if factor >= 1.0 else step * factor
+        if code != OK:
+            return code
+        if not _all_finite(work, end, size):
+            return NOT_FINITE
+        counters[STEPS] += 1
+        _count_regime(model, state, work, step)
+
+        joint = _fallen_joint(model, work, end)
+        if joint > 0:
+            fraction = _moment_of_overturning(model, work, step)
+            for i in range(size):
+                work[end + i] = work[size * PHASE_BETWEEN + i]
+            step = fraction * step
+            base_ax, base_az = base_acceleration(inputs, t + gone + step)
+            code = accelerate(model, work, end, base_ax, base_az, work, counters)
+            if code != OK:
+                return code
+        if watched:
+            top_motion(model, work, end, work, fields + TOP_END * n)
+            _track_peaks(model, state, work, step)
+            code = _serve_rows(model, inputs, work, counters, t + gone, step, times, rows)
+            if code != OK:
+                return code
+            for i in range(2 * n):
+                work[fields + TOP_START * n + i] = work[fields + TOP_END * n + i]
+        for i in range(size):
+            state[STATE_HEADER + i] = work[end + i]
+            work[start + i] = work[end + i]
+        _update_scales(model, state, work, start)
+        base_ax, base_az = base_acceleration(inputs, t + (h if last else gone + step))
+        if joint > 0:
+            base_ax, base_az = base_acceleration(inputs, t + gone + step)
+        state[BASE_AX] = base_ax
+        state[BASE_AZ] = base_az
+        if joint > 0:
+            counters[OVERTURNED] = joint
+            state[OVERTURN_TIME] = t + gone + step
+            code = _serve_held_rows(model, state, work, counters, t + h * (1.0 + SLACK), times, rows)
+            return code if code != OK else HAS_OVERTURNED
+        made += 1.0
+        gone = h if last else gone + step
+    return OK
+
+
+@entry
+def advance_once(model, state, counters, inputs, work, t, h, times, rows):
+    """`advance` as called from Python."""
+    return advance(model, state, counters, inputs, work, t, h, times, rows)
+
+
+@entry
+def observe_state(model, state, counters, inputs, work, t, rows):
+    """Fill rows[0] with what is visible of the state at time t under the inputs of that time. Returns a code."""
+    n = int(model[N_BLOCKS])
+    between = 6 * n * PHASE_BETWEEN
+    for i in range(6 * n):
+        work[between + i] = state[STATE_HEADER + i]
+    base_ax, base_az = base_acceleration(inputs, t)
+    if counters[OVERTURNED] > 0:
+        base_ax, base_az = state[BASE_AX], state[BASE_AZ]
+    return observe(model, work, between, base_ax, base_az, work, counters, rows, 0)
+
+
+@entry
+def run(model, state, counters, inputs, work, knots, ax, az, hold, stop, times, rows):
+    """`advance` from knot to knot of a sampled motion up to time `stop`. Returns a code.
+
+    knots: (m,) s, increasing; ax, az: (m,) m/s2 at the knots, linear in between or, with hold, kept. After the last
+    knot the base acceleration is zero, the harmonic part of the inputs included.
+    """
+    code = OK
+    m = knots.size
+    for k in range(m):
+        begin = knots[k]
+        if begin >= stop:
+            return code
+        finish = stop
+        if k + 1 < m:
+            finish = min(stop, knots[k + 1])
+            inputs[INPUT_AX] = ax[k]
+            inputs[INPUT_AZ] = az[k]
+            if hold:
+                inputs[INPUT_JX] = 0.0
+                inputs[INPUT_JZ] = 0.0
+            else:
+                width = knots[k + 1] - begin
+                inputs[INPUT_JX] = (ax[k + 1] - ax[k]) / width
+                inputs[INPUT_JZ] = (az[k + 1] - az[k]) / width
+        else:
+            inputs[INPUT_AX] = 0.0
+            inputs[INPUT_AZ] = 0.0
+            inputs[INPUT_JX] = 0.0
+            inputs[INPUT_JZ] = 0.0
+            inputs[INPUT_AMPLITUDE] = 0.0
+        inputs[INPUT_T0] = begin
+        code = advance(model, state, counters, inputs, work, begin, finish - begin, times, rows)
+        if code < OK:
+            return code
+    return code

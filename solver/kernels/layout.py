@@ -1,0 +1,126 @@
+"""What lies where in the flat arrays that the kernels share.
+
+A *phase* is three consecutive segments of 2n numbers: coordinates, rates, accelerations. In each segment the first n
+numbers are the rotations theta (formulation exact) or the displacements v (paper), the last n the joint openings
+delta (exact) or the settlements w (paper); block 1 is the top block.
+"""
+
+# --- formulations and integrators, as stored in the model header
+EXACT = 0
+PAPER = 1
+AUTO = 0
+CENTRAL_DIFFERENCE = 1
+
+# --- model (float64): header, then one row per block
+N_BLOCKS = 0  # n
+GRAVITY = 1  # m/s2
+FORMULATION = 2
+INTEGRATOR = 3
+STEP = 4  # s, fixed-step integrators
+TOLERANCE = 5  # relative to the peak, error-controlled integrators
+FIRST_STEP = 6  # s, first trial of error-controlled integrators
+ROTATION_FLOOR = 7  # rad, least rotation that errors are measured against
+RATE_FLOOR = 8  # rad/s, least rate that errors are measured against
+MODEL_HEADER = 12
+
+HEIGHT = 0  # m
+CENTROID = 1  # m above the bottom face
+MASS = 2  # kg
+INERTIA = 3  # kg m2, about the centroid
+STIFFNESS = 4  # N/m3, of the joint under the block
+JOINT_WIDTH = 5  # m
+JOINT_DEPTH = 6  # m
+DAMPING = 7  # s
+TURN_SIZE = 8  # first coordinate of the block when the column turns by 1 rad: 1 (exact), height of its top face (paper)
+OPEN_SIZE = 9  # m, opening with the elastic energy of a joint rotation of 1 rad: width / sqrt(12)
+PIVOT = 10  # 1/kg, inverse pivot and
+COUPLING = 11  # multiplier of the factorized horizontal mass matrix (formulation paper)
+FALL_ANGLE = 12  # rad, rotation of the block or its joint from which nothing comes back
+BLOCK_FIELDS = 13
+
+# --- state (float64): header, one phase, peaks
+NEXT_STEP = 0  # s, what the error control proposes
+ROTATION_SCALE = 1  # rad, largest rotation so far
+RATE_SCALE = 2  # rad/s, largest rate so far
+BASE_AX = 3  # m/s2, base acceleration that the accelerations of the phase belong to
+BASE_AZ = 4
+OVERTURN_TIME = 5  # s
+TIME_FULL = 6  # s spent with every joint in full contact
+TIME_ROCKING = 7  # s with some joint partly open, none fully
+TIME_FLIGHT = 8  # s with some joint fully open
+STATE_HEADER = 12
+
+# --- counters (int64)
+STEPS = 0
+REJECTED = 1
+EVALUATIONS = 2
+SWEEPS = 3
+OVERTURNED = 4  # number of the joint that let go, 0 while the column stands
+STARTED = 5  # 0 until the accelerations of the phase have been computed once
+NEXT_ROW = 6  # first output time not yet served
+COUNTERS = 8
+
+# --- inputs (float64): base acceleration at t, a_x = AX + JX (t - T0) + AMPLITUDE sin(OMEGA t + PHASE)
+INPUT_AX = 0  # m/s2
+INPUT_JX = 1  # m/s3
+INPUT_AZ = 2
+INPUT_JZ = 3
+INPUT_T0 = 4  # s
+INPUT_AMPLITUDE = 5  # m/s2
+INPUT_OMEGA = 6  # rad/s
+INPUT_PHASE = 7  # rad
+INPUTS = 8
+
+# --- one output row (float64): fields of n numbers each, then the base reaction
+ROW_UX = 0
+ROW_UZ = 1
+ROW_THETA = 2
+ROW_N = 3
+ROW_M = 4
+ROW_S = 5
+ROW_CONTACT = 6
+ROW_SIGMA = 7
+ROW_FIELDS = 8
+ROW_FX = 0  # N, these three count from 8 n
+ROW_FZ = 1  # N
+ROW_MY = 2  # N m
+ROW_TAIL = 3
+
+# --- work (float64): phases, then fields of n numbers each
+PHASE_START = 0  # the phase a step starts from
+PHASE_END = 1  # the phase it arrives at
+PHASE_BETWEEN = 2  # interpolated inside the step
+PHASE_STAGE = 3  # inner stages of a Runge-Kutta step
+N_PHASES = 8
+SCRATCH_FIELDS = 16  # of the acceleration kernels
+TOP_START = 16  # displacement and velocity of the top faces at the start of a step
+TOP_END = 18  # and at its end
+TOP_BETWEEN = 20
+WORK_FIELDS = 22
+
+# fields of the scratch that every formulation leaves behind: resultants of the joints
+JOINT_NORMAL = 13  # N
+JOINT_MOMENT = 14  # N m
+JOINT_LENGTH = 15  # m in contact
+
+# --- codes returned by the kernels
+OK = 0
+HAS_OVERTURNED = 1  # the state is held; not an error
+STEP_TOO_SMALL = -1
+NOT_CONVERGED = -2
+NOT_FINITE = -3
+
+
+def state_size(n: int) -> int:
+    """Length of the state array of n blocks."""
+    return STATE_HEADER + 7 * n
+
+
+def row_size(n: int) -> int:
+    """Length of one output row of n blocks."""
+    return ROW_FIELDS * n + ROW_TAIL
+
+
+def work_size(n: int) -> int:
+    """Length of the scratch array of n blocks."""
+    return (6 * N_PHASES + WORK_FIELDS) * n

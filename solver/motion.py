@@ -1,0 +1,268 @@
+"""The motion of the base: a harmonic, samples, or a record read from CSV or AT2."""
+
+from __future__ import annotations
+
+import csv
+import math
+import os
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .errors import FINITE, NOT_NEGATIVE, POSITIVE, InputError, check_number, reading, shown
+
+STANDARD_GRAVITY = 9.80665  # m/s2, the g of the records
+
+_CSV_HEADERS = (
+    ["time", "base.ax"],
+    ["time", "base.az"],
+    ["time", "base.ax", "base.az"],
+    ["time", "base.az", "base.ax"],
+)
+
+# the two forms of the fourth line of an AT2 file
+_AT2_SIZE = (
+    re.compile(r"\s*NPTS\s*=\s*(?P<count>\d+)\s*,\s*DT\s*=\s*(?P<dt>[\d.+\-E]+)", re.IGNORECASE),
+    re.compile(r"\s*(?P<count>\d+)\s+(?P<dt>[\d.+\-E]+)\s+NPTS\s*,\s*DT", re.IGNORECASE),
+)
+_AT2_UNITS = re.compile(r"\bunits\s+(of|are)\s+(g|\(g\))(?![\w/*])", re.IGNORECASE)
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """Base acceleration over start <= t <= end; before and after, it is zero.
+
+    ax(t) = samples + amplitude sin(2 pi frequency (t - start)), az(t) = samples. Between two samples the acceleration
+    is linear, or with `hold` equal to the earlier one, as an FMU sees its input. The arrays are copied, read-only.
+
+    Raises InputError on values that are not finite, lengths that differ, times that do not increase.
+    """
+
+    time: NDArray[np.float64]  # (m,) s, strictly increasing; time[0] is the start
+    ax: NDArray[np.float64]  # (m,) m/s2, horizontal, +x to the right
+    az: NDArray[np.float64]  # (m,) m/s2, vertical, +z up
+    duration: float  # s; linear: time[-1] - time[0], held: more, the last sample holds until the end
+    hold: bool = False
+    amplitude: float = 0.0  # m/s2, of the harmonic part of ax
+    frequency: float = 0.0  # Hz, of the harmonic part of ax; positive where amplitude is not 0
+
+    def __post_init__(self) -> None:
+        for key, unit in (("time", "s"), ("ax", "m/s2"), ("az", "m/s2")):
+            object.__setattr__(self, key, _checked_samples(key, getattr(self, key), unit))
+        for key in ("ax", "az"):
+            count = len(getattr(self, key))
+            if count != len(self.time):
+                raise InputError(f"{key}: {count} samples, must be {len(self.time)}, one for each time")
+        if not self.hold and len(self.time) < 2:
+            raise InputError("time: 1 sample, must be at least 2 unless samples are held")
+        late = np.flatnonzero(np.diff(self.time) <= 0.0)
+        if late.size:
+            k = int(late[0])
+            raise InputError(
+                f"time[{k + 1}] = {self.time[k + 1]}: must be later than the sample before, {self.time[k]} s"
+            )
+        check_number("amplitude", self.amplitude, FINITE, "a finite acceleration in m/s2")
+        limits = POSITIVE if self.amplitude else NOT_NEGATIVE
+        check_number("frequency", self.frequency, limits, "a positive frequency in Hz")
+        check_number("duration", self.duration, POSITIVE, "a positive time in s")
+        sampled = float(self.time[-1] - self.time[0])
+        if self.hold and not self.duration > sampled:
+            raise InputError(f"duration = {self.duration}: must be more than the {sampled} s from first to last sample")
+        if not self.hold and not math.isclose(self.duration, sampled, rel_tol=1e-9):
+            raise InputError(f"duration = {self.duration}: must be the {sampled} s from first to last sample")
+
+    @property
+    def start(self) -> float:
+        """First instant of the motion, s."""
+        return float(self.time[0])
+
+    @property
+    def end(self) -> float:
+        """Last instant of the motion, s."""
+        return self.start + self.duration if self.hold else float(self.time[-1])
+
+    @property
+    def pga(self) -> float:
+        """Largest |ax| over the samples and the crests of the harmonic, m/s2."""
+        instants = self.time
+        if self.amplitude:
+            crests = self.start + np.arange(0.25, self.frequency * self.duration, 0.5) / self.frequency
+            instants = np.concatenate([self.time, crests, [self.end]])
+        return float(np.max(np.abs(self.acceleration(instants)[0])))
+
+    def acceleration(self, t: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return (ax, az) at the instants t (any shape, s), m/s2, each of the shape of t."""
+        t = np.asarray(t, dtype=np.float64)
+        if self.hold:
+            latest = np.maximum(np.searchsorted(self.time, t, side="right") - 1, 0)
+            ax, az = self.ax[latest], self.az[latest]
+        else:
+            ax, az = np.interp(t, self.time, self.ax), np.interp(t, self.time, self.az)
+        ax = ax + self.amplitude * np.sin(2.0 * np.pi * self.frequency * (t - self.start))
+        inside = (self.start <= t) & (t <= self.end)
+        return np.where(inside, ax, 0.0), np.where(inside, az, 0.0)
+
+    def scaled(self, factor: float) -> Motion:
+        """Return the motion with every acceleration multiplied by `factor`. Raises InputError if it is not finite."""
+        factor = check_number("factor", factor, FINITE, "a finite number")
+        return replace(self, ax=factor * self.ax, az=factor * self.az, amplitude=factor * self.amplitude)
+
+    def mirrored(self) -> Motion:
+        """Return the motion seen from behind: ax changes its sign, az does not."""
+        return replace(self, ax=-self.ax, amplitude=-self.amplitude)
+
+    def to_csv(self, path: str | os.PathLike[str], step: float | None = None) -> None:
+        """Write `time,base.ax,base.az` (s, m/s2) for `fmpy simulate --input-file`, every float64 in full.
+
+        With `step` (s), which must divide the duration, the motion is sampled at start + k step; without, the samples
+        are written as they are. The file says neither `hold` nor that the base stops at the end (FMPy holds the last
+        row).
+
+        Raises InputError on a wrong step, on none for a harmonic, or if the file cannot be written.
+        """
+        if step is not None:
+            time = self._grid(step)
+        elif self.amplitude:
+            raise InputError("step: missing, must be the time in s at which a harmonic is sampled")
+        else:
+            time = self.time
+        table = np.column_stack([time, *self.acceleration(time)])
+        with reading(path):
+            np.savetxt(path, table, fmt="%.17g", delimiter=",", header="time,base.ax,base.az", comments="")
+
+    def _grid(self, step: float) -> NDArray[np.float64]:
+        """Return the instants start + k step that `to_csv` writes."""
+        meaning = f"a time in s that divides the duration, {self.duration} s"
+        step = check_number("step", step, (1e-9 * self.duration, self.duration), meaning)
+        intervals = round(self.duration / step)
+        if not math.isclose(intervals * step, self.duration, rel_tol=1e-9):
+            raise InputError(f"step = {step}: must be {meaning}")
+        # a held sample lasts for a step, so that the end has none of its own
+        count = intervals if self.hold else intervals + 1
+        time = self.start + step * np.arange(count, dtype=np.float64)
+        time[-1] = min(time[-1], self.end)  # rounding must not carry it beyond the end, where the base is at rest
+        return time
+
+    @classmethod
+    def harmonic(cls, amplitude: float, frequency: float, duration: float) -> Motion:
+        """Return ax = amplitude sin(2 pi frequency t) over 0 <= t <= duration; m/s2, Hz, s.
+
+        `Motion.harmonic(0.05 * 9.80665, 1.0, 10.0)` is 0.05 g at 1 Hz for 10 s.
+
+        Raises InputError unless amplitude is finite, frequency and duration positive.
+        """
+        frequency = check_number("frequency", frequency, POSITIVE, "a positive frequency in Hz")
+        duration = check_number("duration", duration, POSITIVE, "a positive time in s")
+        amplitude = check_number("amplitude", amplitude, FINITE, "a finite acceleration in m/s2")
+        time, zero = np.array([0.0, duration], dtype=np.float64), np.zeros(2)
+        return cls(time, zero, zero, duration, amplitude=amplitude, frequency=frequency)
+
+    @classmethod
+    def from_samples(cls, dt: float, ax: ArrayLike, az: ArrayLike | None = None, hold: bool = False) -> Motion:
+        """Return a motion of samples at k dt; dt in s, ax and az (m,) m/s2, no az meaning zeros.
+
+        Linear, it lasts (m - 1) dt and needs 2 samples; held, m dt and 1 sample. Raises InputError as `Motion` does.
+        """
+        dt = check_number("dt", dt, POSITIVE, "a positive time in s")
+        ax = _checked_samples("ax", ax, "m/s2")
+        time = dt * np.arange(len(ax), dtype=np.float64)
+        duration = dt * len(ax) if hold else float(time[-1])
+        return cls(time, ax, np.zeros_like(ax) if az is None else np.asarray(az), duration, hold)
+
+    @classmethod
+    def from_csv(cls, path: str | os.PathLike[str], hold: bool = False) -> Motion:
+        """Read the file that `fmpy simulate --input-file` takes: `time,base.ax,base.az` in s and m/s2.
+
+        One of base.ax and base.az may be absent, meaning zeros. Times need not be uniform. Held, the last sample lasts
+        as long as the one before. Header names must match exactly: FMPy takes zeros for a name that it does not know.
+
+        Raises InputError that begins with `path` and, for a wrong row, its line number.
+        """
+        with reading(path), open(path, encoding="utf-8", newline="") as file:
+            header, rows = _csv_rows(file)
+            columns = dict(zip(header, np.array(rows).T, strict=True))
+            time, zero = columns["time"], np.zeros(len(rows))
+            duration = time[-1] - time[0] + (time[-1] - time[-2] if hold else 0.0)
+            return cls(time, columns.get("base.ax", zero), columns.get("base.az", zero), float(duration), hold)
+
+    @classmethod
+    def from_at2(cls, path: str | os.PathLike[str]) -> Motion:
+        """Read a horizontal PEER AT2 record, in units of g; piecewise linear, from t = 0.
+
+        Raises InputError that begins with `path` if units, number of samples, step or a value is not what it should be.
+        """
+        with reading(path), open(path, encoding="utf-8") as file:
+            dt, samples = _at2_samples(list(file))
+            return cls.from_samples(dt, STANDARD_GRAVITY * np.array(samples))
+
+
+def _checked_samples(key: str, values: ArrayLike, unit: str) -> NDArray[np.float64]:
+    """Return a read-only float64 copy of `values` if it is a list of finite numbers."""
+    try:
+        given = np.asarray(values)
+    except ValueError:  # ragged
+        given = np.array(None)
+    if given.ndim != 1 or given.size == 0 or given.dtype.kind not in "iuf":
+        raise InputError(f"{key}: must be a one-dimensional array of numbers in {unit}, at least one")
+    samples = np.array(given, dtype=np.float64)
+    bad = np.flatnonzero(~np.isfinite(samples))
+    if bad.size:
+        raise InputError(f"{key}[{bad[0]}] = {samples[bad[0]]}: must be a finite number in {unit}")
+    samples.setflags(write=False)
+    return samples
+
+
+def _finite(line: int, text: str) -> float:
+    """Return the number that a field of a text file holds."""
+    try:
+        number = float(text) if "_" not in text else np.nan  # Python's 1_000 is no number elsewhere
+    except ValueError:
+        number = np.nan
+    if not np.isfinite(number):
+        raise InputError(f"line {line}: {shown(text)}: must be a finite number")
+    return number
+
+
+def _csv_rows(lines: Iterable[str]) -> tuple[list[str], list[list[float]]]:
+    """Return header and rows of a CSV file with increasing times in the first column."""
+    try:
+        table = list(csv.reader(lines, strict=True))
+    except csv.Error as error:
+        raise InputError(f"is not CSV: {error}") from error
+    header = table[0] if table else []
+    if header not in _CSV_HEADERS:
+        raise InputError(
+            f"line 1: {','.join(header)[:80]!r}: must be exactly 'time,base.ax,base.az' "
+            "(or without one of base.ax, base.az), no blanks, in this case"
+        )
+    rows: list[list[float]] = []
+    for line, texts in enumerate(table[1:], start=2):
+        if len(texts) != len(header):
+            raise InputError(f"line {line}: {len(texts)} values, must be {len(header)} as in the header")
+        row = [_finite(line, text) for text in texts]
+        if rows and not row[0] > rows[-1][0]:
+            raise InputError(f"line {line}: time = {row[0]}: must be later than the row before, {rows[-1][0]} s")
+        rows.append(row)
+    if len(rows) < 2:
+        raise InputError(f"{len(rows)} rows of samples, must be at least 2")
+    return header, rows
+
+
+def _at2_samples(lines: list[str]) -> tuple[float, list[float]]:
+    """Return the sampling interval in s and the samples in g of an AT2 file."""
+    if len(lines) < 4:
+        raise InputError(f"{len(lines)} lines, must be 4 header lines and the samples")
+    if not _AT2_UNITS.search(lines[2]):
+        raise InputError(f"line 3: {lines[2].strip()[:80]!r}: must say that the units are g, e.g. 'IN UNITS OF G'")
+    size = _AT2_SIZE[0].match(lines[3]) or _AT2_SIZE[1].match(lines[3])
+    if size is None:
+        raise InputError(
+            f"line 4: {lines[3].strip()[:80]!r}: must be like 'NPTS= 1559, DT= .02000 SEC' or '1559 .02 NPTS, DT'"
+        )
+    samples = [_finite(line, text) for line, row in enumerate(lines[4:], start=5) for text in row.split()]
+    if len(samples) != int(size["count"]):
+        raise InputError(f"{len(samples)} samples found, must be {size['count']} as NPTS says in line 4")
+    return _finite(4, size["dt"]), samples

@@ -1,0 +1,75 @@
+"""A whole run: a column, a base motion, and what comes out."""
+
+from __future__ import annotations
+
+import math
+import time as clock
+
+import numpy as np
+
+from .column import Column
+from .errors import InputError
+from .kernels import layout as at
+from .motion import Motion
+from .packing import InitialState
+from .response import Response
+from .stepper import Stepper
+
+OUTPUT_STEP = 0.005  # s, where none is asked for
+
+
+def simulate(
+    column: Column,
+    motion: Motion,
+    duration: float | None = None,
+    formulation: str | None = None,
+    integrator: str | None = None,
+    step: float | None = None,
+    tolerance: float | None = None,
+    output_step: float | None = None,
+    initial: InitialState | None = None,
+) -> Response:
+    """Response of a column to a base motion, from the start of the motion.
+
+    duration: s; None: that of the motion. Beyond the motion the base does not accelerate.
+    formulation, integrator, step (s), tolerance (relative to the peak): None keeps the column's.
+    output_step: s between the rows of the response; None: 0.005. It has no influence on the steps, and the peaks are
+    those of the motion between the rows as well.
+    initial: None is rest in static equilibrium.
+
+    Raises InputError for a wrong value, SolverError where the solver cannot go on.
+    """
+    column = column.with_settings(formulation=formulation, integrator=integrator, step=step, tolerance=tolerance)
+    duration = motion.duration if duration is None else _positive("duration", duration)
+    output_step = OUTPUT_STEP if output_step is None else _positive("output_step", output_step)
+    stepper = Stepper(column, initial)
+    times = motion.start + output_step * np.arange(math.floor(duration / output_step + 1e-9) + 1, dtype=np.float64)
+    begin = clock.perf_counter()
+    rows = stepper.run(motion, motion.start + duration, times)
+    wall_time = clock.perf_counter() - begin
+    spent = stepper.state[[at.TIME_FULL, at.TIME_ROCKING, at.TIME_FLIGHT]]
+    shares = spent / max(float(np.sum(spent)), math.ulp(0.0))
+    return Response.from_rows(
+        column,
+        times,
+        rows,
+        peak_ux=stepper.peaks.copy(),
+        overturned_joint=stepper.overturned_joint,
+        overturn_time=stepper.overturn_time,
+        stats={
+            "steps": int(stepper.counters[at.STEPS]),
+            "rejected": int(stepper.counters[at.REJECTED]),
+            "evaluations": int(stepper.counters[at.EVALUATIONS]),
+            "sweeps": int(stepper.counters[at.SWEEPS]),
+            "full_contact": float(shares[0]),
+            "rocking": float(shares[1]),
+            "flight": float(shares[2]),
+            "wall_time": wall_time,
+        },
+    )
+
+
+def _positive(key: str, value: float) -> float:
+    if not (isinstance(value, (int, float)) and math.isfinite(value) and value > 0.0):
+        raise InputError(f"{key} = {value!r}: must be a positive time in s")
+    return float(value)

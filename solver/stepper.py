@@ -1,0 +1,101 @@
+"""One column in motion: owns the flat arrays and drives the kernels over them."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .column import Column
+from .errors import SolverError
+from .kernels import layout as at
+from .kernels.advance import advance_once, observe_state, run
+from .motion import Motion
+from .packing import FloatArray, InitialState, pack_model, pack_state
+
+REASONS = {
+    at.STEP_TOO_SMALL: "the step that the tolerance asks for is too small to go on; a larger tolerance may help",
+    at.NOT_CONVERGED: "the Gauss-Seidel sweeps do not converge: the displacements are beyond the first-order model, "
+    'or the step is beyond its stability limit; formulation = "exact" or a smaller step may help',
+    at.NOT_FINITE: "the motion has become infinite: the step is beyond the stability limit of the integrator, "
+    "or the input is not a physical one",
+}
+
+_NO_TIMES = np.empty(0)
+_NO_ROWS = np.empty((0, 0))
+
+
+class Stepper:
+    """A column between two calls. Time belongs to the caller, who passes it in.
+
+    All that a run has behind it is in `state` (float64) and `counters` (int64): copying them saves it.
+    """
+
+    def __init__(self, column: Column, initial: InitialState | None = None) -> None:
+        self.n = column.n
+        self.model = pack_model(column)
+        self.state, self.counters = pack_state(column, initial)
+        self.inputs = np.zeros(at.INPUTS)
+        self._work = np.zeros(at.work_size(self.n))
+        self._row = np.zeros((1, at.row_size(self.n)))
+
+    def advance(self, t: float, h: float) -> None:
+        """Go from t to t + h, s, under `inputs`. Raises SolverError."""
+        code = advance_once(self.model, self.state, self.counters, self.inputs, self._work, t, h, _NO_TIMES, _NO_ROWS)
+        self._check(code, t)
+
+    def observe(self, t: float) -> FloatArray:
+        """The output row at time t under the present `inputs`; overwritten by the next call. Raises SolverError."""
+        code = observe_state(self.model, self.state, self.counters, self.inputs, self._work, t, self._row)
+        self._check(code, t)
+        row: FloatArray = self._row[0]
+        return row
+
+    def run(self, motion: Motion, stop: float, times: FloatArray) -> FloatArray:
+        """Follow a motion from its start to time `stop`, s; an output row for each of `times`. Raises SolverError."""
+        rows = np.zeros((times.size, at.row_size(self.n)))
+        knots, ax, az = motion.time, motion.ax, motion.az
+        if motion.end > knots[-1]:  # the last held sample ends where the motion does
+            knots, ax, az = (np.append(part, value) for part, value in ((knots, motion.end), (ax, 0.0), (az, 0.0)))
+        self.inputs[at.INPUT_AMPLITUDE] = motion.amplitude
+        self.inputs[at.INPUT_OMEGA] = 2.0 * math.pi * motion.frequency
+        self.inputs[at.INPUT_PHASE] = -2.0 * math.pi * motion.frequency * motion.start
+        code = run(
+            self.model,
+            self.state,
+            self.counters,
+            self.inputs,
+            self._work,
+            knots,
+            ax,
+            az,
+            motion.hold,
+            stop,
+            times,
+            rows,
+        )
+        self._check(code, None)
+        return rows
+
+    @property
+    def overturned_joint(self) -> int:
+        """Number of the joint over which the column has fallen; 0 while it stands."""
+        return int(self.counters[at.OVERTURNED])
+
+    @property
+    def overturn_time(self) -> float:
+        """Time of overturning, s; NaN while the column stands."""
+        return float(self.state[at.OVERTURN_TIME]) if self.overturned_joint else math.nan
+
+    @property
+    def peaks(self) -> NDArray[np.float64]:
+        """Largest |u_x| of each top face so far, m (n,); kept by `run` only."""
+        peaks: FloatArray = self.state[at.STATE_HEADER + 6 * self.n :]
+        return peaks
+
+    def _check(self, code: int, t: float | None) -> None:
+        if code < at.OK:
+            spent = self.state[at.TIME_FULL] + self.state[at.TIME_ROCKING] + self.state[at.TIME_FLIGHT]
+            when = f"after {spent:.6g} s" if t is None else f"at t = {t:.6g} s"
+            raise SolverError(f"{when}: {REASONS[code]}")
