@@ -18,14 +18,18 @@ import tempfile
 import uuid
 import zipfile
 from pathlib import Path
+from types import ModuleType
 
 from pythonfmu import FmuBuilder
 
+import fmu_src
+import solver
 from fmu_src.slave import COLUMN_FILE, GUID_FILE
 from solver import Column, InputError
 
 HERE = Path(__file__).resolve().parent
 DEFAULT_COLUMN = HERE / "examples" / "columns" / "phocas.toml"
+LEFT_AT_HOME = {"plots.py", "command_line.py", "__main__.py"}  # an FMU has no use for them
 ZIP_DATE = (1980, 1, 1, 0, 0, 0)  # the same input gives the same bytes
 
 SCRIPT = '''"""Entry of the FMU: brings in the solver and offers the slave."""
@@ -71,9 +75,9 @@ def build_fmu(column_file: Path, output: Path | None = None) -> Path:
     column_text = json.dumps(column.to_dict(), indent=1)
     with tempfile.TemporaryDirectory(prefix="build_fmu_") as folder:
         stage = Path(folder)
-        solver = _carry_package(HERE / "solver", stage, {})
-        fmu_src = _carry_package(HERE / "fmu_src", stage, {"solver": solver})
-        script = SCRIPT.format(solver=solver, fmu_src=fmu_src)
+        carried_solver = _carry_package(solver, stage, {})
+        carried_fmu_src = _carry_package(fmu_src, stage, {"solver": carried_solver})
+        script = SCRIPT.format(solver=carried_solver, fmu_src=carried_fmu_src)
         identity = hashlib.sha256((script + column_text).encode()).hexdigest()
         script_file = stage / f"slave_{identity[:16]}.py"
         script_file.write_text(script, encoding="utf-8")
@@ -82,7 +86,7 @@ def build_fmu(column_file: Path, output: Path | None = None) -> Path:
         sys.path.insert(0, str(stage))
         importlib.invalidate_caches()
         try:
-            parts = [stage / fmu_src, stage / solver, stage / COLUMN_FILE, stage / GUID_FILE]
+            parts = [stage / carried_fmu_src, stage / carried_solver, stage / COLUMN_FILE, stage / GUID_FILE]
             built = FmuBuilder.build_FMU(script_file, dest=stage / "built.fmu", project_files=parts)
         finally:
             sys.path[:] = [entry for entry in sys.path if not entry.startswith(str(stage))]
@@ -91,10 +95,13 @@ def build_fmu(column_file: Path, output: Path | None = None) -> Path:
     return output
 
 
-def _carry_package(source: Path, stage: Path, renamed: dict[str, str]) -> str:
+def _carry_package(package: ModuleType, stage: Path, renamed: dict[str, str]) -> str:
     """Copy a package under a name that tells its content, with its imports of renamed packages; returns that name."""
+    source = Path(package.__path__[0])
     texts = {}
     for file in sorted(source.rglob("*.py")):
+        if file.name in LEFT_AT_HOME:
+            continue
         text = file.read_text(encoding="utf-8")
         for old, new in renamed.items():
             text = re.sub(rf"^(\s*)from {old}(?=[. ])", rf"\1from {new}", text, flags=re.MULTILINE)

@@ -24,7 +24,17 @@ from solver.stepper import Stepper
 
 from .host import finalize_at_exit, survive_exception
 from .model_description import LOG_CATEGORIES, model_description
-from .variables import AX, AZ, INPUTS, OVERTURN_JOINT, OVERTURN_TIME, OVERTURNED, column_from, variables
+from .variables import (
+    AX,
+    AZ,
+    INPUTS,
+    OVERTURN_JOINT,
+    OVERTURN_TIME,
+    OVERTURNED,
+    column_from,
+    parameter_names,
+    variables,
+)
 
 COLUMN_FILE = "column.json"
 GUID_FILE = "guid.txt"
@@ -161,7 +171,7 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
             column = column_from(self._column.name, self._column.n, lambda name: self._values[self._reference[name]])
             self._stepper = Stepper(column)
         except Exception as error:
-            self._fail(str(error) or repr(error))
+            self._fail(parameter_names(str(error) or repr(error)))
         self._outdated = True
 
     def _put(self, name: str, value: float | int | bool) -> None:

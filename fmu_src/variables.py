@@ -6,6 +6,7 @@ then one output row as the kernels write it (solver/kernels/layout.py), then wha
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -131,6 +132,11 @@ def _parameters(column: Column) -> list[Variable]:
     for key, (unit, text) in _SETTINGS_PARAMETERS.items():
         rows.append(parameter(f"solver.{key}", unit, text, getattr(column.settings, key)))
     return rows
+
+
+def parameter_names(message: str) -> str:
+    """A message about a column, with the FMU's names for the keys of its joints."""
+    return re.sub(r"block\[(\d+)\]\.joint\.", r"joint[\1].", message)
 
 
 def column_from(name: str, n: int, value: Callable[[str], float | str]) -> Column:

@@ -16,6 +16,7 @@ from .response import Response
 from .stepper import Stepper
 
 OUTPUT_STEP = 0.005  # s, where none is asked for
+MOST_ROWS = 10**8
 
 
 def simulate(
@@ -42,6 +43,8 @@ def simulate(
     column = column.with_settings(formulation=formulation, integrator=integrator, step=step, tolerance=tolerance)
     duration = motion.duration if duration is None else _positive("duration", duration)
     output_step = OUTPUT_STEP if output_step is None else _positive("output_step", output_step)
+    if duration / output_step > MOST_ROWS:
+        raise InputError(f"output_step = {output_step}: must be larger, for at most {MOST_ROWS} rows in {duration} s")
     stepper = Stepper(column, initial)
     times = motion.start + output_step * np.arange(math.floor(duration / output_step + 1e-9) + 1, dtype=np.float64)
     begin = clock.perf_counter()

@@ -8,9 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .column import Column
-from .errors import SolverError
+from .errors import InputError, SolverError
 from .kernels import layout as at
 from .kernels.advance import advance_once, observe_state, run
+from .modes import longest_stable_step
 from .motion import Motion
 from .packing import FloatArray, InitialState, pack_model, pack_state
 
@@ -22,6 +23,8 @@ REASONS = {
     "or the input is not a physical one",
 }
 
+STEP_SLACK = 1e-6  # the limit itself is known to so many digits
+
 _NO_TIMES = np.empty(0)
 _NO_ROWS = np.empty((0, 0))
 
@@ -29,10 +32,12 @@ _NO_ROWS = np.empty((0, 0))
 class Stepper:
     """A column between two calls. Time belongs to the caller, who passes it in.
 
-    All that a run has behind it is in `state` (float64) and `counters` (int64): copying them saves it.
+    All that a run has behind it is in `state` (float64) and `counters` (int64): copying them saves it. Raises
+    InputError for a fixed step that is not stable.
     """
 
     def __init__(self, column: Column, initial: InitialState | None = None) -> None:
+        _check_step(column)
         self.n = column.n
         self.model = pack_model(column)
         self.state, self.counters = pack_state(column, initial)
@@ -99,3 +104,14 @@ class Stepper:
             spent = self.state[at.TIME_FULL] + self.state[at.TIME_ROCKING] + self.state[at.TIME_FLIGHT]
             when = f"after {spent:.6g} s" if t is None else f"at t = {t:.6g} s"
             raise SolverError(f"{when}: {REASONS[code]}")
+
+
+def _check_step(column: Column) -> None:
+    """Raise InputError for a step beyond the stability limit: a joint that opens would bound, and hide, the blow-up."""
+    step = column.settings.step
+    if column.settings.integrator == "central-difference":
+        limit = longest_stable_step(column)
+        if step > limit * (1.0 + STEP_SLACK):
+            raise InputError(
+                f"solver.step = {step}: must be at most {limit:.4g} s, where central differences are stable"
+            )

@@ -3,14 +3,24 @@
 from pathlib import Path
 
 import pytest
-
-PROJECT = Path(__file__).resolve().parents[1]
+from fmus import ROOT, Fmus
 
 
 @pytest.fixture(scope="session")
 def records() -> Path:
     """Folder of the recorded ground motions, which are not part of the project."""
-    folder = PROJECT.parent / "shared" / "records"
+    folder = ROOT.parent / "shared" / "records"
     if not folder.is_dir():
         pytest.skip(f"no recorded ground motions in {folder}")
     return folder
+
+
+@pytest.fixture(scope="session")
+def fmus(tmp_path_factory: pytest.TempPathFactory) -> Fmus:
+    """The FMUs of the two example columns, built once."""
+    folder = tmp_path_factory.mktemp("fmus")
+    columns = ROOT / "examples" / "columns"
+    return Fmus(
+        phocas=Fmus.build(columns / "phocas.toml", folder / "phocas.fmu"),
+        damped=Fmus.build(columns / "phocas-damped.toml", folder / "phocas-damped.fmu"),
+    )

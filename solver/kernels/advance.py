@@ -72,15 +72,28 @@ def _update_scales(model, state, x, o):
 
 
 @kernel
-def _fallen_joint(model, x, o):
-    """Number of the lowest joint over which the column has fallen, 0 if it stands."""
+def _has_fallen(model, x, o):
+    """Whether a block, or the joint under it, has turned beyond its angle of no return."""
     n = int(model[N_BLOCKS])
-    for i in range(n - 1, -1, -1):
+    fallen = False
+    for i in range(n):
         turn = rotation(model, x, o, i)
         limit = model[MODEL_HEADER + BLOCK_FIELDS * i + FALL_ANGLE]
-        if abs(turn - rotation(model, x, o, i + 1)) > limit or abs(turn) > limit:
-            return i + 1
-    return 0
+        fallen = fallen or abs(turn - rotation(model, x, o, i + 1)) > limit or abs(turn) > limit
+    return fallen
+
+
+@kernel
+def _widest_joint(model, x, o):
+    """Number of the joint that has turned most."""
+    n = int(model[N_BLOCKS])
+    widest = 0
+    most = -1.0
+    for i in range(n):
+        turned = abs(rotation(model, x, o, i) - rotation(model, x, o, i + 1))
+        if turned > most:
+            widest, most = i + 1, turned
+    return widest
 
 
 @kernel
@@ -92,7 +105,7 @@ def _moment_of_overturning(model, work, h):
     for _ in range(40):
         middle = 0.5 * (lo + hi)
         interpolate_phase(work, start, end, between, 2 * n, h, middle)
-        if _fallen_joint(model, work, between) > 0:
+        if _has_fallen(model, work, between):
             hi = middle
         else:
             lo = middle
@@ -265,8 +278,8 @@ def advance(model, state, counters, inputs, work, t, h, times, rows):
         counters[STEPS] += 1
         _count_regime(model, state, work, step)
 
-        joint = _fallen_joint(model, work, end)
-        if joint > 0:
+        fallen = _has_fallen(model, work, end)
+        if fallen:
             fraction = _moment_of_overturning(model, work, step)
             for i in range(size):
                 work[end + i] = work[size * PHASE_BETWEEN + i]
@@ -288,12 +301,12 @@ def advance(model, state, counters, inputs, work, t, h, times, rows):
             work[start + i] = work[end + i]
         _update_scales(model, state, work, start)
         base_ax, base_az = base_acceleration(inputs, t + (h if last else gone + step))
-        if joint > 0:
+        if fallen:
             base_ax, base_az = base_acceleration(inputs, t + gone + step)
         state[BASE_AX] = base_ax
         state[BASE_AZ] = base_az
-        if joint > 0:
-            counters[OVERTURNED] = joint
+        if fallen:
+            counters[OVERTURNED] = _widest_joint(model, work, start)
             state[OVERTURN_TIME] = t + gone + step
             code = _serve_held_rows(model, state, work, counters, t + h * (1.0 + SLACK), times, rows)
             return code if code != OK else HAS_OVERTURNED

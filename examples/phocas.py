@@ -1,0 +1,104 @@
+"""The Column of Phocas as an FMU: build it, simulate it in FMPy under a harmonic base acceleration, keep the results.
+
+    python phocas.py [--amplitude G] [--frequency HZ] [--duration S] [--column COLUMN.toml] [--output-folder FOLDER]
+
+Writes the FMU, results.csv and results.png into the output folder. Without options it is the example of Brigante,
+Ercolano and Santorelli: 0.05 g at 2 Hz for 20 s.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import sys
+from pathlib import Path
+
+import numpy as np
+from fmpy import simulate_fmu
+from fmpy.fmi1 import FMICallException
+from fmpy.util import write_csv
+from numpy.typing import NDArray
+
+from build_fmu import build_fmu
+from solver import Column, InputError, Motion
+from solver.command_line import OneLineParser
+from solver.motion import STANDARD_GRAVITY
+from solver.plots import plot_histories
+from solver.response import BLOCK_HISTORIES
+
+PROGRAM = "phocas.py"
+PHOCAS = Path(__file__).resolve().parent / "columns" / "phocas.toml"
+COMMUNICATION_STEP = 1e-3  # s; the FMU holds its input over each
+LONGEST = 3600.0  # s; FMPy keeps every step in memory
+
+
+def main() -> int:
+    """Run the example; returns the exit code: 1 if the FMU did not reach the end, 2 for a user's mistake."""
+    try:
+        options = _options()
+        column = Column.from_toml(options.column)
+        motion = Motion.harmonic(options.amplitude * STANDARD_GRAVITY, options.frequency, options.duration)
+        signals = sampled(motion)
+        fmu = build_fmu(options.column, options.output_folder / f"{column.name}.fmu")
+    except (InputError, OSError) as error:
+        print(f"{PROGRAM}: {error}", file=sys.stderr)
+        return 2
+
+    try:
+        results = simulate_fmu(fmu, stop_time=motion.duration, output_interval=COMMUNICATION_STEP, input=signals)
+    except FMICallException as error:  # the FMU has said why
+        print(f"{PROGRAM}: the FMU stopped before {motion.duration} s: {error}", file=sys.stderr)
+        return 1
+    reached = float(results["time"][-1])
+    if not math.isclose(reached, motion.duration):
+        print(f"{PROGRAM}: the FMU stopped at {reached} s, not at {motion.duration} s", file=sys.stderr)
+        return 1
+
+    histories = {
+        name: np.column_stack([results[output.format(i=i)] for i in range(1, column.n + 1)])
+        for name, _, output in BLOCK_HISTORIES
+    }
+    overturned, overturn_time = bool(results["overturned"][-1]), float(results["overturn_time"][-1])
+    table, picture = options.output_folder / "results.csv", options.output_folder / "results.png"
+    title = f"{column.name}, {options.amplitude:g} g at {options.frequency:g} Hz"
+    try:
+        write_csv(table, results)
+        plot_histories(results["time"], histories, title, overturn_time if overturned else math.nan, picture)
+    except OSError as error:
+        print(f"{PROGRAM}: {error}", file=sys.stderr)
+        return 2
+
+    print("block  peak |ux| (mm)")
+    for i, peak in enumerate(np.max(np.abs(histories["ux"]), axis=0), start=1):
+        print(f"{i:5d}  {1e3 * peak:14.5g}")
+    print(f"overturned at {overturn_time:.4g} s" if overturned else "not overturned")
+    print(fmu, table, picture, sep="\n")
+    return 0
+
+
+def sampled(motion: Motion) -> NDArray[np.void]:
+    """The base acceleration at every communication point, as FMPy takes it."""
+    count = round(motion.duration / COMMUNICATION_STEP)
+    if motion.duration > LONGEST or not math.isclose(count * COMMUNICATION_STEP, motion.duration):
+        raise InputError(
+            f"duration = {motion.duration}: must be a multiple of {COMMUNICATION_STEP} s, at most {LONGEST} s"
+        )
+    time = COMMUNICATION_STEP * np.arange(count + 1)
+    signals = np.empty(count + 1, dtype=[(name, np.float64) for name in ("time", "base.ax", "base.az")])
+    signals["time"] = time
+    signals["base.ax"], signals["base.az"] = motion.acceleration(time)
+    return signals
+
+
+def _options() -> argparse.Namespace:
+    parser = OneLineParser(prog=PROGRAM, description="Simulate a column of blocks as an FMU in FMPy.")
+    parser.add_argument("--column", type=Path, default=PHOCAS, metavar="COLUMN.toml", help="default: %(default)s")
+    parser.add_argument("--amplitude", type=float, default=0.05, metavar="G", help="g (default: %(default)s)")
+    parser.add_argument("--frequency", type=float, default=2.0, metavar="HZ", help="Hz (default: %(default)s)")
+    parser.add_argument("--duration", type=float, default=20.0, metavar="S", help="s (default: %(default)s)")
+    parser.add_argument("--output-folder", type=Path, default=Path(), help="default: the current folder")
+    return parser.parse_args()
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

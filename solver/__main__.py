@@ -1,0 +1,6 @@
+"""`python -m solver`."""
+
+from .command_line import main
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -1,0 +1,138 @@
+"""The command line: `python -m solver simulate` and `python -m solver convert`."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NoReturn
+
+from .column import FORMULATIONS, INTEGRATORS, Column
+from .errors import InputError, SolverError, reading
+from .motion import STANDARD_GRAVITY, Motion
+from .response import Response
+from .simulate import OUTPUT_STEP, simulate
+
+PROGRAM = "python -m solver"
+PICTURES = (".png", ".pdf", ".svg")
+
+
+class OneLineParser(argparse.ArgumentParser):
+    """Says what is wrong with a command line by an InputError instead of printing the usage too."""
+
+    def error(self, message: str) -> NoReturn:
+        """Raise InputError."""
+        raise InputError(f"{message} (--help tells more)")
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line; returns the exit code, 2 for a user's mistake."""
+    try:
+        options = _parser().parse_args(arguments)
+        options.command(options)
+    except (InputError, SolverError, OSError) as error:
+        print(f"{PROGRAM}: {error}", file=sys.stderr)
+        return 2
+    except MemoryError:
+        print(f"{PROGRAM}: not enough memory for the response: a larger --output-step may help", file=sys.stderr)
+        return 2
+    return 0
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = OneLineParser(prog=PROGRAM, description="Seismic response of a column of rigid blocks.")
+    commands = parser.add_subparsers(metavar="COMMAND", required=True)
+
+    run = commands.add_parser("simulate", help="response of a column to a base motion")
+    run.set_defaults(command=_simulate)
+    run.add_argument("column", type=Path, metavar="COLUMN.toml", help="blocks, joints and solver settings")
+    run.add_argument("motion", type=Path, metavar="MOTION", help=".AT2 record in g, or .csv in s and m/s2")
+    run.add_argument("--scale", type=float, default=1.0, help="factor on the base acceleration")
+    run.add_argument("--duration", type=float, metavar="S", help="s (default: that of the motion)")
+    run.add_argument("--output-step", type=float, metavar="S", help=f"s between two rows (default: {OUTPUT_STEP})")
+    run.add_argument("--formulation", help=f"{' or '.join(FORMULATIONS)} (default: the column's, as all that follow)")
+    run.add_argument("--integrator", help=" or ".join(INTEGRATORS))
+    run.add_argument("--step", type=float, metavar="S", help="s, of an integrator with a fixed step")
+    run.add_argument("--tolerance", type=float, help="error relative to the peak, of one that chooses its steps")
+    run.add_argument("-o", "--output", type=Path, metavar="FILE.csv", help="write the histories")
+    run.add_argument("--plot", type=Path, metavar="FILE.png", help=f"draw the histories ({', '.join(PICTURES)})")
+
+    convert = commands.add_parser("convert", help="record -> the CSV that `fmpy simulate --input-file` takes")
+    convert.set_defaults(command=_convert)
+    convert.add_argument("record", type=Path, metavar="RECORD.AT2", help="PEER record in g")
+    convert.add_argument("output", type=Path, metavar="MOTION.csv", help="time,base.ax,base.az in s and m/s2")
+    convert.add_argument("--scale", type=float, default=1.0, help="factor on the base acceleration")
+    return parser
+
+
+def _simulate(options: argparse.Namespace) -> None:
+    # a wrong name of an output is said before the run, not after it
+    if options.output is not None:
+        _check_suffix(options.output, ".csv")
+    if options.plot is not None:
+        _check_suffix(options.plot, *PICTURES)
+    column = _read_column(options.column)
+    motion = _read_motion(options.motion).scaled(options.scale)
+    response = simulate(
+        column,
+        motion,
+        duration=options.duration,
+        formulation=options.formulation,
+        integrator=options.integrator,
+        step=options.step,
+        tolerance=options.tolerance,
+        output_step=options.output_step,
+    )
+    print(_summary(response))
+    if options.output is not None:
+        with reading(options.output):
+            response.to_csv(options.output)
+        print(options.output)
+    if options.plot is not None:
+        with reading(options.plot):
+            response.plot(options.plot)
+        print(options.plot)
+
+
+def _convert(options: argparse.Namespace) -> None:
+    _check_suffix(options.record, ".AT2")
+    _check_suffix(options.output, ".csv")
+    motion = _read_motion(options.record).scaled(options.scale)
+    motion.to_csv(options.output)
+    pga = motion.pga / STANDARD_GRAVITY
+    print(f"{options.output}: {len(motion.time)} samples, {motion.duration:g} s, largest acceleration {pga:.4g} g")
+
+
+def _read_column(path: Path) -> Column:
+    _check_suffix(path, ".toml")
+    return Column.from_toml(path)
+
+
+def _read_motion(path: Path) -> Motion:
+    _check_suffix(path, ".AT2", ".csv")
+    return Motion.from_csv(path) if path.suffix.lower() == ".csv" else Motion.from_at2(path)
+
+
+def _check_suffix(path: Path, *known: str) -> None:
+    """Raise InputError unless the file's name ends in a known suffix, in either case."""
+    if path.suffix.lower() not in {suffix.lower() for suffix in known}:
+        raise InputError(f"{path}: must end in {' or '.join(known)}")
+
+
+def _summary(response: Response) -> str:
+    """What a run comes to, for the terminal."""
+    column, stats = response.column, response.stats
+    lines = [
+        f"{column.name}: {column.settings.formulation} formulation, {column.settings.integrator} integrator",
+        "block  peak |ux| (mm)",
+        *(f"{i:5d}  {1e3 * peak:14.5g}" for i, peak in enumerate(response.peak_ux, start=1)),
+    ]
+    if response.overturned:
+        lines.append(f"overturned at {response.overturn_time:.4g} s over joint {response.overturned_joint}")
+    else:
+        lines.append("not overturned")
+    regimes = ("full_contact", "rocking", "flight")
+    lines.append("time in " + ", ".join(f"{name.replace('_', ' ')} {stats[name]:.1%}" for name in regimes))
+    lines.append(f"{stats['steps']} steps in {stats['wall_time']:.2f} s, loading or compiling the kernels included")
+    return "\n".join(lines)

@@ -1,0 +1,52 @@
+"""FMUs for the tests, built as a user builds them, and processes to run them in."""
+
+from __future__ import annotations
+
+import csv
+import os
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+ROOT = Path(__file__).resolve().parent.parent
+
+
+def environment() -> dict[str, str]:
+    """The environment of a child process, with the project and the scripts of this interpreter in reach."""
+    scripts = str(Path(sys.executable).parent)
+    return os.environ | {"PYTHONPATH": str(ROOT), "PATH": scripts + os.pathsep + os.environ.get("PATH", "")}
+
+
+def run(*command: object) -> str:
+    """Run a command to its end and return what it printed; fails unless it exits with 0."""
+    done = subprocess.run(
+        [str(part) for part in command], capture_output=True, text=True, env=environment(), check=False
+    )
+    assert done.returncode == 0, f"exit code {done.returncode}: {done.stderr}"
+    return done.stdout
+
+
+def read_results(path: Path) -> dict[str, np.ndarray]:
+    """Columns of an FMPy result file, Booleans as 0 and 1 (FMPy itself cannot read those back)."""
+    with path.open(newline="", encoding="utf-8") as file:
+        header, *rows = csv.reader(file)
+    words = {"False": 0.0, "True": 1.0}
+    numbers = np.array([[words[text] if text in words else float(text) for text in row] for row in rows])
+    return dict(zip(header, numbers.T, strict=True))
+
+
+@dataclass(frozen=True)
+class Fmus:
+    """The FMUs of the two example columns."""
+
+    phocas: Path
+    damped: Path
+
+    @staticmethod
+    def build(column: Path, output: Path) -> Path:
+        """Build one more with the project's own command."""
+        run(sys.executable, ROOT / "build_fmu.py", column, "-o", output)
+        return output

@@ -1,0 +1,176 @@
+"""The command line: its files hold what the solver computes, and a user's mistake ends in one line and exit code 2."""
+
+import csv
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from solver import Column, Motion, simulate
+from solver.motion import STANDARD_GRAVITY
+
+ROOT = Path(__file__).resolve().parents[1]
+COLUMNS = ROOT / "examples" / "columns"
+PHOCAS = COLUMNS / "phocas.toml"
+
+AT2 = """PEER STRONG MOTION DATABASE RECORD
+A TEST, 000
+ACCELERATION TIME HISTORY IN UNITS OF G. FILTER POINTS: NONE
+NPTS=  5, DT= .02000 SEC
+  .1E-01  -.2000000E+00   .3
+  0.4 -0.05
+"""
+
+
+def solver(folder: Path, *arguments: object) -> subprocess.CompletedProcess[str]:
+    """Run `python -m solver` in a folder."""
+    return subprocess.run(
+        [sys.executable, "-m", "solver", *map(str, arguments)],
+        cwd=folder,
+        env=os.environ | {"PYTHONPATH": str(ROOT)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+
+def read(path: Path) -> tuple[list[str], np.ndarray]:
+    with path.open(encoding="utf-8", newline="") as file:
+        header, *rows = csv.reader(file)
+    return header, np.array(rows, dtype=np.float64)
+
+
+def printed_peaks(text: str) -> list[float]:
+    """Peaks in mm from what `simulate` prints."""
+    lines = text.splitlines()
+    first = next(k for k, line in enumerate(lines) if line.startswith("block")) + 1
+    return [float(line.split()[1]) for line in lines[first:] if line.split()[0].isdigit() and len(line.split()) == 2]
+
+
+@pytest.fixture
+def motion(tmp_path: Path) -> Motion:
+    """0.05 g at 3 Hz for 2 s, sampled, as motion.csv and in memory."""
+    Motion.harmonic(0.05 * STANDARD_GRAVITY, 3.0, 2.0).to_csv(tmp_path / "motion.csv", step=0.01)
+    return Motion.from_csv(tmp_path / "motion.csv")
+
+
+def test_simulate_writes_what_the_solver_computes(tmp_path: Path, motion: Motion) -> None:
+    run = solver(tmp_path, "simulate", PHOCAS, "motion.csv", "-o", "results.csv", "--plot", "response.png")
+    assert (run.returncode, run.stderr) == (0, "")
+    response = simulate(Column.from_toml(PHOCAS), motion)
+    header, rows = read(tmp_path / "results.csv")
+    assert header[0] == "time"
+    assert {f"joint[{i}].{name}" for i in (1, 2, 3) for name in ("N", "M", "S", "contact", "sigma_max")} < set(header)
+    assert {"base.Fx", "base.Fz", "base.My", "overturned"} < set(header)
+    np.testing.assert_array_equal(rows[:, 0], response.time)
+    assert rows[-1, 0] == pytest.approx(2.0)
+    np.testing.assert_array_equal(rows[:, header.index("block[3].ux")], response.ux[:, 2])
+    np.testing.assert_array_equal(rows[:, header.index("joint[2].M")], response.M[:, 1])
+    assert printed_peaks(run.stdout) == pytest.approx(1e3 * response.peak_ux, rel=1e-4)
+    assert "not overturned" in run.stdout
+    assert f"full contact {response.stats['full_contact']:.1%}" in run.stdout
+    assert run.stdout.splitlines()[-2:] == ["results.csv", "response.png"]
+    assert (tmp_path / "response.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_simulate_takes_every_option(tmp_path: Path, motion: Motion) -> None:
+    options = "--scale -0.5 --duration 0.5 --output-step 0.1 --formulation exact --integrator auto --tolerance 1e-7"
+    run = solver(tmp_path, "simulate", PHOCAS, "motion.csv", *options.split(), "--output", "results.CSV")
+    assert (run.returncode, run.stderr) == (0, "")
+    wanted = simulate(
+        Column.from_toml(PHOCAS),
+        motion.scaled(-0.5),
+        duration=0.5,
+        output_step=0.1,
+        formulation="exact",
+        integrator="auto",
+        tolerance=1e-7,
+    )
+    header, rows = read(tmp_path / "results.CSV")
+    np.testing.assert_array_equal(rows[:, 0], wanted.time)
+    np.testing.assert_array_equal(rows[:, header.index("block[1].ux")], wanted.ux[:, 0])
+    run = solver(tmp_path, "simulate", PHOCAS, "motion.csv", "--duration", 0.1, "--step", 1e-3)
+    assert "100 steps" in run.stdout
+
+
+def test_simulate_reads_records(tmp_path: Path) -> None:
+    (tmp_path / "record.at2").write_text(AT2, encoding="utf-8")
+    run = solver(tmp_path, "simulate", COLUMNS / "phocas-damped.toml", "record.at2", "--duration", 1.0)
+    assert run.returncode == 0
+    response = simulate(Column.from_toml(COLUMNS / "phocas-damped.toml"), Motion.from_at2(tmp_path / "record.at2"), 1.0)
+    assert printed_peaks(run.stdout) == pytest.approx(1e3 * response.peak_ux, rel=1e-4)
+
+
+def test_simulate_tells_of_overturning(tmp_path: Path) -> None:
+    Motion.from_samples(0.5, np.full(5, 5.0)).to_csv(tmp_path / "push.csv")
+    run = solver(tmp_path, "simulate", COLUMNS / "phocas-damped.toml", "push.csv")
+    response = simulate(Column.from_toml(COLUMNS / "phocas-damped.toml"), Motion.from_csv(tmp_path / "push.csv"))
+    assert response.overturned
+    assert run.returncode == 0
+    assert f"overturned at {response.overturn_time:.4g} s over joint {response.overturned_joint}" in run.stdout
+
+
+def test_convert_writes_what_fmpy_reads(tmp_path: Path) -> None:
+    (tmp_path / "RECORD.AT2").write_text(AT2, encoding="utf-8")
+    run = solver(tmp_path, "convert", "RECORD.AT2", "motion.csv", "--scale", 2.0)
+    assert (run.returncode, run.stderr) == (0, "")
+    assert run.stdout == "motion.csv: 5 samples, 0.08 s, largest acceleration 0.8 g\n"
+    header, rows = read(tmp_path / "motion.csv")
+    assert header == ["time", "base.ax", "base.az"]
+    np.testing.assert_allclose(rows[:, 0], 0.02 * np.arange(5))
+    np.testing.assert_allclose(rows[:, 1], 2.0 * STANDARD_GRAVITY * np.array([0.01, -0.2, 0.3, 0.4, -0.05]))
+    np.testing.assert_array_equal(rows[:, 2], 0.0)
+
+
+@pytest.mark.parametrize(
+    ("line", "told"),
+    [
+        ("", "required: COMMAND"),
+        ("draw", "'simulate', 'convert'"),
+        ("simulate", "required: COLUMN.toml, MOTION"),
+        ("simulate none.toml motion.csv", "none.toml: No such file"),
+        ("simulate motion.csv motion.csv", "motion.csv: must end in .toml"),
+        ("simulate {phocas} none.csv", "none.csv: No such file"),
+        ("simulate {phocas} {phocas}", "must end in .AT2 or .csv"),
+        ("simulate {phocas} .", ".: must end in .AT2 or .csv"),
+        ("simulate {phocas} motion.csv --scale much", "argument --scale"),
+        ("simulate {phocas} motion.csv --scale nan", "factor = nan"),
+        ("simulate {phocas} motion.csv --duration -1", "duration = -1"),
+        ("simulate {phocas} motion.csv --output-step 0", "output_step = 0"),
+        ("simulate {phocas} motion.csv --output-step 1e-15", "output_step = 1e-15: must be larger"),
+        ("simulate {phocas} motion.csv --duration 1e300", "must be larger, for at most"),
+        ("simulate {phocas} motion.csv --formulation exakt", "did you mean exact?"),
+        ("simulate {phocas} motion.csv --integrator euler", "solver.integrator = 'euler'"),
+        ("simulate {phocas} motion.csv --step 0", "solver.step = 0"),
+        ("simulate {phocas} motion.csv --tolerance 1", "solver.tolerance = 1"),
+        ("simulate {phocas} motion.csv -o results.txt", "results.txt: must end in .csv"),
+        ("simulate {phocas} motion.csv --plot response.txt", "response.txt: must end in .png"),
+        ("simulate {phocas} motion.csv -o none/results.csv", "none/results.csv: No such file"),
+        ("simulate {phocas} motion.csv --plot none/response.png", "none/response.png: No such file"),
+        ("simulate {phocas} motion.csv --step 0.5", "central differences are stable"),
+        ("simulate {phocas} motion.csv --frob", "unrecognized arguments: --frob"),
+        ("convert motion.csv other.csv", "motion.csv: must end in .AT2"),
+        ("convert none.AT2 other.csv", "none.AT2: No such file"),
+        ("convert record.AT2 other.txt", "other.txt: must end in .csv"),
+        ("convert record.AT2 none/other.csv", "none/other.csv: No such file"),
+    ],
+)
+def test_mistakes_end_in_one_line(tmp_path: Path, motion: Motion, line: str, told: str) -> None:
+    (tmp_path / "record.AT2").write_text(AT2, encoding="utf-8")
+    before = sorted(tmp_path.iterdir())
+    run = solver(tmp_path, *line.format(phocas=PHOCAS).split())
+    assert run.returncode == 2
+    assert run.stderr.startswith("python -m solver: ")
+    assert run.stderr.count("\n") == 1
+    assert told in run.stderr
+    assert sorted(tmp_path.iterdir()) == before
+
+
+def test_help_tells_every_command(tmp_path: Path) -> None:
+    run = solver(tmp_path, "--help")
+    assert run.returncode == 0
+    assert "simulate" in run.stdout
+    assert "convert" in run.stdout

@@ -1,0 +1,153 @@
+"""A picture shows the numbers it was given, and importing the solver does not bring in what draws it."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from matplotlib.colors import to_hex
+from matplotlib.figure import Figure
+from matplotlib.image import imread
+
+from solver import Column, InputError, Motion, Response, simulate
+from solver.plots import CONTACT_COLUMNS, FEW_COLOURS, block_colours, plot_histories
+
+ROOT = Path(__file__).resolve().parents[1]
+PHOCAS = ROOT / "examples" / "columns" / "phocas.toml"
+NAMES = ("ux", "theta", "N", "M", "S", "contact")
+
+
+def histories(n: int, samples: int = 500) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    """Times over 5 s and smooth histories of n blocks, the top one moving most."""
+    time = np.linspace(0.0, 5.0, samples)
+    shape = np.linspace(1.0, 1.0 / n, n)
+    wave = np.sin(7.0 * time)[:, None] * shape
+    scales = {"ux": 0.03, "theta": 2e-3, "N": 1e6, "M": 5e5, "S": 1e5}
+    return time, {name: scale * wave for name, scale in scales.items()} | {"contact": 0.5 + 0.5 * wave}
+
+
+def headings(figure: Figure) -> list[str]:
+    return [axes.get_title(loc="left") for axes in figure.axes]
+
+
+def panel(figure: Figure, words: str):
+    """The one panel with these words in its heading."""
+    (found,) = [axes for axes in figure.axes if words in axes.get_title(loc="left")]
+    return found
+
+
+@pytest.fixture(scope="module")
+def response() -> Response:
+    return simulate(Column.from_toml(PHOCAS), Motion.harmonic(0.05 * 9.80665, 2.0, 2.0))
+
+
+@pytest.mark.parametrize(("imported", "absent"), [("solver", "matplotlib"), ("solver.plots", "matplotlib.pyplot")])
+def test_import_has_no_side_effect(imported: str, absent: str) -> None:
+    code = f"import sys, {imported}; sys.exit({absent!r} in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], cwd=ROOT, check=False).returncode == 0
+
+
+def test_response_is_drawn_as_it_is(response: Response) -> None:
+    figure = response.plot()
+    assert len(figure.axes) == len(NAMES)
+    for words, name, factor in [
+        ("displacement", "ux", 1e3),
+        ("rotation", "theta", 1e3),
+        ("normal force", "N", 1e-3),
+        ("moment", "M", 1e-3),
+        ("shear", "S", 1e-3),
+    ]:
+        lines = {to_hex(line.get_color()).upper(): line for line in panel(figure, words).lines}
+        for i, colour in enumerate(block_colours(3)):
+            np.testing.assert_array_equal(lines[colour.upper()].get_xdata(), response.time)
+            np.testing.assert_array_equal(lines[colour.upper()].get_ydata(), factor * getattr(response, name)[:, i])
+    assert figure.get_suptitle() == "phocas"
+    assert all(axes.get_xlim() == (0.0, 2.0) for axes in figure.axes)
+
+
+def test_contact_is_drawn_as_means() -> None:
+    time, given = histories(2, 4 * CONTACT_COLUMNS + 3)
+    (image,) = panel(plot_histories(time, given), "contact").images
+    shown = np.asarray(image.get_array())
+    each = 5  # samples a column, the least that do not need more columns than there are
+    assert shown.shape == (2, len(time) // each)
+    np.testing.assert_allclose(shown[1, 7], given["contact"][7 * each : 8 * each, 1].mean(), rtol=1e-14)
+
+
+def test_smaller_motion_is_drawn_over_larger() -> None:
+    time, given = histories(3)
+    lines = panel(plot_histories(time, given), "displacement").lines
+    ranges = [np.ptp(line.get_ydata()) for line in lines]
+    assert ranges == sorted(ranges, reverse=True)
+
+
+@pytest.mark.parametrize(("largest", "unit", "factor"), [(0.999, "(mm)", 1e3), (1.0, "(m)", 1.0)])
+def test_unit_of_displacement(largest: float, unit: str, factor: float) -> None:
+    time, given = histories(2)
+    given["ux"] *= largest / np.max(np.abs(given["ux"]))
+    axes = panel(plot_histories(time, given), "displacement")
+    assert unit in axes.get_ylabel()
+    assert np.max(np.abs(axes.lines[0].get_ydata())) == pytest.approx(factor * largest)
+
+
+def test_overturning_is_marked_and_said() -> None:
+    time, given = histories(3)
+    figure = plot_histories(time, given, "a column", overturn_time=3.21)
+    assert figure.get_suptitle() == "a column: overturned at 3.21 s"
+    for axes in figure.axes:
+        assert [3.21, 3.21] in [list(line.get_xdata()) for line in axes.lines]
+
+
+def test_standing_column_has_no_mark() -> None:
+    time, given = histories(3)
+    figure = plot_histories(time, given, "a column")
+    assert figure.get_suptitle() == "a column"
+    assert all(len(line.get_xdata()) == len(time) for line in panel(figure, "rotation").lines)
+
+
+@pytest.mark.parametrize("n", [1, 2, len(FEW_COLOURS)])
+def test_few_blocks_have_a_legend(n: int) -> None:
+    figure = plot_histories(*histories(n))
+    (legend,) = figure.legends
+    texts = [text.get_text() for text in legend.get_texts()]
+    assert len(texts) == n
+    assert texts[0].startswith("block 1")
+    assert n == 1 or texts[-1] == f"{n} (bottom)"
+
+
+@pytest.mark.parametrize("n", [len(FEW_COLOURS) + 1, 200])
+def test_many_blocks_have_a_colour_bar(n: int, tmp_path: Path) -> None:
+    figure = plot_histories(*histories(n), path=tmp_path / "many.png")
+    assert not figure.legends
+    assert len(set(block_colours(n))) > 0.9 * n
+    bar = figure.axes[-1]
+    assert [label.get_text() for label in bar.get_yticklabels()] == ["block 1 (top)", f"{n} (bottom)"]
+    assert imread(tmp_path / "many.png").shape[:2] == (1050, 1500)
+
+
+def test_files(response: Response, tmp_path: Path) -> None:
+    response.plot(tmp_path / "picture.PNG")
+    pixels = imread(tmp_path / "picture.PNG", format="png")
+    assert pixels.shape[:2] == (1050, 1500)
+    assert np.std(pixels[..., :3]) > 0.05  # something is drawn
+    response.plot(tmp_path / "picture.pdf")
+    assert (tmp_path / "picture.pdf").read_bytes().startswith(b"%PDF")
+
+
+@pytest.mark.parametrize("name", ["picture.xyz", "picture", "picture.csv"])
+def test_unknown_format_is_refused(response: Response, tmp_path: Path, name: str) -> None:
+    with pytest.raises(InputError, match=r"must end in one of .*\.png"):
+        response.plot(tmp_path / name)
+    assert not list(tmp_path.iterdir())
+
+
+def test_missing_folder_is_an_error_of_the_system(response: Response, tmp_path: Path) -> None:
+    with pytest.raises(FileNotFoundError):
+        response.plot(tmp_path / "none" / "picture.png")
+
+
+def test_one_instant_is_no_history() -> None:
+    time, given = histories(2)
+    with pytest.raises(InputError, match="at least 2"):
+        plot_histories(time[:1], {name: values[:1] for name, values in given.items()})
