@@ -218,12 +218,13 @@ def test_communication_step_does_not_matter(formulation: str, integrator: str) -
 @pytest.mark.parametrize("integrator", INTEGRATORS)
 def test_advance_lands_exactly(integrator: str) -> None:
     stepper = scene(integrator)
-    stepper.inputs[at.INPUT_JX] = 7.0
+    stepper.inputs[[at.INPUT_JX, at.INPUT_JZ]] = 7.0, -3.0
     times = np.array([0.0, 1.0 / 3.0, 0.7, 0.7 + 1e-7])
     for begin, end in pairwise(times):
         stepper.advance(begin, end - begin)
         # the acceleration of the base left behind is that of the end, to the last bit
         assert stepper.state[at.BASE_AX] == 0.2 + 7.0 * (begin + (end - begin))
+        assert stepper.state[at.BASE_AZ] == -3.0 * (begin + (end - begin))
     spent = stepper.state[at.TIME_FULL] + stepper.state[at.TIME_ROCKING] + stepper.state[at.TIME_FLIGHT]
     assert spent == pytest.approx(times[-1], rel=1e-12)  # measured 1e-14
 

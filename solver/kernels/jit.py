@@ -4,7 +4,9 @@
 `error_model="numpy"` divides by zero as IEEE 754 does instead of raising.
 """
 
+import hashlib
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 from numba import njit
@@ -15,12 +17,26 @@ OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": False, "nogil": T
 kernel: Callable[..., Any] = njit(**OPTIONS)
 
 
+def _sources() -> str:
+    """What identifies the kernels: a hash of every source file of this package."""
+    folder = Path(__file__).parent
+    content = hashlib.sha256()
+    for file in sorted(folder.rglob("*.py")):
+        content.update(file.relative_to(folder).as_posix().encode() + b"\0" + file.read_bytes() + b"\0")
+    return content.hexdigest()[:16]
+
+
+SOURCES = _sources()
+
+
 def entry(function: Callable[..., Any]) -> Callable[..., Any]:
     """Compile, on first use, a kernel that Python calls; it runs without the interpreter lock.
 
     The machine code is cached beside the source or in the user's cache folder; where neither can be written it is made
-    anew in every process.
+    anew in every process. Numba would take it for current as long as the file of the entry is the same; under a name
+    that changes with any source of the kernels it cannot.
     """
+    function.__qualname__ += f"_{SOURCES}"
     compiled: Callable[..., Any]
     try:
         compiled = njit(cache=True, **OPTIONS)(function)
