@@ -2,7 +2,7 @@
 
 import math
 
-from .dynamics import accelerate, base_acceleration, observe, rotation, scratch_offset, top_motion
+from .dynamics import accelerate, base_acceleration, observe, reach_of, rotation, scratch_offset, top_motion
 from .integrators import central_difference, dormand_prince
 from .interpolation import interpolate_phase, turning_point
 from .jit import entry, kernel
@@ -24,6 +24,7 @@ from .layout import (
     INTEGRATOR,
     JOINT_LENGTH,
     JOINT_WIDTH,
+    LAST_ERROR,
     MODEL_HEADER,
     N_BLOCKS,
     NEXT_ROW,
@@ -40,6 +41,7 @@ from .layout import (
     REJECTED,
     ROTATION_FLOOR,
     ROTATION_SCALE,
+    SCRATCH_FIELDS,
     STARTED,
     STATE_HEADER,
     STEP,
@@ -57,18 +59,13 @@ from .layout import (
 SAFETY = 0.9
 SHRINK = 0.2
 GROW = 5.0
+# step control with memory (Gustafsson 1991): a step at the edge of stability is not tried beyond it every other time
+INTEGRAL = 0.7 / dormand_prince.ORDER
+SMOOTH = 0.9
+PROPORTIONAL = 0.4 / dormand_prince.ORDER
+LEAST_ERROR = 1e-4
 SLACK = 1e-9  # of a step: times closer than this are the same
 LEAST_STEP = 1e-13  # of the time scale: below this the error control has failed
-
-
-@kernel
-def _update_scales(model, state, x, o):
-    """Keep the largest rotation and rate so far: what errors are measured against."""
-    n = int(model[N_BLOCKS])
-    for i in range(n):
-        size = model[MODEL_HEADER + BLOCK_FIELDS * i + TURN_SIZE]
-        state[ROTATION_SCALE] = max(state[ROTATION_SCALE], abs(x[o + i]) / size)
-        state[RATE_SCALE] = max(state[RATE_SCALE], abs(x[o + 2 * n + i]) / size)
 
 
 @kernel
@@ -76,11 +73,41 @@ def _has_fallen(model, x, o):
     """Whether a block, or the joint under it, has turned beyond its angle of no return."""
     n = int(model[N_BLOCKS])
     fallen = False
-    for i in range(n):
+    below = 0.0
+    for i in range(n - 1, -1, -1):
         turn = rotation(model, x, o, i)
         limit = model[MODEL_HEADER + BLOCK_FIELDS * i + FALL_ANGLE]
-        fallen = fallen or abs(turn - rotation(model, x, o, i + 1)) > limit or abs(turn) > limit
+        fallen = fallen or abs(turn - below) > limit or abs(turn) > limit
+        below = turn
     return fallen
+
+
+@kernel
+def _take_stock(model, state, work, o, h):
+    """Scales, regime and validity after a step of h seconds to the phase at work[o:]. Returns a code."""
+    n = int(model[N_BLOCKS])
+    lengths = scratch_offset(n) + JOINT_LENGTH
+    turned = 0.0
+    spun = 0.0
+    least = 1.0
+    sum_all = 0.0
+    for i in range(n):
+        row = MODEL_HEADER + BLOCK_FIELDS * i
+        size = model[row + TURN_SIZE]
+        turned = max(turned, abs(work[o + i]) / size)
+        spun = max(spun, abs(work[o + 2 * n + i]) / size)
+        least = min(least, work[lengths + SCRATCH_FIELDS * i] / model[row + JOINT_WIDTH])
+        sum_all += work[o + 4 * n + i] + work[o + 5 * n + i]
+    state[ROTATION_SCALE] = max(state[ROTATION_SCALE], turned)
+    state[RATE_SCALE] = max(state[RATE_SCALE], spun)
+    if least >= 1.0:
+        state[TIME_FULL] += h
+    elif least > 0.0:
+        state[TIME_ROCKING] += h
+    else:
+        state[TIME_FLIGHT] += h
+    # what is not finite in a coordinate or a rate is not finite in the accelerations either
+    return OK if math.isfinite(sum_all) else NOT_FINITE
 
 
 @kernel
@@ -118,9 +145,19 @@ def _track_peaks(model, state, work, h):
     """Raise the peaks of |u_x| by the step just made, turning points inside it included."""
     n = int(model[N_BLOCKS])
     fields = scratch_offset(n)
-    first, last, middle = fields + TOP_START * n, fields + TOP_END * n, fields + TOP_BETWEEN * n
     start, end, between = 6 * n * PHASE_START, 6 * n * PHASE_END, 6 * n * PHASE_BETWEEN
     peaks = STATE_HEADER + 6 * n
+    # nobody can have moved by more than this in the step: leave it there unless it reaches a peak
+    reach = 0.0
+    passed = False
+    for i in range(n - 1, -1, -1):
+        reach += reach_of(model, work, end, i) + h * reach_of(model, work, end + 2 * n, i)
+        passed = passed or reach > state[peaks + i]
+    if not passed:
+        return
+    first, last, middle = fields + TOP_START * n, fields + TOP_END * n, fields + TOP_BETWEEN * n
+    top_motion(model, work, start, work, first)
+    top_motion(model, work, end, work, last)
     for i in range(n):
         d0, d1 = work[first + i], work[last + i]
         v0, v1 = work[first + n + i], work[last + n + i]
@@ -130,22 +167,6 @@ def _track_peaks(model, state, work, h):
             interpolate_phase(work, start, end, between, 2 * n, h, turning_point(d0, v0, d1, v1, h))
             top_motion(model, work, between, work, middle)
             state[peaks + i] = max(state[peaks + i], abs(work[middle + i]))
-
-
-@kernel
-def _count_regime(model, state, work, h):
-    """Add the step to the time spent in full contact, rocking or in flight, by the joints at its end."""
-    n = int(model[N_BLOCKS])
-    lengths = scratch_offset(n) + JOINT_LENGTH * n
-    least = 1.0
-    for i in range(n):
-        least = min(least, work[lengths + i] / model[MODEL_HEADER + BLOCK_FIELDS * i + JOINT_WIDTH])
-    if least >= 1.0:
-        state[TIME_FULL] += h
-    elif least > 0.0:
-        state[TIME_ROCKING] += h
-    else:
-        state[TIME_FLIGHT] += h
 
 
 @kernel
@@ -181,26 +202,17 @@ def _serve_held_rows(model, state, work, counters, end_time, times, rows):
 
 
 @kernel
-def _all_finite(work, o, count):
-    """Whether every one of count numbers is finite."""
-    finite = True
-    for i in range(count):
-        finite = finite and math.isfinite(work[o + i])
-    return finite
-
-
-@kernel
 def advance(model, state, counters, inputs, work, t, h, times, rows):
     """Take the column from t to t + h, landing there exactly. Returns a code.
 
     The inputs hold within the call. Output rows for those of `times` that lie inside are written by interpolation;
-    with no times neither rows nor peaks are kept. A column that has overturned keeps its state.
+    with no times neither rows nor peaks are kept. A column that has overturned keeps its state. On an error the phase
+    in the state is that at t.
     """
     n = int(model[N_BLOCKS])
     size = 6 * n
     start = size * PHASE_START
     end = size * PHASE_END
-    fields = scratch_offset(n)
     watched = times.size > 0
     if counters[OVERTURNED] > 0:
         code = _serve_held_rows(model, state, work, counters, t + h * (1.0 + SLACK), times, rows)
@@ -218,32 +230,33 @@ def advance(model, state, counters, inputs, work, t, h, times, rows):
             state[NEXT_STEP] = model[FIRST_STEP]
             state[ROTATION_SCALE] = max(state[ROTATION_SCALE], model[ROTATION_FLOOR])
             state[RATE_SCALE] = max(state[RATE_SCALE], model[RATE_FLOOR])
-            _update_scales(model, state, work, start)
-            if not _all_finite(work, start, size):
-                return NOT_FINITE
+            code = _take_stock(model, state, work, start, 0.0)
+            if code != OK:
+                return code
     if watched:
-        top_motion(model, work, start, work, fields + TOP_START * n)
+        top = scratch_offset(n) + TOP_START * n
+        top_motion(model, work, start, work, top)
         for i in range(n):
             peak = STATE_HEADER + 6 * n + i
-            state[peak] = max(state[peak], abs(work[fields + TOP_START * n + i]))
+            state[peak] = max(state[peak], abs(work[top + i]))
 
     fixed = model[INTEGRATOR] == CENTRAL_DIFFERENCE
     # a step that arrives as 0.00999...98 or 0.0100...02 is one of 0.01
-    whole = math.ceil(h / model[STEP] * (1.0 - SLACK))
-    pieces = max(1.0, whole)
+    pieces = max(1.0, math.ceil(h / model[STEP] * (1.0 - SLACK)))
     made = 0.0
     gone = 0.0  # time since t
-    code = OK
-    while gone < h:
+    fallen = False
+    while gone < h and not fallen:
         left = h - gone
         last = True
         if fixed:
-            arrival = h * ((made + 1.0) / pieces)
             last = made + 1.0 >= pieces
-            step = h - gone if last else arrival - gone
+            step = left if last else h * ((made + 1.0) / pieces) - gone
             code, error = central_difference.attempt(
                 model, inputs, work, counters, state[ROTATION_SCALE], state[RATE_SCALE], t + gone, step
             )
+            if code != OK:
+                return code
         else:
             step = state[NEXT_STEP]
             if inputs[INPUT_AMPLITUDE] != 0.0:  # never skip over a cycle of the motion
@@ -263,55 +276,48 @@ def advance(model, state, counters, inputs, work, t, h, times, rows):
                 if code == OK and math.isfinite(error):
                     factor = max(SHRINK, SAFETY * error ** (-1.0 / dormand_prince.ORDER))
                 state[NEXT_STEP] = step * factor
+                state[LAST_ERROR] = 1.0
                 if state[NEXT_STEP] < LEAST_STEP * max(model[FIRST_STEP], abs(t + gone)):
                     return code if code != OK else STEP_TOO_SMALL
                 continue
-            factor = GROW
-            if error > 0.0:
-                factor = min(GROW, SAFETY * error ** (-1.0 / dormand_prince.ORDER))
+            error = max(error, LEAST_ERROR)
+            factor = SMOOTH * error**-INTEGRAL * state[LAST_ERROR] ** PROPORTIONAL
+            factor = min(GROW, max(SHRINK, factor))
+            state[LAST_ERROR] = error
             # a step cut short by the end of the call says nothing against the longer one proposed before
             state[NEXT_STEP] = max(step * factor, state[NEXT_STEP]) if factor >= 1.0 else step * factor
+        counters[STEPS] += 1
+        code = _take_stock(model, state, work, end, step)
         if code != OK:
             return code
-        if not _all_finite(work, end, size):
-            return NOT_FINITE
-        counters[STEPS] += 1
-        _count_regime(model, state, work, step)
 
         fallen = _has_fallen(model, work, end)
         if fallen:
-            fraction = _moment_of_overturning(model, work, step)
+            step *= _moment_of_overturning(model, work, step)
             for i in range(size):
                 work[end + i] = work[size * PHASE_BETWEEN + i]
-            step = fraction * step
             base_ax, base_az = base_acceleration(inputs, t + gone + step)
             code = accelerate(model, work, end, base_ax, base_az, work, counters)
             if code != OK:
                 return code
+            state[OVERTURN_TIME] = t + gone + step
         if watched:
-            top_motion(model, work, end, work, fields + TOP_END * n)
             _track_peaks(model, state, work, step)
             code = _serve_rows(model, inputs, work, counters, t + gone, step, times, rows)
             if code != OK:
                 return code
-            for i in range(2 * n):
-                work[fields + TOP_START * n + i] = work[fields + TOP_END * n + i]
         for i in range(size):
-            state[STATE_HEADER + i] = work[end + i]
             work[start + i] = work[end + i]
-        _update_scales(model, state, work, start)
-        base_ax, base_az = base_acceleration(inputs, t + (h if last else gone + step))
-        if fallen:
-            base_ax, base_az = base_acceleration(inputs, t + gone + step)
-        state[BASE_AX] = base_ax
-        state[BASE_AZ] = base_az
-        if fallen:
-            counters[OVERTURNED] = _widest_joint(model, work, start)
-            state[OVERTURN_TIME] = t + gone + step
-            code = _serve_held_rows(model, state, work, counters, t + h * (1.0 + SLACK), times, rows)
-            return code if code != OK else HAS_OVERTURNED
         made += 1.0
-        gone = h if last else gone + step
+        gone = h if last and not fallen else gone + step
+
+    for i in range(size):
+        state[STATE_HEADER + i] = work[start + i]
+    state[BASE_AX], state[BASE_AZ] = base_acceleration(inputs, t + gone)
+    if fallen:
+        counters[OVERTURNED] = _widest_joint(model, work, start)
+        code = _serve_held_rows(model, state, work, counters, t + h * (1.0 + SLACK), times, rows)
+        return code if code != OK else HAS_OVERTURNED
     return OK
 
 

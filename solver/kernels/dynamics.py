@@ -2,7 +2,7 @@
 
 import math
 
-from .exact import TAU, exact_accelerations, exact_top_motion
+from .exact import TANGENTIAL, exact_accelerations, exact_top_motion
 from .jit import kernel
 from .joint import joint_peak_pressure
 from .layout import (
@@ -43,6 +43,7 @@ from .layout import (
     ROW_THETA,
     ROW_UX,
     ROW_UZ,
+    SCRATCH_FIELDS,
     STIFFNESS,
     SWEEPS,
     TOP_BETWEEN,
@@ -109,6 +110,16 @@ def rotation_rate(model, x, o, i):
 
 
 @kernel
+def reach_of(model, x, o, i):
+    """No less than what block i adds to |u_x|, m, or to its rate where x[o:] are rates."""
+    n = int(model[N_BLOCKS])
+    if model[FORMULATION] == EXACT:
+        return model[MODEL_HEADER + BLOCK_FIELDS * i + HEIGHT] * abs(x[o + i]) + abs(x[o + n + i])
+    below = x[o + i + 1] if i + 1 < n else 0.0
+    return abs(x[o + i] - below)
+
+
+@kernel
 def top_motion(model, x, o, out, at):
     """Displacement (m) and velocity (m/s) of the top faces relative to the base: out[at:at + 2 n]."""
     n = int(model[N_BLOCKS])
@@ -140,7 +151,7 @@ def observe(model, x, o, base_ax, base_az, work, counters, rows, r):
         turn_below = rotation(model, x, o, i + 1)
         spin = rotation_rate(model, x, o, i)
         spin_below = rotation_rate(model, x, o, i + 1)
-        normal = work[scratch + JOINT_NORMAL * n + i]
+        normal = work[scratch + SCRATCH_FIELDS * i + JOINT_NORMAL]
         opening = x[o + n + i]
         opening_rate = x[o + 3 * n + i]
         if exact:
@@ -152,11 +163,11 @@ def observe(model, x, o, base_ax, base_az, work, counters, rows, r):
             rise += opening * math.cos(phi)
             rows[r, ROW_UZ * n + i] = rise + model[row + CENTROID] * dip
             rise += model[row + HEIGHT] * dip
-            tangential = work[scratch + TAU * n + i]
+            tangential = work[scratch + SCRATCH_FIELDS * i + TANGENTIAL]
             rows[r, ROW_S * n + i] = -(normal * math.sin(phi) + tangential * math.cos(phi))
             if i == n - 1:
                 rows[r, tail + ROW_FZ] = -(normal * math.cos(phi) - tangential * math.sin(phi))
-                moment = work[scratch + JOINT_MOMENT * n + i] * math.cos(half)
+                moment = work[scratch + SCRATCH_FIELDS * i + JOINT_MOMENT] * math.cos(half)
                 rows[r, tail + ROW_MY] = moment - 0.5 * opening * tangential
         else:
             slope = turn - turn_below
@@ -166,14 +177,14 @@ def observe(model, x, o, base_ax, base_az, work, counters, rows, r):
             below_rate = x[o + 3 * n + i + 1] if i + 1 < n else 0.0
             opening = below - opening
             opening_rate = below_rate - opening_rate
-            rows[r, ROW_S * n + i] = -work[scratch + SUM_HORIZONTAL * n + i]
+            rows[r, ROW_S * n + i] = -work[scratch + SCRATCH_FIELDS * i + SUM_HORIZONTAL]
             if i == n - 1:
-                rows[r, tail + ROW_MY] = work[scratch + JOINT_MOMENT * n + i]
+                rows[r, tail + ROW_MY] = work[scratch + SCRATCH_FIELDS * i + JOINT_MOMENT]
         rows[r, ROW_UX * n + i] = work[top + i]
         rows[r, ROW_THETA * n + i] = turn
         rows[r, ROW_N * n + i] = normal
-        rows[r, ROW_M * n + i] = work[scratch + JOINT_MOMENT * n + i]
-        rows[r, ROW_CONTACT * n + i] = work[scratch + JOINT_LENGTH * n + i] / model[row + JOINT_WIDTH]
+        rows[r, ROW_M * n + i] = work[scratch + SCRATCH_FIELDS * i + JOINT_MOMENT]
+        rows[r, ROW_CONTACT * n + i] = work[scratch + SCRATCH_FIELDS * i + JOINT_LENGTH] / model[row + JOINT_WIDTH]
         rows[r, ROW_SIGMA * n + i] = joint_peak_pressure(
             model[row + STIFFNESS],
             model[row + JOINT_WIDTH],

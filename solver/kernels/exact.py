@@ -17,7 +17,7 @@ rotations enter until the base.
 
 import math
 
-from .jit import kernel
+from .jit import kernel, leaf, place
 from .joint import joint_forces
 from .layout import (
     BLOCK_FIELDS,
@@ -34,23 +34,34 @@ from .layout import (
     MASS,
     MODEL_HEADER,
     N_BLOCKS,
+    SCRATCH_FIELDS,
     STIFFNESS,
 )
 
-# scratch fields of the recursion, n numbers each
-COS_BETA = 0  # turn from the frame of joint i to the frame of joint i - 1
-SIN_BETA = 1
-C_T = 2  # velocity terms of the top face of block i
-C_N = 3
-B_T = 4  # acceleration of the top face for a unit alpha_i
-B_N = 5
-ALPHA_S = 6  # alpha_i = ALPHA_S * s_t + ALPHA_0
-ALPHA_0 = 7
-NORMAL_0 = 8  # a_n = NORMAL_0 + NORMAL_A * alpha_i + NORMAL_T * a_t
-NORMAL_A = 9
-NORMAL_T = 10
-MU = 11  # tangential force through the joint = MU * s_t + TAU
-TAU = 12
+# scratch fields of a block: what the way down leaves for the way up, linear in s = s_t
+ALPHA_S = 0  # alpha_i = ALPHA_S * s + ALPHA_0
+ALPHA_0 = 1
+OPEN_S = 2  # delta_i'' = OPEN_S * s + OPEN_0 - s_n
+OPEN_0 = 3
+ABOVE_S = 4  # s of the joint above = ABOVE_S * s + ABOVE_0
+ABOVE_0 = 5
+RISE_S = 6  # s_n of the joint above = RISE_S * s + RISE_0
+RISE_0 = 7
+FORCE_S = 8  # tangential force through the joint = FORCE_S * s + FORCE_0
+FORCE_0 = 9
+TANGENTIAL = 10  # N, that force once s is known
+SMALL = 0.03  # rad: below this the polynomials are exact to rounding
+
+
+@leaf
+def sine_cosine(x):
+    """sin(x) and cos(x); Taylor polynomials where the rest of the series is below rounding."""
+    if abs(x) > SMALL:
+        return math.sin(x), math.cos(x)
+    y = x * x
+    sine = x * (1.0 + y * (-1.0 / 6.0 + y * (1.0 / 120.0 - y * (1.0 / 5040.0))))
+    cosine = 1.0 + y * (-0.5 + y * (1.0 / 24.0 - y * (1.0 / 720.0)))
+    return sine, cosine
 
 
 @kernel
@@ -59,7 +70,7 @@ def exact_accelerations(model, x, o, base_ax, base_az, work, scratch):
 
     base_ax, base_az: m/s2. The scratch fields hold the resultants of every joint afterwards.
     """
-    n = int(model[N_BLOCKS])
+    n = place(int(model[N_BLOCKS]))
     # --- downwards: collect the part above, eliminate the block's own unknowns
     mu = 0.0  # the part above block i, in the frame of joint i - 1
     lever = 0.0  # half the opening of joint i - 1
@@ -68,23 +79,25 @@ def exact_accelerations(model, x, o, base_ax, base_az, work, scratch):
     torque = 0.0
     cos_above = 1.0  # of half the relative rotation of joint i - 1
     sin_above = 0.0
+    c_t_above = 0.0  # velocity terms of the top face of block i - 1, in the frame of joint i - 1
+    c_n_above = 0.0
+    turn = x[place(o)]
+    spin = x[place(o) + 2 * n]
     for i in range(n):
-        row = MODEL_HEADER + BLOCK_FIELDS * i
+        row = place(MODEL_HEADER + BLOCK_FIELDS * i)
+        out = place(scratch + SCRATCH_FIELDS * i)
+        q = place(o + i)
         height = model[row + HEIGHT]
         mass = model[row + MASS]
         over = height - model[row + CENTROID]  # from the centroid to the top face
-        turn = x[o + i]
-        spin = x[o + 2 * n + i]
-        opening = x[o + n + i]
-        opening_rate = x[o + 3 * n + i]
+        opening = x[q + n]
+        opening_rate = x[q + 3 * n]
         turn_below = 0.0
         spin_below = 0.0
         if i + 1 < n:
-            turn_below = x[o + i + 1]
-            spin_below = x[o + 2 * n + i + 1]
-        half = 0.5 * (turn - turn_below)
-        cos_half = math.cos(half)
-        sin_half = math.sin(half)
+            turn_below = x[q + 1]
+            spin_below = x[q + 2 * n + 1]
+        sin_half, cos_half = sine_cosine(0.5 * (turn - turn_below))
         mean_spin = 0.5 * (spin + spin_below)
         normal, moment, length = joint_forces(
             model[row + STIFFNESS],
@@ -97,99 +110,84 @@ def exact_accelerations(model, x, o, base_ax, base_az, work, scratch):
             cos_half * (spin - spin_below),
         )
         moment_turn = moment * cos_half  # conjugate to the relative rotation
+        half_opening = 0.5 * opening
+        b_t = half_opening + height * cos_half  # acceleration of the top face for a unit alpha
+        b_n = -height * sin_half
+        fling = height * spin * spin
+        c_t = 2.0 * opening_rate * mean_spin - fling * sin_half
+        c_n = -opening * mean_spin * mean_spin - fling * cos_half
 
-        # the part above, turned into the frame of this joint
+        # the part above, turned into the frame of this joint, and the block itself
         cos_beta = cos_above * cos_half - sin_above * sin_half
         sin_beta = sin_above * cos_half + cos_above * sin_half
-        m_tt = mu * cos_beta * cos_beta
-        m_nt = -mu * sin_beta * cos_beta
-        m_nn = mu * sin_beta * sin_beta
-        j_t = mu * lever * cos_beta
-        j_n = -mu * lever * sin_beta
-        j_a = mu * lever * lever
-        p_t = push_n * sin_beta + push_t * cos_beta
-        p_n = push_n * cos_beta - push_t * sin_beta
-        p_a = lever * push_t - torque
-        # the block itself
         swing = mass * over
         centripetal = swing * spin * spin
-        m_tt += mass
-        m_nn += mass
-        j_t -= swing * cos_half
-        j_n += swing * sin_half
-        j_a += swing * over + model[row + INERTIA]
-        p_t += centripetal * sin_half
-        p_n += centripetal * cos_half
-        # eliminate the opening: the normal force is known
-        b_t = 0.5 * opening + height * cos_half
-        b_n = -height * sin_half
-        free = (normal - p_n) / m_nn
-        per_alpha = -j_n / m_nn
-        per_t = -m_nt / m_nn
-        m_tt += m_nt * per_t
-        j_t += m_nt * per_alpha
-        j_a += j_n * per_alpha
+        pull = mu * lever
+        m_nn = mass + mu * (sin_beta * sin_beta)
+        m_nt = -mu * (sin_beta * cos_beta)
+        j_t = pull * cos_beta - swing * cos_half
+        j_n = swing * sin_half - pull * sin_beta
+        j_a = pull * lever + (swing * over + model[row + INERTIA])
+        p_t = (push_n * sin_beta + push_t * cos_beta) + centripetal * sin_half
+        p_n = (push_n * cos_beta - push_t * sin_beta) + centripetal * cos_half
+        p_a = lever * push_t - torque
+        # eliminate the opening, the normal force being known; inertias are scaled by m_nn
+        per_mass = 1.0 / m_nn
+        t_scaled = mass * (mass + mu)
+        jt_scaled = mass * j_t - swing * mu * (sin_beta * sin_above)
+        ja_scaled = j_a * m_nn - j_n * j_n
+        free = (normal - p_n) * per_mass
         p_t += m_nt * free
-        p_a += j_n * free + normal * b_n + moment_turn
+        p_a += j_n * free + (normal * b_n + moment_turn)
         # eliminate the rotation
-        g = j_t + b_t * m_tt
-        inertia = j_a + b_t * (j_t + g)
-        alpha_s = -g / inertia
-        alpha_0 = -(p_a + b_t * p_t) / inertia
-        mu = m_tt + g * alpha_s
-        tau = p_t + g * alpha_0
+        g_scaled = jt_scaled + b_t * t_scaled
+        inertia_scaled = ja_scaled + b_t * (jt_scaled + g_scaled)
+        per_inertia = 1.0 / inertia_scaled
+        alpha_s = -g_scaled * per_inertia
+        alpha_0 = -(p_a + b_t * p_t) * (per_inertia * m_nn)
+        at_s = 1.0 + b_t * alpha_s
+        at_0 = b_t * alpha_0
+        an_s = -(j_n * alpha_s + m_nt * at_s) * per_mass
+        an_0 = free - (j_n * alpha_0 + m_nt * at_0) * per_mass
+        work[out + ALPHA_S] = alpha_s
+        work[out + ALPHA_0] = alpha_0
+        work[out + OPEN_S] = an_s - b_n * alpha_s
+        work[out + OPEN_0] = an_0 - b_n * alpha_0
+        work[out + ABOVE_S] = (at_s * cos_beta - an_s * sin_beta) + lever * alpha_s
+        work[out + ABOVE_0] = (at_0 * cos_beta - an_0 * sin_beta) + (lever * alpha_0 + c_t_above)
+        work[out + RISE_S] = at_s * sin_beta + an_s * cos_beta
+        work[out + RISE_0] = at_0 * sin_beta + an_0 * cos_beta + c_n_above
+        mu = (t_scaled * ja_scaled - jt_scaled * jt_scaled) / (m_nn * inertia_scaled)
+        tau = p_t + g_scaled * per_mass * alpha_0
+        work[out + FORCE_S] = mu
+        work[out + FORCE_0] = tau
+        work[out + JOINT_NORMAL] = normal
+        work[out + JOINT_MOMENT] = moment
+        work[out + JOINT_LENGTH] = length
         # hand over to the block below
-        c_t = 2.0 * opening_rate * mean_spin - height * spin * spin * sin_half
-        c_n = -opening * mean_spin * mean_spin - height * spin * spin * cos_half
-        lever = 0.5 * opening
+        lever = half_opening
         push_n = normal
         push_t = tau + mu * c_t
         torque = moment_turn
         cos_above = cos_half
         sin_above = sin_half
+        c_t_above = c_t
+        c_n_above = c_n
+        turn = turn_below
+        spin = spin_below
 
-        work[scratch + COS_BETA * n + i] = cos_beta
-        work[scratch + SIN_BETA * n + i] = sin_beta
-        work[scratch + C_T * n + i] = c_t
-        work[scratch + C_N * n + i] = c_n
-        work[scratch + B_T * n + i] = b_t
-        work[scratch + B_N * n + i] = b_n
-        work[scratch + ALPHA_S * n + i] = alpha_s
-        work[scratch + ALPHA_0 * n + i] = alpha_0
-        work[scratch + NORMAL_0 * n + i] = free
-        work[scratch + NORMAL_A * n + i] = per_alpha
-        work[scratch + NORMAL_T * n + i] = per_t
-        work[scratch + MU * n + i] = mu
-        work[scratch + TAU * n + i] = tau
-        work[scratch + JOINT_NORMAL * n + i] = normal
-        work[scratch + JOINT_MOMENT * n + i] = moment
-        work[scratch + JOINT_LENGTH * n + i] = length
-
-    # --- upwards: gravity is an upward acceleration of the base
-    phi = 0.5 * x[o + n - 1]
-    cos_phi = math.cos(phi)
-    sin_phi = math.sin(phi)
+    # --- upwards: gravity is an upward acceleration of the base, whose joint is turned by theta_n / 2
     lift = base_az + model[GRAVITY]
-    a_t = base_ax * cos_phi - lift * sin_phi
-    a_n = base_ax * sin_phi + lift * cos_phi
-    alpha = 0.0
+    s_t = (base_ax * cos_above - lift * sin_above) + c_t_above
+    s_n = (base_ax * sin_above + lift * cos_above) + c_n_above
     for i in range(n - 1, -1, -1):
-        s_t = a_t + 0.5 * x[o + n + i] * alpha + work[scratch + C_T * n + i]
-        s_n = a_n + work[scratch + C_N * n + i]
-        alpha = work[scratch + ALPHA_S * n + i] * s_t + work[scratch + ALPHA_0 * n + i]
-        a_t = s_t + work[scratch + B_T * n + i] * alpha
-        a_n = (
-            work[scratch + NORMAL_0 * n + i]
-            + work[scratch + NORMAL_A * n + i] * alpha
-            + work[scratch + NORMAL_T * n + i] * a_t
-        )
-        x[o + 4 * n + i] = alpha
-        x[o + 5 * n + i] = a_n - s_n - work[scratch + B_N * n + i] * alpha
-        work[scratch + TAU * n + i] += work[scratch + MU * n + i] * s_t  # now the tangential force
-        # into the frame of the joint above; the turn there is stored with this block
-        cos_beta = work[scratch + COS_BETA * n + i]
-        sin_beta = work[scratch + SIN_BETA * n + i]
-        a_t, a_n = a_t * cos_beta - a_n * sin_beta, a_t * sin_beta + a_n * cos_beta
+        out = place(scratch + SCRATCH_FIELDS * i)
+        q = place(o + i)
+        x[q + 4 * n] = work[out + ALPHA_S] * s_t + work[out + ALPHA_0]
+        x[q + 5 * n] = work[out + OPEN_S] * s_t + (work[out + OPEN_0] - s_n)
+        work[out + TANGENTIAL] = work[out + FORCE_S] * s_t + work[out + FORCE_0]
+        s_n = work[out + RISE_S] * s_t + work[out + RISE_0]
+        s_t = work[out + ABOVE_S] * s_t + work[out + ABOVE_0]
 
 
 @kernel
@@ -205,14 +203,10 @@ def exact_top_motion(model, x, o, out, at):
         turn = x[o + i]
         opening = x[o + n + i]
         spin = x[o + 2 * n + i]
-        phi = 0.5 * (turn + turn_below)
-        sin_phi = math.sin(phi)
-        displacement += opening * sin_phi + height * math.sin(turn)
-        velocity += (
-            x[o + 3 * n + i] * sin_phi
-            + opening * 0.5 * (spin + spin_below) * math.cos(phi)
-            + height * spin * math.cos(turn)
-        )
+        sine, cosine = sine_cosine(turn)
+        sin_phi, cos_phi = sine_cosine(0.5 * (turn + turn_below))
+        displacement += opening * sin_phi + height * sine
+        velocity += x[o + 3 * n + i] * sin_phi + opening * 0.5 * (spin + spin_below) * cos_phi + height * spin * cosine
         out[at + i] = displacement
         out[at + n + i] = velocity
         turn_below = turn

@@ -5,10 +5,10 @@ max(0, stiffness * (pen + damping * dpen/dt)) where pen > 0: both factors are li
 interval, and with damping = 0 it is the elastic joint of the paper.
 """
 
-from .jit import kernel
+from .jit import kernel, leaf
 
 
-@kernel
+@leaf
 def positive_part(value, slope, lo, hi):
     """The part (lo, hi) of an interval where value + slope * s > 0; lo >= hi when there is none."""
     if slope > 0.0:
@@ -20,7 +20,7 @@ def positive_part(value, slope, lo, hi):
     return hi, hi
 
 
-@kernel
+@leaf
 def loaded_part(width, damping, opening, slope, opening_rate, slope_rate):
     """The part (lo, hi) of the joint's width that carries pressure, m from its centre; lo >= hi when there is none."""
     lo, hi = positive_part(-opening, slope, -0.5 * width, 0.5 * width)
@@ -29,7 +29,7 @@ def loaded_part(width, damping, opening, slope, opening_rate, slope_rate):
     return lo, hi
 
 
-@kernel
+@leaf
 def joint_forces(stiffness, width, depth, damping, opening, slope, opening_rate, slope_rate):
     """Normal force N (N, compression positive), moment M (N m, restoring) and loaded length (m) of a joint.
 

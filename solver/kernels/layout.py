@@ -45,6 +45,7 @@ RATE_SCALE = 2  # rad/s, largest rate so far
 BASE_AX = 3  # m/s2, base acceleration that the accelerations of the phase belong to
 BASE_AZ = 4
 OVERTURN_TIME = 5  # s
+LAST_ERROR = 9  # of the last step accepted, in parts of the tolerance
 TIME_FULL = 6  # s spent with every joint in full contact
 TIME_ROCKING = 7  # s with some joint partly open, none fully
 TIME_FLIGHT = 8  # s with some joint fully open
@@ -87,10 +88,9 @@ ROW_MY = 2  # N m
 ROW_TAIL = 3
 
 # --- work (float64): phases, then fields of n numbers each
-PHASE_START = 0  # the phase a step starts from
-PHASE_END = 1  # the phase it arrives at
-PHASE_BETWEEN = 2  # interpolated inside the step
-PHASE_STAGE = 3  # inner stages of a Runge-Kutta step
+PHASE_START = 0  # the phase a step starts from; 1 to 5 are the inner stages of a Runge-Kutta step
+PHASE_END = 6  # the phase it arrives at
+PHASE_BETWEEN = 7  # interpolated inside the step
 N_PHASES = 8
 SCRATCH_FIELDS = 16  # of the acceleration kernels
 TOP_START = 16  # displacement and velocity of the top faces at the start of a step

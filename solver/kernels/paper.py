@@ -28,6 +28,7 @@ from .layout import (
     N_BLOCKS,
     NOT_CONVERGED,
     PIVOT,
+    SCRATCH_FIELDS,
     STIFFNESS,
 )
 
@@ -81,11 +82,11 @@ def paper_accelerations(model, x, o, base_ax, base_az, work, scratch):
             opening_rate,
             slope_rate,
         )
-        work[scratch + THETA * n + i] = turn
-        work[scratch + OPENING * n + i] = opening
-        work[scratch + JOINT_NORMAL * n + i] = normal
-        work[scratch + JOINT_MOMENT * n + i] = moment
-        work[scratch + JOINT_LENGTH * n + i] = length
+        work[scratch + SCRATCH_FIELDS * i + THETA] = turn
+        work[scratch + SCRATCH_FIELDS * i + OPENING] = opening
+        work[scratch + SCRATCH_FIELDS * i + JOINT_NORMAL] = normal
+        work[scratch + SCRATCH_FIELDS * i + JOINT_MOMENT] = moment
+        work[scratch + SCRATCH_FIELDS * i + JOINT_LENGTH] = length
 
     for sweep in range(1, MAX_SWEEPS + 1):
         change = _horizontal_sweep(model, x, o, base_ax, lift, work, scratch, n)
@@ -118,10 +119,10 @@ def _horizontal_sweep(model, x, o, base_ax, lift, work, scratch, n):
             a_below = x[o + 4 * n + i + 1]
         a_top = x[o + 4 * n + i]
         inertial = mass * (base_ax + (centroid * a_top + (height - centroid) * a_below) / height)
-        theta = work[scratch + THETA * n + i]
-        opening = work[scratch + OPENING * n + i]
+        theta = work[scratch + SCRATCH_FIELDS * i + THETA]
+        opening = work[scratch + SCRATCH_FIELDS * i + OPENING]
         heavy = mass * (lift - x[o + 5 * n + i])
-        moment = work[scratch + JOINT_MOMENT * n + i]
+        moment = work[scratch + SCRATCH_FIELDS * i + JOINT_MOMENT]
         residual = (
             (centroid + 0.5 * opening) * inertial
             + (height + 0.5 * (opening + opening_above)) * shear
@@ -130,7 +131,7 @@ def _horizontal_sweep(model, x, o, base_ax, lift, work, scratch, n):
             - theta * (centroid * heavy + height * weight)
         ) / height
         pushed = residual - row_above - model[row + COUPLING] * pushed
-        work[scratch + RESIDUAL * n + i] = pushed
+        work[scratch + SCRATCH_FIELDS * i + RESIDUAL] = pushed
         row_above = residual
         shear += inertial
         weight += heavy
@@ -140,7 +141,7 @@ def _horizontal_sweep(model, x, o, base_ax, lift, work, scratch, n):
     correction = 0.0
     for i in range(n - 1, -1, -1):
         row = MODEL_HEADER + BLOCK_FIELDS * i
-        correction_here = work[scratch + RESIDUAL * n + i] * model[row + PIVOT]
+        correction_here = work[scratch + SCRATCH_FIELDS * i + RESIDUAL] * model[row + PIVOT]
         if i + 1 < n:
             correction_here -= model[row + BLOCK_FIELDS + COUPLING] * correction
         correction = correction_here
@@ -165,11 +166,11 @@ def _vertical_sweep(model, x, o, base_ax, lift, work, scratch, n):
         theta_below = 0.0
         if i + 1 < n:
             a_below = x[o + 4 * n + i + 1]
-            theta_below = work[scratch + THETA * n + i + 1]
+            theta_below = work[scratch + SCRATCH_FIELDS * (i + 1) + THETA]
         shear += mass * (base_ax + (centroid * x[o + 4 * n + i] + (height - centroid) * a_below) / height)
-        work[scratch + SUM_HORIZONTAL * n + i] = shear
-        tilt = 0.5 * (work[scratch + THETA * n + i] + theta_below) * shear
-        normal = work[scratch + JOINT_NORMAL * n + i]
+        work[scratch + SCRATCH_FIELDS * i + SUM_HORIZONTAL] = shear
+        tilt = 0.5 * (work[scratch + SCRATCH_FIELDS * i + THETA] + theta_below) * shear
+        normal = work[scratch + SCRATCH_FIELDS * i + JOINT_NORMAL]
         value = lift + ((normal_above - normal) + (tilt - carried)) / mass
         change = max(change, abs(value - x[o + 5 * n + i]))
         x[o + 5 * n + i] = value

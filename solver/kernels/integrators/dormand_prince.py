@@ -14,9 +14,6 @@ from ..layout import (
     N_BLOCKS,
     OK,
     OPEN_SIZE,
-    PHASE_END,
-    PHASE_STAGE,
-    PHASE_START,
     TOLERANCE,
     TURN_SIZE,
 )
@@ -41,53 +38,37 @@ ERROR_WEIGHTS = np.array([71 / 57600, 0.0, -71 / 16695, 71 / 1920, -17253 / 3392
 
 
 @kernel
-def _stage_offset(stage, size):
-    """Offset of a stage's phase in the work array: the first is the step's start, the last its end."""
-    if stage == 0:
-        return 3 * size * PHASE_START
-    if stage == STAGES - 1:
-        return 3 * size * PHASE_END
-    return 3 * size * (PHASE_STAGE + stage - 1)
-
-
-@kernel
 def attempt(model, inputs, work, counters, scale, rate_scale, t, h):
     """One step and its error, relative to tolerance times scale (rad) and rate_scale (rad/s)."""
     n = int(model[N_BLOCKS])
     size = 2 * n
-    start = _stage_offset(0, size)
+    phase = 3 * size  # stage k is the phase k of the work array
     for stage in range(1, STAGES):
-        here = _stage_offset(stage, size)
-        for i in range(size):
-            work[here + i] = 0.0
-            work[here + size + i] = 0.0
-        for j in range(stage):
-            weight = STAGE_WEIGHTS[stage, j]
-            if weight != 0.0:
-                there = _stage_offset(j, size)
-                for i in range(2 * size):
-                    work[here + i] += weight * work[there + size + i]
+        here = phase * stage
         for i in range(2 * size):
-            work[here + i] = work[start + i] + h * work[here + i]
+            slope = STAGE_WEIGHTS[stage, 0] * work[size + i]
+            for j in range(1, stage):
+                slope += STAGE_WEIGHTS[stage, j] * work[phase * j + size + i]
+            work[here + i] = work[i] + h * slope
         for i in range(size):  # first guess for an iterated formulation
-            work[here + 2 * size + i] = work[start + 2 * size + i]
+            work[here + 2 * size + i] = work[2 * size + i]
         base_ax, base_az = base_acceleration(inputs, t + NODES[stage] * h)
         code = accelerate(model, work, here, base_ax, base_az, work, counters)
         if code != OK:
             return code, 0.0
 
     error = 0.0
-    for i in range(2 * size):
-        difference = 0.0
-        for stage in range(STAGES):
-            difference += ERROR_WEIGHTS[stage] * work[_stage_offset(stage, size) + size + i]
-        k = i if i < size else i - size
-        unit = scale if i < size else rate_scale
-        if k < n:
-            unit *= model[MODEL_HEADER + BLOCK_FIELDS * k + TURN_SIZE]
-        else:
-            unit *= model[MODEL_HEADER + BLOCK_FIELDS * (k - n) + OPEN_SIZE]
-        part = abs(h * difference) / (model[TOLERANCE] * unit)
-        if not part <= error:  # keeps a part that is not a number
-            error = part
+    unit = h / (model[TOLERANCE] * scale)
+    for segment in range(4):  # rotations, openings, their rates
+        if segment == 2:
+            unit = h / (model[TOLERANCE] * rate_scale)
+        field = OPEN_SIZE if segment % 2 else TURN_SIZE
+        for i in range(n):
+            k = size + segment * n + i
+            difference = ERROR_WEIGHTS[0] * work[k]
+            for stage in range(2, STAGES):
+                difference += ERROR_WEIGHTS[stage] * work[phase * stage + k]
+            part = abs(difference) * unit / model[MODEL_HEADER + BLOCK_FIELDS * i + field]
+            if not part <= error:  # keeps a part that is not a number
+                error = part
     return OK, error
