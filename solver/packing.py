@@ -23,6 +23,10 @@ INTEGRATOR_CODES = {"auto": at.AUTO, "central-difference": at.CENTRAL_DIFFERENCE
 # base joint opens: a column at rest, or nearly, need not be followed digit by digit.
 FLOOR = 1e-2
 
+# The errors of steps add up: each is allowed this part of the tolerance that the user asks for.
+STEP_PART = 0.1
+LEAST_TOLERANCE = 1e-13
+
 # A column has overturned when a block, or the joint under it, has turned by more than this many times the angle at
 # which the block alone would stand on its edge (below that angle gravity still rights it), and by at least LEAST_FALL,
 # at most a quarter turn.
@@ -72,7 +76,7 @@ def pack_model(column: Column) -> FloatArray:
     model[at.FORMULATION] = FORMULATION_CODES[settings.formulation]
     model[at.INTEGRATOR] = INTEGRATOR_CODES[settings.integrator]
     model[at.STEP] = settings.step
-    model[at.TOLERANCE] = settings.tolerance
+    model[at.TOLERANCE] = max(LEAST_TOLERANCE, STEP_PART * settings.tolerance)
     # an upper bound of the joint modes, from each block between two stiff joints
     area = rows[:, at.JOINT_WIDTH] * rows[:, at.JOINT_DEPTH]
     spring = rows[:, at.STIFFNESS] * area

@@ -61,6 +61,7 @@ def simulate(
         overturn_time=stepper.overturn_time,
         stats={
             "steps": int(stepper.counters[at.STEPS]),
+            "implicit_steps": int(stepper.counters[at.IMPLICIT_STEPS]),
             "rejected": int(stepper.counters[at.REJECTED]),
             "evaluations": int(stepper.counters[at.EVALUATIONS]),
             "sweeps": int(stepper.counters[at.SWEEPS]),

@@ -110,14 +110,18 @@ def test_resultants_and_peak_are_those_of_the_sampled_pressure(state: State) -> 
     slack = state.force / count
     assert force == pytest.approx(np.sum(pressure) * strip, abs=slack)  # measured 0.45 of it
     assert moment == pytest.approx(np.sum(pressure * s) * strip, abs=0.5 * slack * state.width)  # measured 0.3 of it
-    assert length == pytest.approx(np.count_nonzero(pressure) / count * state.width, abs=2.0 * state.width / count)
     peak = joint_peak_pressure(
         state.stiffness, state.width, state.damping,
         state.opening, state.slope, state.opening_rate, state.slope_rate,
     )  # fmt: skip
     highest = float(np.max(pressure))
-    one_strip = state.force / (state.width * state.depth) / count * 2.0
-    assert highest * (1.0 - 1e-12) <= peak <= highest + one_strip
+    unit = state.force / (state.width * state.depth)
+    assert peak >= highest - 1e-14 * unit
+    if length > 2.0 * state.width / count:  # no sample may lie in a narrower contact
+        assert peak <= highest + 2.0 * unit / count
+    if highest > 1e-6 * unit:  # neither is the edge of no pressure to be seen
+        loaded = np.count_nonzero(pressure) / count * state.width
+        assert length == pytest.approx(loaded, abs=2.0 * state.width / count)  # measured 0.3 of it
 
 
 @given(state=states())
@@ -125,7 +129,7 @@ def test_resultants_and_peak_are_those_of_the_sampled_pressure(state: State) -> 
 def test_joint_never_pulls_and_the_resultant_stays_inside_it(state: State) -> None:
     force, moment, length = joint_forces(*astuple(state))
     assert force >= 0.0
-    assert abs(moment) <= 0.5 * force * state.width * (1.0 + 1e-12)
+    assert abs(moment) <= 0.5 * state.width * (force + 1e-14 * state.force)
     assert 0.0 <= length <= state.width
     assert (length > 0.0) >= (force > 0.0)
     _, _, touching = elastic(state, state.opening, state.slope)

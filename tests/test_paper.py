@@ -92,7 +92,7 @@ def test_accelerations_are_those_of_the_dense_equations(seed: int, n: int) -> No
     column, u, rate, ax, az = scene(seed, n)
     found, _ = look(column, u, rate, ax, az)
     expected = Dense(column).accelerations(u, rate, ax, az)
-    assert found == pytest.approx(expected, abs=1e-12 * np.max(np.abs(expected)))  # measured 1e-14
+    assert found == pytest.approx(expected, abs=2e-12 * np.max(np.abs(expected)))  # measured 1e-13
 
 
 @given(seed=seeds, n=sizes)
@@ -108,9 +108,9 @@ def test_output_row_is_the_papers(seed: int, n: int) -> None:
     push = dense.data.mass * (ax + dense.B @ acceleration[:n])  # eq. 20
     lift = dense.data.mass * (dense.data.g + az - acceleration[n:])
     scale = np.sum(np.abs(push) + np.abs(lift))
-    assert field(row, at.ROW_S, n) == pytest.approx(-dense.T @ push, abs=1e-14 * scale)  # measured 2e-15
-    assert tail(row, at.ROW_FX) == pytest.approx(-np.sum(push), abs=1e-14 * scale)
-    assert tail(row, at.ROW_FZ) == pytest.approx(-np.sum(lift), abs=1e-14 * scale)
+    assert field(row, at.ROW_S, n) == pytest.approx(-dense.T @ push, abs=1e-13 * scale)  # measured 8e-15
+    assert tail(row, at.ROW_FX) == pytest.approx(-np.sum(push), abs=1e-13 * scale)
+    assert tail(row, at.ROW_FZ) == pytest.approx(-np.sum(lift), abs=1e-13 * scale)
     assert tail(row, at.ROW_MY) == field(row, at.ROW_M, n)[-1]
 
 

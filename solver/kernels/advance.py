@@ -3,7 +3,7 @@
 import math
 
 from .dynamics import accelerate, base_acceleration, observe, reach_of, rotation, scratch_offset, top_motion
-from .integrators import central_difference, dormand_prince
+from .integrators import central_difference, dormand_prince, rosenbrock
 from .interpolation import interpolate_phase, turning_point
 from .jit import entry, kernel
 from .layout import (
@@ -11,9 +11,14 @@ from .layout import (
     BASE_AZ,
     BLOCK_FIELDS,
     CENTRAL_DIFFERENCE,
+    EXACT,
+    EXPLICIT_STEP,
     FALL_ANGLE,
     FIRST_STEP,
+    FORMULATION,
     HAS_OVERTURNED,
+    IMPLICIT,
+    IMPLICIT_STEPS,
     INPUT_AMPLITUDE,
     INPUT_AX,
     INPUT_AZ,
@@ -42,6 +47,7 @@ from .layout import (
     ROTATION_FLOOR,
     ROTATION_SCALE,
     SCRATCH_FIELDS,
+    SINCE_PROBE,
     STARTED,
     STATE_HEADER,
     STEP,
@@ -59,11 +65,16 @@ from .layout import (
 SAFETY = 0.9
 SHRINK = 0.2
 GROW = 5.0
-# step control with memory (Gustafsson 1991): a step at the edge of stability is not tried beyond it every other time
-INTEGRAL = 0.7 / dormand_prince.ORDER
-SMOOTH = 0.9
-PROPORTIONAL = 0.4 / dormand_prince.ORDER
+# step control with memory (K. Gustafsson, ACM Trans. Math. Softw. 17 (1991) 533-554), parts of one over the order: a
+# step at the edge of stability is not tried beyond it every other time
+INTEGRAL = 0.7
+PROPORTIONAL = 0.4
 LEAST_ERROR = 1e-4
+# when `auto` changes its method
+GAIN = 1.2  # the implicit method has to step further than the explicit one by so much
+PROBE = 2.0  # times the explicit step: how far the implicit method is tried
+STEPS_PER_PROBE = 100
+SMOOTHING = 0.2
 SLACK = 1e-9  # of a step: times closer than this are the same
 LEAST_STEP = 1e-13  # of the time scale: below this the error control has failed
 
@@ -202,6 +213,64 @@ def _serve_held_rows(model, state, work, counters, end_time, times, rows):
 
 
 @kernel
+def _chooses_implicit(model, state, counters, step, left):
+    """Whether `auto` makes its next step, of so many seconds, by the implicit method.
+
+    A step of either costs about the same, so the one that makes longer steps is the better. The implicit one is left
+    where it steps no further than the explicit one did; from time to time it is tried with a longer step.
+    """
+    if model[FORMULATION] != EXACT:
+        return False
+    if counters[IMPLICIT] == 1:
+        return min(step, left) > GAIN * state[EXPLICIT_STEP]
+    if counters[SINCE_PROBE] >= STEPS_PER_PROBE and PROBE * step <= left:
+        counters[SINCE_PROBE] = 0
+        return True
+    return False
+
+
+@kernel
+def _attempt(model, state, counters, inputs, work, t, step, implicit):
+    """One step of `auto` from t; returns (code, error in tolerances)."""
+    if implicit:
+        return rosenbrock.attempt(model, inputs, work, counters, state[ROTATION_SCALE], state[RATE_SCALE], t, step)
+    return dormand_prince.attempt(model, inputs, work, counters, state[ROTATION_SCALE], state[RATE_SCALE], t, step)
+
+
+@kernel
+def _accepts(state, counters, step, implicit, code, error):
+    """Whether a step just tried is good enough; proposes the next one either way."""
+    order = rosenbrock.ORDER if implicit else dormand_prince.ORDER
+    if code != OK or not error <= 1.0:
+        counters[REJECTED] += 1
+        if implicit and counters[IMPLICIT] == 0:  # a probe that failed: go on as before
+            return False
+        factor = SHRINK
+        if code == OK and math.isfinite(error):
+            factor = max(SHRINK, SAFETY * error ** (-1.0 / order))
+        state[NEXT_STEP] = step * factor
+        state[LAST_ERROR] = 1.0
+        return False
+    error = max(error, LEAST_ERROR)
+    factor = SAFETY * error ** (-INTEGRAL / order) * state[LAST_ERROR] ** (PROPORTIONAL / order)
+    factor = min(GROW, max(SHRINK, factor))
+    state[LAST_ERROR] = error
+    if implicit:
+        counters[IMPLICIT_STEPS] += 1
+        counters[IMPLICIT] = 1
+        state[NEXT_STEP] = step * factor if factor < 1.0 else max(step * factor, state[NEXT_STEP])
+        return True
+    counters[SINCE_PROBE] += 1
+    # a step cut short by the end of the call says nothing against the longer one proposed before
+    if step >= state[NEXT_STEP] * (1.0 - SLACK):
+        state[EXPLICIT_STEP] += SMOOTHING * (step - state[EXPLICIT_STEP])
+        if counters[IMPLICIT] == 1:
+            counters[IMPLICIT] = 0
+    state[NEXT_STEP] = step * factor if factor < 1.0 else max(step * factor, state[NEXT_STEP])
+    return True
+
+
+@kernel
 def advance(model, state, counters, inputs, work, t, h, times, rows):
     """Take the column from t to t + h, landing there exactly. Returns a code.
 
@@ -228,6 +297,8 @@ def advance(model, state, counters, inputs, work, t, h, times, rows):
         if counters[STARTED] == 0:
             counters[STARTED] = 1
             state[NEXT_STEP] = model[FIRST_STEP]
+            state[EXPLICIT_STEP] = model[FIRST_STEP]
+            state[LAST_ERROR] = 1.0
             state[ROTATION_SCALE] = max(state[ROTATION_SCALE], model[ROTATION_FLOOR])
             state[RATE_SCALE] = max(state[RATE_SCALE], model[RATE_FLOOR])
             code = _take_stock(model, state, work, start, 0.0)
@@ -261,31 +332,20 @@ def advance(model, state, counters, inputs, work, t, h, times, rows):
             step = state[NEXT_STEP]
             if inputs[INPUT_AMPLITUDE] != 0.0:  # never skip over a cycle of the motion
                 step = min(step, 1.0 / inputs[INPUT_OMEGA])
+            implicit = _chooses_implicit(model, state, counters, step, left)
+            if counters[SINCE_PROBE] == 0 and counters[IMPLICIT] == 0 and implicit:
+                step *= PROBE
             if step * (1.0 + SLACK) >= left:
                 step = left
             else:
                 last = False
                 if 2.0 * step > left:  # two alike rather than one and a sliver
                     step = 0.5 * left
-            code, error = dormand_prince.attempt(
-                model, inputs, work, counters, state[ROTATION_SCALE], state[RATE_SCALE], t + gone, step
-            )
-            if code != OK or not error <= 1.0:
-                counters[REJECTED] += 1
-                factor = SHRINK
-                if code == OK and math.isfinite(error):
-                    factor = max(SHRINK, SAFETY * error ** (-1.0 / dormand_prince.ORDER))
-                state[NEXT_STEP] = step * factor
-                state[LAST_ERROR] = 1.0
+            code, error = _attempt(model, state, counters, inputs, work, t + gone, step, implicit)
+            if not _accepts(state, counters, step, implicit, code, error):
                 if state[NEXT_STEP] < LEAST_STEP * max(model[FIRST_STEP], abs(t + gone)):
                     return code if code != OK else STEP_TOO_SMALL
                 continue
-            error = max(error, LEAST_ERROR)
-            factor = SMOOTH * error**-INTEGRAL * state[LAST_ERROR] ** PROPORTIONAL
-            factor = min(GROW, max(SHRINK, factor))
-            state[LAST_ERROR] = error
-            # a step cut short by the end of the call says nothing against the longer one proposed before
-            state[NEXT_STEP] = max(step * factor, state[NEXT_STEP]) if factor >= 1.0 else step * factor
         counters[STEPS] += 1
         code = _take_stock(model, state, work, end, step)
         if code != OK:

@@ -47,6 +47,7 @@ from .layout import (
     STIFFNESS,
     SWEEPS,
     TOP_BETWEEN,
+    WORK_FIELDS,
 )
 from .paper import SUM_HORIZONTAL, paper_accelerations
 
@@ -55,6 +56,12 @@ from .paper import SUM_HORIZONTAL, paper_accelerations
 def scratch_offset(n):
     """Where the scratch of the acceleration kernels begins in the work array."""
     return 6 * N_PHASES * n
+
+
+@kernel
+def tangent_offset(n):
+    """Where the scratch of the implicit solution begins in the work array."""
+    return (6 * N_PHASES + WORK_FIELDS) * n
 
 
 @kernel
@@ -87,7 +94,7 @@ def accelerate(model, x, o, base_ax, base_az, work, counters):
 
 @kernel
 def rotation(model, x, o, i):
-    """Rotation of block i of the phase at x[o:], rad clockwise; i = n is the base."""
+    """Rotation of block i of the phase at x[o:], rad clockwise; where x[o:] are rates, its rate; i = n is the base."""
     n = int(model[N_BLOCKS])
     if i >= n:
         return 0.0
@@ -95,18 +102,6 @@ def rotation(model, x, o, i):
         return x[o + i]
     below = x[o + i + 1] if i + 1 < n else 0.0
     return (x[o + i] - below) / model[MODEL_HEADER + BLOCK_FIELDS * i + HEIGHT]
-
-
-@kernel
-def rotation_rate(model, x, o, i):
-    """Rate of the rotation of block i, rad/s."""
-    n = int(model[N_BLOCKS])
-    if i >= n:
-        return 0.0
-    if model[FORMULATION] == EXACT:
-        return x[o + 2 * n + i]
-    below = x[o + 2 * n + i + 1] if i + 1 < n else 0.0
-    return (x[o + 2 * n + i] - below) / model[MODEL_HEADER + BLOCK_FIELDS * i + HEIGHT]
 
 
 @kernel
@@ -149,8 +144,8 @@ def observe(model, x, o, base_ax, base_az, work, counters, rows, r):
         row = MODEL_HEADER + BLOCK_FIELDS * i
         turn = rotation(model, x, o, i)
         turn_below = rotation(model, x, o, i + 1)
-        spin = rotation_rate(model, x, o, i)
-        spin_below = rotation_rate(model, x, o, i + 1)
+        spin = rotation(model, x, o + 2 * n, i)
+        spin_below = rotation(model, x, o + 2 * n, i + 1)
         normal = work[scratch + SCRATCH_FIELDS * i + JOINT_NORMAL]
         opening = x[o + n + i]
         opening_rate = x[o + 3 * n + i]

@@ -131,7 +131,8 @@ def exact_accelerations(model, x, o, base_ax, base_az, work, scratch):
         p_t = (push_n * sin_beta + push_t * cos_beta) + centripetal * sin_half
         p_n = (push_n * cos_beta - push_t * sin_beta) + centripetal * cos_half
         p_a = lever * push_t - torque
-        # eliminate the opening, the normal force being known; inertias are scaled by m_nn
+        # eliminate the opening, the normal force being known; inertias are scaled by m_nn, in which form the
+        # determinant of the translational inertia is simple: the part above is inert in one direction only
         per_mass = 1.0 / m_nn
         t_scaled = mass * (mass + mu)
         jt_scaled = mass * j_t - swing * mu * (sin_beta * sin_above)

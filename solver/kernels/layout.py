@@ -46,6 +46,7 @@ BASE_AX = 3  # m/s2, base acceleration that the accelerations of the phase belon
 BASE_AZ = 4
 OVERTURN_TIME = 5  # s
 LAST_ERROR = 9  # of the last step accepted, in parts of the tolerance
+EXPLICIT_STEP = 10  # s, what the explicit method of `auto` has been stepping by
 TIME_FULL = 6  # s spent with every joint in full contact
 TIME_ROCKING = 7  # s with some joint partly open, none fully
 TIME_FLIGHT = 8  # s with some joint fully open
@@ -59,7 +60,10 @@ SWEEPS = 3
 OVERTURNED = 4  # number of the joint that let go, 0 while the column stands
 STARTED = 5  # 0 until the accelerations of the phase have been computed once
 NEXT_ROW = 6  # first output time not yet served
-COUNTERS = 8
+IMPLICIT = 7  # 1 while `auto` steps by its implicit method
+IMPLICIT_STEPS = 8  # of STEPS
+SINCE_PROBE = 9  # explicit steps since the implicit method was last tried
+COUNTERS = 12
 
 # --- inputs (float64): base acceleration at t, a_x = AX + JX (t - T0) + AMPLITUDE sin(OMEGA t + PHASE)
 INPUT_AX = 0  # m/s2
@@ -97,6 +101,7 @@ TOP_START = 16  # displacement and velocity of the top faces at the start of a s
 TOP_END = 18  # and at its end
 TOP_BETWEEN = 20
 WORK_FIELDS = 22
+TANGENT_FIELDS = 20  # of the implicit solution
 
 # fields of the scratch that every formulation leaves behind: resultants of the joints
 JOINT_NORMAL = 13  # N
@@ -123,4 +128,4 @@ def row_size(n: int) -> int:
 
 def work_size(n: int) -> int:
     """Length of the scratch array of n blocks."""
-    return (6 * N_PHASES + WORK_FIELDS) * n
+    return (6 * N_PHASES + WORK_FIELDS + TANGENT_FIELDS) * n

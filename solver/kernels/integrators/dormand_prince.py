@@ -8,15 +8,8 @@ import numpy as np
 
 from ..dynamics import accelerate, base_acceleration
 from ..jit import kernel
-from ..layout import (
-    BLOCK_FIELDS,
-    MODEL_HEADER,
-    N_BLOCKS,
-    OK,
-    OPEN_SIZE,
-    TOLERANCE,
-    TURN_SIZE,
-)
+from ..layout import N_BLOCKS, OK, PHASE_BETWEEN
+from .error import error_in_tolerances
 
 STAGES = 7
 ORDER = 5
@@ -40,8 +33,7 @@ ERROR_WEIGHTS = np.array([71 / 57600, 0.0, -71 / 16695, 71 / 1920, -17253 / 3392
 @kernel
 def attempt(model, inputs, work, counters, scale, rate_scale, t, h):
     """One step and its error, relative to tolerance times scale (rad) and rate_scale (rad/s)."""
-    n = int(model[N_BLOCKS])
-    size = 2 * n
+    size = 2 * int(model[N_BLOCKS])
     phase = 3 * size  # stage k is the phase k of the work array
     for stage in range(1, STAGES):
         here = phase * stage
@@ -57,18 +49,10 @@ def attempt(model, inputs, work, counters, scale, rate_scale, t, h):
         if code != OK:
             return code, 0.0
 
-    error = 0.0
-    unit = h / (model[TOLERANCE] * scale)
-    for segment in range(4):  # rotations, openings, their rates
-        if segment == 2:
-            unit = h / (model[TOLERANCE] * rate_scale)
-        field = OPEN_SIZE if segment % 2 else TURN_SIZE
-        for i in range(n):
-            k = size + segment * n + i
-            difference = ERROR_WEIGHTS[0] * work[k]
-            for stage in range(2, STAGES):
-                difference += ERROR_WEIGHTS[stage] * work[phase * stage + k]
-            part = abs(difference) * unit / model[MODEL_HEADER + BLOCK_FIELDS * i + field]
-            if not part <= error:  # keeps a part that is not a number
-                error = part
-    return OK, error
+    difference = PHASE_BETWEEN * phase
+    for i in range(2 * size):
+        value = ERROR_WEIGHTS[0] * work[size + i]
+        for stage in range(2, STAGES):
+            value += ERROR_WEIGHTS[stage] * work[phase * stage + size + i]
+        work[difference + i] = h * value
+    return OK, error_in_tolerances(model, work, difference, scale, rate_scale)

@@ -1,0 +1,116 @@
+"""A linearly implicit W-method of order 3 with an embedded order 2, L-stable and stiffly accurate: ROS34PW2.
+
+J. Rang, L. Angermann, New Rosenbrock W-methods of order 3 for partial differential algebraic equations of index 1, BIT
+45 (2005) 761-787. A W-method keeps its order whatever stands for the Jacobian; here it is that of the joints' forces
+alone, which is what makes a column stiff, so that a stage costs one evaluation and one O(n) solution (implicit.py).
+
+The stages are written for u = (u_q, u_v) as in E. Hairer, G. Wanner, Solving Ordinary Differential Equations II,
+section IV.7, eq. 7.25:
+
+    u_q = h gamma (u_v + F_q),     (M + G) u_v = h gamma M F_v - (h gamma)^2 K F_q
+"""
+
+import numpy as np
+
+from ..dynamics import accelerate, base_acceleration, tangent_offset
+from ..implicit import factorize, solve
+from ..jit import kernel
+from ..layout import N_BLOCKS, OK, PHASE_BETWEEN, PHASE_END
+from .error import error_in_tolerances
+
+ORDER = 3
+STAGES = 4
+GAMMA = 4.3586652150845900e-01
+ALPHA = np.array(
+    [
+        [0.0, 0.0, 0.0, 0.0],
+        [8.7173304301691801e-01, 0.0, 0.0, 0.0],
+        [8.4457060015369423e-01, -1.1299064236484185e-01, 0.0, 0.0],
+        [0.0, 0.0, 1.0, 0.0],
+    ]
+)
+GAMMAS = np.array(
+    [
+        [GAMMA, 0.0, 0.0, 0.0],
+        [-8.7173304301691801e-01, GAMMA, 0.0, 0.0],
+        [-9.0338057013044082e-01, 5.4180672388095326e-02, GAMMA, 0.0],
+        [2.4212380706095346e-01, -1.2232505839045147e00, 5.4526025533510214e-01, GAMMA],
+    ]
+)
+WEIGHTS = np.array([2.4212380706095346e-01, -1.2232505839045147e00, 1.5452602553351020e00, 4.3586652150845900e-01])
+EMBEDDED = np.array([3.7810903145819369e-01, -9.6042292212423178e-02, 0.5, 2.1793326075422950e-01])
+
+
+def _over_gammas(rows: np.ndarray) -> np.ndarray:
+    """rows @ inverse(GAMMAS), by back substitution: the same bits on every machine."""
+    result = np.zeros_like(rows)
+    for i in range(len(rows)):
+        for j in range(STAGES - 1, -1, -1):
+            rest = rows[i, j]
+            for k in range(j + 1, STAGES):
+                rest -= result[i, k] * GAMMAS[k, j]
+            result[i, j] = rest / GAMMAS[j, j]
+    return result
+
+
+NODES = np.array([sum(row) for row in ALPHA.tolist()])
+A = _over_gammas(ALPHA)
+C = np.eye(STAGES) / GAMMA - _over_gammas(np.eye(STAGES))
+M = _over_gammas(WEIGHTS[None, :])[0]
+E = _over_gammas((WEIGHTS - EMBEDDED)[None, :])[0]
+
+
+@kernel
+def attempt(model, inputs, work, counters, scale, rate_scale, t, h):
+    """One step and its error, relative to tolerance times scale (rad) and rate_scale (rad/s)."""
+    n = int(model[N_BLOCKS])
+    size = 2 * n
+    phase = 3 * size  # stage k = 1 to 4 keeps (u_q, u_v, F_q) in phase k of the work array; its phase is the fifth
+    here = 5 * phase
+    end = PHASE_END * phase
+    tangent = tangent_offset(n)
+    part = h * GAMMA
+    factorize(model, work, 0, work, tangent, part)
+    for stage in range(STAGES):
+        u = phase * (stage + 1)
+        a = 2 * size  # accelerations of the stage: those of the start, which are known, then at its phase
+        if stage > 0:
+            for i in range(2 * size):
+                value = work[i]
+                for j in range(stage):
+                    value += A[stage, j] * work[phase * (j + 1) + i]
+                work[here + i] = value
+            for i in range(size):
+                work[here + 2 * size + i] = work[2 * size + i]
+            base_ax, base_az = base_acceleration(inputs, t + NODES[stage] * h)
+            code = accelerate(model, work, here, base_ax, base_az, work, counters)
+            if code != OK:
+                return code, 0.0
+            a += here
+        rates = here + size if stage > 0 else size
+        for i in range(size):
+            f_q = work[rates + i]
+            f_v = work[a + i]
+            for j in range(stage):
+                f_q += C[stage, j] / h * work[phase * (j + 1) + i]
+                f_v += C[stage, j] / h * work[phase * (j + 1) + size + i]
+            work[u + 2 * size + i] = f_q
+            work[u + size + i] = part * f_v
+        solve(model, work, tangent, u + 2 * size, u + size, part)
+        for i in range(size):
+            work[u + i] = part * (work[u + size + i] + work[u + 2 * size + i])
+    difference = PHASE_BETWEEN * phase
+    for i in range(2 * size):
+        value = 0.0
+        error = 0.0
+        for j in range(STAGES):
+            u_j = work[phase * (j + 1) + i]
+            value += M[j] * u_j
+            error += E[j] * u_j
+        work[end + i] = work[i] + value
+        work[difference + i] = error
+    for i in range(size):
+        work[end + 2 * size + i] = work[2 * size + i]
+    error = error_in_tolerances(model, work, difference, scale, rate_scale)
+    base_ax, base_az = base_acceleration(inputs, t + h)
+    return accelerate(model, work, end, base_ax, base_az, work, counters), error

@@ -1,0 +1,142 @@
+"""The implicit method of `auto`: its linear solution, its coefficients, its order, and when it is chosen."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from lagrange import Reference
+from probe import PHOCAS_STIFFNESS, Array, G, phocas, random_column, random_state
+
+from solver import Block, Column, Joint, Motion, simulate
+from solver.kernels import layout as at
+from solver.kernels.dynamics import tangent_offset
+from solver.kernels.implicit import K_11, K_12, K_22, factorize, solve
+from solver.kernels.integrators import rosenbrock
+from solver.packing import pack_model
+
+
+def drums(n: int, eta: float = 1e-3, **changes: float) -> Column:
+    """The shaft of the Column of Phocas cut into n drums, whose joints together are as soft as the three."""
+    block = Block(14.07 / n, 1.56, 1.56, 81000.0 / n, Joint(PHOCAS_STIFFNESS * n / 3.0, eta))
+    return Column("drums", (block,) * n).with_settings(**changes)  # type: ignore[arg-type]
+
+
+def joint_matrices(column: Column, work: Array, part: float) -> tuple[Array, Array]:
+    """(G, K): the joints' second derivatives as left by `factorize`, by (theta, delta), weighted and not."""
+    n = column.n
+    weighted, plain = np.zeros((2 * n, 2 * n)), np.zeros((2 * n, 2 * n))
+    for i, block in enumerate(column.blocks):
+        relative = np.zeros((2, 2 * n))
+        relative[0, i] = 1.0
+        if i + 1 < n:
+            relative[0, i + 1] = -1.0
+        relative[1, n + i] = 1.0
+        fields = work[tangent_offset(n) + at.TANGENT_FIELDS * i :]
+        own = relative.T @ np.array([[fields[K_11], fields[K_12]], [fields[K_12], fields[K_22]]]) @ relative
+        plain += own
+        weighted += part * (part + block.joint.damping) * own
+    return weighted, plain
+
+
+@settings(deadline=None, max_examples=40)
+@given(seed=st.integers(0, 2**32 - 1), n=st.integers(1, 6), part=st.floats(1e-5, 1e-1))
+def test_solution_is_that_of_the_dense_system(seed: int, n: int, part: float) -> None:
+    rng = np.random.default_rng(seed)
+    column = random_column(rng, n)
+    q, rate = random_state(rng, column, 0.3)
+    work = np.zeros(at.work_size(n))
+    x = np.concatenate([q, rate, np.zeros(2 * n)])
+    factorize(pack_model(column), x, 0, work, tangent_offset(n), part)
+    weighted, plain = joint_matrices(column, work, part)
+    a, v = rng.normal(size=2 * n), rng.normal(size=2 * n)
+    work[: 4 * n] = np.concatenate([a, v])
+    solve(pack_model(column), work, tangent_offset(n), 2 * n, 0, part)
+    system = Reference.of(column).mass_matrix(q) + weighted
+    forces = -weighted @ a - part**2 * plain @ v
+    residual = system @ (work[: 2 * n] - a) - forces
+    scale = np.abs(system) @ np.abs(work[: 2 * n] - a) + np.abs(forces)
+    assert np.max(np.abs(residual)) <= 1e-7 * np.max(scale)  # measured 4e-9 over 2000 seeds
+
+
+def test_stiffness_is_the_second_derivative_of_the_joint_potential_in_full_contact() -> None:
+    column = phocas()
+    work = np.zeros(at.work_size(3))
+    x = np.zeros(18)
+    x[3:6] = -1e-4
+    factorize(pack_model(column), x, 0, work, tangent_offset(3), 1e-3)
+    for i in range(3):
+        fields = work[tangent_offset(3) + at.TANGENT_FIELDS * i :]
+        assert fields[K_22] == pytest.approx(PHOCAS_STIFFNESS * 1.56**2, rel=1e-14)
+        assert fields[K_11] == pytest.approx(PHOCAS_STIFFNESS * 1.56**4 / 12.0, rel=1e-14)
+        assert fields[K_12] == 0.0
+
+
+def test_coefficients_fulfil_the_order_conditions_of_a_w_method() -> None:
+    b, alpha, gamma = rosenbrock.WEIGHTS, rosenbrock.ALPHA, rosenbrock.GAMMAS
+    one = np.ones(rosenbrock.STAGES)
+    order_1_and_2 = {"b": (one, 1.0), "b a": (alpha @ one, 0.5), "b g": (gamma @ one, 0.0)}
+    order_3 = {
+        "b a a": ((alpha @ one) ** 2, 1.0 / 3.0),
+        "b aa": (alpha @ alpha @ one, 1.0 / 6.0),
+        "b ag": (alpha @ gamma @ one, 0.0),
+        "b ga": (gamma @ alpha @ one, 0.0),
+        "b gg": (gamma @ gamma @ one, 0.0),
+    }
+    for name, (vector, expected) in (order_1_and_2 | order_3).items():
+        assert b @ vector == pytest.approx(expected, abs=1e-14), name  # measured 4e-16
+    for name, (vector, expected) in order_1_and_2.items():
+        assert rosenbrock.EMBEDDED @ vector == pytest.approx(expected, abs=1e-14), name
+    # stiffly accurate, hence no part of an infinitely stiff mode is left after a step
+    assert alpha[-1] + gamma[-1] == pytest.approx(b, abs=1e-15)
+    assert b @ np.linalg.solve(alpha + gamma, one) == pytest.approx(1.0, abs=1e-14)
+
+
+def test_transformed_coefficients_belong_to_the_printed_ones() -> None:
+    inverse = np.linalg.inv(rosenbrock.GAMMAS)
+    assert pytest.approx(rosenbrock.ALPHA @ inverse, abs=1e-14) == rosenbrock.A
+    assert pytest.approx(np.eye(4) / rosenbrock.GAMMA - inverse, abs=1e-14) == rosenbrock.C
+    assert pytest.approx(rosenbrock.WEIGHTS @ inverse, abs=1e-14) == rosenbrock.M
+
+
+def test_a_finely_cut_column_is_stepped_implicitly_and_to_its_tolerance() -> None:
+    motion = Motion.harmonic(0.05 * G, 2.0, 1.0)
+    reference = simulate(drums(20), motion, tolerance=1e-7)
+    errors = []
+    for tolerance in (1e-2, 1e-3, 1e-4):
+        response = simulate(drums(20), motion, tolerance=tolerance)
+        assert response.stats["implicit_steps"] > 0.5 * response.stats["steps"]
+        assert response.stats["steps"] < 3000  # the explicit limit, 8e-5 s, asks for 12,000
+        errors.append(np.max(np.abs(response.ux - reference.ux)) / reference.peak_ux[0])
+        assert errors[-1] < tolerance  # measured 0.06 of it
+    assert errors[0] > errors[1] > errors[2]
+
+
+def test_implicit_and_explicit_steps_lead_to_the_same_motion() -> None:
+    motion = Motion.harmonic(0.05 * G, 2.0, 0.5)
+    implicit = simulate(drums(10), motion, tolerance=1e-6)
+    explicit = simulate(drums(10), motion, integrator="central-difference", step=2e-6)
+    assert implicit.stats["implicit_steps"] > 100
+    difference = np.max(np.abs(implicit.ux - explicit.ux)) / explicit.peak_ux[0]
+    assert difference < 1e-6  # measured 4e-8
+
+
+def test_a_column_that_is_not_stiff_is_stepped_explicitly() -> None:
+    response = simulate(phocas(), Motion.harmonic(0.05 * G, 2.0, 2.0), tolerance=1e-7)
+    assert response.stats["implicit_steps"] == 0
+
+
+def test_mirrored_motion_gives_the_mirrored_response_of_implicit_steps_to_the_last_bit() -> None:
+    motion = Motion.harmonic(0.1 * G, 2.0, 0.5)
+    run, mirrored = simulate(drums(12), motion), simulate(drums(12), motion.mirrored())
+    assert run.stats["implicit_steps"] > 100
+    assert np.array_equal(-run.ux, mirrored.ux)
+    assert np.array_equal(run.N, mirrored.N)
+
+
+def test_two_hundred_drums_are_followed_in_a_few_thousand_steps() -> None:
+    response = simulate(drums(200), Motion.harmonic(0.05 * G, 2.0, 1.0), tolerance=1e-3)
+    assert response.stats["steps"] + response.stats["rejected"] < 2000  # explicit: 2.5 million
+    reference = simulate(drums(200), Motion.harmonic(0.05 * G, 2.0, 1.0), tolerance=1e-5)
+    assert np.max(np.abs(response.ux - reference.ux)) < 1e-3 * reference.peak_ux[0]  # measured 5e-5
