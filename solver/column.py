@@ -14,7 +14,7 @@ from .errors import NOT_NEGATIVE, POSITIVE, InputError, check_number, reading, s
 
 FORMULATIONS = ("exact", "paper")
 INTEGRATORS = ("auto", "central-difference")
-MAX_BLOCKS = 200
+MAX_BLOCKS = 1000
 
 # What each numeric key may hold, whichever table it stands in.
 _NUMBERS: dict[str, tuple[tuple[float, float], str]] = {

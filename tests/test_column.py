@@ -145,7 +145,7 @@ def test_numpy_scalars_are_numbers() -> None:
 def test_block_count() -> None:
     assert column(blocks=[PHOCAS_BLOCK] * MAX_BLOCKS).n == MAX_BLOCKS
     for count in (0, MAX_BLOCKS + 1):
-        with pytest.raises(InputError, match=f"^block: {count} blocks, must be 1 to 200$"):
+        with pytest.raises(InputError, match=f"^block: {count} blocks, must be 1 to 1000$"):
             column(blocks=[PHOCAS_BLOCK] * count)
 
 
@@ -249,7 +249,7 @@ BAD = [
     (TOML, 'name = "a"', "block: missing, must be one table [[block]] for each block, from the top down"),
     (TOML, 'name = "a"\n[block]\nheight = 1', "block: is not an array of tables, must be one table [[block]]"),
     (TOML, 'name = "a"\nblock = [1]', "block: is not an array of tables"),
-    (TOML, 'name = "a"\nblock = []', "block: 0 blocks, must be 1 to 200"),
+    (TOML, 'name = "a"\nblock = []', "block: 0 blocks, must be 1 to 1000"),
     (TOML, 'name = "a"\njoint = 1', "joint = 1: must be a table with the keys stiffness, damping, width, depth"),
     (TOML, 'name = "a', "Unterminated string (at"),
 ]
