@@ -97,6 +97,7 @@ def _has_fallen(model, x, o):
 def _take_stock(model, state, work, o, h):
     """Scales, regime and validity after a step of h seconds to the phase at work[o:]. Returns a code."""
     n = int(model[N_BLOCKS])
+    exact = model[FORMULATION] == EXACT
     lengths = scratch_offset(n) + JOINT_LENGTH
     turned = 0.0
     spun = 0.0
@@ -107,6 +108,11 @@ def _take_stock(model, state, work, o, h):
         size = model[row + TURN_SIZE]
         turned = max(turned, abs(work[o + i]) / size)
         spun = max(spun, abs(work[o + 2 * n + i]) / size)
+        opening = work[o + n + i]
+        if exact and opening > 0.0:  # as the corner of a joint that turns about the other one
+            half_width = 0.5 * model[row + JOINT_WIDTH]
+            turned = max(turned, opening / half_width)
+            spun = max(spun, abs(work[o + 3 * n + i]) / half_width)
         least = min(least, work[lengths + SCRATCH_FIELDS * i] / model[row + JOINT_WIDTH])
         sum_all += work[o + 4 * n + i] + work[o + 5 * n + i]
     state[ROTATION_SCALE] = max(state[ROTATION_SCALE], turned)
