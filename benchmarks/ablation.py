@@ -1,0 +1,35 @@
+"""What each of the solver's short cuts is worth: time and error with it and without."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from .competitors import own
+from .references import Reference
+from .work_precision import describe
+
+TOLERANCE = 1e-5  # the default of a column
+
+# name: arguments of `simulate` that turn the short cut off
+ABLATIONS: dict[str, dict[str, Any]] = {"nothing skipped": {}}
+
+
+def measure(references: Sequence[Reference], budget: float) -> list[dict[str, Any]]:
+    """One row for each scene and short cut, and one with all of them, named `as it is`."""
+    rows = []
+    for reference in references:
+        for name, arguments in {"as it is": {}, **ABLATIONS}.items():
+            row: dict[str, Any] = {"scene": reference.scene.title, "without": name}
+            try:
+                solve = own("auto", "tolerance", **arguments)
+                result = solve(reference.scene, reference.times, TOLERANCE, budget)
+                row |= {
+                    "seconds": result.seconds,
+                    "evaluations": result.evaluations,
+                    "error": reference.error(result.ux),
+                }
+            except Exception as failure:  # listed, whatever it is
+                row["failure"] = describe(failure)
+            rows.append(row)
+    return rows

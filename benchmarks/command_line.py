@@ -1,0 +1,173 @@
+"""Command line: measure, and write results.json, report.md and the pictures."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import os
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from . import ablation, evaluation, machine, opensees, plots, report, scaling, verdicts, work_precision
+from .competitors import MeasurementError, competitors
+from .references import reference
+from .scenes import Scene, falling, forced, scenes
+
+Results = dict[str, Any]
+FOLDER = Path(__file__).parent / "results"
+BUDGET, QUICK_BUDGET = 0.6, 0.2  # s of repeats of one point
+
+
+def say(text: str) -> None:
+    """Tell how far the measuring is."""
+    print(text, flush=True)
+
+
+def measure_work_precision(quick: bool, results: Results) -> None:
+    """Error against time in every scene."""
+    wanted, absent = scenes(quick)
+    rivals, missing = competitors(quick)
+    results["absent"] |= absent | missing
+    rows: list[dict[str, Any]] = []
+    results["work-precision"] = {"scenes": rows, "kinds": {rival.name: rival.kind for rival in rivals}}
+    for scene in wanted:
+        row: dict[str, Any] = {"title": scene.title, "duration": scene.duration}
+        rows.append(row)
+        try:
+            known = reference(scene)
+        except MeasurementError as failure:
+            row["failure"] = str(failure)
+            say(f"{scene.title}: {failure}")
+            continue
+        row |= {
+            "window": known.window,
+            "peak": known.peak,
+            "references": known.names,
+            "disagreement": known.disagreement,
+            "whole_disagreement": known.whole_disagreement,
+            "regimes": known.regimes,
+        }
+        regimes = ", ".join(f"{name} {share:.1%}" for name, share in known.regimes.items())
+        say(f"{scene.title}: {known.window:g} s, references differ by {known.disagreement:.1e} of the peak; {regimes}")
+        row |= work_precision.measure(known, rivals, QUICK_BUDGET if quick else BUDGET)
+        for entry in row["equal_error"]:
+            say("  " + described(entry))
+
+
+def described(entry: dict[str, Any]) -> str:
+    """One comparison at equal error in one line."""
+    if entry["speed_up"] is None:
+        return f"error {entry['error']:.0e}: not reached by {'anybody else' if entry['best'] is None else 'auto'}"
+    auto, other = (
+        f"{1e3 * entry[f'{who}_seconds']:.3g} ms, {entry[f'{who}_evaluations']:.0f} evaluations"
+        for who in ("auto", "best")
+    )
+    return f"error {entry['error']:.0e}: auto {auto}; {entry['best']} {other}: {entry['speed_up']:.2f}x"
+
+
+def measure_evaluation(quick: bool, results: Results) -> None:
+    """One evaluation against C."""
+    results["evaluation"] = evaluation.measure(evaluation.SIZES[:2] if quick else evaluation.SIZES)
+    if "absent" in results["evaluation"]:
+        results["absent"]["evaluation in C"] = results["evaluation"]["absent"]
+
+
+def measure_scaling(quick: bool, results: Results) -> None:
+    """Cost per block."""
+    results["scaling"] = scaling.measure(quick)
+
+
+def measure_opensees(quick: bool, results: Results) -> None:
+    """OpenSees on Phocas under 0.05 g at 2 Hz."""
+    runs = {"damped": forced(0.05, 2.0), "undamped": forced(0.05, 2.0, damping=0.0)}
+    results["opensees"] = opensees.measure(runs)
+    if "absent" in results["opensees"]:
+        results["absent"]["OpenSees"] = results["opensees"]["absent"]
+
+
+def measure_verdicts(quick: bool, results: Results) -> None:
+    """Standing or falling at every tolerance, in the damped scenes."""
+    wanted = (*scenes(quick)[0], falling())
+    results["verdicts"] = verdicts.measure([scene for scene in wanted if is_damped(scene)])
+
+
+def is_damped(scene: Scene) -> bool:
+    """Whether every joint has a damper."""
+    return all(block.joint.damping > 0.0 for block in scene.column.blocks)
+
+
+def measure_ablation(quick: bool, results: Results) -> None:
+    """Time and error without each short cut."""
+    known = []
+    for scene in scenes(quick)[0]:
+        try:
+            known.append(reference(scene))
+        except MeasurementError as failure:
+            say(f"{scene.title}: {failure}")
+    results["ablation"] = ablation.measure(known, QUICK_BUDGET if quick else BUDGET)
+
+
+PARTS: dict[str, Callable[[bool, Results], None]] = {
+    "work-precision": measure_work_precision,
+    "opensees": measure_opensees,
+    "evaluation": measure_evaluation,
+    "scaling": measure_scaling,
+    "verdicts": measure_verdicts,
+    "ablation": measure_ablation,
+}
+
+
+def plain(value: Any) -> Any:
+    """The same without numbers that JSON does not know: None for NaN and infinity."""
+    if isinstance(value, dict):
+        return {key: plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def write(results: Results, folder: Path) -> None:
+    """Everything measured so far, as JSON, Markdown and pictures."""
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "results.json").write_text(json.dumps(plain(results), indent=1, allow_nan=False) + "\n")
+    (folder / "report.md").write_text(report.report(results))
+    drawn = [scene for scene in results.get("work-precision", {}).get("scenes", []) if "points" in scene]
+    if drawn:
+        plots.work_precision(drawn, folder / "work-precision.png")
+        plots.work_precision(drawn, folder / "work-precision-evaluations.png", "evaluations")
+    if "scaling" in results:
+        plots.scaling(results["scaling"]["rows"], folder / "scaling.png")
+
+
+def silence_libraries() -> None:
+    """Send what compiled libraries print (Fortran, OpenSees) nowhere; Python keeps its own ways out."""
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    for name in ("stdout", "stderr"):
+        stream = getattr(sys, name)
+        stream.flush()
+        setattr(sys, name, os.fdopen(os.dup(stream.fileno()), "w"))
+        os.dup2(nowhere, stream.fileno())
+
+
+def main() -> None:
+    """Measure what is asked for."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
+    parser.add_argument("--quick", action="store_true", help="few scenes and repeats: indicative only")
+    parser.add_argument("--only", action="append", choices=PARTS, help="a part; may be given several times")
+    parser.add_argument("--output-folder", type=Path, default=FOLDER, help="default: %(default)s")
+    options = parser.parse_args()
+    silence_libraries()
+    results: Results = {"machine": machine.describe(), "quick": options.quick, "absent": {}}
+    for name in options.only or PARTS:
+        say(f"--- {name}")
+        PARTS[name](options.quick, results)
+        write(results, options.output_folder)
+    say(report.target_table(report.targets(results)))
+    say(f"written: {options.output_folder}")
+
+
+if __name__ == "__main__":
+    main()

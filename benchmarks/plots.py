@@ -1,0 +1,119 @@
+"""Pictures: error against time, and cost per block against the number of blocks."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+from matplotlib.axes import Axes
+
+from .work_precision import EQUAL_ERRORS, pairs
+
+# colour, marker, line of each competitor; what is not listed is drawn in grey
+STYLES: dict[str, tuple[str, str, str]] = {
+    "auto": ("#c0392b", "o", "-"),
+    "central-difference": ("#e39b7b", "s", "-"),
+    "DOP853 (numbalsoda)": ("#1f4e8c", "v", "-"),
+    "LSODA (numbalsoda)": ("#3a8fb7", "^", "-"),
+    "CVODE BDF (SUNDIALS)": ("#2e7d4f", "D", "-"),
+    "CVODE Adams (SUNDIALS)": ("#8bbf5a", "P", "-"),
+    "DOP853 (scipy)": ("#777777", "v", ":"),
+    "LSODA (scipy)": ("#999999", "^", ":"),
+    "Radau (scipy)": ("#bbbbbb", "x", ":"),
+}
+OTHER_STYLE = ("#555555", ".", "--")
+COLUMNS = 4  # of pictures in a row
+LARGEST_ERROR, SMALLEST_ERROR = 1.0, 1e-10  # of the peak, that are drawn
+
+
+def work_precision(scenes: list[dict[str, Any]], path: Path, cost: str = "seconds") -> None:
+    """One picture a scene, all competitors in each: the error over the time, or over the evaluations, it took."""
+    drawn = [scene for scene in scenes if "points" in scene]
+    columns = min(COLUMNS, len(drawn))
+    rows = math.ceil(len(drawn) / columns)
+    figure, axes = plt.subplots(
+        rows, columns, figsize=(4.3 * columns, 3.7 * rows + 0.9), squeeze=False, sharey=True, layout="constrained"
+    )
+    handles: dict[str, Any] = {}
+    for axis, scene in zip(axes.flat, drawn, strict=False):
+        for name, points in scene["points"].items():
+            found = [(c, e) for e, c in pairs(points, cost) if SMALLEST_ERROR <= e <= LARGEST_ERROR]
+            if found:
+                handles.setdefault(name, _draw(axis, name, found, 1e3 if cost == "seconds" else 1.0))
+        _label(axis, scene)
+    for axis in list(axes.flat)[len(drawn) :]:
+        axis.set_visible(False)
+    label = "time, ms" if cost == "seconds" else "evaluations of the accelerations"
+    for column in range(columns):
+        last = max(row for row in range(rows) if row * columns + column < len(drawn))
+        axes[last][column].set_xlabel(label)
+    for row in axes:
+        row[0].set_ylabel("largest error, part of the peak")
+    figure.legend(
+        list(handles.values()), list(handles), loc="outside upper center", ncols=min(5, len(handles)), frameon=False
+    )
+    figure.savefig(path, dpi=110)
+    plt.close(figure)
+
+
+def _draw(axis: Axes, name: str, points: list[tuple[float, float]], factor: float) -> Any:
+    colour, marker, line = STYLES.get(name, OTHER_STYLE)
+    own = name == "auto"
+    (handle,) = axis.loglog(
+        [factor * cost for cost, _ in points],
+        [error for _, error in points],
+        color=colour,
+        marker=marker,
+        linestyle=line,
+        markersize=5 if own else 3.5,
+        linewidth=2.2 if own else 1.1,
+        zorder=3 if own else 2,
+    )
+    return handle
+
+
+def _label(axis: Axes, scene: dict[str, Any]) -> None:
+    regimes = scene["regimes"]
+    shares = [
+        f"{share:.0%} {name}"
+        for name, share in (
+            ("contact", regimes["full_contact"]),
+            ("rocking", regimes["rocking"]),
+            ("flight", regimes["flight"]),
+        )
+        if share >= 0.005
+    ]
+    axis.set_title(f"{scene['title']}\n{scene['window']:.3g} s, {', '.join(shares)}", fontsize=10)
+    axis.set_ylim(SMALLEST_ERROR, LARGEST_ERROR)
+    for error in EQUAL_ERRORS:
+        axis.axhline(error, color="0.8", linewidth=0.8, zorder=1)
+    axis.axhspan(SMALLEST_ERROR, max(scene["disagreement"], SMALLEST_ERROR), color="0.92", zorder=0)
+    axis.grid(True, which="major", axis="x", color="0.9", linewidth=0.6)
+
+
+def scaling(rows: list[dict[str, Any]], path: Path) -> None:
+    """Cost per block of one evaluation and of a second of motion, against the number of blocks."""
+    figure, (left, right) = plt.subplots(1, 2, figsize=(10, 4), layout="constrained")
+    left.plot([r["n"] for r in rows], [1e9 * r["evaluation"] for r in rows], color=STYLES["auto"][0], marker="o")
+    left.set_ylabel("one evaluation, ns per block")
+    simulated = [r for r in rows if "simulated" in r]
+    right.plot(
+        [r["n"] for r in simulated], [1e3 * r["simulated"] for r in simulated], color=STYLES["auto"][0], marker="o"
+    )
+    right.set_ylabel("a second of motion, ms per block")
+    for axis in (left, right):
+        axis.set_xscale("log")
+        axis.set_ylim(bottom=0.0)
+        axis.set_xlabel("blocks")
+        axis.set_xticks([r["n"] for r in rows], [str(r["n"]) for r in rows])
+        axis.minorticks_off()
+        axis.grid(True, color="0.9", linewidth=0.6)
+    left.set_title("the compiled kernel, shafts in n blocks", fontsize=10)
+    right.set_title("simulate, auto at 1e-5, towers of n drums", fontsize=10)
+    figure.savefig(path, dpi=110)
+    plt.close(figure)

@@ -1,0 +1,256 @@
+"""The results as a Markdown report."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from .targets import Target, ratios, targets
+
+Results = dict[str, Any]
+Rows = list[list[str]]
+
+
+def report(results: Results) -> str:
+    """The whole report."""
+    parts = [
+        machine(results),
+        target_table(targets(results)),
+        scene_table(results),
+        equal_error_table(results),
+        opensees_table(results),
+        evaluation_table(results),
+        scaling_table(results),
+        tolerance_table(results),
+        verdict_table(results),
+        ablation_table(results),
+        failures(results),
+    ]
+    return "\n\n".join(part for part in parts if part) + "\n"
+
+
+def table(head: list[str], rows: Rows) -> str:
+    """A Markdown table."""
+    lines = [head, ["---"] * len(head), *rows]
+    return "\n".join("| " + " | ".join(line) + " |" for line in lines)
+
+
+def milliseconds(seconds: float | None) -> str:
+    """Three digits, and a dash for nothing."""
+    return "-" if seconds is None else f"{1e3 * seconds:.3g}"
+
+
+def machine(results: Results) -> str:
+    """Where, when and with what."""
+    info = results["machine"]
+    versions = ", ".join(f"{name} {version}" for name, version in info["versions"].items())
+    return (
+        "# Benchmarks\n\n"
+        f"{info['date']}, commit {info['commit']}, {info['cpu']} ({info['cores']} cores, one thread used), "
+        f"{info['system']}. {versions}.\n\n"
+        "Times are the shortest of warm runs, compilation apart. Errors are the largest over the whole predictable "
+        "window and all blocks, in parts of the peak."
+    )
+
+
+def target_table(rows: list[Target]) -> str:
+    """What is aimed at and what was measured."""
+    words = {True: "pass", False: "**fail**", None: "-"}
+    return "## Targets\n\n" + table(
+        ["", "aim", "measured", ""], [[row.number, row.aim, row.measured, words[row.passed]] for row in rows]
+    )
+
+
+def _scenes(results: Results) -> list[dict[str, Any]]:
+    return [scene for scene in results.get("work-precision", {}).get("scenes", []) if "failure" not in scene]
+
+
+def scene_table(results: Results) -> str:
+    """Windows, references and regimes."""
+    scenes = _scenes(results)
+    if not scenes:
+        return ""
+    rows = [
+        [
+            scene["title"],
+            f"{scene['window']:.4g} of {scene['duration']:.4g}",
+            f"{1e3 * scene['peak']:.5g}",
+            f"{scene['disagreement']:.1e}",
+            f"{scene['whole_disagreement']:.1e}",
+            *(f"{scene['regimes'][key]:.1%}" for key in ("full_contact", "rocking", "flight")),
+        ]
+        for scene in scenes
+    ]
+    names = " and ".join(scenes[0]["references"])
+    head = ["scene", "window, s", "peak, mm", "disagreement", "over the whole", "full contact", "rocking", "flight"]
+    return (
+        f"## Scenes\n\nReferences: {names}. The window ends where they differ by more than 1e-8 of the peak so far; "
+        "the whole is the duration wanted, or until the column falls.\n\n" + table(head, rows)
+    )
+
+
+def equal_error_table(results: Results) -> str:
+    """Speed at equal error."""
+    rows = [
+        [
+            scene["title"],
+            f"{row['error']:.0e}",
+            milliseconds(row["auto_seconds"]),
+            str(row["best"] or "nobody gets there"),
+            milliseconds(row["best_seconds"]),
+            "-" if row["speed_up"] is None else f"{row['speed_up']:.2f}x",
+            *("-" if row[key] is None else f"{row[key]:.0f}" for key in ("auto_evaluations", "best_evaluations")),
+        ]
+        for scene in _scenes(results)
+        for row in scene["equal_error"]
+    ]
+    if not rows:
+        return ""
+    head = ["scene", "error", "auto, ms", "best other", "its time, ms", "auto is faster by", "evaluations", "its"]
+    return (
+        "## Speed at equal error\n\n`auto` through `simulate` against the fastest general integrator that is given the "
+        "same compiled equations. Between the measured points log time is linear in log error, along the lower "
+        "envelope. Evaluations tell the part of the method from that of the program.\n\n" + table(head, rows)
+    )
+
+
+def opensees_table(results: Results) -> str:
+    """OpenSees on the same column."""
+    part = results.get("opensees", {})
+    if "rows" not in part:
+        return ""
+    rows = [
+        [
+            row["column"],
+            row["scheme"],
+            f"{row['step']:g}",
+            f"{1e3 * row['seconds']:.0f}",
+            "-" if row["peak_3s"] is None else f"{1e3 * row['peak_3s']:.2f}",
+            f"{1e3 * row['peak']:.2f}",
+            f"{row['reached']:.4g} s",
+            "-" if row["error"] is None else f"{row['error']:.1e}",
+        ]
+        for row in part["rows"]
+    ]
+    own = ", ".join(f"{name} {1e3 * peak:.2f} mm" for name, peak in part["own_peaks_3s"].items())
+    head = ["column", "scheme", "step, s", "time, ms", "peak in 3 s, mm", "peak, mm", "converged until", "error"]
+    return (
+        "## OpenSees\n\nPhocas under 0.05 g at 2 Hz for 20 s: rigid elements, zero-length sections of "
+        f"{part['fibres']} no-tension fibres. Peak in the first 3 s by `auto` at 1e-9: {own}. A peak of metres is a "
+        "false collapse.\n\n" + table(head, rows)
+    )
+
+
+def evaluation_table(results: Results) -> str:
+    """One evaluation against C."""
+    part = results.get("evaluation", {})
+    if "rows" not in part:
+        return ""
+    rows = [
+        [
+            str(r["n"]),
+            f"{1e9 * r['seconds']:.0f}",
+            f"{1e9 * r['c_seconds']:.0f}",
+            f"{r['ratio']:.2f}",
+            f"{r['difference']:.1e}",
+        ]
+        for r in part["rows"]
+    ]
+    head = ["blocks", "kernel, ns", "C, ns", "ratio", "largest relative difference of the results"]
+    return f"## One evaluation\n\n`evaluation.c`, compiled with `cc {part['flags']}`.\n\n" + table(head, rows)
+
+
+def scaling_table(results: Results) -> str:
+    """Cost per block."""
+    part = results.get("scaling", {})
+    if not part:
+        return ""
+    rows = [
+        [
+            str(row["n"]),
+            f"{1e9 * row['evaluation']:.1f}",
+            f"{1e3 * row['simulated']:.3g}" if "simulated" in row else "-",
+            f"{row['steps']:.0f}" if "steps" in row else "-",
+            f"{row['evaluations']:.0f}" if "evaluations" in row else "-",
+        ]
+        for row in part["rows"]
+    ]
+    head = [
+        "blocks",
+        "an evaluation, ns per block",
+        "a second of motion, ms per block",
+        "steps per s",
+        "evaluations per s",
+    ]
+    return "## Cost per block\n\n" + table(head, rows)
+
+
+def tolerance_table(results: Results) -> str:
+    """Observed error over requested tolerance."""
+    found = ratios(results)
+    if not found:
+        return ""
+    values = sorted({value for _, value, _ in found}, reverse=True)
+    values = [value for value in values if abs(math.log10(value) - round(math.log10(value))) < 1e-6]
+    known = {(title, value): ratio for title, value, ratio in found}
+    rows = [
+        [title, *(f"{known[title, value]:.2g}" if (title, value) in known else "-" for value in values)]
+        for title in dict.fromkeys(title for title, _, _ in found)
+    ]
+    return (
+        "## Observed error over requested tolerance\n\nA dash where the references do not agree to a tenth of the "
+        "tolerance. The targets count the tolerances between these as well.\n\n"
+        + table(["scene", *(f"{value:.0e}" for value in values)], rows)
+    )
+
+
+def verdict_table(results: Results) -> str:
+    """Standing or falling."""
+
+    def shown(value: Any) -> str:
+        if isinstance(value, str):
+            return value
+        return "stands" if value is None or math.isnan(value) else f"{value:.3f} s"
+
+    judged = [row for row in results.get("verdicts", []) if "failure" not in row]
+    if not judged:
+        return ""
+    rows = [
+        [row["scene"], f"{row['duration']:g}", *map(shown, row["reference_times"]), *map(shown, row["times"].values())]
+        for row in judged
+    ]
+    head = ["scene", "duration, s", "first reference", "second", *judged[0]["times"]]
+    return "## Overturning, by tolerance\n\n" + table(head, rows)
+
+
+def ablation_table(results: Results) -> str:
+    """What short cuts are worth."""
+    rows = [
+        [
+            row["scene"],
+            row["without"],
+            *(
+                [row["failure"], "", ""]
+                if "failure" in row
+                else [milliseconds(row["seconds"]), f"{row['error']:.1e}", str(row["evaluations"])]
+            ),
+        ]
+        for row in results.get("ablation", [])
+    ]
+    return "## Without\n\n" + table(["scene", "without", "time, ms", "error", "evaluations"], rows) if rows else ""
+
+
+def failures(results: Results) -> str:
+    """What is not available, and what failed."""
+    lines = [f"- {name}: {reason}" for name, reason in results.get("absent", {}).items()]
+    for scene in results.get("work-precision", {}).get("scenes", []):
+        if "failure" in scene:
+            lines.append(f"- {scene['title']}: {scene['failure']}")
+        for name, points in scene.get("points", {}).items():
+            reasons: dict[str, list[str]] = {}
+            for point in points:
+                if "failure" in point:
+                    reasons.setdefault(point["failure"], []).append(f"{point['value']:.1e}")
+            lines += [f"- {scene['title']}, {name} at {', '.join(at)}: {why}" for why, at in reasons.items()]
+    lines += [f"- {row['scene']}, verdict: {row['failure']}" for row in results.get("verdicts", []) if "failure" in row]
+    return "## Not available, and failing\n\n" + "\n".join(lines) if lines else ""

@@ -1,0 +1,82 @@
+"""Cost per block against the number of blocks: of one evaluation, and of a second of motion.
+
+For a second of motion to mean the same work for any number of blocks, towers of equal squat drums are used, whose
+highest frequencies, and with them the steps, hardly depend on their number.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import solver.column as columns
+from solver import Block, Column, InputError, Joint, Motion, simulate
+
+from . import timing
+from .evaluation import STATES, kernel_loop, states_of_a_run
+from .scenes import STIFFNESS, G, shaft
+
+SIZES = (1, 3, 10, 50, 200, 1000)  # blocks
+MOST_SIMULATED = 200  # a tower of more would buckle
+DRUM = (0.25, 4.0, 8000.0)  # m high, m wide and deep, kg
+DRUM_DAMPING = 1e-4  # s
+DURATION = 0.5  # s
+SHORT = 0.01  # s, for the largest column
+BUDGET = 1.0  # s of repeats
+
+
+def tower(n: int) -> Column:
+    """A tower of n drums."""
+    height, side, mass = DRUM
+    return Column(f"tower_{n}", (Block(height, side, side, mass, Joint(STIFFNESS, DRUM_DAMPING)),) * n)
+
+
+@contextmanager
+def limit_lifted(n: int) -> Iterator[None]:
+    """Let columns have up to n blocks, whatever the solver's limit: the kernels have none."""
+    limit = columns.MAX_BLOCKS
+    columns.MAX_BLOCKS = max(n, limit)
+    try:
+        yield
+    finally:
+        columns.MAX_BLOCKS = limit
+
+
+def refusal(n: int) -> str:
+    """Why the solver refuses a column of n blocks; empty if it does not."""
+    try:
+        shaft(n)
+    except InputError as error:
+        return str(error)
+    return ""
+
+
+def measure(quick: bool = False) -> dict[str, Any]:
+    """Cost per block, s, by number of blocks."""
+    rows = []
+    for n in SIZES:
+        if quick and n > 200:
+            continue
+        row: dict[str, Any] = {"n": n, "refused": refusal(n)}
+        with limit_lifted(n):
+            column = shaft(n)
+            count = STATES if n <= 50 else 20
+            loop = kernel_loop(column, states_of_a_run(column, count, 5e-3 if n <= 50 else 1e-4))
+            row["evaluation"] = timing.loops([loop])[0] / (count * n)
+            if n <= MOST_SIMULATED:
+                stack, motion = tower(n), Motion.harmonic(0.2 * G, 2.0, DURATION)
+                simulate(stack, motion)
+                response, seconds, _ = timing.fastest(lambda s=stack, m=motion: simulate(s, m), BUDGET)
+                row |= {
+                    "simulated": seconds / (DURATION * n),
+                    "steps": (response.stats["steps"] + response.stats["rejected"]) / DURATION,
+                    "evaluations": response.stats["evaluations"] / DURATION,
+                    "rocking": response.stats["rocking"],
+                }
+            else:
+                motion = Motion.harmonic(0.1 * G, 1.0, SHORT)
+                response, seconds, _ = timing.fastest(lambda s=column, m=motion: simulate(s, m), 0.0)
+                row |= {"short_run": SHORT, "short_seconds": seconds, "short_peak": float(max(response.peak_ux))}
+            rows.append(row)
+    return {"rows": rows}

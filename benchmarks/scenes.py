@@ -1,0 +1,100 @@
+"""The scenes that are measured: columns under motions, each with the duration that is wanted of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cache
+from pathlib import Path
+
+from solver import Block, Column, Joint, Motion
+
+ROOT = Path(__file__).resolve().parent.parent
+RECORDS = ROOT.parent / "shared" / "records"  # not part of the project
+
+G = 9.80665  # m/s2
+STIFFNESS = 533 * 9.80665e6  # N/m3, of the joints of the Column of Phocas
+HEIGHT, SIDE, MASS = 14.07, 1.56, 81000.0  # m, m, kg: the shaft of the Column of Phocas
+DAMPING = 1e-3  # s
+
+FORCED = ((0.02, 2.0), (0.05, 2.0), (0.1, 1.0), (0.1, 0.5))  # g, Hz
+RECORDED = (
+    ("El Centro", "elcentro-1940-ns.AT2", 20.0),
+    ("Arleta", "northridge-1994-arleta-360.AT2", 20.0),
+    ("Chi-Chi TCU052-N", "chi-chi-1999-tcu052-n.AT2", 60.0),
+)
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A column under a motion, from rest, for `duration` s."""
+
+    name: str  # for file names
+    title: str
+    column: Column
+    motion: Motion
+    duration: float  # s
+    short: bool = False  # one of the few that a quick run takes
+
+
+def shaft(n: int, damping: float = DAMPING) -> Column:
+    """The shaft of the Column of Phocas cut into n equal blocks; n = 3 is the column itself. Damping in s."""
+    block = Block(HEIGHT / n, SIDE, SIDE, MASS / n, Joint(STIFFNESS, damping))
+    return Column(f"shaft_{n}", (block,) * n)
+
+
+def forced(g: float, frequency: float, duration: float = 20.0, n: int = 3, damping: float = DAMPING) -> Scene:
+    """The shaft in n blocks under g times gravity at `frequency` Hz."""
+    who = "Phocas" if n == 3 else "1 block" if n == 1 else f"{n} blocks"
+    if not damping:
+        who += ", undamped"
+    title = f"{who}, {g:g} g {frequency:g} Hz"
+    name = title.lower().replace(",", "").replace(" ", "-")
+    return Scene(name, title, shaft(n, damping), Motion.harmonic(g * G, frequency, duration), duration)
+
+
+@cache
+def harmonic() -> tuple[Scene, ...]:
+    """The four by which integrators are compared first: from hardly opening to nearly falling."""
+    return tuple(replace(forced(g, frequency), short=True) for g, frequency in FORCED)
+
+
+@cache
+def recorded() -> tuple[tuple[Scene, ...], dict[str, str]]:
+    """Phocas under recorded motions; those that are not on this machine, with the reason."""
+    found: list[Scene] = []
+    absent: dict[str, str] = {}
+    for label, file, duration in RECORDED:
+        title = f"Phocas, {label}"
+        path = RECORDS / file
+        if path.is_file():
+            name = title.lower().replace(",", "").replace(" ", "-")
+            found.append(Scene(name, title, shaft(3), Motion.from_at2(path), duration))
+        else:
+            absent[title] = f"no record {path}"
+    return tuple(found), absent
+
+
+@cache
+def others() -> tuple[Scene, ...]:
+    """All joints in contact throughout; no damping; other numbers of blocks."""
+    return (
+        forced(0.005, 2.0),
+        forced(0.05, 3.0, 5.0, damping=0.0),
+        forced(0.1, 1.0, n=1),
+        forced(0.1, 1.0, n=10),
+        forced(0.1, 1.0, 3.0, n=50),
+        forced(0.1, 1.0, 1.5, n=200),
+    )
+
+
+@cache
+def falling() -> Scene:
+    """One that overturns without needing a record; for the verdict only."""
+    return forced(0.1, 0.25)
+
+
+def scenes(quick: bool = False) -> tuple[tuple[Scene, ...], dict[str, str]]:
+    """All scenes, and those that cannot be had with the reason."""
+    found, absent = recorded()
+    every = (*others()[:1], *harmonic(), *found, *others()[1:])
+    return tuple(scene for scene in every if scene.short or not quick), {} if quick else absent

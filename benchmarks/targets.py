@@ -1,0 +1,175 @@
+"""What is aimed at, beside what was measured; nothing here but arithmetic on the results."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+IN_CONTACT_SPEED_UP = 10.0  # over the best general compiled integrator at equal error
+ROCKING_SPEED_UP = 3.0
+TIMED_ERROR = 1e-3  # of the peak
+TIMED_SECONDS = 1.5e-3
+OPENSEES_SPEED_UP = 200.0
+EVALUATION_RATIO = 1.5  # to the same arithmetic in C
+GROWTH = 1.3  # of the cost per block from 10 to 200 blocks
+RATIO_RANGE = (0.01, 10.0)  # observed error over requested tolerance
+FAR_OFF = 100.0
+REFERENCE_MARGIN = 10.0  # a tolerance is judged where it is this many times what the references disagree by
+
+
+@dataclass(frozen=True)
+class Target:
+    """One line of the table; `passed` is None where nothing was measured."""
+
+    number: str
+    aim: str
+    measured: str
+    passed: bool | None
+
+
+Results = dict[str, Any]
+
+
+def targets(results: Results) -> list[Target]:
+    """All targets, in order."""
+    rows = speed(results) + forced_run(results) + evaluation(results) + scaling(results)
+    return rows + tolerance_met(results) + verdict(results)
+
+
+def _unmeasured(number: str, aim: str, reason: str = "not measured") -> Target:
+    return Target(number, aim, reason, None)
+
+
+def speed(results: Results) -> list[Target]:
+    """1: speed at equal error."""
+    contact, rocking = [], []
+    for scene in results.get("work-precision", {}).get("scenes", []):
+        if "failure" in scene:
+            continue
+        group = contact if scene["regimes"]["full_contact"] >= 1.0 else rocking
+        for row in scene["equal_error"]:
+            if row["best"] is None:
+                continue  # nobody is that accurate
+            group.append((row["speed_up"] or 0.0, f"{scene['title']} at {row['error']:.0e}"))
+    rows = []
+    for number, aim, group, least in (
+        ("1a", f"all joints in contact: at least {IN_CONTACT_SPEED_UP:g}x", contact, IN_CONTACT_SPEED_UP),
+        (
+            "1b",
+            f"rocking: at least {ROCKING_SPEED_UP:g}x the best general compiled integrator",
+            rocking,
+            ROCKING_SPEED_UP,
+        ),
+        ("1c", "never slower in any scene", contact + rocking, 1.0),
+    ):
+        if not group:
+            rows.append(_unmeasured(number, aim))
+            continue
+        lowest, where = min(group)
+        reached = sum(value >= least for value, _ in group)
+        text = f"{reached} of {len(group)} (scene, error) reach {least:g}x; least {lowest:.2f}x: {where}"
+        rows.append(Target(number, aim, text, lowest >= least))
+    return rows
+
+
+def fastest_auto(results: Results) -> dict[str, Any] | None:
+    """The fastest run of `auto` on damped Phocas at 0.05 g 2 Hz whose error is at most TIMED_ERROR."""
+    for scene in results.get("work-precision", {}).get("scenes", []):
+        if scene["title"] == "Phocas, 0.05 g 2 Hz" and "failure" not in scene:
+            good = [p for p in scene["points"]["auto"] if p.get("error", math.inf) <= TIMED_ERROR]
+            return min(good, key=lambda point: point["seconds"], default=None)
+    return None
+
+
+def forced_run(results: Results) -> list[Target]:
+    """2: one run of 20 s."""
+    aim = f"damped Phocas, 0.05 g 2 Hz, 20 s at an error of {TIMED_ERROR:g}: at most {1e3 * TIMED_SECONDS:g} ms"
+    other = f"the same: {OPENSEES_SPEED_UP:g}x tuned OpenSees"
+    best = fastest_auto(results)
+    if best is None:
+        return [_unmeasured("2a", aim), _unmeasured("2b", other)]
+    text = f"{1e3 * best['seconds']:.3g} ms, error {best['error']:.1e}, {best['evaluations']} evaluations"
+    rows = [Target("2a", aim, text, best["seconds"] <= TIMED_SECONDS)]
+    opensees = results.get("opensees", {})
+    tuned = [row for row in opensees.get("rows", []) if row["tuned"] and row["error"] is not None]
+    if not tuned:
+        return [*rows, _unmeasured("2b", other, opensees.get("absent", "not measured"))]
+    rival = min(tuned, key=lambda row: row["seconds"])
+    ratio = rival["seconds"] / best["seconds"]
+    text = f"{ratio:.0f}x: {rival['scheme']} at {rival['step']:g} s needs {1e3 * rival['seconds']:.0f} ms"
+    return [*rows, Target("2b", other, f"{text} for an error of {rival['error']:.1e}", ratio >= OPENSEES_SPEED_UP)]
+
+
+def evaluation(results: Results) -> list[Target]:
+    """3: one evaluation against C."""
+    aim = f"one evaluation: at most {EVALUATION_RATIO:g}x the same arithmetic in C -O3"
+    part = results.get("evaluation", {})
+    if "rows" not in part:
+        return [_unmeasured("3", aim, part.get("absent", "not measured"))]
+    text = "; ".join(f"{row['ratio']:.2f}x for {row['n']} blocks" for row in part["rows"])
+    return [Target("3", aim, text, max(row["ratio"] for row in part["rows"]) <= EVALUATION_RATIO)]
+
+
+def scaling(results: Results) -> list[Target]:
+    """4: cost per block."""
+    rows = {row["n"]: row for row in results.get("scaling", {}).get("rows", [])}
+    found = []
+    for number, key, what in (("4a", "evaluation", "one evaluation"), ("4b", "simulated", "a second of motion")):
+        aim = f"cost per block of {what} from 10 to 200 blocks: grows by at most {GROWTH:g}x"
+        if 10 not in rows or 200 not in rows:
+            found.append(_unmeasured(number, aim))
+            continue
+        growth = rows[200][key] / rows[10][key]
+        found.append(Target(number, aim, f"{growth:.2f}x", growth <= GROWTH))
+    aim = "1000 blocks run"
+    if 1000 not in rows:
+        return [*found, _unmeasured("4c", aim)]
+    row = rows[1000]
+    text = (
+        f"{1e6 * 1000 * row['evaluation']:.1f} us an evaluation, {row['short_run']:g} s in {row['short_seconds']:.2g} s"
+    )
+    if row["refused"]:
+        text += f", but `Column` refuses: {row['refused']}"
+    return [*found, Target("4c", aim, text, not row["refused"])]
+
+
+def ratios(results: Results) -> list[tuple[str, float, float]]:
+    """(scene, tolerance, observed error over tolerance) of `auto` where the references can tell."""
+    found = []
+    for scene in results.get("work-precision", {}).get("scenes", []):
+        for point in scene.get("points", {}).get("auto", []):
+            value = point["value"]
+            if 1e-9 * 0.99 <= value <= 1e-2 * 1.01 and value >= REFERENCE_MARGIN * scene["disagreement"]:
+                found.append((scene["title"], value, point.get("error", math.inf) / value))
+    return found
+
+
+def tolerance_met(results: Results) -> list[Target]:
+    """5: observed error against requested tolerance."""
+    low, high = RATIO_RANGE
+    aims = (f"observed error between {low:g} and {high:g} times the tolerance", f"nowhere {FAR_OFF:g} times off")
+    found = ratios(results)
+    if not found:
+        return [_unmeasured("5a", aims[0]), _unmeasured("5b", aims[1])]
+    inside = sum(low <= ratio <= high for _, _, ratio in found)
+    most, least = max(found, key=lambda row: row[2]), min(found, key=lambda row: row[2])
+    text = f"{inside} of {len(found)}; from {least[2]:.2g} ({least[0]} at {least[1]:.0e})"
+    text += f" to {most[2]:.2g} ({most[0]} at {most[1]:.0e})"
+    worst = f"largest {most[2]:.3g} ({most[0]} at {most[1]:.0e})"
+    return [
+        Target("5a", aims[0], text, inside == len(found)),
+        Target("5b", aims[1], worst, most[2] < FAR_OFF),
+    ]
+
+
+def verdict(results: Results) -> list[Target]:
+    """6: no false collapse, no false survival."""
+    aim = "damped scenes: the verdict is right at every tolerance from 1e-3 on"
+    judged = [row for row in results.get("verdicts", []) if "failure" not in row]
+    if not judged:
+        return [_unmeasured("6", aim)]
+    wrong = [f"{row['scene']} at {', '.join(row['wrong'])}" for row in judged if row["wrong"]]
+    fall = sum(row["overturns"] for row in judged)
+    text = f"{len(judged)} scenes, {fall} of them overturning: " + ("; ".join(wrong) if wrong else "none wrong")
+    return [Target("6", aim, text, not wrong)]

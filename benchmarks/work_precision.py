@@ -1,0 +1,109 @@
+"""Error against time for every competitor in every scene, and who is faster at equal error."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+from .competitors import COMPILED, Competitor
+from .references import Reference
+
+EQUAL_ERRORS = (1e-3, 1e-5, 1e-7)  # of the peak
+SLOWEST = 10.0  # s; a value of the knob having taken this long, tighter ones are left out
+WARM_UP = 11  # output times
+
+Points = list[dict[str, Any]]  # value, error, seconds, evaluations, runs; or value, failure
+
+
+def envelope(points: Iterable[tuple[float, float]]) -> list[tuple[float, float]]:
+    """The (error, cost) that no other point beats in both, from large errors and small costs on."""
+    best: list[tuple[float, float]] = []
+    for error, cost in sorted((point for point in points if point[0] > 0.0), key=lambda p: (p[1], p[0])):
+        if not best or error < best[-1][0]:
+            best.append((error, cost))
+    return best
+
+
+def cost_at(points: Iterable[tuple[float, float]], error: float) -> float | None:
+    """Cost at an error on the lower envelope, linear in the logarithms; None where no point is that accurate.
+
+    An error larger than any on the envelope costs what the cheapest point does.
+    """
+    front = envelope(points)
+    if not front or error < front[-1][0]:
+        return None
+    if error >= front[0][0]:
+        return front[0][1]
+    k = next(k for k, point in enumerate(front) if point[0] <= error)
+    (e0, c0), (e1, c1) = front[k - 1], front[k]
+    return c0 * (c1 / c0) ** (math.log(e0 / error) / math.log(e0 / e1))
+
+
+def sweep(competitor: Competitor, reference: Reference, budget: float) -> Points:
+    """Every value of the knob. What fails is listed as failing, whatever it fails with."""
+    points: Points = []
+    try:  # compiles
+        competitor.solve(reference.scene, reference.times[:WARM_UP], competitor.values[-1], 0.0)
+    except Exception as failure:
+        return [{"value": competitor.values[-1], "failure": describe(failure)}]
+    for value in competitor.values:
+        try:
+            result = competitor.solve(reference.scene, reference.times, value, budget)
+            error = reference.error(result.ux)
+        except Exception as failure:
+            points.append({"value": value, "failure": describe(failure)})
+            continue
+        points.append(
+            {
+                "value": value,
+                "error": error,
+                "seconds": result.seconds,
+                "evaluations": result.evaluations,
+                "runs": result.runs,
+            }
+        )
+        if result.seconds > SLOWEST:
+            break
+    return points
+
+
+def describe(failure: Exception) -> str:
+    """An exception in one line."""
+    return f"{type(failure).__name__}: {failure}".splitlines()[0][:200]
+
+
+def pairs(points: Points, cost: str) -> list[tuple[float, float]]:
+    """(error, cost) of the points that have them."""
+    return [(point["error"], point[cost]) for point in points if "error" in point]
+
+
+def equal_error(points: dict[str, Points], compiled: Sequence[str]) -> list[dict[str, Any]]:
+    """`auto` against the best of the general compiled competitors at each of EQUAL_ERRORS."""
+    rows: list[dict[str, Any]] = []
+    for error in EQUAL_ERRORS:
+        own = cost_at(pairs(points["auto"], "seconds"), error)
+        costs = {name: cost_at(pairs(points[name], "seconds"), error) for name in compiled}
+        reached = {name: cost for name, cost in costs.items() if cost is not None}
+        best = min(reached, key=lambda name: reached[name], default=None)
+        rows.append(
+            {
+                "error": error,
+                "auto_seconds": own,
+                "auto_evaluations": cost_at(pairs(points["auto"], "evaluations"), error),
+                "best": best,
+                "best_seconds": reached[best] if best else None,
+                "best_evaluations": cost_at(pairs(points[best], "evaluations"), error) if best else None,
+                "speed_up": reached[best] / own if best and own else None,
+            }
+        )
+    return rows
+
+
+def measure(reference: Reference, competitors: Sequence[Competitor], budget: float) -> dict[str, Any]:
+    """Everything about a scene; the budget is the time in s to spend on repeats of one point."""
+    points = {competitor.name: sweep(competitor, reference, budget) for competitor in competitors}
+    return {
+        "points": points,
+        "equal_error": equal_error(points, [c.name for c in competitors if c.kind == COMPILED]),
+    }

@@ -1,0 +1,217 @@
+"""The benchmarks: that they measure what they say, not how fast anything is. None of their optional peers is needed."""
+
+from __future__ import annotations
+
+import json
+import math
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from fmus import ROOT
+from probe import look, phocas, random_column, random_state
+
+sys.path.insert(0, str(ROOT))  # the benchmarks are not installed
+
+from benchmarks import evaluation, opensees, references, targets
+from benchmarks.competitors import MeasurementError, grid, steps, tolerances
+from benchmarks.right_hand_side import Problem, base_acceleration
+from benchmarks.scenes import RECORDS, Scene, forced, harmonic, scenes, shaft
+from benchmarks.work_precision import cost_at, envelope, equal_error
+from solver import Motion, simulate
+from solver.packing import pack_model
+
+
+def test_shaft_is_phocas():
+    assert shaft(3, 0.0).blocks == phocas().blocks
+
+
+def test_scenes_are_well_formed():
+    found, absent = scenes()
+    assert len(found) + len(absent) == 13
+    assert len({scene.name for scene in found}) == len(found)
+    assert sorted({scene.column.n for scene in found}) == [1, 3, 10, 50, 200]
+    for scene in found:
+        assert 0.0 < scene.duration <= scene.motion.duration
+        Problem(scene, grid(1.0))  # raises for a motion that the compiled equations do not know
+    assert scenes(quick=True)[0] == harmonic()
+    assert bool(absent) != RECORDS.is_dir()
+
+
+@pytest.mark.parametrize("n", [1, 2, 5])
+def test_right_hand_side_is_that_of_the_solver(n):
+    rng = np.random.default_rng(n)
+    column = random_column(rng, n)
+    motion = Motion.harmonic(1.3, 0.7, 2.0)
+    problem = Problem(Scene("any", "any", column, motion, 2.0), grid(2.0))
+    q, rate = random_state(rng, column, 0.2)
+    t = 0.4
+    got = problem.rates(t, np.concatenate([q, rate]) / problem.sizes) * problem.sizes
+    accelerations, row = look(column, q, rate, float(motion.acceleration(t)[0]))
+    np.testing.assert_allclose(got, np.concatenate([rate, accelerations]), rtol=1e-12)
+    np.testing.assert_allclose(problem.ux(np.concatenate([q, rate])[None] / problem.sizes)[0], row[:n], rtol=1e-12)
+    assert problem.calls == 1
+
+
+def test_base_acceleration_of_samples():
+    motion = Motion.from_samples(0.02, [0.0, 1.0, -2.0, 0.5])
+    problem = Problem(Scene("any", "any", phocas(), motion, 0.06), grid(0.06))
+    start = len(problem.data) - pack_model(phocas()).size - 4
+    for t in (0.0, 0.013, 0.02, 0.041, 0.06, 0.07):
+        assert base_acceleration(problem.data, start, t) == pytest.approx(float(motion.acceleration(t)[0]), abs=1e-13)
+
+
+@pytest.mark.parametrize("n", [1, 3, 8])
+def test_evaluation_in_c_agrees_to_rounding(n, tmp_path):
+    try:
+        library = evaluation.compiled_c(tmp_path)
+    except OSError as error:
+        pytest.skip(str(error))
+    rng = np.random.default_rng(n)
+    for _ in range(20):
+        column = random_column(rng, n)
+        q, rate = random_state(rng, column, 10.0 ** rng.uniform(-4.0, 0.0))
+        phase = np.concatenate([q, rate, np.zeros(2 * n)])
+        ax, az = rng.normal(size=2)
+        library.accelerations(pack_model(column), phase, ax, az, evaluation.scratch(n))
+        expected, _ = look(column, q, rate, ax, az)
+        np.testing.assert_allclose(phase[4 * n :], expected, rtol=1e-9, atol=1e-11 * np.max(np.abs(expected)))
+
+
+def test_envelope():
+    points = [(1e-2, 1.0), (1e-3, 3.0), (5e-3, 2.0), (2e-3, 4.0), (1e-4, 9.0), (0.0, 0.5)]
+    assert envelope(points) == [(1e-2, 1.0), (5e-3, 2.0), (1e-3, 3.0), (1e-4, 9.0)]
+
+
+def test_cost_at_equal_error():
+    points = [(1e-2, 1.0), (1e-4, 100.0), (1e-3, 50.0)]
+    assert cost_at(points[:2], 1e-3) == pytest.approx(10.0)
+    assert cost_at(points, 1e-3) == pytest.approx(50.0)
+    assert cost_at(points, 0.5) == 1.0  # cheaper than the cheapest nobody is
+    assert cost_at(points, 1e-4) == pytest.approx(100.0)
+    assert cost_at(points, 1e-5) is None
+    assert cost_at([], 1e-3) is None
+
+
+def test_best_competitor_at_equal_error():
+    def run(error: float, seconds: float) -> dict[str, float]:
+        return {"value": 0.0, "error": error, "seconds": seconds, "evaluations": 100}
+
+    points = {
+        "auto": [run(1e-4, 1.0), run(1e-8, 4.0)],
+        "good": [run(1e-3, 6.0), run(1e-6, 12.0)],
+        "bad": [{"value": 0.0, "failure": "lost"}, run(1e-9, 100.0)],
+    }
+    rows = equal_error(points, ["good", "bad"])
+    assert [row["best"] for row in rows] == ["good", "good", "bad"]
+    assert rows[0]["speed_up"] == pytest.approx(6.0)
+    assert equal_error({"auto": points["auto"]}, [])[0]["speed_up"] is None
+
+
+def test_window_ends_where_references_part():
+    first = np.linspace(0.0, 1.0, 101)[:, None] * np.ones(2)
+    second = first.copy()
+    assert references.window(first, second) == 101
+    second[60:, 1] += 1e-7
+    assert references.window(first, second) == 60
+
+
+def test_reference_and_error():
+    scene = forced(0.02, 2.0, duration=0.5)
+    pytest.importorskip("scipy")
+    known = references.reference(scene)
+    assert known.window == 0.5
+    assert known.disagreement < 1e-9
+    assert not known.overturns
+    response = simulate(scene.column, scene.motion, tolerance=1e-9)
+    assert known.error(response.ux) < 1e-6
+    assert known.error(known.ux + 0.1 * known.peak) == pytest.approx(0.1)
+    with pytest.raises(MeasurementError):
+        known.error(known.ux[:-1])
+    with pytest.raises(MeasurementError):
+        known.error(known.ux * math.nan)
+
+
+def test_knobs():
+    assert tolerances(-1, -2) == pytest.approx((0.1, 10**-1.5, 0.01))
+    assert steps(1e-3, 3) == (1e-3, 5e-4, 2.5e-4)
+
+
+def test_targets_of_nothing_are_not_measured():
+    assert all(target.passed is None for target in targets.targets({}))
+
+
+def test_targets_are_computed():
+    def auto(value: float, error: float, seconds: float) -> dict[str, float]:
+        return {"value": value, "error": error, "seconds": seconds, "evaluations": 1000}
+
+    scene = {
+        "title": "Phocas, 0.05 g 2 Hz",
+        "disagreement": 1e-12,
+        "regimes": {"full_contact": 0.1, "rocking": 0.9, "flight": 0.0},
+        "points": {"auto": [auto(1e-2, 5e-4, 1e-3), auto(1e-4, 5e-2, 2e-3), auto(1e-6, 1e-7, 3e-3)]},
+        "equal_error": [{"error": 1e-3, "best": "other", "speed_up": 2.0}],
+    }
+    rows = [
+        {"tuned": True, "error": 0.1, "seconds": 0.3, "scheme": "any", "step": 5e-3},
+        {"tuned": False, "error": 0.1, "seconds": 0.1, "scheme": "another", "step": 5e-3},
+    ]
+    found = {
+        target.number: target
+        for target in targets.targets(
+            {
+                "work-precision": {"scenes": [scene]},
+                "opensees": {"rows": rows},
+                "evaluation": {"rows": [{"n": 3, "ratio": 1.4}, {"n": 10, "ratio": 1.6}]},
+                "scaling": {
+                    "rows": [
+                        {"n": 10, "evaluation": 1e-8, "simulated": 1e-3},
+                        {"n": 200, "evaluation": 1.2e-8, "simulated": 1.4e-3},
+                    ]
+                },
+                "verdicts": [{"scene": "any", "overturns": True, "wrong": ["1e-03"]}],
+            }
+        )
+    }
+    passed = {number: target.passed for number, target in found.items()}
+    assert passed["1a"] is None
+    assert passed["1b"] is False
+    assert passed["1c"] is True
+    assert passed["2a"] is True
+    assert passed["2b"] is True
+    assert passed["3"] is False
+    assert (passed["4a"], passed["4b"], passed["4c"]) == (True, False, None)
+    assert (passed["5a"], passed["5b"]) == (False, False)
+    assert passed["6"] is False
+    assert found["2b"].measured.startswith("300x")
+
+
+def test_opensees_stands_on_its_joints():
+    try:
+        ops = opensees.load()
+    except (ImportError, OSError, RuntimeError) as error:
+        pytest.skip(f"OpenSees is optional: {error}")
+    top = opensees.build(ops, shaft(3), 1e-6, 2.0)  # m/s2: next to nothing
+    ux, _ = opensees.follow(ops, top, ("HHT", 0.9), "Newton", 5e-3, 0.05)
+    assert len(ux) == 11
+    assert np.max(np.abs(ux)) < 1e-9
+    assert -ops.nodeDisp(10, 2) == pytest.approx(0.062447e-3, rel=1e-5)  # the base joint's settlement
+
+
+def test_command_writes_valid_json(tmp_path: Path):
+    done = subprocess.run(
+        [sys.executable, "-m", "benchmarks", "--quick", "--only", "evaluation", "--output-folder", str(tmp_path)],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stderr
+    results = json.loads((tmp_path / "results.json").read_text(), parse_constant=pytest.fail)
+    assert results["quick"] is True
+    assert {"cpu", "cores", "versions", "commit", "date"} <= set(results["machine"])
+    assert "rows" in results["evaluation"] or "absent" in results["evaluation"]
+    report = (tmp_path / "report.md").read_text()
+    assert "| 3 |" in report
+    assert report.count("not measured") >= 5
