@@ -7,16 +7,17 @@ import json
 import math
 import os
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 from . import ablation, evaluation, machine, opensees, plots, report, scaling, verdicts, work_precision
 from .competitors import MeasurementError, competitors
 from .references import reference
-from .scenes import Scene, falling, forced, scenes
+from .scenes import Scene, falling, forced, harmonic, scenes
 
 Results = dict[str, Any]
+Scenes = tuple[Scene, ...]
 FOLDER = Path(__file__).parent / "results"
 BUDGET, QUICK_BUDGET = 0.6, 0.2  # s of repeats of one point
 
@@ -26,20 +27,18 @@ def say(text: str) -> None:
     print(text, flush=True)
 
 
-def measure_work_precision(quick: bool, results: Results) -> None:
+def measure_work_precision(wanted: Scenes, quick: bool, results: Results) -> Iterator[None]:
     """Error against time in every scene."""
-    wanted, absent = scenes(quick)
     rivals, missing = competitors(quick)
-    results["absent"] |= absent | missing
+    results["absent"] |= missing
     rows: list[dict[str, Any]] = []
     results["work-precision"] = {"scenes": rows, "kinds": {rival.name: rival.kind for rival in rivals}}
     for scene in wanted:
         row: dict[str, Any] = {"title": scene.title, "duration": scene.duration}
-        rows.append(row)
         try:
             known = reference(scene)
         except MeasurementError as failure:
-            row["failure"] = str(failure)
+            rows.append(row | {"failure": str(failure)})
             say(f"{scene.title}: {failure}")
             continue
         row |= {
@@ -53,8 +52,10 @@ def measure_work_precision(quick: bool, results: Results) -> None:
         regimes = ", ".join(f"{name} {share:.1%}" for name, share in known.regimes.items())
         say(f"{scene.title}: {known.window:g} s, references differ by {known.disagreement:.1e} of the peak; {regimes}")
         row |= work_precision.measure(known, rivals, QUICK_BUDGET if quick else BUDGET)
+        rows.append(row)
         for entry in row["equal_error"]:
             say("  " + described(entry))
+        yield
 
 
 def described(entry: dict[str, Any]) -> str:
@@ -68,49 +69,53 @@ def described(entry: dict[str, Any]) -> str:
     return f"error {entry['error']:.0e}: auto {auto}; {entry['best']} {other}: {entry['speed_up']:.2f}x"
 
 
-def measure_evaluation(quick: bool, results: Results) -> None:
-    """One evaluation against C."""
-    results["evaluation"] = evaluation.measure(evaluation.SIZES[:2] if quick else evaluation.SIZES)
-    if "absent" in results["evaluation"]:
-        results["absent"]["evaluation in C"] = results["evaluation"]["absent"]
-
-
-def measure_scaling(quick: bool, results: Results) -> None:
-    """Cost per block."""
-    results["scaling"] = scaling.measure(quick)
-
-
-def measure_opensees(quick: bool, results: Results) -> None:
+def measure_opensees(wanted: Scenes, quick: bool, results: Results) -> Iterator[None]:
     """OpenSees on Phocas under 0.05 g at 2 Hz."""
     runs = {"damped": forced(0.05, 2.0), "undamped": forced(0.05, 2.0, damping=0.0)}
     results["opensees"] = opensees.measure(runs)
     if "absent" in results["opensees"]:
         results["absent"]["OpenSees"] = results["opensees"]["absent"]
+    yield
 
 
-def measure_verdicts(quick: bool, results: Results) -> None:
+def measure_evaluation(wanted: Scenes, quick: bool, results: Results) -> Iterator[None]:
+    """One evaluation against C."""
+    results["evaluation"] = evaluation.measure(evaluation.SIZES[:2] if quick else evaluation.SIZES)
+    if "absent" in results["evaluation"]:
+        results["absent"]["evaluation in C"] = results["evaluation"]["absent"]
+    yield
+
+
+def measure_scaling(wanted: Scenes, quick: bool, results: Results) -> Iterator[None]:
+    """Cost per block."""
+    results["scaling"] = scaling.measure(quick)
+    yield
+
+
+def measure_verdicts(wanted: Scenes, quick: bool, results: Results) -> Iterator[None]:
     """Standing or falling at every tolerance, in the damped scenes."""
-    wanted = (*scenes(quick)[0], falling())
-    results["verdicts"] = verdicts.measure([scene for scene in wanted if is_damped(scene)])
+    results["verdicts"] = []
+    for scene in (*wanted, falling()):
+        if all(block.joint.damping > 0.0 for block in scene.column.blocks):
+            results["verdicts"].append(verdicts.measure(scene))
+            yield
 
 
-def is_damped(scene: Scene) -> bool:
-    """Whether every joint has a damper."""
-    return all(block.joint.damping > 0.0 for block in scene.column.blocks)
-
-
-def measure_ablation(quick: bool, results: Results) -> None:
+def measure_ablation(wanted: Scenes, quick: bool, results: Results) -> Iterator[None]:
     """Time and error without each short cut."""
-    known = []
-    for scene in scenes(quick)[0]:
+    results["ablation"] = []
+    for scene in wanted:
         try:
-            known.append(reference(scene))
+            known = reference(scene)
         except MeasurementError as failure:
             say(f"{scene.title}: {failure}")
-    results["ablation"] = ablation.measure(known, QUICK_BUDGET if quick else BUDGET)
+            continue
+        results["ablation"] += ablation.measure(known, QUICK_BUDGET if quick else BUDGET)
+        yield
 
 
-PARTS: dict[str, Callable[[bool, Results], None]] = {
+# each yields whenever there is something new to be written
+PARTS: dict[str, Callable[[Scenes, bool, Results], Iterator[None]]] = {
     "work-precision": measure_work_precision,
     "opensees": measure_opensees,
     "evaluation": measure_evaluation,
@@ -130,10 +135,13 @@ def plain(value: Any) -> Any:
 
 
 def write(results: Results, folder: Path) -> None:
-    """Everything measured so far, as JSON, Markdown and pictures."""
-    folder.mkdir(parents=True, exist_ok=True)
+    """Everything measured so far, as JSON and Markdown."""
     (folder / "results.json").write_text(json.dumps(plain(results), indent=1, allow_nan=False) + "\n")
     (folder / "report.md").write_text(report.report(results))
+
+
+def draw(results: Results, folder: Path) -> None:
+    """The pictures."""
     drawn = [scene for scene in results.get("work-precision", {}).get("scenes", []) if "points" in scene]
     if drawn:
         plots.work_precision(drawn, folder / "work-precision.png")
@@ -157,17 +165,22 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
     parser.add_argument("--quick", action="store_true", help="few scenes and repeats: indicative only")
     parser.add_argument("--only", action="append", choices=PARTS, help="a part; may be given several times")
+    parser.add_argument("--scene", action="append", help="scenes whose title holds this; may be given several times")
     parser.add_argument("--output-folder", type=Path, default=FOLDER, help="default: %(default)s")
     options = parser.parse_args()
+    every, absent = scenes()
+    wanted = harmonic() if options.quick else every
+    if options.scene:
+        wanted = tuple(scene for scene in every if any(part in scene.title for part in options.scene))
+        if not wanted:
+            parser.error(f"--scene: must be part of one of: {'; '.join(scene.title for scene in every)}")
+    options.output_folder.mkdir(parents=True, exist_ok=True)
     silence_libraries()
-    results: Results = {"machine": machine.describe(), "quick": options.quick, "absent": {}}
+    results: Results = {"machine": machine.describe(), "quick": options.quick, "absent": dict(absent)}
     for name in options.only or PARTS:
         say(f"--- {name}")
-        PARTS[name](options.quick, results)
-        write(results, options.output_folder)
+        for _ in PARTS[name](wanted, options.quick, results):
+            write(results, options.output_folder)
+    draw(results, options.output_folder)
     say(report.target_table(report.targets(results)))
     say(f"written: {options.output_folder}")
-
-
-if __name__ == "__main__":
-    main()

@@ -99,7 +99,7 @@ class Cvode:
                 iteration = lib.SUNNonlinSol_FixedPoint(vector, 0, context)
                 lib.CVodeSetNonlinearSolver(memory, iteration)
             states = np.empty((problem.times.size, size))
-            code = self.follow(memory, vector, y, problem.times, states)
+            code = self.follow(memory, vector, y, problem.times, states, np.zeros(1))
             lib.CVodeFree(c.byref(_handle(memory)))
             if linear is not None:
                 lib.SUNLinSolFree(linear)
@@ -117,7 +117,10 @@ def _rates_of_vectors(library: c.CDLL) -> Any:
     entries = library.N_VGetArrayPointer
     entries.restype, entries.argtypes = c.POINTER(c.c_double), (_handle,)
 
-    @cfunc(types.int32(types.double, types.voidptr, types.voidptr, types.CPointer(types.double)), **OPTIONS)
+    @cfunc(
+        types.int32(types.double, types.voidptr, types.voidptr, types.CPointer(types.double)),
+        **(OPTIONS | {"_nrt": True}),
+    )
     def rates_of_vectors(t, y, dydt, data):
         head = carray(data, (HEADER,))
         size = 4 * int(head[BLOCKS])
@@ -133,9 +136,8 @@ def _follower(library: c.CDLL) -> Any:
     advance = library.CVode
     advance.restype, advance.argtypes = _int, (_handle, _real, _handle, _handle, _int)
 
-    @njit(**OPTIONS)
-    def follow(memory, vector, y, times, states):
-        reached = np.zeros(1)
+    @njit  # with numba's runtime, which the addresses of arrays need; it is no part of an evaluation
+    def follow(memory, vector, y, times, states, reached):
         states[0] = y
         for k in range(1, times.size):
             code = advance(memory, times[k], vector, reached.ctypes.data, NORMAL)

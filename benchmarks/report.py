@@ -48,6 +48,7 @@ def machine(results: Results) -> str:
         "# Benchmarks\n\n"
         f"{info['date']}, commit {info['commit']}, {info['cpu']} ({info['cores']} cores, one thread used), "
         f"{info['system']}. {versions}.\n\n"
+        f"{'A quick run: indicative only. ' if results['quick'] else ''}"
         "Times are the shortest of warm runs, compilation apart. Errors are the largest over the whole predictable "
         "window and all blocks, in parts of the peak."
     )

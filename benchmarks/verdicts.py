@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
 from typing import Any
 
 from solver import SolverError, simulate
@@ -15,37 +13,31 @@ from .scenes import Scene
 TOLERANCES = tolerances(-3, -8, per_decade=1)
 
 
-def measure(scenes: Sequence[Scene]) -> list[dict[str, Any]]:
-    """One row a scene: the references' times of overturning, s, and those at every tolerance (NaN for standing)."""
-    rows = []
-    for scene in scenes:
+def measure(scene: Scene) -> dict[str, Any]:
+    """The references' times of overturning, s, and those at every tolerance; NaN for standing."""
+    try:
+        known = reference(scene)
+        expected = known.overturns
+    except MeasurementError as failure:
+        return {"scene": scene.title, "failure": str(failure)}
+    times: dict[str, float | str] = {}
+    wrong = []
+    for tolerance in TOLERANCES:
+        key = f"{tolerance:.0e}"
         try:
-            known = reference(scene)
-            expected = known.overturns
-        except MeasurementError as failure:
-            rows.append({"scene": scene.title, "failure": str(failure)})
+            response = simulate(scene.column, scene.motion, scene.duration, integrator="auto", tolerance=tolerance)
+        except SolverError as error:
+            times[key] = str(error)
+            wrong.append(key)
             continue
-        times: dict[str, float | str] = {}
-        wrong = []
-        for tolerance in TOLERANCES:
-            key = f"{tolerance:.0e}"
-            try:
-                response = simulate(scene.column, scene.motion, scene.duration, integrator="auto", tolerance=tolerance)
-            except SolverError as error:
-                times[key] = str(error)
-                wrong.append(key)
-                continue
-            times[key] = response.overturn_time
-            if math.isnan(response.overturn_time) == expected:
-                wrong.append(key)
-        rows.append(
-            {
-                "scene": scene.title,
-                "duration": scene.duration,
-                "overturns": expected,
-                "reference_times": known.overturn_times,
-                "times": times,
-                "wrong": wrong,
-            }
-        )
-    return rows
+        times[key] = response.overturn_time
+        if response.overturned != expected:
+            wrong.append(key)
+    return {
+        "scene": scene.title,
+        "duration": scene.duration,
+        "overturns": expected,
+        "reference_times": known.overturn_times,
+        "times": times,
+        "wrong": wrong,
+    }

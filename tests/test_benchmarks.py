@@ -36,7 +36,7 @@ def test_scenes_are_well_formed():
     for scene in found:
         assert 0.0 < scene.duration <= scene.motion.duration
         Problem(scene, grid(1.0))  # raises for a motion that the compiled equations do not know
-    assert scenes(quick=True)[0] == harmonic()
+    assert set(harmonic()) <= set(found)
     assert bool(absent) != RECORDS.is_dir()
 
 
