@@ -138,7 +138,7 @@ def opensees_table(results: Results) -> str:
     return (
         "## OpenSees\n\nPhocas under 0.05 g at 2 Hz for 20 s: rigid elements, zero-length sections of "
         f"{part['fibres']} no-tension fibres. Peak in the first 3 s by `auto` at 1e-9: {own}. A peak of metres is a "
-        "false collapse.\n\n" + table(head, rows)
+        "false collapse. The error includes that the dampers differ in law (`opensees.py`).\n\n" + table(head, rows)
     )
 
 

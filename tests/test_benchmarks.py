@@ -16,7 +16,7 @@ from probe import look, phocas, random_column, random_state
 sys.path.insert(0, str(ROOT))  # the benchmarks are not installed
 
 from benchmarks import evaluation, opensees, references, targets
-from benchmarks.competitors import MeasurementError, grid, steps, tolerances
+from benchmarks.competitors import MeasurementError, competitors, grid, steps, tolerances
 from benchmarks.right_hand_side import Problem, base_acceleration
 from benchmarks.scenes import RECORDS, Scene, forced, harmonic, scenes, shaft
 from benchmarks.work_precision import cost_at, envelope, equal_error
@@ -132,6 +132,19 @@ def test_reference_and_error():
         known.error(known.ux[:-1])
     with pytest.raises(MeasurementError):
         known.error(known.ux * math.nan)
+
+
+def test_every_competitor_that_is_here_solves_a_scene():
+    scene = forced(0.05, 2.0, duration=0.4)
+    times = grid(scene.duration)
+    exact = simulate(scene.column, scene.motion, tolerance=1e-10).ux
+    found, _ = competitors()
+    assert [rival.name for rival in found[:2]] == ["auto", "central-difference"]
+    for rival in found:
+        result = rival.solve(scene, times, 1e-5 if rival.knob == "step" else 1e-6, 0.0)
+        assert np.max(np.abs(result.ux - exact)) < 1e-3 * np.max(np.abs(exact)), rival.name
+        assert result.evaluations > 100
+        assert result.seconds > 0.0
 
 
 def test_knobs():
