@@ -11,6 +11,7 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 from matplotlib.axes import Axes
+from matplotlib.patches import Patch
 
 from .work_precision import EQUAL_ERRORS, pairs
 
@@ -28,7 +29,8 @@ STYLES: dict[str, tuple[str, str, str]] = {
 }
 OTHER_STYLE = ("#555555", ".", "--")
 COLUMNS = 4  # of pictures in a row
-LARGEST_ERROR, SMALLEST_ERROR = 1.0, 1e-10  # of the peak, that are drawn
+LARGEST_ERROR, SMALLEST_ERROR = 0.5, 1e-10  # of the peak, that are drawn
+GREY = "0.92"  # below what the references disagree by
 
 
 def work_precision(scenes: list[dict[str, Any]], path: Path, cost: str = "seconds") -> None:
@@ -54,8 +56,14 @@ def work_precision(scenes: list[dict[str, Any]], path: Path, cost: str = "second
         axes[last][column].set_xlabel(label)
     for row in axes:
         row[0].set_ylabel("largest error, part of the peak")
+    handles["references disagree"] = Patch(color=GREY)
     figure.legend(
-        list(handles.values()), list(handles), loc="outside upper center", ncols=min(5, len(handles)), frameon=False
+        list(handles.values()),
+        list(handles),
+        loc="outside upper center",
+        ncols=columns + (columns > 1),
+        frameon=False,
+        fontsize=10,
     )
     figure.savefig(path, dpi=110)
     plt.close(figure)
@@ -89,10 +97,10 @@ def _label(axis: Axes, scene: dict[str, Any]) -> None:
         if share >= 0.005
     ]
     axis.set_title(f"{scene['title']}\n{scene['window']:.3g} s, {', '.join(shares)}", fontsize=10)
-    axis.set_ylim(SMALLEST_ERROR, LARGEST_ERROR)
+    axis.set_ylim(SMALLEST_ERROR, 1.0)
     for error in EQUAL_ERRORS:
         axis.axhline(error, color="0.8", linewidth=0.8, zorder=1)
-    axis.axhspan(SMALLEST_ERROR, max(scene["disagreement"], SMALLEST_ERROR), color="0.92", zorder=0)
+    axis.axhspan(SMALLEST_ERROR, max(scene["disagreement"], SMALLEST_ERROR), color=GREY, zorder=0)
     axis.grid(True, which="major", axis="x", color="0.9", linewidth=0.6)
 
 

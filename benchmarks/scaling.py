@@ -14,7 +14,7 @@ import solver.column as columns
 from solver import Block, Column, InputError, Joint, Motion, simulate
 
 from . import timing
-from .evaluation import STATES, kernel_loop, states_of_a_run
+from .evaluation import PASSES, STATES, kernel_loop, states_of_a_run
 from .scenes import STIFFNESS, G, shaft
 
 SIZES = (1, 3, 10, 50, 200, 1000)  # blocks
@@ -63,7 +63,7 @@ def measure(quick: bool = False) -> dict[str, Any]:
             column = shaft(n)
             count = STATES if n <= 50 else 20
             loop = kernel_loop(column, states_of_a_run(column, count, 5e-3 if n <= 50 else 1e-4))
-            row["evaluation"] = timing.loops([loop])[0] / (count * n)
+            row["evaluation"] = timing.loops([loop])[0] / (PASSES * count * n)
             if n <= MOST_SIMULATED:
                 stack, motion = tower(n), Motion.harmonic(0.2 * G, 2.0, DURATION)
                 simulate(stack, motion)
