@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import csv
 import os
-from dataclasses import dataclass
+from collections.abc import Callable
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -30,7 +31,6 @@ BLOCK_HISTORIES = (
 BASE_HISTORIES = (("Fx", at.ROW_FX, "base.Fx"), ("Fz", at.ROW_FZ, "base.Fz"), ("My", at.ROW_MY, "base.My"))
 
 
-@dataclass(frozen=True, eq=False)
 class Response:
     """Histories (nt, n), block and joint 1 (the top) first; base reaction (nt,).
 
@@ -38,54 +38,54 @@ class Response:
     clockwise; N N, compression; M N m, restoring; S N, horizontal, of the part above on the part below; contact 0..1
     of the joint's width; sigma_max Pa; Fx, Fz N and My N m (clockwise), of the column on the base at the centre of
     joint n. peak_ux m (n,): largest |ux| of the continuous motion. overturned, overturn_time s (NaN if not),
-    overturned_joint (0 if not). stats: steps, implicit_steps (of these), rejected, evaluations, sweeps; full_contact,
-    rocking, flight: parts of the time; wall_time s.
+    overturned_joint (0 if not). stats: steps, implicit_steps (of these), rejected, events (steps cut off where the
+    contact of a joint changes), evaluations, sweeps; full_contact, rocking, flight: parts of the time; wall_time s.
+
+    Histories are worked out from the motion when one of them is first asked for, which may raise SolverError.
     """
 
-    column: Column
-    time: FloatArray
-    ux: FloatArray
-    uz: FloatArray
-    theta: FloatArray
-    N: FloatArray
-    M: FloatArray
-    S: FloatArray
-    contact: FloatArray
-    sigma_max: FloatArray
-    Fx: FloatArray
-    Fz: FloatArray
-    My: FloatArray
-    peak_ux: FloatArray
-    overturned: bool
-    overturn_time: float
-    overturned_joint: int
-    stats: dict[str, Any]
-
-    @classmethod
-    def from_rows(
-        cls,
+    def __init__(
+        self,
         column: Column,
         time: FloatArray,
-        rows: FloatArray,
+        observe: Callable[[], FloatArray],
         peak_ux: FloatArray,
         overturned_joint: int,
         overturn_time: float,
         stats: dict[str, Any],
-    ) -> Response:
-        """Cut output rows (nt, 8 n + 3) into histories."""
-        n = column.n
-        histories = {name: rows[:, field * n : (field + 1) * n] for name, field, _ in BLOCK_HISTORIES}
-        histories |= {name: rows[:, at.ROW_FIELDS * n + field] for name, field, _ in BASE_HISTORIES}
-        return cls(
-            column=column,
-            time=time,
-            peak_ux=peak_ux,
-            overturned=overturned_joint > 0,
-            overturn_time=overturn_time,
-            overturned_joint=overturned_joint,
-            stats=stats,
-            **histories,
-        )
+    ) -> None:
+        """`observe` returns the output rows (nt, 8 n + 3)."""
+        self.column = column
+        self.time = time
+        self._observe = observe
+        self.peak_ux = peak_ux
+        self.overturned = overturned_joint > 0
+        self.overturned_joint = overturned_joint
+        self.overturn_time = overturn_time
+        self.stats = stats
+
+    @cached_property
+    def _rows(self) -> FloatArray:
+        return self._observe()
+
+    def _joints(self, field: int) -> FloatArray:
+        n = self.column.n
+        return self._rows[:, field * n : (field + 1) * n]
+
+    def _base(self, field: int) -> FloatArray:
+        return self._rows[:, at.ROW_FIELDS * self.column.n + field]
+
+    ux = property(lambda self: self._joints(at.ROW_UX))
+    uz = property(lambda self: self._joints(at.ROW_UZ))
+    theta = property(lambda self: self._joints(at.ROW_THETA))
+    N = property(lambda self: self._joints(at.ROW_N))
+    M = property(lambda self: self._joints(at.ROW_M))
+    S = property(lambda self: self._joints(at.ROW_S))
+    contact = property(lambda self: self._joints(at.ROW_CONTACT))
+    sigma_max = property(lambda self: self._joints(at.ROW_SIGMA))
+    Fx = property(lambda self: self._base(at.ROW_FX))
+    Fz = property(lambda self: self._base(at.ROW_FZ))
+    My = property(lambda self: self._base(at.ROW_MY))
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write every history under the name of the FMU's output, in the order of the FMU's outputs."""

@@ -48,14 +48,14 @@ def simulate(
     stepper = Stepper(column, initial)
     times = motion.start + output_step * np.arange(math.floor(duration / output_step + 1e-9) + 1, dtype=np.float64)
     begin = clock.perf_counter()
-    rows = stepper.run(motion, motion.start + duration, times)
+    snapshots = stepper.run(motion, motion.start + duration, times)
     wall_time = clock.perf_counter() - begin
     spent = stepper.state[[at.TIME_FULL, at.TIME_ROCKING, at.TIME_FLIGHT]]
     shares = spent / max(float(np.sum(spent)), math.ulp(0.0))
-    return Response.from_rows(
+    return Response(
         column,
         times,
-        rows,
+        lambda: stepper.rows_of(snapshots),
         peak_ux=stepper.peaks.copy(),
         overturned_joint=stepper.overturned_joint,
         overturn_time=stepper.overturn_time,
@@ -63,6 +63,7 @@ def simulate(
             "steps": int(stepper.counters[at.STEPS]),
             "implicit_steps": int(stepper.counters[at.IMPLICIT_STEPS]),
             "rejected": int(stepper.counters[at.REJECTED]),
+            "events": int(stepper.counters[at.EVENTS]),
             "evaluations": int(stepper.counters[at.EVALUATIONS]),
             "sweeps": int(stepper.counters[at.SWEEPS]),
             "full_contact": float(shares[0]),

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from .column import Column
 from .errors import InputError, SolverError
 from .kernels import layout as at
-from .kernels.advance import advance_once, observe_state, run
+from .kernels.advance import advance_once, observe_snapshots, observe_state, run
 from .modes import longest_stable_step
 from .motion import Motion
 from .packing import FloatArray, InitialState, pack_model, pack_state
@@ -26,7 +26,7 @@ REASONS = {
 STEP_SLACK = 1e-6  # the limit itself is known to so many digits
 
 _NO_TIMES = np.empty(0)
-_NO_ROWS = np.empty((0, 0))
+_NO_SNAPSHOTS = np.empty((0, 0))
 
 
 class Stepper:
@@ -47,7 +47,9 @@ class Stepper:
 
     def advance(self, t: float, h: float) -> None:
         """Go from t to t + h, s, under `inputs`. Raises SolverError."""
-        code = advance_once(self.model, self.state, self.counters, self.inputs, self._work, t, h, _NO_TIMES, _NO_ROWS)
+        code = advance_once(
+            self.model, self.state, self.counters, self.inputs, self._work, t, h, _NO_TIMES, _NO_SNAPSHOTS
+        )
         self._check(code, t)
 
     def observe(self, t: float) -> FloatArray:
@@ -58,8 +60,8 @@ class Stepper:
         return row
 
     def run(self, motion: Motion, stop: float, times: FloatArray) -> FloatArray:
-        """Follow a motion from its start to time `stop`, s; an output row for each of `times`. Raises SolverError."""
-        rows = np.zeros((times.size, at.row_size(self.n)))
+        """Follow a motion from its start to time `stop`, s; a snapshot for each of `times`. Raises SolverError."""
+        snapshots = np.zeros((times.size, at.snapshot_size(self.n)))
         knots, ax, az = motion.time, motion.ax, motion.az
         if motion.end > knots[-1]:  # the last held sample ends where the motion does
             knots, ax, az = (np.append(part, value) for part, value in ((knots, motion.end), (ax, 0.0), (az, 0.0)))
@@ -78,9 +80,17 @@ class Stepper:
             motion.hold,
             stop,
             times,
-            rows,
+            snapshots,
         )
         self._check(code, None)
+        return snapshots
+
+    def rows_of(self, snapshots: FloatArray) -> FloatArray:
+        """The output row that belongs to each snapshot. Raises SolverError."""
+        rows = np.zeros((len(snapshots), at.row_size(self.n)))
+        code, count = observe_snapshots(self.model, self._work, self.counters.copy(), snapshots, rows)
+        if code != at.OK:
+            raise SolverError(f"output row {count}: {REASONS[code]}")
         return rows
 
     @property

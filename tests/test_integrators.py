@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from itertools import pairwise
+from types import ModuleType
 
 import numpy as np
 import pytest
@@ -14,7 +15,7 @@ from scipy.integrate import solve_ivp
 
 from solver import Block, Column, InitialState, Joint, Settings
 from solver.kernels import layout as at
-from solver.kernels.integrators.dormand_prince import ERROR_WEIGHTS, NODES, ORDER, STAGE_WEIGHTS, STAGES
+from solver.kernels.integrators import dormand_prince, order_8
 from solver.stepper import Stepper
 
 INTEGRATORS = ["auto", "central-difference"]
@@ -59,13 +60,30 @@ def density(tree: Tree) -> int:
     return nodes(tree) * math.prod(density(branch) for branch in tree)
 
 
-def residual(weights: Array, tree: Tree) -> float:
+def stage_table(method: ModuleType) -> tuple[Array, Array, Array]:
+    """Stage weights (s, s), nodes (s,) and weights (s,) of an explicit method, the evaluation at the end included."""
+    numbers = {name: value for name, value in vars(method).items() if isinstance(value, float)}
+    stages = 1 + sum(name.startswith("C") for name in numbers)
+    a = np.zeros((stages + 1, stages + 1))
+    for i in range(1, stages):
+        a[i, :i] = [numbers.get(f"A{i}_{j}", 0.0) for j in range(i)]
+    a[stages, :stages] = [numbers.get(f"B_{j}", 0.0) for j in range(stages)]
+    c = np.array([0.0, *(numbers[f"C{i}"] for i in range(1, stages)), 1.0])
+    return a, c, a[stages]
+
+
+def error_weights(method: ModuleType, prefix: str, stages: int) -> Array:
+    """The row of the error estimate of that name, (s,)."""
+    row = [getattr(method, f"{prefix}_{j}", 0.0) for j in range(stages)]
+    row[-1] = getattr(method, f"{prefix}_LAST", 0.0)
+    return np.array(row)
+
+
+def residual(a: Array, weights: Array, tree: Tree) -> float:
     """Defect of Butcher's order condition of a tree: sum of weights times elementary weights, less 1 / density."""
-    a = np.zeros((STAGES, STAGES))
-    a[:, : STAGES - 1] = STAGE_WEIGHTS
 
     def stage_values(at_root: Tree) -> Array:
-        found = np.ones(STAGES)
+        found = np.ones(len(weights))
         for branch in at_root:
             found *= a @ stage_values(branch)
         return found
@@ -73,18 +91,20 @@ def residual(weights: Array, tree: Tree) -> float:
     return float(weights @ stage_values(tree)) - 1.0 / density(tree)
 
 
-def test_tableau_satisfies_the_order_conditions() -> None:
-    assert [len(trees(order)) for order in range(1, 6)] == [1, 1, 2, 4, 9]
-    assert np.sum(STAGE_WEIGHTS, axis=1) == pytest.approx(NODES, abs=1e-15)  # measured 3e-16
-    weights = np.append(STAGE_WEIGHTS[-1], 0.0)  # the last stage is the first of the next step
-    embedded = weights - ERROR_WEIGHTS
-    for order in range(1, ORDER + 1):
-        for tree in trees(order):
-            assert residual(weights, tree) == pytest.approx(0.0, abs=2e-15)  # measured 4e-16
-            if order < ORDER:
-                assert residual(embedded, tree) == pytest.approx(0.0, abs=2e-15)  # measured 4e-16
-    assert max(abs(residual(embedded, tree)) for tree in trees(ORDER)) > 1e-4  # order 4, else no estimate
-    assert max(abs(residual(weights, tree)) for tree in trees(ORDER + 1)) > 1e-4
+@pytest.mark.parametrize(
+    ("method", "estimates", "rounding"),
+    [(dormand_prince, {"ERROR": 4}, 2e-15), (order_8, {"ERROR_5": 5, "ERROR_3": 3}, 2e-13)],  # measured 4e-16, 2e-14
+)
+def test_tableau_satisfies_the_order_conditions(method: ModuleType, estimates: dict[str, int], rounding: float) -> None:
+    assert [len(trees(order)) for order in range(1, 9)] == [1, 1, 2, 4, 9, 20, 48, 115]
+    a, c, weights = stage_table(method)
+    assert np.sum(a, axis=1) == pytest.approx(c, abs=rounding)
+    candidates = {method.ORDER: weights}
+    candidates |= {order: weights - error_weights(method, name, len(weights)) for name, order in estimates.items()}
+    for order, row in candidates.items():
+        for below in range(1, order + 1):
+            assert max(abs(residual(a, row, tree)) for tree in trees(below)) < rounding
+        assert max(abs(residual(a, row, tree)) for tree in trees(order + 1)) > 1e-6  # not of a higher order
 
 
 # --- orders, in full contact where the forces are smooth

@@ -1,21 +1,24 @@
-"""The one stepping loop: internal steps, error control, overturning, peaks, output rows."""
+"""The one stepping loop: internal steps, error control, overturning, peaks, snapshots."""
 
 import math
 
 from .dynamics import accelerate, base_acceleration, observe, reach_of, rotation, scratch_offset, top_motion
-from .integrators import central_difference, dormand_prince, rosenbrock
-from .interpolation import interpolate_phase, turning_point
-from .jit import entry, kernel
+from .integrators import central_difference, dormand_prince, order_8, rosenbrock
+from .interpolation import begin, interpolate_phase, refine, turning_point
+from .jit import entry, kernel, leaf
 from .layout import (
+    AUTO,
     BASE_AX,
     BASE_AZ,
     BLOCK_FIELDS,
     CENTRAL_DIFFERENCE,
+    EVENTS,
     EXACT,
     EXPLICIT_STEP,
     FALL_ANGLE,
     FIRST_STEP,
     FORMULATION,
+    GRAVITY,
     HAS_OVERTURNED,
     IMPLICIT,
     IMPLICIT_STEPS,
@@ -27,15 +30,18 @@ from .layout import (
     INPUT_OMEGA,
     INPUT_T0,
     INTEGRATOR,
+    JOINT_DEPTH,
     JOINT_LENGTH,
     JOINT_WIDTH,
     LAST_ERROR,
+    MASS,
     MODEL_HEADER,
     N_BLOCKS,
     NEXT_ROW,
     NEXT_STEP,
     NOT_FINITE,
     OK,
+    OPEN_SIZE,
     OVERTURN_TIME,
     OVERTURNED,
     PHASE_BETWEEN,
@@ -44,23 +50,38 @@ from .layout import (
     RATE_FLOOR,
     RATE_SCALE,
     REJECTED,
+    REST,
     ROTATION_FLOOR,
     ROTATION_SCALE,
     SCRATCH_FIELDS,
     SINCE_PROBE,
+    SNAPSHOT_AX,
+    SNAPSHOT_AZ,
     STARTED,
     STATE_HEADER,
     STEP,
     STEP_TOO_SMALL,
     STEPS,
+    STIFFNESS,
+    TIME_AT_REST,
     TIME_FLIGHT,
     TIME_FULL,
     TIME_ROCKING,
+    TOLERANCE,
     TOP_BETWEEN,
     TOP_END,
     TOP_START,
     TURN_SIZE,
+    UNHELD,
+    WITHOUT,
 )
+from .regimes import NO_CHANGE, changes, first_change, hold, release
+
+# methods
+FIXED = 0  # central differences
+ORDER_5 = 1
+ORDER_8 = 2
+LINEARLY_IMPLICIT = 3
 
 SAFETY = 0.9
 SHRINK = 0.2
@@ -76,6 +97,8 @@ PROBE = 2.0  # times the explicit step: how far the implicit method is tried
 STEPS_PER_PROBE = 100
 SMOOTHING = 0.2
 SLACK = 1e-9  # of a step: times closer than this are the same
+ORDER_8_BELOW = 2e-6  # tolerance of a step from which on order 8 is the cheaper explicit method
+LEAST_CUT = 1e-4  # of a step: regimes that change sooner are not held
 LEAST_STEP = 1e-13  # of the time scale: below this the error control has failed
 
 
@@ -144,22 +167,22 @@ def _widest_joint(model, x, o):
 def _moment_of_overturning(model, work, h):
     """Fraction of the step at which the column passes the angle of no return; its phase is left in PHASE_BETWEEN."""
     n = int(model[N_BLOCKS])
-    start, end, between = 6 * n * PHASE_START, 6 * n * PHASE_END, 6 * n * PHASE_BETWEEN
+    between = 6 * n * PHASE_BETWEEN
     lo, hi = 0.0, 1.0
     for _ in range(40):
         middle = 0.5 * (lo + hi)
-        interpolate_phase(work, start, end, between, 2 * n, h, middle)
+        interpolate_phase(work, 2 * n, h, middle)
         if _has_fallen(model, work, between):
             hi = middle
         else:
             lo = middle
-    interpolate_phase(work, start, end, between, 2 * n, h, hi)
+    interpolate_phase(work, 2 * n, h, hi)
     return hi
 
 
 @kernel
-def _track_peaks(model, state, work, h):
-    """Raise the peaks of |u_x| by the step just made, turning points inside it included."""
+def _track_peaks(model, state, inputs, work, counters, t, h):
+    """Raise the peaks of |u_x| by the step just made from t to t + h, turning points inside it included."""
     n = int(model[N_BLOCKS])
     fields = scratch_offset(n)
     start, end, between = 6 * n * PHASE_START, 6 * n * PHASE_END, 6 * n * PHASE_BETWEEN
@@ -181,72 +204,96 @@ def _track_peaks(model, state, work, h):
         state[peaks + i] = max(state[peaks + i], abs(d1))
         # beyond its ends the step can only add a turning point, and no more than a quarter of speed times step
         if v0 * v1 < 0.0 and max(abs(d0), abs(d1)) + h * min(abs(v0), abs(v1)) > state[peaks + i]:
-            interpolate_phase(work, start, end, between, 2 * n, h, turning_point(d0, v0, d1, v1, h))
+            refine(model, inputs, work, counters, t, h)
+            interpolate_phase(work, 2 * n, h, turning_point(d0, v0, d1, v1, h))
             top_motion(model, work, between, work, middle)
             state[peaks + i] = max(state[peaks + i], abs(work[middle + i]))
 
 
+@leaf
+def _row_due(counters, times, t, h):
+    """Whether a snapshot falls into the step from t to t + h."""
+    return counters[NEXT_ROW] < times.size and times[counters[NEXT_ROW]] <= t + h * (1.0 + SLACK)
+
+
 @kernel
-def _serve_rows(model, inputs, work, counters, t, h, times, rows):
-    """Write the output rows that fall into the step from t to t + h. Returns a code."""
+def _take_snapshots(model, inputs, work, counters, t, h, times, snapshots):
+    """Keep the column as it is at those of `times` that fall into the step from t to t + h."""
     n = int(model[N_BLOCKS])
     between = 6 * n * PHASE_BETWEEN
-    while counters[NEXT_ROW] < times.size and times[counters[NEXT_ROW]] <= t + h * (1.0 + SLACK):
+    while _row_due(counters, times, t, h):
         r = counters[NEXT_ROW]
         fraction = min(1.0, max(0.0, (times[r] - t) / h))
-        interpolate_phase(work, 6 * n * PHASE_START, 6 * n * PHASE_END, between, 2 * n, h, fraction)
+        refine(model, inputs, work, counters, t, h)
+        interpolate_phase(work, 2 * n, h, fraction)
         base_ax, base_az = base_acceleration(inputs, t + fraction * h)
-        code = observe(model, work, between, base_ax, base_az, work, counters, rows, r)
-        if code != OK:
-            return code
+        _keep(work, between, n, base_ax, base_az, snapshots, r)
         counters[NEXT_ROW] += 1
-    return OK
 
 
 @kernel
-def _serve_held_rows(model, state, work, counters, end_time, times, rows):
-    """Write the output rows up to end_time of a column that has fallen: all alike. Returns a code."""
+def _take_held_snapshots(model, state, counters, end_time, times, snapshots):
+    """The same up to end_time for a column whose state does not change."""
     n = int(model[N_BLOCKS])
-    between = 6 * n * PHASE_BETWEEN
     while counters[NEXT_ROW] < times.size and times[counters[NEXT_ROW]] <= end_time:
-        for i in range(6 * n):
-            work[between + i] = state[STATE_HEADER + i]
-        code = observe(model, work, between, state[BASE_AX], state[BASE_AZ], work, counters, rows, counters[NEXT_ROW])
-        if code != OK:
-            return code
+        _keep(state, STATE_HEADER, n, state[BASE_AX], state[BASE_AZ], snapshots, counters[NEXT_ROW])
         counters[NEXT_ROW] += 1
-    return OK
 
 
 @kernel
-def _chooses_implicit(model, state, counters, step, left):
-    """Whether `auto` makes its next step, of so many seconds, by the implicit method.
+def _keep(x, o, n, base_ax, base_az, snapshots, r):
+    """Copy the phase at x[o:] and the base acceleration that belongs to it to row r of the snapshots."""
+    for i in range(6 * n):
+        snapshots[r, i] = x[o + i]
+    snapshots[r, 6 * n + SNAPSHOT_AX] = base_ax
+    snapshots[r, 6 * n + SNAPSHOT_AZ] = base_az
 
-    A step of either costs about the same, so the one that makes longer steps is the better. The implicit one is left
-    where it steps no further than the explicit one did; from time to time it is tried with a longer step.
+
+@kernel
+def _choose_method(model, state, counters, step, left):
+    """The method by which `auto` makes its next step, of so many seconds.
+
+    Explicit, of order 8 where the tolerance is tight, or implicit. An implicit step costs about as much as one of order
+    5 and half as much as one of order 8, so the method that goes further at the same cost is the better. The implicit
+    one is left where it does not; from time to time it is tried with a longer step.
     """
+    explicit = ORDER_8 if model[TOLERANCE] < ORDER_8_BELOW else ORDER_5
     if model[FORMULATION] != EXACT:
-        return False
+        return ORDER_5
+    worth = 0.5 if explicit == ORDER_8 else 1.0
     if counters[IMPLICIT] == 1:
-        return min(step, left) > GAIN * state[EXPLICIT_STEP]
-    if counters[SINCE_PROBE] >= STEPS_PER_PROBE and PROBE * step <= left:
-        counters[SINCE_PROBE] = 0
-        return True
-    return False
+        return LINEARLY_IMPLICIT if min(step, left) > GAIN * worth * state[EXPLICIT_STEP] else explicit
+    if counters[SINCE_PROBE] >= STEPS_PER_PROBE and PROBE * worth * step <= left:
+        return LINEARLY_IMPLICIT
+    return explicit
 
 
 @kernel
-def _attempt(model, state, counters, inputs, work, t, step, implicit):
-    """One step of `auto` from t; returns (code, error in tolerances)."""
-    if implicit:
-        return rosenbrock.attempt(model, inputs, work, counters, state[ROTATION_SCALE], state[RATE_SCALE], t, step)
-    return dormand_prince.attempt(model, inputs, work, counters, state[ROTATION_SCALE], state[RATE_SCALE], t, step)
+def _attempt(method, model, state, counters, inputs, work, t, step):
+    """One step by this method; returns (code, error in tolerances)."""
+    scale, rate_scale = state[ROTATION_SCALE], state[RATE_SCALE]
+    if method == ORDER_5:
+        return dormand_prince.attempt(model, inputs, work, counters, scale, rate_scale, t, step)
+    if method == ORDER_8:
+        return order_8.attempt(model, inputs, work, counters, scale, rate_scale, t, step)
+    if method == LINEARLY_IMPLICIT:
+        return rosenbrock.attempt(model, inputs, work, counters, scale, rate_scale, t, step)
+    return central_difference.attempt(model, inputs, work, counters, scale, rate_scale, t, step)
+
+
+@leaf
+def _order(method):
+    """Order of a method with error control."""
+    if method == ORDER_8:
+        return order_8.ORDER
+    return rosenbrock.ORDER if method == LINEARLY_IMPLICIT else dormand_prince.ORDER
 
 
 @kernel
-def _accepts(state, counters, step, implicit, code, error):
+def _accepts(method, state, counters, step, code, error):
     """Whether a step just tried is good enough; proposes the next one either way."""
-    order = rosenbrock.ORDER if implicit else dormand_prince.ORDER
+    order = _order(method)
+    implicit = method == LINEARLY_IMPLICIT
     if code != OK or not error <= 1.0:
         counters[REJECTED] += 1
         if implicit and counters[IMPLICIT] == 0:  # a probe that failed: go on as before
@@ -264,34 +311,100 @@ def _accepts(state, counters, step, implicit, code, error):
     if implicit:
         counters[IMPLICIT_STEPS] += 1
         counters[IMPLICIT] = 1
-        state[NEXT_STEP] = step * factor if factor < 1.0 else max(step * factor, state[NEXT_STEP])
-        return True
-    counters[SINCE_PROBE] += 1
-    # a step cut short by the end of the call says nothing against the longer one proposed before
-    if step >= state[NEXT_STEP] * (1.0 - SLACK):
-        state[EXPLICIT_STEP] += SMOOTHING * (step - state[EXPLICIT_STEP])
-        if counters[IMPLICIT] == 1:
+    else:
+        counters[SINCE_PROBE] += 1
+        # a step cut short by the end of the call says nothing against the longer one proposed before
+        if step >= state[NEXT_STEP] * (1.0 - SLACK):
+            state[EXPLICIT_STEP] += SMOOTHING * (step - state[EXPLICIT_STEP])
             counters[IMPLICIT] = 0
     state[NEXT_STEP] = step * factor if factor < 1.0 else max(step * factor, state[NEXT_STEP])
     return True
 
 
+@leaf
+def _holds(method, model, counters):
+    """Whether a step is made with the joints held in their regimes."""
+    return method in (ORDER_5, ORDER_8) and model[FORMULATION] == EXACT and counters[UNHELD] == 0
+
+
 @kernel
-def advance(model, state, counters, inputs, work, t, h, times, rows):
+def _where_regimes_end(method, model, inputs, work, counters, t, h):
+    """Fraction of the step just made at which the first joint leaves the regime it is held in; NO_CHANGE if none does.
+
+    The joints are let go.
+    """
+    n = int(model[N_BLOCKS])
+    scratch = scratch_offset(n)
+    middle, node = dormand_prince.MIDDLE, dormand_prince.MIDDLE_NODE
+    if method == ORDER_8:
+        middle, node = order_8.MIDDLE, order_8.MIDDLE_NODE
+    cut = NO_CHANGE
+    if changes(model, work, 6 * n * middle, 6 * n * PHASE_END, scratch):
+        refine(model, inputs, work, counters, t, h)
+        cut = first_change(model, work, node, scratch, h)
+    release(model, work, scratch)
+    return cut
+
+
+@kernel
+def _end_step(method, model, inputs, work, counters, t, h, fraction):
+    """Let the step of h seconds from t end at this fraction of it. Returns a code."""
+    n = int(model[N_BLOCKS])
+    end = 6 * n * PHASE_END
+    interpolate_phase(work, 2 * n, h, fraction)
+    for i in range(6 * n):
+        work[end + i] = work[6 * n * PHASE_BETWEEN + i]
+    begin(model, work, method == ORDER_8)
+    base_ax, base_az = base_acceleration(inputs, t + fraction * h)
+    return accelerate(model, work, end, base_ax, base_az, work, counters)
+
+
+@kernel
+def _is_quiet(inputs):
+    """Whether the base does not accelerate."""
+    steady = inputs[INPUT_AX] == 0.0 and inputs[INPUT_AZ] == 0.0
+    return steady and inputs[INPUT_JX] == 0.0 and inputs[INPUT_JZ] == 0.0 and inputs[INPUT_AMPLITUDE] == 0.0
+
+
+@kernel
+def _rests(model, state):
+    """Whether the column is at rest under its weight, but for a motion that the tolerance does not see."""
+    if model[FORMULATION] != EXACT or model[INTEGRATOR] != AUTO or int(model[WITHOUT]) & REST:
+        return False
+    n = int(model[N_BLOCKS])
+    turn = model[TOLERANCE] * state[ROTATION_SCALE]
+    spin = model[TOLERANCE] * state[RATE_SCALE]
+    weight = 0.0
+    for i in range(n):
+        row = MODEL_HEADER + BLOCK_FIELDS * i
+        q = STATE_HEADER + i
+        weight += model[GRAVITY] * model[row + MASS]
+        settled = -weight / (model[row + STIFFNESS] * model[row + JOINT_WIDTH] * model[row + JOINT_DEPTH])
+        size = model[row + OPEN_SIZE]
+        if abs(state[q]) > turn or abs(state[q + n] - settled) > turn * size:
+            return False
+        if abs(state[q + 2 * n]) > spin or abs(state[q + 3 * n]) > spin * size:
+            return False
+    return True
+
+
+@kernel
+def advance(model, state, counters, inputs, work, t, h, times, snapshots):
     """Take the column from t to t + h, landing there exactly. Returns a code.
 
-    The inputs hold within the call. Output rows for those of `times` that lie inside are written by interpolation;
-    with no times neither rows nor peaks are kept. A column that has overturned keeps its state. On an error the phase
+    The inputs hold within the call. Snapshots at those of `times` that lie inside are taken by interpolation; with no
+    times neither snapshots nor peaks are kept. A column that has overturned keeps its state. On an error the phase
     in the state is that at t.
     """
     n = int(model[N_BLOCKS])
     size = 6 * n
     start = size * PHASE_START
     end = size * PHASE_END
+    scratch = scratch_offset(n)
     watched = times.size > 0
     if counters[OVERTURNED] > 0:
-        code = _serve_held_rows(model, state, work, counters, t + h * (1.0 + SLACK), times, rows)
-        return code if code != OK else HAS_OVERTURNED
+        _take_held_snapshots(model, state, counters, t + h * (1.0 + SLACK), times, snapshots)
+        return HAS_OVERTURNED
 
     for i in range(size):
         work[start + i] = state[STATE_HEADER + i]
@@ -310,6 +423,14 @@ def advance(model, state, counters, inputs, work, t, h, times, rows):
             code = _take_stock(model, state, work, start, 0.0)
             if code != OK:
                 return code
+    if _is_quiet(inputs) and _rests(model, state):
+        for i in range(size):
+            state[STATE_HEADER + i] = work[start + i]
+        state[BASE_AX], state[BASE_AZ] = 0.0, 0.0
+        state[TIME_FULL] += h
+        state[TIME_AT_REST] += h
+        _take_held_snapshots(model, state, counters, t + h * (1.0 + SLACK), times, snapshots)
+        return OK
     if watched:
         top = scratch_offset(n) + TOP_START * n
         top_motion(model, work, start, work, top)
@@ -326,20 +447,18 @@ def advance(model, state, counters, inputs, work, t, h, times, rows):
     while gone < h and not fallen:
         left = h - gone
         last = True
+        held = False
+        method = FIXED
         if fixed:
             last = made + 1.0 >= pieces
             step = left if last else h * ((made + 1.0) / pieces) - gone
-            code, error = central_difference.attempt(
-                model, inputs, work, counters, state[ROTATION_SCALE], state[RATE_SCALE], t + gone, step
-            )
-            if code != OK:
-                return code
         else:
             step = state[NEXT_STEP]
             if inputs[INPUT_AMPLITUDE] != 0.0:  # never skip over a cycle of the motion
                 step = min(step, 1.0 / inputs[INPUT_OMEGA])
-            implicit = _chooses_implicit(model, state, counters, step, left)
-            if counters[SINCE_PROBE] == 0 and counters[IMPLICIT] == 0 and implicit:
+            method = _choose_method(model, state, counters, step, left)
+            if method == LINEARLY_IMPLICIT and counters[IMPLICIT] == 0:
+                counters[SINCE_PROBE] = 0
                 step *= PROBE
             if step * (1.0 + SLACK) >= left:
                 step = left
@@ -347,11 +466,35 @@ def advance(model, state, counters, inputs, work, t, h, times, rows):
                 last = False
                 if 2.0 * step > left:  # two alike rather than one and a sliver
                     step = 0.5 * left
-            code, error = _attempt(model, state, counters, inputs, work, t + gone, step, implicit)
-            if not _accepts(state, counters, step, implicit, code, error):
+            held = _holds(method, model, counters)
+            if held:
+                hold(model, work, start, scratch, step)
+        begin(model, work, method == ORDER_8)
+        code, error = _attempt(method, model, state, counters, inputs, work, t + gone, step)
+        counters[UNHELD] = 0
+        if fixed:
+            if code != OK:
+                return code
+        else:
+            if not _accepts(method, state, counters, step, code, error):
+                release(model, work, scratch)
                 if state[NEXT_STEP] < LEAST_STEP * max(model[FIRST_STEP], abs(t + gone)):
                     return code if code != OK else STEP_TOO_SMALL
                 continue
+            cut = NO_CHANGE
+            if held:
+                cut = _where_regimes_end(method, model, inputs, work, counters, t + gone, step)
+            if cut < LEAST_CUT:
+                counters[UNHELD] = 1
+                continue
+            if cut < NO_CHANGE:
+                counters[EVENTS] += 1
+                code = _end_step(method, model, inputs, work, counters, t + gone, step, cut)
+                if code != OK:
+                    return code
+                if cut < 1.0:
+                    step *= cut
+                    last = False
         counters[STEPS] += 1
         code = _take_stock(model, state, work, end, step)
         if code != OK:
@@ -359,19 +502,15 @@ def advance(model, state, counters, inputs, work, t, h, times, rows):
 
         fallen = _has_fallen(model, work, end)
         if fallen:
-            step *= _moment_of_overturning(model, work, step)
-            for i in range(size):
-                work[end + i] = work[size * PHASE_BETWEEN + i]
-            base_ax, base_az = base_acceleration(inputs, t + gone + step)
-            code = accelerate(model, work, end, base_ax, base_az, work, counters)
+            fraction = _moment_of_overturning(model, work, step)
+            code = _end_step(method, model, inputs, work, counters, t + gone, step, fraction)
             if code != OK:
                 return code
+            step *= fraction
             state[OVERTURN_TIME] = t + gone + step
         if watched:
-            _track_peaks(model, state, work, step)
-            code = _serve_rows(model, inputs, work, counters, t + gone, step, times, rows)
-            if code != OK:
-                return code
+            _track_peaks(model, state, inputs, work, counters, t + gone, step)
+            _take_snapshots(model, inputs, work, counters, t + gone, step, times, snapshots)
         for i in range(size):
             work[start + i] = work[end + i]
         made += 1.0
@@ -382,15 +521,15 @@ def advance(model, state, counters, inputs, work, t, h, times, rows):
     state[BASE_AX], state[BASE_AZ] = base_acceleration(inputs, t + gone)
     if fallen:
         counters[OVERTURNED] = _widest_joint(model, work, start)
-        code = _serve_held_rows(model, state, work, counters, t + h * (1.0 + SLACK), times, rows)
-        return code if code != OK else HAS_OVERTURNED
+        _take_held_snapshots(model, state, counters, t + h * (1.0 + SLACK), times, snapshots)
+        return HAS_OVERTURNED
     return OK
 
 
 @entry
-def advance_once(model, state, counters, inputs, work, t, h, times, rows):
+def advance_once(model, state, counters, inputs, work, t, h, times, snapshots):
     """`advance` as called from Python."""
-    return advance(model, state, counters, inputs, work, t, h, times, rows)
+    return advance(model, state, counters, inputs, work, t, h, times, snapshots)
 
 
 @entry
@@ -407,7 +546,22 @@ def observe_state(model, state, counters, inputs, work, t, rows):
 
 
 @entry
-def run(model, state, counters, inputs, work, knots, ax, az, hold, stop, times, rows):
+def observe_snapshots(model, work, counters, snapshots, rows):
+    """Fill every row with what is visible of the snapshot of the same number. Returns (code, number of the last)."""
+    n = int(model[N_BLOCKS])
+    between = 6 * n * PHASE_BETWEEN
+    for r in range(len(snapshots)):
+        for i in range(6 * n):
+            work[between + i] = snapshots[r, i]
+        base_ax, base_az = snapshots[r, 6 * n + SNAPSHOT_AX], snapshots[r, 6 * n + SNAPSHOT_AZ]
+        code = observe(model, work, between, base_ax, base_az, work, counters, rows, r)
+        if code != OK:
+            return code, r
+    return OK, len(snapshots)
+
+
+@entry
+def run(model, state, counters, inputs, work, knots, ax, az, hold, stop, times, snapshots):
     """`advance` from knot to knot of a sampled motion up to time `stop`. Returns a code.
 
     knots: (m,) s, increasing; ax, az: (m,) m/s2 at the knots, linear in between or, with hold, kept. After the last
@@ -438,7 +592,7 @@ def run(model, state, counters, inputs, work, knots, ax, az, hold, stop, times, 
             inputs[INPUT_JZ] = 0.0
             inputs[INPUT_AMPLITUDE] = 0.0
         inputs[INPUT_T0] = begin
-        code = advance(model, state, counters, inputs, work, begin, finish - begin, times, rows)
+        code = advance(model, state, counters, inputs, work, begin, finish - begin, times, snapshots)
         if code < OK:
             return code
     return code

@@ -50,6 +50,8 @@ RISE_0 = 7
 FORCE_S = 8  # tangential force through the joint = FORCE_S * s + FORCE_0
 FORCE_0 = 9
 TANGENTIAL = 10  # N, that force once s is known
+LOCK = 11  # regime that the joint is held in; 0 is whichever applies
+REGIME = 12  # that it was last held in
 SMALL = 0.03  # rad: below this the polynomials are exact to rounding
 
 
@@ -108,6 +110,7 @@ def exact_accelerations(model, x, o, base_ax, base_az, work, scratch):
             2.0 * sin_half,
             opening_rate,
             cos_half * (spin - spin_below),
+            int(work[out + LOCK]),
         )
         moment_turn = moment * cos_half  # conjugate to the relative rotation
         half_opening = 0.5 * opening

@@ -21,7 +21,11 @@ TOLERANCE = 5  # relative to the peak, error-controlled integrators
 FIRST_STEP = 6  # s, first trial of error-controlled integrators
 ROTATION_FLOOR = 7  # rad, least rotation that errors are measured against
 RATE_FLOOR = 8  # rad/s, least rate that errors are measured against
+WITHOUT = 9  # sum of the short cuts that are not to be taken
 MODEL_HEADER = 12
+
+# short cuts, as stored in WITHOUT
+REST = 2
 
 HEIGHT = 0  # m
 CENTROID = 1  # m above the bottom face
@@ -50,7 +54,8 @@ EXPLICIT_STEP = 10  # s, what the explicit method of `auto` has been stepping by
 TIME_FULL = 6  # s spent with every joint in full contact
 TIME_ROCKING = 7  # s with some joint partly open, none fully
 TIME_FLIGHT = 8  # s with some joint fully open
-STATE_HEADER = 12
+TIME_AT_REST = 12  # s that were skipped
+STATE_HEADER = 13
 
 # --- counters (int64)
 STEPS = 0
@@ -63,6 +68,8 @@ NEXT_ROW = 6  # first output time not yet served
 IMPLICIT = 7  # 1 while `auto` steps by its implicit method
 IMPLICIT_STEPS = 8  # of STEPS
 SINCE_PROBE = 9  # explicit steps since the implicit method was last tried
+EVENTS = 10  # steps cut off where the regime of a joint changes
+UNHELD = 11  # 1 when the next step is made without holding the regimes
 COUNTERS = 12
 
 # --- inputs (float64): base acceleration at t, a_x = AX + JX (t - T0) + AMPLITUDE sin(OMEGA t + PHASE)
@@ -75,6 +82,11 @@ INPUT_AMPLITUDE = 5  # m/s2
 INPUT_OMEGA = 6  # rad/s
 INPUT_PHASE = 7  # rad
 INPUTS = 8
+
+# --- one snapshot (float64): a phase, then the base acceleration that belongs to it; these count from 6 n
+SNAPSHOT_AX = 0  # m/s2
+SNAPSHOT_AZ = 1
+SNAPSHOT_TAIL = 2
 
 # --- one output row (float64): fields of n numbers each, then the base reaction
 ROW_UX = 0
@@ -92,10 +104,11 @@ ROW_MY = 2  # N m
 ROW_TAIL = 3
 
 # --- work (float64): phases, then fields of n numbers each
-PHASE_START = 0  # the phase a step starts from; 1 to 5 are the inner stages of a Runge-Kutta step
-PHASE_END = 6  # the phase it arrives at
-PHASE_BETWEEN = 7  # interpolated inside the step
-N_PHASES = 8
+PHASE_START = 0  # the phase a step starts from; 1 to 11 are the inner stages of a Runge-Kutta step
+PHASE_END = 12  # the phase it arrives at
+PHASE_BETWEEN = 13  # interpolated inside the step
+PHASE_BUMP = 14  # 2 n numbers that the interpolation adds for the acceleration half-way; whether they are wanted
+N_PHASES = 15
 SCRATCH_FIELDS = 16  # of the acceleration kernels
 TOP_START = 16  # displacement and velocity of the top faces at the start of a step
 TOP_END = 18  # and at its end
@@ -119,6 +132,11 @@ NOT_FINITE = -3
 def state_size(n: int) -> int:
     """Length of the state array of n blocks."""
     return STATE_HEADER + 7 * n
+
+
+def snapshot_size(n: int) -> int:
+    """Length of one snapshot of n blocks."""
+    return 6 * n + SNAPSHOT_TAIL
 
 
 def row_size(n: int) -> int:
