@@ -3,7 +3,7 @@
 import math
 
 from .dynamics import accelerate, base_acceleration, observe, reach_of, rotation, scratch_offset, top_motion
-from .integrators import central_difference, dormand_prince, rosenbrock
+from .integrators import central_difference, dormand_prince, modal, rosenbrock
 from .interpolation import interpolate_phase, turning_point
 from .jit import entry, kernel
 from .layout import (
@@ -11,6 +11,9 @@ from .layout import (
     BASE_AZ,
     BLOCK_FIELDS,
     CENTRAL_DIFFERENCE,
+    ELASTIC_STEP,
+    ELASTIC_STEPS,
+    ELASTIC_WAIT,
     EXACT,
     EXPLICIT_STEP,
     FALL_ANGLE,
@@ -75,6 +78,11 @@ GAIN = 1.2  # the implicit method has to step further than the explicit one by s
 PROBE = 2.0  # times the explicit step: how far the implicit method is tried
 STEPS_PER_PROBE = 100
 SMOOTHING = 0.2
+# when the modal method is used: a step of it costs half of one of the others
+ELASTIC_COST = 0.5
+WAIT_OPEN = 10  # steps of the others after a joint was found open before it is tried again
+WAIT_SHORT = 30  # and after its steps had become too short
+SPARE = 0.3  # of the tolerance: with a smaller error the step becomes longer
 SLACK = 1e-9  # of a step: times closer than this are the same
 LEAST_STEP = 1e-13  # of the time scale: below this the error control has failed
 
@@ -236,6 +244,45 @@ def _chooses_implicit(model, state, counters, step, left):
 
 
 @kernel
+def _elastic_step(model, state, counters, work, most):
+    """What `auto` makes its next step by, s, if that is to be the modal method with all joints in contact; else 0."""
+    if not modal.available(model) or most < modal.LEAST_STEP:
+        return 0.0
+    if counters[ELASTIC_WAIT] > 0:
+        return 0.0
+    if modal.longest_step(model) < ELASTIC_COST * state[NEXT_STEP]:
+        return 0.0
+    if not modal.suits(model, work):
+        counters[ELASTIC_WAIT] = WAIT_OPEN
+        return 0.0
+    return min(state[ELASTIC_STEP], modal.longest_step(model))
+
+
+@kernel
+def _accepts_elastic(state, counters, step, code, error):
+    """Whether a modal step just tried is good enough; proposes the next one either way."""
+    if code != OK:
+        counters[REJECTED] += 1
+        counters[ELASTIC_WAIT] = WAIT_OPEN
+        return False
+    if error > 1.0:
+        counters[REJECTED] += 1
+        state[ELASTIC_STEP] = step * max(SHRINK, SAFETY * error ** (-1.0 / modal.ORDER))
+        if state[ELASTIC_STEP] < ELASTIC_COST * state[NEXT_STEP]:
+            counters[ELASTIC_WAIT] = WAIT_SHORT
+            state[ELASTIC_STEP] = state[NEXT_STEP]
+        return False
+    counters[ELASTIC_STEPS] += 1
+    # steps that stay the same share their responses: no change without need
+    if error > SAFETY:
+        state[ELASTIC_STEP] = step * SAFETY
+    elif error < SPARE:
+        longer = step * min(GROW, SAFETY * max(error, LEAST_ERROR) ** (-1.0 / modal.ORDER))
+        state[ELASTIC_STEP] = max(state[ELASTIC_STEP], longer)
+    return True
+
+
+@kernel
 def _attempt(model, state, counters, inputs, work, t, step, implicit):
     """One step of `auto` from t; returns (code, error in tolerances)."""
     if implicit:
@@ -305,6 +352,7 @@ def advance(model, state, counters, inputs, work, t, h, times, rows):
             state[NEXT_STEP] = model[FIRST_STEP]
             state[EXPLICIT_STEP] = model[FIRST_STEP]
             state[LAST_ERROR] = 1.0
+            state[ELASTIC_STEP] = 10.0 * model[FIRST_STEP]
             state[ROTATION_SCALE] = max(state[ROTATION_SCALE], model[ROTATION_FLOOR])
             state[RATE_SCALE] = max(state[RATE_SCALE], model[RATE_FLOOR])
             code = _take_stock(model, state, work, start, 0.0)
@@ -320,6 +368,7 @@ def advance(model, state, counters, inputs, work, t, h, times, rows):
     fixed = model[INTEGRATOR] == CENTRAL_DIFFERENCE
     # a step that arrives as 0.00999...98 or 0.0100...02 is one of 0.01
     pieces = max(1.0, math.ceil(h / model[STEP] * (1.0 - SLACK)))
+    modal.forget(model, work)
     made = 0.0
     gone = 0.0  # time since t
     fallen = False
@@ -335,10 +384,11 @@ def advance(model, state, counters, inputs, work, t, h, times, rows):
             if code != OK:
                 return code
         else:
-            step = state[NEXT_STEP]
+            elastic = _elastic_step(model, state, counters, work, left)
+            step = elastic if elastic > 0.0 else state[NEXT_STEP]
             if inputs[INPUT_AMPLITUDE] != 0.0:  # never skip over a cycle of the motion
                 step = min(step, 1.0 / inputs[INPUT_OMEGA])
-            implicit = _chooses_implicit(model, state, counters, step, left)
+            implicit = elastic == 0.0 and _chooses_implicit(model, state, counters, step, left)
             if counters[SINCE_PROBE] == 0 and counters[IMPLICIT] == 0 and implicit:
                 step *= PROBE
             if step * (1.0 + SLACK) >= left:
@@ -347,11 +397,21 @@ def advance(model, state, counters, inputs, work, t, h, times, rows):
                 last = False
                 if 2.0 * step > left:  # two alike rather than one and a sliver
                     step = 0.5 * left
-            code, error = _attempt(model, state, counters, inputs, work, t + gone, step, implicit)
-            if not _accepts(state, counters, step, implicit, code, error):
+            if elastic > 0.0:
+                code, error = modal.attempt(
+                    model, inputs, work, counters, state[ROTATION_SCALE], state[RATE_SCALE], t + gone, step
+                )
+                if not _accepts_elastic(state, counters, step, code, error):
+                    continue
+            else:
+                modal.forget(model, work)
+                code, error = _attempt(model, state, counters, inputs, work, t + gone, step, implicit)
+            if elastic == 0.0 and not _accepts(state, counters, step, implicit, code, error):
                 if state[NEXT_STEP] < LEAST_STEP * max(model[FIRST_STEP], abs(t + gone)):
                     return code if code != OK else STEP_TOO_SMALL
                 continue
+            if elastic == 0.0 and counters[ELASTIC_WAIT] > 0:
+                counters[ELASTIC_WAIT] -= 1
         counters[STEPS] += 1
         code = _take_stock(model, state, work, end, step)
         if code != OK:
