@@ -15,7 +15,7 @@ import numpy as np
 
 from solver import simulate
 from solver.kernels import layout as at
-from solver.packing import pack_model
+from solver.packing import block_rows, pack_model
 
 from .competitors import OUTPUT_STEP, MeasurementError, Prepare, grid, numbalsoda, scipy
 from .right_hand_side import Array, Problem
@@ -87,7 +87,7 @@ def window(first: Array, second: Array) -> int:
 
 def overturn_time(scene: Scene, problem: Problem, states: Array) -> float:
     """First output time at which a block or its joint has turned beyond its angle of no return, s; NaN if none."""
-    limit = pack_model(scene.column)[at.MODEL_HEADER :].reshape(problem.n, at.BLOCK_FIELDS)[:, at.FALL_ANGLE]
+    limit = block_rows(pack_model(scene.column))[:, at.FALL_ANGLE]
     turn = states[:, : problem.n] * problem.sizes[: problem.n]
     relative = turn - np.hstack([turn[:, 1:], np.zeros((len(turn), 1))])
     fallen = np.any((np.abs(turn) > limit) | (np.abs(relative) > limit), axis=1)

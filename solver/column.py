@@ -6,7 +6,7 @@ import difflib
 import os
 import re
 import tomllib
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, fields, replace
 from typing import Any
 
@@ -14,6 +14,7 @@ from .errors import NOT_NEGATIVE, POSITIVE, InputError, check_number, reading, s
 
 FORMULATIONS = ("exact", "paper")
 INTEGRATORS = ("auto", "central-difference")
+SKIPS = ("elastic",)
 MAX_BLOCKS = 1000
 
 # What each numeric key may hold, whichever table it stands in.
@@ -86,6 +87,11 @@ class Settings:
     integrator: str = "auto"  # one of INTEGRATORS
     step: float = 1e-4  # s, of an integrator with a fixed step
     tolerance: float = 1e-5  # relative error of an integrator that chooses its steps
+    without: tuple[str, ...] = ()  # short cuts not to be taken, of SKIPS: a check of what they leave out
+
+    def __post_init__(self) -> None:
+        if isinstance(self.without, list):  # as TOML and JSON have it
+            object.__setattr__(self, "without", tuple(self.without))
 
 
 # the keys of the tables of a TOML file
@@ -129,9 +135,16 @@ class Column:
         integrator: str | None = None,
         step: float | None = None,
         tolerance: float | None = None,
+        without: Sequence[str] | None = None,
     ) -> Column:
         """Return a copy with other settings; None keeps the present one. Raises InputError as `Column` does."""
-        given = {"formulation": formulation, "integrator": integrator, "step": step, "tolerance": tolerance}
+        given = {
+            "formulation": formulation,
+            "integrator": integrator,
+            "step": step,
+            "tolerance": tolerance,
+            "without": without,
+        }
         changes: dict[str, Any] = {key: value for key, value in given.items() if value is not None}
         return replace(self, settings=replace(self.settings, **changes))
 
@@ -229,6 +242,10 @@ def _check_settings(key: str, settings: object) -> None:
     _check_choice(f"{key}.integrator", settings.integrator, INTEGRATORS)
     _check(f"{key}.step", settings.step)
     _check(f"{key}.tolerance", settings.tolerance)
+    if not isinstance(settings.without, tuple):
+        raise InputError(f"{key}.without = {shown(settings.without)}: must be a list of names of {', '.join(SKIPS)}")
+    for name in settings.without:
+        _check_choice(f"{key}.without", name, SKIPS)
 
 
 def _check_choice(key: str, value: object, known: Collection[str]) -> None:
@@ -294,5 +311,6 @@ def _joint_from(key: str, table: Mapping[str, Any]) -> Joint:
 
 
 def _plain(items: list[tuple[str, Any]]) -> dict[str, Any]:
-    """Make a dict of dataclass fields without those that are None, and with numpy's scalars as floats."""
-    return {key: float(value) if key in _NUMBERS else value for key, value in items if value is not None}
+    """Make a dict of dataclass fields without those that are None, numpy's scalars as floats, names in lists."""
+    plain: dict[str, Callable[[Any], Any]] = dict.fromkeys(_NUMBERS, float) | {"without": list}
+    return {key: plain[key](value) if key in plain else value for key, value in items if value is not None}

@@ -12,7 +12,7 @@ from .column import Column
 from .errors import InputError, SolverError
 from .kernels import layout as at
 from .kernels.advance import observe_state
-from .packing import FloatArray, InitialState, pack_model, pack_state, settlements
+from .packing import FloatArray, InitialState, block_rows, pack_model, pack_state, settlements
 
 LEAST_COMPRESSION = 1e-6  # m, that the joints are given to be in contact where gravity does not compress them
 PART = 1e-2  # of the rotation that opens a joint: how far accelerations are differenced
@@ -50,7 +50,7 @@ def _frequency_squares(column: Column, compression: FloatArray) -> NDArray[Any]:
     """Eigenvalues of M^-1 K, 1/s2, from central differences of the undamped accelerations at that compression, m."""
     n = column.n
     model = pack_model(column)
-    rows = model[at.MODEL_HEADER :].reshape(n, at.BLOCK_FIELDS)
+    rows = block_rows(model)
     rows[:, at.DAMPING] = 0.0
     state, counters = pack_state(column, InitialState(opening=-compression))
     inputs = np.zeros(at.INPUTS)

@@ -12,12 +12,14 @@ from numpy.typing import NDArray
 from .column import Column
 from .errors import InputError
 from .kernels import layout as at
+from .modal import modal_data
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 FORMULATION_CODES = {"exact": at.EXACT, "paper": at.PAPER}
 INTEGRATOR_CODES = {"auto": at.AUTO, "central-difference": at.CENTRAL_DIFFERENCE}
+SKIP_CODES = {"elastic": at.ELASTIC}
 
 # Errors are measured against the largest rotation so far, and at least against this part of the rotation at which the
 # base joint opens: a column at rest, or nearly, need not be followed digit by digit.
@@ -52,7 +54,8 @@ def pack_model(column: Column) -> FloatArray:
     """The packed model: header and one row of fields per block (see kernels/layout.py)."""
     n = column.n
     model = np.zeros(at.MODEL_HEADER + at.BLOCK_FIELDS * n)
-    rows = model[at.MODEL_HEADER :].reshape(n, at.BLOCK_FIELDS)
+    model[at.N_BLOCKS] = n
+    rows = block_rows(model)
     for row, block in zip(rows, column.blocks, strict=True):
         row[at.HEIGHT] = block.height
         row[at.CENTROID] = block.resolved_centroid
@@ -71,11 +74,11 @@ def pack_model(column: Column) -> FloatArray:
     rows[:, at.FALL_ANGLE] = np.clip(FALL_MARGIN * edge_angle, LEAST_FALL, 0.5 * math.pi)
     rows[:, at.PIVOT], rows[:, at.COUPLING] = factorized_horizontal_mass(rows)
 
-    model[at.N_BLOCKS] = n
     model[at.GRAVITY] = column.g
     model[at.FORMULATION] = FORMULATION_CODES[settings.formulation]
     model[at.INTEGRATOR] = INTEGRATOR_CODES[settings.integrator]
     model[at.STEP] = settings.step
+    model[at.WITHOUT] = sum(SKIP_CODES[name] for name in set(settings.without))
     model[at.TOLERANCE] = max(LEAST_TOLERANCE, STEP_PART * settings.tolerance)
     # an upper bound of the joint modes, from each block between two stiff joints
     area = rows[:, at.JOINT_WIDTH] * rows[:, at.JOINT_DEPTH]
@@ -87,7 +90,18 @@ def pack_model(column: Column) -> FloatArray:
     model[at.ROTATION_FLOOR] = max(1e-9, FLOOR * float(np.min(opening_rotation)))
     height = float(np.sum(rows[:, at.HEIGHT]))
     model[at.RATE_FLOOR] = model[at.ROTATION_FLOOR] * math.sqrt(max(column.g, 1e-3) / height)
+    if settings.formulation == "exact" and settings.integrator == "auto":
+        modal = modal_data(rows, column.g, model[at.TOLERANCE])
+        if modal is not None:
+            model[at.MODAL] = model.size
+            model = np.concatenate([model, modal])
     return model
+
+
+def block_rows(model: FloatArray) -> FloatArray:
+    """The rows of fields of a packed model, (n, BLOCK_FIELDS): a view."""
+    n = int(model[at.N_BLOCKS])
+    return model[at.MODEL_HEADER : at.MODEL_HEADER + at.BLOCK_FIELDS * n].reshape(n, at.BLOCK_FIELDS)
 
 
 def factorized_horizontal_mass(rows: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import time as clock
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -27,20 +28,24 @@ def simulate(
     integrator: str | None = None,
     step: float | None = None,
     tolerance: float | None = None,
+    without: Sequence[str] | None = None,
     output_step: float | None = None,
     initial: InitialState | None = None,
 ) -> Response:
     """Response of a column to a base motion, from the start of the motion.
 
     duration: s; None: that of the motion. Beyond the motion the base does not accelerate.
-    formulation, integrator, step (s), tolerance (relative to the peak): None keeps the column's.
+    formulation, integrator, step (s), tolerance (relative to the peak), without (names of column.SKIPS, short cuts that
+    are not to be taken): None keeps the column's.
     output_step: s between the rows of the response; None: 0.005. It has no influence on the steps, and the peaks are
     those of the motion between the rows as well.
     initial: None is rest in static equilibrium.
 
     Raises InputError for a wrong value, SolverError where the solver cannot go on.
     """
-    column = column.with_settings(formulation=formulation, integrator=integrator, step=step, tolerance=tolerance)
+    column = column.with_settings(
+        formulation=formulation, integrator=integrator, step=step, tolerance=tolerance, without=without
+    )
     duration = motion.duration if duration is None else _positive("duration", duration)
     output_step = OUTPUT_STEP if output_step is None else _positive("output_step", output_step)
     if duration / output_step > MOST_ROWS:
@@ -62,6 +67,7 @@ def simulate(
         stats={
             "steps": int(stepper.counters[at.STEPS]),
             "implicit_steps": int(stepper.counters[at.IMPLICIT_STEPS]),
+            "elastic_steps": int(stepper.counters[at.ELASTIC_STEPS]),
             "rejected": int(stepper.counters[at.REJECTED]),
             "events": int(stepper.counters[at.EVENTS]),
             "evaluations": int(stepper.counters[at.EVALUATIONS]),

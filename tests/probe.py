@@ -17,13 +17,15 @@ G = 9.80665  # m/s2
 PHOCAS_STIFFNESS = 533 * 9.80665e6  # N/m3
 
 
-def phocas(eta: float = 0.0, **settings: str | float) -> Column:
+def phocas(eta: float = 0.0, **settings: str | float | tuple[str, ...]) -> Column:
     """The Column of Phocas (theory.md section 5), joints damped by eta s."""
     block = Block(4.69, 1.56, 1.56, 27000.0, Joint(PHOCAS_STIFFNESS, eta))
     return Column("phocas", (block,) * 3, Settings(**settings))  # type: ignore[arg-type]
 
 
-def monolith(stiffness: float = PHOCAS_STIFFNESS, eta: float = 0.0, **settings: str | float) -> Column:
+def monolith(
+    stiffness: float = PHOCAS_STIFFNESS, eta: float = 0.0, **settings: str | float | tuple[str, ...]
+) -> Column:
     """The Column of Phocas as one rigid block (cases.md)."""
     block = Block(14.07, 1.56, 1.56, 81000.0, Joint(stiffness, eta))
     return Column("monolith", (block,), Settings(**settings))  # type: ignore[arg-type]

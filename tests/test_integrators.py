@@ -134,10 +134,10 @@ def test_central_differences_are_of_order_two(formulation: str, eta: float) -> N
 @pytest.mark.parametrize("formulation", FORMULATIONS)
 @pytest.mark.parametrize("eta", [0.0, 1e-3])
 def test_error_of_auto_is_proportional_to_the_tolerance(formulation: str, eta: float) -> None:
-    expected, peak = smooth_run(phocas(eta, formulation=formulation, tolerance=1e-13))
+    expected, peak = smooth_run(phocas(eta, formulation=formulation, tolerance=1e-13, without=("elastic",)))
     errors = []
     for tolerance in (1e-8, 1e-9, 1e-10):  # above, stability chooses the step
-        column = phocas(eta, formulation=formulation, tolerance=tolerance)
+        column = phocas(eta, formulation=formulation, tolerance=tolerance, without=("elastic",))
         errors.append(np.max(np.abs(smooth_run(column)[0] - expected)) / peak)
         assert errors[-1] == pytest.approx(0.0, abs=10.0 * tolerance)  # measured 1.5
     slopes = np.log10(np.array(errors[:-1]) / errors[1:])

@@ -3,7 +3,7 @@
 import math
 
 from .dynamics import accelerate, base_acceleration, observe, reach_of, rotation, scratch_offset, top_motion
-from .integrators import central_difference, dormand_prince, order_8, rosenbrock
+from .integrators import central_difference, dormand_prince, modal, order_8, rosenbrock
 from .interpolation import begin, interpolate_phase, refine, turning_point
 from .jit import entry, kernel, leaf
 from .layout import (
@@ -12,6 +12,9 @@ from .layout import (
     BASE_AZ,
     BLOCK_FIELDS,
     CENTRAL_DIFFERENCE,
+    ELASTIC_STEP,
+    ELASTIC_STEPS,
+    ELASTIC_WAIT,
     EVENTS,
     EXACT,
     EXPLICIT_STEP,
@@ -82,6 +85,7 @@ FIXED = 0  # central differences
 ORDER_5 = 1
 ORDER_8 = 2
 LINEARLY_IMPLICIT = 3
+MODES = 4
 
 SAFETY = 0.9
 SHRINK = 0.2
@@ -96,6 +100,11 @@ GAIN = 1.2  # the implicit method has to step further than the explicit one by s
 PROBE = 2.0  # times the explicit step: how far the implicit method is tried
 STEPS_PER_PROBE = 100
 SMOOTHING = 0.2
+# when the modal method is used: a step of it costs half of one of the others
+ELASTIC_COST = 0.5
+WAIT_OPEN = 10  # steps of the others after a joint was found open before it is tried again
+WAIT_SHORT = 30  # and after its steps had become too short
+SPARE = 0.3  # of the tolerance: with a smaller error the step becomes longer
 SLACK = 1e-9  # of a step: times closer than this are the same
 ORDER_8_BELOW = 2e-6  # tolerance of a step from which on order 8 is the cheaper explicit method
 LEAST_CUT = 1e-4  # of a step: regimes that change sooner are not held
@@ -278,6 +287,8 @@ def _attempt(method, model, state, counters, inputs, work, t, step):
         return order_8.attempt(model, inputs, work, counters, scale, rate_scale, t, step)
     if method == LINEARLY_IMPLICIT:
         return rosenbrock.attempt(model, inputs, work, counters, scale, rate_scale, t, step)
+    if method == MODES:
+        return modal.attempt(model, inputs, work, counters, scale, rate_scale, t, step)
     return central_difference.attempt(model, inputs, work, counters, scale, rate_scale, t, step)
 
 
@@ -287,6 +298,45 @@ def _order(method):
     if method == ORDER_8:
         return order_8.ORDER
     return rosenbrock.ORDER if method == LINEARLY_IMPLICIT else dormand_prince.ORDER
+
+
+@kernel
+def _elastic_step(model, state, counters, work, most):
+    """What `auto` makes its next step by, s, if that is to be the modal method with all joints in contact; else 0."""
+    if not modal.available(model) or most < modal.LEAST_STEP:
+        return 0.0
+    if counters[ELASTIC_WAIT] > 0:
+        return 0.0
+    if modal.longest_step(model) < ELASTIC_COST * state[NEXT_STEP]:
+        return 0.0
+    if not modal.suits(model, work):
+        counters[ELASTIC_WAIT] = WAIT_OPEN
+        return 0.0
+    return min(state[ELASTIC_STEP], modal.longest_step(model))
+
+
+@kernel
+def _accepts_elastic(state, counters, step, code, error):
+    """Whether a modal step just tried is good enough; proposes the next one either way."""
+    if code != OK:
+        counters[REJECTED] += 1
+        counters[ELASTIC_WAIT] = WAIT_OPEN
+        return False
+    if error > 1.0:
+        counters[REJECTED] += 1
+        state[ELASTIC_STEP] = step * max(SHRINK, SAFETY * error ** (-1.0 / modal.ORDER))
+        if state[ELASTIC_STEP] < ELASTIC_COST * state[NEXT_STEP]:
+            counters[ELASTIC_WAIT] = WAIT_SHORT
+            state[ELASTIC_STEP] = state[NEXT_STEP]
+        return False
+    counters[ELASTIC_STEPS] += 1
+    # steps that stay the same share their responses: no change without need
+    if error > SAFETY:
+        state[ELASTIC_STEP] = step * SAFETY
+    elif error < SPARE:
+        longer = step * min(GROW, SAFETY * max(error, LEAST_ERROR) ** (-1.0 / modal.ORDER))
+        state[ELASTIC_STEP] = max(state[ELASTIC_STEP], longer)
+    return True
 
 
 @kernel
@@ -418,6 +468,7 @@ def advance(model, state, counters, inputs, work, t, h, times, snapshots):
             state[NEXT_STEP] = model[FIRST_STEP]
             state[EXPLICIT_STEP] = model[FIRST_STEP]
             state[LAST_ERROR] = 1.0
+            state[ELASTIC_STEP] = 10.0 * model[FIRST_STEP]
             state[ROTATION_SCALE] = max(state[ROTATION_SCALE], model[ROTATION_FLOOR])
             state[RATE_SCALE] = max(state[RATE_SCALE], model[RATE_FLOOR])
             code = _take_stock(model, state, work, start, 0.0)
@@ -441,6 +492,7 @@ def advance(model, state, counters, inputs, work, t, h, times, snapshots):
     fixed = model[INTEGRATOR] == CENTRAL_DIFFERENCE
     # a step that arrives as 0.00999...98 or 0.0100...02 is one of 0.01
     pieces = max(1.0, math.ceil(h / model[STEP] * (1.0 - SLACK)))
+    modal.forget(model, work)
     made = 0.0
     gone = 0.0  # time since t
     fallen = False
@@ -453,10 +505,13 @@ def advance(model, state, counters, inputs, work, t, h, times, snapshots):
             last = made + 1.0 >= pieces
             step = left if last else h * ((made + 1.0) / pieces) - gone
         else:
-            step = state[NEXT_STEP]
+            elastic = _elastic_step(model, state, counters, work, left)
+            step = elastic if elastic > 0.0 else state[NEXT_STEP]
             if inputs[INPUT_AMPLITUDE] != 0.0:  # never skip over a cycle of the motion
                 step = min(step, 1.0 / inputs[INPUT_OMEGA])
-            method = _choose_method(model, state, counters, step, left)
+            method = MODES
+            if elastic == 0.0:
+                method = _choose_method(model, state, counters, step, left)
             if method == LINEARLY_IMPLICIT and counters[IMPLICIT] == 0:
                 counters[SINCE_PROBE] = 0
                 step *= PROBE
@@ -470,17 +525,24 @@ def advance(model, state, counters, inputs, work, t, h, times, snapshots):
             if held:
                 hold(model, work, start, scratch, step)
         begin(model, work, method == ORDER_8)
+        if method != MODES:
+            modal.forget(model, work)
         code, error = _attempt(method, model, state, counters, inputs, work, t + gone, step)
         counters[UNHELD] = 0
         if fixed:
             if code != OK:
                 return code
+        elif method == MODES:
+            if not _accepts_elastic(state, counters, step, code, error):
+                continue
         else:
             if not _accepts(method, state, counters, step, code, error):
                 release(model, work, scratch)
                 if state[NEXT_STEP] < LEAST_STEP * max(model[FIRST_STEP], abs(t + gone)):
                     return code if code != OK else STEP_TOO_SMALL
                 continue
+            if counters[ELASTIC_WAIT] > 0:
+                counters[ELASTIC_WAIT] -= 1
             cut = NO_CHANGE
             if held:
                 cut = _where_regimes_end(method, model, inputs, work, counters, t + gone, step)

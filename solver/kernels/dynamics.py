@@ -46,6 +46,7 @@ from .layout import (
     SCRATCH_FIELDS,
     STIFFNESS,
     SWEEPS,
+    TANGENT_FIELDS,
     TOP_BETWEEN,
     WORK_FIELDS,
 )
@@ -62,6 +63,12 @@ def scratch_offset(n):
 def tangent_offset(n):
     """Where the scratch of the implicit solution begins in the work array."""
     return (6 * N_PHASES + WORK_FIELDS) * n
+
+
+@kernel
+def modal_offset(n):
+    """Where the scratch of the modal method begins in the work array."""
+    return (6 * N_PHASES + WORK_FIELDS + TANGENT_FIELDS) * n
 
 
 @kernel

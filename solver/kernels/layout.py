@@ -22,9 +22,11 @@ FIRST_STEP = 6  # s, first trial of error-controlled integrators
 ROTATION_FLOOR = 7  # rad, least rotation that errors are measured against
 RATE_FLOOR = 8  # rad/s, least rate that errors are measured against
 WITHOUT = 9  # sum of the short cuts that are not to be taken
+MODAL = 10  # where the modal data begin, 0 where there are none
 MODEL_HEADER = 12
 
 # short cuts, as stored in WITHOUT
+ELASTIC = 1
 REST = 2
 
 HEIGHT = 0  # m
@@ -42,6 +44,21 @@ COUPLING = 11  # multiplier of the factorized horizontal mass matrix (formulatio
 FALL_ANGLE = 12  # rad, rotation of the block or its joint from which nothing comes back
 BLOCK_FIELDS = 13
 
+# --- modal data, at the end of the model: header, one row per mode (n of rotations, n of openings), then n x n matrices
+# by rows: shapes Phi of the rotations and of the openings, and likewise their inverses Phi' M
+MODAL_THIRD = 0  # third over second difference of the nonlinear remainder, at most
+MODAL_LONGEST = 1  # s, longest step
+MODAL_SWEEPS = 2  # over each step
+MODAL_HEADER = 3
+MODE_SQUARE = 0  # 1/s2, omega^2
+MODE_DAMPING = 1  # 1/s, 2 zeta omega
+MODE_PUSH = 2  # modal force for 1 m/s2 of the base (rotations: base_ax; openings: g + base_az)
+MODE_SIZE = 3  # largest coordinate of the shape in parts of its size
+MODE_FIELDS = 4
+MODAL_MOST = 32  # blocks: beyond, O(n) steps of the implicit method cost less than the dense matrices
+INTERPOLATION_BOUND = 46080.0  # the quintic between two steps h misses a motion of frequency w by (w h)^6 over this
+INTERPOLATION_PART = 5.0  # tolerances of a step that it may miss: these errors do not add up
+
 # --- state (float64): header, one phase, peaks
 NEXT_STEP = 0  # s, what the error control proposes
 ROTATION_SCALE = 1  # rad, largest rotation so far
@@ -54,6 +71,7 @@ EXPLICIT_STEP = 10  # s, what the explicit method of `auto` has been stepping by
 TIME_FULL = 6  # s spent with every joint in full contact
 TIME_ROCKING = 7  # s with some joint partly open, none fully
 TIME_FLIGHT = 8  # s with some joint fully open
+ELASTIC_STEP = 11  # s, proposed for the modal method
 TIME_AT_REST = 12  # s that were skipped
 STATE_HEADER = 13
 
@@ -70,7 +88,9 @@ IMPLICIT_STEPS = 8  # of STEPS
 SINCE_PROBE = 9  # explicit steps since the implicit method was last tried
 EVENTS = 10  # steps cut off where the regime of a joint changes
 UNHELD = 11  # 1 when the next step is made without holding the regimes
-COUNTERS = 12
+ELASTIC_STEPS = 12  # of STEPS
+ELASTIC_WAIT = 13  # steps to be made by other methods before the modal one is tried again
+COUNTERS = 14
 
 # --- inputs (float64): base acceleration at t, a_x = AX + JX (t - T0) + AMPLITUDE sin(OMEGA t + PHASE)
 INPUT_AX = 0  # m/s2
@@ -115,6 +135,9 @@ TOP_END = 18  # and at its end
 TOP_BETWEEN = 20
 WORK_FIELDS = 22
 TANGENT_FIELDS = 20  # of the implicit solution
+RESPONSE_FIELDS = 21  # of a mode over a step, 2 n modes
+RESPONSE_HEADER = 2
+RESPONSES = 2  # steps whose responses are kept
 
 # fields of the scratch that every formulation leaves behind: resultants of the joints
 JOINT_NORMAL = 13  # N
@@ -144,6 +167,13 @@ def row_size(n: int) -> int:
     return ROW_FIELDS * n + ROW_TAIL
 
 
+def modal_size(n: int) -> int:
+    """Length of the modal data of n blocks."""
+    return MODAL_HEADER + 2 * n * MODE_FIELDS + 4 * n * n
+
+
 def work_size(n: int) -> int:
     """Length of the scratch array of n blocks."""
-    return (6 * N_PHASES + WORK_FIELDS + TANGENT_FIELDS) * n
+    trend = 1 + 4 * n
+    responses = 1 + RESPONSES * (RESPONSE_HEADER + RESPONSE_FIELDS * 2 * n)
+    return (6 * N_PHASES + WORK_FIELDS + TANGENT_FIELDS) * n + trend + responses

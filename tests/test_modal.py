@@ -1,0 +1,327 @@
+"""The modal method, which `auto` uses while every joint is in full contact: against closed forms and other methods."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import pytest
+from lagrange import Reference
+from probe import Array, G, monolith, phocas, random_column, with_gravity
+from scipy.linalg import expm
+
+from solver import Block, Column, InitialState, InputError, Joint, Motion, Settings, natural_frequencies, simulate
+from solver.kernels import layout as at
+from solver.kernels.integrators.modal import COSINE, IMPULSE, IMPULSE_RATE, PARABOLA, RAMP, REST, SINE, STEADY, respond
+from solver.modal import modal_data
+from solver.packing import block_rows, pack_model, settlements
+from solver.stepper import Stepper
+
+GENERAL = ("elastic",)  # without the modal method
+
+
+def cut(n: int, eta: float, **settings: Any) -> Column:
+    """The Column of Phocas in n equal blocks, joints damped by eta s."""
+    block = Block(14.07 / n, 1.56, 1.56, 81000.0 / n, Joint(533 * 9.80665e6, eta))
+    return Column("cut", (block,) * n, Settings(**settings))
+
+
+def phase(stepper: Stepper) -> Array:
+    """Coordinates and rates, (4n,)."""
+    return stepper.state[at.STATE_HEADER : at.STATE_HEADER + 4 * stepper.n]
+
+
+def modes(column: Column) -> tuple[Array, Array, Array]:
+    """Rows of the modes, shapes and their inverses of the packed model."""
+    model, n = pack_model(column), column.n
+    begin = int(model[at.MODAL]) + at.MODAL_HEADER
+    matrices = begin + 2 * n * at.MODE_FIELDS
+    shapes, inverses = model[matrices:].reshape(2, 2, n, n)
+    return model[begin:matrices].reshape(2 * n, at.MODE_FIELDS), shapes, inverses
+
+
+# --- responses of one mode
+
+
+@pytest.mark.parametrize("zeta", [0.0, 0.05, 0.999, 1.0, 1.001, 6.0])
+@pytest.mark.parametrize("turn", [1e-3, 0.3, 1.9, 2.1, 40.0])
+def test_responses_of_a_mode_are_those_of_the_matrix_exponential(zeta: float, turn: float) -> None:
+    omega, base = 30.0, 12.0
+    h = min(turn / omega, 1.0 / base)
+    omega = turn / h
+    square, beta = omega**2, 2.0 * zeta * omega
+    # p, p', and the forces 1, t, t^2 / 2, cos, sin, each made by those after it
+    system = np.zeros((7, 7))
+    found = np.zeros(8)
+    respond(square, beta, h, base, found, 0)
+    system[0, 1] = 1.0
+    system[1, :2] = -square, -beta
+    system[2:4, 3:5] = np.eye(2)
+    system[5, 6], system[6, 5] = -base, base
+
+    def driven(by: int) -> float:
+        forced = system.copy()
+        forced[1, by] = 1.0
+        start = np.zeros(7)
+        start[4 if by < 5 else 5] = 1.0
+        return float((expm(forced * h) @ start)[0])
+
+    free = expm(system * h)
+    expected = {REST: free[0, 0], IMPULSE: free[0, 1], IMPULSE_RATE: free[1, 1]}
+    expected |= {STEADY: driven(4), RAMP: driven(3), PARABOLA: driven(2), COSINE: driven(5), SINE: driven(6)}
+    sizes = {REST: 1.0, IMPULSE: h, IMPULSE_RATE: 1.0, STEADY: h**2, RAMP: h**3, PARABOLA: h**4}
+    sizes |= {COSINE: h**2, SINE: base * h**3}
+    for field, value in expected.items():
+        # of the response of a free mass, which is what a slow mode that is damped much loses
+        tolerance = 2e-10 if field == PARABOLA else 2e-12  # measured 6e-11 and 4e-13
+        assert found[field] == pytest.approx(value, abs=tolerance * sizes[field]), field
+
+
+# --- the modes of a column
+
+
+def uneven(n: int) -> Column:
+    """No two blocks alike, undamped, so little weight that nothing falls over."""
+    return with_gravity(random_column(np.random.default_rng(n), n, damped=False, softest=1e9), 0.1)
+
+
+@pytest.mark.parametrize("n", [1, 3, 10])
+def test_frequencies_are_those_of_the_differenced_accelerations(n: int) -> None:
+    fields, _, _ = modes(uneven(n))
+    found = np.sort(np.sqrt(fields[:, at.MODE_SQUARE])) / (2.0 * math.pi)
+    assert found == pytest.approx(natural_frequencies(uneven(n)), rel=1e-6)  # of the differences
+
+
+@pytest.mark.parametrize("n", [1, 3, 10])
+def test_modes_are_those_of_lagranges_mass_matrix(n: int) -> None:
+    column = uneven(n)
+    _, shapes, inverses = modes(column)
+    mass = Reference.of(column).mass_matrix(np.concatenate([np.zeros(n), -settlements(column)]))
+    for shape, inverse, part in zip(shapes, inverses, (mass[:n, :n], mass[n:, n:]), strict=True):
+        assert shape.T @ part @ shape == pytest.approx(np.eye(n), abs=1e-11)
+        assert inverse @ shape == pytest.approx(np.eye(n), abs=1e-11)
+
+
+@pytest.mark.parametrize(
+    "column",
+    [
+        phocas(formulation="paper"),
+        phocas(integrator="central-difference"),
+        replace(phocas(), g=0.0),
+        cut(at.MODAL_MOST + 1, 0.0),
+        Column("soft", (Block(4.69, 1.56, 1.56, 27000.0, Joint(1e5)),) * 3),  # falls over by itself
+        Column("mixed", (Block(4.0, 1.0, 1.0, 9e3, Joint(1e9, 1e-3)), Block(4.0, 1.0, 1.0, 9e3, Joint(1e9)))),
+    ],
+    ids=["paper", "fixed step", "no gravity", "many blocks", "unstable", "coupled by damping"],
+)
+def test_there_are_no_modal_data_where_they_would_not_serve(column: Column) -> None:
+    assert pack_model(column)[at.MODAL] == 0.0
+
+
+def test_modal_data_are_made_once_for_a_column() -> None:
+    rows = block_rows(pack_model(phocas()))
+    assert modal_data(rows, G, 1e-6) is modal_data(rows.copy(), G, 1e-6)
+    assert modal_data(rows, G, 1e-7) is not modal_data(rows, G, 1e-6)
+
+
+# --- against the other methods at a tight tolerance
+
+
+def samples(hold: bool) -> Motion:
+    times = np.arange(0.0, 2.0 + 1e-9, 0.01)
+    return Motion(times, 0.03 * np.sin(13.0 * times), 2.0 * np.sin(21.0 * times), 2.0 + 0.01 * hold, hold)
+
+
+CASES: dict[str, tuple[Column, Motion]] = {
+    "1 block": (cut(1, 1e-3), Motion.harmonic(0.005 * G, 2.0, 3.0)),
+    "3 blocks": (cut(3, 1e-3), Motion.harmonic(0.005 * G, 2.0, 3.0)),
+    "10 blocks": (cut(10, 1e-3), Motion.harmonic(0.002 * G, 2.0, 3.0)),
+    "undamped": (cut(3, 0.0), Motion.harmonic(0.005 * G, 2.0, 3.0)),
+    "overdamped": (cut(3, 1e-2), Motion.harmonic(0.005 * G, 2.0, 3.0)),
+    "at resonance": (cut(3, 0.0), Motion.harmonic(0.0005 * G, 3.05805407, 3.0)),
+    "faster than the column": (cut(3, 1e-3), Motion.harmonic(0.01 * G, 30.0, 1.0)),
+    "linear samples, vertical too": (cut(3, 1e-3), samples(False)),
+    "held samples, vertical too": (cut(3, 1e-3), samples(True)),
+}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_errors_are_within_the_tolerance(name: str) -> None:
+    column, motion = CASES[name]
+    expected = simulate(column, motion, tolerance=1e-12, without=GENERAL)
+    assert expected.stats["full_contact"] == 1.0
+    peak = np.max(np.abs(expected.ux))
+    for tolerance in (1e-3, 1e-5, 1e-7):
+        response = simulate(column, motion, tolerance=tolerance)
+        assert response.stats["elastic_steps"] == response.stats["steps"]
+        # measured at most 0.5 tolerances
+        assert response.ux == pytest.approx(expected.ux, abs=2.0 * tolerance * peak)
+        assert response.peak_ux == pytest.approx(expected.peak_ux, abs=2.0 * tolerance * peak)
+        for found, wanted in ((response.M, expected.M), (response.S, expected.S)):
+            largest = np.max(np.abs(wanted))
+            assert found == pytest.approx(wanted, abs=10.0 * tolerance * largest)  # measured at most 2.5 tolerances
+
+
+def test_general_steps_are_saved() -> None:
+    column, motion = CASES["3 blocks"]
+    with_it = simulate(column, motion, tolerance=1e-5)
+    without = simulate(column, motion, tolerance=1e-5, without=GENERAL)
+    assert without.stats["elastic_steps"] == 0
+    # measured 830 and 7,600; some are for the rows
+    rows = len(with_it.time)
+    assert with_it.stats["evaluations"] - rows < 0.1 * (without.stats["evaluations"] - rows)
+
+
+@pytest.mark.parametrize("amplitude", [0.02, 0.05])
+def test_column_that_opens_and_closes_keeps_its_accuracy(amplitude: float) -> None:
+    column, motion = cut(3, 1e-3), Motion.harmonic(amplitude * G, 2.0, 4.0)
+    expected = simulate(column, motion, tolerance=1e-11, without=GENERAL)
+    assert 0.05 < expected.stats["full_contact"] < 0.95
+    peak = np.max(np.abs(expected.ux))
+    for tolerance in (1e-3, 1e-5, 1e-7):
+        response = simulate(column, motion, tolerance=tolerance)
+        assert 0 < response.stats["elastic_steps"] < response.stats["steps"]
+        assert response.ux == pytest.approx(expected.ux, abs=10.0 * tolerance * peak)  # measured at most 1.5
+        assert response.stats["full_contact"] == pytest.approx(expected.stats["full_contact"], abs=0.02)
+
+
+def test_joint_that_opens_within_a_step_is_not_overlooked() -> None:
+    # pushed so that a corner opens for a short time only, around the turning point
+    column = cut(1, 0.0, tolerance=1e-2)
+    opens = float(2.0 * settlements(column)[0] / 1.56)
+    omega = 2.0 * math.pi * natural_frequencies(column)[0]
+    for part, opened in ((0.99, False), (1.005, True)):
+        stepper = Stepper(column, InitialState(rotation_rate=[part * opens * omega]))
+        stepper.advance(0.0, 1.0)
+        assert (stepper.state[at.TIME_ROCKING] > 0.0) == opened
+        assert stepper.counters[at.ELASTIC_STEPS] > 0
+
+
+# --- closed forms
+
+
+def test_free_vibration_of_a_block_is_that_of_an_oscillator() -> None:
+    column = cut(1, 1e-3, tolerance=1e-8)
+    fields, _, _ = modes(column)
+    square, beta = fields[0, at.MODE_SQUARE], fields[0, at.MODE_DAMPING]
+    start, end = 1e-9, 2.0  # so little that nothing is left of what is not linear
+    stepper = Stepper(column, InitialState(rotation=[start]))
+    stepper.state[at.ROTATION_SCALE], stepper.state[at.RATE_SCALE] = start, start * math.sqrt(square)
+    stepper.model[[at.ROTATION_FLOOR, at.RATE_FLOOR]] = 0.0
+    stepper.advance(0.0, end)
+    expected = expm(np.array([[0.0, 1.0], [-square, -beta]]) * end) @ [start, 0.0]
+    found = phase(stepper)[[0, 2]]
+    assert found[0] == pytest.approx(expected[0], abs=1e-11 * start)  # measured 1e-13
+    assert found[1] == pytest.approx(expected[1], abs=1e-11 * start * math.sqrt(square))
+
+
+def test_steady_motion_of_a_block_is_that_of_an_oscillator() -> None:
+    column = cut(1, 2e-2, tolerance=1e-8)
+    fields, shapes, _ = modes(column)
+    square, beta, push, _ = fields[0]
+    omega, amplitude = 2.0 * math.pi * 2.0, 1e-7
+    stepper = Stepper(column)
+    stepper.inputs[[at.INPUT_AMPLITUDE, at.INPUT_OMEGA]] = amplitude, omega
+    end = 20.0  # the free motion is gone: zeta = 0.2
+    stepper.advance(0.0, end)
+    answer = push * amplitude / (square - omega**2 + 1j * beta * omega) * np.exp(1j * omega * end)
+    assert phase(stepper)[0] == pytest.approx(shapes[0, 0, 0] * answer.imag, abs=1e-10 * abs(answer))
+
+
+# --- bits, communication steps
+
+
+def test_mirrored_motion_gives_the_mirrored_response_to_the_last_bit() -> None:
+    runs = [simulate(cut(3, 1e-3), Motion.harmonic(sign * 0.005 * G, 2.0, 2.0)) for sign in (1.0, -1.0)]
+    assert runs[0].stats["elastic_steps"] == runs[1].stats["elastic_steps"] > 0
+    for name in ("ux", "theta", "M", "S"):
+        assert np.array_equal(getattr(runs[0], name), -getattr(runs[1], name)), name
+    for name in ("uz", "N", "peak_ux"):
+        assert np.array_equal(getattr(runs[0], name), getattr(runs[1], name)), name
+
+
+def shaken(column: Column) -> Stepper:
+    stepper = Stepper(column)
+    stepper.inputs[[at.INPUT_AMPLITUDE, at.INPUT_OMEGA]] = 0.005 * G, 4.0 * math.pi
+    return stepper
+
+
+def walk(stepper: Stepper, times: Array) -> Array:
+    for begin, end in pairwise(times):
+        stepper.advance(begin, end - begin)
+    return phase(stepper).copy()
+
+
+@pytest.mark.parametrize("h", [1e-4, 1e-3, 0.01, 0.1])
+def test_communication_step_does_not_matter(h: float) -> None:
+    column = cut(3, 1e-3, tolerance=1e-7)
+    exact = shaken(replace(column, settings=Settings(tolerance=1e-12, without=GENERAL)))
+    expected = walk(exact, np.array([0.0, 1.0]))[:3]
+    stepper = shaken(column)
+    found = walk(stepper, h * np.arange(round(1.0 / h) + 1))[:3]
+    assert stepper.counters[at.ELASTIC_STEPS] == stepper.counters[at.STEPS]
+    # two evaluations for each step; measured 56 to 69 rejected steps and steps cut short
+    assert stepper.counters[at.EVALUATIONS] <= 2 * round(1.0 / h) + 300
+    peak = exact.state[at.ROTATION_SCALE]
+    assert found == pytest.approx(expected, abs=1e-7 * peak)  # measured 1e-11 (h = 1e-4) to 7e-9
+
+
+def test_restored_state_goes_on_to_the_last_bit() -> None:
+    times = np.concatenate([np.linspace(0.0, 0.4, 41), np.linspace(0.4, 2.0, 9)[1:]])
+    first, second, restored = (shaken(cut(3, 1e-3)) for _ in range(3))
+    walk(first, times)
+    walk(second, times[:30])
+    # all that lies behind a column is in these two arrays; what `restored` keeps of responses is of other steps
+    walk(restored, np.linspace(0.0, 0.1, 7))
+    restored.state[:], restored.counters[:] = second.state, second.counters
+    walk(second, times[29:])
+    walk(restored, times[29:])
+    for other in (second, restored):
+        assert np.array_equal(first.state, other.state)
+        assert np.array_equal(first.counters, other.counters)
+
+
+# --- long runs
+
+
+@pytest.mark.parametrize("part", [1e-3, 0.5])
+def test_undamped_elastic_motion_keeps_its_energy(part: float) -> None:
+    column = cut(3, 0.0)  # default tolerance
+    fields, shapes, _ = modes(column)
+    period = 2.0 * math.pi / math.sqrt(fields[0, at.MODE_SQUARE])
+    opens = float(np.min(2.0 * settlements(column) / 1.56))
+    tilt = shapes[0, :, 0] / np.max(np.abs(shapes[0, :, 0] - np.append(shapes[0, 1:, 0], 0.0)))
+    stepper = Stepper(column, InitialState(rotation=part * opens * tilt))
+    rest = np.concatenate([np.zeros(3), -settlements(column)])
+    truth = Reference.of(column)
+
+    def energy() -> float:
+        return float(truth.energy(phase(stepper)[:6], phase(stepper)[6:]) - truth.energy(rest, np.zeros(6)))
+
+    begin = energy()
+    stepper.advance(0.0, 3e4 * period)
+    assert stepper.counters[at.ELASTIC_STEPS] == stepper.counters[at.STEPS]
+    assert energy() == pytest.approx(begin, rel=2e-8)  # measured 3e-9, the digits of the sum
+
+
+# --- the setting
+
+
+@pytest.mark.parametrize("without", ["elastic", ("elastik",), (1,), None, {"elastic": True}])
+def test_wrong_names_of_short_cuts_are_refused(without: Any) -> None:
+    with pytest.raises(InputError, match=r"solver\.without"):
+        phocas(without=without)
+
+
+def test_short_cuts_left_out_come_from_toml_and_go_back() -> None:
+    data = monolith().to_dict()
+    assert data["solver"]["without"] == []
+    data["solver"]["without"] = ["elastic"]
+    column = Column.from_dict(data)
+    assert column.settings.without == ("elastic",)
+    assert Column.from_dict(column.to_dict()) == column
+    assert column.with_settings(without=()).settings.without == ()
+    assert simulate(column, Motion.harmonic(0.1, 2.0, 0.1)).stats["elastic_steps"] == 0
