@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from solver.column import SKIPS
+
 from .competitors import own
 from .references import Reference
 from .work_precision import WARM_UP, describe
@@ -11,7 +13,8 @@ from .work_precision import WARM_UP, describe
 TOLERANCE = 1e-5  # the default of a column
 
 # name: arguments of `simulate` that turn the short cut off
-ABLATIONS: dict[str, dict[str, Any]] = {"nothing skipped": {}}
+ABLATIONS: dict[str, dict[str, Any]] = {name: {"without": (name,)} for name in SKIPS}
+ABLATIONS["all of these"] = {"without": SKIPS}
 
 
 def measure(reference: Reference, budget: float) -> list[dict[str, Any]]:

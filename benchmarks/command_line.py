@@ -14,7 +14,7 @@ from typing import Any
 from . import ablation, evaluation, machine, opensees, plots, report, scaling, verdicts, work_precision
 from .competitors import MeasurementError, competitors
 from .references import reference
-from .scenes import Scene, falling, forced, harmonic, scenes
+from .scenes import Scene, burst, falling, forced, harmonic, scenes
 
 Results = dict[str, Any]
 Scenes = tuple[Scene, ...]
@@ -104,7 +104,7 @@ def measure_verdicts(wanted: Scenes, quick: bool, results: Results) -> Iterator[
 def measure_ablation(wanted: Scenes, quick: bool, results: Results) -> Iterator[None]:
     """Time and error without each short cut."""
     results["ablation"] = []
-    for scene in wanted:
+    for scene in (*wanted, burst()):
         try:
             known = reference(scene)
         except MeasurementError as failure:

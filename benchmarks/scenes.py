@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
+
+import numpy as np
 
 from solver import Block, Column, Joint, Motion
 
@@ -90,6 +93,15 @@ def others() -> tuple[Scene, ...]:
 def falling() -> Scene:
     """One that overturns without needing a record; for the verdict only."""
     return forced(0.1, 0.25)
+
+
+@cache
+def burst() -> Scene:
+    """Five seconds of motion between fifteen and twenty of silence, as records have them; for what is skipped only."""
+    time = 0.01 * np.arange(4001)
+    inside = (time > 15.0) & (time < 20.0)
+    ax = np.where(inside, 0.02 * G * np.sin(4.0 * math.pi * time), 0.0)
+    return Scene("burst", "Phocas, 5 s of 0.02 g 2 Hz in 40 s", shaft(3), Motion.from_samples(0.01, ax), 40.0)
 
 
 def scenes() -> tuple[tuple[Scene, ...], dict[str, str]]:

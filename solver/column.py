@@ -14,7 +14,7 @@ from .errors import NOT_NEGATIVE, POSITIVE, InputError, check_number, reading, s
 
 FORMULATIONS = ("exact", "paper")
 INTEGRATORS = ("auto", "central-difference")
-SKIPS = ("elastic",)
+SKIPS = ("elastic", "rest", "dashpots", "resultants")  # short cuts that can be left out, to check or to measure them
 MAX_BLOCKS = 1000
 
 # What each numeric key may hold, whichever table it stands in.

@@ -19,7 +19,8 @@ IntArray = NDArray[np.int64]
 
 FORMULATION_CODES = {"exact": at.EXACT, "paper": at.PAPER}
 INTEGRATOR_CODES = {"auto": at.AUTO, "central-difference": at.CENTRAL_DIFFERENCE}
-SKIP_CODES = {"elastic": at.ELASTIC}
+SKIP_CODES = {"elastic": at.ELASTIC, "rest": at.REST, "dashpots": at.DASHPOTS, "resultants": at.RESULTANTS}
+NO_DAMPING = 1e-300  # s: what a dashpot that does nothing is computed with
 
 # Errors are measured against the largest rotation so far, and at least against this part of the rotation at which the
 # base joint opens: a column at rest, or nearly, need not be followed digit by digit.
@@ -66,6 +67,8 @@ def pack_model(column: Column) -> FloatArray:
         row[at.JOINT_DEPTH] = block.joint_depth
         row[at.DAMPING] = block.joint.damping
     settings = column.settings
+    if "dashpots" in settings.without:
+        rows[:, at.DAMPING] = np.maximum(rows[:, at.DAMPING], NO_DAMPING)
     rows[:, at.OPEN_SIZE] = rows[:, at.JOINT_WIDTH] / math.sqrt(12.0)
     rows[:, at.TURN_SIZE] = 1.0
     if settings.formulation == "paper":

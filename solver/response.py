@@ -38,8 +38,9 @@ class Response:
     clockwise; N N, compression; M N m, restoring; S N, horizontal, of the part above on the part below; contact 0..1
     of the joint's width; sigma_max Pa; Fx, Fz N and My N m (clockwise), of the column on the base at the centre of
     joint n. peak_ux m (n,): largest |ux| of the continuous motion. overturned, overturn_time s (NaN if not),
-    overturned_joint (0 if not). stats: steps, implicit_steps (of these), rejected, events (steps cut off where the
-    contact of a joint changes), evaluations, sweeps; full_contact, rocking, flight: parts of the time; wall_time s.
+    overturned_joint (0 if not). stats: steps, implicit_steps and elastic_steps (of these), rejected, events
+    (steps cut off where the contact of a joint changes), evaluations, sweeps; full_contact, rocking, flight: parts of
+    the time, at_rest: part that was not stepped; undamped_joints; observed_rows; wall_time s.
 
     Histories are worked out from the motion when one of them is first asked for, which may raise SolverError.
     """
@@ -64,8 +65,13 @@ class Response:
         self.overturn_time = overturn_time
         self.stats = stats
 
+    def observe(self) -> None:
+        """Work out all histories now. Raises SolverError."""
+        self._rows  # noqa: B018  worked out by being asked for
+
     @cached_property
     def _rows(self) -> FloatArray:
+        self.stats["observed_rows"] = len(self.time)
         return self._observe()
 
     def _joints(self, field: int) -> FloatArray:

@@ -55,9 +55,9 @@ def simulate(
     begin = clock.perf_counter()
     snapshots = stepper.run(motion, motion.start + duration, times)
     wall_time = clock.perf_counter() - begin
-    spent = stepper.state[[at.TIME_FULL, at.TIME_ROCKING, at.TIME_FLIGHT]]
-    shares = spent / max(float(np.sum(spent)), math.ulp(0.0))
-    return Response(
+    spent = stepper.state[[at.TIME_FULL, at.TIME_ROCKING, at.TIME_FLIGHT, at.TIME_AT_REST]]
+    shares = spent / max(float(np.sum(spent[:3])), math.ulp(0.0))
+    response = Response(
         column,
         times,
         lambda: stepper.rows_of(snapshots),
@@ -75,9 +75,15 @@ def simulate(
             "full_contact": float(shares[0]),
             "rocking": float(shares[1]),
             "flight": float(shares[2]),
+            "at_rest": float(shares[3]),
+            "undamped_joints": sum(block.joint.damping == 0.0 for block in column.blocks),
+            "observed_rows": 0,
             "wall_time": wall_time,
         },
     )
+    if "resultants" in column.settings.without:
+        response.observe()
+    return response
 
 
 def _positive(key: str, value: float) -> float:

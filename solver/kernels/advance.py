@@ -4,7 +4,7 @@ import math
 
 from .dynamics import accelerate, base_acceleration, observe, reach_of, rotation, scratch_offset, top_motion
 from .integrators import central_difference, dormand_prince, modal, order_8, rosenbrock
-from .interpolation import begin, interpolate_phase, refine, turning_point
+from .interpolation import begin, interpolate_acceleration, interpolate_one, interpolate_phase, refine, turning_point
 from .jit import entry, kernel, leaf
 from .layout import (
     AUTO,
@@ -228,15 +228,19 @@ def _row_due(counters, times, t, h):
 @kernel
 def _take_snapshots(model, inputs, work, counters, t, h, times, snapshots):
     """Keep the column as it is at those of `times` that fall into the step from t to t + h."""
-    n = int(model[N_BLOCKS])
-    between = 6 * n * PHASE_BETWEEN
+    size = 2 * int(model[N_BLOCKS])
+    guess = model[FORMULATION] != EXACT  # accelerations are worked out when the row is; the sweeps want a first guess
     while _row_due(counters, times, t, h):
         r = counters[NEXT_ROW]
         fraction = min(1.0, max(0.0, (times[r] - t) / h))
         refine(model, inputs, work, counters, t, h)
-        interpolate_phase(work, 2 * n, h, fraction)
+        for i in range(size):
+            snapshots[r, i], snapshots[r, size + i] = interpolate_one(work, size, i, h, fraction)
+            if guess:
+                snapshots[r, 2 * size + i] = interpolate_acceleration(work, size, i, fraction)
         base_ax, base_az = base_acceleration(inputs, t + fraction * h)
-        _keep(work, between, n, base_ax, base_az, snapshots, r)
+        snapshots[r, 3 * size + SNAPSHOT_AX] = base_ax
+        snapshots[r, 3 * size + SNAPSHOT_AZ] = base_az
         counters[NEXT_ROW] += 1
 
 
@@ -245,17 +249,12 @@ def _take_held_snapshots(model, state, counters, end_time, times, snapshots):
     """The same up to end_time for a column whose state does not change."""
     n = int(model[N_BLOCKS])
     while counters[NEXT_ROW] < times.size and times[counters[NEXT_ROW]] <= end_time:
-        _keep(state, STATE_HEADER, n, state[BASE_AX], state[BASE_AZ], snapshots, counters[NEXT_ROW])
+        r = counters[NEXT_ROW]
+        for i in range(6 * n):
+            snapshots[r, i] = state[STATE_HEADER + i]
+        snapshots[r, 6 * n + SNAPSHOT_AX] = state[BASE_AX]
+        snapshots[r, 6 * n + SNAPSHOT_AZ] = state[BASE_AZ]
         counters[NEXT_ROW] += 1
-
-
-@kernel
-def _keep(x, o, n, base_ax, base_az, snapshots, r):
-    """Copy the phase at x[o:] and the base acceleration that belongs to it to row r of the snapshots."""
-    for i in range(6 * n):
-        snapshots[r, i] = x[o + i]
-    snapshots[r, 6 * n + SNAPSHOT_AX] = base_ax
-    snapshots[r, 6 * n + SNAPSHOT_AZ] = base_az
 
 
 @kernel

@@ -36,19 +36,23 @@ def interpolate_one(work, size, i, h, s):
     return q, v
 
 
+@leaf
+def interpolate_acceleration(work, size, i, s):
+    """A guess of acceleration i at fraction s of the step: on the line between its ends."""
+    a0 = work[3 * size * PHASE_START + 2 * size + i]
+    return (1.0 - s) * a0 + s * work[3 * size * PHASE_END + 2 * size + i]
+
+
 @kernel
 def interpolate_phase(work, size, h, fraction):
     """Fill PHASE_BETWEEN at `fraction` of the step h (s); the accelerations there are guesses only.
 
     size: coordinates per phase.
     """
-    start, end, between = 3 * size * PHASE_START, 3 * size * PHASE_END, 3 * size * PHASE_BETWEEN
+    between = 3 * size * PHASE_BETWEEN
     for i in range(size):
-        q, v = interpolate_one(work, size, i, h, fraction)
-        work[between + i] = q
-        work[between + size + i] = v
-        a0, a1 = work[start + 2 * size + i], work[end + 2 * size + i]
-        work[between + 2 * size + i] = (1.0 - fraction) * a0 + fraction * a1
+        work[between + i], work[between + size + i] = interpolate_one(work, size, i, h, fraction)
+        work[between + 2 * size + i] = interpolate_acceleration(work, size, i, fraction)
 
 
 @kernel

@@ -26,8 +26,10 @@ MODAL = 10  # where the modal data begin, 0 where there are none
 MODEL_HEADER = 12
 
 # short cuts, as stored in WITHOUT
-ELASTIC = 1
-REST = 2
+ELASTIC = 1  # modes instead of joints while all of these are in full contact
+REST = 2  # no steps while the column rests on a base that does not accelerate
+DASHPOTS = 4  # no dashpot in a joint without damping
+RESULTANTS = 8  # output rows only where they are asked for
 
 HEIGHT = 0  # m
 CENTROID = 1  # m above the bottom face

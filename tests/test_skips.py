@@ -1,0 +1,89 @@
+"""Short cuts: each can be left out, each is counted, and leaving it out changes nothing beyond the tolerance.
+
+What is skipped in the elastic phase is in test_modal.py.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from probe import G, phocas
+
+from solver import Column, InitialState, Motion, Response, simulate
+from solver.column import SKIPS
+from solver.kernels import layout as at
+from solver.stepper import Stepper
+
+TOLERANCE = 1e-5
+
+
+def burst(ax: float) -> Motion:
+    """Motion from 4 s to 6 s, silence before and after, 10 s in all."""
+    time = 0.01 * np.arange(1001)
+    return Motion.from_samples(0.01, np.where((time > 4.0) & (time < 6.0), ax * np.sin(4.0 * np.pi * time), 0.0))
+
+
+def both(name: str, column: Column, motion: Motion, duration: float | None = None) -> tuple[Response, Response]:
+    """With a short cut and without it."""
+    return simulate(column, motion, duration), simulate(column, motion, duration, without=(name,))
+
+
+@pytest.mark.parametrize("part", [0.02, 0.05])
+def test_rest_is_not_stepped(part: float) -> None:
+    skipped, stepped = both("rest", phocas(1e-3, tolerance=TOLERANCE), burst(part * G))
+    assert skipped.stats["at_rest"] == pytest.approx(0.4, abs=0.01)
+    assert stepped.stats["at_rest"] == 0.0
+    assert np.max(np.abs(skipped.ux - stepped.ux)) < TOLERANCE * np.max(stepped.peak_ux)  # measured 0.08 and 0.3 of it
+    assert skipped.stats["steps"] < stepped.stats["steps"]
+    assert skipped.stats["full_contact"] + skipped.stats["rocking"] + skipped.stats["flight"] == pytest.approx(1.0)
+
+
+def test_column_that_has_come_to_rest_is_left_there() -> None:
+    column = phocas(2e-2, tolerance=TOLERANCE)
+    skipped, stepped = both("rest", column, burst(0.02 * G), 60.0)
+    assert skipped.stats["at_rest"] > 0.4
+    assert np.max(np.abs(skipped.ux - stepped.ux)) < TOLERANCE * np.max(stepped.peak_ux)
+
+
+def test_only_a_column_at_rest_under_its_weight_is_left_alone() -> None:
+    column = phocas(1e-3)
+    n = column.n
+    for key in ("rotation", "rotation_rate", "opening_rate"):
+        stepper = Stepper(column, InitialState(**{key: [1e-5] * n}))
+        stepper.advance(0.0, 0.1)
+        assert stepper.state[at.TIME_AT_REST] == 0.0
+    rest = Stepper(column)
+    before = rest.state[at.STATE_HEADER :][: 4 * n].copy()
+    rest.advance(0.0, 5.0)
+    assert rest.state[at.TIME_AT_REST] == 5.0
+    assert np.array_equal(rest.state[at.STATE_HEADER :][: 4 * n], before)
+    for name in (at.INPUT_AX, at.INPUT_JX, at.INPUT_AZ, at.INPUT_JZ):
+        pushed = Stepper(column)
+        pushed.inputs[name] = 1e-3
+        pushed.advance(0.0, 0.1)
+        assert pushed.state[at.TIME_AT_REST] == 0.0
+
+
+def test_joints_without_dashpots_need_none() -> None:
+    skipped, stepped = both("dashpots", phocas(0.0, tolerance=TOLERANCE), Motion.harmonic(0.05 * G, 2.0, 1.0))
+    assert skipped.stats["undamped_joints"] == 3
+    assert np.max(np.abs(skipped.ux - stepped.ux)) < TOLERANCE * np.max(stepped.peak_ux)  # measured 1e-8
+    damped = simulate(phocas(1e-3), Motion.harmonic(0.05 * G, 2.0, 0.1))
+    assert damped.stats["undamped_joints"] == 0
+
+
+def test_resultants_are_worked_out_when_somebody_asks() -> None:
+    later, at_once = both("resultants", phocas(1e-3), Motion.harmonic(0.05 * G, 2.0, 1.0))
+    assert later.stats["observed_rows"] == 0
+    assert at_once.stats["observed_rows"] == len(at_once.time)
+    assert np.array_equal(later.S, at_once.S)
+    assert later.stats["observed_rows"] == len(later.time)
+    assert later.stats["evaluations"] == at_once.stats["evaluations"]
+
+
+def test_all_short_cuts_can_be_left_out_at_once() -> None:
+    motion = burst(0.02 * G)
+    plain = simulate(phocas(1e-3, tolerance=TOLERANCE), motion, without=SKIPS)
+    usual = simulate(phocas(1e-3, tolerance=TOLERANCE), motion)
+    assert plain.stats["elastic_steps"] == plain.stats["at_rest"] == 0
+    assert np.max(np.abs(plain.ux - usual.ux)) < TOLERANCE * np.max(usual.peak_ux)
