@@ -38,8 +38,8 @@ class Response:
     clockwise; N N, compression; M N m, restoring; S N, horizontal, of the part above on the part below; contact 0..1
     of the joint's width; sigma_max Pa; Fx, Fz N and My N m (clockwise), of the column on the base at the centre of
     joint n. peak_ux m (n,): largest |ux| of the continuous motion. overturned, overturn_time s (NaN if not),
-    overturned_joint (0 if not). stats: steps, implicit_steps (of these), rejected, evaluations, sweeps; full_contact,
-    rocking, flight: parts of the time; wall_time s.
+    overturned_joint (0 if not). stats: steps, implicit_steps and elastic_steps (of these), rejected, evaluations,
+    sweeps; full_contact, rocking, flight: parts of the time; wall_time s.
     """
 
     column: Column
