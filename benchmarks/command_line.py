@@ -116,8 +116,10 @@ def measure_ablation(wanted: Scenes, quick: bool, results: Results) -> Iterator[
 
 def measure_energy(wanted: Scenes, quick: bool, results: Results) -> Iterator[None]:
     """Energy of undamped elastic motion over 10^6 periods."""
-    results["energy"] = energy.measure(quick)
-    yield
+    results["energy"] = []
+    for row in energy.measure(quick):
+        results["energy"].append(row)
+        yield
 
 
 # each yields whenever there is something new to be written

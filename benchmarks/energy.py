@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -67,10 +68,9 @@ def energy(stepper: Stepper, columns: Array) -> float:
     return math.fsum([*kinetic, *(mass * g * rise), *joints])
 
 
-def measure(quick: bool) -> list[dict[str, Any]]:
+def measure(quick: bool) -> Iterator[dict[str, Any]]:
     """One row per column and amplitude: the relative change of the energy beyond that at rest."""
     periods = QUICK_PERIODS if quick else PERIODS
-    rows = []
     for n in SIZES:
         column = shaft(n, damping=0.0)
         columns = columns_of(column)
@@ -83,15 +83,12 @@ def measure(quick: bool) -> list[dict[str, Any]]:
             begin = energy(stepper, columns) - at_rest
             stepper.advance(0.0, periods * period)
             change = energy(stepper, columns) - at_rest - begin
-            rows.append(
-                {
-                    "n": n,
-                    "part": part,
-                    "periods": periods,
-                    "drift": change / begin,
-                    "resolution": math.ulp(at_rest) / begin,
-                    "steps": int(stepper.counters[at.STEPS]),
-                    "elastic_steps": int(stepper.counters[at.ELASTIC_STEPS]),
-                }
-            )
-    return rows
+            yield {
+                "n": n,
+                "part": part,
+                "periods": periods,
+                "drift": change / begin,
+                "resolution": math.ulp(at_rest) / begin,
+                "steps": int(stepper.counters[at.STEPS]),
+                "elastic_steps": int(stepper.counters[at.ELASTIC_STEPS]),
+            }

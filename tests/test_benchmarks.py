@@ -248,7 +248,7 @@ def test_energy_of_the_benchmark_is_that_of_lagranges_equations():
 
 def test_energy_of_elastic_motion_is_measured(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(energy, "QUICK_PERIODS", 100)
-    rows = energy.measure(quick=True)
+    rows = list(energy.measure(quick=True))
     assert [(row["n"], row["part"]) for row in rows] == [(n, part) for n in energy.SIZES for part in energy.PARTS]
     for row in rows:
         assert row["elastic_steps"] == row["steps"]
