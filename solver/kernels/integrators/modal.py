@@ -56,7 +56,7 @@ from ..layout import (
 
 ORDER = 4  # of the estimated error
 INTERPOLATION_ORDER = 6
-OPENS = 1  # code: a joint does not stay in full contact
+OPENS = 2  # code, beside those of layout.py: a joint does not stay in full contact
 MIDDLE = 1  # the phases of work that a step uses: the middle, then modal coordinates, rates and remainders
 MODAL_START = 2
 MODAL_MIDDLE = 3
