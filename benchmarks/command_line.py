@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-from . import ablation, evaluation, machine, opensees, plots, report, scaling, verdicts, work_precision
+from . import ablation, energy, evaluation, machine, opensees, plots, report, scaling, verdicts, work_precision
 from .competitors import MeasurementError, competitors
 from .references import reference
 from .scenes import Scene, burst, falling, forced, harmonic, scenes
@@ -114,6 +114,14 @@ def measure_ablation(wanted: Scenes, quick: bool, results: Results) -> Iterator[
         yield
 
 
+def measure_energy(wanted: Scenes, quick: bool, results: Results) -> Iterator[None]:
+    """Energy of undamped elastic motion over 10^6 periods."""
+    results["energy"] = []
+    for row in energy.measure(quick):
+        results["energy"].append(row)
+        yield
+
+
 # each yields whenever there is something new to be written
 PARTS: dict[str, Callable[[Scenes, bool, Results], Iterator[None]]] = {
     "work-precision": measure_work_precision,
@@ -122,6 +130,7 @@ PARTS: dict[str, Callable[[Scenes, bool, Results], Iterator[None]]] = {
     "scaling": measure_scaling,
     "verdicts": measure_verdicts,
     "ablation": measure_ablation,
+    "energy": measure_energy,
 }
 
 

@@ -24,6 +24,7 @@ def report(results: Results) -> str:
         tolerance_table(results),
         verdict_table(results),
         ablation_table(results),
+        energy_table(results),
         failures(results),
     ]
     return "\n\n".join(part for part in parts if part) + "\n"
@@ -239,6 +240,23 @@ def ablation_table(results: Results) -> str:
         for row in results.get("ablation", [])
     ]
     return "## Without\n\n" + table(["scene", "without", "time, ms", "error", "evaluations"], rows) if rows else ""
+
+
+def energy_table(results: Results) -> str:
+    """What becomes of the energy in the long run."""
+    rows = [
+        [
+            str(row["n"]),
+            f"{row['part']:g}",
+            f"{row['periods']:g}",
+            f"{row['drift']:.1e}",
+            f"{row['resolution']:.0e}",
+            f"{row['elastic_steps']} of {row['steps']}",
+        ]
+        for row in results.get("energy", [])
+    ]
+    head = ["blocks", "part of the opening rotation", "periods", "relative drift", "rounding", "modal steps"]
+    return "## Energy of undamped elastic motion\n\n" + table(head, rows) if rows else ""
 
 
 def failures(results: Results) -> str:

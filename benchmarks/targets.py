@@ -15,6 +15,8 @@ EVALUATION_RATIO = 1.5  # to the same arithmetic in C
 GROWTH = 1.3  # of the cost per block from 10 to 200 blocks
 RATIO_RANGE = (0.01, 10.0)  # observed error over requested tolerance
 FAR_OFF = 100.0
+ENERGY_DRIFT = 1e-6  # relative, over ENERGY_PERIODS of undamped elastic motion
+ENERGY_PERIODS = 1_000_000
 REFERENCE_MARGIN = 10.0  # a tolerance is judged where it is this many times what the references disagree by
 
 
@@ -34,7 +36,7 @@ Results = dict[str, Any]
 def targets(results: Results) -> list[Target]:
     """All targets, in order."""
     rows = speed(results) + forced_run(results) + evaluation(results) + scaling(results)
-    return rows + tolerance_met(results) + verdict(results)
+    return rows + tolerance_met(results) + verdict(results) + energy(results)
 
 
 def _unmeasured(number: str, aim: str, reason: str = "not measured") -> Target:
@@ -173,3 +175,15 @@ def verdict(results: Results) -> list[Target]:
     fall = sum(row["overturns"] for row in judged)
     text = f"{len(judged)} scenes, {fall} of them overturning: " + ("; ".join(wrong) if wrong else "none wrong")
     return [Target("6", aim, text, not wrong)]
+
+
+def energy(results: Results) -> list[Target]:
+    """7: undamped elastic motion keeps its energy."""
+    aim = f"undamped elastic motion keeps its energy to {ENERGY_DRIFT:g} over {ENERGY_PERIODS:.0e} periods"
+    rows = results.get("energy", [])
+    if not rows:
+        return [_unmeasured("7", aim)]
+    worst = max(rows, key=lambda row: abs(row["drift"]))
+    text = f"at most {abs(worst['drift']):.1e} over {worst['periods']:.0e} periods ({worst['n']} blocks)"
+    long_enough = all(row["periods"] >= ENERGY_PERIODS for row in rows)
+    return [Target("7", aim, text, abs(worst["drift"]) <= ENERGY_DRIFT if long_enough else None)]

@@ -11,17 +11,20 @@ from pathlib import Path
 import numpy as np
 import pytest
 from fmus import ROOT
+from lagrange import Reference
 from probe import look, phocas, random_column, random_state
 
 sys.path.insert(0, str(ROOT))  # the benchmarks are not installed
 
-from benchmarks import evaluation, opensees, references, targets
+from benchmarks import energy, evaluation, opensees, references, targets
 from benchmarks.competitors import MeasurementError, competitors, grid, steps, tolerances
 from benchmarks.right_hand_side import Problem, base_acceleration
 from benchmarks.scenes import RECORDS, Scene, forced, harmonic, scenes, shaft
 from benchmarks.work_precision import cost_at, envelope, equal_error
 from solver import Motion, simulate
+from solver.kernels import layout as at
 from solver.packing import pack_model
+from solver.stepper import Stepper
 
 
 def test_shaft_is_phocas():
@@ -228,3 +231,29 @@ def test_command_writes_valid_json(tmp_path: Path):
     report = (tmp_path / "report.md").read_text()
     assert "| 3 |" in report
     assert report.count("not measured") >= 5
+
+
+def test_energy_of_the_benchmark_is_that_of_lagranges_equations():
+    column, n = phocas(), 3
+    stepper = Stepper(column)
+    columns = energy.columns_of(column)
+    found, expected = [], []
+    for seed in (5, 6):  # a constant is free
+        q, rate = random_state(np.random.default_rng(seed), column, 0.1)
+        stepper.state[at.STATE_HEADER : at.STATE_HEADER + 4 * n] = np.concatenate([q, rate])
+        found.append(energy.energy(stepper, columns))
+        expected.append(Reference.of(column).energy(q, rate))
+    assert found[1] - found[0] == pytest.approx(expected[1] - expected[0], rel=1e-12)  # measured 1e-15
+
+
+def test_energy_of_elastic_motion_is_measured(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(energy, "QUICK_PERIODS", 100)
+    rows = list(energy.measure(quick=True))
+    assert [(row["n"], row["part"]) for row in rows] == [(n, part) for n in energy.SIZES for part in energy.PARTS]
+    for row in rows:
+        assert row["elastic_steps"] == row["steps"]
+        assert row["drift"] == pytest.approx(0.0, abs=1e-9 + 10.0 * row["resolution"])  # measured 1e-11, 2 resolutions
+    (target,) = targets.energy({"energy": rows})
+    assert target.passed is None  # not long enough for a verdict
+    assert targets.energy({"energy": [row | {"periods": 10**6} for row in rows]})[0].passed
+    assert not targets.energy({"energy": [rows[0] | {"periods": 10**6, "drift": -2e-6}]})[0].passed

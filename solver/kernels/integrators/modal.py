@@ -56,7 +56,7 @@ from ..layout import (
 
 ORDER = 4  # of the estimated error
 INTERPOLATION_ORDER = 6
-OPENS = 1  # code: a joint does not stay in full contact
+OPENS = 2  # code, beside those of layout.py: a joint does not stay in full contact
 MIDDLE = 1  # the phases of work that a step uses: the middle, then modal coordinates, rates and remainders
 MODAL_START = 2
 MODAL_MIDDLE = 3
@@ -211,18 +211,29 @@ def _responses(model, work, h, omega):
     return slot
 
 
-@kernel
+@leaf
 def _multiply(model, matrices, work, x, y, n, segments):
-    """Segments of 2 n numbers at work[x:] times the matrices of the rotations and of the openings, to work[y:]."""
-    for segment in range(2 * segments):
-        matrix = place(matrices + (segment % 2) * n * n)
-        begin = place(x + segment * n)
-        to = place(y + segment * n)
+    """One to three segments of 2 n numbers at work[x:] times the matrices of rotations and openings, to work[y:]."""
+    size = 2 * n
+    matrix = place(matrices)
+    for half in range(2):
+        begin = place(x + half * n)
         for i in range(n):
-            total = 0.0
+            first, second, third = 0.0, 0.0, 0.0
             for j in range(n):
-                total += model[matrix + n * i + j] * work[begin + j]
-            work[to + i] = total
+                factor = model[matrix + j]
+                first += factor * work[begin + j]
+                if segments > 1:
+                    second += factor * work[begin + size + j]
+                if segments > 2:
+                    third += factor * work[begin + 2 * size + j]
+            matrix += n
+            to = place(y + half * n + i)
+            work[to] = first
+            if segments > 1:
+                work[to + size] = second
+            if segments > 2:
+                work[to + 2 * size] = third
 
 
 @leaf
@@ -255,6 +266,16 @@ def _opens(model, work, a, b, h):
             turn_q -= work[q + 1]
             spin_q -= work[q + 2 * n + 1]
             turned_q -= work[q + 4 * n + 1]
+        # far from opening, neither corner can come to it
+        rate = half * max(abs(spin_p), abs(spin_q)) + max(abs(work[p + 3 * n]), abs(work[q + 3 * n]))
+        reach = h * rate
+        if eta > 0.0:
+            reach += eta * rate
+            reach += (
+                h * eta * (half * max(abs(turned_p), abs(turned_q)) + max(abs(work[p + 5 * n]), abs(work[q + 5 * n])))
+            )
+        if -max(work[p + n], work[q + n]) - half * max(abs(turn_p), abs(turn_q)) > reach:
+            continue
         for _ in range(2):
             c_p = half * turn_p - work[p + n]
             c_q = half * turn_q - work[q + n]
@@ -301,14 +322,14 @@ def attempt(model, inputs, work, counters, scale, rate_scale, t, h):
     sweeps = int(model[int(model[MODAL]) + MODAL_SWEEPS])
     for sweep in range(sweeps):
         if code == OK and error <= 1.0:
-            again = sweep + 1 < sweeps
-            code, error = _sweep(model, inputs, work, counters, scale, rate_scale, t, h, again)
+            last = sweep + 1 == sweeps
+            code, error = _sweep(model, inputs, work, counters, scale, rate_scale, t, h, sweep == 0, last)
     return code, error
 
 
 @kernel
-def _sweep(model, inputs, work, counters, scale, rate_scale, t, h, again):
-    """As `attempt`; with `again`, the trend of the remainder is left for another sweep over the same step."""
+def _sweep(model, inputs, work, counters, scale, rate_scale, t, h, is_first, is_last):
+    """As `attempt`; what it finds of the remainder serves the next sweep, that of the last one the next step."""
     n = place(int(model[N_BLOCKS]))
     size = 2 * n
     phase = 3 * size
@@ -320,6 +341,7 @@ def _sweep(model, inputs, work, counters, scale, rate_scale, t, h, again):
     inverses = shapes + 2 * n * n
     trend = modal_offset(n)  # flag, then slopes and curvatures of the remainder
     known = work[trend] != 0.0
+    work[trend] = 0.0
     trend = place(trend + 1)
     amplitude = inputs[INPUT_AMPLITUDE]
     omega = inputs[INPUT_OMEGA] if amplitude != 0.0 else 0.0
@@ -327,7 +349,11 @@ def _sweep(model, inputs, work, counters, scale, rate_scale, t, h, again):
     excess = h - on_grid
     responses = _responses(model, work, on_grid, omega) + RESPONSE_HEADER
 
-    _multiply(model, inverses, work, 0, first, n, 3)
+    if is_first and known:  # the last step has ended here
+        for i in range(phase):
+            work[first + i] = work[last + i]
+    elif is_first:
+        _multiply(model, inverses, work, 0, first, n, 3)
     past = t - inputs[INPUT_T0]
     angle = omega * t + inputs[INPUT_PHASE]
     wave_sine = amplitude * math.sin(angle) if amplitude != 0.0 else 0.0
@@ -349,7 +375,7 @@ def _sweep(model, inputs, work, counters, scale, rate_scale, t, h, again):
                 force = push * (model[GRAVITY] + inputs[INPUT_AZ] + inputs[INPUT_JZ] * past)
                 slope = push * inputs[INPUT_JZ]
                 force_sine, force_cosine = 0.0, 0.0
-            if stage == 0:
+            if stage == 0 and is_first:
                 beta = model[mode + MODE_DAMPING]
                 work[at + 2 * size] += beta * v + square * p - (force + force_sine)
             # the remainder goes on as in the step before; at the end, through its value in the middle
@@ -415,7 +441,7 @@ def _sweep(model, inputs, work, counters, scale, rate_scale, t, h, again):
         wrong_rate += model[mode + MODE_SIZE] * abs(bend * (line_rate - parabola_rate))
         # the free motion: without that which the forces make
         slope = (r_1 - r_0 - bend) * per_step
-        work[trend + k] = slope if again else slope + 2.0 * bend * per_step
+        work[trend + k] = slope + 2.0 * bend * per_step if is_last else slope
         work[trend + size + k] = 2.0 * bend * per_step * per_step
         if k < n:
             force = r_0 + push * (inputs[INPUT_AX] + inputs[INPUT_JX] * past)

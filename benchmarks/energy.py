@@ -1,0 +1,94 @@
+"""Energy of undamped columns that vibrate for very long with all joints in contact."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from solver import Column, InitialState, natural_frequencies
+from solver.kernels import layout as at
+from solver.kernels.joint import joint_potential
+from solver.packing import settlements
+from solver.stepper import Stepper
+
+from .right_hand_side import Array
+from .scenes import shaft
+
+PERIODS = 1_000_000  # of the lowest mode
+QUICK_PERIODS = 10_000
+PARTS = (1e-3, 0.5)  # of the rotation at which a joint opens
+SIZES = (1, 3)  # blocks
+
+
+def columns_of(column: Column) -> Array:
+    """Height, centroid, mass, inertia of the blocks, stiffness, width, depth of the joints, (7, n)."""
+    return np.array(
+        [
+            (
+                block.height,
+                block.resolved_centroid,
+                block.mass,
+                block.resolved_inertia,
+                block.joint.stiffness,
+                block.joint_width,
+                block.joint_depth,
+            )
+            for block in column.blocks
+        ]
+    ).T
+
+
+def energy(stepper: Stepper, columns: Array) -> float:
+    """Kinetic, elastic and gravitational, J; columns: those of `columns_of`."""
+    height, centroid, mass, inertia, stiffness, width, depth = columns
+    n, g = stepper.n, stepper.model[at.GRAVITY]
+    turn, opening, spin, opening_rate = stepper.state[at.STATE_HEADER :][: 4 * n].reshape(4, n)
+    turn_below, spin_below = np.append(turn[1:], 0.0), np.append(spin[1:], 0.0)
+    phi, phi_rate = 0.5 * (turn + turn_below), 0.5 * (spin + spin_below)
+    over = height - centroid
+
+    def from_base(steps: Array) -> Array:
+        summed: Array = np.cumsum(steps[::-1])[::-1]
+        return summed
+
+    dip = -2.0 * np.sin(0.5 * turn) ** 2  # cos(turn) - 1
+    rise = from_base(opening * np.cos(phi) + height * dip) - over * dip
+    x_rate = from_base(
+        opening_rate * np.sin(phi) + opening * phi_rate * np.cos(phi) + height * spin * np.cos(turn)
+    ) - over * spin * np.cos(turn)
+    z_rate = from_base(
+        opening_rate * np.cos(phi) - opening * phi_rate * np.sin(phi) - height * spin * np.sin(turn)
+    ) + over * spin * np.sin(turn)
+    slope = 2.0 * np.sin(0.5 * (turn - turn_below))
+    joints = [joint_potential(*joint) for joint in zip(stiffness, width, depth, opening, slope, strict=True)]
+    kinetic = 0.5 * (mass * (x_rate**2 + z_rate**2) + inertia * spin**2)
+    return math.fsum([*kinetic, *(mass * g * rise), *joints])
+
+
+def measure(quick: bool) -> Iterator[dict[str, Any]]:
+    """One row per column and amplitude: the relative change of the energy beyond that at rest."""
+    periods = QUICK_PERIODS if quick else PERIODS
+    for n in SIZES:
+        column = shaft(n, damping=0.0)
+        columns = columns_of(column)
+        period = 1.0 / natural_frequencies(column)[0]
+        opens = float(np.min(2.0 * settlements(column) / columns[5]))
+        at_rest = energy(Stepper(column), columns)
+        for part in PARTS:
+            # the base joint turns by this part of what opens it, the others do not
+            stepper = Stepper(column, InitialState(rotation=np.full(n, part * opens)))
+            begin = energy(stepper, columns) - at_rest
+            stepper.advance(0.0, periods * period)
+            change = energy(stepper, columns) - at_rest - begin
+            yield {
+                "n": n,
+                "part": part,
+                "periods": periods,
+                "drift": change / begin,
+                "resolution": math.ulp(at_rest) / begin,
+                "steps": int(stepper.counters[at.STEPS]),
+                "elastic_steps": int(stepper.counters[at.ELASTIC_STEPS]),
+            }
