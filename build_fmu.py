@@ -1,6 +1,6 @@
 """Build an FMI 2.0 co-simulation FMU from the TOML file of a column.
 
-    python build_fmu.py [COLUMN.toml] [-o FILE.fmu]
+    python build_fmu.py [COLUMN.toml] [-o FILE.fmu] [--record RECORD.AT2]
 
 Packaging only. Inside the FMU the two packages carry the hash of their content in their names, so that two FMUs in one
 process, or two builds of one, never run each other's code.
@@ -13,6 +13,7 @@ import hashlib
 import importlib
 import json
 import re
+import shutil
 import sys
 import tempfile
 import uuid
@@ -24,7 +25,8 @@ from pythonfmu import FmuBuilder
 
 import fmu_src
 import solver
-from fmu_src.slave import COLUMN_FILE, GUID_FILE
+from fmu_src.record import read_motion
+from fmu_src.slave import COLUMN_FILE, GUID_FILE, RECORD_FOLDER
 from solver import Column, InputError
 
 HERE = Path(__file__).resolve().parent
@@ -56,9 +58,10 @@ def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description="Build the FMU of a column of blocks.")
     parser.add_argument("column", nargs="?", type=Path, default=DEFAULT_COLUMN, help="TOML file (default: %(default)s)")
     parser.add_argument("-o", "--output", type=Path, help="FMU file (default: NAME.fmu in the current folder)")
+    parser.add_argument("--record", type=Path, metavar="FILE", help=".AT2 or .csv to put inside, added to the inputs")
     options = parser.parse_args(arguments)
     try:
-        path = build_fmu(options.column, options.output)
+        path = build_fmu(options.column, options.output, options.record)
     except (InputError, OSError) as error:
         print(f"build_fmu.py: {error}", file=sys.stderr)
         return 2
@@ -66,19 +69,24 @@ def main(arguments: list[str] | None = None) -> int:
     return 0
 
 
-def build_fmu(column_file: Path, output: Path | None = None) -> Path:
-    """Build the FMU of a column file and return its path. Raises InputError, OSError."""
+def build_fmu(column_file: Path, output: Path | None = None, record: Path | None = None) -> Path:
+    """Build the FMU of a column file and return its path; a record is put inside it. Raises InputError, OSError."""
     column = Column.from_toml(column_file)
     output = Path(f"{column.name}.fmu") if output is None else output
     if output.suffix != ".fmu":
         raise InputError(f"-o {output}: must end in .fmu")
+    if record is not None:
+        read_motion(record)
     column_text = json.dumps(column.to_dict(), indent=1)
     with tempfile.TemporaryDirectory(prefix="build_fmu_") as folder:
         stage = Path(folder)
         carried_solver = _carry_package(solver, stage, {})
         carried_fmu_src = _carry_package(fmu_src, stage, {"solver": carried_solver})
         script = SCRIPT.format(solver=carried_solver, fmu_src=carried_fmu_src)
-        identity = hashlib.sha256((script + column_text).encode()).hexdigest()
+        content = script.encode() + column_text.encode()
+        if record is not None:
+            content += record.name.encode() + record.read_bytes()
+        identity = hashlib.sha256(content).hexdigest()
         script_file = stage / f"slave_{identity[:16]}.py"
         script_file.write_text(script, encoding="utf-8")
         (stage / COLUMN_FILE).write_text(column_text, encoding="utf-8")
@@ -87,6 +95,10 @@ def build_fmu(column_file: Path, output: Path | None = None) -> Path:
         importlib.invalidate_caches()
         try:
             parts = [stage / carried_fmu_src, stage / carried_solver, stage / COLUMN_FILE, stage / GUID_FILE]
+            if record is not None:
+                (stage / RECORD_FOLDER).mkdir()
+                shutil.copy(record, stage / RECORD_FOLDER)
+                parts.append(stage / RECORD_FOLDER)
             built = FmuBuilder.build_FMU(script_file, dest=stage / "built.fmu", project_files=parts)
         finally:
             sys.path[:] = [entry for entry in sys.path if not entry.startswith(str(stage))]

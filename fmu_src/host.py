@@ -14,6 +14,7 @@ import os
 import shutil
 import sys
 import tempfile
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -92,6 +93,22 @@ def _finalize() -> None:
             loaded.finalizePythonInterpreter()
         except (OSError, AttributeError):  # not loaded (any more), or a wrapper without that function
             continue
+
+
+def leave_search_path(resources: Path) -> None:
+    """Take the FMU's folder off Python's search path, where the wrapper puts it at every instantiation.
+
+    All that is needed from it has been imported by now; others are to find their own modules, not ours.
+    """
+    sys.path[:] = [entry for entry in sys.path if entry != str(resources)]
+
+
+def compile_by(call: Callable[[], object]) -> None:
+    """Have the kernels compiled by a first call; on a full disk they are, and only the cache is left out."""
+    try:
+        call()
+    except OSError:
+        call()
 
 
 def survive_exception(*objects: Any) -> None:

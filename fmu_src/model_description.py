@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from xml.etree.ElementTree import Element, SubElement
 
 from .variables import START_TIME, STEP_SIZE, STOP_TIME, Variable
@@ -14,6 +15,7 @@ UNITS = {
     "kg": {"kg": 1},
     "kg.m2": {"kg": 1, "m": 2},
     "m/s2": {"m": 1, "s": -2},
+    "m/s3": {"m": 1, "s": -3},
     "N": {"kg": 1, "m": 1, "s": -2},
     "N.m": {"kg": 1, "m": 2, "s": -2},
     "N/m3": {"kg": 1, "m": -2, "s": -2},
@@ -35,13 +37,24 @@ FLAGS = {
     "canRunAsynchronuously": False,
     "canBeInstantiatedOnlyOncePerProcess": False,
     "canNotUseMemoryManagementFunctions": True,
-    "canGetAndSetFMUstate": False,
-    "canSerializeFMUstate": False,
+    "canGetAndSetFMUstate": True,
+    "canSerializeFMUstate": True,
     "providesDirectionalDerivative": False,
 }
 
 
-def model_description(name: str, guid: str, description: str, version: str, table: list[Variable]) -> Element:
+@dataclass(frozen=True)
+class Experiment:
+    """What a run lasts and how often it communicates unless a master is told otherwise, s."""
+
+    start: float = START_TIME
+    stop: float = STOP_TIME
+    step: float = STEP_SIZE
+
+
+def model_description(
+    name: str, guid: str, description: str, version: str, table: list[Variable], experiment: Experiment
+) -> Element:
     """The root element; `name` is also the model identifier."""
     root = Element(
         "fmiModelDescription",
@@ -65,9 +78,9 @@ def model_description(name: str, guid: str, description: str, version: str, tabl
     SubElement(
         root,
         "DefaultExperiment",
-        startTime=_text(START_TIME),
-        stopTime=_text(STOP_TIME),
-        stepSize=_text(STEP_SIZE),
+        startTime=_text(experiment.start),
+        stopTime=_text(experiment.stop),
+        stepSize=_text(experiment.step),
     )
     listed = SubElement(root, "ModelVariables")
     for reference, variable in enumerate(table):
@@ -93,6 +106,7 @@ def _scalar_variable(reference: int, variable: Variable) -> Element:
         "unit": variable.unit or None,
         "min": variable.minimum,
         "max": variable.maximum,
+        "nominal": variable.nominal,
         "start": variable.start,
     }
     SubElement(element, variable.kind, {key: _text(value) for key, value in attributes.items() if value is not None})
