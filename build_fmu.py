@@ -36,13 +36,17 @@ ZIP_DATE = (1980, 1, 1, 0, 0, 0)  # the same input gives the same bytes
 
 SCRIPT = '''"""Entry of the FMU: brings in the solver and offers the slave."""
 
+import sys
 from pathlib import Path
 
 from {fmu_src}.host import import_solver
 
-import_solver("{solver}", Path(__file__).resolve().parent)
-
-from {fmu_src}.slave import ColumnSlave
+try:
+    import_solver("{solver}", Path(__file__).resolve().parent)
+    from {fmu_src}.slave import ColumnSlave
+except ImportError as error:
+    print(f"{name}: needs Python 3.11 or newer with numpy and numba: {{error}}", file=sys.stderr)
+    raise
 
 
 class Slave(ColumnSlave):
@@ -82,7 +86,7 @@ def build_fmu(column_file: Path, output: Path | None = None, record: Path | None
         stage = Path(folder)
         carried_solver = _carry_package(solver, stage, {})
         carried_fmu_src = _carry_package(fmu_src, stage, {"solver": carried_solver})
-        script = SCRIPT.format(solver=carried_solver, fmu_src=carried_fmu_src)
+        script = SCRIPT.format(name=column.name, solver=carried_solver, fmu_src=carried_fmu_src)
         content = script.encode() + column_text.encode()
         if record is not None:
             content += record.name.encode() + record.read_bytes()

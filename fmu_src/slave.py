@@ -295,7 +295,7 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
         return self._get(vrs, "String")
 
     def set_real(self, vrs: list[int], values: list[float]) -> None:
-        """Set inputs at any time, fixed parameters before the end of initialization, tunable ones before any step."""
+        """Set inputs and tunable parameters before any step, fixed parameters before the end of initialization."""
         self._set(vrs, values, "Real")
 
     def set_integer(self, vrs: list[int], values: list[int]) -> None:
@@ -322,6 +322,8 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
             self._fail(f"variables at t = {self._time} s: {_told(error)}")
 
     def _set(self, vrs: list[int], values: list[Any], kind: str) -> None:
+        if self._mode == Mode.TERMINATED:
+            self._fail("nothing can be set, the run is terminated")
         for reference in vrs:
             if not 0 <= reference < len(INPUTS):
                 self._check_settable(reference, kind)
@@ -337,8 +339,6 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
         if not known or self._table[reference].causality != "parameter":
             self._fail(f"value reference {reference}: is not an input or a parameter of the kind {kind}")
         variable = self._table[reference]
-        if self._mode == Mode.TERMINATED:
-            self._fail(f"{variable.name}: cannot be set, the run is terminated")
         if self._mode == Mode.STEPPING and variable.variability != "tunable":
             self._fail(f"{variable.name}: can be set before the end of initialization only")
 
