@@ -54,6 +54,7 @@ GUID_FILE = "guid.txt"
 RECORD_FOLDER = "record"  # holds the record inside the FMU, if there is one
 TIME_SLACK = 1e-6  # of a step: how far a communication point may be from where the last step ended
 STEP_SLACK = 1e-6  # of a sampling interval: a communication step that is no longer than that but for rounding
+ARRAYS = ("state", "counters", "inputs")  # of the stepper: all that differs from one moment to another
 KINDS = ("Real", "Integer", "Boolean", "String")
 
 
@@ -120,6 +121,7 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
         self._record: Record | None = None
         self._record_name = ""
         self._retune = False  # whether a tunable parameter was set and has not acted yet
+        self._inputs_stand = False  # whether the stepper still has the inputs of the last step, and no others were set
         self._outdated = True  # whether the outputs belong to an earlier time, input or parameter
         self._shaken = False  # whether the base has moved yet
         self._coarse_told = False
@@ -187,9 +189,11 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
             return "the step must be a positive time"
         if not abs(current_time - self._time) <= TIME_SLACK * step_size + 1e-12 * abs(self._time):
             return f"the last step ended at t = {self._time} s"
-        for variable, value in zip(INPUTS, self._values, strict=False):
-            if not math.isfinite(value):
-                return f"{variable.name} = {value}: must be a finite number in {variable.unit}"
+        given = self._values
+        if not math.isfinite(given[AX] + given[AZ] + given[JX] + given[JZ]):
+            for variable, value in zip(INPUTS, given, strict=False):
+                if not math.isfinite(value):
+                    return f"{variable.name} = {value}: must be a finite number in {variable.unit}"
         return None
 
     def _advance(self, start: float, step: float) -> None:
@@ -213,10 +217,11 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
                     stepper.advance(begin, end - begin)
         except BaseException:
             stepper.state[:], stepper.counters[:] = before
+            self._inputs_stand = False
             raise
         self._retune = False
         self._time = start + step
-        self._outdated = True
+        self._inputs_stand = self._outdated = True
         if not self._shaken:
             self._shaken = record is not None or any(values[: len(INPUTS)])
         if record is not None and not self._coarse_told and step > record.dt * (1.0 + STEP_SLACK):
@@ -238,9 +243,10 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
             self._input_time,
             self._shaken,
             self._retune,
+            self._inputs_stand,
             self._values.copy(),
             self._record.digest if self._record else "",
-            {"state": stepper.state.copy(), "counters": stepper.counters.copy()} if stepper else {},
+            {name: getattr(stepper, name).copy() for name in ARRAYS} if stepper else {},
         )
 
     def _set_fmu_state(self, snapshot: state.Snapshot | state.Unreadable) -> None:
@@ -266,15 +272,15 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
         if stepper is not None:
             if (record.digest if record else "") != snapshot.record:
                 raise InputError(f"base.record = {name!r}: its samples are not those that the state belongs to")
-            stepper.state[:] = snapshot.arrays["state"]
-            stepper.counters[:] = snapshot.arrays["counters"]
+            for name in ARRAYS:
+                getattr(stepper, name)[:] = snapshot.arrays[name]
         self._stepper, self._record, self._record_name = stepper, record, name
         self._built_from = parameters
         self._values = snapshot.values.copy()
         self._mode = Mode(snapshot.mode)
         self._time, self._input_time = snapshot.time, snapshot.input_time
         self._shaken, self._retune = snapshot.shaken, snapshot.retune
-        self._outdated = True
+        self._inputs_stand, self._outdated = snapshot.inputs_stand, True
 
     # --- variables
 
@@ -332,7 +338,7 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
             if reference >= len(INPUTS):
                 self._retune = self._mode == Mode.STEPPING
         self._input_time = self._time
-        self._outdated = True
+        self._inputs_stand, self._outdated = False, True
 
     def _check_settable(self, reference: int, kind: str) -> None:
         known = 0 <= reference < len(self._table) and self._table[reference].kind == kind
@@ -354,10 +360,13 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
         if self._retune:
             self._apply_parameters(stepper)
             self._retune = False
-        self._set_inputs(stepper, self._time, self._record.after(self._time) if self._record else (0.0, 0.0, 0.0, 0.0))
+        if not self._inputs_stand:
+            line = self._record.after(self._time) if self._record else (0.0, 0.0, 0.0, 0.0)
+            self._set_inputs(stepper, self._time, line)
         self._values[self._row] = stepper.observe(self._time).tolist()
         joint = stepper.overturned_joint
-        self._tell_verdict(stepper.overturn_time if joint else -1.0, joint, joint > 0)
+        if joint != self._values[self._verdict[1]]:
+            self._tell_verdict(stepper.overturn_time if joint else -1.0, joint, joint > 0)
         self._outdated = False
 
     def _set_inputs(self, stepper: Stepper, t: float, line: tuple[float, float, float, float]) -> None:
@@ -409,7 +418,7 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
         self._stepper, self._record, self._record_name = stepper, record, name
         self._built_from = parameters
         self._put(RECORD_PGA.name, record.pga if record else 0.0)
-        self._outdated = True
+        self._inputs_stand, self._outdated = False, True
 
     def _apply_parameters(self, stepper: Stepper) -> None:
         """Go on with the tunable parameters as they stand. Raises InputError."""

@@ -34,6 +34,7 @@ class Snapshot(NamedTuple):
     input_time: float  # s, from which the slopes of the inputs count
     shaken: bool  # whether the base has moved yet
     retune: bool  # whether a tunable parameter was set and has not acted yet
+    inputs_stand: bool  # whether the inputs are those of the last step
     values: list[Any]  # of all variables, by value reference
     record: str  # hash of the record's samples, empty without one
     arrays: dict[str, NDArray[Any]]  # of the stepper; empty before there is one

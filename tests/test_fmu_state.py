@@ -110,6 +110,15 @@ def test_a_state_with_a_record_needs_the_same_record(fmus: Fmus, tmp_path: Path)
     with_record = {"base.record": str(record)}
     there = run(sys.executable, "-c", HALF, fmus.damped, tmp_path / "state", json.dumps(with_record))
     assert run(sys.executable, "-c", OTHER_HALF, fmus.damped, tmp_path / "state") == there
+    script = DRIVE + (
+        "column = Instance(sys.argv[1], json.loads(sys.argv[2]))\n"
+        "before = drive(column, 0, 150)\n"
+        "saved = column.fmi.getFMUState()\n"
+        "drive(column, 150, 160)\n"
+        "column.fmi.setFMUState(saved)\n"
+        "print(hex_of(column.get()) == hex_of(before))"
+    )
+    assert run(sys.executable, "-c", script, fmus.damped, json.dumps(with_record)).strip() == "True"
     assert run(sys.executable, "-c", HALF, fmus.damped, tmp_path / "other", "{}") != there
     record.write_text("time,base.ax\n0,0\n0.3,1.5\n0.7,-1.3\n1.5,0\n")
     assert "its samples are not those" in refused(fmus.damped, tmp_path / "state")
