@@ -9,11 +9,14 @@ process, or two builds of one, never run each other's code.
 from __future__ import annotations
 
 import argparse
+import contextlib
 import hashlib
 import importlib
 import json
+import os
 import re
 import shutil
+import subprocess
 import sys
 import tempfile
 import uuid
@@ -21,17 +24,33 @@ import zipfile
 from pathlib import Path
 from types import ModuleType
 
+import llvmlite.binding
+import numba
 from pythonfmu import FmuBuilder
 
 import fmu_src
 import solver
+from fmu_src import documentation
+from fmu_src.host import CACHE_FOLDER, MACHINE_CODE, lasting_copy, user_cache
 from fmu_src.record import read_motion
 from fmu_src.slave import COLUMN_FILE, GUID_FILE, RECORD_FOLDER
+from fmu_src.variables import variables
 from solver import Column, InputError
 
 HERE = Path(__file__).resolve().parent
 DEFAULT_COLUMN = HERE / "examples" / "columns" / "phocas.toml"
-LEFT_AT_HOME = {"plots.py", "command_line.py", "__main__.py"}  # an FMU has no use for them
+LEFT_AT_HOME = {"plots.py", "command_line.py", "__main__.py", "documentation.py"}  # an FMU has no use for them
+# what the slave calls, as the slave calls it; without the listings with paths and addresses of this very process
+COMPILE = """
+import json, sys
+from numba.core.annotations.type_annotations import TypeAnnotation
+TypeAnnotation.__str__ = lambda self: ""
+from {solver} import Column
+from {solver}.stepper import Stepper
+stepper = Stepper(Column.from_dict(json.loads(sys.stdin.read())))
+stepper.advance(0.0, 1e-6)
+stepper.observe(0.0)
+"""
 ZIP_DATE = (1980, 1, 1, 0, 0, 0)  # the same input gives the same bytes
 
 SCRIPT = '''"""Entry of the FMU: brings in the solver and offers the slave."""
@@ -79,8 +98,10 @@ def build_fmu(column_file: Path, output: Path | None = None, record: Path | None
     output = Path(f"{column.name}.fmu") if output is None else output
     if output.suffix != ".fmu":
         raise InputError(f"-o {output}: must end in .fmu")
+    record_name = ""
     if record is not None:
         read_motion(record)
+        record_name = record.name
     column_text = json.dumps(column.to_dict(), indent=1)
     with tempfile.TemporaryDirectory(prefix="build_fmu_") as folder:
         stage = Path(folder)
@@ -107,8 +128,39 @@ def build_fmu(column_file: Path, output: Path | None = None, record: Path | None
         finally:
             sys.path[:] = [entry for entry in sys.path if not entry.startswith(str(stage))]
         output.parent.mkdir(parents=True, exist_ok=True)
-        _repack(built, output)
+        picture, page = documentation.drawing(column), documentation.page(column, variables(column, record_name))
+        extra = {
+            "model.png": picture,
+            "documentation/index.html": page.encode(),
+            "documentation/model.png": picture,
+            "documentation/signs.png": documentation.sign_conventions(),
+        }
+        for name, content in _machine_code(stage / carried_solver, column_text).items():
+            extra[f"resources/{MACHINE_CODE}/{name}"] = content
+        _repack(built, output, extra)
     return output
+
+
+def _machine_code(package: Path, column_text: str) -> dict[str, bytes]:
+    """What numba makes of the kernels on this machine: path within the package -> content. Kept for the next time."""
+    made_for = [package.name, sys.implementation.cache_tag, numba.__version__, llvmlite.binding.get_host_cpu_name()]
+    kept = user_cache() / CACHE_FOLDER / "built" / "-".join(map(str, made_for))
+    made = kept
+    if not kept.is_dir():
+        made = lasting_copy(package, package.parent / "compiled" / package.name, package / "nothing")
+        environment = {key: value for key, value in os.environ.items() if not key.startswith(("NUMBA_", "PYTHON"))}
+        subprocess.run(
+            [sys.executable, "-c", COMPILE.format(solver=package.name)],
+            input=column_text.encode(),
+            env=environment | {"PYTHONPATH": str(made.parent), "PYTHONHASHSEED": "0"},
+            check=True,
+        )
+        with contextlib.suppress(OSError):  # no room, or another builder was faster
+            kept.parent.mkdir(parents=True, exist_ok=True)
+            with tempfile.TemporaryDirectory(dir=kept.parent) as staging:
+                shutil.copytree(made, Path(staging) / kept.name).replace(kept)
+    files = sorted(made.glob("**/__pycache__/*.nb?"))
+    return {(file.parent.parent.relative_to(made) / file.name).as_posix(): file.read_bytes() for file in files}
 
 
 def _carry_package(package: ModuleType, stage: Path, renamed: dict[str, str]) -> str:
@@ -131,15 +183,16 @@ def _carry_package(package: ModuleType, stage: Path, renamed: dict[str, str]) ->
     return name
 
 
-def _repack(source: Path, target: Path) -> None:
-    """Write the archive compressed, in a fixed order and with a fixed date."""
+def _repack(source: Path, target: Path, extra: dict[str, bytes]) -> None:
+    """Write the archive and what is added to it compressed, in a fixed order and with a fixed date."""
     partial = target.with_suffix(".partial")
     with zipfile.ZipFile(source) as old, zipfile.ZipFile(partial, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as new:
-        for name in sorted(old.namelist()):
+        content = {name: old.read(name) for name in old.namelist()} | extra
+        for name in sorted(content):
             entry = zipfile.ZipInfo(name, ZIP_DATE)
             entry.compress_type = zipfile.ZIP_DEFLATED
             entry.external_attr = 0o644 << 16
-            new.writestr(entry, old.read(name))
+            new.writestr(entry, content[name])
     partial.replace(target)
 
 

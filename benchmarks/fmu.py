@@ -29,6 +29,7 @@ from solver import Column, Motion, simulate
 
 from .scenes import ROOT
 
+FMPY = Path(sys.executable).parent / "fmpy"
 PHOCAS = ROOT / "examples" / "columns" / "phocas-damped.toml"
 SEVEN_BLOCKS = (
     'name = "seven"\n'
@@ -167,10 +168,10 @@ def cold(folder: Path, options: argparse.Namespace) -> str:
 
 def _command_line(fmu: Path | None, home: Path) -> float:
     """Seconds of a process at home in a folder; without an FMU, of one that only imports."""
-    command = [sys.executable, "-c", "import fmpy.command_line, numba"]
+    command = [sys.executable, "-c", "import fmpy, numba"]
     if fmu is not None:
         options = ["--stop-time", "20", "--output-interval", "0.02", "--start-values", "base.ax", "0.3"]
-        command = [sys.executable, "-m", "fmpy.command_line", "simulate", str(fmu), *options]
+        command = [str(FMPY), "simulate", str(fmu), *options]
         command += ["--output-file", str(home / "out.csv")]
     kept = {key: value for key, value in os.environ.items() if key not in ("XDG_CACHE_HOME", "NUMBA_CACHE_DIR")}
     begin = time.perf_counter()
@@ -227,15 +228,16 @@ def exits(folder: Path, options: argparse.Namespace) -> str:
 
     def status(k: int) -> int:
         home = folder / f"home{k % 2}"
-        command = [sys.executable, "-m", "fmpy.command_line", "simulate", str(fmu), "--stop-time", "1"]
+        home.mkdir(exist_ok=True)
+        command = [str(FMPY), "simulate", str(fmu), "--stop-time", "1"]
         command += ["--start-values", "base.ax", "0.3", "--output-file", str(folder / f"out{k}.csv")]
         done = subprocess.run(command, capture_output=True, env=os.environ | {"HOME": str(home)}, check=False)
         return done.returncode
 
     with ThreadPoolExecutor(2) as pool:
         codes = list(pool.map(status, range(options.processes)))
-    written = len({(folder / f"out{k}.csv").read_bytes() for k in range(options.processes)})
-    return f"status 0 in {codes.count(0)} of {len(codes)} processes, {written} different result"
+    results = {path.read_bytes() for path in folder.glob("out*.csv")}
+    return f"status 0 in {codes.count(0)} of {len(codes)} processes, {len(results)} different result(s)"
 
 
 # --- memory
