@@ -92,10 +92,11 @@ def _provide(package: Path, machine_code: Path) -> None:
 def finalize_at_exit(resources: Path) -> None:
     """Let the wrapper library of this FMU drop its Python state before the process ends.
 
-    Left to its static destructor, which runs after Python is gone, the wrapper aborts the process more often than not
-    once numba is loaded. Nothing to do where the wrapper itself started Python.
+    The wrapper drops it twice, once by the destructor of its pointer and once by that of the library, and the second
+    time frees what is freed: the process aborts more often than not once numba is loaded. Dropped here, the pointer
+    is empty by then; also where the wrapper itself started Python, which ends within the first of the two.
     """
-    if not sys.orig_argv or not hasattr(os, "RTLD_NOLOAD"):
+    if not hasattr(os, "RTLD_NOLOAD"):
         return
     for library in sorted((resources.parent / "binaries").glob("*/*.so")):
         atexit.unregister(_finalize)
