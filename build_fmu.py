@@ -1,6 +1,6 @@
 """Build an FMI 2.0 co-simulation FMU from the TOML file of a column.
 
-    python build_fmu.py [COLUMN.toml] [-o FILE.fmu]
+    python build_fmu.py [COLUMN.toml] [-o FILE.fmu] [--record RECORD.AT2]
 
 Packaging only. Inside the FMU the two packages carry the hash of their content in their names, so that two FMUs in one
 process, or two builds of one, never run each other's code.
@@ -9,10 +9,14 @@ process, or two builds of one, never run each other's code.
 from __future__ import annotations
 
 import argparse
+import contextlib
 import hashlib
 import importlib
 import json
+import os
 import re
+import shutil
+import subprocess
 import sys
 import tempfile
 import uuid
@@ -20,27 +24,48 @@ import zipfile
 from pathlib import Path
 from types import ModuleType
 
+import llvmlite.binding
+import numba
 from pythonfmu import FmuBuilder
 
 import fmu_src
 import solver
-from fmu_src.slave import COLUMN_FILE, GUID_FILE
+from fmu_src import documentation
+from fmu_src.host import CACHE_FOLDER, MACHINE_CODE, lasting_copy, user_cache
+from fmu_src.record import read_motion
+from fmu_src.slave import COLUMN_FILE, GUID_FILE, RECORD_FOLDER
+from fmu_src.variables import variables
 from solver import Column, InputError
 
 HERE = Path(__file__).resolve().parent
 DEFAULT_COLUMN = HERE / "examples" / "columns" / "phocas.toml"
-LEFT_AT_HOME = {"plots.py", "command_line.py", "__main__.py"}  # an FMU has no use for them
+LEFT_AT_HOME = {"plots.py", "command_line.py", "__main__.py", "documentation.py"}  # an FMU has no use for them
+# what the slave calls, as the slave calls it; without the listings with paths and addresses of this very process
+COMPILE = """
+import json, sys
+from numba.core.annotations.type_annotations import TypeAnnotation
+TypeAnnotation.__str__ = lambda self: ""
+from {solver} import Column
+from {solver}.stepper import Stepper
+stepper = Stepper(Column.from_dict(json.loads(sys.stdin.read())))
+stepper.advance(0.0, 1e-6)
+stepper.observe(0.0)
+"""
 ZIP_DATE = (1980, 1, 1, 0, 0, 0)  # the same input gives the same bytes
 
 SCRIPT = '''"""Entry of the FMU: brings in the solver and offers the slave."""
 
+import sys
 from pathlib import Path
 
 from {fmu_src}.host import import_solver
 
-import_solver("{solver}", Path(__file__).resolve().parent)
-
-from {fmu_src}.slave import ColumnSlave
+try:
+    import_solver("{solver}", Path(__file__).resolve().parent)
+    from {fmu_src}.slave import ColumnSlave
+except ImportError as error:
+    print(f"{name}: needs Python 3.11 or newer with numpy and numba: {{error}}", file=sys.stderr)
+    raise
 
 
 class Slave(ColumnSlave):
@@ -56,9 +81,10 @@ def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description="Build the FMU of a column of blocks.")
     parser.add_argument("column", nargs="?", type=Path, default=DEFAULT_COLUMN, help="TOML file (default: %(default)s)")
     parser.add_argument("-o", "--output", type=Path, help="FMU file (default: NAME.fmu in the current folder)")
+    parser.add_argument("--record", type=Path, metavar="FILE", help=".AT2 or .csv to put inside, added to the inputs")
     options = parser.parse_args(arguments)
     try:
-        path = build_fmu(options.column, options.output)
+        path = build_fmu(options.column, options.output, options.record)
     except (InputError, OSError) as error:
         print(f"build_fmu.py: {error}", file=sys.stderr)
         return 2
@@ -66,19 +92,26 @@ def main(arguments: list[str] | None = None) -> int:
     return 0
 
 
-def build_fmu(column_file: Path, output: Path | None = None) -> Path:
-    """Build the FMU of a column file and return its path. Raises InputError, OSError."""
+def build_fmu(column_file: Path, output: Path | None = None, record: Path | None = None) -> Path:
+    """Build the FMU of a column file and return its path; a record is put inside it. Raises InputError, OSError."""
     column = Column.from_toml(column_file)
     output = Path(f"{column.name}.fmu") if output is None else output
     if output.suffix != ".fmu":
         raise InputError(f"-o {output}: must end in .fmu")
+    record_name = ""
+    if record is not None:
+        read_motion(record)
+        record_name = record.name
     column_text = json.dumps(column.to_dict(), indent=1)
     with tempfile.TemporaryDirectory(prefix="build_fmu_") as folder:
         stage = Path(folder)
         carried_solver = _carry_package(solver, stage, {})
         carried_fmu_src = _carry_package(fmu_src, stage, {"solver": carried_solver})
-        script = SCRIPT.format(solver=carried_solver, fmu_src=carried_fmu_src)
-        identity = hashlib.sha256((script + column_text).encode()).hexdigest()
+        script = SCRIPT.format(name=column.name, solver=carried_solver, fmu_src=carried_fmu_src)
+        content = script.encode() + column_text.encode()
+        if record is not None:
+            content += record.name.encode() + record.read_bytes()
+        identity = hashlib.sha256(content).hexdigest()
         script_file = stage / f"slave_{identity[:16]}.py"
         script_file.write_text(script, encoding="utf-8")
         (stage / COLUMN_FILE).write_text(column_text, encoding="utf-8")
@@ -87,12 +120,47 @@ def build_fmu(column_file: Path, output: Path | None = None) -> Path:
         importlib.invalidate_caches()
         try:
             parts = [stage / carried_fmu_src, stage / carried_solver, stage / COLUMN_FILE, stage / GUID_FILE]
+            if record is not None:
+                (stage / RECORD_FOLDER).mkdir()
+                shutil.copy(record, stage / RECORD_FOLDER)
+                parts.append(stage / RECORD_FOLDER)
             built = FmuBuilder.build_FMU(script_file, dest=stage / "built.fmu", project_files=parts)
         finally:
             sys.path[:] = [entry for entry in sys.path if not entry.startswith(str(stage))]
         output.parent.mkdir(parents=True, exist_ok=True)
-        _repack(built, output)
+        picture, page = documentation.drawing(column), documentation.page(column, variables(column, record_name))
+        extra = {
+            "model.png": picture,
+            "documentation/index.html": page.encode(),
+            "documentation/model.png": picture,
+            "documentation/signs.png": documentation.sign_conventions(),
+        }
+        for name, content in _machine_code(stage / carried_solver, column_text).items():
+            extra[f"resources/{MACHINE_CODE}/{name}"] = content
+        _repack(built, output, extra)
     return output
+
+
+def _machine_code(package: Path, column_text: str) -> dict[str, bytes]:
+    """What numba makes of the kernels on this machine: path within the package -> content. Kept for the next time."""
+    made_for = [package.name, sys.implementation.cache_tag, numba.__version__, llvmlite.binding.get_host_cpu_name()]
+    kept = user_cache() / CACHE_FOLDER / "built" / "-".join(map(str, made_for))
+    made = kept
+    if not kept.is_dir():
+        made = lasting_copy(package, package.parent / "compiled" / package.name, package / "nothing")
+        environment = {key: value for key, value in os.environ.items() if not key.startswith(("NUMBA_", "PYTHON"))}
+        subprocess.run(
+            [sys.executable, "-c", COMPILE.format(solver=package.name)],
+            input=column_text.encode(),
+            env=environment | {"PYTHONPATH": str(made.parent), "PYTHONHASHSEED": "0"},
+            check=True,
+        )
+        with contextlib.suppress(OSError):  # no room, or another builder was faster
+            kept.parent.mkdir(parents=True, exist_ok=True)
+            with tempfile.TemporaryDirectory(dir=kept.parent) as staging:
+                shutil.copytree(made, Path(staging) / kept.name).replace(kept)
+    files = sorted(made.glob("**/__pycache__/*.nb?"))
+    return {(file.parent.parent.relative_to(made) / file.name).as_posix(): file.read_bytes() for file in files}
 
 
 def _carry_package(package: ModuleType, stage: Path, renamed: dict[str, str]) -> str:
@@ -115,15 +183,16 @@ def _carry_package(package: ModuleType, stage: Path, renamed: dict[str, str]) ->
     return name
 
 
-def _repack(source: Path, target: Path) -> None:
-    """Write the archive compressed, in a fixed order and with a fixed date."""
+def _repack(source: Path, target: Path, extra: dict[str, bytes]) -> None:
+    """Write the archive and what is added to it compressed, in a fixed order and with a fixed date."""
     partial = target.with_suffix(".partial")
     with zipfile.ZipFile(source) as old, zipfile.ZipFile(partial, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as new:
-        for name in sorted(old.namelist()):
+        content = {name: old.read(name) for name in old.namelist()} | extra
+        for name in sorted(content):
             entry = zipfile.ZipInfo(name, ZIP_DATE)
             entry.compress_type = zipfile.ZIP_DEFLATED
             entry.external_attr = 0o644 << 16
-            new.writestr(entry, old.read(name))
+            new.writestr(entry, content[name])
     partial.replace(target)
 
 

@@ -1,7 +1,8 @@
 """What living in somebody else's process takes: compiled kernels that outlast the FMU's folder, and a clean exit.
 
 An FMU is extracted to a new folder for every run. Machine code cached there would never be found again, so the solver
-is copied once to a folder of the user's that is named after its content, and imported from there.
+is copied once to a folder of the user's that is named after its content, and imported from there, together with the
+machine code that the builder's machine made of it: it fits where processor, Python and numba are alike.
 """
 
 from __future__ import annotations
@@ -14,10 +15,12 @@ import os
 import shutil
 import sys
 import tempfile
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 CACHE_FOLDER = "multiblock-fmu"
+MACHINE_CODE = "machine_code"  # folder among the resources
 FIXED_TIME = 315532800  # 1980-01-01: numba's cache goes by the time stamp of the source
 
 
@@ -35,8 +38,11 @@ def import_solver(package: str, resources: Path) -> None:
     if package in sys.modules:
         return
     folder = resources / package
-    with contextlib.suppress(OSError, RuntimeError):  # a home that is read-only, full or absent: slower, not wrong
-        folder = _lasting_copy(folder, user_cache() / CACHE_FOLDER / package)
+    try:
+        folder = lasting_copy(folder, user_cache() / CACHE_FOLDER / package, resources / MACHINE_CODE)
+    except (OSError, RuntimeError):  # a home that is read-only, full or absent
+        with contextlib.suppress(OSError):  # not even here: slower, not wrong
+            _provide(folder, resources / MACHINE_CODE)
     spec = importlib.util.spec_from_file_location(
         package, folder / "__init__.py", submodule_search_locations=[str(folder)]
     )
@@ -51,15 +57,14 @@ def import_solver(package: str, resources: Path) -> None:
         raise
 
 
-def _lasting_copy(source: Path, target: Path) -> Path:
+def lasting_copy(source: Path, target: Path, machine_code: Path) -> Path:
     """Copy a package so that others see either nothing or the whole of it; its name tells its content."""
     if not (target / "__init__.py").is_file():
         target.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(dir=target.parent) as staging:
             staged = Path(staging) / target.name
             shutil.copytree(source, staged, ignore=shutil.ignore_patterns("__pycache__"))
-            for file in staged.rglob("*.py"):
-                os.utime(file, (FIXED_TIME, FIXED_TIME))
+            _provide(staged, machine_code)
             try:
                 staged.replace(target)
             except OSError:  # another process was faster
@@ -68,13 +73,30 @@ def _lasting_copy(source: Path, target: Path) -> Path:
     return target
 
 
+def _provide(package: Path, machine_code: Path) -> None:
+    """Put machine code where numba will look for that of a package, and give the sources the time it goes by."""
+    for file in package.rglob("*.py"):
+        os.utime(file, (FIXED_TIME, FIXED_TIME))
+    for file in machine_code.rglob("*.nb?"):
+        folder = package / file.parent.relative_to(machine_code) / "__pycache__"
+        folder.mkdir(exist_ok=True)
+        partial = folder / f"{file.name}.{os.getpid()}"
+        try:
+            shutil.copyfile(file, partial)
+            partial.replace(folder / file.name)
+        except OSError:
+            partial.unlink(missing_ok=True)
+            raise
+
+
 def finalize_at_exit(resources: Path) -> None:
     """Let the wrapper library of this FMU drop its Python state before the process ends.
 
-    Left to its static destructor, which runs after Python is gone, the wrapper aborts the process more often than not
-    once numba is loaded. Nothing to do where the wrapper itself started Python.
+    The wrapper drops it twice, once by the destructor of its pointer and once by that of the library, and the second
+    time frees what is freed: the process aborts more often than not once numba is loaded. Dropped here, the pointer
+    is empty by then; also where the wrapper itself started Python, which ends within the first of the two.
     """
-    if not sys.orig_argv or not hasattr(os, "RTLD_NOLOAD"):
+    if not hasattr(os, "RTLD_NOLOAD"):
         return
     for library in sorted((resources.parent / "binaries").glob("*/*.so")):
         atexit.unregister(_finalize)
@@ -92,6 +114,22 @@ def _finalize() -> None:
             loaded.finalizePythonInterpreter()
         except (OSError, AttributeError):  # not loaded (any more), or a wrapper without that function
             continue
+
+
+def leave_search_path(resources: Path) -> None:
+    """Take the FMU's folder off Python's search path, where the wrapper puts it at every instantiation.
+
+    All that is needed from it has been imported by now; others are to find their own modules, not ours.
+    """
+    sys.path[:] = [entry for entry in sys.path if entry != str(resources)]
+
+
+def compile_by(call: Callable[[], object]) -> None:
+    """Have the kernels compiled by a first call; on a full disk they are, and only the cache is left out."""
+    try:
+        call()
+    except OSError:
+        call()
 
 
 def survive_exception(*objects: Any) -> None:

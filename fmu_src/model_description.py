@@ -2,9 +2,18 @@
 
 from __future__ import annotations
 
+import math
+import os
+import time
+from dataclasses import dataclass
 from xml.etree.ElementTree import Element, SubElement
 
+from solver.motion import STANDARD_GRAVITY
+
 from .variables import START_TIME, STEP_SIZE, STOP_TIME, Variable
+
+AUTHOR = "The multiblock-fmu authors"
+LICENCE = "MIT"
 
 # unit -> exponents of the base units (FMI 2.0.3 section 2.2.2)
 UNITS = {
@@ -14,10 +23,24 @@ UNITS = {
     "kg": {"kg": 1},
     "kg.m2": {"kg": 1, "m": 2},
     "m/s2": {"m": 1, "s": -2},
+    "m/s3": {"m": 1, "s": -3},
     "N": {"kg": 1, "m": 1, "s": -2},
     "N.m": {"kg": 1, "m": 2, "s": -2},
     "N/m3": {"kg": 1, "m": -2, "s": -2},
     "Pa": {"kg": 1, "m": -1, "s": -2},
+}
+
+# unit -> the unit that engineers read, and how many of it make one
+DISPLAY_UNITS = {
+    "m": ("mm", 1e3),
+    "rad": ("deg", 180.0 / math.pi),
+    "kg": ("t", 1e-3),
+    "m/s2": ("g", 1.0 / STANDARD_GRAVITY),
+    "m/s3": ("g/s", 1.0 / STANDARD_GRAVITY),
+    "N": ("kN", 1e-3),
+    "N.m": ("kN.m", 1e-3),
+    "N/m3": ("MPa/mm", 1e-9),
+    "Pa": ("MPa", 1e-6),
 }
 
 LOG_CATEGORIES = {
@@ -35,13 +58,24 @@ FLAGS = {
     "canRunAsynchronuously": False,
     "canBeInstantiatedOnlyOncePerProcess": False,
     "canNotUseMemoryManagementFunctions": True,
-    "canGetAndSetFMUstate": False,
-    "canSerializeFMUstate": False,
+    "canGetAndSetFMUstate": True,
+    "canSerializeFMUstate": True,
     "providesDirectionalDerivative": False,
 }
 
 
-def model_description(name: str, guid: str, description: str, version: str, table: list[Variable]) -> Element:
+@dataclass(frozen=True)
+class Experiment:
+    """What a run lasts and how often it communicates unless a master is told otherwise, s."""
+
+    start: float = START_TIME
+    stop: float = STOP_TIME
+    step: float = STEP_SIZE
+
+
+def model_description(
+    name: str, guid: str, description: str, version: str, table: list[Variable], experiment: Experiment
+) -> Element:
     """The root element; `name` is also the model identifier."""
     root = Element(
         "fmiModelDescription",
@@ -50,6 +84,9 @@ def model_description(name: str, guid: str, description: str, version: str, tabl
         guid=guid,
         description=description,
         version=version,
+        author=AUTHOR,
+        license=LICENCE,
+        generationDateAndTime=_date(),
         generationTool="build_fmu.py with PythonFMU",
         variableNamingConvention="structured",
         numberOfEventIndicators="0",
@@ -58,16 +95,20 @@ def model_description(name: str, guid: str, description: str, version: str, tabl
     units = SubElement(root, "UnitDefinitions")
     for unit in sorted({variable.unit for variable in table if variable.unit}):
         exponents = {base: str(power) for base, power in UNITS[unit].items()}
-        SubElement(SubElement(units, "Unit", name=unit), "BaseUnit", exponents)
+        element = SubElement(units, "Unit", name=unit)
+        SubElement(element, "BaseUnit", exponents)
+        if unit in DISPLAY_UNITS:
+            display, factor = DISPLAY_UNITS[unit]
+            SubElement(element, "DisplayUnit", name=display, factor=_text(factor))
     categories = SubElement(root, "LogCategories")
     for category, text in LOG_CATEGORIES.items():
         SubElement(categories, "Category", name=category, description=text)
     SubElement(
         root,
         "DefaultExperiment",
-        startTime=_text(START_TIME),
-        stopTime=_text(STOP_TIME),
-        stepSize=_text(STEP_SIZE),
+        startTime=_text(experiment.start),
+        stopTime=_text(experiment.stop),
+        stepSize=_text(experiment.step),
     )
     listed = SubElement(root, "ModelVariables")
     for reference, variable in enumerate(table):
@@ -91,8 +132,10 @@ def _scalar_variable(reference: int, variable: Variable) -> Element:
         element.set("initial", initial)
     attributes = {
         "unit": variable.unit or None,
+        "displayUnit": DISPLAY_UNITS[variable.unit][0] if variable.unit in DISPLAY_UNITS else None,
         "min": variable.minimum,
         "max": variable.maximum,
+        "nominal": variable.nominal,
         "start": variable.start,
     }
     SubElement(element, variable.kind, {key: _text(value) for key, value in attributes.items() if value is not None})
@@ -109,8 +152,13 @@ def _structure(table: list[Variable]) -> Element:
         if variable.causality == "output":
             inputs = " ".join(index[name] for name in variable.depends_on)
             SubElement(outputs, "Unknown", index=index[variable.name], dependencies=inputs)
-            SubElement(unknowns, "Unknown", index=index[variable.name])
+            SubElement(unknowns, "Unknown", index=index[variable.name])  # of every input and parameter
     return structure
+
+
+def _date() -> str:
+    """When the FMU was made, if the environment says so as reproducible builds have it; else a date that is none."""
+    return time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime(int(os.environ.get("SOURCE_DATE_EPOCH", "315532800"))))
 
 
 def _text(value: float | int | bool | str) -> str:

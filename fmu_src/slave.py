@@ -7,9 +7,12 @@ exception whose damage is undone first (host.survive_exception), so that reset a
 
 from __future__ import annotations
 
+import hashlib
 import json
 import math
 import sys
+from enum import StrEnum
+from itertools import pairwise
 from pathlib import Path
 from typing import Any, NoReturn
 from xml.etree.ElementTree import Element
@@ -19,18 +22,28 @@ from pythonfmu.enums import Fmi2Status
 
 from solver import __version__
 from solver.column import Column
-from solver.kernels.layout import INPUT_AX, INPUT_AZ, row_size
+from solver.errors import InputError
+from solver.kernels import layout as at
+from solver.packing import FloatArray
 from solver.stepper import Stepper
 
-from .host import finalize_at_exit, survive_exception
-from .model_description import LOG_CATEGORIES, model_description
+from . import state
+from .host import compile_by, finalize_at_exit, leave_search_path, survive_exception
+from .model_description import LOG_CATEGORIES, Experiment, model_description
+from .record import Record, read_motion
 from .variables import (
     AX,
     AZ,
     INPUTS,
+    JX,
+    JZ,
     OVERTURN_JOINT,
     OVERTURN_TIME,
     OVERTURNED,
+    RECORD,
+    RECORD_PGA,
+    RECORD_SCALE,
+    Variable,
     column_from,
     parameter_names,
     variables,
@@ -38,32 +51,80 @@ from .variables import (
 
 COLUMN_FILE = "column.json"
 GUID_FILE = "guid.txt"
+RECORD_FOLDER = "record"  # holds the record inside the FMU, if there is one
 TIME_SLACK = 1e-6  # of a step: how far a communication point may be from where the last step ended
+STEP_SLACK = 1e-6  # of a sampling interval: a communication step that is no longer than that but for rounding
+ARRAYS = ("state", "counters", "inputs")  # of the stepper: all that differs from one moment to another
+KINDS = ("Real", "Integer", "Boolean", "String")
+
+
+class Mode(StrEnum):
+    """Where an instance is in its life."""
+
+    INSTANTIATED = "instantiated"
+    INITIALIZATION = "initialization"
+    STEPPING = "stepping"
+    TERMINATED = "terminated"
+
+
+class Request:
+    """References that a master asked for, and how to answer: it will ask for the same ones again."""
+
+    def __init__(self, references: list[int], table: list[Variable], kind: str) -> None:
+        for reference in references:
+            if not (0 <= reference < len(table) and table[reference].kind == kind):
+                raise InputError(f"value reference {reference}: is not that of a {kind} variable")
+        self.references = list(references)
+        self.needs_outputs = any(table[reference].causality == "output" for reference in references)
+        first = references[0] if references else 0
+        row = references == list(range(first, first + len(references)))
+        self.row = slice(first, first + len(references)) if row else None
+
+    def of(self, values: list[Any]) -> list[Any]:
+        """The values that the references stand for."""
+        return values[self.row] if self.row else [values[reference] for reference in self.references]
 
 
 class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
     """A column of blocks as a co-simulation slave; `resources` holds its column.json and guid.txt."""
 
     log_categories = LOG_CATEGORIES
+    _fmu_state_to_bytes = staticmethod(state.to_bytes)
+    _fmu_state_from_bytes = staticmethod(state.from_bytes)
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__(**kwargs)
         resources = Path(self.resources)
-        finalize_at_exit(resources)
-        self._column = Column.from_dict(json.loads((resources / COLUMN_FILE).read_text(encoding="utf-8")))
-        self._table = variables(self._column)
+        if "logger" in kwargs:  # the wrapper's; what builds the FMU has none
+            finalize_at_exit(resources)
+            leave_search_path(resources)
+        column_text = (resources / COLUMN_FILE).read_text(encoding="utf-8")
+        self._column = Column.from_dict(json.loads(column_text))
+        # inside an FMU the name of the package ends in the hash of its content and of the solver's
+        self._stamp = state.Stamp(hashlib.sha256(column_text.encode()).hexdigest(), f"{__version__} ({__package__})")
+        self._own_record = next(iter(sorted((resources / RECORD_FOLDER).glob("*"))), None)
+        self._table = variables(self._column, self._own_record.name if self._own_record else "")
         self._reference = {variable.name: k for k, variable in enumerate(self._table)}
         self._values: list[Any] = [variable.start for variable in self._table]
-        first = len(INPUTS)
-        self._row = slice(first, first + row_size(self._column.n))
-        self._values[self._row] = [0.0] * row_size(self._column.n)
-        self._put(OVERTURN_TIME.name, -1.0)
-        self._put(OVERTURN_JOINT.name, 0)
-        self._put(OVERTURNED.name, False)
-        self._stepper: Stepper | None = None
+        self._first_parameter = self._reference["g"]
+        self._row = slice(len(INPUTS), len(INPUTS) + at.row_size(self._column.n))
+        self._values[self._row] = [0.0] * at.row_size(self._column.n)
+        self._verdict = [self._reference[item.name] for item in (OVERTURN_TIME, OVERTURN_JOINT, OVERTURNED)]
+        self._tell_verdict(-1.0, 0, False)
+        self._put(RECORD_PGA.name, 0.0)
+        self._requests = {kind: Request([], self._table, kind) for kind in KINDS}
+        self._mode = Mode.INSTANTIATED
         self._time = 0.0
-        self._initialized = False
-        self._outdated = False  # whether the outputs belong to an earlier time or input
+        self._input_time = 0.0  # from which the slopes of the inputs count
+        self._stepper: Stepper | None = None
+        self._built_from: list[Any] = []  # the parameters that the stepper follows from
+        self._record: Record | None = None
+        self._record_name = ""
+        self._retune = False  # whether a tunable parameter was set and has not acted yet
+        self._inputs_stand = False  # whether the stepper still has the inputs of the last step, and no others were set
+        self._outdated = True  # whether the outputs belong to an earlier time, input or parameter
+        self._shaken = False  # whether the base has moved yet
+        self._coarse_told = False
         self.modelName = self._column.name
         guid = resources / GUID_FILE
         if guid.is_file():
@@ -73,111 +134,309 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
         """The model description; every flag comes from fmu_src/model_description.py."""
         blocks = "block" if self._column.n == 1 else "blocks"
         text = f"Column of {self._column.n} rigid {blocks} with no-tension elastic joints under base acceleration"
-        return model_description(self._column.name, str(self.guid), text, __version__, self._table)
+        experiment = Experiment()
+        if self._own_record:
+            motion = read_motion(self._own_record)
+            experiment = Experiment(motion.start, motion.end, Record(motion).dt)
+        return model_description(self._column.name, str(self.guid), text, __version__, self._table, experiment)
 
     # --- lifecycle
 
     def setup_experiment(self, start_time: float, stop_time: float | None, tolerance: float | None) -> None:
         """Take the start time; the solver's own tolerance is a parameter."""
+        self._check_mode("the experiment can be set up", Mode.INSTANTIATED)
         if not math.isfinite(start_time):
             self._fail(f"start time = {start_time}: must be a finite time in s")
-        self._time = start_time
+        self._time = self._input_time = start_time
+
+    def enter_initialization_mode(self) -> None:
+        """From here on outputs can be read: they follow from inputs and parameters as they stand."""
+        self._check_mode("initialization can begin", Mode.INSTANTIATED)
+        self._mode = Mode.INITIALIZATION
 
     def exit_initialization_mode(self) -> None:
         """Build the column from the parameters as they stand."""
-        self._build()
-        self._initialized = True
+        self._check_mode("initialization can end", Mode.INSTANTIATED, Mode.INITIALIZATION)
+        try:
+            self._build()
+        except Exception as error:
+            self._fail(_told(error))
+        self._mode = Mode.STEPPING
+
+    def terminate(self) -> None:
+        """End the run; only reset, or a state got earlier, makes another one possible."""
+        if self._mode == Mode.STEPPING and not self._shaken and self._stepper and self._stepper.counters[at.STEPS]:
+            self._say(Fmi2Status.warning, "the base acceleration was zero for the whole run: is the input connected?")
+        self._mode = Mode.TERMINATED
 
     def do_step(self, current_time: float, step_size: float) -> bool:
-        """Advance by step_size, s, holding the inputs; False (Discard) with a logged reason if it cannot be done."""
+        """Advance by step_size, s; False (Discard), a logged reason and the state as before if it cannot be done."""
         try:
             reason = self._step_problem(current_time, step_size)
             if reason is None:
-                assert self._stepper is not None
-                self._set_inputs(self._stepper)
-                self._stepper.advance(current_time, step_size)
-                self._time = current_time + step_size
-                self._outdated = True
+                self._advance(current_time, step_size)
                 return True
         except Exception as error:
-            reason = str(error) or repr(error)
+            reason = _told(error)
         self._say(Fmi2Status.discard, f"step from t = {current_time} s of {step_size} s not made: {reason}")
         return False
 
     def _step_problem(self, current_time: float, step_size: float) -> str | None:
         """Why a step cannot even be tried."""
-        if not self._initialized:
-            return "the slave is not initialized"
+        if self._mode != Mode.STEPPING:
+            return "the run is terminated" if self._mode == Mode.TERMINATED else "the slave is not initialized"
         if not (math.isfinite(step_size) and step_size > 0.0):
             return "the step must be a positive time"
         if not abs(current_time - self._time) <= TIME_SLACK * step_size + 1e-12 * abs(self._time):
             return f"the last step ended at t = {self._time} s"
-        for k, variable in enumerate(INPUTS):
-            if not math.isfinite(self._values[k]):
-                return f"{variable.name} = {self._values[k]}: must be a finite acceleration in m/s2"
+        given = self._values
+        if not math.isfinite(given[AX] + given[AZ] + given[JX] + given[JZ]):
+            for variable, value in zip(INPUTS, given, strict=False):
+                if not math.isfinite(value):
+                    return f"{variable.name} = {value}: must be a finite number in {variable.unit}"
         return None
+
+    def _advance(self, start: float, step: float) -> None:
+        """Take the column from `start` to `start + step`, s, over the samples of the record in between."""
+        stepper = self._stepper
+        assert stepper is not None
+        before = stepper.state.copy(), stepper.counters.copy()
+        record = self._record
+        values = self._values
+        try:
+            if self._retune:
+                self._apply_parameters(stepper)
+            self._input_time = start
+            if record is None:
+                _set(stepper.inputs, start, values[AX], values[JX], values[AZ], values[JZ])
+                stepper.advance(start, step)
+            else:
+                edges = record.edges(start, start + step)
+                for begin, end in pairwise(edges):
+                    self._set_inputs(stepper, begin, record.line(0.5 * (begin + end), begin))
+                    stepper.advance(begin, end - begin)
+        except BaseException:
+            stepper.state[:], stepper.counters[:] = before
+            self._inputs_stand = False
+            raise
+        self._retune = False
+        self._time = start + step
+        self._inputs_stand = self._outdated = True
+        if not self._shaken:
+            self._shaken = record is not None or any(values[: len(INPUTS)])
+        if record is not None and not self._coarse_told and step > record.dt * (1.0 + STEP_SLACK):
+            self._coarse_told = True
+            self._say(
+                Fmi2Status.warning,
+                f"communication step = {step} s, the record's is {record.dt:.6g} s: the motion is followed sample by "
+                "sample, but the outputs show it at the communication points only",
+            )
+
+    # --- state
+
+    def _get_fmu_state(self) -> state.Snapshot:
+        stepper = self._stepper
+        return state.Snapshot(
+            self._stamp,
+            self._mode,
+            self._time,
+            self._input_time,
+            self._shaken,
+            self._retune,
+            self._inputs_stand,
+            self._values.copy(),
+            self._record.digest if self._record else "",
+            {name: getattr(stepper, name).copy() for name in ARRAYS} if stepper else {},
+        )
+
+    def _set_fmu_state(self, snapshot: state.Snapshot | state.Unreadable) -> None:
+        try:
+            if isinstance(snapshot, state.Unreadable):
+                raise InputError(snapshot.reason)
+            if snapshot.stamp is not self._stamp:
+                snapshot.check(self._stamp)
+            self._restore(snapshot)
+        except Exception as error:
+            self._fail(f"the state cannot be set: {_told(error)}")
+
+    def _restore(self, snapshot: state.Snapshot) -> None:
+        """Become what the snapshot was taken of. An exception leaves the instance as it was."""
+        stepper, record, name = self._stepper, self._record, self._record_name
+        parameters = snapshot.values[self._first_parameter :]
+        if not snapshot.arrays:
+            stepper = None
+        elif stepper is None or parameters != self._built_from:
+            values = snapshot.values
+            record, name = self._loaded(values[self._reference[RECORD]], values[self._reference[RECORD_SCALE]])
+            stepper = Stepper(self._described(values))
+        if stepper is not None:
+            if (record.digest if record else "") != snapshot.record:
+                raise InputError(f"base.record = {name!r}: its samples are not those that the state belongs to")
+            for name in ARRAYS:
+                getattr(stepper, name)[:] = snapshot.arrays[name]
+        self._stepper, self._record, self._record_name = stepper, record, name
+        self._built_from = parameters
+        self._values = snapshot.values.copy()
+        self._mode = Mode(snapshot.mode)
+        self._time, self._input_time = snapshot.time, snapshot.input_time
+        self._shaken, self._retune = snapshot.shaken, snapshot.retune
+        self._inputs_stand, self._outdated = snapshot.inputs_stand, True
 
     # --- variables
 
     def get_real(self, vrs: list[int]) -> list[float]:
         """Values of Real variables; outputs are brought up to date with time and inputs first."""
-        return self._get(vrs)
+        return self._get(vrs, "Real")
 
-    get_integer = get_boolean = get_string = get_real
+    def get_integer(self, vrs: list[int]) -> list[int]:
+        """Values of Integer variables."""
+        return self._get(vrs, "Integer")
+
+    def get_boolean(self, vrs: list[int]) -> list[bool]:
+        """Values of Boolean variables."""
+        return self._get(vrs, "Boolean")
+
+    def get_string(self, vrs: list[int]) -> list[str]:
+        """Values of String variables."""
+        return self._get(vrs, "String")
 
     def set_real(self, vrs: list[int], values: list[float]) -> None:
-        """Set inputs at any time, parameters before the end of initialization."""
-        for reference, value in zip(vrs, values, strict=True):
-            if reference not in (AX, AZ):
-                self._check_settable(reference)
-            self._values[reference] = value
-        self._outdated = True
+        """Set inputs and tunable parameters before any step, fixed parameters before the end of initialization."""
+        self._set(vrs, values, "Real")
 
-    set_integer = set_boolean = set_string = set_real
+    def set_integer(self, vrs: list[int], values: list[int]) -> None:
+        """No Integer can be set."""
+        self._set(vrs, values, "Integer")
 
-    def _get(self, vrs: list[int]) -> list[Any]:
+    def set_boolean(self, vrs: list[int], values: list[bool]) -> None:
+        """No Boolean can be set."""
+        self._set(vrs, values, "Boolean")
+
+    def set_string(self, vrs: list[int], values: list[str]) -> None:
+        """Set parameters before the end of initialization."""
+        self._set(vrs, values, "String")
+
+    def _get(self, vrs: list[int], kind: str) -> list[Any]:
         try:
-            if self._outdated:
+            request = self._requests[kind]
+            if vrs != request.references:
+                request = self._requests[kind] = Request(vrs, self._table, kind)
+            if self._outdated and request.needs_outputs:
                 self._update()
-            return [self._values[reference] for reference in vrs]
+            return request.of(self._values)
         except Exception as error:
-            self._fail(f"outputs at t = {self._time} s: {str(error) or repr(error)}")
+            self._fail(f"variables at t = {self._time} s: {_told(error)}")
 
-    def _check_settable(self, reference: int) -> None:
-        known = 0 <= reference < len(self._table)
+    def _set(self, vrs: list[int], values: list[Any], kind: str) -> None:
+        if self._mode == Mode.TERMINATED:
+            self._fail("nothing can be set, the run is terminated")
+        for reference in vrs:
+            if not 0 <= reference < len(INPUTS):
+                self._check_settable(reference, kind)
+        for reference, value in zip(vrs, values, strict=True):
+            self._values[reference] = value
+            if reference >= len(INPUTS):
+                self._retune = self._mode == Mode.STEPPING
+        self._input_time = self._time
+        self._inputs_stand, self._outdated = False, True
+
+    def _check_settable(self, reference: int, kind: str) -> None:
+        known = 0 <= reference < len(self._table) and self._table[reference].kind == kind
         if not known or self._table[reference].causality != "parameter":
-            self._fail(f"value reference {reference}: is not an input or a parameter")
-        if self._initialized:
-            self._fail(f"{self._table[reference].name}: can be set before the end of initialization only")
+            self._fail(f"value reference {reference}: is not an input or a parameter of the kind {kind}")
+        variable = self._table[reference]
+        if self._mode == Mode.STEPPING and variable.variability != "tunable":
+            self._fail(f"{variable.name}: can be set before the end of initialization only")
 
     def _update(self) -> None:
         """Bring the outputs up to date."""
-        if self._stepper is None:
-            return  # not initialized: start values
-        self._set_inputs(self._stepper)
-        self._values[self._row] = self._stepper.observe(self._time).tolist()
-        joint = self._stepper.overturned_joint
-        self._put(OVERTURN_JOINT.name, joint)
-        self._put(OVERTURNED.name, joint > 0)
-        self._put(OVERTURN_TIME.name, self._stepper.overturn_time if joint else -1.0)
+        if self._mode == Mode.INSTANTIATED:
+            raise InputError("outputs can be read from initialization on")
+        if self._mode == Mode.INITIALIZATION:
+            self._build()
+        stepper = self._stepper
+        if stepper is None:  # terminated before there was a run: start values
+            return
+        if self._retune:
+            self._apply_parameters(stepper)
+            self._retune = False
+        if not self._inputs_stand:
+            line = self._record.after(self._time) if self._record else (0.0, 0.0, 0.0, 0.0)
+            self._set_inputs(stepper, self._time, line)
+        self._values[self._row] = stepper.observe(self._time).tolist()
+        joint = stepper.overturned_joint
+        if joint != self._values[self._verdict[1]]:
+            self._tell_verdict(stepper.overturn_time if joint else -1.0, joint, joint > 0)
         self._outdated = False
 
-    def _set_inputs(self, stepper: Stepper) -> None:
-        stepper.inputs[INPUT_AX] = self._values[AX]
-        stepper.inputs[INPUT_AZ] = self._values[AZ]
+    def _set_inputs(self, stepper: Stepper, t: float, line: tuple[float, float, float, float]) -> None:
+        """Let the base follow, from time t on, the inputs and the straight line (ax, jx, az, jz) of the record."""
+        values = self._values
+        gone = t - self._input_time
+        ax, jx, az, jz = line
+        _set(
+            stepper.inputs,
+            t,
+            values[AX] + values[JX] * gone + ax,
+            values[JX] + jx,
+            values[AZ] + values[JZ] * gone + az,
+            values[JZ] + jz,
+        )
+
+    # --- parameters
+
+    def _described(self, values: list[Any] | None = None) -> Column:
+        """The column that the parameters describe. Raises InputError."""
+        values = self._values if values is None else values
+        try:
+            return column_from(self._column.name, self._column.n, lambda name: values[self._reference[name]])
+        except InputError as error:
+            raise InputError(parameter_names(str(error))) from error
+
+    def _loaded(self, name: str, scale: float) -> tuple[Record | None, str]:
+        """The record of that name and what it is known by. Raises InputError."""
+        if not name:
+            return None, ""
+        known_as = f"{name} times {scale}"
+        if known_as == self._record_name:
+            return self._record, known_as
+        own = self._own_record is not None and name == self._own_record.name
+        motion = read_motion(self._own_record if own and self._own_record else Path(name))
+        return Record(motion.scaled(scale)), known_as
 
     def _build(self) -> None:
-        try:
-            column = column_from(self._column.name, self._column.n, lambda name: self._values[self._reference[name]])
-            self._stepper = Stepper(column)
-        except Exception as error:
-            self._fail(parameter_names(str(error) or repr(error)))
-        self._outdated = True
+        """Make stepper and record of the parameters as they stand. Raises InputError."""
+        parameters = self._values[self._first_parameter :]
+        if self._stepper is not None and parameters == self._built_from:
+            return
+        values = self._values
+        column = self._described()
+        record, name = self._loaded(values[self._reference[RECORD]], values[self._reference[RECORD_SCALE]])
+        stepper = Stepper(column)
+        compile_by(lambda: stepper.observe(self._time))
+        compile_by(lambda: Stepper(column).advance(0.0, 1e-6))
+        self._stepper, self._record, self._record_name = stepper, record, name
+        self._built_from = parameters
+        self._put(RECORD_PGA.name, record.pga if record else 0.0)
+        self._inputs_stand, self._outdated = False, True
+
+    def _apply_parameters(self, stepper: Stepper) -> None:
+        """Go on with the tunable parameters as they stand. Raises InputError."""
+        stepper.retune(self._described())
+        self._built_from = self._values[self._first_parameter :]
 
     def _put(self, name: str, value: float | int | bool) -> None:
         self._values[self._reference[name]] = value
 
+    def _tell_verdict(self, *verdict: float | int | bool) -> None:
+        for reference, value in zip(self._verdict, verdict, strict=True):
+            self._values[reference] = value
+
     # --- what is said
+
+    def _check_mode(self, what: str, *modes: Mode) -> None:
+        if self._mode not in modes:
+            self._fail(f"{what} after instantiation or reset only: the slave is in the state {self._mode}")
 
     def _say(self, status: Fmi2Status, message: str) -> None:
         """To the master's logger, and to stderr for those who did not turn it on."""
@@ -189,3 +448,17 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
         self._say(Fmi2Status.error, message)
         survive_exception(self, type(self), self.log_queue)
         raise RuntimeError(message)
+
+
+def _set(inputs: FloatArray, t: float, ax: float, jx: float, az: float, jz: float) -> None:
+    """Let the base accelerate by ax and az, m/s2, at time t and by their slopes jx and jz, m/s3, from there on."""
+    inputs[at.INPUT_AX] = ax
+    inputs[at.INPUT_JX] = jx
+    inputs[at.INPUT_AZ] = az
+    inputs[at.INPUT_JZ] = jz
+    inputs[at.INPUT_T0] = t
+
+
+def _told(error: Exception) -> str:
+    """What went wrong, never nothing."""
+    return str(error) or repr(error)

@@ -9,13 +9,17 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import accumulate
 
 from solver.column import Block, Column, Joint, Settings
+from solver.motion import STANDARD_GRAVITY
 from solver.response import BASE_HISTORIES, BLOCK_HISTORIES
 
-# places of the inputs in the slave's list of numbers
+# places of the inputs in the slave's list of values
 AX = 0
 AZ = 1
+JX = 2
+JZ = 3
 
 START_TIME = 0.0  # s
 STOP_TIME = 20.0  # s
@@ -35,14 +39,22 @@ class Variable:
     start: float | int | bool | str | None = None
     minimum: float | None = None
     maximum: float | None = None
+    nominal: float | None = None
     depends_on: tuple[str, ...] = ()
 
 
+def _input(name: str, text: str, unit: str, nominal: float) -> Variable:
+    return Variable(name, "Real", "input", "continuous", text, unit, 0.0, nominal=nominal)
+
+
+_SLOPE = "Slope of base.a{} within a communication step, counted from its start; 0: held"
 INPUTS = (
-    Variable("base.ax", "Real", "input", "continuous", "Base acceleration, horizontal, positive to +x", "m/s2", 0.0),
-    Variable("base.az", "Real", "input", "continuous", "Base acceleration, vertical, positive up", "m/s2", 0.0),
+    _input("base.ax", "Base acceleration, horizontal, positive to +x", "m/s2", 1.0),
+    _input("base.az", "Base acceleration, vertical, positive up", "m/s2", 1.0),
+    _input("base.jx", _SLOPE.format("x"), "m/s3", 10.0),
+    _input("base.jz", _SLOPE.format("z"), "m/s3", 10.0),
 )
-_BOTH = tuple(variable.name for variable in INPUTS)
+_BOTH = ("base.ax", "base.az")
 
 # history -> unit, description, least and largest value, inputs it depends on without delay
 _BLOCK_OUTPUTS: dict[str, tuple[str, str, float | None, float | None, tuple[str, ...]]] = {
@@ -62,6 +74,9 @@ _BASE_OUTPUTS = {
 }
 OVERTURN_TIME = Variable(
     "overturn_time", "Real", "output", "discrete", "Time of overturning, -1 while the column stands", "s"
+)
+RECORD_PGA = Variable(
+    "base.record_pga", "Real", "output", "discrete", "Largest |ax| of the record inside the FMU, 0 without one", "m/s2"
 )
 OVERTURN_JOINT = Variable(
     "overturn_joint", "Integer", "output", "discrete", "Joint over which the column has fallen, 0 while it stands"
@@ -85,6 +100,16 @@ _JOINT_PARAMETERS = {
     "width": ("m", "Contact width of the joint under block {i}; 0: that of the block", True),
     "depth": ("m", "Contact depth of the joint under block {i}; 0: that of the block", True),
 }
+# what may change during a run: no length, no mass, nothing of the solver's
+TUNABLE = ("g", "joint.damping")
+RECORD = "base.record"
+RECORD_SCALE = "base.record_scale"
+# least and largest value of the parameters whose least is not 0 alone
+LIMITS: dict[str, tuple[float | None, float | None]] = {
+    RECORD_SCALE: (None, None),
+    "solver.tolerance": (1e-13, 0.1),
+}
+
 _SETTINGS_PARAMETERS = {
     "step": ("s", "Step of an integrator with a fixed step"),
     "tolerance": ("", "Error, relative to the peak, of an integrator that chooses its steps"),
@@ -93,44 +118,75 @@ _SETTINGS_PARAMETERS = {
 }
 
 
-def variables(column: Column) -> list[Variable]:
-    """The table for a column, whose values are the parameters' start values; Real first, then the other kinds."""
-    table = [*INPUTS, *_outputs(column.n), OVERTURN_TIME, *_parameters(column)]
+def variables(column: Column, record: str = "") -> list[Variable]:
+    """The table for a column, whose values are the parameters' start values; Real first, then the other kinds.
+
+    record: name of the record inside the FMU, empty without one.
+    """
+    table = [*INPUTS, *_outputs(column), OVERTURN_TIME, RECORD_PGA, *_parameters(column, record)]
     reals = [variable for variable in table if variable.kind == "Real"]
     others = [variable for variable in table if variable.kind != "Real"]
     return [*reals, OVERTURN_JOINT, OVERTURNED, *others]
 
 
-def _outputs(n: int) -> list[Variable]:
+def _outputs(column: Column) -> list[Variable]:
+    sizes = _sizes(column)
     rows = []
     for name, _, output in sorted(BLOCK_HISTORIES, key=lambda history: history[1]):
         unit, description, minimum, maximum, inputs = _BLOCK_OUTPUTS[name]
-        for i in range(1, n + 1):
+        for i in range(1, column.n + 1):
             text = description.format(i=i)
+            limits = {"minimum": minimum, "maximum": maximum, "nominal": sizes[name][i - 1]}
             rows.append(
-                Variable(output.format(i=i), "Real", "output", "continuous", text, unit, None, minimum, maximum, inputs)
+                Variable(output.format(i=i), "Real", "output", "continuous", text, unit, **limits, depends_on=inputs)
             )
     for name, _, output in sorted(BASE_HISTORIES, key=lambda history: history[1]):
         unit, text = _BASE_OUTPUTS[name]
-        rows.append(Variable(output, "Real", "output", "continuous", text, unit, depends_on=_BOTH))
+        size = sizes["M" if name == "My" else "N"][-1]
+        rows.append(Variable(output, "Real", "output", "continuous", text, unit, nominal=size, depends_on=_BOTH))
     return rows
 
 
-def _parameters(column: Column) -> list[Variable]:
-    def parameter(name: str, unit: str, text: str, start: float | str) -> Variable:
-        if isinstance(start, str):
-            return Variable(name, "String", "parameter", "fixed", text, unit, start)
-        return Variable(name, "Real", "parameter", "fixed", text, unit, start, minimum=0.0)
+def _sizes(column: Column) -> dict[str, list[float]]:
+    """How large each output of a block or joint typically is, from the top down: what solvers of a system scale by."""
+    blocks = column.blocks
+    height = sum(block.height for block in blocks)
+    weights = list(accumulate((column.g or STANDARD_GRAVITY) * block.mass for block in blocks))
+    return {
+        "ux": [1e-3 * height] * column.n,
+        "uz": [1e-3 * height] * column.n,
+        "theta": [1e-3] * column.n,
+        "N": weights,
+        "M": [weight * block.joint_width / 6.0 for weight, block in zip(weights, blocks, strict=True)],
+        "S": weights,
+        "contact": [1.0] * column.n,
+        "sigma_max": [
+            weight / (block.joint_width * block.joint_depth) for weight, block in zip(weights, blocks, strict=True)
+        ],
+    }
 
-    rows = [parameter("g", "m/s2", "Acceleration of gravity", column.g)]
+
+def _parameters(column: Column, record: str) -> list[Variable]:
+    def parameter(name: str, unit: str, text: str, start: float | str, tunable: bool = False) -> Variable:
+        variability = "tunable" if tunable else "fixed"
+        if isinstance(start, str):
+            return Variable(name, "String", "parameter", variability, text, unit, start)
+        minimum, maximum = LIMITS.get(name, (0.0, None))
+        return Variable(name, "Real", "parameter", variability, text, unit, start, minimum, maximum)
+
+    rows = [parameter("g", "m/s2", "Acceleration of gravity", column.g, "g" in TUNABLE)]
     for i, block in enumerate(column.blocks, start=1):
         for key, (unit, text, _) in _BLOCK_PARAMETERS.items():
             rows.append(parameter(f"block[{i}].{key}", unit, text.format(i=i), getattr(block, key) or 0.0))
     for i, block in enumerate(column.blocks, start=1):
         for key, (unit, text, _) in _JOINT_PARAMETERS.items():
-            rows.append(parameter(f"joint[{i}].{key}", unit, text.format(i=i), getattr(block.joint, key) or 0.0))
+            start = getattr(block.joint, key) or 0.0
+            rows.append(parameter(f"joint[{i}].{key}", unit, text.format(i=i), start, f"joint.{key}" in TUNABLE))
     for key, (unit, text) in _SETTINGS_PARAMETERS.items():
         rows.append(parameter(f"solver.{key}", unit, text, getattr(column.settings, key)))
+    rows.append(parameter(RECORD_SCALE, "", "Factor on the record's accelerations", 1.0))
+    text = "Record added to the inputs: the name of the one inside the FMU, or the path of an .AT2 or .csv file"
+    rows.append(parameter(RECORD, "", text, record))
     return rows
 
 

@@ -93,6 +93,13 @@ class Stepper:
             raise SolverError(f"output row {count}: {REASONS[code]}")
         return rows
 
+    def retune(self, column: Column) -> None:
+        """Go on from the present coordinates and rates with other parameters of the same blocks. Raises InputError."""
+        _check_step(column)
+        self.model[:] = pack_model(column)
+        if not self.overturned_joint:
+            self.state[at.BASE_AX] = math.nan  # belongs to no input: the accelerations are to be computed anew
+
     @property
     def overturned_joint(self) -> int:
         """Number of the joint over which the column has fallen; 0 while it stands."""

@@ -15,9 +15,10 @@ ROOT = Path(__file__).resolve().parent.parent
 
 
 def environment() -> dict[str, str]:
-    """The environment of a child process, with the project and the scripts of this interpreter in reach."""
+    """The environment of a child process, with project, tests and the scripts of this interpreter in reach."""
     scripts = str(Path(sys.executable).parent)
-    return os.environ | {"PYTHONPATH": str(ROOT), "PATH": scripts + os.pathsep + os.environ.get("PATH", "")}
+    modules = os.pathsep.join((str(ROOT), str(ROOT / "tests")))
+    return os.environ | {"PYTHONPATH": modules, "PATH": scripts + os.pathsep + os.environ.get("PATH", "")}
 
 
 def run(*command: object) -> str:
@@ -46,7 +47,7 @@ class Fmus:
     damped: Path
 
     @staticmethod
-    def build(column: Path, output: Path) -> Path:
+    def build(column: Path, output: Path, *options: object) -> Path:
         """Build one more with the project's own command."""
-        run(sys.executable, ROOT / "build_fmu.py", column, "-o", output)
+        run(sys.executable, ROOT / "build_fmu.py", column, "-o", output, *options)
         return output

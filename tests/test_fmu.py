@@ -303,6 +303,7 @@ def initialize():
 def test_a_wrong_parameter_is_refused_in_one_line_and_the_instance_lives_on(fmus: Fmus, call: str, said: str) -> None:
     script = BY_HAND + (
         f"{call}\nheard.append(initialize())\nmade.reset()\nheard.append(initialize())\n"
+        "made.setReal([vr['base.ax']], [1.0])\n"
         "heard.append(attempt(made.doStep, 0.0, 1e-2))\nmade.terminate()\nmade.freeInstance()\nprint(json.dumps(heard))"
     )
     done = subprocess.run(

@@ -1,0 +1,361 @@
+"""What the FMU costs and how it behaves in a master: `python -m benchmarks.fmu [PART ...]`.
+
+state       us to get and set the state of a column of three blocks
+getters     8000 steps with 60 outputs against an FMU of the same variables and getters that does nothing
+cold        a whole `fmpy simulate` process on a fresh user account
+threads     two instances in two threads against one after the other
+exits       exit status of 200 `fmpy simulate` processes
+memory      what 1000 instances leave behind in one process
+inputs      error against communication step, held, with slopes, with a record inside
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import time
+import zipfile
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import numpy as np
+
+from build_fmu import build_fmu
+from solver import Column, Motion, simulate
+
+from .scenes import ROOT
+
+FMPY = Path(sys.executable).parent / "fmpy"
+PHOCAS = ROOT / "examples" / "columns" / "phocas-damped.toml"
+SEVEN_BLOCKS = (
+    'name = "seven"\n'
+    + "[[block]]\nheight = 2.0\nwidth = 1.5\ndepth = 1.5\ndensity = 2500.0\n" * 7
+    + "[joint]\nstiffness = 5e9\ndamping = 1e-3\n"
+)  # 63 outputs, 60 of them Real
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run the command line; returns the exit code."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("parts", nargs="*", metavar="PART", help=f"of {', '.join(PARTS)} (default: all)")
+    parser.add_argument("--rounds", type=int, default=15, help="of which the shortest time counts")
+    parser.add_argument("--processes", type=int, default=200, help="of the part exits")
+    parser.add_argument("--plot", type=Path, help="picture of the part inputs")
+    options = parser.parse_args(arguments)
+    unknown = set(options.parts) - set(PARTS)
+    if unknown:
+        parser.error(f"{', '.join(sorted(unknown))}: must be of {', '.join(PARTS)}")
+    with tempfile.TemporaryDirectory() as folder:
+        for part in options.parts or PARTS:
+            print(f"{part:10}", PARTS[part](Path(folder), options), flush=True)
+    return 0
+
+
+def _run(script: str, *arguments: object, **environment: str) -> str:
+    """The last line that a script prints in a process of its own."""
+    modules = os.pathsep.join((str(ROOT), str(ROOT / "tests")))
+    done = subprocess.run(
+        [sys.executable, "-c", script, *map(str, arguments)],
+        capture_output=True,
+        text=True,
+        check=True,
+        env=os.environ | {"PYTHONPATH": modules} | environment,
+    )
+    return done.stdout.splitlines()[-1]
+
+
+# --- state
+
+STATE = """
+import sys, time
+from instance import Instance
+column = Instance(sys.argv[1], {"base.ax": 1.0})
+column.step(0.0, 0.1)
+fmi, best = column.fmi, 1.0
+for _ in range(20 * int(sys.argv[2])):
+    begin = time.perf_counter()
+    for _ in range(50):
+        state = fmi.getFMUstate()
+        fmi.setFMUstate(state)
+        fmi.freeFMUstate(state)
+    best = min(best, (time.perf_counter() - begin) / 50)
+print(1e6 * best, len(fmi.serializeFMUstate(fmi.getFMUstate())))
+"""
+
+
+def state(folder: Path, options: argparse.Namespace) -> str:
+    """Get and set, through FMPy."""
+    fmu = build_fmu(PHOCAS, folder / "phocas.fmu")
+    spent, size = _run(STATE, fmu, options.rounds).split()
+    return f"get + set + free {float(spent):.1f} us (n = 3), serialized {size} bytes"
+
+
+# --- getters
+
+RACE = """
+import sys, time
+import numpy as np
+from fmpy import extract, read_model_description, simulate_fmu
+from fmpy.fmi2 import FMU2Slave
+steps, rounds, fmus = int(sys.argv[1]), int(sys.argv[2]), sys.argv[3:]
+h = 20.0 / steps
+t = h * np.arange(steps + 1)
+motion = np.zeros(t.size, dtype=[("time", float), ("base.ax", float)])
+motion["time"], motion["base.ax"] = t, 0.5 * np.sin(12.6 * t)
+folders = {fmu: extract(fmu) for fmu in fmus}
+descriptions = {fmu: read_model_description(folders[fmu]) for fmu in fmus}
+best = dict.fromkeys(fmus, 1e9)
+for _ in range(rounds):
+    for fmu in fmus:
+        begin = time.perf_counter()
+        result = simulate_fmu(folders[fmu], model_description=descriptions[fmu], stop_time=20.0, output_interval=h,
+                              input=motion)
+        best[fmu] = min(best[fmu], time.perf_counter() - begin)
+        assert len(result) == steps + 1, len(result)
+print(*best.values(), len(result.dtype.names) - 1)
+"""
+
+# the same table and getters, and no column in it
+EMPTY = """
+    def do_step(self, current_time, step_size):
+        return True
+
+    def _update(self):
+        pass
+"""
+
+
+def getters(folder: Path, options: argparse.Namespace) -> str:
+    """A whole run against the cheapest PythonFMU of the same variables that there can be."""
+    toml = folder / "seven.toml"
+    toml.write_text(SEVEN_BLOCKS)
+    fmu = build_fmu(toml, folder / "seven.fmu")
+    empty = _with_slave_methods(fmu, folder / "empty.fmu", EMPTY)
+    ours, nothing, outputs = (float(word) for word in _run(RACE, 8000, options.rounds, fmu, empty).split())
+    return f"{outputs:.0f} outputs: {ours:.3f} s, empty {nothing:.3f} s, {ours / nothing:.2f} times"
+
+
+def _with_slave_methods(fmu: Path, target: Path, methods: str) -> Path:
+    """The FMU with other methods in the class of its script, under another name of the script."""
+    with zipfile.ZipFile(fmu) as old, zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as new:
+        script = old.read("resources/slavemodule.txt").decode()
+        for name in old.namelist():
+            content = old.read(name)
+            if name == f"resources/{script}.py":
+                name, content = f"resources/{script}_changed.py", content + methods.encode()
+            if name == "resources/slavemodule.txt":
+                content = f"{script}_changed".encode()
+            new.writestr(name, content)
+    return target
+
+
+# --- cold start
+
+
+def cold(folder: Path, options: argparse.Namespace) -> str:
+    """20 s of the damped Phocas by `fmpy simulate`, home and caches new each time; then with the caches kept."""
+    fmu = build_fmu(PHOCAS, folder / "phocas.fmu")
+    fresh = min(_command_line(fmu, Path(tempfile.mkdtemp(dir=folder))) for _ in range(options.rounds))
+    home = Path(tempfile.mkdtemp(dir=folder))
+    warm = min(_command_line(fmu, home) for _ in range(options.rounds + 1))
+    bare = min(_command_line(None, home) for _ in range(options.rounds))
+    return f"fresh account {fresh:.2f} s, afterwards {warm:.2f} s; Python with fmpy, numpy and numba alone {bare:.2f} s"
+
+
+def _command_line(fmu: Path | None, home: Path) -> float:
+    """Seconds of a process at home in a folder; without an FMU, of one that only imports."""
+    command = [sys.executable, "-c", "import fmpy, numba"]
+    if fmu is not None:
+        options = ["--stop-time", "20", "--output-interval", "0.02", "--start-values", "base.ax", "0.3"]
+        command = [str(FMPY), "simulate", str(fmu), *options]
+        command += ["--output-file", str(home / "out.csv")]
+    kept = {key: value for key, value in os.environ.items() if key not in ("XDG_CACHE_HOME", "NUMBA_CACHE_DIR")}
+    begin = time.perf_counter()
+    subprocess.run(command, check=True, capture_output=True, env=kept | {"HOME": str(home)})
+    return time.perf_counter() - begin
+
+
+# --- threads
+
+THREADS = """
+import sys, time
+from threading import Thread
+from instance import Instance
+fmu, rounds = sys.argv[1], int(sys.argv[2])
+values = {"base.ax": 0.5, "base.jx": -0.01, "solver.tolerance": 1e-11}
+
+def work(column):
+    column.fmi.reset()
+    column.set(values)
+    column.initialize()
+    column.step(0.0, 100.0)
+
+columns = [Instance(fmu), Instance(fmu)]
+one = both = 1e9
+for _ in range(rounds):
+    begin = time.perf_counter()
+    for column in columns:
+        work(column)
+    one = min(one, time.perf_counter() - begin)
+    threads = [Thread(target=work, args=(column,)) for column in columns]
+    begin = time.perf_counter()
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    both = min(both, time.perf_counter() - begin)
+print(one, both)
+"""
+
+
+def threads(folder: Path, options: argparse.Namespace) -> str:
+    """Two instances of one FMU, each with one long communication step."""
+    fmu = build_fmu(PHOCAS, folder / "phocas.fmu")
+    one, both = (float(word) for word in _run(THREADS, fmu, options.rounds).split())
+    return f"one after the other {one:.3f} s, in two threads {both:.3f} s: {one / both:.2f} times as fast"
+
+
+# --- exits
+
+
+def exits(folder: Path, options: argparse.Namespace) -> str:
+    """Exit status of whole processes, two at a time."""
+    fmu = build_fmu(PHOCAS, folder / "phocas.fmu")
+
+    def status(k: int) -> int:
+        home = folder / f"home{k % 2}"
+        home.mkdir(exist_ok=True)
+        command = [str(FMPY), "simulate", str(fmu), "--stop-time", "1"]
+        command += ["--start-values", "base.ax", "0.3", "--output-file", str(folder / f"out{k}.csv")]
+        done = subprocess.run(command, capture_output=True, env=os.environ | {"HOME": str(home)}, check=False)
+        return done.returncode
+
+    with ThreadPoolExecutor(2) as pool:
+        codes = list(pool.map(status, range(options.processes)))
+    results = {path.read_bytes() for path in folder.glob("out*.csv")}
+    return f"status 0 in {codes.count(0)} of {len(codes)} processes, {len(results)} different result(s)"
+
+
+# --- memory
+
+MEMORY = """
+import gc, sys
+from fmpy import extract
+from instance import Instance
+fmu, count = sys.argv[1], int(sys.argv[2])
+folder = extract(fmu)
+
+def resident():
+    gc.collect()
+    with open("/proc/self/statm") as file:
+        return int(file.read().split()[1]) * 4096 / 1e6
+
+def life():
+    column = Instance(fmu, {"base.ax": 0.5}, folder=folder)
+    for k in range(10):
+        column.step(0.01 * k, 0.01)
+        column.get()
+    column.fmi.freeFMUstate(column.fmi.getFMUstate())
+    column.close()
+
+for _ in range(20):
+    life()
+before, entries = resident(), len(sys.path)
+for _ in range(count):
+    life()
+print(resident() - before, len(sys.path) - entries)
+"""
+
+
+def memory(folder: Path, options: argparse.Namespace) -> str:
+    """Resident memory before and after."""
+    fmu = build_fmu(PHOCAS, folder / "phocas.fmu")
+    grown, entries = _run(MEMORY, fmu, 1000).split()
+    return f"1000 instances: {float(grown):.1f} MB more, {entries} more entries on the search path"
+
+
+# --- inputs
+
+INPUTS = """
+import json, math, sys
+from instance import Instance
+fmu, record, way, h = sys.argv[1], sys.argv[2], sys.argv[3], float(sys.argv[4])
+samples = json.loads(sys.argv[5])
+column = Instance(fmu, {"solver.tolerance": 1e-8} | ({"base.record": record} if way == "record" else {}))
+
+def a(t):
+    k = min(int(t / 0.01 + 1e-6), len(samples) - 2)
+    return samples[k] + (samples[k + 1] - samples[k]) * (t / 0.01 - k)
+
+seen = []
+for k in range(round(4.0 / h)):
+    if way != "record":
+        column.set({"base.ax": a(k * h)})
+    if way == "slope":
+        column.set({"base.jx": (a((k + 1) * h) - a(k * h)) / h})
+    column.step(k * h, h)
+    if (k + 1) % round(0.2 / h) == 0:
+        seen += column.get("block[1].ux")
+print(json.dumps(seen))
+"""
+WAYS = {"held": "base.ax held", "slope": "base.ax with base.jx", "record": "base.record"}
+INPUT_STEPS = (0.1, 0.05, 0.04, 0.02, 0.01, 0.005, 0.0025, 0.00125)
+
+
+def inputs(folder: Path, options: argparse.Namespace) -> str:
+    """A motion of noise up to 5 Hz that makes the column rock, sampled at 0.01 s; error at every 0.2 s of 4 s."""
+    fmu = build_fmu(PHOCAS, folder / "phocas.fmu")
+    time_ = 0.01 * np.arange(401)
+    phases = np.random.default_rng(1).uniform(0.0, 2.0 * np.pi, 20)
+    noise = sum(np.sin(2.0 * np.pi * 0.25 * (k + 1) * time_ + phase) for k, phase in enumerate(phases))
+    motion = Motion.from_samples(0.01, 0.25 * noise * np.sin(np.pi * time_ / 4.0))
+    motion.to_csv(folder / "motion.csv")
+    response = simulate(Column.from_toml(PHOCAS), motion, 4.0, tolerance=1e-10, output_step=0.2)
+    table: dict[str, list[float]] = {}
+    for way in WAYS:
+        table[way] = []
+        for h in INPUT_STEPS:
+            seen = json.loads(_run(INPUTS, fmu, folder / "motion.csv", way, h, json.dumps(motion.ax.tolist())))
+            table[way].append(float(np.max(np.abs(np.array(seen) - response.ux[1:, 0])) / response.peak_ux[0]))
+    if options.plot:
+        _plot(table, options.plot)
+    lines = [f"error of ux in parts of the peak, {1e3 * response.peak_ux[0]:.1f} mm"]
+    lines.append("step, s   " + "".join(f"{name:>22}" for name in WAYS.values()))
+    for k, h in enumerate(INPUT_STEPS):
+        lines.append(f"{h:<10g}" + "".join(f"{table[way][k]:22.1e}" for way in WAYS))
+    return "\n".join(lines)
+
+
+def _plot(table: dict[str, list[float]], path: Path) -> None:
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(6.0, 4.0), layout="constrained")
+    axes = figure.subplots()
+    for (way, errors), colour, marker in zip(table.items(), ("#D55E00", "#0072B2", "#009E73"), "osD", strict=True):
+        axes.loglog(INPUT_STEPS, errors, color=colour, marker=marker, markersize=4, label=WAYS[way])
+    axes.axvline(0.01, color="0.6", linewidth=0.8)
+    axes.text(0.01, 0.02, " record's dt", transform=axes.get_xaxis_transform(), fontsize=8, color="0.4")
+    axes.set(xlabel="communication step, s", ylabel="largest error of ux, parts of the peak")
+    axes.grid(alpha=0.3)
+    axes.spines[["top", "right"]].set_visible(False)
+    axes.legend(frameon=False, fontsize=8)
+    figure.savefig(path, dpi=130)
+
+
+PARTS = {
+    "state": state,
+    "getters": getters,
+    "cold": cold,
+    "threads": threads,
+    "exits": exits,
+    "memory": memory,
+    "inputs": inputs,
+}
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

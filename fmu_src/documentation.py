@@ -1,0 +1,145 @@
+"""What a person finds in the FMU: a drawing of the column and a page that explains every variable.
+
+Needed by the builder only; the FMU carries the results.
+"""
+
+from __future__ import annotations
+
+import io
+from html import escape
+
+from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
+from matplotlib.transforms import Affine2D
+
+from solver.column import Column
+
+from .model_description import DISPLAY_UNITS
+from .variables import Variable
+
+STONE = "#cdbfa7"
+INK = "#3b3a38"
+RED = "#d55e00"
+ARROW = {"arrowstyle": "-|>", "color": RED, "linewidth": 1.6, "mutation_scale": 12}
+
+PAGE = """\
+<!DOCTYPE html>
+<html lang="en">
+<head><meta charset="utf-8"><title>{name}</title>
+<style>body {{ font-family: sans-serif; max-width: 70em; margin: 2em auto; padding: 0 1em; color: #222 }}
+table {{ border-collapse: collapse }} th, td {{ border-bottom: 1px solid #ddd; padding: 0.2em 0.8em; text-align: left }}
+code {{ white-space: nowrap }}</style></head>
+<body>
+<h1>{name}</h1>
+<p>A column of {n} rigid blocks with no-tension elastic joints under base acceleration: FMI 2.0 for co-simulation.
+Block 1 is the top block; joint i lies under block i; the last joint rests on the base.
+The machine that runs it needs Python 3.11 or newer with numpy and numba.</p>
+<p><img src="model.png" alt="The column" height="360"></p>
+<h2>Signs</h2>
+<p><img src="signs.png" alt="Sign conventions: x to the right, z up, rotations clockwise"></p>
+<p>ux and uz are relative to the base. N is positive in compression and M rights a block that leans to +x. S is what the
+part above does to the part below; base.Fx, base.Fz and base.My are what the column does to the base, at the centre of
+its joint.</p>
+<h2>Inputs within a communication step</h2>
+<p>From the start t0 of a step to its end the base acceleration is base.ax + base.jx (t - t0), and likewise in z: with
+base.jx = 0 it is held, with the slope of the signal it is linear. To this is added the record that base.record names,
+sampled by the FMU itself whatever the communication step.</p>
+<h2>Variables</h2>
+{tables}
+</body>
+</html>
+"""
+
+HEADINGS = {"input": "Inputs", "output": "Outputs", "parameter": "Parameters"}
+
+
+def page(column: Column, table: list[Variable]) -> str:
+    """documentation/index.html: signs, inputs, and every variable with its unit, limits and start value."""
+    parts = []
+    for causality, heading in HEADINGS.items():
+        rows = [_row(variable) for variable in table if variable.causality == causality]
+        head = "<tr><th>name</th><th>unit (shown as)</th><th>start</th><th>range</th><th>meaning</th></tr>"
+        parts.append(f"<h3>{heading}</h3>\n<table>\n{head}\n" + "\n".join(rows) + "\n</table>")
+    return PAGE.format(name=escape(column.name), n=column.n, tables="\n".join(parts))
+
+
+def _row(variable: Variable) -> str:
+    unit = variable.unit
+    if unit in DISPLAY_UNITS:
+        unit += f" ({DISPLAY_UNITS[unit][0]})"
+    least, most = ("" if limit is None else f"{limit:g}" for limit in (variable.minimum, variable.maximum))
+    limits = f"{least} to {most}" if most else f"from {least}" if least else ""
+    start = "" if variable.start is None else str(variable.start)
+    meaning = variable.description + (", tunable" if variable.variability == "tunable" else "")
+    cells = [f"<td>{escape(text)}</td>" for text in (unit, start, limits, meaning)]
+    return f"<tr><td><code>{escape(variable.name)}</code></td>{''.join(cells)}</tr>"
+
+
+def drawing(column: Column) -> bytes:
+    """model.png: the blocks to scale, on their joints."""
+    figure = Figure(figsize=(3.0, 3.0), layout="constrained")
+    axes = figure.subplots()
+    height = sum(block.height for block in column.blocks)
+    width = max(block.width for block in column.blocks)
+    foot = 0.0
+    for i in range(column.n - 1, -1, -1):
+        block = column.blocks[i]
+        shape = Rectangle((-0.5 * block.width, foot), block.width, block.height, facecolor=STONE, edgecolor=INK)
+        axes.add_patch(shape)
+        if column.n <= 20:
+            axes.text(0.0, foot + 0.5 * block.height, str(i + 1), ha="center", va="center", color=INK, fontsize=8)
+        half = 0.5 * block.joint_width
+        axes.plot([-half, half], [foot, foot], color="#0072b2", linewidth=2.0, solid_capstyle="butt")
+        foot += block.height
+    axes.axhline(-0.01 * height, color=INK, linewidth=3.0)
+    reach = 0.6 * max(height, width)
+    axes.set(xlim=(-reach, reach), ylim=(-0.08 * height, 1.04 * height), aspect="equal")
+    axes.set_axis_off()
+    return _png(figure)
+
+
+def sign_conventions() -> bytes:
+    """documentation/signs.png: a block that leans to +x on the one below it, and the positive sense of everything."""
+    figure = Figure(figsize=(6.4, 4.4), layout="constrained")
+    axes = figure.subplots()
+    foot = (0.5, 1.0)  # the corner that it leans on
+    axes.add_patch(Rectangle((-0.5, 0.0), 1.0, 0.97, facecolor=STONE, edgecolor=INK))
+    lean = Affine2D().rotate_deg_around(*foot, -7.0) + axes.transData
+    axes.add_patch(Rectangle((-0.5, 1.0), 1.0, 1.1, facecolor=STONE, edgecolor=INK, transform=lean))
+    axes.plot([-2.4, 2.4], [-0.03, -0.03], color=INK, linewidth=3.0)
+    axes.plot([0.0, 0.0], [0.0, 2.35], color=INK, linewidth=0.8, linestyle=":")
+    axes.text(0.0, 0.5, "block i+1", ha="center", color=INK)
+    axes.text(0.1, 1.5, "block i", ha="center", color=INK)
+    axes.text(-0.62, 1.0, "joint i", ha="right", va="center", color=INK)
+    straight = [  # name, tail and tip of the arrow, where the name stands
+        ("x", (-2.3, 0.25), (-1.8, 0.25), (-1.74, 0.22)),
+        ("z", (-2.3, 0.25), (-2.3, 0.75), (-2.34, 0.8)),
+        ("ux", (0.0, 2.3), (0.27, 2.3), (0.33, 2.27)),
+        ("N", (0.3, 1.45), (0.3, 1.02), (0.36, 1.08)),
+        ("S", (0.55, 0.9), (1.05, 0.9), (1.11, 0.87)),
+        ("base.ax", (-2.3, -0.35), (-1.7, -0.35), (-2.3, -0.26)),
+        ("base.az", (-1.4, -0.7), (-1.4, -0.15), (-1.34, -0.66)),
+        ("base.Fx", (0.6, -0.35), (1.2, -0.35), (0.65, -0.26)),
+        ("base.Fz", (0.0, -0.7), (0.0, -0.15), (0.06, -0.66)),
+    ]
+    for name, tail, tip, place in straight:
+        axes.annotate("", tip, tail, arrowprops=ARROW)
+        axes.text(*place, name, color=RED)
+    turning = [
+        ("theta, clockwise", (0.75, 2.1), (1.0, 1.65), -0.3, (1.05, 1.9)),
+        ("M, rights the block", (1.0, 1.05), (0.72, 1.4), 0.6, (1.05, 1.3)),
+        ("base.My", (-0.75, -0.5), (-0.25, -0.45), -0.9, (-0.75, -0.66)),
+    ]
+    for name, tail, tip, bend, place in turning:
+        axes.annotate("", tip, tail, arrowprops=ARROW | {"connectionstyle": f"arc3,rad={bend}"})
+        axes.text(*place, name, color=RED)
+    axes.set(xlim=(-2.5, 2.6), ylim=(-0.8, 2.5), aspect="equal")
+    axes.set_axis_off()
+    return _png(figure)
+
+
+def _png(figure: Figure) -> bytes:
+    """The same bytes for the same picture."""
+    png = io.BytesIO()
+    figure.savefig(png, format="png", dpi=100, metadata={"Software": None})
+    return png.getvalue()

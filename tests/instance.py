@@ -1,0 +1,70 @@
+"""One instance of an FMU by the names of its variables, for scripts that run in a process of their own."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from fmpy import extract, read_model_description
+from fmpy.fmi2 import FMU2Slave
+
+
+class Instance:
+    """An FMU extracted, instantiated and, unless told otherwise, initialized."""
+
+    def __init__(
+        self,
+        fmu: str,
+        values: Mapping[str, Any] | None = None,
+        start: float = 0.0,
+        initialize: bool = True,
+        folder: str | None = None,
+        name: str = "column",
+        **options: Any,
+    ) -> None:
+        description = read_model_description(fmu)
+        self.variables = {variable.name: variable for variable in description.modelVariables}
+        self.fmi = FMU2Slave(
+            guid=description.guid,
+            unzipDirectory=folder or extract(fmu),
+            modelIdentifier=description.coSimulation.modelIdentifier,
+            instanceName=name,
+        )
+        self.fmi.instantiate(**options)
+        self.set(values or {})
+        if initialize:
+            self.initialize(start)
+
+    def initialize(self, start: float = 0.0) -> None:
+        self.fmi.setupExperiment(startTime=start)
+        self.fmi.enterInitializationMode()
+        self.fmi.exitInitializationMode()
+
+    def set(self, values: Mapping[str, Any]) -> None:
+        for name, value in values.items():
+            variable = self.variables[name]
+            getattr(self.fmi, f"set{variable.type}")([variable.valueReference], [value])
+
+    def get(self, *names: str) -> list[Any]:
+        """The values of some variables, or of all outputs."""
+        names = names or tuple(name for name, item in self.variables.items() if item.causality == "output")
+        values = []
+        for name in names:
+            variable = self.variables[name]
+            values += getattr(self.fmi, f"get{variable.type}")([variable.valueReference])
+        return values
+
+    def step(self, t: float, h: float) -> None:
+        self.fmi.doStep(currentCommunicationPoint=t, communicationStepSize=h)
+
+    def attempt(self, call: str, *arguments: Any) -> str:
+        """What comes of a call: "ok", or the error that FMPy makes of its status."""
+        try:
+            getattr(self if hasattr(self, call) else self.fmi, call)(*arguments)
+        except Exception as error:
+            return str(error)
+        return "ok"
+
+    def close(self) -> None:
+        self.fmi.terminate()
+        self.fmi.freeInstance()

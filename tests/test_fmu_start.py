@@ -1,0 +1,91 @@
+"""How the FMU starts where the machine code fits and where it does not, where nothing can be kept, and in a race."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from fmus import Fmus, environment
+
+# Prints how many kernels were found compiled, how many were compiled, and an output.
+START = """
+import json, sys
+from fmpy import extract
+from instance import Instance
+folder = extract(sys.argv[1])
+exec(sys.argv[2])
+column = Instance(sys.argv[1], {"base.ax": 0.5}, folder=folder)
+column.step(0.0, 0.1)
+(kernels,) = [m for name, m in sys.modules.items() if name.startswith("solver_") and name.endswith("kernels.advance")]
+stats = [kernel.stats for kernel in (kernels.advance_once, kernels.observe_state)]
+print(json.dumps([sum(map(len, part)) for part in ([s.cache_hits for s in stats], [s.cache_misses for s in stats])]
+                 + column.get("block[1].ux")))
+column.close()
+"""
+
+
+def start(fmu: Path, home: Path, before: str = "", **variables: str) -> subprocess.Popen[str]:
+    """A process on an account whose home is a folder."""
+    kept = {key: value for key, value in environment().items() if key not in ("XDG_CACHE_HOME", "NUMBA_CACHE_DIR")}
+    return subprocess.Popen(
+        [sys.executable, "-c", START, str(fmu), before],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env=kept | {"HOME": str(home)} | variables,
+    )
+
+
+def counts(process: subprocess.Popen[str]) -> tuple[int, int, float]:
+    """Kernels found compiled, kernels compiled, displacement; fails unless the process ends with 0 and says nothing."""
+    out, err = process.communicate()
+    assert process.returncode == 0, err
+    assert err == ""
+    hits, misses, ux = json.loads(out)
+    return hits, misses, ux
+
+
+def test_a_fresh_account_compiles_nothing(fmus: Fmus, tmp_path: Path) -> None:
+    assert counts(start(fmus.damped, tmp_path))[:2] == (2, 0)
+    assert counts(start(fmus.damped, tmp_path))[:2] == (2, 0)
+
+
+def test_another_processor_compiles_once(fmus: Fmus, tmp_path: Path) -> None:
+    other = {"NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": ""}
+    first = counts(start(fmus.damped, tmp_path, **other))
+    assert first[:2] == (0, 2)
+    again = counts(start(fmus.damped, tmp_path, **other))
+    assert again[:2] == (2, 0)
+    here = counts(start(fmus.damped, tmp_path))
+    assert here[:2] == (2, 0)
+    assert first[2] == again[2] == pytest.approx(here[2], rel=1e-6)
+
+
+def test_processes_that_start_together_do_not_disturb_each_other(fmus: Fmus, tmp_path: Path) -> None:
+    for k in range(3):
+        home = tmp_path / str(k)
+        processes = [start(fmus.damped, home) for _ in range(4)]
+        assert len({counts(process) for process in processes}) == 1
+
+
+@pytest.mark.parametrize(
+    "before",
+    [
+        # no folder can be made in the home, nor beside the FMU
+        "import os, pathlib\nreal = pathlib.Path.mkdir\n"
+        "def mkdir(*a, **k): raise PermissionError(13, 'read-only')\npathlib.Path.mkdir = mkdir",
+        # a full disk: no file beyond 20 kB
+        "import resource\nresource.setrlimit(resource.RLIMIT_FSIZE, (20000, 20000))",
+    ],
+    ids=["read-only", "full"],
+)
+def test_where_nothing_can_be_kept_it_starts_all_the_same(fmus: Fmus, tmp_path: Path, before: str) -> None:
+    if os.name == "nt" and "resource" in before:
+        pytest.skip("Windows has no limit on the size of files")
+    hits, misses, ux = counts(start(fmus.damped, tmp_path, before))
+    assert hits + misses == 2
+    assert ux == counts(start(fmus.damped, tmp_path / "usual"))[2]

@@ -1,0 +1,39 @@
+"""The stepper on its own: parameters that change under way."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from fmus import ROOT
+
+from solver import Column, InitialState, InputError
+from solver.kernels import layout as at
+from solver.stepper import Stepper
+
+
+def test_a_change_of_damping_is_a_new_start_from_the_same_motion() -> None:
+    column = Column.from_toml(ROOT / "examples/columns/phocas-damped.toml").with_settings(tolerance=1e-9)
+    blocks = tuple(replace(block, joint=replace(block.joint, damping=5e-3)) for block in column.blocks)
+    changed = replace(column, blocks=blocks, g=9.0)
+    stepper = Stepper(column)
+    stepper.inputs[at.INPUT_AX] = 1.0
+    stepper.advance(0.0, 0.5)
+    stepper.retune(changed)
+    rotation, opening, spin, opening_rate = stepper.state[at.STATE_HEADER :][: 4 * column.n].reshape(4, column.n)
+    fresh = Stepper(changed, InitialState(rotation, spin, opening, opening_rate))
+    fresh.inputs[:] = stepper.inputs
+    for t in (0.5, 1.0):
+        stepper.advance(t, 0.5)
+        fresh.advance(t, 0.5)
+    difference = stepper.observe(1.5).copy() - fresh.observe(1.5)
+    assert np.max(np.abs(difference[: column.n])) < 1e-7 * np.max(np.abs(fresh.observe(1.5)[: column.n]))
+
+
+def test_a_change_that_is_not_stable_is_refused() -> None:
+    column = Column.from_toml(ROOT / "examples/columns/phocas.toml").with_settings(integrator="central-difference")
+    stepper = Stepper(column)
+    blocks = tuple(replace(block, joint=replace(block.joint, damping=1.0)) for block in column.blocks)
+    with pytest.raises(InputError, match="must be at most"):
+        stepper.retune(replace(column, blocks=blocks))
