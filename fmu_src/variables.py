@@ -10,8 +10,9 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import accumulate
+from typing import Any
 
-from solver.column import Block, Column, Joint, Settings
+from solver.column import SKIPS, Block, Column, Joint, Settings
 from solver.motion import STANDARD_GRAVITY
 from solver.response import BASE_HISTORIES, BLOCK_HISTORIES
 
@@ -115,6 +116,7 @@ _SETTINGS_PARAMETERS = {
     "tolerance": ("", "Error, relative to the peak, of an integrator that chooses its steps"),
     "formulation": ("", "exact or paper"),
     "integrator": ("", "auto or central-difference"),
+    "without": ("", f"Short cuts not to be taken, with commas between: {', '.join(SKIPS)}"),
 }
 
 
@@ -183,7 +185,8 @@ def _parameters(column: Column, record: str) -> list[Variable]:
             start = getattr(block.joint, key) or 0.0
             rows.append(parameter(f"joint[{i}].{key}", unit, text.format(i=i), start, f"joint.{key}" in TUNABLE))
     for key, (unit, text) in _SETTINGS_PARAMETERS.items():
-        rows.append(parameter(f"solver.{key}", unit, text, getattr(column.settings, key)))
+        start = getattr(column.settings, key)
+        rows.append(parameter(f"solver.{key}", unit, text, ", ".join(start) if key == "without" else start))
     rows.append(parameter(RECORD_SCALE, "", "Factor on the record's accelerations", 1.0))
     text = "Record added to the inputs: the name of the one inside the FMU, or the path of an .AT2 or .csv file"
     rows.append(parameter(RECORD, "", text, record))
@@ -207,5 +210,6 @@ def column_from(name: str, n: int, value: Callable[[str], float | str]) -> Colum
         joint = {key: given("joint", i, key, optional) for key, (_, _, optional) in _JOINT_PARAMETERS.items()}
         block = {key: given("block", i, key, optional) for key, (_, _, optional) in _BLOCK_PARAMETERS.items()}
         blocks.append(Block(joint=Joint(**joint), **block))  # type: ignore[arg-type]
-    settings = {key: value(f"solver.{key}") for key in _SETTINGS_PARAMETERS}
+    settings: dict[str, Any] = {key: value(f"solver.{key}") for key in _SETTINGS_PARAMETERS}
+    settings["without"] = tuple(word.strip() for word in settings["without"].split(",") if word.strip())
     return Column(name, tuple(blocks), Settings(**settings), value("g"))  # type: ignore[arg-type]

@@ -146,6 +146,8 @@ JOINT_NORMAL = 13  # N
 JOINT_MOMENT = 14  # N m
 JOINT_LENGTH = 15  # m in contact
 
+SLACK = 1e-9  # of a step: times closer than this are the same
+
 # --- codes returned by the kernels
 OK = 0
 HAS_OVERTURNED = 1  # the state is held; not an error
