@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from probe import G, phocas
 from test_joint import State, examples, states
 
-from solver import Motion, simulate
+from solver import InitialState, Motion, simulate
 from solver.kernels import layout as at
 from solver.kernels.interpolation import begin, interpolate_phase, refine
 from solver.kernels.joint import ANY, FULL, OPEN, contact_regime, joint_forces, regime_margin
@@ -114,3 +114,20 @@ def test_interpolation_with_the_bump_is_of_a_higher_order() -> None:
             found.append(np.max(np.abs(work[6 * n * at.PHASE_BETWEEN :][: 2 * n] - inside)))
         gains.append(found[0] / found[1])
     assert min(gains) > 3.0
+
+
+@pytest.mark.parametrize("tolerance", [1e-5, 1e-8])
+def test_undamped_column_run_backwards_returns_to_where_it_came_from(tolerance: float) -> None:
+    """Half a second of free rocking, some 35 openings and closings there and as many back."""
+    stepper = Stepper(phocas(0.0, tolerance=tolerance), InitialState(rotation_rate=[0.03] * 3))
+    phase = stepper.state[at.STATE_HEADER : at.STATE_HEADER + 12]
+    start = phase.copy()
+    stepper.advance(0.0, 0.5)
+    there = int(stepper.counters[at.EVENTS])
+    farthest = float(np.max(np.abs(phase[:3])))
+    phase[6:] *= -1.0
+    stepper.advance(0.5, 0.5)
+    assert there > 20
+    assert stepper.counters[at.EVENTS] == 2 * there
+    assert np.max(np.abs(phase[:3] - start[:3])) < tolerance * farthest  # measured 0.01 and 0.03 of it
+    assert np.max(np.abs(phase[6:9] + start[6:9])) < tolerance * 0.03  # measured 0.2 and 0.6 of it
