@@ -77,16 +77,19 @@ def main() -> int:
 
 
 def sampled(motion: Motion) -> NDArray[np.void]:
-    """The base acceleration at every communication point, as FMPy takes it."""
+    """The base acceleration at every communication point and its slope to the next, as FMPy takes them."""
     count = round(motion.duration / COMMUNICATION_STEP)
     if motion.duration > LONGEST or not math.isclose(count * COMMUNICATION_STEP, motion.duration):
         raise InputError(
             f"duration = {motion.duration}: must be a multiple of {COMMUNICATION_STEP} s, at most {LONGEST} s"
         )
     time = COMMUNICATION_STEP * np.arange(count + 1)
-    signals = np.empty(count + 1, dtype=[(name, np.float64) for name in ("time", "base.ax", "base.az")])
+    names = ("time", "base.ax", "base.az", "base.jx", "base.jz")
+    signals = np.zeros(count + 1, dtype=[(name, np.float64) for name in names])
     signals["time"] = time
     signals["base.ax"], signals["base.az"] = motion.acceleration(time)
+    for slope, name in (("base.jx", "base.ax"), ("base.jz", "base.az")):
+        signals[slope][:-1] = np.diff(signals[name]) / COMMUNICATION_STEP
     return signals
 
 

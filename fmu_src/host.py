@@ -121,7 +121,7 @@ def leave_search_path(resources: Path) -> None:
 
     All that is needed from it has been imported by now; others are to find their own modules, not ours.
     """
-    sys.path[:] = [entry for entry in sys.path if entry != str(resources)]
+    sys.path[:] = [entry for entry in sys.path if Path(entry) != resources]
 
 
 def compile_by(call: Callable[[], object]) -> None:

@@ -148,6 +148,8 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
         if not math.isfinite(start_time):
             self._fail(f"start time = {start_time}: must be a finite time in s")
         self._time = self._input_time = start_time
+        if tolerance is not None:
+            self.log(f"the experiment's tolerance, {tolerance}, is not used: solver.tolerance is the solver's")
 
     def enter_initialization_mode(self) -> None:
         """From here on outputs can be read: they follow from inputs and parameters as they stand."""
