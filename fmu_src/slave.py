@@ -167,7 +167,7 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
 
     def terminate(self) -> None:
         """End the run; only reset, or a state got earlier, makes another one possible."""
-        if self._mode == Mode.STEPPING and not self._shaken and self._stepper and self._stepper.counters[at.STEPS]:
+        if self._mode == Mode.STEPPING and not self._shaken and self._stepper and self._stepper.time_spent > 0.0:
             self._say(Fmi2Status.warning, "the base acceleration was zero for the whole run: is the input connected?")
         self._mode = Mode.TERMINATED
 

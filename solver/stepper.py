@@ -96,9 +96,14 @@ class Stepper:
     def retune(self, column: Column) -> None:
         """Go on from the present coordinates and rates with other parameters of the same blocks. Raises InputError."""
         _check_step(column)
-        self.model[:] = pack_model(column)
+        self.model = pack_model(column)
         if not self.overturned_joint:
             self.state[at.BASE_AX] = math.nan  # belongs to no input: the accelerations are to be computed anew
+
+    @property
+    def time_spent(self) -> float:
+        """What the column has been advanced by so far while it stood, s."""
+        return float(self.state[at.TIME_FULL] + self.state[at.TIME_ROCKING] + self.state[at.TIME_FLIGHT])
 
     @property
     def overturned_joint(self) -> int:
@@ -118,8 +123,7 @@ class Stepper:
 
     def _check(self, code: int, t: float | None) -> None:
         if code < at.OK:
-            spent = self.state[at.TIME_FULL] + self.state[at.TIME_ROCKING] + self.state[at.TIME_FLIGHT]
-            when = f"after {spent:.6g} s" if t is None else f"at t = {t:.6g} s"
+            when = f"after {self.time_spent:.6g} s" if t is None else f"at t = {t:.6g} s"
             raise SolverError(f"{when}: {REASONS[code]}")
 
 

@@ -93,6 +93,7 @@ def test_declares_what_a_master_needs_to_know(fmus: Fmus) -> None:
         "solver.integrator",
         "solver.step",
         "solver.tolerance",
+        "solver.without",
     }
     feedthrough = {u.variable.name for u in description.outputs if u.dependencies}
     assert feedthrough == {"joint[1].S", "joint[2].S", "joint[3].S", "base.Fx", "base.Fz", "base.My"}

@@ -57,7 +57,8 @@ def test_solution_is_that_of_the_dense_system(seed: int, n: int, part: float) ->
     forces = -weighted @ a - part**2 * plain @ v
     residual = system @ (work[: 2 * n] - a) - forces
     scale = np.abs(system) @ np.abs(work[: 2 * n] - a) + np.abs(forces)
-    assert np.max(np.abs(residual)) <= 1e-7 * np.max(scale)  # measured 4e-9 over 2000 seeds
+    rounding = np.finfo(float).eps * np.max(np.abs(system) @ np.abs(a))  # what is lost where a + z holds z
+    assert np.max(np.abs(residual)) <= 1e-7 * np.max(scale) + rounding  # measured 4e-9 over 2000 seeds
 
 
 def test_stiffness_is_the_second_derivative_of_the_joint_potential_in_full_contact() -> None:
@@ -115,11 +116,11 @@ def test_a_finely_cut_column_is_stepped_implicitly_and_to_its_tolerance() -> Non
 
 def test_implicit_and_explicit_steps_lead_to_the_same_motion() -> None:
     motion = Motion.harmonic(0.05 * G, 2.0, 0.5)
-    implicit = simulate(drums(10), motion, tolerance=1e-6)
-    explicit = simulate(drums(10), motion, integrator="central-difference", step=2e-6)
+    implicit = simulate(drums(20), motion, tolerance=1e-4)
+    explicit = simulate(drums(20), motion, integrator="central-difference", step=2e-6)
     assert implicit.stats["implicit_steps"] > 100
     difference = np.max(np.abs(implicit.ux - explicit.ux)) / explicit.peak_ux[0]
-    assert difference < 1e-6  # measured 4e-8
+    assert difference < 1e-4  # measured 3e-6
 
 
 def test_a_column_that_is_not_stiff_is_stepped_explicitly() -> None:
