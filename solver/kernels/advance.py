@@ -90,7 +90,7 @@ def _where_regimes_end(method, model, inputs, work, counters, t, h):
     cut = NO_CHANGE
     if changes(model, work, 6 * n * middle, 6 * n * PHASE_END, scratch):
         refine(model, inputs, work, counters, t, h)
-        cut = first_change(model, work, node, scratch, h)
+        cut = first_change(model, work, 6 * n * middle, node, 6 * n * PHASE_END, scratch, h)
     release(model, work, scratch)
     return cut
 

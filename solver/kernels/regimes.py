@@ -126,14 +126,16 @@ def _end_of_regime(model, work, i, regime, h, lo, hi):
 
 
 @kernel
-def first_change(model, work, middle_node, scratch, h):
+def first_change(model, work, middle, middle_node, end, scratch, h):
     """Fraction of the step at which a joint first leaves the regime that it was held in; NO_CHANGE if none does.
 
-    middle_node: a fraction of the step, looked at for joints that leave and come back.
+    middle: a phase inside the step, at this fraction of it, looked at for joints that leave and come back.
     """
     first = NO_CHANGE
     for i in range(int(model[N_BLOCKS])):
         regime = int(work[place(scratch + SCRATCH_FIELDS * i + REGIME)])
+        if _stays(model, work, middle, i, regime) and _stays(model, work, end, i, regime):
+            continue
         lo, hi = 0.0, middle_node
         if _margin_between(model, work, i, regime, h, hi) >= 0.0:
             lo, hi = hi, 1.0

@@ -42,8 +42,8 @@ INTEGRAL = 0.7
 PROPORTIONAL = 0.4
 LEAST_ERROR = 1e-4
 # when `auto` changes its method
-GAIN = 2.0  # the implicit method has to step further than the explicit one by so much
-PROBE = 3.0  # times the explicit step: how far the implicit method is tried
+GAIN = 3.0  # the implicit method has to step further than the explicit one by so much
+PROBE = 4.0  # times the explicit step: how far the implicit method is tried
 STEPS_PER_PROBE = 100
 SMOOTHING = 0.2
 # when the modal method is used: a step of it costs half of one of the others
