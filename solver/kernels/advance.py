@@ -65,7 +65,7 @@ from .step_control import (
 )
 from .watch import take_held_snapshots, take_snapshots, track_peaks
 
-BEYOND = 1e-4  # of a step: so far a step made again ends beyond the change, of which it costs the square
+BEYOND = 1e-5  # of a step: so far a step made again ends beyond the change, of which it costs the square
 LEAST_CUT = 1e-4  # of a step: regimes that change sooner are not held
 LEAST_STEP = 1e-13  # of the time scale: below this the error control has failed
 

@@ -13,7 +13,7 @@ from .layout import BLOCK_FIELDS, DAMPING, JOINT_WIDTH, MODEL_HEADER, N_BLOCKS, 
 
 NO_CHANGE = 2.0  # a fraction of the step that is never reached
 AHEAD = 1e-7  # of the step: at the very moment of a change the regime is that of so much later
-CLOSE_ENOUGH = 1e-5  # of the step: the error of going on in the wrong regime is of the second order in it
+CLOSE_ENOUGH = 1e-6  # of the step: the error of going on in the wrong regime is of the second order in it
 MOST_TRIALS = 40
 
 

@@ -51,7 +51,7 @@ ELASTIC_COST = 0.5
 WAIT_OPEN = 10  # steps of the others after a joint was found open before it is tried again
 WAIT_SHORT = 30  # and after its steps had become too short
 SPARE = 0.3  # of the tolerance: with a smaller error the step becomes longer
-ORDER_8_BELOW = 2e-6  # tolerance of a step from which on order 8 is the cheaper explicit method
+ORDER_8_BELOW = 1.5e-5  # tolerance of a step from which on order 8 is the cheaper explicit method
 
 
 @kernel
