@@ -84,13 +84,11 @@ def _where_regimes_end(method, model, inputs, work, counters, t, h):
     """
     n = int(model[N_BLOCKS])
     scratch = scratch_offset(n)
-    middle, node = dormand_prince.MIDDLE, dormand_prince.MIDDLE_NODE
-    if method == ORDER_8:
-        middle, node = order_8.MIDDLE, order_8.MIDDLE_NODE
+    inside = order_8.INSIDE if method == ORDER_8 else dormand_prince.INSIDE
     cut = NO_CHANGE
-    if changes(model, work, 6 * n * middle, 6 * n * PHASE_END, scratch):
+    if changes(model, work, inside, scratch):
         refine(model, inputs, work, counters, t, h)
-        cut = first_change(model, work, 6 * n * middle, node, 6 * n * PHASE_END, scratch, h)
+        cut = first_change(model, work, inside, scratch, h)
     release(model, work, scratch)
     return cut
 

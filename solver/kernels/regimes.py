@@ -9,12 +9,13 @@ from .exact import LOCK, REGIME, sine_cosine
 from .interpolation import interpolate_one
 from .jit import kernel, leaf, place
 from .joint import ANY, contact_regime, regime_margin
-from .layout import BLOCK_FIELDS, DAMPING, JOINT_WIDTH, MODEL_HEADER, N_BLOCKS, SCRATCH_FIELDS
+from .layout import BLOCK_FIELDS, DAMPING, JOINT_WIDTH, MODEL_HEADER, N_BLOCKS, PHASE_END, SCRATCH_FIELDS
 
 NO_CHANGE = 2.0  # a fraction of the step that is never reached
 AHEAD = 1e-7  # of the step: at the very moment of a change the regime is that of so much later
 CLOSE_ENOUGH = 1e-6  # of the step: the error of going on in the wrong regime is of the second order in it
 MOST_TRIALS = 40
+PARTS = 4  # of the step, looked into one after the other
 
 
 @kernel
@@ -73,11 +74,20 @@ def _stays(model, x, o, i, regime):
 
 
 @kernel
-def changes(model, work, middle, end, scratch):
-    """Whether a joint has left the regime it is held in at the end of the step, or at the phase inside it."""
+def _leaves(model, work, inside, i, regime):
+    """Whether joint i is not in this regime at the end of the step, or at one of the stages inside it."""
+    n = int(model[N_BLOCKS])
+    left = not _stays(model, work, 6 * n * PHASE_END, i, regime)
+    for stage in inside:
+        left = left or not _stays(model, work, 6 * n * stage, i, regime)
+    return left
+
+
+@kernel
+def changes(model, work, inside, scratch):
+    """Whether a joint has left the regime it is held in, at the end of the step or at one of the stages inside it."""
     for i in range(int(model[N_BLOCKS])):
-        regime = int(work[place(scratch + SCRATCH_FIELDS * i + REGIME)])
-        if not (_stays(model, work, middle, i, regime) and _stays(model, work, end, i, regime)):
+        if _leaves(model, work, inside, i, int(work[place(scratch + SCRATCH_FIELDS * i + REGIME)])):
             return True
     return False
 
@@ -126,21 +136,21 @@ def _end_of_regime(model, work, i, regime, h, lo, hi):
 
 
 @kernel
-def first_change(model, work, middle, middle_node, end, scratch, h):
+def first_change(model, work, inside, scratch, h):
     """Fraction of the step at which a joint first leaves the regime that it was held in; NO_CHANGE if none does.
 
-    middle: a phase inside the step, at this fraction of it, looked at for joints that leave and come back.
+    inside: stages of the step that are looked at for joints that leave and come back.
     """
     first = NO_CHANGE
     for i in range(int(model[N_BLOCKS])):
         regime = int(work[place(scratch + SCRATCH_FIELDS * i + REGIME)])
-        if _stays(model, work, middle, i, regime) and _stays(model, work, end, i, regime):
+        if not _leaves(model, work, inside, i, regime):
             continue
-        lo, hi = 0.0, middle_node
-        if _margin_between(model, work, i, regime, h, hi) >= 0.0:
-            lo, hi = hi, 1.0
-            if _margin_between(model, work, i, regime, h, hi) >= 0.0:
-                continue
-        if lo < first:
-            first = min(first, _end_of_regime(model, work, i, regime, h, lo, hi))
+        lo, hi = 0.0, 0.0
+        for k in range(1, PARTS + 1):
+            lo, hi = hi, k / PARTS
+            if _margin_between(model, work, i, regime, h, hi) < 0.0:
+                if lo < first:
+                    first = min(first, _end_of_regime(model, work, i, regime, h, lo, hi))
+                break
     return first

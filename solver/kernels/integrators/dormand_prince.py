@@ -11,7 +11,7 @@ from .error import error_in_tolerances
 from .stage import evaluate_stage
 
 ORDER = 5
-MIDDLE, MIDDLE_NODE = 3, 4 / 5  # a stage inside the step
+INSIDE = (2, 2, 3)  # stages at 0.3 and 0.8 of the step
 
 C1, C2, C3, C4, C5 = 1 / 5, 3 / 10, 4 / 5, 8 / 9, 1.0
 A1_0 = 1 / 5

@@ -13,7 +13,7 @@ from .error import error_in_tolerances
 from .stage import evaluate_stage
 
 ORDER = 8
-MIDDLE, MIDDLE_NODE = 9, 3 / 5  # a stage inside the step
+INSIDE = (4, 9, 10)  # stages at 0.28, 0.6 and 0.86 of the step
 LEEWAY = 2.0  # the estimate is that of a lower order: how much more than a step's share it may be
 
 C1, C2, C3, C4, C5, C6, C7, C8, C9, C10, C11 = (
