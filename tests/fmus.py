@@ -21,11 +21,16 @@ def environment() -> dict[str, str]:
     return os.environ | {"PYTHONPATH": modules, "PATH": scripts + os.pathsep + os.environ.get("PATH", "")}
 
 
-def run(*command: object) -> str:
-    """Run a command to its end and return what it printed; fails unless it exits with 0."""
-    done = subprocess.run(
+def finish(*command: object) -> subprocess.CompletedProcess[str]:
+    """Run a command to its end, whatever it exits with."""
+    return subprocess.run(
         [str(part) for part in command], capture_output=True, text=True, env=environment(), check=False
     )
+
+
+def run(*command: object) -> str:
+    """Run a command to its end and return what it printed; fails unless it exits with 0."""
+    done = finish(*command)
     assert done.returncode == 0, f"exit code {done.returncode}: {done.stderr}"
     return done.stdout
 

@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from fmus import Fmus, environment, run
+from fmus import Fmus, environment, finish, run
 
 PRELUDE = """
 import json, sys
@@ -75,13 +75,7 @@ def test_a_wrong_call_is_answered_and_the_instance_lives_on(fmus: Fmus, logging:
     script = (PRELUDE + WRONG).replace("Instance(sys.argv[1], ", f"Instance(sys.argv[1], loggingOn={logging}, values=")
     script = script.replace("values=initialize", "initialize")
     calls = json.dumps([(made, call) for made, call, _, _ in WRONG_CALLS])
-    done = subprocess.run(
-        [sys.executable, "-c", script, str(fmus.damped), calls],
-        capture_output=True,
-        text=True,
-        env=environment(),
-        check=False,
-    )
+    done = finish(sys.executable, "-c", script, fmus.damped, calls)
     assert done.returncode == 0, done.stderr
     answers, lines = done.stdout.split("== ")[1:], done.stderr.split("==\n")[:-1]
     logged = done.stdout.split("== ")[:-1]

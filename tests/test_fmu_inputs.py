@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from fmpy import read_model_description
-from fmus import ROOT, Fmus, environment, run
+from fmus import ROOT, Fmus, environment, finish, run
 
 from solver import Column, Motion, simulate
 
@@ -151,13 +151,7 @@ def test_what_looks_like_a_mistake_is_said_once(
         f"for k in range(10):\n    column.step(k * {h}, {h})\ncolumn.close()"
     )
     given = json.dumps(values).replace("RECORD", str(record))
-    done = subprocess.run(
-        [sys.executable, "-c", script, str(fmus.damped), given],
-        capture_output=True,
-        text=True,
-        env=environment(),
-        check=False,
-    )
+    done = finish(sys.executable, "-c", script, fmus.damped, given)
     assert done.returncode == 0, done.stderr
     for stream in (done.stderr, done.stdout if logging else done.stderr):
         assert stream.count("\n") == (1 if said else 0)

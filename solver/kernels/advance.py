@@ -139,7 +139,7 @@ def advance(model, state, counters, inputs, work, t, h, times, snapshots):
     scratch = scratch_offset(n)
     watched = times.size > 0
     if counters[OVERTURNED] > 0:
-        take_held_snapshots(model, state, counters, t + h * (1.0 + SLACK), times, snapshots)
+        take_held_snapshots(model, state, counters, t, h, times, snapshots)
         return HAS_OVERTURNED
 
     for i in range(size):
@@ -166,10 +166,10 @@ def advance(model, state, counters, inputs, work, t, h, times, snapshots):
         state[BASE_AX], state[BASE_AZ] = 0.0, 0.0
         state[TIME_FULL] += h
         state[TIME_AT_REST] += h
-        take_held_snapshots(model, state, counters, t + h * (1.0 + SLACK), times, snapshots)
+        take_held_snapshots(model, state, counters, t, h, times, snapshots)
         return OK
     if watched:
-        top = scratch_offset(n) + TOP_START * n
+        top = scratch + TOP_START * n
         top_motion(model, work, start, work, top)
         for i in range(n):
             peak = STATE_HEADER + 6 * n + i
@@ -264,7 +264,7 @@ def advance(model, state, counters, inputs, work, t, h, times, snapshots):
     state[BASE_AX], state[BASE_AZ] = base_acceleration(inputs, t + gone)
     if fallen:
         counters[OVERTURNED] = widest_joint(model, work, start)
-        take_held_snapshots(model, state, counters, t + h * (1.0 + SLACK), times, snapshots)
+        take_held_snapshots(model, state, counters, t, h, times, snapshots)
         return HAS_OVERTURNED
     return OK
 

@@ -75,6 +75,13 @@ def contact_regime(width, damping, opening, slope, opening_rate, slope_rate):
 
 
 @leaf
+def _bounds(regime):
+    """What bounds the loaded part on the left and on the right in a regime that is not OPEN."""
+    right = (regime - FULL) // 3
+    return regime - FULL - 3 * right, right
+
+
+@leaf
 def regime_margin(regime, width, damping, opening, slope, opening_rate, slope_rate):
     """How far the joint is from leaving the regime, m: negative beyond, zero where another one begins.
 
@@ -91,8 +98,7 @@ def regime_margin(regime, width, damping, opening, slope, opening_rate, slope_ra
         if abs(same) < half:
             most = max(most, same * slope - opening)
         return -most
-    right = (regime - FULL) // 3
-    left = regime - FULL - 3 * right
+    left, right = _bounds(regime)
     margin = _bound_margin(left, -half, opening, slope, mean, gradient, damping)
     return min(margin, _bound_margin(right, half, opening, slope, mean, gradient, damping))
 
@@ -133,8 +139,7 @@ def joint_forces(stiffness, width, depth, damping, opening, slope, opening_rate,
     elif regime == OPEN:
         return 0.0, 0.0, 0.0
     else:
-        right = (regime - FULL) // 3
-        left = regime - FULL - 3 * right
+        left, right = _bounds(regime)
         lo = _edge(left, -0.5 * width, damping, opening, slope, opening_rate, slope_rate)
         hi = _edge(right, 0.5 * width, damping, opening, slope, opening_rate, slope_rate)
     length = hi - lo

@@ -79,10 +79,10 @@ def take_snapshots(model, inputs, work, counters, t, h, times, snapshots):
 
 
 @kernel
-def take_held_snapshots(model, state, counters, end_time, times, snapshots):
-    """The same up to end_time for a column whose state does not change."""
+def take_held_snapshots(model, state, counters, t, h, times, snapshots):
+    """The same for a column whose state does not change from t to t + h."""
     n = int(model[N_BLOCKS])
-    while counters[NEXT_ROW] < times.size and times[counters[NEXT_ROW]] <= end_time:
+    while row_due(counters, times, t, h):
         r = counters[NEXT_ROW]
         for i in range(6 * n):
             snapshots[r, i] = state[STATE_HEADER + i]
