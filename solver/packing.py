@@ -26,6 +26,10 @@ NO_DAMPING = 1e-300  # s: what a dashpot that does nothing is computed with
 # base joint opens: a column at rest, or nearly, need not be followed digit by digit.
 FLOOR = 1e-2
 
+# Order 8 is the cheaper explicit method where the tolerance is tight, or where joint modes go on ringing because they
+# are damped by less than this part of the critical damping.
+TIGHT = 2e-5
+LIGHTLY_DAMPED = 0.02
 # The errors of steps add up: each is allowed this part of the tolerance that the user asks for.
 STEP_PART = 0.1
 LEAST_TOLERANCE = 1e-13
@@ -89,6 +93,8 @@ def pack_model(column: Column) -> FloatArray:
     spring[1:] += spring[:-1]
     fastest = math.sqrt(2.0 * float(np.max(spring / rows[:, at.MASS])))
     model[at.FIRST_STEP] = 0.1 / fastest
+    ringing = 0.5 * float(np.max(rows[:, at.DAMPING])) * fastest < LIGHTLY_DAMPED
+    model[at.EXPLICIT_ORDER] = 8 if ringing or settings.tolerance <= TIGHT else 5
     opening_rotation = 2.0 * settlements(column) / rows[:, at.JOINT_WIDTH]
     model[at.ROTATION_FLOOR] = max(1e-9, FLOOR * float(np.min(opening_rotation)))
     height = float(np.sum(rows[:, at.HEIGHT]))

@@ -5,7 +5,8 @@ import math
 from .condition import has_fallen, is_quiet, moment_of_overturning, rests, take_stock, widest_joint
 from .dynamics import accelerate, base_acceleration, observe, scratch_offset, top_motion
 from .integrators import dormand_prince, modal, order_8
-from .interpolation import begin, interpolate_phase, refine
+from .integrators.error import error_in_tolerances
+from .interpolation import begin, interpolate_phase, refine, refinement
 from .jit import entry, kernel, leaf
 from .layout import (
     BASE_AX,
@@ -52,7 +53,7 @@ from .layout import (
     TOP_START,
     UNHELD,
 )
-from .regimes import NO_CHANGE, changes, first_change, hold, release
+from .regimes import NO_CHANGE, changes, expected_change, first_change, hold, release
 from .step_control import (
     FIXED,
     MODES,
@@ -65,6 +66,7 @@ from .step_control import (
 )
 from .watch import take_held_snapshots, take_snapshots, track_peaks
 
+WELL_ENOUGH = 1.0  # tolerances: what `refine` adds to an interpolation that will do for the end of a step
 BEYOND = 1e-5  # of a step: so far a step made again ends beyond the change, of which it costs the square
 LEAST_CUT = 1e-4  # of a step: regimes that change sooner are not held
 LEAST_STEP = 1e-13  # of the time scale: below this the error control has failed
@@ -104,6 +106,15 @@ def _end_step(method, model, inputs, work, counters, t, h, fraction):
     begin(model, work, method == ORDER_8)
     base_ax, base_az = base_acceleration(inputs, t + fraction * h)
     return accelerate(model, work, end, base_ax, base_az, work, counters)
+
+
+@kernel
+def _interpolates_well(model, state, work, h, fraction):
+    """Whether the interpolation at this fraction of a step of h seconds is as accurate as the step."""
+    n = int(model[N_BLOCKS])
+    refinement(work, 2 * n, h, fraction)
+    part = error_in_tolerances(model, work, 6 * n * PHASE_BETWEEN, state[ROTATION_SCALE], state[RATE_SCALE])
+    return part <= WELL_ENOUGH
 
 
 @kernel
@@ -201,6 +212,10 @@ def advance(model, state, counters, inputs, work, t, h, times, snapshots):
             held = _holds(method, model, counters)
             if held:
                 hold(model, work, start, scratch, step)
+                expected = expected_change(model, work, start, scratch, step)
+                if expected < step:
+                    step = expected
+                    last = False
         begin(model, work, method == ORDER_8)
         if method != MODES:
             modal.forget(model, work)
@@ -228,7 +243,7 @@ def advance(model, state, counters, inputs, work, t, h, times, snapshots):
                 continue
             if cut < NO_CHANGE:
                 counters[EVENTS] += 1
-                if method == ORDER_8:
+                if not _interpolates_well(model, state, work, step, cut):
                     cut = min(1.0, cut + BEYOND)
                     code = _make_again(method, model, state, counters, inputs, work, t + gone, cut * step)
                 else:

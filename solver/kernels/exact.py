@@ -18,7 +18,7 @@ rotations enter until the base.
 import math
 
 from .jit import kernel, leaf, place
-from .joint import joint_forces
+from .joint import ANY, joint_forces, regime_margin
 from .layout import (
     BLOCK_FIELDS,
     CENTROID,
@@ -52,6 +52,7 @@ FORCE_0 = 9
 TANGENTIAL = 10  # N, that force once s is known
 LOCK = 11  # regime that the joint is held in; 0 is whichever applies
 REGIME = 12  # that it was last held in
+LEFT = 13  # 1 if an evaluation found it outside
 SMALL = 0.03  # rad: below this the polynomials are exact to rounding
 
 
@@ -101,17 +102,24 @@ def exact_accelerations(model, x, o, base_ax, base_az, work, scratch):
             spin_below = x[q + 2 * n + 1]
         sin_half, cos_half = sine_cosine(0.5 * (turn - turn_below))
         mean_spin = 0.5 * (spin + spin_below)
+        width = model[row + JOINT_WIDTH]
+        damping = model[row + DAMPING]
+        slope = 2.0 * sin_half
+        slope_rate = cos_half * (spin - spin_below)
+        regime = int(work[out + LOCK])
         normal, moment, length = joint_forces(
             model[row + STIFFNESS],
-            model[row + JOINT_WIDTH],
+            width,
             model[row + JOINT_DEPTH],
-            model[row + DAMPING],
+            damping,
             opening,
-            2.0 * sin_half,
+            slope,
             opening_rate,
-            cos_half * (spin - spin_below),
-            int(work[out + LOCK]),
+            slope_rate,
+            regime,
         )
+        if regime != ANY and regime_margin(regime, width, damping, opening, slope, opening_rate, slope_rate) < 0.0:
+            work[out + LEFT] = 1.0
         moment_turn = moment * cos_half  # conjugate to the relative rotation
         half_opening = 0.5 * opening
         b_t = half_opening + height * cos_half  # acceleration of the top face for a unit alpha

@@ -85,6 +85,16 @@ def refine(model, inputs, work, counters, t, h):
 
 
 @kernel
+def refinement(work, size, h, s):
+    """What `refine` added to coordinates and rates at fraction s of the step: left in PHASE_BETWEEN."""
+    bump, between = 3 * size * PHASE_BUMP, 3 * size * PHASE_BETWEEN
+    hill = s * (1.0 - s)
+    for i in range(size):
+        work[between + i] = work[bump + i] * hill * hill * hill
+        work[between + size + i] = work[bump + i] * 3.0 * hill * hill * (1.0 - 2.0 * s) / h
+
+
+@kernel
 def turning_point(d0, v0, d1, v1, h):
     """Fraction of the step where the cubic through two displacements and velocities turns; v0 * v1 < 0."""
     # velocity of the cubic: v0 + 2 b s + 3 c s^2 over a step of unit length

@@ -23,6 +23,7 @@ ROTATION_FLOOR = 7  # rad, least rotation that errors are measured against
 RATE_FLOOR = 8  # rad/s, least rate that errors are measured against
 WITHOUT = 9  # sum of the short cuts that are not to be taken
 MODAL = 10  # where the modal data begin, 0 where there are none
+EXPLICIT_ORDER = 11  # 5 or 8, of the explicit method of `auto`
 MODEL_HEADER = 12
 
 # short cuts, as stored in WITHOUT
@@ -131,20 +132,20 @@ PHASE_END = 12  # the phase it arrives at
 PHASE_BETWEEN = 13  # interpolated inside the step
 PHASE_BUMP = 14  # 2 n numbers that the interpolation adds for the acceleration half-way; whether they are wanted
 N_PHASES = 15
-SCRATCH_FIELDS = 16  # of the acceleration kernels
-TOP_START = 16  # displacement and velocity of the top faces at the start of a step
-TOP_END = 18  # and at its end
-TOP_BETWEEN = 20
-WORK_FIELDS = 22
+SCRATCH_FIELDS = 17  # of the acceleration kernels
+TOP_START = 17  # displacement and velocity of the top faces at the start of a step
+TOP_END = 19  # and at its end
+TOP_BETWEEN = 21
+WORK_FIELDS = 23
 TANGENT_FIELDS = 20  # of the implicit solution
 RESPONSE_FIELDS = 21  # of a mode over a step, 2 n modes
 RESPONSE_HEADER = 2
 RESPONSES = 2  # steps whose responses are kept
 
 # fields of the scratch that every formulation leaves behind: resultants of the joints
-JOINT_NORMAL = 13  # N
-JOINT_MOMENT = 14  # N m
-JOINT_LENGTH = 15  # m in contact
+JOINT_NORMAL = 14  # N
+JOINT_MOMENT = 15  # N m
+JOINT_LENGTH = 16  # m in contact
 
 SLACK = 1e-9  # of a step: times closer than this are the same
 

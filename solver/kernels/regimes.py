@@ -5,7 +5,7 @@ comes down. A step that is held in the regimes of its start has smooth equations
 the integrator and the interpolation inside the step hold up to the moment of the change, where it is cut off.
 """
 
-from .exact import LOCK, REGIME, sine_cosine
+from .exact import LEFT, LOCK, REGIME, sine_cosine
 from .interpolation import interpolate_one
 from .jit import kernel, leaf, place
 from .joint import ANY, contact_regime, regime_margin
@@ -15,6 +15,9 @@ NO_CHANGE = 2.0  # a fraction of the step that is never reached
 AHEAD = 1e-7  # of the step: at the very moment of a change the regime is that of so much later
 CLOSE_ENOUGH = 1e-6  # of the step: the error of going on in the wrong regime is of the second order in it
 MOST_TRIALS = 40
+PREDICTIONS = 4  # trials
+OVERSHOOT = 1.03  # a step that is to end just beyond a change is longer than expected by so much,
+AFTER = 0.01  # and by this part of the one proposed
 PARTS = 4  # of the step, looked into one after the other
 
 
@@ -39,6 +42,7 @@ def hold(model, work, start, scratch, h):
         )
         work[scratch + SCRATCH_FIELDS * i + LOCK] = regime
         work[scratch + SCRATCH_FIELDS * i + REGIME] = regime
+        work[scratch + SCRATCH_FIELDS * i + LEFT] = 0.0
         turn_below = turn
         spin_below = spin
 
@@ -74,6 +78,53 @@ def _stays(model, x, o, i, regime):
 
 
 @kernel
+def _margin_ahead(model, work, start, i, regime, s):
+    """The margin of joint i in s seconds from the phase at work[start:] if its accelerations stay what they are."""
+    n = int(model[N_BLOCKS])
+    q = place(start + i)
+    turn, spin, spin_rate = work[q], work[q + 2 * n], work[q + 4 * n]
+    if i + 1 < n:
+        turn -= work[q + 1]
+        spin -= work[q + 2 * n + 1]
+        spin_rate -= work[q + 4 * n + 1]
+    opening, opening_rate, opening_rate_rate = work[q + n], work[q + 3 * n], work[q + 5 * n]
+    turn += s * (spin + 0.5 * s * spin_rate)
+    opening += s * (opening_rate + 0.5 * s * opening_rate_rate)
+    return _margin(model, i, regime, turn, opening, spin + s * spin_rate, opening_rate + s * opening_rate_rate)
+
+
+@kernel
+def expected_change(model, work, start, scratch, h):
+    """Seconds until just after a joint is expected to leave its regime; h if not before that.
+
+    Expected is what happens if accelerations stay what they are. A step that ends there is nearly used up when it is
+    cut off, and interpolates well where that happens.
+    """
+    first = h
+    for i in range(int(model[N_BLOCKS])):
+        regime = int(work[place(scratch + SCRATCH_FIELDS * i + REGIME)])
+        hi = first
+        at_hi = _margin_ahead(model, work, start, i, regime, hi)
+        if at_hi >= 0.0:
+            continue
+        lo = 0.0
+        at_lo = _margin_ahead(model, work, start, i, regime, lo)
+        if at_lo <= 0.0:
+            continue
+        for _ in range(PREDICTIONS):
+            trial = (lo * at_hi - hi * at_lo) / (at_hi - at_lo)
+            at_trial = _margin_ahead(model, work, start, i, regime, trial)
+            if at_trial < 0.0:
+                hi, at_hi = trial, at_trial
+                at_lo *= 0.5
+            else:
+                lo, at_lo = trial, at_trial
+                at_hi *= 0.5
+        first = hi
+    return min(h, OVERSHOOT * first + AFTER * h)
+
+
+@kernel
 def _leaves(model, work, inside, i, regime):
     """Whether joint i is not in this regime at the end of the step, or at one of the stages inside it."""
     n = int(model[N_BLOCKS])
@@ -87,6 +138,8 @@ def _leaves(model, work, inside, i, regime):
 def changes(model, work, inside, scratch):
     """Whether a joint has left the regime it is held in, at the end of the step or at one of the stages inside it."""
     for i in range(int(model[N_BLOCKS])):
+        if work[place(scratch + SCRATCH_FIELDS * i + LEFT)] == 0.0:
+            continue
         if _leaves(model, work, inside, i, int(work[place(scratch + SCRATCH_FIELDS * i + REGIME)])):
             return True
     return False
@@ -144,7 +197,7 @@ def first_change(model, work, inside, scratch, h):
     first = NO_CHANGE
     for i in range(int(model[N_BLOCKS])):
         regime = int(work[place(scratch + SCRATCH_FIELDS * i + REGIME)])
-        if not _leaves(model, work, inside, i, regime):
+        if work[place(scratch + SCRATCH_FIELDS * i + LEFT)] == 0.0 or not _leaves(model, work, inside, i, regime):
             continue
         lo, hi = 0.0, 0.0
         for k in range(1, PARTS + 1):

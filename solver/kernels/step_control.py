@@ -9,6 +9,7 @@ from .layout import (
     ELASTIC_STEPS,
     ELASTIC_WAIT,
     EXACT,
+    EXPLICIT_ORDER,
     EXPLICIT_STEP,
     FORMULATION,
     IMPLICIT,
@@ -23,7 +24,6 @@ from .layout import (
     ROTATION_SCALE,
     SINCE_PROBE,
     SLACK,
-    TOLERANCE,
 )
 
 # methods
@@ -42,7 +42,7 @@ INTEGRAL = 0.7
 PROPORTIONAL = 0.4
 LEAST_ERROR = 1e-4
 # when `auto` changes its method
-GAIN = 3.0  # the implicit method has to step further than the explicit one by so much
+GAIN = 2.2  # the implicit method has to step further than the explicit one by so much
 PROBE = 4.0  # times the explicit step: how far the implicit method is tried
 STEPS_PER_PROBE = 100
 SMOOTHING = 0.2
@@ -51,20 +51,19 @@ ELASTIC_COST = 0.5
 WAIT_OPEN = 10  # steps of the others after a joint was found open before it is tried again
 WAIT_SHORT = 30  # and after its steps had become too short
 SPARE = 0.3  # of the tolerance: with a smaller error the step becomes longer
-ORDER_8_BELOW = 1.5e-5  # tolerance of a step from which on order 8 is the cheaper explicit method
 
 
 @kernel
 def _general_method(model, state, counters, step, left):
     """The method by which `auto` makes its next step, of so many seconds.
 
-    Explicit, of order 8 where the tolerance is tight, or implicit. An implicit step costs about as much as one of order
-    5 and half as much as one of order 8, so the method that goes further at the same cost is the better. The implicit
-    one is left where it does not; from time to time it is tried with a longer step.
+    An implicit step costs about as much as an explicit one of order 5 and half as much as one of order 8, so the method
+    that goes further at the same cost is the better. The implicit one is left where it does not; from time to time it
+    is tried with a longer step.
     """
-    explicit = ORDER_8 if model[TOLERANCE] < ORDER_8_BELOW else ORDER_5
     if model[FORMULATION] != EXACT:
         return ORDER_5
+    explicit = ORDER_8 if model[EXPLICIT_ORDER] == 8.0 else ORDER_5
     worth = 0.5 if explicit == ORDER_8 else 1.0
     if counters[IMPLICIT] == 1:
         return LINEARLY_IMPLICIT if min(step, left) > GAIN * worth * state[EXPLICIT_STEP] else explicit
@@ -147,14 +146,16 @@ def accepts(method, state, counters, step, code, error):
     error = max(error, LEAST_ERROR)
     factor = SAFETY * error ** (-INTEGRAL / order) * state[LAST_ERROR] ** (PROPORTIONAL / order)
     factor = min(GROW, max(SHRINK, factor))
-    state[LAST_ERROR] = error
+    # one cut short says nothing against the longer one proposed before
+    whole = step >= state[NEXT_STEP] * (1.0 - SLACK)
+    if whole:
+        state[LAST_ERROR] = error
     if implicit:
         counters[IMPLICIT_STEPS] += 1
         counters[IMPLICIT] = 1
     else:
         counters[SINCE_PROBE] += 1
-        # a step cut short by the end of the call says nothing against the longer one proposed before
-        if step >= state[NEXT_STEP] * (1.0 - SLACK):
+        if whole:
             state[EXPLICIT_STEP] += SMOOTHING * (step - state[EXPLICIT_STEP])
             counters[IMPLICIT] = 0
     state[NEXT_STEP] = step * factor if factor < 1.0 else max(step * factor, state[NEXT_STEP])

@@ -1,7 +1,7 @@
-"""Dormand and Prince's explicit Runge-Kutta pair of orders 5(4).
+"""Dormand and Prince's explicit Runge-Kutta pair of orders 5(4) with the larger region of stability.
 
-J. R. Dormand, P. J. Prince, A family of embedded Runge-Kutta formulae, J. Comp. Appl. Math. 6 (1980) 19-26, RK5(4)7M.
-The last stage is the first of the next step. Written out, because a compiler that sees each sum whole works on several
+J. R. Dormand, P. J. Prince, A family of embedded Runge-Kutta formulae, J. Comp. Appl. Math. 6 (1980) 19-26, RK5(4)7S: for
+joint modes at 0.6 of the critical damping 12 % more stable than RK5(4)7M, on the real axis 70 %. The last stage is the first of the next step. Written out, because a compiler that sees each sum whole works on several
 unknowns at once.
 """
 
@@ -11,23 +11,23 @@ from .error import error_in_tolerances
 from .stage import evaluate_stage
 
 ORDER = 5
-INSIDE = (2, 2, 3)  # stages at 0.3 and 0.8 of the step
+INSIDE = (2, 3, 4)  # stages at 1/3, 5/9 and 2/3 of the step
 
-C1, C2, C3, C4, C5 = 1 / 5, 3 / 10, 4 / 5, 8 / 9, 1.0
-A1_0 = 1 / 5
-A2_0, A2_1 = 3 / 40, 9 / 40
-A3_0, A3_1, A3_2 = 44 / 45, -56 / 15, 32 / 9
-A4_0, A4_1, A4_2, A4_3 = 19372 / 6561, -25360 / 2187, 64448 / 6561, -212 / 729
-A5_0, A5_1, A5_2, A5_3, A5_4 = 9017 / 3168, -355 / 33, 46732 / 5247, 49 / 176, -5103 / 18656
-B_0, B_2, B_3, B_4, B_5 = 35 / 384, 500 / 1113, 125 / 192, -2187 / 6784, 11 / 84
+C1, C2, C3, C4, C5 = 2 / 9, 1 / 3, 5 / 9, 2 / 3, 1.0
+A1_0 = 2 / 9
+A2_0, A2_1 = 1 / 12, 1 / 4
+A3_0, A3_1, A3_2 = 55 / 324, -25 / 108, 50 / 81
+A4_0, A4_1, A4_2, A4_3 = 83 / 330, -13 / 22, 61 / 66, 9 / 110
+A5_0, A5_1, A5_2, A5_3, A5_4 = -19 / 28, 9 / 4, 1 / 7, -27 / 7, 22 / 7
+B_0, B_2, B_3, B_4, B_5 = 19 / 200, 3 / 5, -243 / 400, 33 / 40, 7 / 80
 # order 5 less the embedded order 4
 ERROR_0, ERROR_2, ERROR_3, ERROR_4, ERROR_5, ERROR_LAST = (
-    71 / 57600,
-    -71 / 16695,
-    71 / 1920,
-    -17253 / 339200,
-    22 / 525,
-    -1 / 40,
+    11 / 1250,
+    -33 / 500,
+    891 / 5000,
+    -33 / 250,
+    -9 / 1000,
+    1 / 50,
 )
 
 
