@@ -1,8 +1,9 @@
 """Dormand and Prince's explicit Runge-Kutta pair of orders 5(4) with the larger region of stability.
 
-J. R. Dormand, P. J. Prince, A family of embedded Runge-Kutta formulae, J. Comp. Appl. Math. 6 (1980) 19-26, RK5(4)7S: for
-joint modes at 0.6 of the critical damping 12 % more stable than RK5(4)7M, on the real axis 70 %. The last stage is the first of the next step. Written out, because a compiler that sees each sum whole works on several
-unknowns at once.
+J. R. Dormand, P. J. Prince, A family of embedded Runge-Kutta formulae, J. Comp. Appl. Math. 6 (1980) 19-26, RK5(4)7S.
+Its steps may be 12 % longer than those of RK5(4)7M for joint modes at 0.6 of the critical damping, 70 % for modes
+damped critically. The last stage is the first of the next step. Written out, because a compiler that sees each sum
+whole works on several unknowns at once.
 """
 
 from ..jit import kernel, place
