@@ -43,7 +43,10 @@ its joint.</p>
 <h2>Inputs within a communication step</h2>
 <p>From the start t0 of a step to its end the base acceleration is base.ax + base.jx (t - t0), and likewise in z: with
 base.jx = 0 it is held, with the slope of the signal it is linear. To this is added the record that base.record names,
-sampled by the FMU itself whatever the communication step.</p>
+sampled by the FMU itself whatever the communication step. The base rotates by
+base.theta + base.omega (t - t0) + base.alpha (t - t0)<sup>2</sup> / 2 about the centre of its joint, to which base.ax
+and base.az belong. At the end of initialization the column stands upright on the base, whatever base.theta is then;
+a base.theta set later turns the base under blocks that stay where they are.</p>
 <h2>Variables</h2>
 {tables}
 </body>

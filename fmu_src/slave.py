@@ -43,6 +43,7 @@ from .variables import (
     RECORD,
     RECORD_PGA,
     RECORD_SCALE,
+    ROTATION_INPUTS,
     Variable,
     column_from,
     parameter_names,
@@ -106,7 +107,12 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
         self._table = variables(self._column, self._own_record.name if self._own_record else "")
         self._reference = {variable.name: k for k, variable in enumerate(self._table)}
         self._values: list[Any] = [variable.start for variable in self._table]
-        self._first_parameter = self._reference["g"]
+        theta = self._reference[ROTATION_INPUTS[0].name]
+        self._rotation = slice(theta, theta + len(ROTATION_INPUTS))
+        self._values[self._rotation] = [0.0] * len(ROTATION_INPUTS)
+        self._split = slice(self._rotation.stop, self._rotation.stop + at.SPLIT)
+        self._values[self._split] = [0.0] * at.SPLIT
+        self._parameters = slice(self._reference["g"], theta)
         self._row = slice(len(INPUTS), len(INPUTS) + at.row_size(self._column.n))
         self._values[self._row] = [0.0] * at.row_size(self._column.n)
         self._verdict = [self._reference[item.name] for item in (OVERTURN_TIME, OVERTURN_JOINT, OVERTURNED)]
@@ -161,6 +167,10 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
         self._check_mode("initialization can end", Mode.INSTANTIATED, Mode.INITIALIZATION)
         try:
             self._build()
+            if self._stepper:
+                self._set_inputs(self._stepper, self._time, (0.0, 0.0, 0.0, 0.0))
+                self._stepper.stand_on_base()
+                self._inputs_stand, self._outdated = False, True
         except Exception as error:
             self._fail(_told(error))
         self._mode = Mode.STEPPING
@@ -191,9 +201,9 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
             return "the step must be a positive time"
         if not abs(current_time - self._time) <= TIME_SLACK * step_size + 1e-12 * abs(self._time):
             return f"the last step ended at t = {self._time} s"
-        given = self._values
-        if not math.isfinite(given[AX] + given[AZ] + given[JX] + given[JZ]):
-            for variable, value in zip(INPUTS, given, strict=False):
+        given = self._given()
+        if not math.isfinite(sum(given)):
+            for variable, value in zip((*INPUTS, *ROTATION_INPUTS), given, strict=True):
                 if not math.isfinite(value):
                     return f"{variable.name} = {value}: must be a finite number in {variable.unit}"
         return None
@@ -210,7 +220,7 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
                 self._apply_parameters(stepper)
             self._input_time = start
             if record is None:
-                _set(stepper.inputs, start, values[AX], values[JX], values[AZ], values[JZ])
+                _set(stepper.inputs, start, values[AX], values[JX], values[AZ], values[JZ], *values[self._rotation])
                 stepper.advance(start, step)
             else:
                 edges = record.edges(start, start + step)
@@ -225,7 +235,7 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
         self._time = start + step
         self._inputs_stand = self._outdated = True
         if not self._shaken:
-            self._shaken = record is not None or any(values[: len(INPUTS)])
+            self._shaken = record is not None or any(self._given())
         if record is not None and not self._coarse_told and step > record.dt * (1.0 + STEP_SLACK):
             self._coarse_told = True
             self._say(
@@ -264,7 +274,7 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
     def _restore(self, snapshot: state.Snapshot) -> None:
         """Become what the snapshot was taken of. An exception leaves the instance as it was."""
         stepper, record, name = self._stepper, self._record, self._record_name
-        parameters = snapshot.values[self._first_parameter :]
+        parameters = snapshot.values[self._parameters]
         if not snapshot.arrays:
             stepper = None
         elif stepper is None or parameters != self._built_from:
@@ -337,17 +347,17 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
                 self._check_settable(reference, kind)
         for reference, value in zip(vrs, values, strict=True):
             self._values[reference] = value
-            if reference >= len(INPUTS):
+            if self._parameters.start <= reference < self._parameters.stop:
                 self._retune = self._mode == Mode.STEPPING
         self._input_time = self._time
         self._inputs_stand, self._outdated = False, True
 
     def _check_settable(self, reference: int, kind: str) -> None:
         known = 0 <= reference < len(self._table) and self._table[reference].kind == kind
-        if not known or self._table[reference].causality != "parameter":
+        if not known or self._table[reference].causality == "output":
             self._fail(f"value reference {reference}: is not an input or a parameter of the kind {kind}")
         variable = self._table[reference]
-        if self._mode == Mode.STEPPING and variable.variability != "tunable":
+        if self._mode == Mode.STEPPING and variable.variability == "fixed":
             self._fail(f"{variable.name}: can be set before the end of initialization only")
 
     def _update(self) -> None:
@@ -365,7 +375,10 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
         if not self._inputs_stand:
             line = self._record.after(self._time) if self._record else (0.0, 0.0, 0.0, 0.0)
             self._set_inputs(stepper, self._time, line)
+        if self._mode == Mode.INITIALIZATION:
+            stepper.stand_on_base()
         self._values[self._row] = stepper.observe(self._time).tolist()
+        self._values[self._split] = stepper.split.tolist()
         joint = stepper.overturned_joint
         if joint != self._values[self._verdict[1]]:
             self._tell_verdict(stepper.overturn_time if joint else -1.0, joint, joint > 0)
@@ -375,6 +388,7 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
         """Let the base follow, from time t on, the inputs and the straight line (ax, jx, az, jz) of the record."""
         values = self._values
         gone = t - self._input_time
+        theta, omega, alpha = values[self._rotation]
         ax, jx, az, jz = line
         _set(
             stepper.inputs,
@@ -383,7 +397,14 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
             values[JX] + jx,
             values[AZ] + values[JZ] * gone + az,
             values[JZ] + jz,
+            theta + gone * (omega + 0.5 * gone * alpha),
+            omega + gone * alpha,
+            alpha,
         )
+
+    def _given(self) -> list[float]:
+        """Values of all inputs."""
+        return [*self._values[: len(INPUTS)], *self._values[self._rotation]]
 
     # --- parameters
 
@@ -408,7 +429,7 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
 
     def _build(self) -> None:
         """Make stepper and record of the parameters as they stand. Raises InputError."""
-        parameters = self._values[self._first_parameter :]
+        parameters = self._values[self._parameters]
         if self._stepper is not None and parameters == self._built_from:
             return
         values = self._values
@@ -425,7 +446,7 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
     def _apply_parameters(self, stepper: Stepper) -> None:
         """Go on with the tunable parameters as they stand. Raises InputError."""
         stepper.retune(self._described())
-        self._built_from = self._values[self._first_parameter :]
+        self._built_from = self._values[self._parameters]
 
     def _put(self, name: str, value: float | int | bool) -> None:
         self._values[self._reference[name]] = value
@@ -452,13 +473,29 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
         raise RuntimeError(message)
 
 
-def _set(inputs: FloatArray, t: float, ax: float, jx: float, az: float, jz: float) -> None:
-    """Let the base accelerate by ax and az, m/s2, at time t and by their slopes jx and jz, m/s3, from there on."""
+def _set(
+    inputs: FloatArray,
+    t: float,
+    ax: float,
+    jx: float,
+    az: float,
+    jz: float,
+    theta: float,
+    omega: float,
+    alpha: float,
+) -> None:
+    """Let the base accelerate by ax and az, m/s2, at time t and by their slopes jx and jz, m/s3, from there on.
+
+    theta, omega, alpha: its rotation at time t, rad clockwise, and what that follows from there on.
+    """
     inputs[at.INPUT_AX] = ax
     inputs[at.INPUT_JX] = jx
     inputs[at.INPUT_AZ] = az
     inputs[at.INPUT_JZ] = jz
     inputs[at.INPUT_T0] = t
+    inputs[at.INPUT_BASE_THETA] = theta
+    inputs[at.INPUT_BASE_OMEGA] = omega
+    inputs[at.INPUT_BASE_ALPHA] = alpha
 
 
 def _told(error: Exception) -> str:

@@ -2,6 +2,7 @@
 
 Value references count the table's rows. Real variables come first, in the order of the slave's list of numbers: inputs,
 then one output row as the kernels write it (solver/kernels/layout.py), then what else is visible, then the parameters.
+What came later stands behind all that, so that references stay: rotation of the base, its reaction split.
 """
 
 from __future__ import annotations
@@ -55,23 +56,45 @@ INPUTS = (
     _input("base.jx", _SLOPE.format("x"), "m/s3", 10.0),
     _input("base.jz", _SLOPE.format("z"), "m/s3", 10.0),
 )
-_BOTH = ("base.ax", "base.az")
+ROTATION_INPUTS = (
+    _input("base.theta", "Rotation of the base, clockwise", "rad", 1e-3),
+    _input("base.omega", "Rate of base.theta", "rad/s", 1e-2),
+    _input("base.alpha", "Acceleration of base.theta, held within a communication step", "rad/s2", 0.1),
+)
+_TURNED = ("base.theta",)
+_TURNING = ("base.theta", "base.omega")
+_ALL = ("base.ax", "base.az", *_TURNING, "base.alpha")
 
-# history -> unit, description, least and largest value, inputs it depends on without delay
+# history -> unit, description, least and largest value, inputs it depends on without delay (of the base joint, if it is
+# a joint's own)
 _BLOCK_OUTPUTS: dict[str, tuple[str, str, float | None, float | None, tuple[str, ...]]] = {
-    "ux": ("m", "Top face of block {i} relative to the base, positive to +x", None, None, ()),
-    "uz": ("m", "Centroid of block {i} from the unloaded geometry, positive up", None, None, ()),
+    "ux": ("m", "Top face of block {i} relative to the base, positive to +x", None, None, _TURNED),
+    "uz": ("m", "Centroid of block {i} from the unloaded geometry, positive up", None, None, _TURNED),
     "theta": ("rad", "Rotation of block {i}, clockwise", None, None, ()),
-    "N": ("N", "Normal force in the joint under block {i}, compression", 0.0, None, ()),
-    "M": ("N.m", "Moment of the pressure about the centre of joint {i}, restoring", None, None, ()),
-    "S": ("N", "Horizontal shear force on what is under joint {i}, positive to +x", None, None, _BOTH),
-    "contact": ("", "Part of the width of joint {i} in contact", 0.0, 1.0, ()),
-    "sigma_max": ("Pa", "Largest pressure on joint {i}", 0.0, None, ()),
+    "N": ("N", "Normal force in the joint under block {i}, compression", 0.0, None, _TURNING),
+    "M": ("N.m", "Moment of the pressure about the centre of joint {i}, restoring", None, None, _TURNING),
+    "S": ("N", "Horizontal shear force on what is under joint {i}, positive to +x", None, None, _ALL),
+    "contact": ("", "Part of the width of joint {i} in contact", 0.0, 1.0, _TURNING),
+    "sigma_max": ("Pa", "Largest pressure on joint {i}", 0.0, None, _TURNING),
 }
 _BASE_OUTPUTS = {
     "Fx": ("N", "Force of the column on the base, horizontal, positive to +x"),
     "Fz": ("N", "Force of the column on the base, vertical, positive up"),
     "My": ("N.m", "Moment of the column on the base about the centre of its joint, clockwise"),
+}
+_SPLIT = "of the base reaction (Fx, Fz, My) = R0 - m (ax, az, alpha)"
+_MASS = "Effective mass met by the base, {} " + _SPLIT
+# the split of the reaction in the order of the kernels (layout.py, SPLIT): unit, description, inputs it depends on
+_SPLIT_OUTPUTS: dict[str, tuple[str, str, tuple[str, ...]]] = {
+    "base.R0x": ("N", f"Horizontal part R0 {_SPLIT}", _TURNING),
+    "base.R0z": ("N", f"Vertical part R0 {_SPLIT}", _TURNING),
+    "base.R0m": ("N.m", f"Moment R0 {_SPLIT}", _TURNING),
+    "base.mxx": ("kg", _MASS.format("xx"), _TURNED),
+    "base.mxz": ("kg", _MASS.format("xz"), _TURNED),
+    "base.mxt": ("kg.m", _MASS.format("x alpha"), _TURNED),
+    "base.mzz": ("kg", _MASS.format("zz"), _TURNED),
+    "base.mzt": ("kg.m", _MASS.format("z alpha"), _TURNED),
+    "base.mtt": ("kg.m2", _MASS.format("alpha alpha"), _TURNED),
 }
 OVERTURN_TIME = Variable(
     "overturn_time", "Real", "output", "discrete", "Time of overturning, -1 while the column stands", "s"
@@ -121,14 +144,14 @@ _SETTINGS_PARAMETERS = {
 
 
 def variables(column: Column, record: str = "") -> list[Variable]:
-    """The table for a column, whose values are the parameters' start values; Real first, then the other kinds.
+    """The table for a column, whose values are the parameters' start values, in the order told above.
 
     record: name of the record inside the FMU, empty without one.
     """
     table = [*INPUTS, *_outputs(column), OVERTURN_TIME, RECORD_PGA, *_parameters(column, record)]
     reals = [variable for variable in table if variable.kind == "Real"]
     others = [variable for variable in table if variable.kind != "Real"]
-    return [*reals, OVERTURN_JOINT, OVERTURNED, *others]
+    return [*reals, OVERTURN_JOINT, OVERTURNED, *others, *ROTATION_INPUTS, *_split_outputs(column)]
 
 
 def _outputs(column: Column) -> list[Variable]:
@@ -139,14 +162,26 @@ def _outputs(column: Column) -> list[Variable]:
         for i in range(1, column.n + 1):
             text = description.format(i=i)
             limits = {"minimum": minimum, "maximum": maximum, "nominal": sizes[name][i - 1]}
+            direct = () if inputs == _TURNING and i < column.n else inputs
             rows.append(
-                Variable(output.format(i=i), "Real", "output", "continuous", text, unit, **limits, depends_on=inputs)
+                Variable(output.format(i=i), "Real", "output", "continuous", text, unit, **limits, depends_on=direct)
             )
     for name, _, output in sorted(BASE_HISTORIES, key=lambda history: history[1]):
         unit, text = _BASE_OUTPUTS[name]
         size = sizes["M" if name == "My" else "N"][-1]
-        rows.append(Variable(output, "Real", "output", "continuous", text, unit, nominal=size, depends_on=_BOTH))
+        rows.append(Variable(output, "Real", "output", "continuous", text, unit, nominal=size, depends_on=_ALL))
     return rows
+
+
+def _split_outputs(column: Column) -> list[Variable]:
+    sizes = _sizes(column)
+    mass = sum(block.mass for block in column.blocks)
+    width = column.blocks[-1].joint_width
+    nominal = {"N": sizes["N"][-1], "N.m": sizes["M"][-1], "kg": mass, "kg.m": mass * width, "kg.m2": mass * width**2}
+    return [
+        Variable(name, "Real", "output", "continuous", text, unit, nominal=nominal[unit], depends_on=inputs)
+        for name, (unit, text, inputs) in _SPLIT_OUTPUTS.items()
+    ]
 
 
 def _sizes(column: Column) -> dict[str, list[float]]:

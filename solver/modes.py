@@ -56,6 +56,7 @@ def _frequency_squares(column: Column, compression: FloatArray) -> NDArray[Any]:
     inputs = np.zeros(at.INPUTS)
     work = np.zeros(at.work_size(n))
     row = np.zeros((1, at.row_size(n)))
+    split = np.zeros(at.SPLIT)
     between = 6 * n * at.PHASE_BETWEEN
     tilt = PART * float(np.min(2.0 * compression / rows[:, at.JOINT_WIDTH]))
     changes = tilt * np.concatenate([rows[:, at.TURN_SIZE], rows[:, at.OPEN_SIZE]])
@@ -63,7 +64,7 @@ def _frequency_squares(column: Column, compression: FloatArray) -> NDArray[Any]:
     def accelerations(k: int, change: float) -> FloatArray:
         moved = state.copy()
         moved[at.STATE_HEADER + k] += change
-        code = observe_state(model, moved, counters, inputs, work, 0.0, row)
+        code = observe_state(model, moved, counters, inputs, work, 0.0, row, split)
         if code != at.OK:
             raise SolverError("the accelerations about the rest state cannot be computed")
         return work[between + 4 * n : between + 6 * n].copy()

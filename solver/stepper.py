@@ -21,6 +21,7 @@ REASONS = {
     'or the step is beyond its stability limit; formulation = "exact" or a smaller step may help',
     at.NOT_FINITE: "the motion has become infinite: the step is beyond the stability limit of the integrator, "
     "or the input is not a physical one",
+    at.ROTATES: 'the base rotates, which formulation = "paper" does not know: "exact" does',
 }
 
 STEP_SLACK = 1e-6  # the limit itself is known to so many digits
@@ -44,6 +45,7 @@ class Stepper:
         self.inputs = np.zeros(at.INPUTS)
         self._work = np.zeros(at.work_size(self.n))
         self._row = np.zeros((1, at.row_size(self.n)))
+        self._split = np.zeros(at.SPLIT)
 
     def advance(self, t: float, h: float) -> None:
         """Go from t to t + h, s, under `inputs`. Raises SolverError."""
@@ -54,10 +56,20 @@ class Stepper:
 
     def observe(self, t: float) -> FloatArray:
         """The output row at time t under the present `inputs`; overwritten by the next call. Raises SolverError."""
-        code = observe_state(self.model, self.state, self.counters, self.inputs, self._work, t, self._row)
+        code = observe_state(self.model, self.state, self.counters, self.inputs, self._work, t, self._row, self._split)
         self._check(code, t)
         row: FloatArray = self._row[0]
         return row
+
+    @property
+    def split(self) -> FloatArray:
+        """Base reaction of the row last observed as R0 - M a: R0 and the effective mass M (layout.py, SPLIT)."""
+        return self._split
+
+    def stand_on_base(self) -> None:
+        """Start upright on the base as the inputs have it, turned and turning, instead of upright in space."""
+        self.state[at.BASE_THETA] = self.inputs[at.INPUT_BASE_THETA]
+        self.state[at.BASE_OMEGA] = self.inputs[at.INPUT_BASE_OMEGA]
 
     def run(self, motion: Motion, stop: float, times: FloatArray) -> FloatArray:
         """Follow a motion from its start to time `stop`, s; a snapshot for each of `times`. Raises SolverError."""

@@ -138,6 +138,27 @@ class Reference:
 
     def accelerations(self, q: Array, rate: Array, ax: float = 0.0, az: float = 0.0) -> Array:
         """q'' (2n,) of d/dt dL/dq' - dL/dq = Q, the base acceleration as fictitious forces in L."""
+        found: Array = np.linalg.solve(self.mass_matrix(q), self.forces(q, rate, ax, az))
+        return found
+
+    def on_rotating_base(self) -> Reference:
+        """The same column on one more body, the last, of no height, mass or stiffness: the base."""
+        more = {name: np.append(getattr(self, name), 0.0) for name in vars(self) if name not in ("g", "width", "depth")}
+        return Reference(**more, width=np.append(self.width, 1.0), depth=np.append(self.depth, 1.0), g=self.g)
+
+    def accelerations_on_base(self, q: Array, rate: Array, ax: float, az: float, alpha: float) -> Array:
+        """q'' (2n,) where the last body is the base: rotation and opening under it follow alpha rad/s2 and zero."""
+        n = self.n
+        found = np.zeros(2 * n)
+        found[n - 1] = alpha
+        free = np.delete(np.arange(2 * n), [n - 1, 2 * n - 1])
+        matrix = self.mass_matrix(q)
+        rest = self.forces(q, rate, ax, az) - matrix @ found
+        found[free] = np.linalg.solve(matrix[np.ix_(free, free)], rest[free])
+        return found
+
+    def forces(self, q: Array, rate: Array, ax: float, az: float) -> Array:
+        """What the mass matrix times q'' equals (2n,)."""
         n = self.n
 
         def lagrangian(at: NDArray[Any]) -> Any:
@@ -150,7 +171,7 @@ class Reference:
         theta = q[:n]
         couple = moment * np.cos(0.5 * (theta - below(theta)))  # of the joint under the block, against the rotation
         joints = np.concatenate([np.concatenate([[0.0], couple[:-1]]) - couple, normal])
-        found: Array = np.linalg.solve(self.mass_matrix(q), np.array(gradient) - change @ rate + joints)
+        found: Array = np.array(gradient) - change @ rate + joints
         return found
 
     def centroid_accelerations(self, q: Array, rate: Array, acceleration: Array) -> tuple[Array, Array]:

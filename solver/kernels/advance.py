@@ -3,14 +3,18 @@
 import math
 
 from .condition import has_fallen, is_quiet, moment_of_overturning, rests, take_stock, widest_joint
-from .dynamics import accelerate, base_acceleration, observe, scratch_offset, top_motion
+from .dynamics import accelerate, base_motion, observe, scratch_offset, top_motion
+from .feedthrough import split_reaction
 from .integrators import dormand_prince, modal, order_8
 from .integrators.error import error_in_tolerances
 from .interpolation import begin, interpolate_phase, refine, refinement
 from .jit import entry, kernel, leaf
 from .layout import (
+    BASE_ALPHA,
     BASE_AX,
     BASE_AZ,
+    BASE_OMEGA,
+    BASE_THETA,
     CENTRAL_DIFFERENCE,
     ELASTIC_STEP,
     ELASTIC_WAIT,
@@ -104,8 +108,7 @@ def _end_step(method, model, inputs, work, counters, t, h, fraction):
     for i in range(6 * n):
         work[end + i] = work[6 * n * PHASE_BETWEEN + i]
     begin(model, work, method == ORDER_8)
-    base_ax, base_az = base_acceleration(inputs, t + fraction * h)
-    return accelerate(model, work, end, base_ax, base_az, work, counters)
+    return accelerate(model, inputs, work, end, t + fraction * h, work, counters)
 
 
 @kernel
@@ -131,17 +134,45 @@ def _make_again(method, model, state, counters, inputs, work, t, h):
     release(model, work, scratch)
     if code != OK:
         return code
-    base_ax, base_az = base_acceleration(inputs, t + h)
-    return accelerate(model, work, 6 * n * PHASE_END, base_ax, base_az, work, counters)
+    return accelerate(model, inputs, work, 6 * n * PHASE_END, t + h, work, counters)
+
+
+@leaf
+def _belongs_to(state, base):
+    """Whether the accelerations of the state are those under this motion of the base."""
+    translates = base[0] == state[BASE_AX] and base[1] == state[BASE_AZ]
+    return translates and base[2] == state[BASE_THETA] and base[3] == state[BASE_OMEGA] and base[4] == state[BASE_ALPHA]
+
+
+@leaf
+def _keep_base(state, base):
+    """Note the motion of the base that the phase of the state belongs to."""
+    state[BASE_AX], state[BASE_AZ], state[BASE_THETA], state[BASE_OMEGA], state[BASE_ALPHA] = base
+
+
+@kernel
+def _take_phase(model, state, base, work, to):
+    """The phase of the state at work[to:], seen from the base as it stands: its rotation may have been set anew.
+
+    The blocks stay where they are and as fast as they are.
+    """
+    n = int(model[N_BLOCKS])
+    for i in range(6 * n):
+        work[to + i] = state[STATE_HEADER + i]
+    turn, spin = base[2] - state[BASE_THETA], base[3] - state[BASE_OMEGA]
+    if turn != 0.0 or spin != 0.0:
+        for i in range(n):
+            work[to + i] -= turn
+            work[to + 2 * n + i] -= spin
 
 
 @kernel
 def advance(model, state, counters, inputs, work, t, h, times, snapshots):
     """Take the column from t to t + h, landing there exactly. Returns a code.
 
-    The inputs hold within the call. Snapshots at those of `times` that lie inside are taken by interpolation; with no
-    times neither snapshots nor peaks are kept. A column that has overturned keeps its state. On an error the phase
-    in the state is that at t.
+    The inputs hold within the call; snapshots and peaks take it that the base does not rotate. Snapshots at those of
+    `times` that lie inside are taken by interpolation; with no times neither snapshots nor peaks are kept. A column
+    that has overturned keeps its state. On an error the phase in the state is that at t.
     """
     n = int(model[N_BLOCKS])
     size = 6 * n
@@ -153,11 +184,10 @@ def advance(model, state, counters, inputs, work, t, h, times, snapshots):
         take_held_snapshots(model, state, counters, t, h, times, snapshots)
         return HAS_OVERTURNED
 
-    for i in range(size):
-        work[start + i] = state[STATE_HEADER + i]
-    base_ax, base_az = base_acceleration(inputs, t)
-    if counters[STARTED] == 0 or base_ax != state[BASE_AX] or base_az != state[BASE_AZ]:
-        code = accelerate(model, work, start, base_ax, base_az, work, counters)
+    base = base_motion(inputs, t)
+    _take_phase(model, state, base, work, start)
+    if counters[STARTED] == 0 or not _belongs_to(state, base):
+        code = accelerate(model, inputs, work, start, t, work, counters)
         if code != OK:
             return code
         if counters[STARTED] == 0:
@@ -174,7 +204,7 @@ def advance(model, state, counters, inputs, work, t, h, times, snapshots):
     if is_quiet(inputs) and rests(model, state):
         for i in range(size):
             state[STATE_HEADER + i] = work[start + i]
-        state[BASE_AX], state[BASE_AZ] = 0.0, 0.0
+        _keep_base(state, (0.0, 0.0, 0.0, 0.0, 0.0))
         state[TIME_FULL] += h
         state[TIME_AT_REST] += h
         take_held_snapshots(model, state, counters, t, h, times, snapshots)
@@ -276,7 +306,7 @@ def advance(model, state, counters, inputs, work, t, h, times, snapshots):
 
     for i in range(size):
         state[STATE_HEADER + i] = work[start + i]
-    state[BASE_AX], state[BASE_AZ] = base_acceleration(inputs, t + gone)
+    _keep_base(state, base_motion(inputs, t + gone))
     if fallen:
         counters[OVERTURNED] = widest_joint(model, work, start)
         take_held_snapshots(model, state, counters, t, h, times, snapshots)
@@ -291,16 +321,21 @@ def advance_once(model, state, counters, inputs, work, t, h, times, snapshots):
 
 
 @entry
-def observe_state(model, state, counters, inputs, work, t, rows):
-    """Fill rows[0] with what is visible of the state at time t under the inputs of that time. Returns a code."""
+def observe_state(model, state, counters, inputs, work, t, rows, split):
+    """Fill rows[0] with what is visible of the state at time t under the inputs of that time. Returns a code.
+
+    split: (SPLIT,), the reaction of the base split into R0 and the effective mass.
+    """
     n = int(model[N_BLOCKS])
     between = 6 * n * PHASE_BETWEEN
-    for i in range(6 * n):
-        work[between + i] = state[STATE_HEADER + i]
-    base_ax, base_az = base_acceleration(inputs, t)
+    base = base_motion(inputs, t)
     if counters[OVERTURNED] > 0:
-        base_ax, base_az = state[BASE_AX], state[BASE_AZ]
-    return observe(model, work, between, base_ax, base_az, work, counters, rows, 0)
+        base = state[BASE_AX], state[BASE_AZ], state[BASE_THETA], state[BASE_OMEGA], state[BASE_ALPHA]
+    _take_phase(model, state, base, work, between)
+    code = observe(model, work, between, base, work, counters, rows, 0)
+    if code != OK:
+        return code
+    return split_reaction(model, work, between, base, work, counters, rows, 0, split)
 
 
 @entry
@@ -311,8 +346,8 @@ def observe_snapshots(model, work, counters, snapshots, rows):
     for r in range(len(snapshots)):
         for i in range(6 * n):
             work[between + i] = snapshots[r, i]
-        base_ax, base_az = snapshots[r, 6 * n + SNAPSHOT_AX], snapshots[r, 6 * n + SNAPSHOT_AZ]
-        code = observe(model, work, between, base_ax, base_az, work, counters, rows, r)
+        base = snapshots[r, 6 * n + SNAPSHOT_AX], snapshots[r, 6 * n + SNAPSHOT_AZ], 0.0, 0.0, 0.0
+        code = observe(model, work, between, base, work, counters, rows, r)
         if code != OK:
             return code, r
     return OK, len(snapshots)

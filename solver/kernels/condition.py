@@ -2,11 +2,13 @@
 
 import math
 
-from .dynamics import rotation, scratch_offset
+from .dynamics import base_rotates, rotation, scratch_offset
 from .interpolation import interpolate_phase
 from .jit import kernel
 from .layout import (
     AUTO,
+    BASE_OMEGA,
+    BASE_THETA,
     BLOCK_FIELDS,
     EXACT,
     FALL_ANGLE,
@@ -123,8 +125,8 @@ def take_stock(model, state, work, o, h):
 
 @kernel
 def is_quiet(inputs):
-    """Whether the base does not accelerate."""
-    steady = inputs[INPUT_AX] == 0.0 and inputs[INPUT_AZ] == 0.0
+    """Whether the base neither accelerates nor rotates, nor is tilted."""
+    steady = inputs[INPUT_AX] == 0.0 and inputs[INPUT_AZ] == 0.0 and not base_rotates(inputs)
     return steady and inputs[INPUT_JX] == 0.0 and inputs[INPUT_JZ] == 0.0 and inputs[INPUT_AMPLITUDE] == 0.0
 
 
@@ -132,6 +134,8 @@ def is_quiet(inputs):
 def rests(model, state):
     """Whether the column is at rest under its weight, but for a motion that the tolerance does not see."""
     if model[FORMULATION] != EXACT or model[INTEGRATOR] != AUTO or int(model[WITHOUT]) & REST:
+        return False
+    if state[BASE_THETA] != 0.0 or state[BASE_OMEGA] != 0.0:
         return False
     n = int(model[N_BLOCKS])
     turn = model[TOLERANCE] * state[ROTATION_SCALE]

@@ -3,7 +3,7 @@
 import math
 
 from .exact import TANGENTIAL, exact_accelerations, exact_top_motion
-from .jit import kernel
+from .jit import kernel, leaf
 from .joint import joint_peak_pressure
 from .layout import (
     BLOCK_FIELDS,
@@ -17,6 +17,9 @@ from .layout import (
     INPUT_AMPLITUDE,
     INPUT_AX,
     INPUT_AZ,
+    INPUT_BASE_ALPHA,
+    INPUT_BASE_OMEGA,
+    INPUT_BASE_THETA,
     INPUT_JX,
     INPUT_JZ,
     INPUT_OMEGA,
@@ -31,6 +34,7 @@ from .layout import (
     N_BLOCKS,
     N_PHASES,
     OK,
+    ROTATES,
     ROW_CONTACT,
     ROW_FIELDS,
     ROW_FX,
@@ -81,17 +85,33 @@ def base_acceleration(inputs, t):
     return ax, inputs[INPUT_AZ] + inputs[INPUT_JZ] * past
 
 
-@kernel
-def accelerate(model, x, o, base_ax, base_az, work, counters):
-    """Accelerations of the phase at x[o:]; the resultants of the joints are left in the scratch. Returns a code.
+@leaf
+def base_rotates(inputs):
+    """Whether the base is turned or turning."""
+    turned = inputs[INPUT_BASE_THETA] != 0.0 or inputs[INPUT_BASE_OMEGA] != 0.0
+    return turned or inputs[INPUT_BASE_ALPHA] != 0.0
 
-    The iterated formulation takes what stands in the place of the accelerations as its first guess.
-    """
+
+@kernel
+def base_motion(inputs, t):
+    """Motion of the base at time t: (a_x, a_z, theta, omega, alpha), m/s2, rad clockwise, rad/s, rad/s2."""
+    ax, az = base_acceleration(inputs, t)
+    past = t - inputs[INPUT_T0]
+    omega = inputs[INPUT_BASE_OMEGA]
+    alpha = inputs[INPUT_BASE_ALPHA]
+    return ax, az, inputs[INPUT_BASE_THETA] + past * (omega + 0.5 * past * alpha), omega + past * alpha, alpha
+
+
+@kernel
+def _accelerate(model, x, o, base_ax, base_az, rotation, work, counters):
+    """As `accelerate`; rotation: (theta, omega, alpha) of the base or None, each compiled for itself."""
     scratch = scratch_offset(int(model[N_BLOCKS]))
     counters[EVALUATIONS] += 1
     if model[FORMULATION] == EXACT:
-        exact_accelerations(model, x, o, base_ax, base_az, work, scratch)
+        exact_accelerations(model, x, o, base_ax, base_az, work, scratch, rotation)
         return OK
+    if rotation is not None:
+        return ROTATES
     sweeps = paper_accelerations(model, x, o, base_ax, base_az, work, scratch)
     if sweeps < 0:
         return sweeps
@@ -100,8 +120,29 @@ def accelerate(model, x, o, base_ax, base_az, work, counters):
 
 
 @kernel
+def accelerate_on(model, x, o, base, work, counters):
+    """As `accelerate`, upon a base that moves as told: as `base_motion` returns it."""
+    base_ax, base_az, turn, spin, alpha = base
+    if turn != 0.0 or spin != 0.0 or alpha != 0.0:
+        return _accelerate(model, x, o, base_ax, base_az, (turn, spin, alpha), work, counters)
+    return _accelerate(model, x, o, base_ax, base_az, None, work, counters)
+
+
+@kernel
+def accelerate(model, inputs, x, o, t, work, counters):
+    """Accelerations of the phase at x[o:], at time t; the joints' resultants are left in the scratch. Returns a code.
+
+    The iterated formulation takes what stands in the place of the accelerations as its first guess.
+    """
+    if base_rotates(inputs):
+        return accelerate_on(model, x, o, base_motion(inputs, t), work, counters)
+    base_ax, base_az = base_acceleration(inputs, t)
+    return _accelerate(model, x, o, base_ax, base_az, None, work, counters)
+
+
+@kernel
 def rotation(model, x, o, i):
-    """Rotation of block i of the phase at x[o:], rad clockwise; where x[o:] are rates, its rate; i = n is the base."""
+    """Rotation of block i of the phase at x[o:] relative to the base, rad clockwise, or its rate; i = n is the base."""
     n = int(model[N_BLOCKS])
     if i >= n:
         return 0.0
@@ -122,11 +163,11 @@ def reach_of(model, x, o, i):
 
 
 @kernel
-def top_motion(model, x, o, out, at):
+def top_motion(model, x, o, out, at, base_turn=0.0, base_spin=0.0):
     """Displacement (m) and velocity (m/s) of the top faces relative to the base: out[at:at + 2 n]."""
     n = int(model[N_BLOCKS])
     if model[FORMULATION] == EXACT:
-        exact_top_motion(model, x, o, out, at)
+        exact_top_motion(model, x, o, out, at, base_turn, base_spin)
     else:
         for i in range(n):
             out[at + i] = x[o + i]
@@ -134,19 +175,23 @@ def top_motion(model, x, o, out, at):
 
 
 @kernel
-def observe(model, x, o, base_ax, base_az, work, counters, rows, r):
-    """Fill output row r with everything visible of the phase at x[o:], and its accelerations. Returns a code."""
+def observe(model, x, o, base, work, counters, rows, r):
+    """Fill output row r with everything visible of the phase at x[o:], and its accelerations. Returns a code.
+
+    base: as `base_motion` returns it.
+    """
     n = int(model[N_BLOCKS])
     exact = model[FORMULATION] == EXACT
-    code = accelerate(model, x, o, base_ax, base_az, work, counters)
+    code = accelerate_on(model, x, o, base, work, counters)
     if code != OK:
         return code
+    base_turn = base[2]
     scratch = scratch_offset(n)
     top = scratch + TOP_BETWEEN * n
-    top_motion(model, x, o, work, top)
+    top_motion(model, x, o, work, top, base_turn, base[3])
     tail = ROW_FIELDS * n
     rise = 0.0  # of the top face of the block below
-    lift = model[GRAVITY] + base_az
+    lift = model[GRAVITY] + base[1]
     for i in range(n - 1, -1, -1):
         row = MODEL_HEADER + BLOCK_FIELDS * i
         turn = rotation(model, x, o, i)
@@ -160,8 +205,8 @@ def observe(model, x, o, base_ax, base_az, work, counters, rows, r):
             half = 0.5 * (turn - turn_below)
             slope = 2.0 * math.sin(half)
             slope_rate = math.cos(half) * (spin - spin_below)
-            phi = 0.5 * (turn + turn_below)
-            dip = -2.0 * math.sin(0.5 * turn) ** 2  # cos(turn) - 1
+            phi = 0.5 * (turn + turn_below) + base_turn
+            dip = -2.0 * math.sin(0.5 * (turn + base_turn)) ** 2  # cos(turn) - 1
             rise += opening * math.cos(phi)
             rows[r, ROW_UZ * n + i] = rise + model[row + CENTROID] * dip
             rise += model[row + HEIGHT] * dip
@@ -183,7 +228,7 @@ def observe(model, x, o, base_ax, base_az, work, counters, rows, r):
             if i == n - 1:
                 rows[r, tail + ROW_MY] = work[scratch + SCRATCH_FIELDS * i + JOINT_MOMENT]
         rows[r, ROW_UX * n + i] = work[top + i]
-        rows[r, ROW_THETA * n + i] = turn
+        rows[r, ROW_THETA * n + i] = turn + base_turn
         rows[r, ROW_N * n + i] = normal
         rows[r, ROW_M * n + i] = work[scratch + SCRATCH_FIELDS * i + JOINT_MOMENT]
         rows[r, ROW_CONTACT * n + i] = work[scratch + SCRATCH_FIELDS * i + JOINT_LENGTH] / model[row + JOINT_WIDTH]

@@ -13,6 +13,9 @@ base acceleration, to which gravity is added. mu at joint n is the effective mas
 
 Components are taken along (t, n) of each joint, turned by phi_i = (theta_i + theta_(i+1)) / 2; only differences of
 rotations enter until the base.
+
+The base is the lowest body of the chain, with prescribed motion. The coordinates are rotations relative to it, so that
+joints, tangents and interpolation are the same whether it rotates or not; spins in here are absolute.
 """
 
 import math
@@ -68,10 +71,12 @@ def sine_cosine(x):
 
 
 @kernel
-def exact_accelerations(model, x, o, base_ax, base_az, work, scratch):
+def exact_accelerations(model, x, o, base_ax, base_az, work, scratch, rotation=None):
     """Accelerations of the phase at x[o:], from its coordinates and rates; returns nothing.
 
-    base_ax, base_az: m/s2. The scratch fields hold the resultants of every joint afterwards.
+    base_ax, base_az: m/s2, of the centre of the base's face; rotation: of the base, (rad clockwise, rad/s, rad/s2), or
+    None, for which it is compiled a second time without.
+    The scratch fields hold the resultants of every joint afterwards.
     """
     n = place(int(model[N_BLOCKS]))
     # --- downwards: collect the part above, eliminate the block's own unknowns
@@ -86,6 +91,8 @@ def exact_accelerations(model, x, o, base_ax, base_az, work, scratch):
     c_n_above = 0.0
     turn = x[place(o)]
     spin = x[place(o) + 2 * n]
+    if rotation is not None:
+        spin += rotation[1]
     for i in range(n):
         row = place(MODEL_HEADER + BLOCK_FIELDS * i)
         out = place(scratch + SCRATCH_FIELDS * i)
@@ -100,6 +107,8 @@ def exact_accelerations(model, x, o, base_ax, base_az, work, scratch):
         if i + 1 < n:
             turn_below = x[q + 1]
             spin_below = x[q + 2 * n + 1]
+        if rotation is not None:
+            spin_below += rotation[1]
         sin_half, cos_half = sine_cosine(0.5 * (turn - turn_below))
         mean_spin = 0.5 * (spin + spin_below)
         width = model[row + JOINT_WIDTH]
@@ -189,13 +198,20 @@ def exact_accelerations(model, x, o, base_ax, base_az, work, scratch):
         spin = spin_below
 
     # --- upwards: gravity is an upward acceleration of the base, whose joint is turned by theta_n / 2
+    along = base_ax
     lift = base_az + model[GRAVITY]
-    s_t = (base_ax * cos_above - lift * sin_above) + c_t_above
-    s_n = (base_ax * sin_above + lift * cos_above) + c_n_above
+    if rotation is not None:
+        sine, cosine = sine_cosine(rotation[0])
+        along, lift = along * cosine - lift * sine, along * sine + lift * cosine
+        c_t_above += lever * rotation[2]
+    s_t = (along * cos_above - lift * sin_above) + c_t_above
+    s_n = (along * sin_above + lift * cos_above) + c_n_above
     for i in range(n - 1, -1, -1):
         out = place(scratch + SCRATCH_FIELDS * i)
         q = place(o + i)
         x[q + 4 * n] = work[out + ALPHA_S] * s_t + work[out + ALPHA_0]
+        if rotation is not None:
+            x[q + 4 * n] -= rotation[2]
         x[q + 5 * n] = work[out + OPEN_S] * s_t + (work[out + OPEN_0] - s_n)
         work[out + TANGENTIAL] = work[out + FORCE_S] * s_t + work[out + FORCE_0]
         s_n = work[out + RISE_S] * s_t + work[out + RISE_0]
@@ -203,18 +219,21 @@ def exact_accelerations(model, x, o, base_ax, base_az, work, scratch):
 
 
 @kernel
-def exact_top_motion(model, x, o, out, at):
-    """Horizontal displacement (m) and velocity (m/s) of the top faces, relative to the base: out[at:at + 2 n]."""
+def exact_top_motion(model, x, o, out, at, base_turn=0.0, base_spin=0.0):
+    """Horizontal displacement (m) and velocity (m/s) of the top faces, relative to the base: out[at:at + 2 n].
+
+    base_turn, base_spin: rotation of the base, rad clockwise, and its rate.
+    """
     n = int(model[N_BLOCKS])
     displacement = 0.0
     velocity = 0.0
-    turn_below = 0.0
-    spin_below = 0.0
+    turn_below = base_turn
+    spin_below = base_spin
     for i in range(n - 1, -1, -1):
         height = model[MODEL_HEADER + BLOCK_FIELDS * i + HEIGHT]
-        turn = x[o + i]
+        turn = x[o + i] + base_turn
         opening = x[o + n + i]
-        spin = x[o + 2 * n + i]
+        spin = x[o + 2 * n + i] + base_spin
         sine, cosine = sine_cosine(turn)
         sin_phi, cos_phi = sine_cosine(0.5 * (turn + turn_below))
         displacement += opening * sin_phi + height * sine

@@ -6,7 +6,7 @@ order need more: `refine` evaluates the accelerations half-way and adds to the q
 leaves the ends as they are and meets that acceleration.
 """
 
-from .dynamics import accelerate, base_acceleration
+from .dynamics import accelerate
 from .jit import kernel, leaf, place
 from .layout import N_BLOCKS, OK, PHASE_BETWEEN, PHASE_BUMP, PHASE_END, PHASE_START
 
@@ -74,8 +74,7 @@ def refine(model, inputs, work, counters, t, h):
     work[bump + size] = 0.0
     start, end, between = 3 * size * PHASE_START, 3 * size * PHASE_END, 3 * size * PHASE_BETWEEN
     interpolate_phase(work, size, h, 0.5)
-    base_ax, base_az = base_acceleration(inputs, t + 0.5 * h)
-    code = accelerate(model, work, between, base_ax, base_az, work, counters)
+    code = accelerate(model, inputs, work, between, t + 0.5 * h, work, counters)
     for i in range(size):
         v0, a0 = work[start + size + i], work[start + 2 * size + i]
         v1, a1 = work[end + size + i], work[end + 2 * size + i]

@@ -1,8 +1,8 @@
 """What lies where in the flat arrays that the kernels share.
 
 A *phase* is three consecutive segments of 2n numbers: coordinates, rates, accelerations. In each segment the first n
-numbers are the rotations theta (formulation exact) or the displacements v (paper), the last n the joint openings
-delta (exact) or the settlements w (paper); block 1 is the top block.
+numbers are the rotations theta relative to the base (formulation exact) or the displacements v (paper), the last n the
+joint openings delta (exact) or the settlements w (paper); block 1 is the top block.
 """
 
 # --- formulations and integrators, as stored in the model header
@@ -76,7 +76,10 @@ TIME_ROCKING = 7  # s with some joint partly open, none fully
 TIME_FLIGHT = 8  # s with some joint fully open
 ELASTIC_STEP = 11  # s, proposed for the modal method
 TIME_AT_REST = 12  # s that were skipped
-STATE_HEADER = 13
+BASE_THETA = 13  # rad, rotation of the base that the rotations of the phase are relative to
+BASE_OMEGA = 14  # rad/s, and their rates
+BASE_ALPHA = 15  # rad/s2, and their accelerations
+STATE_HEADER = 16
 
 # --- counters (int64)
 STEPS = 0
@@ -95,7 +98,8 @@ ELASTIC_STEPS = 12  # of STEPS
 ELASTIC_WAIT = 13  # steps to be made by other methods before the modal one is tried again
 COUNTERS = 14
 
-# --- inputs (float64): base acceleration at t, a_x = AX + JX (t - T0) + AMPLITUDE sin(OMEGA t + PHASE)
+# --- inputs (float64): base acceleration at t, a_x = AX + JX (t - T0) + AMPLITUDE sin(OMEGA t + PHASE); the base turns
+# by THETA + OMEGA (t - T0) + ALPHA (t - T0)^2 / 2, clockwise
 INPUT_AX = 0  # m/s2
 INPUT_JX = 1  # m/s3
 INPUT_AZ = 2
@@ -104,7 +108,10 @@ INPUT_T0 = 4  # s
 INPUT_AMPLITUDE = 5  # m/s2
 INPUT_OMEGA = 6  # rad/s
 INPUT_PHASE = 7  # rad
-INPUTS = 8
+INPUT_BASE_THETA = 8  # rad
+INPUT_BASE_OMEGA = 9  # rad/s
+INPUT_BASE_ALPHA = 10  # rad/s2
+INPUTS = 11
 
 # --- one snapshot (float64): a phase, then the base acceleration that belongs to it; these count from 6 n
 SNAPSHOT_AX = 0  # m/s2
@@ -125,6 +132,18 @@ ROW_FX = 0  # N, these three count from 8 n
 ROW_FZ = 1  # N
 ROW_MY = 2  # N m
 ROW_TAIL = 3
+
+# --- the base reaction split (float64): R = R0 - M a with R = (Fx, Fz, My), a = (a_x, a_z, alpha) of the base
+SPLIT_R0X = 0  # N
+SPLIT_R0Z = 1  # N
+SPLIT_R0M = 2  # N m
+SPLIT_MXX = 3  # kg
+SPLIT_MXZ = 4  # kg
+SPLIT_MXT = 5  # kg m
+SPLIT_MZZ = 6  # kg
+SPLIT_MZT = 7  # kg m
+SPLIT_MTT = 8  # kg m2
+SPLIT = 9
 
 # --- work (float64): phases, then fields of n numbers each
 PHASE_START = 0  # the phase a step starts from; 1 to 11 are the inner stages of a Runge-Kutta step
@@ -155,6 +174,7 @@ HAS_OVERTURNED = 1  # the state is held; not an error
 STEP_TOO_SMALL = -1
 NOT_CONVERGED = -2
 NOT_FINITE = -3
+ROTATES = -4  # the base, which the formulation does not know
 
 
 def state_size(n: int) -> int:

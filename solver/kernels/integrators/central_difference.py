@@ -6,7 +6,7 @@ rates that dampers and velocity terms need at the new time are the half-step rat
 acceleration.
 """
 
-from ..dynamics import accelerate, base_acceleration
+from ..dynamics import accelerate
 from ..jit import kernel
 from ..layout import N_BLOCKS, PHASE_END, PHASE_START
 
@@ -23,8 +23,7 @@ def attempt(model, inputs, work, counters, scale, rate_scale, t, h):
         work[end + i] = work[start + i] + h * half_rate
         work[end + size + i] = half_rate + 0.5 * h * acceleration
         work[end + 2 * size + i] = acceleration
-    base_ax, base_az = base_acceleration(inputs, t + h)
-    code = accelerate(model, work, end, base_ax, base_az, work, counters)
+    code = accelerate(model, inputs, work, end, t + h, work, counters)
     for i in range(size):
         change = work[end + 2 * size + i] - work[start + 2 * size + i]
         work[end + size + i] += 0.5 * h * change

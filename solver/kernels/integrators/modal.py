@@ -398,8 +398,9 @@ def _sweep(model, inputs, work, counters, scale, rate_scale, t, h, is_first, is_
                 + ((impulse - omega * sine) * force_sine + omega * cosine * force_cosine)
             )
         _multiply(model, shapes, work, to, here, n, 2)
-        base_ax, base_az = base_acceleration(inputs, t + (0.5 * h if stage == 0 else h))
-        code = accelerate(model, work, here, base_ax, base_az, work, counters)
+        then = t + (0.5 * h if stage == 0 else h)
+        base_ax, base_az = base_acceleration(inputs, then)
+        code = accelerate(model, inputs, work, here, then, work, counters)
         if code != OK:
             return code, 0.0
         if _opens(model, work, 0 if stage == 0 else middle, here, 0.5 * h):

@@ -12,7 +12,7 @@ section IV.7, eq. 7.25:
 
 import numpy as np
 
-from ..dynamics import accelerate, base_acceleration, tangent_offset
+from ..dynamics import accelerate, tangent_offset
 from ..implicit import factorize, solve
 from ..jit import kernel
 from ..layout import N_BLOCKS, OK, PHASE_BETWEEN, PHASE_END
@@ -82,8 +82,7 @@ def attempt(model, inputs, work, counters, scale, rate_scale, t, h):
                 work[here + i] = value
             for i in range(size):
                 work[here + 2 * size + i] = work[2 * size + i]
-            base_ax, base_az = base_acceleration(inputs, t + NODES[stage] * h)
-            code = accelerate(model, work, here, base_ax, base_az, work, counters)
+            code = accelerate(model, inputs, work, here, t + NODES[stage] * h, work, counters)
             if code != OK:
                 return code, 0.0
             a += here
@@ -112,5 +111,4 @@ def attempt(model, inputs, work, counters, scale, rate_scale, t, h):
     for i in range(size):
         work[end + 2 * size + i] = work[2 * size + i]
     error = error_in_tolerances(model, work, difference, scale, rate_scale)
-    base_ax, base_az = base_acceleration(inputs, t + h)
-    return accelerate(model, work, end, base_ax, base_az, work, counters), error
+    return accelerate(model, inputs, work, end, t + h, work, counters), error

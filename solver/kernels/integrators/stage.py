@@ -1,6 +1,6 @@
 """The evaluation of one stage of an explicit Runge-Kutta method."""
 
-from ..dynamics import accelerate, base_acceleration
+from ..dynamics import accelerate
 from ..jit import kernel
 from ..layout import N_BLOCKS
 
@@ -11,5 +11,4 @@ def evaluate_stage(model, inputs, work, counters, here, t):
     size = 2 * int(model[N_BLOCKS])
     for i in range(size):  # first guess for an iterated formulation
         work[here + 2 * size + i] = work[2 * size + i]
-    base_ax, base_az = base_acceleration(inputs, t)
-    return accelerate(model, work, here, base_ax, base_az, work, counters)
+    return accelerate(model, inputs, work, here, t, work, counters)
