@@ -169,6 +169,6 @@ def test_foreign_and_damaged_states_are_refused_with_a_reason(fmus: Fmus, tmp_pa
     run(sys.executable, "-c", script, changed, column, "-o", tmp_path / "changed.fmu")
     assert "made by another version" in refused(tmp_path / "changed.fmu", state)
     data = state.read_bytes()
-    for damaged in (data[:-1], data[:2000] + b"7" + data[2001:], b"", b"nonsense"):
+    for damaged in (data[:-1], data[:2000] + bytes([data[2000] ^ 1]) + data[2001:], b"", b"nonsense"):
         state.write_bytes(damaged)
         assert "not those of a serialized state" in refused(fmus.damped, state)

@@ -103,14 +103,15 @@ def base_motion(inputs, t):
 
 
 @kernel
-def _accelerate(model, x, o, base_ax, base_az, rotation, work, counters):
-    """As `accelerate`; rotation: (theta, omega, alpha) of the base or None, each compiled for itself."""
+def accelerate_on(model, x, o, base, work, counters):
+    """As `accelerate`, upon a base that moves as told: as `base_motion` returns it."""
     scratch = scratch_offset(int(model[N_BLOCKS]))
     counters[EVALUATIONS] += 1
     if model[FORMULATION] == EXACT:
-        exact_accelerations(model, x, o, base_ax, base_az, work, scratch, rotation)
+        exact_accelerations(model, x, o, base, work, scratch)
         return OK
-    if rotation is not None:
+    base_ax, base_az, turn, spin, alpha = base
+    if turn != 0.0 or spin != 0.0 or alpha != 0.0:
         return ROTATES
     sweeps = paper_accelerations(model, x, o, base_ax, base_az, work, scratch)
     if sweeps < 0:
@@ -120,24 +121,12 @@ def _accelerate(model, x, o, base_ax, base_az, rotation, work, counters):
 
 
 @kernel
-def accelerate_on(model, x, o, base, work, counters):
-    """As `accelerate`, upon a base that moves as told: as `base_motion` returns it."""
-    base_ax, base_az, turn, spin, alpha = base
-    if turn != 0.0 or spin != 0.0 or alpha != 0.0:
-        return _accelerate(model, x, o, base_ax, base_az, (turn, spin, alpha), work, counters)
-    return _accelerate(model, x, o, base_ax, base_az, None, work, counters)
-
-
-@kernel
 def accelerate(model, inputs, x, o, t, work, counters):
     """Accelerations of the phase at x[o:], at time t; the joints' resultants are left in the scratch. Returns a code.
 
     The iterated formulation takes what stands in the place of the accelerations as its first guess.
     """
-    if base_rotates(inputs):
-        return accelerate_on(model, x, o, base_motion(inputs, t), work, counters)
-    base_ax, base_az = base_acceleration(inputs, t)
-    return _accelerate(model, x, o, base_ax, base_az, None, work, counters)
+    return accelerate_on(model, x, o, base_motion(inputs, t), work, counters)
 
 
 @kernel

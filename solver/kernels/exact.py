@@ -71,14 +71,14 @@ def sine_cosine(x):
 
 
 @kernel
-def exact_accelerations(model, x, o, base_ax, base_az, work, scratch, rotation=None):
+def exact_accelerations(model, x, o, base, work, scratch):
     """Accelerations of the phase at x[o:], from its coordinates and rates; returns nothing.
 
-    base_ax, base_az: m/s2, of the centre of the base's face; rotation: of the base, (rad clockwise, rad/s, rad/s2), or
-    None, for which it is compiled a second time without.
-    The scratch fields hold the resultants of every joint afterwards.
+    base: motion of the centre of its face, (a_x, a_z, theta, omega, alpha), m/s2, rad clockwise, rad/s, rad/s2. The
+    scratch fields hold the resultants of every joint afterwards.
     """
     n = place(int(model[N_BLOCKS]))
+    along, lift, base_turn, base_spin, base_alpha = base
     # --- downwards: collect the part above, eliminate the block's own unknowns
     mu = 0.0  # the part above block i, in the frame of joint i - 1
     lever = 0.0  # half the opening of joint i - 1
@@ -90,9 +90,7 @@ def exact_accelerations(model, x, o, base_ax, base_az, work, scratch, rotation=N
     c_t_above = 0.0  # velocity terms of the top face of block i - 1, in the frame of joint i - 1
     c_n_above = 0.0
     turn = x[place(o)]
-    spin = x[place(o) + 2 * n]
-    if rotation is not None:
-        spin += rotation[1]
+    spin = x[place(o) + 2 * n] + base_spin
     for i in range(n):
         row = place(MODEL_HEADER + BLOCK_FIELDS * i)
         out = place(scratch + SCRATCH_FIELDS * i)
@@ -103,12 +101,10 @@ def exact_accelerations(model, x, o, base_ax, base_az, work, scratch, rotation=N
         opening = x[q + n]
         opening_rate = x[q + 3 * n]
         turn_below = 0.0
-        spin_below = 0.0
+        spin_below = base_spin
         if i + 1 < n:
             turn_below = x[q + 1]
-            spin_below = x[q + 2 * n + 1]
-        if rotation is not None:
-            spin_below += rotation[1]
+            spin_below += x[q + 2 * n + 1]
         sin_half, cos_half = sine_cosine(0.5 * (turn - turn_below))
         mean_spin = 0.5 * (spin + spin_below)
         width = model[row + JOINT_WIDTH]
@@ -198,20 +194,16 @@ def exact_accelerations(model, x, o, base_ax, base_az, work, scratch, rotation=N
         spin = spin_below
 
     # --- upwards: gravity is an upward acceleration of the base, whose joint is turned by theta_n / 2
-    along = base_ax
-    lift = base_az + model[GRAVITY]
-    if rotation is not None:
-        sine, cosine = sine_cosine(rotation[0])
-        along, lift = along * cosine - lift * sine, along * sine + lift * cosine
-        c_t_above += lever * rotation[2]
+    lift += model[GRAVITY]
+    sine, cosine = sine_cosine(base_turn)
+    along, lift = along * cosine - lift * sine, along * sine + lift * cosine
+    c_t_above += lever * base_alpha
     s_t = (along * cos_above - lift * sin_above) + c_t_above
     s_n = (along * sin_above + lift * cos_above) + c_n_above
     for i in range(n - 1, -1, -1):
         out = place(scratch + SCRATCH_FIELDS * i)
         q = place(o + i)
-        x[q + 4 * n] = work[out + ALPHA_S] * s_t + work[out + ALPHA_0]
-        if rotation is not None:
-            x[q + 4 * n] -= rotation[2]
+        x[q + 4 * n] = work[out + ALPHA_S] * s_t + (work[out + ALPHA_0] - base_alpha)
         x[q + 5 * n] = work[out + OPEN_S] * s_t + (work[out + OPEN_0] - s_n)
         work[out + TANGENTIAL] = work[out + FORCE_S] * s_t + work[out + FORCE_0]
         s_n = work[out + RISE_S] * s_t + work[out + RISE_0]
