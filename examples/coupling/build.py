@@ -18,12 +18,11 @@ from pathlib import Path
 
 from pythonfmu import FmuBuilder
 
-HERE = Path(__file__).resolve().parent
-ROOT = HERE.parent.parent
-
 from build_fmu import build_fmu
 from fmu_src import host
 
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parent.parent
 PARTNERS = {"isolator": "Isolator", "soil": "Soil"}
 DEFAULT_COLUMN = ROOT / "examples" / "columns" / "phocas-damped.toml"
 SCRIPT = '''"""Entry of the FMU."""
