@@ -12,7 +12,7 @@ z' = (x' - (|x'| z + x' |z|) / 2) / yield, which is a function of the path x alo
 
 import math
 
-from .partner import SLOPE, Partner, parameter, port_input, port_output, travel
+from .partner import PARABOLA, Partner, parameter, port_input, port_output, slope_parameter, travel
 
 LINEAR, LEAD_RUBBER, PENDULUM = "linear", "lead-rubber", "friction-pendulum"
 REACTION = ("column.R0x", "column.R0z", "column.mxx", "column.mxz")
@@ -54,7 +54,7 @@ class Isolator(Partner):
         parameter("radius", "m", "R of the pendulum", 2.0),
         parameter("friction", "", "mu of the pendulum", 0.05),
         parameter("g", "m/s2", "Acceleration of gravity", 9.80665),
-        SLOPE,
+        slope_parameter(PARABOLA),
     )
 
     def at_start(self):

@@ -4,10 +4,11 @@ A partner carries the column on a rigid body. At every communication point it so
 
     (M_own + M_column) a = forces of its own + R0
 
-for the acceleration a of that body, of the same instant, and offers a with its slope since the point before. Over the
-step it moves by that very acceleration a + slope (t - t0), which is what the column is given too: both sides follow one
-motion, and the equation is met at the communication points. That is the explicit method of Adams and Bashforth of order
-2, with the column itself integrated by its own solver.
+for the acceleration a of that body, of the same instant, and offers a with a slope. Over the step it moves by that very
+acceleration a + slope (t - t0), which is what the column is given too: both sides follow one motion, and the equation is
+met at the communication points. With the line through the last two accelerations that is the explicit method of Adams
+and Bashforth of order 2, with the column itself integrated by its own solver; with the parabola through the last three,
+of which the line that gives the same velocity at the end is taken, that of order 3.
 
 Standard library and PythonFMU only: the FMU needs no numpy. `to_xml` runs in the project, where the FMU is built.
 """
@@ -21,7 +22,8 @@ from pythonfmu import Fmi2Slave
 
 from .host import finalize_at_exit, leave_search_path, survive_exception
 
-ESTIMATED, HELD, GIVEN = "estimated", "held", "given"
+PARABOLA, LINE, HELD, GIVEN = "parabola", "line", "held", "given"
+ALIKE = 1e-6  # of a step: steps that differ by less are the same
 
 
 class Port(NamedTuple):
@@ -47,9 +49,10 @@ def parameter(name, unit, description, start):
     return Port(name, "parameter", unit, description, start)
 
 
-SLOPE = parameter(
-    "slope", "", "Slope within a step: estimated (since the step before), held (none) or given", ESTIMATED
-)
+def slope_parameter(start):
+    """How the body accelerates within a step."""
+    text = "Slope within a step: parabola (of the steps before), line (since the step before), held (none), given"
+    return parameter("slope", "", text, start)
 
 
 class Partner(Fmi2Slave):
@@ -83,8 +86,7 @@ class Partner(Fmi2Slave):
         self._names = [port.name for port in self.ports]
         self._numbers = {port.name: port.start for port in self.ports}
         self._time = 0.0
-        self._acceleration = None  # of the last step's start, and how long that step was
-        self._step = 0.0
+        self._before = []  # the last steps, the latest first: their length, s, and the accelerations at their start
         self._fresh = False
         self._work = 0.0  # J, given to the column so far
         self.motion = self.at_start()
@@ -126,9 +128,14 @@ class Partner(Fmi2Slave):
         way = self.value("slope")
         if way == GIVEN:
             return [self.value(f"given.{axis}") for axis in self.axes]
-        if way == HELD or self._acceleration is None:
+        if way == HELD or not self._before:
             return [0.0] * len(a)
-        return [(now - before) / self._step for now, before in zip(a, self._acceleration, strict=True)]
+        step, before = self._before[0]
+        line = [(now - then) / step for now, then in zip(a, before, strict=True)]
+        if way == LINE or len(self._before) == 1 or abs(self._before[1][0] - step) > ALIKE * step:
+            return line
+        older = [(then - oldest) / step for then, oldest in zip(before, self._before[1][1], strict=True)]
+        return [(11.0 * later - 5.0 * earlier) / 6.0 for later, earlier in zip(line, older, strict=True)]
 
     def do_step(self, current_time, step_size):
         """Move on by step_size s."""
@@ -138,8 +145,8 @@ class Partner(Fmi2Slave):
             reason = "the step must be a positive time"
         elif not all(map(math.isfinite, numbers)):
             reason = "an input or a parameter is no finite number"
-        elif self.value("slope") not in (ESTIMATED, HELD, GIVEN):
-            reason = f"slope = {self.value('slope')!r}: must be estimated, held or given"
+        elif self.value("slope") not in (PARABOLA, LINE, HELD, GIVEN):
+            reason = f"slope = {self.value('slope')!r}: must be parabola, line, held or given"
         else:
             try:
                 a = self.accelerations()
@@ -153,7 +160,8 @@ class Partner(Fmi2Slave):
         if reason:
             print(f"{self.instance_name}: step from t = {current_time} s not made: {reason}", file=sys.stderr)
             return False
-        self._acceleration, self._step, self._fresh = a, step_size, False
+        self._before = [[step_size, a], *self._before[:1]]
+        self._fresh = False
         self._time = current_time + step_size
         return True
 
@@ -189,7 +197,7 @@ class Partner(Fmi2Slave):
         """Begin from rest under the parameters as they stand."""
         try:
             self.motion = self.at_start()
-            self._work, self._acceleration, self._fresh = 0.0, None, False
+            self._work, self._before, self._fresh = 0.0, [], False
         except Exception as error:
             self._fail(error)
 
@@ -202,8 +210,7 @@ class Partner(Fmi2Slave):
         return {
             "numbers": dict(self._numbers),
             "motion": list(self.motion),
-            "acceleration": self._acceleration,
-            "step": self._step,
+            "before": [list(step) for step in self._before],
             "time": self._time,
             "work": self._work,
         }
@@ -211,7 +218,7 @@ class Partner(Fmi2Slave):
     def _set_fmu_state(self, state):
         self._numbers = dict(state["numbers"])
         self.motion = list(state["motion"])
-        self._acceleration, self._step = state["acceleration"], state["step"]
+        self._before = [list(step) for step in state["before"]]
         self._time, self._work = state["time"], state["work"]
         self._fresh = False
 

@@ -8,7 +8,7 @@ inner rotation of the inertia rho I z0 (lumped parameters of the rotational cone
 
 import math
 
-from .partner import SLOPE, Partner, parameter, port_input, port_output, travel
+from .partner import LINE, Partner, parameter, port_input, port_output, slope_parameter, travel
 
 REACTION = tuple(f"column.{name}" for name in ("R0x", "R0z", "R0m", "mxx", "mxz", "mxt", "mzz", "mzt", "mtt"))
 UNITS = ("N", "N", "N.m", "kg", "kg", "kg.m", "kg", "kg.m", "kg.m2")
@@ -52,7 +52,7 @@ class Soil(Partner):
         parameter("density", "kg/m3", "rho of the soil", 1900.0),
         parameter("shear_velocity", "m/s", "Vs of the soil", 250.0),
         parameter("poisson", "", "nu of the soil, up to 1/3", 0.3),
-        SLOPE,
+        slope_parameter(LINE),  # a parabola would halve the longest step that the dashpots leave stable
     )
 
     def at_start(self):
