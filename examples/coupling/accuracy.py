@@ -170,9 +170,7 @@ def plain_limit(fmus: dict[str, Path]) -> float:
 def mass_ratios(fmus: dict[str, Path], stop: float, say: Callable[[str], None]) -> list[dict[str, Any]]:
     """Every mass ratio, damped and undamped, both scenes, at 1 ms: plain, and R0/Meff with slope."""
     rows = []
-    say(
-        "slab / Meff   eta   scene        window        plain        held    line: top, force       parabola: top, force"
-    )
+    say("slab / Meff   eta   scene        window       plain        held   line: top, force   parabola: the same")
     for eta in (1e-3, 0.0):
         for ratio in RATIOS:
             for scene in SCENES:

@@ -4,11 +4,11 @@ A partner carries the column on a rigid body. At every communication point it so
 
     (M_own + M_column) a = forces of its own + R0
 
-for the acceleration a of that body, of the same instant, and offers a with a slope. Over the step it moves by that very
-acceleration a + slope (t - t0), which is what the column is given too: both sides follow one motion, and the equation is
-met at the communication points. With the line through the last two accelerations that is the explicit method of Adams
-and Bashforth of order 2, with the column itself integrated by its own solver; with the parabola through the last three,
-of which the line that gives the same velocity at the end is taken, that of order 3.
+for the acceleration a of that body, of the same instant, and offers a with a slope. Over the step it moves by that
+very acceleration a + slope (t - t0), which is what the column is given too: both sides follow one motion, and the
+equation is met at the communication points. With the line through the last two accelerations that is the explicit
+method of Adams and Bashforth of order 2, with the column itself integrated by its own solver; with the parabola through
+the last three, of which the line that gives the same velocity at the end is taken, that of order 3.
 
 Standard library and PythonFMU only: the FMU needs no numpy. `to_xml` runs in the project, where the FMU is built.
 """
