@@ -1,0 +1,162 @@
+"""What an isolator does for a column: the isolated column against the same one on its fixed base.
+
+    python examples/coupling/isolated.py [--record RECORD.AT2] [--isolator friction-pendulum] [-o results]
+
+Without a record the ground moves by a near-fault pulse. Writes isolated.png and prints the numbers.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import matplotlib.pyplot as plt
+import numpy as np
+from build import DEFAULT_COLUMN, build_all
+from master import Fmu, Run, couple
+
+from solver import Column, InputError, Motion
+
+G = 9.80665
+STEP = 1e-3  # s
+AFTER = 6.0  # s that are followed after the motion has ended
+FIXED, ISOLATED = "#d55e00", "#0072b2"
+SLAB = 20e3  # kg
+# under 100 t: about 3 s beyond yielding, 5 % of the weight
+ISOLATORS: dict[str, dict[str, float]] = {
+    "friction-pendulum": {"radius": 2.2, "friction": 0.05, "yield": 1e-3},
+    "lead-rubber": {"stiffness": 4.4e5, "strength": 5e4, "yield": 8e-3},
+    "linear": {"stiffness": 4.4e5, "damping": 4.2e4},
+}
+
+
+def pulse(velocity: float = 0.6, period: float = 1.2, cycles: float = 2.0) -> Motion:
+    """A near-fault ground motion of G. P. Mavroeidis and A. S. Papageorgiou, Bull. Seism. Soc. Am. 93 (2003) 1099-1131.
+
+    velocity: m/s, amplitude; period: s, prevailing; cycles: gamma.
+    """
+    time = np.arange(round(cycles * period / STEP) + 1) * STEP
+    past = 2.0 * np.pi / period * (time - 0.5 * cycles * period)
+    wave = velocity * 0.5 * (1.0 + np.cos(past / cycles)) * np.sin(past)
+    return Motion.from_samples(STEP, np.gradient(wave, STEP))
+
+
+def run_both(column: Column, fmus: dict[str, Path], motion: Motion, isolator: str) -> tuple[Run, Run]:
+    """Histories of the fixed and of the isolated column, every STEP."""
+    stop = motion.duration + AFTER
+    n = column.n
+    ends = "block[{}].ux", "block[{}].theta", "joint[{}].contact"
+    watch = (*(end.format(i) for i in range(1, n + 1) for end in ends), "base.Fx", "overturn_time")
+
+    def ground(t: float) -> float:
+        return float(motion.acceleration(motion.start + t)[0])
+
+    fixed = Fmu(fmus["column"])
+    rows = []
+    for k in range(round(stop / STEP) + 1):
+        t = k * STEP
+        fixed.set(**{"base.ax": ground(t), "base.jx": (ground(t + STEP) - ground(t)) / STEP})
+        rows.append([t, *fixed.get(*watch)])
+        fixed.step(t, STEP)
+    fixed.close()
+    standing = Run(zip(("time", *watch), np.array(rows).T, strict=True))
+    upper = Fmu(fmus["column"])
+    lower = Fmu(fmus["isolator"], mass=SLAB, kind=isolator, **ISOLATORS[isolator])
+    floating = couple(upper, lower, ground, STEP, stop, watch=watch, watch_partner=("x", "force"))
+    upper.close()
+    lower.close()
+    return standing, floating
+
+
+def openings(column: Column, run: Run) -> np.ndarray:
+    """Largest opening of each joint at its edge, m, (n,) from the top."""
+    theta = np.array([run[f"block[{i}].theta"] for i in range(1, column.n + 1)] + [np.zeros(len(run["time"]))])
+    found = []
+    for i, block in enumerate(column.blocks):
+        open_part = 1.0 - run[f"joint[{i + 1}].contact"]
+        found.append(np.max(np.abs(theta[i] - theta[i + 1]) * block.joint_width * open_part))
+    return np.array(found)
+
+
+def report(column: Column, fixed: Run, isolated: Run) -> str:
+    """The numbers an engineer wants."""
+
+    def verdict(run: Run) -> str:
+        late = run["overturn_time"][-1]
+        return f"at {late:.2f} s" if late >= 0.0 else "no"
+
+    def line(what: str, value: Any, unit: str) -> str:
+        return f"{what:36}{value(fixed):>14}{value(isolated):>14}  {unit}"
+
+    lines = [
+        f"{'':36}{'fixed base':>14}{'isolated':>14}",
+        line("overturned", verdict, ""),
+        line("peak displacement of the top", lambda run: f"{1e3 * np.max(np.abs(run['block[1].ux'])):.2f}", "mm"),
+        line("largest base shear", lambda run: f"{1e-3 * np.max(np.abs(run['base.Fx'])):.1f}", "kN"),
+    ]
+    for i in range(column.n):
+        lines.append(line(f"opening of joint {i + 1}", lambda run, i=i: f"{1e3 * openings(column, run)[i]:.3f}", "mm"))
+    given, taken = isolated["work_given"], isolated["work_taken"]
+    lines += [
+        f"{'displacement of the isolator':50}{1e3 * np.max(np.abs(isolated['x'])):>14.1f}  mm",
+        f"{'left when all is over':50}{1e3 * abs(isolated['x'][-1]):>14.1f}  mm",
+        f"{'force of the isolator':50}{1e-3 * np.max(np.abs(isolated['force'])):>14.1f}  kN",
+        f"energy through the interface: the slab gives {given:.2f} J, the column takes {taken:.2f} J",
+    ]
+    return "\n".join(lines)
+
+
+def draw(fixed: Run, isolated: Run, motion: Motion, path: Path) -> None:
+    """Column response, ground and isolator loop."""
+    figure, ((top, loop), (below, contact)) = plt.subplots(
+        2, 2, figsize=(10.0, 6.0), width_ratios=(1.8, 1.0), layout="constrained"
+    )
+    for run, color, name in ((fixed, FIXED, "fixed base"), (isolated, ISOLATED, "isolated")):
+        top.plot(run["time"], 1e3 * run["block[1].ux"], color=color, linewidth=1.2, label=name)
+        last = max(int(key[6:-9]) for key in run if str(key).endswith("].contact"))
+        contact.plot(run["time"], run[f"joint[{last}].contact"], color=color, linewidth=1.0)
+    top.set(ylabel="top of the column, mm", xlabel="t, s")
+    reach = 1.3 * max(1e3 * np.max(np.abs(isolated["block[1].ux"])), 20.0)
+    if np.max(np.abs(fixed["block[1].ux"])) > 2.0:  # m: it has fallen
+        reach = max(reach, 600.0)
+        top.set_ylim(-reach, reach)
+    top.legend(frameon=False, loc="lower right")
+    ground = motion.acceleration(motion.start + fixed["time"])[0]
+    below.plot(fixed["time"], ground / G, color="0.3", linewidth=0.8)
+    below.set(ylabel="ground, g", xlabel="t, s")
+    loop.plot(1e3 * isolated["x"], -1e-3 * isolated["force"], color=ISOLATED, linewidth=0.9)
+    loop.set(xlabel="isolator, mm", ylabel="force, kN")
+    contact.set(xlabel="t, s", ylabel="base joint in contact", ylim=(-0.05, 1.05))
+    figure.savefig(path, dpi=110)
+
+
+def main() -> int:
+    """Run the command line."""
+    parser = argparse.ArgumentParser(description="An isolated column against the same one on its fixed base.")
+    parser.add_argument("column", nargs="?", type=Path, default=DEFAULT_COLUMN, help="TOML file (default: %(default)s)")
+    parser.add_argument("--record", type=Path, metavar="FILE", help=".AT2 record (default: a near-fault pulse)")
+    parser.add_argument("--scale", type=float, default=1.0, help="factor on the ground motion")
+    parser.add_argument("--isolator", choices=ISOLATORS, default="friction-pendulum")
+    parser.add_argument("-o", "--output-folder", type=Path, default=Path("results"))
+    options = parser.parse_args()
+    try:
+        column = Column.from_toml(options.column)
+        motion = (Motion.from_at2(options.record) if options.record else pulse()).scaled(options.scale)
+        options.output_folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory() as folder:
+            fixed, isolated = run_both(column, build_all(Path(folder), options.column), motion, options.isolator)
+    except (InputError, OSError) as error:
+        print(f"isolated.py: {error}", file=sys.stderr)
+        return 2
+    picture = options.output_folder / "isolated.png"
+    draw(fixed, isolated, motion, picture)
+    print(report(column, fixed, isolated))
+    print(picture)
+    return 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

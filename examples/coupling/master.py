@@ -1,0 +1,159 @@
+"""A master for a column on a partner, with FMPy: copy this file.
+
+Explicit, R0 and the effective mass one way, acceleration and slope the other (`couple`); the same made again with the
+state rolled back until both agree at the end of the step (iterations > 0); or, to see why not, the plain reaction.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from fmpy import extract, read_model_description
+from fmpy.fmi2 import FMU2Slave
+
+SPLIT = ("R0x", "R0z", "R0m", "mxx", "mxz", "mxt", "mzz", "mzt", "mtt")
+PLAIN = {"R0x": "Fx", "R0z": "Fz", "R0m": "My"}
+MOTION = ("ax", "az", "jx", "jz", "theta", "omega", "alpha")
+AXES = ("ax", "az", "alpha")
+TOO_FAR = 100.0  # m or whatever is watched first: the run is given up
+
+
+class Fmu:
+    """An FMU by the names of its variables."""
+
+    def __init__(self, path: Any, **parameters: Any) -> None:
+        description = read_model_description(str(path))
+        self.variables = {variable.name: variable for variable in description.modelVariables}
+        self.slave = FMU2Slave(
+            guid=description.guid,
+            unzipDirectory=extract(str(path)),
+            modelIdentifier=description.coSimulation.modelIdentifier,
+            instanceName=description.modelName,
+        )
+        self.slave.instantiate()
+        self.slave.setupExperiment(startTime=0.0)
+        for name, value in parameters.items():
+            variable = self.variables[name]
+            if variable.type == "Real":
+                self.slave.setReal([variable.valueReference], [value])
+            else:
+                self.slave.setString([variable.valueReference], [value])
+        self.slave.enterInitializationMode()
+        self.slave.exitInitializationMode()
+
+    def references(self, names: list[str]) -> list[int]:
+        return [self.variables[name].valueReference for name in names]
+
+    def get(self, *names: str) -> list[float]:
+        values: list[float] = self.slave.getReal(self.references(list(names)))
+        return values
+
+    def set(self, **values: float) -> None:
+        self.slave.setReal(self.references(list(values)), list(values.values()))
+
+    def step(self, t: float, h: float) -> None:
+        self.slave.doStep(currentCommunicationPoint=t, communicationStepSize=h)
+
+    def close(self) -> None:
+        self.slave.terminate()
+        self.slave.freeInstance()
+
+
+class Run(dict[str, Any]):
+    """Histories by name, from t = 0; diverged: s, or None.
+
+    work_given, work_taken: J through the interface, by the partner's forces and by the column's.
+    """
+
+
+def couple(
+    column: Fmu,
+    partner: Fmu,
+    ground: Callable[[float], float],
+    h: float,
+    stop: float,
+    iterations: int = 0,
+    plain: bool = False,
+    watch: tuple[str, ...] = ("block[1].ux",),
+    watch_partner: tuple[str, ...] = ("x",),
+) -> Run:
+    """Lead both through steps of h s under a horizontal ground acceleration ground(t), m/s2.
+
+    plain: the partner takes the reaction as it was under the last acceleration, and no mass; set its slope to "held".
+    iterations: how often a step is made again with the acceleration found at its end; the partner's slope: "given".
+    """
+    known = [name for name in SPLIT if f"column.{name}" in partner.variables and (not plain or name in PLAIN)]
+    given = [f"base.{PLAIN[name] if plain else name}" for name in known]
+    taken = [f"base.{name}" for name in MOTION if f"base.{name}" in partner.variables]
+    axes = [axis for axis in AXES if f"given.{axis}" in partner.variables]
+    into_partner = partner.references([f"column.{name}" for name in known])
+    out_of_column = column.references(given)
+    out_of_partner, into_column = partner.references(taken), column.references(taken)
+    given_slopes = partner.references([f"given.{axis}" for axis in axes])
+    accelerations = partner.references([f"base.{axis}" for axis in axes])
+
+    def exchange() -> None:
+        """Reaction to the partner, motion to the column: one pass, for R0 and m do not depend on the acceleration."""
+        partner.slave.setReal(into_partner, column.slave.getReal(out_of_column))
+        column.slave.setReal(into_column, partner.slave.getReal(out_of_partner))
+
+    def shake(t: float) -> None:
+        partner.set(**{"ground.ax": ground(t), "ground.jx": (ground(t + h) - ground(t)) / h})
+
+    def power() -> float:
+        return -sum(f * v for f, v in zip(column.get(*forces), partner.get(*velocities), strict=True))
+
+    velocities = [name for name in ("base.vx", "base.vz", "base.omega") if name in partner.variables]
+    forces = [{"base.vx": "base.Fx", "base.vz": "base.Fz", "base.omega": "base.My"}[name] for name in velocities]
+    count = round(stop / h)
+    rows = []
+    slopes = [0.0] * len(axes)
+    work_taken = 0.0
+    diverged = None
+    for k in range(count + 1):
+        t = k * h
+        shake(t)
+        if k:
+            partner.slave.setReal(given_slopes, slopes)
+        exchange()
+        rows.append([t, *column.get(*watch), *partner.get(*watch_partner)])
+        if not abs(rows[-1][1]) < TOO_FAR:
+            diverged = t
+            break
+        if k == count:
+            break
+        work_taken += 0.5 * h * power()
+        if iterations:
+            states = column.slave.getFMUState(), partner.slave.getFMUState()
+            start = partner.slave.getReal(accelerations)
+        try:
+            for again in range(iterations + 1):
+                column.step(t, h)
+                partner.step(t, h)
+                if again == iterations:
+                    break
+                shake(t + h)
+                partner.slave.setReal(into_partner, column.slave.getReal(out_of_column))
+                end = partner.slave.getReal(accelerations)
+                slopes = [(later - now) / h for later, now in zip(end, start, strict=True)]
+                column.slave.setFMUState(states[0])
+                partner.slave.setFMUState(states[1])
+                shake(t)
+                partner.slave.setReal(given_slopes, slopes)
+                exchange()
+        except Exception:  # FMPy's, when an FMU cannot follow what has diverged
+            diverged = t
+            break
+        finally:
+            if iterations:
+                column.slave.freeFMUState(states[0])
+                partner.slave.freeFMUState(states[1])
+        # at the end of the step, under the motion of the step, before anything is set anew
+        work_taken += 0.5 * h * power()
+    table = np.array(rows)
+    names = ("time", *watch, *watch_partner)
+    return Run(
+        zip(names, table.T, strict=True), work_given=partner.get("work")[0], work_taken=work_taken, diverged=diverged
+    )
