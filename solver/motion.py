@@ -24,9 +24,10 @@ _CSV_HEADERS = (
 )
 
 # the two forms of the fourth line of an AT2 file
+_FLAGS = re.IGNORECASE | re.ASCII
 _AT2_SIZE = (
-    re.compile(r"\s*NPTS\s*=\s*(?P<count>\d+)\s*,\s*DT\s*=\s*(?P<dt>[\d.+\-E]+)", re.IGNORECASE),
-    re.compile(r"\s*(?P<count>\d+)\s+(?P<dt>[\d.+\-E]+)\s+NPTS\s*,\s*DT", re.IGNORECASE),
+    re.compile(r"\s*NPTS\s*=\s*(?P<count>\d+)\s*,\s*DT\s*=\s*(?P<dt>[\d.+\-E]+)(?=\s|,|SEC|$)", _FLAGS),
+    re.compile(r"\s*(?P<count>\d+)\s+(?P<dt>[\d.+\-E]+)\s+NPTS\s*,\s*DT", _FLAGS),
 )
 _AT2_UNITS = re.compile(r"\bunits\s+(of|are)\s+(g|\(g\))(?![\w/*])", re.IGNORECASE)
 
@@ -218,7 +219,8 @@ def _checked_samples(key: str, values: ArrayLike, unit: str) -> NDArray[np.float
 def _finite(line: int, text: str) -> float:
     """Return the number that a field of a text file holds."""
     try:
-        number = float(text) if "_" not in text else np.nan  # Python's 1_000 is no number elsewhere
+        # Python's 1_000, and digits of other scripts, are no numbers elsewhere
+        number = float(text) if text.isascii() and "_" not in text else np.nan
     except ValueError:
         number = np.nan
     if not np.isfinite(number):
