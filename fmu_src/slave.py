@@ -22,7 +22,7 @@ from pythonfmu.enums import Fmi2Status
 
 from solver import __version__
 from solver.column import Column
-from solver.errors import InputError
+from solver.errors import FINITE, InputError, check_number
 from solver.kernels import layout as at
 from solver.packing import FloatArray
 from solver.stepper import Stepper
