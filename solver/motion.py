@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .errors import FINITE, NOT_NEGATIVE, POSITIVE, InputError, check_number, reading, shown
+from .files import whole_file
 
 STANDARD_GRAVITY = 9.80665  # m/s2, the g of the records
 
@@ -131,8 +132,8 @@ class Motion:
         else:
             time = self.time
         table = np.column_stack([time, *self.acceleration(time)])
-        with reading(path):
-            np.savetxt(path, table, fmt="%.17g", delimiter=",", header="time,base.ax,base.az", comments="")
+        with reading(path), whole_file(path) as partial:
+            np.savetxt(partial, table, fmt="%.17g", delimiter=",", header="time,base.ax,base.az", comments="")
 
     def _grid(self, step: float) -> NDArray[np.float64]:
         """Return the instants start + k step that `to_csv` writes."""
