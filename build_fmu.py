@@ -36,6 +36,7 @@ from fmu_src.record import read_motion
 from fmu_src.slave import COLUMN_FILE, GUID_FILE, RECORD_FOLDER
 from fmu_src.variables import variables
 from solver import Column, InputError
+from solver.files import whole_file
 
 HERE = Path(__file__).resolve().parent
 DEFAULT_COLUMN = HERE / "examples" / "columns" / "phocas.toml"
@@ -185,15 +186,17 @@ def _carry_package(package: ModuleType, stage: Path, renamed: dict[str, str]) ->
 
 def _repack(source: Path, target: Path, extra: dict[str, bytes]) -> None:
     """Write the archive and what is added to it compressed, in a fixed order and with a fixed date."""
-    partial = target.with_suffix(".partial")
-    with zipfile.ZipFile(source) as old, zipfile.ZipFile(partial, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as new:
+    with (
+        whole_file(target) as partial,
+        zipfile.ZipFile(source) as old,
+        zipfile.ZipFile(partial, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as new,
+    ):
         content = {name: old.read(name) for name in old.namelist()} | extra
         for name in sorted(content):
             entry = zipfile.ZipInfo(name, ZIP_DATE)
             entry.compress_type = zipfile.ZIP_DEFLATED
             entry.external_attr = 0o644 << 16
             new.writestr(entry, content[name])
-    partial.replace(target)
 
 
 if __name__ == "__main__":

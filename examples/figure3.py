@@ -30,6 +30,7 @@ from numpy.typing import NDArray
 from solver import Column, InputError, Motion, SolverError, simulate
 from solver.command_line import OneLineParser
 from solver.errors import check_number, reading
+from solver.files import whole_file
 from solver.motion import STANDARD_GRAVITY
 from solver.plots import block_colours, save, show_blocks
 
@@ -133,7 +134,7 @@ def write_csv(runs: Sequence[Run], path: Path) -> None:
     """Write one row per run, with nothing where there is no value. Raises InputError if the file cannot be written."""
     blocks = range(1, len(runs[0].peaks) + 1)
     names = ["amplitude_g", "frequency_hz", *(f"peak_{i}" for i in blocks), "overturned", "overturn_time_s", "failure"]
-    with reading(path), path.open("w", newline="", encoding="utf-8") as file:
+    with reading(path), whole_file(path) as partial, partial.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
         writer.writerow(names)
         for run in runs:

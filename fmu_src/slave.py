@@ -22,7 +22,7 @@ from pythonfmu.enums import Fmi2Status
 
 from solver import __version__
 from solver.column import Column
-from solver.errors import InputError
+from solver.errors import FINITE, InputError, check_number
 from solver.kernels import layout as at
 from solver.packing import FloatArray
 from solver.stepper import Stepper
@@ -257,6 +257,7 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
             self._retune,
             self._inputs_stand,
             self._values.copy(),
+            self._built_from,
             self._record.digest if self._record else "",
             {name: getattr(stepper, name).copy() for name in ARRAYS} if stepper else {},
         )
@@ -274,11 +275,11 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
     def _restore(self, snapshot: state.Snapshot) -> None:
         """Become what the snapshot was taken of. An exception leaves the instance as it was."""
         stepper, record, name = self._stepper, self._record, self._record_name
-        parameters = snapshot.values[self._parameters]
         if not snapshot.arrays:
             stepper = None
-        elif stepper is None or parameters != self._built_from:
-            values = snapshot.values
+        elif stepper is None or snapshot.built_from != self._built_from:
+            values = snapshot.values.copy()
+            values[self._parameters] = snapshot.built_from
             record, name = self._loaded(values[self._reference[RECORD]], values[self._reference[RECORD_SCALE]])
             stepper = Stepper(self._described(values))
         if stepper is not None:
@@ -287,7 +288,7 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
             for name in ARRAYS:
                 getattr(stepper, name)[:] = snapshot.arrays[name]
         self._stepper, self._record, self._record_name = stepper, record, name
-        self._built_from = parameters
+        self._built_from = snapshot.built_from
         self._values = snapshot.values.copy()
         self._mode = Mode(snapshot.mode)
         self._time, self._input_time = snapshot.time, snapshot.input_time
@@ -418,6 +419,7 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
 
     def _loaded(self, name: str, scale: float) -> tuple[Record | None, str]:
         """The record of that name and what it is known by. Raises InputError."""
+        check_number(RECORD_SCALE, scale, FINITE, "a finite number")
         if not name:
             return None, ""
         known_as = f"{name} times {scale}"

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .errors import FINITE, NOT_NEGATIVE, POSITIVE, InputError, check_number, reading, shown
+from .files import whole_file
 
 STANDARD_GRAVITY = 9.80665  # m/s2, the g of the records
 
@@ -24,9 +25,10 @@ _CSV_HEADERS = (
 )
 
 # the two forms of the fourth line of an AT2 file
+_FLAGS = re.IGNORECASE | re.ASCII
 _AT2_SIZE = (
-    re.compile(r"\s*NPTS\s*=\s*(?P<count>\d+)\s*,\s*DT\s*=\s*(?P<dt>[\d.+\-E]+)", re.IGNORECASE),
-    re.compile(r"\s*(?P<count>\d+)\s+(?P<dt>[\d.+\-E]+)\s+NPTS\s*,\s*DT", re.IGNORECASE),
+    re.compile(r"\s*NPTS\s*=\s*(?P<count>\d+)\s*,\s*DT\s*=\s*(?P<dt>[\d.+\-E]+)(?=\s|,|SEC|$)(?!.*DT)", _FLAGS),
+    re.compile(r"\s*(?P<count>\d+)\s+(?P<dt>[\d.+\-E]+)\s+NPTS\s*,\s*DT", _FLAGS),
 )
 _AT2_UNITS = re.compile(r"\bunits\s+(of|are)\s+(g|\(g\))(?![\w/*])", re.IGNORECASE)
 
@@ -130,8 +132,8 @@ class Motion:
         else:
             time = self.time
         table = np.column_stack([time, *self.acceleration(time)])
-        with reading(path):
-            np.savetxt(path, table, fmt="%.17g", delimiter=",", header="time,base.ax,base.az", comments="")
+        with reading(path), whole_file(path) as partial:
+            np.savetxt(partial, table, fmt="%.17g", delimiter=",", header="time,base.ax,base.az", comments="")
 
     def _grid(self, step: float) -> NDArray[np.float64]:
         """Return the instants start + k step that `to_csv` writes."""
@@ -218,7 +220,8 @@ def _checked_samples(key: str, values: ArrayLike, unit: str) -> NDArray[np.float
 def _finite(line: int, text: str) -> float:
     """Return the number that a field of a text file holds."""
     try:
-        number = float(text) if "_" not in text else np.nan  # Python's 1_000 is no number elsewhere
+        # Python's 1_000, and digits of other scripts, are no numbers elsewhere
+        number = float(text) if text.isascii() and "_" not in text else np.nan
     except ValueError:
         number = np.nan
     if not np.isfinite(number):

@@ -21,6 +21,7 @@ from matplotlib.lines import Line2D
 
 from .column import Column
 from .errors import InputError
+from .files import whole_file
 from .packing import FloatArray
 
 Where = Literal["outside lower center", "outside upper center"]
@@ -136,7 +137,8 @@ def save(figure: Figure, path: str | os.PathLike[str]) -> None:
     known = sorted(figure.canvas.get_supported_filetypes())
     if Path(path).suffix.lower().removeprefix(".") not in known:
         raise InputError(f"{path}: must end in one of .{', .'.join(known)}")
-    figure.savefig(path, dpi=DPI)
+    with whole_file(path) as partial:
+        figure.savefig(partial, dpi=DPI)
 
 
 def _draw_histories(axes: Axes, time: FloatArray, values: FloatArray, colours: Sequence[str]) -> None:

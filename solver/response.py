@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .column import Column
+from .files import whole_file
 from .kernels import layout as at
 from .packing import FloatArray
 
@@ -105,7 +106,7 @@ class Response:
             parts.append(getattr(self, name)[:, None])
         names.append("overturned")
         parts.append((self.time >= self.overturn_time)[:, None].astype(float))
-        with open(path, "w", newline="", encoding="utf-8") as file:
+        with whole_file(path) as partial, open(partial, "w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file)
             writer.writerow(names)
             writer.writerows([[repr(float(value)) for value in row] for row in np.hstack(parts)])

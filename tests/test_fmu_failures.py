@@ -59,6 +59,13 @@ WRONG_CALLS = [
     ("ended()", "'exitInitializationMode'", "fatal", "the slave is in the state terminated"),
 ]
 
+SCALE_WITHOUT_A_RECORD = """
+column = fresh()
+column.set({"base.record_scale": nan})
+print("fatal" in column.attempt("initialize"), usual(column) == usual(column))
+column.close()
+"""
+
 WRONG = """
 for made, call in json.loads(sys.argv[2]):
     column = eval(made)
@@ -86,6 +93,12 @@ def test_a_wrong_call_is_answered_and_the_instance_lives_on(fmus: Fmus, logging:
         assert line.count("\n") == 1
         if logging:
             assert said in entry
+
+
+def test_a_scale_that_is_no_number_is_refused_without_a_record_too(fmus: Fmus) -> None:
+    done = finish(sys.executable, "-c", PRELUDE + SCALE_WITHOUT_A_RECORD, fmus.damped)
+    assert done.stdout.split() == ["True", "True"]
+    assert "base.record_scale = nan: must be a finite number" in done.stderr
 
 
 def test_what_cannot_be_stepped_over_leaves_the_column_as_it_was(fmus: Fmus) -> None:

@@ -54,6 +54,24 @@ def test_a_run_goes_on_from_a_state_with_the_same_bits(fmus: Fmus) -> None:
     assert run(sys.executable, "-c", script, fmus.damped).split() == ["True"] * 5
 
 
+def test_a_state_with_a_wrong_tunable_parameter_that_has_not_acted(fmus: Fmus) -> None:
+    script = DRIVE + (
+        "column = Instance(sys.argv[1])\n"
+        "drive(column, 0, 50)\n"
+        "column.set({'g': float('nan')})\n"
+        "saved = column.fmi.getFMUState()\n"
+        "column.fmi.setFMUState(saved)\n"
+        "column.set({'g': 9.80665})\n"
+        "first = drive(column, 50, 100)\n"
+        "read = column.fmi.deSerializeFMUstate(column.fmi.serializeFMUState(saved))\n"
+        "column.fmi.setFMUState(read)\n"
+        "column.set({'g': 9.80665})\n"
+        "print(hex_of(drive(column, 50, 100)) == hex_of(first))\n"
+        "column.fmi.freeFMUState(saved)\ncolumn.fmi.freeFMUState(read)\ncolumn.close()"
+    )
+    assert run(sys.executable, "-c", script, fmus.damped).split() == ["True"]
+
+
 def test_the_state_of_a_fallen_column_and_of_one_that_stands_again(fmus: Fmus) -> None:
     script = DRIVE + (
         "column = Instance(sys.argv[1], {'base.ax': 4.0})\n"
