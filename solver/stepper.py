@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from .column import Column
 from .errors import InputError, SolverError
 from .kernels import layout as at
-from .kernels.advance import advance_once, observe_snapshots, observe_state, run
+from .kernels.advance import observe_snapshots, observe_state, run
 from .modes import longest_stable_step
 from .motion import Motion
 from .packing import FloatArray, InitialState, pack_model, pack_state
@@ -28,6 +28,7 @@ STEP_SLACK = 1e-6  # the limit itself is known to so many digits
 
 _NO_TIMES = np.empty(0)
 _NO_SNAPSHOTS = np.empty((0, 0))
+_NO_SAMPLES = np.empty((3, 0))
 
 
 class Stepper:
@@ -49,10 +50,7 @@ class Stepper:
 
     def advance(self, t: float, h: float) -> None:
         """Go from t to t + h, s, under `inputs`. Raises SolverError."""
-        code = advance_once(
-            self.model, self.state, self.counters, self.inputs, self._work, t, h, _NO_TIMES, _NO_SNAPSHOTS
-        )
-        self._check(code, t)
+        self._check(self._run(t, h, _NO_SAMPLES, False, _NO_TIMES, _NO_SNAPSHOTS), t)
 
     def observe(self, t: float) -> FloatArray:
         """The output row at time t under the present `inputs`; overwritten by the next call. Raises SolverError."""
@@ -74,27 +72,14 @@ class Stepper:
     def run(self, motion: Motion, stop: float, times: FloatArray) -> FloatArray:
         """Follow a motion from its start to time `stop`, s; a snapshot for each of `times`. Raises SolverError."""
         snapshots = np.zeros((times.size, at.snapshot_size(self.n)))
-        knots, ax, az = motion.time, motion.ax, motion.az
-        if motion.end > knots[-1]:  # the last held sample ends where the motion does
-            knots, ax, az = (np.append(part, value) for part, value in ((knots, motion.end), (ax, 0.0), (az, 0.0)))
+        samples = np.stack((motion.time, motion.ax, motion.az))
+        if motion.end > motion.time[-1]:  # the last held sample ends where the motion does
+            samples = np.column_stack((samples, (motion.end, 0.0, 0.0)))
+        start = float(motion.time[0])
         self.inputs[at.INPUT_AMPLITUDE] = motion.amplitude
         self.inputs[at.INPUT_OMEGA] = 2.0 * math.pi * motion.frequency
         self.inputs[at.INPUT_PHASE] = -2.0 * math.pi * motion.frequency * motion.start
-        code = run(
-            self.model,
-            self.state,
-            self.counters,
-            self.inputs,
-            self._work,
-            knots,
-            ax,
-            az,
-            motion.hold,
-            stop,
-            times,
-            snapshots,
-        )
-        self._check(code, None)
+        self._check(self._run(start, stop - start, samples, motion.hold, times, snapshots), None)
         return snapshots
 
     def rows_of(self, snapshots: FloatArray) -> FloatArray:
@@ -132,6 +117,14 @@ class Stepper:
         """Largest |u_x| of each top face so far, m (n,); kept by `run` only."""
         peaks: FloatArray = self.state[at.STATE_HEADER + 6 * self.n :]
         return peaks
+
+    def _run(
+        self, t: float, h: float, samples: FloatArray, hold: bool, times: FloatArray, snapshots: FloatArray
+    ) -> int:
+        """The kernel, compiled once: its numbers are float64 and its arrays contiguous, whatever the caller has."""
+        arrays = self.model, self.state, self.counters, self.inputs, self._work
+        code: int = run(*arrays, float(t), float(h), np.ascontiguousarray(samples), hold, times, snapshots)
+        return code
 
     def _check(self, code: int, t: float | None) -> None:
         if code < at.OK:

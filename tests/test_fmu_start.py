@@ -21,7 +21,7 @@ exec(sys.argv[2])
 column = Instance(sys.argv[1], {"base.ax": 0.5}, folder=folder)
 column.step(0.0, 0.1)
 (kernels,) = [m for name, m in sys.modules.items() if name.startswith("solver_") and name.endswith("kernels.advance")]
-stats = [kernel.stats for kernel in (kernels.advance_once, kernels.observe_state)]
+stats = [kernel.stats for kernel in (kernels.run, kernels.observe_state)]
 print(json.dumps([sum(map(len, part)) for part in ([s.cache_hits for s in stats], [s.cache_misses for s in stats])]
                  + column.get("block[1].ux")))
 column.close()

@@ -315,12 +315,6 @@ def advance(model, state, counters, inputs, work, t, h, times, snapshots):
 
 
 @entry
-def advance_once(model, state, counters, inputs, work, t, h, times, snapshots):
-    """`advance` as called from Python."""
-    return advance(model, state, counters, inputs, work, t, h, times, snapshots)
-
-
-@entry
 def observe_state(model, state, counters, inputs, work, t, rows, split):
     """Fill rows[0] with what is visible of the state at time t under the inputs of that time. Returns a code.
 
@@ -354,14 +348,18 @@ def observe_snapshots(model, work, counters, snapshots, rows):
 
 
 @entry
-def run(model, state, counters, inputs, work, knots, ax, az, hold, stop, times, snapshots):
-    """`advance` from knot to knot of a sampled motion up to time `stop`. Returns a code.
+def run(model, state, counters, inputs, work, t, h, samples, hold, times, snapshots):
+    """`advance` from t to t + h, under the inputs as they are or, with samples, from knot to knot. Returns a code.
 
-    knots: (m,) s, increasing; ax, az: (m,) m/s2 at the knots, linear in between or, with hold, kept. After the last
-    knot the base acceleration is zero, the harmonic part of the inputs included.
+    samples: (3, m), knots in s, increasing from t on, a_x and a_z there in m/s2, linear in between or, with hold, kept.
+    After the last knot the base acceleration is zero, the harmonic part of the inputs included.
     """
-    code = OK
+    knots, ax, az = samples
     m = knots.size
+    if m == 0:
+        return advance(model, state, counters, inputs, work, t, h, times, snapshots)
+    stop = t + h
+    code = OK
     for k in range(m):
         begin = knots[k]
         if begin >= stop:
