@@ -181,3 +181,22 @@ def test_the_ssp_connects_what_there_is(built: Path) -> None:
         if start:
             assert variables[start][connection.get("startConnector") or ""] == "output"
         assert variables[end][connection.get("endConnector") or ""] == "input"
+
+
+def test_the_ssp_runs_in_fmpy(built: Path) -> None:
+    printed = script(
+        "import json, sys\nimport numpy as np\nfrom fmpy.ssp.simulation import simulate_ssp\n"
+        "from master import Fmu, couple\n"
+        "h, folder = 1e-3, sys.argv[1]\n"
+        "def ground(t):\n    return np.sin(2.0 * np.pi * t)\n"
+        "given = {'ground.ax': ground, 'ground.jx': lambda t: (ground(t + h) - ground(t)) / h}\n"
+        "table = simulate_ssp(folder + '/isolated.ssp', stop_time=0.5, step_size=h, input=given)\n"
+        "parts = Fmu(folder + '/column.fmu'), Fmu(folder + '/isolator.fmu')\n"
+        "run = couple(*parts, ground, h, 0.5, watch=('base.R0x',))\n"
+        "print(json.dumps([table['column.base.R0x'].tolist(), run['base.R0x'].tolist()]))",
+        built,
+    )
+    ssp, master = (np.array(part) for part in json.loads(printed.splitlines()[-1]))
+    count = min(len(ssp), len(master)) - 1
+    late = ssp[:count] - master[1 : count + 1]  # of its time it shows the end of the step
+    assert np.max(np.abs(late)) < 0.1 * np.max(np.abs(master))

@@ -51,7 +51,7 @@ def test_shell_commands(checkout: Path) -> None:
     result = read_results(checkout / "out.csv")
     assert result["time"][-1] == pytest.approx(30.0)
     assert np.max(np.abs(result["block[1].ux"])) > 1e-3
-    for name in ("response.csv", "response.png", "results/figure3.csv", "results/figure3.png"):
+    for name in ("response.csv", "response.png", "results/figure3.csv", "results/figure3.png", "results/isolated.png"):
         assert (checkout / name).stat().st_size > 5_000, name
 
 
