@@ -38,11 +38,12 @@ def import_solver(package: str, resources: Path) -> None:
     if package in sys.modules:
         return
     folder = resources / package
-    try:
-        folder = lasting_copy(folder, user_cache() / CACHE_FOLDER / package, resources / MACHINE_CODE)
-    except (OSError, RuntimeError):  # a home that is read-only, full or absent
-        with contextlib.suppress(OSError):  # not even here: slower, not wrong
-            _provide(folder, resources / MACHINE_CODE)
+    if (resources / MACHINE_CODE).is_dir():  # else the FMU is just being built: a copy now would stay without
+        try:
+            folder = lasting_copy(folder, user_cache() / CACHE_FOLDER / package, resources / MACHINE_CODE)
+        except (OSError, RuntimeError):  # a home that is read-only, full or absent
+            with contextlib.suppress(OSError):  # not even here: slower, not wrong
+                _provide(folder, resources / MACHINE_CODE)
     spec = importlib.util.spec_from_file_location(
         package, folder / "__init__.py", submodule_search_locations=[str(folder)]
     )

@@ -27,7 +27,7 @@ _CSV_HEADERS = (
 # the two forms of the fourth line of an AT2 file
 _FLAGS = re.IGNORECASE | re.ASCII
 _AT2_SIZE = (
-    re.compile(r"\s*NPTS\s*=\s*(?P<count>\d+)\s*,\s*DT\s*=\s*(?P<dt>[\d.+\-E]+)(?=\s|,|SEC|$)(?!.*DT)", _FLAGS),
+    re.compile(r"\s*NPTS\s*=\s*(?P<count>\d+)\s*,\s*DT\s*=\s*(?P<dt>[\d.+\-E]+)(?=\s*,?\s*(SEC.*)?$)(?!.*DT)", _FLAGS),
     re.compile(r"\s*(?P<count>\d+)\s+(?P<dt>[\d.+\-E]+)\s+NPTS\s*,\s*DT", _FLAGS),
 )
 _AT2_UNITS = re.compile(r"\bunits\s+(of|are)\s+(g|\(g\))(?![\w/*])", re.IGNORECASE)

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
-from fmus import Fmus, environment
+from fmus import ROOT, Fmus, environment
+
+from fmu_src.host import user_cache
 
 # Prints how many kernels were found compiled, how many were compiled, and an output.
 START = """
@@ -52,6 +55,16 @@ def counts(process: subprocess.Popen[str]) -> tuple[int, int, float]:
 def test_a_fresh_account_compiles_nothing(fmus: Fmus, tmp_path: Path) -> None:
     assert counts(start(fmus.damped, tmp_path))[:2] == (2, 0)
     assert counts(start(fmus.damped, tmp_path))[:2] == (2, 0)
+
+
+def test_the_account_that_builds_compiles_nothing_more(fmus: Fmus, tmp_path: Path) -> None:
+    column = ROOT / "examples" / "columns" / "phocas-damped.toml"
+    home = environment() | {"HOME": str(tmp_path), "XDG_CACHE_HOME": str(tmp_path / ".cache")}
+    built = tmp_path / ".cache" / "multiblock-fmu" / "built"
+    shutil.copytree(user_cache() / "multiblock-fmu" / "built", built)  # made when the FMUs of the tests were
+    command = [sys.executable, str(ROOT / "build_fmu.py"), str(column), "-o", str(tmp_path / "own.fmu")]
+    subprocess.run(command, env=home, check=True, capture_output=True)
+    assert counts(start(tmp_path / "own.fmu", tmp_path))[:2] == (2, 0)
 
 
 def test_another_processor_compiles_once(fmus: Fmus, tmp_path: Path) -> None:

@@ -261,6 +261,7 @@ def test_bad_csv(tmp_path: Path, text: str, said: str) -> None:
         ("NPTS=  5", "N=  5", "line 4: 'N=  5, DT= .02000 SEC': must be like 'NPTS= 1559, DT= .02000 SEC'"),
         ("NPTS=  5", "NPTS=  5.5", "line 4: "),
         ("NPTS=  5,", "NPTS=  5, DT= 5,", "line 4: "),
+        ("DT= .02000", "DT= .02,000", "line 4: "),
         ("DT= .02000", "DT= .02O00", "line 4: 'NPTS=  5, DT= .02O00 SEC': must be like"),
         ("NPTS=  5", "NPTS=  \u0665", "line 4: "),
         (".02000", ".0.2", "line 4: '.0.2': must be a finite number"),

@@ -1,0 +1,139 @@
+"""The same input gives the same bits: again, in threads, in another process, after a restore.
+
+On other processors it gives the same to rounding.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import subprocess
+import sys
+import tempfile
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from solver import Column, Motion
+from solver.kernels import layout as at
+from solver.stepper import Stepper
+
+from .cases import Case, draw
+from .energy import Array
+
+ROOT = Path(__file__).resolve().parent.parent
+ROWS = 20
+STEP = 1e-3  # s, of the runs that are interrupted
+DAMPED = Path(__file__).resolve().parent.parent / "examples" / "columns" / "phocas-damped.toml"
+
+# what a processor changes: machine code, the C library's functions, the linear algebra of the modes
+PROCESSORS = {
+    "machine code for any x86-64": {"NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": ""},
+    "C library without FMA and AVX2": {"GLIBC_TUNABLES": "glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4,-AVX512F"},
+    "linear algebra for SSE3": {"OPENBLAS_CORETYPE": "Prescott"},
+}
+
+
+def small_case(seed: int, number: int) -> Case:
+    """A case that ends soon."""
+    return draw(seed, number, most_blocks=8)
+
+
+def rows_of(case: Case) -> Array:
+    """Output rows of a case, cut at so many steps of the motion as any machine follows soon."""
+    motion = case.motion
+    stepper = Stepper(case.column)
+    times = motion.start + np.linspace(0.0, motion.duration, ROWS)
+    return stepper.rows_of(stepper.run(motion, motion.end, times))
+
+
+def digest(seed: int, number: int) -> str:
+    """What the rows of a case come to; the reason where the solver gives up."""
+    try:
+        return hashlib.sha256(rows_of(small_case(seed, number)).tobytes()).hexdigest()
+    except ValueError as error:
+        return str(error)
+
+
+def scene() -> tuple[Column, Motion]:
+    """A damped column that rocks."""
+    return Column.from_toml(DAMPED), Motion.harmonic(0.05 * 9.80665, 2.0, 5.0)
+
+
+def scene_rows() -> list[list[float]]:
+    """Its displacements every 0.1 s."""
+    column, motion = scene()
+    stepper = Stepper(column.with_settings(tolerance=1e-9))
+    times = np.linspace(0.0, motion.duration, 51)
+    rows: list[list[float]] = stepper.rows_of(stepper.run(motion, motion.duration, times))[:, : column.n].tolist()
+    return rows
+
+
+def restored(formulation: str, integrator: str, damping: bool) -> bool:
+    """Whether a run saved and restored at every hundredth step goes on with the same bits."""
+    column, _ = scene()
+    column = column.with_settings(formulation=formulation, integrator=integrator)
+    if not damping:
+        column = column.with_settings(without=["dashpots"])
+
+    def drive(stepper: Stepper, first: int, last: int) -> None:
+        for k in range(first, last):
+            stepper.inputs[at.INPUT_AX] = 1.5 * np.sin(0.0126 * k)
+            stepper.inputs[at.INPUT_T0] = k * STEP
+            stepper.advance(k * STEP, STEP)
+
+    straight, broken = Stepper(column), Stepper(column)
+    drive(straight, 0, 1000)
+    for first in range(0, 1000, 100):
+        drive(broken, first, first + 100)
+        state, counters, inputs = broken.state.copy(), broken.counters.copy(), broken.inputs.copy()
+        drive(broken, first + 100, first + 150)
+        broken = Stepper(column)  # as another process would have it
+        broken.state[:], broken.counters[:], broken.inputs[:] = state, counters, inputs
+    return straight.state.tobytes() == broken.state.tobytes()
+
+
+def elsewhere(command: str, **environment: str) -> Any:
+    """What a Python expression over this module gives in another process."""
+    script = f"import json; from stress import determinism as d; print(json.dumps({command}))"
+    done = subprocess.run(
+        [sys.executable, "-c", script],
+        cwd=ROOT,
+        env=os.environ | environment,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    return json.loads(done.stdout)
+
+
+def run(seed: int, count: int, processors: bool = True) -> dict[str, dict[str, object]]:
+    """{name: {"tried", "failures"}}; "largest difference" of the peak where processors are compared."""
+    numbers = range(count)
+    first = [digest(seed, k) for k in numbers]
+    results: dict[str, dict[str, object]] = {}
+
+    def compare(name: str, others: list[str]) -> None:
+        wrong = [f"case {seed}-{k}" for k in numbers if others[k] != first[k]]
+        results[name] = {"tried": count, "failures": wrong}
+
+    compare("again", [digest(seed, k) for k in numbers])
+    with ThreadPoolExecutor(4) as pool:
+        compare("in four threads", list(pool.map(lambda k: digest(seed, k), numbers)))
+    compare("in another process", elsewhere(f"[d.digest({seed}, k) for k in range({count})]", PYTHONHASHSEED="7"))
+    ways = [(f, i, d) for f in ("exact", "paper") for i in ("auto", "central-difference") for d in (True, False)]
+    wrong = [f"{way}" for way in ways if not restored(*way)]
+    results["after a restore"] = {"tried": len(ways), "failures": wrong}
+    if processors:
+        here = np.array(scene_rows())
+        for name, variables in PROCESSORS.items():
+            with tempfile.TemporaryDirectory(prefix="stress_") as cache:
+                changed = variables | ({"NUMBA_CACHE_DIR": cache} if "NUMBA_CPU_NAME" in variables else {})
+                there = np.array(elsewhere("d.scene_rows()", **changed))
+            difference = float(np.max(np.abs(there - here)) / np.max(np.abs(here)))
+            failures = [] if difference < 1e-8 else [f"{difference:.2g} of the peak"]
+            results[name] = {"tried": 1, "failures": failures, "largest difference": difference}
+    return results

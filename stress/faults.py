@@ -1,0 +1,254 @@
+"""What happens to a machine amid the work: killed processes, full disks, read-only folders, clocks that jump.
+
+Each check returns (how often it was tried, problems). Nothing may be lost, nothing half-written may look whole, and the
+next run has to work.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import random
+import subprocess
+import sys
+import tempfile
+import time
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+COLUMN = ROOT / "examples" / "columns" / "phocas-damped.toml"
+PATIENCE = 600.0  # s
+Outcome = tuple[int, list[str]]
+
+START = """
+import json, sys
+from fmpy import extract
+from tests.instance import Instance
+folder = extract(sys.argv[1])
+column = Instance(sys.argv[1], {"base.ax": 0.5}, folder=folder)
+column.step(0.0, 0.1)
+print(json.dumps(column.get()))
+column.close()
+"""
+NO_LARGE_FILES = "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, ({0}, {0})); "
+CLOCK = """
+import random, sys, time
+chance = random.Random(1)
+for name in ("time", "perf_counter", "monotonic"):
+    setattr(time, name, lambda real=getattr(time, name): real() + chance.uniform(-1e6, 1e6))
+"""
+SIMULATE = """
+import hashlib, sys
+from solver import Column, Motion, simulate
+response = simulate(Column.from_toml(sys.argv[1]), Motion.harmonic(1.0, 2.0, 3.0))
+print(hashlib.sha256(response.ux.tobytes()).hexdigest())
+"""
+
+
+def environment(**changes: str) -> dict[str, str]:
+    """Of a child that finds project and tests."""
+    return os.environ | {"PYTHONPATH": os.pathsep.join((str(ROOT), str(ROOT / "tests")))} | changes
+
+
+def launch(*arguments: object, **changes: str) -> subprocess.Popen[str]:
+    """Python with these arguments."""
+    command = [sys.executable, *map(str, arguments)]
+    return subprocess.Popen(
+        command, cwd=ROOT, env=environment(**changes), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+
+
+def finish(*arguments: object, **changes: str) -> tuple[int, str, str]:
+    """Exit code, what was printed, what was complained of."""
+    process = launch(*arguments, **changes)
+    out, err = process.communicate(timeout=PATIENCE)
+    return process.returncode, out, err
+
+
+def killed_after(delay: float, *arguments: object, **changes: str) -> bool:
+    """Start and kill after so many seconds; whether it was still running."""
+    process = launch(*arguments, **changes)
+    time.sleep(delay)
+    running = process.poll() is None
+    process.kill()
+    process.communicate()
+    return running
+
+
+def killed_while_writing(folder: Path, times: int, chance: random.Random) -> Outcome:
+    """A response being written over an older one: the file is the older or the newer, whole."""
+    motion, output = folder / "motion.csv", folder / "response.csv"
+    motion.write_text("time,base.ax\n0,0\n5,0.1\n")
+    command = ["-m", "solver", "simulate", COLUMN, motion, "--output-step", "1e-4", "-o", output]
+    begin = time.monotonic()
+    code, _, err = finish(*command)
+    length = time.monotonic() - begin
+    if code:
+        return 0, [err]
+    whole = output.read_bytes()
+    problems = []
+    for _ in range(times):
+        killed_after(length * chance.uniform(0.4, 1.0), *command)
+        if output.read_bytes() != whole:
+            problems.append("the file of before was lost")
+    return times, problems
+
+
+def killed_while_building(folder: Path, times: int, chance: random.Random) -> Outcome:
+    """A build ended at any time leaves no FMU or a whole one, and the next one works."""
+    output = folder / "killed.fmu"
+    begin = time.monotonic()
+    finish("build_fmu.py", COLUMN, "-o", output)
+    length = time.monotonic() - begin
+    whole = output.read_bytes()
+    problems = []
+    for _ in range(times):
+        output.unlink(missing_ok=True)
+        killed_after(length * chance.uniform(0.1, 1.0), "build_fmu.py", COLUMN, "-o", output)
+        if output.exists() and zipfile.ZipFile(output).testzip() is not None:
+            problems.append("a part of an FMU was left")
+    code, _, err = finish("build_fmu.py", COLUMN, "-o", output)
+    if code or not _same_but_for_the_date(output.read_bytes(), whole, folder):
+        problems.append(f"the next build: {err or 'another FMU'}")
+    return times, problems
+
+
+def _same_but_for_the_date(one: bytes, other: bytes, folder: Path) -> bool:
+    contents = []
+    for data in (one, other):
+        (folder / "compared.fmu").write_bytes(data)
+        with zipfile.ZipFile(folder / "compared.fmu") as archive:
+            contents.append({n: archive.read(n) for n in archive.namelist() if n != "modelDescription.xml"})
+    return contents[0] == contents[1]
+
+
+def killed_while_starting(fmu: Path, folder: Path, times: int, chance: random.Random) -> Outcome:
+    """The first start on an account, ended while the FMU is extracted or its code laid down: the next start works."""
+    code, reference, err = finish("-c", START, fmu, XDG_CACHE_HOME=str(folder / "whole"))
+    if code:
+        return 0, [err]
+    problems = []
+    for k in range(times):
+        home = str(folder / f"killed-{k % 5}")  # some are killed again and again
+        killed_after(chance.uniform(0.2, 1.5), "-c", START, fmu, XDG_CACHE_HOME=home)
+        if k % 5 == 4 or k >= times - 5:
+            code, out, err = finish("-c", START, fmu, XDG_CACHE_HOME=home)
+            if code or out != reference:
+                problems.append(f"the next start: {err or 'other numbers'}")
+    return times, problems
+
+
+def full_disk(fmu: Path, folder: Path) -> Outcome:
+    """No file may grow beyond a few kB: exit code 2 and one line, the file of before as it was; the FMU runs."""
+    motion, output = folder / "motion.csv", folder / "full.csv"
+    motion.write_text("time,base.ax\n0,0\n1,0.1\n")
+    output.write_text("of before")
+    simulate = ["simulate", str(COLUMN), str(motion), "-o", str(output)]
+    build = [str(COLUMN), "-o", str(folder / "full.fmu")]
+    commands = {
+        "simulate": f"from solver.command_line import main; sys.exit(main({simulate!r}))",
+        "build": f"import build_fmu; sys.exit(build_fmu.main({build!r}))",
+    }
+    problems = []
+    for name, command in commands.items():
+        code, _, err = finish(
+            "-c", "import sys; " + NO_LARGE_FILES.format(5000) + command, XDG_CACHE_HOME=str(folder / "full")
+        )
+        if code != 2 or len(err.strip().splitlines()) != 1:
+            problems.append(f"{name} on a full disk: exit code {code}, {err.strip()[-300:]!r}")
+    if output.read_text() != "of before" or (folder / "full.fmu").exists():
+        problems.append("a part was written over the whole")
+    expected = finish("-c", START, fmu)[1]
+    for limit in (100, 20_000, 500_000):
+        extracted = START.replace("column = Instance", NO_LARGE_FILES.format(limit) + "column = Instance")
+        code, out, err = finish("-c", extracted, fmu, XDG_CACHE_HOME=str(folder / f"full-{limit}"))
+        if code or not _close(out, expected):
+            problems.append(f"FMU on a full disk ({limit}): exit code {code}, {err[-300:]!r}")
+    return 5, problems
+
+
+def _close(one: str, other: str) -> bool:
+    pairs = zip(json.loads(one), json.loads(other), strict=True)
+    return all(abs(a - b) <= 1e-6 * max(abs(a), abs(b)) for a, b in pairs)
+
+
+def read_only(fmu: Path, folder: Path) -> Outcome:
+    """Folders that cannot be written to or made: exit code 2 and one line; the FMU runs without a cache of its own."""
+    motion = folder / "motion.csv"
+    motion.write_text("time,base.ax\n0,0\n1,0.1\n")
+    (folder / "file").write_text("no folder")
+    problems = []
+    for nowhere in (folder / "file" / "below", Path("/proc") / "nowhere"):
+        for command in (
+            ["-m", "solver", "simulate", COLUMN, motion, "-o", nowhere / "out.csv"],
+            ["build_fmu.py", COLUMN, "-o", nowhere / "out.fmu"],
+        ):
+            code, _, err = finish(*command)
+            if code != 2 or len(err.strip().splitlines()) != 1:
+                problems.append(f"{command[1:3]} into {nowhere}: exit code {code}, {err.strip()[-300:]!r}")
+        code, out, err = finish("-c", START, fmu, XDG_CACHE_HOME=str(nowhere))
+        if code or not _close(out, finish("-c", START, fmu)[1]):
+            problems.append(f"FMU with its cache in {nowhere}: exit code {code}, {err[-300:]!r}")
+    return 6, problems
+
+
+def clocks(fmu: Path, folder: Path) -> Outcome:
+    """Clocks that jump by days at every look, files from the future and the past: the same bits."""
+    problems = []
+    if finish("-c", CLOCK + SIMULATE, COLUMN)[:2] != finish("-c", SIMULATE, COLUMN)[:2]:
+        problems.append("a run depends on the clock")
+    home = folder / "clock"
+    expected = finish("-c", START, fmu, XDG_CACHE_HOME=str(home))[:2]
+    for stamp in (0.0, 4e9):
+        for file in home.rglob("*.nb?"):
+            os.utime(file, (stamp, stamp))
+        if finish("-c", CLOCK + START, fmu, XDG_CACHE_HOME=str(home))[:2] != expected:
+            problems.append(f"the FMU depends on the time of its files ({stamp:g})")
+    return 3, problems
+
+
+def together(folder: Path, builders: int = 3) -> Outcome:
+    """Several builds of one FMU into one file: all succeed and the file is whole."""
+    output = folder / "together.fmu"
+    processes = [launch("build_fmu.py", COLUMN, "-o", output) for _ in range(builders)]
+    problems = []
+    for process in processes:
+        _, err = process.communicate(timeout=PATIENCE)
+        if process.returncode:
+            problems.append(f"a build beside others: {err.strip()[-300:]}")
+    if not problems and zipfile.ZipFile(output).testzip() is not None:
+        problems.append("the FMU of several builds is damaged")
+    if list(folder.glob(".together*")):
+        problems.append("something was left behind")
+    return builders, problems
+
+
+def checks(fmu: Path, folder: Path, number: int, times: int) -> dict[str, Callable[[], Outcome]]:
+    """All of them by name."""
+    chance = random.Random(number)
+    return {
+        "killed while a response is written": lambda: killed_while_writing(folder, times, chance),
+        "killed while an FMU is built": lambda: killed_while_building(folder, times, chance),
+        "killed while an FMU is extracted and started": lambda: killed_while_starting(fmu, folder, times, chance),
+        "full disk": lambda: full_disk(fmu, folder),
+        "folders that cannot be written to": lambda: read_only(fmu, folder),
+        "clocks that jump": lambda: clocks(fmu, folder),
+        "builds at once": lambda: together(folder),
+    }
+
+
+def run(number: int, times: int) -> dict[str, dict[str, object]]:
+    """{name: {"tried", "failures"}}."""
+    results: dict[str, dict[str, object]] = {}
+    with tempfile.TemporaryDirectory(prefix="stress_") as name:
+        folder = Path(name)
+        fmu = folder / "column.fmu"
+        code, _, err = finish("build_fmu.py", COLUMN, "-o", fmu)
+        if code:
+            return {"build": {"tried": 1, "failures": [err]}}
+        for name, check in checks(fmu, folder, number, times).items():
+            tried, failures = check()
+            results[name] = {"tried": tried, "failures": failures}
+    return results

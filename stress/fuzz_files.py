@@ -1,0 +1,203 @@
+"""Column files, records and CSV motions, right and wrong: read as an independent reader reads them, or refused."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import re
+import tempfile
+from collections.abc import Callable
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from hypothesis import HealthCheck, Phase, given, seed, settings
+from hypothesis import strategies as st
+
+from solver import Column, InputError, Motion
+from solver.motion import STANDARD_GRAVITY
+from solver.stepper import Stepper
+
+TOML = """name = "two"
+g = 9.81
+[[block]]
+height = 2.0
+width = 1.0
+depth = 0.5
+mass = 3000.0
+centroid = 0.9
+inertia = 1500.0
+[block.joint]
+stiffness = 1e9
+damping = 2e-3
+[[block]]
+height = 3.0
+width = 1.0
+depth = 0.5
+density = 2000.0
+[joint]
+stiffness = 5e8
+[solver]
+formulation = "exact"
+tolerance = 1e-6
+"""
+AT2 = """PEER STRONG MOTION DATABASE RECORD
+A TEST, 000
+ACCELERATION TIME HISTORY IN UNITS OF G. FILTER POINTS: NONE
+NPTS=  5, DT= .02000 SEC
+  .1E-01  -.2000000E+00   .3
+  0.4 -0.05
+"""
+CSV = "time,base.ax,base.az\n0.0,0.1,-0.2\n0.02,0.3,0.1\n0.05,-1e-1,0\n"
+
+NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
+NUMBERS = ["nan", "-inf", "inf", "1e999", "-1", "0", "1e-320", "1e300", "1_0", "0x10", "1e5", "\u0663"]
+WORDS = ["true", "e", "[[block]]", "height", "mass", "NPTS", "\u00e9"]
+SIGNS = ['"', "'", "[", "]", "=", "\n", ",", ".", "-", "\x00", "\ufeff", "  ", "\t", "#"]
+SNIPPETS = [*NUMBERS, *WORDS, *SIGNS]
+
+
+def mutated(text: str) -> st.SearchStrategy[bytes]:
+    """The text with a few numbers changed, pieces cut, doubled or put in, or bytes overwritten."""
+    places = [match.span() for match in NUMBER.finditer(text)]
+    spot = st.integers(0, len(text))
+
+    def number(start: str, place: tuple[int, int], instead: str) -> str:
+        return start[: place[0]] + instead + start[place[1] :]
+
+    one_number = st.builds(
+        number, st.just(text), st.sampled_from(places), st.one_of(st.sampled_from(SNIPPETS), st.floats().map(repr))
+    )
+    insert = st.builds(lambda k, s: text[:k] + s + text[k:], spot, st.sampled_from(SNIPPETS))
+    cut = st.builds(lambda a, b: text[: min(a, b)] + text[max(a, b) :], spot, spot)
+    double = st.builds(lambda a, b: text[: max(a, b)] + text[min(a, b) :], spot, spot)
+    lines = st.permutations(text.splitlines(keepends=True)).map("".join)
+    data = st.one_of(one_number, one_number, insert, cut, double, lines, st.just(text)).map(lambda t: t.encode())
+    byte = st.builds(
+        lambda k, b: text.encode()[:k] + b + text.encode()[k + 1 :], spot, st.binary(min_size=1, max_size=3)
+    )
+    return st.one_of(data, data, data, byte)
+
+
+def column_problem(path: Path) -> str | None:
+    """What is wrong with how a column file was taken; None if nothing is."""
+    try:
+        column = Column.from_toml(path)
+    except InputError as error:
+        return _message_problem(path, error)
+    for block in column.blocks:
+        values = [block.height, block.width, block.depth, block.mass, block.resolved_inertia, block.joint.stiffness]
+        if not all(math.isfinite(value) and value > 0.0 for value in values):
+            return f"accepted: {block}"
+    if Column.from_dict(column.to_dict()) != column:
+        return "its mapping gives another column"
+    row = Stepper(column).observe(0.0)
+    if not np.all(np.isfinite(row)):
+        return f"outputs at rest are not finite: {column}"
+    return None
+
+
+def motion_problem(path: Path) -> str | None:
+    """The same for a motion, beside a reader of its own that knows nothing but right files."""
+    read = Motion.from_csv if path.suffix == ".csv" else Motion.from_at2
+    try:
+        motion = read(path)
+    except InputError as error:
+        return _message_problem(path, error)
+    text = path.read_text(encoding="utf-8")
+    plain = _plain_csv(text) if path.suffix == ".csv" else _plain_at2(text)
+    if plain is None:
+        return f"accepted: {text!r}"
+    time, ax, az = plain
+    same = np.array_equal(motion.time, time) and np.array_equal(motion.ax, ax) and np.array_equal(motion.az, az)
+    return None if same else f"read as {motion}"
+
+
+def _message_problem(path: Path, error: InputError) -> str | None:
+    message = str(error)
+    return None if message.startswith(f"{path}: ") and "\n" not in message else f"said: {message!r}"
+
+
+def _numbers(fields: list[str]) -> list[float] | None:
+    if not all(map(_is_number, fields)):
+        return None
+    values = [float(field) for field in fields]
+    return values if all(map(math.isfinite, values)) else None
+
+
+def _is_number(field: str) -> bool:
+    return field.isascii() and NUMBER.fullmatch(field.strip()) is not None
+
+
+def _plain_csv(text: str) -> tuple[list[float], list[float], list[float]] | None:
+    lines = [line.rstrip("\r") for line in text.split("\n")]
+    if lines and lines[-1] == "":
+        lines.pop()
+    unquoted = [re.sub(r'(^|(?<=,))"([^",]*)"(?=,|$)', r"\2", line) for line in lines]
+    header = unquoted[0].split(",") if unquoted else []
+    if sorted(header[1:]) not in (["base.ax"], ["base.az"], ["base.ax", "base.az"]) or header[0] != "time":
+        return None
+    rows = [_numbers(line.split(",")) for line in unquoted[1:]]
+    if len(rows) < 2 or any(row is None or len(row) != len(header) for row in rows):
+        return None
+    columns: dict[str, Any] = dict(zip(header, zip(*rows, strict=True), strict=True))  # type: ignore[arg-type]
+    time = columns["time"]
+    if any(later <= earlier for earlier, later in pairwise(time)):
+        return None
+    zeros = [0.0] * len(time)
+    return list(time), list(columns.get("base.ax", zeros)), list(columns.get("base.az", zeros))
+
+
+def _plain_at2(text: str) -> tuple[Any, Any, Any] | None:
+    lines = text.split("\n")
+    if len(lines) < 5 or not re.search(r"units\s+of\s+g", lines[2], re.IGNORECASE):
+        return None
+    size = re.match(r"\s*NPTS\s*=\s*(\d+)\s*,\s*DT\s*=\s*(\S+)", lines[3], re.ASCII)
+    if size is None or not _is_number(size[2]):
+        return None
+    values = _numbers(" ".join(lines[4:]).split())
+    dt = float(size[2])
+    if values is None or len(values) != int(size[1]) or len(values) < 2 or not 0.0 < dt < math.inf:
+        return None
+    return dt * np.arange(len(values)), STANDARD_GRAVITY * np.array(values), np.zeros(len(values))
+
+
+KINDS: dict[str, tuple[str, Callable[[Path], str | None]]] = {
+    "column.toml": (TOML, column_problem),
+    "record.AT2": (AT2, motion_problem),
+    "motion.csv": (CSV, motion_problem),
+}
+
+
+def fuzz(kind: str, number: int, examples: int) -> dict[str, Any]:
+    """So many files of one kind: {"files", "refused", "failures": the smallest that fails}."""
+    text, problem_of = KINDS[kind]
+    counts = {"files": 0}
+    smallest: dict[str, str] = {}
+    with tempfile.TemporaryDirectory(prefix="stress_") as folder:
+        path = Path(folder) / kind
+
+        @seed(number)
+        @settings(
+            max_examples=examples,
+            deadline=None,
+            database=None,
+            phases=[Phase.generate, Phase.shrink],
+            suppress_health_check=list(HealthCheck),
+        )
+        @given(mutated(text))
+        def hold(content: bytes) -> None:
+            counts["files"] += 1
+            path.write_bytes(content)
+            try:
+                problem = problem_of(path)
+            except Exception as error:
+                problem = f"{type(error).__name__}: {error}"
+            if problem is not None:
+                smallest.update(problem=problem, content=repr(content))
+            assert problem is None
+
+        with contextlib.suppress(AssertionError):
+            hold()
+    return counts | {"failures": [dict(smallest)] if smallest else []}

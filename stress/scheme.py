@@ -1,0 +1,149 @@
+"""The paper's scheme, central differences with Gauss-Seidel sweeps: where it diverges, and what its sweeps cost."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from solver import Block, Column, InputError, Joint, Motion, Settings, SolverError
+from solver.kernels import layout as at
+from solver.modes import longest_stable_step
+from solver.packing import settlements
+from solver.stepper import Stepper
+
+ROOT = Path(__file__).resolve().parent.parent
+HEIGHT, WIDTH, MASS = 14.07, 1.56, 81000.0  # of the Column of Phocas
+STIFFNESS = 533 * 9.80665e6  # N/m3
+STEPS = 200
+GROWN = 1e3  # times the first disturbance: the scheme diverges
+FINER = 0.005  # of the step: how closely the limit is located
+LONGEST = 1.5  # times the limit computed: how far it is looked for
+TOLERANCES = (math.inf, 1e-2, 1e-4, 1e-6, 1e-9)  # of the sweeps; with the first one sweep is all there is
+SCENES = ((0.02, 2.0, 2.0), (0.05, 2.0, 2.0))  # g, Hz, s: within what can be predicted of the undamped column
+
+
+def shaft(n: int, stiffness: float, damping: float, step: float = 1e-4) -> Column:
+    """The shaft of Phocas in n equal drums, set up as in the paper."""
+    block = Block(HEIGHT / n, WIDTH, WIDTH, MASS / n, Joint(stiffness, damping))
+    return Column("shaft", (block,) * n, Settings("paper", "central-difference", step))
+
+
+def grows(column: Column, step: float) -> tuple[bool, float]:
+    """Whether a small disturbance of rest grows in STEPS steps, and the sweeps made per evaluation."""
+    stepper = Stepper(column)
+    stepper.model[at.STEP] = step  # the check of the step is left out: this is what it checks
+    n = column.n
+    rng = np.random.default_rng(n)
+    rest = stepper.state[at.STATE_HEADER : at.STATE_HEADER + 2 * n].copy()
+    size = 1e-7 * float(np.min(settlements(column)))
+    stepper.state[at.STATE_HEADER : at.STATE_HEADER + 2 * n] += size * rng.uniform(-1.0, 1.0, 2 * n)
+    try:
+        stepper.advance(0.0, STEPS * step)
+    except SolverError:
+        return True, math.nan
+    away = np.max(np.abs(stepper.state[at.STATE_HEADER : at.STATE_HEADER + 2 * n] - rest))
+    return bool(away > GROWN * size), float(stepper.counters[at.SWEEPS] / stepper.counters[at.EVALUATIONS])
+
+
+def limit_found(column: Column, limit: float) -> float:
+    """The step at which the scheme begins to diverge, in parts of `limit`; inf if that is beyond LONGEST."""
+    low, high = 0.5, LONGEST
+    if grows(column, low * limit)[0]:
+        return 0.0
+    if not grows(column, high * limit)[0]:
+        return math.inf
+    while high - low > FINER:
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if grows(column, middle * limit)[0] else (middle, high)
+    return high
+
+
+def refused_beyond(column: Column, limit: float) -> bool:
+    """Whether a step just within the limit is taken, and one just beyond refused with the limit in the message."""
+    Stepper(column.with_settings(step=0.999 * limit))
+    try:
+        Stepper(column.with_settings(step=1.001 * limit))
+    except InputError as error:
+        return f"{limit:.4g} s" in str(error)
+    return False
+
+
+def stability_map(
+    blocks: tuple[int, ...], stiffnesses: tuple[float, ...], dampings: tuple[float, ...]
+) -> list[dict[str, Any]]:
+    """Limit computed and found for every combination."""
+    rows = []
+    for damping in dampings:
+        for stiffness in stiffnesses:
+            for n in blocks:
+                column = shaft(n, stiffness, damping, 1e-9)
+                row: dict[str, Any] = {"n": n, "stiffness": stiffness, "damping": damping}
+                try:
+                    limit = longest_stable_step(column)
+                    _, sweeps = grows(column, 0.5 * limit)
+                    row |= {"limit": limit, "found": limit_found(column, limit), "sweeps": sweeps}
+                    row["refused"] = refused_beyond(column, limit)
+                except InputError:  # shorter than any step that can be asked for
+                    row["failure"] = f"{limit:.2g}; refused"
+                except SolverError as error:
+                    row["failure"] = str(error)
+                rows.append(row)
+    return rows
+
+
+def sweep_costs() -> list[dict[str, Any]]:
+    """Error of the top displacement by how far the sweeps go, in a process that interprets the kernels."""
+    script = "import json; from stress.scheme import measure_sweeps as m; print(json.dumps(m()))"
+    environment = os.environ | {
+        "NUMBA_DISABLE_JIT": "1"
+    }  # the tolerance of the sweeps is a constant of the compiled ones
+    done = subprocess.run(
+        [sys.executable, "-W", "ignore", "-c", script],
+        cwd=ROOT,
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    rows: list[dict[str, Any]] = json.loads(done.stdout)
+    return rows
+
+
+def measure_sweeps() -> list[dict[str, Any]]:
+    """As `sweep_costs`, in this process."""
+    from solver.kernels import paper
+
+    usual = paper.SWEEP_TOLERANCE
+    rows = []
+    for amplitude, frequency, duration in SCENES:
+        motion = Motion.harmonic(amplitude * 9.80665, frequency, duration)
+        times = np.linspace(0.0, duration, 401)
+        reference = None
+        for tolerance in (usual, *TOLERANCES):
+            paper.SWEEP_TOLERANCE = tolerance
+            stepper = Stepper(shaft(3, STIFFNESS, 0.0))
+            ux = stepper.run(motion, duration, times)[
+                :, 0
+            ]  # the first coordinate of this formulation is that of the top
+            reference = ux if reference is None else reference
+            error = float(np.max(np.abs(ux - reference)) / np.max(np.abs(reference)))
+            sweeps = int(stepper.counters[at.SWEEPS]) / int(stepper.counters[at.EVALUATIONS])
+            rows.append({"amplitude": amplitude, "frequency": frequency, "duration": duration, "tolerance": tolerance,
+                         "sweeps": sweeps, "error": error})  # fmt: skip
+        paper.SWEEP_TOLERANCE = usual
+    return rows
+
+
+def run(short: bool = False) -> dict[str, Any]:
+    """The map and the cost of the sweeps."""
+    if short:
+        return {"map": stability_map((1, 3), (1e8, 1e10), (0.0, 1e-3))}
+    stiffnesses = tuple(10.0**k for k in range(6, 15, 2))
+    return {"map": stability_map((1, 2, 3, 5, 10, 20, 50, 100, 200), stiffnesses, (0.0, 1e-3)), "sweeps": sweep_costs()}

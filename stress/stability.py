@@ -1,0 +1,282 @@
+"""What must hold in every case, however extreme, and by how much it does."""
+
+from __future__ import annotations
+
+import math
+import multiprocessing
+import resource
+import signal
+import time as clock
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+from multiprocessing.connection import Connection
+from typing import Any
+
+import numpy as np
+
+from solver import Column, Motion, SolverError
+from solver.kernels import layout as at
+from solver.packing import pack_model
+from solver.stepper import Stepper
+
+from .cases import Case, draw
+from .energy import Array, Energies
+
+AFFORDABLE = 500_000  # steps times blocks: a run that took more is not made again at other tolerances
+MOST_BLOCKS = 200
+ROWS = 200  # of a motion that is not held
+ROUNDING = 1e-12
+# in tolerances, how much each figure may be; what was measured is in docs/stability.md
+LIMITS = {
+    "energy gained": 100.0,
+    "energy lost, undamped": 100.0,
+    "error": 30.0,
+    "half the tolerance": 30.0,
+    "communication step": 30.0,
+}
+PREDICTABLE = 30.0  # times that a change of the motion is amplified: beyond, errors are the motion's, not the solver's
+
+
+@dataclass
+class Track:
+    """One run: snapshots and output rows at `times`, and the verdict."""
+
+    times: Array
+    snapshots: Array
+    rows: Array
+    overturned: int
+    overturn_time: float
+    failure: str = ""
+    seconds: float = 0.0
+    stats: dict[str, Any] = field(default_factory=dict)
+
+
+def follow(
+    column: Column, motion: Motion, times: Array, pieces: int = 1, nudge: float = 0.0, tolerance: float | None = None
+) -> Track:
+    """Run a column; `pieces`: communication steps per sample, `nudge`: rad added to the top block's rotation."""
+    if tolerance is not None:
+        column = column.with_settings(tolerance=tolerance)
+    stepper = Stepper(column)
+    stepper.state[at.STATE_HEADER] += nudge
+    begin = clock.perf_counter()
+    failure = ""
+    snapshots = np.zeros((0, at.snapshot_size(column.n)))
+    try:
+        snapshots = stepper.run(_cut(motion, pieces), motion.end, times)
+        rows = stepper.rows_of(snapshots)
+    except SolverError as error:
+        failure = str(error)
+        rows = np.zeros((0, at.row_size(column.n)))
+    return Track(
+        times[: len(rows)],
+        snapshots,
+        rows,
+        stepper.overturned_joint,
+        stepper.overturn_time,
+        failure,
+        clock.perf_counter() - begin,
+        {name: int(stepper.counters[key]) for name, key in COUNTED.items()},
+    )
+
+
+COUNTED = {"steps": at.STEPS, "implicit": at.IMPLICIT_STEPS, "elastic": at.ELASTIC_STEPS, "rejected": at.REJECTED}
+
+
+def _cut(motion: Motion, pieces: int) -> Motion:
+    """The same motion in so many times as many samples: shorter communication steps."""
+    if pieces == 1:
+        return motion
+    shares = np.arange(pieces) / pieces
+    ends = np.append(motion.time, motion.end) if motion.hold else motion.time
+    time = (ends[:-1, None] + np.diff(ends)[:, None] * shares).ravel()
+    if motion.hold:
+        return replace(motion, time=time, ax=np.repeat(motion.ax, pieces), az=np.repeat(motion.az, pieces))
+    time = np.append(time, motion.time[-1])
+    samples = {name: np.interp(time, motion.time, getattr(motion, name)) for name in ("ax", "az")}
+    return replace(motion, time=time, **samples)
+
+
+def examine(case: Case) -> dict[str, Any]:
+    """Every check of one case: {"failures": [...], "figures": {...}, ...}."""
+    column, motion = case.column, case.motion
+    tolerance = column.settings.tolerance
+    times = motion.start + np.linspace(0.0, motion.duration, ROWS + 1)
+    if motion.hold:
+        times = np.append(motion.time, motion.end)
+    failures: list[str] = []
+    figures: dict[str, float] = {}
+    found = {"case": case.told(), "kind": case.kind, "n": column.n, "failures": failures, "figures": figures}
+
+    usual = follow(column, motion, times)
+    found |= {"stats": usual.stats, "seconds": usual.seconds, "overturned": usual.overturned}
+    if usual.failure:
+        failures.append(f"gave up: {usual.failure}")
+        return found
+    _check_rows(column, usual, failures, figures)
+    if motion.hold:
+        _check_energy(column, motion, usual, failures, figures)
+    _check_mirror(column, motion, usual, failures)
+    if (usual.stats["steps"] + usual.stats["rejected"]) * column.n < AFFORDABLE:
+        _check_agreement(case, usual, failures, figures, tolerance)
+    failures += [f"{name}: {figures[name]:.3g} tolerances" for name in LIMITS if figures.get(name, 0.0) > LIMITS[name]]
+    return found
+
+
+def _check_rows(column: Column, run: Track, failures: list[str], figures: dict[str, float]) -> None:
+    """Finite; N >= 0, |M| <= N b / 2, contact within 0..1."""
+    n = column.n
+    if not np.all(np.isfinite(run.rows)):
+        failures.append("an output is not finite")
+        return
+    normal, moment, contact, sigma = (
+        run.rows[:, k * n : (k + 1) * n] for k in (at.ROW_N, at.ROW_M, at.ROW_CONTACT, at.ROW_SIGMA)
+    )
+    width = np.array([block.joint_width for block in column.blocks])
+    if np.min(normal) < 0.0 or np.min(sigma) < 0.0:
+        failures.append(f"tension: N = {np.min(normal):.3g} N, sigma = {np.min(sigma):.3g} Pa")
+    held = normal > np.finfo(float).tiny
+    parts = np.abs(moment[held]) / (0.5 * normal * width)[held]
+    figures["moment over N b/2"] = float(np.max(parts, initial=0.0))
+    if np.any(moment[~held] != 0.0):
+        failures.append("a moment without a normal force")
+    if figures["moment over N b/2"] > 1.0 + ROUNDING:
+        failures.append(f"|M| = {figures['moment over N b/2']:.15g} N b/2")
+    if np.min(contact) < 0.0 or np.max(contact) > 1.0:
+        failures.append(f"contact from {np.min(contact):.17g} to {np.max(contact):.17g}")
+
+
+def _standing(run: Track) -> int:
+    """Number of rows before the verdict."""
+    return int(np.searchsorted(run.times, run.overturn_time)) if run.overturned else len(run.times)
+
+
+def _check_energy(column: Column, motion: Motion, run: Track, failures: list[str], figures: dict[str, float]) -> None:
+    """Never more than at the start and what the base has put in; without damping never less."""
+    count = _standing(run)
+    if count < 2:
+        return
+    has = Energies(column, run.snapshots[:count])
+    excess = has.total - has.total[0] - has.work(motion)
+    model = pack_model(column)
+    floor = model[at.ROTATION_FLOOR] ** 2 * sum(
+        0.5 * b.joint.stiffness * b.joint_depth * b.joint_width**3 / 12.0 for b in column.blocks
+    )
+    moved = np.abs(has.elastic - has.elastic[0]) + np.abs(has.gravity - has.gravity[0]) + has.kinetic
+    rounding = np.abs(has.elastic[0]) + np.max(np.abs(has.gravity))
+    scale = np.maximum.accumulate(moved + np.abs(has.work(motion))) + floor + 1e-9 * rounding
+    figures["energy gained"] = float(np.max(excess / scale)) / column.settings.tolerance
+    if all(block.joint.damping == 0.0 for block in column.blocks):
+        figures["energy lost, undamped"] = float(np.max(-excess / scale)) / column.settings.tolerance
+
+
+def _check_mirror(column: Column, motion: Motion, run: Track, failures: list[str]) -> None:
+    """The mirrored motion gives the mirrored response, to the last bit."""
+    n = column.n
+    mirrored = follow(column, motion.mirrored(), run.times)
+    sign = np.ones(at.row_size(n))
+    for field_ in (at.ROW_UX, at.ROW_THETA, at.ROW_M, at.ROW_S):
+        sign[field_ * n : (field_ + 1) * n] = -1.0
+    sign[[at.ROW_FIELDS * n + at.ROW_FX, at.ROW_FIELDS * n + at.ROW_MY]] = -1.0
+    if mirrored.failure or not np.array_equal(mirrored.rows, sign * run.rows):
+        failures.append(f"mirrored motion: {mirrored.failure or 'not the mirrored response'}")
+
+
+def _altered(column: Column, part: float) -> Column:
+    """The same column with data that differ by so much: what nobody knows better."""
+    blocks = tuple(
+        replace(block, joint=replace(block.joint, stiffness=block.joint.stiffness * (1.0 + (-1) ** i * part)))
+        for i, block in enumerate(column.blocks)
+    )
+    return replace(column, blocks=blocks)
+
+
+def _check_agreement(
+    case: Case, usual: Track, failures: list[str], figures: dict[str, float], tolerance: float
+) -> None:
+    """Half the tolerance, other communication steps: within the tolerance as long as the motion can be predicted."""
+    column, motion, times = case.column, case.motion, usual.times
+    n = column.n
+    half = follow(column, motion, times, tolerance=max(1e-13, 0.5 * tolerance))
+    pieces = follow(column, motion, times, pieces=3)
+    tight = max(1e-12, 1e-2 * tolerance)
+    reference = follow(column, motion, times, tolerance=tight)
+    pushed = follow(_altered(column, tolerance), motion.scaled(1.0 + tolerance), times, tolerance=tight)
+    for name, run in (("half", half), ("pieces", pieces), ("tight", reference), ("pushed", pushed)):
+        if run.failure:
+            failures.append(f"{name}: gave up: {run.failure}")
+            return
+    ux = np.abs(reference.rows[:, :n])
+    height = sum(block.height for block in column.blocks)
+    peak = np.maximum.accumulate(np.max(ux, axis=1)) + pack_model(column)[at.ROTATION_FLOOR] * height
+
+    def apart(one: Track, other: Track) -> Array:
+        return np.asarray(np.maximum.accumulate(np.max(np.abs(one.rows[:, :n] - other.rows[:, :n]), axis=1) / peak))
+
+    sensitivity = np.maximum(1.0, apart(reference, pushed) / tolerance)
+    window = min(
+        int(np.searchsorted(sensitivity, PREDICTABLE)), *(_standing(r) for r in (usual, half, pieces, reference))
+    )
+    figures["window"] = window / len(times)
+    if window:
+        for name, one, other in (
+            ("error", usual, reference),
+            ("half the tolerance", usual, half),
+            ("communication step", usual, pieces),
+        ):
+            figures[name] = float(np.max((apart(one, other) / sensitivity)[:window])) / tolerance
+    verdicts = [run.overturned > 0 for run in (usual, half, pieces, reference, pushed)]
+    if len(set(verdicts)) > 1:
+        figures["verdicts differ"] = 1.0
+        if window == len(times):
+            failures.append(f"verdicts differ: {verdicts}")
+
+
+def _serve(pipe: Connection, seed: int, most_blocks: int, patience: int) -> None:
+    """Examine the cases asked for; the system ends the process where one takes too long."""
+    with np.errstate(all="ignore"):
+        while True:
+            number = pipe.recv()
+            used = resource.getrusage(resource.RUSAGE_SELF)
+            resource.setrlimit(resource.RLIMIT_CPU, (int(used.ru_utime + used.ru_stime) + 1 + patience, -1))
+            try:
+                pipe.send(examine(draw(seed, number, most_blocks)))
+            except Exception as error:  # a defect of solver or campaign: told as one, with the case
+                pipe.send({"failures": [f"{type(error).__name__}: {error}"], "figures": {}})
+
+
+def campaign(
+    seed: int, first: int, count: int, most_blocks: int = MOST_BLOCKS, patience: int = 20, seconds: float = math.inf
+) -> Iterator[dict[str, Any]]:
+    """The findings of the cases first, first + 1, ..., until `count` or so many seconds are over.
+
+    patience: s of processor time for one case; one that takes longer is told as slow. A case that ends the process is
+    told as well, and the campaign goes on.
+    """
+    context = multiprocessing.get_context("spawn")
+    worker = None
+    end = clock.monotonic() + seconds
+    for number in range(first, first + count):
+        if clock.monotonic() > end:
+            break
+        if worker is None:
+            pipe, other = context.Pipe()
+            worker = context.Process(target=_serve, args=(other, seed, most_blocks, patience), daemon=True)
+            worker.start()
+            other.close()
+        pipe.send(number)
+        try:
+            found = pipe.recv()
+        except EOFError:
+            worker.join()
+            slow = worker.exitcode == -signal.SIGXCPU
+            found = {
+                "figures": {},
+                "failures": [] if slow else [f"the process ended with {worker.exitcode}"],
+                "slow": slow,
+            }
+            worker = None
+        case = draw(seed, number, most_blocks)
+        yield {"seed": seed, "number": number, "case": case.told(), "kind": case.kind, "n": case.column.n} | found
+    if worker is not None:
+        worker.kill()
