@@ -14,7 +14,7 @@
 
 typedef enum { REAL, INTEGER, BOOLEAN, STRING } Kind;
 typedef enum { INPUT, OUTPUT, PARAMETER } Role;
-typedef struct { const char *name, *unit; Kind kind; Role role; int tunable, continuous; } Variable;
+typedef struct { const char *name, *unit; Kind kind; Role role; int tunable, continuous, place; } Variable;
 typedef struct { double x, z; int is_slope; } Direction;
 typedef struct { int reference, count; const char *words[4]; int codes[4]; } Choice;
 typedef struct {
@@ -167,14 +167,16 @@ static void describe_choice(const Choice *choice, const char *word, size_t lengt
         used += snprintf(reason + used, (size_t)(MESSAGE - used), "%s%s", k ? ", " : "", choice->words[k]);
 }
 
-static const char *text_of(const Moment *moment, int reference) { return moment->texts[reference - FIRST_TEXT]; }
+static double real_of(const double *reals, int reference) { return reals[variables[reference].place]; }
 
-/* The first fault of the Real parameters, of those before `from` checks only; 0 if there is none. */
+static const char *text_of(const Moment *moment, int reference) { return moment->texts[variables[reference].place]; }
+
+/* Whether one of these checks finds fault with a Real parameter. */
 static int find_fault(const double *reals, size_t from, size_t to, char *reason) {
     char value[NUMBER], bound[NUMBER];
     for (size_t k = from; k < to; k++) {
         const Check *check = &checks[k];
-        double given_value = reals[check->reference];
+        double given_value = real_of(reals, check->reference);
         const char *name = variables[check->reference].name;
         if (check->optional && given_value == 0.0) continue;
         if (!(check->low <= given_value && given_value <= check->high)) {
@@ -182,7 +184,7 @@ static int find_fault(const double *reals, size_t from, size_t to, char *reason)
             return 1;
         }
         if (check->bound < 0) continue;
-        double most = reals[check->bound];
+        double most = real_of(reals, check->bound);
         if (check->strict ? !(given_value < most) : given_value > most) {
             snprintf(reason, MESSAGE, "%s = %s: %s = %s m", name, shown(given_value, value), check->relation,
                      shown(most, bound));
@@ -198,7 +200,7 @@ static int build(Instance *instance, int afresh, char *reason) {
     size_t count = sizeof checks / sizeof *checks;
     double described[GIVEN];
     const char *formulation = text_of(now, FORMULATION->reference), *integrator = text_of(now, INTEGRATOR->reference);
-    const char *without = text_of(now, WITHOUT->reference), *record = text_of(now, AT_RECORD);
+    const char *without = text_of(now, WITHOUT->reference), *record = now->texts[AT_RECORD];
     char text[NUMBER];
     for (int k = 0; k < GIVEN; k++)
         described[k] = k >= SETTINGS || k < GIVEN_FORMULATION ? now->reals[given[k]] : 0.0;
@@ -274,7 +276,6 @@ static int update(Instance *instance, char *reason) {
     Moment *now = &instance->now;
     int64_t code;
     void *exception;
-    char text[NUMBER];
     if (now->mode == INSTANTIATED) {
         snprintf(reason, MESSAGE, "outputs can be read from initialization on");
         return 0;
@@ -286,7 +287,6 @@ static int update(Instance *instance, char *reason) {
                 now->time, RECORD(instance), &now->reals[BASE_INPUTS]);
     if (code < 0) {
         snprintf(reason, MESSAGE, "at t = %.6g s: %s", now->time, reason_of(code));
-        (void)text;
         return 0;
     }
     now->overturn_joint = now->counters[COUNTER_OVERTURNED];
@@ -470,7 +470,7 @@ FMI2_Export fmi2Status fmi2GetReal(fmi2Component component, const fmi2ValueRefer
                                    fmi2Real values[]) {
     Instance *instance = component;
     if (!instance || !readable(instance, references, count, REAL)) return fmi2Error;
-    for (size_t k = 0; k < count; k++) values[k] = instance->now.reals[references[k]];
+    for (size_t k = 0; k < count; k++) values[k] = real_of(instance->now.reals, (int)references[k]);
     return fmi2OK;
 }
 
@@ -504,7 +504,7 @@ FMI2_Export fmi2Status fmi2SetReal(fmi2Component component, const fmi2ValueRefer
     int parameter = 0;
     if (!instance || !settable(instance, references, count, REAL)) return fmi2Error;
     for (size_t k = 0; k < count; k++) {
-        instance->now.reals[references[k]] = values[k];
+        instance->now.reals[variables[references[k]].place] = values[k];
         parameter |= variables[references[k]].role == PARAMETER;
     }
     has_changed(instance, parameter);
@@ -532,7 +532,7 @@ FMI2_Export fmi2Status fmi2SetString(fmi2Component component, const fmi2ValueRef
             say(instance, fmi2Error, "%s: must be a text of less than %d bytes", variables[references[k]].name, TEXT);
             return fmi2Error;
         }
-    for (size_t k = 0; k < count; k++) strcpy(instance->now.texts[references[k] - FIRST_TEXT], values[k]);
+    for (size_t k = 0; k < count; k++) strcpy(instance->now.texts[variables[references[k]].place], values[k]);
     has_changed(instance, count > 0);
     return fmi2OK;
 }
@@ -551,8 +551,9 @@ static int step_problem(Instance *instance, double start, double step, char *rea
         return snprintf(reason, MESSAGE, "the last step ended at t = %s s", shown(now->time, text)), 1;
     for (int k = 0; k < BASE_INPUTS; k++)
         if (!isfinite(now->reals[k]))
-            return snprintf(reason, MESSAGE, "%s = %s: must be a finite number in %s", variables[k].name,
-                            shown(now->reals[k], text), variables[k].unit), 1;
+            return snprintf(reason, MESSAGE, "%s = %s: must be a finite number in %s",
+                            variables[input_references[k]].name, shown(now->reals[k], text),
+                            variables[input_references[k]].unit), 1;
     return 0;
 }
 
@@ -652,7 +653,7 @@ FMI2_Export fmi2Status fmi2SetRealInputDerivatives(fmi2Component component, cons
     for (size_t k = 0; k < count; k++) {
         fmi2ValueReference reference = references[k];
         const char *name = variables[reference].name;
-        if (reference >= BASE_INPUTS) {
+        if (variables[reference].role != INPUT) {
             say(instance, fmi2Error, "%s: is not an input", name);
             return fmi2Error;
         }
@@ -660,20 +661,24 @@ FMI2_Export fmi2Status fmi2SetRealInputDerivatives(fmi2Component component, cons
             say(instance, fmi2Error, "derivative of %s of the order %d: must be of the order 1", name, orders[k]);
             return fmi2Error;
         }
-        if (slope_of[reference] < 0 && values[k] != 0.0) {
+        if (slope_of[variables[reference].place] < 0 && values[k] != 0.0) {
             say(instance, fmi2Error, "%s: is held within a step, its derivative must be 0", name);
             return fmi2Error;
         }
     }
-    for (size_t k = 0; k < count; k++)
-        if (slope_of[references[k]] >= 0) instance->now.reals[slope_of[references[k]]] = values[k];
+    for (size_t k = 0; k < count; k++) {
+        int slope = slope_of[variables[references[k]].place];
+        if (slope >= 0) instance->now.reals[slope] = values[k];
+    }
     has_changed(instance, 0);
     return fmi2OK;
 }
 
 /* Outputs that follow the motion; their places in a row of the kernels. */
 static int is_continuous_output(Instance *instance, fmi2ValueReference reference) {
-    if (reference < VARIABLES && variables[reference].role == OUTPUT && variables[reference].continuous) return 1;
+    if (reference < VARIABLES && variables[reference].role == OUTPUT && variables[reference].continuous &&
+        variables[reference].place < BASE_INPUTS + ROW)
+        return 1;
     say(instance, fmi2Error, "value reference %u: is not that of a continuous output", reference);
     return 0;
 }
@@ -699,7 +704,7 @@ FMI2_Export fmi2Status fmi2GetRealOutputDerivatives(fmi2Component component, con
         return fmi2Error;
     }
     kernel_rates(&code, &exception, COLUMN(instance), instance->now.time, instance->row, instance->other);
-    for (size_t k = 0; k < count; k++) values[k] = instance->row[references[k] - BASE_INPUTS];
+    for (size_t k = 0; k < count; k++) values[k] = instance->row[variables[references[k]].place - BASE_INPUTS];
     return code < 0 ? fmi2Error : fmi2OK;
 }
 
@@ -717,11 +722,11 @@ FMI2_Export fmi2Status fmi2GetDirectionalDerivative(fmi2Component component, con
     for (size_t k = 0; k < unknown_count; k++)
         if (!is_continuous_output(instance, unknowns[k])) return fmi2Error;
     for (size_t k = 0; k < known_count; k++) {
-        if (knowns[k] >= BASE_INPUTS) {
+        if (knowns[k] >= VARIABLES || variables[knowns[k]].role != INPUT) {
             say(instance, fmi2Error, "value reference %u: is not that of an input", knowns[k]);
             return fmi2Error;
         }
-        const Direction *direction = &directions[knowns[k]];
+        const Direction *direction = &directions[variables[knowns[k]].place];
         double weight = seeds[k] * (direction->is_slope ? now->time - now->input_time : 1.0);
         along_x += weight * direction->x;
         along_z += weight * direction->z;
@@ -732,7 +737,7 @@ FMI2_Export fmi2Status fmi2GetDirectionalDerivative(fmi2Component component, con
     }
     kernel_feedthrough(&code, &exception, COLUMN(instance), now->time, along_x, along_z, instance->row,
                        instance->other);
-    for (size_t k = 0; k < unknown_count; k++) values[k] = instance->row[unknowns[k] - BASE_INPUTS];
+    for (size_t k = 0; k < unknown_count; k++) values[k] = instance->row[variables[unknowns[k]].place - BASE_INPUTS];
     return code < 0 ? fmi2Error : fmi2OK;
 }
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import uuid
+from dataclasses import replace
 from xml.etree.ElementTree import tostring
 
 from solver import __version__
@@ -29,15 +30,21 @@ NATIVE_FLAGS = FLAGS | {
 NEEDS = "It needs nothing but the mathematical functions of the system's C library."
 
 
+def contents_of(column: Column, record: Motion | None = None, record_name: str = "") -> Contents:
+    """What the FMU of a column is made for, under a GUID that follows from all that its libraries are made of."""
+    contents = Contents(column, variables(column, record_name), "", record_name, record)
+    identity = json.dumps(column.to_dict()) + made_with() + SOURCE.read_text(encoding="utf-8") + declarations(contents)
+    guid = uuid.uuid5(uuid.NAMESPACE_OID, hashlib.sha256(identity.encode()).hexdigest())
+    return replace(contents, guid=f"{{{guid}}}")
+
+
 def native_files(
     column: Column, platforms: list[str], record: Motion | None = None, record_name: str = ""
 ) -> tuple[dict[str, bytes], dict[str, list[Symbols]]]:
     """The files of the FMU by their names, and what the libraries need. Raises InputError, OSError."""
-    table = variables(column, record_name)
-    contents = Contents(column, table, "", record_name, record)
-    identity = json.dumps(column.to_dict()) + made_with() + SOURCE.read_text(encoding="utf-8") + declarations(contents)
-    guid = f"{{{uuid.uuid5(uuid.NAMESPACE_OID, hashlib.sha256(identity.encode()).hexdigest())}}}"
-    made = libraries(platforms, declarations(Contents(column, table, guid, record_name, record)))
+    contents = contents_of(column, record, record_name)
+    guid, table = contents.guid, contents.table
+    made = libraries(platforms, declarations(contents))
     experiment = Experiment(record.start, record.end, Record(record).dt) if record else Experiment()
     description = model_description(
         *(column.name, guid, column_description(column), __version__, table, experiment),

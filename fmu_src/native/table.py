@@ -14,7 +14,7 @@ from solver.packing import FORMULATION_CODES, INTEGRATOR_CODES, SKIP_CODES
 from solver.stepper import REASONS
 
 from ..record import Record
-from ..variables import INPUTS, OVERTURN_JOINT, OVERTURN_TIME, OVERTURNED, RECORD, RECORD_PGA, RECORD_SCALE, Variable
+from ..variables import OVERTURN_TIME, RECORD, RECORD_PGA, RECORD_SCALE, Variable
 
 TEXT = 256  # bytes of a String, its end included
 # input -> the input that is its slope, and the direction of the base that it accelerates
@@ -38,8 +38,10 @@ def declarations(contents: Contents) -> str:
     column, table = contents.column, contents.table
     n = column.n
     reference = {variable.name: k for k, variable in enumerate(table)}
-    reals = [variable for variable in table if variable.kind == "Real"]
-    texts = [variable for variable in table if variable.kind == "String"]
+    places = storage(table)
+    reals = sorted((variable for variable in table if variable.kind == "Real"), key=lambda item: places[item.name])
+    texts = sorted((variable for variable in table if variable.kind == "String"), key=lambda item: places[item.name])
+    inputs = [variable for variable in reals if variable.causality == "input"]
     lines = ["/* Made by build_fmu.py; not to be edited. */"]
     numbers = {
         "N": n,
@@ -51,19 +53,16 @@ def declarations(contents: Contents) -> str:
         "ROW": at.row_size(n),
         "ROOM": pointers.scratch_room(n, False),
         "FIXED_STEP_ROOM": pointers.scratch_room(n, True),
-        "BASE_INPUTS": len(INPUTS),
+        "BASE_INPUTS": len(inputs),
         "REALS": len(reals),
         "TEXTS": len(texts),
         "TEXT": TEXT,
-        "FIRST_TEXT": reference[texts[0].name],
         "VARIABLES": len(table),
         "GIVEN": len(pointers.GIVEN_SETTINGS) + pointers.GIVEN_FIELDS * n,
-        "AT_OVERTURN_TIME": reference[OVERTURN_TIME.name],
-        "AT_OVERTURN_JOINT": reference[OVERTURN_JOINT.name],
-        "AT_OVERTURNED": reference[OVERTURNED.name],
-        "AT_RECORD": reference[RECORD],
-        "AT_RECORD_PGA": reference[RECORD_PGA.name],
-        "AT_RECORD_SCALE": reference[RECORD_SCALE],
+        "AT_OVERTURN_TIME": places[OVERTURN_TIME.name],
+        "AT_RECORD": places[RECORD],
+        "AT_RECORD_PGA": places[RECORD_PGA.name],
+        "AT_RECORD_SCALE": places[RECORD_SCALE],
         "STATE_OVERTURN_TIME": at.OVERTURN_TIME,
         "STATE_TIME_FULL": at.TIME_FULL,
         "STATE_TIME_ROCKING": at.TIME_ROCKING,
@@ -76,13 +75,14 @@ def declarations(contents: Contents) -> str:
     lines += [f"#define {name} {value}" for name, value in numbers.items()]
     lines.append(f"static const char *const GUID = {_quoted(contents.guid)};")
     lines.append(f"static const char *const STATE_FORMAT = {_quoted('multiblock-fmu native state 1')};")
-    lines += _array("Variable", "variables", [_variable(variable) for variable in table])
+    lines += _array("Variable", "variables", [_variable(variable, places[variable.name]) for variable in table])
     lines += _array("double", "real_starts", [_number(_start(variable)) for variable in reals])
     lines += _array("char *const", "text_starts", [_quoted(str(variable.start)) for variable in texts])
-    slopes = [reference.get(SLOPES.get(variable.name, ""), -1) for variable in INPUTS]
+    slopes = [places.get(SLOPES.get(variable.name, ""), -1) for variable in inputs]
     lines += _array("int", "slope_of", [str(slope) for slope in slopes])
-    lines += _array("Direction", "directions", [_direction(variable.name) for variable in INPUTS])
-    lines += _array("int", "given", [str(reference[name]) for name in _given_names(n)])
+    lines += _array("Direction", "directions", [_direction(variable.name) for variable in inputs])
+    lines += _array("int", "input_references", [str(reference[variable.name]) for variable in inputs])
+    lines += _array("int", "given", [str(places[name]) for name in _given_names(n)])
     choices = [
         _choice("solver.formulation", FORMULATIONS, FORMULATION_CODES, reference),
         _choice("solver.integrator", INTEGRATORS, INTEGRATOR_CODES, reference),
@@ -116,12 +116,22 @@ def _array(kind: str, name: str, items: list[str]) -> list[str]:
     return [f"static const {kind} {name}[] = {{", *(f"    {item}," for item in items or ["0"]), "};"]
 
 
-def _variable(variable: Variable) -> str:
+def storage(table: list[Variable]) -> dict[str, int]:
+    """Place of every variable among those of its kind: inputs first, then outputs, then parameters."""
+    roles = ("input", "output", "parameter")
+    places: dict[str, int] = {}
+    for kind in ("Real", "Integer", "Boolean", "String"):
+        alike = sorted((item for item in table if item.kind == kind), key=lambda item: roles.index(item.causality))
+        places |= {item.name: place for place, item in enumerate(alike)}
+    return places
+
+
+def _variable(variable: Variable, place: int) -> str:
     kinds = {"Real": "REAL", "Integer": "INTEGER", "Boolean": "BOOLEAN", "String": "STRING"}
     roles = {"input": "INPUT", "output": "OUTPUT", "parameter": "PARAMETER"}
     tunable = int(variable.variability == "tunable")
     continuous = int(variable.variability == "continuous")
-    words = (kinds[variable.kind], roles[variable.causality], tunable, continuous)
+    words = (kinds[variable.kind], roles[variable.causality], tunable, continuous, place)
     return f"{{{_quoted(variable.name)}, {_quoted(variable.unit)}, {', '.join(map(str, words))}}}"
 
 
