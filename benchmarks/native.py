@@ -55,7 +55,7 @@ def best(call, rounds, count=2000):
 
 rounds = int(sys.argv[2])
 found = []
-for push in (0.0, 1.5):
+for push in (0.0, 0.3):
     column = Instance(sys.argv[1], {"base.ax": push})
     dll, c = column.fmi.dll, column.fmi.component
     step = dll.fmi2DoStep
@@ -91,7 +91,7 @@ def step(folder: Path, options: argparse.Namespace) -> str:
     fmu = build_native_fmu(PHOCAS, folder / "phocas.fmu", platforms=PLATFORM)
     rest, rocks, outputs, state, nothing = (float(word) for word in _run(STEP, fmu, options.rounds).split())
     return (
-        f"at rest {rest:.0f} ns, under 1.5 m/s2 {rocks:.0f} ns a step of 1 ms; input set and 27 outputs read "
+        f"at rest {rest:.0f} ns, under 0.3 m/s2 {rocks:.0f} ns a step of 1 ms; input set and 27 outputs read "
         f"{outputs:.0f} ns; state got and set {state:.0f} ns; an empty call through ctypes {nothing:.0f} ns"
     )
 
@@ -110,8 +110,12 @@ def getters(folder: Path, options: argparse.Namespace) -> str:
     with zipfile.ZipFile(fmu) as old, zipfile.ZipFile(empty, "w") as new:
         for name in old.namelist():
             new.writestr(name, binary.read_bytes() if name.endswith(".so") else old.read(name))
-    ours, nothing, outputs = (float(word) for word in _run(RACE, 8000, options.rounds, fmu, empty).split())
-    return f"{outputs:.0f} outputs: {ours:.3f} s, empty {nothing:.3f} s, {ours / nothing:.3f} times"
+    told = []
+    for scene, push in (("at rest", 0.0), ("in full contact", 0.05), ("rocking now and then", 0.5)):
+        script = RACE.replace("0.5 * np.sin", f"{push} * np.sin")
+        ours, nothing, outputs = (float(word) for word in _run(script, 8000, options.rounds, fmu, empty).split())
+        told.append(f"{scene} {ours:.3f} s, empty {nothing:.3f} s, {ours / nothing:.2f} times")
+    return f"{outputs:.0f} outputs: " + "; ".join(told)
 
 
 def cold(folder: Path, options: argparse.Namespace) -> str:
