@@ -158,6 +158,10 @@ def build_fmu(column_file: Path, output: Path | None = None, record: Path | None
         script_file.write_text(script, encoding="utf-8")
         (stage / COLUMN_FILE).write_text(column_text, encoding="utf-8")
         (stage / GUID_FILE).write_text(f"{{{uuid.uuid5(uuid.NAMESPACE_OID, identity)}}}", encoding="utf-8")
+        machine_code = _machine_code(stage / carried_solver, column_text)
+        for name, code in machine_code.items():  # where the import of the script finds it, for this very account
+            (stage / MACHINE_CODE / name).parent.mkdir(parents=True, exist_ok=True)
+            (stage / MACHINE_CODE / name).write_bytes(code)
         sys.path.insert(0, str(stage))
         importlib.invalidate_caches()
         try:
@@ -177,8 +181,7 @@ def build_fmu(column_file: Path, output: Path | None = None, record: Path | None
             "documentation/model.png": picture,
             "documentation/signs.png": documentation.sign_conventions(),
         }
-        for name, content in _machine_code(stage / carried_solver, column_text).items():
-            extra[f"resources/{MACHINE_CODE}/{name}"] = content
+        extra |= {f"resources/{MACHINE_CODE}/{name}": code for name, code in machine_code.items()}
         _repack(built, output, extra)
     return output
 

@@ -4,6 +4,7 @@ step        ns of fmi2DoStep through ctypes: column at rest, column that rocks; 
 getters     8000 steps of FMPy's simulate_fmu against an FMU in C of the same variables that does nothing
 cold        a whole `fmpy simulate` process against one that only imports FMPy
 lives       10000 times from instantiation to the end: time and what is left behind
+inputs      error against communication step, held and with derivatives of the input
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from pathlib import Path
 from build_fmu import build_native_fmu
 from fmu_src.native import library
 
-from .fmu import FMPY, PHOCAS, RACE, SEVEN_BLOCKS, _run
+from .fmu import FMPY, PHOCAS, RACE, SEVEN_BLOCKS, _run, errors_of_inputs
 
 PLATFORM = ("linux64",)
 
@@ -30,6 +31,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("parts", nargs="*", metavar="PART", help=f"of {', '.join(PARTS)} (default: all)")
     parser.add_argument("--rounds", type=int, default=15, help="of which the shortest time counts")
+    parser.add_argument("--plot", type=Path, help="picture of the part inputs")
     options = parser.parse_args(arguments)
     unknown = set(options.parts) - set(PARTS)
     if unknown:
@@ -169,7 +171,17 @@ def lives(folder: Path, options: argparse.Namespace) -> str:
     return f"10000 instances: {grown:.0f} bytes more, {1e2 * spent:.1f} us each"
 
 
-PARTS = {"step": step, "getters": getters, "cold": cold, "lives": lives}
+# --- inputs
+
+WAYS = {"held": "base.ax held", "derivative": "input derivative"}
+
+
+def inputs(folder: Path, options: argparse.Namespace) -> str:
+    """As in benchmarks/fmu.py, with fmi2SetRealInputDerivatives."""
+    return errors_of_inputs(folder, options, build_native_fmu(PHOCAS, folder / "phocas.fmu", platforms=PLATFORM), WAYS)
+
+
+PARTS = {"step": step, "getters": getters, "cold": cold, "lives": lives, "inputs": inputs}
 
 
 if __name__ == "__main__":
