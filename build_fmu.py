@@ -1,6 +1,6 @@
 """Build an FMI 2.0 co-simulation FMU from the TOML file of a column.
 
-    python build_fmu.py [COLUMN.toml] [-o FILE.fmu] [--record RECORD.AT2]
+    python build_fmu.py [COLUMN.toml] [-o FILE.fmu] [--record RECORD.AT2] [--native [--platforms NAME,...]]
 
 Packaging only. Inside the FMU the two packages carry the hash of their content in their names, so that two FMUs in one
 process, or two builds of one, never run each other's code.
@@ -21,6 +21,7 @@ import sys
 import tempfile
 import uuid
 import zipfile
+from collections.abc import Sequence
 from pathlib import Path
 from types import ModuleType
 
@@ -32,6 +33,8 @@ import fmu_src
 import solver
 from fmu_src import documentation
 from fmu_src.host import CACHE_FOLDER, MACHINE_CODE, lasting_copy, user_cache
+from fmu_src.native.package import native_files, told
+from fmu_src.native.platforms import PLATFORMS
 from fmu_src.record import read_motion
 from fmu_src.slave import COLUMN_FILE, GUID_FILE, RECORD_FOLDER
 from fmu_src.variables import variables
@@ -40,7 +43,15 @@ from solver.files import whole_file
 
 HERE = Path(__file__).resolve().parent
 DEFAULT_COLUMN = HERE / "examples" / "columns" / "phocas.toml"
-LEFT_AT_HOME = {"plots.py", "command_line.py", "__main__.py", "documentation.py"}  # an FMU has no use for them
+LEFT_AT_HOME = {
+    "plots.py",
+    "command_line.py",
+    "__main__.py",
+    "documentation.py",
+    "native",
+    "pointers.py",
+    "stability.py",
+}  # an FMU has no use for them
 # what the slave calls, as the slave calls it; without the listings with paths and addresses of this very process
 COMPILE = """
 import json, sys
@@ -52,6 +63,7 @@ stepper = Stepper(Column.from_dict(json.loads(sys.stdin.read())))
 stepper.advance(0.0, 1e-6)
 stepper.observe(0.0)
 """
+NEEDS = "The machine that runs it needs Python 3.11 or newer with numpy and numba."
 ZIP_DATE = (1980, 1, 1, 0, 0, 0)  # the same input gives the same bytes
 
 SCRIPT = '''"""Entry of the FMU: brings in the solver and offers the slave."""
@@ -83,9 +95,15 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("column", nargs="?", type=Path, default=DEFAULT_COLUMN, help="TOML file (default: %(default)s)")
     parser.add_argument("-o", "--output", type=Path, help="FMU file (default: NAME.fmu in the current folder)")
     parser.add_argument("--record", type=Path, metavar="FILE", help=".AT2 or .csv to put inside, added to the inputs")
+    parser.add_argument("--native", action="store_true", help="compiled libraries instead of Python")
+    known = ",".join(PLATFORMS)
+    parser.add_argument("--platforms", default=known, help="of the native FMU, with commas (default: %(default)s)")
     options = parser.parse_args(arguments)
     try:
-        path = build_fmu(options.column, options.output, options.record)
+        if options.native:
+            path = build_native_fmu(options.column, options.output, options.record, options.platforms.split(","))
+        else:
+            path = build_fmu(options.column, options.output, options.record)
     except (InputError, OSError) as error:
         print(f"build_fmu.py: {error}", file=sys.stderr)
         return 2
@@ -93,12 +111,36 @@ def main(arguments: list[str] | None = None) -> int:
     return 0
 
 
-def build_fmu(column_file: Path, output: Path | None = None, record: Path | None = None) -> Path:
-    """Build the FMU of a column file and return its path; a record is put inside it. Raises InputError, OSError."""
+def build_native_fmu(
+    column_file: Path, output: Path | None = None, record: Path | None = None, platforms: Sequence[str] = (*PLATFORMS,)
+) -> Path:
+    """Build the FMU that needs no Python and return its path; prints what its libraries need from outside.
+
+    Raises InputError, OSError.
+    """
+    column, output = _column_and_output(column_file, output)
+    for platform in platforms:
+        if platform not in PLATFORMS:
+            raise InputError(f"--platforms {platform}: must be of {', '.join(PLATFORMS)}")
+    motion = None if record is None else read_motion(record)
+    files, needs = native_files(column, list(dict.fromkeys(platforms)), motion, record.name if record else "")
+    print(told(needs), file=sys.stderr)
+    output.parent.mkdir(parents=True, exist_ok=True)
+    _write(output, files)
+    return output
+
+
+def _column_and_output(column_file: Path, output: Path | None) -> tuple[Column, Path]:
     column = Column.from_toml(column_file)
     output = Path(f"{column.name}.fmu") if output is None else output
     if output.suffix != ".fmu":
         raise InputError(f"-o {output}: must end in .fmu")
+    return column, output
+
+
+def build_fmu(column_file: Path, output: Path | None = None, record: Path | None = None) -> Path:
+    """Build the FMU of a column file and return its path; a record is put inside it. Raises InputError, OSError."""
+    column, output = _column_and_output(column_file, output)
     record_name = ""
     if record is not None:
         read_motion(record)
@@ -117,6 +159,10 @@ def build_fmu(column_file: Path, output: Path | None = None, record: Path | None
         script_file.write_text(script, encoding="utf-8")
         (stage / COLUMN_FILE).write_text(column_text, encoding="utf-8")
         (stage / GUID_FILE).write_text(f"{{{uuid.uuid5(uuid.NAMESPACE_OID, identity)}}}", encoding="utf-8")
+        machine_code = _machine_code(stage / carried_solver, column_text)
+        for name, code in machine_code.items():  # where the import of the script finds it, for this very account
+            (stage / MACHINE_CODE / name).parent.mkdir(parents=True, exist_ok=True)
+            (stage / MACHINE_CODE / name).write_bytes(code)
         sys.path.insert(0, str(stage))
         importlib.invalidate_caches()
         try:
@@ -129,15 +175,14 @@ def build_fmu(column_file: Path, output: Path | None = None, record: Path | None
         finally:
             sys.path[:] = [entry for entry in sys.path if not entry.startswith(str(stage))]
         output.parent.mkdir(parents=True, exist_ok=True)
-        picture, page = documentation.drawing(column), documentation.page(column, variables(column, record_name))
+        picture, page = documentation.drawing(column), documentation.page(column, variables(column, record_name), NEEDS)
         extra = {
             "model.png": picture,
             "documentation/index.html": page.encode(),
             "documentation/model.png": picture,
             "documentation/signs.png": documentation.sign_conventions(),
         }
-        for name, content in _machine_code(stage / carried_solver, column_text).items():
-            extra[f"resources/{MACHINE_CODE}/{name}"] = content
+        extra |= {f"resources/{MACHINE_CODE}/{name}": code for name, code in machine_code.items()}
         _repack(built, output, extra)
     return output
 
@@ -169,7 +214,7 @@ def _carry_package(package: ModuleType, stage: Path, renamed: dict[str, str]) ->
     source = Path(package.__path__[0])
     texts = {}
     for file in sorted(source.rglob("*.py")):
-        if file.name in LEFT_AT_HOME:
+        if file.name in LEFT_AT_HOME or file.parent.name in LEFT_AT_HOME:
             continue
         text = file.read_text(encoding="utf-8")
         for old, new in renamed.items():
@@ -186,12 +231,13 @@ def _carry_package(package: ModuleType, stage: Path, renamed: dict[str, str]) ->
 
 def _repack(source: Path, target: Path, extra: dict[str, bytes]) -> None:
     """Write the archive and what is added to it compressed, in a fixed order and with a fixed date."""
-    with (
-        whole_file(target) as partial,
-        zipfile.ZipFile(source) as old,
-        zipfile.ZipFile(partial, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as new,
-    ):
-        content = {name: old.read(name) for name in old.namelist()} | extra
+    with zipfile.ZipFile(source) as old:
+        _write(target, {name: old.read(name) for name in old.namelist()} | extra)
+
+
+def _write(target: Path, content: dict[str, bytes]) -> None:
+    """Write an archive, whole or not at all."""
+    with whole_file(target) as partial, zipfile.ZipFile(partial, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as new:
         for name in sorted(content):
             entry = zipfile.ZipInfo(name, ZIP_DATE)
             entry.compress_type = zipfile.ZIP_DEFLATED

@@ -282,6 +282,7 @@ def memory(folder: Path, options: argparse.Namespace) -> str:
 
 INPUTS = """
 import json, math, sys
+from ctypes import c_double, c_int, c_uint
 from instance import Instance
 fmu, record, way, h = sys.argv[1], sys.argv[2], sys.argv[3], float(sys.argv[4])
 samples = json.loads(sys.argv[5])
@@ -295,8 +296,12 @@ seen = []
 for k in range(round(4.0 / h)):
     if way != "record":
         column.set({"base.ax": a(k * h)})
+    slope = (a((k + 1) * h) - a(k * h)) / h
     if way == "slope":
-        column.set({"base.jx": (a((k + 1) * h) - a(k * h)) / h})
+        column.set({"base.jx": slope})
+    if way == "derivative":
+        one = (c_uint * 1)(column.variables["base.ax"].valueReference), 1, (c_int * 1)(1), (c_double * 1)(slope)
+        assert column.fmi.dll.fmi2SetRealInputDerivatives(column.fmi.component, *one) == 0
     column.step(k * h, h)
     if (k + 1) % round(0.2 / h) == 0:
         seen += column.get("block[1].ux")
@@ -308,7 +313,11 @@ INPUT_STEPS = (0.1, 0.05, 0.04, 0.02, 0.01, 0.005, 0.0025, 0.00125)
 
 def inputs(folder: Path, options: argparse.Namespace) -> str:
     """A motion of noise up to 5 Hz that makes the column rock, sampled at 0.01 s; error at every 0.2 s of 4 s."""
-    fmu = build_fmu(PHOCAS, folder / "phocas.fmu")
+    return errors_of_inputs(folder, options, build_fmu(PHOCAS, folder / "phocas.fmu"), WAYS)
+
+
+def errors_of_inputs(folder: Path, options: argparse.Namespace, fmu: Path, ways: dict[str, str]) -> str:
+    """The same for these ways of handing the motion over."""
     time_ = 0.01 * np.arange(401)
     phases = np.random.default_rng(1).uniform(0.0, 2.0 * np.pi, 20)
     noise = sum(np.sin(2.0 * np.pi * 0.25 * (k + 1) * time_ + phase) for k, phase in enumerate(phases))
@@ -316,27 +325,27 @@ def inputs(folder: Path, options: argparse.Namespace) -> str:
     motion.to_csv(folder / "motion.csv")
     response = simulate(Column.from_toml(PHOCAS), motion, 4.0, tolerance=1e-10, output_step=0.2)
     table: dict[str, list[float]] = {}
-    for way in WAYS:
+    for way in ways:
         table[way] = []
         for h in INPUT_STEPS:
             seen = json.loads(_run(INPUTS, fmu, folder / "motion.csv", way, h, json.dumps(motion.ax.tolist())))
             table[way].append(float(np.max(np.abs(np.array(seen) - response.ux[1:, 0])) / response.peak_ux[0]))
     if options.plot:
-        _plot(table, options.plot)
+        _plot(table, options.plot, ways)
     lines = [f"error of ux in parts of the peak, {1e3 * response.peak_ux[0]:.1f} mm"]
-    lines.append("step, s   " + "".join(f"{name:>22}" for name in WAYS.values()))
+    lines.append("step, s   " + "".join(f"{name:>22}" for name in ways.values()))
     for k, h in enumerate(INPUT_STEPS):
-        lines.append(f"{h:<10g}" + "".join(f"{table[way][k]:22.1e}" for way in WAYS))
+        lines.append(f"{h:<10g}" + "".join(f"{table[way][k]:22.1e}" for way in ways))
     return "\n".join(lines)
 
 
-def _plot(table: dict[str, list[float]], path: Path) -> None:
+def _plot(table: dict[str, list[float]], path: Path, ways: dict[str, str]) -> None:
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(6.0, 4.0), layout="constrained")
     axes = figure.subplots()
-    for (way, errors), colour, marker in zip(table.items(), ("#D55E00", "#0072B2", "#009E73"), "osD", strict=True):
-        axes.loglog(INPUT_STEPS, errors, color=colour, marker=marker, markersize=4, label=WAYS[way])
+    for (way, errors), colour, marker in zip(table.items(), ("#D55E00", "#0072B2", "#009E73"), "osD", strict=False):
+        axes.loglog(INPUT_STEPS, errors, color=colour, marker=marker, markersize=4, label=ways[way])
     axes.axvline(0.01, color="0.6", linewidth=0.8)
     axes.text(0.01, 0.02, " record's dt", transform=axes.get_xaxis_transform(), fontsize=8, color="0.4")
     axes.set(xlabel="communication step, s", ylabel="largest error of ux, parts of the peak")

@@ -33,7 +33,7 @@ code {{ white-space: nowrap }}</style></head>
 <h1>{name}</h1>
 <p>A column of {n} rigid blocks with no-tension elastic joints under base acceleration: FMI 2.0 for co-simulation.
 Block 1 is the top block; joint i lies under block i; the last joint rests on the base.
-The machine that runs it needs Python 3.11 or newer with numpy and numba.</p>
+{needs}</p>
 <p><img src="model.png" alt="The column" height="360"></p>
 <h2>Signs</h2>
 <p><img src="signs.png" alt="Sign conventions: x to the right, z up, rotations clockwise"></p>
@@ -56,14 +56,17 @@ a base.theta set later turns the base under blocks that stay where they are.</p>
 HEADINGS = {"input": "Inputs", "output": "Outputs", "parameter": "Parameters"}
 
 
-def page(column: Column, table: list[Variable]) -> str:
-    """documentation/index.html: signs, inputs, and every variable with its unit, limits and start value."""
+def page(column: Column, table: list[Variable], needs: str) -> str:
+    """documentation/index.html: signs, inputs, and every variable with its unit, limits and start value.
+
+    needs: a sentence on what the machine that runs the FMU must have.
+    """
     parts = []
     for causality, heading in HEADINGS.items():
         rows = [_row(variable) for variable in table if variable.causality == causality]
         head = "<tr><th>name</th><th>unit (shown as)</th><th>start</th><th>range</th><th>meaning</th></tr>"
         parts.append(f"<h3>{heading}</h3>\n<table>\n{head}\n" + "\n".join(rows) + "\n</table>")
-    return PAGE.format(name=escape(column.name), n=column.n, tables="\n".join(parts))
+    return PAGE.format(name=escape(column.name), n=column.n, needs=escape(needs), tables="\n".join(parts))
 
 
 def _row(variable: Variable) -> str:

@@ -5,9 +5,11 @@ from __future__ import annotations
 import math
 import os
 import time
+from collections.abc import Mapping
 from dataclasses import dataclass
 from xml.etree.ElementTree import Element, SubElement
 
+from solver.column import Column
 from solver.motion import STANDARD_GRAVITY
 
 from .variables import START_TIME, STEP_SIZE, STOP_TIME, Variable
@@ -82,10 +84,23 @@ class Experiment:
     step: float = STEP_SIZE
 
 
+def column_description(column: Column) -> str:
+    """One line on what is inside."""
+    blocks = "block" if column.n == 1 else "blocks"
+    return f"Column of {column.n} rigid {blocks} with no-tension elastic joints under base acceleration"
+
+
 def model_description(
-    name: str, guid: str, description: str, version: str, table: list[Variable], experiment: Experiment
+    name: str,
+    guid: str,
+    description: str,
+    version: str,
+    table: list[Variable],
+    experiment: Experiment,
+    flags: Mapping[str, bool | int] = FLAGS,
+    tool: str = "build_fmu.py with PythonFMU",
 ) -> Element:
-    """The root element; `name` is also the model identifier."""
+    """The root element; `name` is also the model identifier, `flags` are the capabilities, `tool` is what made it."""
     root = Element(
         "fmiModelDescription",
         fmiVersion="2.0",
@@ -96,11 +111,11 @@ def model_description(
         author=AUTHOR,
         license=LICENCE,
         generationDateAndTime=_date(),
-        generationTool="build_fmu.py with PythonFMU",
+        generationTool=tool,
         variableNamingConvention="structured",
         numberOfEventIndicators="0",
     )
-    SubElement(root, "CoSimulation", {"modelIdentifier": name, **{key: _text(flag) for key, flag in FLAGS.items()}})
+    SubElement(root, "CoSimulation", {"modelIdentifier": name, **{key: _text(flag) for key, flag in flags.items()}})
     units = SubElement(root, "UnitDefinitions")
     for unit in sorted({variable.unit for variable in table if variable.unit}):
         exponents = {base: str(power) for base, power in UNITS[unit].items()}

@@ -29,7 +29,7 @@ from solver.stepper import Stepper
 
 from . import state
 from .host import compile_by, finalize_at_exit, leave_search_path, survive_exception
-from .model_description import LOG_CATEGORIES, Experiment, model_description
+from .model_description import LOG_CATEGORIES, Experiment, column_description, model_description
 from .record import Record, read_motion
 from .variables import (
     AX,
@@ -138,8 +138,7 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
 
     def to_xml(self, model_options: dict[str, str] | None = None) -> Element:
         """The model description; every flag comes from fmu_src/model_description.py."""
-        blocks = "block" if self._column.n == 1 else "blocks"
-        text = f"Column of {self._column.n} rigid {blocks} with no-tension elastic joints under base acceleration"
+        text = column_description(self._column)
         experiment = Experiment()
         if self._own_record:
             motion = read_motion(self._own_record)
@@ -437,6 +436,7 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
         values = self._values
         column = self._described()
         record, name = self._loaded(values[self._reference[RECORD]], values[self._reference[RECORD_SCALE]])
+        compile_by(lambda: Stepper(column))
         stepper = Stepper(column)
         compile_by(lambda: stepper.observe(self._time))
         compile_by(lambda: Stepper(column).advance(0.0, 1e-6))

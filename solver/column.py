@@ -20,7 +20,7 @@ MAX_BLOCKS = 1000
 # What each numeric key may hold, whichever table it stands in: far beyond anything built, but so that nothing that is
 # worked out of it leaves the range of float64.
 _LENGTH = ((1e-6, 1e6), "a positive length in m, from 1e-6 to 1e6")
-_NUMBERS: dict[str, tuple[tuple[float, float], str]] = {
+NUMBERS: dict[str, tuple[tuple[float, float], str]] = {
     "g": ((0.0, 1e6), "an acceleration in m/s2, zero or positive, at most 1e6"),
     "height": _LENGTH,
     "width": _LENGTH,
@@ -181,7 +181,7 @@ class Column:
         )
         solver = _table("solver", data, _SETTINGS_KEYS)
         settings: dict[str, Any] = {
-            key: _number("solver", solver, key) if key in _NUMBERS else value for key, value in solver.items()
+            key: _number("solver", solver, key) if key in NUMBERS else value for key, value in solver.items()
         }
         gravity = {"g": _number("", data, "g")} if "g" in data else {}
         return cls(data["name"], blocks, Settings(**settings), **gravity)
@@ -201,7 +201,7 @@ class Column:
 
 def _check(key: str, value: object) -> float:
     """Return `value` as a float if it suits the last part of `key`."""
-    limits, meaning = _NUMBERS[key.rpartition(".")[2]]
+    limits, meaning = NUMBERS[key.rpartition(".")[2]]
     return check_number(key, value, limits, meaning)
 
 
@@ -283,7 +283,7 @@ def _table(key: str, data: Mapping[str, Any], known: Collection[str]) -> Mapping
 def _number(prefix: str, table: Mapping[str, Any], name: str) -> float:
     key = f"{prefix}.{name}" if prefix else name
     if name not in table:
-        raise InputError(f"{key}: missing, must be {_NUMBERS[name][1]}")
+        raise InputError(f"{key}: missing, must be {NUMBERS[name][1]}")
     return _check(key, table[name])
 
 
@@ -314,5 +314,5 @@ def _joint_from(key: str, table: Mapping[str, Any]) -> Joint:
 
 def _plain(items: list[tuple[str, Any]]) -> dict[str, Any]:
     """Make a dict of dataclass fields without those that are None, numpy's scalars as floats, names in lists."""
-    plain: dict[str, Callable[[Any], Any]] = dict.fromkeys(_NUMBERS, float) | {"without": list}
+    plain: dict[str, Callable[[Any], Any]] = dict.fromkeys(NUMBERS, float) | {"without": list}
     return {key: plain[key](value) if key in plain else value for key, value in items if value is not None}

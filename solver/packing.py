@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -12,6 +11,7 @@ from numpy.typing import NDArray
 from .column import Column
 from .errors import InputError
 from .kernels import layout as at
+from .kernels.assembly import derive_fields
 from .modal import modal_data
 
 FloatArray = NDArray[np.float64]
@@ -20,25 +20,6 @@ IntArray = NDArray[np.int64]
 FORMULATION_CODES = {"exact": at.EXACT, "paper": at.PAPER}
 INTEGRATOR_CODES = {"auto": at.AUTO, "central-difference": at.CENTRAL_DIFFERENCE}
 SKIP_CODES = {"elastic": at.ELASTIC, "rest": at.REST, "dashpots": at.DASHPOTS, "resultants": at.RESULTANTS}
-NO_DAMPING = 1e-300  # s: what a dashpot that does nothing is computed with
-
-# Errors are measured against the largest rotation so far, and at least against this part of the rotation at which the
-# base joint opens: a column at rest, or nearly, need not be followed digit by digit.
-FLOOR = 1e-2
-
-# Order 8 is the cheaper explicit method where the tolerance is tight, or where joint modes go on ringing because they
-# are damped by less than this part of the critical damping.
-TIGHT = 2e-5
-LIGHTLY_DAMPED = 0.02
-# The errors of steps add up: each is allowed this part of the tolerance that the user asks for.
-STEP_PART = 0.1
-LEAST_TOLERANCE = 1e-13
-
-# A column has overturned when a block, or the joint under it, has turned by more than this many times the angle at
-# which the block alone would stand on its edge (below that angle gravity still rights it), and by at least LEAST_FALL,
-# at most a quarter turn.
-FALL_MARGIN = 1.5
-LEAST_FALL = 0.5  # rad
 
 
 @dataclass(frozen=True)
@@ -71,34 +52,13 @@ def pack_model(column: Column) -> FloatArray:
         row[at.JOINT_DEPTH] = block.joint_depth
         row[at.DAMPING] = block.joint.damping
     settings = column.settings
-    if "dashpots" in settings.without:
-        rows[:, at.DAMPING] = np.maximum(rows[:, at.DAMPING], NO_DAMPING)
-    rows[:, at.OPEN_SIZE] = rows[:, at.JOINT_WIDTH] / math.sqrt(12.0)
-    rows[:, at.TURN_SIZE] = 1.0
-    if settings.formulation == "paper":
-        rows[:, at.TURN_SIZE] = np.cumsum(rows[::-1, at.HEIGHT])[::-1]
-    edge_angle = np.arctan2(0.5 * rows[:, at.JOINT_WIDTH], rows[:, at.CENTROID])
-    rows[:, at.FALL_ANGLE] = np.clip(FALL_MARGIN * edge_angle, LEAST_FALL, 0.5 * math.pi)
-    rows[:, at.PIVOT], rows[:, at.COUPLING] = factorized_horizontal_mass(rows)
-
     model[at.GRAVITY] = column.g
     model[at.FORMULATION] = FORMULATION_CODES[settings.formulation]
     model[at.INTEGRATOR] = INTEGRATOR_CODES[settings.integrator]
     model[at.STEP] = settings.step
     model[at.WITHOUT] = sum(SKIP_CODES[name] for name in set(settings.without))
-    model[at.TOLERANCE] = max(LEAST_TOLERANCE, STEP_PART * settings.tolerance)
-    # an upper bound of the joint modes, from each block between two stiff joints
-    area = rows[:, at.JOINT_WIDTH] * rows[:, at.JOINT_DEPTH]
-    spring = rows[:, at.STIFFNESS] * area
-    spring[1:] += spring[:-1]
-    fastest = math.sqrt(2.0 * float(np.max(spring / rows[:, at.MASS])))
-    model[at.FIRST_STEP] = 0.1 / fastest
-    ringing = 0.5 * float(np.max(rows[:, at.DAMPING])) * fastest < LIGHTLY_DAMPED
-    model[at.EXPLICIT_ORDER] = 8 if ringing or settings.tolerance <= TIGHT else 5
-    opening_rotation = 2.0 * settlements(column) / rows[:, at.JOINT_WIDTH]
-    model[at.ROTATION_FLOOR] = max(1e-9, FLOOR * float(np.min(opening_rotation)))
-    height = float(np.sum(rows[:, at.HEIGHT]))
-    model[at.RATE_FLOOR] = model[at.ROTATION_FLOOR] * math.sqrt(max(column.g, 1e-3) / height)
+    model[at.TOLERANCE] = settings.tolerance
+    derive_fields(model)
     if settings.formulation == "exact" and settings.integrator == "auto":
         modal = modal_data(rows, column.g, model[at.TOLERANCE])
         if modal is not None:
@@ -111,22 +71,6 @@ def block_rows(model: FloatArray) -> FloatArray:
     """The rows of fields of a packed model, (n, BLOCK_FIELDS): a view."""
     n = int(model[at.N_BLOCKS])
     return model[at.MODEL_HEADER : at.MODEL_HEADER + at.BLOCK_FIELDS * n].reshape(n, at.BLOCK_FIELDS)
-
-
-def factorized_horizontal_mass(rows: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """LDL' of the tridiagonal B' m B + C' H^-1 I H^-1 C (theory.md section 3): inverse pivots 1/kg and multipliers."""
-    height, centroid = rows[:, at.HEIGHT], rows[:, at.CENTROID]
-    mass, turning = rows[:, at.MASS], rows[:, at.INERTIA] / rows[:, at.HEIGHT] ** 2
-    low, high = centroid / height, 1.0 - centroid / height
-    diagonal = mass * low**2 + turning
-    diagonal[1:] += mass[:-1] * high[:-1] ** 2 + turning[:-1]
-    side = mass * low * high - turning  # between block i and block i + 1
-    pivot = diagonal.copy()
-    multiplier = np.zeros_like(pivot)
-    for i in range(1, len(pivot)):
-        multiplier[i] = side[i - 1] / pivot[i - 1]
-        pivot[i] -= side[i - 1] * multiplier[i]
-    return 1.0 / pivot, multiplier
 
 
 def settlements(column: Column) -> FloatArray:

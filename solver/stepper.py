@@ -94,6 +94,7 @@ class Stepper:
         """Go on from the present coordinates and rates with other parameters of the same blocks. Raises InputError."""
         _check_step(column)
         self.model = pack_model(column)
+        self._work[:] = 0.0  # the responses of the modes are those of the model before
         if not self.overturned_joint:
             self.state[at.BASE_AX] = math.nan  # belongs to no input: the accelerations are to be computed anew
 

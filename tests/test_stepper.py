@@ -31,6 +31,25 @@ def test_a_change_of_damping_is_a_new_start_from_the_same_motion() -> None:
     assert np.max(np.abs(difference[: column.n])) < 1e-7 * np.max(np.abs(fresh.observe(1.5)[: column.n]))
 
 
+def test_modes_follow_a_change_of_damping_at_steps_that_stay_the_same() -> None:
+    column = Column.from_toml(ROOT / "examples/columns/phocas-damped.toml")
+    blocks = tuple(replace(block, joint=replace(block.joint, damping=2e-2)) for block in column.blocks)
+    changed = replace(column, blocks=blocks)
+    stepper = Stepper(column)
+    stepper.inputs[at.INPUT_AX] = 0.05
+    for k in range(50):
+        stepper.advance(0.01 * k, 0.01)
+    stepper.retune(changed)
+    other = Stepper(changed)
+    for name in ("state", "counters", "inputs"):
+        getattr(other, name)[:] = getattr(stepper, name)
+    for k in range(50, 60):
+        stepper.advance(0.01 * k, 0.01)
+        other.advance(0.01 * k, 0.01)
+    assert stepper.counters[at.ELASTIC_STEPS] > 50
+    assert np.array_equal(stepper.observe(0.6), other.observe(0.6))
+
+
 def test_a_change_that_is_not_stable_is_refused() -> None:
     column = Column.from_toml(ROOT / "examples/columns/phocas.toml").with_settings(integrator="central-difference")
     stepper = Stepper(column)

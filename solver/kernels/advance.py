@@ -314,22 +314,32 @@ def advance(model, state, counters, inputs, work, t, h, times, snapshots):
     return OK
 
 
-@entry
-def observe_state(model, state, counters, inputs, work, t, rows, split):
-    """Fill rows[0] with what is visible of the state at time t under the inputs of that time. Returns a code.
-
-    split: (SPLIT,), the reaction of the base split into R0 and the effective mass.
-    """
-    n = int(model[N_BLOCKS])
-    between = 6 * n * PHASE_BETWEEN
-    base = base_motion(inputs, t)
+@kernel
+def base_of(state, counters, inputs, t):
+    """Motion of the base at time t; once the column has overturned, that of the moment."""
     if counters[OVERTURNED] > 0:
-        base = state[BASE_AX], state[BASE_AZ], state[BASE_THETA], state[BASE_OMEGA], state[BASE_ALPHA]
+        return state[BASE_AX], state[BASE_AZ], state[BASE_THETA], state[BASE_OMEGA], state[BASE_ALPHA]
+    return base_motion(inputs, t)
+
+
+@kernel
+def look(model, state, counters, work, base, rows, split):
+    """Fill rows[0] with what is visible of the state upon a base that moves like that. Returns a code.
+
+    The phase is left in PHASE_BETWEEN. split: (SPLIT,), the reaction of the base split into R0 and the effective mass.
+    """
+    between = 6 * int(model[N_BLOCKS]) * PHASE_BETWEEN
     _take_phase(model, state, base, work, between)
     code = observe(model, work, between, base, work, counters, rows, 0)
     if code != OK:
         return code
     return split_reaction(model, work, between, base, work, counters, rows, 0, split)
+
+
+@entry
+def observe_state(model, state, counters, inputs, work, t, rows, split):
+    """`look` at the state at time t, under the inputs of that time, as called from Python."""
+    return look(model, state, counters, work, base_of(state, counters, inputs, t), rows, split)
 
 
 @entry

@@ -5,10 +5,18 @@
  * Prints the output after 200 steps of 0.01 s under an input of 0.5, twice: the second time from the state at 1 s.
  * Exit status 0 if every call was answered with OK and both are the same to the last bit.
  */
-#include <dlfcn.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
+#ifdef _WIN32
+#include <windows.h>
+#define dlopen(name, flags) ((void *)LoadLibraryA(name))
+#define dlsym(library, name) ((void *)GetProcAddress(library, name))
+#define dlclose(library) FreeLibrary(library)
+#define dlerror() "cannot be loaded"
+#else
+#include <dlfcn.h>
+#endif
 
 typedef struct {
     void (*logger)(void *, const char *, int, const char *, const char *, ...);

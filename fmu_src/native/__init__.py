@@ -1,0 +1,1 @@
+"""The FMU without Python: kernels compiled ahead of time, linked with a thin layer of C."""

@@ -1,0 +1,122 @@
+"""The native FMU outside Python, on this machine: `python tests/masters/native.py [COLUMN.toml]`.
+
+The same small host (host.c) runs it as it is, under valgrind, and the Windows library under wine; calls in any order
+(tests/random_calls.py) are made upon a library whose C layer is compiled with AddressSanitizer and
+UndefinedBehaviorSanitizer. What is not installed is skipped with a reason. Exit code 1 if a run fails; the outputs are
+printed and are to agree.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import zipfile
+from pathlib import Path
+
+from fmpy import extract, read_model_description
+
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parent.parent
+HOST = HERE / "host.c"
+sys.path.insert(0, str(ROOT))
+
+from build_fmu import DEFAULT_COLUMN, build_native_fmu  # noqa: E402
+from fmu_src.native import library  # noqa: E402
+from fmu_src.native.machine_code import object_code  # noqa: E402
+from fmu_src.native.package import contents_of  # noqa: E402
+from fmu_src.native.platforms import PLATFORMS  # noqa: E402
+from fmu_src.native.table import declarations  # noqa: E402
+from solver import Column  # noqa: E402
+
+SANITIZERS = ("-fsanitize=address,undefined", "-fno-sanitize-recover=undefined")
+
+
+def main(column: Path) -> int:
+    """Try every host; returns the exit code."""
+    with tempfile.TemporaryDirectory() as temporary:
+        fmu = build_native_fmu(column, Path(temporary) / "column.fmu")
+        return int(_hosts(str(fmu)) + _sanitized(column, fmu, Path(temporary)) > 0)
+
+
+def _sanitized(column: Path, fmu: Path, folder: Path) -> int:
+    """Calls in any order upon a library with sanitizers."""
+    if not shutil.which("gcc"):
+        print(f"{'sanitizers':10} skipped: gcc is not installed")
+        return 0
+    (folder / "table.h").write_text(declarations(contents_of(Column.from_toml(column))), encoding="utf-8")
+    (folder / "kernels.o").write_bytes(object_code(list(PLATFORMS["linux64"].targets))[0])
+    output = folder / "sanitized.so"
+    command = ["gcc", "-std=c11", "-g", "-O1", "-shared", "-fPIC", *SANITIZERS, f"-I{folder}", f"-I{library.headers()}"]
+    subprocess.run([*command, library.SOURCE, folder / "kernels.o", "-lm", "-o", output], check=True)
+    changed = folder / "sanitized.fmu"
+    with zipfile.ZipFile(fmu) as old, zipfile.ZipFile(changed, "w") as new:
+        for name in old.namelist():
+            new.writestr(name, output.read_bytes() if name.endswith(".so") else old.read(name))
+    runtime = subprocess.run(["gcc", "-print-file-name=libasan.so"], capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        [sys.executable, str(ROOT / "tests" / "random_calls.py"), str(changed), "20000"],
+        capture_output=True,
+        text=True,
+        env=os.environ
+        | {"LD_PRELOAD": runtime.stdout.strip(), "ASAN_OPTIONS": "detect_leaks=0", "PYTHONPATH": str(ROOT)},
+        timeout=900,
+        check=False,
+    )
+    reports = [
+        line for line in done.stderr.splitlines() if "ERROR: AddressSanitizer" in line or "runtime error" in line
+    ]
+    last = (done.stdout.strip().splitlines() or [""])[-1]
+    print(f"{'sanitizers':10} status {done.returncode}: {last} {' '.join(reports[:3])}; {len(reports)} reports")
+    return int(done.returncode != 0 or bool(reports))
+
+
+def _hosts(fmu: str) -> int:
+    description = read_model_description(fmu)
+    name = description.coSimulation.modelIdentifier
+    reference = {variable.name: str(variable.valueReference) for variable in description.modelVariables}
+    words = ["file:///nowhere", description.guid, reference["base.ax"], reference["block[1].ux"]]
+    failures = 0
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = Path(temporary)
+        binaries = Path(extract(fmu, unzipdir=temporary)) / "binaries"
+        linux, windows = binaries / "linux64" / f"{name}.so", binaries / "win64" / f"{name}.dll"
+        host, host_exe = folder / "host", folder / "host.exe"
+        _compile(host, "-target", "x86_64-linux-gnu", "-ldl")  # valgrind does not know the newest instructions
+        runs = {"plain": ([host, linux], {}, "")}
+        check = ["valgrind", "--error-exitcode=9", "--leak-check=full", "--errors-for-leak-kinds=definite,possible"]
+        runs["valgrind"] = ([*check, host, linux], {}, "" if shutil.which("valgrind") else "valgrind is not installed")
+        quiet = {"WINEDEBUG": "-all", "WINEPREFIX": str(folder / "wine")}
+        wine = shutil.which("wine64") or shutil.which("wine")
+        if wine and windows.is_file():
+            _compile(host_exe, "-target", "x86_64-windows-gnu")
+        why = "wine is not installed" if not wine else "" if windows.is_file() else "the FMU holds no win64"
+        runs["wine"] = ([wine or "wine", host_exe, windows], quiet, why)
+        for label, (command, environment, absent) in runs.items():
+            if absent:
+                print(f"{label:10} skipped: {absent}")
+                continue
+            done = subprocess.run(
+                [str(word) for word in (*command, *words)],
+                capture_output=True,
+                text=True,
+                env=os.environ | environment,
+                timeout=600,
+                check=False,
+            )
+            summary = [line for line in done.stderr.splitlines() if "ERROR SUMMARY" in line or "in use at exit" in line]
+            print(f"{label:10} status {done.returncode}: {done.stdout.strip()} {' '.join(summary)}")
+            failures += done.returncode != 0
+    return failures
+
+
+def _compile(output: Path, *options: str) -> None:
+    subprocess.run(
+        [sys.executable, "-m", "ziglang", "cc", "-O1", "-g", str(HOST), "-o", str(output), *options], check=True
+    )
+
+
+if __name__ == "__main__":
+    raise SystemExit(main(Path(sys.argv[1]) if len(sys.argv) > 1 else DEFAULT_COLUMN))
