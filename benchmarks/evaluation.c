@@ -50,19 +50,20 @@ static inline void sine_cosine(double x, double *sine, double *cosine)
     *cosine = 1.0 + y * (-0.5 + y * (1.0 / 24.0 - y * (1.0 / 720.0)));
 }
 
-/* Accelerations x[4n:6n] of the phase x (coordinates, rates) under the base acceleration (base_ax, base_az), m/s2. */
-void accelerations(const double *model, double *x, double base_ax, double base_az, double *scratch)
+/* Accelerations x[4n:6n] of the phase x (coordinates, rates) upon a base that moves by (a_x, a_z, theta, omega, alpha). */
+void accelerations(const double *model, double *x, const double *base, double *scratch)
 {
     const int n = (int)model[N_BLOCKS];
     double mu = 0.0, lever = 0.0, push_n = 0.0, push_t = 0.0, torque = 0.0, cos_above = 1.0, sin_above = 0.0;
-    double c_t_above = 0.0, c_n_above = 0.0, turn = x[0], spin = x[2 * n];
+    double c_t_above = 0.0, c_n_above = 0.0, turn = x[0], spin = x[2 * n] + base[3];
     /* downwards: collect the part above, eliminate the block's own unknowns */
     for (int i = 0; i < n; i++) {
         const double *row = model + MODEL_HEADER + BLOCK_FIELDS * i;
         double *out = scratch + SCRATCH_FIELDS * i;
         const double height = row[HEIGHT], mass = row[MASS], over = height - row[CENTROID];
         const double opening = x[n + i], opening_rate = x[3 * n + i];
-        const double turn_below = i + 1 < n ? x[i + 1] : 0.0, spin_below = i + 1 < n ? x[2 * n + i + 1] : 0.0;
+        const double turn_below = i + 1 < n ? x[i + 1] : 0.0;
+        const double spin_below = i + 1 < n ? x[2 * n + i + 1] + base[3] : base[3];
         const double mean_spin = 0.5 * (spin + spin_below);
         double sin_half, cos_half, normal, moment, length;
         sine_cosine(0.5 * (turn - turn_below), &sin_half, &cos_half);
@@ -124,12 +125,15 @@ void accelerations(const double *model, double *x, double base_ax, double base_a
     }
 
     /* upwards: gravity is an upward acceleration of the base */
-    const double lift = base_az + model[GRAVITY];
-    double s_t = (base_ax * cos_above - lift * sin_above) + c_t_above;
-    double s_n = (base_ax * sin_above + lift * cos_above) + c_n_above;
+    const double pull_up = base[1] + model[GRAVITY];
+    double sine, cosine;
+    sine_cosine(base[2], &sine, &cosine);
+    const double along = base[0] * cosine - pull_up * sine, lift = base[0] * sine + pull_up * cosine;
+    double s_t = (along * cos_above - lift * sin_above) + (c_t_above + lever * base[4]);
+    double s_n = (along * sin_above + lift * cos_above) + c_n_above;
     for (int i = n - 1; i >= 0; i--) {
         double *out = scratch + SCRATCH_FIELDS * i;
-        x[4 * n + i] = out[ALPHA_S] * s_t + out[ALPHA_0];
+        x[4 * n + i] = out[ALPHA_S] * s_t + (out[ALPHA_0] - base[4]);
         x[5 * n + i] = out[OPEN_S] * s_t + (out[OPEN_0] - s_n);
         out[TANGENTIAL] = out[FORCE_S] * s_t + out[FORCE_0];
         s_n = out[RISE_S] * s_t + out[RISE_0];
@@ -138,10 +142,10 @@ void accelerations(const double *model, double *x, double base_ax, double base_a
 }
 
 /* `rounds` times the accelerations of `count` phases of 6n numbers, one after the other. */
-void repeat(const double *model, double *phases, int count, int rounds, double base_ax, double *scratch)
+void repeat(const double *model, double *phases, int count, int rounds, const double *base, double *scratch)
 {
     const int n = (int)model[N_BLOCKS];
     for (int r = 0; r < rounds; r++)
         for (int k = 0; k < count; k++)
-            accelerations(model, phases + 6 * n * k, base_ax, 0.0, scratch);
+            accelerations(model, phases + 6 * n * k, base, scratch);
 }

@@ -53,8 +53,8 @@ def compiled_c(folder: Path) -> Any:
         raise OSError(f"{' '.join(command[:4])} ...: {made.stderr[-500:]}")
     library = ctypes.CDLL(str(target))
     array = np.ctypeslib.ndpointer(np.float64, flags="C")
-    library.accelerations.argtypes = (array, array, ctypes.c_double, ctypes.c_double, array)
-    library.repeat.argtypes = (array, array, ctypes.c_int, ctypes.c_int, ctypes.c_double, array)
+    library.accelerations.argtypes = (array, array, array, array)
+    library.repeat.argtypes = (array, array, ctypes.c_int, ctypes.c_int, array, array)
     library.accelerations.restype = library.repeat.restype = None
     return library
 
@@ -65,7 +65,7 @@ def repeat(model, phases, rounds, scratch):
     size = 6 * int(model[at.N_BLOCKS])
     for _ in range(rounds):
         for k in range(phases.size // size):
-            exact_accelerations(model, phases, k * size, BASE_AX, 0.0, scratch, 0)
+            exact_accelerations(model, phases, k * size, (BASE_AX, 0.0, 0.0, 0.0, 0.0), scratch, 0)
 
 
 def states_of_a_run(column: Column, count: int = STATES, spacing: float = SPACING) -> Array:
@@ -96,8 +96,9 @@ def c_loop(library: Any, column: Column, phases: Array) -> Callable[[], None]:
     """The same in C."""
     model, room = pack_model(column), scratch(column.n)
     count = phases.size // (6 * column.n)
-    library.repeat(model, phases, count, 1, BASE_AX, room)
-    return lambda: library.repeat(model, phases, count, PASSES, BASE_AX, room)
+    base = np.array([BASE_AX, 0.0, 0.0, 0.0, 0.0])
+    library.repeat(model, phases, count, 1, base, room)
+    return lambda: library.repeat(model, phases, count, PASSES, base, room)
 
 
 def measure(sizes: tuple[int, ...] = SIZES) -> dict[str, Any]:

@@ -71,7 +71,7 @@ def evaluate(t, y, dydt, data):
     for i in range(4 * n):
         data[phase + i] = y[i] * data[sizes + i]
     ax = base_acceleration(data, motion, t)
-    exact_accelerations(data[model:], data, phase, ax, 0.0, data, scratch)
+    exact_accelerations(data[model:], data, phase, (ax, 0.0, 0.0, 0.0, 0.0), data, scratch)
     for i in range(4 * n):
         dydt[i] = data[phase + 2 * n + i] / data[sizes + i]
 

@@ -84,7 +84,7 @@ def sampled(motion: Motion) -> NDArray[np.void]:
             f"duration = {motion.duration}: must be a multiple of {COMMUNICATION_STEP} s, at most {LONGEST} s"
         )
     time = COMMUNICATION_STEP * np.arange(count + 1)
-    names = ("time", "base.ax", "base.az", "base.jx", "base.jz")
+    names = ("time", "base.ax", "base.az", "base.jx", "base.jz", "base.theta", "base.omega", "base.alpha")
     signals = np.zeros(count + 1, dtype=[(name, np.float64) for name in names])
     signals["time"] = time
     signals["base.ax"], signals["base.az"] = motion.acceleration(time)

@@ -78,7 +78,7 @@ def test_evaluation_in_c_agrees_to_rounding(n, tmp_path):
         q, rate = random_state(rng, column, 10.0 ** rng.uniform(-4.0, 0.0))
         phase = np.concatenate([q, rate, np.zeros(2 * n)])
         ax, az = rng.normal(size=2)
-        library.accelerations(pack_model(column), phase, ax, az, evaluation.scratch(n))
+        library.accelerations(pack_model(column), phase, np.array([ax, az, 0.0, 0.0, 0.0]), evaluation.scratch(n))
         expected, _ = look(column, q, rate, ax, az)
         np.testing.assert_allclose(phase[4 * n :], expected, rtol=1e-9, atol=1e-11 * np.max(np.abs(expected)))
 

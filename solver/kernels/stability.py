@@ -3,7 +3,7 @@
 import math
 
 from .assembly import rest
-from .dynamics import accelerate
+from .dynamics import accelerate_on
 from .jit import kernel
 from .layout import (
     BLOCK_FIELDS,
@@ -64,7 +64,7 @@ def longest_stable_step(model, counters, work, scratch):
                 for i in range(2 * n):
                     work[4 * n + i] = 0.0
                 work[half * n + k] += change if side == 0 else -change
-                accelerate(model, work, 0, 0.0, 0.0, work, counters)
+                accelerate_on(model, work, 0, (0.0, 0.0, 0.0, 0.0, 0.0), work, counters)
                 for i in range(n):
                     part = work[4 * n + half * n + i] / (2.0 * change)
                     if side == 0:
