@@ -401,7 +401,7 @@ def feedthrough(n, model, state, counters, inputs, work, seeds, gone, t, row, sp
         met = g_x * along_x + g_z * along_z + g_m * alpha
         force = effective_mass(m, w) * met
         tail = ROW_FIELDS * n
-        shear_gains(m, w, between, base[2], w, 6 * n * PHASE_START)
+        shear_gains(m, w, between, base[2], w, w, 6 * n * PHASE_START)
         for k in range(n):
             here[0, ROW_S * n + k] = w[6 * n * PHASE_START + k] * met
         here[0, tail + ROW_FX] = -g_x * force
