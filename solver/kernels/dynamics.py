@@ -102,7 +102,7 @@ def base_motion(inputs, t):
     return ax, az, inputs[INPUT_BASE_THETA] + past * (omega + 0.5 * past * alpha), omega + past * alpha, alpha
 
 
-@kernel
+@leaf
 def _accelerate(model, x, o, base_ax, base_az, rotation, work, counters):
     """As `accelerate`; rotation: (theta, omega, alpha) of the base or None, each compiled for itself."""
     scratch = scratch_offset(int(model[N_BLOCKS]))
