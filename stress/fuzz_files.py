@@ -153,7 +153,7 @@ def _plain_at2(text: str) -> tuple[Any, Any, Any] | None:
     lines = text.split("\n")
     if len(lines) < 5 or not re.search(r"units\s+of\s+g", lines[2], re.IGNORECASE):
         return None
-    size = re.match(r"\s*NPTS\s*=\s*(\d+)\s*,\s*DT\s*=\s*(\S+)", lines[3], re.ASCII)
+    size = re.match(r"\s*NPTS\s*=\s*(\d+)\s*,\s*DT\s*=\s*([^\sS]+)", lines[3], re.ASCII)
     if size is None or not _is_number(size[2]):
         return None
     values = _numbers(" ".join(lines[4:]).split())

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from collections import Counter, defaultdict
 from pathlib import Path
 from typing import Any
@@ -40,7 +41,7 @@ def table(head: list[str], rows: list[list[str]]) -> str:
 def _origin(found: dict[str, Findings]) -> str:
     everything = [item for items in found.values() for item in items]
     dates = sorted({item["date"] for item in everything})
-    commands = sorted({item["command"] for item in everything})
+    commands = sorted({re.sub(r" --output-folder \S+", "", item["command"]) for item in everything})
     about = machine.describe()
     versions = ", ".join(f"{name} {about['versions'][name]}" for name in ("Python", "numpy", "numba"))
     lines = [f"Run {' to '.join(dict.fromkeys([dates[0], dates[-1]]))} on {about['cpu']}, {versions}:", "", "```sh"]
@@ -93,7 +94,8 @@ def _stability(items: Findings) -> str:
     slow = [f"- {i['seed']}-{i['number']} ({i['case']})" for i in items if i.get("slow")]
     text = [
         "## Columns and motions",
-        f"{len(items)} cases (`stress/cases.py`; seed and number make a case again).",
+        f"{len(items)} cases (`draw(seed, number)` of `stress/cases.py` makes one again, `draw(seed, number, 10)` one "
+        "of `--short`); pieces may have been ended before all the cases that were asked for.",
         table(head, rows),
         "In tolerances: of the largest energy so far, or of the peak so far times how much a change of stiffness and "
         "motion by one tolerance is amplified; differences as long as that is less than thirty times.",
@@ -146,7 +148,7 @@ def _step(row: dict[str, Any] | None) -> str:
     if row is None:
         return "-"
     if "failure" in row:
-        return row["failure"][:40]
+        return row["failure"] if "refused" in row["failure"] else "no rest"
     if row["found"] == 0.0:
         return f"{row['limit']:.2g}; rest unstable"
     found = "no growth" if math.isinf(row["found"]) else f"{row['found']:.3f}"

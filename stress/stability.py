@@ -28,8 +28,8 @@ ROWS = 200  # of a motion that is not held
 ROUNDING = 1e-12
 # in tolerances, how much each figure may be; what was measured is in docs/stability.md
 LIMITS = {
-    "energy gained": 100.0,
-    "energy lost, undamped": 100.0,
+    "energy gained": 10.0,
+    "energy lost, undamped": 10.0,
     "error": 30.0,
     "half the tolerance": 30.0,
     "communication step": 30.0,
