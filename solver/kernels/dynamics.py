@@ -102,7 +102,7 @@ def base_motion(inputs, t):
     return ax, az, inputs[INPUT_BASE_THETA] + past * (omega + 0.5 * past * alpha), omega + past * alpha, alpha
 
 
-@kernel
+@leaf
 def accelerate_on(model, x, o, base, work, counters):
     """As `accelerate`, upon a base that moves as told: as `base_motion` returns it."""
     scratch = scratch_offset(int(model[N_BLOCKS]))
