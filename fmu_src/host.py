@@ -21,6 +21,7 @@ from typing import Any
 
 CACHE_FOLDER = "multiblock-fmu"
 MACHINE_CODE = "machine_code"  # folder among the resources
+MOST_KERNELS = 4  # that one first call compiles
 FIXED_TIME = 315532800  # 1980-01-01: numba's cache goes by the time stamp of the source
 
 
@@ -126,11 +127,15 @@ def leave_search_path(resources: Path) -> None:
 
 
 def compile_by(call: Callable[[], object]) -> None:
-    """Have the kernels compiled by a first call; on a full disk they are, and only the cache is left out."""
-    try:
-        call()
-    except OSError:
-        call()
+    """Have the kernels compiled by a first call; on a full disk they are, and only the cache is left out.
+
+    There each kernel that the call comes to ends it once.
+    """
+    for _ in range(MOST_KERNELS):
+        with contextlib.suppress(OSError):
+            call()
+            return
+    call()
 
 
 def survive_exception(*objects: Any) -> None:

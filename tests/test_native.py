@@ -244,6 +244,34 @@ def test_directional_derivatives_are_the_effective_mass(native: Path) -> None:
         assert np.max(np.abs(found - differences)) < 1e-10 * size, (found, differences)
 
 
+SPLIT = [f"base.{name}" for name in ("R0x", "R0z", "R0m", "mxx", "mxz", "mxt", "mzz", "mzt", "mtt")]
+
+
+@pytest.mark.parametrize(
+    ("name", "step", "least"), [("alpha", 1.0, 1e-6), ("theta", 1e-8, 1e-3), ("omega", 1e-5, 1e-3)]
+)
+def test_directional_derivatives_by_the_rotation_of_the_base(
+    native: Path, name: str, step: float, least: float
+) -> None:
+    """Against differences of what the instance shows; it is linear in alpha, and their rounding is what remains."""
+    script = PRELUDE + (
+        f"name, step, outputs = 'base.{name}', {step}, OUTPUTS + {SPLIT}\n"
+        "column = rocking()\n"
+        "column.set({'base.theta': 1e-4, 'base.omega': 2e-3, 'base.alpha': 0.05})\n"
+        "found = directional(column, outputs, [name], [1.0])\n"
+        "at = column.get(name)[0]\n"
+        "seen = []\n"
+        "for value in (at - step, at + step):\n"
+        "    column.set({name: value})\n"
+        "    seen.append(column.get(*outputs))\n"
+        "print(json.dumps([found, [(b - a) / (2.0 * step) for a, b in zip(*seen)]]))"
+    )
+    found, differences = (np.array(part) for part in json.loads(run(sys.executable, "-c", script, native)))
+    size = np.abs(differences) + 1e-6 * np.max(np.abs(differences))
+    assert np.max(np.abs(differences)) > 1.0
+    assert np.max(np.abs(found - differences) / size) < least, (found, differences)
+
+
 def test_status_is_answered(native: Path) -> None:
     script = PRELUDE + (
         "column = rocking()\n"

@@ -51,6 +51,12 @@ def test_energy_is_that_of_the_reference() -> None:
     assert np.diff(found) == pytest.approx(np.diff(energies), rel=1e-9)  # the height that gravity counts from differs
 
 
+@pytest.mark.parametrize("number", [(2, 86, 10), (1, 63), (7, 9, 10)])
+def test_landings_that_once_failed(number: tuple[int, ...]) -> None:
+    """Energy from nowhere (122 J where the base put in 110), 134 and 22 tolerances; now 0, 0.2 and 26 of at most 30."""
+    assert examine(draw(*number))["failures"] == []
+
+
 def test_energy_that_is_not_the_inputs_is_noticed() -> None:
     """Of a motion stronger than the one that is told."""
     told = Motion.from_samples(0.01, 0.3 * np.sin(0.1 * np.arange(100)), hold=True)
