@@ -253,7 +253,7 @@ SPLIT = [f"base.{name}" for name in ("R0x", "R0z", "R0m", "mxx", "mxz", "mxt", "
 def test_directional_derivatives_by_the_rotation_of_the_base(
     native: Path, name: str, step: float, least: float
 ) -> None:
-    """Against differences of what the instance shows; measured 8e-6, their rounding, by alpha, in which it is linear."""
+    """Against differences of what the instance shows; by alpha, in which it is linear, they round to 8e-6."""
     script = PRELUDE + (
         f"name, step, outputs = 'base.{name}', {step}, OUTPUTS + {SPLIT}\n"
         "column = rocking()\n"

@@ -198,7 +198,7 @@ def advance(model, state, counters, inputs, work, t, h, times, snapshots):
             state[ELASTIC_STEP] = 10.0 * model[FIRST_STEP]
             state[ROTATION_SCALE] = max(state[ROTATION_SCALE], model[ROTATION_FLOOR])
             state[RATE_SCALE] = max(state[RATE_SCALE], model[RATE_FLOOR])
-            code = take_stock(model, state, work, start, 0.0)
+            code = take_stock(model, state, counters, work, start, 0.0)
             if code != OK:
                 return code
     if is_quiet(inputs) and rests(model, state):
@@ -284,7 +284,7 @@ def advance(model, state, counters, inputs, work, t, h, times, snapshots):
                     step *= cut
                     last = False
         counters[STEPS] += 1
-        code = take_stock(model, state, work, end, step)
+        code = take_stock(model, state, counters, work, end, step)
         if code != OK:
             return code
 

@@ -14,6 +14,7 @@ from .layout import (
     FALL_ANGLE,
     FORMULATION,
     GRAVITY,
+    IN_FLIGHT,
     INPUT_AMPLITUDE,
     INPUT_AX,
     INPUT_AZ,
@@ -43,6 +44,9 @@ from .layout import (
     TURN_SIZE,
     WITHOUT,
 )
+
+# Openings count by so much in what errors are measured against: what is little of a flight is much of the landing.
+FLIGHT_PART = 1e-3
 
 
 @kernel
@@ -90,7 +94,7 @@ def moment_of_overturning(model, work, h):
 
 
 @kernel
-def take_stock(model, state, work, o, h):
+def take_stock(model, state, counters, work, o, h):
     """Scales, regime and validity after a step of h seconds to the phase at work[o:]. Returns a code."""
     n = int(model[N_BLOCKS])
     exact = model[FORMULATION] == EXACT
@@ -107,12 +111,13 @@ def take_stock(model, state, work, o, h):
         opening = work[o + n + i]
         if exact and opening > 0.0:  # as the corner of a joint that turns about the other one
             half_width = 0.5 * model[row + JOINT_WIDTH]
-            turned = max(turned, opening / half_width)
+            turned = max(turned, FLIGHT_PART * opening / half_width)
             spun = max(spun, abs(work[o + 3 * n + i]) / half_width)
         least = min(least, work[lengths + SCRATCH_FIELDS * i] / model[row + JOINT_WIDTH])
         sum_all += work[o + 4 * n + i] + work[o + 5 * n + i]
     state[ROTATION_SCALE] = max(state[ROTATION_SCALE], turned)
     state[RATE_SCALE] = max(state[RATE_SCALE], spun)
+    counters[IN_FLIGHT] = 0 if least > 0.0 else 1
     if least >= 1.0:
         state[TIME_FULL] += h
     elif least > 0.0:

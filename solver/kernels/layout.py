@@ -96,7 +96,8 @@ EVENTS = 10  # steps cut off where the regime of a joint changes
 UNHELD = 11  # 1 when the next step is made without holding the regimes
 ELASTIC_STEPS = 12  # of STEPS
 ELASTIC_WAIT = 13  # steps to be made by other methods before the modal one is tried again
-COUNTERS = 14
+IN_FLIGHT = 14  # 1 while a joint is fully open
+COUNTERS = 15
 
 # --- inputs (float64): base acceleration at t, a_x = AX + JX (t - T0) + AMPLITUDE sin(OMEGA t + PHASE); the base turns
 # by THETA + OMEGA (t - T0) + ALPHA (t - T0)^2 / 2, clockwise

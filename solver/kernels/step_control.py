@@ -14,6 +14,7 @@ from .layout import (
     FORMULATION,
     IMPLICIT,
     IMPLICIT_STEPS,
+    IN_FLIGHT,
     INPUT_AMPLITUDE,
     INPUT_OMEGA,
     LAST_ERROR,
@@ -67,6 +68,8 @@ def _general_method(model, state, counters, step, left):
     worth = 0.5 if explicit == ORDER_8 else 1.0
     if counters[IMPLICIT] == 1:
         return LINEARLY_IMPLICIT if min(step, left) > GAIN * worth * state[EXPLICIT_STEP] else explicit
+    if counters[IN_FLIGHT] == 1:  # nothing there is stiff, and an implicit step would see too little of the landing
+        return explicit
     if counters[SINCE_PROBE] >= STEPS_PER_PROBE and PROBE * worth * step <= left:
         return LINEARLY_IMPLICIT
     return explicit
