@@ -53,7 +53,7 @@ def test_energy_is_that_of_the_reference() -> None:
 
 @pytest.mark.parametrize("number", [(2, 86, 10), (1, 63), (7, 9, 10), (2, 193, 10)])
 def test_landings_that_once_failed(number: tuple[int, ...]) -> None:
-    """Energy from nowhere (122 J where the base put in 110), 134, 22 and 130 tolerances; now 0, 6, 2 and 17 of at most 30."""
+    """Energy from nowhere, 122 J over the base's 110; 134, 22 and 130 tolerances; now 0, 6, 2 and 17 of at most 30."""
     assert examine(draw(*number))["failures"] == []
 
 
