@@ -41,6 +41,7 @@ LEAST_TOLERANCE = 1e-13
 # are damped by less than this part of the critical damping.
 TIGHT = 2e-5
 LIGHTLY_DAMPED = 0.02
+RINGING_PART = 0.4  # of the tolerance of a step, where nothing that it errs by dies out
 
 NO_DAMPING = 1e-300  # s: what a dashpot that does nothing is computed with
 
@@ -95,7 +96,10 @@ def derive(model):
         opening_rotation = min(opening_rotation, 2.0 * (model[GRAVITY] * carried / spring) / model[row + JOINT_WIDTH])
     fastest = math.sqrt(2.0 * fastest)  # rad/s
     model[FIRST_STEP] = 0.1 / fastest
-    model[EXPLICIT_ORDER] = 8.0 if tight or 0.5 * damping * fastest < LIGHTLY_DAMPED else 5.0
+    ringing = 0.5 * damping * fastest < LIGHTLY_DAMPED
+    model[EXPLICIT_ORDER] = 8.0 if tight or ringing else 5.0
+    if ringing:
+        model[TOLERANCE] = max(LEAST_TOLERANCE, RINGING_PART * model[TOLERANCE])
     model[ROTATION_FLOOR] = max(LEAST_FLOOR, FLOOR * opening_rotation)
     model[RATE_FLOOR] = model[ROTATION_FLOOR] * math.sqrt(max(model[GRAVITY], 1e-3) / height)
 
