@@ -19,6 +19,7 @@ import sys
 import tempfile
 import time
 import zipfile
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -45,13 +46,20 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--rounds", type=int, default=15, help="of which the shortest time counts")
     parser.add_argument("--processes", type=int, default=200, help="of the part exits")
     parser.add_argument("--plot", type=Path, help="picture of the part inputs")
+    return print_parts(parser, PARTS, arguments)
+
+
+def print_parts(
+    parser: argparse.ArgumentParser, parts: dict[str, Callable[..., str]], arguments: list[str] | None
+) -> int:
+    """A line of figures for each of the parts that the command line asks for; returns the exit code."""
     options = parser.parse_args(arguments)
-    unknown = set(options.parts) - set(PARTS)
+    unknown = set(options.parts) - set(parts)
     if unknown:
-        parser.error(f"{', '.join(sorted(unknown))}: must be of {', '.join(PARTS)}")
+        parser.error(f"{', '.join(sorted(unknown))}: must be of {', '.join(parts)}")
     with tempfile.TemporaryDirectory() as folder:
-        for part in options.parts or PARTS:
-            print(f"{part:10}", PARTS[part](Path(folder), options), flush=True)
+        for part in options.parts or parts:
+            print(f"{part:10}", parts[part](Path(folder), options), flush=True)
     return 0
 
 

@@ -21,7 +21,7 @@ from pathlib import Path
 from build_fmu import build_native_fmu
 from fmu_src.native import library
 
-from .fmu import FMPY, PHOCAS, RACE, SEVEN_BLOCKS, _run, errors_of_inputs
+from .fmu import FMPY, PHOCAS, RACE, SEVEN_BLOCKS, _run, errors_of_inputs, print_parts
 
 PLATFORM = ("linux64",)
 
@@ -32,14 +32,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("parts", nargs="*", metavar="PART", help=f"of {', '.join(PARTS)} (default: all)")
     parser.add_argument("--rounds", type=int, default=15, help="of which the shortest time counts")
     parser.add_argument("--plot", type=Path, help="picture of the part inputs")
-    options = parser.parse_args(arguments)
-    unknown = set(options.parts) - set(PARTS)
-    if unknown:
-        parser.error(f"{', '.join(sorted(unknown))}: must be of {', '.join(PARTS)}")
-    with tempfile.TemporaryDirectory() as folder:
-        for part in options.parts or PARTS:
-            print(f"{part:10}", PARTS[part](Path(folder), options), flush=True)
-    return 0
+    return print_parts(parser, PARTS, arguments)
 
 
 STEP = """

@@ -170,6 +170,15 @@ KINDS: dict[str, tuple[str, Callable[[Path], str | None]]] = {
 }
 
 
+# every search: repeatable from its seed alone
+SEARCH: dict[str, Any] = {
+    "deadline": None,
+    "database": None,
+    "phases": [Phase.generate, Phase.shrink],
+    "suppress_health_check": list(HealthCheck),
+}
+
+
 def fuzz(kind: str, number: int, examples: int) -> dict[str, Any]:
     """So many files of one kind: {"files", "refused", "failures": the smallest that fails}."""
     text, problem_of = KINDS[kind]
@@ -179,13 +188,7 @@ def fuzz(kind: str, number: int, examples: int) -> dict[str, Any]:
         path = Path(folder) / kind
 
         @seed(number)
-        @settings(
-            max_examples=examples,
-            deadline=None,
-            database=None,
-            phases=[Phase.generate, Phase.shrink],
-            suppress_health_check=list(HealthCheck),
-        )
+        @settings(max_examples=examples, **SEARCH)
         @given(mutated(text))
         def hold(content: bytes) -> None:
             counts["files"] += 1

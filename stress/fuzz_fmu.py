@@ -11,9 +11,11 @@ from pathlib import Path
 from typing import Any
 
 from fmpy import read_model_description
-from hypothesis import HealthCheck, Phase, given, seed, settings
+from hypothesis import given, seed, settings
 from hypothesis import strategies as st
 from hypothesis.errors import FlakyFailure
+
+from .fuzz_files import SEARCH
 
 ROOT = Path(__file__).resolve().parent.parent
 PATIENCE = 300.0  # s for one sequence: the first may compile, on a busy machine
@@ -124,13 +126,7 @@ def fuzz(fmu: Path, number: int, examples: int, report: Callable[[str], None] | 
     smallest: dict[str, Any] = {}
 
     @seed(number)
-    @settings(
-        max_examples=examples,
-        deadline=None,
-        database=None,
-        phases=[Phase.generate, Phase.shrink],
-        suppress_health_check=list(HealthCheck),
-    )
+    @settings(max_examples=examples, **SEARCH)
     @given(sequences(fmu))
     def hold(calls: list[Any]) -> None:
         problem = served.ask(calls)

@@ -8,34 +8,8 @@ import sys
 from pathlib import Path
 
 import pytest
+from fmus import LIVES as PRELUDE
 from fmus import Fmus, environment, finish, run
-
-PRELUDE = """
-import json, sys
-from instance import Instance
-nan, inf = float("nan"), float("inf")
-
-def started():
-    column = Instance(sys.argv[1], {"base.ax": 0.5})
-    column.step(0.0, 0.1)
-    return column
-
-def ended():
-    column = started()
-    column.fmi.terminate()
-    return column
-
-def fresh():
-    return Instance(sys.argv[1], initialize=False)
-
-def usual(column):
-    column.fmi.reset()
-    column.initialize()
-    column.set({"base.ax": 0.5})
-    column.step(0.0, 0.1)
-    return column.get()
-"""
-
 
 # how the instance was made, the call, the status, what is said
 WRONG_CALLS = [

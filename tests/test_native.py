@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from fmus import ROOT, Fmus, finish, run
+from fmus import LIVES, ROOT, Fmus, finish, run
 
 from solver import Column, Motion
 from solver.modes import longest_stable_step
@@ -322,31 +322,9 @@ WRONG_VALUES = [
     ({"solver.integrator": "central-difference", "solver.step": 0.01}, "solver.step = 0.01: must be at most"),
 ]
 
-FAULTS = """
-import json, sys
-from instance import Instance
-nan = float("nan")
-
-def started():
-    column = Instance(sys.argv[1], {"base.ax": 0.5})
-    column.step(0.0, 0.1)
-    return column
-
-def ended():
-    column = started()
-    column.fmi.terminate()
-    return column
-
-def fresh():
-    return Instance(sys.argv[1], initialize=False)
-
-def usual(column):
-    column.fmi.reset()
-    column.initialize()
-    column.set({"base.ax": 0.5})
-    column.step(0.0, 0.1)
-    return column.get()
-
+FAULTS = (
+    LIVES
+    + """
 expected = usual(fresh())
 for made, call in json.loads(sys.argv[2]):
     column = eval(made)
@@ -358,6 +336,7 @@ for values in json.loads(sys.argv[3]):
     heard = column.attempt("initialize")
     print(f"== {heard} {usual(column) == expected}")
 """
+)
 
 
 def test_faults_are_told_and_the_instance_lives_on(native: Path) -> None:
