@@ -1,0 +1,157 @@
+"""The motion of the base: inputs that are smooth within a call, and samples of a record beside them.
+
+The samples are joined by straight lines, or each is held until the next. Before the first and after the last the record
+is silent, and so is the harmonic part of the inputs where there is a record.
+"""
+
+import math
+from typing import NamedTuple
+
+from ..jit import kernel, leaf
+from .exact import Motion
+
+
+class Samples(NamedTuple):
+    """A record: rows of `count` instants, s, and accelerations, m/s2; count is 0 without one."""
+
+    count: int
+    times: object
+    ax: object
+    az: object
+    scale: float
+    held: bool
+
+
+SAMPLE_SLACK = 1e-9  # of a sampling interval: times closer than this are the same
+
+
+@leaf
+def segment_at(samples, t):
+    """Number of the last sample at time t or before; -1 if there is none."""
+    low, high = 0, samples.count
+    while low < high:
+        middle = (low + high) // 2
+        if t < samples.times[middle]:
+            high = middle
+        else:
+            low = middle + 1
+    return low - 1
+
+
+@leaf
+def is_silent(samples, k):
+    """Whether nothing of the record acts from sample k on until the next."""
+    return k < 0 or k >= samples.count - 1
+
+
+@kernel
+def enter(base, samples, t):
+    """Let the base follow, from time t on, the segment of the record that begins there or before."""
+    if samples.count == 0:
+        return
+    k = segment_at(samples, t)
+    if k + 1 < samples.count:
+        ahead = samples.times[k + 1] - t
+        width = samples.times[k + 1] - samples.times[k] if k >= 0 else samples.times[1] - samples.times[0]
+        if ahead <= SAMPLE_SLACK * width:
+            k += 1
+    base.segment = k
+
+
+@leaf
+def record_line(samples, k, t):
+    """Acceleration of the record at time t on segment k, and its slope: (ax, jx, az, jz), m/s2 and m/s3."""
+    if is_silent(samples, k):
+        return 0.0, 0.0, 0.0, 0.0
+    ax, az = samples.scale * samples.ax[k], samples.scale * samples.az[k]
+    if samples.held:
+        return ax, 0.0, az, 0.0
+    begin = samples.times[k]
+    per_width = 1.0 / (samples.times[k + 1] - begin)
+    jx = (samples.scale * samples.ax[k + 1] - ax) * per_width
+    jz = (samples.scale * samples.az[k + 1] - az) * per_width
+    return ax + jx * (t - begin), jx, az + jz * (t - begin), jz
+
+
+@leaf
+def base_line(base, samples, t):
+    """What of the base acceleration is linear in time from t on: (ax, jx, az, jz), m/s2 and m/s3."""
+    past = t - base.t0
+    ax, az = base.ax + base.jx * past, base.az + base.jz * past
+    if samples.count == 0:
+        return ax, base.jx, az, base.jz
+    r_ax, r_jx, r_az, r_jz = record_line(samples, int(base.segment), t)
+    return ax + r_ax, base.jx + r_jx, az + r_az, base.jz + r_jz
+
+
+@leaf
+def wave_amplitude(base, samples):
+    """Amplitude of the harmonic part of ax from the present segment on, m/s2."""
+    if samples.count > 0 and is_silent(samples, int(base.segment)):
+        return 0.0
+    return base.wave_amplitude
+
+
+@leaf
+def base_motion(base, samples, t):
+    """Motion of the base at time t, within the step that began on the present segment or on one soon after."""
+    past = t - base.t0
+    ax = base.ax + base.jx * past
+    az = base.az + base.jz * past
+    amplitude = base.wave_amplitude
+    if samples.count > 0:
+        k = int(base.segment)
+        # a step crosses kinks of the straight lines, never a jump
+        while 0 <= k < samples.count - 2 and not samples.held and t > samples.times[k + 1]:
+            k += 1
+        r_ax, _, r_az, _ = record_line(samples, k, t)
+        ax += r_ax
+        az += r_az
+        if is_silent(samples, k):
+            amplitude = 0.0
+    if amplitude != 0.0:
+        ax += amplitude * math.sin(base.wave_omega * t + base.wave_phase)
+    omega, alpha = base.omega, base.alpha
+    return Motion(ax, az, base.theta + past * (omega + 0.5 * past * alpha), omega + past * alpha, alpha)
+
+
+@leaf
+def base_rotates(base):
+    """Whether the base is turned or turning."""
+    return base.theta != 0.0 or base.omega != 0.0 or base.alpha != 0.0
+
+
+@leaf
+def to_next_sample(base, samples, t, left):
+    """Seconds from t to the end of the present segment; `left` if there is none so soon."""
+    k = int(base.segment) + 1
+    if samples.count == 0 or k >= samples.count:
+        return left
+    return min(left, samples.times[k] - t)
+
+
+@kernel
+def smooth_reach(base, samples, t, step, left, roughest):
+    """Seconds from t over which a step may go: not beyond `left`, nor across a jump, nor across kinks that matter.
+
+    A step of h s across a kink of the straight lines, where their slope changes by j, misses some j h^2 of a velocity;
+    `roughest`, m/s, is what it may miss of all kinks together, in the `step` s asked for and as much again.
+    """
+    reach = to_next_sample(base, samples, t, left)
+    if samples.held:
+        return reach
+    k = int(base.segment)
+    kinks = 0.0
+    while reach < min(2.0 * step, left):  # what lies just beyond a step shall not shorten it either
+        k += 1
+        if is_silent(samples, k) or is_silent(samples, k - 1):  # the record begins or ends: a jump
+            return reach
+        _, before_x, _, before_z = record_line(samples, k - 1, t)
+        _, jx, _, jz = record_line(samples, k, t)
+        kinks += abs(jx - before_x) + abs(jz - before_z)
+        following = samples.times[k + 1] - t
+        length = min(step, left, following)
+        if kinks * length * length > roughest:
+            return reach
+        reach = min(left, following)
+    return left
