@@ -53,7 +53,7 @@ class Arrays(NamedTuple):
 def arrays_of(column: Column) -> Arrays:
     """The arrays of a column at rest. Raises InputError for a fixed step that is not stable."""
     made = _assembled(column)
-    return Arrays(made.model, made.state.copy(), made.counts.copy(), made.base.copy(), np.zeros(at.WORK.size(column.n)))
+    return Arrays(*(array.copy() for array in made))
 
 
 def pack_model(column: Column) -> FloatArray:
@@ -86,7 +86,8 @@ def _assembled(column: Column) -> Arrays:
         )
     if code != at.OK:  # the other checks are those of the column
         raise InputError(f"block[{int(detail[0])}].inertia: beyond the range of float64")
-    made.model.flags.writeable = False
+    for array in made:
+        array.flags.writeable = False
     return made
 
 

@@ -121,7 +121,7 @@ class Stepper:
 
     def retune(self, column: Column) -> None:
         """Go on from the present coordinates and rates with other parameters of the same blocks. Raises InputError."""
-        self.arrays = self.arrays._replace(model=pack_model(column))
+        self.arrays = self.arrays._replace(model=pack_model(column).copy())
         self.model = at.MODEL.see(self.arrays.model, self.n)
         self.arrays.work[:] = 0.0  # the responses of the modes are those of the model before
         if not self.overturned_joint:
