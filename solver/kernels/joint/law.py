@@ -8,7 +8,6 @@ The law has two forms, the same to the last bit: branches for one column, where 
 for lanes. One column may also be held in a regime (regimes.py).
 """
 
-from typing import Any
 
 from numba.extending import overload
 
