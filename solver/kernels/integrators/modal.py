@@ -142,13 +142,6 @@ def missed(x):
     return min(cube * cube / INTERPOLATION_BOUND, 2.0 + x * x / 40.0)
 
 
-@leaf
-def missed(x):
-    """What the quintic between two steps misses of a motion of amplitude 1 that turns by x rad in the step, at most."""
-    cube = x * x * x
-    return min(cube * cube / INTERPOLATION_BOUND, 2.0 + x * x / 40.0)
-
-
 @kernel
 def _responses(model, work, h, omega):
     """The row of responses over h s (on the grid); they are made where they are not kept from before.
