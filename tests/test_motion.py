@@ -219,16 +219,15 @@ def test_recorded_ground_motions(records: Path, name: str, count: int, dt: float
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("", "line 1: '': must be exactly 'time,base.ax,base.az'"),
-        ("time, base.ax\n0,0\n1,0\n", "line 1: 'time, base.ax': must be exactly"),
-        ("time,base.aX\n0,0\n1,0\n", "line 1: 'time,base.aX': must be exactly"),
-        ("base.ax,time\n0,0\n1,0\n", "line 1: 'base.ax,time': must be exactly"),
-        ("time\n0\n1\n", "line 1: 'time': must be exactly"),
-        ("time,base.ax,base.ax\n0,0,0\n1,0,0\n", "line 1: 'time,base.ax,base.ax': must be exactly"),
-        ("\ufefftime,base.ax\n0,0\n1,0\n", r"line 1: '\ufefftime,base.ax': must be exactly"),
-        ("0.0,0.1\n0.1,0.2\n", "line 1: '0.0,0.1': must be exactly"),
+        ("", "line 1: '': must be 'time,base.ax,base.az'"),
+        ("base.ax,time\n0,0\n1,0\n", "line 1: 'base.ax,time': must be 'time,base.ax"),
+        ("time\n0\n1\n", "line 1: 'time': must be 'time,base.ax"),
+        ("time,base.ax,base.ax\n0,0,0\n1,0,0\n", "line 1: 'time,base.ax,base.ax': must be 'time,base.ax"),
+        ("0.0,0.1\n0.1,0.2\n", "line 1: '0.0,0.1': must be 'time,base.ax"),
         ("time,base.ax\n", "0 rows of samples, must be at least 2"),
         ("time,base.ax\n0,1\n", "1 rows of samples, must be at least 2"),
+        ("time,base.ax\n0,1\n\n\n1,2\n", "line 3: 0 values, must be 2 as in the header"),
+        ("time;base.ax\n0;1\n1;0,5\n", "line 3: '0,5': must be a finite number"),
         ("time,base.ax\n0,1\n1\n", "line 3: 1 values, must be 2 as in the header"),
         ("time,base.ax\n0,1\n1,1,1\n", "line 3: 3 values, must be 2 as in the header"),
         ("time,base.ax\n0,1\n\n1,1\n", "line 3: 0 values, must be 2 as in the header"),
@@ -269,9 +268,9 @@ def test_bad_csv(tmp_path: Path, text: str, said: str) -> None:
         ("NPTS=  5", "NPTS=  6", "5 samples found, must be 6 as NPTS says in line 4"),
         ("NPTS=  5", "NPTS=  4", "5 samples found, must be 4 as NPTS says in line 4"),
         (" -0.05", "", "4 samples found, must be 5 as NPTS says in line 4"),
-        ("0.4 -0.05", "0.4-0.05", "line 6: '0.4-0.05': must be a finite number"),
+        ("0.4 -0.05", "0.4-5", "line 6: '0.4-5': must be a finite number"),
+        ("0.4 -0.05", "0.4********", "line 6: '0.4********': must be a finite number"),
         (".3\n", "nan\n", "line 5: 'nan': must be a finite number"),
-        (".1E-01", ".1D-01", "line 5: '.1D-01': must be a finite number"),
     ],
 )
 def test_bad_at2(tmp_path: Path, text: str, instead: str, said: str) -> None:
@@ -340,7 +339,7 @@ def test_files_that_cannot_be_reached(tmp_path: Path) -> None:
         with pytest.raises(InputError, match=r"absent: No such file or directory$"):
             read(tmp_path / "absent")
         (tmp_path / "binary").write_bytes(b"\xff\xfe\x00")
-        with pytest.raises(InputError, match="binary: is not UTF-8 text"):
+        with pytest.raises(InputError, match="binary: is not text"):
             read(tmp_path / "binary")
     with pytest.raises(InputError, match=r"No such file or directory$"):
         Motion.from_samples(0.1, [0.0, 1.0]).to_csv(tmp_path / "absent" / "motion.csv")
