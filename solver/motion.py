@@ -15,6 +15,8 @@ from .records import STANDARD_GRAVITY as STANDARD_GRAVITY
 from .records import Record, read_record
 from .records.reader import read_at2, read_csv
 
+SAME_INSTANT = 1e-6  # of the shortest sampling interval: two records' instants that close differ by rounding
+
 
 @dataclass(frozen=True, eq=False)
 class Motion:
@@ -94,6 +96,35 @@ class Motion:
         """Return the motion with every acceleration multiplied by `factor`. Raises InputError if it is not finite."""
         factor = check_number("factor", factor, FINITE, "a finite number")
         return replace(self, ax=factor * self.ax, az=factor * self.az, amplitude=factor * self.amplitude)
+
+    def scaled_to(self, pga: float) -> Motion:
+        """Return the motion scaled so that `pga` (m/s2) is its largest |ax|; az is scaled by the same factor.
+
+        Raises InputError unless pga is positive and ax is not zero throughout.
+        """
+        pga = check_number("pga", pga, POSITIVE, "a positive acceleration in m/s2")
+        if self.pga == 0.0:
+            raise InputError(f"pga = {pga}: ax is zero throughout and cannot be scaled to it")
+        return self.scaled(pga / self.pga)
+
+    def with_vertical(self, vertical: Motion) -> Motion:
+        """Return the motion with the ax of `vertical`, a record by itself, as its az.
+
+        Where the instants of the two differ, the motion has those of both, each component linear in between; every
+        sample is kept to the last bit. Beyond its own end the shorter component is zero from the next instant on.
+
+        Raises InputError unless both are linear samples and this one has no az of its own.
+        """
+        for motion, name in ((self, "horizontal"), (vertical, "vertical")):
+            if motion.hold or motion.amplitude:
+                raise InputError(f"{name} motion: must be linear samples, neither held nor harmonic")
+            if np.any(motion.az):
+                raise InputError(f"{name} motion: has az beside ax, must be one component")
+        both = np.union1d(self.time, vertical.time)
+        same = SAME_INSTANT * min(np.min(np.diff(self.time)), np.min(np.diff(vertical.time)))
+        time = both[np.concatenate([[True], np.diff(both) > same])]
+        ax, az = _at_instants(time, self, same), _at_instants(time, vertical, same)
+        return Motion(time, ax, az, float(time[-1] - time[0]))
 
     def mirrored(self) -> Motion:
         """Return the motion seen from behind: ax changes its sign, az does not."""
@@ -207,6 +238,16 @@ class Motion:
         record = read_at2(path)
         with reading(path):
             return cls.from_record(record)
+
+
+def _at_instants(time: NDArray[np.float64], motion: Motion, same: float) -> NDArray[np.float64]:
+    """Return ax at instants of which some are the motion's own but for rounding: its samples there, to the bit."""
+    values = np.interp(time, motion.time, motion.ax, left=0.0, right=0.0)
+    after = np.minimum(np.searchsorted(motion.time, time), len(motion.time) - 1)
+    for nearest in (after, np.maximum(after - 1, 0)):
+        own = np.abs(motion.time[nearest] - time) <= same
+        values[own] = motion.ax[nearest[own]]
+    return values
 
 
 def _checked_samples(key: str, values: ArrayLike, unit: str) -> NDArray[np.float64]:

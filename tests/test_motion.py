@@ -213,6 +213,44 @@ def test_recorded_ground_motions(records: Path, name: str, count: int, dt: float
     assert motion.pga / STANDARD_GRAVITY == pytest.approx(pga, abs=5e-4)
 
 
+# a horizontal and a vertical record
+
+
+def test_a_pair_of_equal_steps_is_taken_as_it_is() -> None:
+    pair = Motion.from_samples(0.1, [0.0, 1.0, -3.0]).with_vertical(Motion.from_samples(0.1, [2.0, 0.5, 0.25]))
+    assert_same(pair, Motion.from_samples(0.1, [0.0, 1.0, -3.0], [2.0, 0.5, 0.25]))
+
+
+@pytest.mark.parametrize(("one", "other"), [(0.01, 0.005), (0.005, 0.01), (0.02, 0.03), (0.01, 0.01 * (1.0 + 1e-15))])
+def test_a_pair_of_different_steps_keeps_every_sample(one: float, other: float) -> None:
+    rng = np.random.default_rng(3)
+    horizontal, vertical = (Motion.from_samples(dt, rng.normal(size=300)) for dt in (one, other))
+    pair = horizontal.with_vertical(vertical)
+    for motion, values in ((horizontal, pair.ax), (vertical, pair.az)):
+        nearest = np.abs(pair.time[:, None] - motion.time).argmin(axis=0)
+        assert len(set(nearest)) == len(motion.time)
+        np.testing.assert_allclose(pair.time[nearest], motion.time, rtol=0.0, atol=1e-9)
+        np.testing.assert_array_equal(values[nearest], motion.ax)
+        # linear in between, zero beyond the end
+        between = (pair.time[1:] + pair.time[:-1]) / 2.0
+        between = between[between < motion.end]
+        found = pair.acceleration(between)[0 if values is pair.ax else 1]
+        np.testing.assert_allclose(found, motion.acceleration(between)[0], atol=1e-12)
+        beyond = pair.time > motion.end + 1e-9
+        np.testing.assert_array_equal(values[beyond], 0.0)
+    steps = np.diff(pair.time)
+    assert np.min(steps) > 0.3 * min(one, other)  # no two instants that differ by rounding
+    assert pair.end == pytest.approx(max(horizontal.end, vertical.end), rel=1e-14)
+
+
+def test_scaled_to() -> None:
+    motion = Motion.from_samples(0.1, [0.0, 1.0, -4.0], [2.0, 0.0, 0.0])
+    scaled = motion.scaled_to(1.0)
+    np.testing.assert_array_equal(scaled.ax, [0.0, 0.25, -1.0])
+    np.testing.assert_array_equal(scaled.az, [0.5, 0.0, 0.0])
+    assert Motion.harmonic(2.0, 1.0, 3.0).scaled_to(0.5).amplitude == 0.5
+
+
 # mistakes
 
 
@@ -309,6 +347,20 @@ def motion_of(**changes: object) -> Motion:
         (lambda: motion_of(duration=3.0), "duration = 3.0: must be the 2.0 s from first to last sample"),
         (lambda: motion_of(hold=True), "duration = 2.0: must be more than the 2.0 s from first to last sample"),
         (lambda: motion_of().scaled(np.inf), "factor = inf: must be a finite number"),
+        (lambda: motion_of().scaled_to(0.0), "pga = 0.0: must be a positive acceleration in m/s2"),
+        (lambda: motion_of().scaled_to(1.0), "pga = 1.0: ax is zero throughout and cannot be scaled to it"),
+        (
+            lambda: Motion.harmonic(1.0, 1.0, 1.0).with_vertical(motion_of()),
+            "horizontal motion: must be linear samples, neither held nor harmonic",
+        ),
+        (
+            lambda: motion_of().with_vertical(motion_of(hold=True, duration=3.0)),
+            "vertical motion: must be linear samples, neither held nor harmonic",
+        ),
+        (
+            lambda: motion_of().with_vertical(motion_of(az=[0.0, 1.0, 0.0])),
+            "vertical motion: has az beside ax, must be one component",
+        ),
     ],
 )
 def test_bad_values(make: object, said: str) -> None:
