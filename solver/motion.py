@@ -252,6 +252,8 @@ def _at_instants(time: NDArray[np.float64], motion: Motion, same: float) -> NDAr
 
 def _checked_samples(key: str, values: ArrayLike, unit: str) -> NDArray[np.float64]:
     """Return a read-only float64 copy of `values` if it is a list of finite numbers."""
+    if isinstance(values, np.ma.MaskedArray) and np.ma.is_masked(values):
+        raise InputError(f"{key}: has gaps (masked values), must be numbers in {unit} throughout")
     try:
         given = np.asarray(values)
     except ValueError:  # ragged

@@ -14,6 +14,7 @@ FloatArray = NDArray[np.float64]
 PER_CYCLE = 400  # samples to a cycle: straight lines between them miss 3e-5 of the peak
 RICKER_HALF = 2.0  # cycles from the start to the middle of a Ricker wavelet, where 1e-15 of it is cut off
 GROUND_DAMPING = 0.6  # of critical, Kanai's firm ground
+CORNER = 0.1  # of the ground's frequency: below it noise is filtered out
 NOISE_STEP = 0.005  # s
 MOST_SAMPLES = 10**7
 # the envelope of Amin and Ang (1968): rises by the square, stays, decays exponentially; parts of the duration
@@ -83,6 +84,9 @@ def filtered_noise(
 ) -> Motion:
     """Return white noise through the ground as an oscillator (Kanai and Tajimi), under the envelope of Amin and Ang.
 
+    Long periods, by which it would displace the ground by metres, are then taken out by a second oscillator, at a tenth
+    of the frequency (Clough and Penzien 1993).
+
     amplitude: m/s2, the peak. frequency: Hz, of the ground, some 2.5 where it is firm. duration: s; the envelope rises
     over 15 % of it, stays until 60 %, and falls to 1 %. seed: the same one gives the same motion.
     damping: of critical, of the ground. dt: s between samples. As much of the envelope is taken away as leaves no
@@ -99,17 +103,24 @@ def filtered_noise(
     count = round(duration / dt)
     # RandomState's numbers are promised to stay the same in every numpy to come, those of default_rng are not
     white = np.random.RandomState(seed).standard_normal(count + 1)
-    omega = np.array([2.0 * np.pi * frequency])
-    u, v = oscillator.response(np.full(count, dt), white[:-1], white[1:], omega, damping)
-    ground = -(2.0 * damping * omega * v + omega**2 * u)[:, 0]  # absolute acceleration
     part = np.arange(count + 1) / count
     fall = np.exp(np.log(LEFT_AT_END) * (part - LEVEL) / (1.0 - LEVEL))
     envelope = np.where(part < RISE, (part / RISE) ** 2, np.minimum(fall, 1.0))
-    samples = ground * envelope
+    ground = -envelope * _restoring(white, dt, frequency, damping)  # absolute acceleration of the first oscillator
+    # acceleration of the second relative to it: so are velocity and displacement, which die away after the shaking
+    samples = -ground - _restoring(ground, dt, CORNER * frequency, damping)
     weight = np.full(count + 1, dt)  # of the trapezoidal rule, exact for straight lines
     weight[[0, -1]] *= 0.5
     samples -= envelope * (np.sum(weight * samples) / np.sum(weight * envelope))
     return _motion(dt * np.arange(count + 1, dtype=np.float64), amplitude / np.max(np.abs(samples)) * samples)
+
+
+def _restoring(base: FloatArray, dt: float, frequency: float, damping: float) -> FloatArray:
+    """Return what spring and dashpot of an oscillator exert on a unit mass while its base accelerates, m/s2."""
+    omega = 2.0 * np.pi * frequency
+    u, v = oscillator.response(np.full(len(base) - 1, dt), base[:-1], base[1:], np.array([omega]), damping)
+    force: FloatArray = 2.0 * damping * omega * v[:, 0] + omega**2 * u[:, 0]
+    return force
 
 
 def _amplitude(value: float) -> float:

@@ -339,6 +339,7 @@ def motion_of(**changes: object) -> Motion:
         (lambda: Motion.from_samples(0.1, [[1.0], [2.0]]), "ax: must be a one-dimensional array"),
         (lambda: Motion.from_samples(0.1, [[1.0], [2.0, 3.0]]), "ax: must be a one-dimensional array"),
         (lambda: Motion.from_samples(0.1, ["1.0", "2.0"]), "ax: must be a one-dimensional array of numbers"),
+        (lambda: Motion.from_samples(0.1, np.ma.array([1.0, 2.0], mask=[0, 1])), "ax: has gaps (masked values)"),
         (lambda: Motion.from_samples(0.1, [1.0, np.inf]), "ax[1] = inf: must be a finite number in m/s2"),
         (lambda: Motion.from_samples(0.1, [1.0, 2.0], [1.0]), "az: 1 samples, must be 2, one for each time"),
         (lambda: Motion.from_samples(0.1, [1.0, 2.0], [1.0, np.nan]), "az[1] = nan: must be a finite number in m/s2"),

@@ -164,7 +164,16 @@ def test_units_go_by_their_usual_spellings(tmp_path: Path, name: str, units: flo
         np.testing.assert_array_equal(read_record(path, units=word).ax, [units, 2.0 * units])
 
 
-@pytest.mark.parametrize("name", ["elcentro-1940-ns", "northridge-1994-arleta-360", "kobe-1995-nishi-akashi-090"])
+REAL = [
+    "elcentro-1940-ns",
+    "northridge-1994-arleta-360",
+    "kobe-1995-nishi-akashi-090",
+    "cape-mendocino-1992-cpm000",
+    "chi-chi-1999-tcu052-n",
+]
+
+
+@pytest.mark.parametrize("name", REAL)
 def test_real_records_are_known_by_their_content(records: Path, tmp_path: Path, name: str) -> None:
     text = (records / f"{name}.AT2").read_bytes()
     path = tmp_path / "no-suffix"
