@@ -7,10 +7,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 from record_files import CASES, DT, ENCODINGS, SAMPLES, Case, at2, cosmos_v2, csmip_v2, csv, esm, knet, plain
 
 from solver import InputError, Motion
 from solver.records import format_of, read_record
+from stress.fuzz_files import mutated
 
 
 @pytest.mark.parametrize("encoding", ENCODINGS)
@@ -162,6 +165,25 @@ def test_units_go_by_their_usual_spellings(tmp_path: Path, name: str, units: flo
     path.write_text("0 1\n1 2\n")
     for word in {spelt, spelt.upper(), spelt.replace("/s2", "/sec/sec"), spelt.replace("/s2", "/s**2")}:
         np.testing.assert_array_equal(read_record(path, units=word).ax, [units, 2.0 * units])
+
+
+@settings(max_examples=200, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(st.data())
+@pytest.mark.parametrize("name", ["at2", "esm", "knet", "cosmos v2", "csmip v2", "csv", "plain in g", "plain in cm/s2"])
+def test_a_spoiled_record_is_read_or_refused_in_one_line(tmp_path: Path, name: str, data: st.DataObject) -> None:
+    """Whatever is cut, doubled, moved or overwritten in its first lines: no other error, no number that is none."""
+    case = CASES[name]
+    lines = case.text.splitlines(keepends=True)
+    first = 52 if "cosmos" in name else 22
+    path = tmp_path / "record"
+    path.write_bytes(data.draw(mutated("".join(lines[:first]))) + "".join(lines[first:]).encode())
+    said = f"{path}: "
+    try:
+        assert np.all(np.isfinite(Motion.from_file(path, **case.given).ax))
+    except InputError as error:
+        said = str(error)
+    assert said.startswith(f"{path}: ")
+    assert "\n" not in said
 
 
 REAL = [
