@@ -45,6 +45,12 @@ HERE = Path(__file__).resolve().parent
 DEFAULT_COLUMN = HERE / "examples" / "columns" / "phocas.toml"
 LEFT_AT_HOME = {
     "plots.py",
+    "record_plots.py",
+    "record_report.py",
+    "intensity.py",
+    "oscillator.py",
+    "wavelets.py",
+    "motion_options.py",
     "command_line.py",
     "__main__.py",
     "documentation.py",
