@@ -43,7 +43,6 @@ from .variables import (
     RECORD,
     RECORD_PGA,
     RECORD_SCALE,
-    ROTATION_INPUTS,
     Variable,
     column_from,
     parameter_names,
@@ -56,7 +55,9 @@ RECORD_FOLDER = "record"  # holds the record inside the FMU, if there is one
 TIME_SLACK = 1e-6  # of a step: how far a communication point may be from where the last step ended
 STEP_SLACK = 1e-6  # of a sampling interval: a communication step that is no longer than that but for rounding
 ARRAYS = ("state", "counters", "inputs")  # of the stepper: all that differs from one moment to another
-KINDS = ("Real", "Integer", "Boolean", "String")
+ROTATION = slice(JZ + 1, len(INPUTS))  # of the table: theta, omega, alpha
+# what the calls of FMI 2.0 get and set -> kinds of variables
+ACCESS = {"Real": ("Real",), "Integer": ("Integer", "Enumeration"), "Boolean": ("Boolean",), "String": ("String",)}
 
 
 class Mode(StrEnum):
@@ -71,19 +72,22 @@ class Mode(StrEnum):
 class Request:
     """References that a master asked for, and how to answer: it will ask for the same ones again."""
 
-    def __init__(self, references: list[int], table: list[Variable], kind: str) -> None:
+    def __init__(self, references: list[int], table: list[Variable], place_of: dict[int, int], kind: str) -> None:
+        self.places = []
         for reference in references:
-            if not (0 <= reference < len(table) and table[reference].kind == kind):
+            place = place_of.get(reference)
+            if place is None or table[place].kind not in ACCESS[kind]:
                 raise InputError(f"value reference {reference}: is not that of a {kind} variable")
+            self.places.append(place)
         self.references = list(references)
-        self.needs_outputs = any(table[reference].causality == "output" for reference in references)
-        first = references[0] if references else 0
-        row = references == list(range(first, first + len(references)))
+        self.needs_outputs = any(table[place].causality == "output" for place in self.places)
+        first = self.places[0] if references else 0
+        row = self.places == list(range(first, first + len(references)))
         self.row = slice(first, first + len(references)) if row else None
 
     def of(self, values: list[Any]) -> list[Any]:
         """The values that the references stand for."""
-        return values[self.row] if self.row else [values[reference] for reference in self.references]
+        return values[self.row] if self.row else [values[place] for place in self.places]
 
 
 class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
@@ -105,20 +109,15 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
         self._stamp = state.Stamp(hashlib.sha256(column_text.encode()).hexdigest(), f"{__version__} ({__package__})")
         self._own_record = next(iter(sorted((resources / RECORD_FOLDER).glob("*"))), None)
         self._table = variables(self._column, self._own_record.name if self._own_record else "")
-        self._reference = {variable.name: k for k, variable in enumerate(self._table)}
-        self._values: list[Any] = [variable.start for variable in self._table]
-        theta = self._reference[ROTATION_INPUTS[0].name]
-        self._rotation = slice(theta, theta + len(ROTATION_INPUTS))
-        self._values[self._rotation] = [0.0] * len(ROTATION_INPUTS)
-        self._split = slice(self._rotation.stop, self._rotation.stop + at.SPLIT)
-        self._values[self._split] = [0.0] * at.SPLIT
-        self._parameters = slice(self._reference["g"], theta)
+        self._place = {variable.name: k for k, variable in enumerate(self._table)}
+        self._place_of = {variable.reference: k for k, variable in enumerate(self._table)}
+        self._values: list[Any] = [0.0 if variable.start is None else variable.start for variable in self._table]
         self._row = slice(len(INPUTS), len(INPUTS) + at.row_size(self._column.n))
-        self._values[self._row] = [0.0] * at.row_size(self._column.n)
-        self._verdict = [self._reference[item.name] for item in (OVERTURN_TIME, OVERTURN_JOINT, OVERTURNED)]
+        self._split = slice(self._row.stop, self._row.stop + at.SPLIT)
+        self._parameters = slice(self._place["g"], len(self._table))
+        self._verdict = [self._place[item.name] for item in (OVERTURN_TIME, OVERTURN_JOINT, OVERTURNED)]
         self._tell_verdict(-1.0, 0, False)
-        self._put(RECORD_PGA.name, 0.0)
-        self._requests = {kind: Request([], self._table, kind) for kind in KINDS}
+        self._requests = {kind: Request([], self._table, self._place_of, kind) for kind in ACCESS}
         self._mode = Mode.INSTANTIATED
         self._time = 0.0
         self._input_time = 0.0  # from which the slopes of the inputs count
@@ -200,9 +199,9 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
             return "the step must be a positive time"
         if not abs(current_time - self._time) <= TIME_SLACK * step_size + 1e-12 * abs(self._time):
             return f"the last step ended at t = {self._time} s"
-        given = self._given()
+        given = self._values[: len(INPUTS)]
         if not math.isfinite(sum(given)):
-            for variable, value in zip((*INPUTS, *ROTATION_INPUTS), given, strict=True):
+            for variable, value in zip(INPUTS, given, strict=True):
                 if not math.isfinite(value):
                     return f"{variable.name} = {value}: must be a finite number in {variable.unit}"
         return None
@@ -219,7 +218,7 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
                 self._apply_parameters(stepper)
             self._input_time = start
             if record is None:
-                _set(stepper.inputs, start, values[AX], values[JX], values[AZ], values[JZ], *values[self._rotation])
+                _set(stepper.inputs, start, values[AX], values[JX], values[AZ], values[JZ], *values[ROTATION])
                 stepper.advance(start, step)
             else:
                 edges = record.edges(start, start + step)
@@ -234,7 +233,7 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
         self._time = start + step
         self._inputs_stand = self._outdated = True
         if not self._shaken:
-            self._shaken = record is not None or any(self._given())
+            self._shaken = record is not None or any(values[: len(INPUTS)])
         if record is not None and not self._coarse_told and step > record.dt * (1.0 + STEP_SLACK):
             self._coarse_told = True
             self._say(
@@ -279,7 +278,7 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
         elif stepper is None or snapshot.built_from != self._built_from:
             values = snapshot.values.copy()
             values[self._parameters] = snapshot.built_from
-            record, name = self._loaded(values[self._reference[RECORD]], values[self._reference[RECORD_SCALE]])
+            record, name = self._loaded(values[self._place[RECORD]], values[self._place[RECORD_SCALE]])
             stepper = Stepper(self._described(values))
         if stepper is not None:
             if (record.digest if record else "") != snapshot.record:
@@ -301,7 +300,7 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
         return self._get(vrs, "Real")
 
     def get_integer(self, vrs: list[int]) -> list[int]:
-        """Values of Integer variables."""
+        """Values of Integer variables and enumerations."""
         return self._get(vrs, "Integer")
 
     def get_boolean(self, vrs: list[int]) -> list[bool]:
@@ -317,7 +316,7 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
         self._set(vrs, values, "Real")
 
     def set_integer(self, vrs: list[int], values: list[int]) -> None:
-        """No Integer can be set."""
+        """Set enumerations before the end of initialization."""
         self._set(vrs, values, "Integer")
 
     def set_boolean(self, vrs: list[int], values: list[bool]) -> None:
@@ -332,7 +331,7 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
         try:
             request = self._requests[kind]
             if vrs != request.references:
-                request = self._requests[kind] = Request(vrs, self._table, kind)
+                request = self._requests[kind] = Request(vrs, self._table, self._place_of, kind)
             if self._outdated and request.needs_outputs:
                 self._update()
             return request.of(self._values)
@@ -342,21 +341,22 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
     def _set(self, vrs: list[int], values: list[Any], kind: str) -> None:
         if self._mode == Mode.TERMINATED:
             self._fail("nothing can be set, the run is terminated")
-        for reference in vrs:
-            if not 0 <= reference < len(INPUTS):
-                self._check_settable(reference, kind)
-        for reference, value in zip(vrs, values, strict=True):
-            self._values[reference] = value
-            if self._parameters.start <= reference < self._parameters.stop:
+        places = [self._place_of.get(reference, -1) for reference in vrs]
+        for place, reference in zip(places, vrs, strict=True):
+            if not 0 <= place < len(INPUTS) or kind != "Real":
+                self._check_settable(place, reference, kind)
+        for place, value in zip(places, values, strict=True):
+            self._values[place] = value
+            if place >= self._parameters.start:
                 self._retune = self._mode == Mode.STEPPING
         self._input_time = self._time
         self._inputs_stand, self._outdated = False, True
 
-    def _check_settable(self, reference: int, kind: str) -> None:
-        known = 0 <= reference < len(self._table) and self._table[reference].kind == kind
-        if not known or self._table[reference].causality == "output":
+    def _check_settable(self, place: int, reference: int, kind: str) -> None:
+        known = place >= 0 and self._table[place].kind in ACCESS[kind]
+        if not known or self._table[place].causality == "output":
             self._fail(f"value reference {reference}: is not an input or a parameter of the kind {kind}")
-        variable = self._table[reference]
+        variable = self._table[place]
         if self._mode == Mode.STEPPING and variable.variability == "fixed":
             self._fail(f"{variable.name}: can be set before the end of initialization only")
 
@@ -388,7 +388,7 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
         """Let the base follow, from time t on, the inputs and the straight line (ax, jx, az, jz) of the record."""
         values = self._values
         gone = t - self._input_time
-        theta, omega, alpha = values[self._rotation]
+        theta, omega, alpha = values[ROTATION]
         ax, jx, az, jz = line
         _set(
             stepper.inputs,
@@ -402,17 +402,13 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
             alpha,
         )
 
-    def _given(self) -> list[float]:
-        """Values of all inputs."""
-        return [*self._values[: len(INPUTS)], *self._values[self._rotation]]
-
     # --- parameters
 
     def _described(self, values: list[Any] | None = None) -> Column:
         """The column that the parameters describe. Raises InputError."""
         values = self._values if values is None else values
         try:
-            return column_from(self._column.name, self._column.n, lambda name: values[self._reference[name]])
+            return column_from(self._column.name, self._column.n, lambda name: values[self._place[name]])
         except InputError as error:
             raise InputError(parameter_names(str(error))) from error
 
@@ -435,7 +431,7 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
             return
         values = self._values
         column = self._described()
-        record, name = self._loaded(values[self._reference[RECORD]], values[self._reference[RECORD_SCALE]])
+        record, name = self._loaded(values[self._place[RECORD]], values[self._place[RECORD_SCALE]])
         compile_by(lambda: Stepper(column))
         stepper = Stepper(column)
         compile_by(lambda: stepper.observe(self._time))
@@ -451,11 +447,11 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
         self._built_from = self._values[self._parameters]
 
     def _put(self, name: str, value: float | int | bool) -> None:
-        self._values[self._reference[name]] = value
+        self._values[self._place[name]] = value
 
     def _tell_verdict(self, *verdict: float | int | bool) -> None:
-        for reference, value in zip(self._verdict, verdict, strict=True):
-            self._values[reference] = value
+        for place, value in zip(self._verdict, verdict, strict=True):
+            self._values[place] = value
 
     # --- what is said
 

@@ -316,7 +316,7 @@ WRONG_VALUES = [
     ({"block[2].centroid": 5.0}, "block[2].centroid = 5.0: must lie below the top face, height = 4.69 m"),
     ({"joint[1].width": 2.0}, "joint[1].width = 2.0: must not exceed the block's width = 1.56 m"),
     ({"solver.tolerance": 7.0}, "solver.tolerance = 7.0: must be a number from 1e-13 to 0.1"),
-    ({"solver.integrator": "rk4"}, "solver.integrator = 'rk4': must be one of auto, central-difference"),
+    ({"solver.integrator": 3}, "solver.integrator = 3: must be one of 1 (auto), 2 (central-difference)"),
     ({"solver.without": "rest,  nothing"}, "solver.without = 'nothing': must be one of elastic, rest, dashpots"),
     ({"base.record": "some.csv"}, "base.record = 'some.csv': this FMU reads no files"),
     ({"solver.integrator": "central-difference", "solver.step": 0.01}, "solver.step = 0.01: must be at most"),

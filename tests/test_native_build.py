@@ -96,7 +96,8 @@ def test_what_is_needed_is_printed_and_the_same_input_builds_the_same_bytes(tmp_
     for k in range(2):
         output = tmp_path / f"{k}.fmu"
         done = finish(
-            sys.executable, ROOT / "build_fmu.py", DAMPED, "-o", output, *("--native", "--platforms", "linux64")
+            *(sys.executable, ROOT / "build_fmu.py", DAMPED, "-o", output, "--native", "--platforms", "linux64"),
+            SOURCE_DATE_EPOCH="1700000000",
         )
         assert done.returncode == 0
         assert "linux64 (ELF x86-64) needs: " in done.stderr

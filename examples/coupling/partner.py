@@ -228,13 +228,14 @@ class Partner(Fmi2Slave):
         from fmu_src.variables import Variable
 
         table = []
-        for port in self.ports:
+        parameters = tuple(port.name for port in self.ports if port.causality == "parameter")
+        for reference, port in enumerate(self.ports):
             variability = "fixed" if port.causality == "parameter" else "continuous"
             kind = "String" if isinstance(port.start, str) else "Real"
             table.append(
                 Variable(
-                    port.name, kind, port.causality, variability, port.description, port.unit, port.start,
-                    depends_on=port.depends_on,
+                    port.name, reference, kind, port.causality, variability, port.description, port.unit, port.start,
+                    depends_on=port.depends_on, initially=(*port.depends_on, *parameters),
                 )
             )  # fmt: skip
         return model_description(self.title, str(self.guid), self.about, "1", table, Experiment())

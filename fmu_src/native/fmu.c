@@ -15,9 +15,11 @@
 typedef enum { REAL, INTEGER, BOOLEAN, STRING } Kind;
 typedef enum { INPUT, OUTPUT, PARAMETER } Role;
 typedef struct { const char *name, *unit; Kind kind; Role role; int tunable, place; } Variable;
-typedef struct { int reference, count; const char *words[4]; int codes[4]; } Choice;
+typedef struct { int count; const int *rows; } Family; /* rows of variables by their numbers within the family */
+typedef struct { int number, code; const char *word; } Item;
+typedef struct { int row, count; const Item *items; } Choice;
 typedef struct {
-    int reference;
+    int row;
     double low, high;
     int optional; /* 0 stands for "not given" */
     const char *meaning;
@@ -61,10 +63,10 @@ typedef struct {
     int64_t retune; /* whether a tunable parameter was set and has not acted yet */
     int64_t inputs_stand; /* whether the inputs are those of the last step */
     int64_t shaken; /* whether the base has moved yet */
-    int64_t overturn_joint;
     int64_t has_record;
     double time, input_time, scale; /* s, s from which the slopes of the inputs count, factor on the record */
     double reals[REALS];
+    int64_t wholes[WHOLES]; /* Integers, Booleans and enumerations */
     char texts[TEXTS][TEXT];
     double inputs[SOLVER_INPUTS];
     double state[STATE];
@@ -155,37 +157,44 @@ static const char *trimmed(const char *begin, const char *end, size_t *length) {
     return begin;
 }
 
-static int code_of(const Choice *choice, const char *word, size_t length) {
-    for (int k = 0; k < choice->count; k++)
-        if (strlen(choice->words[k]) == length && !memcmp(choice->words[k], word, length)) return choice->codes[k];
+static int code_of_word(const Choice *choice, const char *word, size_t length) {
+    for (int k = 0; k < choice->count; k++) {
+        const Item *item = &choice->items[k];
+        if (strlen(item->word) == length && !memcmp(item->word, word, length)) return item->code;
+    }
     return -1;
 }
 
-static void describe_choice(const Choice *choice, const char *word, size_t length, char *reason) {
-    int used = snprintf(reason, MESSAGE, "%s = '%.*s': must be one of ", variables[choice->reference].name,
-                        (int)length, word);
+static double real_at(const double *reals, int row) { return reals[variables[row].place]; }
+
+static const char *text_at(const Moment *moment, int row) { return moment->texts[variables[row].place]; }
+
+/* The kernels' code of what an enumeration stands at; -1 and a reason if it is none. */
+static int code_of(const Choice *choice, const Moment *moment, char *reason) {
+    int64_t number = moment->wholes[variables[choice->row].place];
     for (int k = 0; k < choice->count; k++)
-        used += snprintf(reason + used, (size_t)(MESSAGE - used), "%s%s", k ? ", " : "", choice->words[k]);
+        if (choice->items[k].number == number) return choice->items[k].code;
+    int used = snprintf(reason, MESSAGE, "%s = %d: must be one of ", variables[choice->row].name, (int)number);
+    for (int k = 0; k < choice->count; k++)
+        used += snprintf(reason + used, (size_t)(MESSAGE - used), "%s%d (%s)", k ? ", " : "", choice->items[k].number,
+                         choice->items[k].word);
+    return -1;
 }
 
-static double real_of(const double *reals, int reference) { return reals[variables[reference].place]; }
-
-static const char *text_of(const Moment *moment, int reference) { return moment->texts[variables[reference].place]; }
-
 /* Whether one of these checks finds fault with a Real parameter. */
-static int find_fault(const double *reals, size_t from, size_t to, char *reason) {
+static int find_fault(const double *reals, char *reason) {
     char value[NUMBER], bound[NUMBER];
-    for (size_t k = from; k < to; k++) {
+    for (size_t k = 0; k < sizeof checks / sizeof *checks; k++) {
         const Check *check = &checks[k];
-        double given_value = real_of(reals, check->reference);
-        const char *name = variables[check->reference].name;
+        double given_value = real_at(reals, check->row);
+        const char *name = variables[check->row].name;
         if (check->optional && given_value == 0.0) continue;
         if (!(check->low <= given_value && given_value <= check->high)) {
             snprintf(reason, MESSAGE, "%s = %s: %s", name, shown(given_value, value), check->meaning);
             return 1;
         }
         if (check->bound < 0) continue;
-        double most = real_of(reals, check->bound);
+        double most = real_at(reals, check->bound);
         if (check->strict ? !(given_value < most) : given_value > most) {
             snprintf(reason, MESSAGE, "%s = %s: %s = %s m", name, shown(given_value, value), check->relation,
                      shown(most, bound));
@@ -198,30 +207,34 @@ static int find_fault(const double *reals, size_t from, size_t to, char *reason)
 /* Model, and with `afresh` motion, from the parameters as they stand. On a fault both are as before. */
 static int build(Instance *instance, int afresh, char *reason) {
     Moment *now = &instance->now;
-    size_t count = sizeof checks / sizeof *checks;
     double described[GIVEN];
-    const char *formulation = text_of(now, FORMULATION->reference), *integrator = text_of(now, INTEGRATOR->reference);
-    const char *without = text_of(now, WITHOUT->reference), *record = now->texts[AT_RECORD];
+    const char *without = text_at(now, WITHOUT->row), *record = now->texts[AT_RECORD];
     char text[NUMBER];
     for (int k = 0; k < GIVEN; k++)
         described[k] = k >= SETTINGS || k < GIVEN_FORMULATION ? now->reals[given[k]] : 0.0;
-    if (find_fault(now->reals, 0, count - 2, reason)) return 0;
-    int code = code_of(FORMULATION, formulation, strlen(formulation));
-    if (code < 0) return describe_choice(FORMULATION, formulation, strlen(formulation), reason), 0;
+    int code = code_of(FORMULATION, now, reason);
+    if (code < 0) return 0;
     described[GIVEN_FORMULATION] = code;
-    code = code_of(INTEGRATOR, integrator, strlen(integrator));
-    if (code < 0) return describe_choice(INTEGRATOR, integrator, strlen(integrator), reason), 0;
+    code = code_of(INTEGRATOR, now, reason);
+    if (code < 0) return 0;
     described[GIVEN_INTEGRATOR] = code;
     int fixed_step = code == CENTRAL_DIFFERENCE;
-    if (find_fault(now->reals, count - 2, count, reason)) return 0;
+    if (find_fault(now->reals, reason)) return 0;
     int left_out = 0;
     for (const char *at = without; *at;) {
         const char *end = strchr(at, ',');
         size_t length;
         if (!end) end = at + strlen(at);
         const char *word = trimmed(at, end, &length);
-        code = length ? code_of(WITHOUT, word, length) : 0;
-        if (code < 0) return describe_choice(WITHOUT, word, length, reason), 0;
+        code = length ? code_of_word(WITHOUT, word, length) : 0;
+        if (code < 0) {
+            int used = snprintf(reason, MESSAGE, "%s = '%.*s': must be one of ", variables[WITHOUT->row].name,
+                                (int)length, word);
+            for (int k = 0; k < WITHOUT->count; k++)
+                used += snprintf(reason + used, (size_t)(MESSAGE - used), "%s%s", k ? ", " : "",
+                                 WITHOUT->items[k].word);
+            return 0;
+        }
         left_out |= code;
         at = *end ? end + 1 : end;
     }
@@ -265,7 +278,7 @@ static int build(Instance *instance, int afresh, char *reason) {
         now->scale = scale;
         now->reals[AT_RECORD_PGA] = has_record ? fabs(scale) * record_pga : 0.0;
         now->reals[AT_OVERTURN_TIME] = -1.0;
-        now->overturn_joint = 0;
+        now->wholes[AT_OVERTURN_JOINT] = now->wholes[AT_OVERTURNED] = 0;
         now->inputs_stand = 0;
     }
     instance->outdated = 1;
@@ -291,8 +304,10 @@ static int update(Instance *instance, char *reason) {
         snprintf(reason, MESSAGE, "at t = %.6g s: %s", now->time, reason_of(code));
         return 0;
     }
-    now->overturn_joint = now->counters[COUNTER_OVERTURNED];
-    now->reals[AT_OVERTURN_TIME] = now->overturn_joint ? now->state[STATE_OVERTURN_TIME] : -1.0;
+    int64_t joint = now->counters[COUNTER_OVERTURNED];
+    now->wholes[AT_OVERTURN_JOINT] = joint;
+    now->wholes[AT_OVERTURNED] = joint > 0;
+    now->reals[AT_OVERTURN_TIME] = joint ? now->state[STATE_OVERTURN_TIME] : -1.0;
     instance->outdated = 0;
     return 1;
 }
@@ -305,22 +320,27 @@ static int wrong_mode(Instance *instance, int allowed, const char *what) {
     return 1;
 }
 
-static int known(Instance *instance, fmi2ValueReference reference, Kind kind) {
-    static const char *const names[] = {"Real", "Integer", "Boolean", "String"};
-    char time[NUMBER];
-    if (reference < VARIABLES && variables[reference].kind == kind) return 1;
-    say(instance, fmi2Error, "variables at t = %s s: value reference %u: is not that of a %s variable",
-        shown(instance->now.time, time), reference, names[kind]);
-    return 0;
+static const char *const kind_names[] = {"Real", "Integer", "Boolean", "String"};
+
+/* The row of a value reference; NULL if no variable has it. */
+static const Variable *find(fmi2ValueReference reference) {
+    unsigned family = (reference - 1u) / FAMILY, number = (reference - 1u) % FAMILY;
+    if (family >= FAMILIES || number >= (unsigned)families[family].count) return NULL;
+    int row = families[family].rows[number];
+    return row < 0 ? NULL : &variables[row];
 }
 
 static int readable(Instance *instance, const fmi2ValueReference references[], size_t count, Kind kind) {
     char reason[MESSAGE], time[NUMBER];
     int outputs = 0;
     for (size_t k = 0; k < count; k++) {
-        fmi2ValueReference reference = references[k];
-        if (!(reference < VARIABLES && variables[reference].kind == kind)) return known(instance, reference, kind);
-        outputs |= variables[reference].role == OUTPUT;
+        const Variable *variable = find(references[k]);
+        if (!variable || variable->kind != kind) {
+            say(instance, fmi2Error, "variables at t = %s s: value reference %u: is not that of a %s variable",
+                shown(instance->now.time, time), references[k], kind_names[kind]);
+            return 0;
+        }
+        outputs |= variable->role == OUTPUT;
     }
     if (!outputs || (!instance->outdated && instance->now.mode != INSTANTIATED) || update(instance, reason)) return 1;
     say(instance, fmi2Error, "variables at t = %s s: %s", shown(instance->now.time, time), reason);
@@ -328,19 +348,17 @@ static int readable(Instance *instance, const fmi2ValueReference references[], s
 }
 
 static int settable(Instance *instance, const fmi2ValueReference references[], size_t count, Kind kind) {
-    static const char *const names[] = {"Real", "Integer", "Boolean", "String"};
     if (instance->now.mode == TERMINATED) {
         say(instance, fmi2Error, "nothing can be set, the run is terminated");
         return 0;
     }
     for (size_t k = 0; k < count; k++) {
-        fmi2ValueReference reference = references[k];
-        if (!(reference < VARIABLES && variables[reference].kind == kind && variables[reference].role != OUTPUT)) {
-            say(instance, fmi2Error, "value reference %u: is not an input or a parameter of the kind %s", reference,
-                names[kind]);
+        const Variable *variable = find(references[k]);
+        if (!variable || variable->kind != kind || variable->role == OUTPUT) {
+            say(instance, fmi2Error, "value reference %u: is not an input or a parameter of the kind %s", references[k],
+                kind_names[kind]);
             return 0;
         }
-        const Variable *variable = &variables[reference];
         if (instance->now.mode == STEPPING && variable->role == PARAMETER && !variable->tunable) {
             say(instance, fmi2Error, "%s: can be set before the end of initialization only", variable->name);
             return 0;
@@ -368,6 +386,7 @@ static void begin(Instance *instance) {
     now->mode = INSTANTIATED;
     memcpy(now->reals, real_starts, sizeof now->reals);
     now->reals[AT_OVERTURN_TIME] = -1.0;
+    for (int k = 0; k < WHOLES; k++) now->wholes[k] = whole_starts[k];
     for (int k = 0; k < TEXTS; k++) snprintf(now->texts[k], TEXT, "%s", text_starts[k]);
     instance->outdated = 1;
     instance->coarse_told = 0;
@@ -476,7 +495,7 @@ FMI2_Export fmi2Status fmi2GetReal(fmi2Component component, const fmi2ValueRefer
                                    fmi2Real values[]) {
     Instance *instance = component;
     if (!instance || !readable(instance, references, count, REAL)) return fmi2Error;
-    for (size_t k = 0; k < count; k++) values[k] = real_of(instance->now.reals, (int)references[k]);
+    for (size_t k = 0; k < count; k++) values[k] = instance->now.reals[find(references[k])->place];
     return fmi2OK;
 }
 
@@ -484,7 +503,7 @@ FMI2_Export fmi2Status fmi2GetInteger(fmi2Component component, const fmi2ValueRe
                                       fmi2Integer values[]) {
     Instance *instance = component;
     if (!instance || !readable(instance, references, count, INTEGER)) return fmi2Error;
-    for (size_t k = 0; k < count; k++) values[k] = (fmi2Integer)instance->now.overturn_joint;
+    for (size_t k = 0; k < count; k++) values[k] = (fmi2Integer)instance->now.wholes[find(references[k])->place];
     return fmi2OK;
 }
 
@@ -492,7 +511,7 @@ FMI2_Export fmi2Status fmi2GetBoolean(fmi2Component component, const fmi2ValueRe
                                       fmi2Boolean values[]) {
     Instance *instance = component;
     if (!instance || !readable(instance, references, count, BOOLEAN)) return fmi2Error;
-    for (size_t k = 0; k < count; k++) values[k] = instance->now.overturn_joint > 0;
+    for (size_t k = 0; k < count; k++) values[k] = instance->now.wholes[find(references[k])->place] != 0;
     return fmi2OK;
 }
 
@@ -500,7 +519,7 @@ FMI2_Export fmi2Status fmi2GetString(fmi2Component component, const fmi2ValueRef
                                      fmi2String values[]) {
     Instance *instance = component;
     if (!instance || !readable(instance, references, count, STRING)) return fmi2Error;
-    for (size_t k = 0; k < count; k++) values[k] = text_of(&instance->now, (int)references[k]);
+    for (size_t k = 0; k < count; k++) values[k] = instance->now.texts[find(references[k])->place];
     return fmi2OK;
 }
 
@@ -510,8 +529,9 @@ FMI2_Export fmi2Status fmi2SetReal(fmi2Component component, const fmi2ValueRefer
     int parameter = 0;
     if (!instance || !settable(instance, references, count, REAL)) return fmi2Error;
     for (size_t k = 0; k < count; k++) {
-        instance->now.reals[variables[references[k]].place] = values[k];
-        parameter |= variables[references[k]].role == PARAMETER;
+        const Variable *variable = find(references[k]);
+        instance->now.reals[variable->place] = values[k];
+        parameter |= variable->role == PARAMETER;
     }
     has_changed(instance, parameter);
     return fmi2OK;
@@ -519,8 +539,11 @@ FMI2_Export fmi2Status fmi2SetReal(fmi2Component component, const fmi2ValueRefer
 
 FMI2_Export fmi2Status fmi2SetInteger(fmi2Component component, const fmi2ValueReference references[], size_t count,
                                       const fmi2Integer values[]) {
-    (void)values;
-    return component && settable(component, references, count, INTEGER) ? fmi2OK : fmi2Error;
+    Instance *instance = component;
+    if (!instance || !settable(instance, references, count, INTEGER)) return fmi2Error;
+    for (size_t k = 0; k < count; k++) instance->now.wholes[find(references[k])->place] = values[k];
+    has_changed(instance, count > 0);
+    return fmi2OK;
 }
 
 FMI2_Export fmi2Status fmi2SetBoolean(fmi2Component component, const fmi2ValueReference references[], size_t count,
@@ -535,10 +558,10 @@ FMI2_Export fmi2Status fmi2SetString(fmi2Component component, const fmi2ValueRef
     if (!instance || !settable(instance, references, count, STRING)) return fmi2Error;
     for (size_t k = 0; k < count; k++)
         if (!values[k] || strlen(values[k]) >= TEXT) {
-            say(instance, fmi2Error, "%s: must be a text of less than %d bytes", variables[references[k]].name, TEXT);
+            say(instance, fmi2Error, "%s: must be a text of less than %d bytes", find(references[k])->name, TEXT);
             return fmi2Error;
         }
-    for (size_t k = 0; k < count; k++) strcpy(instance->now.texts[variables[references[k]].place], values[k]);
+    for (size_t k = 0; k < count; k++) strcpy(instance->now.texts[find(references[k])->place], values[k]);
     has_changed(instance, count > 0);
     return fmi2OK;
 }
@@ -558,8 +581,7 @@ static int step_problem(Instance *instance, double start, double step, char *rea
     for (int k = 0; k < BASE_INPUTS; k++)
         if (!isfinite(now->reals[k]))
             return snprintf(reason, MESSAGE, "%s = %s: must be a finite number in %s",
-                            variables[input_references[k]].name, shown(now->reals[k], text),
-                            variables[input_references[k]].unit), 1;
+                            variables[k].name, shown(now->reals[k], text), variables[k].unit), 1; /* inputs come first */
     return 0;
 }
 
@@ -657,23 +679,23 @@ FMI2_Export fmi2Status fmi2SetRealInputDerivatives(fmi2Component component, cons
     Instance *instance = component;
     if (!instance || !settable(instance, references, count, REAL)) return fmi2Error;
     for (size_t k = 0; k < count; k++) {
-        fmi2ValueReference reference = references[k];
-        const char *name = variables[reference].name;
-        if (variables[reference].role != INPUT) {
-            say(instance, fmi2Error, "%s: is not an input", name);
+        const Variable *variable = find(references[k]);
+        if (variable->role != INPUT) {
+            say(instance, fmi2Error, "%s: is not an input", variable->name);
             return fmi2Error;
         }
         if (orders[k] != 1) {
-            say(instance, fmi2Error, "derivative of %s of the order %d: must be of the order 1", name, orders[k]);
+            say(instance, fmi2Error, "derivative of %s of the order %d: must be of the order 1", variable->name,
+                orders[k]);
             return fmi2Error;
         }
-        if (slope_of[variables[reference].place] < 0 && values[k] != 0.0) {
-            say(instance, fmi2Error, "%s: is held within a step, its derivative must be 0", name);
+        if (slope_of[variable->place] < 0 && values[k] != 0.0) {
+            say(instance, fmi2Error, "%s: is held within a step, its derivative must be 0", variable->name);
             return fmi2Error;
         }
     }
     for (size_t k = 0; k < count; k++) {
-        int slope = slope_of[variables[references[k]].place];
+        int slope = slope_of[find(references[k])->place];
         if (slope >= 0) instance->now.reals[slope] = values[k];
     }
     has_changed(instance, 0);
@@ -682,8 +704,9 @@ FMI2_Export fmi2Status fmi2SetRealInputDerivatives(fmi2Component component, cons
 
 /* Where row or split hold what belongs to an output that follows the motion; NULL for other variables. */
 static const double *visible(const Instance *instance, fmi2ValueReference reference) {
-    if (reference >= VARIABLES || variables[reference].kind != REAL) return NULL;
-    int place = variables[reference].place;
+    const Variable *variable = find(reference);
+    if (!variable || variable->kind != REAL) return NULL;
+    int place = variable->place;
     if (BASE_INPUTS <= place && place < BASE_INPUTS + ROW) return &instance->row[place - BASE_INPUTS];
     if (AT_SPLIT <= place && place < AT_SPLIT + SPLIT) return &instance->split[place - AT_SPLIT];
     return NULL;
@@ -707,7 +730,7 @@ FMI2_Export fmi2Status fmi2GetRealOutputDerivatives(fmi2Component component, con
         if (!is_continuous_output(instance, references[k])) return fmi2Error;
         if (orders[k] != 1) {
             say(instance, fmi2Error, "derivative of %s of the order %d: must be of the order 1",
-                variables[references[k]].name, orders[k]);
+                find(references[k])->name, orders[k]);
             return fmi2Error;
         }
     }
@@ -735,11 +758,12 @@ FMI2_Export fmi2Status fmi2GetDirectionalDerivative(fmi2Component component, con
     for (size_t k = 0; k < unknown_count; k++)
         if (!is_continuous_output(instance, unknowns[k])) return fmi2Error;
     for (size_t k = 0; k < known_count; k++) {
-        if (knowns[k] >= VARIABLES || variables[knowns[k]].role != INPUT) {
+        const Variable *known = find(knowns[k]);
+        if (!known || known->role != INPUT) {
             say(instance, fmi2Error, "value reference %u: is not that of an input", knowns[k]);
             return fmi2Error;
         }
-        along[variables[knowns[k]].place] += seeds[k];
+        along[known->place] += seeds[k];
     }
     if (!update(instance, reason)) {
         say(instance, fmi2Error, "%s", reason);

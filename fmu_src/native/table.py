@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solver.column import FORMULATIONS, INTEGRATORS, NUMBERS, SKIPS, Column
+from solver.column import NUMBERS, SKIPS, Column
 from solver.kernels import layout as at
 from solver.kernels import pointers
 from solver.motion import Motion
@@ -14,7 +14,17 @@ from solver.packing import FORMULATION_CODES, INTEGRATOR_CODES, SKIP_CODES
 from solver.stepper import REASONS
 
 from ..record import Record
-from ..variables import OVERTURN_TIME, RECORD, RECORD_PGA, RECORD_SCALE, Variable
+from ..variables import (
+    CHOICES,
+    FAMILY,
+    OVERTURN_JOINT,
+    OVERTURN_TIME,
+    OVERTURNED,
+    RECORD,
+    RECORD_PGA,
+    RECORD_SCALE,
+    Variable,
+)
 
 TEXT = 256  # bytes of a String, its end included
 # input -> the input that is its slope
@@ -36,10 +46,11 @@ def declarations(contents: Contents) -> str:
     """The text of table.h: sizes, variables, start values, checks of the parameters, the record."""
     column, table = contents.column, contents.table
     n = column.n
-    reference = {variable.name: k for k, variable in enumerate(table)}
+    index = {variable.name: k for k, variable in enumerate(table)}
     places = storage(table)
-    reals = sorted((variable for variable in table if variable.kind == "Real"), key=lambda item: places[item.name])
-    texts = sorted((variable for variable in table if variable.kind == "String"), key=lambda item: places[item.name])
+    reals = [variable for variable in table if STORED[variable.kind] == "REAL"]
+    wholes = [variable for variable in table if STORED[variable.kind] in ("INTEGER", "BOOLEAN")]
+    texts = [variable for variable in table if STORED[variable.kind] == "STRING"]
     inputs = [variable for variable in reals if variable.causality == "input"]
     lines = ["/* Made by build_fmu.py; not to be edited. */"]
     numbers = {
@@ -54,11 +65,14 @@ def declarations(contents: Contents) -> str:
         "FIXED_STEP_ROOM": pointers.scratch_room(n, True),
         "BASE_INPUTS": len(inputs),
         "REALS": len(reals),
+        "WHOLES": len(wholes),
         "TEXTS": len(texts),
         "TEXT": TEXT,
-        "VARIABLES": len(table),
+        "FAMILY": FAMILY,
         "GIVEN": len(pointers.GIVEN_SETTINGS) + pointers.GIVEN_FIELDS * n,
         "AT_OVERTURN_TIME": places[OVERTURN_TIME.name],
+        "AT_OVERTURN_JOINT": places[OVERTURN_JOINT.name],
+        "AT_OVERTURNED": places[OVERTURNED.name],
         "AT_RECORD": places[RECORD],
         "AT_SPLIT": places["base.R0x"],
         "SPLIT": at.SPLIT,
@@ -78,18 +92,24 @@ def declarations(contents: Contents) -> str:
     lines.append(f"static const char *const STATE_FORMAT = {_quoted('multiblock-fmu native state 1')};")
     lines += _array("Variable", "variables", [_variable(variable, places[variable.name]) for variable in table])
     lines += _array("double", "real_starts", [_number(_start(variable)) for variable in reals])
+    lines += _array("int", "whole_starts", [str(int(_start(variable))) for variable in wholes])
     lines += _array("char *const", "text_starts", [_quoted(str(variable.start)) for variable in texts])
+    lines += _families(table)
     slopes = [places.get(SLOPES.get(variable.name, ""), -1) for variable in inputs]
     lines += _array("int", "slope_of", [str(slope) for slope in slopes])
-    lines += _array("int", "input_references", [str(reference[variable.name]) for variable in inputs])
     lines += _array("int", "given", [str(places[name]) for name in _given_names(n)])
+    codes = {"solver.formulation": FORMULATION_CODES, "solver.integrator": INTEGRATOR_CODES}
+    for name, choice in CHOICES.items():
+        items = [f"{{{number}, {codes[name][word]}, {_quoted(word)}}}" for word, number in choice.items.items()]
+        lines += _array("Item", f"{choice.name.lower()}_items", items)
+    words = [f"{{0, {SKIP_CODES[word]}, {_quoted(word)}}}" for word in SKIPS]
+    lines += _array("Item", "without_items", words)
     choices = [
-        _choice("solver.formulation", FORMULATIONS, FORMULATION_CODES, reference),
-        _choice("solver.integrator", INTEGRATORS, INTEGRATOR_CODES, reference),
-        _choice("solver.without", SKIPS, SKIP_CODES, reference),
+        f"{{{index[name]}, {len(choice.items)}, {choice.name.lower()}_items}}" for name, choice in CHOICES.items()
     ]
+    choices.append(f"{{{index['solver.without']}, {len(SKIPS)}, without_items}}")
     lines += _array("Choice", "choices", choices)
-    lines += _array("Check", "checks", _checks(n, reference))
+    lines += _array("Check", "checks", _checks(n, index))
     lines += _array("Reason", "reasons", [f"{{{code}, {_quoted(text)}}}" for code, text in REASONS.items()])
     lines += _record(contents)
     return "\n".join(lines) + "\n"
@@ -116,21 +136,41 @@ def _array(kind: str, name: str, items: list[str]) -> list[str]:
     return [f"static const {kind} {name}[] = {{", *(f"    {item}," for item in items or ["0"]), "};"]
 
 
+STORED = {"Real": "REAL", "Integer": "INTEGER", "Enumeration": "INTEGER", "Boolean": "BOOLEAN", "String": "STRING"}
+
+
 def storage(table: list[Variable]) -> dict[str, int]:
-    """Place of every variable among those of its kind: inputs first, then outputs, then parameters."""
-    roles = ("input", "output", "parameter")
+    """Place of every variable in the array that it is kept in: one of numbers, one of whole ones, one of texts."""
+    arrays = {"REAL": "reals", "INTEGER": "wholes", "BOOLEAN": "wholes", "STRING": "texts"}
+    filled = dict.fromkeys(arrays.values(), 0)
     places: dict[str, int] = {}
-    for kind in ("Real", "Integer", "Boolean", "String"):
-        alike = sorted((item for item in table if item.kind == kind), key=lambda item: roles.index(item.causality))
-        places |= {item.name: place for place, item in enumerate(alike)}
+    for variable in table:
+        array = arrays[STORED[variable.kind]]
+        places[variable.name] = filled[array]
+        filled[array] += 1
     return places
 
 
+def _families(table: list[Variable]) -> list[str]:
+    """For each family of value references the rows of `variables` that its numbers, from 1, stand for; -1: none."""
+    families: dict[int, dict[int, int]] = {}
+    for row, variable in enumerate(table):
+        family, number = divmod(variable.reference - 1, FAMILY)
+        families.setdefault(family, {})[number] = row
+    lines, listed = [], []
+    for family in range(max(families) + 1):
+        rows = families.get(family, {})
+        count = max(rows) + 1 if rows else 0
+        if count:
+            lines += _array("int", f"family_{family}", [str(rows.get(number, -1)) for number in range(count)])
+        listed.append(f"{{{count}, {f'family_{family}' if count else 'NULL'}}}")
+    return [*lines, *_array("Family", "families", listed), f"#define FAMILIES {len(listed)}"]
+
+
 def _variable(variable: Variable, place: int) -> str:
-    kinds = {"Real": "REAL", "Integer": "INTEGER", "Boolean": "BOOLEAN", "String": "STRING"}
     roles = {"input": "INPUT", "output": "OUTPUT", "parameter": "PARAMETER"}
     tunable = int(variable.variability == "tunable")
-    words = (kinds[variable.kind], roles[variable.causality], tunable, place)
+    words = (STORED[variable.kind], roles[variable.causality], tunable, place)
     return f"{{{_quoted(variable.name)}, {_quoted(variable.unit)}, {', '.join(map(str, words))}}}"
 
 
@@ -143,23 +183,18 @@ def _given_names(n: int) -> list[str]:
     return names
 
 
-def _choice(name: str, words: tuple[str, ...], codes: dict[str, int], reference: dict[str, int]) -> str:
-    listed = ", ".join(_quoted(word) for word in words)
-    return f"{{{reference[name]}, {len(words)}, {{{listed}}}, {{{', '.join(str(codes[word]) for word in words)}}}}}"
-
-
-def _checks(n: int, reference: dict[str, int]) -> list[str]:
+def _checks(n: int, index: dict[str, int]) -> list[str]:
     """The limits of every Real parameter in the order in which Column finds fault with them."""
 
     def check(name: str, optional: bool = False, bound: str = "", relation: str = "", strict: bool = False) -> str:
         (low, high), meaning = NUMBERS[name.rpartition(".")[2]]
         parts = [
-            str(reference[name]),
+            str(index[name]),
             _number(low),
             _number(high),
             str(int(optional)),
             _quoted(f"must be {meaning}"),
-            str(reference[bound]) if bound else "-1",
+            str(index[bound]) if bound else "-1",
             str(int(strict)),
             _quoted(relation),
         ]
