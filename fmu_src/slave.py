@@ -1,12 +1,14 @@
 """The FMI lifecycle of one column: parameters in, steps made, outputs read. The numbers are the solver's.
 
 The wrapper knows three answers only: OK; Discard, when do_step returns False; and Fatal, when an exception reaches it,
-which would leave a dead instance behind. A step that cannot be made is discarded; whatever else is wrong ends in an
-exception whose damage is undone first (host.survive_exception), so that reset and free still work.
+which would leave a dead instance behind. A step that the solver cannot make is discarded: a shorter one, or another
+input, may do. Whatever no repetition can mend ends in an exception whose damage is undone first
+(host.survive_exception), so that reset and free still work; native/guard.c makes Error of that Fatal.
 """
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import json
 import math
@@ -180,25 +182,36 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
         self._mode = Mode.TERMINATED
 
     def do_step(self, current_time: float, step_size: float) -> bool:
-        """Advance by step_size, s; False (Discard), a logged reason and the state as before if it cannot be done."""
+        """Advance by step_size, s; False (Discard), a logged reason and the state as before if it cannot be done.
+
+        A call that no shorter step makes right is an error.
+        """
+        not_made = f"step from t = {current_time} s of {step_size} s not made"
+        reason = self._wrong_call(current_time, step_size)
+        if reason is not None:
+            self._fail(f"{not_made}: {reason}")
         try:
-            reason = self._step_problem(current_time, step_size)
+            reason = self._wrong_input()
             if reason is None:
                 self._advance(current_time, step_size)
                 return True
         except Exception as error:
             reason = _told(error)
-        self._say(Fmi2Status.discard, f"step from t = {current_time} s of {step_size} s not made: {reason}")
+        self._say(Fmi2Status.discard, f"{not_made}: {reason}")
         return False
 
-    def _step_problem(self, current_time: float, step_size: float) -> str | None:
-        """Why a step cannot even be tried."""
+    def _wrong_call(self, current_time: float, step_size: float) -> str | None:
+        """Why no step can be made here by these times."""
         if self._mode != Mode.STEPPING:
             return "the run is terminated" if self._mode == Mode.TERMINATED else "the slave is not initialized"
         if not (math.isfinite(step_size) and step_size > 0.0):
             return "the step must be a positive time"
         if not abs(current_time - self._time) <= TIME_SLACK * step_size + 1e-12 * abs(self._time):
             return f"the last step ended at t = {self._time} s"
+        return None
+
+    def _wrong_input(self) -> str | None:
+        """Why no step can be made under the inputs as they stand."""
         given = self._values[: len(INPUTS)]
         if not math.isfinite(sum(given)):
             for variable, value in zip(INPUTS, given, strict=True):
@@ -462,7 +475,8 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
     def _say(self, status: Fmi2Status, message: str) -> None:
         """To the master's logger, and to stderr for those who did not turn it on."""
         self.log(message, status)
-        print(f"{self.instance_name}: {message}", file=sys.stderr)
+        with contextlib.suppress(OSError, ValueError):  # a host may have closed it
+            print(f"{self.instance_name}: {message}", file=sys.stderr)
 
     def _fail(self, message: str) -> NoReturn:
         """Say why and leave through the wrapper's only way out, with the instance alive behind it."""

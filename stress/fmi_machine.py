@@ -47,6 +47,7 @@ GRANTED = {
     FAILED: {"step", "set"},  # the column is as it was before the step
 }
 
+NO_STEP = ("a step that is no positive time", "a step from another time")
 POSITIVE = {"height", "width", "depth", "mass", "stiffness"}
 LARGEST = 1e100  # m/s2: what inputs beyond make of the outputs is not judged
 SMALL, LARGE = 1e-6, 1e11  # parameters in between are refused for no size
@@ -294,9 +295,9 @@ class Machine:
     def _step(self, offset: float, h: float) -> str | None:
         wrong = None
         if not (math.isfinite(h) and h > 0.0):
-            wrong = "a step that is no positive time"
+            wrong = NO_STEP[0]
         elif offset:
-            wrong = "a step from another time"
+            wrong = NO_STEP[1]
         elif not all(math.isfinite(v) for v in self.inputs.values()):
             wrong = "an input that is no number"
         elif self._parameters() == "wrong":
@@ -304,6 +305,8 @@ class Machine:
         try:
             self.slave.call("doStep", self.time + offset, h)
         except RefusedError as refused:
+            if refused.status == DISCARD and wrong in NO_STEP:
+                raise ProblemError(f"{wrong} was discarded: a master would try a shorter one") from refused
             moderate = all(abs(v) <= 20.0 for v in self.inputs.values()) and self._parameters() == "right"
             if self.mode == COMPLETE and wrong is None and moderate and 1e-6 <= h <= 0.1:
                 raise ProblemError(f"a usual step of {h} s was refused with status {refused.status}") from refused

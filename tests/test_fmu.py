@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from fmpy import read_model_description
-from fmus import ROOT, Fmus, environment, read_results, run
+from fmus import REFUSED, ROOT, Fmus, environment, read_results, run
 
 from solver import Column, Motion, simulate
 
@@ -319,7 +319,7 @@ def test_a_wrong_parameter_is_refused_in_one_line_and_the_instance_lives_on(fmus
     assert len(done.stderr.strip().splitlines()) == 1
 
 
-def test_impossible_steps_are_discarded_with_a_reason_and_possible_ones_still_work(fmus: Fmus) -> None:
+def test_impossible_steps_are_refused_with_a_reason_and_possible_ones_still_work(fmus: Fmus) -> None:
     script = BY_HAND + (
         "initialize()\n"
         "heard.append(attempt(made.doStep, 0.0, 1e-2))\n"
@@ -338,7 +338,8 @@ def test_impossible_steps_are_discarded_with_a_reason_and_possible_ones_still_wo
     first, *refused, last = json.loads(done.stdout)
     assert (first, last) == ("ok", "ok")
     assert len(refused) == 5
-    assert all("status 2 (discard)" in answer for answer in refused)
+    assert all(f"({REFUSED})" in answer for answer in refused[:4])
+    assert "status 2 (discard)" in refused[4]  # another input may do
     lines = done.stderr.strip().splitlines()
     assert len(lines) == 5
     for line, reason in zip(

@@ -285,7 +285,7 @@ def test_status_is_answered(native: Path) -> None:
         "print(dll.fmi2CancelStep(c))\n"
     )
     lines = [line for line in run(sys.executable, "-c", script, native).splitlines() if line[0] != "["]
-    assert lines == ["0 2", "0 0.6", "0 0", "0 b''", "3"]
+    assert lines == ["0 3", "0 0.6", "0 0", "0 b''", "3"]
 
 
 # --- faults
@@ -293,7 +293,7 @@ def test_status_is_answered(native: Path) -> None:
 
 WRONG_CALLS = [
     ("fresh()", "'get', 'block[1].ux'", "error", "outputs can be read from initialization on"),
-    ("fresh()", "'step', 0.0, 0.1", "discard", "the slave is not initialized"),
+    ("fresh()", "'step', 0.0, 0.1", "error", "the slave is not initialized"),
     ("fresh()", "'setupExperiment', None, nan", "error", "start time = nan: must be a finite time"),
     ("fresh()", "'exitInitializationMode'", "error", "not in the state instantiated"),
     ("fresh()", "'terminate'", "error", "not in the state instantiated"),
@@ -304,9 +304,9 @@ WRONG_CALLS = [
     ("started()", "'enterInitializationMode'", "error", "not in the state stepping"),
     ("started()", "'setupExperiment'", "error", "not in the state stepping"),
     ("started()", "'set', {'block[1].mass': 1.0}", "error", "block[1].mass: can be set before the end"),
-    ("started()", "'step', 0.1, 0.0", "discard", "the step must be a positive time"),
-    ("started()", "'step', 0.05, 0.1", "discard", "the last step ended at t = 0.1 s"),
-    ("ended()", "'step', 0.1, 0.1", "discard", "the run is terminated"),
+    ("started()", "'step', 0.1, 0.0", "error", "the step must be a positive time"),
+    ("started()", "'step', 0.05, 0.1", "error", "the last step ended at t = 0.1 s"),
+    ("ended()", "'step', 0.1, 0.1", "error", "the run is terminated"),
     ("ended()", "'set', {'base.ax': 1.0}", "error", "nothing can be set, the run is terminated"),
 ]
 WRONG_VALUES = [

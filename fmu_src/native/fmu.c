@@ -568,7 +568,8 @@ FMI2_Export fmi2Status fmi2SetString(fmi2Component component, const fmi2ValueRef
 
 /* --- steps */
 
-static int step_problem(Instance *instance, double start, double step, char *reason) {
+/* Why no step can be made here by these times: one that is halved will not do either. */
+static int wrong_call(Instance *instance, double start, double step, char *reason) {
     const Moment *now = &instance->now;
     char text[NUMBER];
     if (now->mode != STEPPING) {
@@ -578,6 +579,12 @@ static int step_problem(Instance *instance, double start, double step, char *rea
     if (!(isfinite(step) && step > 0.0)) return snprintf(reason, MESSAGE, "the step must be a positive time"), 1;
     if (!(fabs(start - now->time) <= TIME_SLACK * step + 1e-12 * fabs(now->time)))
         return snprintf(reason, MESSAGE, "the last step ended at t = %s s", shown(now->time, text)), 1;
+    return 0;
+}
+
+static int wrong_input(Instance *instance, char *reason) {
+    const Moment *now = &instance->now;
+    char text[NUMBER];
     for (int k = 0; k < BASE_INPUTS; k++)
         if (!isfinite(now->reals[k]))
             return snprintf(reason, MESSAGE, "%s = %s: must be a finite number in %s",
@@ -625,11 +632,11 @@ FMI2_Export fmi2Status fmi2DoStep(fmi2Component component, fmi2Real start, fmi2R
     (void)no_return;
     if (!instance) return fmi2Error;
     instance->last_step = fmi2OK;
-    if (step_problem(instance, start, step, reason) || !advance(instance, start, step, reason)) {
-        say(instance, fmi2Discard, "step from t = %s s of %s s not made: %s", shown(start, first), shown(step, second),
-            reason);
-        instance->last_step = fmi2Discard;
-    }
+    if (wrong_call(instance, start, step, reason)) instance->last_step = fmi2Error;
+    else if (wrong_input(instance, reason) || !advance(instance, start, step, reason)) instance->last_step = fmi2Discard;
+    if (instance->last_step != fmi2OK)
+        say(instance, instance->last_step, "step from t = %s s of %s s not made: %s", shown(start, first),
+            shown(step, second), reason);
     return instance->last_step;
 }
 

@@ -12,15 +12,23 @@ from solver.errors import InputError
 
 from . import symbols
 from .machine_code import object_code
-from .platforms import PLATFORMS
+from .platforms import PLATFORMS, Target
 
 SOURCE = Path(__file__).with_name("fmu.c")
-OPTIONS = ("-std=c11", "-O2", "-shared", "-fPIC", "-fvisibility=hidden", "-ffp-contract=off", "-Wall", "-Wextra", "-s")
+OPTIONS = (
+    *("-std=c11", "-O2", "-shared", "-fPIC", "-fvisibility=hidden", "-ffp-contract=off", "-s"),
+    *("-Wall", "-Wextra", "-Werror"),
+)
+
+
+def has_tools() -> bool:
+    """Whether what compiles and links is installed."""
+    return importlib.util.find_spec("ziglang") is not None
 
 
 def check_tools() -> None:
     """Raise InputError if what links the libraries is not installed."""
-    if importlib.util.find_spec("ziglang") is None:
+    if not has_tools():
         raise InputError('--native: needs ziglang, pip install "multiblock-fmu[native]"')
 
 
@@ -30,6 +38,16 @@ def headers() -> Path:
     assert spec is not None
     assert spec.origin is not None
     return Path(spec.origin).parent / "c-code"
+
+
+def compile_c(target: Target, sources: list[Path | str], output: Path) -> None:
+    """Compile and link a shared library. Raises OSError."""
+    command = [sys.executable, "-m", "ziglang", "cc", "-target", target.linker, *OPTIONS, f"-I{headers()}"]
+    done = subprocess.run(
+        [*command, *map(str, sources), "-o", str(output)], capture_output=True, text=True, check=False
+    )
+    if done.returncode:
+        raise OSError(f"{target.linker}: the compiler failed\n{done.stderr}")
 
 
 def libraries(platforms: list[str], table: str) -> dict[str, tuple[bytes, list[symbols.Symbols]]]:
@@ -45,12 +63,8 @@ def libraries(platforms: list[str], table: str) -> dict[str, tuple[bytes, list[s
             parts = []
             for target in PLATFORMS[platform].targets:
                 (folder / "kernels.o").write_bytes(codes[target])
-                command = [sys.executable, "-m", "ziglang", "cc", "-target", target.linker, *OPTIONS]
-                command += [f"-I{folder}", f"-I{headers()}", str(SOURCE), str(folder / "kernels.o"), "-lm"]
                 output = folder / f"library{PLATFORMS[platform].suffix}"
-                done = subprocess.run([*command, "-o", str(output)], capture_output=True, text=True, check=False)
-                if done.returncode:
-                    raise OSError(f"{target.linker}: the linker failed\n{done.stderr}")
+                compile_c(target, [f"-I{folder}", SOURCE, folder / "kernels.o", "-lm"], output)
                 parts.append(output.read_bytes())
             content = symbols.universal(parts)
             needs = symbols.read(content)
