@@ -24,12 +24,12 @@ from pythonfmu.enums import Fmi2Status
 
 from solver import __version__
 from solver.column import Column
-from solver.errors import FINITE, InputError, check_number
+from solver.errors import InputError, check_number
 from solver.kernels import layout as at
 from solver.packing import FloatArray
 from solver.stepper import Stepper
 
-from . import state
+from . import rules, state
 from .host import compile_by, finalize_at_exit, leave_search_path, survive_exception
 from .model_description import LOG_CATEGORIES, Experiment, column_description, model_description
 from .record import Record, read_motion
@@ -54,8 +54,6 @@ from .variables import (
 COLUMN_FILE = "column.json"
 GUID_FILE = "guid.txt"
 RECORD_FOLDER = "record"  # holds the record inside the FMU, if there is one
-TIME_SLACK = 1e-6  # of a step: how far a communication point may be from where the last step ended
-STEP_SLACK = 1e-6  # of a sampling interval: a communication step that is no longer than that but for rounding
 ARRAYS = ("state", "counters", "inputs")  # of the stepper: all that differs from one moment to another
 ROTATION = slice(JZ + 1, len(INPUTS))  # of the table: theta, omega, alpha
 # what the calls of FMI 2.0 get and set -> kinds of variables
@@ -79,7 +77,7 @@ class Request:
         for reference in references:
             place = place_of.get(reference)
             if place is None or table[place].kind not in ACCESS[kind]:
-                raise InputError(f"value reference {reference}: is not that of a {kind} variable")
+                raise InputError(rules.NO_VARIABLE % (reference, kind))
             self.places.append(place)
         self.references = list(references)
         self.needs_outputs = any(table[place].causality == "output" for place in self.places)
@@ -150,21 +148,21 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
 
     def setup_experiment(self, start_time: float, stop_time: float | None, tolerance: float | None) -> None:
         """Take the start time; the solver's own tolerance is a parameter."""
-        self._check_mode("the experiment can be set up", Mode.INSTANTIATED)
+        self._check_mode(rules.WHEN_SET_UP, Mode.INSTANTIATED)
         if not math.isfinite(start_time):
-            self._fail(f"start time = {start_time}: must be a finite time in s")
+            self._fail(rules.START_TIME % start_time)
         self._time = self._input_time = start_time
         if tolerance is not None:
-            self.log(f"the experiment's tolerance, {tolerance}, is not used: solver.tolerance is the solver's")
+            self.log(rules.TOLERANCE % tolerance)
 
     def enter_initialization_mode(self) -> None:
         """From here on outputs can be read: they follow from inputs and parameters as they stand."""
-        self._check_mode("initialization can begin", Mode.INSTANTIATED)
+        self._check_mode(rules.WHEN_ENTERED, Mode.INSTANTIATED)
         self._mode = Mode.INITIALIZATION
 
     def exit_initialization_mode(self) -> None:
         """Build the column from the parameters as they stand."""
-        self._check_mode("initialization can end", Mode.INSTANTIATED, Mode.INITIALIZATION)
+        self._check_mode(rules.WHEN_EXITED, Mode.INSTANTIATED, Mode.INITIALIZATION)
         try:
             self._build()
             if self._stepper:
@@ -178,7 +176,7 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
     def terminate(self) -> None:
         """End the run; only reset, or a state got earlier, makes another one possible."""
         if self._mode == Mode.STEPPING and not self._shaken and self._stepper and self._stepper.time_spent > 0.0:
-            self._say(Fmi2Status.warning, "the base acceleration was zero for the whole run: is the input connected?")
+            self._say(Fmi2Status.warning, rules.NOT_SHAKEN)
         self._mode = Mode.TERMINATED
 
     def do_step(self, current_time: float, step_size: float) -> bool:
@@ -186,10 +184,9 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
 
         A call that no shorter step makes right is an error.
         """
-        not_made = f"step from t = {current_time} s of {step_size} s not made"
         reason = self._wrong_call(current_time, step_size)
         if reason is not None:
-            self._fail(f"{not_made}: {reason}")
+            self._fail(rules.NOT_MADE % (current_time, step_size, reason))
         try:
             reason = self._wrong_input()
             if reason is None:
@@ -197,17 +194,17 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
                 return True
         except Exception as error:
             reason = _told(error)
-        self._say(Fmi2Status.discard, f"{not_made}: {reason}")
+        self._say(Fmi2Status.discard, rules.NOT_MADE % (current_time, step_size, reason))
         return False
 
     def _wrong_call(self, current_time: float, step_size: float) -> str | None:
         """Why no step can be made here by these times."""
         if self._mode != Mode.STEPPING:
-            return "the run is terminated" if self._mode == Mode.TERMINATED else "the slave is not initialized"
+            return rules.ENDED if self._mode == Mode.TERMINATED else rules.NOT_BEGUN
         if not (math.isfinite(step_size) and step_size > 0.0):
-            return "the step must be a positive time"
-        if not abs(current_time - self._time) <= TIME_SLACK * step_size + 1e-12 * abs(self._time):
-            return f"the last step ended at t = {self._time} s"
+            return rules.NOT_POSITIVE
+        if not abs(current_time - self._time) <= rules.TIME_SLACK * step_size + 1e-12 * abs(self._time):
+            return rules.LAST_ENDED % self._time
         return None
 
     def _wrong_input(self) -> str | None:
@@ -216,7 +213,7 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
         if not math.isfinite(sum(given)):
             for variable, value in zip(INPUTS, given, strict=True):
                 if not math.isfinite(value):
-                    return f"{variable.name} = {value}: must be a finite number in {variable.unit}"
+                    return rules.NOT_FINITE % (variable.name, value, variable.unit)
         return None
 
     def _advance(self, start: float, step: float) -> None:
@@ -247,13 +244,9 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
         self._inputs_stand = self._outdated = True
         if not self._shaken:
             self._shaken = record is not None or any(values[: len(INPUTS)])
-        if record is not None and not self._coarse_told and step > record.dt * (1.0 + STEP_SLACK):
+        if record is not None and not self._coarse_told and step > record.dt * (1.0 + rules.STEP_SLACK):
             self._coarse_told = True
-            self._say(
-                Fmi2Status.warning,
-                f"communication step = {step} s, the record's is {record.dt:.6g} s: the motion is followed sample by "
-                "sample, but the outputs show it at the communication points only",
-            )
+            self._say(Fmi2Status.warning, rules.COARSE % (step, record.dt))
 
     # --- state
 
@@ -281,7 +274,7 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
                 snapshot.check(self._stamp)
             self._restore(snapshot)
         except Exception as error:
-            self._fail(f"the state cannot be set: {_told(error)}")
+            self._fail(rules.NOT_SET % _told(error))
 
     def _restore(self, snapshot: state.Snapshot) -> None:
         """Become what the snapshot was taken of. An exception leaves the instance as it was."""
@@ -349,11 +342,11 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
                 self._update()
             return request.of(self._values)
         except Exception as error:
-            self._fail(f"variables at t = {self._time} s: {_told(error)}")
+            self._fail(rules.NOT_READ % (self._time, _told(error)))
 
     def _set(self, vrs: list[int], values: list[Any], kind: str) -> None:
         if self._mode == Mode.TERMINATED:
-            self._fail("nothing can be set, the run is terminated")
+            self._fail(rules.NOTHING_SET)
         places = [self._place_of.get(reference, -1) for reference in vrs]
         for place, reference in zip(places, vrs, strict=True):
             if not 0 <= place < len(INPUTS) or kind != "Real":
@@ -368,15 +361,15 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
     def _check_settable(self, place: int, reference: int, kind: str) -> None:
         known = place >= 0 and self._table[place].kind in ACCESS[kind]
         if not known or self._table[place].causality == "output":
-            self._fail(f"value reference {reference}: is not an input or a parameter of the kind {kind}")
+            self._fail(rules.NOT_SETTABLE % (reference, kind))
         variable = self._table[place]
         if self._mode == Mode.STEPPING and variable.variability == "fixed":
-            self._fail(f"{variable.name}: can be set before the end of initialization only")
+            self._fail(rules.FIXED % variable.name)
 
     def _update(self) -> None:
         """Bring the outputs up to date."""
         if self._mode == Mode.INSTANTIATED:
-            raise InputError("outputs can be read from initialization on")
+            raise InputError(rules.TOO_EARLY)
         if self._mode == Mode.INITIALIZATION:
             self._build()
         stepper = self._stepper
@@ -427,7 +420,7 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
 
     def _loaded(self, name: str, scale: float) -> tuple[Record | None, str]:
         """The record of that name and what it is known by. Raises InputError."""
-        check_number(RECORD_SCALE, scale, FINITE, "a finite number")
+        check_number(RECORD_SCALE, scale, *rules.SCALE_LIMITS)
         if not name:
             return None, ""
         known_as = f"{name} times {scale}"
@@ -470,7 +463,7 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
 
     def _check_mode(self, what: str, *modes: Mode) -> None:
         if self._mode not in modes:
-            self._fail(f"{what} after instantiation or reset only: the slave is in the state {self._mode}")
+            self._fail(rules.WRONG_MODE % (what, self._mode))
 
     def _say(self, status: Fmi2Status, message: str) -> None:
         """To the master's logger, and to stderr for those who did not turn it on."""
