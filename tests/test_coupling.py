@@ -13,7 +13,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 from fmpy import read_model_description
-from fmus import ROOT, environment, run
+from fmus import REFUSED, ROOT, environment, run
 
 EXAMPLE = ROOT / "examples" / "coupling"
 
@@ -175,13 +175,15 @@ def test_partners_are_sound_fmus_whose_state_can_be_kept(built: Path) -> None:
             "first = drive(50, 100)\n"
             "part.slave.setFMUState(part.slave.deSerializeFMUstate(saved))\n"
             "print(first == drive(50, 100), first[0] != 0.0)\n"
-            "part.set(**{'ground.ax': math.nan})\n"
-            "try:\n    part.step(0.1, 1e-3)\nexcept Exception as error:\n    print(error)\n"
+            "for ax, h in ((0.0, -1e-3), (math.nan, 1e-3)):\n"
+            "    part.set(**{'ground.ax': ax})\n"
+            "    try:\n        part.step(0.1, h)\n    except Exception as error:\n        print(error)\n"
             "part.close()",
             built / f"{name}.fmu",
         )
-        kept, refused = printed.splitlines()
+        kept, wrong, refused = printed.splitlines()
         assert kept == "True True"
+        assert f"({REFUSED})" in wrong
         assert "discard" in refused.lower()
 
 
