@@ -11,10 +11,25 @@ from probe import PHOCAS_STIFFNESS, Array, G, phocas, random_column, random_stat
 
 from solver import Block, Column, Joint, Motion, simulate
 from solver.kernels import layout as at
-from solver.kernels.dynamics import tangent_offset
-from solver.kernels.implicit import K_11, K_12, K_22, factorize, solve
+from solver.kernels.formulations.implicit import TANGENT, factorize, solve
 from solver.kernels.integrators import rosenbrock
+from solver.kernels.jit import kernel
+from solver.kernels.views import row_of
 from solver.packing import pack_model
+
+_model, _phase = at.MODEL.over, at.PHASE.over
+
+
+@kernel
+def factorized(n: int, model: Array, phase: Array, tangent: Array, part: float) -> None:
+    """`factorize`, over arrays."""
+    factorize(_model(row_of(model), n), _phase(row_of(phase), n), row_of(tangent), part)
+
+
+@kernel
+def add_solution(n: int, model: Array, tangent: Array, a: Array, v: Array, part: float) -> None:
+    """`solve`, over arrays."""
+    solve(_model(row_of(model), n), row_of(tangent), row_of(a), row_of(v), part)
 
 
 def drums(n: int, eta: float = 1e-3, **changes: float) -> Column:
@@ -23,18 +38,19 @@ def drums(n: int, eta: float = 1e-3, **changes: float) -> Column:
     return Column("drums", (block,) * n).with_settings(**changes)  # type: ignore[arg-type]
 
 
-def joint_matrices(column: Column, work: Array, part: float) -> tuple[Array, Array]:
+def joint_matrices(column: Column, tangent: Array, part: float) -> tuple[Array, Array]:
     """(G, K): the joints' second derivatives as left by `factorize`, by (theta, delta), weighted and not."""
     n = column.n
     weighted, plain = np.zeros((2 * n, 2 * n)), np.zeros((2 * n, 2 * n))
+    stiffness = TANGENT.see(tangent, n)
     for i, block in enumerate(column.blocks):
         relative = np.zeros((2, 2 * n))
         relative[0, i] = 1.0
         if i + 1 < n:
             relative[0, i + 1] = -1.0
         relative[1, n + i] = 1.0
-        fields = work[tangent_offset(n) + at.TANGENT_FIELDS * i :]
-        own = relative.T @ np.array([[fields[K_11], fields[K_12]], [fields[K_12], fields[K_22]]]) @ relative
+        k_11, k_12, k_22 = stiffness.k_11[i], stiffness.k_12[i], stiffness.k_22[i]
+        own = relative.T @ np.array([[k_11, k_12], [k_12, k_22]]) @ relative
         plain += own
         weighted += part * (part + block.joint.damping) * own
     return weighted, plain
@@ -46,32 +62,30 @@ def test_solution_is_that_of_the_dense_system(seed: int, n: int, part: float) ->
     rng = np.random.default_rng(seed)
     column = random_column(rng, n)
     q, rate = random_state(rng, column, 0.3)
-    work = np.zeros(at.work_size(n))
-    x = np.concatenate([q, rate, np.zeros(2 * n)])
-    factorize(pack_model(column), x, 0, work, tangent_offset(n), part)
-    weighted, plain = joint_matrices(column, work, part)
+    model, tangent = pack_model(column).copy(), np.zeros(TANGENT.size(n))
+    factorized(n, model, np.concatenate([q, rate, np.zeros(2 * n)]), tangent, part)
+    weighted, plain = joint_matrices(column, tangent, part)
     a, v = rng.normal(size=2 * n), rng.normal(size=2 * n)
-    work[: 4 * n] = np.concatenate([a, v])
-    solve(pack_model(column), work, tangent_offset(n), 2 * n, 0, part)
+    solved = a.copy()
+    add_solution(n, model, tangent, solved, v, part)
     system = Reference.of(column).mass_matrix(q) + weighted
     forces = -weighted @ a - part**2 * plain @ v
-    residual = system @ (work[: 2 * n] - a) - forces
-    scale = np.abs(system) @ np.abs(work[: 2 * n] - a) + np.abs(forces)
+    residual = system @ (solved - a) - forces
+    scale = np.abs(system) @ np.abs(solved - a) + np.abs(forces)
     rounding = np.finfo(float).eps * np.max(np.abs(system) @ np.abs(a))  # what is lost where a + z holds z
     assert np.max(np.abs(residual)) <= 1e-7 * np.max(scale) + rounding  # measured 4e-9 over 2000 seeds
 
 
 def test_stiffness_is_the_second_derivative_of_the_joint_potential_in_full_contact() -> None:
     column = phocas()
-    work = np.zeros(at.work_size(3))
-    x = np.zeros(18)
-    x[3:6] = -1e-4
-    factorize(pack_model(column), x, 0, work, tangent_offset(3), 1e-3)
-    for i in range(3):
-        fields = work[tangent_offset(3) + at.TANGENT_FIELDS * i :]
-        assert fields[K_22] == pytest.approx(PHOCAS_STIFFNESS * 1.56**2, rel=1e-14)
-        assert fields[K_11] == pytest.approx(PHOCAS_STIFFNESS * 1.56**4 / 12.0, rel=1e-14)
-        assert fields[K_12] == 0.0
+    tangent = np.zeros(TANGENT.size(3))
+    phase = np.zeros(at.PHASE.size(3))
+    at.PHASE.see(phase, 3).opening[:] = -1e-4
+    factorized(3, pack_model(column).copy(), phase, tangent, 1e-3)
+    stiffness = TANGENT.see(tangent, 3)
+    assert stiffness.k_22 == pytest.approx(PHOCAS_STIFFNESS * 1.56**2, rel=1e-14)
+    assert stiffness.k_11 == pytest.approx(PHOCAS_STIFFNESS * 1.56**4 / 12.0, rel=1e-14)
+    assert np.all(stiffness.k_12 == 0.0)
 
 
 def test_coefficients_fulfil_the_order_conditions_of_a_w_method() -> None:

@@ -11,7 +11,6 @@ from lagrange import Reference, from_base
 from probe import G, phocas, random_column, settled, with_gravity
 
 from solver import InitialState, InputError, Motion, Response, SolverError, simulate
-from solver.kernels import layout as at
 from solver.response import BASE_HISTORIES, BLOCK_HISTORIES
 from solver.stepper import Stepper
 
@@ -113,10 +112,10 @@ def test_held_motion_is_a_sequence_of_constant_steps(formulation: str, integrato
     followed, driven = Stepper(column), Stepper(column)
     followed.run(motion, motion.end, np.empty(0))
     for (begin, end), ax in zip(pairwise(np.append(motion.time, motion.end)), motion.ax, strict=True):
-        driven.inputs[at.INPUT_AX] = ax
+        driven.base.ax = ax
         driven.advance(begin, end - begin)
-    assert np.array_equal(followed.state, driven.state)
-    assert np.array_equal(followed.counters, driven.counters)
+    assert np.array_equal(followed.arrays.state, driven.arrays.state)
+    assert np.array_equal(followed.arrays.counts, driven.arrays.counts)
 
 
 @every_way
@@ -136,9 +135,9 @@ def test_base_is_at_rest_beyond_the_motion(formulation: str, integrator: str) ->
         followed, left = Stepper(column), Stepper(column)
         followed.run(motion, 1.0, np.empty(0))
         left.run(motion, motion.end, np.empty(0))
-        left.inputs[:] = 0.0
+        left.base.wave_amplitude = 0.0
         left.advance(motion.end, 1.0 - motion.end)
-        assert np.array_equal(followed.state, left.state)
+        assert np.array_equal(followed.arrays.state, left.arrays.state)
         run = simulate(column, motion, duration=1.0)
         assert run.time[-1] == pytest.approx(1.0)
         assert run.ux[-1] == pytest.approx(followed.observe(1.0)[:3], rel=1e-12)  # measured 2e-16
@@ -216,8 +215,8 @@ def test_step_beyond_the_stability_limit_is_told_in_one_line(formulation: str) -
 def test_input_that_is_not_a_number_is_told_in_one_line(formulation: str, integrator: str) -> None:
     stepper = Stepper(phocas(formulation=formulation, integrator=integrator))
     stepper.advance(0.0, 0.01)
-    stepper.inputs[at.INPUT_AX] = math.nan
+    stepper.base.ax = math.nan
     with pytest.raises(SolverError, match=r"^at t = 0\.01 s: ") as caught:
         stepper.advance(0.01, 0.01)
     assert "\n" not in str(caught.value)
-    assert np.all(np.isfinite(stepper.state))
+    assert np.all(np.isfinite(stepper.arrays.state))
