@@ -123,7 +123,7 @@ def mass_of(split: Array) -> Array:
 def test_the_split_is_the_derivative_of_the_reaction(seed: int, n: int, largest: float) -> None:
     column, q, rate, motion = scene(seed, n, largest)
     stepper, _, row = on_base(column, q, rate, motion)
-    split, reaction = stepper.split.copy(), row[-REACTION :].copy()
+    split, reaction = stepper.split.copy(), row[-REACTION:].copy()
     mass = mass_of(split)
     a = motion[[0, 1, 4]]
     size = np.sum([block.mass for block in column.blocks]) * column.g + np.max(np.abs(split[:3]))
@@ -145,7 +145,7 @@ def test_the_split_is_the_derivative_of_the_reaction(seed: int, n: int, largest:
             splits.append(other.split.copy())
         difference = (rows[0] - rows[1]) / (2.0 * change)
         rounding = 1e-12 * total * scale[k] + 1e-13 * size / change
-        assert difference[-REACTION :] / scale == pytest.approx(-mass[:, k] / scale, abs=rounding)
+        assert difference[-REACTION:] / scale == pytest.approx(-mass[:, k] / scale, abs=rounding)
         assert field(difference, "T", n) == pytest.approx(-gains * g[k], abs=rounding)
         assert field(difference, "S", n) == pytest.approx(-np.cos(phi) * gains * g[k], abs=rounding)
         for name in ("N", "M", "contact", "sigma_max"):

@@ -109,7 +109,16 @@ def test_order_is_that_of_the_method_across_openings() -> None:
 
 @kernel
 def look_inside(
-    n: int, model: Array, state: Array, counts: Array, base: Array, work: Array, bump: bool, t: float, h: float, s: float
+    n: int,
+    model: Array,
+    state: Array,
+    counts: Array,
+    base: Array,
+    work: Array,
+    bump: bool,
+    t: float,
+    h: float,
+    s: float,
 ) -> int:
     """Leave in work.between what interpolation says of fraction s of the step of h seconds from t; returns a code."""
     silence = Samples(0, row_of(base), row_of(base), row_of(base), 1.0, False)
