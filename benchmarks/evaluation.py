@@ -13,11 +13,11 @@ from typing import Any
 
 import numpy as np
 from numba import njit
-from solver.kernels.exact import exact_accelerations
 
 from solver import Column
 from solver.kernels import exact
 from solver.kernels import layout as at
+from solver.kernels.exact import exact_accelerations
 from solver.kernels.jit import OPTIONS
 from solver.packing import pack_model
 from solver.stepper import Stepper

@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 from numba import carray, cfunc, njit, types
 from numpy.typing import NDArray
-from solver.kernels.exact import exact_accelerations
 
 from solver.kernels import layout as at
+from solver.kernels.exact import exact_accelerations
 from solver.kernels.jit import OPTIONS, kernel
 from solver.packing import pack_model, pack_state
 

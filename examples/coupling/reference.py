@@ -12,11 +12,11 @@ from typing import Any
 
 import numpy as np
 from numba import njit
-from solver.kernels.dynamics import accelerate_on, observe
-from solver.kernels.feedthrough import split_reaction
 
 from solver import Column
 from solver.kernels import layout as at
+from solver.kernels.dynamics import accelerate_on, observe
+from solver.kernels.feedthrough import split_reaction
 from solver.kernels.jit import OPTIONS, entry
 from solver.packing import pack_model, pack_state
 
