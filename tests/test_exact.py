@@ -4,13 +4,26 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from articulated import articulated
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from lagrange import Array, Reference, below
-from probe import G, field, look, phocas, random_column, random_state, reaction, settled
+from probe import (
+    G,
+    coordinates,
+    field,
+    look,
+    observed_accelerations,
+    phocas,
+    random_column,
+    random_state,
+    reaction,
+    settled,
+)
 
 from solver import Column
 from solver.kernels import layout as at
+from solver.stepper import Stepper
 
 examples = settings(deadline=None, max_examples=100, derandomize=True)
 seeds = st.integers(0, 2**32 - 1)
@@ -41,6 +54,28 @@ def test_accelerations_of_a_tall_stack_are_those_of_lagranges_equations() -> Non
     found, _ = look(column, q, rate, ax, az)
     expected = Reference.of(column).accelerations(q, rate, ax, az)
     assert found == pytest.approx(expected, abs=1e-11 * np.max(np.abs(expected)))  # measured 1e-12
+
+
+@pytest.mark.parametrize("largest", [1e-4, 1e-2, 0.5])
+@pytest.mark.parametrize("n", [1, 3, 10, 50])
+def test_accelerations_and_forces_are_those_of_the_articulated_body(n: int, largest: float) -> None:
+    """Another elimination of the same equations, also upon a base that turns; stacks of 50 blocks too."""
+    for seed in range(25):
+        column, q, rate, ax, az = scene(seed, n, largest)
+        turned = np.random.default_rng(seed).uniform(-1.0, 1.0, 3) * [1.0, 2.0, 10.0]
+        base = (ax, az, *map(float, turned))
+        stepper = Stepper(column)
+        coordinates(stepper)[:] = np.concatenate([q, rate])
+        stepper.state.control.base_theta, stepper.state.control.base_omega = base[2:4]
+        stepper.drive(0.0, ax=ax, az=az, theta=base[2], omega=base[3], alpha=base[4])
+        row = stepper.observe(0.0)
+        expected, forces, mu = articulated(column, q, rate, base)
+        found = observed_accelerations(stepper)
+        scale = np.max(np.abs(forces)) + np.max(field(row, "N", n))
+        assert found == pytest.approx(expected, abs=1e-12 * np.max(np.abs(expected)))
+        assert field(row, "T", n) == pytest.approx(-forces, abs=1e-12 * scale)
+        split = at.SPLIT.see(stepper.split)
+        assert split.mxx + split.mzz == pytest.approx(mu, rel=1e-12)
 
 
 @given(seed=seeds, n=sizes, largest=amplitudes)
