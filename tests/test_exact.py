@@ -60,7 +60,7 @@ def test_accelerations_of_a_tall_stack_are_those_of_lagranges_equations() -> Non
 @pytest.mark.parametrize("n", [1, 3, 10, 50])
 def test_accelerations_and_forces_are_those_of_the_articulated_body(n: int, largest: float) -> None:
     """Another elimination of the same equations, also upon a base that turns; stacks of 50 blocks too."""
-    for seed in range(25):
+    for seed in range(20):
         column, q, rate, ax, az = scene(seed, n, largest)
         turned = np.random.default_rng(seed).uniform(-1.0, 1.0, 3) * [1.0, 2.0, 10.0]
         base = (ax, az, *map(float, turned))
@@ -72,10 +72,10 @@ def test_accelerations_and_forces_are_those_of_the_articulated_body(n: int, larg
         expected, forces, mu = articulated(column, q, rate, base)
         found = observed_accelerations(stepper)
         scale = np.max(np.abs(forces)) + np.max(field(row, "N", n))
-        assert found == pytest.approx(expected, abs=1e-12 * np.max(np.abs(expected)))
-        assert field(row, "T", n) == pytest.approx(-forces, abs=1e-12 * scale)
+        assert found == pytest.approx(expected, abs=4e-13 * np.max(np.abs(expected)))  # measured 4e-14, mostly 4e-15
+        assert field(row, "T", n) == pytest.approx(-forces, abs=5e-14 * scale)  # measured 6e-15
         split = at.SPLIT.see(stepper.split)
-        assert split.mxx + split.mzz == pytest.approx(mu, rel=1e-12)
+        assert split.mxx + split.mzz == pytest.approx(mu, rel=2e-12)  # measured 2e-13, 50 blocks
 
 
 @given(seed=seeds, n=sizes, largest=amplitudes)

@@ -128,6 +128,7 @@ def test_accelerations_in_lanes_are_those_of_each_column(n: int, largest: float)
         phase, work = phases[k].copy(), np.zeros(at.WORK.size(n))
         accelerate(n, models[k].copy(), phase, work, motions[k].copy())
         expected = phase[4 * n :]
+        # measured 2.3e-16, of the sine and cosine of the base's rotation
         assert found[k, 4 * n :] == pytest.approx(expected, abs=1e-15 * np.max(np.abs(expected)))
         resultants = at.WORK.see(work, n).joints
         for name, part in vars(at.JOINTS.see(joints[k], n)).items():
@@ -166,13 +167,13 @@ def units(found: Array, function: Callable[[float], float], x: Array) -> float:
     return float(np.max(np.abs(found - expected) / np.spacing(np.abs(expected))))
 
 
-@pytest.mark.parametrize(("largest", "bound"), [(0.03, 1.0), (0.8, 2.0), (100.0, 2.0)])
-def test_sine_and_cosine_in_lanes_are_those_of_math(largest: float, bound: float) -> None:
+@pytest.mark.parametrize("largest", [0.03, 0.8, 100.0])
+def test_sine_and_cosine_in_lanes_are_those_of_math(largest: float) -> None:
     x = np.random.default_rng(1).uniform(-largest, largest, 80000)
     sines, cosines, only = np.zeros_like(x), np.zeros_like(x), np.zeros_like(x)
     sines_in_lanes(x.size // WIDTH, x, sines, cosines, only)
-    assert units(sines, math.sin, x) <= bound
-    assert units(cosines, math.cos, x) <= bound
+    assert units(sines, math.sin, x) <= 1.0  # measured 1
+    assert units(cosines, math.cos, x) <= 1.0  # measured 1
     assert np.array_equal(only, sines)
     mirrored, even = np.zeros_like(x), np.zeros_like(x)
     sines_in_lanes(x.size // WIDTH, -x, mirrored, even, only)
@@ -186,8 +187,8 @@ def test_sine_and_cosine_in_lanes_about_the_multiples_of_a_quarter_turn() -> Non
     x += np.tile([0.0, 1e-15, 1e-9, 1e-3, -1e-9, -1e-3, 0.785, -0.785], 128)
     sines, cosines, only = np.zeros_like(x), np.zeros_like(x), np.zeros_like(x)
     sines_in_lanes(x.size // WIDTH, x, sines, cosines, only)
-    assert sines == pytest.approx(np.sin(x), rel=4e-16, abs=2e-16)
-    assert cosines == pytest.approx(np.cos(x), rel=4e-16, abs=2e-16)
+    assert sines == pytest.approx(np.sin(x), abs=2e-16)  # measured 1.1e-16
+    assert cosines == pytest.approx(np.cos(x), abs=2e-16)
 
 
 @kernel
