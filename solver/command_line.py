@@ -1,4 +1,4 @@
-"""The command line: `python -m solver simulate` and `python -m solver convert`."""
+"""The command line: `python -m solver simulate`, `record` and `convert`."""
 
 from __future__ import annotations
 
@@ -10,7 +10,17 @@ from typing import NoReturn
 
 from .column import FORMULATIONS, INTEGRATORS, Column
 from .errors import InputError, SolverError, reading
-from .motion import STANDARD_GRAVITY, Motion
+from .motion import STANDARD_GRAVITY
+from .motion_options import (
+    FORMATS,
+    add_file_options,
+    add_motion_options,
+    check_file_options,
+    motion_of,
+    read_with_options,
+    told,
+)
+from .record_report import report
 from .response import Response
 from .simulate import OUTPUT_STEP, simulate
 
@@ -29,7 +39,7 @@ class OneLineParser(argparse.ArgumentParser):
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; returns the exit code, 2 for a user's mistake."""
     try:
-        options = _parser().parse_args(arguments)
+        options = _parsed(arguments)
         options.command(options)
     except (InputError, SolverError, OSError) as error:
         print(f"{PROGRAM}: {error}", file=sys.stderr)
@@ -40,15 +50,29 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return 0
 
 
+def _parsed(arguments: Sequence[str] | None) -> argparse.Namespace:
+    """Parse; a path behind options finds its place although argparse had given the optional MOTION up before them."""
+    parser = _parser()
+    options, rest = parser.parse_known_args(arguments)
+    names = getattr(options, "paths", ())
+    values = [getattr(options, name) for name in names if getattr(options, name) is not None]
+    late = [Path(text) for text in rest if not text.startswith("-")]
+    if len(late) < len(rest) or (len(values) + len(late) > len(names) and late):
+        parser.error(f"unrecognized arguments: {' '.join(rest)}")
+    if late:
+        for name, value in zip(names, values + late, strict=True):
+            setattr(options, name, value)
+    return options
+
+
 def _parser() -> argparse.ArgumentParser:
     parser = OneLineParser(prog=PROGRAM, description="Seismic response of a column of rigid blocks.")
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
 
     run = commands.add_parser("simulate", help="response of a column to a base motion")
-    run.set_defaults(command=_simulate)
+    run.set_defaults(command=_simulate, paths=("motion",))
     run.add_argument("column", type=Path, metavar="COLUMN.toml", help="blocks, joints and solver settings")
-    run.add_argument("motion", type=Path, metavar="MOTION", help=".AT2 record in g, or .csv in s and m/s2")
-    run.add_argument("--scale", type=float, default=1.0, help="factor on the base acceleration")
+    add_motion_options(run)
     run.add_argument("--duration", type=float, metavar="S", help="s (default: that of the motion)")
     run.add_argument("--output-step", type=float, metavar="S", help=f"s between two rows (default: {OUTPUT_STEP})")
     run.add_argument("--formulation", help=f"{' or '.join(FORMULATIONS)} (default: the column's, as all that follow)")
@@ -58,11 +82,16 @@ def _parser() -> argparse.ArgumentParser:
     run.add_argument("-o", "--output", type=Path, metavar="FILE.csv", help="write the histories")
     run.add_argument("--plot", type=Path, metavar="FILE.png", help=f"draw the histories ({', '.join(PICTURES)})")
 
+    record = commands.add_parser("record", help="how strong records are: peaks, Arias intensity, response spectrum")
+    record.set_defaults(command=_record)
+    record.add_argument("records", type=Path, nargs="+", metavar="FILE", help=FORMATS)
+    add_file_options(record)
+    record.add_argument("--plot", type=Path, metavar="FILE.png", help=f"draw them ({', '.join(PICTURES)})")
+
     convert = commands.add_parser("convert", help="record -> the CSV that `fmpy simulate --input-file` takes")
-    convert.set_defaults(command=_convert)
-    convert.add_argument("record", type=Path, metavar="RECORD.AT2", help="PEER record in g")
+    convert.set_defaults(command=_convert, paths=("motion", "output"))
+    add_motion_options(convert)
     convert.add_argument("output", type=Path, metavar="MOTION.csv", help="time,base.ax,base.az in s and m/s2")
-    convert.add_argument("--scale", type=float, default=1.0, help="factor on the base acceleration")
     return parser
 
 
@@ -73,7 +102,8 @@ def _simulate(options: argparse.Namespace) -> None:
     if options.plot is not None:
         _check_suffix(options.plot, *PICTURES)
     column = _read_column(options.column)
-    motion = _read_motion(options.motion).scaled(options.scale)
+    motion, lines = motion_of(options)
+    print("\n".join(lines), end="\n" if lines else "")
     response = simulate(
         column,
         motion,
@@ -95,11 +125,30 @@ def _simulate(options: argparse.Namespace) -> None:
         print(options.plot)
 
 
+def _record(options: argparse.Namespace) -> None:
+    if options.plot is not None:
+        _check_suffix(options.plot, *PICTURES)
+    check_file_options(options.records, options)
+    motions = {}
+    for path in options.records:
+        record, motion = read_with_options(path, options, options.channel)
+        motions[path.name if path.name not in motions else str(path)] = motion
+        print(told(path, record))
+        with reading(path):
+            print(report(motion))
+    if options.plot is not None:
+        from .record_plots import plot_records
+
+        with reading(options.plot):
+            plot_records(motions, options.plot)
+        print(options.plot)
+
+
 def _convert(options: argparse.Namespace) -> None:
-    _check_suffix(options.record, ".AT2")
     _check_suffix(options.output, ".csv")
-    motion = _read_motion(options.record).scaled(options.scale)
+    motion, lines = motion_of(options)
     motion.to_csv(options.output)
+    print("\n".join(lines), end="\n" if lines else "")
     pga = motion.pga / STANDARD_GRAVITY
     print(f"{options.output}: {len(motion.time)} samples, {motion.duration:g} s, largest acceleration {pga:.4g} g")
 
@@ -107,11 +156,6 @@ def _convert(options: argparse.Namespace) -> None:
 def _read_column(path: Path) -> Column:
     _check_suffix(path, ".toml")
     return Column.from_toml(path)
-
-
-def _read_motion(path: Path) -> Motion:
-    _check_suffix(path, ".AT2", ".csv")
-    return Motion.from_csv(path) if path.suffix.lower() == ".csv" else Motion.from_at2(path)
 
 
 def _check_suffix(path: Path, *known: str) -> None:

@@ -17,7 +17,7 @@ import numpy as np
 
 from ..formulations.base import base_line, base_motion, wave_amplitude
 from ..formulations.either import evaluate_at
-from ..jit import kernel, leaf
+from ..jit import kernel, leaf, part
 from ..layout import (
     ELASTIC,
     INTERPOLATION_BOUND,
@@ -133,13 +133,6 @@ def respond(square, beta, h, omega, out):
     out.cosine = (real * away + imaginary * across) * per
     out.sine = (imaginary * away - real * across) * per
     out.parabola = (0.5 * h * h - beta * ramp - steady) / square
-
-
-@leaf
-def missed(x):
-    """What the quintic between two steps misses of a motion of amplitude 1 that turns by x rad in the step, at most."""
-    cube = x * x * x
-    return min(cube * cube / INTERPOLATION_BOUND, 2.0 + x * x / 40.0)
 
 
 @leaf
@@ -306,7 +299,7 @@ def attempt(column, t, h):
     return code, error
 
 
-@kernel
+@part
 def _sweep(column, t, h, is_first, is_last):
     """As `attempt`; what it finds of the remainder serves the next sweep, that of the last one the next step."""
     model, base, samples, work = column.model, column.base, column.samples, column.work
