@@ -11,6 +11,7 @@ from lagrange import Reference, from_base
 from probe import G, phocas, random_column, settled, with_gravity
 
 from solver import InitialState, InputError, Motion, Response, SolverError, simulate
+from solver.kernels import layout as at
 from solver.response import BASE_HISTORIES, BLOCK_HISTORIES
 from solver.stepper import Stepper
 
@@ -19,8 +20,8 @@ INTEGRATORS = ["auto", "central-difference"]
 every_way = pytest.mark.parametrize(
     ("formulation", "integrator"), [(formulation, way) for formulation in FORMULATIONS for way in INTEGRATORS]
 )
-HISTORIES = [name for name, *_ in (*BLOCK_HISTORIES, *BASE_HISTORIES)]
-ODD = {"ux", "theta", "M", "S", "Fx", "My"}  # change their sign in the mirror
+HISTORIES = [*BLOCK_HISTORIES, *BASE_HISTORIES]
+ODD = {"ux", "theta", "M", "S", "T", "Fx", "My"}  # change their sign in the mirror
 
 
 def shake(seed: int, samples: int = 200) -> Motion:
@@ -31,6 +32,15 @@ def shake(seed: int, samples: int = 200) -> Motion:
 
 def same(one: Response, other: Response) -> bool:
     return all(np.array_equal(getattr(one, name), getattr(other, name)) for name in HISTORIES)
+
+
+def difference(one: Stepper, other: Stepper) -> float:
+    """Largest difference of coordinates, rates and accelerations, each in parts of the largest of its kind.
+
+    A call sums up its steps from where it begins, so that times inside it differ from those of two by last digits.
+    """
+    pairs = [(getattr(one.state.phase, name), getattr(other.state.phase, name)) for name in at.PHASE.fields]
+    return max(float(np.max(np.abs(a - b)) / np.max(np.abs(b))) for a, b in pairs)
 
 
 # --- output
@@ -107,15 +117,17 @@ def test_upward_base_acceleration_is_gravity(formulation: str) -> None:
 
 @every_way
 def test_held_motion_is_a_sequence_of_constant_steps(formulation: str, integrator: str) -> None:
-    column = phocas(1e-3, formulation=formulation, integrator=integrator)
+    column = phocas(1e-3, formulation=formulation, integrator=integrator, tolerance=1e-9)
     motion = Motion.from_samples(0.01, 3.0 * np.random.default_rng(2).normal(size=50), hold=True)
     followed, driven = Stepper(column), Stepper(column)
     followed.run(motion, motion.end, np.empty(0))
     for (begin, end), ax in zip(pairwise(np.append(motion.time, motion.end)), motion.ax, strict=True):
         driven.base.ax = ax
         driven.advance(begin, end - begin)
-    assert np.array_equal(followed.arrays.state, driven.arrays.state)
-    assert np.array_equal(followed.arrays.counts, driven.arrays.counts)
+    # a digit may decide whether a step is accepted where joints are not held in their regimes (paper, auto)
+    assert difference(followed, driven) < 2e-8  # measured 3e-9 there, 2e-12 by central differences
+    if integrator == "central-difference":
+        assert np.array_equal(followed.arrays.counts, driven.arrays.counts)
 
 
 @every_way
@@ -137,7 +149,8 @@ def test_base_is_at_rest_beyond_the_motion(formulation: str, integrator: str) ->
         left.run(motion, motion.end, np.empty(0))
         left.base.wave_amplitude = 0.0
         left.advance(motion.end, 1.0 - motion.end)
-        assert np.array_equal(followed.arrays.state, left.arrays.state)
+        assert difference(followed, left) < 1e-10  # measured 1e-11
+        assert np.array_equal(followed.arrays.counts, left.arrays.counts)
         run = simulate(column, motion, duration=1.0)
         assert run.time[-1] == pytest.approx(1.0)
         assert run.ux[-1] == pytest.approx(followed.observe(1.0)[:3], rel=1e-12)  # measured 2e-16
