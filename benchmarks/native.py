@@ -63,13 +63,15 @@ for push in (0.0, 0.3):
     found.append(best(one, rounds, 1000))
 reset = ctypes.c_void_p()
 state = ctypes.c_void_p()
-reference = (ctypes.c_uint * 30)(*range(4, 34))
-values = (ctypes.c_double * 30)()
+named = {name: variable.valueReference for name, variable in column.variables.items()}
+outputs_of = [name for name, variable in column.variables.items() if variable.causality == "output"][:27]
+reference = (ctypes.c_uint * 27)(*(named[name] for name in outputs_of))
+values = (ctypes.c_double * 27)()
 get_real, set_real = dll.fmi2GetReal, dll.fmi2SetReal
 def outputs():
     set_real(c, reference_ax, 1, one_value)
     get_real(c, reference, 27, values)
-reference_ax, one_value = (ctypes.c_uint * 1)(0), (ctypes.c_double * 1)(0.3)
+reference_ax, one_value = (ctypes.c_uint * 1)(named["base.ax"]), (ctypes.c_double * 1)(0.3)
 found.append(best(outputs, rounds))
 def around():
     dll.fmi2GetFMUstate(c, ctypes.byref(state))
@@ -100,7 +102,7 @@ def getters(folder: Path, options: argparse.Namespace) -> str:
     binary = folder / "empty.so"
     source = Path(__file__).with_name("reference_fmu.c")
     command = [sys.executable, "-m", "ziglang", "cc", "-target", "x86_64-linux-gnu.2.17", "-O2", "-shared", "-fPIC"]
-    command += ["-DVARIABLES=1000", f"-I{library.headers()}", str(source), "-o", str(binary)]
+    command += ["-DVARIABLES=100000", f"-I{library.headers()}", str(source), "-o", str(binary)]
     subprocess.run(command, check=True)
     with zipfile.ZipFile(fmu) as old, zipfile.ZipFile(empty, "w") as new:
         for name in old.namelist():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import importlib.util
 import os
 import subprocess
 import sys
@@ -12,6 +13,8 @@ from pathlib import Path
 import numpy as np
 
 ROOT = Path(__file__).resolve().parent.parent
+# the status of what a PythonFMU refuses, with its guard and without
+REFUSED = "error" if importlib.util.find_spec("ziglang") and sys.platform.startswith("linux") else "fatal"
 
 
 def environment() -> dict[str, str]:
@@ -21,16 +24,16 @@ def environment() -> dict[str, str]:
     return os.environ | {"PYTHONPATH": modules, "PATH": scripts + os.pathsep + os.environ.get("PATH", "")}
 
 
-def finish(*command: object) -> subprocess.CompletedProcess[str]:
-    """Run a command to its end, whatever it exits with."""
+def finish(*command: object, **variables: str) -> subprocess.CompletedProcess[str]:
+    """Run a command to its end, whatever it exits with, with more variables in its environment."""
     return subprocess.run(
-        [str(part) for part in command], capture_output=True, text=True, env=environment(), check=False
+        [str(part) for part in command], capture_output=True, text=True, env=environment() | variables, check=False
     )
 
 
-def run(*command: object) -> str:
+def run(*command: object, **variables: str) -> str:
     """Run a command to its end and return what it printed; fails unless it exits with 0."""
-    done = finish(*command)
+    done = finish(*command, **variables)
     assert done.returncode == 0, f"exit code {done.returncode}: {done.stderr}"
     return done.stdout
 
@@ -52,9 +55,9 @@ class Fmus:
     damped: Path
 
     @staticmethod
-    def build(column: Path, output: Path, *options: object) -> Path:
-        """Build one more with the project's own command."""
-        run(sys.executable, ROOT / "build_fmu.py", column, "-o", output, *options)
+    def build(column: Path, output: Path, *options: object, **variables: str) -> Path:
+        """Build one more with the project's own command, with more variables in its environment."""
+        run(sys.executable, ROOT / "build_fmu.py", column, "-o", output, *options, **variables)
         return output
 
 

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import re
 import sys
 import zipfile
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -32,7 +34,8 @@ def root(archive: dict[str, bytes]) -> ElementTree.Element:
 def test_says_who_made_it_and_what_it_can_do(root: ElementTree.Element) -> None:
     assert root.get("author") == "The multiblock-fmu authors"
     assert root.get("license") == "MIT"
-    assert re.fullmatch(r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\dZ", root.get("generationDateAndTime") or "")
+    made = datetime.strptime(root.get("generationDateAndTime") or "", "%Y-%m-%dT%H:%M:%S%z")
+    assert timedelta(0) <= datetime.now(UTC) - made < timedelta(hours=2)
     simulation = root.find("CoSimulation")
     assert simulation is not None
     for flag in ("canGetAndSetFMUstate", "canSerializeFMUstate", "canHandleVariableCommunicationStepSize"):
@@ -81,6 +84,55 @@ def test_unknowns_stand_in_order_and_feedthrough_is_declared(root: ElementTree.E
         assert inputs == direct_inputs(name or ""), name
 
 
+# in initialization mode: each input and parameter changed for itself; prints which outputs follow it
+FOLLOWED = """
+import json, sys
+from instance import Instance
+outputs = [name for name, item in Instance(sys.argv[1]).variables.items() if item.causality == "output"]
+start = {"base.ax": 0.4, "base.az": 0.3, "base.theta": 1e-3, "base.omega": 2e-3, "base.alpha": 0.1}
+found = {}
+for formulation in ("exact", "paper"):
+    if formulation == "paper":
+        start = {"base.ax": 0.4, "base.az": 0.3, "solver.formulation": formulation}
+    column = Instance(sys.argv[1], start, initialize=False)
+    column.fmi.setupExperiment()
+    column.fmi.enterInitializationMode()
+    before = column.get(*outputs)
+    for name, item in column.variables.items():
+        given = {"centroid": 2.0, "inertia": 1e5}.get(name.rpartition(".")[2])
+        if item.causality == "output" or item.type == "String" or name == "solver.integrator":
+            continue
+        if name in (("base.theta", "base.omega", "base.alpha") if formulation == "paper" else ("solver.formulation",)):
+            continue
+        (value,) = column.get(name)
+        other = 3 - value if item.type == "Enumeration" else given or (1.01 * value if value else 1.0)
+        column.set({name: other})
+        now = column.get(*outputs)
+        found.setdefault(name, set()).update(
+            o for o, a, b in zip(outputs, before, now) if abs(a - b) > 1e-9 * float(column.variables[o].nominal or 1.0)
+        )
+        column.set({name: value} | start)
+print(json.dumps({name: sorted(names) for name, names in found.items()}))
+"""
+
+
+def test_initial_unknowns_follow_what_is_declared_and_nothing_else(fmus: Fmus, root: ElementTree.Element) -> None:
+    names = [variable.get("name") or "" for variable in root.iter("ScalarVariable")]
+    declared = {
+        names[int(unknown.get("index", "0")) - 1]: {names[int(k) - 1] for k in unknown.get("dependencies", "").split()}
+        for unknown in root.iterfind("ModelStructure/InitialUnknowns/Unknown")
+    }
+    followed = json.loads(run(sys.executable, "-c", FOLLOWED, fmus.damped).splitlines()[-1])
+    for given, outputs in followed.items():
+        for output in outputs:
+            assert given in declared[output], f"{output} follows {given}"
+    for output in ("base.Fx", "joint[1].S"):
+        assert {"base.ax", "base.theta"} <= {given for given, outputs in followed.items() if output in outputs}, output
+    assert "joint[3].S" in followed["base.az"]
+    assert followed["base.jx"] == followed["solver.tolerance"] == []
+    assert "block[1].theta" in followed["base.theta"]
+
+
 def direct_inputs(name: str) -> set[str]:
     """What an output of a column of three blocks follows without delay."""
     if name.endswith((".ux", ".uz")) or name.startswith("base.m"):
@@ -103,7 +155,10 @@ def test_the_documentation_explains_every_variable(archive: dict[str, bytes], ro
 
 def test_carries_both_binaries_and_only_what_it_needs(archive: dict[str, bytes]) -> None:
     binaries = {name for name in archive if name.startswith("binaries/")}
-    assert binaries == {"binaries/linux64/phocas_damped.so", "binaries/win64/phocas_damped.dll"}
+    assert binaries - {"binaries/linux64/pythonfmu.so"} == {
+        "binaries/linux64/phocas_damped.so",
+        "binaries/win64/phocas_damped.dll",
+    }
     here = (str(ROOT), str(Path.home()))
     for name, content in archive.items():
         if name.startswith(("resources/machine_code", "modelDescription", "documentation")):

@@ -108,6 +108,9 @@ def test_libcosim(fmus: Fmus, alone: list[float]) -> None:
     package("libcosimpy")
     out, err = said(sys.executable, "-c", LIBCOSIM, fmus.damped)
     log = [line for line in (out + err).splitlines() if line.startswith("[")]
+    ignored = [line for line in log if "Enumeration variable type not supported" in line]  # they stay as built
+    assert len(ignored) == 2
+    log = [line for line in log if line not in ignored]
     assert not [line for line in log if any(f"[{word}" in line for word in COMPLAINTS)]
     (numbers,) = [line for line in out.splitlines() if not line.startswith("[")]
     assert [float(word) for word in numbers.split()] == pytest.approx(alone, rel=1e-9)

@@ -117,6 +117,7 @@ for _function, _name in _ARITHMETIC.items():
     _register_binary(_function, LANES, lambda builder, a, b, name=_name: getattr(builder, name)(a, b))
 for _function, _sign in _COMPARISONS.items():
     _register_binary(_function, MASK, lambda builder, a, b, sign=_sign: builder.fcmp_ordered(sign, a, b))
+_register_binary(operator.ne, MASK, lambda builder, a, b: builder.fcmp_unordered("!=", a, b))
 
 
 @infer_global(operator.neg)

@@ -9,7 +9,8 @@ them through
 - a *space* of such parts, one after the other: `state.control.next_step`, `state.phase.theta[i]`.
 
 All are bare addresses: they cost nothing, nobody counts who holds them, nothing is checked. Over eight columns at once
-(lanes.py) an element is eight neighbouring numbers, and the same names lead to lanes.
+(lanes.py) an element is eight neighbouring numbers, and the same names lead to lanes; or, by `one_lane`, to the numbers
+of one of the columns.
 
 `Record`, `Table`, `Numbers` and `Space` below describe what lies where. `over(row, n)` lays the names over a row inside
 a kernel, `see(array, n)` over an array in Python: the same names in both worlds.
@@ -35,9 +36,24 @@ _DOUBLE = ir.DoubleType()
 _intrinsic: Callable[..., Any] = intrinsic  # called with one argument less than it is written with
 
 
+class OneLaneType(types.Type):
+    """Kind of the elements of one lane: every eighth number of a buffer of lanes."""
+
+    def __init__(self) -> None:
+        super().__init__(name="OneLane")
+
+
+ONE_LANE = OneLaneType()
+
+
 def _numbers(kind: Any) -> int:
-    """How many neighbouring numbers of the buffer an element is."""
-    return WIDTH if kind is LANES else 1
+    """How many numbers of the buffer lie from one element to the next."""
+    return WIDTH if kind in (LANES, ONE_LANE) else 1
+
+
+def _value(kind: Any) -> Any:
+    """What an element is read as."""
+    return types.float64 if kind is ONE_LANE else kind
 
 
 def _pointee(kind: Any) -> Any:
@@ -123,14 +139,14 @@ class _RowGet(AbstractTemplate):  # type: ignore[misc]
             return None
         if isinstance(index, types.SliceType):
             return signature(row, row, types.slice2_type)
-        return signature(row.kind, row, types.intp)
+        return signature(_value(row.kind), row, types.intp)
 
 
 @infer_global(operator.setitem)
 class _RowSet(AbstractTemplate):  # type: ignore[misc]
     def generic(self, args: Any, kws: Any) -> Any:
         row, _, _ = args
-        return signature(types.none, row, types.intp, row.kind) if isinstance(row, RowType) else None
+        return signature(types.none, row, types.intp, _value(row.kind)) if isinstance(row, RowType) else None
 
 
 @lower_builtin(operator.getitem, RowType, types.intp)
@@ -160,7 +176,7 @@ class _RecordNames(AttributeTemplate):  # type: ignore[misc]
     key = RecordType
 
     def generic_resolve(self, record: Any, name: str) -> Any:
-        return record.kind if name in record.fields else None
+        return _value(record.kind) if name in record.fields else None
 
 
 @lower_getattr_generic(RecordType)
@@ -173,7 +189,7 @@ def _record_get(context: Any, builder: Any, kind: Any, start: Any, name: str) ->
 def _record_set(context: Any, builder: Any, sig: Any, args: Any, name: str) -> None:
     kind = sig.args[0]
     place = ir.Constant(_INT64, kind.fields.index(name))
-    value = context.cast(builder, args[1], sig.args[1], kind.kind)
+    value = context.cast(builder, args[1], sig.args[1], _value(kind.kind))
     _store(builder, kind.kind, _address(builder, kind.kind, args[0], place), value)
 
 
@@ -226,6 +242,16 @@ def lanes_of(typing, array):
         return context.make_array(array)(context, builder, arguments[0]).data
 
     return RowType(LANES)(array), generate
+
+
+@_intrinsic
+def one_lane(typing, row, k):
+    """The numbers of lane k in a row of lanes."""
+
+    def generate(context, builder, signature, arguments):
+        return builder.gep(arguments[0], [arguments[1]])
+
+    return RowType(ONE_LANE)(row, types.intp), generate
 
 
 @_intrinsic
