@@ -1,9 +1,9 @@
 """The recursion that the evaluation by forces along the joints took the place of, for comparison in one run.
 
-It minimizes Gauss's function (Gauss 1829; the articulated-body algorithm of Featherstone 1983 in planar form). All above
-joint i, seen from the top face of block i + 1, is a linear map from the acceleration of that face to the force it needs.
-Going down, block i joins what is above it and its own two unknowns are eliminated; going up, they follow from the
-acceleration of the base. Everything here is its own: the joint law is also the one of that time.
+It minimizes Gauss's function (Gauss 1829; the articulated-body algorithm of Featherstone 1983 in planar form). All
+above joint i, seen from the top face of block i + 1, is a linear map from the acceleration of that face to the force it
+needs. Going down, block i joins what is above it and its own two unknowns are eliminated; going up, they follow from
+the acceleration of the base. Everything here is its own: the joint law is also the one of that time.
 """
 
 from __future__ import annotations
