@@ -23,7 +23,13 @@ IntArray = NDArray[np.int64]
 FORMULATION_CODES = {"exact": at.EXACT, "paper": at.PAPER}
 INTEGRATOR_CODES = {"auto": at.AUTO, "central-difference": at.CENTRAL_DIFFERENCE}
 LEAST_STEP = 1e-9  # s, below any limit of stability
-SKIP_CODES = {"elastic": at.ELASTIC, "rest": at.REST, "dashpots": at.DASHPOTS, "resultants": at.RESULTANTS}
+SKIP_CODES = {
+    "elastic": at.ELASTIC,
+    "rest": at.REST,
+    "dashpots": at.DASHPOTS,
+    "resultants": at.RESULTANTS,
+    "implicit": at.IMPLICIT,
+}
 
 
 @dataclass(frozen=True)

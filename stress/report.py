@@ -13,6 +13,7 @@ from benchmarks import machine
 
 from .stability import LIMITS
 
+PARTS = ("stability", "damped", "scheme", "fuzz", "faults", "determinism")
 DOCUMENT = Path(__file__).resolve().parent.parent / "docs" / "stability.md"
 MARK = "<!-- written by python -m stress report from here on -->"
 Findings = list[dict[str, Any]]
@@ -20,9 +21,10 @@ Findings = list[dict[str, Any]]
 
 def write(folder: Path, document: Path) -> Path:
     """Write the report below the mark of the document; what stands above it is kept."""
-    found = {part: _read(folder / f"{part}.jsonl") for part in ("stability", "scheme", "fuzz", "faults", "determinism")}
+    found = {part: _read(folder / f"{part}.jsonl") for part in PARTS}
     head = document.read_text(encoding="utf-8").partition(MARK)[0].rstrip() if document.is_file() else "# Stability"
     parts = [head, MARK, _origin(found), _stability(found["stability"]), _scheme(found["scheme"]), _fuzz(found["fuzz"])]
+    parts += [_plain("Damped columns", found["damped"])]
     parts += [_plain("Faults", found["faults"]), _plain("Repeatability", found["determinism"])]
     document.write_text("\n\n".join(part for part in parts if part) + "\n", encoding="utf-8")
     return document

@@ -25,6 +25,7 @@ ELASTIC = 1  # modes instead of joints while all of these are in full contact
 REST = 2  # no steps while the column rests on a base that does not accelerate
 DASHPOTS = 4  # no dashpot in a joint without damping
 RESULTANTS = 8  # output rows only where they are asked for
+IMPLICIT = 16  # the implicit method where it goes further than the explicit one
 
 # --- model
 SETTINGS = Record(
@@ -163,7 +164,7 @@ HOLD = Table(
     whole=True,
 )
 TOPS = Table("start_ux", "start_rate", "end_ux", "end_rate", "between_ux", "between_rate")  # of the top faces
-TANGENT_FIELDS = 19
+TANGENT_FIELDS = 22  # of the implicit solution
 STAGES = 12  # the start of a step and the inner stages of a Runge-Kutta step
 INTERPOLATION = Record(
     "wants_bump",  # whether `refine` shall improve on the quintic

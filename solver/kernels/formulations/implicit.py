@@ -1,12 +1,13 @@
 """The column's linear system with its joints stiffened: (M + G) z = forces on the joints, in O(n).
 
-M is the mass matrix of the exact formulation at a phase, G holds for every joint `weight` times the second derivatives
-of its potential by relative rotation and opening over the part that is loaded. The elimination is that of an
-articulated body (Featherstone 1983) with stiff joints: going down, the two unknowns of each block are eliminated from
-a symmetric 3 x 3 inertia in (rotation, tangent, normal); going up, they follow.
+M is the mass matrix of the exact formulation at a phase, G holds for every joint the derivatives of its forces, by
+relative rotation and opening and by their rates, over the part that is loaded: `weight` times the second derivatives of
+its potential, and what the moving edge adds. The elimination is that of an articulated body (Featherstone 1983) with
+stiff joints: going down, the two unknowns of each block are eliminated from a symmetric 3 x 3 inertia in (rotation,
+tangent, normal); going up, they follow.
 """
 
-from ..jit import kernel
+from ..jit import kernel, leaf
 from ..joint.law import loaded_part
 from ..numbers import sine_cosine
 from ..views import Table
@@ -31,8 +32,26 @@ TANGENT = Table(
     "k_22",
     "u_1",  # what is left of the forces on the joint
     "u_2",
+    "edge_11",  # what moving the edge where the faces part adds to K, without a dashpot of its own
+    "edge_12",
+    "edge_22",
 )
+WIDEST = 100.0  # times the width of the joint: what a strip counts at most, where the edge runs along the joint at once
 _tangent = TANGENT.over
+
+
+@leaf
+def _edge_that_moves(width, damping, opening, slope, opening_rate, slope_rate, lo, hi):
+    """(abscissa m, width m) of the strip of joint that is as stiff as the edge of the loaded part is by moving.
+
+    Where the faces part the damper alone presses, by damping times the rate of penetration. As the joint closes by d
+    the edge moves by d / slope: that pressure over that width is the force of a strip, and it has no dashpot.
+    """
+    if damping > 0.0 and slope != 0.0 and lo < hi:
+        edge = opening / slope
+        if edge == (lo if slope > 0.0 else hi) and abs(edge) < 0.5 * width:
+            return edge, min(WIDEST * width, max(0.0, damping * (edge * slope_rate - opening_rate) / abs(slope)))
+    return 0.0, 0.0
 
 
 @kernel
@@ -49,6 +68,7 @@ def factorize(model, phase, tangent, step_part):
     m_nn = 0.0
     cos_above = 1.0
     sin_above = 0.0
+    square = step_part * step_part
     for i in range(n):
         height = blocks.height[i]
         mass = blocks.mass[i]
@@ -64,15 +84,20 @@ def factorize(model, phase, tangent, step_part):
         sin_half, cos_half = sine_cosine(0.5 * (turn - turn_below))
         # joint: stiffness of the loaded part
         eta = blocks.damping[i]
-        lo, hi = loaded_part(
-            blocks.width[i], eta, opening, 2.0 * sin_half, phase.opening_rate[i], cos_half * (spin - spin_below)
-        )
+        width = blocks.width[i]
+        slope = 2.0 * sin_half
+        slope_rate = cos_half * (spin - spin_below)
+        lo, hi = loaded_part(width, eta, opening, slope, phase.opening_rate[i], slope_rate)
         length = max(0.0, hi - lo)
         middle = 0.5 * (lo + hi)
         k_22 = blocks.stiffness[i] * blocks.depth[i] * length
         k_12 = -k_22 * middle * cos_half
         k_11 = k_22 * (middle * middle + length * length / 12.0) * cos_half * cos_half
         weight = step_part * (step_part + eta)
+        edge, strip = _edge_that_moves(width, eta, opening, slope, phase.opening_rate[i], slope_rate, lo, hi)
+        edge_22 = blocks.stiffness[i] * blocks.depth[i] * strip
+        edge_12 = -edge_22 * edge * cos_half
+        edge_11 = edge_22 * edge * edge * cos_half * cos_half
         # turn the part above into this frame, add the block
         cos_beta = cos_above * cos_half - sin_above * sin_half
         sin_beta = sin_above * cos_half + cos_above * sin_half
@@ -100,9 +125,9 @@ def factorize(model, phase, tangent, step_part):
         h2_a = j_n
         h2_t = m_nt
         h2_n = m_nn
-        d_11 = h1_a + b_t * h1_t + b_n * h1_n + weight * k_11
-        d_12 = h1_n + weight * k_12
-        d_22 = h2_n + weight * k_22
+        d_11 = h1_a + b_t * h1_t + b_n * h1_n + weight * k_11 + square * edge_11
+        d_12 = h1_n + weight * k_12 + square * edge_12
+        d_22 = h2_n + weight * k_22 + square * edge_22
         per = 1.0 / (d_11 * d_22 - d_12 * d_12)
         d_11, d_12, d_22 = d_22 * per, -d_12 * per, d_11 * per
         w_a = d_11 * h1_a + d_12 * h2_a
@@ -138,19 +163,26 @@ def factorize(model, phase, tangent, step_part):
         rows.k_11[i] = k_11
         rows.k_12[i] = k_12
         rows.k_22[i] = k_22
+        rows.edge_11[i] = edge_11
+        rows.edge_12[i] = edge_12
+        rows.edge_22[i] = edge_22
         cos_above = cos_half
         sin_above = sin_half
 
 
 @kernel
 def solve(model, tangent, a, v, step_part):
-    """Add to the row a (2 n) the solution z of (M + G) z = -G a - step_part^2 K v for the factorized phase."""
+    """Add to the row a (2 n) the solution z of (M + G) z = -G a - step_part^2 K v for the factorized phase.
+
+    G = step_part (step_part K + D): K the derivatives of the joints' forces by coordinates, D by rates.
+    """
     n = model.n
     blocks = model.blocks
     rows = _tangent(tangent, n)
     p_a = 0.0  # force needed by the part above, in the frame of joint i - 1
     p_t = 0.0
     p_n = 0.0
+    square = step_part * step_part
     for i in range(n):
         turn_a = a[i]
         turn_v = v[i]
@@ -158,17 +190,21 @@ def solve(model, tangent, a, v, step_part):
             turn_a -= a[i + 1]
             turn_v -= v[i + 1]
         weight = step_part * (step_part + blocks.damping[i])
-        square = step_part * step_part
         r_1 = weight * turn_a + square * turn_v
         r_2 = weight * a[n + i] + square * v[n + i]
+        e_1 = square * (turn_a + turn_v)
+        e_2 = square * (a[n + i] + v[n + i])
         k_12 = rows.k_12[i]
+        edge_12 = rows.edge_12[i]
         cos_beta = rows.cosine_beta[i]
         sin_beta = rows.sine_beta[i]
         p_t, p_n = p_t * cos_beta + p_n * sin_beta, p_n * cos_beta - p_t * sin_beta
         b_t = rows.b_t[i]
         b_n = rows.b_n[i]
-        u_1 = -(rows.k_11[i] * r_1 + k_12 * r_2) - (p_a + b_t * p_t + b_n * p_n)
-        u_2 = -(k_12 * r_1 + rows.k_22[i] * r_2) - p_n
+        f_1 = rows.k_11[i] * r_1 + k_12 * r_2 + (rows.edge_11[i] * e_1 + edge_12 * e_2)
+        f_2 = k_12 * r_1 + rows.k_22[i] * r_2 + (edge_12 * e_1 + rows.edge_22[i] * e_2)
+        u_1 = -f_1 - (p_a + b_t * p_t + b_n * p_n)
+        u_2 = -f_2 - p_n
         x_1 = rows.d_11[i] * u_1 + rows.d_12[i] * u_2
         x_2 = rows.d_12[i] * u_1 + rows.d_22[i] * u_2
         p_a += rows.h1_a[i] * x_1 + rows.h2_a[i] * x_2

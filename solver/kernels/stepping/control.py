@@ -7,7 +7,7 @@ from ..formulations.either import is_exact
 from ..integrators import modal
 from ..integrators.traits import LINEARLY_IMPLICIT, ORDER_5, ORDER_8, traits_of
 from ..jit import kernel, leaf
-from ..layout import OK, SLACK
+from ..layout import IMPLICIT, OK, SLACK
 
 SAFETY = 0.9
 SHRINK = 0.2
@@ -67,6 +67,8 @@ def general_step(column, left):
     if not is_exact(column.model):
         return ORDER_5, step
     explicit = ORDER_8 if column.model.settings.explicit_order == 8.0 else ORDER_5
+    if int(column.model.settings.without) & IMPLICIT:
+        return explicit, step
     worth = 0.5 if explicit == ORDER_8 else 1.0
     if counts.implicit == 1:
         further = min(step, left) > GAIN * worth * control.explicit_step
