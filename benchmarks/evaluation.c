@@ -75,7 +75,7 @@ static inline void resultants(int64_t regime, double stiffness, double width, do
             *outside = 1;
     }
     *length = hi - lo;
-    const double middle = lo + 0.5 * *length, area = stiffness * depth * *length;
+    const double middle = 0.5 * (lo + hi), area = stiffness * depth * *length;
     *force = area * (gradient * middle - mean);
     *moment = middle * *force + area * gradient * (*length * *length) * (1.0 / 12.0);
 }

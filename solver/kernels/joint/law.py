@@ -8,8 +8,6 @@ The law has two forms, the same to the last bit: branches for one column, where 
 for lanes. One column may also be held in a regime (regimes.py).
 """
 
-from typing import Any
-
 from numba.extending import overload
 
 from ..jit import OPTIONS, kernel, leaf
@@ -41,9 +39,9 @@ def loaded_part(width, damping, opening, slope, opening_rate, slope_rate):
 
 
 @leaf
-def _forces_over(lo, length, rigidity, mean, gradient):
-    """N and M of the pressure gradient * s - mean over the part of this length from lo; rigidity in N/m2."""
-    middle = lo + 0.5 * length
+def _forces_over(lo, hi, length, rigidity, mean, gradient):
+    """N and M of the pressure gradient * s - mean over the part from lo to hi, of this length; rigidity in N/m2."""
+    middle = 0.5 * (lo + hi)  # its mirror image is minus it, to the last bit
     area = rigidity * length
     force = area * (gradient * middle - mean)
     return force, middle * force + area * gradient * (length * length) * (1.0 / 12.0)
@@ -62,7 +60,7 @@ def joint_forces(stiffness, width, depth, damping, opening, slope, opening_rate,
     mean = opening + damping * opening_rate
     gradient = slope + damping * slope_rate
     length = hi - lo
-    force, moment = _forces_over(lo, length, stiffness * depth, mean, gradient)
+    force, moment = _forces_over(lo, hi, length, stiffness * depth, mean, gradient)
     return force, moment, length
 
 
@@ -82,7 +80,7 @@ def joint_forces_in_lanes(stiffness, width, depth, damping, opening, slope, open
     hi = where(damped & (gradient < 0.0) & (edge < hi), edge, hi)
     lo = where(damped & (gradient == 0.0) & (mean >= 0.0), hi, lo)
     length = greater(hi - lo, 0.0)
-    force, moment = _forces_over(lo, length, stiffness * depth, mean, gradient)
+    force, moment = _forces_over(lo, hi, length, stiffness * depth, mean, gradient)
     loaded = length > 0.0
     return where(loaded, force, 0.0), where(loaded, moment, 0.0), length
 
@@ -99,7 +97,7 @@ def held_forces(regime, stiffness, width, depth, damping, opening, slope, openin
     lo, on_left = side_margin(left, -half, damping, opening, slope, mean, gradient)
     hi, on_right = side_margin(right, half, damping, opening, slope, mean, gradient)
     length = hi - lo
-    force, moment = _forces_over(lo, length, stiffness * depth, mean, gradient)
+    force, moment = _forces_over(lo, hi, length, stiffness * depth, mean, gradient)
     return force, moment, length, min(on_left, on_right)
 
 
