@@ -17,14 +17,12 @@ OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": False, "nogil": T
 # Building block of a kernel: compiled, and cached, as a part of whoever calls it.
 kernel: Callable[..., Any] = njit(**OPTIONS)
 
+# A part of the one kernel that calls it: apart to be read, but compiled as if it were written there. Every level of
+# kernels that are compiled by themselves compiles all those below it once more.
+part: Callable[..., Any] = njit(inline="always", **OPTIONS)
+
 # A leaf of the innermost loops: never worth a call.
 leaf: Callable[..., Any] = njit(forceinline=True, **OPTIONS)
-
-
-@leaf
-def place(index: int) -> int:
-    """The same index, known to the compiler not to be negative: spares a test and a jump at every use."""
-    return index & 0xFFFFFFFFFF
 
 
 def _sources() -> str:

@@ -1,7 +1,6 @@
 """Elementary functions of one number or of lanes (lanes.py)."""
 
 import math
-from typing import Any
 
 from numba.extending import overload
 

@@ -1,7 +1,7 @@
 """Either formulation behind one evaluation, and what both say of blocks and joints."""
 
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from numba.extending import overload
 

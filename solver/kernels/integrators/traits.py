@@ -2,7 +2,7 @@
 
 from typing import NamedTuple
 
-from ..jit import leaf
+from ..jit import kernel, leaf
 from . import central_difference, dormand_prince, modal, order_8, rosenbrock
 
 FIXED = 0  # central differences
@@ -10,6 +10,7 @@ ORDER_5 = 1
 ORDER_8 = 2
 LINEARLY_IMPLICIT = 3
 MODES = 4
+UNKNOWN = 5
 UNKNOWN_METHOD = -5  # code
 
 
@@ -33,7 +34,7 @@ def traits_of(method):
     return Traits(dormand_prince.ORDER, False, True, False, (2, 3, 4))  # stages at 1/3, 5/9 and 2/3
 
 
-@leaf
+@kernel
 def attempt_by(method, column, t, h):
     """One step of h seconds by this method; returns (code, error in tolerances)."""
     if method == ORDER_5:

@@ -1,10 +1,11 @@
 """The one stepping loop.
 
-A step is tried by one of three functions, `fixed_step`, `modal_step` and `general_step`, each of which says how far it
-came; `finish_step` takes stock of it, keeps what is watched and makes its end the start of the next.
+A step is planned (`plan_fixed`, `plan_modal` or `plan_general`), tried by its method, judged, which may end it sooner,
+and finished: stock is taken, what is watched is kept, its end becomes the start of the next.
 """
 
 import math
+from typing import NamedTuple
 
 from ..formulations.base import base_motion, enter, smooth_reach, to_next_sample
 from ..formulations.either import evaluate, evaluate_at, is_exact, top_motion
@@ -12,8 +13,8 @@ from ..formulations.exact import STILL
 from ..integrators import modal
 from ..integrators.error import error_in_tolerances
 from ..integrators.stage import stage
-from ..integrators.traits import FIXED, MODES, UNKNOWN_METHOD, attempt_by, traits_of
-from ..jit import kernel, leaf
+from ..integrators.traits import FIXED, MODES, UNKNOWN, attempt_by, traits_of
+from ..jit import kernel, leaf, part
 from ..layout import AUTO, CENTRAL_DIFFERENCE, HAS_OVERTURNED, OK, SLACK, STEP_TOO_SMALL
 from .condition import has_fallen, is_quiet, moment_of_overturning, rests, take_stock, widest_joint
 from .control import accepts, accepts_elastic, elastic_step, general_step
@@ -69,6 +70,14 @@ def take_phase(column, motion, phase):
 # --- steps
 
 
+class Plan(NamedTuple):
+    """The step to be tried next."""
+
+    method: int
+    step: float  # s
+    held: bool  # whether the joints are held in their regimes
+
+
 @leaf
 def _shared(step, left):
     """The step, s, of which `left` remain: two alike rather than one and a sliver."""
@@ -78,53 +87,80 @@ def _shared(step, left):
 
 
 @kernel
-def fixed_step(column, t, left):
-    """A step of the length that the settings give, or a little less to come out even. Returns (code, s made)."""
+def plan_fixed(column, left):
+    """A step of the length that the settings give, or a little less to come out even."""
     # a step that arrives as 0.00999...98 or 0.0100...02 is one of 0.01
     pieces = max(1.0, math.ceil(left / column.model.settings.step * (1.0 - SLACK)))
-    step = left if pieces == 1.0 else left / pieces
     begin(column.work, False)
-    code, _ = attempt_by(FIXED, column, t, step)
-    return code, step
+    return Plan(FIXED, left if pieces == 1.0 else left / pieces, False)
 
 
 @kernel
-def modal_step(column, t, step):
-    """A step by modes. Returns (code, s made)."""
+def plan_modal(column, step, left):
+    """A step by modes, of about so many s."""
     begin(column.work, False)
-    code, error = attempt_by(MODES, column, t, step)
-    if not accepts_elastic(column, step, code, error):
-        return OK, REJECTED
-    return OK, step
+    return Plan(MODES, _shared(step, left), False)
 
 
 @kernel
-def general_method_step(column, method, t, step):
-    """A step by a general method, which may end sooner where the regime of a joint changes. Returns (code, s made)."""
-    counts, control = column.counts, column.state.control
+def plan_general(column, t, left):
+    """A step by a general method, which goes on until just after a joint is expected to leave its regime."""
+    settings = column.model.settings
+    method, step = general_step(column, left)
+    reach = left
+    if column.samples.count > 0:
+        length = column.model.blocks.centroid[column.model.n - 1]
+        roughest = KINKS * settings.tolerance * column.state.control.rate_scale * length
+        reach = smooth_reach(column.base, column.samples, t, step, left, roughest)
+    step = _shared(step, reach)
     traits = traits_of(method)
-    held = traits.holds and is_exact(column.model) and counts.unheld == 0
+    held = traits.holds and is_exact(column.model) and column.counts.unheld == 0
     if held:
         hold(column, step)
         step = min(step, expected_change(column, step))
     begin(column.work, traits.long)
-    code, error = attempt_by(method, column, t, step)
+    return Plan(method, step, held)
+
+
+@kernel
+def plan_step(column, t, left, to_sample):
+    """The next step, of which `left` s remain in all and `to_sample` until the next sample of a record."""
+    integrator = column.model.settings.integrator
+    if integrator == AUTO:
+        step = elastic_step(column, to_sample)
+        if step > 0.0:
+            return plan_modal(column, step, to_sample)
+    modal.forget(column.work)
+    if integrator == AUTO:
+        return plan_general(column, t, left)
+    return plan_fixed(column, to_sample) if integrator == CENTRAL_DIFFERENCE else Plan(UNKNOWN, left, False)
+
+
+@kernel
+def judge_step(column, plan, t, code, error):
+    """What comes of a step just tried. Returns (code, s made, whether it has to be made again up to there)."""
+    counts, control = column.counts, column.state.control
+    method, step, held = plan
+    if method == FIXED or method == UNKNOWN:
+        return code, step, False
+    if method == MODES:
+        return OK, step if accepts_elastic(column, step, code, error) else REJECTED, False
     if not accepts(column, method, step, code, error):
         release(column)
         if control.next_step < LEAST_STEP * max(column.model.settings.first_step, abs(t)):
-            return code if code != OK else STEP_TOO_SMALL, REJECTED
-        return OK, REJECTED
+            return code if code != OK else STEP_TOO_SMALL, REJECTED, False
+        return OK, REJECTED, False
     counts.unheld = 0
     if counts.elastic_wait > 0:
         counts.elastic_wait -= 1
     if not held:
-        return OK, step
+        return OK, step, False
     return _end_at_change(column, method, t, step)
 
 
 @kernel
 def _end_at_change(column, method, t, step):
-    """Let a held step end where the first joint has left its regime; joints are let go. Returns (code, s made)."""
+    """Let a held step end where the first joint has left its regime; the joints are let go. Returns as `judge_step`."""
     work, counts = column.work, column.counts
     traits = traits_of(method)
     first, second, third = traits.inside
@@ -135,37 +171,25 @@ def _end_at_change(column, method, t, step):
         cut = first_change(column, looked_at, step)
     release(column)
     if cut == NO_CHANGE:
-        return OK, step
+        return OK, step, False
     if cut < LEAST_CUT:
         counts.unheld = 1
-        return OK, REJECTED
+        return OK, REJECTED, False
     counts.events += 1
-    if _interpolates_well(column, step, cut):
-        return end_within(column, t, step, cut, traits.long), cut * step
+    if work.interpolation.has_bump == 0.0 or _interpolates_well(column, step, cut):
+        return end_within(column, t, step, cut, traits.long), cut * step, False
     # what the interpolation would miss at the end of a long step of high order counts at tight tolerances
-    cut = min(1.0, cut + BEYOND)
-    return _make_again(column, method, t, cut * step), cut * step
+    step *= min(1.0, cut + BEYOND)
+    hold(column, step)
+    begin(work, traits.long)
+    return OK, step, True
 
 
 @kernel
 def _interpolates_well(column, h, fraction):
     """Whether the interpolation at this fraction of a step of h seconds is as accurate as the step."""
-    if column.work.interpolation.has_bump == 0.0:
-        return True
     refinement(column.work, h, fraction)
     return error_in_tolerances(column, column.work.between) <= WELL_ENOUGH
-
-
-@kernel
-def _make_again(column, method, t, h):
-    """Make a step of h seconds that ends just beyond a change of regime, held until there. Returns a code."""
-    hold(column, h)
-    begin(column.work, traits_of(method).long)
-    code, _ = attempt_by(method, column, t, h)
-    release(column)
-    if code != OK:
-        return code
-    return evaluate_at(column, column.work.end, t + h)
 
 
 @kernel
@@ -177,6 +201,13 @@ def end_within(column, t, h, fraction, fine):
         work.end.row[i] = work.between.row[i]
     begin(work, fine)
     return evaluate_at(column, work.end, t + fraction * h)
+
+
+@kernel
+def release_at_end(column, t):
+    """Let the joints go at the end of a step, which is at time t. Returns a code."""
+    release(column)
+    return evaluate_at(column, column.work.end, t)
 
 
 @kernel
@@ -232,29 +263,7 @@ def _rest_until(column, watch, t, left):
     take_held_snapshots(column, watch, t, left)
 
 
-@kernel
-def _next_step(column, t, left, to_sample):
-    """One step, by whichever method suits, of which `left` s remain in all. Returns (code, s made)."""
-    settings, control = column.model.settings, column.state.control
-    if settings.integrator == CENTRAL_DIFFERENCE:
-        modal.forget(column.work)
-        return fixed_step(column, t, to_sample)
-    if settings.integrator != AUTO:
-        return UNKNOWN_METHOD, REJECTED
-    step = elastic_step(column, to_sample)
-    if step > 0.0:
-        return modal_step(column, t, _shared(step, to_sample))
-    modal.forget(column.work)
-    method, step = general_step(column, left)
-    reach = left
-    if column.samples.count > 0:
-        length = column.model.blocks.centroid[column.model.n - 1]
-        roughest = KINKS * settings.tolerance * control.rate_scale * length
-        reach = smooth_reach(column.base, column.samples, t, step, left, roughest)
-    return general_method_step(column, method, t, _shared(step, reach))
-
-
-@kernel
+@part
 def advance(column, t, h, watch):
     """Take the column from t to t + h, landing there exactly. Returns a code.
 
@@ -292,7 +301,12 @@ def advance(column, t, h, watch):
             _rest_until(column, watch, now, to_sample)
             made = to_sample
         else:
-            code, made = _next_step(column, now, h - elapsed, to_sample)
+            plan = plan_step(column, now, h - elapsed, to_sample)
+            code, error = attempt_by(plan.method, column, now, plan.step)
+            code, made, again = judge_step(column, plan, now, code, error)
+            if again:
+                code, _ = attempt_by(plan.method, column, now, made)
+                code = min(code, release_at_end(column, now + made))
             if code == OK and made > 0.0:
                 code, made = finish_step(column, watch, now, made)
             if code != OK:
