@@ -139,7 +139,7 @@ def test_recursion_of_before_agrees_to_rounding(n):
         evaluation.repeat(n, pack_model(column).copy(), mine, 1, base, evaluation.scratch(n))
         room = articulated.scratch_of(column)
         articulated.repeat(articulated.rows_of(column), n, column.g, other, 1, tuple(base.tolist()), room)
-        assert evaluation.difference(mine, other, n) < 1e-9  # measured MEASURED
+        assert evaluation.difference(mine, other, n) < 1e-12  # measured 1e-15
 
 
 def test_evaluation_in_lanes_is_that_of_one_column():
@@ -157,7 +157,7 @@ def test_evaluation_in_lanes_is_that_of_one_column():
     found = evaluation.out_of_lanes(lanes, 6 * n)
     for k in range(WIDTH):
         evaluation.repeat(n, models[k].copy(), states[k], 1, bases[k], evaluation.scratch(n))
-    assert evaluation.difference(np.concatenate(states), found, n) < 1e-12  # measured MEASURED
+    assert evaluation.difference(np.concatenate(states), found, n) < 1e-14  # measured 4e-17
 
 
 def test_envelope():
@@ -314,7 +314,7 @@ def test_command_writes_valid_json(tmp_path: Path):
     assert {"cpu", "cores", "versions", "commit", "date"} <= set(results["machine"])
     for row in results["evaluation"]["rows"]:
         assert {"seconds", "lanes_seconds", "articulated_seconds"} <= set(row)
-        assert row["articulated_difference"] < 1e-9  # measured MEASURED
+        assert row["articulated_difference"] < 1e-12  # measured 1e-15
         assert "absent" in results["evaluation"] or row["difference"] < 1e-9  # measured 0
     report = (tmp_path / "report.md").read_text()
     assert "| 3a |" in report
