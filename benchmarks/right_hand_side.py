@@ -135,8 +135,8 @@ class Problem:
 
     def rates(self, t: float, y: Array) -> Array:
         """The right-hand side as scipy calls it."""
-        dydt = np.empty_like(y)
-        rates(t, y, dydt, self.data)
+        dydt = np.empty(y.size)
+        rates(t, np.ascontiguousarray(y), dydt, self.data)  # what differences a Jacobian hands over columns
         return dydt
 
     def ux(self, states: Array) -> Array:
