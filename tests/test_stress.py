@@ -45,7 +45,7 @@ def test_energy_is_that_of_the_reference() -> None:
     rows, energies = [], []
     for _ in range(5):
         q, rate = random_state(rng, column, 0.3)
-        rows.append(np.concatenate([q, rate, np.zeros(2 * column.n + at.SNAPSHOT_TAIL)]))
+        rows.append(np.concatenate([q, rate, np.zeros(at.SNAPSHOT.size(column.n) - 4 * column.n)]))
         energies.append(reference.energy(q, rate))
     found = Energies(column, np.array(rows)).total
     assert np.diff(found) == pytest.approx(np.diff(energies), rel=1e-9)  # the height that gravity counts from differs
