@@ -25,8 +25,7 @@ from solver import __version__
 from solver.column import Column
 from solver.errors import InputError, check_number
 from solver.kernels import layout as at
-from solver.packing import FloatArray
-from solver.stepper import Stepper
+from solver.stepper import SILENCE, Stepper
 
 from . import rules, state
 from .host import compile_by, finalize_at_exit, leave_search_path, survive_exception
@@ -165,7 +164,7 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
         try:
             self._build()
             if self._stepper:
-                self._set_inputs(self._stepper, self._time, (0.0, 0.0, 0.0, 0.0))
+                self._drive(self._stepper, self._time)
                 self._stepper.stand_on_base()
                 self._inputs_stand, self._outdated = False, True
         except Exception as error:
@@ -283,6 +282,7 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
         if stepper is not None:
             if (record.digest if record else "") != snapshot.record:
                 raise InputError(f"base.record = {name!r}: its samples are not those that the state belongs to")
+            stepper.record = record.samples if record else SILENCE
             for name in ARRAYS:
                 getattr(stepper.arrays, name)[:] = snapshot.arrays[name]
         self._stepper, self._record, self._record_name = stepper, record, name
@@ -431,6 +431,7 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
         record, name = self._loaded(values[self._place[RECORD]], values[self._place[RECORD_SCALE]])
         compile_by(lambda: Stepper(column))
         stepper = Stepper(column)
+        stepper.record = record.samples if record else SILENCE
         compile_by(lambda: stepper.observe(self._time))
         compile_by(lambda: Stepper(column).advance(0.0, 1e-6))
         self._stepper, self._record, self._record_name = stepper, record, name

@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from .column import Column
 from .errors import InputError
 from .kernels import layout as at
+from .kernels.batch.entries import run_lanes
 from .kernels.batch.runs import OUTCOME, RUN, SPACE
-from .kernels.entries import run_lanes
 from .kernels.lanes import WIDTH
 from .motion import Motion
 from .packing import FloatArray, arrays_of, settlements

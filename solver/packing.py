@@ -13,9 +13,16 @@ from numpy.typing import NDArray
 from .column import Column
 from .errors import InputError
 from .kernels import layout as at
-from .kernels.engine import GIVEN, GIVEN_BLOCK, GIVEN_JOINT, GIVEN_SETTINGS, NOT_STABLE
+from .kernels.engine import (
+    GIVEN,
+    GIVEN_BLOCK,
+    GIVEN_JOINT,
+    GIVEN_SETTINGS,
+    NOT_STABLE,
+    model_room,
+    scratch_room,
+)
 from .kernels.entries import assemble_column
-from .kernels.pointers import model_room, scratch_room
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -59,7 +66,7 @@ class Arrays(NamedTuple):
 def arrays_of(column: Column) -> Arrays:
     """The arrays of a column at rest. Raises InputError for a fixed step that is not stable."""
     made = _assembled(column)
-    return Arrays(*(array.copy() for array in made))
+    return Arrays(made.model.copy(), made.state.copy(), made.counts.copy(), made.base.copy(), made.work.copy())
 
 
 def pack_model(column: Column) -> FloatArray:

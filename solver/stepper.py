@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -29,7 +30,9 @@ _ROTATION = at.BASE.fields.index("theta")
 class Record:
     """Samples of the base acceleration as the kernels take them: times s, ax and az m/s2, a factor, held or joined."""
 
-    def __init__(self, time: FloatArray, ax: FloatArray, az: FloatArray, scale: float = 1.0, held: bool = False) -> None:
+    def __init__(
+        self, time: FloatArray, ax: FloatArray, az: FloatArray, scale: float = 1.0, held: bool = False
+    ) -> None:
         arrays = (np.ascontiguousarray(row, dtype=np.float64) for row in (time, ax, az))
         self.arguments = (*arrays, float(scale), bool(held))
 
@@ -40,8 +43,8 @@ SILENCE = Record(_NONE, _NONE, _NONE)
 class Stepper:
     """A column between two calls. Time belongs to the caller, who passes it in.
 
-    All that a run has behind it is in `arrays.state`, `arrays.counts` and `arrays.base`: copying them saves it. `model`,
-    `state`, `counts` and `base` are the same by the names of kernels/layout.py, and what is written to them acts.
+    All that a run has behind it is in `arrays.state`, `arrays.counts` and `arrays.base`: copying them saves it.
+    `model`, `state`, `counts` and `base` are the same by the names of kernels/layout.py; what is written to them acts.
     `record` is followed beside `base`. Raises InputError for a fixed step that is not stable.
     """
 
@@ -80,9 +83,7 @@ class Stepper:
 
     def observe(self, t: float) -> FloatArray:
         """The output row at time t (kernels/layout.py, ROW); overwritten by the next call. Raises SolverError."""
-        code = observe_state(
-            self.n, *self.arrays, *self.record.arguments, float(t), self._row, self._split
-        )
+        code = observe_state(self.n, *self.arrays, *self.record.arguments, float(t), self._row, self._split)
         self._check(code, t)
         return self._row
 

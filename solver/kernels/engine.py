@@ -8,14 +8,30 @@ import math
 
 from .column.assembly import derive, settle
 from .column.normal_modes import normal_modes
+from .column.normal_modes import scratch_size as modes_scratch
 from .column.stability import longest_stable_step
+from .column.stability import scratch_size as stability_scratch
 from .formulations.base import base_motion, enter
 from .formulations.either import Column, is_exact
 from .formulations.exact import Motion
 from .formulations.feedthrough import base_direction, effective_mass, split_reaction, tangential_gains
 from .formulations.outputs import observe
 from .jit import kernel, leaf
-from .layout import AUTO, BASE, CENTRAL_DIFFERENCE, COUNTS, EXACT, MODAL_MOST, MODEL, OK, ROW, SPLIT, STATE, WORK
+from .layout import (
+    AUTO,
+    BASE,
+    CENTRAL_DIFFERENCE,
+    COUNTS,
+    EXACT,
+    MODAL_MOST,
+    MODEL,
+    OK,
+    ROW,
+    SPLIT,
+    STATE,
+    WORK,
+    modal_size,
+)
 from .numbers import sine_cosine
 from .stepping.advance import advance, take_phase
 from .views import Record
@@ -51,12 +67,22 @@ _WORK_PER_N, _WORK_BESIDE = WORK.per_n, WORK.beside
 _CONTROL_FIELDS, _STATE_PER_N = STATE.beside, STATE.per_n
 
 
+def model_room(n: int) -> int:
+    """Length of the largest packed model of n blocks."""
+    return MODEL.size(n) + (modal_size(n) if n <= MODAL_MOST else 0)
+
+
+def scratch_room(n: int, fixed_step: bool) -> int:
+    """Length of the scratch of `assemble`, for a fixed step or one that is chosen."""
+    if fixed_step:
+        return stability_scratch(n)
+    return modes_scratch(n) if n <= MODAL_MOST else 1
+
+
 @leaf
 def column_over(n, model, state, counts, base, samples, work):
     """The column of n blocks over its rows."""
-    return Column(
-        _model(model, n), _state(state, n), _counts(counts, 0), _base(base, 0), samples, _work(work, n)
-    )
+    return Column(_model(model, n), _state(state, n), _counts(counts, 0), _base(base, 0), samples, _work(work, n))
 
 
 # --- from parameters to a model
@@ -167,9 +193,7 @@ def base_of(column, t):
     """Motion of the base at time t; once the column has overturned, that of the moment."""
     control = column.state.control
     if column.counts.overturned > 0:
-        return Motion(
-            control.base_ax, control.base_az, control.base_theta, control.base_omega, control.base_alpha
-        )
+        return Motion(control.base_ax, control.base_az, control.base_theta, control.base_omega, control.base_alpha)
     return base_motion(column.base, column.samples, t)
 
 

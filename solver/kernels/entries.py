@@ -1,7 +1,5 @@
 """The entries that Python calls: the engine over arrays."""
 
-from .batch.follow import follow_queue
-from .batch.runs import Queue
 from .engine import assemble, base_of, column_over, see
 from .formulations.base import Samples, enter
 from .formulations.exact import Motion
@@ -60,22 +58,3 @@ def observe_snapshots(n, model, state, counts, base, work, snapshots, rows, coun
         if code != OK:
             return code, k
     return OK, count
-
-
-@entry
-def run_lanes(n, buffer, count, models, phases, runs, outcomes, times, ax, az, row_times, snapshots):
-    """`batch.follow.follow_queue`: all runs of columns of n blocks, eight at a time. All but n and count are arrays."""
-    queue = Queue(
-        count,
-        row_of(models),
-        row_of(phases),
-        row_of(runs),
-        row_of(outcomes),
-        row_of(times),
-        row_of(ax),
-        row_of(az),
-        row_of(row_times),
-        row_times.size,
-        row_of(snapshots),
-    )
-    follow_queue(n, buffer, queue)

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from numba import njit
+from numba.extending import overload
 
 OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": False, "nogil": True, "_nrt": False}
 
@@ -23,6 +24,12 @@ part: Callable[..., Any] = njit(inline="always", **OPTIONS)
 
 # A leaf of the innermost loops: never worth a call.
 leaf: Callable[..., Any] = njit(forceinline=True, **OPTIONS)
+
+
+def by_width(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Decorates what chooses the code behind `function` by the types of its arguments: numbers or lanes."""
+    chooses: Callable[..., Any] = overload(function, jit_options={**OPTIONS, "forceinline": True})  # type: ignore
+    return chooses
 
 
 def _sources() -> str:

@@ -17,11 +17,11 @@ from numba import types
 from numba.core import cgutils
 from numba.core.extending import register_model
 from numba.core.imputils import lower_builtin, lower_cast
-from numba.core.typeconv import Conversion
+from numba.core.typeconv.castgraph import Conversion
 from numba.core.typing.templates import AbstractTemplate, infer_global, signature
-from numba.extending import intrinsic, models, overload
+from numba.extending import intrinsic, models
 
-from .jit import OPTIONS
+from .jit import by_width
 
 WIDTH = 8
 
@@ -278,7 +278,7 @@ def _either(function: Callable[..., Any], scalar: Callable[..., Any], lanes: Cal
         2: lambda a, b: choose(a, b),
         3: lambda condition, a, b: choose(condition, a, b),
     }[count]
-    overload(function, jit_options=OPTIONS, inline="never", strict=False)(chooser)
+    by_width(function)(chooser)
 
 
 _either(where, lambda condition, a, b: a if condition else b, lambda condition, a, b: _select(condition, a, b))

@@ -6,8 +6,8 @@
     base    record BASE     motion of the base within a call
     work    space WORK      scratch: nothing in it outlives a call but responses of modes
 
-Block 1 is the top block, joint i lies under block i. A *phase* is coordinates, rates, accelerations: the coordinates are
-the rotations theta relative to the base and the joint openings (formulation exact), or in their places the
+Block 1 is the top block, joint i lies under block i. A *phase* is coordinates, rates, accelerations: the coordinates
+are the rotations theta relative to the base and the joint openings (formulation exact), or in their places the
 displacements v and the settlements w (paper).
 """
 

@@ -2,9 +2,7 @@
 
 import math
 
-from numba.extending import overload
-
-from .jit import OPTIONS, leaf
+from .jit import by_width, leaf
 from .lanes import LanesType, any_of, magnitude, nearest, where
 
 SMALL = 0.03  # rad: below this the short polynomials are exact to rounding
@@ -80,11 +78,11 @@ def _sine_of_lanes(x):
     return sine_cosine(x)[0]
 
 
-@overload(sine_cosine, jit_options=OPTIONS | {"forceinline": True})
+@by_width(sine_cosine)
 def _choose_both(x):
     return _sine_cosine_of_lanes if isinstance(x, LanesType) else _sine_cosine_of_one
 
 
-@overload(sine, jit_options=OPTIONS | {"forceinline": True})
+@by_width(sine)
 def _choose_sine(x):
     return _sine_of_lanes if isinstance(x, LanesType) else lambda x: math.sin(x)

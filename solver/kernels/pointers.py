@@ -8,32 +8,28 @@ without one.
 from numba import types
 
 from . import engine
-from .column.normal_modes import scratch_size as modes_scratch
-from .column.stability import scratch_size as stability_scratch
-from .engine import GIVEN_BLOCK, GIVEN_JOINT, NOT_STABLE, TOO_LARGE, column_over
+from .engine import GIVEN_BLOCK, GIVEN_JOINT, NOT_STABLE, TOO_LARGE, column_over, model_room, scratch_room
 from .formulations.base import Samples
 from .jit import leaf
-from .layout import MODAL_MOST, MODEL, ROW, SPLIT, modal_size
+from .layout import ROW, SPLIT
 from .stepping.watch import Watch
 from .views import row_at
 
-__all__ = ["ENTRIES", "GIVEN_BLOCK", "GIVEN_FIELDS", "GIVEN_JOINT", "GIVEN_SETTINGS", "NOT_STABLE", "TOO_LARGE"]
+__all__ = [
+    "ENTRIES",
+    "GIVEN_BLOCK",
+    "GIVEN_FIELDS",
+    "GIVEN_JOINT",
+    "GIVEN_SETTINGS",
+    "NOT_STABLE",
+    "TOO_LARGE",
+    "model_room",
+    "scratch_room",
+]
 
 GIVEN_SETTINGS = engine.GIVEN_SETTINGS.fields
 GIVEN_FIELDS = engine.GIVEN.beside
 _row, _split = ROW.over, SPLIT.over
-
-
-def model_room(n: int) -> int:
-    """Length of the largest packed model of n blocks."""
-    return MODEL.size(n) + (modal_size(n) if n <= MODAL_MOST else 0)
-
-
-def scratch_room(n: int, fixed_step: bool) -> int:
-    """Length of the scratch of `assemble`, for a fixed step or one that is chosen."""
-    if fixed_step:
-        return stability_scratch(n)
-    return modes_scratch(n) if n <= MODAL_MOST else 1
 
 
 @leaf

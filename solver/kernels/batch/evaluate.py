@@ -2,12 +2,10 @@
 
 from typing import NamedTuple
 
-from numba.extending import overload
-
 from ..formulations.base import base_motion
 from ..formulations.either import evaluate_at
 from ..formulations.exact import Motion, exact_accelerations
-from ..jit import OPTIONS, kernel, leaf
+from ..jit import by_width, kernel, leaf
 from ..lanes import WIDTH, LanesType, any_of, lane, splat, where, with_lane
 from ..layout import OK
 from ..numbers import sine
@@ -68,7 +66,7 @@ def evaluate_lanes(batch, phase, t):
     return OK
 
 
-@overload(evaluate_at, jit_options=OPTIONS | {"forceinline": True})
+@by_width(evaluate_at)
 def _choose(column, phase, t):
     if isinstance(t, LanesType):
         return lambda column, phase, t: evaluate_lanes(column, phase, t)

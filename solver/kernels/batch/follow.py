@@ -286,9 +286,9 @@ def follow_queue(n, buffer, queue):
     for k in range(WIDTH):
         single(batch, k).lane.run = NOBODY
     waiting, running = 0, 0
-    while waiting < queue.count or running > 0:
+    while waiting < queue.size or running > 0:
         for k in range(WIDTH):
-            if waiting < queue.count and single(batch, k).lane.run < 0.0:
+            if waiting < queue.size and single(batch, k).lane.run < 0.0:
                 load(batch, k, waiting)
                 single(batch, k).lane.steps = NOBODY  # marks it
                 waiting += 1

@@ -27,9 +27,9 @@ SPACE = Space(model=MODEL, state=STATE, base=BASE, lane=LANE, work=WORK)
 
 
 class Queue(NamedTuple):
-    """Rows of `count` runs of columns of n blocks, and of what comes of them; the samples of all their records."""
+    """Rows of `size` runs of columns of n blocks, and of what comes of them; the samples of all their records."""
 
-    count: int
+    size: int
     models: object  # packed models, without modal data
     phases: object  # coordinates and rates to start from
     runs: object  # records RUN
@@ -69,6 +69,4 @@ def snapshot_of(queue, k, row, n):
 def samples_of(queue, lane):
     """The record that a lane follows."""
     first = int(lane.first)
-    return Samples(
-        int(lane.count), queue.times[first:], queue.ax[first:], queue.az[first:], lane.scale, False
-    )
+    return Samples(int(lane.count), queue.times[first:], queue.ax[first:], queue.az[first:], lane.scale, False)

@@ -12,9 +12,9 @@ from .exact import Motion
 
 
 class Samples(NamedTuple):
-    """A record: rows of `count` instants, s, and accelerations, m/s2; count is 0 without one."""
+    """A record: rows of `size` instants, s, and accelerations, m/s2; size is 0 without one."""
 
-    count: int
+    size: int
     times: object
     ax: object
     az: object
@@ -28,7 +28,7 @@ SAMPLE_SLACK = 1e-9  # of a sampling interval: times closer than this are the sa
 @leaf
 def segment_at(samples, t):
     """Number of the last sample at time t or before; -1 if there is none."""
-    low, high = 0, samples.count
+    low, high = 0, samples.size
     while low < high:
         middle = (low + high) // 2
         if t < samples.times[middle]:
@@ -41,16 +41,16 @@ def segment_at(samples, t):
 @leaf
 def is_silent(samples, k):
     """Whether nothing of the record acts from sample k on until the next."""
-    return k < 0 or k >= samples.count - 1
+    return k < 0 or k >= samples.size - 1
 
 
 @kernel
 def enter(base, samples, t):
     """Let the base follow, from time t on, the segment of the record that begins there or before."""
-    if samples.count == 0:
+    if samples.size == 0:
         return
     k = segment_at(samples, t)
-    if k + 1 < samples.count:
+    if k + 1 < samples.size:
         ahead = samples.times[k + 1] - t
         width = samples.times[k + 1] - samples.times[k] if k >= 0 else samples.times[1] - samples.times[0]
         if ahead <= SAMPLE_SLACK * width:
@@ -78,7 +78,7 @@ def base_line(base, samples, t):
     """What of the base acceleration is linear in time from t on: (ax, jx, az, jz), m/s2 and m/s3."""
     past = t - base.t0
     ax, az = base.ax + base.jx * past, base.az + base.jz * past
-    if samples.count == 0:
+    if samples.size == 0:
         return ax, base.jx, az, base.jz
     r_ax, r_jx, r_az, r_jz = record_line(samples, int(base.segment), t)
     return ax + r_ax, base.jx + r_jx, az + r_az, base.jz + r_jz
@@ -87,7 +87,7 @@ def base_line(base, samples, t):
 @leaf
 def wave_amplitude(base, samples):
     """Amplitude of the harmonic part of ax from the present segment on, m/s2."""
-    if samples.count > 0 and is_silent(samples, int(base.segment)):
+    if samples.size > 0 and is_silent(samples, int(base.segment)):
         return 0.0
     return base.wave_amplitude
 
@@ -99,10 +99,10 @@ def base_motion(base, samples, t):
     ax = base.ax + base.jx * past
     az = base.az + base.jz * past
     amplitude = base.wave_amplitude
-    if samples.count > 0:
+    if samples.size > 0:
         k = int(base.segment)
         # a step crosses kinks of the straight lines, never a jump
-        while 0 <= k < samples.count - 2 and not samples.held and t > samples.times[k + 1]:
+        while 0 <= k < samples.size - 2 and not samples.held and t > samples.times[k + 1]:
             k += 1
         r_ax, _, r_az, _ = record_line(samples, k, t)
         ax += r_ax
@@ -125,7 +125,7 @@ def base_rotates(base):
 def to_next_sample(base, samples, t, left):
     """Seconds from t to the end of the present segment; `left` if there is none so soon."""
     k = int(base.segment) + 1
-    if samples.count == 0 or k >= samples.count:
+    if samples.size == 0 or k >= samples.size:
         return left
     return min(left, samples.times[k] - t)
 

@@ -3,9 +3,7 @@
 import math
 from typing import NamedTuple
 
-from numba.extending import overload
-
-from ..jit import OPTIONS, kernel, leaf
+from ..jit import by_width, kernel, leaf
 from ..lanes import LanesType
 from ..layout import EXACT, OK, ROTATES
 from .base import base_motion
@@ -59,7 +57,7 @@ def _evaluate_one_at(column, phase, t):
     return evaluate(column, phase, base_motion(column.base, column.samples, t))
 
 
-@overload(evaluate_at, jit_options=OPTIONS | {"forceinline": True})
+@by_width(evaluate_at)
 def _choose(column, phase, t):
     return None if isinstance(t, LanesType) else _evaluate_one_at
 
@@ -78,7 +76,7 @@ def _evaluate_stage_of_one(column, phase, t):
     return evaluate_at(column, phase, t)
 
 
-@overload(evaluate_stage, jit_options=OPTIONS | {"forceinline": True})
+@by_width(evaluate_stage)
 def _choose_stage(column, phase, t):
     if isinstance(t, LanesType):
         return lambda column, phase, t: evaluate_at(column, phase, t)

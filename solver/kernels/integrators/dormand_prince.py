@@ -2,8 +2,8 @@
 
 J. R. Dormand, P. J. Prince, A family of embedded Runge-Kutta formulae, J. Comp. Appl. Math. 6 (1980) 19-26, RK5(4)7S.
 Its steps may be 12 % longer than those of RK5(4)7M for joint modes at 0.6 of the critical damping, 70 % for modes
-damped critically. The last stage is the first of the next step. Sums are taken over eight unknowns at once, which are those
-of one column or one unknown of eight columns.
+damped critically. The last stage is the first of the next step. Sums are taken over eight unknowns at
+once, those of one column or one of eight columns.
 """
 
 from ..formulations.either import evaluate_stage
@@ -31,7 +31,6 @@ ERROR_0, ERROR_2, ERROR_3, ERROR_4, ERROR_5, ERROR_LAST = (
     -9 / 1000,
     1 / 50,
 )
-
 
 
 @kernel

@@ -149,61 +149,33 @@ def attempt(column, t, h):
     if code != OK:
         return code, 0.0
     for i in range(count):
-        y4[i] = y[i] + h * (
-            A4_0 * f0[i] + A4_2 * f2[i] + A4_3 * f3[i]
-        )
+        y4[i] = y[i] + h * (A4_0 * f0[i] + A4_2 * f2[i] + A4_3 * f3[i])
     code = evaluate_stage(column, stage(work, 4), t + C4 * h)
     if code != OK:
         return code, 0.0
     for i in range(count):
-        y5[i] = y[i] + h * (
-            A5_0 * f0[i] + A5_3 * f3[i] + A5_4 * f4[i]
-        )
+        y5[i] = y[i] + h * (A5_0 * f0[i] + A5_3 * f3[i] + A5_4 * f4[i])
     code = evaluate_stage(column, stage(work, 5), t + C5 * h)
     if code != OK:
         return code, 0.0
     for i in range(count):
-        y6[i] = y[i] + h * (
-            A6_0 * f0[i]
-            + A6_3 * f3[i]
-            + A6_4 * f4[i]
-            + A6_5 * f5[i]
-        )
+        y6[i] = y[i] + h * (A6_0 * f0[i] + A6_3 * f3[i] + A6_4 * f4[i] + A6_5 * f5[i])
     code = evaluate_stage(column, stage(work, 6), t + C6 * h)
     if code != OK:
         return code, 0.0
     for i in range(count):
-        y7[i] = y[i] + h * (
-            A7_0 * f0[i]
-            + A7_3 * f3[i]
-            + A7_4 * f4[i]
-            + A7_5 * f5[i]
-            + A7_6 * f6[i]
-        )
+        y7[i] = y[i] + h * (A7_0 * f0[i] + A7_3 * f3[i] + A7_4 * f4[i] + A7_5 * f5[i] + A7_6 * f6[i])
     code = evaluate_stage(column, stage(work, 7), t + C7 * h)
     if code != OK:
         return code, 0.0
     for i in range(count):
-        y8[i] = y[i] + h * (
-            A8_0 * f0[i]
-            + A8_3 * f3[i]
-            + A8_4 * f4[i]
-            + A8_5 * f5[i]
-            + A8_6 * f6[i]
-            + A8_7 * f7[i]
-        )
+        y8[i] = y[i] + h * (A8_0 * f0[i] + A8_3 * f3[i] + A8_4 * f4[i] + A8_5 * f5[i] + A8_6 * f6[i] + A8_7 * f7[i])
     code = evaluate_stage(column, stage(work, 8), t + C8 * h)
     if code != OK:
         return code, 0.0
     for i in range(count):
         y9[i] = y[i] + h * (
-            A9_0 * f0[i]
-            + A9_3 * f3[i]
-            + A9_4 * f4[i]
-            + A9_5 * f5[i]
-            + A9_6 * f6[i]
-            + A9_7 * f7[i]
-            + A9_8 * f8[i]
+            A9_0 * f0[i] + A9_3 * f3[i] + A9_4 * f4[i] + A9_5 * f5[i] + A9_6 * f6[i] + A9_7 * f7[i] + A9_8 * f8[i]
         )
     code = evaluate_stage(column, stage(work, 9), t + C9 * h)
     if code != OK:

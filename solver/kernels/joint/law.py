@@ -8,9 +8,7 @@ The law has two forms, the same to the last bit: branches for one column, where 
 for lanes. One column may also be held in a regime (regimes.py).
 """
 
-from numba.extending import overload
-
-from ..jit import OPTIONS, kernel, leaf
+from ..jit import by_width, kernel, leaf
 from ..lanes import LanesType, greater, where
 from .regimes import ANY, OPEN, open_margin, side_margin, sides
 
@@ -132,7 +130,7 @@ def _resultants_of_lanes(blocks, hold, i, opening, slope, opening_rate, slope_ra
     )
 
 
-@overload(resultants, jit_options=OPTIONS | {"forceinline": True})
+@by_width(resultants)
 def _choose(blocks, hold, i, opening, slope, opening_rate, slope_rate):
     return _resultants_of_lanes if isinstance(opening, LanesType) else _resultants_of_one
 

@@ -108,7 +108,7 @@ def plan_general(column, t, left):
     settings = column.model.settings
     method, step = general_step(column, left)
     reach = left
-    if column.samples.count > 0:
+    if column.samples.size > 0:
         length = column.model.blocks.centroid[column.model.n - 1]
         roughest = KINKS * settings.tolerance * column.state.control.rate_scale * length
         reach = smooth_reach(column.base, column.samples, t, step, left, roughest)
@@ -141,7 +141,7 @@ def judge_step(column, plan, t, code, error):
     """What comes of a step just tried. Returns (code, s made, whether it has to be made again up to there)."""
     counts, control = column.counts, column.state.control
     method, step, held = plan
-    if method == FIXED or method == UNKNOWN:
+    if method in (FIXED, UNKNOWN):
         return code, step, False
     if method == MODES:
         return OK, step if accepts_elastic(column, step, code, error) else REJECTED, False
@@ -226,7 +226,7 @@ def finish_step(column, watch, t, step):
         step *= fraction
         state.control.overturn_time = t + step
         counts.overturned = widest_joint(model, work.end)
-    if watch.count > 0:
+    if watch.size > 0:
         track_peaks(column, t, step)
         take_snapshots(column, watch, t, step)
     for i in range(6 * model.n):
@@ -287,7 +287,7 @@ def advance(column, t, h, watch):
             code = _start(column, motion, t)
             if code != OK:
                 return code
-    if watch.count > 0:
+    if watch.size > 0:
         tops = work.tops
         top_motion(model, work.start, tops.start_ux, tops.start_rate)
         for i in range(n):
@@ -335,9 +335,9 @@ def advance(column, t, h, watch):
 
 @kernel
 def _pass_samples(column, t):
-    """Let the base follow the segment of the record at time t; where it jumps, the accelerations too. Returns a code."""
+    """Let the base follow the segment of the record at time t; accelerations jump where it does. Returns a code."""
     base, samples = column.base, column.samples
-    if samples.count == 0:
+    if samples.size == 0:
         return OK
     before = base_motion(base, samples, t)
     segment = base.segment

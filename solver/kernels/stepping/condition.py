@@ -92,7 +92,7 @@ def take_stock(column, phase, h):
 def is_quiet(base, samples):
     """Whether the base neither accelerates nor rotates, nor is tilted, until the present segment ends."""
     steady = base.ax == 0.0 and base.az == 0.0 and base.jx == 0.0 and base.jz == 0.0 and not base_rotates(base)
-    if samples.count == 0:
+    if samples.size == 0:
         return steady and base.wave_amplitude == 0.0
     k = int(base.segment)
     if is_silent(samples, k):

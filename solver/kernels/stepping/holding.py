@@ -134,7 +134,8 @@ def changes(column, looked_at):
     """
     rows = column.work.hold
     for i in range(column.model.n):
-        if rows.outside[i] != 0 and _leaves(column, looked_at, i, rows.regime[i]):
+        outside = rows.outside[i] != 0
+        if outside and _leaves(column, looked_at, i, rows.regime[i]):
             return True
     return False
 

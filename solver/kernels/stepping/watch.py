@@ -14,9 +14,9 @@ SNAPSHOT_BESIDE = SNAPSHOT.beside
 
 
 class Watch(NamedTuple):
-    """Rows of `count` times, s, and of as many snapshots; without times neither snapshots nor peaks are kept."""
+    """Rows of `size` times, s, and of as many snapshots; without times neither snapshots nor peaks are kept."""
 
-    count: int
+    size: int
     times: object
     snapshots: object
 
@@ -53,7 +53,7 @@ def track_peaks(column, t, h):
 @leaf
 def row_due(counts, watch, t, h):
     """Whether a snapshot falls into the step from t to t + h."""
-    return counts.next_row < watch.count and watch.times[counts.next_row] <= t + h * (1.0 + SLACK)
+    return counts.next_row < watch.size and watch.times[counts.next_row] <= t + h * (1.0 + SLACK)
 
 
 @leaf
