@@ -168,6 +168,9 @@ def reset(counts, base):
     base.theta = 0.0
     base.omega = 0.0
     base.alpha = 0.0
+    base.anchor = -math.inf  # nowhere
+    base.anchor_sine = 0.0
+    base.anchor_cosine = 0.0
     base.segment = -1.0
 
 

@@ -135,6 +135,9 @@ BASE = Record(
     "theta",  # rad
     "omega",  # rad/s
     "alpha",  # rad/s2
+    "anchor",  # s, instant at which the sine and the cosine of the harmonic part stand here
+    "anchor_sine",
+    "anchor_cosine",
     "segment",  # number of the sample of the record that the step began at or after; -1 before the first
 )
 

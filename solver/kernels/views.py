@@ -24,6 +24,7 @@ from typing import Any
 
 from llvmlite import ir
 from numba import types
+from numba.core.errors import TypingError
 from numba.core.extending import register_model
 from numba.core.imputils import lower_builtin, lower_getattr_generic, lower_setattr_generic
 from numba.core.typing.templates import AbstractTemplate, AttributeTemplate, infer_getattr, infer_global, signature
@@ -223,10 +224,16 @@ def _space_get(context: Any, builder: Any, kind: Any, value: Any, name: str) -> 
 # --- from buffers to rows
 
 
+def _check_without_gaps(array: Any) -> None:
+    if array.ndim != 1 or array.layout != "C":
+        raise TypingError(f"{array}: must be a contiguous array of one dimension")
+
+
 @_intrinsic
 def row_of(typing, array):
-    """The row over a whole one-dimensional array."""
+    """The row over a whole one-dimensional array without gaps."""
     kind = array.dtype
+    _check_without_gaps(array)
 
     def generate(context, builder, signature, arguments):
         return context.make_array(array)(context, builder, arguments[0]).data
@@ -237,6 +244,7 @@ def row_of(typing, array):
 @_intrinsic
 def lanes_of(typing, array):
     """The row of lanes over a whole one-dimensional array of float64, eight numbers an element."""
+    _check_without_gaps(array)
 
     def generate(context, builder, signature, arguments):
         return context.make_array(array)(context, builder, arguments[0]).data

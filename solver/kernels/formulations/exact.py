@@ -52,7 +52,7 @@ def elimination(room):
     return Elimination(room.a, room.b, room.c, room.d, room.e, room.f, room.g, room.h, room.i)
 
 
-@kernel
+@leaf
 def exact_accelerations(model, phase, motion, joints, hold, room):
     """Accelerations of a phase from its coordinates and rates, and the resultants of its joints; returns nothing."""
     n = model.n

@@ -7,7 +7,7 @@ and finished: stock is taken, what is watched is kept, its end becomes the start
 import math
 from typing import NamedTuple
 
-from ..formulations.base import base_motion, enter, smooth_reach, to_next_sample
+from ..formulations.base import anchor_wave, base_motion, enter, smooth_reach, to_next_sample
 from ..formulations.either import evaluate, evaluate_at, is_exact, top_motion
 from ..formulations.exact import STILL
 from ..integrators import modal
@@ -301,6 +301,7 @@ def advance(column, t, h, watch):
             _rest_until(column, watch, now, to_sample)
             made = to_sample
         else:
+            anchor_wave(base, now)
             plan = plan_step(column, now, h - elapsed, to_sample)
             code, error = attempt_by(plan.method, column, now, plan.step)
             code, made, again = judge_step(column, plan, now, code, error)
