@@ -13,7 +13,7 @@ import pytest
 from fmus import LIVES, ROOT, Fmus, finish, run
 
 from solver import Column, Motion
-from solver.modes import longest_stable_step
+from solver.packing import longest_stable_step
 
 if importlib.util.find_spec("ziglang") is None:
     pytest.skip("needs ziglang, the extra native", allow_module_level=True)
@@ -164,7 +164,7 @@ def rocking():
     return column
 
 OUTPUTS = [f"{owner}[{i}].{name}" for i in (1, 2, 3) for owner, names in
-           (("block", ("ux", "uz", "theta")), ("joint", ("N", "M", "S"))) for name in names]
+           (("block", ("ux", "uz", "theta")), ("joint", ("N", "M", "S", "T"))) for name in names]
 OUTPUTS += ["base.Fx", "base.Fz", "base.My"]
 """
 
