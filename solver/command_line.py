@@ -1,4 +1,4 @@
-"""The command line: `python -m solver simulate` and `python -m solver convert`."""
+"""The command line of the solver: the commands `simulate` and `convert`, and how any command ends."""
 
 from __future__ import annotations
 
@@ -8,8 +8,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import NoReturn
 
+from . import __version__
 from .column import FORMULATIONS, INTEGRATORS, Column
-from .errors import InputError, SolverError, reading
+from .errors import InputError, SolverError, needing, reading
 from .motion import STANDARD_GRAVITY, Motion
 from .response import Response
 from .simulate import OUTPUT_STEP, simulate
@@ -27,23 +28,32 @@ class OneLineParser(argparse.ArgumentParser):
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command line; returns the exit code, 2 for a user's mistake."""
+    """`python -m solver`; returns the exit code."""
+    parser = program_parser(PROGRAM, "Seismic response of a column of rigid blocks.")
+    add_commands(parser.add_subparsers(metavar="COMMAND", required=True))
+    return run_command(parser, arguments)
+
+
+def program_parser(program: str, description: str) -> OneLineParser:
+    """A parser that knows --version, for `run_command`."""
+    parser = OneLineParser(prog=program, description=description)
+    parser.add_argument("--version", action="version", version=f"multiblock-fmu {__version__}")
+    return parser
+
+
+def run_command(parser: argparse.ArgumentParser, arguments: Sequence[str] | None) -> int:
+    """Call `options.command(options)` of what the parser reads; returns the exit code, 2 for a user's mistake."""
     try:
-        options = _parser().parse_args(arguments)
+        options = parser.parse_args(arguments)
         options.command(options)
     except (InputError, SolverError, OSError) as error:
-        print(f"{PROGRAM}: {error}", file=sys.stderr)
-        return 2
-    except MemoryError:
-        print(f"{PROGRAM}: not enough memory for the response: a larger --output-step may help", file=sys.stderr)
+        print(f"{parser.prog}: {error}", file=sys.stderr)
         return 2
     return 0
 
 
-def _parser() -> argparse.ArgumentParser:
-    parser = OneLineParser(prog=PROGRAM, description="Seismic response of a column of rigid blocks.")
-    commands = parser.add_subparsers(metavar="COMMAND", required=True)
-
+def add_commands(commands: argparse._SubParsersAction[OneLineParser]) -> None:
+    """Add `simulate` and `convert`."""
     run = commands.add_parser("simulate", help="response of a column to a base motion")
     run.set_defaults(command=_simulate)
     run.add_argument("column", type=Path, metavar="COLUMN.toml", help="blocks, joints and solver settings")
@@ -63,36 +73,40 @@ def _parser() -> argparse.ArgumentParser:
     convert.add_argument("record", type=Path, metavar="RECORD.AT2", help="PEER record in g")
     convert.add_argument("output", type=Path, metavar="MOTION.csv", help="time,base.ax,base.az in s and m/s2")
     convert.add_argument("--scale", type=float, default=1.0, help="factor on the base acceleration")
-    return parser
 
 
 def _simulate(options: argparse.Namespace) -> None:
-    # a wrong name of an output is said before the run, not after it
+    # what stands in the way of an output is said before the run, not after it
     if options.output is not None:
         _check_suffix(options.output, ".csv")
     if options.plot is not None:
         _check_suffix(options.plot, *PICTURES)
+        with needing("plot", "matplotlib"):
+            import matplotlib  # noqa: F401
     column = _read_column(options.column)
     motion = _read_motion(options.motion).scaled(options.scale)
-    response = simulate(
-        column,
-        motion,
-        duration=options.duration,
-        formulation=options.formulation,
-        integrator=options.integrator,
-        step=options.step,
-        tolerance=options.tolerance,
-        output_step=options.output_step,
-    )
-    print(_summary(response))
-    if options.output is not None:
-        with reading(options.output):
-            response.to_csv(options.output)
-        print(options.output)
-    if options.plot is not None:
-        with reading(options.plot):
-            response.plot(options.plot)
-        print(options.plot)
+    try:
+        response = simulate(
+            column,
+            motion,
+            duration=options.duration,
+            formulation=options.formulation,
+            integrator=options.integrator,
+            step=options.step,
+            tolerance=options.tolerance,
+            output_step=options.output_step,
+        )
+        print(_summary(response))
+        if options.output is not None:
+            with reading(options.output):
+                response.to_csv(options.output)
+            print(options.output)
+        if options.plot is not None:
+            with reading(options.plot):
+                response.plot(options.plot)
+            print(options.plot)
+    except MemoryError:
+        raise SolverError("not enough memory for the response: a larger --output-step may help") from None
 
 
 def _convert(options: argparse.Namespace) -> None:

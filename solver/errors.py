@@ -47,6 +47,18 @@ def shown(value: object) -> str:
 
 
 @contextmanager
+def needing(extra: str, *packages: str) -> Iterator[None]:
+    """Turn the absence of one of `packages` into an InputError that says how to install `extra`, which has them."""
+    try:
+        yield
+    except ModuleNotFoundError as error:
+        package = (error.name or "").partition(".")[0]
+        if package not in packages:
+            raise
+        raise InputError(f'{package} is not installed: pip install "multiblock-fmu[{extra}]"') from error
+
+
+@contextmanager
 def reading(path: str | os.PathLike[str]) -> Iterator[None]:
     """Turn whatever is wrong with a user's file, or with reaching it, into an InputError that begins with `path`."""
     try:

@@ -19,9 +19,10 @@ OPTIONS = ("-std=c11", "-O2", "-shared", "-fPIC", "-fvisibility=hidden", "-ffp-c
 
 
 def check_tools() -> None:
-    """Raise InputError if what links the libraries is not installed."""
-    if importlib.util.find_spec("ziglang") is None:
-        raise InputError('--native: needs ziglang, pip install "multiblock-fmu[native]"')
+    """Raise InputError if what links the libraries, or the header files of FMI, are not installed."""
+    for package in ("ziglang", "fmpy"):
+        if importlib.util.find_spec(package) is None:
+            raise InputError(f'--native: {package} is not installed: pip install "multiblock-fmu[native]"')
 
 
 def headers() -> Path:
