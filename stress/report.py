@@ -1,4 +1,4 @@
-"""docs/stability.md, from the findings of all parts."""
+"""The report of a campaign, from the findings of all parts: tables in Markdown."""
 
 from __future__ import annotations
 
@@ -13,19 +13,26 @@ from benchmarks import machine
 
 from .stability import LIMITS
 
-DOCUMENT = Path(__file__).resolve().parent.parent / "docs" / "stability.md"
-MARK = "<!-- written by python -m stress report from here on -->"
+NAME = "report.md"
 Findings = list[dict[str, Any]]
 
 
-def write(folder: Path, document: Path) -> Path:
-    """Write the report below the mark of the document; what stands above it is kept."""
+def write(folder: Path) -> Path:
+    """Write the report beside the findings. Raises FileNotFoundError where there are none."""
     found = {part: _read(folder / f"{part}.jsonl") for part in ("stability", "scheme", "fuzz", "faults", "determinism")}
-    head = document.read_text(encoding="utf-8").partition(MARK)[0].rstrip() if document.is_file() else "# Stability"
-    parts = [head, MARK, _origin(found), _stability(found["stability"]), _scheme(found["scheme"]), _fuzz(found["fuzz"])]
+    if not any(found.values()):
+        raise FileNotFoundError(f"{folder}: no findings of `python -m stress` in it")
+    parts = [
+        "# Stability: findings",
+        _origin(found),
+        _stability(found["stability"]),
+        _scheme(found["scheme"]),
+        _fuzz(found["fuzz"]),
+    ]
     parts += [_plain("Faults", found["faults"]), _plain("Repeatability", found["determinism"])]
-    document.write_text("\n\n".join(part for part in parts if part) + "\n", encoding="utf-8")
-    return document
+    report = folder / NAME
+    report.write_text("\n\n".join(part for part in parts if part) + "\n", encoding="utf-8")
+    return report
 
 
 def _read(path: Path) -> Findings:

@@ -193,11 +193,15 @@ def test_report_lists_every_failure(tmp_path: Path) -> None:
     about = {"command": "python -m stress stability", "date": "2026-01-01"}
     lines = [json.dumps(item | about) for item in (case, good, {**good, "number": 7, "slow": True})]
     (tmp_path / "stability.jsonl").write_text("\n".join(lines))
-    document = tmp_path / "stability.md"
-    document.write_text(f"# Kept\n\n{report.MARK}\nnot kept")
-    report.write(tmp_path, document)
-    text = document.read_text()
-    assert text.startswith("# Kept")
-    assert "not kept" not in text
+    written = report.write(tmp_path)
+    assert written.parent == tmp_path
+    text = written.read_text()
     assert "- 7-5 (a case): it went wrong" in text
     assert "Not finished in the processor time allowed:\n\n- 7-7 (a case)" in text
+
+
+def test_a_report_of_nothing_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert command_line.main(["report", "--output-folder", str(tmp_path / "none")]) == 2
+    assert (
+        capsys.readouterr().err == f"python -m stress: {tmp_path / 'none'}: no findings of `python -m stress` in it\n"
+    )
