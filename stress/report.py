@@ -132,7 +132,7 @@ def _scheme(items: Findings) -> str:
             "by 1000 in 200 steps, in parts of it; sweeps an evaluation at half of it."
         )
         text.append(table(["k, N/m3; blocks:", *map(str, blocks)], rows))
-    refused = [row.get("refused") for row in latest["map"] if "refused" in row]
+    refused = [bool(row["refused"]) for row in latest["map"] if "refused" in row]
     text.append(
         f"A step 0.1 % beyond the limit is refused with the limit in the message: {sum(refused)} of {len(refused)}."
     )
@@ -168,7 +168,7 @@ def _fuzz(items: Findings) -> str:
     rows = []
     for name in dict.fromkeys((item["name"], item.get("fmu", "")) for item in items):
         of = [item for item in items if (item["name"], item.get("fmu", "")) == name]
-        inputs = sum(item.get("calls", item.get("files", 0)) for item in of)
+        inputs = sum(int(item.get("calls", item.get("files", 0))) for item in of)
         what = (
             f"{sum(i.get('sequences', 0) for i in of)} sequences of FMI calls, {name[1]}"
             if name[0] == "fmu"

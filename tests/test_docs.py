@@ -35,7 +35,7 @@ def prose(text: str) -> list[tuple[int, str]]:
 def test_every_section_of_the_theory_that_is_cited_exists() -> None:
     sections = re.findall(r"^## (\d+)\. ", (ROOT / "docs" / "theory.md").read_text(encoding="utf-8"), re.MULTILINE)
     assert sections == [str(k) for k in range(1, len(sections) + 1)]
-    cited = {}
+    cited: dict[str, list[str]] = {}
     for file in [*sources(), *PAGES]:
         for section in CITED.findall(file.read_text(encoding="utf-8")):
             cited.setdefault(section, []).append(file.relative_to(ROOT).as_posix())

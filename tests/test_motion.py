@@ -1,6 +1,8 @@
 """A base motion is what its source says, or one line about what is wrong with the source."""
 
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -284,7 +286,7 @@ def test_bad_at2(tmp_path: Path, text: str, instead: str, said: str) -> None:
     assert "\n" not in str(caught.value)
 
 
-def motion_of(**changes: object) -> Motion:
+def motion_of(**changes: Any) -> Motion:
     zero = np.zeros(3)
     return Motion(**{"time": [0.0, 1.0, 2.0], "ax": zero, "az": zero, "duration": 2.0, **changes})
 
@@ -295,7 +297,7 @@ def motion_of(**changes: object) -> Motion:
         (lambda: Motion.harmonic(np.nan, 1.0, 1.0), "amplitude = nan: must be a finite acceleration in m/s2"),
         (lambda: Motion.harmonic(1.0, 0.0, 1.0), "frequency = 0.0: must be a positive frequency in Hz"),
         (lambda: Motion.harmonic(1.0, 1.0, -1.0), "duration = -1.0: must be a positive time in s"),
-        (lambda: Motion.harmonic(1.0, 1.0, "1"), "duration = '1': must be a positive time in s"),
+        (lambda: Motion.harmonic(1.0, 1.0, "1"), "duration = '1': must be a positive time in s"),  # type: ignore[arg-type]
         (lambda: Motion.from_samples(0.0, [1.0, 2.0]), "dt = 0.0: must be a positive time in s"),
         (lambda: Motion.from_samples(0.1, [1.0]), "time: 1 sample, must be at least 2 unless samples are held"),
         (lambda: Motion.from_samples(0.1, []), "ax: must be a one-dimensional array of numbers in m/s2, at least one"),
@@ -312,7 +314,7 @@ def motion_of(**changes: object) -> Motion:
         (lambda: motion_of().scaled(np.inf), "factor = inf: must be a finite number"),
     ],
 )
-def test_bad_values(make: object, said: str) -> None:
+def test_bad_values(make: Callable[[], Motion], said: str) -> None:
     with pytest.raises(InputError) as caught:
         make()
     assert str(caught.value).startswith(said)

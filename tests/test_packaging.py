@@ -28,13 +28,13 @@ MOTION = Motion.harmonic(0.05 * STANDARD_GRAVITY, 2.0, 0.5)
 def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder that the wheel is installed in, away from the checkout; what it depends on is this interpreter's."""
     folder = tmp_path_factory.mktemp("wheel")
-    pip = [sys.executable, "-m", "pip", "-q", "--disable-pip-version-check"]
+    pip: list[str | Path] = [sys.executable, "-m", "pip", "-q", "--disable-pip-version-check"]
     source = folder / "source"  # a copy: a build leaves files behind
     for name in ("solver", "fmu_src", "examples"):
         shutil.copytree(ROOT / name, source / name, ignore=shutil.ignore_patterns("__pycache__"))
     for name in ("pyproject.toml", "README.md", "LICENSE", "build_fmu.py", "multiblock.py"):
         shutil.copy(ROOT / name, source)
-    wheel = [*pip, "wheel", "--no-deps", "--no-build-isolation", "--wheel-dir", folder, source]
+    wheel: list[str | Path] = [*pip, "wheel", "--no-deps", "--no-build-isolation", "--wheel-dir", folder, source]
     subprocess.run(wheel, check=True, capture_output=True)
     (made,) = folder.glob("*.whl")
     assert made.name == f"multiblock_fmu-{__version__}-py3-none-any.whl"

@@ -96,7 +96,7 @@ def test_overturning_is_marked_and_said() -> None:
     figure = plot_histories(time, given, "a column", overturn_time=3.21)
     assert figure.get_suptitle() == "a column: overturned at 3.21 s"
     for axes in figure.axes:
-        assert [3.21, 3.21] in [list(line.get_xdata()) for line in axes.lines]
+        assert [3.21, 3.21] in [np.asarray(line.get_xdata()).tolist() for line in axes.lines]
 
 
 def test_standing_column_has_no_mark() -> None:
