@@ -168,7 +168,7 @@ def _fuzz(items: Findings) -> str:
     rows = []
     for name in dict.fromkeys((item["name"], item.get("fmu", "")) for item in items):
         of = [item for item in items if (item["name"], item.get("fmu", "")) == name]
-        inputs = sum(int(item.get("calls", item.get("files", 0))) for item in of)
+        inputs = sum(found["calls"] if "calls" in found else found.get("files", 0) for found in of)
         what = (
             f"{sum(i.get('sequences', 0) for i in of)} sequences of FMI calls, {name[1]}"
             if name[0] == "fmu"

@@ -21,16 +21,16 @@ def environment() -> dict[str, str]:
     return os.environ | {"PYTHONPATH": modules, "PATH": scripts + os.pathsep + os.environ.get("PATH", "")}
 
 
-def finish(*command: object) -> subprocess.CompletedProcess[str]:
-    """Run a command to its end, whatever it exits with."""
+def finish(*command: object, **variables: str) -> subprocess.CompletedProcess[str]:
+    """Run a command to its end, whatever it exits with, with more variables in its environment."""
     return subprocess.run(
-        [str(part) for part in command], capture_output=True, text=True, env=environment(), check=False
+        [str(part) for part in command], capture_output=True, text=True, env=environment() | variables, check=False
     )
 
 
-def run(*command: object) -> str:
+def run(*command: object, **variables: str) -> str:
     """Run a command to its end and return what it printed; fails unless it exits with 0."""
-    done = finish(*command)
+    done = finish(*command, **variables)
     assert done.returncode == 0, f"exit code {done.returncode}: {done.stderr}"
     return done.stdout
 
@@ -56,31 +56,3 @@ class Fmus:
         """Build one more with the project's own command."""
         run(sys.executable, ROOT / "build_fmu.py", column, "-o", output, *options)
         return output
-
-
-# of a script that is given an FMU: instances at every stage of life, and what a usual one shows
-LIVES = """
-import json, sys
-from instance import Instance
-nan, inf = float("nan"), float("inf")
-
-def started():
-    column = Instance(sys.argv[1], {"base.ax": 0.5})
-    column.step(0.0, 0.1)
-    return column
-
-def ended():
-    column = started()
-    column.fmi.terminate()
-    return column
-
-def fresh():
-    return Instance(sys.argv[1], initialize=False)
-
-def usual(column):
-    column.fmi.reset()
-    column.initialize()
-    column.set({"base.ax": 0.5})
-    column.step(0.0, 0.1)
-    return column.get()
-"""

@@ -53,7 +53,7 @@ def test_lines_are_wrapped(page: Path) -> None:
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 def test_what_a_page_refers_to_exists(page: Path) -> None:
     text = page.read_text(encoding="utf-8")
-    for target in re.findall(r"\]\(([^)#:]+)\)", text):  # relative to the page
+    for target in re.findall(r"\]\(([^)#:]+)(?:#[^)]*)?\)", text):  # relative to the page
         assert (page.parent / target).is_file(), target
     named = re.findall(r"`((?:docs|examples|solver|fmu_src|tests|stress|benchmarks)/[\w./-]+|[\w-]+\.cff)`", text)
     for name in named:

@@ -9,8 +9,10 @@ import zipfile
 from pathlib import Path
 
 import pytest
+from child import call
 from fmpy import extract, read_model_description
 from fmus import ROOT, Fmus, finish, run
+from inside import inputs
 
 from build_fmu import main
 from fmu_src.native import library, symbols
@@ -82,13 +84,7 @@ def test_a_host_in_c_runs_it(fmu: Path, tmp_path: Path) -> None:
     done = subprocess.run([str(word) for word in command], capture_output=True, text=True, env={}, check=False)
     assert done.returncode == 0, done.stderr
     once, again = (float(word) for word in done.stdout.split())
-    script = (
-        "import sys\nfrom instance import Instance\n"
-        "column = Instance(sys.argv[1], {'base.ax': 0.5})\n"
-        "for k in range(200):\n    column.step(0.01 * k, 0.01)\n"
-        "print(column.get('block[1].ux')[0])"
-    )
-    assert once == again == float(run(sys.executable, "-c", script, fmu).splitlines()[-1])
+    assert once == again == call(inputs.pushed, fmu)
 
 
 def test_what_is_needed_is_printed_and_the_same_input_builds_the_same_bytes(tmp_path: Path) -> None:
