@@ -11,7 +11,19 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-from . import ablation, energy, evaluation, machine, opensees, plots, report, scaling, verdicts, work_precision
+from . import (
+    ablation,
+    damped_columns,
+    energy,
+    evaluation,
+    machine,
+    opensees,
+    plots,
+    report,
+    scaling,
+    verdicts,
+    work_precision,
+)
 from .competitors import MeasurementError, competitors
 from .references import reference
 from .scenes import Scene, burst, falling, forced, harmonic, scenes
@@ -101,6 +113,19 @@ def measure_verdicts(wanted: Scenes, quick: bool, results: Results) -> Iterator[
             yield
 
 
+def measure_damped_columns(wanted: Scenes, quick: bool, results: Results) -> Iterator[None]:
+    """Error in tolerances of well-damped columns, beside what the motion amplifies."""
+    results["damped-columns"] = []
+    count = damped_columns.QUICK_CASES if quick else damped_columns.CASES
+    random = (damped_columns.drawn(damped_columns.SEED, number) for number in range(count))
+    for scene in (*damped_columns.fixed(), *random):
+        tolerances = damped_columns.QUICK_TOLERANCES if quick else damped_columns.TOLERANCES
+        found = damped_columns.measure(scene, tolerances)
+        results["damped-columns"].append(found)
+        say(damped_columns.told(found))
+        yield
+
+
 def measure_ablation(wanted: Scenes, quick: bool, results: Results) -> Iterator[None]:
     """Time and error without each short cut."""
     results["ablation"] = []
@@ -129,6 +154,7 @@ PARTS: dict[str, Callable[[Scenes, bool, Results], Iterator[None]]] = {
     "evaluation": measure_evaluation,
     "scaling": measure_scaling,
     "verdicts": measure_verdicts,
+    "damped-columns": measure_damped_columns,
     "ablation": measure_ablation,
     "energy": measure_energy,
 }

@@ -14,7 +14,8 @@ from .errors import InputError, check_number, reading, shown
 
 FORMULATIONS = ("exact", "paper")
 INTEGRATORS = ("auto", "central-difference")
-SKIPS = ("elastic", "rest", "dashpots", "resultants")  # short cuts that can be left out, to check or to measure them
+# short cuts that can be left out, to check or to measure them
+SKIPS = ("elastic", "rest", "dashpots", "resultants", "implicit")
 MAX_BLOCKS = 1000
 
 # What each numeric key may hold, whichever table it stands in: far beyond anything built, but so that nothing that is

@@ -19,7 +19,13 @@ IntArray = NDArray[np.int64]
 
 FORMULATION_CODES = {"exact": at.EXACT, "paper": at.PAPER}
 INTEGRATOR_CODES = {"auto": at.AUTO, "central-difference": at.CENTRAL_DIFFERENCE}
-SKIP_CODES = {"elastic": at.ELASTIC, "rest": at.REST, "dashpots": at.DASHPOTS, "resultants": at.RESULTANTS}
+SKIP_CODES = {
+    "elastic": at.ELASTIC,
+    "rest": at.REST,
+    "dashpots": at.DASHPOTS,
+    "resultants": at.RESULTANTS,
+    "implicit": at.IMPLICIT_METHOD,
+}
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""The command line: `python -m stress stability|scheme|fuzz|faults|determinism|report`.
+"""The command line: `python -m stress stability|damped|scheme|fuzz|faults|determinism|report`.
 
     python -m stress stability --seed 1 --cases 500
     python -m stress fuzz --seed 1 --cases 2000 --fmu column.fmu
@@ -20,11 +20,13 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
+from benchmarks import damped_columns
+
 from . import determinism, faults, fuzz_files, fuzz_fmu, report, scheme, stability
 
-PARTS = ("stability", "scheme", "fuzz", "faults", "determinism")
-SHORT = {"stability": 25, "fuzz": 300, "faults": 2, "determinism": 10}
-USUAL = {"stability": 200, "fuzz": 2000, "faults": 20, "determinism": 100}
+PARTS = ("stability", "damped", "scheme", "fuzz", "faults", "determinism")
+SHORT = {"stability": 25, "damped": 2, "fuzz": 300, "faults": 2, "determinism": 10}
+USUAL = {"stability": 200, "damped": 50, "fuzz": 2000, "faults": 20, "determinism": 100}
 SHORT_BLOCKS = 10
 PER_ROUND = 250  # examples of one seeded search
 
@@ -59,7 +61,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("part", choices=[*PARTS, "report"])
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--cases", type=int, help=f"how many (default: {USUAL}; --short: {SHORT})")
-    parser.add_argument("--first", type=int, default=0, help="number of the first case of stability")
+    parser.add_argument("--first", type=int, default=0, help="number of the first case of stability and damped")
     parser.add_argument("--short", action="store_true", help="as continuous integration runs it")
     parser.add_argument("--patience", type=int, default=20, metavar="S", help="processor time of one case")
     parser.add_argument("--fmu", type=Path, metavar="FILE", help="another FMU for fuzz (default: one of damped Phocas)")
@@ -74,6 +76,8 @@ def _findings(options: argparse.Namespace) -> Iterator[dict[str, Any]]:
     if part == "stability":
         blocks = SHORT_BLOCKS if options.short else stability.MOST_BLOCKS
         yield from stability.campaign(number, options.first, count, blocks, options.patience)
+    elif part == "damped":
+        yield from _damped(number, range(options.first, options.first + count), options.short)
     elif part == "scheme":
         yield scheme.run(options.short)
     elif part == "fuzz":
@@ -83,6 +87,14 @@ def _findings(options: argparse.Namespace) -> Iterator[dict[str, Any]]:
     else:
         results = determinism.run(number, count, not options.short)
         yield from ({"name": name} | found for name, found in results.items())
+
+
+def _damped(seed: int, numbers: range, short: bool) -> Iterator[dict[str, Any]]:
+    tolerances = damped_columns.QUICK_TOLERANCES if short else damped_columns.TOLERANCES
+    for number in numbers:
+        found = damped_columns.measure(damped_columns.drawn(seed, number), tolerances)
+        judged = {"tried": len(tolerances), "failures": damped_columns.failures(found)}
+        yield {"name": "random columns under records", "seed": seed, "number": number} | judged | {"found": found}
 
 
 def _fuzz(options: argparse.Namespace, count: int) -> Iterator[dict[str, Any]]:

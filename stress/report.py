@@ -13,22 +13,18 @@ from benchmarks import machine
 
 from .stability import LIMITS
 
+PARTS = ("stability", "damped", "scheme", "fuzz", "faults", "determinism")
 NAME = "report.md"
 Findings = list[dict[str, Any]]
 
 
 def write(folder: Path) -> Path:
     """Write the report beside the findings. Raises FileNotFoundError where there are none."""
-    found = {part: _read(folder / f"{part}.jsonl") for part in ("stability", "scheme", "fuzz", "faults", "determinism")}
+    found = {part: _read(folder / f"{part}.jsonl") for part in PARTS}
     if not any(found.values()):
         raise FileNotFoundError(f"{folder}: no findings of `python -m stress` in it")
-    parts = [
-        "# Stability: findings",
-        _origin(found),
-        _stability(found["stability"]),
-        _scheme(found["scheme"]),
-        _fuzz(found["fuzz"]),
-    ]
+    parts = ["# Stability: findings", _origin(found), _stability(found["stability"])]
+    parts += [_plain("Damped columns", found["damped"]), _scheme(found["scheme"]), _fuzz(found["fuzz"])]
     parts += [_plain("Faults", found["faults"]), _plain("Repeatability", found["determinism"])]
     report = folder / NAME
     report.write_text("\n\n".join(part for part in parts if part) + "\n", encoding="utf-8")

@@ -6,6 +6,7 @@ import json
 import math
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +18,7 @@ from probe import look, phocas, random_column, random_state
 
 sys.path.insert(0, str(ROOT))  # the benchmarks are not installed
 
-from benchmarks import energy, evaluation, opensees, references, targets
+from benchmarks import damped_columns, energy, evaluation, opensees, references, targets
 from benchmarks.competitors import MeasurementError, competitors, grid, steps, tolerances
 from benchmarks.right_hand_side import Problem, base_acceleration
 from benchmarks.scenes import RECORDS, Scene, forced, harmonic, scenes, shaft
@@ -258,3 +259,28 @@ def test_energy_of_elastic_motion_is_measured(monkeypatch: pytest.MonkeyPatch):
     assert target.passed is None  # not long enough for a verdict
     assert targets.energy({"energy": [row | {"periods": 10**6} for row in rows]})[0].passed
     assert not targets.energy({"energy": [rows[0] | {"periods": 10**6, "drift": -2e-6}]})[0].passed
+
+
+def test_damped_columns_are_made_again_by_their_number():
+    one, other = damped_columns.drawn(7, 3), damped_columns.drawn(7, 3)
+    assert one.column == other.column
+    assert np.array_equal(one.motion.ax, other.motion.ax)
+    assert one.column != damped_columns.drawn(7, 4).column
+    for number in range(10):
+        scene = damped_columns.drawn(7, number)
+        assert all(0.003 <= block.joint.damping <= 0.1 for block in scene.column.blocks)
+
+
+def test_errors_and_verdicts_of_damped_columns_are_judged_where_they_can_be_predicted():
+    scene = replace(next(damped_columns.fixed()), duration=1.0)
+    found = damped_columns.measure(scene, (1e-3, 1e-5))
+    assert damped_columns.failures(found) == []
+    assert 0.1 < found["amplification"] < damped_columns.PREDICTABLE
+    assert all(row["implicit_steps"] > 0 and 0.0 < row["error"] < 1.0 for row in found["rows"])  # measured 0.02
+    found["rows"][0]["error"] = 11.0
+    found["rows"][1]["overturned"] = True
+    assert ["11 tolerances" in damped_columns.failures(found)[0], "falls" in damped_columns.failures(found)[1]] == [
+        1,
+        1,
+    ]
+    assert damped_columns.failures(found | {"amplification": 101.0}) == []

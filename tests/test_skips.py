@@ -81,6 +81,14 @@ def test_resultants_are_worked_out_when_somebody_asks() -> None:
     assert later.stats["evaluations"] == at_once.stats["evaluations"]
 
 
+def test_implicit_steps_spare_a_stiff_column_most_of_its_evaluations() -> None:
+    skipped, stepped = both("implicit", phocas(5e-2, tolerance=TOLERANCE), Motion.harmonic(0.2 * G, 1.5, 3.0))
+    assert stepped.stats["implicit_steps"] == 0
+    assert skipped.stats["implicit_steps"] > 1000
+    assert skipped.stats["evaluations"] < 0.3 * stepped.stats["evaluations"]
+    assert np.max(np.abs(skipped.ux - stepped.ux)) < TOLERANCE * np.max(stepped.peak_ux)  # measured 0.03 of it
+
+
 def test_all_short_cuts_can_be_left_out_at_once() -> None:
     motion = burst(0.02 * G)
     plain = simulate(phocas(1e-3, tolerance=TOLERANCE), motion, without=SKIPS)

@@ -94,6 +94,13 @@ def test_short_campaign(tmp_path: Path) -> None:
     assert not any(item.get("slow") for item in found)
 
 
+def test_short_search_among_damped_columns(tmp_path: Path) -> None:
+    assert command_line.main(["damped", "--short", "--cases", "1", "--output-folder", str(tmp_path)]) == 0
+    (found,) = [json.loads(line) for line in (tmp_path / "damped.jsonl").read_text().splitlines()]
+    assert found["failures"] == []
+    assert [row["tolerance"] for row in found["found"]["rows"]] == [1e-2, 1e-3, 1e-5]
+
+
 def test_the_paper_scheme_diverges_where_it_is_refused() -> None:
     for row in scheme.stability_map((1, 3, 20), (1e8, 1e10), (0.0, 1e-3)):
         assert row["refused"], row

@@ -15,7 +15,8 @@
 typedef enum { REAL, INTEGER, BOOLEAN, STRING } Kind;
 typedef enum { INPUT, OUTPUT, PARAMETER } Role;
 typedef struct { const char *name, *unit; Kind kind; Role role; int tunable, place; } Variable;
-typedef struct { int reference, count; const char *words[4]; int codes[4]; } Choice;
+enum { MOST_WORDS = 8 }; /* of a choice; table.h makes sure */
+typedef struct { int reference, count; const char *words[MOST_WORDS]; int codes[MOST_WORDS]; } Choice;
 typedef struct {
     int reference;
     double low, high;

@@ -88,6 +88,8 @@ def declarations(contents: Contents) -> str:
         _choice("solver.integrator", INTEGRATORS, INTEGRATOR_CODES, reference),
         _choice("solver.without", SKIPS, SKIP_CODES, reference),
     ]
+    most = max(len(FORMULATIONS), len(INTEGRATORS), len(SKIPS))
+    lines.append(f'_Static_assert({most} <= MOST_WORDS, "a choice has more words than there is room for");')
     lines += _array("Choice", "choices", choices)
     lines += _array("Check", "checks", _checks(n, reference))
     lines += _array("Reason", "reasons", [f"{{{code}, {_quoted(text)}}}" for code, text in REASONS.items()])

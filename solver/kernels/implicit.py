@@ -1,13 +1,14 @@
 """The column's linear system with its joints stiffened: (M + G) z = forces on the joints, in O(n).
 
-M is the mass matrix of the exact formulation at a phase, G holds for every joint `weight` times the second derivatives
-of its potential by relative rotation and opening over the part that is loaded. The elimination is that of an
+M is the mass matrix of the exact formulation at a phase, G holds for every joint the derivatives of its forces, by
+relative rotation and opening and by their rates, over the part that is loaded: `weight` times the second derivatives of
+its potential, and what the moving edge adds. The elimination is that of an
 articulated body (Featherstone 1983) with stiff joints: going down, the two unknowns of each block are eliminated from
 a symmetric 3 x 3 inertia in (rotation, tangent, normal); going up, they follow.
 """
 
 from .exact import sine_cosine
-from .jit import kernel, place
+from .jit import kernel, leaf, place
 from .joint import loaded_part
 from .layout import (
     BLOCK_FIELDS,
@@ -43,6 +44,24 @@ K_12 = 15
 K_22 = 16
 U_1 = 17  # what is left of the forces on the joint
 U_2 = 18
+EDGE_11 = 19  # what moving the edge where the faces part adds to K, without a dashpot of its own
+EDGE_12 = 20
+EDGE_22 = 21
+WIDEST = 100.0  # times the width of the joint: what a strip counts at most, where the edge runs along the joint at once
+
+
+@leaf
+def _edge_that_moves(width, damping, opening, slope, opening_rate, slope_rate, lo, hi):
+    """(abscissa m, width m) of the strip of joint that is as stiff as the edge of the loaded part is by moving.
+
+    Where the faces part the damper alone presses, by damping times the rate of penetration. As the joint closes by d
+    the edge moves by d / slope: that pressure over that width is the force of a strip, and it has no dashpot.
+    """
+    if damping > 0.0 and slope != 0.0 and lo < hi:
+        edge = opening / slope
+        if edge == (lo if slope > 0.0 else hi) and abs(edge) < 0.5 * width:
+            return edge, min(WIDEST * width, max(0.0, damping * (edge * slope_rate - opening_rate) / abs(slope)))
+    return 0.0, 0.0
 
 
 @kernel
@@ -57,6 +76,7 @@ def factorize(model, x, o, work, tangent, step_part):
     m_nn = 0.0
     cos_above = 1.0
     sin_above = 0.0
+    square = step_part * step_part
     for i in range(n):
         row = place(MODEL_HEADER + BLOCK_FIELDS * i)
         out = place(tangent + TANGENT_FIELDS * i)
@@ -75,15 +95,20 @@ def factorize(model, x, o, work, tangent, step_part):
         sin_half, cos_half = sine_cosine(0.5 * (turn - turn_below))
         # joint: stiffness of the loaded part
         eta = model[row + DAMPING]
-        lo, hi = loaded_part(
-            model[row + JOINT_WIDTH], eta, opening, 2.0 * sin_half, x[q + 3 * n], cos_half * (spin - spin_below)
-        )
+        width = model[row + JOINT_WIDTH]
+        slope = 2.0 * sin_half
+        slope_rate = cos_half * (spin - spin_below)
+        lo, hi = loaded_part(width, eta, opening, slope, x[q + 3 * n], slope_rate)
         length = max(0.0, hi - lo)
         middle = 0.5 * (lo + hi)
         k_22 = model[row + STIFFNESS] * model[row + JOINT_DEPTH] * length
         k_12 = -k_22 * middle * cos_half
         k_11 = k_22 * (middle * middle + length * length / 12.0) * cos_half * cos_half
         weight = step_part * (step_part + eta)
+        edge, strip = _edge_that_moves(width, eta, opening, slope, x[q + 3 * n], slope_rate, lo, hi)
+        edge_22 = model[row + STIFFNESS] * model[row + JOINT_DEPTH] * strip
+        edge_12 = -edge_22 * edge * cos_half
+        edge_11 = edge_22 * edge * edge * cos_half * cos_half
         # turn the part above into this frame, add the block
         cos_beta = cos_above * cos_half - sin_above * sin_half
         sin_beta = sin_above * cos_half + cos_above * sin_half
@@ -111,9 +136,9 @@ def factorize(model, x, o, work, tangent, step_part):
         h2_a = j_n
         h2_t = m_nt
         h2_n = m_nn
-        d_11 = h1_a + b_t * h1_t + b_n * h1_n + weight * k_11
-        d_12 = h1_n + weight * k_12
-        d_22 = h2_n + weight * k_22
+        d_11 = h1_a + b_t * h1_t + b_n * h1_n + weight * k_11 + square * edge_11
+        d_12 = h1_n + weight * k_12 + square * edge_12
+        d_22 = h2_n + weight * k_22 + square * edge_22
         per = 1.0 / (d_11 * d_22 - d_12 * d_12)
         d_11, d_12, d_22 = d_22 * per, -d_12 * per, d_11 * per
         w_a = d_11 * h1_a + d_12 * h2_a
@@ -149,6 +174,9 @@ def factorize(model, x, o, work, tangent, step_part):
         work[out + K_11] = k_11
         work[out + K_12] = k_12
         work[out + K_22] = k_22
+        work[out + EDGE_11] = edge_11
+        work[out + EDGE_12] = edge_12
+        work[out + EDGE_22] = edge_22
         cos_above = cos_half
         sin_above = sin_half
 
@@ -157,12 +185,15 @@ def factorize(model, x, o, work, tangent, step_part):
 def solve(model, work, tangent, rates, to, step_part):
     """Add to work[to:] the solution z of (M + G) z = -G a - step_part^2 K v for the factorized phase.
 
+    G = step_part (step_part K + D): K the derivatives of the joints' forces by coordinates, D by rates.
+
     work[to:to + 2 n] holds a on entry and a + z on return, work[rates:rates + 2 n] holds v.
     """
     n = place(int(model[N_BLOCKS]))
     p_a = 0.0  # force needed by the part above, in the frame of joint i - 1
     p_t = 0.0
     p_n = 0.0
+    square = step_part * step_part
     for i in range(n):
         row = place(MODEL_HEADER + BLOCK_FIELDS * i)
         out = place(tangent + TANGENT_FIELDS * i)
@@ -175,17 +206,21 @@ def solve(model, work, tangent, rates, to, step_part):
             turn_v -= work[v + 1]
         eta = model[row + DAMPING]
         weight = step_part * (step_part + eta)
-        square = step_part * step_part
         r_1 = weight * turn_a + square * turn_v
         r_2 = weight * work[a + n] + square * work[v + n]
+        e_1 = square * (turn_a + turn_v)
+        e_2 = square * (work[a + n] + work[v + n])
         k_12 = work[out + K_12]
+        edge_12 = work[out + EDGE_12]
         cos_beta = work[out + COS_BETA]
         sin_beta = work[out + SIN_BETA]
         p_t, p_n = p_t * cos_beta + p_n * sin_beta, p_n * cos_beta - p_t * sin_beta
         b_t = work[out + B_T]
         b_n = work[out + B_N]
-        u_1 = -(work[out + K_11] * r_1 + k_12 * r_2) - (p_a + b_t * p_t + b_n * p_n)
-        u_2 = -(k_12 * r_1 + work[out + K_22] * r_2) - p_n
+        f_1 = work[out + K_11] * r_1 + k_12 * r_2 + (work[out + EDGE_11] * e_1 + edge_12 * e_2)
+        f_2 = k_12 * r_1 + work[out + K_22] * r_2 + (edge_12 * e_1 + work[out + EDGE_22] * e_2)
+        u_1 = -f_1 - (p_a + b_t * p_t + b_n * p_n)
+        u_2 = -f_2 - p_n
         x_1 = work[out + D_11] * u_1 + work[out + D_12] * u_2
         x_2 = work[out + D_12] * u_1 + work[out + D_22] * u_2
         p_a += work[out + H1_A] * x_1 + work[out + H2_A] * x_2

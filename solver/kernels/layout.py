@@ -31,6 +31,7 @@ ELASTIC = 1  # modes instead of joints while all of these are in full contact
 REST = 2  # no steps while the column rests on a base that does not accelerate
 DASHPOTS = 4  # no dashpot in a joint without damping
 RESULTANTS = 8  # output rows only where they are asked for
+IMPLICIT_METHOD = 16  # the implicit method where it goes further than the explicit one
 
 HEIGHT = 0  # m
 CENTROID = 1  # m above the bottom face
@@ -157,7 +158,7 @@ TOP_START = 17  # displacement and velocity of the top faces at the start of a s
 TOP_END = 19  # and at its end
 TOP_BETWEEN = 21
 WORK_FIELDS = 23
-TANGENT_FIELDS = 20  # of the implicit solution
+TANGENT_FIELDS = 22  # of the implicit solution
 RESPONSE_FIELDS = 21  # of a mode over a step, 2 n modes
 RESPONSE_HEADER = 2
 RESPONSES = 2  # steps whose responses are kept

@@ -13,6 +13,7 @@ from .layout import (
     EXPLICIT_STEP,
     FORMULATION,
     IMPLICIT,
+    IMPLICIT_METHOD,
     IMPLICIT_STEPS,
     IN_FLIGHT,
     INPUT_AMPLITUDE,
@@ -25,6 +26,7 @@ from .layout import (
     ROTATION_SCALE,
     SINCE_PROBE,
     SLACK,
+    WITHOUT,
 )
 
 # methods
@@ -65,6 +67,8 @@ def _general_method(model, state, counters, step, left):
     if model[FORMULATION] != EXACT:
         return ORDER_5
     explicit = ORDER_8 if model[EXPLICIT_ORDER] == 8.0 else ORDER_5
+    if int(model[WITHOUT]) & IMPLICIT_METHOD:
+        return explicit
     worth = 0.5 if explicit == ORDER_8 else 1.0
     if counters[IMPLICIT] == 1:
         return LINEARLY_IMPLICIT if min(step, left) > GAIN * worth * state[EXPLICIT_STEP] else explicit
