@@ -12,6 +12,7 @@ def simulate(column: str, motion: str, response: str) -> None:
     """`python -m solver simulate` where no file can be larger than 5 kB; exits as it does."""
     import resource
 
+    main(["simulate", column, motion])  # compiles what is not yet: numba's cache is not what is tried here
     resource.setrlimit(resource.RLIMIT_FSIZE, (5000, 5000))
     sys.exit(main(["simulate", column, motion, "-o", response]))
 
