@@ -60,12 +60,12 @@ def getters(folder: Path, options: argparse.Namespace) -> str:
     with zipfile.ZipFile(fmu) as old, zipfile.ZipFile(empty, "w") as new:
         for name in old.namelist():
             new.writestr(name, binary.read_bytes() if name.endswith(".so") else old.read(name))
-    told = []
+    lines = []
     for scene, push in (("at rest", 0.0), ("in full contact", 0.05), ("rocking now and then", 0.5)):
         found = measured("race", [fmu, empty], 8000, options.rounds, push)
         ours, nothing = found["seconds"]
-        told.append(f"{scene} {ours:.3f} s, empty {nothing:.3f} s, {ours / nothing:.2f} times")
-    return f"{found['outputs']} outputs: " + "; ".join(told)
+        lines.append(f"{scene} {ours:.3f} s, empty {nothing:.3f} s, {ours / nothing:.2f} times")
+    return f"{found['outputs']} outputs: " + "; ".join(lines)
 
 
 def cold(folder: Path, options: argparse.Namespace) -> str:

@@ -1,4 +1,4 @@
-"""What goes wrong on the user's side, always told in one line."""
+"""What goes wrong on the user's side, always said in one line."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What happens to a machine amid the work: killed processes, full disks, read-only folders, clocks that jump.
+"""What happens to a machine while it works: killed processes, full disks, read-only folders, clocks that jump.
 
 Each check returns (how often it was tried, problems). Nothing may be lost, nothing half-written may look whole, and the
 next run has to work.
@@ -73,7 +73,7 @@ def killed_while_writing(folder: Path, times: int, chance: random.Random) -> Out
     for _ in range(times):
         killed_after(length * chance.uniform(0.4, 1.0), *command)
         if output.read_bytes() != whole:
-            problems.append("the file of before was lost")
+            problems.append("the previous file was lost")
     return times, problems
 
 
@@ -128,10 +128,10 @@ def killed_while_starting(fmu: Path, folder: Path, times: int, chance: random.Ra
 
 
 def full_disk(fmu: Path, folder: Path) -> Outcome:
-    """No file may grow beyond a few kB: exit code 2 and one line, the file of before as it was; the FMU runs."""
+    """No file may grow beyond a few kB: exit code 2 and one line, the previous file as it was; the FMU runs."""
     motion, output = folder / "motion.csv", folder / "full.csv"
     motion.write_text("time,base.ax\n0,0\n1,0.1\n")
-    output.write_text("of before")
+    output.write_text("previous")
     commands = {
         "solver": ["simulate", COLUMN, motion, "-o", output],
         "build_fmu": [COLUMN, "-o", folder / "full.fmu"],
@@ -143,7 +143,7 @@ def full_disk(fmu: Path, folder: Path) -> Outcome:
         code, _, err = finish(module, script, "--largest-file", 5000, *call, XDG_CACHE_HOME=full)
         if not _one_line(code, err):
             problems.append(f"{name} on a full disk: exit code {code}, {err.strip()[-300:]!r}")
-    if output.read_text() != "of before" or (folder / "full.fmu").exists():
+    if output.read_text() != "previous" or (folder / "full.fmu").exists():
         problems.append("a part was written over the whole")
     expected = finish(*calling("start", fmu))[1]
     for limit in (100, 20_000, 500_000):

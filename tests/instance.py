@@ -10,7 +10,7 @@ from fmpy.fmi2 import FMU2Slave
 
 
 class Instance:
-    """An FMU extracted, instantiated and, unless told otherwise, initialized."""
+    """An FMU extracted, instantiated and, unless asked not to, initialized."""
 
     def __init__(
         self,

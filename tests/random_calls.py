@@ -1,4 +1,4 @@
-"""Calls upon a native FMU in any order, with right and wrong arguments: `python random_calls.py FILE.fmu COUNT`.
+"""Calls to a native FMU in any order, with right and wrong arguments: `python random_calls.py FILE.fmu COUNT`.
 
 Every kind of call is to succeed at times, bytes that are no state never; afterwards the instance does what a new one
 does.

@@ -18,7 +18,7 @@ from solver.files import whole_file
 COLUMN = ROOT / "examples" / "columns" / "phocas-damped.toml"
 
 
-def test_the_file_of_before_stays_until_the_new_one_is_whole(tmp_path: Path) -> None:
+def test_the_previous_file_stays_until_the_new_one_is_whole(tmp_path: Path) -> None:
     path = tmp_path / "file.txt"
     path.write_text("before")
 

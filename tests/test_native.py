@@ -170,10 +170,10 @@ WRONG_VALUES: list[tuple[dict[str, object], str]] = [
 
 def test_faults_are_told_and_the_instance_lives_on(native: Path) -> None:
     printed = run(*command(failures.native_answers, native, [values for values, _ in WRONG_VALUES]))
-    told = [(status, reason) for _, _, status, reason in failures.NATIVE]
-    told += [("error", reason) for _, reason in WRONG_VALUES]
+    expected = [(status, reason) for _, _, status, reason in failures.NATIVE]
+    expected += [("error", reason) for _, reason in WRONG_VALUES]
     logged = printed.split("==\n")[:-1]
-    for (status, reason), entry, (heard, lives) in zip(told, logged, returned(printed), strict=True):
+    for (status, reason), entry, (heard, lives) in zip(expected, logged, returned(printed), strict=True):
         assert reason in entry, reason
         assert f"({status})" in heard, reason
         assert lives, reason

@@ -81,8 +81,8 @@ def test_every_name_of_the_command_line(capsys: pytest.CaptureFixture[str]) -> N
     with pytest.raises(SystemExit) as ended:
         multiblock.main(["--help"])
     assert ended.value.code == 0
-    told = capsys.readouterr().out
-    assert all(name in told for name in ("simulate", "convert", "build-fmu", "--version"))
+    printed = capsys.readouterr().out
+    assert all(name in printed for name in ("simulate", "convert", "build-fmu", "--version"))
     assert multiblock.main(["build-fmu", "none.toml"]) == 2
     assert capsys.readouterr().err == "multiblock: none.toml: No such file or directory\n"
     assert multiblock.main(["build-fmu", "--frob"]) == 2
@@ -122,9 +122,9 @@ def test_what_is_missing_is_named_with_its_extra(
     monkeypatch.chdir(tmp_path)
     MOTION.to_csv("motion.csv", step=0.01)
     assert multiblock.main(line.format(column=build_fmu.DEFAULT_COLUMN, motion="motion.csv").split()) == 2
-    told = capsys.readouterr()
-    assert told.err == f'multiblock: {absent} is not installed: pip install "multiblock-fmu[{extra}]"\n'
-    assert told.out == ""
+    printed = capsys.readouterr()
+    assert printed.err == f'multiblock: {absent} is not installed: pip install "multiblock-fmu[{extra}]"\n'
+    assert printed.out == ""
     assert [path.name for path in tmp_path.iterdir()] == ["motion.csv"]
 
 

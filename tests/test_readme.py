@@ -84,12 +84,12 @@ def test_shell_commands_that_take_long(checkout: Path) -> None:
 
 
 def test_start_values_as_told(checkout: Path) -> None:
-    told = re.search(r"`--start-values ([^`]*)`", README)
-    assert told is not None
+    named = re.search(r"`--start-values ([^`]*)`", README)
+    assert named is not None
     command = (
         "multiblock build-fmu examples/columns/phocas-damped.toml -o column.fmu && "
         f"fmpy simulate column.fmu --stop-time 0.01 --output-interval 0.005 --output-file out.csv "
-        f"--start-values {told.group(1)}"
+        f"--start-values {named.group(1)}"
     )
     paste(command, checkout)
     settlement = 81000 * 9.80665 / (2e9 * 1.56**2)  # of the base joint, now softer

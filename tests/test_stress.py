@@ -58,7 +58,7 @@ def test_landings_that_once_failed(number: tuple[int, ...]) -> None:
 
 
 def test_energy_that_is_not_the_inputs_is_noticed() -> None:
-    """Of a motion stronger than the one that is told."""
+    """Of a motion stronger than the one that is given."""
     told = Motion.from_samples(0.01, 0.3 * np.sin(0.1 * np.arange(100)), hold=True)
     case = replace(draw(7, 0), kind="held noise", column=phocas(), motion=told)
     assert examine(case)["failures"] == []
