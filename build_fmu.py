@@ -1,6 +1,6 @@
 """Build an FMI 2.0 co-simulation FMU from the TOML file of a column.
 
-    multiblock build-fmu [COLUMN.toml] [-o FILE.fmu] [--record RECORD.AT2] [--native [--platforms NAME,...]]
+    multiblock build-fmu [COLUMN.toml] [-o FILE.fmu] [--record RECORD] [--native [--platforms NAME,...]]
     python build_fmu.py ...
 
 Packaging only. Inside the FMU the two packages carry the hash of their content in their names, so that two FMUs in one
@@ -44,6 +44,12 @@ COLUMNS_PACKAGE = "multiblock_columns"  # what examples/columns/ is called where
 BUILDER_PACKAGES = ("pythonfmu", "matplotlib")
 LEFT_AT_HOME = {
     "plots.py",
+    "record_plots.py",
+    "record_report.py",
+    "intensity.py",
+    "oscillator.py",
+    "wavelets.py",
+    "motion_options.py",
     "command_line.py",
     "__main__.py",
     "documentation.py",
@@ -100,7 +106,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.set_defaults(command=_build)
     parser.add_argument("column", nargs="?", type=Path, default=DEFAULT_COLUMN, help="TOML file (default: %(default)s)")
     parser.add_argument("-o", "--output", type=Path, help="FMU file (default: NAME.fmu in the current folder)")
-    parser.add_argument("--record", type=Path, metavar="FILE", help=".AT2 or .csv to put inside, added to the inputs")
+    parser.add_argument("--record", type=Path, metavar="FILE", help="record to put inside, added to the inputs")
     parser.add_argument("--native", action="store_true", help="compiled libraries instead of Python")
     known = ",".join(PLATFORMS)
     parser.add_argument("--platforms", default=known, help="of the native FMU, with commas (default: %(default)s)")

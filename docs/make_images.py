@@ -7,7 +7,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
-from solver import Column, Motion, Response, simulate
+from solver import Column, Motion, Response, simulate, wavelets
+from solver.record_plots import plot_records
 
 HERE = Path(__file__).resolve().parent
 EXAGGERATION = 60.0
@@ -123,6 +124,20 @@ def phocas() -> None:
         panel.spines[["top", "right"]].set_visible(False)
     top.set_title("0.05 g at 2 Hz", fontsize=9)
     figure.savefig(HERE / "images" / "phocas.png", dpi=130)
+    records()
+
+
+def records() -> None:
+    """Three motions by formula, each of 0.3 g, as `record --plot` draws records."""
+    pga = 0.3 * 9.80665
+    motions = {
+        "Ricker, 1 Hz": wavelets.ricker(pga, 1.0),
+        "Mavroeidis-Papageorgiou, 0.5 Hz, 2 cycles, 90 degrees": wavelets.mavroeidis_papageorgiou(
+            1.0, 0.5, 2.0, 0.5 * np.pi
+        ).scaled_to(pga),
+        "noise, 2.5 Hz, 20 s, seed 7": wavelets.filtered_noise(pga, 2.5, 20.0, 7),
+    }
+    plot_records(motions, HERE / "images" / "records.png")
 
 
 if __name__ == "__main__":

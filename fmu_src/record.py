@@ -8,19 +8,14 @@ from pathlib import Path
 
 import numpy as np
 
-from solver.errors import InputError
 from solver.motion import Motion
 
 SLACK = 1e-9  # of a sampling interval: times closer than this are the same
 
 
 def read_motion(path: Path) -> Motion:
-    """The motion in an .AT2 (g) or .csv (s, m/s2) file. Raises InputError that begins with `path`."""
-    readers = {".at2": Motion.from_at2, ".csv": Motion.from_csv}
-    reader = readers.get(path.suffix.lower())
-    if reader is None:
-        raise InputError(f"{path}: must end in .AT2 or .csv")
-    return reader(path)
+    """The motion in a file of one record that says all itself. Raises InputError that begins with `path`."""
+    return Motion.from_file(path)
 
 
 class Record:

@@ -223,7 +223,7 @@ def _parameters(column: Column, record: str) -> list[Variable]:
         start = getattr(column.settings, key)
         rows.append(parameter(f"solver.{key}", unit, text, ", ".join(start) if key == "without" else start))
     rows.append(parameter(RECORD_SCALE, "", "Factor on the record's accelerations", 1.0))
-    text = "Record added to the inputs: the name of the one inside the FMU, or the path of an .AT2 or .csv file"
+    text = "Record added to the inputs: name of the one inside the FMU, or path of one (AT2, ESM, K-NET, COSMOS, CSV)"
     rows.append(parameter(RECORD, "", text, record))
     return rows
 

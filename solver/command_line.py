@@ -1,4 +1,4 @@
-"""The command line of the solver: the commands `simulate` and `convert`, and how any command ends."""
+"""The command line of the solver: the commands `simulate`, `record` and `convert`, and how any command ends."""
 
 from __future__ import annotations
 
@@ -11,7 +11,17 @@ from typing import NoReturn
 from . import __version__
 from .column import FORMULATIONS, INTEGRATORS, Column
 from .errors import InputError, SolverError, needing, reading
-from .motion import STANDARD_GRAVITY, Motion
+from .motion import STANDARD_GRAVITY
+from .motion_options import (
+    FORMATS,
+    add_file_options,
+    add_motion_options,
+    check_file_options,
+    motion_of,
+    read_with_options,
+    told,
+)
+from .record_report import report
 from .response import Response
 from .simulate import OUTPUT_STEP, simulate
 
@@ -44,7 +54,7 @@ def program_parser(program: str, description: str) -> OneLineParser:
 def run_command(parser: argparse.ArgumentParser, arguments: Sequence[str] | None) -> int:
     """Call `options.command(options)` of what the parser reads; returns the exit code, 2 for a user's mistake."""
     try:
-        options = parser.parse_args(arguments)
+        options = _parsed(parser, arguments)
         options.command(options)
     except (InputError, SolverError, OSError) as error:
         print(f"{parser.prog}: {error}", file=sys.stderr)
@@ -52,13 +62,26 @@ def run_command(parser: argparse.ArgumentParser, arguments: Sequence[str] | None
     return 0
 
 
+def _parsed(parser: argparse.ArgumentParser, arguments: Sequence[str] | None) -> argparse.Namespace:
+    """Parse; a path behind options finds its place although argparse had given the optional MOTION up before them."""
+    options, rest = parser.parse_known_args(arguments)
+    names = getattr(options, "paths", ())
+    values = [getattr(options, name) for name in names if getattr(options, name) is not None]
+    late = [Path(text) for text in rest if not text.startswith("-")]
+    if len(late) < len(rest) or (len(values) + len(late) > len(names) and late):
+        parser.error(f"unrecognized arguments: {' '.join(rest)}")
+    if late:
+        for name, value in zip(names, values + late, strict=True):
+            setattr(options, name, value)
+    return options
+
+
 def add_commands(commands: argparse._SubParsersAction[OneLineParser]) -> None:
-    """Add `simulate` and `convert`."""
+    """Add `simulate`, `record` and `convert`."""
     run = commands.add_parser("simulate", help="response of a column to a base motion")
-    run.set_defaults(command=_simulate)
+    run.set_defaults(command=_simulate, paths=("motion",))
     run.add_argument("column", type=Path, metavar="COLUMN.toml", help="blocks, joints and solver settings")
-    run.add_argument("motion", type=Path, metavar="MOTION", help=".AT2 record in g, or .csv in s and m/s2")
-    run.add_argument("--scale", type=float, default=1.0, help="factor on the base acceleration")
+    add_motion_options(run)
     run.add_argument("--duration", type=float, metavar="S", help="s (default: that of the motion)")
     run.add_argument("--output-step", type=float, metavar="S", help=f"s between two rows (default: {OUTPUT_STEP})")
     run.add_argument("--formulation", help=f"{' or '.join(FORMULATIONS)} (default: the column's, as all that follow)")
@@ -68,23 +91,26 @@ def add_commands(commands: argparse._SubParsersAction[OneLineParser]) -> None:
     run.add_argument("-o", "--output", type=Path, metavar="FILE.csv", help="write the histories")
     run.add_argument("--plot", type=Path, metavar="FILE.png", help=f"draw the histories ({', '.join(PICTURES)})")
 
+    record = commands.add_parser("record", help="how strong records are: peaks, Arias intensity, response spectrum")
+    record.set_defaults(command=_record)
+    record.add_argument("records", type=Path, nargs="+", metavar="FILE", help=FORMATS)
+    add_file_options(record)
+    record.add_argument("--plot", type=Path, metavar="FILE.png", help=f"draw them ({', '.join(PICTURES)})")
+
     convert = commands.add_parser("convert", help="record -> the CSV that `fmpy simulate --input-file` takes")
-    convert.set_defaults(command=_convert)
-    convert.add_argument("record", type=Path, metavar="RECORD.AT2", help="PEER record in g")
+    convert.set_defaults(command=_convert, paths=("motion", "output"))
+    add_motion_options(convert)
     convert.add_argument("output", type=Path, metavar="MOTION.csv", help="time,base.ax,base.az in s and m/s2")
-    convert.add_argument("--scale", type=float, default=1.0, help="factor on the base acceleration")
 
 
 def _simulate(options: argparse.Namespace) -> None:
     # what stands in the way of an output is said before the run, not after it
     if options.output is not None:
         _check_suffix(options.output, ".csv")
-    if options.plot is not None:
-        _check_suffix(options.plot, *PICTURES)
-        with needing("plot", "matplotlib"):
-            import matplotlib  # noqa: F401
+    _check_picture(options.plot)
     column = _read_column(options.column)
-    motion = _read_motion(options.motion).scaled(options.scale)
+    motion, lines = motion_of(options)
+    print("\n".join(lines), end="\n" if lines else "")
     try:
         response = simulate(
             column,
@@ -109,11 +135,29 @@ def _simulate(options: argparse.Namespace) -> None:
         raise SolverError("not enough memory for the response: a larger --output-step may help") from None
 
 
+def _record(options: argparse.Namespace) -> None:
+    _check_picture(options.plot)
+    check_file_options(options.records, options)
+    motions = {}
+    for path in options.records:
+        record, motion = read_with_options(path, options, options.channel)
+        motions[path.name if path.name not in motions else str(path)] = motion
+        print(told(path, record))
+        with reading(path):
+            print(report(motion))
+    if options.plot is not None:
+        from .record_plots import plot_records
+
+        with reading(options.plot):
+            plot_records(motions, options.plot)
+        print(options.plot)
+
+
 def _convert(options: argparse.Namespace) -> None:
-    _check_suffix(options.record, ".AT2")
     _check_suffix(options.output, ".csv")
-    motion = _read_motion(options.record).scaled(options.scale)
+    motion, lines = motion_of(options)
     motion.to_csv(options.output)
+    print("\n".join(lines), end="\n" if lines else "")
     pga = motion.pga / STANDARD_GRAVITY
     print(f"{options.output}: {len(motion.time)} samples, {motion.duration:g} s, largest acceleration {pga:.4g} g")
 
@@ -123,9 +167,12 @@ def _read_column(path: Path) -> Column:
     return Column.from_toml(path)
 
 
-def _read_motion(path: Path) -> Motion:
-    _check_suffix(path, ".AT2", ".csv")
-    return Motion.from_csv(path) if path.suffix.lower() == ".csv" else Motion.from_at2(path)
+def _check_picture(path: Path | None) -> None:
+    """Raise InputError if a picture is wanted that cannot be drawn."""
+    if path is not None:
+        _check_suffix(path, *PICTURES)
+        with needing("plot", "matplotlib"):
+            import matplotlib  # noqa: F401
 
 
 def _check_suffix(path: Path, *known: str) -> None:

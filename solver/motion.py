@@ -1,36 +1,21 @@
-"""The motion of the base: a harmonic, samples, or a record read from CSV or AT2."""
+"""The motion of the base: a harmonic, samples, or a record."""
 
 from __future__ import annotations
 
-import csv
 import math
 import os
-import re
-from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .errors import FINITE, NOT_NEGATIVE, POSITIVE, InputError, check_number, reading, shown
+from .errors import FINITE, NOT_NEGATIVE, POSITIVE, InputError, check_number, reading
 from .files import whole_file
+from .records import STANDARD_GRAVITY as STANDARD_GRAVITY
+from .records import Record, read_record
+from .records.reader import read_at2, read_csv
 
-STANDARD_GRAVITY = 9.80665  # m/s2, the g of the records
-
-_CSV_HEADERS = (
-    ["time", "base.ax"],
-    ["time", "base.az"],
-    ["time", "base.ax", "base.az"],
-    ["time", "base.az", "base.ax"],
-)
-
-# the two forms of the fourth line of an AT2 file
-_FLAGS = re.IGNORECASE | re.ASCII
-_AT2_SIZE = (
-    re.compile(r"\s*NPTS\s*=\s*(?P<count>\d+)\s*,\s*DT\s*=\s*(?P<dt>[\d.+\-E]+)(?=\s*,?\s*(SEC.*)?$)(?!.*DT)", _FLAGS),
-    re.compile(r"\s*(?P<count>\d+)\s+(?P<dt>[\d.+\-E]+)\s+NPTS\s*,\s*DT", _FLAGS),
-)
-_AT2_UNITS = re.compile(r"\bunits\s+(of|are)\s+(g|\(g\))(?![\w/*])", re.IGNORECASE)
+SAME_INSTANT = 1e-6  # of the shortest sampling interval: two records' instants that close differ by rounding
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,6 +97,35 @@ class Motion:
         factor = check_number("factor", factor, FINITE, "a finite number")
         return replace(self, ax=factor * self.ax, az=factor * self.az, amplitude=factor * self.amplitude)
 
+    def scaled_to(self, pga: float) -> Motion:
+        """Return the motion scaled so that `pga` (m/s2) is its largest |ax|; az is scaled by the same factor.
+
+        Raises InputError unless pga is positive and ax is not zero throughout.
+        """
+        pga = check_number("pga", pga, POSITIVE, "a positive acceleration in m/s2")
+        if self.pga == 0.0:
+            raise InputError(f"pga = {pga}: ax is zero throughout and cannot be scaled to it")
+        return self.scaled(pga / self.pga)
+
+    def with_vertical(self, vertical: Motion) -> Motion:
+        """Return the motion with the ax of `vertical`, a record by itself, as its az.
+
+        Where the instants of the two differ, the motion has those of both, each component linear in between; every
+        sample is kept to the last bit. Beyond its own end the shorter component is zero from the next instant on.
+
+        Raises InputError unless both are linear samples and this one has no az of its own.
+        """
+        for motion, name in ((self, "horizontal"), (vertical, "vertical")):
+            if motion.hold or motion.amplitude:
+                raise InputError(f"{name} motion: must be linear samples, neither held nor harmonic")
+            if np.any(motion.az):
+                raise InputError(f"{name} motion: has az beside ax, must be one component")
+        both = np.union1d(self.time, vertical.time)
+        same = SAME_INSTANT * min(np.min(np.diff(self.time)), np.min(np.diff(vertical.time)))
+        time = both[np.concatenate([[True], np.diff(both) > same])]
+        ax, az = _at_instants(time, self, same), _at_instants(time, vertical, same)
+        return Motion(time, ax, az, float(time[-1] - time[0]))
+
     def mirrored(self) -> Motion:
         """Return the motion seen from behind: ax changes its sign, az does not."""
         return replace(self, ax=-self.ax, amplitude=-self.amplitude)
@@ -166,6 +180,7 @@ class Motion:
     def from_samples(cls, dt: float, ax: ArrayLike, az: ArrayLike | None = None, hold: bool = False) -> Motion:
         """Return a motion of samples at k dt; dt in s, ax and az (m,) m/s2, no az meaning zeros.
 
+        The door for arrays of other programs, e.g. obspy or eqsig (docs/records.md).
         Linear, it lasts (m - 1) dt and needs 2 samples; held, m dt and 1 sample. Raises InputError as `Motion` does.
         """
         dt = check_number("dt", dt, POSITIVE, "a positive time in s")
@@ -175,20 +190,44 @@ class Motion:
         return cls(time, ax, np.zeros_like(ax) if az is None else np.asarray(az), duration, hold)
 
     @classmethod
+    def from_file(
+        cls,
+        path: str | os.PathLike[str],
+        dt: float | None = None,
+        units: str | None = None,
+        channel: int | None = None,
+    ) -> Motion:
+        """Read a record in any of the known formats (docs/records.md), told apart by its content; piecewise linear.
+
+        dt (s) and units (g, m/s2 or cm/s2) are for plain columns, which say neither: with dt every number is a sample,
+        without it the first column is the time. channel, from 1, is for files that hold several.
+
+        Raises InputError that begins with `path`, with the line of the file where there is one.
+        """
+        record = read_record(path, dt, units, channel)
+        with reading(path):
+            return cls.from_record(record)
+
+    @classmethod
+    def from_record(cls, record: Record) -> Motion:
+        """Return the motion of a record that has been read; piecewise linear. Raises InputError as `Motion` does."""
+        return cls(record.time, record.ax, record.az, float(record.time[-1] - record.time[0]))
+
+    @classmethod
     def from_csv(cls, path: str | os.PathLike[str], hold: bool = False) -> Motion:
         """Read the file that `fmpy simulate --input-file` takes: `time,base.ax,base.az` in s and m/s2.
 
         One of base.ax and base.az may be absent, meaning zeros. Times need not be uniform. Held, the last sample lasts
-        as long as the one before. Header names must match exactly: FMPy takes zeros for a name that it does not know.
+        as long as the one before. Read as well, though not by FMPy: names in another case (FMPy takes zeros for a name
+        that it does not know), `;` or tabs between columns, blank lines at the end. `to_csv` writes what FMPy reads.
 
         Raises InputError that begins with `path` and, for a wrong row, its line number.
         """
-        with reading(path), open(path, encoding="utf-8", newline="") as file:
-            header, rows = _csv_rows(file)
-            columns = dict(zip(header, np.array(rows).T, strict=True))
-            time, zero = columns["time"], np.zeros(len(rows))
+        record = read_csv(path)
+        with reading(path):
+            time = record.time
             duration = time[-1] - time[0] + (time[-1] - time[-2] if hold else 0.0)
-            return cls(time, columns.get("base.ax", zero), columns.get("base.az", zero), float(duration), hold)
+            return cls(time, record.ax, record.az, float(duration), hold)
 
     @classmethod
     def from_at2(cls, path: str | os.PathLike[str]) -> Motion:
@@ -196,13 +235,25 @@ class Motion:
 
         Raises InputError that begins with `path` if units, number of samples, step or a value is not what it should be.
         """
-        with reading(path), open(path, encoding="utf-8") as file:
-            dt, samples = _at2_samples(list(file))
-            return cls.from_samples(dt, STANDARD_GRAVITY * np.array(samples))
+        record = read_at2(path)
+        with reading(path):
+            return cls.from_record(record)
+
+
+def _at_instants(time: NDArray[np.float64], motion: Motion, same: float) -> NDArray[np.float64]:
+    """Return ax at instants of which some are the motion's own but for rounding: its samples there, to the bit."""
+    values = np.interp(time, motion.time, motion.ax, left=0.0, right=0.0)
+    after = np.minimum(np.searchsorted(motion.time, time), len(motion.time) - 1)
+    for nearest in (after, np.maximum(after - 1, 0)):
+        own = np.abs(motion.time[nearest] - time) <= same
+        values[own] = motion.ax[nearest[own]]
+    return values
 
 
 def _checked_samples(key: str, values: ArrayLike, unit: str) -> NDArray[np.float64]:
     """Return a read-only float64 copy of `values` if it is a list of finite numbers."""
+    if isinstance(values, np.ma.MaskedArray) and np.ma.is_masked(values):
+        raise InputError(f"{key}: has gaps (masked values), must be numbers in {unit} throughout")
     try:
         given = np.asarray(values)
     except ValueError:  # ragged
@@ -215,57 +266,3 @@ def _checked_samples(key: str, values: ArrayLike, unit: str) -> NDArray[np.float
         raise InputError(f"{key}[{bad[0]}] = {samples[bad[0]]}: must be a finite number in {unit}")
     samples.setflags(write=False)
     return samples
-
-
-def _finite(line: int, text: str) -> float:
-    """Return the number that a field of a text file holds."""
-    try:
-        # Python's 1_000, and digits of other scripts, are no numbers elsewhere
-        number = float(text) if text.isascii() and "_" not in text else np.nan
-    except ValueError:
-        number = np.nan
-    if not np.isfinite(number):
-        raise InputError(f"line {line}: {shown(text)}: must be a finite number")
-    return number
-
-
-def _csv_rows(lines: Iterable[str]) -> tuple[list[str], list[list[float]]]:
-    """Return header and rows of a CSV file with increasing times in the first column."""
-    try:
-        table = list(csv.reader(lines, strict=True))
-    except csv.Error as error:
-        raise InputError(f"is not CSV: {error}") from error
-    header = table[0] if table else []
-    if header not in _CSV_HEADERS:
-        raise InputError(
-            f"line 1: {','.join(header)[:80]!r}: must be exactly 'time,base.ax,base.az' "
-            "(or without one of base.ax, base.az), no blanks, in this case"
-        )
-    rows: list[list[float]] = []
-    for line, texts in enumerate(table[1:], start=2):
-        if len(texts) != len(header):
-            raise InputError(f"line {line}: {len(texts)} values, must be {len(header)} as in the header")
-        row = [_finite(line, text) for text in texts]
-        if rows and not row[0] > rows[-1][0]:
-            raise InputError(f"line {line}: time = {row[0]}: must be later than the row before, {rows[-1][0]} s")
-        rows.append(row)
-    if len(rows) < 2:
-        raise InputError(f"{len(rows)} rows of samples, must be at least 2")
-    return header, rows
-
-
-def _at2_samples(lines: list[str]) -> tuple[float, list[float]]:
-    """Return the sampling interval in s and the samples in g of an AT2 file."""
-    if len(lines) < 4:
-        raise InputError(f"{len(lines)} lines, must be 4 header lines and the samples")
-    if not _AT2_UNITS.search(lines[2]):
-        raise InputError(f"line 3: {lines[2].strip()[:80]!r}: must say that the units are g, e.g. 'IN UNITS OF G'")
-    size = _AT2_SIZE[0].match(lines[3]) or _AT2_SIZE[1].match(lines[3])
-    if size is None:
-        raise InputError(
-            f"line 4: {lines[3].strip()[:80]!r}: must be like 'NPTS= 1559, DT= .02000 SEC' or '1559 .02 NPTS, DT'"
-        )
-    samples = [_finite(line, text) for line, row in enumerate(lines[4:], start=5) for text in row.split()]
-    if len(samples) != int(size["count"]):
-        raise InputError(f"{len(samples)} samples found, must be {size['count']} as NPTS says in line 4")
-    return _finite(4, size["dt"]), samples

@@ -51,7 +51,7 @@ NPTS=  5, DT= .02000 SEC
 """
 CSV = "time,base.ax,base.az\n0.0,0.1,-0.2\n0.02,0.3,0.1\n0.05,-1e-1,0\n"
 
-NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
+NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([dDeE][+-]?\d+)?")
 NUMBERS = ["nan", "-inf", "inf", "1e999", "-1", "0", "1e-320", "1e300", "1_0", "0x10", "1e5", "\u0663"]
 WORDS = ["true", "e", "[[block]]", "height", "mass", "NPTS", "\u00e9"]
 SIGNS = ['"', "'", "[", "]", "=", "\n", ",", ".", "-", "\x00", "\ufeff", "  ", "\t", "#"]
@@ -105,7 +105,11 @@ def motion_problem(path: Path) -> str | None:
         motion = read(path)
     except InputError as error:
         return _message_problem(path, error)
-    text = path.read_text(encoding="utf-8")
+    raw = path.read_bytes()
+    try:
+        text = raw.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        text = raw.decode("latin-1")
     plain = _plain_csv(text) if path.suffix == ".csv" else _plain_at2(text)
     if plain is None:
         return f"accepted: {text!r}"
@@ -122,7 +126,7 @@ def _message_problem(path: Path, error: InputError) -> str | None:
 def _numbers(fields: list[str]) -> list[float] | None:
     if not all(map(_is_number, fields)):
         return None
-    values = [float(field) for field in fields]
+    values = [float(re.sub("[dD]", "e", field)) for field in fields]
     return values if all(map(math.isfinite, values)) else None
 
 
@@ -131,14 +135,15 @@ def _is_number(field: str) -> bool:
 
 
 def _plain_csv(text: str) -> tuple[list[float], list[float], list[float]] | None:
-    lines = [line.rstrip("\r") for line in text.split("\n")]
-    if lines and lines[-1] == "":
+    lines = re.split(r"\r\n|\r|\n", text)
+    while lines and lines[-1].strip() == "":
         lines.pop()
-    unquoted = [re.sub(r'(^|(?<=,))"([^",]*)"(?=,|$)', r"\2", line) for line in lines]
-    header = unquoted[0].split(",") if unquoted else []
+    mark = next((mark for mark in ";\t" if lines and mark in lines[0]), ",")
+    unquoted = [re.sub(rf'(^|(?<={mark}))"([^"{mark}]*)"(?={mark}|$)', r"\2", line) for line in lines]
+    header = [name.strip().lower() for name in unquoted[0].split(mark)] if unquoted else []
     if sorted(header[1:]) not in (["base.ax"], ["base.az"], ["base.ax", "base.az"]) or header[0] != "time":
         return None
-    rows = [_numbers(line.split(",")) for line in unquoted[1:]]
+    rows = [_numbers(line.split(mark)) for line in unquoted[1:]]
     if len(rows) < 2 or any(row is None or len(row) != len(header) for row in rows):
         return None
     columns: dict[str, Any] = dict(zip(header, zip(*rows, strict=True), strict=True))
@@ -150,13 +155,14 @@ def _plain_csv(text: str) -> tuple[list[float], list[float], list[float]] | None
 
 
 def _plain_at2(text: str) -> tuple[Any, Any, Any] | None:
-    lines = text.split("\n")
+    lines = re.split(r"\r\n|\r|\n", text)
     if len(lines) < 5 or not re.search(r"units\s+of\s+g", lines[2], re.IGNORECASE):
         return None
     size = re.match(r"\s*NPTS\s*=\s*(\d+)\s*,\s*DT\s*=\s*([^\sS]+)", lines[3], re.ASCII)
     if size is None or not _is_number(size[2]):
         return None
-    values = _numbers(" ".join(lines[4:]).split())
+    parted = re.sub(r"(?<=\d)(?=[+-](\d+\.|\.\d))", " ", " ".join(lines[4:]))  # touching columns
+    values = _numbers(parted.split())
     dt = float(size[2])
     if values is None or len(values) != int(size[1]) or len(values) < 2 or not 0.0 < dt < math.inf:
         return None

@@ -117,7 +117,10 @@ def test_convert_writes_what_fmpy_reads(tmp_path: Path) -> None:
     (tmp_path / "RECORD.AT2").write_text(AT2, encoding="utf-8")
     run = solver(tmp_path, "convert", "RECORD.AT2", "motion.csv", "--scale", 2.0)
     assert (run.returncode, run.stderr) == (0, "")
-    assert run.stdout == "motion.csv: 5 samples, 0.08 s, largest acceleration 0.8 g\n"
+    assert run.stdout.splitlines() == [
+        "RECORD.AT2: PEER AT2, 5 samples, 0.08 s; A TEST, 000",
+        "motion.csv: 5 samples, 0.08 s, largest acceleration 0.8 g",
+    ]
     header, rows = read(tmp_path / "motion.csv")
     assert header == ["time", "base.ax", "base.az"]
     np.testing.assert_allclose(rows[:, 0], 0.02 * np.arange(5))
@@ -129,13 +132,13 @@ def test_convert_writes_what_fmpy_reads(tmp_path: Path) -> None:
     ("line", "message"),
     [
         ("", "required: COMMAND"),
-        ("draw", "'simulate', 'convert'"),
-        ("simulate", "required: COLUMN.toml, MOTION"),
+        ("draw", "'simulate', 'record', 'convert'"),
+        ("simulate", "required: COLUMN.toml"),
         ("simulate none.toml motion.csv", "none.toml: No such file"),
         ("simulate motion.csv motion.csv", "motion.csv: must end in .toml"),
         ("simulate {phocas} none.csv", "none.csv: No such file"),
-        ("simulate {phocas} {phocas}", "must end in .AT2 or .csv"),
-        ("simulate {phocas} .", ".: must end in .AT2 or .csv"),
+        ("simulate {phocas}", "MOTION: must be given, a record or --wavelet"),
+        ("simulate {phocas} {phocas}", "phocas.toml: no known header"),
         ("simulate {phocas} motion.csv --scale much", "argument --scale"),
         ("simulate {phocas} motion.csv --scale nan", "factor = nan"),
         ("simulate {phocas} motion.csv --duration -1", "duration = -1"),
@@ -152,7 +155,7 @@ def test_convert_writes_what_fmpy_reads(tmp_path: Path) -> None:
         ("simulate {phocas} motion.csv --plot none/response.png", "none/response.png: No such file"),
         ("simulate {phocas} motion.csv --step 0.5", "central differences are stable"),
         ("simulate {phocas} motion.csv --frob", "unrecognized arguments: --frob"),
-        ("convert motion.csv other.csv", "motion.csv: must end in .AT2"),
+        ("convert other.csv", "MOTION: must be given, a record or --wavelet"),
         ("convert none.AT2 other.csv", "none.AT2: No such file"),
         ("convert record.AT2 other.txt", "other.txt: must end in .csv"),
         ("convert record.AT2 none/other.csv", "none/other.csv: No such file"),

@@ -215,22 +215,59 @@ def test_recorded_ground_motions(records: Path, name: str, count: int, dt: float
     assert motion.pga / STANDARD_GRAVITY == pytest.approx(pga, abs=5e-4)
 
 
+# a horizontal and a vertical record
+
+
+def test_a_pair_of_equal_steps_is_taken_as_it_is() -> None:
+    pair = Motion.from_samples(0.1, [0.0, 1.0, -3.0]).with_vertical(Motion.from_samples(0.1, [2.0, 0.5, 0.25]))
+    assert_same(pair, Motion.from_samples(0.1, [0.0, 1.0, -3.0], [2.0, 0.5, 0.25]))
+
+
+@pytest.mark.parametrize(("one", "other"), [(0.01, 0.005), (0.005, 0.01), (0.02, 0.03), (0.01, 0.01 * (1.0 + 1e-15))])
+def test_a_pair_of_different_steps_keeps_every_sample(one: float, other: float) -> None:
+    rng = np.random.default_rng(3)
+    horizontal, vertical = (Motion.from_samples(dt, rng.normal(size=300)) for dt in (one, other))
+    pair = horizontal.with_vertical(vertical)
+    for motion, values in ((horizontal, pair.ax), (vertical, pair.az)):
+        nearest = np.abs(pair.time[:, None] - motion.time).argmin(axis=0)
+        assert len(set(nearest)) == len(motion.time)
+        np.testing.assert_allclose(pair.time[nearest], motion.time, rtol=0.0, atol=1e-9)
+        np.testing.assert_array_equal(values[nearest], motion.ax)
+        # linear in between, zero beyond the end
+        between = (pair.time[1:] + pair.time[:-1]) / 2.0
+        between = between[between < motion.end]
+        found = pair.acceleration(between)[0 if values is pair.ax else 1]
+        np.testing.assert_allclose(found, motion.acceleration(between)[0], atol=1e-12)
+        beyond = pair.time > motion.end + 1e-9
+        np.testing.assert_array_equal(values[beyond], 0.0)
+    steps = np.diff(pair.time)
+    assert np.min(steps) > 0.3 * min(one, other)  # no two instants that differ by rounding
+    assert pair.end == pytest.approx(max(horizontal.end, vertical.end), rel=1e-14)
+
+
+def test_scaled_to() -> None:
+    motion = Motion.from_samples(0.1, [0.0, 1.0, -4.0], [2.0, 0.0, 0.0])
+    scaled = motion.scaled_to(1.0)
+    np.testing.assert_array_equal(scaled.ax, [0.0, 0.25, -1.0])
+    np.testing.assert_array_equal(scaled.az, [0.5, 0.0, 0.0])
+    assert Motion.harmonic(2.0, 1.0, 3.0).scaled_to(0.5).amplitude == 0.5
+
+
 # mistakes
 
 
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("", "line 1: '': must be exactly 'time,base.ax,base.az'"),
-        ("time, base.ax\n0,0\n1,0\n", "line 1: 'time, base.ax': must be exactly"),
-        ("time,base.aX\n0,0\n1,0\n", "line 1: 'time,base.aX': must be exactly"),
-        ("base.ax,time\n0,0\n1,0\n", "line 1: 'base.ax,time': must be exactly"),
-        ("time\n0\n1\n", "line 1: 'time': must be exactly"),
-        ("time,base.ax,base.ax\n0,0,0\n1,0,0\n", "line 1: 'time,base.ax,base.ax': must be exactly"),
-        ("\ufefftime,base.ax\n0,0\n1,0\n", r"line 1: '\ufefftime,base.ax': must be exactly"),
-        ("0.0,0.1\n0.1,0.2\n", "line 1: '0.0,0.1': must be exactly"),
+        ("", "line 1: '': must be 'time,base.ax,base.az'"),
+        ("base.ax,time\n0,0\n1,0\n", "line 1: 'base.ax,time': must be 'time,base.ax"),
+        ("time\n0\n1\n", "line 1: 'time': must be 'time,base.ax"),
+        ("time,base.ax,base.ax\n0,0,0\n1,0,0\n", "line 1: 'time,base.ax,base.ax': must be 'time,base.ax"),
+        ("0.0,0.1\n0.1,0.2\n", "line 1: '0.0,0.1': must be 'time,base.ax"),
         ("time,base.ax\n", "0 rows of samples, must be at least 2"),
         ("time,base.ax\n0,1\n", "1 rows of samples, must be at least 2"),
+        ("time,base.ax\n0,1\n\n\n1,2\n", "line 3: 0 values, must be 2 as in the header"),
+        ("time;base.ax\n0;1\n1;0,5\n", "line 3: '0,5': must be a finite number"),
         ("time,base.ax\n0,1\n1\n", "line 3: 1 values, must be 2 as in the header"),
         ("time,base.ax\n0,1\n1,1,1\n", "line 3: 3 values, must be 2 as in the header"),
         ("time,base.ax\n0,1\n\n1,1\n", "line 3: 0 values, must be 2 as in the header"),
@@ -271,9 +308,9 @@ def test_bad_csv(tmp_path: Path, text: str, said: str) -> None:
         ("NPTS=  5", "NPTS=  6", "5 samples found, must be 6 as NPTS says in line 4"),
         ("NPTS=  5", "NPTS=  4", "5 samples found, must be 4 as NPTS says in line 4"),
         (" -0.05", "", "4 samples found, must be 5 as NPTS says in line 4"),
-        ("0.4 -0.05", "0.4-0.05", "line 6: '0.4-0.05': must be a finite number"),
+        ("0.4 -0.05", "0.4-5", "line 6: '0.4-5': must be a finite number"),
+        ("0.4 -0.05", "0.4********", "line 6: '0.4********': must be a finite number"),
         (".3\n", "nan\n", "line 5: 'nan': must be a finite number"),
-        (".1E-01", ".1D-01", "line 5: '.1D-01': must be a finite number"),
     ],
 )
 def test_bad_at2(tmp_path: Path, text: str, instead: str, said: str) -> None:
@@ -304,6 +341,7 @@ def motion_of(**changes: Any) -> Motion:
         (lambda: Motion.from_samples(0.1, [[1.0], [2.0]]), "ax: must be a one-dimensional array"),
         (lambda: Motion.from_samples(0.1, [[1.0], [2.0, 3.0]]), "ax: must be a one-dimensional array"),
         (lambda: Motion.from_samples(0.1, ["1.0", "2.0"]), "ax: must be a one-dimensional array of numbers"),
+        (lambda: Motion.from_samples(0.1, np.ma.array([1.0, 2.0], mask=[False, True])), "ax: has gaps (masked values)"),
         (lambda: Motion.from_samples(0.1, [1.0, np.inf]), "ax[1] = inf: must be a finite number in m/s2"),
         (lambda: Motion.from_samples(0.1, [1.0, 2.0], [1.0]), "az: 1 samples, must be 2, one for each time"),
         (lambda: Motion.from_samples(0.1, [1.0, 2.0], [1.0, np.nan]), "az[1] = nan: must be a finite number in m/s2"),
@@ -312,6 +350,20 @@ def motion_of(**changes: Any) -> Motion:
         (lambda: motion_of(duration=3.0), "duration = 3.0: must be the 2.0 s from first to last sample"),
         (lambda: motion_of(hold=True), "duration = 2.0: must be more than the 2.0 s from first to last sample"),
         (lambda: motion_of().scaled(np.inf), "factor = inf: must be a finite number"),
+        (lambda: motion_of().scaled_to(0.0), "pga = 0.0: must be a positive acceleration in m/s2"),
+        (lambda: motion_of().scaled_to(1.0), "pga = 1.0: ax is zero throughout and cannot be scaled to it"),
+        (
+            lambda: Motion.harmonic(1.0, 1.0, 1.0).with_vertical(motion_of()),
+            "horizontal motion: must be linear samples, neither held nor harmonic",
+        ),
+        (
+            lambda: motion_of().with_vertical(motion_of(hold=True, duration=3.0)),
+            "vertical motion: must be linear samples, neither held nor harmonic",
+        ),
+        (
+            lambda: motion_of().with_vertical(motion_of(az=[0.0, 1.0, 0.0])),
+            "vertical motion: has az beside ax, must be one component",
+        ),
     ],
 )
 def test_bad_values(make: Callable[[], Motion], said: str) -> None:
@@ -342,7 +394,7 @@ def test_files_that_cannot_be_reached(tmp_path: Path) -> None:
         with pytest.raises(InputError, match=r"absent: No such file or directory$"):
             read(tmp_path / "absent")
         (tmp_path / "binary").write_bytes(b"\xff\xfe\x00")
-        with pytest.raises(InputError, match="binary: is not UTF-8 text"):
+        with pytest.raises(InputError, match="binary: is not text"):
             read(tmp_path / "binary")
     with pytest.raises(InputError, match=r"No such file or directory$"):
         Motion.from_samples(0.1, [0.0, 1.0]).to_csv(tmp_path / "absent" / "motion.csv")

@@ -1,0 +1,184 @@
+"""How strong a base motion is: peaks, Arias intensity, significant duration, response spectrum."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import oscillator
+from .errors import POSITIVE, InputError, check_number
+from .motion import STANDARD_GRAVITY, Motion
+
+FloatArray = NDArray[np.float64]
+Component = Literal["ax", "az"]
+
+NAMES: dict[Component, str] = {"ax": "horizontal", "az": "vertical"}
+DAMPING = 0.05  # of critical, of the customary spectrum
+PERIODS = np.geomspace(0.05, 10.0, 120)  # s
+PER_PERIOD = 10  # at least so many samples to a period of an oscillator; the cubic between them leaves 1e-4
+PER_CYCLE = 400  # straight lines to a cycle of a harmonic
+
+
+@dataclass(frozen=True, eq=False)
+class Lines:
+    """One component of a motion as straight lines; zero before and after."""
+
+    time: FloatArray  # (m + 1,) s
+    before: FloatArray  # (m,) m/s2, at the start of each line
+    after: FloatArray  # (m,) m/s2, at its end
+
+    @property
+    def steps(self) -> FloatArray:
+        """Lengths of the lines, s."""
+        return np.diff(self.time)
+
+
+@dataclass(frozen=True, eq=False)
+class Histories:
+    """The base itself, integrated from rest as it is: nothing is taken away, so that a baseline error shows."""
+
+    time: FloatArray  # (m + 1,) s
+    velocity: FloatArray  # (m + 1,) m/s
+    displacement: FloatArray  # (m + 1,) m
+    husid: FloatArray  # (m + 1,) m/s, Arias intensity up to each instant
+
+
+@dataclass(frozen=True)
+class Intensity:
+    """Measures of one component. Velocity and displacement: integrated from rest, no baseline taken away."""
+
+    pga: float  # m/s2
+    pgv: float  # m/s
+    pgd: float  # m
+    final_velocity: float  # m/s; what is left at the end tells how far pgv and pgd can be trusted
+    final_displacement: float  # m
+    arias: float  # m/s
+    start: float  # s, when 5 % of the Arias intensity has come
+    end: float  # s, when 95 % of it has
+
+    @property
+    def significant_duration(self) -> float:
+        """From 5 to 95 % of the Arias intensity, s."""
+        return self.end - self.start
+
+
+@dataclass(frozen=True, eq=False)
+class Spectrum:
+    """Largest response of oscillators, the free vibration after the motion included."""
+
+    period: FloatArray  # (p,) s
+    sd: FloatArray  # (p,) m, relative displacement
+    damping: float  # of critical
+
+    @property
+    def psv(self) -> FloatArray:
+        """Pseudo-velocity, m/s."""
+        return 2.0 * np.pi / self.period * self.sd
+
+    @property
+    def psa(self) -> FloatArray:
+        """Pseudo-acceleration, m/s2."""
+        return (2.0 * np.pi / self.period) ** 2 * self.sd
+
+
+def components(motion: Motion) -> list[Component]:
+    """Return those components that are not zero throughout. Raises InputError if both are."""
+    there = [component for component in NAMES if np.any(getattr(motion, component))]
+    if motion.amplitude and "ax" not in there:
+        there.insert(0, "ax")
+    if not there:
+        raise InputError("the motion is zero throughout, must be an acceleration")
+    return there
+
+
+def lines_of(motion: Motion, component: Component = "ax") -> Lines:
+    """Return a component as straight lines: samples as they are, a harmonic by 400 to a cycle."""
+    samples: FloatArray = getattr(motion, component)
+    if motion.hold:
+        time, before, after = np.append(motion.time, motion.end), samples, samples
+    else:
+        time, before, after = motion.time, samples[:-1], samples[1:]
+    if motion.amplitude and component == "ax":
+        parts = np.ceil(PER_CYCLE * motion.frequency * np.diff(time)).astype(np.int64)
+        line = np.repeat(np.arange(len(parts)), parts)
+        within = (np.arange(len(line)) - np.repeat(np.cumsum(parts) - parts, parts)) / parts[line]
+        rise, step = (after - before)[line], np.diff(time)[line]
+        fine = np.append(time[line] + within * step, time[-1])
+        wave = motion.amplitude * np.sin(2.0 * np.pi * motion.frequency * (fine - motion.start))
+        flat = before[line] + within * rise
+        before, after = flat + wave[:-1], flat + rise / parts[line] + wave[1:]
+        time = fine
+    return Lines(time, before, after)
+
+
+def histories(motion: Motion, component: Component = "ax") -> Histories:
+    """Return velocity, displacement and Arias intensity over time; exact for samples."""
+    lines = lines_of(motion, component)
+    h, a, b = lines.steps, lines.before, lines.after
+    velocity = _running(h * (a + b) / 2.0)
+    displacement = _running(h * velocity[:-1] + h * h * (2.0 * a + b) / 6.0)
+    husid = np.pi / (2.0 * STANDARD_GRAVITY) * _running(h * (a * a + a * b + b * b) / 3.0)
+    return Histories(lines.time, velocity, displacement, husid)
+
+
+def intensity(motion: Motion, component: Component = "ax") -> Intensity:
+    """Return the measures of a component. Raises InputError if it is zero throughout."""
+    lines, base = lines_of(motion, component), histories(motion, component)
+    h, v, u = lines.steps, base.velocity[:, None], base.displacement[:, None]
+    arias = float(base.husid[-1])
+    if not arias > 0.0:
+        raise InputError(f"{component}: is zero throughout, must be an acceleration")
+    start, end = (float(np.interp(part * arias, base.husid, base.time)) for part in (0.05, 0.95))
+    return Intensity(
+        pga=motion.pga if component == "ax" else float(np.max(np.abs(motion.az))),
+        pgv=float(oscillator.peaks(h, v, lines.before[:, None], lines.after[:, None])[0]),
+        pgd=float(oscillator.peaks(h, u, v[:-1], v[1:])[0]),
+        final_velocity=float(v[-1, 0]),
+        final_displacement=float(u[-1, 0]),
+        arias=arias,
+        start=start,
+        end=end,
+    )
+
+
+def spectrum(
+    motion: Motion,
+    periods: Sequence[float] | FloatArray = PERIODS,
+    damping: float = DAMPING,
+    component: Component = "ax",
+) -> Spectrum:
+    """Return the response spectrum at periods (p,), s; damping of critical, at least 0 and less than 1.
+
+    Exact for the motion as straight lines from sample to sample; between two instants, at least ten to a period, the
+    peak is that of a cubic. Raises InputError on a period that is not positive or a wrong damping.
+    """
+    period = np.array([check_number("period", float(t), POSITIVE, "a positive time in s") for t in periods])
+    damping = check_number("damping", damping, (0.0, 0.999), "a part of critical, at least 0 and less than 1")
+    lines = lines_of(motion, component)
+    parts = np.maximum(1.0, 2.0 ** np.ceil(np.log2(PER_PERIOD * np.max(lines.steps) / period))).astype(np.int64)
+    sd = np.zeros(len(period))
+    for count in np.unique(parts):
+        chosen = np.flatnonzero(parts == count)
+        omega = 2.0 * np.pi / period[chosen]
+        rise = (lines.after - lines.before) / count
+        before = (lines.before[:, None] + rise[:, None] * np.arange(count)).ravel()
+        after = before + np.repeat(rise, count)
+        steps = np.repeat(_without_rounding(lines.steps) / count, count)
+        u, v = oscillator.response(steps, before, after, omega, damping)
+        free = oscillator.free_peak(u[-1], v[-1], omega, damping)
+        sd[chosen] = np.maximum(oscillator.peaks(steps, u, v[:-1], v[1:]), free)
+    return Spectrum(period, sd, damping)
+
+
+def _running(parts: FloatArray) -> FloatArray:
+    return np.concatenate([[0.0], np.cumsum(parts)])
+
+
+def _without_rounding(steps: FloatArray) -> FloatArray:
+    """Return the steps with those that differ by rounding made equal, so that few are different."""
+    unit = 1e-9 * float(np.max(steps))
+    return np.maximum(np.round(steps / unit), 1.0) * unit
