@@ -32,6 +32,8 @@ import numba
 import fmu_src
 import solver
 from fmu_src.host import CACHE_FOLDER, MACHINE_CODE, lasting_copy, user_cache
+from fmu_src.native import guard
+from fmu_src.native.library import has_tools
 from fmu_src.native.platforms import PLATFORMS
 from fmu_src.record import read_motion
 from fmu_src.variables import variables
@@ -209,7 +211,7 @@ def build_fmu(column_file: Path, output: Path | None = None, record: Path | None
             "documentation/signs.png": documentation.sign_conventions(),
         }
         extra |= {f"resources/{MACHINE_CODE}/{name}": code for name, code in machine_code.items()}
-        _repack(built, output, extra)
+        repack(built, output, extra)
     return output
 
 
@@ -255,10 +257,13 @@ def _carry_package(package: ModuleType, stage: Path, renamed: dict[str, str]) ->
     return name
 
 
-def _repack(source: Path, target: Path, extra: dict[str, bytes]) -> None:
-    """Write the archive and what is added to it compressed, in a fixed order and with a fixed date."""
+def repack(source: Path, target: Path, extra: dict[str, bytes]) -> None:
+    """Write the archive, guarded, and what is added to it compressed, in a fixed order and with a fixed date."""
     with zipfile.ZipFile(source) as old:
-        _write(target, {name: old.read(name) for name in old.namelist()} | extra)
+        files = {name: old.read(name) for name in old.namelist()}
+    if not has_tools():
+        print(f"build_fmu.py: {guard.WITHOUT}", file=sys.stderr)
+    _write(target, guard.guarded(files) | extra)
 
 
 def _write(target: Path, content: dict[str, bytes]) -> None:

@@ -55,7 +55,7 @@ def getters(folder: Path, options: argparse.Namespace) -> str:
     binary = folder / "empty.so"
     source = Path(__file__).with_name("reference_fmu.c")
     command = [sys.executable, "-m", "ziglang", "cc", "-target", "x86_64-linux-gnu.2.17", "-O2", "-shared", "-fPIC"]
-    command += ["-DVARIABLES=1000", f"-I{library.headers()}", str(source), "-o", str(binary)]
+    command += ["-DVARIABLES=100000", f"-I{library.headers()}", str(source), "-o", str(binary)]
     subprocess.run(command, check=True)
     with zipfile.ZipFile(fmu) as old, zipfile.ZipFile(empty, "w") as new:
         for name in old.namelist():

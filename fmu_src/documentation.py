@@ -75,6 +75,8 @@ def _row(variable: Variable) -> str:
         unit += f" ({DISPLAY_UNITS[unit][0]})"
     least, most = ("" if limit is None else f"{limit:g}" for limit in (variable.minimum, variable.maximum))
     limits = f"{least} to {most}" if most else f"from {least}" if least else ""
+    if variable.choice:
+        limits = ", ".join(f"{number} {word}" for word, number in variable.choice.items.items())
     start = "" if variable.start is None else str(variable.start)
     meaning = variable.description + (", tunable" if variable.variability == "tunable" else "")
     cells = [f"<td>{escape(text)}</td>" for text in (unit, start, limits, meaning)]

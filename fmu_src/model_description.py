@@ -12,7 +12,7 @@ from xml.etree.ElementTree import Element, SubElement
 from solver.column import Column
 from solver.motion import STANDARD_GRAVITY
 
-from .variables import START_TIME, STEP_SIZE, STOP_TIME, Variable
+from .variables import ROLES, START_TIME, STEP_SIZE, STOP_TIME, Variable
 
 AUTHOR = "The multiblock-fmu authors"
 LICENCE = "MIT"
@@ -100,7 +100,11 @@ def model_description(
     flags: Mapping[str, bool | int] = FLAGS,
     tool: str = "build_fmu.py with PythonFMU",
 ) -> Element:
-    """The root element; `name` is also the model identifier, `flags` are the capabilities, `tool` is what made it."""
+    """The root element; `name` is also the model identifier, `flags` are the capabilities, `tool` is what made it.
+
+    Inputs come first, then outputs, then parameters, otherwise as in the table.
+    """
+    table = sorted(table, key=lambda variable: ROLES.index(variable.causality))
     root = Element(
         "fmiModelDescription",
         fmiVersion="2.0",
@@ -124,6 +128,13 @@ def model_description(
         if unit in DISPLAY_UNITS:
             display, factor = DISPLAY_UNITS[unit]
             SubElement(element, "DisplayUnit", name=display, factor=_text(factor))
+    choices = {variable.choice.name: variable.choice for variable in table if variable.choice}
+    types = SubElement(root, "TypeDefinitions") if choices else None
+    for choice in choices.values():
+        assert types is not None
+        enumeration = SubElement(SubElement(types, "SimpleType", name=choice.name), "Enumeration")
+        for word, number in choice.items.items():
+            SubElement(enumeration, "Item", name=word, value=_text(number), description=choice.meanings[word])
     categories = SubElement(root, "LogCategories")
     for category, text in LOG_CATEGORIES.items():
         SubElement(categories, "Category", name=category, description=text)
@@ -135,18 +146,18 @@ def model_description(
         stepSize=_text(experiment.step),
     )
     listed = SubElement(root, "ModelVariables")
-    for reference, variable in enumerate(table):
-        listed.append(_scalar_variable(reference, variable))
+    for variable in table:
+        listed.append(_scalar_variable(variable))
     root.append(_structure(table))
     return root
 
 
-def _scalar_variable(reference: int, variable: Variable) -> Element:
+def _scalar_variable(variable: Variable) -> Element:
     """One ScalarVariable; parameters start where told, outputs are calculated, inputs have neither."""
     element = Element(
         "ScalarVariable",
         name=variable.name,
-        valueReference=str(reference),
+        valueReference=str(variable.reference),
         description=variable.description,
         causality=variable.causality,
         variability=variable.variability,
@@ -155,6 +166,7 @@ def _scalar_variable(reference: int, variable: Variable) -> Element:
     if initial:
         element.set("initial", initial)
     attributes = {
+        "declaredType": variable.choice.name if variable.choice else None,
         "unit": variable.unit or None,
         "displayUnit": DISPLAY_UNITS[variable.unit][0] if variable.unit in DISPLAY_UNITS else None,
         "min": variable.minimum,
@@ -167,22 +179,29 @@ def _scalar_variable(reference: int, variable: Variable) -> Element:
 
 
 def _structure(table: list[Variable]) -> Element:
-    """Outputs with their direct dependencies on inputs, and everything that initialization calculates."""
+    """Outputs and everything that initialization calculates, which are the same, with what each follows."""
     index = {variable.name: str(k) for k, variable in enumerate(table, start=1)}
+
+    def listed(names: tuple[str, ...]) -> str:
+        """Places of variables; the standard wants none twice."""
+        return " ".join(index[name] for name in names)
+
     structure = Element("ModelStructure")
     outputs = SubElement(structure, "Outputs")
     unknowns = SubElement(structure, "InitialUnknowns")
     for variable in table:
         if variable.causality == "output":
-            inputs = " ".join(index[name] for name in variable.depends_on)
-            SubElement(outputs, "Unknown", index=index[variable.name], dependencies=inputs)
-            SubElement(unknowns, "Unknown", index=index[variable.name])  # of every input and parameter
+            place = index[variable.name]
+            SubElement(outputs, "Unknown", index=place, dependencies=listed(variable.depends_on))
+            initial = {} if variable.initially is None else {"dependencies": listed(variable.initially)}
+            SubElement(unknowns, "Unknown", {"index": place, **initial})
     return structure
 
 
 def _date() -> str:
-    """When the FMU was made, if the environment says so as reproducible builds have it; else a date that is none."""
-    return time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime(int(os.environ.get("SOURCE_DATE_EPOCH", "315532800"))))
+    """When the FMU was made: now, unless the environment says otherwise as reproducible builds have it."""
+    seconds = os.environ.get("SOURCE_DATE_EPOCH")
+    return time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime(None if seconds is None else int(seconds)))
 
 
 def _text(value: float | int | bool | str) -> str:

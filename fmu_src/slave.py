@@ -1,12 +1,14 @@
 """The FMI lifecycle of one column: parameters in, steps made, outputs read. The numbers are the solver's.
 
 The wrapper knows three answers only: OK; Discard, when do_step returns False; and Fatal, when an exception reaches it,
-which would leave a dead instance behind. A step that cannot be made is discarded; whatever else is wrong ends in an
-exception whose damage is undone first (host.survive_exception), so that reset and free still work.
+which would leave a dead instance behind. A step that the solver cannot make is discarded: a shorter one, or another
+input, may do. Whatever no repetition can mend ends in an exception whose damage is undone first
+(host.survive_exception), so that reset and free still work; native/guard.c makes Error of that Fatal.
 """
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import json
 import math
@@ -22,12 +24,12 @@ from pythonfmu.enums import Fmi2Status
 
 from solver import __version__
 from solver.column import Column
-from solver.errors import FINITE, InputError, check_number
+from solver.errors import InputError, check_number
 from solver.kernels import layout as at
 from solver.packing import FloatArray
 from solver.stepper import Stepper
 
-from . import state
+from . import rules, state
 from .host import compile_by, finalize_at_exit, leave_search_path, survive_exception
 from .model_description import LOG_CATEGORIES, Experiment, column_description, model_description
 from .record import Record, read_motion
@@ -43,7 +45,6 @@ from .variables import (
     RECORD,
     RECORD_PGA,
     RECORD_SCALE,
-    ROTATION_INPUTS,
     Variable,
     column_from,
     parameter_names,
@@ -53,10 +54,10 @@ from .variables import (
 COLUMN_FILE = "column.json"
 GUID_FILE = "guid.txt"
 RECORD_FOLDER = "record"  # holds the record inside the FMU, if there is one
-TIME_SLACK = 1e-6  # of a step: how far a communication point may be from where the last step ended
-STEP_SLACK = 1e-6  # of a sampling interval: a communication step that is no longer than that but for rounding
 ARRAYS = ("state", "counters", "inputs")  # of the stepper: all that differs from one moment to another
-KINDS = ("Real", "Integer", "Boolean", "String")
+ROTATION = slice(JZ + 1, len(INPUTS))  # of the table: theta, omega, alpha
+# what the calls of FMI 2.0 get and set -> kinds of variables
+ACCESS = {"Real": ("Real",), "Integer": ("Integer", "Enumeration"), "Boolean": ("Boolean",), "String": ("String",)}
 
 
 class Mode(StrEnum):
@@ -71,19 +72,22 @@ class Mode(StrEnum):
 class Request:
     """References that a master asked for, and how to answer: it will ask for the same ones again."""
 
-    def __init__(self, references: list[int], table: list[Variable], kind: str) -> None:
+    def __init__(self, references: list[int], table: list[Variable], place_of: dict[int, int], kind: str) -> None:
+        self.places = []
         for reference in references:
-            if not (0 <= reference < len(table) and table[reference].kind == kind):
-                raise InputError(f"value reference {reference}: is not that of a {kind} variable")
+            place = place_of.get(reference)
+            if place is None or table[place].kind not in ACCESS[kind]:
+                raise InputError(rules.NO_VARIABLE % (reference, kind))
+            self.places.append(place)
         self.references = list(references)
-        self.needs_outputs = any(table[reference].causality == "output" for reference in references)
-        first = references[0] if references else 0
-        row = references == list(range(first, first + len(references)))
+        self.needs_outputs = any(table[place].causality == "output" for place in self.places)
+        first = self.places[0] if references else 0
+        row = self.places == list(range(first, first + len(references)))
         self.row = slice(first, first + len(references)) if row else None
 
     def of(self, values: list[Any]) -> list[Any]:
         """The values that the references stand for."""
-        return values[self.row] if self.row else [values[reference] for reference in self.references]
+        return values[self.row] if self.row else [values[place] for place in self.places]
 
 
 class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
@@ -105,20 +109,15 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
         self._stamp = state.Stamp(hashlib.sha256(column_text.encode()).hexdigest(), f"{__version__} ({__package__})")
         self._own_record = next(iter(sorted((resources / RECORD_FOLDER).glob("*"))), None)
         self._table = variables(self._column, self._own_record.name if self._own_record else "")
-        self._reference = {variable.name: k for k, variable in enumerate(self._table)}
-        self._values: list[Any] = [variable.start for variable in self._table]
-        theta = self._reference[ROTATION_INPUTS[0].name]
-        self._rotation = slice(theta, theta + len(ROTATION_INPUTS))
-        self._values[self._rotation] = [0.0] * len(ROTATION_INPUTS)
-        self._split = slice(self._rotation.stop, self._rotation.stop + at.SPLIT)
-        self._values[self._split] = [0.0] * at.SPLIT
-        self._parameters = slice(self._reference["g"], theta)
+        self._place = {variable.name: k for k, variable in enumerate(self._table)}
+        self._place_of = {variable.reference: k for k, variable in enumerate(self._table)}
+        self._values: list[Any] = [0.0 if variable.start is None else variable.start for variable in self._table]
         self._row = slice(len(INPUTS), len(INPUTS) + at.row_size(self._column.n))
-        self._values[self._row] = [0.0] * at.row_size(self._column.n)
-        self._verdict = [self._reference[item.name] for item in (OVERTURN_TIME, OVERTURN_JOINT, OVERTURNED)]
+        self._split = slice(self._row.stop, self._row.stop + at.SPLIT)
+        self._parameters = slice(self._place["g"], len(self._table))
+        self._verdict = [self._place[item.name] for item in (OVERTURN_TIME, OVERTURN_JOINT, OVERTURNED)]
         self._tell_verdict(-1.0, 0, False)
-        self._put(RECORD_PGA.name, 0.0)
-        self._requests = {kind: Request([], self._table, kind) for kind in KINDS}
+        self._requests = {kind: Request([], self._table, self._place_of, kind) for kind in ACCESS}
         self._mode = Mode.INSTANTIATED
         self._time = 0.0
         self._input_time = 0.0  # from which the slopes of the inputs count
@@ -149,21 +148,21 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
 
     def setup_experiment(self, start_time: float, stop_time: float | None, tolerance: float | None) -> None:
         """Take the start time; the solver's own tolerance is a parameter."""
-        self._check_mode("the experiment can be set up", Mode.INSTANTIATED)
+        self._check_mode(rules.WHEN_SET_UP, Mode.INSTANTIATED)
         if not math.isfinite(start_time):
-            self._fail(f"start time = {start_time}: must be a finite time in s")
+            self._fail(rules.START_TIME % start_time)
         self._time = self._input_time = start_time
         if tolerance is not None:
-            self.log(f"the experiment's tolerance, {tolerance}, is not used: solver.tolerance is the solver's")
+            self.log(rules.TOLERANCE % tolerance)
 
     def enter_initialization_mode(self) -> None:
         """From here on outputs can be read: they follow from inputs and parameters as they stand."""
-        self._check_mode("initialization can begin", Mode.INSTANTIATED)
+        self._check_mode(rules.WHEN_ENTERED, Mode.INSTANTIATED)
         self._mode = Mode.INITIALIZATION
 
     def exit_initialization_mode(self) -> None:
         """Build the column from the parameters as they stand."""
-        self._check_mode("initialization can end", Mode.INSTANTIATED, Mode.INITIALIZATION)
+        self._check_mode(rules.WHEN_EXITED, Mode.INSTANTIATED, Mode.INITIALIZATION)
         try:
             self._build()
             if self._stepper:
@@ -177,34 +176,44 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
     def terminate(self) -> None:
         """End the run; only reset, or a state got earlier, makes another one possible."""
         if self._mode == Mode.STEPPING and not self._shaken and self._stepper and self._stepper.time_spent > 0.0:
-            self._say(Fmi2Status.warning, "the base acceleration was zero for the whole run: is the input connected?")
+            self._say(Fmi2Status.warning, rules.NOT_SHAKEN)
         self._mode = Mode.TERMINATED
 
     def do_step(self, current_time: float, step_size: float) -> bool:
-        """Advance by step_size, s; False (Discard), a logged reason and the state as before if it cannot be done."""
+        """Advance by step_size, s; False (Discard), a logged reason and the state as before if it cannot be done.
+
+        A call that no shorter step makes right is an error.
+        """
+        reason = self._wrong_call(current_time, step_size)
+        if reason is not None:
+            self._fail(rules.NOT_MADE % (current_time, step_size, reason))
         try:
-            reason = self._step_problem(current_time, step_size)
+            reason = self._wrong_input()
             if reason is None:
                 self._advance(current_time, step_size)
                 return True
         except Exception as error:
             reason = _told(error)
-        self._say(Fmi2Status.discard, f"step from t = {current_time} s of {step_size} s not made: {reason}")
+        self._say(Fmi2Status.discard, rules.NOT_MADE % (current_time, step_size, reason))
         return False
 
-    def _step_problem(self, current_time: float, step_size: float) -> str | None:
-        """Why a step cannot even be tried."""
+    def _wrong_call(self, current_time: float, step_size: float) -> str | None:
+        """Why no step can be made here by these times."""
         if self._mode != Mode.STEPPING:
-            return "the run is terminated" if self._mode == Mode.TERMINATED else "the slave is not initialized"
+            return rules.ENDED if self._mode == Mode.TERMINATED else rules.NOT_BEGUN
         if not (math.isfinite(step_size) and step_size > 0.0):
-            return "the step must be a positive time"
-        if not abs(current_time - self._time) <= TIME_SLACK * step_size + 1e-12 * abs(self._time):
-            return f"the last step ended at t = {self._time} s"
-        given = self._given()
+            return rules.NOT_POSITIVE
+        if not abs(current_time - self._time) <= rules.TIME_SLACK * step_size + 1e-12 * abs(self._time):
+            return rules.LAST_ENDED % self._time
+        return None
+
+    def _wrong_input(self) -> str | None:
+        """Why no step can be made under the inputs as they stand."""
+        given = self._values[: len(INPUTS)]
         if not math.isfinite(sum(given)):
-            for variable, value in zip((*INPUTS, *ROTATION_INPUTS), given, strict=True):
+            for variable, value in zip(INPUTS, given, strict=True):
                 if not math.isfinite(value):
-                    return f"{variable.name} = {value}: must be a finite number in {variable.unit}"
+                    return rules.NOT_FINITE % (variable.name, value, variable.unit)
         return None
 
     def _advance(self, start: float, step: float) -> None:
@@ -219,7 +228,7 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
                 self._apply_parameters(stepper)
             self._input_time = start
             if record is None:
-                _set(stepper.inputs, start, values[AX], values[JX], values[AZ], values[JZ], *values[self._rotation])
+                _set(stepper.inputs, start, values[AX], values[JX], values[AZ], values[JZ], *values[ROTATION])
                 stepper.advance(start, step)
             else:
                 edges = record.edges(start, start + step)
@@ -234,14 +243,10 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
         self._time = start + step
         self._inputs_stand = self._outdated = True
         if not self._shaken:
-            self._shaken = record is not None or any(self._given())
-        if record is not None and not self._coarse_told and step > record.dt * (1.0 + STEP_SLACK):
+            self._shaken = record is not None or any(values[: len(INPUTS)])
+        if record is not None and not self._coarse_told and step > record.dt * (1.0 + rules.STEP_SLACK):
             self._coarse_told = True
-            self._say(
-                Fmi2Status.warning,
-                f"communication step = {step} s, the record's is {record.dt:.6g} s: the motion is followed sample by "
-                "sample, but the outputs show it at the communication points only",
-            )
+            self._say(Fmi2Status.warning, rules.COARSE % (step, record.dt))
 
     # --- state
 
@@ -269,7 +274,7 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
                 snapshot.check(self._stamp)
             self._restore(snapshot)
         except Exception as error:
-            self._fail(f"the state cannot be set: {_told(error)}")
+            self._fail(rules.NOT_SET % _told(error))
 
     def _restore(self, snapshot: state.Snapshot) -> None:
         """Become what the snapshot was taken of. An exception leaves the instance as it was."""
@@ -279,7 +284,7 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
         elif stepper is None or snapshot.built_from != self._built_from:
             values = snapshot.values.copy()
             values[self._parameters] = snapshot.built_from
-            record, name = self._loaded(values[self._reference[RECORD]], values[self._reference[RECORD_SCALE]])
+            record, name = self._loaded(values[self._place[RECORD]], values[self._place[RECORD_SCALE]])
             stepper = Stepper(self._described(values))
         if stepper is not None:
             if (record.digest if record else "") != snapshot.record:
@@ -301,7 +306,7 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
         return self._get(vrs, "Real")
 
     def get_integer(self, vrs: list[int]) -> list[int]:
-        """Values of Integer variables."""
+        """Values of Integer variables and enumerations."""
         return self._get(vrs, "Integer")
 
     def get_boolean(self, vrs: list[int]) -> list[bool]:
@@ -317,7 +322,7 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
         self._set(vrs, values, "Real")
 
     def set_integer(self, vrs: list[int], values: list[int]) -> None:
-        """No Integer can be set."""
+        """Set enumerations before the end of initialization."""
         self._set(vrs, values, "Integer")
 
     def set_boolean(self, vrs: list[int], values: list[bool]) -> None:
@@ -332,38 +337,39 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
         try:
             request = self._requests[kind]
             if vrs != request.references:
-                request = self._requests[kind] = Request(vrs, self._table, kind)
+                request = self._requests[kind] = Request(vrs, self._table, self._place_of, kind)
             if self._outdated and request.needs_outputs:
                 self._update()
             return request.of(self._values)
         except Exception as error:
-            self._fail(f"variables at t = {self._time} s: {_told(error)}")
+            self._fail(rules.NOT_READ % (self._time, _told(error)))
 
     def _set(self, vrs: list[int], values: list[Any], kind: str) -> None:
         if self._mode == Mode.TERMINATED:
-            self._fail("nothing can be set, the run is terminated")
-        for reference in vrs:
-            if not 0 <= reference < len(INPUTS):
-                self._check_settable(reference, kind)
-        for reference, value in zip(vrs, values, strict=True):
-            self._values[reference] = value
-            if self._parameters.start <= reference < self._parameters.stop:
+            self._fail(rules.NOTHING_SET)
+        places = [self._place_of.get(reference, -1) for reference in vrs]
+        for place, reference in zip(places, vrs, strict=True):
+            if not 0 <= place < len(INPUTS) or kind != "Real":
+                self._check_settable(place, reference, kind)
+        for place, value in zip(places, values, strict=True):
+            self._values[place] = value
+            if place >= self._parameters.start:
                 self._retune = self._mode == Mode.STEPPING
         self._input_time = self._time
         self._inputs_stand, self._outdated = False, True
 
-    def _check_settable(self, reference: int, kind: str) -> None:
-        known = 0 <= reference < len(self._table) and self._table[reference].kind == kind
-        if not known or self._table[reference].causality == "output":
-            self._fail(f"value reference {reference}: is not an input or a parameter of the kind {kind}")
-        variable = self._table[reference]
+    def _check_settable(self, place: int, reference: int, kind: str) -> None:
+        known = place >= 0 and self._table[place].kind in ACCESS[kind]
+        if not known or self._table[place].causality == "output":
+            self._fail(rules.NOT_SETTABLE % (reference, kind))
+        variable = self._table[place]
         if self._mode == Mode.STEPPING and variable.variability == "fixed":
-            self._fail(f"{variable.name}: can be set before the end of initialization only")
+            self._fail(rules.FIXED % variable.name)
 
     def _update(self) -> None:
         """Bring the outputs up to date."""
         if self._mode == Mode.INSTANTIATED:
-            raise InputError("outputs can be read from initialization on")
+            raise InputError(rules.TOO_EARLY)
         if self._mode == Mode.INITIALIZATION:
             self._build()
         stepper = self._stepper
@@ -388,7 +394,7 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
         """Let the base follow, from time t on, the inputs and the straight line (ax, jx, az, jz) of the record."""
         values = self._values
         gone = t - self._input_time
-        theta, omega, alpha = values[self._rotation]
+        theta, omega, alpha = values[ROTATION]
         ax, jx, az, jz = line
         _set(
             stepper.inputs,
@@ -402,23 +408,19 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
             alpha,
         )
 
-    def _given(self) -> list[float]:
-        """Values of all inputs."""
-        return [*self._values[: len(INPUTS)], *self._values[self._rotation]]
-
     # --- parameters
 
     def _described(self, values: list[Any] | None = None) -> Column:
         """The column that the parameters describe. Raises InputError."""
         values = self._values if values is None else values
         try:
-            return column_from(self._column.name, self._column.n, lambda name: values[self._reference[name]])
+            return column_from(self._column.name, self._column.n, lambda name: values[self._place[name]])
         except InputError as error:
             raise InputError(parameter_names(str(error))) from error
 
     def _loaded(self, name: str, scale: float) -> tuple[Record | None, str]:
         """The record of that name and what it is known by. Raises InputError."""
-        check_number(RECORD_SCALE, scale, FINITE, "a finite number")
+        check_number(RECORD_SCALE, scale, *rules.SCALE_LIMITS)
         if not name:
             return None, ""
         known_as = f"{name} times {scale}"
@@ -435,7 +437,7 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
             return
         values = self._values
         column = self._described()
-        record, name = self._loaded(values[self._reference[RECORD]], values[self._reference[RECORD_SCALE]])
+        record, name = self._loaded(values[self._place[RECORD]], values[self._place[RECORD_SCALE]])
         compile_by(lambda: Stepper(column))
         stepper = Stepper(column)
         compile_by(lambda: stepper.observe(self._time))
@@ -451,22 +453,23 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
         self._built_from = self._values[self._parameters]
 
     def _put(self, name: str, value: float | int | bool) -> None:
-        self._values[self._reference[name]] = value
+        self._values[self._place[name]] = value
 
     def _tell_verdict(self, *verdict: float | int | bool) -> None:
-        for reference, value in zip(self._verdict, verdict, strict=True):
-            self._values[reference] = value
+        for place, value in zip(self._verdict, verdict, strict=True):
+            self._values[place] = value
 
     # --- what is said
 
     def _check_mode(self, what: str, *modes: Mode) -> None:
         if self._mode not in modes:
-            self._fail(f"{what} after instantiation or reset only: the slave is in the state {self._mode}")
+            self._fail(rules.WRONG_MODE % (what, self._mode))
 
     def _say(self, status: Fmi2Status, message: str) -> None:
         """To the master's logger, and to stderr for those who did not turn it on."""
         self.log(message, status)
-        print(f"{self.instance_name}: {message}", file=sys.stderr)
+        with contextlib.suppress(OSError, ValueError):  # a host may have closed it
+            print(f"{self.instance_name}: {message}", file=sys.stderr)
 
     def _fail(self, message: str) -> NoReturn:
         """Say why and leave through the wrapper's only way out, with the instance alive behind it."""

@@ -35,7 +35,7 @@ class Snapshot(NamedTuple):
     shaken: bool  # whether the base has moved yet
     retune: bool  # whether a tunable parameter was set and has not acted yet
     inputs_stand: bool  # whether the inputs are those of the last step
-    values: list[Any]  # of all variables, by value reference
+    values: list[Any]  # of all variables, in the order of the table
     built_from: list[Any]  # parameters that the arrays follow from: a tunable one set since has not acted yet
     record: str  # hash of the record's samples, empty without one
     arrays: dict[str, NDArray[Any]]  # of the stepper; empty before there is one

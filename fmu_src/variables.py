@@ -1,27 +1,93 @@
-"""The one table of the FMU's variables; the slave and the model description both follow from it.
+"""The one table of the FMU's variables; slave, native layer and model description follow from it.
 
-Value references count the table's rows. Real variables come first, in the order of the slave's list of numbers: inputs,
-then one output row as the kernels write it (solver/kernels/layout.py), then what else is visible, then the parameters.
-What came later stands behind all that, so that references stay: rotation of the base, its reaction split.
+The table lists inputs, then outputs, then parameters. Inputs stand in the order of the kernels, and the outputs begin
+with one output row and the split reaction as the kernels write them (solver/kernels/layout.py).
+
+A variable's value reference is its own number, never its place in the table: `reference_of`.
 """
 
 from __future__ import annotations
 
 import re
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import accumulate
 from typing import Any
 
-from solver.column import SKIPS, Block, Column, Joint, Settings
+from solver.column import MAX_BLOCKS, NUMBERS, SKIPS, Block, Column, Joint, Settings
+from solver.errors import InputError
 from solver.motion import STANDARD_GRAVITY
 from solver.response import BASE_HISTORIES, BLOCK_HISTORIES
 
-# places of the inputs in the slave's list of values
+# places of the inputs in the table
 AX = 0
 AZ = 1
 JX = 2
 JZ = 3
+
+# Value references. Once given, a number stays: what is new takes the next free one, and what is dropped leaves a gap.
+REFERENCES = {
+    # inputs: from 1
+    "base.ax": 1,
+    "base.az": 2,
+    "base.jx": 3,
+    "base.jz": 4,
+    "base.theta": 5,
+    "base.omega": 6,
+    "base.alpha": 7,
+    # outputs of the column as a whole: from 1001
+    "base.Fx": 1001,
+    "base.Fz": 1002,
+    "base.My": 1003,
+    "base.R0x": 1004,
+    "base.R0z": 1005,
+    "base.R0m": 1006,
+    "base.mxx": 1007,
+    "base.mxz": 1008,
+    "base.mxt": 1009,
+    "base.mzz": 1010,
+    "base.mzt": 1011,
+    "base.mtt": 1012,
+    "overturn_time": 1013,
+    "overturn_joint": 1014,
+    "overturned": 1015,
+    "verdict": 1016,  # kept for an output of the enumeration Verdict
+    "base.record_pga": 1017,
+    # parameters of the column as a whole: from 2001
+    "g": 2001,
+    "solver.formulation": 2002,
+    "solver.integrator": 2003,
+    "solver.step": 2004,
+    "solver.tolerance": 2005,
+    "solver.without": 2006,
+    "base.record": 2007,
+    "base.record_scale": 2008,
+}
+# What every block or joint has: a family each, of 1000 numbers. Outputs from 10 on, parameters from 50 on.
+FAMILY = 1000
+FAMILIES = {
+    "block.ux": 10,
+    "block.uz": 11,
+    "block.theta": 12,
+    "joint.N": 13,
+    "joint.M": 14,
+    "joint.S": 15,
+    "joint.contact": 16,
+    "joint.sigma_max": 17,
+    "block.height": 50,
+    "block.width": 51,
+    "block.depth": 52,
+    "block.mass": 53,
+    "block.centroid": 54,
+    "block.inertia": 55,
+    "joint.stiffness": 56,
+    "joint.damping": 57,
+    "joint.width": 58,
+    "joint.depth": 59,
+}
+assert MAX_BLOCKS <= FAMILY
+
+ROLES = ("input", "output", "parameter")  # in the order of the table
 
 START_TIME = 0.0  # s
 STOP_TIME = 20.0  # s
@@ -29,11 +95,54 @@ STEP_SIZE = 1e-3  # s
 
 
 @dataclass(frozen=True)
-class Variable:
-    """One row of the table. A unit of "" is a pure number; `depends_on` names inputs that act without delay."""
+class Choice:
+    """An enumeration: what an Integer chooses. The numbers stay; the words are the solver's."""
 
     name: str
-    kind: str  # Real, Integer, Boolean or String
+    items: dict[str, int]  # word -> number
+    meanings: dict[str, str]
+
+    def word(self, key: str, number: object) -> str:
+        """The word that a number stands for. Raises InputError."""
+        for word, own in self.items.items():
+            if own == number:
+                return word
+        listed = ", ".join(f"{own} ({word})" for word, own in self.items.items())
+        raise InputError(f"{key} = {number}: must be one of {listed}")
+
+
+FORMULATION = Choice(
+    "Formulation",
+    {"exact": 1, "paper": 2},
+    {"exact": "Finite rotations", "paper": "First-order kinematics of the paper"},
+)
+INTEGRATOR = Choice(
+    "Integrator",
+    {"auto": 1, "central-difference": 2},
+    {"auto": "Chooses its methods and steps by solver.tolerance", "central-difference": "Steps of solver.step"},
+)
+CHOICES = {"solver.formulation": FORMULATION, "solver.integrator": INTEGRATOR}
+
+
+def reference_of(name: str) -> int:
+    """The value reference of a variable: that of REFERENCES, or 1000 times its family plus the number of its block."""
+    parts = re.fullmatch(r"(block|joint)\[(\d+)\]\.(\w+)", name)
+    if parts is None:
+        return REFERENCES[name]
+    owner, number, quantity = parts.groups()
+    return FAMILY * FAMILIES[f"{owner}.{quantity}"] + int(number)
+
+
+@dataclass(frozen=True)
+class Variable:
+    """One row of the table. A unit of "" is a pure number.
+
+    depends_on: inputs that act without delay. initially: what acts in initialization, None: everything may.
+    """
+
+    name: str
+    reference: int
+    kind: str  # Real, Integer, Boolean, String or Enumeration
     causality: str  # input, output or parameter
     variability: str
     description: str
@@ -43,10 +152,18 @@ class Variable:
     maximum: float | None = None
     nominal: float | None = None
     depends_on: tuple[str, ...] = ()
+    initially: tuple[str, ...] | None = None
+    choice: Choice | None = None  # of an Enumeration
 
 
 def _input(name: str, text: str, unit: str, nominal: float) -> Variable:
-    return Variable(name, "Real", "input", "continuous", text, unit, 0.0, nominal=nominal)
+    return Variable(name, reference_of(name), "Real", "input", "continuous", text, unit, 0.0, nominal=nominal)
+
+
+def _output(
+    name: str, unit: str, text: str, kind: str = "Real", variability: str = "continuous", **rest: Any
+) -> Variable:
+    return Variable(name, reference_of(name), kind, "output", variability, text, unit, **rest)
 
 
 _SLOPE = "Slope of base.a{} within a communication step, counted from its start; 0: held"
@@ -55,8 +172,6 @@ INPUTS = (
     _input("base.az", "Base acceleration, vertical, positive up", "m/s2", 1.0),
     _input("base.jx", _SLOPE.format("x"), "m/s3", 10.0),
     _input("base.jz", _SLOPE.format("z"), "m/s3", 10.0),
-)
-ROTATION_INPUTS = (
     _input("base.theta", "Rotation of the base, clockwise", "rad", 1e-3),
     _input("base.omega", "Rate of base.theta", "rad/s", 1e-2),
     _input("base.alpha", "Acceleration of base.theta, held within a communication step", "rad/s2", 0.1),
@@ -96,17 +211,21 @@ _SPLIT_OUTPUTS: dict[str, tuple[str, str, tuple[str, ...]]] = {
     "base.mzt": ("kg.m", _MASS.format("z alpha"), _TURNED),
     "base.mtt": ("kg.m2", _MASS.format("alpha alpha"), _TURNED),
 }
-OVERTURN_TIME = Variable(
-    "overturn_time", "Real", "output", "discrete", "Time of overturning, -1 while the column stands", "s"
+OVERTURN_TIME = _output(
+    "overturn_time", "s", "Time of overturning, -1 while the column stands", variability="discrete", initially=()
 )
-RECORD_PGA = Variable(
-    "base.record_pga", "Real", "output", "discrete", "Largest |ax| of the record inside the FMU, 0 without one", "m/s2"
+OVERTURN_JOINT = _output(
+    *("overturn_joint", "", "Joint over which the column has fallen, 0 while it stands"),
+    *("Integer", "discrete"),
+    initially=(),
 )
-OVERTURN_JOINT = Variable(
-    "overturn_joint", "Integer", "output", "discrete", "Joint over which the column has fallen, 0 while it stands"
+OVERTURNED = _output(
+    *("overturned", "", "Whether the column has overturned; then it is held"), *("Boolean", "discrete"), initially=()
 )
-OVERTURNED = Variable(
-    "overturned", "Boolean", "output", "discrete", "Whether the column has overturned; then it is held"
+RECORD_PGA = _output(
+    *("base.record_pga", "m/s2", "Largest |ax| of the record inside the FMU, 0 without one"),
+    variability="discrete",
+    initially=("base.record", "base.record_scale"),
 )
 
 # field of Block or Joint -> unit, description, whether 0 stands for "not given"
@@ -128,17 +247,13 @@ _JOINT_PARAMETERS = {
 TUNABLE = ("g", "joint.damping")
 RECORD = "base.record"
 RECORD_SCALE = "base.record_scale"
-# least and largest value of the parameters whose least is not 0 alone
-LIMITS: dict[str, tuple[float | None, float | None]] = {
-    RECORD_SCALE: (None, None),
-    "solver.tolerance": (1e-13, 0.1),
-}
+LISTED_BLOCKS = 10  # up to which the outputs of each block list what they follow in initialization: that grows with n2
 
 _SETTINGS_PARAMETERS = {
     "step": ("s", "Step of an integrator with a fixed step"),
     "tolerance": ("", "Error, relative to the peak, of an integrator that chooses its steps"),
-    "formulation": ("", "exact or paper"),
-    "integrator": ("", "auto or central-difference"),
+    "formulation": ("", "How the equations are written"),
+    "integrator": ("", "How they are integrated"),
     "without": ("", f"Short cuts not to be taken, with commas between: {', '.join(SKIPS)}"),
 }
 
@@ -148,28 +263,36 @@ def variables(column: Column, record: str = "") -> list[Variable]:
 
     record: name of the record inside the FMU, empty without one.
     """
-    table = [*INPUTS, *_outputs(column), OVERTURN_TIME, RECORD_PGA, *_parameters(column, record)]
-    reals = [variable for variable in table if variable.kind == "Real"]
-    others = [variable for variable in table if variable.kind != "Real"]
-    return [*reals, OVERTURN_JOINT, OVERTURNED, *others, *ROTATION_INPUTS, *_split_outputs(column)]
+    parameters = _parameters(column, record)
+    outputs = [*_row_outputs(column), *_split_outputs(column), OVERTURN_TIME, OVERTURN_JOINT, OVERTURNED, RECORD_PGA]
+    numerical = ("solver.integrator", "solver.step", "solver.tolerance", "solver.without")
+    described = tuple(item.name for item in parameters if item.name not in (*numerical, RECORD, RECORD_SCALE))
+    return [*INPUTS, *(_with_initial(output, column.n, described) for output in outputs), *parameters]
 
 
-def _outputs(column: Column) -> list[Variable]:
+def _with_initial(output: Variable, n: int, described: tuple[str, ...]) -> Variable:
+    """The output with what it follows in initialization; `described`: the parameters that the column at rest has."""
+    if output.initially is not None or ("[" in output.name and n > LISTED_BLOCKS):
+        return output
+    if output.name.endswith("].theta"):  # that of the base, to the last bit
+        return replace(output, initially=_TURNED)
+    record = (RECORD, RECORD_SCALE) if "base.ax" in output.depends_on else ()
+    return replace(output, initially=(*output.depends_on, *described, *record))
+
+
+def _row_outputs(column: Column) -> list[Variable]:
     sizes = _sizes(column)
     rows = []
     for name, _, output in sorted(BLOCK_HISTORIES, key=lambda history: history[1]):
         unit, description, minimum, maximum, inputs = _BLOCK_OUTPUTS[name]
         for i in range(1, column.n + 1):
-            text = description.format(i=i)
-            limits = {"minimum": minimum, "maximum": maximum, "nominal": sizes[name][i - 1]}
+            limits: dict[str, Any] = {"minimum": minimum, "maximum": maximum, "nominal": sizes[name][i - 1]}
             direct = () if inputs == _TURNING and i < column.n else inputs
-            rows.append(
-                Variable(output.format(i=i), "Real", "output", "continuous", text, unit, **limits, depends_on=direct)
-            )
+            rows.append(_output(output.format(i=i), unit, description.format(i=i), **limits, depends_on=direct))
     for name, _, output in sorted(BASE_HISTORIES, key=lambda history: history[1]):
         unit, text = _BASE_OUTPUTS[name]
         size = sizes["M" if name == "My" else "N"][-1]
-        rows.append(Variable(output, "Real", "output", "continuous", text, unit, nominal=size, depends_on=_ALL))
+        rows.append(_output(output, unit, text, nominal=size, depends_on=_ALL))
     return rows
 
 
@@ -179,7 +302,7 @@ def _split_outputs(column: Column) -> list[Variable]:
     width = column.blocks[-1].joint_width
     nominal = {"N": sizes["N"][-1], "N.m": sizes["M"][-1], "kg": mass, "kg.m": mass * width, "kg.m2": mass * width**2}
     return [
-        Variable(name, "Real", "output", "continuous", text, unit, nominal=nominal[unit], depends_on=inputs)
+        _output(name, unit, text, nominal=nominal[unit], depends_on=inputs)
         for name, (unit, text, inputs) in _SPLIT_OUTPUTS.items()
     ]
 
@@ -204,27 +327,32 @@ def _sizes(column: Column) -> dict[str, list[float]]:
 
 
 def _parameters(column: Column, record: str) -> list[Variable]:
-    def parameter(name: str, unit: str, text: str, start: float | str, tunable: bool = False) -> Variable:
-        variability = "tunable" if tunable else "fixed"
+    def parameter(name: str, unit: str, text: str, start: float | str | None, optional: bool = False) -> Variable:
+        key = name.rpartition(".")[2]
+        tunable = "g" if name == "g" else f"{name.partition('[')[0]}.{key}"
+        common = ("parameter", "tunable" if tunable in TUNABLE else "fixed", text, unit)
+        reference = reference_of(name)
+        if name in CHOICES:
+            choice = CHOICES[name]
+            return Variable(name, reference, "Enumeration", *common, choice.items[str(start)], choice=choice)
         if isinstance(start, str):
-            return Variable(name, "String", "parameter", variability, text, unit, start)
-        minimum, maximum = LIMITS.get(name, (0.0, None))
-        return Variable(name, "Real", "parameter", variability, text, unit, start, minimum, maximum)
+            return Variable(name, reference, "String", *common, start)
+        least, most = (None, None) if name == RECORD_SCALE else NUMBERS[key][0]
+        return Variable(name, reference, "Real", *common, start or 0.0, 0.0 if optional else least, most)
 
-    rows = [parameter("g", "m/s2", "Acceleration of gravity", column.g, "g" in TUNABLE)]
+    rows = [parameter("g", "m/s2", "Acceleration of gravity", column.g)]
     for i, block in enumerate(column.blocks, start=1):
-        for key, (unit, text, _) in _BLOCK_PARAMETERS.items():
-            rows.append(parameter(f"block[{i}].{key}", unit, text.format(i=i), getattr(block, key) or 0.0))
+        for key, (unit, text, optional) in _BLOCK_PARAMETERS.items():
+            rows.append(parameter(f"block[{i}].{key}", unit, text.format(i=i), getattr(block, key), optional))
     for i, block in enumerate(column.blocks, start=1):
-        for key, (unit, text, _) in _JOINT_PARAMETERS.items():
-            start = getattr(block.joint, key) or 0.0
-            rows.append(parameter(f"joint[{i}].{key}", unit, text.format(i=i), start, f"joint.{key}" in TUNABLE))
+        for key, (unit, text, optional) in _JOINT_PARAMETERS.items():
+            rows.append(parameter(f"joint[{i}].{key}", unit, text.format(i=i), getattr(block.joint, key), optional))
     for key, (unit, text) in _SETTINGS_PARAMETERS.items():
         start = getattr(column.settings, key)
         rows.append(parameter(f"solver.{key}", unit, text, ", ".join(start) if key == "without" else start))
-    rows.append(parameter(RECORD_SCALE, "", "Factor on the record's accelerations", 1.0))
     text = "Record added to the inputs: name of the one inside the FMU, or path of one (AT2, ESM, K-NET, COSMOS, CSV)"
     rows.append(parameter(RECORD, "", text, record))
+    rows.append(parameter(RECORD_SCALE, "", "Factor on the record's accelerations", 1.0))
     return rows
 
 
@@ -233,7 +361,7 @@ def parameter_names(message: str) -> str:
     return re.sub(r"block\[(\d+)\]\.joint\.", r"joint[\1].", message)
 
 
-def column_from(name: str, n: int, value: Callable[[str], float | str]) -> Column:
+def column_from(name: str, n: int, value: Callable[[str], float | int | str]) -> Column:
     """The column that the parameters describe; `value` looks one up by its name. Raises InputError."""
 
     def given(kind: str, i: int, key: str, optional: bool) -> float | None:
@@ -246,5 +374,8 @@ def column_from(name: str, n: int, value: Callable[[str], float | str]) -> Colum
         block = {key: given("block", i, key, optional) for key, (_, _, optional) in _BLOCK_PARAMETERS.items()}
         blocks.append(Block(joint=Joint(**joint), **block))  # type: ignore[arg-type]
     settings: dict[str, Any] = {key: value(f"solver.{key}") for key in _SETTINGS_PARAMETERS}
+    for key, choice in CHOICES.items():
+        setting = key.rpartition(".")[2]
+        settings[setting] = choice.word(key, settings[setting])
     settings["without"] = tuple(word.strip() for word in settings["without"].split(",") if word.strip())
     return Column(name, tuple(blocks), Settings(**settings), value("g"))  # type: ignore[arg-type]

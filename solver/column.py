@@ -214,28 +214,47 @@ def _check_name(name: object) -> None:
         )
 
 
+@dataclass(frozen=True)
+class Rule:
+    """What a number of a block, or of its joint, is held to beside the range of its key in NUMBERS."""
+
+    key: str
+    of_joint: bool = False
+    optional: bool = False  # follows from others where it is not given
+    bound: str = ""  # key of the block that it may not exceed, or with `strict` not reach
+    strict: bool = False
+    relation: str = ""
+
+
+# in the order in which they are checked
+BLOCK_RULES = (
+    *(Rule(key) for key in ("height", "width", "depth", "mass")),
+    Rule("centroid", False, True, "height", True, "must lie below the top face, height"),
+    Rule("inertia", optional=True),
+    Rule("stiffness", True),
+    Rule("damping", True),
+    *(Rule(key, True, True, key, False, f"must not exceed the block's {key}") for key in ("width", "depth")),
+)
+
+
 def _check_block(key: str, block: object) -> None:
     if not isinstance(block, Block):
         raise InputError(f"{key} = {shown(block)}: must be a Block")
     if not isinstance(block.joint, Joint):
         raise InputError(f"{key}.joint = {shown(block.joint)}: must be a Joint")
-    for name in ("height", "width", "depth", "mass"):
-        _check(f"{key}.{name}", getattr(block, name))
-    _check(f"{key}.centroid", block.resolved_centroid)
-    if not block.resolved_centroid < block.height:
-        raise InputError(
-            f"{key}.centroid = {block.resolved_centroid}: must lie below the top face, height = {block.height} m"
-        )
-    _check(f"{key}.inertia", block.resolved_inertia)
-    _check(f"{key}.joint.stiffness", block.joint.stiffness)
-    _check(f"{key}.joint.damping", block.joint.damping)
-    for name, contact, face in (
-        ("width", block.joint_width, block.width),
-        ("depth", block.joint_depth, block.depth),
-    ):
-        _check(f"{key}.joint.{name}", contact)
-        if contact > face:
-            raise InputError(f"{key}.joint.{name} = {contact}: must not exceed the block's {name} = {face} m")
+    for rule in BLOCK_RULES:
+        name = f"{key}.joint.{rule.key}" if rule.of_joint else f"{key}.{rule.key}"
+        value = _check(name, _resolved(block, rule))
+        bound = getattr(block, rule.bound) if rule.bound else None
+        if bound is not None and (value >= bound if rule.strict else value > bound):
+            raise InputError(f"{name} = {shown(value)}: {rule.relation} = {shown(bound)} m")
+
+
+def _resolved(block: Block, rule: Rule) -> object:
+    """The value that a rule is about, as the block has it or as it follows from others."""
+    if rule.of_joint:
+        return getattr(block, f"joint_{rule.key}") if rule.optional else getattr(block.joint, rule.key)
+    return getattr(block, f"resolved_{rule.key}" if rule.optional else rule.key)
 
 
 def _check_settings(key: str, settings: object) -> None:

@@ -47,9 +47,19 @@ GRANTED = {
     FAILED: {"step", "set"},  # the column is as it was before the step
 }
 
+NO_STEP = ("a step that is no positive time", "a step from another time")
 POSITIVE = {"height", "width", "depth", "mass", "stiffness"}
 LARGEST = 1e100  # m/s2: what inputs beyond make of the outputs is not judged
 SMALL, LARGE = 1e-6, 1e11  # parameters in between are refused for no size
+
+
+KINDS = ("Real", "Integer", "Enumeration", "Boolean", "String")
+
+
+def started(variables: dict[str, Any]) -> dict[str, Any]:
+    """The start values of the parameters."""
+    kinds: dict[str, Callable[[Any], Any]] = {"Real": float, "Enumeration": int, "String": str}
+    return {n: kinds[v.type](v.start) for n, v in variables.items() if v.causality == "parameter"}
 
 
 class RefusedError(Exception):
@@ -84,14 +94,15 @@ class Slave:
 
     def set(self, name: str, value: Any) -> None:
         variable = self.variables[name]
-        self.call(f"set{variable.type}", [variable.valueReference], [value])
+        kind = "Integer" if variable.type == "Enumeration" else variable.type
+        self.call(f"set{kind}", [variable.valueReference], [value])
 
     def get(self, names: list[str]) -> list[Any]:
         values = []
-        for kind in ("Real", "Integer", "Boolean", "String"):
+        for kind in KINDS:
             chosen = [self.variables[n].valueReference for n in names if self.variables[n].type == kind]
             if chosen:
-                values += self.call(f"get{kind}", chosen)
+                values += self.call(f"get{'Integer' if kind == 'Enumeration' else kind}", chosen)
         return values
 
     def free(self) -> None:
@@ -109,8 +120,7 @@ class Machine:
         self.mode = INSTANTIATED
         self.time = 0.0
         self.inputs: dict[str, Any] = {}
-        self.values = {n: v.start for n, v in self.slave.variables.items() if v.causality == "parameter"}
-        self.values = {n: (v if self.slave.variables[n].type == "String" else float(v)) for n, v in self.values.items()}
+        self.values = started(self.slave.variables)
         self.saved: list[tuple[Any, tuple[Any, ...]]] = []
         self.calls = 0
 
@@ -130,10 +140,9 @@ class Machine:
             key = name.rpartition(".")[2]
             contact = name.startswith("joint") and key in ("width", "depth")
             if key in ("formulation", "integrator"):
-                known = ("exact", "paper") if key == "formulation" else ("auto", "central-difference")
-                if value not in known:
+                if value not in (1, 2):
                     return "wrong"
-                sure = sure and value in ("exact", "auto")
+                sure = sure and value == 1
             elif isinstance(value, str):
                 sure = sure and value == self.slave.variables[name].start
             elif (
@@ -234,11 +243,7 @@ class Machine:
     def _reset(self) -> None:
         self.slave.call("reset")
         self.log, self.mode, self.time, self.inputs = [], INSTANTIATED, 0.0, {}
-        self.values = {
-            n: v.start if v.type == "String" else float(v.start)
-            for n, v in self.slave.variables.items()
-            if v.causality == "parameter"
-        }
+        self.values = started(self.slave.variables)
 
     def _set(self, name: str, value: Any) -> str | None:
         self.slave.set(name, value)
@@ -262,12 +267,7 @@ class Machine:
             return "a String got as a Real"
         if what == "parameters":
             names = list(self.values)
-            order = [
-                n
-                for kind in ("Real", "Integer", "Boolean", "String")
-                for n in names
-                if self.slave.variables[n].type == kind
-            ]
+            order = [n for kind in KINDS for n in names if self.slave.variables[n].type == kind]
             got = self.slave.get(names)
             for n, value in zip(order, got, strict=True):
                 value = value.decode() if isinstance(value, bytes) else value
@@ -283,9 +283,7 @@ class Machine:
     def _judge_outputs(self, values: list[Any]) -> None:
         if self._input_is_wrong():
             return
-        names = [
-            v.name for kind in ("Real", "Integer", "Boolean", "String") for v in self.slave.outputs if v.type == kind
-        ]
+        names = [v.name for kind in KINDS for v in self.slave.outputs if v.type == kind]
         for name, value in zip(names, values, strict=True):
             if isinstance(value, float) and not math.isfinite(value):
                 raise ProblemError(f"{name} = {value} under inputs and parameters that were accepted")
@@ -297,9 +295,9 @@ class Machine:
     def _step(self, offset: float, h: float) -> str | None:
         wrong = None
         if not (math.isfinite(h) and h > 0.0):
-            wrong = "a step that is no positive time"
+            wrong = NO_STEP[0]
         elif offset:
-            wrong = "a step from another time"
+            wrong = NO_STEP[1]
         elif not all(math.isfinite(v) for v in self.inputs.values()):
             wrong = "an input that is no number"
         elif self._parameters() == "wrong":
@@ -307,6 +305,8 @@ class Machine:
         try:
             self.slave.call("doStep", self.time + offset, h)
         except RefusedError as refused:
+            if refused.status == DISCARD and wrong in NO_STEP:
+                raise ProblemError(f"{wrong} was discarded: a master would try a shorter one") from refused
             moderate = all(abs(v) <= 20.0 for v in self.inputs.values()) and self._parameters() == "right"
             if self.mode == COMPLETE and wrong is None and moderate and 1e-6 <= h <= 0.1:
                 raise ProblemError(f"a usual step of {h} s was refused with status {refused.status}") from refused

@@ -24,8 +24,8 @@ NAN, INF = float("nan"), float("inf")
 WRONG = [NAN, INF, -INF, -1.0, 0.0, -0.0, 5e-324, 1e-300, 1e300, 1.7976931348623157e308]
 STEPS = [1e-3, 1e-2, 0.05, 1e-6, 1e-12, 0.009999999999999998, 0.0, -1e-3, NAN, INF]
 NAMES = {
-    "solver.formulation": ["exact", "paper", "", "Exact"],
-    "solver.integrator": ["auto", "central-difference", "x"],
+    "solver.formulation": [1, 2, 0, 3],
+    "solver.integrator": [1, 2, -1],
 }
 
 

@@ -9,6 +9,11 @@ from fmpy import extract, read_model_description
 from fmpy.fmi2 import FMU2Slave
 
 
+def called(variable: Any) -> str:
+    """What the calls of FMI 2.0 name the kind of a variable."""
+    return "Integer" if variable.type == "Enumeration" else str(variable.type)
+
+
 class Instance:
     """An FMU extracted, instantiated and, unless asked not to, initialized."""
 
@@ -41,9 +46,12 @@ class Instance:
         self.fmi.exitInitializationMode()
 
     def set(self, values: Mapping[str, Any]) -> None:
+        """Set variables; an enumeration by its number or by its word."""
         for name, value in values.items():
             variable = self.variables[name]
-            getattr(self.fmi, f"set{variable.type}")([variable.valueReference], [value])
+            if variable.type == "Enumeration" and isinstance(value, str):
+                value = {item.name: int(item.value) for item in variable.declaredType.items}[value]
+            getattr(self.fmi, f"set{called(variable)}")([variable.valueReference], [value])
 
     def get(self, *names: str) -> list[Any]:
         """The values of some variables, or of all outputs."""
@@ -51,7 +59,7 @@ class Instance:
         values = []
         for name in names:
             variable = self.variables[name]
-            values += getattr(self.fmi, f"get{variable.type}")([variable.valueReference])
+            values += getattr(self.fmi, f"get{called(variable)}")([variable.valueReference])
         return values
 
     def step(self, t: float, h: float) -> None:

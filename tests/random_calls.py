@@ -15,7 +15,7 @@ from fmpy.fmi2 import fmi2Integer, fmi2Real, fmi2ValueReference
 from instance import Instance
 
 NUMBERS = [0.0, 1.0, -1.0, 0.01, 1e-7, 1e300, float("nan"), float("inf")]
-WORDS = ["", "exact", "paper", "auto", "rest", "nonsense", "x" * 400]
+WORDS = ["", "rest", "elastic, rest", "nonsense", "x" * 400]
 
 
 class Caller:
@@ -78,7 +78,9 @@ class Caller:
         variable = self.column.variables[name]
         start = float(variable.start or 0.0) if variable.type == "Real" else 0.0
         numbers = [0.0, -1.0, float("nan"), float("inf"), 0.9 * start, 1.1 * start, start]
-        self.column.set({name: self.some.choice(WORDS if variable.type == "String" else numbers)})
+        kinds: dict[str, list[Any]] = {"String": WORDS, "Enumeration": [0, 1, 1, 2, 7]}
+        values = kinds.get(variable.type, numbers)
+        self.column.set({name: self.some.choice(values)})
 
     def push(self) -> None:
         self.column.set({"base.ax": self.some.uniform(-2.0, 2.0)})

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from child import call, command, ended, returned
 from fmpy import read_model_description
-from fmus import ROOT, Fmus, environment, read_results, run
+from fmus import REFUSED, ROOT, Fmus, environment, read_results, run
 from inside import failures, imports, runs
 
 from solver import Column, Motion, simulate
@@ -115,8 +115,8 @@ def test_start_values_change_the_column(fmus: Fmus, tmp_path: Path) -> None:
         "joint[3].width": 1.2,
         "joint[2].damping": 2e-3,
         "g": 9.0,
-        "solver.formulation": "paper",
-        "solver.integrator": "central-difference",
+        "solver.formulation": 2,  # paper
+        "solver.integrator": 2,  # central-difference
         "solver.step": 2e-4,
     }
     result = fmpy_run(tmp_path, fmus.damped, 1.0, 1e-2, 0.02, 2.0, changes)
@@ -202,7 +202,7 @@ def test_recorded_motions_run_on_the_command_line(
         ("joint[2].stiffness", 0.0, "joint[2].stiffness = 0.0: must be a positive"),
         ("block[3].mass", float("nan"), "block[3].mass = nan: must be a positive mass"),
         ("solver.tolerance", 7.0, "solver.tolerance = 7.0: must be"),
-        ("solver.integrator", "rk4", "solver.integrator = 'rk4': must be one of"),
+        ("solver.integrator", 3, "solver.integrator = 3: must be one of 1 (auto), 2 (c"),
     ],
 )
 def test_a_wrong_parameter_is_refused_in_one_line_and_the_instance_lives_on(
@@ -217,13 +217,14 @@ def test_a_wrong_parameter_is_refused_in_one_line_and_the_instance_lives_on(
     assert len(done.stderr.strip().splitlines()) == 1
 
 
-def test_impossible_steps_are_discarded_with_a_reason_and_possible_ones_still_work(fmus: Fmus) -> None:
+def test_impossible_steps_are_refused_with_a_reason_and_possible_ones_still_work(fmus: Fmus) -> None:
     done = ended(failures.impossible_steps, fmus.damped)
     assert done.returncode == 0, done.stderr
     first, *refused, last = returned(done.stdout)
     assert (first, last) == ("ok", "ok")
     assert len(refused) == 5
-    assert all("status 2 (discard)" in answer for answer in refused)
+    assert all(f"({REFUSED})" in answer for answer in refused[:4])
+    assert "status 2 (discard)" in refused[4]  # another input may do
     lines = done.stderr.strip().splitlines()
     assert len(lines) == 5
     for line, reason in zip(
@@ -241,8 +242,11 @@ def test_shear_and_reaction_follow_the_input_of_the_same_instant(fmus: Fmus) -> 
 
 
 def test_the_same_input_builds_the_same_bytes(fmus: Fmus, tmp_path: Path) -> None:
-    again = fmus.build(ROOT / "examples/columns/phocas.toml", tmp_path / "again.fmu")
-    assert again.read_bytes() == fmus.phocas.read_bytes()
+    built = []
+    for name in ("once", "again"):
+        column = ROOT / "examples/columns/phocas.toml"
+        built.append(fmus.build(column, tmp_path / f"{name}.fmu", SOURCE_DATE_EPOCH="1700000000").read_bytes())
+    assert built[0] == built[1]
 
 
 def test_without_a_writable_cache_it_is_slower_but_works(fmus: Fmus, tmp_path: Path) -> None:

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import re
 import zipfile
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
+from child import call
 from fmus import ROOT, Fmus, run
+from inside import initialization
 
 from fmu_src.documentation import drawing
 from solver import Column
@@ -34,7 +37,8 @@ def root(archive: dict[str, bytes]) -> ElementTree.Element:
 def test_says_who_made_it_and_what_it_can_do(root: ElementTree.Element) -> None:
     assert root.get("author") == "The multiblock-fmu authors"
     assert root.get("license") == "MIT"
-    assert re.fullmatch(r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\dZ", root.get("generationDateAndTime") or "")
+    made = datetime.strptime(root.get("generationDateAndTime") or "", "%Y-%m-%dT%H:%M:%S%z")
+    assert timedelta(0) <= datetime.now(UTC) - made < timedelta(hours=2)
     simulation = root.find("CoSimulation")
     assert simulation is not None
     for flag in ("canGetAndSetFMUstate", "canSerializeFMUstate", "canHandleVariableCommunicationStepSize"):
@@ -83,6 +87,23 @@ def test_unknowns_stand_in_order_and_feedthrough_is_declared(root: ElementTree.E
         assert inputs == direct_inputs(name or ""), name
 
 
+def test_initial_unknowns_follow_what_is_declared_and_nothing_else(fmus: Fmus, root: ElementTree.Element) -> None:
+    names = [variable.get("name") or "" for variable in root.iter("ScalarVariable")]
+    declared = {
+        names[int(unknown.get("index", "0")) - 1]: {names[int(k) - 1] for k in unknown.get("dependencies", "").split()}
+        for unknown in root.iterfind("ModelStructure/InitialUnknowns/Unknown")
+    }
+    followed = call(initialization.followers, fmus.damped)
+    for given, outputs in followed.items():
+        for output in outputs:
+            assert given in declared[output], f"{output} follows {given}"
+    for output in ("base.Fx", "joint[1].S"):
+        assert {"base.ax", "base.theta"} <= {given for given, outputs in followed.items() if output in outputs}, output
+    assert "joint[3].S" in followed["base.az"]
+    assert followed["base.jx"] == followed["solver.tolerance"] == []
+    assert "block[1].theta" in followed["base.theta"]
+
+
 def direct_inputs(name: str) -> set[str]:
     """What an output of a column of three blocks follows without delay."""
     if name.endswith((".ux", ".uz")) or name.startswith("base.m"):
@@ -105,7 +126,10 @@ def test_the_documentation_explains_every_variable(archive: dict[str, bytes], ro
 
 def test_carries_both_binaries_and_only_what_it_needs(archive: dict[str, bytes]) -> None:
     binaries = {name for name in archive if name.startswith("binaries/")}
-    assert binaries == {"binaries/linux64/phocas_damped.so", "binaries/win64/phocas_damped.dll"}
+    assert binaries - {"binaries/linux64/pythonfmu.so"} == {
+        "binaries/linux64/phocas_damped.so",
+        "binaries/win64/phocas_damped.dll",
+    }
     here = (str(ROOT), str(Path.home()))
     for name, content in archive.items():
         if name.startswith(("resources/machine_code", "modelDescription", "documentation")):

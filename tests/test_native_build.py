@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 import importlib.util
+import inspect
+import re
 import subprocess
 import sys
+import tempfile
 import zipfile
+from collections.abc import Callable
 from pathlib import Path
+from typing import cast
 
 import pytest
 from child import call
@@ -15,7 +20,13 @@ from fmus import ROOT, Fmus, finish, run
 from inside import inputs
 
 from build_fmu import main
-from fmu_src.native import library, symbols
+from fmu_src import rules
+from fmu_src.native import library, symbols, table
+from fmu_src.native.package import contents_of
+from solver import Column
+from solver.column import SKIPS
+from solver.kernels import pointers
+from solver.packing import SKIP_CODES
 
 if importlib.util.find_spec("ziglang") is None:
     pytest.skip("needs ziglang, the extra native", allow_module_level=True)
@@ -92,7 +103,8 @@ def test_what_is_needed_is_printed_and_the_same_input_builds_the_same_bytes(tmp_
     for k in range(2):
         output = tmp_path / f"{k}.fmu"
         done = finish(
-            sys.executable, ROOT / "build_fmu.py", DAMPED, "-o", output, *("--native", "--platforms", "linux64")
+            *(sys.executable, ROOT / "build_fmu.py", DAMPED, "-o", output, "--native", "--platforms", "linux64"),
+            SOURCE_DATE_EPOCH="1700000000",
         )
         assert done.returncode == 0
         assert "linux64 (ELF x86-64) needs: " in done.stderr
@@ -114,3 +126,76 @@ def test_without_ziglang_the_build_says_so(
     )
     assert main([str(DAMPED), "-o", str(tmp_path / "x.fmu"), "--native"]) == 2
     assert 'pip install "multiblock-fmu[native]"' in capsys.readouterr().err
+
+
+# --- the contract between Python and C
+
+
+def written(folder: Path) -> Path:
+    """A folder with the header files of the damped example."""
+    folder.mkdir()
+    for name, text in table.headers(contents_of(Column.from_toml(DAMPED))).items():
+        (folder / name).write_text(text, encoding="utf-8")
+    return folder
+
+
+def compile_core(folder: Path) -> str:
+    """What the compiler says to core.c with the headers in a folder; nothing if it is content."""
+    core = library.SOURCES[0]
+    options = ("-std=c11", "-Wall", "-Wextra", "-Werror", "-c", f"-I{folder}", core, "-o", folder / "core.o")
+    return finish(sys.executable, "-m", "ziglang", "cc", *options).stderr
+
+
+def test_the_core_knows_no_names_of_a_standard() -> None:
+    core = "".join(path.read_text(encoding="utf-8") for path in (library.SOURCES[0], *library.OWN_HEADERS))
+    assert not re.search(r"\bfmi\d", re.sub(r"/\*.*?\*/", "", core, flags=re.DOTALL), re.IGNORECASE)
+
+
+def test_every_kernel_is_given_all_its_arguments_by_name() -> None:
+    """What a list of named initializers leaves out would be zero, and no compiler says so."""
+    core = library.SOURCES[0].read_text(encoding="utf-8")
+    groups = {
+        name: re.findall(r"\.(\w+) = ", text)
+        for name, text in re.findall(r"#define (COLUMN|RECORD)\(i\)((?:.*\\\n)+.*\n)", core)
+    }
+    for entry in pointers.ENTRIES:
+        (call,) = re.findall(rf"\b{entry.__name__}\(\({entry.__name__.title()}\){{(.*?)}}\)", core, re.DOTALL)
+        named = re.findall(r"\.(\w+) = ", call)
+        for group, names in groups.items():
+            named += names if f"{group}(instance)" in call else []
+        assert sorted(named) == sorted(inspect.signature(cast(Callable[..., object], entry)).parameters), entry.__name__
+
+
+def test_a_kernel_that_takes_another_argument_does_not_compile(tmp_path: Path) -> None:
+    folder = written(tmp_path / "headers")
+    assert compile_core(folder) == ""
+    contract = (folder / "contract.h").read_text(encoding="utf-8")
+    (folder / "contract.h").write_text(contract.replace("upright", "plumb"), encoding="utf-8")
+    assert "upright" in compile_core(folder)
+
+
+def test_one_more_short_cut_is_one_more_row(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(table, "SKIPS", (*SKIPS, "another"))
+    monkeypatch.setattr(table, "SKIP_CODES", SKIP_CODES | {"another": 1024})
+    folder = written(tmp_path / "headers")
+    text = (folder / "table.h").read_text(encoding="utf-8")
+    ((_, count),) = re.findall(r"choice_without = {(\d+), (\d+), without_items}", text)
+    assert (int(count), '{0, 1024, "another"}' in text) == (len(SKIPS) + 1, True)
+    assert compile_core(folder) == ""
+
+
+def test_both_fmus_speak_by_the_same_rules() -> None:
+    core = library.SOURCES[0].read_text(encoding="utf-8")
+    slave = (ROOT / "fmu_src/slave.py").read_text(encoding="utf-8")
+    for name, text in vars(rules).items():
+        if name.isupper() and isinstance(text, str):
+            assert f"SAY_{name}" in core, name
+            assert f"rules.{name}" in slave or name == "WHEN_TERMINATED", name  # the wrapper's Fatal would be too much
+            assert text not in slave
+
+
+def test_libraries_for_macos_know_no_folder_of_the_build(fmu: Path) -> None:
+    with zipfile.ZipFile(fmu) as archive:
+        content = archive.read("binaries/darwin64/phocas_damped.dylib")
+    assert content.count(b"@rpath/phocas_damped.dylib") == 2  # one in each part
+    assert tempfile.gettempdir().encode() not in content

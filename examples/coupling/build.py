@@ -18,7 +18,7 @@ from pathlib import Path
 
 from pythonfmu import FmuBuilder
 
-from build_fmu import build_fmu
+from build_fmu import build_fmu, repack
 from fmu_src import host
 
 HERE = Path(__file__).resolve().parent
@@ -79,7 +79,7 @@ def build_partner(module: str, output: Path) -> Path:
         finally:
             sys.path[:] = [entry for entry in sys.path if not entry.startswith(folder)]
         output.parent.mkdir(parents=True, exist_ok=True)
-        output.write_bytes(Path(built).read_bytes())
+        repack(Path(built), output, {})
     return output
 
 

@@ -141,9 +141,9 @@ class Partner(Fmi2Slave):
         """Move on by step_size s."""
         numbers = [value for value in self._numbers.values() if isinstance(value, float)]
         reason = ""
-        if not (math.isfinite(step_size) and step_size > 0.0):
-            reason = "the step must be a positive time"
-        elif not all(map(math.isfinite, numbers)):
+        if not (math.isfinite(step_size) and step_size > 0.0):  # no shorter one is any better: not a Discard
+            self._fail(f"step from t = {current_time} s of {step_size} s not made: the step must be a positive time")
+        if not all(map(math.isfinite, numbers)):
             reason = "an input or a parameter is no finite number"
         elif self.value("slope") not in (PARABOLA, LINE, HELD, GIVEN):
             reason = f"slope = {self.value('slope')!r}: must be parabola, line, held or given"
@@ -228,13 +228,14 @@ class Partner(Fmi2Slave):
         from fmu_src.variables import Variable
 
         table = []
-        for port in self.ports:
+        parameters = tuple(port.name for port in self.ports if port.causality == "parameter")
+        for reference, port in enumerate(self.ports):
             variability = "fixed" if port.causality == "parameter" else "continuous"
             kind = "String" if isinstance(port.start, str) else "Real"
             table.append(
                 Variable(
-                    port.name, kind, port.causality, variability, port.description, port.unit, port.start,
-                    depends_on=port.depends_on,
+                    port.name, reference, kind, port.causality, variability, port.description, port.unit, port.start,
+                    depends_on=port.depends_on, initially=(*port.depends_on, *parameters),
                 )
             )  # fmt: skip
         return model_description(self.title, str(self.guid), self.about, "1", table, Experiment())

@@ -12,15 +12,27 @@ from solver.errors import InputError
 
 from . import symbols
 from .machine_code import object_code
-from .platforms import PLATFORMS
+from .platforms import PLATFORMS, Target
 
-SOURCE = Path(__file__).with_name("fmu.c")
-OPTIONS = ("-std=c11", "-O2", "-shared", "-fPIC", "-fvisibility=hidden", "-ffp-contract=off", "-Wall", "-Wextra", "-s")
+SOURCES = tuple(Path(__file__).with_name(name) for name in ("core.c", "fmi2.c"))
+OWN_HEADERS = (Path(__file__).with_name("core.h"),)
+OPTIONS = (
+    *("-std=c11", "-O2", "-shared", "-fPIC", "-fvisibility=hidden", "-ffp-contract=off", "-s"),
+    *("-Wall", "-Wextra", "-Werror"),
+)
+
+
+TOOLS = ("ziglang", "fmpy")  # the compiler, and the header files of FMI
+
+
+def has_tools() -> bool:
+    """Whether what compiles and links is installed."""
+    return all(importlib.util.find_spec(package) is not None for package in TOOLS)
 
 
 def check_tools() -> None:
     """Raise InputError if what links the libraries, or the header files of FMI, are not installed."""
-    for package in ("ziglang", "fmpy"):
+    for package in TOOLS:
         if importlib.util.find_spec(package) is None:
             raise InputError(f'--native: {package} is not installed: pip install "multiblock-fmu[native]"')
 
@@ -33,25 +45,40 @@ def headers() -> Path:
     return Path(spec.origin).parent / "c-code"
 
 
-def libraries(platforms: list[str], table: str) -> dict[str, tuple[bytes, list[symbols.Symbols]]]:
-    """Platform -> library, and what each of its parts needs. Raises InputError if that is anything of Python's."""
+def compile_c(target: Target, sources: list[Path | str], output: Path) -> None:
+    """Compile and link a shared library. Raises OSError."""
+    command = [sys.executable, "-m", "ziglang", "cc", "-target", target.linker, *OPTIONS, f"-I{headers()}"]
+    done = subprocess.run(
+        [*command, *map(str, sources), "-o", str(output)], capture_output=True, text=True, check=False
+    )
+    if done.returncode:
+        raise OSError(f"{target.linker}: the compiler failed\n{done.stderr}")
+
+
+def libraries(
+    name: str, platforms: list[str], generated: dict[str, str]
+) -> dict[str, tuple[bytes, list[symbols.Symbols]]]:
+    """Platform -> library of that name, and what each of its parts needs. Raises InputError if that is Python's.
+
+    generated: header files that the sources are compiled with, name -> text.
+    """
     check_tools()
     targets = [target for platform in platforms for target in PLATFORMS[platform].targets]
     codes = dict(zip(targets, object_code(targets), strict=True))
     made = {}
     with tempfile.TemporaryDirectory(prefix="native_") as temporary:
         folder = Path(temporary)
-        (folder / "table.h").write_text(table, encoding="utf-8")
+        for file, text in generated.items():
+            (folder / file).write_text(text, encoding="utf-8")
         for platform in platforms:
             parts = []
             for target in PLATFORMS[platform].targets:
                 (folder / "kernels.o").write_bytes(codes[target])
-                command = [sys.executable, "-m", "ziglang", "cc", "-target", target.linker, *OPTIONS]
-                command += [f"-I{folder}", f"-I{headers()}", str(SOURCE), str(folder / "kernels.o"), "-lm"]
                 output = folder / f"library{PLATFORMS[platform].suffix}"
-                done = subprocess.run([*command, "-o", str(output)], capture_output=True, text=True, check=False)
-                if done.returncode:
-                    raise OSError(f"{target.linker}: the linker failed\n{done.stderr}")
+                options: list[Path | str] = [f"-I{folder}", *SOURCES, folder / "kernels.o", "-lm"]
+                if output.suffix == ".dylib":  # else the path that it was linked at
+                    options.append(f"-Wl,-install_name,@rpath/{name}.dylib")
+                compile_c(target, options, output)
                 parts.append(output.read_bytes())
             content = symbols.universal(parts)
             needs = symbols.read(content)

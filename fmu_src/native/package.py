@@ -16,11 +16,11 @@ from .. import documentation
 from ..model_description import FLAGS, Experiment, column_description, model_description
 from ..record import Record
 from ..variables import variables
-from .library import SOURCE, libraries
+from .library import OWN_HEADERS, SOURCES, libraries
 from .machine_code import made_with
 from .platforms import PLATFORMS
 from .symbols import Symbols
-from .table import Contents, declarations
+from .table import Contents, headers
 
 NATIVE_FLAGS = FLAGS | {
     "canInterpolateInputs": True,
@@ -33,7 +33,8 @@ NEEDS = "It needs nothing but the mathematical functions of the system's C libra
 def contents_of(column: Column, record: Motion | None = None, record_name: str = "") -> Contents:
     """What the FMU of a column is made for, under a GUID that follows from all that its libraries are made of."""
     contents = Contents(column, variables(column, record_name), "", record_name, record)
-    identity = json.dumps(column.to_dict()) + made_with() + SOURCE.read_text(encoding="utf-8") + declarations(contents)
+    parts = [json.dumps(column.to_dict()), made_with(), *headers(contents).values()]
+    identity = "".join([*parts, *(file.read_text(encoding="utf-8") for file in (*SOURCES, *OWN_HEADERS))])
     guid = uuid.uuid5(uuid.NAMESPACE_OID, hashlib.sha256(identity.encode()).hexdigest())
     return replace(contents, guid=f"{{{guid}}}")
 
@@ -44,7 +45,7 @@ def native_files(
     """The files of the FMU by their names, and what the libraries need. Raises InputError, OSError."""
     contents = contents_of(column, record, record_name)
     guid, table = contents.guid, contents.table
-    made = libraries(platforms, declarations(contents))
+    made = libraries(column.name, platforms, headers(contents))
     experiment = Experiment(record.start, record.end, Record(record).dt) if record else Experiment()
     description = model_description(
         *(column.name, guid, column_description(column), __version__, table, experiment),

@@ -69,7 +69,7 @@ def foundation(fmu: str) -> list[list[float]]:
 
 
 def kept_state(fmu: str) -> dict[str, Any]:
-    """Whether a partner goes on from its state, and what it says to an input that is no number."""
+    """Whether a partner goes on from its state, and what it says to a step back and to no number."""
     from master import Fmu
 
     part = Fmu(fmu)
@@ -84,12 +84,13 @@ def kept_state(fmu: str) -> dict[str, Any]:
     saved = part.slave.serializeFMUstate(part.slave.getFMUState())
     first = drive(50, 100)
     part.slave.setFMUState(part.slave.deSerializeFMUstate(saved))
-    found: dict[str, Any] = {"same": drive(50, 100) == first, "moved": first[0] != 0.0, "no number": ""}
-    part.set(**{"ground.ax": math.nan})
-    try:
-        part.step(0.1, 1e-3)
-    except Exception as error:
-        found["no number"] = str(error)
+    found: dict[str, Any] = {"same": drive(50, 100) == first, "moved": first[0] != 0.0}
+    for name, ax, h in (("backwards", 0.0, -1e-3), ("no number", math.nan, 1e-3)):
+        part.set(**{"ground.ax": ax})
+        try:
+            part.step(0.1, h)
+        except Exception as error:
+            found[name] = str(error)
     part.close()
     return found
 

@@ -28,7 +28,7 @@ from fmu_src.native import library  # noqa: E402
 from fmu_src.native.machine_code import object_code  # noqa: E402
 from fmu_src.native.package import contents_of  # noqa: E402
 from fmu_src.native.platforms import PLATFORMS  # noqa: E402
-from fmu_src.native.table import declarations  # noqa: E402
+from fmu_src.native.table import headers  # noqa: E402
 from solver import Column  # noqa: E402
 
 SANITIZERS = ("-fsanitize=address,undefined", "-fno-sanitize-recover=undefined")
@@ -46,11 +46,15 @@ def _sanitized(column: Path, fmu: Path, folder: Path) -> int:
     if not shutil.which("gcc"):
         print(f"{'sanitizers':10} skipped: gcc is not installed")
         return 0
-    (folder / "table.h").write_text(declarations(contents_of(Column.from_toml(column))), encoding="utf-8")
+    for name, text in headers(contents_of(Column.from_toml(column))).items():
+        (folder / name).write_text(text, encoding="utf-8")
     (folder / "kernels.o").write_bytes(object_code(list(PLATFORMS["linux64"].targets))[0])
     output = folder / "sanitized.so"
     command = ["gcc", "-std=c11", "-g", "-O1", "-shared", "-fPIC", *SANITIZERS, f"-I{folder}", f"-I{library.headers()}"]
-    subprocess.run([*command, library.SOURCE, folder / "kernels.o", "-lm", "-o", output], check=True)
+    subprocess.run(
+        [*command, "-Wall", "-Wextra", "-Werror", *library.SOURCES, folder / "kernels.o", "-lm", "-o", output],
+        check=True,
+    )
     changed = folder / "sanitized.fmu"
     with zipfile.ZipFile(fmu) as old, zipfile.ZipFile(changed, "w") as new:
         for name in old.namelist():

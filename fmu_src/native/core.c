@@ -1,0 +1,708 @@
+/* Around the kernels: life of an instance, legal calls, messages, state, the record inside. No numerics.
+
+   contract.h declares the kernels and all that goes by their tables, table.h holds what differs from one FMU to another;
+   both are generated (table.py). */
+
+#include "core.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "contract.h"
+
+typedef struct { const char *name, *unit; Kind kind; Role role; int tunable, place; } Variable;
+typedef struct { int count; const int *rows; } Family; /* rows of variables by their numbers within the family */
+typedef struct { int number, code; const char *word; } Item;
+typedef struct { int row, count; const Item *items; } Choice;
+typedef struct {
+    int row;
+    double low, high;
+    int optional; /* 0 stands for "not given" */
+    const char *meaning;
+    int bound, strict; /* another variable that is not to be exceeded, or has to be larger */
+    const char *relation;
+} Check;
+typedef struct { int64_t code; const char *text; } Reason;
+
+#include "table.h"
+
+#define COUNT(array) (sizeof(array) / sizeof *(array))
+enum { MESSAGE = 1024, NUMBER = 32, HEADER = 96 };
+_Static_assert(sizeof STATE_FORMAT + sizeof IDENTITY + 17 <= HEADER, "the head of a serialized state");
+_Static_assert(COUNT(given) == GIVEN && COUNT(slope_of) == BASE_INPUTS, "what the kernels are given");
+_Static_assert(COUNT(real_starts) == REALS && COUNT(whole_starts) == WHOLES && COUNT(text_starts) == TEXTS, "starts");
+_Static_assert(AT_ROW + ROW == AT_SPLIT && AT_SPLIT + SPLIT <= REALS, "outputs begin with row and split");
+
+const char *const core_identity = IDENTITY;
+
+/* --- an instance: one block of memory */
+
+typedef enum { INSTANTIATED = 1, INITIALIZATION = 2, STEPPING = 4, TERMINATED = 8 } Mode;
+
+/* All that differs from one moment to another: getting, setting and serializing the state copies it as it is. */
+typedef struct {
+    int64_t mode;
+    int64_t built; /* whether model and motion belong to the parameters as they stand */
+    int64_t started; /* whether there is a model at all */
+    int64_t retune; /* whether a tunable parameter was set and has not acted yet */
+    int64_t inputs_stand; /* whether the inputs are those of the last step */
+    int64_t shaken; /* whether the base has moved yet */
+    int64_t has_record;
+    double time, input_time, scale; /* s, s from which the slopes of the inputs count, factor on the record */
+    double reals[REALS];
+    int64_t wholes[WHOLES]; /* Integers, Booleans and enumerations */
+    char texts[TEXTS][TEXT];
+    double inputs[SOLVER_INPUTS];
+    double state[STATE];
+    int64_t counters[COUNTERS];
+    double model[MODEL];
+} Moment;
+
+struct Instance {
+    Moment now;
+    Moment before; /* to go back to */
+    double work[WORK], row[ROW], split[SPLIT], other_row[ROW], other_split[SPLIT], told[2];
+    int outdated; /* whether the outputs belong to an earlier time, input or parameter */
+    int coarse_told;
+    Status last_step;
+    Teller *teller;
+    void *host;
+};
+
+struct Saved { const char *owner; Moment moment; };
+
+/* Arguments of the kernels by name: the arrays of a column, and the record. */
+#define COLUMN(i)                                                                                                      \
+    .n = N, .model = (i)->now.model, .state = (i)->now.state, .counters = (i)->now.counters,                           \
+    .inputs = (i)->now.inputs, .work = (i)->work
+#define RECORD(i)                                                                                                      \
+    .count = (i)->now.has_record ? SAMPLES : 0, .times = record_time, .ax = record_ax, .az = record_az,                \
+    .dt = RECORD_DT, .scale = (i)->now.scale
+
+static const char *mode_name(int64_t mode) {
+    switch (mode) {
+        case INSTANTIATED: return "instantiated";
+        case INITIALIZATION: return "initialization";
+        case STEPPING: return "stepping";
+        default: return "terminated";
+    }
+}
+
+static const char *kind_name(Kind kind) {
+    static const char *const names[] = {[REAL] = "Real", [INTEGER] = "Integer", [BOOLEAN] = "Boolean",
+                                        [STRING] = "String"};
+    return names[kind];
+}
+
+/* --- what is said */
+
+void core_say(const Instance *instance, Status status, const char *format, ...) {
+    char text[MESSAGE];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    instance->teller(instance->host, status, text);
+}
+
+/* Add to a text that may already be full. */
+#ifdef __GNUC__
+__attribute__((format(printf, 2, 3)))
+#endif
+static void append(char *text, const char *format, ...) {
+    size_t used = strlen(text);
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text + used, MESSAGE - used, format, arguments);
+    va_end(arguments);
+}
+
+/* The shortest decimal that is read as the same number, as Python writes it. */
+static const char *shown(double value, char *text) {
+    char digits[NUMBER];
+    if (isnan(value)) return strcpy(text, "nan");
+    if (isinf(value)) return strcpy(text, value > 0.0 ? "inf" : "-inf");
+    int precision = 0;
+    do snprintf(digits, sizeof digits, "%.*e", precision, value);
+    while (strtod(digits, NULL) != value && ++precision < 17);
+    char *tail = strchr(digits, 'e');
+    int exponent = atoi(tail + 1);
+    if (exponent < -4 || exponent >= 16) {
+        int size = (int)(tail - digits);
+        snprintf(text, NUMBER, "%.*se%c%02d", size, digits, exponent < 0 ? '-' : '+', abs(exponent));
+    } else {
+        int decimals = precision - exponent;
+        snprintf(text, NUMBER, "%.*f", decimals < 1 ? 1 : decimals, value);
+    }
+    for (char *at = text; *at; at++)
+        if (*at == ',') *at = '.'; /* the host's locale */
+    return text;
+}
+
+static const char *reason_of(int64_t code) {
+    for (size_t k = 0; k < COUNT(reasons); k++)
+        if (reasons[k].code == code) return reasons[k].text;
+    return "unknown";
+}
+
+/* --- parameters */
+
+static const char *trimmed(const char *begin, const char *end, size_t *length) {
+    while (begin < end && (*begin == ' ' || *begin == '\t')) begin++;
+    while (end > begin && (end[-1] == ' ' || end[-1] == '\t')) end--;
+    *length = (size_t)(end - begin);
+    return begin;
+}
+
+static double real_at(const Moment *moment, int row) { return moment->reals[variables[row].place]; }
+
+/* The kernels' code of what an enumeration stands at; -1 and a reason if it is none. */
+static int code_of(const Choice *choice, const Moment *moment, char *reason) {
+    int64_t number = moment->wholes[variables[choice->row].place];
+    for (int k = 0; k < choice->count; k++)
+        if (choice->items[k].number == number) return choice->items[k].code;
+    snprintf(reason, MESSAGE, "%s = %lld: must be one of ", variables[choice->row].name, (long long)number);
+    for (int k = 0; k < choice->count; k++)
+        append(reason, "%s%d (%s)", k ? ", " : "", choice->items[k].number, choice->items[k].word);
+    return -1;
+}
+
+/* The sum of the kernels' codes of words with commas between; -1 and a reason if one is unknown. */
+static int codes_of_words(const Choice *choice, const char *words, char *reason) {
+    int codes = 0;
+    for (const char *at = words; *at;) {
+        const char *end = strchr(at, ',');
+        size_t length;
+        if (!end) end = at + strlen(at);
+        const char *word = trimmed(at, end, &length);
+        int code = length ? -1 : 0;
+        for (int k = 0; k < choice->count && code < 0; k++) {
+            const Item *item = &choice->items[k];
+            if (strlen(item->word) == length && !memcmp(item->word, word, length)) code = item->code;
+        }
+        if (code < 0) {
+            snprintf(reason, MESSAGE, "%s = '%.*s': must be one of ", variables[choice->row].name, (int)length, word);
+            for (int k = 0; k < choice->count; k++) append(reason, "%s%s", k ? ", " : "", choice->items[k].word);
+            return -1;
+        }
+        codes |= code;
+        at = *end ? end + 1 : end;
+    }
+    return codes;
+}
+
+/* Whether one of the checks finds fault with a Real parameter. */
+static int find_fault(const Moment *moment, char *reason) {
+    char value[NUMBER], bound[NUMBER];
+    for (size_t k = 0; k < COUNT(checks); k++) {
+        const Check *check = &checks[k];
+        double given_value = real_at(moment, check->row);
+        const char *name = variables[check->row].name;
+        if (check->optional && given_value == 0.0) continue;
+        if (!(check->low <= given_value && given_value <= check->high)) {
+            snprintf(reason, MESSAGE, "%s = %s: %s", name, shown(given_value, value), check->meaning);
+            return 1;
+        }
+        if (check->bound < 0) continue;
+        double most = real_at(moment, check->bound);
+        if (check->strict ? !(given_value < most) : given_value > most) {
+            snprintf(reason, MESSAGE, "%s = %s: %s = %s m", name, shown(given_value, value), check->relation,
+                     shown(most, bound));
+            return 1;
+        }
+    }
+    return 0;
+}
+
+/* What `assemble` is given, from the parameters as they stand. */
+static int describe(const Moment *now, double described[GIVEN], char *reason) {
+    for (int k = 0; k < GIVEN; k++) described[k] = given[k] < 0 ? 0.0 : now->reals[given[k]];
+    int formulation = code_of(&choice_formulation, now, reason);
+    if (formulation < 0) return 0;
+    int integrator = code_of(&choice_integrator, now, reason);
+    if (integrator < 0 || find_fault(now, reason)) return 0;
+    int without = codes_of_words(&choice_without, now->texts[variables[choice_without.row].place], reason);
+    if (without < 0) return 0;
+    described[GIVEN_FORMULATION] = formulation;
+    described[GIVEN_INTEGRATOR] = integrator;
+    described[GIVEN_WITHOUT] = without;
+    return 1;
+}
+
+/* Model, and with `afresh` motion, from the parameters as they stand. On a fault both are as before. */
+static int build(Instance *instance, int afresh, char *reason) {
+    Moment *now = &instance->now;
+    double described[GIVEN];
+    char text[NUMBER];
+    const char *record = now->texts[AT_RECORD];
+    if (!describe(now, described, reason)) return 0;
+    int has_record = *record != 0;
+    if (has_record && (!SAMPLES || strcmp(record, RECORD_NAME))) {
+        snprintf(reason, MESSAGE,
+                 "base.record = '%.600s': this FMU reads no files, must be empty%s%s; build_fmu.py --record puts a "
+                 "record inside",
+                 record, SAMPLES ? " or " : "", SAMPLES ? RECORD_NAME : "");
+        return 0;
+    }
+    int fixed_step = described[GIVEN_INTEGRATOR] == CENTRAL_DIFFERENCE;
+    double *scratch = malloc(sizeof(double) * (size_t)(fixed_step ? FIXED_STEP_ROOM : ROOM));
+    if (!scratch) return snprintf(reason, MESSAGE, "out of memory"), 0;
+    memcpy(instance->before.model, now->model, sizeof now->model);
+    int64_t made = assemble((Assemble){COLUMN(instance), .given = described, .afresh = afresh, .scratch = scratch,
+                                       .told = instance->told});
+    free(scratch);
+    if (made != 0) {
+        memcpy(now->model, instance->before.model, sizeof now->model);
+        if (made == TOO_LARGE)
+            snprintf(reason, MESSAGE, "block[%d].inertia = inf: " MUST_INERTIA, (int)instance->told[0]);
+        else
+            snprintf(reason, MESSAGE,
+                     "solver.step = %s: must be at most %.4g s, where central differences are stable",
+                     shown(described[GIVEN_STEP], text), instance->told[0]);
+        return 0;
+    }
+    now->built = now->started = 1;
+    now->retune = 0;
+    if (afresh) {
+        now->has_record = has_record;
+        now->scale = now->reals[AT_RECORD_SCALE];
+        now->reals[AT_RECORD_PGA] = has_record ? fabs(now->scale) * RECORD_LARGEST : 0.0;
+        now->reals[AT_OVERTURN_TIME] = -1.0;
+        now->wholes[AT_OVERTURN_JOINT] = now->wholes[AT_OVERTURNED] = 0;
+        now->inputs_stand = 0;
+    }
+    instance->outdated = 1;
+    return 1;
+}
+
+/* Bring the outputs up to date. */
+static int update(Instance *instance, char *reason) {
+    Moment *now = &instance->now;
+    if (now->mode == INSTANTIATED) return snprintf(reason, MESSAGE, SAY_TOO_EARLY), 0;
+    if (now->mode == INITIALIZATION && !now->built && !build(instance, 1, reason)) return 0;
+    if (!now->started || !instance->outdated) return 1;
+    if (now->retune && !build(instance, 0, reason)) return 0;
+    int64_t code = look((Look){COLUMN(instance), RECORD(instance), .base = now->reals, .afresh = !now->inputs_stand,
+                               .upright = now->mode == INITIALIZATION, .gone = now->time - now->input_time,
+                               .t = now->time, .row = &now->reals[AT_ROW], .split = &now->reals[AT_SPLIT]});
+    if (code < 0) return snprintf(reason, MESSAGE, "at t = %.6g s: %s", now->time, reason_of(code)), 0;
+    int64_t joint = now->counters[COUNTER_OVERTURNED];
+    now->wholes[AT_OVERTURN_JOINT] = joint;
+    now->wholes[AT_OVERTURNED] = joint > 0;
+    now->reals[AT_OVERTURN_TIME] = joint ? now->state[STATE_OVERTURN_TIME] : -1.0;
+    instance->outdated = 0;
+    return 1;
+}
+
+/* --- life */
+
+static int wrong_mode(const Instance *instance, int allowed, const char *what) {
+    if (instance->now.mode & allowed) return 0;
+    core_say(instance, ST_ERROR, SAY_WRONG_MODE, what, mode_name(instance->now.mode));
+    return 1;
+}
+
+Instance *core_new(Teller *teller, void *host) {
+    Instance *instance = calloc(1, sizeof *instance);
+    if (!instance) return NULL;
+    instance->teller = teller;
+    instance->host = host;
+    core_reset(instance);
+    return instance;
+}
+
+void core_free(Instance *instance) { free(instance); }
+
+void core_reset(Instance *instance) {
+    Moment *now = &instance->now;
+    memset(now, 0, sizeof *now);
+    now->mode = INSTANTIATED;
+    memcpy(now->reals, real_starts, sizeof now->reals);
+    now->reals[AT_OVERTURN_TIME] = -1.0;
+    for (int k = 0; k < WHOLES; k++) now->wholes[k] = whole_starts[k];
+    for (int k = 0; k < TEXTS; k++) snprintf(now->texts[k], TEXT, "%s", text_starts[k]);
+    instance->outdated = 1;
+    instance->coarse_told = 0;
+    instance->last_step = ST_OK;
+}
+
+Status core_set_up(Instance *instance, double start) {
+    char text[NUMBER];
+    if (wrong_mode(instance, INSTANTIATED, SAY_WHEN_SET_UP)) return ST_ERROR;
+    if (!isfinite(start)) {
+        core_say(instance, ST_ERROR, SAY_START_TIME, shown(start, text));
+        return ST_ERROR;
+    }
+    instance->now.time = instance->now.input_time = start;
+    return ST_OK;
+}
+
+void core_note_tolerance(const Instance *instance, double tolerance) {
+    char text[NUMBER];
+    core_say(instance, ST_OK, SAY_TOLERANCE, shown(tolerance, text));
+}
+
+Status core_enter_initialization(Instance *instance) {
+    if (wrong_mode(instance, INSTANTIATED, SAY_WHEN_ENTERED)) return ST_ERROR;
+    instance->now.mode = INITIALIZATION;
+    return ST_OK;
+}
+
+Status core_exit_initialization(Instance *instance) {
+    char reason[MESSAGE];
+    if (wrong_mode(instance, INITIALIZATION, SAY_WHEN_EXITED)) return ST_ERROR;
+    if (!instance->now.built && !build(instance, 1, reason)) {
+        core_say(instance, ST_ERROR, "%s", reason);
+        return ST_ERROR;
+    }
+    instance->outdated = 1;
+    instance->now.inputs_stand = 0;
+    (void)update(instance, reason); /* stands on the base as it is turned now; a fault is told when somebody looks */
+    instance->outdated = 1;
+    instance->now.mode = STEPPING;
+    return ST_OK;
+}
+
+Status core_terminate(Instance *instance) {
+    if (wrong_mode(instance, STEPPING, SAY_WHEN_TERMINATED)) return ST_ERROR;
+    const double *state = instance->now.state;
+    double spent = state[STATE_TIME_FULL] + state[STATE_TIME_ROCKING] + state[STATE_TIME_FLIGHT];
+    if (!instance->now.shaken && spent > 0.0) core_say(instance, ST_WARNING, SAY_NOT_SHAKEN);
+    instance->now.mode = TERMINATED;
+    return ST_OK;
+}
+
+/* --- variables */
+
+/* The row of a value reference; NULL if no variable has it. */
+static const Variable *find(Reference reference) {
+    Reference family = (reference - 1u) / FAMILY, number = (reference - 1u) % FAMILY;
+    if (family >= COUNT(family_index) || number >= (Reference)family_index[family].count) return NULL;
+    int row = family_index[family].rows[number];
+    return row < 0 ? NULL : &variables[row];
+}
+
+Status core_readable(Instance *instance, const Reference references[], size_t count, Kind kind) {
+    char reason[MESSAGE] = "", time[NUMBER];
+    int outputs = 0;
+    for (size_t k = 0; k < count && !reason[0]; k++) {
+        const Variable *variable = find(references[k]);
+        if (!variable || variable->kind != kind)
+            snprintf(reason, MESSAGE, SAY_NO_VARIABLE, references[k], kind_name(kind));
+        else
+            outputs |= variable->role == OUTPUT;
+    }
+    int stale = outputs && (instance->outdated || instance->now.mode == INSTANTIATED);
+    if (!reason[0] && (!stale || update(instance, reason))) return ST_OK;
+    core_say(instance, ST_ERROR, SAY_NOT_READ, shown(instance->now.time, time), reason);
+    return ST_ERROR;
+}
+
+Status core_settable(Instance *instance, const Reference references[], size_t count, Kind kind) {
+    if (instance->now.mode == TERMINATED) {
+        core_say(instance, ST_ERROR, SAY_NOTHING_SET);
+        return ST_ERROR;
+    }
+    for (size_t k = 0; k < count; k++) {
+        const Variable *variable = find(references[k]);
+        if (!variable || variable->kind != kind || variable->role == OUTPUT) {
+            core_say(instance, ST_ERROR, SAY_NOT_SETTABLE, references[k], kind_name(kind));
+            return ST_ERROR;
+        }
+        if (instance->now.mode == STEPPING && variable->role == PARAMETER && !variable->tunable) {
+            core_say(instance, ST_ERROR, SAY_FIXED, variable->name);
+            return ST_ERROR;
+        }
+    }
+    return ST_OK;
+}
+
+void core_has_changed(Instance *instance, int parameters) {
+    Moment *now = &instance->now;
+    if (parameters) {
+        now->built = 0;
+        now->retune = now->mode == STEPPING;
+    }
+    now->input_time = now->time;
+    now->inputs_stand = 0;
+    instance->outdated = 1;
+}
+
+Status core_get_reals(Instance *instance, const Reference references[], size_t count, double values[]) {
+    if (core_readable(instance, references, count, REAL) != ST_OK) return ST_ERROR;
+    for (size_t k = 0; k < count; k++) values[k] = instance->now.reals[find(references[k])->place];
+    return ST_OK;
+}
+
+Status core_set_reals(Instance *instance, const Reference references[], size_t count, const double values[]) {
+    int parameters = 0;
+    if (core_settable(instance, references, count, REAL) != ST_OK) return ST_ERROR;
+    for (size_t k = 0; k < count; k++) {
+        const Variable *variable = find(references[k]);
+        instance->now.reals[variable->place] = values[k];
+        parameters |= variable->role == PARAMETER;
+    }
+    core_has_changed(instance, parameters);
+    return ST_OK;
+}
+
+int64_t core_whole(const Instance *instance, Reference reference) { return instance->now.wholes[find(reference)->place]; }
+
+void core_put_whole(Instance *instance, Reference reference, int64_t value) {
+    instance->now.wholes[find(reference)->place] = value;
+}
+
+const char *core_text(const Instance *instance, Reference reference) {
+    return instance->now.texts[find(reference)->place];
+}
+
+Status core_set_texts(Instance *instance, const Reference references[], size_t count, const char *const values[]) {
+    if (core_settable(instance, references, count, STRING) != ST_OK) return ST_ERROR;
+    for (size_t k = 0; k < count; k++)
+        if (!values[k] || strlen(values[k]) >= TEXT) {
+            core_say(instance, ST_ERROR, "%s: must be a text of less than %d bytes", find(references[k])->name, TEXT);
+            return ST_ERROR;
+        }
+    for (size_t k = 0; k < count; k++) strcpy(instance->now.texts[find(references[k])->place], values[k]);
+    core_has_changed(instance, count > 0);
+    return ST_OK;
+}
+
+/* --- steps */
+
+/* Why no step can be made here by these times: one that is halved will not do either. */
+static int wrong_call(const Instance *instance, double start, double step, char *reason) {
+    const Moment *now = &instance->now;
+    char text[NUMBER];
+    if (now->mode != STEPPING)
+        return snprintf(reason, MESSAGE, "%s", now->mode == TERMINATED ? SAY_ENDED : SAY_NOT_BEGUN), 1;
+    if (!(isfinite(step) && step > 0.0)) return snprintf(reason, MESSAGE, SAY_NOT_POSITIVE), 1;
+    if (!(fabs(start - now->time) <= TIME_SLACK * step + 1e-12 * fabs(now->time)))
+        return snprintf(reason, MESSAGE, SAY_LAST_ENDED, shown(now->time, text)), 1;
+    return 0;
+}
+
+static int wrong_input(const Instance *instance, char *reason) {
+    char text[NUMBER];
+    for (int k = 0; k < BASE_INPUTS; k++) { /* inputs come first */
+        double value = instance->now.reals[k];
+        if (!isfinite(value))
+            return snprintf(reason, MESSAGE, SAY_NOT_FINITE, variables[k].name, shown(value, text), variables[k].unit), 1;
+    }
+    return 0;
+}
+
+static int advance(Instance *instance, double start, double step, char *reason) {
+    Moment *now = &instance->now;
+    memcpy(instance->before.state, now->state, sizeof now->state);
+    memcpy(instance->before.counters, now->counters, sizeof now->counters);
+    if (now->retune && !build(instance, 0, reason)) return 0;
+    now->input_time = start;
+    int64_t code = follow((Follow){COLUMN(instance), RECORD(instance), .base = now->reals, .start = start, .h = step,
+                                   .told = instance->told});
+    if (code < 0) {
+        memcpy(now->state, instance->before.state, sizeof now->state);
+        memcpy(now->counters, instance->before.counters, sizeof now->counters);
+        now->inputs_stand = 0;
+        instance->outdated = 1;
+        snprintf(reason, MESSAGE, "at t = %.6g s: %s", instance->told[0], reason_of(code));
+        return 0;
+    }
+    now->time = start + step;
+    now->inputs_stand = instance->outdated = 1;
+    if (!now->shaken) {
+        now->shaken = now->has_record;
+        for (int k = 0; k < BASE_INPUTS; k++) now->shaken |= now->reals[k] != 0.0;
+    }
+    if (now->has_record && !instance->coarse_told && step > RECORD_DT * (1.0 + STEP_SLACK)) {
+        char text[NUMBER];
+        instance->coarse_told = 1;
+        core_say(instance, ST_WARNING, SAY_COARSE, shown(step, text), RECORD_DT);
+    }
+    return 1;
+}
+
+Status core_step(Instance *instance, double start, double step) {
+    char reason[MESSAGE], first[NUMBER], second[NUMBER];
+    instance->last_step = ST_OK;
+    if (wrong_call(instance, start, step, reason)) instance->last_step = ST_ERROR;
+    else if (wrong_input(instance, reason) || !advance(instance, start, step, reason)) instance->last_step = ST_DISCARD;
+    if (instance->last_step != ST_OK)
+        core_say(instance, instance->last_step, SAY_NOT_MADE, shown(start, first), shown(step, second), reason);
+    return instance->last_step;
+}
+
+Status core_last_step(const Instance *instance) { return instance->last_step; }
+
+double core_time(const Instance *instance) { return instance->now.time; }
+
+/* --- derivatives */
+
+static int first_order(const Instance *instance, const Variable *variable, int order) {
+    if (order == 1) return 1;
+    core_say(instance, ST_ERROR, "derivative of %s of the order %d: must be of the order 1", variable->name, order);
+    return 0;
+}
+
+Status core_set_slopes(Instance *instance, const Reference references[], size_t count, const int orders[],
+                       const double values[]) {
+    if (core_settable(instance, references, count, REAL) != ST_OK) return ST_ERROR;
+    for (size_t k = 0; k < count; k++) {
+        const Variable *variable = find(references[k]);
+        if (variable->role != INPUT) {
+            core_say(instance, ST_ERROR, "%s: is not an input", variable->name);
+            return ST_ERROR;
+        }
+        if (!first_order(instance, variable, orders[k])) return ST_ERROR;
+        if (slope_of[variable->place] < 0 && values[k] != 0.0) {
+            core_say(instance, ST_ERROR, "%s: is held within a step, its derivative must be 0", variable->name);
+            return ST_ERROR;
+        }
+    }
+    for (size_t k = 0; k < count; k++) {
+        int slope = slope_of[find(references[k])->place];
+        if (slope >= 0) instance->now.reals[slope] = values[k];
+    }
+    core_has_changed(instance, 0);
+    return ST_OK;
+}
+
+/* Where row or split hold what belongs to an output that follows the motion; NULL for other variables. */
+static const double *visible(const Instance *instance, Reference reference) {
+    const Variable *variable = find(reference);
+    if (!variable || variable->kind != REAL) return NULL;
+    int place = variable->place;
+    if (AT_ROW <= place && place < AT_ROW + ROW) return &instance->row[place - AT_ROW];
+    if (AT_SPLIT <= place && place < AT_SPLIT + SPLIT) return &instance->split[place - AT_SPLIT];
+    return NULL;
+}
+
+static int is_continuous_output(const Instance *instance, Reference reference) {
+    if (visible(instance, reference)) return 1;
+    core_say(instance, ST_ERROR, "value reference %u: is not that of a continuous output", reference);
+    return 0;
+}
+
+static int up_to_date(Instance *instance) {
+    char reason[MESSAGE];
+    if (update(instance, reason)) return 1;
+    core_say(instance, ST_ERROR, "%s", reason);
+    return 0;
+}
+
+Status core_rates(Instance *instance, const Reference references[], size_t count, const int orders[], double values[]) {
+    if (wrong_mode(instance, INITIALIZATION | STEPPING | TERMINATED, "derivatives of outputs")) return ST_ERROR;
+    for (size_t k = 0; k < count; k++)
+        if (!is_continuous_output(instance, references[k]) || !first_order(instance, find(references[k]), orders[k]))
+            return ST_ERROR;
+    if (!up_to_date(instance)) return ST_ERROR;
+    int64_t code = rates((Rates){COLUMN(instance), .t = instance->now.time, .row = instance->row,
+                                 .split = instance->split, .other = instance->other_row,
+                                 .other_split = instance->other_split});
+    for (size_t k = 0; k < count; k++) values[k] = *visible(instance, references[k]);
+    return code < 0 ? ST_ERROR : ST_OK;
+}
+
+Status core_directional(Instance *instance, const Reference unknowns[], size_t unknown_count, const Reference knowns[],
+                        size_t known_count, const double seeds[], double values[]) {
+    const Moment *now = &instance->now;
+    double along[BASE_INPUTS] = {0.0};
+    if (wrong_mode(instance, INITIALIZATION | STEPPING | TERMINATED, "directional derivatives")) return ST_ERROR;
+    for (size_t k = 0; k < unknown_count; k++)
+        if (!is_continuous_output(instance, unknowns[k])) return ST_ERROR;
+    for (size_t k = 0; k < known_count; k++) {
+        const Variable *known = find(knowns[k]);
+        if (!known || known->role != INPUT) {
+            core_say(instance, ST_ERROR, "value reference %u: is not that of an input", knowns[k]);
+            return ST_ERROR;
+        }
+        along[known->place] += seeds[k];
+    }
+    if (!up_to_date(instance)) return ST_ERROR;
+    int64_t code = feedthrough((Feedthrough){COLUMN(instance), .seeds = along, .gone = now->time - now->input_time,
+                                             .t = now->time, .row = instance->row, .split = instance->split,
+                                             .other = instance->other_row, .other_split = instance->other_split});
+    for (size_t k = 0; k < unknown_count; k++) values[k] = *visible(instance, unknowns[k]);
+    return code < 0 ? ST_ERROR : ST_OK;
+}
+
+/* --- state */
+
+Status core_save(Instance *instance, Saved **saved) {
+    if (!*saved && !(*saved = malloc(sizeof **saved))) {
+        core_say(instance, ST_ERROR, "out of memory");
+        return ST_ERROR;
+    }
+    (*saved)->owner = core_identity;
+    memcpy(&(*saved)->moment, &instance->now, sizeof instance->now);
+    return ST_OK;
+}
+
+Status core_restore(Instance *instance, const Saved *saved) {
+    if (!saved || saved->owner != core_identity) {
+        core_say(instance, ST_ERROR, SAY_NOT_SET, "it is not one of this FMU");
+        return ST_ERROR;
+    }
+    /* what the modal method keeps in work follows from the model */
+    if (memcmp(instance->now.model, saved->moment.model, sizeof saved->moment.model))
+        memset(instance->work, 0, sizeof instance->work);
+    memcpy(&instance->now, &saved->moment, sizeof saved->moment);
+    instance->outdated = 1;
+    return ST_OK;
+}
+
+void core_release(Saved *saved) { free(saved); }
+
+/* Bytes: format, whose it is and a checksum in text, then the moment as it is. */
+static uint64_t checksum(const void *data, size_t size) { /* FNV-1a */
+    const unsigned char *at = data;
+    uint64_t hash = 14695981039346656037u;
+    for (size_t k = 0; k < size; k++) hash = (hash ^ at[k]) * 1099511628211u;
+    return hash;
+}
+
+static void write_header(char *header, const Moment *moment) {
+    memset(header, 0, HEADER);
+    snprintf(header, HEADER, STATE_FORMAT "\n" IDENTITY "\n%016llx",
+             (unsigned long long)checksum(moment, sizeof *moment));
+}
+
+size_t core_bytes(void) { return HEADER + sizeof(Moment); }
+
+Status core_to_bytes(const Saved *saved, void *bytes, size_t size) {
+    if (size < core_bytes()) return ST_ERROR;
+    write_header(bytes, &saved->moment);
+    memcpy((char *)bytes + HEADER, &saved->moment, sizeof saved->moment);
+    return ST_OK;
+}
+
+Status core_from_bytes(Instance *instance, const void *bytes, size_t size, Saved **saved) {
+    static const char format[] = STATE_FORMAT, identity[] = IDENTITY;
+    const char *at = bytes, *fault = NULL;
+    char header[HEADER];
+    Saved *made = NULL;
+    if (size < HEADER || memcmp(at, format, sizeof format - 1))
+        fault = "the bytes are not those of a serialized state of this format";
+    else if (memcmp(at + sizeof format, identity, sizeof identity - 1))
+        fault = "the state is that of another column or was made by another version";
+    else if (size != core_bytes())
+        fault = "the bytes are not all of those of a serialized state";
+    else if (!(made = malloc(sizeof *made)))
+        fault = "out of memory";
+    else {
+        made->owner = core_identity;
+        memcpy(&made->moment, at + HEADER, sizeof made->moment);
+        write_header(header, &made->moment);
+        if (memcmp(header, at, HEADER)) fault = "the bytes of the serialized state are damaged";
+    }
+    if (fault) {
+        free(made);
+        core_say(instance, ST_ERROR, SAY_NOT_SET, fault);
+        return ST_ERROR;
+    }
+    *saved = made;
+    return ST_OK;
+}

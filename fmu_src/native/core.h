@@ -1,0 +1,80 @@
+/* One column in motion for whatever interface: its life, its variables, its steps, its state, with types of its own.
+
+   A face such as fmi2.c turns the calls of a standard into these. Whoever is called with ST_ERROR has been told why. */
+
+#ifndef CORE_H
+#define CORE_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+typedef enum { ST_OK, ST_WARNING, ST_DISCARD, ST_ERROR } Status;
+typedef enum { REAL, INTEGER, BOOLEAN, STRING } Kind; /* an enumeration is an INTEGER */
+typedef enum { INPUT, OUTPUT, PARAMETER } Role;
+
+typedef uint32_t Reference;
+typedef struct Instance Instance;
+typedef struct Saved Saved;
+
+/* Takes what is said to the host; the text is plain. */
+typedef void Teller(void *host, Status status, const char *text);
+
+extern const char *const core_identity; /* what binary and model description have to have in common */
+
+Instance *core_new(Teller *teller, void *host); /* NULL: out of memory */
+void core_free(Instance *instance);
+void core_say(const Instance *instance, Status status, const char *format, ...)
+#ifdef __GNUC__
+    __attribute__((format(printf, 3, 4)))
+#endif
+    ;
+
+/* --- life */
+
+Status core_set_up(Instance *instance, double start);
+void core_note_tolerance(const Instance *instance, double tolerance);
+Status core_enter_initialization(Instance *instance);
+Status core_exit_initialization(Instance *instance);
+Status core_terminate(Instance *instance);
+void core_reset(Instance *instance);
+
+/* --- variables: the whole list is checked before anything is read or set */
+
+Status core_get_reals(Instance *instance, const Reference references[], size_t count, double values[]);
+Status core_set_reals(Instance *instance, const Reference references[], size_t count, const double values[]);
+Status core_set_texts(Instance *instance, const Reference references[], size_t count, const char *const values[]);
+
+/* Whether these can be read now, and are up to date; then one by one. */
+Status core_readable(Instance *instance, const Reference references[], size_t count, Kind kind);
+int64_t core_whole(const Instance *instance, Reference reference);
+const char *core_text(const Instance *instance, Reference reference);
+
+/* Whether these can be set now; then one by one, then that something has changed. */
+Status core_settable(Instance *instance, const Reference references[], size_t count, Kind kind);
+void core_put_whole(Instance *instance, Reference reference, int64_t value);
+void core_has_changed(Instance *instance, int parameters);
+
+/* --- steps */
+
+Status core_step(Instance *instance, double start, double step);
+Status core_last_step(const Instance *instance);
+double core_time(const Instance *instance); /* s, where the last step ended */
+
+/* --- derivatives by time and by inputs */
+
+Status core_set_slopes(Instance *instance, const Reference references[], size_t count, const int orders[],
+                       const double values[]);
+Status core_rates(Instance *instance, const Reference references[], size_t count, const int orders[], double values[]);
+Status core_directional(Instance *instance, const Reference unknowns[], size_t unknown_count, const Reference knowns[],
+                        size_t known_count, const double seeds[], double values[]);
+
+/* --- state */
+
+Status core_save(Instance *instance, Saved **saved); /* into what is there, if it is not NULL */
+Status core_restore(Instance *instance, const Saved *saved);
+void core_release(Saved *saved);
+size_t core_bytes(void);
+Status core_to_bytes(const Saved *saved, void *bytes, size_t size);
+Status core_from_bytes(Instance *instance, const void *bytes, size_t size, Saved **saved);
+
+#endif

@@ -1,0 +1,284 @@
+/* The guard of the PythonFMU: takes every call of the master and hands it to PythonFMU's library, which lies beside it.
+
+   That library ends the process when it does not find its resources, knows no other escape than %20 in their URI, takes
+   any GUID, and answers Fatal where the slave has refused a call and lives on. What it does well it goes on doing. */
+
+#define _GNU_SOURCE
+#include <dlfcn.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "fmi2Functions.h"
+
+#define NEIGHBOUR "pythonfmu.so"
+enum { PATH = 4096, TEXT = 256, MESSAGE = 2 * PATH };
+
+#define CALLS(each)                                                                                                    \
+    each(Instantiate) each(FreeInstance) each(SetDebugLogging) each(SetupExperiment) each(EnterInitializationMode)     \
+    each(ExitInitializationMode) each(Terminate) each(Reset) each(GetReal) each(GetInteger) each(GetBoolean)           \
+    each(GetString) each(SetReal) each(SetInteger) each(SetBoolean) each(SetString) each(GetFMUstate)                  \
+    each(SetFMUstate) each(FreeFMUstate) each(SerializedFMUstateSize) each(SerializeFMUstate)                          \
+    each(DeSerializeFMUstate) each(GetDirectionalDerivative) each(SetRealInputDerivatives)                             \
+    each(GetRealOutputDerivatives) each(DoStep) each(CancelStep) each(GetRealStatus)
+
+static struct {
+#define FIELD(name) fmi2##name##TYPE *name;
+    CALLS(FIELD)
+} inner;
+
+static void *library;
+static char fault[MESSAGE] = ""; /* why the library cannot be called */
+
+/* With the guard, before any call and only once: hosts may instantiate in several threads. */
+__attribute__((constructor)) static void load(void) {
+    Dl_info here;
+    char path[PATH];
+    if (!dladdr((void *)load, &here)) return;
+    const char *end = strrchr(here.dli_fname, '/');
+    snprintf(path, sizeof path, "%.*s" NEIGHBOUR, end ? (int)(end - here.dli_fname) + 1 : 0, here.dli_fname);
+    library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
+    if (!library) {
+        const char *why = dlerror();
+        snprintf(fault, sizeof fault, "PythonFMU's library cannot be loaded: %s; a host that is not Python has to "
+                 "bring Python's own library in (LD_PRELOAD)", why ? why : "no reason is known");
+        return;
+    }
+#define FIND(name)                                                                                                     \
+    if (!(*(void **)&inner.name = dlsym(library, "fmi2" #name)))                                                       \
+        snprintf(fault, sizeof fault, "PythonFMU's library has no fmi2" #name);
+    CALLS(FIND)
+}
+
+__attribute__((destructor)) static void leave(void) {
+    if (library) dlclose(library);
+}
+
+typedef struct {
+    fmi2Component component;
+    fmi2Status last_step;
+    fmi2CallbackFunctions functions; /* PythonFMU's library keeps where they are */
+    char name[TEXT];
+} Instance;
+
+/* --- what is said */
+
+static void silent(fmi2ComponentEnvironment environment, fmi2String name, fmi2Status status, fmi2String category,
+                   fmi2String text, ...) {
+    (void)environment, (void)name, (void)status, (void)category, (void)text;
+}
+
+static void say(const Instance *instance, fmi2Status status, const char *text) {
+    char escaped[MESSAGE];
+    size_t length = 0;
+    for (const char *at = text; *at && length + 2 < sizeof escaped; at++) { /* the host's logger takes it for a format */
+        if (*at == '%') escaped[length++] = '%';
+        escaped[length++] = *at;
+    }
+    escaped[length] = 0;
+    fprintf(stderr, "%s: %s\n", instance->name, text); /* as the slave itself does */
+    instance->functions.logger(instance->functions.componentEnvironment, instance->name, status,
+                               status == fmi2Discard ? "logStatusDiscard" : "logStatusError", escaped);
+}
+
+/* --- the folder with the resources */
+
+static int holds_the_slave(const char *folder) {
+    char file[PATH + 32];
+    snprintf(file, sizeof file, "%s/slavemodule.txt", folder);
+    return access(file, R_OK) == 0;
+}
+
+static int digit_of(char letter) {
+    const char *digits = "0123456789abcdef", *found = letter ? strchr(digits, letter | 0x20) : NULL;
+    return found ? (int)(found - digits) : -1;
+}
+
+static void decode(const char *from, char *to) {
+    while (*from) {
+        int high = *from == '%' ? digit_of(from[1]) : -1, low = high < 0 ? -1 : digit_of(from[2]);
+        *to++ = low < 0 ? *from : (char)(16 * high + low);
+        from += low < 0 ? 1 : 3;
+    }
+    *to = 0;
+}
+
+/* The path behind a URI: as it is written, for hosts that escape nothing, else with its escapes resolved. */
+static int find_resources(const char *uri, char *path, char *reason) {
+    static const char *const heads[] = {"file://localhost/", "file:///", "file:/"};
+    const char *written = uri;
+    if (!uri) return snprintf(reason, MESSAGE, "the URI of the resources is missing"), 0;
+    for (size_t k = 0; k < sizeof heads / sizeof *heads && written == uri; k++)
+        if (!strncmp(uri, heads[k], strlen(heads[k]))) written = uri + strlen(heads[k]) - 1;
+    if (strlen(written) < PATH) {
+        strcpy(path, written);
+        for (int decoded = 0; decoded < 2; decoded++) {
+            if (decoded) decode(written, path);
+            for (size_t end = strlen(path); end > 1 && path[end - 1] == '/'; end--) path[end - 1] = 0;
+            if (!holds_the_slave(path)) continue;
+            if (!strstr(path, "%20")) return 1;
+            snprintf(reason, MESSAGE, "resources in %s: PythonFMU's library takes no folder with %%20 in its name", path);
+            return 0;
+        }
+    }
+    snprintf(reason, MESSAGE, "resources in %.*s: are not there, must be the URI of the FMU's folder resources", PATH, uri);
+    return 0;
+}
+
+/* Whether the master means this FMU; without a file, as where the FMU is made by hand, any. */
+static int is_own(const char *guid, const char *resources) {
+    char own[TEXT] = "", path[PATH + 32];
+    snprintf(path, sizeof path, "%s/guid.txt", resources);
+    FILE *file = fopen(path, "r");
+    if (!file) return 1;
+    if (!fgets(own, sizeof own, file)) own[0] = 0;
+    fclose(file);
+    own[strcspn(own, "\r\n")] = 0;
+    return guid && !strcmp(guid, own);
+}
+
+/* --- the calls */
+
+FMI2_Export const char *fmi2GetTypesPlatform(void) { return fmi2TypesPlatform; }
+FMI2_Export const char *fmi2GetVersion(void) { return fmi2Version; }
+
+FMI2_Export fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, fmi2String resources,
+                                          const fmi2CallbackFunctions *functions, fmi2Boolean visible,
+                                          fmi2Boolean logging) {
+    char path[PATH], reason[MESSAGE] = "";
+    Instance *instance = calloc(1, sizeof *instance);
+    if (!instance) return NULL;
+    if (functions) instance->functions = *functions;
+    if (!instance->functions.logger) instance->functions.logger = silent;
+    snprintf(instance->name, TEXT, "%s", name ? name : "");
+    if (fault[0]) memcpy(reason, fault, sizeof fault);
+    else if (!name || !*name) strcpy(reason, "the instance needs a name");
+    else if (type != fmi2CoSimulation) strcpy(reason, "is for co-simulation only");
+    else if (!find_resources(resources, path, reason)) {
+    } else if (!is_own(guid, path))
+        strcpy(reason, "the GUID is not that of this FMU: binary and model description differ");
+    if (reason[0]) say(instance, fmi2Error, reason);
+    else
+        instance->component = inner.Instantiate(name, type, guid, path, &instance->functions, visible, logging);
+    if (instance->component) return instance;
+    free(instance);
+    return NULL;
+}
+
+FMI2_Export void fmi2FreeInstance(fmi2Component component) {
+    Instance *instance = component;
+    if (!instance) return;
+    inner.FreeInstance(instance->component);
+    free(instance);
+}
+
+/* Fatal is all that PythonFMU's library makes of a call that the slave refuses; the slave sees to it that it lives on. */
+static fmi2Status answer(fmi2Status status) { return status == fmi2Fatal ? fmi2Error : status; }
+
+#define HAND_OVER(name, declared, given)                                                                               \
+    FMI2_Export fmi2Status fmi2##name declared {                                                                       \
+        Instance *instance = component;                                                                                \
+        return instance ? answer(inner.name given) : fmi2Error;                                                        \
+    }
+#define ITS instance->component
+typedef fmi2ValueReference Reference;
+
+HAND_OVER(SetDebugLogging, (fmi2Component component, fmi2Boolean on, size_t count, const fmi2String categories[]),
+          (ITS, on, count, categories))
+HAND_OVER(SetupExperiment,
+          (fmi2Component component, fmi2Boolean has_tolerance, fmi2Real tolerance, fmi2Real start, fmi2Boolean has_stop,
+           fmi2Real stop),
+          (ITS, has_tolerance, tolerance, start, has_stop, stop))
+HAND_OVER(EnterInitializationMode, (fmi2Component component), (ITS))
+HAND_OVER(ExitInitializationMode, (fmi2Component component), (ITS))
+HAND_OVER(Terminate, (fmi2Component component), (ITS))
+HAND_OVER(GetReal, (fmi2Component component, const Reference of[], size_t count, fmi2Real values[]),
+          (ITS, of, count, values))
+HAND_OVER(GetInteger, (fmi2Component component, const Reference of[], size_t count, fmi2Integer values[]),
+          (ITS, of, count, values))
+HAND_OVER(GetBoolean, (fmi2Component component, const Reference of[], size_t count, fmi2Boolean values[]),
+          (ITS, of, count, values))
+HAND_OVER(GetString, (fmi2Component component, const Reference of[], size_t count, fmi2String values[]),
+          (ITS, of, count, values))
+HAND_OVER(SetReal, (fmi2Component component, const Reference of[], size_t count, const fmi2Real values[]),
+          (ITS, of, count, values))
+HAND_OVER(SetInteger, (fmi2Component component, const Reference of[], size_t count, const fmi2Integer values[]),
+          (ITS, of, count, values))
+HAND_OVER(SetBoolean, (fmi2Component component, const Reference of[], size_t count, const fmi2Boolean values[]),
+          (ITS, of, count, values))
+HAND_OVER(SetString, (fmi2Component component, const Reference of[], size_t count, const fmi2String values[]),
+          (ITS, of, count, values))
+HAND_OVER(GetFMUstate, (fmi2Component component, fmi2FMUstate *state), (ITS, state))
+HAND_OVER(SetFMUstate, (fmi2Component component, fmi2FMUstate state), (ITS, state))
+HAND_OVER(FreeFMUstate, (fmi2Component component, fmi2FMUstate *state), (ITS, state))
+HAND_OVER(SerializedFMUstateSize, (fmi2Component component, fmi2FMUstate state, size_t *size), (ITS, state, size))
+HAND_OVER(SerializeFMUstate, (fmi2Component component, fmi2FMUstate state, fmi2Byte bytes[], size_t size),
+          (ITS, state, bytes, size))
+HAND_OVER(DeSerializeFMUstate, (fmi2Component component, const fmi2Byte bytes[], size_t size, fmi2FMUstate *state),
+          (ITS, bytes, size, state))
+HAND_OVER(GetDirectionalDerivative,
+          (fmi2Component component, const Reference unknowns[], size_t unknown_count, const Reference knowns[],
+           size_t known_count, const fmi2Real seeds[], fmi2Real values[]),
+          (ITS, unknowns, unknown_count, knowns, known_count, seeds, values))
+HAND_OVER(SetRealInputDerivatives,
+          (fmi2Component component, const Reference of[], size_t count, const fmi2Integer orders[],
+           const fmi2Real values[]),
+          (ITS, of, count, orders, values))
+HAND_OVER(GetRealOutputDerivatives,
+          (fmi2Component component, const Reference of[], size_t count, const fmi2Integer orders[], fmi2Real values[]),
+          (ITS, of, count, orders, values))
+HAND_OVER(CancelStep, (fmi2Component component), (ITS))
+
+FMI2_Export fmi2Status fmi2Reset(fmi2Component component) { /* makes a new slave: without one Fatal is true */
+    Instance *instance = component;
+    if (!instance) return fmi2Error;
+    instance->last_step = fmi2OK;
+    return inner.Reset(instance->component);
+}
+
+FMI2_Export fmi2Status fmi2DoStep(fmi2Component component, fmi2Real start, fmi2Real step, fmi2Boolean no_return) {
+    Instance *instance = component;
+    if (!instance) return fmi2Error;
+    return instance->last_step = answer(inner.DoStep(instance->component, start, step, no_return));
+}
+
+/* --- how the last step ended: PythonFMU's library says that the slave wants to end the run after any that is discarded */
+
+static fmi2Status no_status(const Instance *instance, int kind) {
+    char reason[MESSAGE];
+    if (!instance) return fmi2Error;
+    snprintf(reason, sizeof reason, "status %d: is not known of this kind", kind);
+    say(instance, fmi2Discard, reason);
+    return fmi2Discard;
+}
+
+FMI2_Export fmi2Status fmi2GetStatus(fmi2Component component, const fmi2StatusKind kind, fmi2Status *value) {
+    const Instance *instance = component;
+    if (!instance || kind != fmi2DoStepStatus) return no_status(instance, kind);
+    *value = instance->last_step;
+    return fmi2OK;
+}
+
+FMI2_Export fmi2Status fmi2GetRealStatus(fmi2Component component, const fmi2StatusKind kind, fmi2Real *value) {
+    const Instance *instance = component;
+    if (!instance || kind != fmi2LastSuccessfulTime) return no_status(instance, kind);
+    return inner.GetRealStatus(instance->component, kind, value);
+}
+
+FMI2_Export fmi2Status fmi2GetIntegerStatus(fmi2Component component, const fmi2StatusKind kind, fmi2Integer *value) {
+    (void)value;
+    return no_status(component, kind);
+}
+
+FMI2_Export fmi2Status fmi2GetBooleanStatus(fmi2Component component, const fmi2StatusKind kind, fmi2Boolean *value) {
+    if (!component || kind != fmi2Terminated) return no_status(component, kind);
+    *value = fmi2False;
+    return fmi2OK;
+}
+
+FMI2_Export fmi2Status fmi2GetStringStatus(fmi2Component component, const fmi2StatusKind kind, fmi2String *value) {
+    if (!component || kind != fmi2PendingStatus) return no_status(component, kind);
+    *value = "";
+    return fmi2OK;
+}

@@ -1,0 +1,51 @@
+"""The guard of the PythonFMU (guard.c): compiled for Linux and put before PythonFMU's own library."""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import importlib.metadata
+import tempfile
+from pathlib import Path
+
+from ..host import CACHE_FOLDER, user_cache
+from .library import OPTIONS, compile_c, has_tools
+from .platforms import PLATFORMS
+
+SOURCE = Path(__file__).with_name("guard.c")
+NEIGHBOUR = "pythonfmu.so"  # what guard.c looks for beside itself
+FOLDER = "binaries/linux64"
+WITHOUT = (
+    "without ziglang the FMU holds PythonFMU's library alone, which ends the process where the FMU is unpacked below a "
+    'folder with a letter beyond ASCII, # or % in its name; pip install "multiblock-fmu[native]"'
+)
+
+
+def guarded(files: dict[str, bytes]) -> dict[str, bytes]:
+    """The files of a PythonFMU with the guard in the place of PythonFMU's library, which stays beside it.
+
+    As they are where nothing is installed that compiles it. Raises OSError.
+    """
+    (name,) = (file for file in files if file.startswith(f"{FOLDER}/"))
+    if not has_tools():
+        return files
+    return files | {f"{FOLDER}/{NEIGHBOUR}": files[name], name: _library()}
+
+
+def _library() -> bytes:
+    """The guard as a library; it does not depend on the column and is kept in the user's cache."""
+    (target,) = PLATFORMS["linux64"].targets
+    made_with = SOURCE.read_text(encoding="utf-8") + importlib.metadata.version("ziglang") + " ".join(OPTIONS)
+    kept = user_cache() / CACHE_FOLDER / "guard" / hashlib.sha256(made_with.encode()).hexdigest()[:16]
+    if kept.is_file():
+        return kept.read_bytes()
+    with tempfile.TemporaryDirectory(prefix="guard_") as folder:
+        output = Path(folder) / "guard.so"
+        compile_c(target, [SOURCE, "-ldl"], output)
+        content = output.read_bytes()
+    with contextlib.suppress(OSError):  # no room: made again next time
+        kept.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.NamedTemporaryFile(dir=kept.parent, delete=False) as file:
+            file.write(content)
+        Path(file.name).replace(kept)
+    return content

@@ -1,0 +1,44 @@
+"""What both FMUs insist on, and in which words: the Python slave and the native core (native/table.py) share these.
+
+The messages are formats of C's printf, which Python's % understands as well.
+"""
+
+from __future__ import annotations
+
+from solver.errors import FINITE
+
+TIME_SLACK = 1e-6  # of a step: how far a communication point may be from where the last step ended
+STEP_SLACK = 1e-6  # of a sampling interval: a communication step that is no longer than that but for rounding
+SCALE_LIMITS = (FINITE, "a finite number")  # of the factor on the record
+
+# the life of an instance
+WRONG_MODE = "%s: the slave is in the state %s"
+WHEN_SET_UP = "the experiment can be set up after instantiation or reset only"
+WHEN_ENTERED = "initialization can begin after instantiation or reset only"
+WHEN_EXITED = "initialization can end after it has begun only"
+WHEN_TERMINATED = "a run can be terminated after initialization only"
+START_TIME = "start time = %s: must be a finite time in s"
+TOLERANCE = "the experiment's tolerance, %s, is not used: solver.tolerance is the solver's"
+NOT_SHAKEN = "the base acceleration was zero for the whole run: is the input connected?"
+
+# variables
+NOT_READ = "variables at t = %s s: %s"
+NO_VARIABLE = "value reference %u: is not that of a %s variable"
+NOT_SETTABLE = "value reference %u: is not an input or a parameter of the kind %s"
+NOTHING_SET = "nothing can be set, the run is terminated"
+FIXED = "%s: can be set before the end of initialization only"
+TOO_EARLY = "outputs can be read from initialization on"
+
+# steps
+NOT_MADE = "step from t = %s s of %s s not made: %s"
+ENDED = "the run is terminated"
+NOT_BEGUN = "the slave is not initialized"
+NOT_POSITIVE = "the step must be a positive time"
+LAST_ENDED = "the last step ended at t = %s s"
+NOT_FINITE = "%s = %s: must be a finite number in %s"
+COARSE = (
+    "communication step = %s s, the record's is %.6g s: the motion is followed sample by sample, but the outputs show "
+    "it at the communication points only"
+)
+
+NOT_SET = "the state cannot be set: %s"
