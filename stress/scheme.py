@@ -100,14 +100,11 @@ def stability_map(
 
 def sweep_costs() -> list[dict[str, Any]]:
     """Error of the top displacement by how far the sweeps go, in a process that interprets the kernels."""
-    script = "import json; from stress.scheme import measure_sweeps as m; print(json.dumps(m()))"
-    environment = os.environ | {
-        "NUMBA_DISABLE_JIT": "1"
-    }  # the tolerance of the sweeps is a constant of the compiled ones
+    # interpreted, because the tolerance of the sweeps is a constant of the compiled kernels
     done = subprocess.run(
-        [sys.executable, "-W", "ignore", "-c", script],
+        [sys.executable, "-W", "ignore", "-m", "stress.in_process", "sweeps", "[]"],
         cwd=ROOT,
-        env=environment,
+        env=os.environ | {"NUMBA_DISABLE_JIT": "1"},
         capture_output=True,
         text=True,
         check=True,
