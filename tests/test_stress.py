@@ -58,7 +58,7 @@ def test_landings_that_once_failed(number: tuple[int, ...]) -> None:
 
 
 def test_energy_that_is_not_the_inputs_is_noticed() -> None:
-    """Of a motion stronger than the one that is told."""
+    """Of a motion stronger than the one that is given."""
     told = Motion.from_samples(0.01, 0.3 * np.sin(0.1 * np.arange(100)), hold=True)
     case = replace(draw(7, 0), kind="held noise", column=phocas(), motion=told)
     assert examine(case)["failures"] == []
@@ -85,6 +85,7 @@ def test_what_leaves_its_bounds_is_noticed() -> None:
         assert any(said in failure for failure in failures)
 
 
+@pytest.mark.long
 def test_short_campaign(tmp_path: Path) -> None:
     options = ["--short", "--seed", "7", "--cases", str(CASES), "--output-folder", str(tmp_path)]
     assert command_line.main(["stability", *options]) == 0
@@ -181,7 +182,7 @@ def test_a_process_that_dies_of_a_call_is_a_failure_and_replaced(fmus: Fmus) -> 
 
 def test_bits_are_the_same_elsewhere_and_after_a_restore() -> None:
     here = [digest(7, k) for k in range(4)]
-    assert elsewhere("[d.digest(7, k) for k in range(4)]", PYTHONHASHSEED="7") == here
+    assert elsewhere("digests", 7, 4, PYTHONHASHSEED="7") == here
     assert restored("exact", "auto", damping=True)
     assert restored("paper", "central-difference", damping=False)
 
@@ -200,11 +201,15 @@ def test_report_lists_every_failure(tmp_path: Path) -> None:
     about = {"command": "python -m stress stability", "date": "2026-01-01"}
     lines = [json.dumps(item | about) for item in (case, good, {**good, "number": 7, "slow": True})]
     (tmp_path / "stability.jsonl").write_text("\n".join(lines))
-    document = tmp_path / "stability.md"
-    document.write_text(f"# Kept\n\n{report.MARK}\nnot kept")
-    report.write(tmp_path, document)
-    text = document.read_text()
-    assert text.startswith("# Kept")
-    assert "not kept" not in text
+    written = report.write(tmp_path)
+    assert written.parent == tmp_path
+    text = written.read_text()
     assert "- 7-5 (a case): it went wrong" in text
     assert "Not finished in the processor time allowed:\n\n- 7-7 (a case)" in text
+
+
+def test_a_report_of_nothing_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert command_line.main(["report", "--output-folder", str(tmp_path / "none")]) == 2
+    assert (
+        capsys.readouterr().err == f"python -m stress: {tmp_path / 'none'}: no findings of `python -m stress` in it\n"
+    )
