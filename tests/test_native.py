@@ -15,7 +15,7 @@ from inside import failures, inputs, states
 from inside import native as inside
 
 from solver import Column, Motion
-from solver.modes import longest_stable_step
+from solver.packing import longest_stable_step
 
 if importlib.util.find_spec("ziglang") is None:
     pytest.skip("needs ziglang, the extra native", allow_module_level=True)
