@@ -1,6 +1,7 @@
 """Build an FMI 2.0 co-simulation FMU from the TOML file of a column.
 
-    python build_fmu.py [COLUMN.toml] [-o FILE.fmu] [--record RECORD] [--native [--platforms NAME,...]]
+    multiblock build-fmu [COLUMN.toml] [-o FILE.fmu] [--record RECORD] [--native [--platforms NAME,...]]
+    python build_fmu.py ...
 
 Packaging only. Inside the FMU the two packages carry the hash of their content in their names, so that two FMUs in one
 process, or two builds of one, never run each other's code.
@@ -27,24 +28,22 @@ from types import ModuleType
 
 import llvmlite.binding
 import numba
-from pythonfmu import FmuBuilder
 
 import fmu_src
 import solver
-from fmu_src import documentation
 from fmu_src.host import CACHE_FOLDER, MACHINE_CODE, lasting_copy, user_cache
 from fmu_src.native import guard
 from fmu_src.native.library import has_tools
-from fmu_src.native.package import native_files, told
 from fmu_src.native.platforms import PLATFORMS
 from fmu_src.record import read_motion
-from fmu_src.slave import COLUMN_FILE, GUID_FILE, RECORD_FOLDER
 from fmu_src.variables import variables
 from solver import Column, InputError
+from solver.command_line import program_parser, run_command
+from solver.errors import needing
 from solver.files import whole_file
 
-HERE = Path(__file__).resolve().parent
-DEFAULT_COLUMN = HERE / "examples" / "columns" / "phocas.toml"
+COLUMNS_PACKAGE = "multiblock_columns"  # what examples/columns/ is called where the project is installed
+BUILDER_PACKAGES = ("pythonfmu", "matplotlib")
 LEFT_AT_HOME = {
     "plots.py",
     "record_plots.py",
@@ -98,26 +97,40 @@ class Slave(ColumnSlave):
 '''
 
 
-def main(arguments: list[str] | None = None) -> int:
-    """Run the command line; returns the exit code, 2 for a user's mistake."""
-    parser = argparse.ArgumentParser(description="Build the FMU of a column of blocks.")
+def main(arguments: Sequence[str] | None = None) -> int:
+    """`python build_fmu.py`; returns the exit code, 2 for a user's mistake."""
+    parser = program_parser("build_fmu.py", "Build the FMU of a column of blocks.")
+    add_options(parser)
+    return run_command(parser, arguments)
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """The options of this command, for `run_command`."""
+    parser.set_defaults(command=_build)
     parser.add_argument("column", nargs="?", type=Path, default=DEFAULT_COLUMN, help="TOML file (default: %(default)s)")
     parser.add_argument("-o", "--output", type=Path, help="FMU file (default: NAME.fmu in the current folder)")
     parser.add_argument("--record", type=Path, metavar="FILE", help="record to put inside, added to the inputs")
     parser.add_argument("--native", action="store_true", help="compiled libraries instead of Python")
     known = ",".join(PLATFORMS)
     parser.add_argument("--platforms", default=known, help="of the native FMU, with commas (default: %(default)s)")
-    options = parser.parse_args(arguments)
-    try:
-        if options.native:
-            path = build_native_fmu(options.column, options.output, options.record, options.platforms.split(","))
-        else:
-            path = build_fmu(options.column, options.output, options.record)
-    except (InputError, OSError) as error:
-        print(f"build_fmu.py: {error}", file=sys.stderr)
-        return 2
+
+
+def _build(options: argparse.Namespace) -> None:
+    if options.native:
+        path = build_native_fmu(options.column, options.output, options.record, options.platforms.split(","))
+    else:
+        path = build_fmu(options.column, options.output, options.record)
     print(path)
-    return 0
+
+
+def _default_column() -> Path:
+    """The Column of Phocas: in the clone that this file is part of, or as it was installed beside this file."""
+    here = Path(__file__).resolve().parent
+    clone = here / "examples" / "columns"
+    return (clone if clone.is_dir() else here / COLUMNS_PACKAGE) / "phocas.toml"
+
+
+DEFAULT_COLUMN = _default_column()
 
 
 def build_native_fmu(
@@ -127,6 +140,8 @@ def build_native_fmu(
 
     Raises InputError, OSError.
     """
+    with needing("native", *BUILDER_PACKAGES):
+        from fmu_src.native.package import native_files, told
     column, output = _column_and_output(column_file, output)
     for platform in platforms:
         if platform not in PLATFORMS:
@@ -149,6 +164,11 @@ def _column_and_output(column_file: Path, output: Path | None) -> tuple[Column, 
 
 def build_fmu(column_file: Path, output: Path | None = None, record: Path | None = None) -> Path:
     """Build the FMU of a column file and return its path; a record is put inside it. Raises InputError, OSError."""
+    with needing("fmu", *BUILDER_PACKAGES):
+        from pythonfmu import FmuBuilder
+
+        from fmu_src import documentation
+        from fmu_src.slave import COLUMN_FILE, GUID_FILE, RECORD_FOLDER
     column, output = _column_and_output(column_file, output)
     record_name = ""
     if record is not None:

@@ -62,7 +62,7 @@ class Competitor:
 
 def grid(duration: float) -> Array:
     """The output times of a scene, s."""
-    times: Array = OUTPUT_STEP * np.arange(math.floor(duration / OUTPUT_STEP + 1e-9) + 1)
+    times: Array = OUTPUT_STEP * np.arange(math.floor(duration / OUTPUT_STEP + 1e-9) + 1, dtype=np.float64)
     return times
 
 

@@ -22,6 +22,7 @@ import zipfile
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -63,69 +64,30 @@ def print_parts(
     return 0
 
 
-def _run(script: str, *arguments: object, **environment: str) -> str:
-    """The last line that a script prints in a process of its own."""
+def measured(function: str, *arguments: object) -> Any:
+    """What a function of in_host.py returns in a process of its own."""
     modules = os.pathsep.join((str(ROOT), str(ROOT / "tests")))
     done = subprocess.run(
-        [sys.executable, "-c", script, *map(str, arguments)],
+        [sys.executable, "-m", "benchmarks.in_host", function, json.dumps(arguments, default=str)],
         capture_output=True,
         text=True,
         check=True,
-        env=os.environ | {"PYTHONPATH": modules} | environment,
+        env=os.environ | {"PYTHONPATH": modules},
     )
-    return done.stdout.splitlines()[-1]
+    return json.loads(done.stdout.splitlines()[-1])
 
 
 # --- state
-
-STATE = """
-import sys, time
-from instance import Instance
-column = Instance(sys.argv[1], {"base.ax": 1.0})
-column.step(0.0, 0.1)
-fmi, best = column.fmi, 1.0
-for _ in range(20 * int(sys.argv[2])):
-    begin = time.perf_counter()
-    for _ in range(50):
-        state = fmi.getFMUstate()
-        fmi.setFMUstate(state)
-        fmi.freeFMUstate(state)
-    best = min(best, (time.perf_counter() - begin) / 50)
-print(1e6 * best, len(fmi.serializeFMUstate(fmi.getFMUstate())))
-"""
 
 
 def state(folder: Path, options: argparse.Namespace) -> str:
     """Get and set, through FMPy."""
     fmu = build_fmu(PHOCAS, folder / "phocas.fmu")
-    spent, size = _run(STATE, fmu, options.rounds).split()
-    return f"get + set + free {float(spent):.1f} us (n = 3), serialized {size} bytes"
+    found = measured("state", fmu, options.rounds)
+    return f"get + set + free {1e6 * found['seconds']:.1f} us (n = 3), serialized {found['bytes']} bytes"
 
 
 # --- getters
-
-RACE = """
-import sys, time
-import numpy as np
-from fmpy import extract, read_model_description, simulate_fmu
-from fmpy.fmi2 import FMU2Slave
-steps, rounds, fmus = int(sys.argv[1]), int(sys.argv[2]), sys.argv[3:]
-h = 20.0 / steps
-t = h * np.arange(steps + 1)
-motion = np.zeros(t.size, dtype=[("time", float), ("base.ax", float)])
-motion["time"], motion["base.ax"] = t, 0.5 * np.sin(12.6 * t)
-folders = {fmu: extract(fmu) for fmu in fmus}
-descriptions = {fmu: read_model_description(folders[fmu]) for fmu in fmus}
-best = dict.fromkeys(fmus, 1e9)
-for _ in range(rounds):
-    for fmu in fmus:
-        begin = time.perf_counter()
-        result = simulate_fmu(folders[fmu], model_description=descriptions[fmu], stop_time=20.0, output_interval=h,
-                              input=motion)
-        best[fmu] = min(best[fmu], time.perf_counter() - begin)
-        assert len(result) == steps + 1, len(result)
-print(*best.values(), len(result.dtype.names) - 1)
-"""
 
 # the same table and getters, and no column in it
 EMPTY = """
@@ -143,8 +105,9 @@ def getters(folder: Path, options: argparse.Namespace) -> str:
     toml.write_text(SEVEN_BLOCKS)
     fmu = build_fmu(toml, folder / "seven.fmu")
     empty = _with_slave_methods(fmu, folder / "empty.fmu", EMPTY)
-    ours, nothing, outputs = (float(word) for word in _run(RACE, 8000, options.rounds, fmu, empty).split())
-    return f"{outputs:.0f} outputs: {ours:.3f} s, empty {nothing:.3f} s, {ours / nothing:.2f} times"
+    found = measured("race", [fmu, empty], 8000, options.rounds, 0.5)
+    ours, nothing = found["seconds"]
+    return f"{found['outputs']} outputs: {ours:.3f} s, empty {nothing:.3f} s, {ours / nothing:.2f} times"
 
 
 def _with_slave_methods(fmu: Path, target: Path, methods: str) -> Path:
@@ -189,41 +152,12 @@ def _command_line(fmu: Path | None, home: Path) -> float:
 
 # --- threads
 
-THREADS = """
-import sys, time
-from threading import Thread
-from instance import Instance
-fmu, rounds = sys.argv[1], int(sys.argv[2])
-values = {"base.ax": 0.5, "base.jx": -0.01, "solver.tolerance": 1e-11}
-
-def work(column):
-    column.fmi.reset()
-    column.set(values)
-    column.initialize()
-    column.step(0.0, 100.0)
-
-columns = [Instance(fmu), Instance(fmu)]
-one = both = 1e9
-for _ in range(rounds):
-    begin = time.perf_counter()
-    for column in columns:
-        work(column)
-    one = min(one, time.perf_counter() - begin)
-    threads = [Thread(target=work, args=(column,)) for column in columns]
-    begin = time.perf_counter()
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    both = min(both, time.perf_counter() - begin)
-print(one, both)
-"""
-
 
 def threads(folder: Path, options: argparse.Namespace) -> str:
     """Two instances of one FMU, each with one long communication step."""
     fmu = build_fmu(PHOCAS, folder / "phocas.fmu")
-    one, both = (float(word) for word in _run(THREADS, fmu, options.rounds).split())
+    found = measured("threads", fmu, options.rounds)
+    one, both = found["one"], found["both"]
     return f"one after the other {one:.3f} s, in two threads {both:.3f} s: {one / both:.2f} times as fast"
 
 
@@ -250,71 +184,17 @@ def exits(folder: Path, options: argparse.Namespace) -> str:
 
 # --- memory
 
-MEMORY = """
-import gc, sys
-from fmpy import extract
-from instance import Instance
-fmu, count = sys.argv[1], int(sys.argv[2])
-folder = extract(fmu)
-
-def resident():
-    gc.collect()
-    with open("/proc/self/statm") as file:
-        return int(file.read().split()[1]) * 4096 / 1e6
-
-def life():
-    column = Instance(fmu, {"base.ax": 0.5}, folder=folder)
-    for k in range(10):
-        column.step(0.01 * k, 0.01)
-        column.get()
-    column.fmi.freeFMUstate(column.fmi.getFMUstate())
-    column.close()
-
-for _ in range(20):
-    life()
-before, entries = resident(), len(sys.path)
-for _ in range(count):
-    life()
-print(resident() - before, len(sys.path) - entries)
-"""
-
 
 def memory(folder: Path, options: argparse.Namespace) -> str:
     """Resident memory before and after."""
     fmu = build_fmu(PHOCAS, folder / "phocas.fmu")
-    grown, entries = _run(MEMORY, fmu, 1000).split()
-    return f"1000 instances: {float(grown):.1f} MB more, {entries} more entries on the search path"
+    found = measured("memory", fmu, 1000)
+    grown, entries = found["bytes"] / 1e6, found["entries"]
+    return f"1000 instances: {grown:.1f} MB more, {entries} more entries on the search path"
 
 
 # --- inputs
 
-INPUTS = """
-import json, math, sys
-from ctypes import c_double, c_int, c_uint
-from instance import Instance
-fmu, record, way, h = sys.argv[1], sys.argv[2], sys.argv[3], float(sys.argv[4])
-samples = json.loads(sys.argv[5])
-column = Instance(fmu, {"solver.tolerance": 1e-8} | ({"base.record": record} if way == "record" else {}))
-
-def a(t):
-    k = min(int(t / 0.01 + 1e-6), len(samples) - 2)
-    return samples[k] + (samples[k + 1] - samples[k]) * (t / 0.01 - k)
-
-seen = []
-for k in range(round(4.0 / h)):
-    if way != "record":
-        column.set({"base.ax": a(k * h)})
-    slope = (a((k + 1) * h) - a(k * h)) / h
-    if way == "slope":
-        column.set({"base.jx": slope})
-    if way == "derivative":
-        one = (c_uint * 1)(column.variables["base.ax"].valueReference), 1, (c_int * 1)(1), (c_double * 1)(slope)
-        assert column.fmi.dll.fmi2SetRealInputDerivatives(column.fmi.component, *one) == 0
-    column.step(k * h, h)
-    if (k + 1) % round(0.2 / h) == 0:
-        seen += column.get("block[1].ux")
-print(json.dumps(seen))
-"""
 WAYS = {"held": "base.ax held", "slope": "base.ax with base.jx", "record": "base.record"}
 INPUT_STEPS = (0.1, 0.05, 0.04, 0.02, 0.01, 0.005, 0.0025, 0.00125)
 
@@ -336,7 +216,7 @@ def errors_of_inputs(folder: Path, options: argparse.Namespace, fmu: Path, ways:
     for way in ways:
         table[way] = []
         for h in INPUT_STEPS:
-            seen = json.loads(_run(INPUTS, fmu, folder / "motion.csv", way, h, json.dumps(motion.ax.tolist())))
+            seen = measured("inputs", fmu, folder / "motion.csv", way, h, motion.ax.tolist())
             table[way].append(float(np.max(np.abs(np.array(seen) - response.ux[1:, 0])) / response.peak_ux[0]))
     if options.plot:
         _plot(table, options.plot, ways)

@@ -21,7 +21,7 @@ from pathlib import Path
 from build_fmu import build_native_fmu
 from fmu_src.native import library
 
-from .fmu import FMPY, PHOCAS, RACE, SEVEN_BLOCKS, _run, errors_of_inputs, print_parts
+from .fmu import FMPY, PHOCAS, SEVEN_BLOCKS, errors_of_inputs, measured, print_parts
 
 PLATFORM = ("linux64",)
 
@@ -35,61 +35,14 @@ def main(arguments: list[str] | None = None) -> int:
     return print_parts(parser, PARTS, arguments)
 
 
-STEP = """
-import ctypes, sys, time
-from instance import Instance
-
-def best(call, rounds, count=2000):
-    shortest = 1.0
-    for _ in range(rounds):
-        begin = time.perf_counter()
-        for _ in range(count):
-            call()
-        shortest = min(shortest, (time.perf_counter() - begin) / count)
-    return 1e9 * shortest
-
-rounds = int(sys.argv[2])
-found = []
-for push in (0.0, 0.3):
-    column = Instance(sys.argv[1], {"base.ax": push})
-    dll, c = column.fmi.dll, column.fmi.component
-    step = dll.fmi2DoStep
-    step.argtypes, step.restype = [ctypes.c_void_p, ctypes.c_double, ctypes.c_double, ctypes.c_int], ctypes.c_int
-    now = 0.0
-    def one():
-        global now
-        assert step(c, now, 1e-3, 1) == 0
-        now += 1e-3
-    found.append(best(one, rounds, 1000))
-reset = ctypes.c_void_p()
-state = ctypes.c_void_p()
-named = {name: variable.valueReference for name, variable in column.variables.items()}
-outputs_of = [name for name, variable in column.variables.items() if variable.causality == "output"][:27]
-reference = (ctypes.c_uint * 27)(*(named[name] for name in outputs_of))
-values = (ctypes.c_double * 27)()
-get_real, set_real = dll.fmi2GetReal, dll.fmi2SetReal
-def outputs():
-    set_real(c, reference_ax, 1, one_value)
-    get_real(c, reference, 27, values)
-reference_ax, one_value = (ctypes.c_uint * 1)(named["base.ax"]), (ctypes.c_double * 1)(0.3)
-found.append(best(outputs, rounds))
-def around():
-    dll.fmi2GetFMUstate(c, ctypes.byref(state))
-    dll.fmi2SetFMUstate(c, state)
-found.append(best(around, rounds))
-version = dll.fmi2GetVersion
-found.append(best(lambda: version(), rounds))
-print(*found)
-"""
-
-
 def step(folder: Path, options: argparse.Namespace) -> str:
     """Calls through ctypes; the last is one that does nothing."""
     fmu = build_native_fmu(PHOCAS, folder / "phocas.fmu", platforms=PLATFORM)
-    rest, rocks, outputs, state, nothing = (float(word) for word in _run(STEP, fmu, options.rounds).split())
+    found = {name: 1e9 * seconds for name, seconds in measured("native_calls", fmu, options.rounds).items()}
     return (
-        f"at rest {rest:.0f} ns, under 0.3 m/s2 {rocks:.0f} ns a step of 1 ms; input set and 27 outputs read "
-        f"{outputs:.0f} ns; state got and set {state:.0f} ns; an empty call through ctypes {nothing:.0f} ns"
+        f"at rest {found['rest']:.0f} ns, under 0.3 m/s2 {found['rocks']:.0f} ns a step of 1 ms; input set and 27 "
+        f"outputs read {found['outputs']:.0f} ns; state got and set {found['state']:.0f} ns; "
+        f"an empty call through ctypes {found['nothing']:.0f} ns"
     )
 
 
@@ -107,12 +60,12 @@ def getters(folder: Path, options: argparse.Namespace) -> str:
     with zipfile.ZipFile(fmu) as old, zipfile.ZipFile(empty, "w") as new:
         for name in old.namelist():
             new.writestr(name, binary.read_bytes() if name.endswith(".so") else old.read(name))
-    told = []
+    lines = []
     for scene, push in (("at rest", 0.0), ("in full contact", 0.05), ("rocking now and then", 0.5)):
-        script = RACE.replace("0.5 * np.sin", f"{push} * np.sin")
-        ours, nothing, outputs = (float(word) for word in _run(script, 8000, options.rounds, fmu, empty).split())
-        told.append(f"{scene} {ours:.3f} s, empty {nothing:.3f} s, {ours / nothing:.2f} times")
-    return f"{outputs:.0f} outputs: " + "; ".join(told)
+        found = measured("race", [fmu, empty], 8000, options.rounds, push)
+        ours, nothing = found["seconds"]
+        lines.append(f"{scene} {ours:.3f} s, empty {nothing:.3f} s, {ours / nothing:.2f} times")
+    return f"{found['outputs']} outputs: " + "; ".join(lines)
 
 
 def cold(folder: Path, options: argparse.Namespace) -> str:
@@ -133,37 +86,11 @@ def _command_line(fmu: Path | None, home: Path) -> float:
     return time.perf_counter() - begin
 
 
-LIVES = """
-import ctypes, sys, time
-from instance import Instance
-column = Instance(sys.argv[1])
-dll, callbacks, guid = column.fmi.dll, column.fmi.callbacks, column.fmi.guid.encode()
-
-def resident():
-    with open("/proc/self/statm") as file:
-        return int(file.read().split()[1]) * 4096
-
-def live():
-    c = dll.fmi2Instantiate(b"column", 1, guid, b"", ctypes.byref(callbacks), 0, 0)
-    assert dll.fmi2SetupExperiment(c, 0, 0.0, 0.0, 0, 0.0) == 0
-    assert dll.fmi2EnterInitializationMode(c) == 0 and dll.fmi2ExitInitializationMode(c) == 0
-    assert dll.fmi2DoStep(c, 0.0, 0.01, 1) == 0
-    dll.fmi2FreeInstance(c)
-
-for _ in range(100):
-    live()
-before, begin = resident(), time.perf_counter()
-for _ in range(10000):
-    live()
-print(resident() - before, time.perf_counter() - begin)
-"""
-
-
 def lives(folder: Path, options: argparse.Namespace) -> str:
     """Resident memory before and after."""
     fmu = build_native_fmu(PHOCAS, folder / "phocas.fmu", platforms=PLATFORM)
-    grown, spent = (float(word) for word in _run(LIVES, fmu).split())
-    return f"10000 instances: {grown:.0f} bytes more, {1e2 * spent:.1f} us each"
+    found = measured("native_lives", fmu, 10000)
+    return f"10000 instances: {found['bytes']:.0f} bytes more, {1e6 * found['seconds']:.1f} us each"
 
 
 # --- inputs

@@ -132,8 +132,8 @@ def measure(scenes: Mapping[str, Scene]) -> dict[str, Any]:
     """Every scheme in harmonic scenes, compared with `auto` where that is predictable: where joints are damped."""
     try:
         ops = load()
-    except (ImportError, OSError, RuntimeError) as error:
-        return {"absent": f"not available: {error}"}
+    except (ImportError, OSError, RuntimeError) as absent:
+        return {"absent": f"not available: {absent}"}
     rows = []
     own_peaks = {}
     for name, scene in scenes.items():

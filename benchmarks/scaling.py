@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import partial
 from typing import Any
 
 import solver.column as columns
@@ -68,7 +69,7 @@ def measure(quick: bool = False) -> dict[str, Any]:
                 # by the same methods whatever n: the modes of the elastic phase would make short columns cheaper still
                 stack, motion = tower(n).with_settings(without=("elastic",)), Motion.harmonic(0.2 * G, 2.0, DURATION)
                 simulate(stack, motion)
-                response, seconds, _ = timing.fastest(lambda s=stack, m=motion: simulate(s, m), BUDGET)
+                response, seconds, _ = timing.fastest(partial(simulate, stack, motion), BUDGET)
                 row |= {
                     "simulated": seconds / (DURATION * n),
                     "steps": (response.stats["steps"] + response.stats["rejected"]) / DURATION,
@@ -77,7 +78,7 @@ def measure(quick: bool = False) -> dict[str, Any]:
                 }
             else:
                 motion = Motion.harmonic(0.1 * G, 1.0, SHORT)
-                response, seconds, _ = timing.fastest(lambda s=column, m=motion: simulate(s, m), 0.0)
+                response, seconds, _ = timing.fastest(partial(simulate, column, motion), 0.0)
                 row |= {"short_run": SHORT, "short_seconds": seconds, "short_peak": float(max(response.peak_ux))}
             rows.append(row)
     return {"rows": rows}

@@ -47,7 +47,8 @@ def _unmeasured(number: str, aim: str, reason: str = "not measured") -> Target:
 
 def speed(results: Results) -> list[Target]:
     """1: speed at equal error."""
-    contact, rocking = [], []
+    contact: list[Any] = []
+    rocking: list[Any] = []
     for scene in results.get("work-precision", {}).get("scenes", []):
         if "failure" in scene:
             continue

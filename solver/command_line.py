@@ -1,4 +1,4 @@
-"""The command line: `python -m solver simulate`, `record` and `convert`."""
+"""The command line of the solver: the commands `simulate`, `record` and `convert`, and how any command ends."""
 
 from __future__ import annotations
 
@@ -8,8 +8,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import NoReturn
 
+from . import __version__
 from .column import FORMULATIONS, INTEGRATORS, Column
-from .errors import InputError, SolverError, reading
+from .errors import InputError, SolverError, needing, reading
 from .motion import STANDARD_GRAVITY
 from .motion_options import (
     FORMATS,
@@ -37,22 +38,32 @@ class OneLineParser(argparse.ArgumentParser):
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command line; returns the exit code, 2 for a user's mistake."""
+    """`python -m solver`; returns the exit code."""
+    parser = program_parser(PROGRAM, "Seismic response of a column of rigid blocks.")
+    add_commands(parser.add_subparsers(metavar="COMMAND", required=True))
+    return run_command(parser, arguments)
+
+
+def program_parser(program: str, description: str) -> OneLineParser:
+    """A parser that knows --version, for `run_command`."""
+    parser = OneLineParser(prog=program, description=description)
+    parser.add_argument("--version", action="version", version=f"multiblock-fmu {__version__}")
+    return parser
+
+
+def run_command(parser: argparse.ArgumentParser, arguments: Sequence[str] | None) -> int:
+    """Call `options.command(options)` of what the parser reads; returns the exit code, 2 for a user's mistake."""
     try:
-        options = _parsed(arguments)
+        options = _parsed(parser, arguments)
         options.command(options)
     except (InputError, SolverError, OSError) as error:
-        print(f"{PROGRAM}: {error}", file=sys.stderr)
-        return 2
-    except MemoryError:
-        print(f"{PROGRAM}: not enough memory for the response: a larger --output-step may help", file=sys.stderr)
+        print(f"{parser.prog}: {error}", file=sys.stderr)
         return 2
     return 0
 
 
-def _parsed(arguments: Sequence[str] | None) -> argparse.Namespace:
+def _parsed(parser: argparse.ArgumentParser, arguments: Sequence[str] | None) -> argparse.Namespace:
     """Parse; a path behind options finds its place although argparse had given the optional MOTION up before them."""
-    parser = _parser()
     options, rest = parser.parse_known_args(arguments)
     names = getattr(options, "paths", ())
     values = [getattr(options, name) for name in names if getattr(options, name) is not None]
@@ -65,10 +76,8 @@ def _parsed(arguments: Sequence[str] | None) -> argparse.Namespace:
     return options
 
 
-def _parser() -> argparse.ArgumentParser:
-    parser = OneLineParser(prog=PROGRAM, description="Seismic response of a column of rigid blocks.")
-    commands = parser.add_subparsers(metavar="COMMAND", required=True)
-
+def add_commands(commands: argparse._SubParsersAction[OneLineParser]) -> None:
+    """Add `simulate`, `record` and `convert`."""
     run = commands.add_parser("simulate", help="response of a column to a base motion")
     run.set_defaults(command=_simulate, paths=("motion",))
     run.add_argument("column", type=Path, metavar="COLUMN.toml", help="blocks, joints and solver settings")
@@ -92,42 +101,42 @@ def _parser() -> argparse.ArgumentParser:
     convert.set_defaults(command=_convert, paths=("motion", "output"))
     add_motion_options(convert)
     convert.add_argument("output", type=Path, metavar="MOTION.csv", help="time,base.ax,base.az in s and m/s2")
-    return parser
 
 
 def _simulate(options: argparse.Namespace) -> None:
-    # a wrong name of an output is said before the run, not after it
+    # what stands in the way of an output is said before the run, not after it
     if options.output is not None:
         _check_suffix(options.output, ".csv")
-    if options.plot is not None:
-        _check_suffix(options.plot, *PICTURES)
+    _check_picture(options.plot)
     column = _read_column(options.column)
     motion, lines = motion_of(options)
     print("\n".join(lines), end="\n" if lines else "")
-    response = simulate(
-        column,
-        motion,
-        duration=options.duration,
-        formulation=options.formulation,
-        integrator=options.integrator,
-        step=options.step,
-        tolerance=options.tolerance,
-        output_step=options.output_step,
-    )
-    print(_summary(response))
-    if options.output is not None:
-        with reading(options.output):
-            response.to_csv(options.output)
-        print(options.output)
-    if options.plot is not None:
-        with reading(options.plot):
-            response.plot(options.plot)
-        print(options.plot)
+    try:
+        response = simulate(
+            column,
+            motion,
+            duration=options.duration,
+            formulation=options.formulation,
+            integrator=options.integrator,
+            step=options.step,
+            tolerance=options.tolerance,
+            output_step=options.output_step,
+        )
+        print(_summary(response))
+        if options.output is not None:
+            with reading(options.output):
+                response.to_csv(options.output)
+            print(options.output)
+        if options.plot is not None:
+            with reading(options.plot):
+                response.plot(options.plot)
+            print(options.plot)
+    except MemoryError:
+        raise SolverError("not enough memory for the response: a larger --output-step may help") from None
 
 
 def _record(options: argparse.Namespace) -> None:
-    if options.plot is not None:
-        _check_suffix(options.plot, *PICTURES)
+    _check_picture(options.plot)
     check_file_options(options.records, options)
     motions = {}
     for path in options.records:
@@ -156,6 +165,14 @@ def _convert(options: argparse.Namespace) -> None:
 def _read_column(path: Path) -> Column:
     _check_suffix(path, ".toml")
     return Column.from_toml(path)
+
+
+def _check_picture(path: Path | None) -> None:
+    """Raise InputError if a picture is wanted that cannot be drawn."""
+    if path is not None:
+        _check_suffix(path, *PICTURES)
+        with needing("plot", "matplotlib"):
+            import matplotlib  # noqa: F401
 
 
 def _check_suffix(path: Path, *known: str) -> None:

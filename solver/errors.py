@@ -1,4 +1,4 @@
-"""What goes wrong on the user's side, always told in one line."""
+"""What goes wrong on the user's side, always said in one line."""
 
 from __future__ import annotations
 
@@ -44,6 +44,18 @@ def check_number(key: str, value: object, limits: tuple[float, float], meaning: 
 def shown(value: object) -> str:
     """Return a short repr of `value` for a one-line message; a number is shown as a user would write it."""
     return str(value) if isinstance(value, Real) else reprlib.repr(value)
+
+
+@contextmanager
+def needing(extra: str, *packages: str) -> Iterator[None]:
+    """Turn the absence of one of `packages` into an InputError that says how to install `extra`, which has them."""
+    try:
+        yield
+    except ModuleNotFoundError as error:
+        package = (error.name or "").partition(".")[0]
+        if package not in packages:
+            raise
+        raise InputError(f'{package} is not installed: pip install "multiblock-fmu[{extra}]"') from error
 
 
 @contextmanager

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .column import Column
+from .errors import needing
 from .files import whole_file
 from .kernels import layout as at
 from .packing import FloatArray
@@ -60,6 +61,11 @@ class Response:
         self.overturn_time = overturn_time
         self.stats = stats
 
+    def __getstate__(self) -> dict[str, Any]:
+        """For pickle and copy: the histories themselves, not the solver that works them out. Raises SolverError."""
+        self.observe()
+        return {name: value for name, value in vars(self).items() if name != "_observe"}
+
     def observe(self) -> None:
         """Work out all histories now. Raises SolverError."""
         self._rows  # noqa: B018  worked out by being asked for
@@ -108,7 +114,10 @@ class Response:
             writer.writerows([[repr(float(value)) for value in row] for row in np.hstack(parts)])
 
     def plot(self, path: str | os.PathLike[str] | None = None) -> Figure:
-        """Draw displacements, rotations, resultants and contact over time; saved to `path` if given."""
-        from .plots import plot_response
+        """Draw displacements, rotations, resultants and contact over time; saved to `path` if given.
 
+        Raises InputError without matplotlib (the extra `plot`).
+        """
+        with needing("plot", "matplotlib"):
+            from .plots import plot_response
         return plot_response(self, path)

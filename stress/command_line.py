@@ -4,8 +4,8 @@
     python -m stress fuzz --seed 1 --cases 2000 --fmu column.fmu
     python -m stress report
 
-Every part adds its findings to a file of lines (JSON) in --output-folder; `report` writes docs/stability.md from all
-that is there. So a long campaign is run in pieces, with --first or another --seed. Exit code 1 if anything failed.
+Every part adds its findings to a file of lines (JSON) in --output-folder; `report` writes report.md from all that
+is there. So a long campaign is run in pieces, with --first or another --seed. Exit code 1 if anything failed.
 """
 
 from __future__ import annotations
@@ -36,8 +36,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = _parser().parse_args(arguments)
     folder: Path = options.output_folder
     if options.part == "report":
-        path = report.write(folder, options.docs)
-        print(path)
+        try:
+            print(report.write(folder))
+        except FileNotFoundError as error:
+            print(f"python -m stress: {error}", file=sys.stderr)
+            return 2
         return 0
     folder.mkdir(parents=True, exist_ok=True)
     said = shlex.join(["python", "-m", "stress", *(sys.argv[1:] if arguments is None else arguments)])
@@ -64,7 +67,6 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--fmu", type=Path, metavar="FILE", help="another FMU for fuzz (default: one of damped Phocas)")
     parser.add_argument("--only", choices=[*fuzz_files.KINDS, "fmu"], help="of fuzz")
     parser.add_argument("--output-folder", type=Path, default=Path("results") / "stress")
-    parser.add_argument("--docs", type=Path, default=report.DOCUMENT, help="what report writes (default: %(default)s)")
     return parser
 
 

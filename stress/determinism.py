@@ -94,11 +94,10 @@ def restored(formulation: str, integrator: str, damping: bool) -> bool:
     return straight.arrays.state.tobytes() == broken.arrays.state.tobytes()
 
 
-def elsewhere(command: str, **environment: str) -> Any:
-    """What a Python expression over this module gives in another process."""
-    script = f"import json; from stress import determinism as d; print(json.dumps({command}))"
+def elsewhere(function: str, *arguments: object, **environment: str) -> Any:
+    """What a function of in_process.py returns in another process."""
     done = subprocess.run(
-        [sys.executable, "-c", script],
+        [sys.executable, "-m", "stress.in_process", function, json.dumps(arguments)],
         cwd=ROOT,
         env=os.environ | environment,
         capture_output=True,
@@ -121,7 +120,7 @@ def run(seed: int, count: int, processors: bool = True) -> dict[str, dict[str, o
     compare("again", [digest(seed, k) for k in numbers])
     with ThreadPoolExecutor(4) as pool:
         compare("in four threads", list(pool.map(lambda k: digest(seed, k), numbers)))
-    compare("in another process", elsewhere(f"[d.digest({seed}, k) for k in range({count})]", PYTHONHASHSEED="7"))
+    compare("in another process", elsewhere("digests", seed, count, PYTHONHASHSEED="7"))
     ways = [(f, i, d) for f in ("exact", "paper") for i in ("auto", "central-difference") for d in (True, False)]
     wrong = [f"{way}" for way in ways if not restored(*way)]
     results["after a restore"] = {"tried": len(ways), "failures": wrong}
@@ -130,7 +129,7 @@ def run(seed: int, count: int, processors: bool = True) -> dict[str, dict[str, o
         for name, variables in PROCESSORS.items():
             with tempfile.TemporaryDirectory(prefix="stress_") as cache:
                 changed = variables | ({"NUMBA_CACHE_DIR": cache} if "NUMBA_CPU_NAME" in variables else {})
-                there = np.array(elsewhere("d.scene_rows()", **changed))
+                there = np.array(elsewhere("scene_rows", **changed))
             difference = float(np.max(np.abs(there - here)) / np.max(np.abs(here)))
             failures = [] if difference < 1e-8 else [f"{difference:.2g} of the peak"]
             results[name] = {"tried": 1, "failures": failures, "largest difference": difference}

@@ -1,4 +1,4 @@
-"""What happens to a machine amid the work: killed processes, full disks, read-only folders, clocks that jump.
+"""What happens to a machine while it works: killed processes, full disks, read-only folders, clocks that jump.
 
 Each check returns (how often it was tried, problems). Nothing may be lost, nothing half-written may look whole, and the
 next run has to work.
@@ -22,34 +22,15 @@ COLUMN = ROOT / "examples" / "columns" / "phocas-damped.toml"
 PATIENCE = 600.0  # s
 Outcome = tuple[int, list[str]]
 
-START = """
-import json, sys
-from fmpy import extract
-from tests.instance import Instance
-folder = extract(sys.argv[1])
-column = Instance(sys.argv[1], {"base.ax": 0.5}, folder=folder)
-column.step(0.0, 0.1)
-print(json.dumps(column.get()))
-column.close()
-"""
-NO_LARGE_FILES = "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, ({0}, {0})); "
-CLOCK = """
-import random, sys, time
-chance = random.Random(1)
-for name in ("time", "perf_counter", "monotonic"):
-    setattr(time, name, lambda real=getattr(time, name): real() + chance.uniform(-1e6, 1e6))
-"""
-SIMULATE = """
-import hashlib, sys
-from solver import Column, Motion, simulate
-response = simulate(Column.from_toml(sys.argv[1]), Motion.harmonic(1.0, 2.0, 3.0))
-print(hashlib.sha256(response.ux.tobytes()).hexdigest())
-"""
-
 
 def environment(**changes: str) -> dict[str, str]:
     """Of a child that finds project and tests."""
     return os.environ | {"PYTHONPATH": os.pathsep.join((str(ROOT), str(ROOT / "tests")))} | changes
+
+
+def calling(function: str, *arguments: object) -> list[str]:
+    """Python's arguments for a function of in_process.py."""
+    return ["-m", "stress.in_process", function, json.dumps(arguments, default=str)]
 
 
 def launch(*arguments: object, **changes: str) -> subprocess.Popen[str]:
@@ -92,7 +73,7 @@ def killed_while_writing(folder: Path, times: int, chance: random.Random) -> Out
     for _ in range(times):
         killed_after(length * chance.uniform(0.4, 1.0), *command)
         if output.read_bytes() != whole:
-            problems.append("the file of before was lost")
+            problems.append("the previous file was lost")
     return times, problems
 
 
@@ -132,44 +113,42 @@ def _same_but_for_the_date(one: bytes, other: bytes, folder: Path) -> bool:
 
 def killed_while_starting(fmu: Path, folder: Path, times: int, chance: random.Random) -> Outcome:
     """The first start on an account, ended while the FMU is extracted or its code laid down: the next start works."""
-    code, reference, err = finish("-c", START, fmu, XDG_CACHE_HOME=str(folder / "whole"))
+    code, reference, err = finish(*calling("start", fmu), XDG_CACHE_HOME=str(folder / "whole"))
     if code:
         return 0, [err]
     problems = []
     for k in range(times):
         home = str(folder / f"killed-{k % 5}")  # some are killed again and again
-        killed_after(chance.uniform(0.2, 1.5), "-c", START, fmu, XDG_CACHE_HOME=home)
+        killed_after(chance.uniform(0.2, 1.5), *calling("start", fmu), XDG_CACHE_HOME=home)
         if k % 5 == 4 or k >= times - 5:
-            code, out, err = finish("-c", START, fmu, XDG_CACHE_HOME=home)
+            code, out, err = finish(*calling("start", fmu), XDG_CACHE_HOME=home)
             if code or out != reference:
                 problems.append(f"the next start: {err or 'other numbers'}")
     return times, problems
 
 
 def full_disk(fmu: Path, folder: Path) -> Outcome:
-    """No file may grow beyond a few kB: exit code 2 and one line, the file of before as it was; the FMU runs."""
+    """No file may grow beyond a few kB: exit code 2 and one line, the previous file as it was; the FMU runs."""
     motion, output = folder / "motion.csv", folder / "full.csv"
     motion.write_text("time,base.ax\n0,0\n1,0.1\n")
-    output.write_text("of before")
-    simulate = ["simulate", str(COLUMN), str(motion), "-o", str(output)]
-    build = [str(COLUMN), "-o", str(folder / "full.fmu")]
+    output.write_text("previous")
     commands = {
-        "simulate": f"from solver.command_line import main; sys.exit(main({simulate!r}))",
-        "build": f"import build_fmu; sys.exit(build_fmu.main({build!r}))",
+        "solver": ["simulate", COLUMN, motion, "-o", output],
+        "build_fmu": [COLUMN, "-o", folder / "full.fmu"],
     }
     problems = []
-    for name, command in commands.items():
-        code, _, err = finish(
-            "-c", "import sys; " + NO_LARGE_FILES.format(5000) + command, XDG_CACHE_HOME=str(folder / "full")
-        )
+    for name, arguments in commands.items():
+        module, script, *call = calling("command", name, arguments)
+        full = str(folder / "full")
+        code, _, err = finish(module, script, "--largest-file", 5000, *call, XDG_CACHE_HOME=full)
         if not _one_line(code, err):
             problems.append(f"{name} on a full disk: exit code {code}, {err.strip()[-300:]!r}")
-    if output.read_text() != "of before" or (folder / "full.fmu").exists():
+    if output.read_text() != "previous" or (folder / "full.fmu").exists():
         problems.append("a part was written over the whole")
-    expected = finish("-c", START, fmu)[1]
+    expected = finish(*calling("start", fmu))[1]
     for limit in (100, 20_000, 500_000):
-        extracted = START.replace("column = Instance", NO_LARGE_FILES.format(limit) + "column = Instance")
-        code, out, err = finish("-c", extracted, fmu, XDG_CACHE_HOME=str(folder / f"full-{limit}"))
+        home = str(folder / f"full-{limit}")
+        code, out, err = finish(*calling("start", fmu, limit), XDG_CACHE_HOME=home)
         if code or not _close(out, expected):
             problems.append(f"FMU on a full disk ({limit}): exit code {code}, {err[-300:]!r}")
     return 5, problems
@@ -194,8 +173,8 @@ def read_only(fmu: Path, folder: Path) -> Outcome:
             code, _, err = finish(*command)
             if not _one_line(code, err):
                 problems.append(f"{command[1:3]} into {nowhere}: exit code {code}, {err.strip()[-300:]!r}")
-        code, out, err = finish("-c", START, fmu, XDG_CACHE_HOME=str(nowhere))
-        if code or not _close(out, finish("-c", START, fmu)[1]):
+        code, out, err = finish(*calling("start", fmu), XDG_CACHE_HOME=str(nowhere))
+        if code or not _close(out, finish(*calling("start", fmu))[1]):
             problems.append(f"FMU with its cache in {nowhere}: exit code {code}, {err[-300:]!r}")
     return 6, problems
 
@@ -203,14 +182,16 @@ def read_only(fmu: Path, folder: Path) -> Outcome:
 def clocks(fmu: Path, folder: Path) -> Outcome:
     """Clocks that jump by days at every look, files from the future and the past: the same bits."""
     problems = []
-    if finish("-c", CLOCK + SIMULATE, COLUMN)[:2] != finish("-c", SIMULATE, COLUMN)[:2]:
+    module, script, *run = calling("simulate", COLUMN)
+    if finish(module, script, "--jumping-clock", *run)[:2] != finish(module, script, *run)[:2]:
         problems.append("a run depends on the clock")
+    start = calling("start", fmu)[2:]
     home = folder / "clock"
-    expected = finish("-c", START, fmu, XDG_CACHE_HOME=str(home))[:2]
+    expected = finish(*calling("start", fmu), XDG_CACHE_HOME=str(home))[:2]
     for stamp in (0.0, 4e9):
         for file in home.rglob("*.nb?"):
             os.utime(file, (stamp, stamp))
-        if finish("-c", CLOCK + START, fmu, XDG_CACHE_HOME=str(home))[:2] != expected:
+        if finish(module, script, "--jumping-clock", *start, XDG_CACHE_HOME=str(home))[:2] != expected:
             problems.append(f"the FMU depends on the time of its files ({stamp:g})")
     return 3, problems
 

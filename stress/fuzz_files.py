@@ -146,7 +146,7 @@ def _plain_csv(text: str) -> tuple[list[float], list[float], list[float]] | None
     rows = [_numbers(line.split(mark)) for line in unquoted[1:]]
     if len(rows) < 2 or any(row is None or len(row) != len(header) for row in rows):
         return None
-    columns: dict[str, Any] = dict(zip(header, zip(*rows, strict=True), strict=True))  # type: ignore[arg-type]
+    columns: dict[str, Any] = dict(zip(header, zip(*rows, strict=True), strict=True))
     time = columns["time"]
     if any(later <= earlier for earlier, later in pairwise(time)):
         return None

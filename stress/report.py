@@ -1,4 +1,4 @@
-"""docs/stability.md, from the findings of all parts."""
+"""The report of a campaign, from the findings of all parts: tables in Markdown."""
 
 from __future__ import annotations
 
@@ -14,20 +14,21 @@ from benchmarks import machine
 from .stability import LIMITS
 
 PARTS = ("stability", "damped", "scheme", "fuzz", "faults", "determinism")
-DOCUMENT = Path(__file__).resolve().parent.parent / "docs" / "stability.md"
-MARK = "<!-- written by python -m stress report from here on -->"
+NAME = "report.md"
 Findings = list[dict[str, Any]]
 
 
-def write(folder: Path, document: Path) -> Path:
-    """Write the report below the mark of the document; what stands above it is kept."""
+def write(folder: Path) -> Path:
+    """Write the report beside the findings. Raises FileNotFoundError where there are none."""
     found = {part: _read(folder / f"{part}.jsonl") for part in PARTS}
-    head = document.read_text(encoding="utf-8").partition(MARK)[0].rstrip() if document.is_file() else "# Stability"
-    parts = [head, MARK, _origin(found), _stability(found["stability"]), _scheme(found["scheme"]), _fuzz(found["fuzz"])]
-    parts += [_plain("Damped columns", found["damped"])]
+    if not any(found.values()):
+        raise FileNotFoundError(f"{folder}: no findings of `python -m stress` in it")
+    parts = ["# Stability: findings", _origin(found), _stability(found["stability"])]
+    parts += [_plain("Damped columns", found["damped"]), _scheme(found["scheme"]), _fuzz(found["fuzz"])]
     parts += [_plain("Faults", found["faults"]), _plain("Repeatability", found["determinism"])]
-    document.write_text("\n\n".join(part for part in parts if part) + "\n", encoding="utf-8")
-    return document
+    report = folder / NAME
+    report.write_text("\n\n".join(part for part in parts if part) + "\n", encoding="utf-8")
+    return report
 
 
 def _read(path: Path) -> Findings:
@@ -127,7 +128,7 @@ def _scheme(items: Findings) -> str:
             "by 1000 in 200 steps, in parts of it; sweeps an evaluation at half of it."
         )
         text.append(table(["k, N/m3; blocks:", *map(str, blocks)], rows))
-    refused = [row.get("refused") for row in latest["map"] if "refused" in row]
+    refused = [bool(row["refused"]) for row in latest["map"] if "refused" in row]
     text.append(
         f"A step 0.1 % beyond the limit is refused with the limit in the message: {sum(refused)} of {len(refused)}."
     )
@@ -163,7 +164,7 @@ def _fuzz(items: Findings) -> str:
     rows = []
     for name in dict.fromkeys((item["name"], item.get("fmu", "")) for item in items):
         of = [item for item in items if (item["name"], item.get("fmu", "")) == name]
-        inputs = sum(item.get("calls", item.get("files", 0)) for item in of)
+        inputs = sum(found["calls"] if "calls" in found else found.get("files", 0) for found in of)
         what = (
             f"{sum(i.get('sequences', 0) for i in of)} sequences of FMI calls, {name[1]}"
             if name[0] == "fmu"

@@ -117,11 +117,9 @@ def sweep_costs() -> list[dict[str, Any]]:
 
 def _swept(tolerance: float | None) -> list[dict[str, Any]]:
     """What `sweep` gives in a process of its own."""
-    value = "None" if tolerance is None else f"float('{tolerance!r}')"
-    script = f"import json; from stress.scheme import sweep; print(json.dumps(sweep({value})))"
     with tempfile.TemporaryDirectory(prefix="stress_") as cache:
         done = subprocess.run(
-            [sys.executable, "-W", "ignore", "-c", script],
+            [sys.executable, "-W", "ignore", "-m", "stress.in_process", "sweep", json.dumps([tolerance])],
             cwd=ROOT,
             env=os.environ | {"NUMBA_CACHE_DIR": cache},
             capture_output=True,

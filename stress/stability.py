@@ -242,7 +242,7 @@ def _serve(pipe: Connection, seed: int, most_blocks: int, patience: int) -> None
             resource.setrlimit(resource.RLIMIT_CPU, (int(used.ru_utime + used.ru_stime) + 1 + patience, -1))
             try:
                 pipe.send(examine(draw(seed, number, most_blocks)))
-            except Exception as error:  # a defect of solver or campaign: told as one, with the case
+            except Exception as error:  # a defect of solver or campaign: reported as one, with the case
                 pipe.send({"failures": [f"{type(error).__name__}: {error}"], "figures": {}})
 
 
@@ -251,8 +251,8 @@ def campaign(
 ) -> Iterator[dict[str, Any]]:
     """The findings of the cases first, first + 1, ..., until `count` or so many seconds are over.
 
-    patience: s of processor time for one case; one that takes longer is told as slow. A case that ends the process is
-    told as well, and the campaign goes on.
+    patience: s of processor time for one case; one that takes longer is reported as slow. A case that ends the process
+    is reported as well, and the campaign goes on.
     """
     context = multiprocessing.get_context("spawn")
     worker = None

@@ -59,31 +59,3 @@ class Fmus:
         """Build one more with the project's own command, with more variables in its environment."""
         run(sys.executable, ROOT / "build_fmu.py", column, "-o", output, *options, **variables)
         return output
-
-
-# of a script that is given an FMU: instances at every stage of life, and what a usual one shows
-LIVES = """
-import json, sys
-from instance import Instance
-nan, inf = float("nan"), float("inf")
-
-def started():
-    column = Instance(sys.argv[1], {"base.ax": 0.5})
-    column.step(0.0, 0.1)
-    return column
-
-def ended():
-    column = started()
-    column.fmi.terminate()
-    return column
-
-def fresh():
-    return Instance(sys.argv[1], initialize=False)
-
-def usual(column):
-    column.fmi.reset()
-    column.initialize()
-    column.set({"base.ax": 0.5})
-    column.step(0.0, 0.1)
-    return column.get()
-"""

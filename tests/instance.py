@@ -15,7 +15,7 @@ def called(variable: Any) -> str:
 
 
 class Instance:
-    """An FMU extracted, instantiated and, unless told otherwise, initialized."""
+    """An FMU extracted, instantiated and, unless asked not to, initialized."""
 
     def __init__(
         self,

@@ -26,7 +26,7 @@ def phocas(eta: float = 0.0, **settings: str | float | tuple[str, ...]) -> Colum
 def monolith(
     stiffness: float = PHOCAS_STIFFNESS, eta: float = 0.0, **settings: str | float | tuple[str, ...]
 ) -> Column:
-    """The Column of Phocas as one rigid block (cases.md)."""
+    """The Column of Phocas as one rigid block (theory.md section 5)."""
     block = Block(14.07, 1.56, 1.56, 81000.0, Joint(stiffness, eta))
     return Column("monolith", (block,), Settings(**settings))  # type: ignore[arg-type]
 

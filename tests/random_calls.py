@@ -1,4 +1,4 @@
-"""Calls upon a native FMU in any order, with right and wrong arguments: `python random_calls.py FILE.fmu COUNT`.
+"""Calls to a native FMU in any order, with right and wrong arguments: `python random_calls.py FILE.fmu COUNT`.
 
 Every kind of call is to succeed at times, bytes that are no state never; afterwards the instance does what a new one
 does.
@@ -78,7 +78,8 @@ class Caller:
         variable = self.column.variables[name]
         start = float(variable.start or 0.0) if variable.type == "Real" else 0.0
         numbers = [0.0, -1.0, float("nan"), float("inf"), 0.9 * start, 1.1 * start, start]
-        values: list[Any] = {"String": WORDS, "Enumeration": [0, 1, 1, 2, 7]}.get(variable.type, numbers)
+        kinds: dict[str, list[Any]] = {"String": WORDS, "Enumeration": [0, 1, 1, 2, 7]}
+        values = kinds.get(variable.type, numbers)
         self.column.set({name: self.some.choice(values)})
 
     def push(self) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -144,7 +145,7 @@ class Case:
     text: str
     format: str
     off: float  # m/s2, half a unit of the last digit
-    given: dict[str, object]
+    given: dict[str, Any]
 
 
 def _case(text: str, name: str, off: float, **given: object) -> Case:

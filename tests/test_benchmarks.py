@@ -8,6 +8,7 @@ import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -179,7 +180,7 @@ def test_best_competitor_at_equal_error():
     def run(error: float, seconds: float) -> dict[str, float]:
         return {"value": 0.0, "error": error, "seconds": seconds, "evaluations": 100}
 
-    points = {
+    points: dict[str, list[dict[str, Any]]] = {
         "auto": [run(1e-4, 1.0), run(1e-8, 4.0)],
         "good": [run(1e-3, 6.0), run(1e-6, 12.0)],
         "bad": [{"value": 0.0, "failure": "lost"}, run(1e-9, 100.0)],

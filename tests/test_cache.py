@@ -5,30 +5,30 @@ from __future__ import annotations
 import os
 import shutil
 import subprocess
-import sys
 from pathlib import Path
 
+import pytest
+from child import command, returned
 from fmus import ROOT
-
-LOAD = """
-from solver import Column
-from solver.stepper import Stepper
-import solver.kernels.layout as at
-column = Column.from_toml("phocas.toml")
-print(at.ROW.see(Stepper(column).observe(0.0), 3).joints.N[0])
-"""
+from inside import loads
 
 
 def loaded_kernel_says(project: Path) -> float:
     """Normal force of the top joint at rest, from a process of its own that caches beside the sources."""
-    environment = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
+    variables = os.environ | {"PYTHONPATH": str(project)}
     done = subprocess.run(
-        [sys.executable, "-c", LOAD], cwd=project, capture_output=True, text=True, env=environment, check=False
+        command(loads.normal_force, "phocas.toml"),
+        cwd=project,
+        capture_output=True,
+        text=True,
+        env=variables,
+        check=False,
     )
     assert done.returncode == 0, done.stderr
-    return float(done.stdout)
+    return float(returned(done.stdout))
 
 
+@pytest.mark.long  # compiles the kernels twice
 def test_a_change_in_any_kernel_file_is_compiled_anew(tmp_path: Path) -> None:
     shutil.copytree(ROOT / "solver", tmp_path / "solver", ignore=shutil.ignore_patterns("__pycache__"))
     shutil.copy(ROOT / "examples" / "columns" / "phocas-damped.toml", tmp_path / "phocas.toml")

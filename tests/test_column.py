@@ -3,6 +3,7 @@
 import dataclasses
 import json
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -73,7 +74,7 @@ columns = st.builds(
 )
 
 
-def column(**changes: object) -> Column:
+def column(**changes: Any) -> Column:
     return Column(**{"name": "phocas", "blocks": (PHOCAS_BLOCK,) * 3, **changes})
 
 
@@ -138,7 +139,7 @@ def test_dict_survives_json(made: Column) -> None:
 
 
 def test_numpy_scalars_are_numbers() -> None:
-    made = column(blocks=[Block(np.float32(4.0), np.int64(1), 1.0, 1.0, Joint(1e9))])
+    made = column(blocks=[Block(np.float32(4.0), np.int64(1), 1.0, 1.0, Joint(1e9))])  # type: ignore[arg-type]
     assert Column.from_dict(json.loads(json.dumps(made.to_dict()))) == made
 
 
@@ -162,7 +163,7 @@ def test_with_settings_is_checked() -> None:
 
 @pytest.mark.parametrize("value", [0.0, -1.0, float("nan"), float("inf"), True, "1", None, 10**400])
 @pytest.mark.parametrize("key", ["height", "width", "depth", "mass", "joint.stiffness"])
-def test_blocks_made_by_hand_are_checked(key: str, value: object) -> None:
+def test_blocks_made_by_hand_are_checked(key: str, value: Any) -> None:
     if key.startswith("joint."):
         block = dataclasses.replace(PHOCAS_BLOCK, joint=Joint(value))
     else:
@@ -175,7 +176,7 @@ def test_blocks_made_by_hand_are_checked(key: str, value: object) -> None:
     ("changes", "said"),
     [
         ({"blocks": ("stone",)}, "block[1] = 'stone': must be a Block"),
-        ({"blocks": (Block(1.0, 1.0, 1.0, 1.0, 1e9),)}, "block[1].joint = 1000000000.0: must be a Joint"),
+        ({"blocks": (Block(1.0, 1.0, 1.0, 1.0, 1e9),)}, "block[1].joint = 1000000000.0: must be a Joint"),  # type: ignore[arg-type]
         ({"settings": "paper"}, "solver = 'paper': must be Settings"),
         ({"g": -9.8}, "g = -9.8: must be an acceleration in m/s2, zero or positive"),
         ({"blocks": (Block(1e200, 1.0, 1.0, 1.0, Joint(1.0)),)}, "block[1].height = 1e+200: must be a positive length"),

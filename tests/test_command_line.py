@@ -129,7 +129,7 @@ def test_convert_writes_what_fmpy_reads(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("line", "told"),
+    ("line", "message"),
     [
         ("", "required: COMMAND"),
         ("draw", "'simulate', 'record', 'convert'"),
@@ -161,14 +161,14 @@ def test_convert_writes_what_fmpy_reads(tmp_path: Path) -> None:
         ("convert record.AT2 none/other.csv", "none/other.csv: No such file"),
     ],
 )
-def test_mistakes_end_in_one_line(tmp_path: Path, motion: Motion, line: str, told: str) -> None:
+def test_mistakes_end_in_one_line(tmp_path: Path, motion: Motion, line: str, message: str) -> None:
     (tmp_path / "record.AT2").write_text(AT2, encoding="utf-8")
     before = sorted(tmp_path.iterdir())
     run = solver(tmp_path, *line.format(phocas=PHOCAS).split())
     assert run.returncode == 2
     assert run.stderr.startswith("python -m solver: ")
     assert run.stderr.count("\n") == 1
-    assert told in run.stderr
+    assert message in run.stderr
     assert sorted(tmp_path.iterdir()) == before
 
 

@@ -63,7 +63,7 @@ def test_accelerations_and_forces_are_those_of_the_articulated_body(n: int, larg
     for seed in range(20):
         column, q, rate, ax, az = scene(seed, n, largest)
         turned = np.random.default_rng(seed).uniform(-1.0, 1.0, 3) * [1.0, 2.0, 10.0]
-        base = (ax, az, *map(float, turned))
+        base = (ax, az, float(turned[0]), float(turned[1]), float(turned[2]))
         stepper = Stepper(column)
         coordinates(stepper)[:] = np.concatenate([q, rate])
         stepper.state.control.base_theta, stepper.state.control.base_omega = base[2:4]

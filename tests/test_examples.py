@@ -107,7 +107,7 @@ def test_phocas_does_not_pass_over_a_run_cut_short(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("line", "told"),
+    ("line", "message"),
     [
         ("phocas.py --column none.toml", "none.toml: No such file"),
         ("phocas.py --amplitude much", "argument --amplitude"),
@@ -126,14 +126,14 @@ def test_phocas_does_not_pass_over_a_run_cut_short(tmp_path: Path) -> None:
         ("figure3.py --frob", "unrecognized arguments: --frob"),
     ],
 )
-def test_mistakes_end_in_one_line(tmp_path: Path, line: str, told: str) -> None:
+def test_mistakes_end_in_one_line(tmp_path: Path, line: str, message: str) -> None:
     (tmp_path / "file.txt").touch()
     name, *arguments = line.split()
     run = example(name, tmp_path, *arguments)
     assert run.returncode == 2
     assert run.stderr.startswith(f"{name}: ")
     assert run.stderr.count("\n") == 1
-    assert told in run.stderr
+    assert message in run.stderr
     assert [file.name for file in tmp_path.iterdir()] == ["file.txt"]
 
 

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import os
 import subprocess
-import sys
 import zipfile
 from pathlib import Path
 
 import pytest
-from fmus import ROOT, environment, finish
+from child import command, ended
+from fmus import ROOT, environment
+from inside import full_disk
 
 from solver import Motion
 from solver.files import whole_file
@@ -17,7 +18,7 @@ from solver.files import whole_file
 COLUMN = ROOT / "examples" / "columns" / "phocas-damped.toml"
 
 
-def test_the_file_of_before_stays_until_the_new_one_is_whole(tmp_path: Path) -> None:
+def test_the_previous_file_stays_until_the_new_one_is_whole(tmp_path: Path) -> None:
     path = tmp_path / "file.txt"
     path.write_text("before")
 
@@ -53,11 +54,7 @@ def test_a_full_disk_takes_nothing_away(tmp_path: Path) -> None:
     motion, response = tmp_path / "motion.csv", tmp_path / "response.csv"
     Motion.from_samples(1.0, [0.0, 0.1]).to_csv(motion)
     response.write_text("before")
-    script = (
-        "import resource, sys\nfrom solver.command_line import main\n"
-        "resource.setrlimit(resource.RLIMIT_FSIZE, (5000, 5000))\nsys.exit(main(sys.argv[1:]))"
-    )
-    done = finish(sys.executable, "-c", script, "simulate", COLUMN, motion, "-o", response)
+    done = ended(full_disk.simulate, COLUMN, motion, response)
     assert done.returncode == 2
     assert done.stderr.strip() == f"python -m solver: {response}: File too large"
     assert sorted(tmp_path.iterdir()) == [motion, response]
@@ -67,9 +64,11 @@ def test_a_full_disk_takes_nothing_away(tmp_path: Path) -> None:
 def test_two_builds_of_one_fmu_at_once(tmp_path: Path) -> None:
     output = tmp_path / "column.fmu"
     # without the machine code, which would be made twice
-    script = "import build_fmu, sys\nbuild_fmu._machine_code = lambda *_: {}\nsys.exit(build_fmu.main(sys.argv[1:]))"
-    command = [sys.executable, "-c", script, str(COLUMN), "-o", str(output)]
-    builds = [subprocess.Popen(command, env=environment(), stderr=subprocess.PIPE, text=True) for _ in range(2)]
+    one = command(full_disk.build_without_machine_code, COLUMN, output)
+    builds = [
+        subprocess.Popen(one, env=environment(), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        for _ in range(2)
+    ]
     for build in builds:
         _, said = build.communicate()
         assert build.returncode == 0, said

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import subprocess
 import sys
 from collections.abc import Callable
@@ -11,27 +10,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from child import call, command, ended, returned
 from fmpy import read_model_description
 from fmus import REFUSED, ROOT, Fmus, environment, read_results, run
+from inside import failures, imports, runs
 
 from solver import Column, Motion, simulate
 
 G = 9.80665
-
-# Simulates argv[1] for argv[2] s at a communication step of argv[3] s under argv[4] g at argv[5] Hz, saves to argv[6].
-SIMULATE = """
-import json, sys
-import numpy as np
-from fmpy import simulate_fmu
-fmu, duration, h, amplitude, frequency, output, start_values = sys.argv[1:]
-duration, h = float(duration), float(h)
-time = h * np.arange(round(duration / h) + 1)
-motion = np.zeros(time.size, dtype=[("time", float), ("base.ax", float), ("base.az", float)])
-motion["time"] = time
-motion["base.ax"] = float(amplitude) * 9.80665 * np.sin(2 * np.pi * float(frequency) * time)
-result = simulate_fmu(fmu, stop_time=duration, output_interval=h, input=motion, start_values=json.loads(start_values))
-np.save(output, np.asarray(result))
-"""
 
 
 def fmpy_run(
@@ -45,15 +31,14 @@ def fmpy_run(
 ) -> np.ndarray:
     """Histories of a harmonic run under fmpy; fails unless the process ends with 0 and the run with its duration."""
     output = tmp_path / "result.npy"
-    values = json.dumps(start_values or {})
-    run(sys.executable, "-c", SIMULATE, fmu, duration, h, amplitude, frequency, output, values)
+    call(runs.simulate, fmu, duration, h, amplitude, frequency, output, start_values or {})
     result = np.load(output)
     assert result["time"][-1] == pytest.approx(duration, abs=1e-12)
     return result
 
 
 def held_harmonic(duration: float, h: float, amplitude: float, frequency: float) -> Motion:
-    """The samples that SIMULATE hands to the FMU."""
+    """The samples that `runs.simulate` hands to the FMU."""
     time = h * np.arange(round(duration / h) + 1)
     return Motion.from_samples(h, amplitude * G * np.sin(2 * np.pi * frequency * time), hold=True)
 
@@ -77,9 +62,9 @@ def test_declares_what_a_master_needs_to_know(fmus: Fmus) -> None:
         for name, unit in (("ux", "m"), ("uz", "m"), ("theta", "rad")):
             variable = by_name[f"block[{i}].{name}"]
             assert (variable.causality, variable.unit) == ("output", unit)
-        for name, unit in (("N", "N"), ("M", "N.m"), ("S", "N"), ("T", "N"), ("contact", None), ("sigma_max", "Pa")):
+        for name, unit in (("N", "N"), ("M", "N.m"), ("S", "N"), ("T", "N"), ("contact", ""), ("sigma_max", "Pa")):
             variable = by_name[f"joint[{i}].{name}"]
-            assert (variable.causality, variable.unit) == ("output", unit)
+            assert (variable.causality, variable.unit or "") == ("output", unit)
         for name in ("height", "width", "depth", "mass", "centroid", "inertia"):
             assert by_name[f"block[{i}].{name}"].causality == "parameter"
         for name in ("stiffness", "damping", "width", "depth"):
@@ -156,7 +141,7 @@ def test_an_overturned_column_is_held_and_flagged(fmus: Fmus, tmp_path: Path) ->
     assert np.all(result["overturn_time"][~result["overturned"]] == -1.0)
     assert set(after["overturn_joint"]) <= {1, 2, 3}
     assert len(set(after["overturn_joint"])) == 1
-    for name in result.dtype.names[1:]:
+    for name in (result.dtype.names or ())[1:]:
         assert np.all(np.isfinite(result[name]))
         assert np.all(after[name] == after[name][0])
 
@@ -212,109 +197,22 @@ def test_recorded_motions_run_on_the_command_line(
     assert 0.0 < np.max(np.abs(result["block[1].ux"])) < 14.07
 
 
-SIDE_BY_SIDE = """
-import json, sys
-from fmpy import extract, read_model_description
-from fmpy.fmi2 import FMU2Slave
-
-def slave(path, name):
-    description = read_model_description(path)
-    made = FMU2Slave(guid=description.guid, unzipDirectory=extract(path),
-                     modelIdentifier=description.coSimulation.modelIdentifier, instanceName=name)
-    made.instantiate()
-    made.setupExperiment(startTime=0.0)
-    made.enterInitializationMode()
-    made.exitInitializationMode()
-    return made, {v.name: v.valueReference for v in description.modelVariables}
-
-def step(pair, k):
-    made, vr = pair
-    made.setReal([vr["base.ax"]], [0.5 if k % 100 < 50 else -0.5])
-    made.doStep(k * 1e-2, 1e-2)
-
-def read(pair):
-    made, vr = pair
-    return made.getReal([vr[name] for name in ("block[1].ux", "joint[1].N", "base.My")])
-
-paths = sys.argv[1:]
-alone = []
-for path in paths:
-    pair = slave(path, "alone")
-    for k in range(100):
-        step(pair, k)
-    alone.append(read(pair))
-    pair[0].terminate()
-    pair[0].freeInstance()
-pairs = [slave(path, "together") for path in paths]
-for k in range(100):
-    for pair in pairs:
-        step(pair, k)
-together = [read(pair) for pair in pairs]
-for made, _ in pairs:
-    made.terminate()
-    made.freeInstance()
-print(json.dumps([alone, together]))
-"""
-
-
-def test_columns_in_one_process_do_not_run_each_others_code(fmus: Fmus, tmp_path: Path) -> None:
-    text = (ROOT / "examples/columns/phocas-damped.toml").read_text()
-    other = tmp_path / "other.toml"
-    other.write_text(text.replace("27000.0", "20000.0"))  # the same name, another column
-    second = fmus.build(other, tmp_path / "second.fmu")
-    printed = run(sys.executable, "-c", SIDE_BY_SIDE, fmus.damped, second, fmus.phocas, fmus.damped)
-    alone, together = json.loads(printed)
-    assert alone == together
-    assert alone[0] == alone[3]
-    assert alone[0] != alone[1]
-
-
-BY_HAND = """
-import json, sys
-from fmpy import extract, read_model_description
-from fmpy.fmi2 import FMU2Slave
-description = read_model_description(sys.argv[1])
-vr = {v.name: v.valueReference for v in description.modelVariables}
-made = FMU2Slave(guid=description.guid, unzipDirectory=extract(sys.argv[1]),
-                 modelIdentifier=description.coSimulation.modelIdentifier, instanceName="column")
-made.instantiate()
-heard = []
-
-def attempt(call, *arguments):
-    try:
-        call(*arguments)
-        return "ok"
-    except Exception as error:
-        return str(error)
-
-def initialize():
-    made.setupExperiment(startTime=0.0)
-    made.enterInitializationMode()
-    return attempt(made.exitInitializationMode)
-"""
-
-
 @pytest.mark.parametrize(
-    ("call", "said"),
+    ("name", "value", "said"),
     [
-        ("made.setReal([vr['block[1].height']], [-1.0])", "block[1].height = -1.0: must be a positive length in m"),
-        ("made.setReal([vr['joint[2].stiffness']], [0.0])", "joint[2].stiffness = 0.0: must be a positive"),
-        ("made.setReal([vr['block[3].mass']], [float('nan')])", "block[3].mass = nan: must be a positive mass"),
-        ("made.setReal([vr['solver.tolerance']], [7.0])", "solver.tolerance = 7.0: must be"),
-        ("made.setInteger([vr['solver.integrator']], [3])", "solver.integrator = 3: must be one of 1 (auto), 2 (c"),
+        ("block[1].height", -1.0, "block[1].height = -1.0: must be a positive length in m"),
+        ("joint[2].stiffness", 0.0, "joint[2].stiffness = 0.0: must be a positive"),
+        ("block[3].mass", float("nan"), "block[3].mass = nan: must be a positive mass"),
+        ("solver.tolerance", 7.0, "solver.tolerance = 7.0: must be"),
+        ("solver.integrator", 3, "solver.integrator = 3: must be one of 1 (auto), 2 (c"),
     ],
 )
-def test_a_wrong_parameter_is_refused_in_one_line_and_the_instance_lives_on(fmus: Fmus, call: str, said: str) -> None:
-    script = BY_HAND + (
-        f"{call}\nheard.append(initialize())\nmade.reset()\nheard.append(initialize())\n"
-        "made.setReal([vr['base.ax']], [1.0])\n"
-        "heard.append(attempt(made.doStep, 0.0, 1e-2))\nmade.terminate()\nmade.freeInstance()\nprint(json.dumps(heard))"
-    )
-    done = subprocess.run(
-        [sys.executable, "-c", script, fmus.damped], capture_output=True, text=True, env=environment(), check=False
-    )
+def test_a_wrong_parameter_is_refused_in_one_line_and_the_instance_lives_on(
+    fmus: Fmus, name: str, value: float | str, said: str
+) -> None:
+    done = ended(failures.wrong_value, fmus.damped, name, value)
     assert done.returncode == 0, done.stderr
-    refused, accepted, stepped = json.loads(done.stdout)
+    refused, accepted, stepped = returned(done.stdout)
     assert "fmi2ExitInitializationMode failed" in refused
     assert (accepted, stepped) == ("ok", "ok")
     assert said in done.stderr
@@ -322,22 +220,9 @@ def test_a_wrong_parameter_is_refused_in_one_line_and_the_instance_lives_on(fmus
 
 
 def test_impossible_steps_are_refused_with_a_reason_and_possible_ones_still_work(fmus: Fmus) -> None:
-    script = BY_HAND + (
-        "initialize()\n"
-        "heard.append(attempt(made.doStep, 0.0, 1e-2))\n"
-        "for t, h in ((1e-2, 0.0), (1e-2, -1e-2), (0.0, 1e-2), (1e-2, float('nan'))):\n"
-        "    heard.append(attempt(made.doStep, t, h))\n"
-        "made.setReal([vr['base.ax']], [float('inf')])\n"
-        "heard.append(attempt(made.doStep, 1e-2, 1e-2))\n"
-        "made.setReal([vr['base.ax']], [1.0])\n"
-        "heard.append(attempt(made.doStep, 1e-2, 1e-2))\n"
-        "made.freeInstance()\nprint(json.dumps(heard))"
-    )
-    done = subprocess.run(
-        [sys.executable, "-c", script, fmus.damped], capture_output=True, text=True, env=environment(), check=False
-    )
+    done = ended(failures.impossible_steps, fmus.damped)
     assert done.returncode == 0, done.stderr
-    first, *refused, last = json.loads(done.stdout)
+    first, *refused, last = returned(done.stdout)
     assert (first, last) == ("ok", "ok")
     assert len(refused) == 5
     assert all(f"({REFUSED})" in answer for answer in refused[:4])
@@ -351,15 +236,7 @@ def test_impossible_steps_are_refused_with_a_reason_and_possible_ones_still_work
 
 
 def test_shear_and_reaction_follow_the_input_of_the_same_instant(fmus: Fmus) -> None:
-    script = BY_HAND + (
-        "initialize()\nmade.doStep(0.0, 1e-2)\n"
-        "names = ['block[1].ux', 'joint[1].N', 'joint[3].M', 'joint[3].S', 'base.Fx', 'base.My']\n"
-        "for ax in (0.0, 1.0):\n"
-        "    made.setReal([vr['base.ax']], [ax])\n"
-        "    heard.append(made.getReal([vr[name] for name in names]))\n"
-        "made.freeInstance()\nprint(json.dumps(heard))"
-    )
-    still, pushed = json.loads(run(sys.executable, "-c", script, fmus.damped))
+    still, pushed = call(failures.instant, fmus.damped)
     assert still[:3] == pushed[:3]
     assert pushed[3] < still[3] - 5e3  # N at 1 m/s2; the effective mass at rest measured 8211 kg
     assert pushed[3] == pushed[4]
@@ -378,10 +255,8 @@ def test_without_a_writable_cache_it_is_slower_but_works(fmus: Fmus, tmp_path: P
     blocked = tmp_path / "blocked"
     blocked.write_text("a file where a folder should be")
     output = tmp_path / "result.npy"
-    command = [sys.executable, "-c", SIMULATE, fmus.damped, "0.1", "1e-2", "0.05", "2.0", output, "{}"]
-    env = environment() | {"XDG_CACHE_HOME": str(blocked), "NUMBA_CACHE_DIR": str(blocked)}
-    done = subprocess.run([str(part) for part in command], capture_output=True, text=True, env=env, check=False)
-    assert done.returncode == 0, done.stderr
+    elsewhere = {"XDG_CACHE_HOME": str(blocked), "NUMBA_CACHE_DIR": str(blocked)}
+    run(*command(runs.simulate, fmus.damped, 0.1, 1e-2, 0.05, 2.0, output, {}), **elsewhere)
     assert np.load(output)["time"][-1] == pytest.approx(0.1)
 
 
@@ -413,5 +288,4 @@ def test_a_wrong_column_file_ends_the_build_with_2_and_one_line(
 
 
 def test_the_solver_needs_neither_pythonfmu_nor_fmpy_nor_matplotlib() -> None:
-    script = "import sys, solver; print([m for m in ('pythonfmu', 'fmpy', 'matplotlib') if m in sys.modules])"
-    assert run(sys.executable, "-c", script).strip() == "[]"
+    assert call(imports.loaded_with, "solver", ["pythonfmu", "fmpy", "matplotlib"]) == []

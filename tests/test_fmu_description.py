@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-import json
 import re
-import sys
 import zipfile
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
+from child import call
 from fmus import ROOT, Fmus, run
+from inside import initialization
+
+from fmu_src.documentation import drawing
+from solver import Column
 
 COLUMN = ROOT / "examples/columns/phocas-damped.toml"
 FACTORS = {"mm": 1e3, "g": 1.0 / 9.80665, "deg": 57.29577951308232, "kN": 1e-3, "MPa": 1e-6}
@@ -84,45 +87,13 @@ def test_unknowns_stand_in_order_and_feedthrough_is_declared(root: ElementTree.E
         assert inputs == direct_inputs(name or ""), name
 
 
-# in initialization mode: each input and parameter changed for itself; prints which outputs follow it
-FOLLOWED = """
-import json, sys
-from instance import Instance
-outputs = [name for name, item in Instance(sys.argv[1]).variables.items() if item.causality == "output"]
-start = {"base.ax": 0.4, "base.az": 0.3, "base.theta": 1e-3, "base.omega": 2e-3, "base.alpha": 0.1}
-found = {}
-for formulation in ("exact", "paper"):
-    if formulation == "paper":
-        start = {"base.ax": 0.4, "base.az": 0.3, "solver.formulation": formulation}
-    column = Instance(sys.argv[1], start, initialize=False)
-    column.fmi.setupExperiment()
-    column.fmi.enterInitializationMode()
-    before = column.get(*outputs)
-    for name, item in column.variables.items():
-        given = {"centroid": 2.0, "inertia": 1e5}.get(name.rpartition(".")[2])
-        if item.causality == "output" or item.type == "String" or name == "solver.integrator":
-            continue
-        if name in (("base.theta", "base.omega", "base.alpha") if formulation == "paper" else ("solver.formulation",)):
-            continue
-        (value,) = column.get(name)
-        other = 3 - value if item.type == "Enumeration" else given or (1.01 * value if value else 1.0)
-        column.set({name: other})
-        now = column.get(*outputs)
-        found.setdefault(name, set()).update(
-            o for o, a, b in zip(outputs, before, now) if abs(a - b) > 1e-9 * float(column.variables[o].nominal or 1.0)
-        )
-        column.set({name: value} | start)
-print(json.dumps({name: sorted(names) for name, names in found.items()}))
-"""
-
-
 def test_initial_unknowns_follow_what_is_declared_and_nothing_else(fmus: Fmus, root: ElementTree.Element) -> None:
     names = [variable.get("name") or "" for variable in root.iter("ScalarVariable")]
     declared = {
         names[int(unknown.get("index", "0")) - 1]: {names[int(k) - 1] for k in unknown.get("dependencies", "").split()}
         for unknown in root.iterfind("ModelStructure/InitialUnknowns/Unknown")
     }
-    followed = json.loads(run(sys.executable, "-c", FOLLOWED, fmus.damped).splitlines()[-1])
+    followed = call(initialization.followers, fmus.damped)
     for given, outputs in followed.items():
         for output in outputs:
             assert given in declared[output], f"{output} follows {given}"
@@ -179,10 +150,7 @@ def test_a_weightless_column_has_nominals_too(tmp_path: Path) -> None:
 
 
 def test_the_picture_is_of_the_column(tmp_path: Path) -> None:
-    script = (
-        "import sys\nfrom fmu_src.documentation import drawing\nfrom solver import Column\n"
-        "a, b = (drawing(Column.from_toml(path)) for path in sys.argv[1:])\n"
-        "print(a == drawing(Column.from_toml(sys.argv[1])), a != b)"
-    )
     (tmp_path / "squat.toml").write_text(COLUMN.read_text().replace("height = 4.69", "height = 2.0", 1))
-    assert run(sys.executable, "-c", script, COLUMN, tmp_path / "squat.toml").split() == ["True", "True"]
+    column, squat = Column.from_toml(COLUMN), Column.from_toml(tmp_path / "squat.toml")
+    assert drawing(column) == drawing(column)
+    assert drawing(column) != drawing(squat)

@@ -7,8 +7,10 @@ import zipfile
 from pathlib import Path
 
 import pytest
+from child import call, ended, returned
 from fmpy import extract, read_model_description
 from fmus import ROOT, Fmus, finish, read_results, run
+from inside import guarded
 
 import build_fmu
 from fmu_src.native import guard, library
@@ -40,102 +42,27 @@ def test_the_one_folder_that_it_cannot_run_below_is_refused(fmus: Fmus, tmp_path
     assert "PythonFMU's library takes no folder with %20 in its name" in done.stderr
 
 
-# argv: FMU. Instantiates in the wrong way, then in the ways in which hosts write the URI; prints what came of it.
-INSTANTIATE = """
-import ctypes, sys
-from pathlib import Path
-from fmpy import extract
-from instance import Instance
-folder = Path(sys.argv[2], "Rødgrød 7%").resolve()
-folder.mkdir()
-extract(sys.argv[1], unzipdir=str(folder))
-column = Instance(sys.argv[1], folder=str(folder))
-dll, guid, own = column.fmi.dll, column.fmi.guid.encode(), (folder / "resources").as_uri().encode()
-plain = str(folder / "resources").encode()
-
-def instantiate(name=b"column", kind=1, guid=guid, uri=own, functions=ctypes.byref(column.fmi.callbacks)):
-    made = dll.fmi2Instantiate(name, kind, guid, uri, functions, 0, 0)
-    if made:
-        dll.fmi2FreeInstance(ctypes.c_void_p(made))
-    print("=" + ("made" if made else "refused"), flush=True)
-    print("=", file=sys.stderr, flush=True)
-
-instantiate(uri=None)
-instantiate(uri=b"file:///nowhere/at/all")
-instantiate(uri=b"")
-instantiate(uri=b"x" * 10000)
-instantiate(guid=b"{other}")
-instantiate(guid=None)
-instantiate(kind=0)
-instantiate(name=b"")
-instantiate(name=None)
-for uri in (own, own + b"/", b"file:" + own[7:], b"file://localhost" + own[7:], plain, b"file://" + plain):
-    instantiate(uri=uri)
-instantiate(functions=None)
-column.step(0.0, 0.1)
-column.close()
-"""
-
-
 def test_what_cannot_be_instantiated_is_refused_with_a_reason(fmus: Fmus, tmp_path: Path) -> None:
     """Without the guard a missing URI ends the process with 134, a wrong one with 139, the rest is accepted."""
-    done = finish(sys.executable, "-c", INSTANTIATE, fmus.damped, tmp_path)
+    done = ended(guarded.instantiate, fmus.damped, tmp_path)
     assert done.returncode == 0, done.stderr
-    answers = [line[1:] for line in done.stdout.splitlines() if line in ("=made", "=refused")]
+    made = returned(done.stdout)
     said = done.stderr.split("=\n")
     reasons = ["URI of the resources is missing", *["are not there"] * 3, *["the GUID is not"] * 2]
     reasons += ["for co-simulation only", *["needs a name"] * 2]
     for reason, line in zip(reasons, said, strict=False):
         assert reason in line
         assert line.count("\n") == 1
-    assert answers[: len(reasons)] == ["refused"] * len(reasons)
-    assert answers[len(reasons) :] == ["made"] * 7
-
-
-STATUS = """
-import ctypes, sys
-from instance import Instance
-from fmpy.fmi2 import fmi2Boolean, fmi2Real, fmi2Status, fmi2String
-nan = float("nan")
-column = Instance(sys.argv[1], {"base.ax": 0.5})
-dll, c = column.fmi.dll, ctypes.c_void_p(column.fmi.component)
-status, time, flag, text = fmi2Status(), fmi2Real(), fmi2Boolean(), fmi2String()
-
-def told():
-    codes = [dll.fmi2GetStatus(c, 0, ctypes.byref(status)), dll.fmi2GetRealStatus(c, 2, ctypes.byref(time)),
-             dll.fmi2GetBooleanStatus(c, 3, ctypes.byref(flag)), dll.fmi2GetStringStatus(c, 1, ctypes.byref(text))]
-    print(codes, status.value, round(time.value, 9), flag.value, text.value)
-
-column.step(0.0, 0.1)
-told()
-column.set({"base.ax": nan})
-column.attempt("step", 0.1, 0.1)
-told()
-column.set({"base.ax": 0.5})
-column.step(0.1, 0.1)
-told()
-for h in (0.0, -0.1, nan):
-    print(column.attempt("step", 0.2, h)[-8:])
-print(dll.fmi2GetStatus(c, 0, ctypes.byref(status)), status.value)
-print(dll.fmi2GetIntegerStatus(c, 0, ctypes.byref(status)), dll.fmi2GetStatus(c, 1, ctypes.byref(status)))
-column.step(0.2, 0.1)
-column.close()
-"""
+    assert made == [False] * len(reasons) + [True] * 7
 
 
 def test_the_status_of_the_last_step(fmus: Fmus) -> None:
     """A discarded step does not mean that the slave wants to end the run; a wrong one is no step to try halved."""
-    done = finish(sys.executable, "-c", STATUS, fmus.damped)
-    assert done.returncode == 0, done.stderr
-    lines = [line for line in done.stdout.splitlines() if not line.startswith(("[OK", "[DISCARD"))]
-    assert lines == [
-        "[0, 0, 0, 0] 0 0.1 0 b''",
-        "[0, 0, 0, 0] 2 0.1 0 b''",
-        "[0, 0, 0, 0] 0 0.2 0 b''",
-        *["(error)."] * 3,
-        "0 3",
-        "2 2",
-    ]
+    found = call(guarded.statuses, fmus.damped)
+    assert found["steps"] == [[[0] * 4, 0, 0.1, 0, ""], [[0] * 4, 2, 0.1, 0, ""], [[0] * 4, 0, 0.2, 0, ""]]
+    assert all(answer.endswith("(error).") for answer in found["wrong"])
+    assert found["after"] == [0, 3]
+    assert found["unknown"] == [2, 2]
 
 
 def test_a_host_without_python_hears_what_is_missing(fmus: Fmus, tmp_path: Path) -> None:

@@ -2,43 +2,22 @@
 
 from __future__ import annotations
 
-import json
-import subprocess
 import sys
 from pathlib import Path
 
+import child
 import numpy as np
 import pytest
+from child import call, ended
 from fmpy import read_model_description
-from fmus import ROOT, Fmus, environment, finish, run
+from fmus import ROOT, Fmus, finish
+from inside import inputs
 
 from solver import Column, Motion, simulate
 
 COLUMN = ROOT / "examples/columns/phocas-damped.toml"
 AMPLITUDE, FREQUENCY, STOP = 0.6, 2.0, 1.6  # m/s2, Hz, s
 TIGHT = {"solver.tolerance": 1e-9}
-
-# argv: FMU, start values, communication step; prints the histories of block[1].ux at every 0.1 s, one for each way
-FOLLOW = """
-import json, math, sys
-from instance import Instance
-fmu, values, h = sys.argv[1], json.loads(sys.argv[2]), float(sys.argv[3])
-count = round(1.6 / h)
-def a(k):
-    return 0.6 * math.sin(4.0 * math.pi * k * h)
-
-def history(column, way):
-    seen = []
-    for k in range(count):
-        if way == "held":
-            column.set({"base.ax": a(k)})
-        elif way == "linear":
-            column.set({"base.ax": a(k), "base.jx": (a(k + 1) - a(k)) / h})
-        column.step(k * h, h)
-        if (k + 1) % round(0.1 / h) == 0:
-            seen += column.get("block[1].ux")
-    return seen
-"""
 
 
 def errors(fmu: Path, way: str, steps: tuple[float, ...]) -> list[float]:
@@ -47,8 +26,7 @@ def errors(fmu: Path, way: str, steps: tuple[float, ...]) -> list[float]:
     response = simulate(column, Motion.harmonic(AMPLITUDE, FREQUENCY, STOP), STOP, tolerance=1e-9, output_step=0.1)
     found = []
     for h in steps:
-        script = FOLLOW + f"print(json.dumps(history(Instance(fmu, values), {way!r})))"
-        seen = json.loads(run(sys.executable, "-c", script, fmu, json.dumps(TIGHT), h))
+        seen = call(inputs.history, fmu, TIGHT, way, h)
         found.append(float(np.max(np.abs(np.array(seen) - response.ux[1:, 0])) / response.peak_ux[0]))
     return found
 
@@ -75,54 +53,29 @@ def test_a_record_inside_is_followed_whatever_the_communication_step(fmus: Fmus,
     assert float(experiment.stopTime) == pytest.approx(STOP)
     assert float(experiment.stepSize) == pytest.approx(0.01)
     response = simulate(Column.from_toml(COLUMN), motion, STOP, tolerance=1e-9, output_step=0.1)
-    script = FOLLOW + (
-        "inside = Instance(fmu, values)\n"
-        "print(json.dumps([history(inside, 'none'), inside.get('base.record_pga')]))\n"
-        "half = values | {'base.record_scale': 0.5}\n"
-        "print(json.dumps([history(Instance(fmu, half), 'none'), Instance(fmu, half).get('base.record_pga')]))\n"
-        "print(json.dumps(history(Instance(fmu, values | {'base.record': ''}), 'none')))\n"
-        "path = values | {'base.record': sys.argv[4]}\n"
-        "print(json.dumps([history(Instance(fmu, path), 'none'), history(Instance(fmu, path | half), 'linear')]))\n"
-    )
-    printed = run(sys.executable, "-c", script, fmu, json.dumps(TIGHT), 0.1, tmp_path / "elsewhere.csv")
-    (inside, pga), (half, half_pga), without, (by_path, _) = (json.loads(line) for line in printed.splitlines())
+    seen = call(inputs.record_inside, fmu, TIGHT, tmp_path / "elsewhere.csv")
     peak = response.peak_ux[0]
-    assert np.max(np.abs(np.array(inside) - response.ux[1:, 0])) < 1e-7 * peak  # measured 2e-9
-    assert by_path == inside
-    assert pga == [motion.pga]
-    assert half_pga == [0.5 * motion.pga]
-    assert np.max(np.abs(np.array(half) - inside)) > 0.1 * peak
-    assert np.max(np.abs(without)) < 1e-3 * peak
+    assert np.max(np.abs(np.array(seen["inside"]) - response.ux[1:, 0])) < 1e-7 * peak  # measured 2e-9
+    assert seen["by path"] == seen["inside"]
+    assert seen["pga"] == motion.pga
+    assert seen["half pga"] == 0.5 * motion.pga
+    assert np.max(np.abs(np.array(seen["half"]) - seen["inside"])) > 0.1 * peak
+    assert np.max(np.abs(seen["without"])) < 1e-3 * peak
 
 
 def test_record_and_inputs_add_up(fmus: Fmus, tmp_path: Path) -> None:
     time = 0.01 * np.arange(161)
     motion = Motion.from_samples(0.01, AMPLITUDE * np.sin(2.0 * np.pi * FREQUENCY * time))
     motion.to_csv(tmp_path / "whole.csv")
-    values = {"base.record": str(tmp_path / "whole.csv"), "base.record_scale": 1.0}
-    script = FOLLOW + (
-        "print(json.dumps(history(Instance(fmu, values), 'none')))\n"
-        "values['base.record_scale'] = 0.25\n"
-        "a = lambda k, whole=a: 0.75 * whole(k)\n"
-        "print(json.dumps(history(Instance(fmu, values), 'linear')))\n"
-    )
-    printed = run(sys.executable, "-c", script, fmus.damped, json.dumps(values | TIGHT), 0.01)
-    alone, both = (np.array(json.loads(line)) for line in printed.splitlines())
+    whole = TIGHT | {"base.record": str(tmp_path / "whole.csv")}
+    quarter = whole | {"base.record_scale": 0.25}
+    alone = np.array(call(inputs.history, fmus.damped, whole, "none", 0.01))
+    both = np.array(call(inputs.history, fmus.damped, quarter, "linear", 0.01, part=0.75))
     assert np.max(np.abs(both - alone)) < 1e-7 * np.max(np.abs(alone))  # measured 6e-10
 
 
 def test_the_slope_holds_until_an_input_is_set_again(fmus: Fmus) -> None:
-    script = (
-        "import json, sys\nfrom instance import Instance\n"
-        "column = Instance(sys.argv[1], {'base.ax': 0.5, 'base.jx': 10.0})\n"
-        "heard = [column.get('joint[3].S')[0]]\n"
-        "column.step(0.0, 0.05)\n"
-        "for change in ({}, {'base.ax': 1.0}, {'base.jx': 0.0}, {'base.ax': 0.5}):\n"
-        "    column.set(change)\n"
-        "    heard += column.get('joint[3].S')\n"
-        "print(json.dumps(heard))"
-    )
-    start, slope, same, still, back = json.loads(run(sys.executable, "-c", script, fmus.damped))
+    start, slope, same, still, back = call(inputs.slopes, fmus.damped)
     assert start < -4e3  # N at 0.5 m/s2; the effective mass at rest measured 8211 kg
     assert slope == pytest.approx(same, rel=1e-12)  # 0.5 + 10 * 0.05 is 1.0
     assert still == same
@@ -145,17 +98,13 @@ def test_what_looks_like_a_mistake_is_said_once(
 ) -> None:
     record = tmp_path / "record.csv"
     Motion.from_samples(0.02, np.sin(np.arange(51.0))).to_csv(record)
-    script = (
-        "import json, sys\nfrom instance import Instance\n"
-        f"column = Instance(sys.argv[1], json.loads(sys.argv[2]), loggingOn={logging})\n"
-        f"for k in range(10):\n    column.step(k * {h}, {h})\ncolumn.close()"
-    )
-    given = json.dumps(values).replace("RECORD", str(record))
-    done = finish(sys.executable, "-c", script, fmus.damped, given)
+    given = {name: str(record) if value == "RECORD" else value for name, value in values.items()}
+    done = ended(inputs.ten_steps, fmus.damped, given, h, logging)
     assert done.returncode == 0, done.stderr
-    for stream in (done.stderr, done.stdout if logging else done.stderr):
-        assert stream.count("\n") == (1 if said else 0)
-        assert said in stream
+    logged = child.said(done.stdout)
+    for lines in (done.stderr.splitlines(), logged if logging else done.stderr.splitlines()):
+        assert len(lines) == (1 if said else 0)
+        assert said in "".join(lines)
 
 
 @pytest.mark.parametrize(
@@ -173,16 +122,8 @@ def test_a_wrong_record_is_refused_by_the_fmu_and_by_its_builder(
     record = tmp_path / name
     if text is not None:
         record.write_text(text)
-    script = (
-        "import sys\nfrom instance import Instance\n"
-        "column = Instance(sys.argv[1], {'base.record': sys.argv[2]}, initialize=False)\n"
-        "print(column.attempt('initialize'))\ncolumn.fmi.reset()\ncolumn.initialize()"
-    )
-    build = [ROOT / "build_fmu.py", COLUMN, "-o", tmp_path / "x.fmu", "--record", record]
-    for command, code in ((["-c", script, fmus.damped, record], 0), (build, 2)):
-        done = subprocess.run(
-            [sys.executable, *map(str, command)], capture_output=True, text=True, env=environment(), check=False
-        )
+    build = [sys.executable, ROOT / "build_fmu.py", COLUMN, "-o", tmp_path / "x.fmu", "--record", record]
+    for done, code in ((ended(inputs.wrong_record, fmus.damped, record), 0), (finish(*build), 2)):
         assert done.returncode == code, done.stderr
         (line,) = done.stderr.strip().splitlines()
         assert str(record) in line

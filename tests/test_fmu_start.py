@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import shutil
 import subprocess
@@ -10,32 +9,18 @@ import sys
 from pathlib import Path
 
 import pytest
+from child import command, returned
 from fmus import ROOT, Fmus, environment
+from inside import starts
 
 from fmu_src.host import user_cache
 
-# Prints how many kernels were found compiled, how many were compiled, and an output.
-START = """
-import json, sys
-from fmpy import extract
-from instance import Instance
-folder = extract(sys.argv[1])
-exec(sys.argv[2])
-column = Instance(sys.argv[1], {"base.ax": 0.5}, folder=folder)
-column.step(0.0, 0.1)
-(kernels,) = [m for name, m in sys.modules.items() if name.startswith("solver_") and name.endswith("kernels.entries")]
-stats = [kernel.stats for kernel in (kernels.assemble_column, kernels.run, kernels.observe_state)]
-print(json.dumps([sum(map(len, part)) for part in ([s.cache_hits for s in stats], [s.cache_misses for s in stats])]
-                 + column.get("block[1].ux")))
-column.close()
-"""
 
-
-def start(fmu: Path, home: Path, before: str = "", **variables: str) -> subprocess.Popen[str]:
+def start(fmu: Path, home: Path, hindrance: str = "", **variables: str) -> subprocess.Popen[str]:
     """A process on an account whose home is a folder."""
     kept = {key: value for key, value in environment().items() if key not in ("XDG_CACHE_HOME", "NUMBA_CACHE_DIR")}
     return subprocess.Popen(
-        [sys.executable, "-c", START, str(fmu), before],
+        command(starts.start, fmu, hindrance),
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
@@ -48,7 +33,7 @@ def counts(process: subprocess.Popen[str]) -> tuple[int, int, float]:
     out, err = process.communicate()
     assert process.returncode == 0, err
     assert err == ""
-    hits, misses, ux = json.loads(out)
+    hits, misses, ux = returned(out)
     return hits, misses, ux
 
 
@@ -62,11 +47,12 @@ def test_the_account_that_builds_compiles_nothing_more(fmus: Fmus, tmp_path: Pat
     home = environment() | {"HOME": str(tmp_path), "XDG_CACHE_HOME": str(tmp_path / ".cache")}
     built = tmp_path / ".cache" / "multiblock-fmu" / "built"
     shutil.copytree(user_cache() / "multiblock-fmu" / "built", built)  # made when the FMUs of the tests were
-    command = [sys.executable, str(ROOT / "build_fmu.py"), str(column), "-o", str(tmp_path / "own.fmu")]
-    subprocess.run(command, env=home, check=True, capture_output=True)
+    build = [sys.executable, str(ROOT / "build_fmu.py"), str(column), "-o", str(tmp_path / "own.fmu")]
+    subprocess.run(build, env=home, check=True, capture_output=True)
     assert counts(start(tmp_path / "own.fmu", tmp_path))[:2] == (3, 0)
 
 
+@pytest.mark.long
 def test_another_processor_compiles_once(fmus: Fmus, tmp_path: Path) -> None:
     other = {"NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": ""}
     first = counts(start(fmus.damped, tmp_path, **other))
@@ -85,20 +71,11 @@ def test_processes_that_start_together_do_not_disturb_each_other(fmus: Fmus, tmp
         assert len({counts(process) for process in processes}) == 1
 
 
-@pytest.mark.parametrize(
-    "before",
-    [
-        # no folder can be made in the home, nor beside the FMU
-        "import os, pathlib\nreal = pathlib.Path.mkdir\n"
-        "def mkdir(*a, **k): raise PermissionError(13, 'read-only')\npathlib.Path.mkdir = mkdir",
-        # a full disk: no file beyond 20 kB
-        "import resource\nresource.setrlimit(resource.RLIMIT_FSIZE, (20000, 20000))",
-    ],
-    ids=["read-only", "full"],
-)
-def test_where_nothing_can_be_kept_it_starts_all_the_same(fmus: Fmus, tmp_path: Path, before: str) -> None:
-    if os.name == "nt" and "resource" in before:
+@pytest.mark.long
+@pytest.mark.parametrize("hindrance", ["read-only", "full"])
+def test_where_nothing_can_be_kept_it_starts_all_the_same(fmus: Fmus, tmp_path: Path, hindrance: str) -> None:
+    if os.name == "nt" and hindrance == "full":
         pytest.skip("Windows has no limit on the size of files")
-    hits, misses, ux = counts(start(fmus.damped, tmp_path, before))
+    hits, misses, ux = counts(start(fmus.damped, tmp_path, hindrance))
     assert hits + misses == 3
     assert ux == counts(start(fmus.damped, tmp_path / "usual"))[2]

@@ -2,53 +2,17 @@
 
 from __future__ import annotations
 
-import json
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
-from fmus import ROOT, Fmus, run
+from child import call
+from fmus import ROOT, Fmus
+from inside import steps
 
 from solver import Column, Motion, simulate
 
 STOP = 4.0
-
-# argv: FMU, record, start values; each plan of communication steps gives the outputs at its end
-STEPS = """
-import json, random, sys
-from instance import Instance
-
-def plan(kind):
-    some = random.Random(5)
-    if kind == "whole":
-        return [4.0]
-    if kind == "uneven":  # from a microsecond to a third of a second
-        steps = [10.0 ** some.uniform(-6.0, -0.5) for _ in range(45)]
-        while sum(steps) >= 3.999:
-            steps.pop()
-        return [*steps, 4.0 - sum(steps)]
-    if kind == "slivers":
-        return [0.1 - 1e-6, 1e-6] * 40
-    if kind == "microseconds":  # while the column rocks
-        return [1.5, *[1e-6] * 20000, 4.0 - 1.52]
-    return [float(kind)] * round(4.0 / float(kind))
-
-def follow(column, steps, tries=False):
-    some, t = random.Random(7), 0.0
-    for h in steps:
-        if tries:
-            saved = column.fmi.getFMUState()
-            column.step(t, h * some.uniform(0.01, 2.0))
-            column.get()
-            column.fmi.setFMUState(saved)
-            column.fmi.freeFMUState(saved)
-        column.step(t, h)
-        t += h
-    return column.get("block[1].ux", "joint[1].S")
-
-values = json.loads(sys.argv[3]) | {"base.record": sys.argv[2]}
-"""
 
 
 @pytest.fixture
@@ -75,8 +39,7 @@ def test_no_communication_step_changes_the_result(
     fmus: Fmus, pulse: Path, values: dict[str, float | str], tolerance: float
 ) -> None:
     kinds = ("1e-3", "1e-2", "0.1", "whole", "uneven", "slivers", "microseconds")
-    script = STEPS + (f"print(json.dumps([follow(Instance(sys.argv[1], values), plan(kind)) for kind in {kinds!r}]))")
-    results = json.loads(run(sys.executable, "-c", script, fmus.damped, pulse, json.dumps(values)))
+    results = call(steps.follow, fmus.damped, values | {"base.record": str(pulse)}, kinds)
     column = Column.from_toml(ROOT / "examples/columns/phocas-damped.toml")
     settings = {key.removeprefix("solver."): value for key, value in values.items()}
     response = simulate(column, Motion.from_csv(pulse), STOP, output_step=0.01, **settings)  # type: ignore[arg-type]
@@ -87,21 +50,15 @@ def test_no_communication_step_changes_the_result(
 
 
 def test_steps_tried_and_taken_back_leave_no_trace(fmus: Fmus, pulse: Path) -> None:
-    script = STEPS + (
-        "for kind in ('1e-2', 'uneven', 'slivers'):\n"
-        "    plain = follow(Instance(sys.argv[1], values), plan(kind))\n"
-        "    print(follow(Instance(sys.argv[1], values), plan(kind), tries=True) == plain)\n"
-    )
-    assert run(sys.executable, "-c", script, fmus.damped, pulse, "{}").split() == ["True"] * 3
+    kinds, record = ("1e-2", "uneven", "slivers"), {"base.record": str(pulse)}
+    tried = call(steps.follow, fmus.damped, record, kinds, tries=True)
+    assert tried == call(steps.follow, fmus.damped, record, kinds)
 
 
 def test_a_held_input_does_not_mind_the_step_either(fmus: Fmus) -> None:
-    script = STEPS.replace('| {"base.record": sys.argv[2]}', "") + (
-        "kinds = ('whole', '1e-2', 'slivers', 'microseconds')\n"
-        "print(json.dumps([follow(Instance(sys.argv[1], values), plan(kind))[0] for kind in kinds]))"
-    )
     values = {"base.ax": 0.7, "solver.tolerance": 1e-8}
-    whole, *others = json.loads(run(sys.executable, "-c", script, fmus.damped, "", json.dumps(values)))
+    ends = call(steps.follow, fmus.damped, values, ("whole", "1e-2", "slivers", "microseconds"))
+    whole, *others = (ux for ux, _ in ends)
     assert abs(whole) > 1e-3
     for other in others:
         assert abs(other - whole) < 1e-6 * abs(whole)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -149,7 +151,7 @@ def test_the_picture_shows_what_is_measured() -> None:
         (lambda: plot_records({}), "no record to draw"),
     ],
 )
-def test_mistakes(make: object, said: str) -> None:
+def test_mistakes(make: Callable[[], object], said: str) -> None:
     with pytest.raises(InputError) as caught:
         make()
     assert str(caught.value).startswith(said)

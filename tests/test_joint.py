@@ -206,13 +206,13 @@ PHOCAS_WIDTH = 1.56
 
 
 def base_joint(turn: float) -> tuple[float, float, float]:
-    """The Phocas base joint under the whole weight, partly open (cases.md)."""
+    """The Phocas base joint under the whole weight, partly open (theory.md section 5)."""
     deepest = math.sqrt(2.0 * PHOCAS_WEIGHT * turn / (PHOCAS_STIFFNESS * PHOCAS_WIDTH))
     opening = 0.5 * PHOCAS_WIDTH * turn - deepest
     return joint_forces(PHOCAS_STIFFNESS, PHOCAS_WIDTH, PHOCAS_WIDTH, 0.0, opening, turn, 0.0, 0.0)
 
 
-def test_base_joint_opens_at_the_rotation_and_moment_of_cases_md() -> None:
+def test_base_joint_opens_at_the_rotation_and_moment_of_theory_section_5() -> None:
     turn = 2.0 * PHOCAS_WEIGHT / (PHOCAS_STIFFNESS * PHOCAS_WIDTH**3)
     assert turn == pytest.approx(8.00597e-5, rel=1e-6)
     force, moment, length = base_joint(turn * (1.0 + 1e-12))
@@ -223,7 +223,7 @@ def test_base_joint_opens_at_the_rotation_and_moment_of_cases_md() -> None:
 
 
 @pytest.mark.parametrize(("times", "ratio"), [(2.0, 1.58579), (10.0, 2.36754)])
-def test_moment_after_opening_is_that_of_cases_md(times: float, ratio: float) -> None:
+def test_moment_after_opening_is_that_of_theory_section_5(times: float, ratio: float) -> None:
     turn = 2.0 * PHOCAS_WEIGHT / (PHOCAS_STIFFNESS * PHOCAS_WIDTH**3)
     force, moment, _ = base_joint(times * turn)
     assert force == pytest.approx(PHOCAS_WEIGHT, rel=1e-12)

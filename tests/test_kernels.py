@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from typing import Any
 
 import numpy as np
 import pytest
@@ -18,7 +19,8 @@ from solver.stepper import SILENCE, Stepper
 @pytest.mark.parametrize("formulation", ["exact", "paper"])
 def test_nothing_of_numbas_runtime_is_called(formulation: str) -> None:
     stepper = Stepper(phocas(formulation=formulation))
-    compiled = njit(**OPTIONS)(entries.run.py_func)  # made here: the cached one keeps no listing
+    run: Any = entries.run
+    compiled = njit(**OPTIONS)(run.py_func)  # made here: the cached one keeps no listing
     assert compiled(3, *stepper.arrays, *SILENCE.arguments, 0.0, 1e-3, np.zeros(0), np.zeros(0)) == at.OK
     (signature,) = compiled.signatures
     listing = compiled.inspect_llvm(signature)

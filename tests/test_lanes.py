@@ -144,7 +144,8 @@ def test_a_lane_has_the_same_bits_whatever_is_in_the_others() -> None:
     other, other_joints = found_in_lanes(models[turned], phases[turned], motions[turned], n)
     assert np.array_equal(other, found[turned])
     assert np.array_equal(other_joints, joints[turned])
-    alone, alone_joints = found_in_lanes(*(np.tile(rows[0], (WIDTH, 1)) for rows in (models, phases, motions)), n)
+    models, phases, motions = (np.tile(rows[0], (WIDTH, 1)) for rows in (models, phases, motions))
+    alone, alone_joints = found_in_lanes(models, phases, motions, n)
     assert np.array_equal(alone, np.tile(found[0], (WIDTH, 1)))
     assert np.array_equal(alone_joints, np.tile(joints[0], (WIDTH, 1)))
 

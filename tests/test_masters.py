@@ -10,53 +10,14 @@ import sys
 import sysconfig
 from pathlib import Path
 
-import numpy as np
 import pytest
+from child import call, command, returned
 from fmus import Fmus, environment, run
+from inside import masters
 
-H, STOP, AX = 0.01, 2.0, 0.5  # s, s, m/s2
+H, STOP = 0.01, 2.0  # s
 
-# 200 steps under a held acceleration; prints the displacement of the top block and the force under it
-ALONE = """
-import sys
-from instance import Instance
-column = Instance(sys.argv[1], {"base.ax": 0.5})
-for k in range(200):
-    column.step(0.01 * k, 0.01)
-print(*column.get("block[1].ux", "joint[1].N"))
-"""
-
-LIBCOSIM = """
-import sys
-from fmpy import read_model_description
-from libcosimpy.CosimExecution import CosimExecution
-from libcosimpy.CosimObserver import CosimObserver
-from libcosimpy.CosimSlave import CosimLocalSlave
-references = {v.name: v.valueReference for v in read_model_description(sys.argv[1]).modelVariables}
-execution = CosimExecution.from_step_size(10_000_000)  # ns
-index = execution.add_local_slave(CosimLocalSlave(sys.argv[1], "column"))
-observer = CosimObserver.create_last_value()
-execution.add_observer(observer)
-assert execution.real_initial_value(index, references["base.ax"], 0.5)
-assert execution.simulate_until(2_000_000_000)
-print(*observer.last_real_values(index, [references["block[1].ux"], references["joint[1].N"]]))
-"""
-
-ECOS = """
-import sys
-from ecospy import EcosSimulation, EcosSimulationStructure
-from ecospy.EcosParameterSet import EcosParameterSet
-structure = EcosSimulationStructure()
-structure.add_model("column", sys.argv[1])
-values = EcosParameterSet()
-values.add_real("column::base.ax", 0.5)
-structure.add_parameter_set("initial", values)
-simulation = EcosSimulation(structure=structure, step_size=0.01)
-simulation.init(parameter_set="initial")
-simulation.step(200)
-print(simulation.get_real("column::block[1].ux"), simulation.get_real("column::joint[1].N"))
-simulation.terminate()
-"""
+pytestmark = pytest.mark.long
 
 COMPLAINTS = ("error", "warn", "fatal", "fail")
 
@@ -64,7 +25,7 @@ COMPLAINTS = ("error", "warn", "fatal", "fail")
 @pytest.fixture(scope="module")
 def alone(fmus: Fmus) -> list[float]:
     """What the column does under FMPy."""
-    return [float(word) for word in run(sys.executable, "-c", ALONE, fmus.damped).split()]
+    return list(call(masters.alone, fmus.damped))
 
 
 def said(*command: object, cwd: Path | None = None, **variables: str) -> tuple[str, str]:
@@ -106,23 +67,22 @@ def test_what_pip_does_not_install_is_tried_or_skipped_with_a_reason(fmus: Fmus)
 
 def test_libcosim(fmus: Fmus, alone: list[float]) -> None:
     package("libcosimpy")
-    out, err = said(sys.executable, "-c", LIBCOSIM, fmus.damped)
+    out, err = said(*command(masters.libcosim, fmus.damped))
     log = [line for line in (out + err).splitlines() if line.startswith("[")]
     ignored = [line for line in log if "Enumeration variable type not supported" in line]  # they stay as built
     assert len(ignored) == 2
     log = [line for line in log if line not in ignored]
     assert not [line for line in log if any(f"[{word}" in line for word in COMPLAINTS)]
-    (numbers,) = [line for line in out.splitlines() if not line.startswith("[")]
-    assert [float(word) for word in numbers.split()] == pytest.approx(alone, rel=1e-9)
+    assert returned(out) == pytest.approx(alone, rel=1e-9)
 
 
 def test_ecos_inside_python(fmus: Fmus, alone: list[float]) -> None:
     package("ecospy")
     if importlib.util.find_spec("ecospy") and not list((Path(sys.prefix) / "lib").glob("libtbb.so.12")):
         pytest.skip("ecospy needs libtbb.so.12, which pip install tbb brings")
-    out, err = said(sys.executable, "-c", ECOS, fmus.damped, LD_LIBRARY_PATH=libraries())
+    out, err = said(*command(masters.ecos, fmus.damped), LD_LIBRARY_PATH=libraries())
     assert not any(word in err.lower() for word in COMPLAINTS)
-    assert [float(word) for word in out.split()] == pytest.approx(alone, rel=1e-9)
+    assert returned(out) == pytest.approx(alone, rel=1e-9)
 
 
 def test_ecos_on_the_command_line_starts_python_itself(fmus: Fmus, tmp_path: Path) -> None:
@@ -169,12 +129,6 @@ def test_two_columns_merged_into_one_fmu(fmus: Fmus, tmp_path: Path, alone: list
     )
     said("fmucontainer", "-container", "both.json", cwd=tmp_path)
     assert "No problems found" in run("fmpy", "validate", tmp_path / "both.fmu")
-    script = (
-        "import sys\nimport numpy as np\nfrom fmpy import simulate_fmu\n"
-        "result = simulate_fmu(sys.argv[1], stop_time=2.0, output_interval=0.01, start_values={'ax': 0.5})\n"
-        "np.save(sys.argv[2], result[['damped', 'phocas']][-1].tolist())"
-    )
-    run(sys.executable, "-c", script, tmp_path / "both.fmu", tmp_path / "both.npy")
-    damped, phocas = np.load(tmp_path / "both.npy")
+    damped, phocas = call(masters.container, tmp_path / "both.fmu")
     assert damped == pytest.approx(alone[0], rel=1e-9)
-    assert phocas == pytest.approx(float(run(sys.executable, "-c", ALONE, fmus.phocas).split()[0]), rel=1e-6)
+    assert phocas == pytest.approx(call(masters.alone, fmus.phocas)[0], rel=1e-6)

@@ -269,7 +269,7 @@ def test_communication_step_does_not_matter(h: float) -> None:
     exact = shaken(replace(column, settings=Settings(tolerance=1e-12, without=GENERAL)))
     expected = walk(exact, np.array([0.0, 1.0]))[:3]
     stepper = shaken(column)
-    found = walk(stepper, h * np.arange(round(1.0 / h) + 1))[:3]
+    found = walk(stepper, h * np.arange(round(1.0 / h) + 1, dtype=np.float64))[:3]
     assert stepper.counts.elastic_steps == stepper.counts.steps
     # two evaluations for each step; measured 56 to 69 rejected steps and steps cut short
     assert stepper.counts.evaluations <= 2 * round(1.0 / h) + 300

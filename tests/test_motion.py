@@ -1,6 +1,8 @@
 """A base motion is what its source says, or one line about what is wrong with the source."""
 
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -321,7 +323,7 @@ def test_bad_at2(tmp_path: Path, text: str, instead: str, said: str) -> None:
     assert "\n" not in str(caught.value)
 
 
-def motion_of(**changes: object) -> Motion:
+def motion_of(**changes: Any) -> Motion:
     zero = np.zeros(3)
     return Motion(**{"time": [0.0, 1.0, 2.0], "ax": zero, "az": zero, "duration": 2.0, **changes})
 
@@ -332,14 +334,14 @@ def motion_of(**changes: object) -> Motion:
         (lambda: Motion.harmonic(np.nan, 1.0, 1.0), "amplitude = nan: must be a finite acceleration in m/s2"),
         (lambda: Motion.harmonic(1.0, 0.0, 1.0), "frequency = 0.0: must be a positive frequency in Hz"),
         (lambda: Motion.harmonic(1.0, 1.0, -1.0), "duration = -1.0: must be a positive time in s"),
-        (lambda: Motion.harmonic(1.0, 1.0, "1"), "duration = '1': must be a positive time in s"),
+        (lambda: Motion.harmonic(1.0, 1.0, "1"), "duration = '1': must be a positive time in s"),  # type: ignore[arg-type]
         (lambda: Motion.from_samples(0.0, [1.0, 2.0]), "dt = 0.0: must be a positive time in s"),
         (lambda: Motion.from_samples(0.1, [1.0]), "time: 1 sample, must be at least 2 unless samples are held"),
         (lambda: Motion.from_samples(0.1, []), "ax: must be a one-dimensional array of numbers in m/s2, at least one"),
         (lambda: Motion.from_samples(0.1, [[1.0], [2.0]]), "ax: must be a one-dimensional array"),
         (lambda: Motion.from_samples(0.1, [[1.0], [2.0, 3.0]]), "ax: must be a one-dimensional array"),
         (lambda: Motion.from_samples(0.1, ["1.0", "2.0"]), "ax: must be a one-dimensional array of numbers"),
-        (lambda: Motion.from_samples(0.1, np.ma.array([1.0, 2.0], mask=[0, 1])), "ax: has gaps (masked values)"),
+        (lambda: Motion.from_samples(0.1, np.ma.array([1.0, 2.0], mask=[False, True])), "ax: has gaps (masked values)"),
         (lambda: Motion.from_samples(0.1, [1.0, np.inf]), "ax[1] = inf: must be a finite number in m/s2"),
         (lambda: Motion.from_samples(0.1, [1.0, 2.0], [1.0]), "az: 1 samples, must be 2, one for each time"),
         (lambda: Motion.from_samples(0.1, [1.0, 2.0], [1.0, np.nan]), "az[1] = nan: must be a finite number in m/s2"),
@@ -364,7 +366,7 @@ def motion_of(**changes: object) -> Motion:
         ),
     ],
 )
-def test_bad_values(make: object, said: str) -> None:
+def test_bad_values(make: Callable[[], Motion], said: str) -> None:
     with pytest.raises(InputError) as caught:
         make()
     assert str(caught.value).startswith(said)

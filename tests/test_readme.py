@@ -37,36 +37,61 @@ def checkout(tmp_path: Path) -> Path:
     return tmp_path
 
 
+COMMANDS = [line for text in blocks("sh") for line in text.strip().splitlines()]
+PASTED = [command for command in COMMANDS if command.startswith("python3 -m venv")]  # .ci/run pastes them
+LONG = ("examples/", "benchmarks", "stress", "--native")
+
+
+def paste(command: str, folder: Path) -> None:
+    """Run a command of the README in a folder; fails unless it exits with 0."""
+    done = subprocess.run(
+        ["bash", "-c", command], cwd=folder, capture_output=True, text=True, env=environment(), check=False
+    )
+    assert done.returncode == 0, f"{command}\n{done.stderr}"
+
+
+def takes_long(command: str) -> bool:
+    """Whether a command is one of the studies and campaigns."""
+    program = command.removeprefix("python ").removeprefix("-m ")
+    return program.startswith(LONG) or "--native" in command
+
+
+def test_two_lines_do_everything() -> None:
+    assert COMMANDS[:2] == PASTED
+    assert "[fmu]" in PASTED[0]
+    assert PASTED[1].endswith("-m pytest")
+
+
 def test_shell_commands(checkout: Path) -> None:
-    commands = [line for text in blocks("sh") for line in text.strip().splitlines()]
-    pasted = [command for command in commands if command.startswith("python3 -m venv")]
-    assert len(pasted) == 2  # these make an environment of their own: .ci/run pastes them
-    for command in commands:
-        if command in pasted or command.startswith("pip install"):
-            continue
-        done = subprocess.run(
-            ["bash", "-c", command], cwd=checkout, capture_output=True, text=True, env=environment(), check=False
-        )
-        assert done.returncode == 0, f"{command}\n{done.stderr}"
+    for command in COMMANDS[2:]:
+        if not command.startswith("pip install") and not takes_long(command):
+            paste(command, checkout)
     result = read_results(checkout / "out.csv")
     assert result["time"][-1] == pytest.approx(30.0)
     assert np.max(np.abs(result["block[1].ux"])) > 1e-3
-    for name in ("response.csv", "response.png", "results/figure3.csv", "results/figure3.png", "results/isolated.png"):
+    for name in ("response.csv", "response.png", "shaken.csv"):
+        assert (checkout / name).stat().st_size > 5_000, name
+
+
+@pytest.mark.long
+def test_shell_commands_that_take_long(checkout: Path) -> None:
+    found = [command for command in COMMANDS[2:] if takes_long(command)]
+    assert len(found) >= 5
+    for command in found:
+        paste(command, checkout)
+    for name in ("results/figure3.csv", "results/figure3.png", "results/isolated.png"):
         assert (checkout / name).stat().st_size > 5_000, name
 
 
 def test_start_values_as_told(checkout: Path) -> None:
-    told = re.search(r"`--start-values ([^`]*)`", README)
-    assert told is not None
+    named = re.search(r"`--start-values ([^`]*)`", README)
+    assert named is not None
     command = (
-        "python build_fmu.py examples/columns/phocas-damped.toml -o column.fmu && "
+        "multiblock build-fmu examples/columns/phocas-damped.toml -o column.fmu && "
         f"fmpy simulate column.fmu --stop-time 0.01 --output-interval 0.005 --output-file out.csv "
-        f"--start-values {told.group(1)}"
+        f"--start-values {named.group(1)}"
     )
-    done = subprocess.run(
-        ["bash", "-c", command], cwd=checkout, capture_output=True, text=True, env=environment(), check=False
-    )
-    assert done.returncode == 0, done.stderr
+    paste(command, checkout)
     settlement = 81000 * 9.80665 / (2e9 * 1.56**2)  # of the base joint, now softer
     assert read_results(checkout / "out.csv")["block[3].uz"][0] == pytest.approx(-settlement, rel=1e-9)
 
@@ -88,5 +113,5 @@ def test_column_file() -> None:
 
 
 def test_pictures_and_pages_exist() -> None:
-    for target in re.findall(r"\]\(([^)]+)\)", README) + re.findall(r"`(docs/[^`]+|CITATION\.cff)`", README):
+    for target in re.findall(r"\]\(([^)#]+)", README) + re.findall(r"`(docs/[^`]+|CITATION\.cff)`", README):
         assert (ROOT / target).is_file(), target

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -145,7 +146,7 @@ def test_a_third_plain_column_is_vertical(tmp_path: Path) -> None:
         (csmip_v2().replace("in cm/sec2.", "in in/sec2."), {}, "line 3: units = 'in/sec2': must be g, m/s2 or cm/s2"),
     ],
 )
-def test_a_wrong_record_ends_in_one_line(tmp_path: Path, text: str, given: dict[str, object], said: str) -> None:
+def test_a_wrong_record_ends_in_one_line(tmp_path: Path, text: str, given: dict[str, Any], said: str) -> None:
     path = tmp_path / "record"
     path.write_text(text)
     with pytest.raises(InputError) as caught:

@@ -1,4 +1,4 @@
-"""The reference numbers of theory.md section 5 and of the first table of cases.md."""
+"""The reference numbers of theory.md section 5."""
 
 from __future__ import annotations
 
@@ -119,22 +119,22 @@ def test_natural_frequencies_are_those_of_theory_section_5(formulation: str, exp
     assert found == pytest.approx(np.array(expected), abs=1e-8)  # measured 4.9e-9, half a printed digit
 
 
-# --- cases.md
+# --- closed forms and other quantities of the same column
 
 
 @pytest.mark.parametrize("formulation", ["exact", "paper"])
-def test_settlements_at_rest_are_those_of_cases_md(formulation: str) -> None:
+def test_settlements_at_rest_are_those_of_theory_section_5(formulation: str) -> None:
     rise = field(Stepper(phocas(formulation=formulation)).observe(0.0), "uz", 3)
     openings = rise - np.append(rise[1:], 0.0)  # of the joints, top to base
     expected = np.array([0.020816, 0.041631, 0.062447]) * -1e-3
     assert openings == pytest.approx(expected, abs=5e-10)  # half a printed digit, of which measured 0.95
 
 
-def test_column_as_one_block_has_the_frequency_of_cases_md() -> None:
+def test_column_as_one_block_has_the_frequency_of_theory_section_5() -> None:
     assert natural_frequencies(monolith())[0] == pytest.approx(3.4873, abs=5e-5)  # measured 3.48731
 
 
-def test_column_as_one_block_stands_up_to_the_acceleration_of_cases_md() -> None:
+def test_column_as_one_block_stands_up_to_the_acceleration_of_theory_section_5() -> None:
     column = monolith()
     weight, width = 81000.0 * G, 1.56
 
@@ -152,7 +152,7 @@ def test_column_as_one_block_stands_up_to_the_acceleration_of_cases_md() -> None
 
 
 @pytest.mark.parametrize("formulation", ["exact", "paper"])
-def test_forced_displacements_are_those_of_cases_md(formulation: str) -> None:
+def test_forced_displacements_are_those_of_theory_section_5(formulation: str) -> None:
     response = simulate(phocas(formulation=formulation), Motion.harmonic(0.05 * G, 2.0, 3.0), output_step=0.25)
     expected = np.array([-3.7854, 10.921, 12.208, -19.384, -2.598, 21.795]) * 1e-3
     found = response.ux[[1, 2, 4, 6, 8, 12], 0]

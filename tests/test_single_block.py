@@ -69,7 +69,7 @@ def quarter_period(stiffness: float, start: float) -> float:
 
 @pytest.mark.parametrize(
     ("share", "rigid", "bound"),
-    [  # of the rotation of no return; period of cases.md, exact angles; bound of the error at 10 k
+    [  # of the rotation of no return; period of theory.md section 5, exact angles; bound of the error at 10 k
         (0.1, 0.45866, 0.012),  # measured 0.0110
         (0.25, 0.78075, 0.01),  # measured 0.0080
         (0.5, 1.29239, 0.01),  # measured 0.0077

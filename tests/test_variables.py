@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import pytest
 from fmus import ROOT
@@ -80,7 +81,7 @@ def test_the_table_gives_the_column_back() -> None:
     column = Column.from_toml(DAMPED).with_settings(
         formulation="paper", integrator="central-difference", without=("rest", "elastic")
     )
-    values = {variable.name: variable.start for variable in variables(column)}
+    values: dict[str, Any] = {variable.name: variable.start for variable in variables(column)}
     assert column_from(column.name, column.n, values.__getitem__) == column
     with pytest.raises(InputError, match=r"solver.formulation = 3: must be one of 1 \(exact\), 2 \(paper\)"):
         column_from(column.name, column.n, (values | {"solver.formulation": 3}).__getitem__)

@@ -190,7 +190,7 @@ def orders(fmus: dict[str, Path], stop: float, say: Callable[[str], None]) -> li
     steps = (4e-3, 2e-3, 1e-3, 5e-4)
     rows = []
     listed = ", ".join(f"{1e3 * h:g}" for h in steps)
-    say(say(f"column on              top at {listed} ms; isolator or rotation, top iterated, at 1 ms; order; energy"))
+    say(f"column on              top at {listed} ms; isolator or rotation, top iterated, at 1 ms; order; energy")
     for name, (kind, parameters) in PARTNERS.items():
         case = Case(fmus, 1e-3, kind, parameters, harmonic("0.1 g 1 Hz", stop))
         runs = [case.couple(h) for h in steps]

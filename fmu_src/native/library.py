@@ -22,15 +22,19 @@ OPTIONS = (
 )
 
 
+TOOLS = ("ziglang", "fmpy")  # the compiler, and the header files of FMI
+
+
 def has_tools() -> bool:
     """Whether what compiles and links is installed."""
-    return importlib.util.find_spec("ziglang") is not None
+    return all(importlib.util.find_spec(package) is not None for package in TOOLS)
 
 
 def check_tools() -> None:
-    """Raise InputError if what links the libraries is not installed."""
-    if not has_tools():
-        raise InputError('--native: needs ziglang, pip install "multiblock-fmu[native]"')
+    """Raise InputError if what links the libraries, or the header files of FMI, are not installed."""
+    for package in TOOLS:
+        if importlib.util.find_spec(package) is None:
+            raise InputError(f'--native: {package} is not installed: pip install "multiblock-fmu[native]"')
 
 
 def headers() -> Path:

@@ -89,7 +89,7 @@ def _hosts(fmu: str) -> int:
         linux, windows = binaries / "linux64" / f"{name}.so", binaries / "win64" / f"{name}.dll"
         host, host_exe = folder / "host", folder / "host.exe"
         _compile(host, "-target", "x86_64-linux-gnu", "-ldl")  # valgrind does not know the newest instructions
-        runs = {"plain": ([host, linux], {}, "")}
+        runs: dict[str, tuple[list[Path | str], dict[str, str], str]] = {"plain": ([host, linux], {}, "")}
         check = ["valgrind", "--error-exitcode=9", "--leak-check=full", "--errors-for-leak-kinds=definite,possible"]
         runs["valgrind"] = ([*check, host, linux], {}, "" if shutil.which("valgrind") else "valgrind is not installed")
         quiet = {"WINEDEBUG": "-all", "WINEPREFIX": str(folder / "wine")}

@@ -13,6 +13,7 @@ Fetches nothing; a master that is absent is skipped with a reason. Exit code 1 i
 from __future__ import annotations
 
 import importlib.util
+import json
 import os
 import shutil
 import subprocess
@@ -23,6 +24,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 from fmpy import extract, read_model_description
+
+CHILD = Path(__file__).resolve().parents[1] / "child.py"
 
 HERE = Path(__file__).resolve().parent
 
@@ -99,12 +102,8 @@ def pyfmi(fmu: Path) -> str:
     """Loading and 20 s with PyFMI's own master."""
     if importlib.util.find_spec("pyfmi") is None:
         raise AbsentError("pyfmi is not installed")
-    script = (
-        "import sys\nfrom pyfmi import load_fmu\nmodel = load_fmu(sys.argv[1], kind='CS')\n"
-        "result = model.simulate(final_time=20.0, options={'ncp': 2000})\nprint(len(result['time']))"
-    )
     with tempfile.TemporaryDirectory() as folder:
-        return _run(sys.executable, "-c", script, fmu, cwd=folder)
+        return _run(sys.executable, CHILD, "inside.masters", "pyfmi", json.dumps([[str(fmu)], {}]), cwd=folder)
 
 
 def fmusim(fmu: Path) -> str:

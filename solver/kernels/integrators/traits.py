@@ -22,16 +22,18 @@ class Traits(NamedTuple):
     holds: bool  # whether its steps are made with the joints held in their regimes, and end where one changes
     long: bool  # whether its steps are so long that the quintic inside them wants refining
     inside: tuple[int, int, int]  # inner stages at which a joint that leaves its regime and comes back is looked for
+    nodes: tuple[float, float, float]  # fractions of the step at which they are
 
 
 @leaf
 def traits_of(method):
     """The traits of a general method."""
-    if method == ORDER_8:  # stages at 0.28, 0.6 and 0.86 of the step
-        return Traits(order_8.ORDER, False, True, True, (4, 9, 10))
+    if method == ORDER_8:
+        return Traits(order_8.ORDER, False, True, True, (4, 9, 10), (order_8.C4, order_8.C9, order_8.C10))
     if method == LINEARLY_IMPLICIT:
-        return Traits(rosenbrock.ORDER, True, False, False, (1, 2, 3))
-    return Traits(dormand_prince.ORDER, False, True, False, (2, 3, 4))  # stages at 1/3, 5/9 and 2/3
+        return Traits(rosenbrock.ORDER, True, False, False, (1, 2, 3), (0.25, 0.5, 0.75))
+    nodes = (dormand_prince.C2, dormand_prince.C3, dormand_prince.C4)
+    return Traits(dormand_prince.ORDER, False, True, False, (2, 3, 4), nodes)
 
 
 @kernel

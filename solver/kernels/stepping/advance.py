@@ -18,8 +18,8 @@ from ..jit import kernel, leaf, part
 from ..layout import AUTO, CENTRAL_DIFFERENCE, HAS_OVERTURNED, OK, SLACK, STEP_TOO_SMALL
 from .condition import has_fallen, is_quiet, moment_of_overturning, rests, take_stock, widest_joint
 from .control import accepts, accepts_elastic, elastic_step, general_step
-from .holding import NO_CHANGE, changes, expected_change, first_change, hold, release
-from .interpolation import begin, interpolate_phase, refine, refinement
+from .holding import NO_CHANGE, expected_change, first_change, hold, release
+from .interpolation import begin, interpolate_phase, refinement
 from .watch import take_held_snapshots, take_snapshots, track_peaks
 
 WELL_ENOUGH = 1.0  # tolerances: what `refine` adds to an interpolation that will do for the end of a step
@@ -165,10 +165,7 @@ def _end_at_change(column, method, t, step):
     traits = traits_of(method)
     first, second, third = traits.inside
     looked_at = (stage(work, first), stage(work, second), stage(work, third))
-    cut = NO_CHANGE
-    if changes(column, looked_at):
-        refine(column, t, step)
-        cut = first_change(column, looked_at, step)
+    cut = first_change(column, looked_at, traits.nodes, t, step)
     release(column)
     if cut == NO_CHANGE:
         return OK, step, False

@@ -8,7 +8,7 @@ the integrator and the interpolation inside the step hold up to the moment of th
 from ..jit import kernel, leaf
 from ..joint.regimes import ANY, contact_regime, regime_margin
 from ..numbers import sine_cosine
-from .interpolation import interpolate_one
+from .interpolation import quintic_of, refine, value_of
 
 NO_CHANGE = 2.0  # a fraction of the step that is never reached
 AHEAD = 1e-7  # of the step: at the very moment of a change the regime is that of so much later
@@ -17,7 +17,6 @@ MOST_TRIALS = 40
 PREDICTIONS = 4  # trials
 OVERSHOOT = 1.03  # a step that is to end just beyond a change is longer than expected by so much,
 AFTER = 0.01  # and by this part of the one proposed
-PARTS = 4  # of the step, looked into one after the other
 
 
 @kernel
@@ -115,52 +114,25 @@ def expected_change(column, h):
     return min(h, OVERSHOOT * first + AFTER * h)
 
 
-@kernel
-def _leaves(column, looked_at, i, regime):
-    """Whether joint i is not in this regime at the end of the step, or at one of the phases inside it."""
-    if not _stays(column.model, column.work.end, i, regime):
-        return True
-    for k in range(3):  # noqa: SIM110  numba compiles no any() over a generator
-        if not _stays(column.model, looked_at[k], i, regime):
-            return True
-    return False
+@leaf
+def _margin_within(model, i, regime, turn, opening, s):
+    """The margin of joint i at fraction s of the step, from the courses of its rotation and opening."""
+    q, v = value_of(turn, s)
+    o, o_rate = value_of(opening, s)
+    return _margin(model, i, regime, q, o, v, o_rate)
 
 
 @kernel
-def changes(column, looked_at):
-    """Whether a joint has left the regime it is held in, at the end of the step or at one of the phases inside it.
-
-    looked_at: three phases inside the step, for joints that leave and come back.
-    """
-    rows = column.work.hold
-    for i in range(column.model.n):
-        outside = rows.outside[i] != 0
-        if outside and _leaves(column, looked_at, i, rows.regime[i]):
-            return True
-    return False
-
-
-@kernel
-def _margin_between(column, i, regime, h, s):
-    """The margin of joint i at fraction s of the step."""
-    n, work = column.model.n, column.work
-    turn, spin = interpolate_one(work, i, h, s)
-    opening, opening_rate = interpolate_one(work, n + i, h, s)
-    if i + 1 < n:
-        turn_below, spin_below = interpolate_one(work, i + 1, h, s)
-        turn -= turn_below
-        spin -= spin_below
-    return _margin(column.model, i, regime, turn, opening, spin, opening_rate)
-
-
-@kernel
-def _end_of_regime(column, i, regime, h, lo, hi):
-    """Fraction of the step, between lo with a margin and hi without, where the margin of joint i is spent.
+def _end_of_regime(model, i, regime, turn, opening, lo, hi):
+    """Fraction of the step, after lo, where the margin of joint i is spent; it is at hi.
 
     The false position with halved weights (M. Dowell, P. Jarratt, BIT 11 (1971) 168-174, the Illinois algorithm).
     """
-    at_lo = _margin_between(column, i, regime, h, lo)
-    at_hi = _margin_between(column, i, regime, h, hi)
+    at_lo = _margin_within(model, i, regime, turn, opening, lo)
+    if at_lo < 0.0:
+        lo = 0.0
+        at_lo = max(0.0, _margin_within(model, i, regime, turn, opening, lo))
+    at_hi = _margin_within(model, i, regime, turn, opening, hi)
     side = 0
     for _ in range(MOST_TRIALS):
         if hi - lo <= CLOSE_ENOUGH:
@@ -168,7 +140,7 @@ def _end_of_regime(column, i, regime, h, lo, hi):
         trial = (lo * at_hi - hi * at_lo) / (at_hi - at_lo)
         if not lo < trial < hi:
             trial = 0.5 * (lo + hi)
-        at_trial = _margin_between(column, i, regime, h, trial)
+        at_trial = _margin_within(model, i, regime, turn, opening, trial)
         if at_trial < 0.0:
             hi, at_hi = trial, at_trial
             if side == 1:
@@ -183,19 +155,41 @@ def _end_of_regime(column, i, regime, h, lo, hi):
 
 
 @kernel
-def first_change(column, looked_at, h):
-    """Fraction of the step at which a joint first leaves the regime that it was held in; NO_CHANGE if none does."""
-    rows = column.work.hold
+def _bracket(column, looked_at, nodes, i, regime):
+    """(lo, hi) of the step between which joint i first leaves its regime, by the phases inside; hi NO_CHANGE if not."""
+    lo = 0.0
+    for k in range(3):
+        if not _stays(column.model, looked_at[k], i, regime):
+            return lo, nodes[k]
+        lo = nodes[k]
+    if _stays(column.model, column.work.end, i, regime):
+        return lo, NO_CHANGE
+    return lo, 1.0
+
+
+@kernel
+def first_change(column, looked_at, nodes, t, h):
+    """Fraction of the step at which a joint first leaves the regime that it was held in; NO_CHANGE if none does.
+
+    looked_at: three phases inside the step, at the fractions `nodes`, for joints that leave and come back.
+    """
+    model, work, rows = column.model, column.work, column.work.hold
+    n = model.n
     first = NO_CHANGE
-    for i in range(column.model.n):
-        regime = rows.regime[i]
-        if rows.outside[i] == 0 or not _leaves(column, looked_at, i, regime):
+    for i in range(n):
+        if rows.outside[i] == 0:
             continue
-        lo, hi = 0.0, 0.0
-        for k in range(1, PARTS + 1):
-            lo, hi = hi, k / PARTS
-            if _margin_between(column, i, regime, h, hi) < 0.0:
-                if lo < first:
-                    first = min(first, _end_of_regime(column, i, regime, h, lo, hi))
-                break
+        regime = rows.regime[i]
+        lo, hi = _bracket(column, looked_at, nodes, i, regime)
+        if hi == NO_CHANGE or lo >= first:
+            continue
+        refine(column, t, h)
+        turn = quintic_of(work, i, i + 1 if i + 1 < n else -1, h)
+        opening = quintic_of(work, n + i, -1, h)
+        if hi < 1.0 and _margin_within(model, i, regime, turn, opening, hi) >= 0.0:
+            # a stage is less accurate than the step
+            if _margin_within(model, i, regime, turn, opening, 1.0) >= 0.0:
+                continue
+            lo, hi = hi, 1.0
+        first = min(first, _end_of_regime(model, i, regime, turn, opening, lo, hi))
     return first

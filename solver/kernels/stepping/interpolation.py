@@ -6,32 +6,81 @@ order need more: `refine` evaluates the accelerations half-way and adds to the q
 leaves the ends as they are and meets that acceleration.
 """
 
+from typing import NamedTuple
+
 from ..formulations.either import evaluate_at
 from ..jit import kernel, leaf
 from ..layout import OK
 
 
+class Quintic(NamedTuple):
+    """q = c0 + c1 s + ... + c5 s^5 + bump s^3 (1 - s)^3 over 0 <= s <= 1, its rate per `step` seconds."""
+
+    step: float
+    c0: float
+    c1: float
+    c2: float
+    c3: float
+    c4: float
+    c5: float
+    bump: float
+
+
 @leaf
-def interpolate_one(work, i, h, s):
-    """Coordinate i (of 2 n) and its rate at fraction s of the step of h seconds."""
-    size = 2 * work.n
-    start, end = work.start.row, work.end.row
-    q0, v0, a0 = start[i], start[size + i], start[2 * size + i]
+def quintic_through(h, q0, v0, a0, q1, v1, a1, bump):
+    """The quintic through coordinates, rates and accelerations at both ends of h seconds."""
+    c1, c2 = h * v0, 0.5 * h * h * a0
     # what a parabola from the start misses at the end, in displacement, velocity and acceleration
-    miss_q = (end[i] - q0) - h * (v0 + 0.5 * h * a0)
-    miss_v = h * (end[size + i] - v0 - h * a0)
-    miss_a = h * h * (end[2 * size + i] - a0)
+    miss_q = (q1 - q0) - (c1 + c2)
+    miss_v = h * v1 - (c1 + 2.0 * c2)
+    miss_a = h * h * a1 - 2.0 * c2
     c3 = 10.0 * miss_q - 4.0 * miss_v + 0.5 * miss_a
     c4 = -15.0 * miss_q + 7.0 * miss_v - miss_a
     c5 = 6.0 * miss_q - 3.0 * miss_v + 0.5 * miss_a
-    q = q0 + s * (h * (v0 + 0.5 * s * h * a0) + s * s * (c3 + s * (c4 + s * c5)))
-    v = v0 + s * (h * a0 + s * (3.0 * c3 + s * (4.0 * c4 + s * 5.0 * c5)) / h)
-    if work.interpolation.has_bump != 0.0:
-        bump = work.bump[i]
+    return Quintic(h, q0, c1, c2, c3, c4, c5, bump)
+
+
+@leaf
+def value_of(quintic, s):
+    """A coordinate and its rate at fraction s of the step."""
+    h, c0, c1, c2, c3, c4, c5, bump = quintic
+    q = c0 + s * (c1 + s * (c2 + s * (c3 + s * (c4 + s * c5))))
+    v = c1 + s * (2.0 * c2 + s * (3.0 * c3 + s * (4.0 * c4 + s * 5.0 * c5)))
+    if bump != 0.0:
         hill = s * (1.0 - s)
         q += bump * hill * hill * hill
-        v += bump * 3.0 * hill * hill * (1.0 - 2.0 * s) / h
-    return q, v
+        v += bump * 3.0 * hill * hill * (1.0 - 2.0 * s)
+    return q, v / h
+
+
+@leaf
+def _difference(row, i, less):
+    """Number i of a row, less number `less` where that is not negative."""
+    return row[i] - row[less] if less >= 0 else row[i]
+
+
+@leaf
+def quintic_of(work, i, less, h):
+    """The course of coordinate i (of 2 n) in the step of h seconds, less that of coordinate `less`, -1: of none."""
+    size = 2 * work.n
+    start, end = work.start.row, work.end.row
+    bump = _difference(work.bump, i, less) if work.interpolation.has_bump != 0.0 else 0.0
+    return quintic_through(
+        h,
+        _difference(start, i, less),
+        _difference(start[size:], i, less),
+        _difference(start[2 * size :], i, less),
+        _difference(end, i, less),
+        _difference(end[size:], i, less),
+        _difference(end[2 * size :], i, less),
+        bump,
+    )
+
+
+@leaf
+def interpolate_one(work, i, h, s):
+    """Coordinate i (of 2 n) and its rate at fraction s of the step of h seconds."""
+    return value_of(quintic_of(work, i, -1, h), s)
 
 
 @leaf

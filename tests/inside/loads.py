@@ -1,0 +1,13 @@
+"""A column loaded from the project in the current folder."""
+
+from __future__ import annotations
+
+
+def normal_force(column: str) -> float:
+    """Of the top joint at rest, N."""
+    from solver import Column
+    from solver.kernels import layout as at
+    from solver.stepper import Stepper
+
+    loaded = Column.from_toml(column)
+    return float(at.ROW.see(Stepper(loaded).observe(0.0), loaded.n).joints.N[0])

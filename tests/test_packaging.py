@@ -1,0 +1,163 @@
+"""The project as it is installed: a wheel that works from any folder, extras that are named where they are missing."""
+
+from __future__ import annotations
+
+import os
+import pickle
+import re
+import shutil
+import subprocess
+import sys
+import tomllib
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+from fmus import ROOT
+
+import build_fmu
+import fmu_src
+import multiblock
+from solver import Column, InputError, Motion, __version__, simulate
+from solver.motion import STANDARD_GRAVITY
+
+MOTION = Motion.harmonic(0.05 * STANDARD_GRAVITY, 2.0, 0.5)
+
+
+@pytest.fixture(scope="module")
+def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder that the wheel is installed in, away from the checkout; what it depends on is this interpreter's."""
+    folder = tmp_path_factory.mktemp("wheel")
+    pip: list[str | Path] = [sys.executable, "-m", "pip", "-q", "--disable-pip-version-check"]
+    source = folder / "source"  # a copy: a build leaves files behind
+    for name in ("solver", "fmu_src", "examples"):
+        shutil.copytree(ROOT / name, source / name, ignore=shutil.ignore_patterns("__pycache__"))
+    for name in ("pyproject.toml", "README.md", "LICENSE", "build_fmu.py", "multiblock.py"):
+        shutil.copy(ROOT / name, source)
+    wheel: list[str | Path] = [*pip, "wheel", "--no-deps", "--no-build-isolation", "--wheel-dir", folder, source]
+    subprocess.run(wheel, check=True, capture_output=True)
+    (made,) = folder.glob("*.whl")
+    assert made.name == f"multiblock_fmu-{__version__}-py3-none-any.whl"
+    subprocess.run([*pip, "install", "--no-deps", "--target", folder / "site", made], check=True, capture_output=True)
+    return folder / "site"
+
+
+def from_wheel(installed: Path, folder: Path, *command: object) -> subprocess.CompletedProcess[str]:
+    """Run a command of the installed project in `folder`, from which the checkout is out of reach."""
+    environment = os.environ | {"PYTHONPATH": str(installed)}
+    return subprocess.run(
+        [str(part) for part in command], cwd=folder, env=environment, capture_output=True, text=True, check=False
+    )
+
+
+@pytest.mark.long  # compiles the kernels at a place of their own, as the next
+def test_the_wheel_works_from_any_folder(installed: Path, tmp_path: Path) -> None:
+    command = installed / "bin" / "multiblock"
+    done = from_wheel(installed, tmp_path, sys.executable, "-c", "import solver; print(solver.__file__)")
+    assert done.stdout.strip() == str(installed / "solver" / "__init__.py")
+    assert from_wheel(installed, tmp_path, command, "--version").stdout == f"multiblock-fmu {__version__}\n"
+    MOTION.to_csv(tmp_path / "motion.csv", step=0.01)
+    column = installed / build_fmu.COLUMNS_PACKAGE / "phocas-damped.toml"
+    done = from_wheel(installed, tmp_path, command, "simulate", column, "motion.csv", "-o", "out.csv")
+    assert (done.returncode, done.stderr) == (0, "")
+    expected = simulate(Column.from_toml(column), Motion.from_csv(tmp_path / "motion.csv")).peak_ux
+    assert [float(line.split()[1]) for line in done.stdout.splitlines()[2:5]] == pytest.approx(1e3 * expected, rel=1e-4)
+
+
+@pytest.mark.long
+@pytest.mark.skipif(sys.platform == "win32", reason="pip puts the command elsewhere on Windows")
+def test_the_wheel_builds_the_default_column(installed: Path, tmp_path: Path) -> None:
+    done = from_wheel(installed, tmp_path, installed / "bin" / "multiblock", "build-fmu")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.strip() == "phocas.fmu"
+    with zipfile.ZipFile(tmp_path / "phocas.fmu") as fmu:
+        names = fmu.namelist()
+    assert any(re.fullmatch(r"resources/solver_\w+/simulate\.py", name) for name in names)
+    assert "documentation/signs.png" in names
+    assert any("machine_code" in name for name in names)
+
+
+def test_every_name_of_the_command_line(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as ended:
+        multiblock.main(["--help"])
+    assert ended.value.code == 0
+    printed = capsys.readouterr().out
+    assert all(name in printed for name in ("simulate", "convert", "build-fmu", "--version"))
+    assert multiblock.main(["build-fmu", "none.toml"]) == 2
+    assert capsys.readouterr().err == "multiblock: none.toml: No such file or directory\n"
+    assert multiblock.main(["build-fmu", "--frob"]) == 2
+    assert capsys.readouterr().err == "multiblock: unrecognized arguments: --frob (--help tells more)\n"
+    assert build_fmu.main(["none.toml"]) == 2
+    assert capsys.readouterr().err == "build_fmu.py: none.toml: No such file or directory\n"
+
+
+def take_away(monkeypatch: pytest.MonkeyPatch, package: str) -> None:
+    """As if `package` were not installed, for imports to come."""
+    monkeypatch.setitem(sys.modules, package, None)
+    for name in [name for name in sys.modules if name.startswith(f"{package}.")]:
+        monkeypatch.setitem(sys.modules, name, None)
+
+
+@pytest.mark.parametrize(
+    ("absent", "extra", "line"),
+    [
+        ("matplotlib", "plot", "simulate {column} {motion} --plot x.png"),
+        ("pythonfmu", "fmu", "build-fmu {column} -o x.fmu"),
+        ("matplotlib", "native", "build-fmu {column} --native -o x.fmu"),
+    ],
+)
+def test_what_is_missing_is_named_with_its_extra(
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    tmp_path: Path,
+    absent: str,
+    extra: str,
+    line: str,
+) -> None:
+    take_away(monkeypatch, absent)
+    for name in ("documentation", "native"):  # to be imported anew
+        monkeypatch.delattr(fmu_src, name, raising=False)
+    for name in [name for name in sys.modules if name.startswith(("fmu_src.native", "fmu_src.documentation"))]:
+        monkeypatch.delitem(sys.modules, name)
+    monkeypatch.chdir(tmp_path)
+    MOTION.to_csv("motion.csv", step=0.01)
+    assert multiblock.main(line.format(column=build_fmu.DEFAULT_COLUMN, motion="motion.csv").split()) == 2
+    printed = capsys.readouterr()
+    assert printed.err == f'multiblock: {absent} is not installed: pip install "multiblock-fmu[{extra}]"\n'
+    assert printed.out == ""
+    assert [path.name for path in tmp_path.iterdir()] == ["motion.csv"]
+
+
+def test_drawing_names_its_extra(monkeypatch: pytest.MonkeyPatch) -> None:
+    response = simulate(Column.from_toml(build_fmu.DEFAULT_COLUMN), MOTION)
+    take_away(monkeypatch, "matplotlib")
+    monkeypatch.delitem(sys.modules, "solver.plots", raising=False)
+    monkeypatch.delattr("solver.plots", raising=False)
+    with pytest.raises(InputError, match=r"multiblock-fmu\[plot\]"):
+        response.plot()
+
+
+def test_a_response_can_be_pickled() -> None:
+    response = simulate(Column.from_toml(build_fmu.DEFAULT_COLUMN), MOTION)
+    again = pickle.loads(pickle.dumps(response))
+    assert again.column == response.column
+    assert again.stats == response.stats
+    for name in ("time", "ux", "uz", "theta", "N", "M", "S", "T", "contact", "sigma_max", "Fx", "Fz", "My", "peak_ux"):
+        np.testing.assert_array_equal(getattr(again, name), getattr(response, name))
+    assert again.overturned == response.overturned
+    assert pickle.loads(pickle.dumps(again)).ux.shape == response.ux.shape
+
+
+def test_one_version_everywhere() -> None:
+    citation = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+    assert f"version: {__version__}\n" in citation
+    assert f"\n## {__version__}\n" in (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+
+
+def test_every_package_is_installed() -> None:
+    settings = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    listed = settings["tool"]["setuptools"]["packages"]
+    found = [file.parent for name in ("solver", "fmu_src") for file in (ROOT / name).rglob("__init__.py")]
+    names = {".".join(folder.relative_to(ROOT).parts) for folder in found}
+    assert names == set(listed) - {build_fmu.COLUMNS_PACKAGE}
