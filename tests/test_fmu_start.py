@@ -14,13 +14,14 @@ from fmus import ROOT, Fmus, environment
 from inside import starts
 
 from fmu_src.host import user_cache
+from solver import Motion
 
 
-def start(fmu: Path, home: Path, hindrance: str = "", **variables: str) -> subprocess.Popen[str]:
+def start(fmu: Path, home: Path, hindrance: str = "", record: object = "", **variables: str) -> subprocess.Popen[str]:
     """A process on an account whose home is a folder."""
     kept = {key: value for key, value in environment().items() if key not in ("XDG_CACHE_HOME", "NUMBA_CACHE_DIR")}
     return subprocess.Popen(
-        command(starts.start, fmu, hindrance),
+        command(starts.start, fmu, hindrance, record),
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
@@ -40,6 +41,11 @@ def counts(process: subprocess.Popen[str]) -> tuple[int, int, float]:
 def test_a_fresh_account_compiles_nothing(fmus: Fmus, tmp_path: Path) -> None:
     assert counts(start(fmus.damped, tmp_path))[:2] == (3, 0)
     assert counts(start(fmus.damped, tmp_path))[:2] == (3, 0)
+
+
+def test_a_record_compiles_nothing_more(fmus: Fmus, tmp_path: Path) -> None:
+    Motion.from_samples(0.2, [0.0, 1.0, 0.0]).to_csv(tmp_path / "record.csv")
+    assert counts(start(fmus.damped, tmp_path, record=tmp_path / "record.csv"))[:2] == (3, 0)
 
 
 def test_the_account_that_builds_compiles_nothing_more(fmus: Fmus, tmp_path: Path) -> None:
