@@ -152,7 +152,7 @@ def test_base_is_at_rest_beyond_the_motion(formulation: str, integrator: str) ->
         assert difference(followed, left) < 1e-10  # measured 1e-11
         sweeps = at.COUNTS.fields.index("sweeps")  # may differ by what rounding decides
         counts = [np.delete(stepper.arrays.counts, sweeps) for stepper in (followed, left)]
-        assert np.array_equal(*counts)
+        assert np.array_equal(counts[0], counts[1])
         assert abs(followed.counts.sweeps - left.counts.sweeps) <= 2  # of 42,545; measured 1
         run = simulate(column, motion, duration=1.0)
         assert run.time[-1] == pytest.approx(1.0)
