@@ -124,10 +124,10 @@ def _build(options: argparse.Namespace) -> None:
 
 
 def _default_column() -> Path:
-    """The Column of Phocas: in the clone that this file is part of, or as it was installed beside this file."""
+    """The Column of Phocas, damped: in the clone that this file is part of, or as it was installed beside this file."""
     here = Path(__file__).resolve().parent
     clone = here / "examples" / "columns"
-    return (clone if clone.is_dir() else here / COLUMNS_PACKAGE) / "phocas.toml"
+    return (clone if clone.is_dir() else here / COLUMNS_PACKAGE) / "phocas-damped.toml"
 
 
 DEFAULT_COLUMN = _default_column()
