@@ -102,7 +102,9 @@ def test_toml_integers_become_floats(tmp_path: Path) -> None:
 
 def test_defaults_of_what_toml_leaves_out() -> None:
     block = {"height": 1.0, "width": 1.0, "depth": 1.0, "mass": 1.0, "joint": {"stiffness": 1.0, "damping": 0.0}}
-    assert Column.from_dict({"name": "a", "block": [block]}) == Column("a", (Block(1.0, 1.0, 1.0, 1.0, Joint(1.0, 0.0)),))
+    assert Column.from_dict({"name": "a", "block": [block]}) == Column(
+        "a", (Block(1.0, 1.0, 1.0, 1.0, Joint(1.0, 0.0)),)
+    )
 
 
 def test_phocas_example_is_the_papers() -> None:
@@ -184,7 +186,10 @@ def test_blocks_made_by_hand_are_checked(key: str, value: Any) -> None:
         ({"blocks": (Block(1.0, 1.0, 1.0, 1.0, 1e9),)}, "block[1].joint = 1000000000.0: must be a Joint"),  # type: ignore[arg-type]
         ({"settings": "paper"}, "solver = 'paper': must be Settings"),
         ({"g": -9.8}, "g = -9.8: must be an acceleration in m/s2, zero or positive"),
-        ({"blocks": (Block(1e200, 1.0, 1.0, 1.0, Joint(1.0, 0.0)),)}, "block[1].height = 1e+200: must be a positive length"),
+        (
+            {"blocks": (Block(1e200, 1.0, 1.0, 1.0, Joint(1.0, 0.0)),)},
+            "block[1].height = 1e+200: must be a positive length",
+        ),
         (
             {"blocks": (Block(1e-300, 1.0, 1.0, 1.0, Joint(1.0, 0.0)),)},
             "block[1].height = 1e-300: must be a positive length",
@@ -241,7 +246,11 @@ BAD = [
         "dampig = 1",
         "block[1].joint.dampig: unknown key, must be one of stiffness, damping, width, depth",
     ),
-    ("damping = 1e-3", "", "block[2].joint.damping: missing, must be a time in s, zero or positive, at most 1e6; 0 if none"),
+    (
+        "damping = 1e-3",
+        "",
+        "block[2].joint.damping: missing, must be a time in s, zero or positive, at most 1e6; 0 if none",
+    ),
     ("damping = 1e-3", "", "an undamped rocking column is chaotic"),
     ("stiffness = 5e8", "", "block[2].joint.stiffness: missing, must be a positive Winkler modulus in N/m3"),
     ("stiffness = 5e8", 'stiffness = "stiff"', "joint.stiffness = 'stiff': must be a positive Winkler modulus"),
