@@ -1,7 +1,7 @@
 """The friction that a response asks of its joints; the model itself never slides.
 
-Where a joint is about to open, T and N vanish together and T / N says nothing. So N counts as at least a part of the
-weight that the joint carries at rest: below it, T is compared with that part.
+Where a joint is about to open N vanishes, and in flight the model still keeps the blocks in line: T / N says nothing
+there. So it counts only where N is more than a part of the weight that the joint carries at rest.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from .column import Column
 from .errors import NOT_NEGATIVE, InputError, check_number
 from .packing import FloatArray, carried_weights
 
-LEAST_PART = 0.05  # of the weight carried at rest, which N counts as at least
+LEAST_PART = 0.05  # of the weight carried at rest, above which N counts
 
 
 class Sheared(Protocol):
@@ -31,14 +31,16 @@ class Sheared(Protocol):
 
 
 def friction_history(T: FloatArray, N: FloatArray, carried: FloatArray, part: float = LEAST_PART) -> FloatArray:
-    """|T| / max(N, part * carried), (nt, n), of forces (nt, n) in N and the weight each joint carries at rest (n,).
+    """|T| / N where N > part * carried, else 0, (nt, n).
+
+    T, N: forces of the joints, N (nt, n). carried: weight that each joint carries at rest, N (n,).
 
     Raises InputError unless part is from 0.001 to 1 and every joint carries something.
     """
     part = check_number("part", part, (1e-3, 1.0), "a part of the weight carried at rest, from 0.001 to 1")
     if not np.all(carried > 0.0):
         raise InputError("g = 0.0: must be positive for joints that carry a weight at rest")
-    ratio: FloatArray = np.abs(T) / np.maximum(N, part * carried)
+    ratio: FloatArray = np.where(part * carried < N, np.abs(T) / np.maximum(N, part * carried), 0.0)
     return ratio
 
 

@@ -56,7 +56,7 @@ _PANELS = (
     _Panel("contact", "(d) least width in contact: white all, dark none", "joint"),
     _Panel("S", "(h) horizontal shear in the joint", "$S$ (kN)", 1e-3),
     _Panel("sigma_max", "(e) largest pressure in the joint", r"$\sigma_{max}$ (MPa)", 1e-6, True),
-    _Panel("T/N", f"(i) friction asked for, N above {LEAST_PART:.0%} of the weight", "$|T|/N$"),
+    _Panel("T/N", "(i) friction asked for", "$|T|/N$"),
 )
 _LABEL_IN_METRES = "$u_x$ (m)"
 
@@ -79,6 +79,7 @@ def plot_response(response: Drawable, path: str | os.PathLike[str] | None = None
 
     Where the response has an ensemble, its 16 % to 84 % of ux are a band, its median a dashed line.
     """
+    ensemble = getattr(response, "ensemble", None)
     return plot_histories(
         response.time,
         {name: getattr(response, name) for name in HISTORIES},
@@ -86,7 +87,7 @@ def plot_response(response: Drawable, path: str | os.PathLike[str] | None = None
         response.motion,
         overturn_time=response.overturn_time,
         path=path,
-        ensemble=getattr(response, "ensemble", None),
+        ensemble=None if ensemble is None else ensemble.ux,
     )
 
 
@@ -98,14 +99,14 @@ def plot_histories(
     title: str | None = None,
     overturn_time: float = math.nan,
     path: str | os.PathLike[str] | None = None,
-    ensemble: Any = None,
+    ensemble: FloatArray | None = None,
 ) -> Figure:
     """Draw the ground motion, and below it the histories of every block and of the joint under it.
 
     time: (nt,) s, equally spaced. histories: HISTORIES -> (nt, n) in SI units, block 1 (the top) first, as in
     `Response`. motion: of the base, on the same clock; None: not drawn. title: None is the column's name.
     overturn_time: s, NaN while the column stands. path: file to save to, in the format of its suffix.
-    ensemble: has time, ux_16, ux_50 and ux_84, m (nt, n).
+    ensemble: (3, nt, n) m, the 16 %, 50 % and 84 % points of ux among many runs; NaN where there are none.
 
     More samples than pixels are drawn as the band from their least to their largest, bordered by lines.
 
@@ -220,14 +221,14 @@ def save(figure: Figure, path: str | os.PathLike[str]) -> None:
 
 
 def _draw_panel(
-    axes: Axes, time: FloatArray, panel: _Panel, values: FloatArray, colours: Sequence[str], ensemble: Any
+    axes: Axes, time: FloatArray, panel: _Panel, values: FloatArray, colours: Sequence[str], ensemble: FloatArray | None
 ) -> None:
     label, factor = panel.label, panel.factor
     if panel.name == "ux":
         if np.max(np.abs(values)) >= 1.0:
             label, factor = _LABEL_IN_METRES, 1.0
         if ensemble is not None:
-            _draw_ensemble(axes, ensemble, factor, colours)
+            _draw_ensemble(axes, time, factor * ensemble, colours)
     _draw_histories(axes, time, factor * values, colours, panel.largest_only)
     axes.set_ylabel(label)
 
@@ -261,12 +262,12 @@ def _draw_histories(
     axes.set_axisbelow(True)
 
 
-def _draw_ensemble(axes: Axes, ensemble: Any, factor: float, colours: Sequence[str]) -> None:
+def _draw_ensemble(axes: Axes, time: FloatArray, ensemble: FloatArray, colours: Sequence[str]) -> None:
     """Draw the middle two thirds of an ensemble as a band, its median dashed."""
     for i, colour in enumerate(colours):
-        band = (factor * ensemble.ux_16[:, i], factor * ensemble.ux_84[:, i])
-        axes.fill_between(ensemble.time, *band, color=colour, alpha=0.3, linewidth=0.0, zorder=1.0)
-        axes.plot(ensemble.time, factor * ensemble.ux_50[:, i], color=colour, linestyle="--", linewidth=0.7, zorder=2.0)
+        low, median, high = ensemble[:, :, i]
+        axes.fill_between(time, low, high, color=colour, alpha=0.3, linewidth=0.0, zorder=1.0)
+        axes.plot(time, median, color=colour, linestyle="--", linewidth=0.7, zorder=2.0)
     axes.text(0.99, 0.02, "bands: 16 % to 84 % of the ensemble", transform=axes.transAxes, ha="right", fontsize=7)
 
 
@@ -283,6 +284,15 @@ def _draw_friction(
     ratio = friction_history(histories["T"], N, carried)
     _draw_histories(axes, time, np.where(LEAST_PART * carried < N, ratio, math.nan), colours, largest_only=True)
     axes.set_ylim(bottom=0.0)
+    axes.text(
+        0.99,
+        0.97,
+        f"where N is above {LEAST_PART:.0%} of the weight",
+        transform=axes.transAxes,
+        ha="right",
+        va="top",
+        fontsize=7,
+    )
 
 
 def _draw_contact(axes: Axes, time: FloatArray, contact: FloatArray) -> None:

@@ -101,7 +101,7 @@ class Response:
     My = property(lambda self: self._base("My"))
 
     def friction_demand(self, part: float = LEAST_PART) -> FloatArray:
-        """Largest |T| / N of each joint over the rows, (n,), N counted as at least `part` of the weight carried."""
+        """Largest |T| / N of each joint over the rows, (n,), where N is above `part` of the weight carried."""
         return friction_demand(self, part)
 
     def time_exceeded(self, mu: float, part: float = LEAST_PART) -> FloatArray:

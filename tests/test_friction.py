@@ -22,9 +22,9 @@ def response(T: list[float], N: list[float], step: float = 0.5) -> Any:
 
 def test_the_largest_ratio_does_not_count_a_joint_that_is_open() -> None:
     assert friction_demand(response([10.0, -60.0, 1e-3], [100.0, 120.0, 0.0])) == pytest.approx([0.5])
-    # N below a twentieth of the weight counts as that: 2 / 5
-    assert friction_demand(response([2.0, 0.0], [1.0, 0.0])) == pytest.approx([0.4])
-    assert friction_demand(response([2.0, 0.0], [1.0, 0.0]), part=0.02) == pytest.approx([1.0])
+    # N counts from a twentieth of the weight on, or from another part
+    assert friction_demand(response([2.0, 3.0], [1.0, 6.0])) == pytest.approx([0.5])
+    assert friction_demand(response([2.0, 3.0], [1.0, 6.0]), part=0.005) == pytest.approx([2.0])
 
 
 def test_time_exceeded_is_that_of_the_line_between_rows() -> None:

@@ -131,10 +131,8 @@ def test_contact_is_drawn_by_its_least() -> None:
 
 
 def test_an_ensemble_is_a_band(response: Response) -> None:
-    shape = np.linspace(0.0, 1.0, 50)[:, None] * np.ones(3)
-    ensemble = SimpleNamespace(
-        time=np.linspace(0.0, 2.0, 50), ux_16=0.01 * shape, ux_50=0.02 * shape, ux_84=0.03 * shape
-    )
+    shape = response.time[:, None] * np.ones(3)
+    ensemble = SimpleNamespace(ux=np.array([0.01 * shape, 0.02 * shape, 0.03 * shape]))
     alone = panel(response.plot(), "displacement")
     response.ensemble = ensemble  # type: ignore[attr-defined]
     try:
@@ -143,7 +141,7 @@ def test_an_ensemble_is_a_band(response: Response) -> None:
         del response.ensemble  # type: ignore[attr-defined]
     assert len(with_band.collections) == len(alone.collections) + 3
     medians = [line for line in with_band.lines if line.get_linestyle() == "--"]
-    assert [np.max(line.get_ydata()) for line in medians] == pytest.approx([20.0] * 3)
+    assert [np.max(line.get_ydata()) for line in medians] == pytest.approx([40.0] * 3)
 
 
 def test_a_column_without_weight_is_drawn() -> None:
