@@ -154,6 +154,8 @@ def settlements(column: Column) -> FloatArray:
 
 def set_initial(column: Column, state: FloatArray, initial: InitialState) -> None:
     """Let the state, at rest as assembled, be another one. Raises InputError if `initial` does not fit the column."""
+    if not isinstance(initial, InitialState):
+        raise InputError(f"initial = {shown(initial)}: must be an InitialState")
     n = column.n
     rotation = _given("rotation", initial.rotation, np.zeros(n))
     _within("rotation", rotation, np.full(n, 0.5 * np.pi), "a quarter turn either way at most, in rad")

@@ -119,6 +119,17 @@ def test_initial_states_that_make_no_sense(given: dict[str, Any], said: str) -> 
     assert str(caught.value).startswith(said)
 
 
+def test_what_is_no_initial_state() -> None:
+    with pytest.raises(InputError, match=r"^initial = \[0\.0\]: must be an InitialState$"):
+        simulate(phocas(), SHAKE, initial=[0.0])  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("hold", ["no", 1, None])
+def test_what_is_held_is_said_by_a_truth_value(hold: Any) -> None:
+    with pytest.raises(InputError, match=r"^hold = .*: must be True or False$"):
+        Motion.from_samples(0.1, [0.0, 1.0], hold=hold)
+
+
 def test_initial_states_of_any_number() -> None:
     wanted = Stepper(phocas(), InitialState(rotation=[0.0, 0.0, 1e-3])).arrays.state
     for rotation in (np.array([0.0, 0.0, 1e-3], dtype=np.float64), (0, 0, np.float64(1e-3)), np.ma.array([0, 0, 1e-3])):
