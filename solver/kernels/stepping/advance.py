@@ -108,13 +108,15 @@ def plan_general(column, t, left):
     """A step by a general method, which goes on until just after a joint is expected to leave its regime."""
     settings = column.model.settings
     method, step = general_step(column, left)
+    traits = traits_of(method)
     reach = left
-    if column.samples.size > 0:
+    if traits.implicit:  # of low order, and long: kinks would cost more than it estimates
+        reach = to_next_sample(column.base, column.samples, t, left)
+    elif column.samples.size > 0:
         length = column.model.blocks.centroid[column.model.n - 1]
         roughest = KINKS * settings.tolerance * column.state.control.rate_scale * length
         reach = smooth_reach(column.base, column.samples, t, step, left, roughest)
     step = _shared(step, reach)
-    traits = traits_of(method)
     held = traits.holds and is_exact(column.model) and column.counts.unheld == 0
     if held:
         hold(column, step)
