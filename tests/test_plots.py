@@ -130,15 +130,12 @@ def test_contact_is_drawn_by_its_least() -> None:
     assert shown[1, 250] == 0.25
 
 
-def test_an_ensemble_is_a_band(response: Response) -> None:
+def test_an_ensemble_is_a_band(response: Response, monkeypatch: pytest.MonkeyPatch) -> None:
     shape = response.time[:, None] * np.ones(3)
-    ensemble = SimpleNamespace(ux=np.array([0.01 * shape, 0.02 * shape, 0.03 * shape]))
     alone = panel(response.plot(), "displacement")
-    response.ensemble = ensemble  # type: ignore[attr-defined]
-    try:
-        with_band = panel(response.plot(), "displacement")
-    finally:
-        del response.ensemble  # type: ignore[attr-defined]
+    ensemble = SimpleNamespace(ux=np.array([0.01 * shape, 0.02 * shape, 0.03 * shape]))
+    monkeypatch.setitem(vars(response), "ensemble", ensemble)
+    with_band = panel(response.plot(), "displacement")
     assert len(with_band.collections) == len(alone.collections) + 3
     medians = [line for line in with_band.lines if line.get_linestyle() == "--"]
     assert [np.max(line.get_ydata()) for line in medians] == pytest.approx([40.0] * 3)
