@@ -9,10 +9,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from .column import Column
-from .errors import InputError
+from .errors import POSITIVE, InputError, check_number
 from .motion import Motion
 from .packing import InitialState
 from .response import Response
+from .rest import check_rest
 from .stepper import Stepper
 
 OUTPUT_STEP = 0.005  # s, where none is asked for
@@ -40,7 +41,8 @@ def simulate(
     those of the motion between the rows as well.
     initial: None is rest in static equilibrium.
 
-    Raises InputError for a wrong value, SolverError where the solver cannot go on.
+    Warns (InputWarning) of a settlement or a pressure at rest that is probably not meant. Raises InputError for a wrong
+    value or a rest that is not stable where the run starts from it, SolverError where the solver cannot go on.
     """
     column = column.with_settings(
         formulation=formulation, integrator=integrator, step=step, tolerance=tolerance, without=without
@@ -49,6 +51,7 @@ def simulate(
     output_step = OUTPUT_STEP if output_step is None else _positive("output_step", output_step)
     if duration / output_step > MOST_ROWS:
         raise InputError(f"output_step = {output_step}: must be larger, for at most {MOST_ROWS} rows in {duration} s")
+    check_rest(column, from_rest=initial is None)
     stepper = Stepper(column, initial)
     times = motion.start + output_step * np.arange(math.floor(duration / output_step + 1e-9) + 1, dtype=np.float64)
     begin = clock.perf_counter()
@@ -80,12 +83,11 @@ def simulate(
             "wall_time": wall_time,
         },
     )
+    response.motion = motion
     if "resultants" in column.settings.without:
         response.observe()
     return response
 
 
 def _positive(key: str, value: float) -> float:
-    if not (isinstance(value, (int, float)) and math.isfinite(value) and value > 0.0):
-        raise InputError(f"{key} = {value!r}: must be a positive time in s")
-    return float(value)
+    return check_number(key, value, POSITIVE, "a positive time in s")
