@@ -15,6 +15,7 @@ from .errors import needing
 from .files import whole_file
 from .kernels import layout as at
 from .packing import FloatArray
+from .uncertainty import PERCENTILES, Ensemble, ErrorEstimate
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -36,7 +37,12 @@ class Response:
     joint n. peak_ux m (n,): largest |ux| of the continuous motion. overturned, overturn_time s (NaN if not),
     overturned_joint (0 if not). stats: steps, implicit_steps and elastic_steps (of these), rejected, events
     (steps cut off where the contact of a joint changes), evaluations, sweeps; full_contact, rocking, flight: parts of
-    the time, at_rest: part that was not stepped; undamped_joints; observed_rows; wall_time s.
+    the time, at_rest: part that was not stepped; undamped_joints; observed_rows; wall_time s; settled_for s: how long
+    the column was followed after the histories' end.
+
+    verdict: "overturned", "standing" (it cannot fall any more) or "undecided"; reason: why, in words. It looks beyond
+    the end of the histories: a column that falls later has `overturned` and an `overturn_time` after the last row.
+    estimated_error (uncertainty.py) and horizon s: None unless the run was checked. ensemble (uncertainty.py): None without one.
 
     Histories are worked out from the motion when one of them is first asked for, which may raise SolverError.
     """
@@ -50,6 +56,8 @@ class Response:
         overturned_joint: int,
         overturn_time: float,
         stats: dict[str, Any],
+        verdict: str = "undecided",
+        reason: str = "",
     ) -> None:
         """`observe` returns the output rows (nt, 9 n + 3)."""
         self.column = column
@@ -60,6 +68,11 @@ class Response:
         self.overturned_joint = overturned_joint
         self.overturn_time = overturn_time
         self.stats = stats
+        self.verdict = verdict
+        self.reason = reason
+        self.estimated_error: ErrorEstimate | None = None
+        self.horizon: float | None = None
+        self.ensemble: Ensemble | None = None
 
     def __getstate__(self) -> dict[str, Any]:
         """For pickle and copy: the histories themselves, not the solver that works them out. Raises SolverError."""
@@ -97,7 +110,10 @@ class Response:
     My = property(lambda self: self._base("My"))
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Write every history under the name of the FMU's output, in the order of the FMU's outputs."""
+        """Write every history under the name of the FMU's output, in the order of the FMU's outputs.
+
+        With an ensemble, the percentiles of its ux follow as ensemble.block[i].ux.p16, p50, p84: nan once all fell.
+        """
         names = ["time"]
         parts = [self.time[:, None]]
         for name, output in BLOCK_HISTORIES.items():
@@ -106,6 +122,10 @@ class Response:
         for name, output in BASE_HISTORIES.items():
             names.append(output)
             parts.append(getattr(self, name)[:, None])
+        if self.ensemble is not None:
+            for percent, band in zip(PERCENTILES, self.ensemble.ux, strict=True):
+                names += [f"ensemble.block[{i + 1}].ux.p{percent}" for i in range(self.column.n)]
+                parts.append(band)
         names.append("overturned")
         parts.append((self.time >= self.overturn_time)[:, None].astype(float))
         with whole_file(path) as partial, open(partial, "w", newline="", encoding="utf-8") as file:
