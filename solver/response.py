@@ -42,7 +42,8 @@ class Response:
 
     verdict: "overturned", "standing" (it cannot fall any more) or "undecided"; reason: why, in words. It looks beyond
     the end of the histories: a column that falls later has `overturned` and an `overturn_time` after the last row.
-    estimated_error (uncertainty.py) and horizon s: None unless the run was checked. ensemble (uncertainty.py): None without one.
+    estimated_error (uncertainty.py) and horizon s: None unless the run was checked. ensemble
+    (uncertainty.py): None without one.
 
     Histories are worked out from the motion when one of them is first asked for, which may raise SolverError.
     """
