@@ -13,6 +13,8 @@ import numpy as np
 from .column import Column
 from .packing import FloatArray, settlements
 
+PARALLEL = 1e-30  # rad: faces that are as good as parallel
+
 
 class Places(NamedTuple):
     """Rotations rad and openings m of the blocks and the joints under them, and their rates: (..., n) each."""
@@ -97,7 +99,7 @@ class Chain:
         full_weight = self.carried[i] * self.g
         weight = full_weight * np.cos(0.5 * (turn + turn_below))
         width, rigidity = self.width[i], self.rigidity[i]
-        length = np.sqrt(2.0 * weight / (rigidity * np.maximum(slope, np.finfo(float).tiny)))  # in contact
+        length = np.sqrt(2.0 * weight / (rigidity * np.maximum(slope, PARALLEL)))  # in contact
         partly = weight * slope * (0.5 * width - 2.0 / 3.0 * length)
         full = rigidity * width**3 * slope**2 / 24.0 - weight**2 / (2.0 * rigidity * width)
         rest = -(full_weight**2) / (2.0 * rigidity * width)
