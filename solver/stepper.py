@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from .column import Column
 from .errors import SolverError
@@ -35,20 +35,16 @@ _NONE = np.empty(0)
 _ROTATION = at.BASE.fields.index("theta")
 
 
+def _plain(row: ArrayLike) -> FloatArray:
+    """The row as the one type of array that the kernels are compiled for: contiguous and, for numba, not read-only."""
+    return np.require(row, dtype=np.float64, requirements=["C", "W"])
+
+
 class Record:
     """Samples of the base acceleration as the kernels take them: times s, ax and az m/s2, a factor, held or joined."""
 
-    def __init__(
-        self, time: FloatArray, ax: FloatArray, az: FloatArray, scale: float = 1.0, held: bool = False
-    ) -> None:
-        self.arguments = (*(_read_only(row) for row in (time, ax, az)), float(scale), bool(held))
-
-
-def _read_only(row: FloatArray) -> FloatArray:
-    """A view that cannot be written to, as the arrays of motions: the kernels are compiled for one kind of array."""
-    view = np.ascontiguousarray(row, dtype=np.float64).view()
-    view.flags.writeable = False
-    return view
+    def __init__(self, time: ArrayLike, ax: ArrayLike, az: ArrayLike, scale: float = 1.0, held: bool = False) -> None:
+        self.arguments = (_plain(time), _plain(ax), _plain(az), float(scale), bool(held))
 
 
 SILENCE = Record(_NONE, _NONE, _NONE)
@@ -208,7 +204,7 @@ class Stepper:
 
     def _run(self, t: float, h: float, record: Record, times: FloatArray, snapshots: FloatArray) -> int:
         """The kernel, compiled once: its numbers are float64 and its arrays contiguous, whatever the caller has."""
-        code: int = run(self.n, *self.arrays, *record.arguments, float(t), float(h), times, snapshots)
+        code: int = run(self.n, *self.arrays, *record.arguments, float(t), float(h), _plain(times), snapshots)
         return code
 
     def _check(self, code: int, t: float | None) -> None:

@@ -3,14 +3,34 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 from fmus import ROOT
 from probe import coordinates, put_back
 
-from solver import Column, InitialState, InputError
-from solver.stepper import Stepper
+from solver import Column, InitialState, InputError, Motion
+from solver.kernels import entries
+from solver.stepper import Record, Stepper
+
+
+def test_whatever_the_caller_has_the_kernels_are_compiled_once() -> None:
+    column = Column.from_toml(ROOT / "examples/columns/phocas-damped.toml")
+    times = np.linspace(0.0, 0.2, 3)
+    times.flags.writeable = False
+    for motion in (
+        Motion.harmonic(0.1, 2.0, 0.1),
+        Motion.from_samples(0.1, [0.0, 1.0, 0.0]),
+        Motion.from_samples(0.1, [0.0, 1.0], hold=True),
+    ):
+        Stepper(column).run(motion, motion.end, times)
+        stepper = Stepper(column)
+        stepper.record = Record(motion.time, motion.ax[::1], [0] * motion.ax.size)
+        stepper.advance(0, 1)
+        stepper.observe(1)
+    compiled: list[Any] = [entries.assemble_column, entries.run, entries.observe_state]
+    assert [len(kernel.signatures) for kernel in compiled] == [1, 1, 1]
 
 
 def test_a_change_of_damping_is_a_new_start_from_the_same_motion() -> None:

@@ -172,6 +172,12 @@ def reset(counts, base):
     base.anchor_sine = 0.0
     base.anchor_cosine = 0.0
     base.segment = -1.0
+    base.piece_begin = 0.0
+    base.piece_end = math.inf
+    base.piece_ax = 0.0
+    base.piece_jx = 0.0
+    base.piece_az = 0.0
+    base.piece_jz = 0.0
 
 
 # --- the base

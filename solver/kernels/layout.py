@@ -139,6 +139,12 @@ BASE = Record(
     "anchor_sine",
     "anchor_cosine",
     "segment",  # number of the sample of the record that the step began at or after; -1 before the first
+    "piece_begin",  # s, the straight line of the record on that segment, worked out once
+    "piece_end",
+    "piece_ax",  # m/s2
+    "piece_jx",  # m/s3
+    "piece_az",
+    "piece_jz",
 )
 
 # --- one snapshot: a phase, then the base acceleration that belongs to it

@@ -14,10 +14,11 @@ def _read_only(*_: object, **__: object) -> NoReturn:
     raise PermissionError(13, "read-only")
 
 
-def start(fmu: str, hindrance: str = "") -> tuple[int, int, float]:
+def start(fmu: str, hindrance: str = "", record: str = "") -> tuple[int, int, float]:
     """Kernels found compiled, kernels compiled, and a displacement.
 
     hindrance: "read-only", no folder can be made; "full", no file beyond 20 kB can be written.
+    record: path of one to follow, or none.
     """
     folder = extract(fmu)
     if hindrance == "read-only":
@@ -26,7 +27,7 @@ def start(fmu: str, hindrance: str = "") -> tuple[int, int, float]:
         import resource
 
         resource.setrlimit(resource.RLIMIT_FSIZE, (20000, 20000))
-    column = Instance(fmu, {"base.ax": 0.5}, folder=folder)
+    column = Instance(fmu, {"base.ax": 0.5, "base.record": record}, folder=folder)
     column.step(0.0, 0.1)
     (kernels,) = [m for name, m in sys.modules.items() if name.startswith("solver_") and name.endswith(ENTRIES)]
     stats = [kernel.stats for kernel in (kernels.assemble_column, kernels.run, kernels.observe_state)]

@@ -5,7 +5,7 @@ regime are not located: a step across one errs by more than its estimate says, w
 allow for (solver/batch.py). What a lane computes depends on nothing in the others.
 """
 
-from ..formulations.base import enter, smooth_reach
+from ..formulations.base import ends_soon, enter, smooth_reach
 from ..formulations.exact import exact_top_motion
 from ..integrators import dormand_prince
 from ..jit import kernel, leaf
@@ -260,7 +260,7 @@ def step_on(batch):
     if any_of(lanes.count > 0.0):
         for k in range(WIDTH):
             one = single(batch, k)
-            if one.lane.count > 0.0:
+            if one.lane.count > 0.0 and ends_soon(one.base, one.lane.t):
                 enter(one.base, samples_of(batch.queue, one.lane), one.lane.t)
     stuck = busy & (control.next_step < LEAST_STEP * greater(batch.model.settings.first_step, magnitude(lanes.t)))
     for k in range(WIDTH):

@@ -3,6 +3,7 @@
 import math
 
 from ..jit import kernel
+from ..joint.section import full_stiffness
 from ..layout import DASHPOTS, EXACT
 
 # The errors of steps add up: each is allowed this part of the tolerance that the user asks for.
@@ -62,7 +63,7 @@ def derive(model):
     spring_above = 0.0
     damping = 0.0  # s, the largest
     for i in range(n):
-        spring = joint_spring(blocks, i)
+        spring = full_stiffness(blocks, i)
         fastest = max(fastest, (spring + spring_above) / blocks.mass[i])
         spring_above = spring
         damping = max(damping, blocks.damping[i])
@@ -76,12 +77,6 @@ def derive(model):
         settings.tolerance = max(LEAST_TOLERANCE, RINGING_PART * settings.tolerance)
     settings.rotation_floor = max(LEAST_FLOOR, FLOOR * opening_rotation)
     settings.rate_floor = settings.rotation_floor * math.sqrt(max(settings.gravity, 1e-3) / height)
-
-
-@kernel
-def joint_spring(blocks, i):
-    """Stiffness of joint i in full contact, N/m."""
-    return blocks.stiffness[i] * blocks.width[i] * blocks.depth[i]
 
 
 @kernel
@@ -111,7 +106,7 @@ def settle(model, phase, least):
     carried = 0.0
     for i in range(n):
         carried += blocks.mass[i]
-        phase.opening[i] = -max(least, model.settings.gravity * carried / joint_spring(blocks, i))
+        phase.opening[i] = -max(least, model.settings.gravity * carried / full_stiffness(blocks, i))
     if model.settings.formulation != EXACT:  # settlements of the blocks, positive down
         settled = 0.0
         for i in range(n - 1, -1, -1):

@@ -10,9 +10,9 @@ import math
 from typing import NamedTuple
 
 from ..jit import kernel, leaf
+from ..joint.section import full_stiffness, full_turning_stiffness
 from ..layout import INTERPOLATION_BOUND, INTERPOLATION_PART, MODAL_MOST, modal_size
 from ..modes import inverses_of, limits_of, mode_of, shapes_of
-from .assembly import joint_spring
 
 # Damping that couples the modes is left to the nonlinear remainder, which a step takes to change little within it: the
 # step times the rate of that damping is at most this.
@@ -136,8 +136,7 @@ def _rotations(model, s):
     carried_opening_above = 0.0  # opening times mass carried, of the joint above
     turning_above = 0.0
     for j in range(n):
-        spring = joint_spring(blocks, j)
-        turning = spring * (blocks.width[j] * blocks.width[j]) / 12.0
+        spring, turning = full_stiffness(blocks, j), full_turning_stiffness(blocks, j)
         above = carried
         carried += blocks.mass[j]
         opening = -gravity * carried / spring
@@ -178,7 +177,7 @@ def _openings(model, s):
     n, blocks = model.n, model.blocks
     carried = 0.0
     for j in range(n):
-        spring = joint_spring(blocks, j)
+        spring = full_stiffness(blocks, j)
         carried += blocks.mass[j]
         s.dashpots[j] = blocks.damping[j] * spring
         s.push[j] = carried

@@ -45,20 +45,6 @@ def is_silent(samples, k):
     return k < 0 or k >= samples.size - 1
 
 
-@kernel
-def enter(base, samples, t):
-    """Let the base follow, from time t on, the segment of the record that begins there or before."""
-    if samples.size == 0:
-        return
-    k = segment_at(samples, t)
-    if k + 1 < samples.size:
-        ahead = samples.times[k + 1] - t
-        width = samples.times[k + 1] - samples.times[k] if k >= 0 else samples.times[1] - samples.times[0]
-        if ahead <= SAMPLE_SLACK * width:
-            k += 1
-    base.segment = k
-
-
 @leaf
 def record_line(samples, k, t):
     """Acceleration of the record at time t on segment k, and its slope: (ax, jx, az, jz), m/s2 and m/s3."""
@@ -74,6 +60,29 @@ def record_line(samples, k, t):
     return ax + jx * (t - begin), jx, az + jz * (t - begin), jz
 
 
+@kernel
+def enter(base, samples, t):
+    """Let the base follow, from time t on, the segment of the record that begins there or before."""
+    if samples.size == 0:
+        return
+    k = segment_at(samples, t)
+    if k + 1 < samples.size:
+        ahead = samples.times[k + 1] - t
+        width = samples.times[k + 1] - samples.times[k] if k >= 0 else samples.times[1] - samples.times[0]
+        if ahead <= SAMPLE_SLACK * width:
+            k += 1
+    base.segment = k
+    base.piece_begin = samples.times[k] if k >= 0 else samples.times[0]
+    base.piece_end = samples.times[k + 1] if k + 1 < samples.size else math.inf
+    base.piece_ax, base.piece_jx, base.piece_az, base.piece_jz = record_line(samples, k, base.piece_begin)
+
+
+@leaf
+def ends_soon(base, t):
+    """Whether the present segment of the record ends at time t, or has ended."""
+    return t >= base.piece_end - SAMPLE_SLACK * (base.piece_end - base.piece_begin)
+
+
 @leaf
 def base_line(base, samples, t):
     """What of the base acceleration is linear in time from t on: (ax, jx, az, jz), m/s2 and m/s3."""
@@ -81,8 +90,10 @@ def base_line(base, samples, t):
     ax, az = base.ax + base.jx * past, base.az + base.jz * past
     if samples.size == 0:
         return ax, base.jx, az, base.jz
-    r_ax, r_jx, r_az, r_jz = record_line(samples, int(base.segment), t)
-    return ax + r_ax, base.jx + r_jx, az + r_az, base.jz + r_jz
+    within = t - base.piece_begin
+    ax += base.piece_ax + base.piece_jx * within
+    az += base.piece_az + base.piece_jz * within
+    return ax, base.jx + base.piece_jx, az, base.jz + base.piece_jz
 
 
 @leaf
@@ -95,8 +106,8 @@ def wave_amplitude(base, samples):
 
 @leaf
 def anchor_wave(base, t):
-    """Let the sine of the harmonic part be worked out at time t, for the instants soon after."""
-    if base.wave_amplitude != 0.0:
+    """Let the sine of the harmonic part be worked out at time t, unless it was so shortly before."""
+    if base.wave_amplitude != 0.0 and not abs(base.wave_omega * (t - base.anchor)) <= 0.5 * SOON:
         angle = base.wave_omega * t + base.wave_phase
         base.anchor = t
         base.anchor_sine = math.sin(angle)
@@ -123,14 +134,18 @@ def base_motion(base, samples, t):
     az = base.az + base.jz * past
     amplitude = base.wave_amplitude
     if samples.size > 0:
-        k = int(base.segment)
-        # a step crosses kinks of the straight lines, never a jump
-        while 0 <= k < samples.size - 2 and not samples.held and t > samples.times[k + 1]:
-            k += 1
-        r_ax, _, r_az, _ = record_line(samples, k, t)
-        ax += r_ax
-        az += r_az
-        if is_silent(samples, k):
+        if t <= base.piece_end or samples.held:
+            within = t - base.piece_begin
+            ax += base.piece_ax + base.piece_jx * within
+            az += base.piece_az + base.piece_jz * within
+        else:  # a step crosses kinks of the straight lines, never a jump
+            k = int(base.segment)
+            while 0 <= k < samples.size - 2 and t > samples.times[k + 1]:
+                k += 1
+            r_ax, _, r_az, _ = record_line(samples, k, t)
+            ax += r_ax
+            az += r_az
+        if is_silent(samples, int(base.segment)):
             amplitude = 0.0
     if amplitude != 0.0:
         ax += amplitude * wave(base, t)
@@ -150,7 +165,7 @@ def to_next_sample(base, samples, t, left):
     k = int(base.segment) + 1
     if samples.size == 0 or k >= samples.size:
         return left
-    return min(left, samples.times[k] - t)
+    return min(left, base.piece_end - t)
 
 
 @kernel

@@ -9,6 +9,7 @@ tangent, normal); going up, they follow.
 
 from ..jit import kernel, leaf
 from ..joint.law import loaded_part
+from ..joint.section import part_stiffness, strip_stiffness
 from ..numbers import sine_cosine
 from ..views import Table
 
@@ -88,16 +89,14 @@ def factorize(model, phase, tangent, step_part):
         slope = 2.0 * sin_half
         slope_rate = cos_half * (spin - spin_below)
         lo, hi = loaded_part(width, eta, opening, slope, phase.opening_rate[i], slope_rate)
-        length = max(0.0, hi - lo)
-        middle = 0.5 * (lo + hi)
-        k_22 = blocks.stiffness[i] * blocks.depth[i] * length
-        k_12 = -k_22 * middle * cos_half
-        k_11 = k_22 * (middle * middle + length * length / 12.0) * cos_half * cos_half
+        k_22, k_12, k_11 = part_stiffness(blocks, i, lo, max(lo, hi))
+        k_12 *= -cos_half
+        k_11 *= cos_half * cos_half
         weight = step_part * (step_part + eta)
         edge, strip = _edge_that_moves(width, eta, opening, slope, phase.opening_rate[i], slope_rate, lo, hi)
-        edge_22 = blocks.stiffness[i] * blocks.depth[i] * strip
-        edge_12 = -edge_22 * edge * cos_half
-        edge_11 = edge_22 * edge * edge * cos_half * cos_half
+        edge_22, edge_12, edge_11 = strip_stiffness(blocks, i, edge, strip)
+        edge_12 *= -cos_half
+        edge_11 *= cos_half * cos_half
         # turn the part above into this frame, add the block
         cos_beta = cos_above * cos_half - sin_above * sin_half
         sin_beta = sin_above * cos_half + cos_above * sin_half

@@ -11,6 +11,7 @@ for lanes. One column may also be held in a regime (regimes.py).
 from ..jit import by_width, kernel, leaf
 from ..lanes import LanesType, greater, where
 from .regimes import ANY, OPEN, open_margin, side_margin, sides
+from .section import forces_over
 
 
 @leaf
@@ -37,15 +38,6 @@ def loaded_part(width, damping, opening, slope, opening_rate, slope_rate):
 
 
 @leaf
-def _forces_over(lo, hi, length, rigidity, mean, gradient):
-    """N and M of the pressure gradient * s - mean over the part from lo to hi, of this length; rigidity in N/m2."""
-    middle = 0.5 * (lo + hi)  # its mirror image is minus it, to the last bit
-    area = rigidity * length
-    force = area * (gradient * middle - mean)
-    return force, middle * force + area * gradient * (length * length) * (1.0 / 12.0)
-
-
-@leaf
 def joint_forces(stiffness, width, depth, damping, opening, slope, opening_rate, slope_rate):
     """Normal force N (N, compression positive), moment M (N m, restoring) and loaded length (m) of a joint.
 
@@ -58,7 +50,7 @@ def joint_forces(stiffness, width, depth, damping, opening, slope, opening_rate,
     mean = opening + damping * opening_rate
     gradient = slope + damping * slope_rate
     length = hi - lo
-    force, moment = _forces_over(lo, hi, length, stiffness * depth, mean, gradient)
+    force, moment = forces_over(lo, hi, length, stiffness * depth, mean, gradient)
     return force, moment, length
 
 
@@ -78,7 +70,7 @@ def joint_forces_in_lanes(stiffness, width, depth, damping, opening, slope, open
     hi = where(damped & (gradient < 0.0) & (edge < hi), edge, hi)
     lo = where(damped & (gradient == 0.0) & (mean >= 0.0), hi, lo)
     length = greater(hi - lo, 0.0)
-    force, moment = _forces_over(lo, hi, length, stiffness * depth, mean, gradient)
+    force, moment = forces_over(lo, hi, length, stiffness * depth, mean, gradient)
     loaded = length > 0.0
     return where(loaded, force, 0.0), where(loaded, moment, 0.0), length
 
@@ -95,7 +87,7 @@ def held_forces(regime, stiffness, width, depth, damping, opening, slope, openin
     lo, on_left = side_margin(left, -half, damping, opening, slope, mean, gradient)
     hi, on_right = side_margin(right, half, damping, opening, slope, mean, gradient)
     length = hi - lo
-    force, moment = _forces_over(lo, hi, length, stiffness * depth, mean, gradient)
+    force, moment = forces_over(lo, hi, length, stiffness * depth, mean, gradient)
     return force, moment, length, min(on_left, on_right)
 
 

@@ -7,7 +7,7 @@ and finished: stock is taken, what is watched is kept, its end becomes the start
 import math
 from typing import NamedTuple
 
-from ..formulations.base import anchor_wave, base_motion, enter, smooth_reach, to_next_sample
+from ..formulations.base import anchor_wave, base_motion, ends_soon, enter, smooth_reach, to_next_sample
 from ..formulations.either import evaluate, evaluate_at, is_exact, top_motion
 from ..formulations.exact import STILL
 from ..integrators import modal
@@ -29,6 +29,7 @@ LEAST_STEP = 1e-13  # of the time scale: below this the error control has failed
 # what a step may miss of the kinks of a record, in tolerances of a rate times the height of the lowest centroid
 KINKS = 20.0
 
+ROUNDING = 1e-13  # of the base acceleration: less is no jump
 REJECTED = 0.0  # s made by a step that is to be tried again
 
 
@@ -107,13 +108,15 @@ def plan_general(column, t, left):
     """A step by a general method, which goes on until just after a joint is expected to leave its regime."""
     settings = column.model.settings
     method, step = general_step(column, left)
+    traits = traits_of(method)
     reach = left
-    if column.samples.size > 0:
+    if traits.implicit:  # of low order, and long: kinks would cost more than it estimates
+        reach = to_next_sample(column.base, column.samples, t, left)
+    elif column.samples.size > 0:
         length = column.model.blocks.centroid[column.model.n - 1]
         roughest = KINKS * settings.tolerance * column.state.control.rate_scale * length
         reach = smooth_reach(column.base, column.samples, t, step, left, roughest)
     step = _shared(step, reach)
-    traits = traits_of(method)
     held = traits.holds and is_exact(column.model) and column.counts.unheld == 0
     if held:
         hold(column, step)
@@ -335,15 +338,13 @@ def advance(column, t, h, watch):
 def _pass_samples(column, t):
     """Let the base follow the segment of the record at time t; accelerations jump where it does. Returns a code."""
     base, samples = column.base, column.samples
-    if samples.size == 0:
+    if samples.size == 0 or not ends_soon(base, t):
         return OK
     before = base_motion(base, samples, t)
-    segment = base.segment
     enter(base, samples, t)
-    if base.segment == segment:
-        return OK
     modal.forget(column.work)
     motion = base_motion(base, samples, t)
-    if motion.ax == before.ax and motion.az == before.az:
+    jump = max(abs(motion.ax - before.ax), abs(motion.az - before.az))
+    if jump <= ROUNDING * max(abs(motion.ax), abs(motion.az)):
         return OK
     return evaluate(column, column.work.start, motion)

@@ -5,6 +5,7 @@ import math
 from ..formulations.base import base_rotates, is_silent
 from ..formulations.either import is_exact, rotation
 from ..jit import kernel, leaf
+from ..joint.section import full_stiffness
 from ..layout import AUTO, NOT_FINITE, OK, REST
 from .interpolation import interpolate_phase
 
@@ -114,7 +115,7 @@ def rests(column, phase):
     weight = 0.0
     for i in range(column.model.n):
         weight += settings.gravity * blocks.mass[i]
-        settled = -weight / (blocks.stiffness[i] * blocks.width[i] * blocks.depth[i])
+        settled = -weight / full_stiffness(blocks, i)
         size = blocks.open_size[i]
         if abs(phase.theta[i]) > turn or abs(phase.opening[i] - settled) > turn * size:
             return False
