@@ -26,8 +26,9 @@ from .packing import FloatArray, model_of
 
 OVERTURNED, STANDING, UNDECIDED = "overturned", "standing", "undecided"
 
-# limits that are tried, in parts of the angles at which the blocks from the top to each one stand on their edge
-PARTS = (0.1, 0.2, 0.35, 0.5, 0.65, 0.8, 0.9, 1.0)
+# limits that are tried, in parts of the angles at which the blocks from the top to each one stand on their edge; first
+# those that are most often the best
+PARTS = (0.9, 1.0, 0.8, 0.65, 0.5, 0.35, 0.2, 0.1)
 GRID = 32  # rotations up to the largest limit, closer together near upright, where joints are closed
 # Of the barrier: what a column that stands for good may have. It covers the grid (measured: at most 1 % too high) and
 # the error of the motion; and what the first-order formulation neglects.
@@ -45,15 +46,23 @@ class Barrier(NamedTuple):
 def cannot_fall(column: Column, phase: FloatArray) -> bool:
     """Whether a column with this phase, (4 n,), stands for ever upon a base that stays still."""
     chain = Chain(column)
-    least = barrier(column)
     rounding = REST * chain.g * float(np.sum(chain.mass * chain.width))
-    within = bool(np.all(np.abs(chain.places(phase).theta) < least.limits))
-    return within and chain.energy(phase) <= SAFE[column.settings.formulation] * least.energy + rounding
+    energy, turned = chain.energy(phase), np.abs(chain.places(phase).theta)
+    safe = SAFE[column.settings.formulation]
+    return any(
+        energy <= safe * energy_to_fall + rounding and bool(np.all(turned < limits))
+        for energy_to_fall, limits in (_barrier_at(column, part) for part in PARTS)
+    )
 
 
-@lru_cache(maxsize=64)
 def barrier(column: Column) -> Barrier:
     """The energy that a column needs to fall, from rest; zero where its rest is not stable."""
+    return max((_barrier_at(column, part) for part in PARTS), key=lambda found: found.energy)
+
+
+@lru_cache(maxsize=256)
+def _barrier_at(column: Column, part: float) -> Barrier:
+    """The barrier of limits that are this part of the angles on edge; no less than zero."""
     chain = Chain(column)
     most = np.asarray(model_of(column).blocks.fall_angle, dtype=np.float64).copy()
     # a joint has turned too far only if one of its two blocks has turned by half of that
@@ -61,12 +70,8 @@ def barrier(column: Column) -> Barrier:
     most[:-1] = np.minimum(most[:-1], half)
     most[1:] = np.minimum(most[1:], half)
     on_edge = chain.carried * chain.g * 0.5 * chain.width / np.maximum(np.cumsum(chain.toppling), np.finfo(float).tiny)
-    best = Barrier(0.0, most)
-    for part in PARTS:
-        found = least_energy(chain, np.minimum(part * on_edge, most))
-        if found.energy > best.energy:
-            best = found
-    return best
+    energy, limits = least_energy(chain, np.minimum(part * on_edge, most))
+    return Barrier(max(0.0, energy), limits)
 
 
 def least_energy(chain: Chain, limits: FloatArray) -> Barrier:
