@@ -7,6 +7,7 @@ from .motion import Motion
 from .packing import InitialState
 from .response import Response
 from .simulate import simulate
+from .uncertainty import Spread
 
 __version__ = "0.1.0"
 
@@ -21,6 +22,7 @@ __all__ = [
     "Response",
     "Settings",
     "SolverError",
+    "Spread",
     "__version__",
     "natural_frequencies",
     "simulate",

@@ -17,6 +17,7 @@ from .friction import LEAST_PART, friction_demand, time_exceeded
 from .kernels import layout as at
 from .motion import Motion
 from .packing import FloatArray
+from .uncertainty import PERCENTILES, Ensemble, ErrorEstimate
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -38,7 +39,13 @@ class Response:
     joint n. peak_ux m (n,): largest |ux| of the continuous motion. overturned, overturn_time s (NaN if not),
     overturned_joint (0 if not). stats: steps, implicit_steps and elastic_steps (of these), rejected, events
     (steps cut off where the contact of a joint changes), evaluations, sweeps; full_contact, rocking, flight: parts of
-    the time, at_rest: part that was not stepped; undamped_joints; observed_rows; wall_time s.
+    the time, at_rest: part that was not stepped; undamped_joints; observed_rows; wall_time s; settled_for s: how long
+    the column was followed after the histories' end.
+
+    verdict: "overturned", "standing" (it cannot fall any more) or "undecided"; reason: why, in words. It looks beyond
+    the end of the histories: a column that falls later has `overturned` and an `overturn_time` after the last row.
+    estimated_error (uncertainty.py) and horizon s: None unless the run was checked. ensemble
+    (uncertainty.py): None without one.
 
     Histories are worked out from the motion when one of them is first asked for, which may raise SolverError.
     """
@@ -52,6 +59,8 @@ class Response:
         overturned_joint: int,
         overturn_time: float,
         stats: dict[str, Any],
+        verdict: str = "undecided",
+        reason: str = "",
     ) -> None:
         """`observe` returns the output rows (nt, 9 n + 3)."""
         self.column = column
@@ -62,6 +71,11 @@ class Response:
         self.overturned_joint = overturned_joint
         self.overturn_time = overturn_time
         self.stats = stats
+        self.verdict = verdict
+        self.reason = reason
+        self.estimated_error: ErrorEstimate | None = None
+        self.horizon: float | None = None
+        self.ensemble: Ensemble | None = None
 
         self.motion: Motion | None = None  # of the base; drawn on top of the histories
 
@@ -109,7 +123,10 @@ class Response:
         return time_exceeded(self, mu, part)
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Write every history under the name of the FMU's output, in the order of the FMU's outputs."""
+        """Write every history under the name of the FMU's output, in the order of the FMU's outputs.
+
+        With an ensemble, the percentiles of its ux follow as ensemble.block[i].ux.p16, p50, p84: nan once all fell.
+        """
         names = ["time"]
         parts = [self.time[:, None]]
         for name, output in BLOCK_HISTORIES.items():
@@ -118,6 +135,10 @@ class Response:
         for name, output in BASE_HISTORIES.items():
             names.append(output)
             parts.append(getattr(self, name)[:, None])
+        if self.ensemble is not None:
+            for percent, band in zip(PERCENTILES, self.ensemble.ux, strict=True):
+                names += [f"ensemble.block[{i + 1}].ux.p{percent}" for i in range(self.column.n)]
+                parts.append(band)
         names.append("overturned")
         parts.append((self.time >= self.overturn_time)[:, None].astype(float))
         with whole_file(path) as partial, open(partial, "w", newline="", encoding="utf-8") as file:

@@ -45,7 +45,7 @@ def parts_of(result: BatchResult, k: int) -> list[np.ndarray]:
 
 def test_runs_are_those_of_simulate() -> None:
     columns, motions, durations = eleven()
-    times = 0.1 * np.arange(11)
+    times = 0.1 * np.arange(11, dtype=np.float64)
     result = run_batch(columns, motions, durations, tolerance=1e-6, times=times)
     assert np.all(result.finished)
     assert np.count_nonzero(result.overturned_joint) == 1
