@@ -91,8 +91,8 @@ def measure_opensees(wanted: Scenes, quick: bool, results: Results) -> Iterator[
 
 
 def measure_evaluation(wanted: Scenes, quick: bool, results: Results) -> Iterator[None]:
-    """One evaluation against C."""
-    results["evaluation"] = evaluation.measure(evaluation.SIZES[:2] if quick else evaluation.SIZES)
+    """One evaluation, alone and in lanes, against C and the recursion of before."""
+    results["evaluation"] = evaluation.measure(evaluation.SIZES[:2] if quick else evaluation.SIZES, not quick)
     if "absent" in results["evaluation"]:
         results["absent"]["evaluation in C"] = results["evaluation"]["absent"]
     yield

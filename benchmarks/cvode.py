@@ -13,11 +13,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numba import carray, cfunc, njit, types
+from numba import cfunc, njit, types
 
 from solver.kernels.jit import OPTIONS
+from solver.kernels.views import row_at
 
-from .right_hand_side import BLOCKS, HEADER, SIZE, Array, Problem, evaluate
+from .right_hand_side import Array, Problem, evaluate
 
 METHODS = {"Adams": 1, "BDF": 2}  # as CVODE numbers them
 NORMAL = 1  # CV_NORMAL: step past the output time and interpolate
@@ -119,13 +120,10 @@ def _rates_of_vectors(library: c.CDLL) -> Any:
 
     @cfunc(
         types.int32(types.double, types.voidptr, types.voidptr, types.CPointer(types.double)),
-        **(OPTIONS | {"_nrt": True}),
+        **OPTIONS,
     )
     def rates_of_vectors(t, y, dydt, data):
-        head = carray(data, (HEADER,))
-        size = 4 * int(head[BLOCKS])
-        whole = carray(data, (int(head[SIZE]),))
-        evaluate(t, carray(entries(y), (size,)), carray(entries(dydt), (size,)), whole)
+        evaluate(t, row_at(entries(y)), row_at(entries(dydt)), row_at(data))
         return 0
 
     return rates_of_vectors

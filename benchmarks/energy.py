@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 
 from solver import Column, InitialState, natural_frequencies
-from solver.kernels import layout as at
-from solver.kernels.joint import joint_potential
+from solver.kernels.joint.law import joint_potential
 from solver.packing import settlements
 from solver.stepper import Stepper
 
@@ -44,8 +43,8 @@ def columns_of(column: Column) -> Array:
 def energy(stepper: Stepper, columns: Array) -> float:
     """Kinetic, elastic and gravitational, J; columns: those of `columns_of`."""
     height, centroid, mass, inertia, stiffness, width, depth = columns
-    n, g = stepper.n, stepper.model[at.GRAVITY]
-    turn, opening, spin, opening_rate = stepper.state[at.STATE_HEADER :][: 4 * n].reshape(4, n)
+    g, phase = stepper.model.settings.gravity, stepper.state.phase
+    turn, opening, spin, opening_rate = phase.theta, phase.opening, phase.theta_rate, phase.opening_rate
     turn_below, spin_below = np.append(turn[1:], 0.0), np.append(spin[1:], 0.0)
     phi, phi_rate = 0.5 * (turn + turn_below), 0.5 * (spin + spin_below)
     over = height - centroid
@@ -89,6 +88,6 @@ def measure(quick: bool) -> Iterator[dict[str, Any]]:
                 "periods": periods,
                 "drift": change / begin,
                 "resolution": math.ulp(at_rest) / begin,
-                "steps": int(stepper.counters[at.STEPS]),
-                "elastic_steps": int(stepper.counters[at.ELASTIC_STEPS]),
+                "steps": int(stepper.counts.steps),
+                "elastic_steps": int(stepper.counts.elastic_steps),
             }

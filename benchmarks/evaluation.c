@@ -1,40 +1,83 @@
-/* One evaluation of the accelerations in C: the arithmetic of solver/kernels/exact.py and joint.py, operation by
- * operation, to see what the compiled Python costs beyond it. Where things lie in the arrays (HEIGHT, ALPHA_S, ...) is
- * defined on the command line from solver/kernels/layout.py and exact.py. */
+/* One evaluation of the accelerations in C: the arithmetic of solver/kernels/formulations/exact.py and joint/law.py,
+ * operation by operation, to see what the compiled Python costs beyond it. Where things lie in the arrays
+ * (MODEL_BLOCKS(n), BLOCKS_MASS(n), SETTINGS_N, ...) is defined on the command line from the tables of
+ * solver/kernels/layout.py. */
 #include <math.h>
+#include <stdint.h>
 
-static double greater(double a, double b) { return a > b ? a : b; }
 static double lesser(double a, double b) { return a < b ? a : b; }
 
 /* The part (lo, hi) of an interval where value + slope s > 0. */
 static void positive_part(double value, double slope, double *lo, double *hi)
 {
-    if (slope > 0.0)
-        *lo = greater(*lo, -value / slope);
-    else if (slope < 0.0)
-        *hi = lesser(*hi, -value / slope);
-    else if (!(value > 0.0))
+    if (slope > 0.0) {
+        const double edge = -value / slope;
+        *lo = edge > *lo ? edge : *lo;
+    } else if (slope < 0.0) {
+        const double edge = -value / slope;
+        *hi = edge < *hi ? edge : *hi;
+    } else if (!(value > 0.0)) {
         *lo = *hi;
+    }
 }
 
-/* Normal force (N), moment (N m) and loaded length (m) of a no-tension joint. */
-static inline void joint_forces(double stiffness, double width, double depth, double damping, double opening,
-                                double slope, double opening_rate, double slope_rate, double *force, double *moment,
-                                double *length)
+/* Where the loaded part ends by this bound, and how far the bound is from giving way. */
+static double side_margin(int64_t bound, double corner, double damping, double opening, double slope, double mean,
+                          double gradient, double *edge)
+{
+    const double touching = corner * slope - opening, pushing = corner * gradient - mean;
+    if (bound == CORNER) {
+        *edge = corner;
+        return damping > 0.0 ? lesser(touching, pushing) : touching;
+    }
+    if (bound == TOUCH) {
+        *edge = opening / slope;
+        return damping > 0.0 ? lesser(-touching, *edge * gradient - mean) : -touching;
+    }
+    *edge = mean / gradient;
+    return lesser(-pushing, *edge * slope - opening);
+}
+
+/* How far an open joint is from closing. */
+static double open_margin(double half, double opening, double slope, double mean, double gradient)
+{
+    double most = lesser(-opening - half * slope, -mean - half * gradient);
+    most = fmax(most, lesser(half * slope - opening, half * gradient - mean));
+    const double same = (mean - opening) / (gradient - slope);
+    if (fabs(same) < half)
+        most = fmax(most, same * slope - opening);
+    return -most;
+}
+
+/* Normal force (N), moment (N m) and loaded length (m) of a no-tension joint, by the formula of a regime unless that is
+ * ANY; `outside` is set where the joint is not in its regime. */
+static inline void resultants(int64_t regime, double stiffness, double width, double depth, double damping,
+                              double opening, double slope, double opening_rate, double slope_rate, double *force,
+                              double *moment, double *length, int64_t *outside)
 {
     double lo = -0.5 * width, hi = 0.5 * width;
-    positive_part(-opening, slope, &lo, &hi);
-    if (damping > 0.0 && lo < hi)
-        positive_part(-opening - damping * opening_rate, slope + damping * slope_rate, &lo, &hi);
-    *length = hi - lo;
-    if (!(*length > 0.0)) {
-        *force = *moment = *length = 0.0;
+    const double mean = opening + damping * opening_rate, gradient = slope + damping * slope_rate;
+    *force = *moment = *length = 0.0;
+    if (regime == ANY) {
+        positive_part(-opening, slope, &lo, &hi);
+        if (damping > 0.0 && lo < hi)
+            positive_part(-mean, gradient, &lo, &hi);
+        if (!(hi > lo))
+            return;
+    } else if (regime == OPEN) {
+        if (open_margin(hi, opening, slope, mean, gradient) < 0.0)
+            *outside = 1;
         return;
+    } else {
+        const double on_left = side_margin(regime & 3, lo, damping, opening, slope, mean, gradient, &lo);
+        const double on_right = side_margin((regime / RIGHT) & 3, hi, damping, opening, slope, mean, gradient, &hi);
+        if (lesser(on_left, on_right) < 0.0)
+            *outside = 1;
     }
-    const double mean = -(opening + damping * opening_rate), gradient = slope + damping * slope_rate;
-    const double middle = 0.5 * (lo + hi), rigidity = stiffness * depth * *length;
-    *force = rigidity * (mean + gradient * middle);
-    *moment = middle * *force + rigidity * gradient * (*length * *length) / 12.0;
+    *length = hi - lo;
+    const double middle = 0.5 * (lo + hi), area = stiffness * depth * *length;
+    *force = area * (gradient * middle - mean);
+    *moment = middle * *force + area * gradient * (*length * *length) * (1.0 / 12.0);
 }
 
 /* sin(x) and cos(x); polynomials where they are exact to rounding. */
@@ -50,102 +93,111 @@ static inline void sine_cosine(double x, double *sine, double *cosine)
     *cosine = 1.0 + y * (-0.5 + y * (1.0 / 24.0 - y * (1.0 / 720.0)));
 }
 
-/* Accelerations x[4n:6n] of the phase x (coordinates, rates) upon a base that moves by (a_x, a_z, theta, omega, alpha). */
-void accelerations(const double *model, double *x, const double *base, double *scratch)
-{
-    const int n = (int)model[N_BLOCKS];
-    double mu = 0.0, lever = 0.0, push_n = 0.0, push_t = 0.0, torque = 0.0, cos_above = 1.0, sin_above = 0.0;
-    double c_t_above = 0.0, c_n_above = 0.0, turn = x[0], spin = x[2 * n] + base[3];
-    /* downwards: collect the part above, eliminate the block's own unknowns */
-    for (int i = 0; i < n; i++) {
-        const double *row = model + MODEL_HEADER + BLOCK_FIELDS * i;
-        double *out = scratch + SCRATCH_FIELDS * i;
-        const double height = row[HEIGHT], mass = row[MASS], over = height - row[CENTROID];
-        const double opening = x[n + i], opening_rate = x[3 * n + i];
-        const double turn_below = i + 1 < n ? x[i + 1] : 0.0;
-        const double spin_below = i + 1 < n ? x[2 * n + i + 1] + base[3] : base[3];
-        const double mean_spin = 0.5 * (spin + spin_below);
-        double sin_half, cos_half, normal, moment, length;
-        sine_cosine(0.5 * (turn - turn_below), &sin_half, &cos_half);
-        joint_forces(row[STIFFNESS], row[JOINT_WIDTH], row[JOINT_DEPTH], row[DAMPING], opening, 2.0 * sin_half,
-                     opening_rate, cos_half * (spin - spin_below), &normal, &moment, &length);
-        const double moment_turn = moment * cos_half, half_opening = 0.5 * opening;
-        const double b_t = half_opening + height * cos_half, b_n = -height * sin_half, fling = height * spin * spin;
-        const double c_t = 2.0 * opening_rate * mean_spin - fling * sin_half;
-        const double c_n = -opening * mean_spin * mean_spin - fling * cos_half;
+/* number i of a field */
+#define BLOCK(field) blocks[BLOCKS_##field(n) + i]
+#define PHASE(field, i) phase[PHASE_##field(n) + (i)]
+#define JOINT(field) joints[JOINTS_##field(n) + i]
+#define ROW(field, i) rows[ELIMINATION_##field(n) + (i)]
 
-        /* the part above, turned into the frame of this joint, and the block itself */
-        const double cos_beta = cos_above * cos_half - sin_above * sin_half;
-        const double sin_beta = sin_above * cos_half + cos_above * sin_half;
-        const double swing = mass * over, centripetal = swing * spin * spin, pull = mu * lever;
-        const double m_nn = mass + mu * (sin_beta * sin_beta), m_nt = -mu * (sin_beta * cos_beta);
-        const double j_t = pull * cos_beta - swing * cos_half, j_n = swing * sin_half - pull * sin_beta;
-        const double j_a = pull * lever + (swing * over + row[INERTIA]);
-        double p_t = (push_n * sin_beta + push_t * cos_beta) + centripetal * sin_half;
-        const double p_n = (push_n * cos_beta - push_t * sin_beta) + centripetal * cos_half;
-        double p_a = lever * push_t - torque;
-        /* eliminate the opening, then the rotation */
-        const double per_mass = 1.0 / m_nn, t_scaled = mass * (mass + mu);
-        const double jt_scaled = mass * j_t - swing * mu * (sin_beta * sin_above), ja_scaled = j_a * m_nn - j_n * j_n;
-        const double free = (normal - p_n) * per_mass;
-        p_t += m_nt * free;
-        p_a += j_n * free + (normal * b_n + moment_turn);
-        const double g_scaled = jt_scaled + b_t * t_scaled;
-        const double inertia_scaled = ja_scaled + b_t * (jt_scaled + g_scaled), per_inertia = 1.0 / inertia_scaled;
-        const double alpha_s = -g_scaled * per_inertia, alpha_0 = -(p_a + b_t * p_t) * (per_inertia * m_nn);
-        const double at_s = 1.0 + b_t * alpha_s, at_0 = b_t * alpha_0;
-        const double an_s = -(j_n * alpha_s + m_nt * at_s) * per_mass;
-        const double an_0 = free - (j_n * alpha_0 + m_nt * at_0) * per_mass;
-        out[ALPHA_S] = alpha_s;
-        out[ALPHA_0] = alpha_0;
-        out[OPEN_S] = an_s - b_n * alpha_s;
-        out[OPEN_0] = an_0 - b_n * alpha_0;
-        out[ABOVE_S] = (at_s * cos_beta - an_s * sin_beta) + lever * alpha_s;
-        out[ABOVE_0] = (at_0 * cos_beta - an_0 * sin_beta) + (lever * alpha_0 + c_t_above);
-        out[RISE_S] = at_s * sin_beta + an_s * cos_beta;
-        out[RISE_0] = at_0 * sin_beta + an_0 * cos_beta + c_n_above;
-        mu = (t_scaled * ja_scaled - jt_scaled * jt_scaled) / (m_nn * inertia_scaled);
-        const double tau = p_t + g_scaled * per_mass * alpha_0;
-        out[FORCE_S] = mu;
-        out[FORCE_0] = tau;
-        out[JOINT_NORMAL] = normal;
-        out[JOINT_MOMENT] = moment;
-        out[JOINT_LENGTH] = length;
-        /* hand over to the block below */
-        lever = half_opening;
-        push_n = normal;
-        push_t = tau + mu * c_t;
-        torque = moment_turn;
-        cos_above = cos_half;
-        sin_above = sin_half;
-        c_t_above = c_t;
-        c_n_above = c_n;
+/* Accelerations of a phase, from its coordinates and rates, upon a base that moves by (ax, az, theta, omega, alpha). */
+void accelerations(const double *model, double *phase, const double *motion, double *work)
+{
+    const int64_t n = (int64_t)model[MODEL_SETTINGS(0) + SETTINGS_N];
+    const double *blocks = model + MODEL_BLOCKS(n);
+    double *joints = work + SCRATCH_JOINTS(n), *rows = work + SCRATCH_ROOM(n);
+    int64_t *hold = (int64_t *)(work + SCRATCH_HOLD(n));
+    double normal_above = 0.0, turned_above = 0.0, sine_above = 0.0, cosine_above = 1.0, half_above = 0.0;
+    double diagonal = 0.0, right = 0.0, opens = 0.0, turn = PHASE(THETA, 0), spin = PHASE(THETA_RATE, 0) + motion[3];
+    /* downwards: evaluate joint i, finish the row of the joint above it, eliminate */
+    for (int64_t i = 0; i < n; i++) {
+        const double opening = PHASE(OPENING, i), opening_rate = PHASE(OPENING_RATE, i);
+        const double turn_below = i + 1 < n ? PHASE(THETA, i + 1) : 0.0;
+        const double spin_below = i + 1 < n ? PHASE(THETA_RATE, i + 1) + motion[3] : motion[3];
+        double sine, cosine, normal, moment, length;
+        sine_cosine(0.5 * (turn - turn_below), &sine, &cosine);
+        resultants(hold[HOLD_HELD(n) + i], BLOCK(STIFFNESS), BLOCK(WIDTH), BLOCK(DEPTH), BLOCK(DAMPING), opening,
+                   2.0 * sine, opening_rate, cosine * (spin - spin_below), &normal, &moment, &length,
+                   &hold[HOLD_OUTSIDE(n) + i]);
+        const double lower = BLOCK(CENTROID), upper = BLOCK(UPPER);
+        const double per_mass = BLOCK(PER_MASS), per_inertia = BLOCK(PER_INERTIA);
+        const double turned = moment * cosine, mean_spin = 0.5 * (spin + spin_below), square = spin * spin;
+        const double half = 0.5 * opening, p = lower * cosine + half, q = upper * cosine_above + half_above;
+        const double p_turns = p * per_inertia, q_turns = q * per_inertia;
+        const double sine_beta = (sine_above * cosine + cosine_above * sine) * per_mass;
+        const double cosine_beta = (cosine_above * cosine - sine_above * sine) * per_mass;
+        const double free_alpha =
+            per_inertia *
+            ((lower * normal * sine - upper * normal_above * sine_above) + (turned_above - turned));
+        double opens_below = normal * per_mass + (lower * cosine * square + opening * mean_spin * mean_spin);
+        double right_below = 2.0 * opening_rate * mean_spin + (p * free_alpha - lower * sine * square);
+        double diagonal_below = per_mass + p * p_turns;
+        if (i > 0) {
+            right += (upper * sine_above * square - normal * sine_beta) + q * free_alpha;
+            opens += (upper * cosine_above * square - normal * cosine_beta) + normal_above * per_mass;
+            const double pivot = 1.0 / (diagonal + (per_mass + q * q_turns));
+            const double coupling = p * q_turns - cosine_beta, part = coupling * pivot;
+            ROW(PIVOT, i - 1) = pivot;
+            ROW(RIGHT, i - 1) = right;
+            ROW(FREE_OPENING, i - 1) = opens;
+            ROW(COUPLING, i) = coupling;
+            diagonal_below -= part * coupling;
+            right_below += normal_above * sine_beta - part * right;
+            opens_below -= normal_above * cosine_beta;
+        }
+        diagonal = diagonal_below;
+        right = right_below;
+        opens = opens_below;
+        ROW(FREE_ALPHA, i) = free_alpha;
+        ROW(TURN_BELOW, i) = p_turns;
+        ROW(TURN_ABOVE, i) = q_turns;
+        ROW(SINE_BETA, i) = sine_beta;
+        ROW(SINE, i) = sine;
+        JOINT(NORMAL) = normal;
+        JOINT(MOMENT) = moment;
+        JOINT(LENGTH) = length;
+        normal_above = normal;
+        turned_above = turned;
+        sine_above = sine;
+        cosine_above = cosine;
+        half_above = half;
         turn = turn_below;
         spin = spin_below;
     }
 
-    /* upwards: gravity is an upward acceleration of the base */
-    const double pull_up = base[1] + model[GRAVITY];
-    double sine, cosine;
-    sine_cosine(base[2], &sine, &cosine);
-    const double along = base[0] * cosine - pull_up * sine, lift = base[0] * sine + pull_up * cosine;
-    double s_t = (along * cos_above - lift * sin_above) + (c_t_above + lever * base[4]);
-    double s_n = (along * sin_above + lift * cos_above) + c_n_above;
-    for (int i = n - 1; i >= 0; i--) {
-        double *out = scratch + SCRATCH_FIELDS * i;
-        x[4 * n + i] = out[ALPHA_S] * s_t + (out[ALPHA_0] - base[4]);
-        x[5 * n + i] = out[OPEN_S] * s_t + (out[OPEN_0] - s_n);
-        out[TANGENTIAL] = out[FORCE_S] * s_t + out[FORCE_0];
-        s_n = out[RISE_S] * s_t + out[RISE_0];
-        s_t = out[ABOVE_S] * s_t + out[ABOVE_0];
+    /* the base: gravity is an upward acceleration */
+    const double pull = motion[1] + model[MODEL_SETTINGS(0) + SETTINGS_GRAVITY];
+    double base_sine, base_cosine;
+    sine_cosine(motion[2], &base_sine, &base_cosine);
+    const double along = motion[0] * base_cosine - pull * base_sine, lift = motion[0] * base_sine + pull * base_cosine;
+    right += (along * cosine_above - lift * sine_above) + half_above * motion[4];
+    opens -= along * sine_above + lift * cosine_above;
+    const double last = 1.0 / diagonal;
+    ROW(PIVOT, n - 1) = last;
+    double force = right * last;
+
+    /* upwards */
+    double drawn_below = 0.0, swung_below = 0.0;
+    for (int64_t i = n - 1; i >= 0; i--) {
+        const double force_above = i > 0 ? (ROW(RIGHT, i - 1) - ROW(COUPLING, i) * force) * ROW(PIVOT, i - 1) : 0.0;
+        if (i + 1 < n)
+            opens = ROW(FREE_OPENING, i);
+        const double alpha = ROW(FREE_ALPHA, i) - (ROW(TURN_BELOW, i) * force + ROW(TURN_ABOVE, i) * force_above);
+        const double drawn = ROW(SINE_BETA, i);
+        PHASE(THETA_ACCELERATION, i) = alpha - motion[4];
+        PHASE(OPENING_ACCELERATION, i) =
+            opens + ((drawn * force_above - drawn_below) + ROW(SINE, i) * (BLOCK(CENTROID) * alpha - swung_below));
+        JOINT(TANGENTIAL) = force;
+        drawn_below = drawn * force;
+        swung_below = BLOCK(UPPER) * alpha;
+        force = force_above;
     }
 }
 
-/* `rounds` times the accelerations of `count` phases of 6n numbers, one after the other. */
-void repeat(const double *model, double *phases, int count, int rounds, const double *base, double *scratch)
+/* `rounds` times the accelerations of `count` phases, one after the other. */
+void repeat(const double *model, double *phases, int count, int rounds, const double *motion, double *work)
 {
-    const int n = (int)model[N_BLOCKS];
+    const int64_t n = (int64_t)model[MODEL_SETTINGS(0) + SETTINGS_N];
     for (int r = 0; r < rounds; r++)
         for (int k = 0; k < count; k++)
-            accelerations(model, phases + 6 * n * k, base, scratch);
+            accelerations(model, phases + PHASE_FIELDS * n * k, motion, work);
 }

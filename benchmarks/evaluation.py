@@ -1,30 +1,43 @@
-"""One evaluation of the accelerations: the solver's kernel against the same arithmetic in C, on the same states."""
+"""One evaluation of the accelerations: the solver's kernel, for one column and for eight at once, against others.
+
+Against the same arithmetic in C, and against the recursion of before (articulated.py), on the same states.
+`python -m benchmarks.evaluation` prints the times of the kernel alone, which is how they are measured for other
+instruction sets.
+"""
 
 from __future__ import annotations
 
 import ctypes
+import json
 import math
+import os
+import platform
 import shutil
 import subprocess
+import sys
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from llvmlite.binding import get_host_cpu_features
 from numba import njit
 
 from solver import Column
-from solver.kernels import exact
 from solver.kernels import layout as at
-from solver.kernels.exact import exact_accelerations
-from solver.kernels.jit import OPTIONS
+from solver.kernels import numbers
+from solver.kernels.formulations.exact import Elimination, Motion, exact_accelerations
+from solver.kernels.jit import OPTIONS, kernel
+from solver.kernels.joint import regimes
+from solver.kernels.lanes import WIDTH
+from solver.kernels.views import Part, Record, Space, Table, lanes_of, row_of
 from solver.packing import pack_model
 from solver.stepper import Stepper
 
-from . import timing
+from . import articulated, timing
 from .right_hand_side import Array
-from .scenes import G, shaft
+from .scenes import ROOT, G, shaft
 
 SOURCE = Path(__file__).with_name("evaluation.c")
 FLAGS = ("-O3", "-march=native", "-ffp-contract=off", "-shared", "-fPIC")
@@ -32,13 +45,133 @@ SIZES = (3, 10, 50)  # blocks
 STATES = 400  # evaluated in turn, from a run
 SPACING = 5e-3  # s between them
 PASSES = 25  # over the states in one call, which costs more from Python into C than a pass
-BASE_AX = 0.3  # m/s2
+BASE = np.array([0.3, 0.0, 0.0, 0.0, 0.0])  # motion of the base: ax, az, theta, omega, alpha
+
+# instruction sets that lanes are compiled for beside those of this processor, as LLVM names processors that have them
+INSTRUCTION_SETS = {"AVX2": "haswell", "SSE2": "x86-64"}
+
+SCRATCH = Space(joints=at.JOINTS, hold=at.HOLD, room=at.ROOM)  # of an evaluation
+_model, _phase, _scratch = at.MODEL.over, at.PHASE.over, SCRATCH.over
+PHASE_FIELDS = at.PHASE.per_n
+
+
+# --- the kernel
+
+
+@kernel
+def _repeat(n, model, phases, count, rounds, scratch, motion):
+    column, room = _model(model, n), _scratch(scratch, n)
+    for _ in range(rounds):
+        for k in range(count):
+            phase = _phase(phases[PHASE_FIELDS * n * k :], n)
+            exact_accelerations(column, phase, motion, room.joints, room.hold, room.room)
+
+
+@njit(**OPTIONS)
+def repeat(n, model, phases, rounds, base, scratch):
+    """`rounds` times the accelerations of the phases (count, 6n), flat, one after the other."""
+    motion = Motion(base[0], base[1], base[2], base[3], base[4])
+    count = phases.size // (PHASE_FIELDS * n)
+    _repeat(n, row_of(model), row_of(phases), count, rounds, row_of(scratch), motion)
+
+
+@njit(**OPTIONS)
+def repeat_in_lanes(n, model, phases, rounds, base, scratch):
+    """The same for phases (count, 6n, 8), flat, of eight columns at once, and models, scratch and base (..., 8)."""
+    lanes = lanes_of(base)
+    motion = Motion(lanes[0], lanes[1], lanes[2], lanes[3], lanes[4])
+    count = phases.size // (PHASE_FIELDS * n * WIDTH)
+    _repeat(n, lanes_of(model), lanes_of(phases), count, rounds, lanes_of(scratch), motion)
+
+
+def scratch(n: int) -> Array:
+    """The scratch of one evaluation."""
+    return np.zeros(SCRATCH.size(n))
+
+
+def in_lanes(rows: Array, size: int) -> Array:
+    """Rows of so many numbers, flat, in groups of eight columns: number i of all eight, then number i + 1."""
+    return np.ascontiguousarray(rows.reshape(-1, WIDTH, size).swapaxes(1, 2)).ravel()
+
+
+def out_of_lanes(lanes: Array, size: int) -> Array:
+    """The rows again."""
+    return np.ascontiguousarray(lanes.reshape(-1, size, WIDTH).swapaxes(1, 2)).ravel()
+
+
+def states_of_a_run(column: Column, count: int = STATES, spacing: float = SPACING) -> Array:
+    """Phases (count * 6n,) that a rocking column passes through, `spacing` s apart: branches as in a run."""
+    stepper = Stepper(column)
+    stepper.base.wave_amplitude = 0.1 * G
+    stepper.base.wave_omega = 2.0 * math.pi
+    size = at.PHASE.size(column.n)
+    phases = np.empty((count, size))
+    for k in range(count):
+        stepper.advance(k * spacing, spacing)
+        phases[k] = stepper.arrays.state[at.CONTROL.beside :][:size]
+    return phases.ravel()
+
+
+# --- what is timed: loops over all phases in turn, PASSES times, compiled
+
+
+def kernel_loop(column: Column, phases: Array) -> Callable[[], None]:
+    """The solver's kernel for one column."""
+    n, model, room = column.n, pack_model(column).copy(), scratch(column.n)
+    repeat(n, model, phases, 1, BASE, room)
+    return lambda: repeat(n, model, phases, PASSES, BASE, room)
+
+
+def lanes_loop(column: Column, phases: Array) -> Callable[[], None]:
+    """The same kernel, where eight columns of one kind are in eight of the phases; these are left as they are."""
+    n = column.n
+    model = np.repeat(pack_model(column), WIDTH)
+    base, room = np.repeat(BASE, WIDTH), np.repeat(scratch(n), WIDTH)
+    lanes = in_lanes(phases, at.PHASE.size(n))
+    repeat_in_lanes(n, model, lanes, 1, base, room)
+    return lambda: repeat_in_lanes(n, model, lanes, PASSES, base, room)
+
+
+def articulated_loop(column: Column, phases: Array) -> Callable[[], None]:
+    """The recursion of before."""
+    rows, n, gravity, room = articulated.rows_of(column), column.n, column.g, articulated.scratch_of(column)
+    base = tuple(BASE.tolist())
+    articulated.repeat(rows, n, gravity, phases, 1, base, room)
+    return lambda: articulated.repeat(rows, n, gravity, phases, PASSES, base, room)
+
+
+def c_loop(library: Any, column: Column, phases: Array) -> Callable[[], None]:
+    """The kernel's arithmetic in C."""
+    model, room = pack_model(column).copy(), scratch(column.n)
+    count = phases.size // at.PHASE.size(column.n)
+    library.repeat(model, phases, count, 1, BASE, room)
+    return lambda: library.repeat(model, phases, count, PASSES, BASE, room)
+
+
+# --- C
 
 
 def _definitions() -> list[str]:
-    """Where things lie in the arrays, for the compiler."""
-    places = {**vars(at), **vars(exact)}
-    return [f"-D{name}={value!r}" for name, value in places.items() if name.isupper() and type(value) in (int, float)]
+    """Where things lie in the arrays, for the compiler: number in a record, or beginning for n blocks."""
+    found: dict[str, Any] = {"SMALL": numbers.SMALL, "PHASE_FIELDS": PHASE_FIELDS}
+    found |= {name: value for name, value in vars(regimes).items() if name.isupper()}
+
+    def place(name: str, part: Part) -> None:
+        if isinstance(part, Record):
+            found.update({f"{name}_{field}": k for k, field in enumerate(part.fields)})
+        elif isinstance(part, Table):
+            found.update({f"{name}_{field}(n)": f"({k}*(n))" for k, field in enumerate(part.fields)})
+        elif isinstance(part, Space):
+            per_n = beside = 0
+            for key, inner in part.parts.items():
+                found[f"{name}_{key}(n)"] = f"({per_n}*(n)+{beside})"
+                per_n, beside = per_n + inner.per_n, beside + inner.beside
+
+    tables = {"SETTINGS": at.SETTINGS, "BLOCKS": at.BLOCKS, "PHASE": at.PHASE, "JOINTS": at.JOINTS, "HOLD": at.HOLD}
+    spaces = {"MODEL": at.MODEL, "SCRATCH": SCRATCH, "ELIMINATION": Table(*Elimination._fields)}
+    for name, part in (tables | spaces).items():
+        place(name, part)
+    return [f"-D{name.upper().replace('(N)', '(n)')}={value}" for name, value in found.items()]
 
 
 def compiled_c(folder: Path) -> Any:
@@ -59,64 +192,79 @@ def compiled_c(folder: Path) -> Any:
     return library
 
 
-@njit(**OPTIONS)
-def repeat(model, phases, rounds, scratch):
-    """`rounds` times the accelerations of the phases (count, 6n), flat, one after the other."""
-    size = 6 * int(model[at.N_BLOCKS])
-    for _ in range(rounds):
-        for k in range(phases.size // size):
-            exact_accelerations(model, phases, k * size, (BASE_AX, 0.0, 0.0, 0.0, 0.0), scratch, 0)
+# --- measuring
 
 
-def states_of_a_run(column: Column, count: int = STATES, spacing: float = SPACING) -> Array:
-    """Phases (count * 6n,) that a rocking column passes through, `spacing` s apart: branches as in a run."""
-    stepper = Stepper(column)
-    stepper.inputs[at.INPUT_AMPLITUDE] = 0.1 * G
-    stepper.inputs[at.INPUT_OMEGA] = 2.0 * math.pi
-    phases = np.empty((count, 6 * column.n))
-    for k in range(count):
-        stepper.advance(k * spacing, spacing)
-        phases[k] = stepper.state[at.STATE_HEADER : at.STATE_HEADER + 6 * column.n]
-    return phases.ravel()
+def difference(one: Array, other: Array, n: int) -> float:
+    """Largest difference of the accelerations in two arrays of phases, in parts of the largest of each phase."""
+    mine, others = (phases.reshape(-1, PHASE_FIELDS * n)[:, 4 * n :] for phases in (one, other))
+    return float(np.max(np.abs(mine - others) / np.max(np.abs(mine), axis=1, keepdims=True)))
 
 
-def scratch(n: int) -> Array:
-    """The scratch of the acceleration kernels."""
-    return np.zeros(at.SCRATCH_FIELDS * n)
+def instructions() -> str:
+    """What lanes are made of on this processor, by the names of the targets."""
+    features = get_host_cpu_features()
+    known = {"AVX-512": "avx512f", "AVX2": "avx2", "SSE2": "sse2"}
+    return next((name for name, feature in known.items() if features.get(feature)), platform.machine())
 
 
-def kernel_loop(column: Column, phases: Array) -> Callable[[], None]:
-    """The solver's kernel on all phases in turn, PASSES times, as a compiled loop to be timed."""
-    model, room = pack_model(column), scratch(column.n)
-    repeat(model, phases, 1, room)
-    return lambda: repeat(model, phases, PASSES, room)
+def measure_kernel(sizes: tuple[int, ...] = SIZES) -> list[dict[str, Any]]:
+    """Time of one evaluation by the kernel, alone and in lanes (a column), by number of blocks."""
+    rows = []
+    for n in sizes:
+        column = shaft(n)
+        phases = states_of_a_run(column)
+        times = timing.loops([kernel_loop(column, phases), lanes_loop(column, phases)])
+        one, lanes = (seconds / (PASSES * STATES) for seconds in times)
+        rows.append({"n": n, "seconds": one, "lanes_seconds": lanes})
+    return rows
 
 
-def c_loop(library: Any, column: Column, phases: Array) -> Callable[[], None]:
-    """The same in C."""
-    model, room = pack_model(column), scratch(column.n)
-    count = phases.size // (6 * column.n)
-    base = np.array([BASE_AX, 0.0, 0.0, 0.0, 0.0])
-    library.repeat(model, phases, count, 1, base, room)
-    return lambda: library.repeat(model, phases, count, PASSES, base, room)
+def measure_restricted(sizes: tuple[int, ...]) -> dict[str, Any]:
+    """The same by processes that compile for fewer instructions than this processor has."""
+    if platform.machine() not in ("x86_64", "AMD64"):
+        return {}
+    found = {}
+    for name, processor in INSTRUCTION_SETS.items():
+        with tempfile.TemporaryDirectory() as cache:
+            changed = {"NUMBA_CPU_NAME": processor, "NUMBA_CPU_FEATURES": "", "NUMBA_CACHE_DIR": cache}
+            command = [sys.executable, "-m", "benchmarks.evaluation", *map(str, sizes)]
+            done = subprocess.run(command, cwd=ROOT, env=os.environ | changed, capture_output=True, text=True)
+        if done.returncode:
+            raise RuntimeError(f"{name}: {done.stderr[-500:]}")
+        found[name] = json.loads(done.stdout)
+    return found
 
 
-def measure(sizes: tuple[int, ...] = SIZES) -> dict[str, Any]:
-    """Time of one evaluation in both languages, by number of blocks."""
+def measure(sizes: tuple[int, ...] = SIZES, restricted: bool = True) -> dict[str, Any]:
+    """Time of one evaluation by all of them, by number of blocks; lanes for other instruction sets with `restricted`.
+
+    Where C cannot be compiled, `absent` says why.
+    """
+    results: dict[str, Any] = {"flags": " ".join(FLAGS), "instructions": instructions(), "rows": []}
+    library = None
     with tempfile.TemporaryDirectory() as folder:
         try:
             library = compiled_c(Path(folder))
         except OSError as error:
-            return {"absent": f"not available: {error}"}
-        rows = []
+            results["absent"] = f"not available: {error}"
         for n in sizes:
             column = shaft(n)
             mine = states_of_a_run(column)
-            other = mine.copy()
-            python, c = (
-                seconds / (PASSES * STATES)
-                for seconds in timing.loops([kernel_loop(column, mine), c_loop(library, column, other)])
-            )
-            difference = float(np.max(np.abs(mine - other) / (np.abs(mine) + np.abs(other) + 1e-300)))
-            rows.append({"n": n, "seconds": python, "c_seconds": c, "ratio": python / c, "difference": difference})
-    return {"flags": " ".join(FLAGS), "rows": rows}
+            old, other = mine.copy(), mine.copy()
+            loops = [kernel_loop(column, mine), lanes_loop(column, mine), articulated_loop(column, old)]
+            if library is not None:
+                loops.append(c_loop(library, column, other))
+            times = [seconds / (PASSES * STATES) for seconds in timing.loops(loops)]
+            row = {"n": n, "seconds": times[0], "lanes_seconds": times[1], "articulated_seconds": times[2]}
+            row |= {"articulated_difference": difference(mine, old, n)}
+            if library is not None:
+                row |= {"c_seconds": times[3], "ratio": times[0] / times[3], "difference": difference(mine, other, n)}
+            results["rows"].append(row)
+    if restricted:
+        results["restricted"] = measure_restricted(sizes[:1])
+    return results
+
+
+if __name__ == "__main__":
+    print(json.dumps(measure_kernel(tuple(map(int, sys.argv[1:])) or SIZES)))

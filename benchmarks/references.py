@@ -14,8 +14,7 @@ from functools import cache
 import numpy as np
 
 from solver import simulate
-from solver.kernels import layout as at
-from solver.packing import block_rows, pack_model
+from solver.packing import model_of
 
 from .competitors import OUTPUT_STEP, MeasurementError, Prepare, grid, numbalsoda, scipy
 from .right_hand_side import Array, Problem
@@ -87,7 +86,7 @@ def window(first: Array, second: Array) -> int:
 
 def overturn_time(scene: Scene, problem: Problem, states: Array) -> float:
     """First output time at which a block or its joint has turned beyond its angle of no return, s; NaN if none."""
-    limit = block_rows(pack_model(scene.column))[:, at.FALL_ANGLE]
+    limit = model_of(scene.column).blocks.fall_angle
     turn = states[:, : problem.n] * problem.sizes[: problem.n]
     relative = turn - np.hstack([turn[:, 1:], np.zeros((len(turn), 1))])
     fallen = np.any((np.abs(turn) > limit) | (np.abs(relative) > limit), axis=1)

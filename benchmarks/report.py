@@ -145,21 +145,28 @@ def opensees_table(results: Results) -> str:
 
 
 def evaluation_table(results: Results) -> str:
-    """One evaluation against C."""
+    """One evaluation: the kernel alone and in lanes, the recursion of before, C."""
     part = results.get("evaluation", {})
     if "rows" not in part:
         return ""
-    rows = [
-        [
-            str(r["n"]),
-            f"{1e9 * r['seconds']:.0f}",
-            f"{1e9 * r['c_seconds']:.0f}",
-            f"{r['ratio']:.2f}",
-            f"{r['difference']:.1e}",
+
+    def nanoseconds(row: Results, key: str) -> str:
+        return f"{1e9 * row[key]:.{1 if row[key] < 1e-7 else 0}f}" if key in row else "-"
+
+    def times(name: str, row: Results) -> list[str]:
+        keys = ("seconds", "lanes_seconds", "articulated_seconds", "c_seconds")
+        return [
+            name,
+            str(row["n"]),
+            *(nanoseconds(row, key) for key in keys),
+            f"{row['ratio']:.2f}" if "ratio" in row else "-",
+            f"{row['difference']:.1e}" if "difference" in row else "-",
         ]
-        for r in part["rows"]
-    ]
-    head = ["blocks", "kernel, ns", "C, ns", "ratio", "largest relative difference of the results"]
+
+    rows = [times(part["instructions"], row) for row in part["rows"]]
+    rows += [times(name, row) for name, found in part.get("restricted", {}).items() for row in found]
+    head = ["instructions", "blocks", "kernel, ns", "in lanes, ns a column", "recursion of before, ns", "C, ns"]
+    head += ["kernel to C", "largest difference of kernel and C"]
     return f"## One evaluation\n\n`evaluation.c`, compiled with `cc {part['flags']}`.\n\n" + table(head, rows)
 
 

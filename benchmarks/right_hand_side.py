@@ -10,13 +10,14 @@ import math
 from typing import Any
 
 import numpy as np
-from numba import carray, cfunc, njit, types
+from numba import cfunc, njit, types
 from numpy.typing import NDArray
 
 from solver.kernels import layout as at
-from solver.kernels.exact import exact_accelerations
+from solver.kernels.formulations.exact import Motion, exact_accelerations
 from solver.kernels.jit import OPTIONS, kernel
-from solver.packing import pack_model, pack_state
+from solver.kernels.views import Numbers, Record, Space, row_at, row_of
+from solver.packing import arrays_of
 
 from .scenes import Scene
 
@@ -25,73 +26,72 @@ Array = NDArray[np.float64]
 TURN_SIZE, OPEN_SIZE = 1e-3, 0.45e-3  # rad, m: typical sizes of the unknowns
 RATE_FACTOR = 10.0  # 1/s, typical rates over typical sizes
 
-# --- one flat array holds all that the right-hand side knows: this header, then the parts in the order of `_offsets`
-CALLS = 0  # evaluations so far
-BLOCKS = 1
-SIZE = 2  # of the whole array
-SAMPLES = 3  # of the motion, at a uniform step
-START = 4  # s
-SAMPLE_STEP = 5  # s
-AMPLITUDE = 6  # m/s2, of the harmonic part of the motion
-OMEGA = 7  # rad/s
-HEADER = 8
+KNOWN = Record(
+    "calls",  # evaluations so far
+    "n",  # blocks
+    "samples",  # of the motion, at a uniform step
+    "start",  # s
+    "sample_step",  # s
+    "amplitude",  # m/s2, of the harmonic part of the motion
+    "omega",  # rad/s
+)
+# one flat array holds all that the right-hand side knows
+DATA = Space(
+    known=KNOWN,
+    sizes=Numbers(per_n=4),  # typical, of the unknowns
+    phase=at.PHASE,
+    joints=at.JOINTS,
+    hold=at.HOLD,
+    room=at.ROOM,
+    model=at.MODEL,
+    ax=Numbers(),  # samples, m/s2
+)
+_known, _data = KNOWN.over, DATA.over
 
 
 @kernel
-def _offsets(n, samples):
-    """Where typical sizes (4n), phase (6n), scratch, motion (samples) and model begin."""
-    sizes = HEADER
-    phase = sizes + 4 * n
-    scratch = phase + 6 * n
-    motion = scratch + at.SCRATCH_FIELDS * n
-    return sizes, phase, scratch, motion, motion + samples
-
-
-@kernel
-def base_acceleration(data, motion, t):
-    """Horizontal base acceleration, m/s2, at time t, s; zero after the motion."""
-    past = (t - data[START]) / data[SAMPLE_STEP]
-    last = int(data[SAMPLES]) - 1
+def base_acceleration(known, samples, t):
+    """Horizontal base acceleration, m/s2, at time t, s; zero after the motion. samples: a row."""
+    past = (t - known.start) / known.sample_step
+    last = int(known.samples) - 1
     if past > last:
         return 0.0
     k = min(max(int(past), 0), last - 1)
-    before, after = data[motion + k], data[motion + k + 1]
-    ax = before + (past - k) * (after - before)
-    if data[AMPLITUDE] != 0.0:
-        ax += data[AMPLITUDE] * math.sin(data[OMEGA] * (t - data[START]))
+    ax = samples[k] + (past - k) * (samples[k + 1] - samples[k])
+    if known.amplitude != 0.0:
+        ax += known.amplitude * math.sin(known.omega * (t - known.start))
     return ax
 
 
 @kernel
 def evaluate(t, y, dydt, data):
-    """dydt (4n,) of the unknowns y (4n,): coordinates, then their rates, each divided by its typical size."""
-    data[CALLS] += 1.0
-    n = int(data[BLOCKS])
-    sizes, phase, scratch, motion, model = _offsets(n, int(data[SAMPLES]))
+    """dydt (4n,) of the unknowns y (4n,): coordinates, then their rates, each divided by its typical size. All rows."""
+    known = _known(data, 0)
+    known.calls += 1.0
+    n = int(known.n)
+    here = _data(data, n)
+    sizes, phase = here.sizes, here.phase
     for i in range(4 * n):
-        data[phase + i] = y[i] * data[sizes + i]
-    ax = base_acceleration(data, motion, t)
-    exact_accelerations(data[model:], data, phase, (ax, 0.0, 0.0, 0.0, 0.0), data, scratch)
+        phase.row[i] = y[i] * sizes[i]
+    motion = Motion(base_acceleration(known, here.ax, t), 0.0, 0.0, 0.0, 0.0)
+    exact_accelerations(here.model, phase, motion, here.joints, here.hold, here.room)
     for i in range(4 * n):
-        dydt[i] = data[phase + 2 * n + i] / data[sizes + i]
+        dydt[i] = phase.row[2 * n + i] / sizes[i]
 
 
 @njit(**OPTIONS)
 def rates(t, y, dydt, data):
-    """The right-hand side as called from Python."""
-    evaluate(t, y, dydt, data)
+    """The right-hand side as called from Python, over arrays."""
+    evaluate(t, row_of(y), row_of(dydt), row_of(data))
 
 
 _POINTER = types.CPointer(types.double)
 
 
-# arrays over pointers are made by numba's runtime, which the kernels themselves do without
-@cfunc(types.void(types.double, _POINTER, _POINTER, _POINTER), **(OPTIONS | {"_nrt": True}))
+@cfunc(types.void(types.double, _POINTER, _POINTER, _POINTER), **OPTIONS)
 def rates_in_c(t, y, dydt, data):
     """The right-hand side as called from C: void f(double t, double *y, double *dydt, double *data)."""
-    head = carray(data, (HEADER,))
-    size = 4 * int(head[BLOCKS])
-    evaluate(t, carray(y, (size,)), carray(dydt, (size,)), carray(data, (int(head[SIZE]),)))
+    evaluate(t, row_at(y), row_at(dydt), row_at(data))
 
 
 class Problem:
@@ -108,38 +108,35 @@ class Problem:
         self.heights = np.array([block.height for block in column.blocks])
         coordinates = np.repeat([TURN_SIZE, OPEN_SIZE], n)
         self.sizes = np.concatenate([coordinates, RATE_FACTOR * coordinates])
-        model = pack_model(column)
-        state, _ = pack_state(column)
-        self.start = state[at.STATE_HEADER : at.STATE_HEADER + 4 * n] / self.sizes
-        sizes, _, _, samples, packed = _offsets.py_func(n, motion.time.size)
-        self.data = np.zeros(packed + model.size)
-        self.data[:HEADER] = (
-            0.0,
-            n,
-            self.data.size,
-            motion.time.size,
-            motion.start,
-            float(np.mean(step)),
-            motion.amplitude,
-            2.0 * math.pi * motion.frequency,
-        )
-        self.data[sizes : sizes + 4 * n] = self.sizes
-        self.data[samples:packed] = motion.ax
-        self.data[packed:] = model
+        arrays = arrays_of(column)
+        self.start = arrays.state[at.CONTROL.beside :][: 4 * n] / self.sizes
+        self.data = np.zeros(DATA.size(n) + motion.time.size)
+        here = DATA.see(self.data, n)
+        self.known = here.known
+        self.known.n = n
+        self.known.samples = motion.time.size
+        self.known.start = motion.start
+        self.known.sample_step = float(np.mean(step))
+        self.known.amplitude = motion.amplitude
+        self.known.omega = 2.0 * math.pi * motion.frequency
+        here.sizes[:] = self.sizes
+        model, samples = DATA.size(n) - at.MODEL.size(n), DATA.size(n)  # where they begin: the last two parts
+        self.data[model:samples] = arrays.model[: samples - model]
+        self.data[samples:] = motion.ax
 
     @property
     def calls(self) -> int:
         """Evaluations of the right-hand side since `reset`."""
-        return int(self.data[CALLS])
+        return int(self.known.calls)
 
     def reset(self) -> None:
         """Count evaluations from zero."""
-        self.data[CALLS] = 0.0
+        self.known.calls = 0.0
 
     def rates(self, t: float, y: Array) -> Array:
         """The right-hand side as scipy calls it."""
-        dydt = np.empty_like(y)
-        rates(t, y, dydt, self.data)
+        dydt = np.empty(y.size)
+        rates(t, np.ascontiguousarray(y), dydt, self.data)  # what differences a Jacobian hands over columns
         return dydt
 
     def ux(self, states: Array) -> Array:

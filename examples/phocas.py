@@ -56,7 +56,7 @@ def main() -> int:
 
     histories = {
         name: np.column_stack([results[output.format(i=i)] for i in range(1, column.n + 1)])
-        for name, _, output in BLOCK_HISTORIES
+        for name, output in BLOCK_HISTORIES.items()
     }
     overturned, overturn_time = bool(results["overturned"][-1]), float(results["overturn_time"][-1])
     table, picture = options.output_folder / "results.csv", options.output_folder / "results.png"

@@ -14,7 +14,6 @@ import json
 import math
 import sys
 from enum import StrEnum
-from itertools import pairwise
 from pathlib import Path
 from typing import Any, NoReturn
 from xml.etree.ElementTree import Element
@@ -26,8 +25,7 @@ from solver import __version__
 from solver.column import Column
 from solver.errors import InputError, check_number
 from solver.kernels import layout as at
-from solver.packing import FloatArray
-from solver.stepper import Stepper
+from solver.stepper import SILENCE, Stepper
 
 from . import rules, state
 from .host import compile_by, finalize_at_exit, leave_search_path, survive_exception
@@ -54,7 +52,7 @@ from .variables import (
 COLUMN_FILE = "column.json"
 GUID_FILE = "guid.txt"
 RECORD_FOLDER = "record"  # holds the record inside the FMU, if there is one
-ARRAYS = ("state", "counters", "inputs")  # of the stepper: all that differs from one moment to another
+ARRAYS = ("state", "counts", "base")  # of the stepper: all that differs from one moment to another
 ROTATION = slice(JZ + 1, len(INPUTS))  # of the table: theta, omega, alpha
 # what the calls of FMI 2.0 get and set -> kinds of variables
 ACCESS = {"Real": ("Real",), "Integer": ("Integer", "Enumeration"), "Boolean": ("Boolean",), "String": ("String",)}
@@ -112,8 +110,8 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
         self._place = {variable.name: k for k, variable in enumerate(self._table)}
         self._place_of = {variable.reference: k for k, variable in enumerate(self._table)}
         self._values: list[Any] = [0.0 if variable.start is None else variable.start for variable in self._table]
-        self._row = slice(len(INPUTS), len(INPUTS) + at.row_size(self._column.n))
-        self._split = slice(self._row.stop, self._row.stop + at.SPLIT)
+        self._row = slice(len(INPUTS), len(INPUTS) + at.ROW.size(self._column.n))
+        self._split = slice(self._row.stop, self._row.stop + at.SPLIT.beside)
         self._parameters = slice(self._place["g"], len(self._table))
         self._verdict = [self._place[item.name] for item in (OVERTURN_TIME, OVERTURN_JOINT, OVERTURNED)]
         self._tell_verdict(-1.0, 0, False)
@@ -166,7 +164,7 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
         try:
             self._build()
             if self._stepper:
-                self._set_inputs(self._stepper, self._time, (0.0, 0.0, 0.0, 0.0))
+                self._drive(self._stepper, self._time)
                 self._stepper.stand_on_base()
                 self._inputs_stand, self._outdated = False, True
         except Exception as error:
@@ -220,23 +218,18 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
         """Take the column from `start` to `start + step`, s, over the samples of the record in between."""
         stepper = self._stepper
         assert stepper is not None
-        before = stepper.state.copy(), stepper.counters.copy()
+        arrays = stepper.arrays
+        before = arrays.state.copy(), arrays.counts.copy()
         record = self._record
         values = self._values
         try:
             if self._retune:
                 self._apply_parameters(stepper)
             self._input_time = start
-            if record is None:
-                _set(stepper.inputs, start, values[AX], values[JX], values[AZ], values[JZ], *values[ROTATION])
-                stepper.advance(start, step)
-            else:
-                edges = record.edges(start, start + step)
-                for begin, end in pairwise(edges):
-                    self._set_inputs(stepper, begin, record.line(0.5 * (begin + end), begin))
-                    stepper.advance(begin, end - begin)
+            stepper.drive(start, values[AX], values[JX], values[AZ], values[JZ], *values[ROTATION])
+            stepper.advance(start, step)
         except BaseException:
-            stepper.state[:], stepper.counters[:] = before
+            arrays.state[:], arrays.counts[:] = before
             self._inputs_stand = False
             raise
         self._retune = False
@@ -263,7 +256,7 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
             self._values.copy(),
             self._built_from,
             self._record.digest if self._record else "",
-            {name: getattr(stepper, name).copy() for name in ARRAYS} if stepper else {},
+            {name: getattr(stepper.arrays, name).copy() for name in ARRAYS} if stepper else {},
         )
 
     def _set_fmu_state(self, snapshot: state.Snapshot | state.Unreadable) -> None:
@@ -289,8 +282,9 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
         if stepper is not None:
             if (record.digest if record else "") != snapshot.record:
                 raise InputError(f"base.record = {name!r}: its samples are not those that the state belongs to")
+            stepper.record = record.samples if record else SILENCE
             for name in ARRAYS:
-                getattr(stepper, name)[:] = snapshot.arrays[name]
+                getattr(stepper.arrays, name)[:] = snapshot.arrays[name]
         self._stepper, self._record, self._record_name = stepper, record, name
         self._built_from = snapshot.built_from
         self._values = snapshot.values.copy()
@@ -379,8 +373,7 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
             self._apply_parameters(stepper)
             self._retune = False
         if not self._inputs_stand:
-            line = self._record.after(self._time) if self._record else (0.0, 0.0, 0.0, 0.0)
-            self._set_inputs(stepper, self._time, line)
+            self._drive(stepper, self._time)
         if self._mode == Mode.INITIALIZATION:
             stepper.stand_on_base()
         self._values[self._row] = stepper.observe(self._time).tolist()
@@ -390,21 +383,19 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
             self._tell_verdict(stepper.overturn_time if joint else -1.0, joint, joint > 0)
         self._outdated = False
 
-    def _set_inputs(self, stepper: Stepper, t: float, line: tuple[float, float, float, float]) -> None:
-        """Let the base follow, from time t on, the inputs and the straight line (ax, jx, az, jz) of the record."""
+    def _drive(self, stepper: Stepper, t: float) -> None:
+        """Let the base follow the inputs from time t on."""
         values = self._values
-        gone = t - self._input_time
+        elapsed = t - self._input_time
         theta, omega, alpha = values[ROTATION]
-        ax, jx, az, jz = line
-        _set(
-            stepper.inputs,
+        stepper.drive(
             t,
-            values[AX] + values[JX] * gone + ax,
-            values[JX] + jx,
-            values[AZ] + values[JZ] * gone + az,
-            values[JZ] + jz,
-            theta + gone * (omega + 0.5 * gone * alpha),
-            omega + gone * alpha,
+            values[AX] + values[JX] * elapsed,
+            values[JX],
+            values[AZ] + values[JZ] * elapsed,
+            values[JZ],
+            theta + elapsed * (omega + 0.5 * elapsed * alpha),
+            omega + elapsed * alpha,
             alpha,
         )
 
@@ -440,6 +431,7 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
         record, name = self._loaded(values[self._place[RECORD]], values[self._place[RECORD_SCALE]])
         compile_by(lambda: Stepper(column))
         stepper = Stepper(column)
+        stepper.record = record.samples if record else SILENCE
         compile_by(lambda: stepper.observe(self._time))
         compile_by(lambda: Stepper(column).advance(0.0, 1e-6))
         self._stepper, self._record, self._record_name = stepper, record, name
@@ -476,31 +468,6 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
         self._say(Fmi2Status.error, message)
         survive_exception(self, type(self), self.log_queue)
         raise RuntimeError(message)
-
-
-def _set(
-    inputs: FloatArray,
-    t: float,
-    ax: float,
-    jx: float,
-    az: float,
-    jz: float,
-    theta: float,
-    omega: float,
-    alpha: float,
-) -> None:
-    """Let the base accelerate by ax and az, m/s2, at time t and by their slopes jx and jz, m/s3, from there on.
-
-    theta, omega, alpha: its rotation at time t, rad clockwise, and what that follows from there on.
-    """
-    inputs[at.INPUT_AX] = ax
-    inputs[at.INPUT_JX] = jx
-    inputs[at.INPUT_AZ] = az
-    inputs[at.INPUT_JZ] = jz
-    inputs[at.INPUT_T0] = t
-    inputs[at.INPUT_BASE_THETA] = theta
-    inputs[at.INPUT_BASE_OMEGA] = omega
-    inputs[at.INPUT_BASE_ALPHA] = alpha
 
 
 def _told(error: Exception) -> str:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from solver.errors import InputError
 
-FORMAT = "multiblock-fmu state 1"
+FORMAT = "multiblock-fmu state 2"
 _DIGEST = 64  # characters that the bytes begin with
 
 

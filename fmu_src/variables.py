@@ -74,6 +74,7 @@ FAMILIES = {
     "joint.S": 15,
     "joint.contact": 16,
     "joint.sigma_max": 17,
+    "joint.T": 18,
     "block.height": 50,
     "block.width": 51,
     "block.depth": 52,
@@ -189,6 +190,7 @@ _BLOCK_OUTPUTS: dict[str, tuple[str, str, float | None, float | None, tuple[str,
     "N": ("N", "Normal force in the joint under block {i}, compression", 0.0, None, _TURNING),
     "M": ("N.m", "Moment of the pressure about the centre of joint {i}, restoring", None, None, _TURNING),
     "S": ("N", "Horizontal shear force on what is under joint {i}, positive to +x", None, None, _ALL),
+    "T": ("N", "Force along joint {i} on what is under it, positive to +x", None, None, _ALL),
     "contact": ("", "Part of the width of joint {i} in contact", 0.0, 1.0, _TURNING),
     "sigma_max": ("Pa", "Largest pressure on joint {i}", 0.0, None, _TURNING),
 }
@@ -283,13 +285,13 @@ def _with_initial(output: Variable, n: int, described: tuple[str, ...]) -> Varia
 def _row_outputs(column: Column) -> list[Variable]:
     sizes = _sizes(column)
     rows = []
-    for name, _, output in sorted(BLOCK_HISTORIES, key=lambda history: history[1]):
+    for name, output in BLOCK_HISTORIES.items():
         unit, description, minimum, maximum, inputs = _BLOCK_OUTPUTS[name]
         for i in range(1, column.n + 1):
             limits: dict[str, Any] = {"minimum": minimum, "maximum": maximum, "nominal": sizes[name][i - 1]}
             direct = () if inputs == _TURNING and i < column.n else inputs
             rows.append(_output(output.format(i=i), unit, description.format(i=i), **limits, depends_on=direct))
-    for name, _, output in sorted(BASE_HISTORIES, key=lambda history: history[1]):
+    for name, output in BASE_HISTORIES.items():
         unit, text = _BASE_OUTPUTS[name]
         size = sizes["M" if name == "My" else "N"][-1]
         rows.append(_output(output, unit, text, nominal=size, depends_on=_ALL))
@@ -319,6 +321,7 @@ def _sizes(column: Column) -> dict[str, list[float]]:
         "N": weights,
         "M": [weight * block.joint_width / 6.0 for weight, block in zip(weights, blocks, strict=True)],
         "S": weights,
+        "T": weights,
         "contact": [1.0] * column.n,
         "sigma_max": [
             weight / (block.joint_width * block.joint_depth) for weight, block in zip(weights, blocks, strict=True)

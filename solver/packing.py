@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,20 +13,29 @@ from numpy.typing import NDArray
 from .column import Column
 from .errors import InputError
 from .kernels import layout as at
-from .kernels.assembly import derive_fields
-from .modal import modal_data
+from .kernels.engine import (
+    GIVEN,
+    GIVEN_BLOCK,
+    GIVEN_JOINT,
+    GIVEN_SETTINGS,
+    NOT_STABLE,
+    model_room,
+    scratch_room,
+)
+from .kernels.entries import assemble_column
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 FORMULATION_CODES = {"exact": at.EXACT, "paper": at.PAPER}
 INTEGRATOR_CODES = {"auto": at.AUTO, "central-difference": at.CENTRAL_DIFFERENCE}
+LEAST_STEP = 1e-9  # s, below any limit of stability
 SKIP_CODES = {
     "elastic": at.ELASTIC,
     "rest": at.REST,
     "dashpots": at.DASHPOTS,
     "resultants": at.RESULTANTS,
-    "implicit": at.IMPLICIT_METHOD,
+    "implicit": at.IMPLICIT,
 }
 
 
@@ -42,41 +53,90 @@ class InitialState:
     opening_rate: Sequence[float] | FloatArray | None = None
 
 
+class Arrays(NamedTuple):
+    """The flat arrays of a column in motion (kernels/layout.py): copying `state`, `counts` and `base` saves it."""
+
+    model: FloatArray
+    state: FloatArray
+    counts: IntArray
+    base: FloatArray
+    work: FloatArray
+
+
+def arrays_of(column: Column) -> Arrays:
+    """The arrays of a column at rest. Raises InputError for a fixed step that is not stable."""
+    made = _assembled(column)
+    return Arrays(made.model.copy(), made.state.copy(), made.counts.copy(), made.base.copy(), made.work.copy())
+
+
 def pack_model(column: Column) -> FloatArray:
-    """The packed model: header and one row of fields per block (see kernels/layout.py)."""
+    """The packed model, read-only (kernels/layout.py, MODEL). Raises InputError for a fixed step that is not stable."""
+    return _assembled(column).model
+
+
+def model_of(column: Column) -> Any:
+    """The packed model by names: settings, blocks."""
+    return at.MODEL.see(pack_model(column), column.n)
+
+
+@lru_cache(maxsize=64)
+def _assembled(column: Column) -> Arrays:
     n = column.n
-    model = np.zeros(at.MODEL_HEADER + at.BLOCK_FIELDS * n)
-    model[at.N_BLOCKS] = n
-    rows = block_rows(model)
-    for row, block in zip(rows, column.blocks, strict=True):
-        row[at.HEIGHT] = block.height
-        row[at.CENTROID] = block.resolved_centroid
-        row[at.MASS] = block.mass
-        row[at.INERTIA] = block.resolved_inertia
-        row[at.STIFFNESS] = block.joint.stiffness
-        row[at.JOINT_WIDTH] = block.joint_width
-        row[at.JOINT_DEPTH] = block.joint_depth
-        row[at.DAMPING] = block.joint.damping
+    fixed = column.settings.integrator == "central-difference"
+    made = Arrays(
+        np.zeros(model_room(n)),
+        np.zeros(at.STATE.size(n)),
+        np.zeros(at.COUNTS.beside, dtype=np.int64),
+        np.zeros(at.BASE.beside),
+        np.zeros(at.WORK.size(n)),
+    )
+    detail = np.zeros(1)
+    code = assemble_column(n, *made, described(column), 1, np.zeros(scratch_room(n, fixed)), detail)
+    if code == NOT_STABLE:
+        raise InputError(
+            f"solver.step = {column.settings.step}: must be at most {detail[0]:.4g} s, where central differences are "
+            "stable"
+        )
+    if code != at.OK:  # the other checks are those of the column
+        raise InputError(f"block[{int(detail[0])}].inertia: beyond the range of float64")
+    for array in made:
+        array.flags.writeable = False
+    return made
+
+
+def longest_stable_step(column: Column) -> float:
+    """Stability limit of central differences, s (kernels/column/stability.py)."""
+    n = column.n
+    column = column.with_settings(integrator="central-difference", step=LEAST_STEP)
+    detail = np.zeros(1)
+    made = Arrays(
+        np.zeros(model_room(n)),
+        np.zeros(at.STATE.size(n)),
+        np.zeros(at.COUNTS.beside, dtype=np.int64),
+        np.zeros(at.BASE.beside),
+        np.zeros(at.WORK.size(n)),
+    )
+    assemble_column(n, *made, described(column), 1, np.zeros(scratch_room(n, True)), detail)
+    return float(detail[0])
+
+
+def described(column: Column) -> FloatArray:
+    """The column as `engine.assemble` is given it: settings, then a record for each block."""
     settings = column.settings
-    model[at.GRAVITY] = column.g
-    model[at.FORMULATION] = FORMULATION_CODES[settings.formulation]
-    model[at.INTEGRATOR] = INTEGRATOR_CODES[settings.integrator]
-    model[at.STEP] = settings.step
-    model[at.WITHOUT] = sum(SKIP_CODES[name] for name in set(settings.without))
-    model[at.TOLERANCE] = settings.tolerance
-    derive_fields(model)
-    if settings.formulation == "exact" and settings.integrator == "auto":
-        modal = modal_data(rows, column.g, model[at.TOLERANCE])
-        if modal is not None:
-            model[at.MODAL] = model.size
-            model = np.concatenate([model, modal])
-    return model
-
-
-def block_rows(model: FloatArray) -> FloatArray:
-    """The rows of fields of a packed model, (n, BLOCK_FIELDS): a view."""
-    n = int(model[at.N_BLOCKS])
-    return model[at.MODEL_HEADER : at.MODEL_HEADER + at.BLOCK_FIELDS * n].reshape(n, at.BLOCK_FIELDS)
+    values = {
+        "g": column.g,
+        "step": settings.step,
+        "tolerance": settings.tolerance,
+        "formulation": FORMULATION_CODES[settings.formulation],
+        "integrator": INTEGRATOR_CODES[settings.integrator],
+        "without": sum(SKIP_CODES[name] for name in set(settings.without)),
+    }
+    given = [values[name] for name in GIVEN_SETTINGS.fields]
+    for block in column.blocks:
+        given += [getattr(block, name) or 0.0 for name in GIVEN_BLOCK]
+        given += [getattr(block.joint, name) or 0.0 for name in GIVEN_JOINT]
+    assert len(given) == GIVEN_SETTINGS.beside + GIVEN.beside * column.n
+    return np.array(given, dtype=np.float64)
 
 
 def settlements(column: Column) -> FloatArray:
@@ -87,27 +147,21 @@ def settlements(column: Column) -> FloatArray:
     return settled
 
 
-def pack_state(column: Column, initial: InitialState | None = None) -> tuple[FloatArray, IntArray]:
-    """State and counters at the start of a run. Raises InputError if `initial` does not fit the column."""
+def set_initial(column: Column, state: FloatArray, initial: InitialState) -> None:
+    """Let the state, at rest as assembled, be another one. Raises InputError if `initial` does not fit the column."""
     n = column.n
-    initial = initial or InitialState()
     rotation = _given("rotation", initial.rotation, np.zeros(n))
     spin = _given("rotation_rate", initial.rotation_rate, np.zeros(n))
     opening = _given("opening", initial.opening, -settlements(column))
     opening_rate = _given("opening_rate", initial.opening_rate, np.zeros(n))
-    state = np.zeros(at.state_size(n))
-    phase = state[at.STATE_HEADER : at.STATE_HEADER + 4 * n].reshape(4, n)
+    phase = at.STATE.see(state, n).phase
     if column.settings.formulation == "exact":
-        phase[:] = rotation, opening, spin, opening_rate
-    else:
-        height = np.array([block.height for block in column.blocks])
-        phase[:] = (
-            _from_base(height * rotation),
-            -_from_base(opening),
-            _from_base(height * spin),
-            -_from_base(opening_rate),
-        )
-    return state, np.zeros(at.COUNTERS, dtype=np.int64)
+        phase.theta[:], phase.opening[:] = rotation, opening
+        phase.theta_rate[:], phase.opening_rate[:] = spin, opening_rate
+        return
+    height = np.array([block.height for block in column.blocks])
+    phase.theta[:], phase.opening[:] = _from_base(height * rotation), -_from_base(opening)
+    phase.theta_rate[:], phase.opening_rate[:] = _from_base(height * spin), -_from_base(opening_rate)
 
 
 def _from_base(steps: FloatArray) -> FloatArray:

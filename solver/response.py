@@ -19,25 +19,19 @@ from .packing import FloatArray
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-# name of the history, its place in an output row, its name among the outputs of the FMU
-BLOCK_HISTORIES = (
-    ("ux", at.ROW_UX, "block[{i}].ux"),
-    ("uz", at.ROW_UZ, "block[{i}].uz"),
-    ("theta", at.ROW_THETA, "block[{i}].theta"),
-    ("N", at.ROW_N, "joint[{i}].N"),
-    ("M", at.ROW_M, "joint[{i}].M"),
-    ("S", at.ROW_S, "joint[{i}].S"),
-    ("contact", at.ROW_CONTACT, "joint[{i}].contact"),
-    ("sigma_max", at.ROW_SIGMA, "joint[{i}].sigma_max"),
-)
-BASE_HISTORIES = (("Fx", at.ROW_FX, "base.Fx"), ("Fz", at.ROW_FZ, "base.Fz"), ("My", at.ROW_MY, "base.My"))
+# names of the histories of blocks and joints -> names among the outputs of the FMU, in their order there
+BLOCK_HISTORIES = {
+    name: f"{'block' if name in ('ux', 'uz', 'theta') else 'joint'}[{{i}}].{name}" for name in at.OUTPUTS.fields
+}
+BASE_HISTORIES = {name: f"base.{name}" for name in at.REACTION.fields}
 
 
 class Response:
     """Histories (nt, n), block and joint 1 (the top) first; base reaction (nt,).
 
     time s; ux m, top face relative to the base, +x; uz m, centroid, up, from the unloaded geometry; theta rad,
-    clockwise; N N, compression; M N m, restoring; S N, horizontal, of the part above on the part below; contact 0..1
+    clockwise; N N, compression; M N m, restoring; S N, horizontal, and T N, along the joint, of the part
+    above on the part below; contact 0..1
     of the joint's width; sigma_max Pa; Fx, Fz N and My N m (clockwise), of the column on the base at the centre of
     joint n. peak_ux m (n,): largest |ux| of the continuous motion. overturned, overturn_time s (NaN if not),
     overturned_joint (0 if not). stats: steps, implicit_steps and elastic_steps (of these), rejected, events
@@ -57,7 +51,7 @@ class Response:
         overturn_time: float,
         stats: dict[str, Any],
     ) -> None:
-        """`observe` returns the output rows (nt, 8 n + 3)."""
+        """`observe` returns the output rows (nt, 9 n + 3)."""
         self.column = column
         self.time = time
         self._observe = observe
@@ -81,33 +75,35 @@ class Response:
         self.stats["observed_rows"] = len(self.time)
         return self._observe()
 
-    def _joints(self, field: int) -> FloatArray:
+    def _joints(self, name: str) -> FloatArray:
         n = self.column.n
+        field = at.OUTPUTS.fields.index(name)
         return self._rows[:, field * n : (field + 1) * n]
 
-    def _base(self, field: int) -> FloatArray:
-        return self._rows[:, at.ROW_FIELDS * self.column.n + field]
+    def _base(self, name: str) -> FloatArray:
+        return self._rows[:, at.OUTPUTS.size(self.column.n) + at.REACTION.fields.index(name)]
 
-    ux = property(lambda self: self._joints(at.ROW_UX))
-    uz = property(lambda self: self._joints(at.ROW_UZ))
-    theta = property(lambda self: self._joints(at.ROW_THETA))
-    N = property(lambda self: self._joints(at.ROW_N))
-    M = property(lambda self: self._joints(at.ROW_M))
-    S = property(lambda self: self._joints(at.ROW_S))
-    contact = property(lambda self: self._joints(at.ROW_CONTACT))
-    sigma_max = property(lambda self: self._joints(at.ROW_SIGMA))
-    Fx = property(lambda self: self._base(at.ROW_FX))
-    Fz = property(lambda self: self._base(at.ROW_FZ))
-    My = property(lambda self: self._base(at.ROW_MY))
+    ux = property(lambda self: self._joints("ux"))
+    uz = property(lambda self: self._joints("uz"))
+    theta = property(lambda self: self._joints("theta"))
+    N = property(lambda self: self._joints("N"))
+    M = property(lambda self: self._joints("M"))
+    S = property(lambda self: self._joints("S"))
+    T = property(lambda self: self._joints("T"))
+    contact = property(lambda self: self._joints("contact"))
+    sigma_max = property(lambda self: self._joints("sigma_max"))
+    Fx = property(lambda self: self._base("Fx"))
+    Fz = property(lambda self: self._base("Fz"))
+    My = property(lambda self: self._base("My"))
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write every history under the name of the FMU's output, in the order of the FMU's outputs."""
         names = ["time"]
         parts = [self.time[:, None]]
-        for name, _, output in BLOCK_HISTORIES:
+        for name, output in BLOCK_HISTORIES.items():
             names += [output.format(i=i + 1) for i in range(self.column.n)]
             parts.append(getattr(self, name))
-        for name, _, output in BASE_HISTORIES:
+        for name, output in BASE_HISTORIES.items():
             names.append(output)
             parts.append(getattr(self, name)[:, None])
         names.append("overturned")

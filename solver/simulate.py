@@ -10,7 +10,6 @@ import numpy as np
 
 from .column import Column
 from .errors import InputError
-from .kernels import layout as at
 from .motion import Motion
 from .packing import InitialState
 from .response import Response
@@ -55,8 +54,8 @@ def simulate(
     begin = clock.perf_counter()
     snapshots = stepper.run(motion, motion.start + duration, times)
     wall_time = clock.perf_counter() - begin
-    spent = stepper.state[[at.TIME_FULL, at.TIME_ROCKING, at.TIME_FLIGHT, at.TIME_AT_REST]]
-    shares = spent / max(float(np.sum(spent[:3])), math.ulp(0.0))
+    control, counts = stepper.state.control, stepper.counts
+    per_spent = 1.0 / max(stepper.time_spent, math.ulp(0.0))
     response = Response(
         column,
         times,
@@ -65,17 +64,17 @@ def simulate(
         overturned_joint=stepper.overturned_joint,
         overturn_time=stepper.overturn_time,
         stats={
-            "steps": int(stepper.counters[at.STEPS]),
-            "implicit_steps": int(stepper.counters[at.IMPLICIT_STEPS]),
-            "elastic_steps": int(stepper.counters[at.ELASTIC_STEPS]),
-            "rejected": int(stepper.counters[at.REJECTED]),
-            "events": int(stepper.counters[at.EVENTS]),
-            "evaluations": int(stepper.counters[at.EVALUATIONS]),
-            "sweeps": int(stepper.counters[at.SWEEPS]),
-            "full_contact": float(shares[0]),
-            "rocking": float(shares[1]),
-            "flight": float(shares[2]),
-            "at_rest": float(shares[3]),
+            "steps": int(counts.steps),
+            "implicit_steps": int(counts.implicit_steps),
+            "elastic_steps": int(counts.elastic_steps),
+            "rejected": int(counts.rejected),
+            "events": int(counts.events),
+            "evaluations": int(counts.evaluations),
+            "sweeps": int(counts.sweeps),
+            "full_contact": float(control.time_full * per_spent),
+            "rocking": float(control.time_rocking * per_spent),
+            "flight": float(control.time_flight * per_spent),
+            "at_rest": float(control.time_at_rest * per_spent),
             "undamped_joints": sum(block.joint.damping == 0.0 for block in column.blocks),
             "observed_rows": 0,
             "wall_time": wall_time,

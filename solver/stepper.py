@@ -1,19 +1,18 @@
-"""One column in motion: owns the flat arrays and drives the kernels over them."""
+"""One column in motion: owns the flat arrays and drives the engine over them."""
 
 from __future__ import annotations
 
 import math
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from .column import Column
-from .errors import InputError, SolverError
+from .errors import SolverError
 from .kernels import layout as at
-from .kernels.advance import observe_snapshots, observe_state, run
-from .modes import longest_stable_step
+from .kernels.entries import observe_snapshots, observe_state, run
 from .motion import Motion
-from .packing import FloatArray, InitialState, pack_model, pack_state
+from .packing import Arrays, FloatArray, InitialState, arrays_of, pack_model, set_initial
 
 REASONS = {
     at.STEP_TOO_SMALL: "the step that the tolerance asks for is too small to go on; a larger tolerance may help",
@@ -24,40 +23,71 @@ REASONS = {
     at.ROTATES: 'the base rotates, which formulation = "paper" does not know: "exact" does',
 }
 
-STEP_SLACK = 1e-6  # the limit itself is known to so many digits
+_NONE = np.empty(0)
+_ROTATION = at.BASE.fields.index("theta")
 
-_NO_TIMES = np.empty(0)
-_NO_SNAPSHOTS = np.empty((0, 0))
-_NO_SAMPLES = np.empty((3, 0))
+
+def _plain(row: ArrayLike) -> FloatArray:
+    """The row as the one type of array that the kernels are compiled for: contiguous and, for numba, not read-only."""
+    return np.require(row, dtype=np.float64, requirements=["C", "W"])
+
+
+class Record:
+    """Samples of the base acceleration as the kernels take them: times s, ax and az m/s2, a factor, held or joined."""
+
+    def __init__(self, time: ArrayLike, ax: ArrayLike, az: ArrayLike, scale: float = 1.0, held: bool = False) -> None:
+        self.arguments = (_plain(time), _plain(ax), _plain(az), float(scale), bool(held))
+
+
+SILENCE = Record(_NONE, _NONE, _NONE)
 
 
 class Stepper:
     """A column between two calls. Time belongs to the caller, who passes it in.
 
-    All that a run has behind it is in `state` (float64) and `counters` (int64): copying them saves it. Raises
-    InputError for a fixed step that is not stable.
+    All that a run has behind it is in `arrays.state`, `arrays.counts` and `arrays.base`: copying them saves it.
+    `model`, `state`, `counts` and `base` are the same by the names of kernels/layout.py; what is written to them acts.
+    `record` is followed beside `base`. Raises InputError for a fixed step that is not stable.
     """
 
     def __init__(self, column: Column, initial: InitialState | None = None) -> None:
-        _check_step(column)
         self.n = column.n
-        self.model = pack_model(column)
-        self.state, self.counters = pack_state(column, initial)
-        self.inputs = np.zeros(at.INPUTS)
-        self._work = np.zeros(at.work_size(self.n))
-        self._row = np.zeros((1, at.row_size(self.n)))
-        self._split = np.zeros(at.SPLIT)
+        self.arrays: Arrays = arrays_of(column)
+        if initial is not None:
+            set_initial(column, self.arrays.state, initial)
+        self.model = at.MODEL.see(self.arrays.model, self.n)
+        self.state = at.STATE.see(self.arrays.state, self.n)
+        self.counts = at.COUNTS.see(self.arrays.counts)
+        self.base = at.BASE.see(self.arrays.base)
+        self.record = SILENCE
+        self._row = np.zeros(at.ROW.size(self.n))
+        self._split = np.zeros(at.SPLIT.beside)
+
+    def drive(
+        self,
+        t: float,
+        ax: float = 0.0,
+        jx: float = 0.0,
+        az: float = 0.0,
+        jz: float = 0.0,
+        theta: float = 0.0,
+        omega: float = 0.0,
+        alpha: float = 0.0,
+    ) -> None:
+        """Set the motion of the base from time t on: accelerations m/s2, slopes m/s3, rotation rad, rad/s, rad/s2."""
+        base = self.arrays.base
+        base[0], base[1], base[2], base[3], base[4] = t, ax, jx, az, jz
+        base[_ROTATION], base[_ROTATION + 1], base[_ROTATION + 2] = theta, omega, alpha
 
     def advance(self, t: float, h: float) -> None:
-        """Go from t to t + h, s, under `inputs`. Raises SolverError."""
-        self._check(self._run(t, h, _NO_SAMPLES, False, _NO_TIMES, _NO_SNAPSHOTS), t)
+        """Go from t to t + h, s, under `base` and `record`. Raises SolverError."""
+        self._check(self._run(t, h, self.record, _NONE, _NONE), t)
 
     def observe(self, t: float) -> FloatArray:
-        """The output row at time t under the present `inputs`; overwritten by the next call. Raises SolverError."""
-        code = observe_state(self.model, self.state, self.counters, self.inputs, self._work, t, self._row, self._split)
+        """The output row at time t (kernels/layout.py, ROW); overwritten by the next call. Raises SolverError."""
+        code = observe_state(self.n, *self.arrays, *self.record.arguments, float(t), self._row, self._split)
         self._check(code, t)
-        row: FloatArray = self._row[0]
-        return row
+        return self._row
 
     @property
     def split(self) -> FloatArray:
@@ -65,80 +95,69 @@ class Stepper:
         return self._split
 
     def stand_on_base(self) -> None:
-        """Start upright on the base as the inputs have it, turned and turning, instead of upright in space."""
-        self.state[at.BASE_THETA] = self.inputs[at.INPUT_BASE_THETA]
-        self.state[at.BASE_OMEGA] = self.inputs[at.INPUT_BASE_OMEGA]
+        """Start upright on the base as it is, turned and turning, instead of upright in space."""
+        self.state.control.base_theta = self.base.theta
+        self.state.control.base_omega = self.base.omega
 
     def run(self, motion: Motion, stop: float, times: FloatArray) -> FloatArray:
         """Follow a motion from its start to time `stop`, s; a snapshot for each of `times`. Raises SolverError."""
-        snapshots = np.zeros((times.size, at.snapshot_size(self.n)))
-        samples = np.stack((motion.time, motion.ax, motion.az))
-        if motion.end > motion.time[-1]:  # the last held sample ends where the motion does
-            samples = np.column_stack((samples, (motion.end, 0.0, 0.0)))
+        snapshots = np.zeros((times.size, at.SNAPSHOT.size(self.n)))
+        time, ax, az = motion.time, motion.ax, motion.az
+        if motion.end > time[-1]:  # the last held sample ends where the motion does
+            time, ax, az = np.append(time, motion.end), np.append(ax, 0.0), np.append(az, 0.0)
         start = float(motion.time[0])
-        self.inputs[at.INPUT_AMPLITUDE] = motion.amplitude
-        self.inputs[at.INPUT_OMEGA] = 2.0 * math.pi * motion.frequency
-        self.inputs[at.INPUT_PHASE] = -2.0 * math.pi * motion.frequency * motion.start
-        self._check(self._run(start, stop - start, samples, motion.hold, times, snapshots), None)
+        self.base.wave_amplitude = motion.amplitude
+        self.base.wave_omega = 2.0 * math.pi * motion.frequency
+        self.base.wave_phase = -2.0 * math.pi * motion.frequency * motion.start
+        record = Record(time, ax, az, held=motion.hold)
+        self._check(self._run(start, stop - start, record, times, snapshots.reshape(-1)), None)
         return snapshots
 
     def rows_of(self, snapshots: FloatArray) -> FloatArray:
         """The output row that belongs to each snapshot. Raises SolverError."""
-        rows = np.zeros((len(snapshots), at.row_size(self.n)))
-        code, count = observe_snapshots(self.model, self._work, self.counters.copy(), snapshots, rows)
+        rows = np.zeros((len(snapshots), at.ROW.size(self.n)))
+        arrays = self.arrays._replace(counts=self.arrays.counts.copy())
+        code, count = observe_snapshots(self.n, *arrays, snapshots.reshape(-1), rows.reshape(-1), len(snapshots))
         if code != at.OK:
             raise SolverError(f"output row {count}: {REASONS[code]}")
         return rows
 
     def retune(self, column: Column) -> None:
         """Go on from the present coordinates and rates with other parameters of the same blocks. Raises InputError."""
-        _check_step(column)
-        self.model = pack_model(column)
-        self._work[:] = 0.0  # the responses of the modes are those of the model before
+        self.arrays = self.arrays._replace(model=pack_model(column).copy())
+        self.model = at.MODEL.see(self.arrays.model, self.n)
+        self.arrays.work[:] = 0.0  # the responses of the modes are those of the model before
         if not self.overturned_joint:
-            self.state[at.BASE_AX] = math.nan  # belongs to no input: the accelerations are to be computed anew
+            self.state.control.base_ax = math.nan  # belongs to no input: the accelerations are to be computed anew
 
     @property
     def time_spent(self) -> float:
         """What the column has been advanced by so far while it stood, s."""
-        return float(self.state[at.TIME_FULL] + self.state[at.TIME_ROCKING] + self.state[at.TIME_FLIGHT])
+        control = self.state.control
+        return float(control.time_full + control.time_rocking + control.time_flight)
 
     @property
     def overturned_joint(self) -> int:
         """Number of the joint over which the column has fallen; 0 while it stands."""
-        return int(self.counters[at.OVERTURNED])
+        return int(self.counts.overturned)
 
     @property
     def overturn_time(self) -> float:
         """Time of overturning, s; NaN while the column stands."""
-        return float(self.state[at.OVERTURN_TIME]) if self.overturned_joint else math.nan
+        return float(self.state.control.overturn_time) if self.overturned_joint else math.nan
 
     @property
     def peaks(self) -> NDArray[np.float64]:
         """Largest |u_x| of each top face so far, m (n,); kept by `run` only."""
-        peaks: FloatArray = self.state[at.STATE_HEADER + 6 * self.n :]
+        peaks: FloatArray = self.state.peaks
         return peaks
 
-    def _run(
-        self, t: float, h: float, samples: FloatArray, hold: bool, times: FloatArray, snapshots: FloatArray
-    ) -> int:
+    def _run(self, t: float, h: float, record: Record, times: FloatArray, snapshots: FloatArray) -> int:
         """The kernel, compiled once: its numbers are float64 and its arrays contiguous, whatever the caller has."""
-        arrays = self.model, self.state, self.counters, self.inputs, self._work
-        code: int = run(*arrays, float(t), float(h), np.ascontiguousarray(samples), hold, times, snapshots)
+        code: int = run(self.n, *self.arrays, *record.arguments, float(t), float(h), _plain(times), snapshots)
         return code
 
     def _check(self, code: int, t: float | None) -> None:
         if code < at.OK:
             when = f"after {self.time_spent:.6g} s" if t is None else f"at t = {t:.6g} s"
             raise SolverError(f"{when}: {REASONS[code]}")
-
-
-def _check_step(column: Column) -> None:
-    """Raise InputError for a step beyond the stability limit: a joint that opens would bound, and hide, the blow-up."""
-    step = column.settings.step
-    if column.settings.integrator == "central-difference":
-        limit = longest_stable_step(column)
-        if step > limit * (1.0 + STEP_SLACK):
-            raise InputError(
-                f"solver.step = {step}: must be at most {limit:.4g} s, where central differences are stable"
-            )

@@ -18,7 +18,6 @@ from typing import Any
 import numpy as np
 
 from solver import Column, Motion
-from solver.kernels import layout as at
 from solver.stepper import Stepper
 
 from .cases import Case, draw
@@ -81,19 +80,18 @@ def restored(formulation: str, integrator: str, damping: bool) -> bool:
 
     def drive(stepper: Stepper, first: int, last: int) -> None:
         for k in range(first, last):
-            stepper.inputs[at.INPUT_AX] = 1.5 * np.sin(0.0126 * k)
-            stepper.inputs[at.INPUT_T0] = k * STEP
+            stepper.drive(k * STEP, ax=1.5 * np.sin(0.0126 * k))
             stepper.advance(k * STEP, STEP)
 
     straight, broken = Stepper(column), Stepper(column)
     drive(straight, 0, 1000)
     for first in range(0, 1000, 100):
         drive(broken, first, first + 100)
-        state, counters, inputs = broken.state.copy(), broken.counters.copy(), broken.inputs.copy()
+        saved = [array.copy() for array in (broken.arrays.state, broken.arrays.counts, broken.arrays.base)]
         drive(broken, first + 100, first + 150)
         broken = Stepper(column)  # as another process would have it
-        broken.state[:], broken.counters[:], broken.inputs[:] = state, counters, inputs
-    return straight.state.tobytes() == broken.state.tobytes()
+        broken.arrays.state[:], broken.arrays.counts[:], broken.arrays.base[:] = saved
+    return straight.arrays.state.tobytes() == broken.arrays.state.tobytes()
 
 
 def elsewhere(function: str, *arguments: object, **environment: str) -> Any:

@@ -59,11 +59,11 @@ def scene_rows() -> list[Any]:
     return list(scene_rows())
 
 
-def sweeps() -> list[dict[str, Any]]:
+def sweep(tolerance: float | None) -> list[dict[str, Any]]:
     """Of scheme.py."""
-    from .scheme import measure_sweeps
+    from .scheme import sweep
 
-    return measure_sweeps()
+    return sweep(tolerance)
 
 
 def limit_files(size: int) -> None:

@@ -7,6 +7,7 @@ import math
 import os
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 from typing import Any
 
@@ -14,8 +15,7 @@ import numpy as np
 
 from solver import Block, Column, InputError, Joint, Motion, Settings, SolverError
 from solver.kernels import layout as at
-from solver.modes import longest_stable_step
-from solver.packing import settlements
+from solver.packing import longest_stable_step, settlements
 from solver.stepper import Stepper
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -38,18 +38,19 @@ def shaft(n: int, stiffness: float, damping: float, step: float = 1e-4) -> Colum
 def grows(column: Column, step: float) -> tuple[bool, float]:
     """Whether a small disturbance of rest grows in STEPS steps, and the sweeps made per evaluation."""
     stepper = Stepper(column)
-    stepper.model[at.STEP] = step  # the check of the step is left out: this is what it checks
+    stepper.model.settings.step = step  # the check of the step is left out: this is what it checks
     n = column.n
     rng = np.random.default_rng(n)
-    rest = stepper.state[at.STATE_HEADER : at.STATE_HEADER + 2 * n].copy()
+    coordinates = stepper.arrays.state[at.CONTROL.beside :][: 2 * n]
+    rest = coordinates.copy()
     size = 1e-7 * float(np.min(settlements(column)))
-    stepper.state[at.STATE_HEADER : at.STATE_HEADER + 2 * n] += size * rng.uniform(-1.0, 1.0, 2 * n)
+    coordinates += size * rng.uniform(-1.0, 1.0, 2 * n)
     try:
         stepper.advance(0.0, STEPS * step)
     except SolverError:
         return True, math.nan
-    away = np.max(np.abs(stepper.state[at.STATE_HEADER : at.STATE_HEADER + 2 * n] - rest))
-    return bool(away > GROWN * size), float(stepper.counters[at.SWEEPS] / stepper.counters[at.EVALUATIONS])
+    away = np.max(np.abs(coordinates - rest))
+    return bool(away > GROWN * size), float(stepper.counts.sweeps / stepper.counts.evaluations)
 
 
 def limit_found(column: Column, limit: float) -> float:
@@ -99,43 +100,54 @@ def stability_map(
 
 
 def sweep_costs() -> list[dict[str, Any]]:
-    """Error of the top displacement by how far the sweeps go, in a process that interprets the kernels."""
-    # interpreted, because the tolerance of the sweeps is a constant of the compiled kernels
-    done = subprocess.run(
-        [sys.executable, "-W", "ignore", "-m", "stress.in_process", "sweeps", "[]"],
-        cwd=ROOT,
-        env=os.environ | {"NUMBA_DISABLE_JIT": "1"},
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    rows: list[dict[str, Any]] = json.loads(done.stdout)
-    return rows
+    """Error of the top displacement by how far the sweeps go.
 
-
-def measure_sweeps() -> list[dict[str, Any]]:
-    """As `sweep_costs`, in this process."""
-    from solver.kernels import paper
-
-    usual = paper.SWEEP_TOLERANCE
+    The tolerance of the sweeps is a constant of the kernels: a process that compiles its own for each.
+    """
+    exact, *others = (_swept(tolerance) for tolerance in (None, *TOLERANCES))
     rows = []
-    for amplitude, frequency, duration in SCENES:
-        motion = Motion.harmonic(amplitude * 9.80665, frequency, duration)
-        times = np.linspace(0.0, duration, 401)
-        reference = None
-        for tolerance in (usual, *TOLERANCES):
-            paper.SWEEP_TOLERANCE = tolerance
-            stepper = Stepper(shaft(3, STIFFNESS, 0.0))
-            ux = stepper.run(motion, duration, times)[
-                :, 0
-            ]  # the first coordinate of this formulation is that of the top
-            reference = ux if reference is None else reference
-            error = float(np.max(np.abs(ux - reference)) / np.max(np.abs(reference)))
-            sweeps = int(stepper.counters[at.SWEEPS]) / int(stepper.counters[at.EVALUATIONS])
+    for k, (amplitude, frequency, duration) in enumerate(SCENES):
+        reference = np.array(exact[k]["ux"])
+        for tolerance, scenes in zip((exact[k]["tolerance"], *TOLERANCES), (exact, *others), strict=True):
+            error = float(np.max(np.abs(np.array(scenes[k]["ux"]) - reference)) / np.max(np.abs(reference)))
             rows.append({"amplitude": amplitude, "frequency": frequency, "duration": duration, "tolerance": tolerance,
-                         "sweeps": sweeps, "error": error})  # fmt: skip
-        paper.SWEEP_TOLERANCE = usual
+                         "sweeps": scenes[k]["sweeps"], "error": error})  # fmt: skip
     return rows
+
+
+def _swept(tolerance: float | None) -> list[dict[str, Any]]:
+    """What `sweep` gives in a process of its own."""
+    with tempfile.TemporaryDirectory(prefix="stress_") as cache:
+        done = subprocess.run(
+            [sys.executable, "-W", "ignore", "-m", "stress.in_process", "sweep", json.dumps([tolerance])],
+            cwd=ROOT,
+            env=os.environ | {"NUMBA_CACHE_DIR": cache},
+            capture_output=True,
+            text=True,
+            check=True,
+        )
+    scenes: list[dict[str, Any]] = json.loads(done.stdout)
+    return scenes
+
+
+def sweep(tolerance: float | None) -> list[dict[str, Any]]:
+    """Top displacement and sweeps an evaluation of every scene; None is the solver's own tolerance of the sweeps.
+
+    Nothing may have been compiled before.
+    """
+    from solver.kernels.formulations import paper
+
+    if tolerance is not None:
+        paper.SWEEP_TOLERANCE = tolerance
+    found = []
+    for amplitude, frequency, duration in SCENES:
+        stepper = Stepper(shaft(3, STIFFNESS, 0.0))
+        motion = Motion.harmonic(amplitude * 9.80665, frequency, duration)
+        snapshots = stepper.run(motion, duration, np.linspace(0.0, duration, 401))
+        ux = snapshots[:, 0].tolist()  # the first coordinate of this formulation is that of the top
+        sweeps = int(stepper.counts.sweeps) / int(stepper.counts.evaluations)
+        found.append({"ux": ux, "sweeps": sweeps, "tolerance": paper.SWEEP_TOLERANCE})
+    return found
 
 
 def run(short: bool = False) -> dict[str, Any]:

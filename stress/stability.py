@@ -16,7 +16,7 @@ import numpy as np
 
 from solver import Block, Column, Joint, Motion, SolverError
 from solver.kernels import layout as at
-from solver.packing import pack_model
+from solver.packing import model_of
 from solver.stepper import Stepper
 
 from .cases import Case, draw
@@ -58,16 +58,16 @@ def follow(
     if tolerance is not None:
         column = column.with_settings(tolerance=tolerance)
     stepper = Stepper(column)
-    stepper.state[at.STATE_HEADER] += nudge
+    stepper.state.phase.theta[0] += nudge
     begin = clock.perf_counter()
     failure = ""
-    snapshots = np.zeros((0, at.snapshot_size(column.n)))
+    snapshots = np.zeros((0, at.SNAPSHOT.size(column.n)))
     try:
         snapshots = stepper.run(_cut(motion, pieces), motion.end, times)
         rows = stepper.rows_of(snapshots)
     except SolverError as error:
         failure = str(error)
-        rows = np.zeros((0, at.row_size(column.n)))
+        rows = np.zeros((0, at.ROW.size(column.n)))
     return Track(
         times[: len(rows)],
         snapshots,
@@ -76,11 +76,12 @@ def follow(
         stepper.overturn_time,
         failure,
         clock.perf_counter() - begin,
-        {name: int(stepper.counters[key]) for name, key in COUNTED.items()},
+        {name: int(getattr(stepper.counts, field)) for name, field in COUNTED.items()},
     )
 
 
-COUNTED = {"steps": at.STEPS, "implicit": at.IMPLICIT_STEPS, "elastic": at.ELASTIC_STEPS, "rejected": at.REJECTED}
+COUNTED = {"steps": "steps", "implicit": "implicit_steps", "elastic": "elastic_steps", "rejected": "rejected"}
+MIRRORED = ("ux", "theta", "M", "S", "T", "Fx", "My")  # outputs that change their sign
 
 
 def _cut(motion: Motion, pieces: int) -> Motion:
@@ -129,9 +130,8 @@ def _check_rows(column: Column, run: Track, failures: list[str], figures: dict[s
     if not np.all(np.isfinite(run.rows)):
         failures.append("an output is not finite")
         return
-    normal, moment, contact, sigma = (
-        run.rows[:, k * n : (k + 1) * n] for k in (at.ROW_N, at.ROW_M, at.ROW_CONTACT, at.ROW_SIGMA)
-    )
+    seen = at.ROW.see(run.rows.T, n).joints
+    normal, moment, contact, sigma = seen.N.T, seen.M.T, seen.contact.T, seen.sigma_max.T
     width = np.array([block.joint_width for block in column.blocks])
     if np.min(normal) < 0.0 or np.min(sigma) < 0.0:
         failures.append(f"tension: N = {np.min(normal):.3g} N, sigma = {np.min(sigma):.3g} Pa")
@@ -158,8 +158,7 @@ def _check_energy(column: Column, motion: Motion, run: Track, failures: list[str
         return
     has = Energies(column, run.snapshots[:count])
     excess = has.total - has.total[0] - has.work(motion)
-    model = pack_model(column)
-    floor = model[at.ROTATION_FLOOR] ** 2 * sum(
+    floor = model_of(column).settings.rotation_floor ** 2 * sum(
         0.5 * b.joint.stiffness * b.joint_depth * b.joint_width**3 / 12.0 for b in column.blocks
     )
     moved = np.abs(has.elastic - has.elastic[0]) + np.abs(has.gravity - has.gravity[0]) + has.kinetic
@@ -174,10 +173,9 @@ def _check_mirror(column: Column, motion: Motion, run: Track, failures: list[str
     """The mirrored motion gives the mirrored response, to the last bit."""
     n = column.n
     mirrored = follow(column, motion.mirrored(), run.times)
-    sign = np.ones(at.row_size(n))
-    for field_ in (at.ROW_UX, at.ROW_THETA, at.ROW_M, at.ROW_S):
-        sign[field_ * n : (field_ + 1) * n] = -1.0
-    sign[[at.ROW_FIELDS * n + at.ROW_FX, at.ROW_FIELDS * n + at.ROW_MY]] = -1.0
+    joints = [np.full(n, -1.0 if name in MIRRORED else 1.0) for name in at.OUTPUTS.fields]
+    base = [-1.0 if name in MIRRORED else 1.0 for name in at.REACTION.fields]
+    sign = np.concatenate([*joints, base])
     if mirrored.failure or not np.array_equal(mirrored.rows, sign * run.rows):
         failures.append(f"mirrored motion: {mirrored.failure or 'not the mirrored response'}")
 
@@ -208,7 +206,7 @@ def _check_agreement(
             return
     ux = np.abs(reference.rows[:, :n])
     height = sum(block.height for block in column.blocks)
-    peak = np.maximum.accumulate(np.max(ux, axis=1)) + pack_model(column)[at.ROTATION_FLOOR] * height
+    peak = np.maximum.accumulate(np.max(ux, axis=1)) + model_of(column).settings.rotation_floor * height
 
     def apart(one: Track, other: Track) -> Array:
         return np.asarray(np.maximum.accumulate(np.max(np.abs(one.rows[:, :n] - other.rows[:, :n]), axis=1) / peak))

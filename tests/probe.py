@@ -74,25 +74,41 @@ def random_state(rng: np.random.Generator, column: Column, largest: float) -> tu
     )
 
 
+def coordinates(stepper: Stepper) -> Array:
+    """Coordinates and rates of a column, (4n,): what is written there acts."""
+    return stepper.arrays.state[at.CONTROL.beside :][: 4 * stepper.n]
+
+
+def put_back(kept: Stepper, into: Stepper) -> None:
+    """Give one stepper what lies behind another: all of it is in these three arrays."""
+    for name in ("state", "counts", "base"):
+        getattr(into.arrays, name)[:] = getattr(kept.arrays, name)
+
+
+def observed_accelerations(stepper: Stepper) -> Array:
+    """Accelerations of the coordinates where the stepper was last observed, (2n,)."""
+    between = at.WORK.see(stepper.arrays.work, stepper.n).between
+    return np.concatenate([between.theta_acceleration, between.opening_acceleration])
+
+
 def look(column: Column, q: Array, rate: Array, ax: float = 0.0, az: float = 0.0) -> tuple[Array, Array]:
     """(accelerations (2n,), output row) of a state whose coordinates are those of the column's formulation."""
-    n = column.n
     stepper = Stepper(column)
-    stepper.state[at.STATE_HEADER : at.STATE_HEADER + 4 * n] = np.concatenate([q, rate])
-    stepper.inputs[[at.INPUT_AX, at.INPUT_AZ]] = ax, az
+    coordinates(stepper)[:] = np.concatenate([q, rate])
+    stepper.drive(0.0, ax=ax, az=az)
     row = stepper.observe(0.0).copy()
-    between = 6 * n * at.PHASE_BETWEEN
-    return stepper._work[between + 4 * n : between + 6 * n].copy(), row
+    return observed_accelerations(stepper), row
 
 
-def field(row: Array, name: int, n: int) -> Array:
+def field(row: Array, name: str, n: int) -> Array:
     """One field of an output row, (n,)."""
-    return row[name * n : (name + 1) * n]
+    found: Array = getattr(at.ROW.see(row, n).joints, name)
+    return found
 
 
-def tail(row: Array, name: int) -> float:
-    """One of the base reactions of an output row."""
-    return float(row[len(row) - at.ROW_TAIL + name])
+def reaction(row: Array, name: str) -> float:
+    """One component of the base reaction of an output row."""
+    return float(getattr(at.REACTION.see(row[-at.REACTION.beside :]), name))
 
 
 def with_gravity(column: Column, g: float) -> Column:

@@ -67,7 +67,7 @@ def test_phocas(tmp_path: Path) -> None:
 
     rows = read(tmp_path / "results.csv")
     wanted = {f"block[{i}].{name}" for i in (1, 2, 3) for name in ("ux", "uz", "theta")}
-    wanted |= {f"joint[{i}].{name}" for i in (1, 2, 3) for name in ("N", "M", "S", "contact", "sigma_max")}
+    wanted |= {f"joint[{i}].{name}" for i in (1, 2, 3) for name in ("N", "M", "S", "T", "contact", "sigma_max")}
     wanted |= {"time", "base.Fx", "base.Fz", "base.My", "overturned", "overturn_time", "overturn_joint"}
     assert wanted <= rows[0].keys()
     time = np.array([float(row["time"]) for row in rows])

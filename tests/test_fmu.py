@@ -62,7 +62,7 @@ def test_declares_what_a_master_needs_to_know(fmus: Fmus) -> None:
         for name, unit in (("ux", "m"), ("uz", "m"), ("theta", "rad")):
             variable = by_name[f"block[{i}].{name}"]
             assert (variable.causality, variable.unit) == ("output", unit)
-        for name, unit in (("N", "N"), ("M", "N.m"), ("S", "N"), ("contact", ""), ("sigma_max", "Pa")):
+        for name, unit in (("N", "N"), ("M", "N.m"), ("S", "N"), ("T", "N"), ("contact", ""), ("sigma_max", "Pa")):
             variable = by_name[f"joint[{i}].{name}"]
             assert (variable.causality, variable.unit or "") == ("output", unit)
         for name in ("height", "width", "depth", "mass", "centroid", "inertia"):
@@ -82,7 +82,8 @@ def test_declares_what_a_master_needs_to_know(fmus: Fmus) -> None:
     }
     ax = by_name["base.ax"]
     feedthrough = {u.variable.name for u in description.outputs if ax in (u.dependencies or [])}
-    assert feedthrough == {"joint[1].S", "joint[2].S", "joint[3].S", "base.Fx", "base.Fz", "base.My"}
+    forces = {f"joint[{i}].{name}" for i in (1, 2, 3) for name in "ST"}
+    assert feedthrough == forces | {"base.Fx", "base.Fz", "base.My"}
 
 
 def test_agrees_with_python_on_the_same_held_samples(fmus: Fmus, tmp_path: Path) -> None:
@@ -90,7 +91,8 @@ def test_agrees_with_python_on_the_same_held_samples(fmus: Fmus, tmp_path: Path)
     column = Column.from_toml(ROOT / "examples/columns/phocas-damped.toml")
     response = simulate(column, held_harmonic(20.0, 1e-3, 0.05, 2.0), 20.0, tolerance=1e-8, output_step=1e-3)
     for i in (1, 2, 3):
-        for owner, names in (("block", ("ux", "uz", "theta")), ("joint", ("N", "M", "S", "contact", "sigma_max"))):
+        joint = ("N", "M", "S", "T", "contact", "sigma_max")
+        for owner, names in (("block", ("ux", "uz", "theta")), ("joint", joint)):
             for name in names:
                 history = getattr(response, name)[:, i - 1]
                 difference = np.max(np.abs(result[f"{owner}[{i}].{name}"] - history)) / np.max(np.abs(history))

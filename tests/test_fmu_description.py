@@ -108,9 +108,9 @@ def direct_inputs(name: str) -> set[str]:
     """What an output of a column of three blocks follows without delay."""
     if name.endswith((".ux", ".uz")) or name.startswith("base.m"):
         return {"base.theta"}
-    if name.startswith(("joint[3].", "base.R0")) and not name.endswith(".S"):
+    if name.startswith(("joint[3].", "base.R0")) and not name.endswith((".S", ".T")):
         return {"base.theta", "base.omega"}
-    if name in ("base.Fx", "base.Fz", "base.My") or name.endswith(".S"):
+    if name in ("base.Fx", "base.Fz", "base.My") or name.endswith((".S", ".T")):
         return {"base.ax", "base.az", "base.theta", "base.omega", "base.alpha"}
     return set()
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 
 import pytest
 from child import call, ended, returned
@@ -57,7 +58,8 @@ def test_outputs_of_initialization_follow_the_parameters(fmus: Fmus) -> None:
 def test_without_numba_the_fmu_says_what_it_needs(fmus: Fmus) -> None:
     done = ended(failures.without_numba, fmus.damped)
     assert done.returncode == 1
-    assert done.stderr.startswith("phocas_damped: needs Python 3.11 or newer with numpy and numba: import of numba")
+    first = done.stderr.splitlines()[0]  # the reason depends on which module of numba is wanted first
+    assert re.match(r"phocas_damped: needs Python 3\.11 or newer with numpy and numba: .*\bnumba\b", first), first
     assert "Failed to instantiate" in done.stderr
 
 

@@ -14,13 +14,14 @@ from fmus import ROOT, Fmus, environment
 from inside import starts
 
 from fmu_src.host import user_cache
+from solver import Motion
 
 
-def start(fmu: Path, home: Path, hindrance: str = "", **variables: str) -> subprocess.Popen[str]:
+def start(fmu: Path, home: Path, hindrance: str = "", record: object = "", **variables: str) -> subprocess.Popen[str]:
     """A process on an account whose home is a folder."""
     kept = {key: value for key, value in environment().items() if key not in ("XDG_CACHE_HOME", "NUMBA_CACHE_DIR")}
     return subprocess.Popen(
-        command(starts.start, fmu, hindrance),
+        command(starts.start, fmu, hindrance, record),
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
@@ -38,8 +39,13 @@ def counts(process: subprocess.Popen[str]) -> tuple[int, int, float]:
 
 
 def test_a_fresh_account_compiles_nothing(fmus: Fmus, tmp_path: Path) -> None:
-    assert counts(start(fmus.damped, tmp_path))[:2] == (2, 0)
-    assert counts(start(fmus.damped, tmp_path))[:2] == (2, 0)
+    assert counts(start(fmus.damped, tmp_path))[:2] == (3, 0)
+    assert counts(start(fmus.damped, tmp_path))[:2] == (3, 0)
+
+
+def test_a_record_compiles_nothing_more(fmus: Fmus, tmp_path: Path) -> None:
+    Motion.from_samples(0.2, [0.0, 1.0, 0.0]).to_csv(tmp_path / "record.csv")
+    assert counts(start(fmus.damped, tmp_path, record=tmp_path / "record.csv"))[:2] == (3, 0)
 
 
 def test_the_account_that_builds_compiles_nothing_more(fmus: Fmus, tmp_path: Path) -> None:
@@ -49,18 +55,18 @@ def test_the_account_that_builds_compiles_nothing_more(fmus: Fmus, tmp_path: Pat
     shutil.copytree(user_cache() / "multiblock-fmu" / "built", built)  # made when the FMUs of the tests were
     build = [sys.executable, str(ROOT / "build_fmu.py"), str(column), "-o", str(tmp_path / "own.fmu")]
     subprocess.run(build, env=home, check=True, capture_output=True)
-    assert counts(start(tmp_path / "own.fmu", tmp_path))[:2] == (2, 0)
+    assert counts(start(tmp_path / "own.fmu", tmp_path))[:2] == (3, 0)
 
 
 @pytest.mark.long
 def test_another_processor_compiles_once(fmus: Fmus, tmp_path: Path) -> None:
     other = {"NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": ""}
     first = counts(start(fmus.damped, tmp_path, **other))
-    assert first[:2] == (0, 2)
+    assert first[:2] == (0, 3)
     again = counts(start(fmus.damped, tmp_path, **other))
-    assert again[:2] == (2, 0)
+    assert again[:2] == (3, 0)
     here = counts(start(fmus.damped, tmp_path))
-    assert here[:2] == (2, 0)
+    assert here[:2] == (3, 0)
     assert first[2] == again[2] == pytest.approx(here[2], rel=1e-6)
 
 
@@ -77,5 +83,5 @@ def test_where_nothing_can_be_kept_it_starts_all_the_same(fmus: Fmus, tmp_path: 
     if os.name == "nt" and hindrance == "full":
         pytest.skip("Windows has no limit on the size of files")
     hits, misses, ux = counts(start(fmus.damped, tmp_path, hindrance))
-    assert hits + misses == 2
+    assert hits + misses == 3
     assert ux == counts(start(fmus.damped, tmp_path / "usual"))[2]

@@ -10,11 +10,10 @@ from types import ModuleType
 import numpy as np
 import pytest
 from lagrange import Array, Reference
-from probe import G, phocas
+from probe import G, coordinates, phocas, put_back
 from scipy.integrate import solve_ivp
 
 from solver import Block, Column, InitialState, Joint, Settings
-from solver.kernels import layout as at
 from solver.kernels.integrators import dormand_prince, order_8
 from solver.stepper import Stepper
 
@@ -22,13 +21,8 @@ INTEGRATORS = ["auto", "central-difference"]
 FORMULATIONS = ["exact", "paper"]
 
 
-def phase(stepper: Stepper) -> Array:
-    """Coordinates and rates, (4n,)."""
-    return stepper.state[at.STATE_HEADER : at.STATE_HEADER + 4 * stepper.n]
-
-
 def shaken(stepper: Stepper, amplitude: float, frequency: float) -> Stepper:
-    stepper.inputs[[at.INPUT_AMPLITUDE, at.INPUT_OMEGA]] = amplitude, 2.0 * math.pi * frequency
+    stepper.base.wave_amplitude, stepper.base.wave_omega = amplitude, 2.0 * math.pi * frequency
     return stepper
 
 
@@ -114,9 +108,9 @@ def smooth_run(column: Column) -> tuple[Array, float]:
     """Rotations (displacements, paper) after 0.5 s of 0.005 g at 2 Hz, which opens no joint, and their peak."""
     stepper = shaken(Stepper(column), 0.005 * G, 2.0)
     stepper.advance(0.0, 0.5)
-    assert stepper.state[at.TIME_FULL] == pytest.approx(0.5, rel=1e-12)
-    peak = stepper.state[at.ROTATION_SCALE] * stepper.model[at.MODEL_HEADER + at.TURN_SIZE]
-    return phase(stepper)[: column.n].copy(), float(peak)
+    assert stepper.state.control.time_full == pytest.approx(0.5, rel=1e-12)
+    peak = stepper.state.control.rotation_scale * stepper.model.blocks.turn_size[0]
+    return coordinates(stepper)[: column.n].copy(), float(peak)
 
 
 @pytest.mark.parametrize("formulation", FORMULATIONS)
@@ -148,14 +142,14 @@ def test_error_of_auto_is_proportional_to_the_tolerance(formulation: str, eta: f
 def test_central_differences_run_backwards_retrace_their_path(formulation: str, tolerance: float) -> None:
     column = phocas(formulation=formulation, integrator="central-difference")
     stepper = Stepper(column, InitialState(rotation_rate=[0.03, 0.02, 0.01]))
-    begin = phase(stepper).copy()
+    begin = coordinates(stepper).copy()
     stepper.advance(0.0, 0.3)
-    assert stepper.state[at.TIME_ROCKING] > 0.25  # joints open and close on the way
-    phase(stepper)[6:] *= -1.0
-    far = np.max(np.abs(phase(stepper)[:3]))
+    assert stepper.state.control.time_rocking > 0.25  # joints open and close on the way
+    coordinates(stepper)[6:] *= -1.0
+    far = np.max(np.abs(coordinates(stepper)[:3]))
     stepper.advance(0.3, 0.3)
     # paper: to rounding, measured 1e-14 of the way; exact: velocity terms are extrapolated, measured 9e-11
-    assert phase(stepper)[:3] == pytest.approx(begin[:3], abs=tolerance * far)
+    assert coordinates(stepper)[:3] == pytest.approx(begin[:3], abs=tolerance * far)
 
 
 # --- an independent integrator on independent equations
@@ -173,11 +167,11 @@ def test_auto_agrees_with_dop853_on_lagranges_equations() -> None:
         ax = amplitude * math.sin(2.0 * math.pi * frequency * t)
         return np.concatenate([y[4:], reference.accelerations(y[:4], y[4:], ax)])
 
-    path = solve_ivp(rates, (0.0, end), phase(stepper).copy(), method="DOP853", rtol=1e-11, atol=1e-14).y
+    path = solve_ivp(rates, (0.0, end), coordinates(stepper).copy(), method="DOP853", rtol=1e-11, atol=1e-14).y
     stepper.advance(0.0, end)
-    assert stepper.state[at.TIME_ROCKING] > 0.4
+    assert stepper.state.control.time_rocking > 0.4
     scale = np.max(np.abs(path), axis=1)
-    assert phase(stepper) / scale == pytest.approx(path[:, -1] / scale, abs=1e-8)  # measured 1.4e-9
+    assert coordinates(stepper) / scale == pytest.approx(path[:, -1] / scale, abs=1e-8)  # measured 1.4e-9
 
 
 # --- communication steps
@@ -187,30 +181,30 @@ def scene(integrator: str, formulation: str = "exact") -> Stepper:
     """A damped column, pushed, under a constant base acceleration: it rocks."""
     column = phocas(1e-3, formulation=formulation, integrator=integrator, tolerance=1e-8)
     stepper = Stepper(column, InitialState(rotation_rate=[0.03, 0.02, 0.01]))
-    stepper.inputs[at.INPUT_AX] = 0.2
+    stepper.base.ax = 0.2
     return stepper
 
 
 def walk(stepper: Stepper, times: Array) -> Array:
     for begin, end in pairwise(times):
         stepper.advance(begin, end - begin)
-    return phase(stepper).copy()
+    return coordinates(stepper).copy()
 
 
 @pytest.mark.parametrize("h", [0.009999999999999998, 0.01, 0.010000000000000002])
 def test_step_that_arrives_with_a_rounding_error_is_cut_into_as_many(h: float) -> None:
     stepper = scene("central-difference")
     stepper.advance(0.0, h)
-    assert stepper.counters[at.STEPS] == 100
+    assert stepper.counts.steps == 100
 
 
 def test_step_that_does_not_fit_is_cut_into_equal_shorter_ones() -> None:
     cut, fine = scene("central-difference"), scene("central-difference")
-    fine.model[at.STEP] = 1.05e-3 / 11
+    fine.model.settings.step = 1.05e-3 / 11
     for stepper in (cut, fine):
         stepper.advance(0.0, 1.05e-3)
-        assert stepper.counters[at.STEPS] == 11
-    assert np.array_equal(phase(cut), phase(fine))
+        assert stepper.counts.steps == 11
+    assert np.array_equal(coordinates(cut), coordinates(fine))
 
 
 @pytest.mark.parametrize("formulation", FORMULATIONS)
@@ -225,27 +219,27 @@ def test_communication_step_does_not_matter(formulation: str, integrator: str) -
     ]
     whole = scene(integrator, formulation)
     whole.advance(0.0, 0.5)
-    assert whole.state[at.TIME_ROCKING] > 0.4
+    assert whole.state.control.time_rocking > 0.4
     for grid in grids:
         stepper = scene(integrator, formulation)
         found = walk(stepper, grid)
         # auto: measured 4e-9 of the largest rotation; central differences: 2e-12
         bound = 5e-8 if integrator == "auto" else 1e-10
-        scale = stepper.state[at.ROTATION_SCALE] * stepper.model[at.MODEL_HEADER + at.TURN_SIZE]
-        assert found[:3] == pytest.approx(phase(whole)[:3], abs=bound * scale)
+        scale = stepper.state.control.rotation_scale * stepper.model.blocks.turn_size[0]
+        assert found[:3] == pytest.approx(coordinates(whole)[:3], abs=bound * scale)
 
 
 @pytest.mark.parametrize("integrator", INTEGRATORS)
 def test_advance_lands_exactly(integrator: str) -> None:
     stepper = scene(integrator)
-    stepper.inputs[[at.INPUT_JX, at.INPUT_JZ]] = 7.0, -3.0
+    stepper.base.jx, stepper.base.jz = 7.0, -3.0
     times = np.array([0.0, 1.0 / 3.0, 0.7, 0.7 + 1e-7])
     for begin, end in pairwise(times):
         stepper.advance(begin, end - begin)
         # the acceleration of the base left behind is that of the end, to the last bit
-        assert stepper.state[at.BASE_AX] == 0.2 + 7.0 * (begin + (end - begin))
-        assert stepper.state[at.BASE_AZ] == -3.0 * (begin + (end - begin))
-    spent = stepper.state[at.TIME_FULL] + stepper.state[at.TIME_ROCKING] + stepper.state[at.TIME_FLIGHT]
+        assert stepper.state.control.base_ax == 0.2 + 7.0 * (begin + (end - begin))
+        assert stepper.state.control.base_az == -3.0 * (begin + (end - begin))
+    spent = stepper.time_spent
     assert spent == pytest.approx(times[-1], rel=1e-12)  # measured 1e-14
 
 
@@ -259,13 +253,12 @@ def test_same_input_gives_the_same_bits_also_after_a_restore(formulation: str, i
     first, second, restored = (scene(integrator, formulation) for _ in range(3))
     walk(first, times)
     walk(second, times[:21])
-    # all that lies behind a column is in these two arrays
-    restored.state[:], restored.counters[:] = second.state, second.counters
+    put_back(second, restored)
     walk(second, times[20:])
     walk(restored, times[20:])
     for other in (second, restored):
-        assert np.array_equal(first.state, other.state)
-        assert np.array_equal(first.counters, other.counters)
+        assert np.array_equal(first.arrays.state, other.arrays.state)
+        assert np.array_equal(first.arrays.counts, other.arrays.counts)
     rows = [stepper.observe(0.4).copy() for stepper in (first, second, restored)]
     assert np.array_equal(rows[0], rows[1])
     assert np.array_equal(rows[0], rows[2])
@@ -279,4 +272,4 @@ def test_looking_at_a_column_does_not_change_its_way(formulation: str) -> None:
     for begin, end in pairwise(times):
         watched.observe(begin)
         watched.advance(begin, end - begin)
-    assert np.array_equal(watched.state, unseen.state)
+    assert np.array_equal(watched.arrays.state, unseen.arrays.state)

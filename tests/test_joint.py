@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from lagrange import pressure_resultants
 from probe import PHOCAS_STIFFNESS, G
 
-from solver.kernels.joint import joint_forces, joint_peak_pressure, joint_potential
+from solver.kernels.joint.law import joint_forces, joint_peak_pressure, joint_potential
 
 examples = settings(deadline=None, max_examples=200, derandomize=True)
 

@@ -10,14 +10,15 @@ from typing import Any
 import numpy as np
 import pytest
 from lagrange import Reference
-from probe import Array, G, monolith, phocas, random_column, with_gravity
+from probe import Array, G, coordinates, monolith, phocas, put_back, random_column, with_gravity
 from scipy.linalg import expm
 
 from solver import Block, Column, InitialState, InputError, Joint, Motion, Settings, natural_frequencies, simulate
 from solver.kernels import layout as at
-from solver.kernels.integrators.modal import COSINE, IMPULSE, IMPULSE_RATE, PARABOLA, RAMP, REST, SINE, STEADY, respond
-from solver.modal import modal_data
-from solver.packing import block_rows, pack_model, settlements
+from solver.kernels.integrators.modal import HALF, respond
+from solver.kernels.jit import kernel
+from solver.kernels.views import row_of
+from solver.packing import model_of, pack_model, settlements
 from solver.stepper import Stepper
 
 GENERAL = ("elastic",)  # without the modal method
@@ -29,21 +30,27 @@ def cut(n: int, eta: float, **settings: Any) -> Column:
     return Column("cut", (block,) * n, Settings(**settings))
 
 
-def phase(stepper: Stepper) -> Array:
-    """Coordinates and rates, (4n,)."""
-    return stepper.state[at.STATE_HEADER : at.STATE_HEADER + 4 * stepper.n]
+class Modes:
+    """The modal data at the end of a packed model, by name."""
 
-
-def modes(column: Column) -> tuple[Array, Array, Array]:
-    """Rows of the modes, shapes and their inverses of the packed model."""
-    model, n = pack_model(column), column.n
-    begin = int(model[at.MODAL]) + at.MODAL_HEADER
-    matrices = begin + 2 * n * at.MODE_FIELDS
-    shapes, inverses = model[matrices:].reshape(2, 2, n, n)
-    return model[begin:matrices].reshape(2 * n, at.MODE_FIELDS), shapes, inverses
+    def __init__(self, column: Column) -> None:
+        n = column.n
+        data = pack_model(column)[at.MODEL.size(n) :]
+        matrices = at.MODAL_LIMITS.beside + 2 * n * at.MODE.beside
+        rows = data[at.MODAL_LIMITS.beside : matrices].reshape(2 * n, at.MODE.beside)
+        self.square, self.damping, self.push, self.size = rows.T
+        self.shapes, self.inverses = data[matrices : matrices + 4 * n * n].reshape(2, 2, n, n)
 
 
 # --- responses of one mode
+
+_half = HALF.over
+
+
+@kernel
+def responses(square: float, beta: float, h: float, omega: float, out: Array) -> None:
+    """`respond`, to an array."""
+    respond(square, beta, h, omega, _half(row_of(out), 0))
 
 
 @pytest.mark.parametrize("zeta", [0.0, 0.05, 0.999, 1.0, 1.001, 6.0])
@@ -55,8 +62,8 @@ def test_responses_of_a_mode_are_those_of_the_matrix_exponential(zeta: float, tu
     square, beta = omega**2, 2.0 * zeta * omega
     # p, p', and the forces 1, t, t^2 / 2, cos, sin, each made by those after it
     system = np.zeros((7, 7))
-    found = np.zeros(8)
-    respond(square, beta, h, base, found, 0)
+    found = np.zeros(HALF.beside)
+    responses(square, beta, h, base, found)
     system[0, 1] = 1.0
     system[1, :2] = -square, -beta
     system[2:4, 3:5] = np.eye(2)
@@ -70,14 +77,15 @@ def test_responses_of_a_mode_are_those_of_the_matrix_exponential(zeta: float, tu
         return float((expm(forced * h) @ start)[0])
 
     free = expm(system * h)
-    expected = {REST: free[0, 0], IMPULSE: free[0, 1], IMPULSE_RATE: free[1, 1]}
-    expected |= {STEADY: driven(4), RAMP: driven(3), PARABOLA: driven(2), COSINE: driven(5), SINE: driven(6)}
-    sizes = {REST: 1.0, IMPULSE: h, IMPULSE_RATE: 1.0, STEADY: h**2, RAMP: h**3, PARABOLA: h**4}
-    sizes |= {COSINE: h**2, SINE: base * h**3}
+    expected = {"rest": free[0, 0], "impulse": free[0, 1], "impulse_rate": free[1, 1]}
+    expected |= {"steady": driven(4), "ramp": driven(3), "parabola": driven(2), "cosine": driven(5), "sine": driven(6)}
+    sizes = {"rest": 1.0, "impulse": h, "impulse_rate": 1.0, "steady": h**2, "ramp": h**3, "parabola": h**4}
+    sizes |= {"cosine": h**2, "sine": base * h**3}
+    assert set(expected) == set(HALF.fields)
     for field, value in expected.items():
         # of the response of a free mass, which is what a slow mode that is damped much loses
-        tolerance = 2e-10 if field == PARABOLA else 2e-12  # measured 6e-11 and 4e-13
-        assert found[field] == pytest.approx(value, abs=tolerance * sizes[field]), field
+        tolerance = 2e-10 if field == "parabola" else 2e-12  # measured 6e-11 and 4e-13
+        assert getattr(HALF.see(found), field) == pytest.approx(value, abs=tolerance * sizes[field]), field
 
 
 # --- the modes of a column
@@ -90,17 +98,16 @@ def uneven(n: int) -> Column:
 
 @pytest.mark.parametrize("n", [1, 3, 10])
 def test_frequencies_are_those_of_the_differenced_accelerations(n: int) -> None:
-    fields, _, _ = modes(uneven(n))
-    found = np.sort(np.sqrt(fields[:, at.MODE_SQUARE])) / (2.0 * math.pi)
+    found = np.sort(np.sqrt(Modes(uneven(n)).square)) / (2.0 * math.pi)
     assert found == pytest.approx(natural_frequencies(uneven(n)), rel=1e-6)  # of the differences
 
 
 @pytest.mark.parametrize("n", [1, 3, 10])
 def test_modes_are_those_of_lagranges_mass_matrix(n: int) -> None:
     column = uneven(n)
-    _, shapes, inverses = modes(column)
+    modes = Modes(column)
     mass = Reference.of(column).mass_matrix(np.concatenate([np.zeros(n), -settlements(column)]))
-    for shape, inverse, part in zip(shapes, inverses, (mass[:n, :n], mass[n:, n:]), strict=True):
+    for shape, inverse, part in zip(modes.shapes, modes.inverses, (mass[:n, :n], mass[n:, n:]), strict=True):
         assert shape.T @ part @ shape == pytest.approx(np.eye(n), abs=1e-11)
         assert inverse @ shape == pytest.approx(np.eye(n), abs=1e-11)
 
@@ -118,13 +125,13 @@ def test_modes_are_those_of_lagranges_mass_matrix(n: int) -> None:
     ids=["paper", "fixed step", "no gravity", "many blocks", "unstable", "coupled by damping"],
 )
 def test_there_are_no_modal_data_where_they_would_not_serve(column: Column) -> None:
-    assert pack_model(column)[at.MODAL] == 0.0
+    assert model_of(column).settings.has_modes == 0.0
 
 
 def test_modal_data_are_made_once_for_a_column() -> None:
-    rows = block_rows(pack_model(phocas()))
-    assert modal_data(rows, G, 1e-6) is modal_data(rows.copy(), G, 1e-6)
-    assert modal_data(rows, G, 1e-7) is not modal_data(rows, G, 1e-6)
+    assert model_of(phocas()).settings.has_modes == 1.0
+    assert pack_model(phocas()) is pack_model(phocas())
+    assert pack_model(phocas(tolerance=1e-7)) is not pack_model(phocas())
 
 
 # --- against the other methods at a tight tolerance
@@ -196,8 +203,8 @@ def test_joint_that_opens_within_a_step_is_not_overlooked() -> None:
     for part, opened in ((0.99, False), (1.005, True)):
         stepper = Stepper(column, InitialState(rotation_rate=[part * opens * omega]))
         stepper.advance(0.0, 1.0)
-        assert (stepper.state[at.TIME_ROCKING] > 0.0) == opened
-        assert stepper.counters[at.ELASTIC_STEPS] > 0
+        assert (stepper.state.control.time_rocking > 0.0) == opened
+        assert stepper.counts.elastic_steps > 0
 
 
 # --- closed forms
@@ -205,30 +212,31 @@ def test_joint_that_opens_within_a_step_is_not_overlooked() -> None:
 
 def test_free_vibration_of_a_block_is_that_of_an_oscillator() -> None:
     column = cut(1, 1e-3, tolerance=1e-8)
-    fields, _, _ = modes(column)
-    square, beta = fields[0, at.MODE_SQUARE], fields[0, at.MODE_DAMPING]
+    modes = Modes(column)
+    square, beta = modes.square[0], modes.damping[0]
     start, end = 1e-9, 2.0  # so little that nothing is left of what is not linear
     stepper = Stepper(column, InitialState(rotation=[start]))
-    stepper.state[at.ROTATION_SCALE], stepper.state[at.RATE_SCALE] = start, start * math.sqrt(square)
-    stepper.model[[at.ROTATION_FLOOR, at.RATE_FLOOR]] = 0.0
+    control, floors = stepper.state.control, stepper.model.settings
+    control.rotation_scale, control.rate_scale = start, start * math.sqrt(square)
+    floors.rotation_floor = floors.rate_floor = 0.0
     stepper.advance(0.0, end)
     expected = expm(np.array([[0.0, 1.0], [-square, -beta]]) * end) @ [start, 0.0]
-    found = phase(stepper)[[0, 2]]
+    found = coordinates(stepper)[[0, 2]]
     assert found[0] == pytest.approx(expected[0], abs=1e-11 * start)  # measured 1e-13
     assert found[1] == pytest.approx(expected[1], abs=1e-11 * start * math.sqrt(square))
 
 
 def test_steady_motion_of_a_block_is_that_of_an_oscillator() -> None:
     column = cut(1, 2e-2, tolerance=1e-8)
-    fields, shapes, _ = modes(column)
-    square, beta, push, _ = fields[0]
+    modes = Modes(column)
+    square, beta, push = modes.square[0], modes.damping[0], modes.push[0]
     omega, amplitude = 2.0 * math.pi * 2.0, 1e-7
     stepper = Stepper(column)
-    stepper.inputs[[at.INPUT_AMPLITUDE, at.INPUT_OMEGA]] = amplitude, omega
+    stepper.base.wave_amplitude, stepper.base.wave_omega = amplitude, omega
     end = 20.0  # the free motion is gone: zeta = 0.2
     stepper.advance(0.0, end)
     answer = push * amplitude / (square - omega**2 + 1j * beta * omega) * np.exp(1j * omega * end)
-    assert phase(stepper)[0] == pytest.approx(shapes[0, 0, 0] * answer.imag, abs=1e-10 * abs(answer))
+    assert coordinates(stepper)[0] == pytest.approx(modes.shapes[0, 0, 0] * answer.imag, abs=1e-10 * abs(answer))
 
 
 # --- bits, communication steps
@@ -245,14 +253,14 @@ def test_mirrored_motion_gives_the_mirrored_response_to_the_last_bit() -> None:
 
 def shaken(column: Column) -> Stepper:
     stepper = Stepper(column)
-    stepper.inputs[[at.INPUT_AMPLITUDE, at.INPUT_OMEGA]] = 0.005 * G, 4.0 * math.pi
+    stepper.base.wave_amplitude, stepper.base.wave_omega = 0.005 * G, 4.0 * math.pi
     return stepper
 
 
 def walk(stepper: Stepper, times: Array) -> Array:
     for begin, end in pairwise(times):
         stepper.advance(begin, end - begin)
-    return phase(stepper).copy()
+    return coordinates(stepper).copy()
 
 
 @pytest.mark.parametrize("h", [1e-4, 1e-3, 0.01, 0.1])
@@ -262,10 +270,10 @@ def test_communication_step_does_not_matter(h: float) -> None:
     expected = walk(exact, np.array([0.0, 1.0]))[:3]
     stepper = shaken(column)
     found = walk(stepper, h * np.arange(round(1.0 / h) + 1, dtype=np.float64))[:3]
-    assert stepper.counters[at.ELASTIC_STEPS] == stepper.counters[at.STEPS]
+    assert stepper.counts.elastic_steps == stepper.counts.steps
     # two evaluations for each step; measured 56 to 69 rejected steps and steps cut short
-    assert stepper.counters[at.EVALUATIONS] <= 2 * round(1.0 / h) + 300
-    peak = exact.state[at.ROTATION_SCALE]
+    assert stepper.counts.evaluations <= 2 * round(1.0 / h) + 300
+    peak = exact.state.control.rotation_scale
     assert found == pytest.approx(expected, abs=1e-7 * peak)  # measured 1e-11 (h = 1e-4) to 7e-9
 
 
@@ -274,14 +282,13 @@ def test_restored_state_goes_on_to_the_last_bit() -> None:
     first, second, restored = (shaken(cut(3, 1e-3)) for _ in range(3))
     walk(first, times)
     walk(second, times[:30])
-    # all that lies behind a column is in these two arrays; what `restored` keeps of responses is of other steps
-    walk(restored, np.linspace(0.0, 0.1, 7))
-    restored.state[:], restored.counters[:] = second.state, second.counters
+    walk(restored, np.linspace(0.0, 0.1, 7))  # what it keeps of responses is of other steps
+    put_back(second, restored)
     walk(second, times[29:])
     walk(restored, times[29:])
     for other in (second, restored):
-        assert np.array_equal(first.state, other.state)
-        assert np.array_equal(first.counters, other.counters)
+        assert np.array_equal(first.arrays.state, other.arrays.state)
+        assert np.array_equal(first.arrays.counts, other.arrays.counts)
 
 
 # --- long runs
@@ -290,20 +297,21 @@ def test_restored_state_goes_on_to_the_last_bit() -> None:
 @pytest.mark.parametrize("part", [1e-3, 0.5])
 def test_undamped_elastic_motion_keeps_its_energy(part: float) -> None:
     column = cut(3, 0.0)  # default tolerance
-    fields, shapes, _ = modes(column)
-    period = 2.0 * math.pi / math.sqrt(fields[0, at.MODE_SQUARE])
+    modes = Modes(column)
+    period = 2.0 * math.pi / math.sqrt(modes.square[0])
     opens = float(np.min(2.0 * settlements(column) / 1.56))
-    tilt = shapes[0, :, 0] / np.max(np.abs(shapes[0, :, 0] - np.append(shapes[0, 1:, 0], 0.0)))
+    shape = modes.shapes[0, :, 0]
+    tilt = shape / np.max(np.abs(shape - np.append(shape[1:], 0.0)))
     stepper = Stepper(column, InitialState(rotation=part * opens * tilt))
     rest = np.concatenate([np.zeros(3), -settlements(column)])
     truth = Reference.of(column)
 
     def energy() -> float:
-        return float(truth.energy(phase(stepper)[:6], phase(stepper)[6:]) - truth.energy(rest, np.zeros(6)))
+        return float(truth.energy(coordinates(stepper)[:6], coordinates(stepper)[6:]) - truth.energy(rest, np.zeros(6)))
 
     begin = energy()
     stepper.advance(0.0, 3e4 * period)
-    assert stepper.counters[at.ELASTIC_STEPS] == stepper.counters[at.STEPS]
+    assert stepper.counts.elastic_steps == stepper.counts.steps
     assert energy() == pytest.approx(begin, rel=2e-8)  # measured 3e-9, the digits of the sum
 
 

@@ -143,7 +143,7 @@ def test_a_response_can_be_pickled() -> None:
     again = pickle.loads(pickle.dumps(response))
     assert again.column == response.column
     assert again.stats == response.stats
-    for name in ("time", "ux", "uz", "theta", "N", "M", "S", "contact", "sigma_max", "Fx", "Fz", "My", "peak_ux"):
+    for name in ("time", "ux", "uz", "theta", "N", "M", "S", "T", "contact", "sigma_max", "Fx", "Fz", "My", "peak_ux"):
         np.testing.assert_array_equal(getattr(again, name), getattr(response, name))
     assert again.overturned == response.overturned
     assert pickle.loads(pickle.dumps(again)).ux.shape == response.ux.shape

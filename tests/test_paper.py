@@ -7,10 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from lagrange import Array, Reference, below, from_base, pressure_resultants
-from probe import G, field, look, phocas, random_column, random_state, settled, tail, with_gravity
+from probe import G, field, look, phocas, random_column, random_state, reaction, settled, with_gravity
 
 from solver import Column, InitialState, Motion, simulate
-from solver.kernels import layout as at
 from solver.stepper import Stepper
 
 examples = settings(deadline=None, max_examples=100, derandomize=True)
@@ -102,16 +101,16 @@ def test_output_row_is_the_papers(seed: int, n: int) -> None:
     acceleration, row = look(column, u, rate, ax, az)
     dense = Dense(column)
     v, w = u[:n], u[n:]
-    assert np.array_equal(field(row, at.ROW_UX, n), v)
-    assert np.array_equal(field(row, at.ROW_UZ, n), -w)
-    assert field(row, at.ROW_THETA, n) == pytest.approx((v - below(v)) / dense.data.height, rel=1e-15)
+    assert np.array_equal(field(row, "ux", n), v)
+    assert np.array_equal(field(row, "uz", n), -w)
+    assert field(row, "theta", n) == pytest.approx((v - below(v)) / dense.data.height, rel=1e-15)
     push = dense.data.mass * (ax + dense.B @ acceleration[:n])  # eq. 20
     lift = dense.data.mass * (dense.data.g + az - acceleration[n:])
     scale = np.sum(np.abs(push) + np.abs(lift))
-    assert field(row, at.ROW_S, n) == pytest.approx(-dense.T @ push, abs=1e-13 * scale)  # measured 8e-15
-    assert tail(row, at.ROW_FX) == pytest.approx(-np.sum(push), abs=1e-13 * scale)
-    assert tail(row, at.ROW_FZ) == pytest.approx(-np.sum(lift), abs=1e-13 * scale)
-    assert tail(row, at.ROW_MY) == field(row, at.ROW_M, n)[-1]
+    assert field(row, "S", n) == pytest.approx(-dense.T @ push, abs=1e-13 * scale)  # measured 8e-15
+    assert reaction(row, "Fx") == pytest.approx(-np.sum(push), abs=1e-13 * scale)
+    assert reaction(row, "Fz") == pytest.approx(-np.sum(lift), abs=1e-13 * scale)
+    assert reaction(row, "My") == field(row, "M", n)[-1]
 
 
 @given(seed=seeds, n=sizes)

@@ -43,8 +43,8 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 @pytest.mark.parametrize("command", COMMANDS)
 def test_commands(folder: Path, command: str) -> None:
-    program, arguments = command.split()[:3], command.split()[3:]
-    assert program == ["python", "-m", "solver"]
+    program, *arguments = command.split()
+    assert program == "multiblock"
     assert main(arguments) == 0
 
 

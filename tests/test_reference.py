@@ -8,10 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 from lagrange import Reference
-from probe import PHOCAS_STIFFNESS, G, look, monolith, phocas
+from probe import PHOCAS_STIFFNESS, G, coordinates, field, look, monolith, phocas
 
 from solver import InitialState, Motion, natural_frequencies, simulate
-from solver.kernels import layout as at
 from solver.stepper import Stepper
 
 
@@ -125,7 +124,7 @@ def test_natural_frequencies_are_those_of_theory_section_5(formulation: str, exp
 
 @pytest.mark.parametrize("formulation", ["exact", "paper"])
 def test_settlements_at_rest_are_those_of_theory_section_5(formulation: str) -> None:
-    rise = Stepper(phocas(formulation=formulation)).observe(0.0)[at.ROW_UZ * 3 : (at.ROW_UZ + 1) * 3]
+    rise = field(Stepper(phocas(formulation=formulation)).observe(0.0), "uz", 3)
     openings = rise - np.append(rise[1:], 0.0)  # of the joints, top to base
     expected = np.array([0.020816, 0.041631, 0.062447]) * -1e-3
     assert openings == pytest.approx(expected, abs=5e-10)  # half a printed digit, of which measured 0.95
@@ -165,14 +164,14 @@ def drift(push: float, tolerance: float = 1e-5, integrator: str = "auto") -> flo
     column = phocas(tolerance=tolerance, integrator=integrator, step=5e-5)
     reference = Reference.of(column)
     stepper = Stepper(column, InitialState(rotation_rate=[push] * 3))
-    phase = stepper.state[at.STATE_HEADER : at.STATE_HEADER + 12]
+    phase = coordinates(stepper)
     start = reference.energy(phase[:6], phase[6:])
     kinetic = reference.kinetic(phase[:6], phase[6:])
     energies = []
     for k in range(200):
         stepper.advance(0.1 * k, 0.1)
         energies.append(reference.energy(phase[:6], phase[6:]))
-    assert stepper.state[at.TIME_FULL] < 1.0  # it rocks all the time
+    assert stepper.state.control.time_full < 1.0  # it rocks all the time
     return float(np.max(np.abs(np.array(energies) - start)) / kinetic)
 
 

@@ -2,23 +2,30 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import astuple
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
-from probe import G, phocas
+from probe import Array, G, coordinates, phocas
 from test_joint import State, examples, states
 
 from solver import InitialState, Motion, simulate
 from solver.kernels import layout as at
-from solver.kernels.interpolation import begin, interpolate_phase, refine
-from solver.kernels.joint import ANY, FULL, OPEN, contact_regime, joint_forces, regime_margin
+from solver.kernels.engine import column_over
+from solver.kernels.formulations.base import Samples
+from solver.kernels.jit import kernel
+from solver.kernels.joint.law import held_forces, joint_forces
+from solver.kernels.joint.regimes import FULL, OPEN, RIGHT, contact_regime, regime_margin
+from solver.kernels.stepping.interpolation import begin, interpolate_phase, refine
+from solver.kernels.views import row_of
 from solver.stepper import Stepper
 
 # a joint cannot end on both sides for the same reason, unless these are its corners
-REGIMES = [OPEN, *(FULL + left + 3 * right for left in range(3) for right in range(3) if left != right or not left)]
+REGIMES = [OPEN, *(FULL + left + RIGHT * right for left in range(3) for right in range(3) if left != right or not left)]
 
 
 def regime_of(state: State) -> int:
@@ -34,8 +41,16 @@ def margin(regime: int, state: State) -> float:
 @examples
 @given(states())
 def test_law_held_in_its_own_regime_is_the_law(state: State) -> None:
-    free = joint_forces(*astuple(state), ANY)
-    assert joint_forces(*astuple(state), regime_of(state)) == pytest.approx(free, rel=1e-12, abs=0.0)
+    *held, _ = held_forces(regime_of(state), *astuple(state))
+    assert held == pytest.approx(joint_forces(*astuple(state)), rel=1e-12, abs=0.0)
+
+
+@examples
+@given(states())
+def test_margin_of_the_held_law_is_that_of_the_regime(state: State) -> None:
+    for regime in REGIMES:
+        margin_of_law = held_forces(regime, *astuple(state))[3]
+        assert margin_of_law == margin(regime, state) or math.isnan(margin(regime, state))
 
 
 @examples
@@ -92,44 +107,72 @@ def test_order_is_that_of_the_method_across_openings() -> None:
         assert error < tolerance  # measured 0.001 to 0.2 of it
 
 
+@kernel
+def look_inside(
+    n: int,
+    model: Array,
+    state: Array,
+    counts: Array,
+    base: Array,
+    work: Array,
+    bump: bool,
+    t: float,
+    h: float,
+    s: float,
+) -> int:
+    """Leave in work.between what interpolation says of fraction s of the step of h seconds from t; returns a code."""
+    silence = Samples(0, row_of(base), row_of(base), row_of(base), 1.0, False)
+    column = column_over(n, row_of(model), row_of(state), row_of(counts), row_of(base), silence, row_of(work))
+    begin(column.work, bump)
+    code = refine(column, t, h)
+    interpolate_phase(column.work, h, s)
+    return code
+
+
 def test_interpolation_with_the_bump_is_of_a_higher_order() -> None:
     """On a free vibration in full contact, against a run that lands on the middle of the step."""
     gains = []
     for step in (2e-3, 1e-3):
         stepper = Stepper(phocas(0.0, tolerance=1e-13))
         n = stepper.n
-        stepper.inputs[[at.INPUT_AMPLITUDE, at.INPUT_OMEGA]] = 0.005 * G, 40.0
+        phase = stepper.arrays.state[at.CONTROL.beside :][: at.PHASE.size(n)]
+        stepper.base.wave_amplitude, stepper.base.wave_omega = 0.005 * G, 40.0
         stepper.advance(0.0, 0.1)
-        start = stepper.state[at.STATE_HEADER : at.STATE_HEADER + 6 * n].copy()
+        start = phase.copy()
         fraction = 0.3
         stepper.advance(0.1, fraction * step)
-        inside = stepper.state[at.STATE_HEADER : at.STATE_HEADER + 2 * n].copy()
+        inside = phase[: 2 * n].copy()
         stepper.advance(0.1 + fraction * step, (1.0 - fraction) * step)
-        work = stepper._work
-        work[6 * n * at.PHASE_START : 6 * n * (at.PHASE_START + 1)] = start
-        work[6 * n * at.PHASE_END : 6 * n * (at.PHASE_END + 1)] = stepper.state[at.STATE_HEADER :][: 6 * n]
+        work = at.WORK.see(stepper.arrays.work, n)
         found = []
         for bump in (False, True):
-            begin(stepper.model, work, bump)
-            assert refine(stepper.model, stepper.inputs, work, stepper.counters, 0.1, step) == at.OK
-            interpolate_phase(work, 2 * n, step, fraction)
-            found.append(np.max(np.abs(work[6 * n * at.PHASE_BETWEEN :][: 2 * n] - inside)))
+            fill(work.start, start)
+            fill(work.end, phase)
+            assert look_inside(n, *stepper.arrays, bump, 0.1, step, fraction) == at.OK
+            between = np.concatenate([work.between.theta, work.between.opening])
+            found.append(np.max(np.abs(between - inside)))
         gains.append(found[0] / found[1])
     assert min(gains) > 3.0
+
+
+def fill(phase: SimpleNamespace, values: Array) -> None:
+    """Let a phase, seen by name, be that of a row."""
+    for name, part in zip(at.PHASE.fields, values.reshape(at.PHASE_FIELDS, -1), strict=True):
+        getattr(phase, name)[:] = part
 
 
 @pytest.mark.parametrize("tolerance", [1e-5, 1e-8])
 def test_undamped_column_run_backwards_returns_to_where_it_came_from(tolerance: float) -> None:
     """Half a second of free rocking, some 35 openings and closings there and as many back."""
     stepper = Stepper(phocas(0.0, tolerance=tolerance), InitialState(rotation_rate=[0.03] * 3))
-    phase = stepper.state[at.STATE_HEADER : at.STATE_HEADER + 12]
+    phase = coordinates(stepper)
     start = phase.copy()
     stepper.advance(0.0, 0.5)
-    there = int(stepper.counters[at.EVENTS])
+    there = int(stepper.counts.events)
     farthest = float(np.max(np.abs(phase[:3])))
     phase[6:] *= -1.0
     stepper.advance(0.5, 0.5)
     assert there > 20
-    assert stepper.counters[at.EVENTS] == 2 * there
+    assert stepper.counts.events == 2 * there
     assert np.max(np.abs(phase[:3] - start[:3])) < tolerance * farthest  # measured 0.01 and 0.03 of it
     assert np.max(np.abs(phase[6:9] + start[6:9])) < tolerance * 0.03  # measured 0.2 and 0.6 of it

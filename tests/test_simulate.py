@@ -20,8 +20,8 @@ INTEGRATORS = ["auto", "central-difference"]
 every_way = pytest.mark.parametrize(
     ("formulation", "integrator"), [(formulation, way) for formulation in FORMULATIONS for way in INTEGRATORS]
 )
-HISTORIES = [name for name, *_ in (*BLOCK_HISTORIES, *BASE_HISTORIES)]
-ODD = {"ux", "theta", "M", "S", "Fx", "My"}  # change their sign in the mirror
+HISTORIES = [*BLOCK_HISTORIES, *BASE_HISTORIES]
+ODD = {"ux", "theta", "M", "S", "T", "Fx", "My"}  # change their sign in the mirror
 
 
 def shake(seed: int, samples: int = 200) -> Motion:
@@ -32,6 +32,15 @@ def shake(seed: int, samples: int = 200) -> Motion:
 
 def same(one: Response, other: Response) -> bool:
     return all(np.array_equal(getattr(one, name), getattr(other, name)) for name in HISTORIES)
+
+
+def difference(one: Stepper, other: Stepper) -> float:
+    """Largest difference of coordinates, rates and accelerations, each in parts of the largest of its kind.
+
+    A call sums up its steps from where it begins, so that times inside it differ from those of two by last digits.
+    """
+    pairs = [(getattr(one.state.phase, name), getattr(other.state.phase, name)) for name in at.PHASE.fields]
+    return max(float(np.max(np.abs(a - b)) / np.max(np.abs(b))) for a, b in pairs)
 
 
 # --- output
@@ -108,15 +117,17 @@ def test_upward_base_acceleration_is_gravity(formulation: str) -> None:
 
 @every_way
 def test_held_motion_is_a_sequence_of_constant_steps(formulation: str, integrator: str) -> None:
-    column = phocas(1e-3, formulation=formulation, integrator=integrator)
+    column = phocas(1e-3, formulation=formulation, integrator=integrator, tolerance=1e-9)
     motion = Motion.from_samples(0.01, 3.0 * np.random.default_rng(2).normal(size=50), hold=True)
     followed, driven = Stepper(column), Stepper(column)
     followed.run(motion, motion.end, np.empty(0))
     for (begin, end), ax in zip(pairwise(np.append(motion.time, motion.end)), motion.ax, strict=True):
-        driven.inputs[at.INPUT_AX] = ax
+        driven.base.ax = ax
         driven.advance(begin, end - begin)
-    assert np.array_equal(followed.state, driven.state)
-    assert np.array_equal(followed.counters, driven.counters)
+    # a digit may decide whether a step is accepted where joints are not held in their regimes (paper, auto)
+    assert difference(followed, driven) < 2e-8  # measured 3e-9 there, 2e-12 by central differences
+    if integrator == "central-difference":
+        assert np.array_equal(followed.arrays.counts, driven.arrays.counts)
 
 
 @every_way
@@ -136,9 +147,13 @@ def test_base_is_at_rest_beyond_the_motion(formulation: str, integrator: str) ->
         followed, left = Stepper(column), Stepper(column)
         followed.run(motion, 1.0, np.empty(0))
         left.run(motion, motion.end, np.empty(0))
-        left.inputs[:] = 0.0
+        left.base.wave_amplitude = 0.0
         left.advance(motion.end, 1.0 - motion.end)
-        assert np.array_equal(followed.state, left.state)
+        assert difference(followed, left) < 1e-10  # measured 1e-11
+        sweeps = at.COUNTS.fields.index("sweeps")  # may differ by what rounding decides
+        counts = [np.delete(stepper.arrays.counts, sweeps) for stepper in (followed, left)]
+        assert np.array_equal(counts[0], counts[1])
+        assert abs(followed.counts.sweeps - left.counts.sweeps) <= 2  # of 42,545; measured 1
         run = simulate(column, motion, duration=1.0)
         assert run.time[-1] == pytest.approx(1.0)
         assert run.ux[-1] == pytest.approx(followed.observe(1.0)[:3], rel=1e-12)  # measured 2e-16
@@ -216,8 +231,8 @@ def test_step_beyond_the_stability_limit_is_told_in_one_line(formulation: str) -
 def test_input_that_is_not_a_number_is_told_in_one_line(formulation: str, integrator: str) -> None:
     stepper = Stepper(phocas(formulation=formulation, integrator=integrator))
     stepper.advance(0.0, 0.01)
-    stepper.inputs[at.INPUT_AX] = math.nan
+    stepper.base.ax = math.nan
     with pytest.raises(SolverError, match=r"^at t = 0\.01 s: ") as caught:
         stepper.advance(0.01, 0.01)
     assert "\n" not in str(caught.value)
-    assert np.all(np.isfinite(stepper.state))
+    assert np.all(np.isfinite(stepper.arrays.state))

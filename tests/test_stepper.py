@@ -3,14 +3,34 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 from fmus import ROOT
+from probe import coordinates, put_back
 
-from solver import Column, InitialState, InputError
-from solver.kernels import layout as at
-from solver.stepper import Stepper
+from solver import Column, InitialState, InputError, Motion
+from solver.kernels import entries
+from solver.stepper import Record, Stepper
+
+
+def test_whatever_the_caller_has_the_kernels_are_compiled_once() -> None:
+    column = Column.from_toml(ROOT / "examples/columns/phocas-damped.toml")
+    times = np.linspace(0.0, 0.2, 3)
+    times.flags.writeable = False
+    for motion in (
+        Motion.harmonic(0.1, 2.0, 0.1),
+        Motion.from_samples(0.1, [0.0, 1.0, 0.0]),
+        Motion.from_samples(0.1, [0.0, 1.0], hold=True),
+    ):
+        Stepper(column).run(motion, motion.end, times)
+        stepper = Stepper(column)
+        stepper.record = Record(motion.time, motion.ax[::1], [0] * motion.ax.size)
+        stepper.advance(0, 1)
+        stepper.observe(1)
+    compiled: list[Any] = [entries.assemble_column, entries.run, entries.observe_state]
+    assert [len(kernel.signatures) for kernel in compiled] == [1, 1, 1]
 
 
 def test_a_change_of_damping_is_a_new_start_from_the_same_motion() -> None:
@@ -18,12 +38,12 @@ def test_a_change_of_damping_is_a_new_start_from_the_same_motion() -> None:
     blocks = tuple(replace(block, joint=replace(block.joint, damping=5e-3)) for block in column.blocks)
     changed = replace(column, blocks=blocks, g=9.0)
     stepper = Stepper(column)
-    stepper.inputs[at.INPUT_AX] = 1.0
+    stepper.base.ax = 1.0
     stepper.advance(0.0, 0.5)
     stepper.retune(changed)
-    rotation, opening, spin, opening_rate = stepper.state[at.STATE_HEADER :][: 4 * column.n].reshape(4, column.n)
+    rotation, opening, spin, opening_rate = coordinates(stepper).reshape(4, column.n)
     fresh = Stepper(changed, InitialState(rotation, spin, opening, opening_rate))
-    fresh.inputs[:] = stepper.inputs
+    fresh.arrays.base[:] = stepper.arrays.base
     for t in (0.5, 1.0):
         stepper.advance(t, 0.5)
         fresh.advance(t, 0.5)
@@ -36,17 +56,16 @@ def test_modes_follow_a_change_of_damping_at_steps_that_stay_the_same() -> None:
     blocks = tuple(replace(block, joint=replace(block.joint, damping=2e-2)) for block in column.blocks)
     changed = replace(column, blocks=blocks)
     stepper = Stepper(column)
-    stepper.inputs[at.INPUT_AX] = 0.05
+    stepper.base.ax = 0.05
     for k in range(50):
         stepper.advance(0.01 * k, 0.01)
     stepper.retune(changed)
     other = Stepper(changed)
-    for name in ("state", "counters", "inputs"):
-        getattr(other, name)[:] = getattr(stepper, name)
+    put_back(stepper, other)
     for k in range(50, 60):
         stepper.advance(0.01 * k, 0.01)
         other.advance(0.01 * k, 0.01)
-    assert stepper.counters[at.ELASTIC_STEPS] > 50
+    assert stepper.counts.elastic_steps > 50
     assert np.array_equal(stepper.observe(0.6), other.observe(0.6))
 
 

@@ -15,16 +15,22 @@ from numba import njit
 
 from solver import Column
 from solver.kernels import layout as at
-from solver.kernels.dynamics import accelerate_on, observe
-from solver.kernels.feedthrough import split_reaction
+from solver.kernels.engine import column_over
+from solver.kernels.formulations.base import Samples
+from solver.kernels.formulations.either import evaluate
+from solver.kernels.formulations.exact import Motion
+from solver.kernels.formulations.feedthrough import split_reaction
+from solver.kernels.formulations.outputs import observe
 from solver.kernels.jit import OPTIONS, entry
-from solver.packing import pack_model, pack_state
+from solver.kernels.views import row_of
+from solver.packing import arrays_of
 
 LINEAR, LEAD_RUBBER, PENDULUM, SOIL = range(4)
 KINDS = {"linear": LINEAR, "lead-rubber": LEAD_RUBBER, "friction-pendulum": PENDULUM, "soil": SOIL}
 # parameters of an isolator, by the names of isolator.py
 ISOLATOR = ("mass", "stiffness", "damping", "strength", "yield", "radius", "friction", "g")
 DEFAULTS = (40e3, 1.2e6, 0.0, 6e4, 5e-3, 2.0, 0.05, 9.80665)
+_row, _split = at.ROW.over, at.SPLIT.over
 OWN = 7  # unknowns of a partner: x, v, z; or x, v, z, w, theta, omega, inner rate
 
 
@@ -33,26 +39,26 @@ def partner_rates(kind, p, own, ground, split, rates):
     """Rates of the partner's unknowns under the ground acceleration; returns (ax, az, alpha) of the base."""
     x, v, z = own[0], own[1], own[2]
     if kind != SOIL:
-        normal = p[0] * p[7] - split[at.SPLIT_R0Z]
+        normal = p[0] * p[7] - split.R0z
         if kind == LINEAR:
             force = -(p[1] * x + p[2] * v)
         elif kind == LEAD_RUBBER:
             force = -(p[1] * x + p[2] * v + p[3] * z)
         else:
             force = -(normal / p[5] * x + p[2] * v + p[6] * normal * z)
-        ax = (force + split[at.SPLIT_R0X]) / (p[0] + split[at.SPLIT_MXX])
+        ax = (force + split.R0x) / (p[0] + split.mxx)
         rates[0], rates[1] = v, ax - ground
         rates[2] = (v - 0.5 * (abs(v) * z + v * abs(z))) / p[4]
         return ax, 0.0, 0.0
     # p: mass, inertia, weight, springs and dashpots of sway, vertical, rocking, rate of the inner rotation
     w, theta, omega, inner = own[3], own[4], own[5], own[6]
-    f_x = split[at.SPLIT_R0X] - p[3] * x - p[4] * v
-    f_z = split[at.SPLIT_R0Z] + p[2] - p[5] * z - p[6] * w
-    f_t = split[at.SPLIT_R0M] - p[7] * theta - p[8] * (omega - inner)
+    f_x = split.R0x - p[3] * x - p[4] * v
+    f_z = split.R0z + p[2] - p[5] * z - p[6] * w
+    f_t = split.R0m - p[7] * theta - p[8] * (omega - inner)
     # (M_own + mu g g') a = f by Sherman and Morrison: a = a_0 - M_own^-1 g mu (g . a_0) / (1 + mu g M_own^-1 g)
-    mu = split[at.SPLIT_MXX] + split[at.SPLIT_MZZ]
-    g_x = math.sqrt(split[at.SPLIT_MXX] / mu)
-    g_z, g_t = split[at.SPLIT_MXZ] / (mu * g_x), split[at.SPLIT_MXT] / (mu * g_x)
+    mu = split.mxx + split.mzz
+    g_x = math.sqrt(split.mxx / mu)
+    g_z, g_t = split.mxz / (mu * g_x), split.mxt / (mu * g_x)
     a_x, a_z, a_t = f_x / p[0], f_z / p[0], f_t / p[1]
     met = mu * (g_x * a_x + g_z * a_z + g_t * a_t) / (1.0 + mu * ((g_x * g_x + g_z * g_z) / p[0] + g_t * g_t / p[1]))
     a_x, a_z, a_t = a_x - g_x / p[0] * met, a_z - g_z / p[0] * met, a_t - g_t / p[1] * met
@@ -62,32 +68,36 @@ def partner_rates(kind, p, own, ground, split, rates):
 
 
 @njit(**OPTIONS)
-def evaluate(model, kind, p, y, ground, phase, work, counters, rows, split, rates):
+def all_rates(column, kind, p, y, ground, row, split, rates):
     """Rates (4n + OWN,) of y, rotations of the blocks absolute; returns the displacement of the top, m."""
-    n = int(model[at.N_BLOCKS])
+    n, phase = column.model.n, column.state.phase
     own = y[4 * n :]
     theta, omega = (own[4], own[5]) if kind == SOIL else (0.0, 0.0)
     for i in range(4 * n):
-        phase[i] = y[i]
+        phase.row[i] = y[i]
     for i in range(n):
-        phase[i] -= theta
-        phase[2 * n + i] -= omega
-    base = (0.0, 0.0, theta, omega, 0.0)
-    observe(model, phase, 0, base, work, counters, rows, 0)
-    split_reaction(model, phase, 0, base, work, counters, rows, 0, split)
+        phase.theta[i] -= theta
+        phase.theta_rate[i] -= omega
+    still = Motion(0.0, 0.0, theta, omega, 0.0)
+    observe(column, phase, still, row)
+    split_reaction(column, phase, still, row, split)
     a_x, a_z, a_t = partner_rates(kind, p, own, ground, split, rates[4 * n :])
-    accelerate_on(model, phase, 0, (a_x, a_z, theta, omega, a_t), work, counters)
+    evaluate(column, phase, Motion(a_x, a_z, theta, omega, a_t))
     for i in range(2 * n):
         rates[i] = y[2 * n + i]
-        rates[2 * n + i] = phase[4 * n + i]
+        rates[2 * n + i] = phase.row[4 * n + i]
     for i in range(n):
         rates[2 * n + i] += a_t
-    return rows[0, 0]
+    return row.joints.ux[0]
 
 
 @entry
-def integrate(model, kind, p, y, dt, samples, h, per, phase, work, counters, rows, split, k, stage, out):
+def integrate(n, arrays, kind, p, y, dt, samples, h, per, seen, parts, k, stage, out):
     """Steps of h s under samples every dt s, linear in between; after every `per` of them a row of (ux, unknowns)."""
+    model, state, counts, base, work = arrays
+    none = Samples(0, row_of(base), row_of(base), row_of(base), 1.0, False)
+    column = column_over(n, row_of(model), row_of(state), row_of(counts), row_of(base), none, row_of(work))
+    row, split = _row(row_of(seen), n), _split(row_of(parts), 0)
     size = y.size
     last = samples.size - 1
     for r in range(out.shape[0]):
@@ -100,7 +110,7 @@ def integrate(model, kind, p, y, dt, samples, h, per, phase, work, counters, row
                 ground = samples[left] + (past - left) * (samples[left + 1] - samples[left]) if past < last else 0.0
                 for i in range(size):
                     stage[i] = y[i] + c * h * (k[s - 1, i] if s else 0.0)
-                top = evaluate(model, kind, p, stage, ground, phase, work, counters, rows, split, k[s])
+                top = all_rates(column, kind, p, stage, ground, row, split, k[s])
                 if step % per == 0 and s == 0:
                     out[r, 0] = top
                     for i in range(size):
@@ -125,19 +135,14 @@ def solve_as_one(
     acceleration at k dt, m/s2.
     """
     n = column.n
-    model = pack_model(column)
-    state, counters = pack_state(column)
-    y = np.concatenate([state[at.STATE_HEADER : at.STATE_HEADER + 4 * n], np.zeros(OWN)])
+    arrays = arrays_of(column)
+    y = np.concatenate([arrays.state[at.CONTROL.beside :][: 4 * n], np.zeros(OWN)])
     p = _packed(column, kind, parameters)
     count, per = round(stop / every) + 1, round(every / h)
     out = np.zeros((count, 1 + y.size))
-    rows, split = np.zeros((1, at.row_size(n))), np.zeros(at.SPLIT)
-    work, phase = np.zeros(at.work_size(n)), np.zeros(6 * n)
+    row, split = np.zeros(at.ROW.size(n)), np.zeros(at.SPLIT.beside)
     k, stage = np.zeros((4, y.size)), np.zeros(y.size)
-    integrate(
-        model, KINDS[kind], p, y, dt, np.asarray(samples, float), every / per, per, phase, work, counters, rows, split,
-        k, stage, out,
-    )  # fmt: skip
+    integrate(n, arrays, KINDS[kind], p, y, dt, np.asarray(samples, float), every / per, per, row, split, k, stage, out)
     names = ("x", "v", "z", "w", "theta", "omega", "inner")
     own = {name: out[:, 1 + 4 * n + i] for i, name in enumerate(names)}
     return {"time": every * np.arange(count), "top": out[:, 0], "all": out, **own}

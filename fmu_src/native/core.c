@@ -55,16 +55,16 @@ typedef struct {
     double reals[REALS];
     int64_t wholes[WHOLES]; /* Integers, Booleans and enumerations */
     char texts[TEXTS][TEXT];
-    double inputs[SOLVER_INPUTS];
+    double base[BASE];
     double state[STATE];
-    int64_t counters[COUNTERS];
+    int64_t counts[COUNTS];
     double model[MODEL];
 } Moment;
 
 struct Instance {
     Moment now;
     Moment before; /* to go back to */
-    double work[WORK], row[ROW], split[SPLIT], other_row[ROW], other_split[SPLIT], told[2];
+    double work[WORK], row[ROW], split[SPLIT], other_row[ROW], other_split[SPLIT], detail[1];
     int outdated; /* whether the outputs belong to an earlier time, input or parameter */
     int coarse_told;
     Status last_step;
@@ -76,11 +76,11 @@ struct Saved { const char *owner; Moment moment; };
 
 /* Arguments of the kernels by name: the arrays of a column, and the record. */
 #define COLUMN(i)                                                                                                      \
-    .n = N, .model = (i)->now.model, .state = (i)->now.state, .counters = (i)->now.counters,                           \
-    .inputs = (i)->now.inputs, .work = (i)->work
+    .n = N, .model = (i)->now.model, .state = (i)->now.state, .counts = (i)->now.counts,                               \
+    .base = (i)->now.base, .work = (i)->work
 #define RECORD(i)                                                                                                      \
     .count = (i)->now.has_record ? SAMPLES : 0, .times = record_time, .ax = record_ax, .az = record_az,                \
-    .dt = RECORD_DT, .scale = (i)->now.scale
+    .scale = (i)->now.scale
 
 static const char *mode_name(int64_t mode) {
     switch (mode) {
@@ -252,16 +252,16 @@ static int build(Instance *instance, int afresh, char *reason) {
     if (!scratch) return snprintf(reason, MESSAGE, "out of memory"), 0;
     memcpy(instance->before.model, now->model, sizeof now->model);
     int64_t made = assemble((Assemble){COLUMN(instance), .given = described, .afresh = afresh, .scratch = scratch,
-                                       .told = instance->told});
+                                       .detail = instance->detail});
     free(scratch);
     if (made != 0) {
         memcpy(now->model, instance->before.model, sizeof now->model);
         if (made == TOO_LARGE)
-            snprintf(reason, MESSAGE, "block[%d].inertia = inf: " MUST_INERTIA, (int)instance->told[0]);
+            snprintf(reason, MESSAGE, "block[%d].inertia = inf: " MUST_INERTIA, (int)instance->detail[0]);
         else
             snprintf(reason, MESSAGE,
                      "solver.step = %s: must be at most %.4g s, where central differences are stable",
-                     shown(described[GIVEN_STEP], text), instance->told[0]);
+                     shown(described[GIVEN_STEP], text), instance->detail[0]);
         return 0;
     }
     now->built = now->started = 1;
@@ -285,11 +285,11 @@ static int update(Instance *instance, char *reason) {
     if (now->mode == INITIALIZATION && !now->built && !build(instance, 1, reason)) return 0;
     if (!now->started || !instance->outdated) return 1;
     if (now->retune && !build(instance, 0, reason)) return 0;
-    int64_t code = look((Look){COLUMN(instance), RECORD(instance), .base = now->reals, .afresh = !now->inputs_stand,
-                               .upright = now->mode == INITIALIZATION, .gone = now->time - now->input_time,
+    int64_t code = look((Look){COLUMN(instance), RECORD(instance), .inputs = now->reals, .afresh = !now->inputs_stand,
+                               .upright = now->mode == INITIALIZATION, .elapsed = now->time - now->input_time,
                                .t = now->time, .row = &now->reals[AT_ROW], .split = &now->reals[AT_SPLIT]});
     if (code < 0) return snprintf(reason, MESSAGE, "at t = %.6g s: %s", now->time, reason_of(code)), 0;
-    int64_t joint = now->counters[COUNTER_OVERTURNED];
+    int64_t joint = now->counts[COUNT_OVERTURNED];
     now->wholes[AT_OVERTURN_JOINT] = joint;
     now->wholes[AT_OVERTURNED] = joint > 0;
     now->reals[AT_OVERTURN_TIME] = joint ? now->state[STATE_OVERTURN_TIME] : -1.0;
@@ -498,17 +498,16 @@ static int wrong_input(const Instance *instance, char *reason) {
 static int advance(Instance *instance, double start, double step, char *reason) {
     Moment *now = &instance->now;
     memcpy(instance->before.state, now->state, sizeof now->state);
-    memcpy(instance->before.counters, now->counters, sizeof now->counters);
+    memcpy(instance->before.counts, now->counts, sizeof now->counts);
     if (now->retune && !build(instance, 0, reason)) return 0;
     now->input_time = start;
-    int64_t code = follow((Follow){COLUMN(instance), RECORD(instance), .base = now->reals, .start = start, .h = step,
-                                   .told = instance->told});
+    int64_t code = follow((Follow){COLUMN(instance), RECORD(instance), .inputs = now->reals, .start = start, .h = step});
     if (code < 0) {
         memcpy(now->state, instance->before.state, sizeof now->state);
-        memcpy(now->counters, instance->before.counters, sizeof now->counters);
+        memcpy(now->counts, instance->before.counts, sizeof now->counts);
         now->inputs_stand = 0;
         instance->outdated = 1;
-        snprintf(reason, MESSAGE, "at t = %.6g s: %s", instance->told[0], reason_of(code));
+        snprintf(reason, MESSAGE, "at t = %.6g s: %s", start, reason_of(code));
         return 0;
     }
     now->time = start + step;
@@ -599,7 +598,7 @@ Status core_rates(Instance *instance, const Reference references[], size_t count
         if (!is_continuous_output(instance, references[k]) || !first_order(instance, find(references[k]), orders[k]))
             return ST_ERROR;
     if (!up_to_date(instance)) return ST_ERROR;
-    int64_t code = rates((Rates){COLUMN(instance), .t = instance->now.time, .row = instance->row,
+    int64_t code = rates((Rates){COLUMN(instance), RECORD(instance), .t = instance->now.time, .row = instance->row,
                                  .split = instance->split, .other = instance->other_row,
                                  .other_split = instance->other_split});
     for (size_t k = 0; k < count; k++) values[k] = *visible(instance, references[k]);
@@ -622,7 +621,7 @@ Status core_directional(Instance *instance, const Reference unknowns[], size_t u
         along[known->place] += seeds[k];
     }
     if (!up_to_date(instance)) return ST_ERROR;
-    int64_t code = feedthrough((Feedthrough){COLUMN(instance), .seeds = along, .gone = now->time - now->input_time,
+    int64_t code = feedthrough((Feedthrough){COLUMN(instance), RECORD(instance), .seeds = along, .elapsed = now->time - now->input_time,
                                              .t = now->time, .row = instance->row, .split = instance->split,
                                              .other = instance->other_row, .other_split = instance->other_split});
     for (size_t k = 0; k < unknown_count; k++) values[k] = *visible(instance, unknowns[k]);

@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 
 from solver.column import BLOCK_RULES, NUMBERS, SKIPS, Column
+from solver.kernels import engine, pointers
 from solver.kernels import layout as at
-from solver.kernels import pointers
 from solver.motion import Motion
 from solver.packing import FORMULATION_CODES, INTEGRATOR_CODES, SKIP_CODES
 from solver.stepper import REASONS
@@ -38,20 +38,12 @@ from ..variables import (
 from .machine_code import PREFIX
 
 TEXT = 256  # bytes of a String, its end included
-STATE_FORMAT = "multiblock-fmu native state 2"
+STATE_FORMAT = "multiblock-fmu native state 3"
 # input -> the input that is its slope
 SLOPES = {"base.ax": "base.jx", "base.az": "base.jz", "base.theta": "base.omega", "base.omega": "base.alpha"}
 # the base's inputs where the kernels look for them
-BASE_INPUTS = {
-    "base.ax": pointers.BASE_AX_INPUT,
-    "base.az": pointers.BASE_AZ_INPUT,
-    "base.jx": pointers.BASE_JX_INPUT,
-    "base.jz": pointers.BASE_JZ_INPUT,
-    "base.theta": pointers.BASE_THETA_INPUT,
-    "base.omega": pointers.BASE_OMEGA_INPUT,
-    "base.alpha": pointers.BASE_ALPHA_INPUT,
-}
-READ_ONLY = ("given", "base", "times", "ax", "az", "seeds")  # arguments behind which kernels write nothing
+BASE_INPUTS = {f"base.{name}": place for place, name in enumerate(engine.BASE_INPUTS.fields)}
+READ_ONLY = ("given", "inputs", "times", "ax", "az", "seeds")  # arguments behind which kernels write nothing
 C_TYPES = {"float64": "double ", "int64": "int64_t ", "float64*": "double *", "int64*": "int64_t *"}
 STORED = {"Real": "REAL", "Integer": "INTEGER", "Enumeration": "INTEGER", "Boolean": "BOOLEAN", "String": "STRING"}
 
@@ -81,12 +73,12 @@ def contract(n: int) -> str:
     sizes = {
         "N": n,
         "MODEL": pointers.model_room(n),
-        "STATE": at.state_size(n),
-        "COUNTERS": at.COUNTERS,
-        "SOLVER_INPUTS": at.INPUTS,
-        "WORK": at.work_size(n),
-        "ROW": at.row_size(n),
-        "SPLIT": at.SPLIT,
+        "STATE": at.STATE.size(n),
+        "COUNTS": at.COUNTS.beside,
+        "BASE": at.BASE.beside,
+        "WORK": at.WORK.size(n),
+        "ROW": at.ROW.size(n),
+        "SPLIT": at.SPLIT.beside,
         "ROOM": pointers.scratch_room(n, False),
         "FIXED_STEP_ROOM": pointers.scratch_room(n, True),
         "BASE_INPUTS": len(BASE_INPUTS),
@@ -94,11 +86,11 @@ def contract(n: int) -> str:
     }
     codes = {f"GIVEN_{name.upper()}": place for place, name in enumerate(pointers.GIVEN_SETTINGS)}
     codes |= {
-        "STATE_OVERTURN_TIME": at.OVERTURN_TIME,
-        "STATE_TIME_FULL": at.TIME_FULL,
-        "STATE_TIME_ROCKING": at.TIME_ROCKING,
-        "STATE_TIME_FLIGHT": at.TIME_FLIGHT,
-        "COUNTER_OVERTURNED": at.OVERTURNED,
+        "STATE_OVERTURN_TIME": at.CONTROL.fields.index("overturn_time"),
+        "STATE_TIME_FULL": at.CONTROL.fields.index("time_full"),
+        "STATE_TIME_ROCKING": at.CONTROL.fields.index("time_rocking"),
+        "STATE_TIME_FLIGHT": at.CONTROL.fields.index("time_flight"),
+        "COUNT_OVERTURNED": at.COUNTS.fields.index("overturned"),
         "CENTRAL_DIFFERENCE": at.CENTRAL_DIFFERENCE,
         "NOT_STABLE": pointers.NOT_STABLE,
         "TOO_LARGE": pointers.TOO_LARGE,

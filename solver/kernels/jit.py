@@ -11,20 +11,25 @@ from pathlib import Path
 from typing import Any
 
 from numba import njit
+from numba.extending import overload
 
 OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": False, "nogil": True, "_nrt": False}
 
 # Building block of a kernel: compiled, and cached, as a part of whoever calls it.
 kernel: Callable[..., Any] = njit(**OPTIONS)
 
+# A part of the one kernel that calls it: apart to be read, but compiled as if it were written there. Every level of
+# kernels that are compiled by themselves compiles all those below it once more.
+part: Callable[..., Any] = njit(inline="always", **OPTIONS)
+
 # A leaf of the innermost loops: never worth a call.
 leaf: Callable[..., Any] = njit(forceinline=True, **OPTIONS)
 
 
-@leaf
-def place(index: int) -> int:
-    """The same index, known to the compiler not to be negative: spares a test and a jump at every use."""
-    return index & 0xFFFFFFFFFF
+def by_width(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Decorates what chooses the code behind `function` by the types of its arguments: numbers or lanes."""
+    chooses: Callable[..., Any] = overload(function, jit_options={**OPTIONS, "forceinline": True})  # type: ignore
+    return chooses
 
 
 def _sources() -> str:

@@ -10,4 +10,4 @@ def normal_force(column: str) -> float:
     from solver.stepper import Stepper
 
     loaded = Column.from_toml(column)
-    return float(Stepper(loaded).observe(0.0)[at.ROW_N * loaded.n])
+    return float(at.ROW.see(Stepper(loaded).observe(0.0), loaded.n).joints.N[0])

@@ -16,7 +16,7 @@ from inside.neighbours import resident
 OUTPUTS = [
     f"{owner}[{i}].{name}"
     for i in (1, 2, 3)
-    for owner, names in (("block", ("ux", "uz", "theta")), ("joint", ("N", "M", "S")))
+    for owner, names in (("block", ("ux", "uz", "theta")), ("joint", ("N", "M", "S", "T")))
     for name in names
 ] + ["base.Fx", "base.Fz", "base.My"]
 Pair = tuple[list[float], list[float]]

@@ -14,10 +14,11 @@ def _read_only(*_: object, **__: object) -> NoReturn:
     raise PermissionError(13, "read-only")
 
 
-def start(fmu: str, hindrance: str = "") -> tuple[int, int, float]:
+def start(fmu: str, hindrance: str = "", record: str = "") -> tuple[int, int, float]:
     """Kernels found compiled, kernels compiled, and a displacement.
 
     hindrance: "read-only", no folder can be made; "full", no file beyond 20 kB can be written.
+    record: path of one to follow, or none.
     """
     folder = extract(fmu)
     if hindrance == "read-only":
@@ -26,14 +27,14 @@ def start(fmu: str, hindrance: str = "") -> tuple[int, int, float]:
         import resource
 
         resource.setrlimit(resource.RLIMIT_FSIZE, (20000, 20000))
-    column = Instance(fmu, {"base.ax": 0.5}, folder=folder)
+    column = Instance(fmu, {"base.ax": 0.5, "base.record": record}, folder=folder)
     column.step(0.0, 0.1)
     (kernels,) = [m for name, m in sys.modules.items() if name.startswith("solver_") and name.endswith(ENTRIES)]
-    stats = [kernel.stats for kernel in (kernels.run, kernels.observe_state)]
+    stats = [kernel.stats for kernel in (kernels.assemble_column, kernels.run, kernels.observe_state)]
     hits, misses = (sum(map(len, part)) for part in ([s.cache_hits for s in stats], [s.cache_misses for s in stats]))
     ux = column.get("block[1].ux")[0]
     column.close()
     return hits, misses, ux
 
 
-ENTRIES = "kernels.advance"  # the module with the kernels that the slave calls
+ENTRIES = "kernels.entries"  # the module with the kernels that the slave calls

@@ -6,25 +6,24 @@ rates that dampers and velocity terms need at the new time are the half-step rat
 acceleration.
 """
 
-from ..dynamics import accelerate
+from ..formulations.either import evaluate_at
 from ..jit import kernel
-from ..layout import N_BLOCKS, PHASE_END, PHASE_START
 
 
 @kernel
-def attempt(model, inputs, work, counters, scale, rate_scale, t, h):
-    """One step; the error is not estimated."""
-    size = 2 * int(model[N_BLOCKS])
-    start = 3 * size * PHASE_START
-    end = 3 * size * PHASE_END
+def attempt(column, t, h):
+    """One step of h seconds from work.start to work.end; returns (code, 0.0): the error is not estimated."""
+    work = column.work
+    size = 2 * work.n
+    start, end = work.start.row, work.end.row
     for i in range(size):
-        acceleration = work[start + 2 * size + i]
-        half_rate = work[start + size + i] + 0.5 * h * acceleration
-        work[end + i] = work[start + i] + h * half_rate
-        work[end + size + i] = half_rate + 0.5 * h * acceleration
-        work[end + 2 * size + i] = acceleration
-    code = accelerate(model, inputs, work, end, t + h, work, counters)
+        acceleration = start[2 * size + i]
+        half_rate = start[size + i] + 0.5 * h * acceleration
+        end[i] = start[i] + h * half_rate
+        end[size + i] = half_rate + 0.5 * h * acceleration
+        end[2 * size + i] = acceleration
+    code = evaluate_at(column, work.end, t + h)
     for i in range(size):
-        change = work[end + 2 * size + i] - work[start + 2 * size + i]
-        work[end + size + i] += 0.5 * h * change
+        change = end[2 * size + i] - start[2 * size + i]
+        end[size + i] += 0.5 * h * change
     return code, 0.0

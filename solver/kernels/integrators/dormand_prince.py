@@ -2,17 +2,18 @@
 
 J. R. Dormand, P. J. Prince, A family of embedded Runge-Kutta formulae, J. Comp. Appl. Math. 6 (1980) 19-26, RK5(4)7S.
 Its steps may be 12 % longer than those of RK5(4)7M for joint modes at 0.6 of the critical damping, 70 % for modes
-damped critically. The last stage is the first of the next step. Written out, because a compiler that sees each sum
-whole works on several unknowns at once.
+damped critically. The last stage is the first of the next step. Sums are taken over eight unknowns at
+once, those of one column or one of eight columns.
 """
 
-from ..jit import kernel, place
-from ..layout import N_BLOCKS, OK, PHASE_BETWEEN, PHASE_END
+from ..formulations.either import evaluate_stage
+from ..jit import kernel
+from ..layout import OK
+from ..views import packs, packs_of
 from .error import error_in_tolerances
-from .stage import evaluate_stage
+from .stage import stage
 
 ORDER = 5
-INSIDE = (2, 3, 4)  # stages at 1/3, 5/9 and 2/3 of the step
 
 C1, C2, C3, C4, C5 = 2 / 9, 1 / 3, 5 / 9, 2 / 3, 1.0
 A1_0 = 2 / 9
@@ -33,70 +34,53 @@ ERROR_0, ERROR_2, ERROR_3, ERROR_4, ERROR_5, ERROR_LAST = (
 
 
 @kernel
-def attempt(model, inputs, work, counters, scale, rate_scale, t, h):
-    """One step and its error, relative to tolerance times scale (rad) and rate_scale (rad/s)."""
-    size = place(2 * int(model[N_BLOCKS]))
-    p = 3 * size  # stage k is phase k of the work array
-    rates = size  # slopes are rates and accelerations
-    end = PHASE_END * p
-    for i in range(2 * size):
-        work[p + i] = work[i] + h * (A1_0 * work[rates + i])
-    code = evaluate_stage(model, inputs, work, counters, p, t + C1 * h)
+def attempt(column, t, h):
+    """One step of h seconds from work.start to work.end; returns (code, error in tolerances)."""
+    work = column.work
+    n = work.n
+    one, two, three, four, five = stage(work, 1), stage(work, 2), stage(work, 3), stage(work, 4), stage(work, 5)
+    count = packs(work.start.row, 4 * n)  # coordinates and rates, whose slopes are rates and accelerations
+    y, f0 = packs_of(work.start.row), packs_of(work.start.row[2 * n :])
+    y1, f1 = packs_of(one.row), packs_of(one.row[2 * n :])
+    y2, f2 = packs_of(two.row), packs_of(two.row[2 * n :])
+    y3, f3 = packs_of(three.row), packs_of(three.row[2 * n :])
+    y4, f4 = packs_of(four.row), packs_of(four.row[2 * n :])
+    y5, f5 = packs_of(five.row), packs_of(five.row[2 * n :])
+    end, last = packs_of(work.end.row), packs_of(work.end.row[2 * n :])
+    for i in range(count):
+        y1[i] = y[i] + h * (A1_0 * f0[i])
+    code = evaluate_stage(column, one, t + C1 * h)
     if code != OK:
-        return code, 0.0
-    for i in range(2 * size):
-        work[2 * p + i] = work[i] + h * (A2_0 * work[rates + i] + A2_1 * work[p + rates + i])
-    code = evaluate_stage(model, inputs, work, counters, 2 * p, t + C2 * h)
+        return code, 0.0 * h
+    for i in range(count):
+        y2[i] = y[i] + h * (A2_0 * f0[i] + A2_1 * f1[i])
+    code = evaluate_stage(column, two, t + C2 * h)
     if code != OK:
-        return code, 0.0
-    for i in range(2 * size):
-        work[3 * p + i] = work[i] + h * (
-            A3_0 * work[rates + i] + A3_1 * work[p + rates + i] + A3_2 * work[2 * p + rates + i]
+        return code, 0.0 * h
+    for i in range(count):
+        y3[i] = y[i] + h * (A3_0 * f0[i] + A3_1 * f1[i] + A3_2 * f2[i])
+    code = evaluate_stage(column, three, t + C3 * h)
+    if code != OK:
+        return code, 0.0 * h
+    for i in range(count):
+        y4[i] = y[i] + h * (A4_0 * f0[i] + A4_1 * f1[i] + A4_2 * f2[i] + A4_3 * f3[i])
+    code = evaluate_stage(column, four, t + C4 * h)
+    if code != OK:
+        return code, 0.0 * h
+    for i in range(count):
+        y5[i] = y[i] + h * (A5_0 * f0[i] + A5_1 * f1[i] + A5_2 * f2[i] + A5_3 * f3[i] + A5_4 * f4[i])
+    code = evaluate_stage(column, five, t + C5 * h)
+    if code != OK:
+        return code, 0.0 * h
+    for i in range(count):
+        end[i] = y[i] + h * (B_0 * f0[i] + B_2 * f2[i] + B_3 * f3[i] + B_4 * f4[i] + B_5 * f5[i])
+    code = evaluate_stage(column, work.end, t + h)
+    if code != OK:
+        return code, 0.0 * h
+    error = packs_of(work.between.row)
+    for i in range(count):
+        error[i] = h * (
+            (ERROR_0 * f0[i] + ERROR_2 * f2[i] + ERROR_3 * f3[i])
+            + (ERROR_4 * f4[i] + ERROR_5 * f5[i] + ERROR_LAST * last[i])
         )
-    code = evaluate_stage(model, inputs, work, counters, 3 * p, t + C3 * h)
-    if code != OK:
-        return code, 0.0
-    for i in range(2 * size):
-        work[4 * p + i] = work[i] + h * (
-            A4_0 * work[rates + i]
-            + A4_1 * work[p + rates + i]
-            + A4_2 * work[2 * p + rates + i]
-            + A4_3 * work[3 * p + rates + i]
-        )
-    code = evaluate_stage(model, inputs, work, counters, 4 * p, t + C4 * h)
-    if code != OK:
-        return code, 0.0
-    for i in range(2 * size):
-        work[5 * p + i] = work[i] + h * (
-            A5_0 * work[rates + i]
-            + A5_1 * work[p + rates + i]
-            + A5_2 * work[2 * p + rates + i]
-            + A5_3 * work[3 * p + rates + i]
-            + A5_4 * work[4 * p + rates + i]
-        )
-    code = evaluate_stage(model, inputs, work, counters, 5 * p, t + C5 * h)
-    if code != OK:
-        return code, 0.0
-    for i in range(2 * size):
-        work[end + i] = work[i] + h * (
-            B_0 * work[rates + i]
-            + B_2 * work[2 * p + rates + i]
-            + B_3 * work[3 * p + rates + i]
-            + B_4 * work[4 * p + rates + i]
-            + B_5 * work[5 * p + rates + i]
-        )
-    code = evaluate_stage(model, inputs, work, counters, end, t + h)
-    if code != OK:
-        return code, 0.0
-    difference = PHASE_BETWEEN * p
-    for i in range(2 * size):
-        work[difference + i] = h * (
-            ERROR_0 * work[rates + i]
-            + ERROR_2 * work[2 * p + rates + i]
-            + ERROR_3 * work[3 * p + rates + i]
-            + ERROR_4 * work[4 * p + rates + i]
-            + ERROR_5 * work[5 * p + rates + i]
-            + ERROR_LAST * work[end + rates + i]
-        )
-    error = error_in_tolerances(model, work, difference, scale, rate_scale)
-    return OK, error
+    return OK, error_in_tolerances(column, work.between)

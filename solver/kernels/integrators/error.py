@@ -1,25 +1,30 @@
 """The size of an error: what the step control of every integrator goes by."""
 
-from ..jit import kernel
-from ..layout import BLOCK_FIELDS, MODEL_HEADER, N_BLOCKS, OPEN_SIZE, TOLERANCE, TURN_SIZE
+from ..jit import leaf
+from ..lanes import magnitude, where
 
 
-@kernel
-def error_in_tolerances(model, work, difference, scale, rate_scale):
-    """Largest of the 4 n errors of coordinates and rates at work[difference:], in parts of what is tolerated.
+@leaf
+def _larger(error, part):
+    """The larger of two errors; one that is not a number stays."""
+    return where(part <= error, error, part)
 
-    Tolerated is the tolerance times scale (rad) or rate_scale (rad/s), times the size that a coordinate has for a unit
-    rotation.
+
+@leaf
+def error_in_tolerances(column, difference):
+    """Largest of the 4 n errors of coordinates and rates in a phase, in parts of what is tolerated.
+
+    Tolerated is the tolerance times the largest rotation so far, or the largest rate, times the size that a coordinate
+    has for a unit rotation.
     """
-    n = int(model[N_BLOCKS])
-    error = 0.0
-    unit = 1.0 / (model[TOLERANCE] * scale)
-    for segment in range(4):  # rotations, openings, their rates
-        if segment == 2:
-            unit = 1.0 / (model[TOLERANCE] * rate_scale)
-        field = OPEN_SIZE if segment % 2 else TURN_SIZE
-        for i in range(n):
-            part = abs(work[difference + segment * n + i]) * unit / model[MODEL_HEADER + BLOCK_FIELDS * i + field]
-            if not part <= error:  # keeps a part that is not a number
-                error = part
-    return error
+    blocks, control = column.model.blocks, column.state.control
+    tolerance = column.model.settings.tolerance
+    error = 0.0 * tolerance
+    rate_error = error
+    for i in range(column.model.n):
+        turn, open_ = blocks.per_turn_size[i], blocks.per_open_size[i]
+        error = _larger(error, magnitude(difference.theta[i]) * turn)
+        error = _larger(error, magnitude(difference.opening[i]) * open_)
+        rate_error = _larger(rate_error, magnitude(difference.theta_rate[i]) * turn)
+        rate_error = _larger(rate_error, magnitude(difference.opening_rate[i]) * open_)
+    return _larger(error / (tolerance * control.rotation_scale), rate_error / (tolerance * control.rate_scale))

@@ -15,70 +15,49 @@ import math
 
 import numpy as np
 
-from ..dynamics import accelerate, base_acceleration, modal_offset
-from ..jit import kernel, leaf, place
+from ..formulations.base import base_line, base_motion, wave_amplitude
+from ..formulations.either import evaluate_at
+from ..jit import kernel, leaf, part
 from ..layout import (
-    BLOCK_FIELDS,
-    DAMPING,
     ELASTIC,
-    GRAVITY,
-    INPUT_AMPLITUDE,
-    INPUT_AX,
-    INPUT_AZ,
-    INPUT_JX,
-    INPUT_JZ,
-    INPUT_OMEGA,
-    INPUT_PHASE,
-    INPUT_T0,
     INTERPOLATION_BOUND,
     INTERPOLATION_PART,
-    JOINT_WIDTH,
-    MODAL,
-    MODAL_HEADER,
-    MODAL_LONGEST,
-    MODAL_SWEEPS,
-    MODAL_THIRD,
-    MODE_DAMPING,
-    MODE_FIELDS,
-    MODE_PUSH,
-    MODE_SIZE,
-    MODE_SQUARE,
-    MODEL_HEADER,
-    N_BLOCKS,
     OK,
-    PHASE_END,
     RESPONSE_FIELDS,
     RESPONSE_HEADER,
     RESPONSES,
-    TOLERANCE,
-    WITHOUT,
 )
+from ..modes import inverses_of, limits_of, mode_of, shapes_of
+from ..views import Record
+from .stage import stage
 
 ORDER = 4  # of the estimated error
 INTERPOLATION_ORDER = 6
 OPENS = 2  # code, beside those of layout.py: a joint does not stay in full contact
-MIDDLE = 1  # the phases of work that a step uses: the middle, then modal coordinates, rates and remainders
-MODAL_START = 2
-MODAL_MIDDLE = 3
-MODAL_END = 4
 
-# fields of the responses of a mode: over half the step from HALF, over all of it from WHOLE
-HALF = 0
-WHOLE = 8
-REST = 0  # coordinate left of a unit coordinate
-IMPULSE = 1  # coordinate for a unit rate: g
-IMPULSE_RATE = 2  # rate left of a unit rate: g'
-STEADY = 3  # coordinate for a unit force: I_0
-RAMP = 4  # for a force t: I_1
-COSINE = 5  # for a force cos(omega t), of the base
-SINE = 6
-PARABOLA = 7  # for a force t^2 / 2: I_2
-# the steady harmonic motion for 1 m/s2, at the sine and the cosine of the phase of the base
-STEADY_SINE = 16
-STEADY_COSINE = 17
-FREE = 18  # what interpolation misses of a free motion, in parts of its amplitude, times the size of the mode
-FORCED = 19  # and of the steady motion for 1 m/s2
-PER_RATE = 20  # s, amplitude for a unit rate
+# the responses of a mode
+HALF = Record(
+    "rest",  # coordinate left of a unit coordinate
+    "impulse",  # coordinate for a unit rate: g
+    "impulse_rate",  # rate left of a unit rate: g'
+    "steady",  # coordinate for a unit force: I_0
+    "ramp",  # for a force t: I_1
+    "cosine",  # for a force cos(omega t), of the base
+    "sine",
+    "parabola",  # for a force t^2 / 2: I_2
+)
+WHOLE = HALF.beside  # responses over half the step are followed by those over all of it
+STEADY = Record(
+    # the steady harmonic motion for 1 m/s2, at the sine and the cosine of the phase of the base
+    "sine",
+    "cosine",
+    "free",  # what interpolation misses of a free motion, in parts of its amplitude, times the size of the mode
+    "forced",  # and of the steady motion for 1 m/s2
+    "per_rate",  # s, amplitude for a unit rate
+)
+assert 2 * WHOLE + STEADY.beside == RESPONSE_FIELDS
+_half = HALF.over
+_steady = STEADY.over
 
 TERMS = 24  # of the series
 SERIES = 2.0  # radians (of frequency or damping) in a step up to which they give all digits
@@ -91,12 +70,12 @@ LEAST_STEP = 1e-9  # s
 @leaf
 def available(model):
     """Whether the column may be propagated by modes."""
-    return model[MODAL] > 0.0 and int(model[WITHOUT]) & ELASTIC == 0
+    return model.settings.has_modes != 0.0 and int(model.settings.without) & ELASTIC == 0
 
 
 @kernel
-def respond(square, beta, h, omega, out, at):
-    """Responses of a mode (omega^2 = square, 1/s2; beta, 1/s) over h s at out[at:], eight fields.
+def respond(square, beta, h, omega, out):
+    """Responses of a mode (omega^2 = square, 1/s2; beta, 1/s) over h s, to a record of HALF.
 
     omega: that of the base, 1/s; omega * h is at most about 1.
     """
@@ -111,14 +90,14 @@ def respond(square, beta, h, omega, out, at):
             i_0, i_1, i_2 = INVERSE_FACTORIALS[k] - d * i_0 - x * i_1, i_0, i_1
             even, odd = i_0 - y * y * odd, even
         impulse = 1.0 - d * i_0 - x * i_1
-        out[at + IMPULSE] = h * impulse
-        out[at + IMPULSE_RATE] = 1.0 - d * impulse - x * i_0
-        out[at + REST] = 1.0 - x * i_0
-        out[at + STEADY] = h * h * i_0
-        out[at + RAMP] = h * h * h * i_1
-        out[at + COSINE] = h * h * even
-        out[at + SINE] = h * h * y * odd
-        out[at + PARABOLA] = h * h * h * h * i_2
+        out.impulse = h * impulse
+        out.impulse_rate = 1.0 - d * impulse - x * i_0
+        out.rest = 1.0 - x * i_0
+        out.steady = h * h * i_0
+        out.ramp = h * h * h * i_1
+        out.cosine = h * h * even
+        out.sine = h * h * y * odd
+        out.parabola = h * h * h * h * i_2
         return
     half = 0.5 * beta
     split = half * half - square
@@ -140,20 +119,20 @@ def respond(square, beta, h, omega, out, at):
         rest = left * (1.0 + slow * sine)
     steady = (1.0 - rest) / square
     ramp = (h - beta * steady - impulse) / square
-    out[at + REST] = rest
-    out[at + IMPULSE] = impulse
-    out[at + IMPULSE_RATE] = impulse_rate
-    out[at + STEADY] = steady
-    out[at + RAMP] = ramp
+    out.rest = rest
+    out.impulse = impulse
+    out.impulse_rate = impulse_rate
+    out.steady = steady
+    out.ramp = ramp
     # (exp(i omega h) - rest - i omega impulse) / (omega_k^2 - omega^2 + i beta omega): far from resonance here
     real = math.cos(omega * h) - rest
     imaginary = math.sin(omega * h) - omega * impulse
     away = square - omega * omega
     across = beta * omega
     per = 1.0 / (away * away + across * across)
-    out[at + COSINE] = (real * away + imaginary * across) * per
-    out[at + SINE] = (imaginary * away - real * across) * per
-    out[at + PARABOLA] = (0.5 * h * h - beta * ramp - steady) / square
+    out.cosine = (real * away + imaginary * across) * per
+    out.sine = (imaginary * away - real * across) * per
+    out.parabola = (0.5 * h * h - beta * ramp - steady) / square
 
 
 @leaf
@@ -165,75 +144,67 @@ def missed(x):
 
 @kernel
 def _responses(model, work, h, omega):
-    """Where in work the responses over h s (on the grid) stand; they are made where they are not kept from before.
+    """The row of responses over h s (on the grid); they are made where they are not kept from before.
 
     They follow from model, h and omega alone, so that it does not matter to the last bit which are kept.
     """
-    n = int(model[N_BLOCKS])
-    latest = modal_offset(n) + 1 + 4 * n  # holds the number of the place used last
+    n = model.n
     length = RESPONSE_HEADER + RESPONSE_FIELDS * 2 * n
-    for i in range(RESPONSES):
-        slot = latest + 1 + length * i
-        if work[slot] == h and work[slot + 1] == omega:
-            work[latest] = i
-            return slot
-    place_used = (int(work[latest]) + 1) % RESPONSES
-    work[latest] = place_used
-    slot = latest + 1 + length * place_used
-    work[slot] = h
-    work[slot + 1] = omega
-    mode = int(model[MODAL]) + MODAL_HEADER
-    out = slot + RESPONSE_HEADER
-    for _ in range(2 * n):
-        square = model[mode + MODE_SQUARE]
-        beta = model[mode + MODE_DAMPING]
-        size = model[mode + MODE_SIZE]
-        respond(square, beta, 0.5 * h, omega, work, out + HALF)
-        respond(square, beta, h, omega, work, out + WHOLE)
-        fastest = math.sqrt(square)
-        sine = 0.0
-        cosine = 0.0
+    for k in range(RESPONSES):
+        kept = work.responses[length * k :]
+        if kept[0] == h and kept[1] == omega:
+            work.latest.response = k
+            return kept[RESPONSE_HEADER:]
+    used = (int(work.latest.response) + 1) % RESPONSES
+    work.latest.response = used
+    kept = work.responses[length * used :]
+    kept[0] = h
+    kept[1] = omega
+    for k in range(2 * n):
+        mode = mode_of(model, k)
+        out = kept[RESPONSE_HEADER + RESPONSE_FIELDS * k :]
+        respond(mode.square, mode.damping, 0.5 * h, omega, _half(out, 0))
+        respond(mode.square, mode.damping, h, omega, _half(out[WHOLE:], 0))
+        steady = _steady(out[2 * WHOLE :], 0)
+        fastest = math.sqrt(mode.square)
+        steady.sine = 0.0
+        steady.cosine = 0.0
         if fastest > SPLIT * omega:
-            away = square - omega * omega
-            across = beta * omega
+            away = mode.square - omega * omega
+            across = mode.damping * omega
             per = 1.0 / (away * away + across * across)
-            sine = away * per
-            cosine = -across * per
+            steady.sine = away * per
+            steady.cosine = -across * per
         else:
             fastest = max(fastest, omega)
-        work[out + STEADY_SINE] = sine
-        work[out + STEADY_COSINE] = cosine
-        work[out + FREE] = size * missed(fastest * h)
-        work[out + FORCED] = size * abs(model[mode + MODE_PUSH]) * math.hypot(sine, cosine) * missed(omega * h)
-        work[out + PER_RATE] = 1.0 / fastest
-        mode += MODE_FIELDS
-        out += RESPONSE_FIELDS
-    return slot
+        steady.free = mode.size * missed(fastest * h)
+        steady.forced = mode.size * abs(mode.push) * math.hypot(steady.sine, steady.cosine) * missed(omega * h)
+        steady.per_rate = 1.0 / fastest
+    return kept[RESPONSE_HEADER:]
 
 
 @leaf
-def _multiply(model, matrices, work, x, y, n, segments):
-    """One to three segments of 2 n numbers at work[x:] times the matrices of rotations and openings, to work[y:]."""
+def _multiply(matrices, x, y, n, segments):
+    """One to three segments of 2 n numbers of the row x times the matrices of rotations and openings, to the row y."""
     size = 2 * n
-    matrix = place(matrices)
     for half in range(2):
-        begin = place(x + half * n)
+        matrix = matrices[half * n * n :]
         for i in range(n):
             first, second, third = 0.0, 0.0, 0.0
             for j in range(n):
-                factor = model[matrix + j]
-                first += factor * work[begin + j]
+                factor = matrix[n * i + j]
+                begin = half * n + j
+                first += factor * x[begin]
                 if segments > 1:
-                    second += factor * work[begin + size + j]
+                    second += factor * x[size + begin]
                 if segments > 2:
-                    third += factor * work[begin + 2 * size + j]
-            matrix += n
-            to = place(y + half * n + i)
-            work[to] = first
+                    third += factor * x[2 * size + begin]
+            to = half * n + i
+            y[to] = first
             if segments > 1:
-                work[to + size] = second
+                y[size + to] = second
             if segments > 2:
-                work[to + 2 * size] = third
+                y[2 * size + to] = third
 
 
 @leaf
@@ -245,47 +216,49 @@ def _dips(c_0, rate_0, c_1, rate_1, h):
     return not lowest > 0.0
 
 
+@leaf
+def _joint_turn(phase, i, n):
+    """Rotation of a joint, its rate and acceleration."""
+    if i + 1 == n:
+        return phase.theta[i], phase.theta_rate[i], phase.theta_acceleration[i]
+    return (
+        phase.theta[i] - phase.theta[i + 1],
+        phase.theta_rate[i] - phase.theta_rate[i + 1],
+        phase.theta_acceleration[i] - phase.theta_acceleration[i + 1],
+    )
+
+
 @kernel
-def _opens(model, work, a, b, h):
-    """Whether a corner of a joint may open, or lose its pressure, in the h s between the phases work[a:] and work[b:].
+def _opens(model, p, q, h):
+    """Whether a corner of a joint may open, or lose its pressure, in the h s between the phases p and q.
 
     The corner at +-width/2 is pressed by -opening -+ width/2 * slope, of which the slope is taken from above.
     """
-    n = place(int(model[N_BLOCKS]))
+    n = model.n
     for i in range(n):
-        row = place(MODEL_HEADER + BLOCK_FIELDS * i)
-        eta = model[row + DAMPING]
-        half = 0.5 * model[row + JOINT_WIDTH]
-        p, q = place(a + i), place(b + i)
-        turn_p, spin_p, turned_p = work[p], work[p + 2 * n], work[p + 4 * n]
-        turn_q, spin_q, turned_q = work[q], work[q + 2 * n], work[q + 4 * n]
-        if i + 1 < n:
-            turn_p -= work[p + 1]
-            spin_p -= work[p + 2 * n + 1]
-            turned_p -= work[p + 4 * n + 1]
-            turn_q -= work[q + 1]
-            spin_q -= work[q + 2 * n + 1]
-            turned_q -= work[q + 4 * n + 1]
+        eta = model.blocks.damping[i]
+        half = 0.5 * model.blocks.width[i]
+        turn_p, spin_p, turned_p = _joint_turn(p, i, n)
+        turn_q, spin_q, turned_q = _joint_turn(q, i, n)
         # far from opening, neither corner can come to it
-        rate = half * max(abs(spin_p), abs(spin_q)) + max(abs(work[p + 3 * n]), abs(work[q + 3 * n]))
+        rate = half * max(abs(spin_p), abs(spin_q)) + max(abs(p.opening_rate[i]), abs(q.opening_rate[i]))
         reach = h * rate
         if eta > 0.0:
             reach += eta * rate
-            reach += (
-                h * eta * (half * max(abs(turned_p), abs(turned_q)) + max(abs(work[p + 5 * n]), abs(work[q + 5 * n])))
-            )
-        if -max(work[p + n], work[q + n]) - half * max(abs(turn_p), abs(turn_q)) > reach:
+            opened = max(abs(p.opening_acceleration[i]), abs(q.opening_acceleration[i]))
+            reach += h * eta * (half * max(abs(turned_p), abs(turned_q)) + opened)
+        if -max(p.opening[i], q.opening[i]) - half * max(abs(turn_p), abs(turn_q)) > reach:
             continue
         for _ in range(2):
-            c_p = half * turn_p - work[p + n]
-            c_q = half * turn_q - work[q + n]
-            v_p = half * spin_p - work[p + 3 * n]
-            v_q = half * spin_q - work[q + 3 * n]
+            c_p = half * turn_p - p.opening[i]
+            c_q = half * turn_q - q.opening[i]
+            v_p = half * spin_p - p.opening_rate[i]
+            v_q = half * spin_q - q.opening_rate[i]
             if _dips(c_p, v_p, c_q, v_q, h):
                 return True
             if eta > 0.0:
-                a_p = half * turned_p - work[p + 5 * n]
-                a_q = half * turned_q - work[q + 5 * n]
+                a_p = half * turned_p - p.opening_acceleration[i]
+                a_q = half * turned_q - q.opening_acceleration[i]
                 if _dips(c_p + eta * v_p, v_p + eta * a_p, c_q + eta * v_q, v_q + eta * a_q, h):
                     return True
             half = -half
@@ -293,175 +266,166 @@ def _opens(model, work, a, b, h):
 
 
 @kernel
-def suits(model, work):
-    """Whether a step from the phase PHASE_START may be tried: every joint is in full contact there."""
-    return not _opens(model, work, 0, 0, 0.0)
+def suits(column):
+    """Whether a step may be tried: every joint is in full contact at its start."""
+    return not _opens(column.model, column.work.start, column.work.start, 0.0)
 
 
-@kernel
-def forget(model, work):
+@leaf
+def forget(work):
     """The trend of the remainder is not that of the step before: this is the first step of a call, or after others."""
-    work[modal_offset(int(model[N_BLOCKS]))] = 0.0
+    work.trend.known = 0.0
 
 
-@kernel
+@leaf
 def longest_step(model):
     """s; beyond it what couples the modes is not small."""
-    return model[int(model[MODAL]) + MODAL_LONGEST]
+    return limits_of(model).longest
 
 
 @kernel
-def attempt(model, inputs, work, counters, scale, rate_scale, t, h):
-    """One step and its error, relative to tolerance times scale (rad) and rate_scale (rad/s).
+def attempt(column, t, h):
+    """One step of h seconds from work.start to work.end; returns (code, error in tolerances).
 
     The error is that of the correction or what interpolation would miss, whichever limits the step more. The code is
     OPENS where a joint does not stay in full contact. Where nothing is damped a second sweep makes the step symmetric
     in time, which keeps the energy over any number of steps; one leaves a drift of 6e-11 in a period.
     """
     code, error = OK, 0.0
-    sweeps = int(model[int(model[MODAL]) + MODAL_SWEEPS])
+    sweeps = int(limits_of(column.model).sweeps)
     for sweep in range(sweeps):
         if code == OK and error <= 1.0:
-            last = sweep + 1 == sweeps
-            code, error = _sweep(model, inputs, work, counters, scale, rate_scale, t, h, sweep == 0, last)
+            code, error = _sweep(column, t, h, sweep == 0, sweep + 1 == sweeps)
     return code, error
 
 
-@kernel
-def _sweep(model, inputs, work, counters, scale, rate_scale, t, h, is_first, is_last):
+@part
+def _sweep(column, t, h, is_first, is_last):
     """As `attempt`; what it finds of the remainder serves the next sweep, that of the last one the next step."""
-    n = place(int(model[N_BLOCKS]))
+    model, base, samples, work = column.model, column.base, column.samples, column.work
+    settings, control = model.settings, column.state.control
+    n = model.n
     size = 2 * n
-    phase = 3 * size
-    middle, end = phase * MIDDLE, phase * PHASE_END
-    first, mean, last = phase * MODAL_START, phase * MODAL_MIDDLE, phase * MODAL_END
-    modal = int(model[MODAL])
-    modes = modal + MODAL_HEADER
-    shapes = modes + size * MODE_FIELDS
-    inverses = shapes + 2 * n * n
-    trend = modal_offset(n)  # flag, then slopes and curvatures of the remainder
-    known = work[trend] != 0.0
-    work[trend] = 0.0
-    trend = place(trend + 1)
-    amplitude = inputs[INPUT_AMPLITUDE]
-    omega = inputs[INPUT_OMEGA] if amplitude != 0.0 else 0.0
+    middle, end = stage(work, 1), work.end
+    # modal coordinates, rates and remainders at the start, in the middle and at the end
+    first, mean, last = stage(work, 2).row, stage(work, 3).row, stage(work, 4).row
+    shapes, inverses = shapes_of(model), inverses_of(model)
+    slopes, curvatures = work.slopes, work.curvatures
+    known = work.trend.known != 0.0
+    work.trend.known = 0.0
+    amplitude = wave_amplitude(base, samples)
+    omega = base.wave_omega if amplitude != 0.0 else 0.0
     on_grid = math.floor(h * GRID + 0.5) / GRID
     excess = h - on_grid
-    responses = _responses(model, work, on_grid, omega) + RESPONSE_HEADER
+    responses = _responses(model, work, on_grid, omega)
 
     if is_first and known:  # the last step has ended here
-        for i in range(phase):
-            work[first + i] = work[last + i]
+        for i in range(3 * size):
+            first[i] = last[i]
     elif is_first:
-        _multiply(model, inverses, work, 0, first, n, 3)
-    past = t - inputs[INPUT_T0]
-    angle = omega * t + inputs[INPUT_PHASE]
+        _multiply(inverses, work.start.row, first, n, 3)
+    ax, jx, az, jz = base_line(base, samples, t)
+    angle = omega * t + base.wave_phase
     wave_sine = amplitude * math.sin(angle) if amplitude != 0.0 else 0.0
     wave_cosine = amplitude * math.cos(angle) if amplitude != 0.0 else 0.0
-    for stage in range(2):  # in the middle, then at the end with what is known by then
-        here = middle if stage == 0 else end
-        to = mean if stage == 0 else last
+    ax_then, lift_then = 0.0, 0.0
+    for half in range(2):  # in the middle, then at the end with what is known by then
+        here = middle if half == 0 else end
+        to = mean if half == 0 else last
         for k in range(size):
-            mode = place(modes + MODE_FIELDS * k)
-            out = place(responses + RESPONSE_FIELDS * k + (HALF if stage == 0 else WHOLE))
-            at = place(first + k)
-            p, v = work[at], work[at + size]
-            square, push = model[mode + MODE_SQUARE], model[mode + MODE_PUSH]
+            mode = mode_of(model, k)
+            over = _half(responses[RESPONSE_FIELDS * k + WHOLE * half :], 0)
+            p, v = first[k], first[size + k]
+            square, push = mode.square, mode.push
             if k < n:
-                force = push * (inputs[INPUT_AX] + inputs[INPUT_JX] * past)
-                slope = push * inputs[INPUT_JX]
+                force = push * ax
+                slope = push * jx
                 force_sine, force_cosine = push * wave_sine, push * wave_cosine
             else:
-                force = push * (model[GRAVITY] + inputs[INPUT_AZ] + inputs[INPUT_JZ] * past)
-                slope = push * inputs[INPUT_JZ]
+                force = push * (settings.gravity + az)
+                slope = push * jz
                 force_sine, force_cosine = 0.0, 0.0
-            if stage == 0 and is_first:
-                beta = model[mode + MODE_DAMPING]
-                work[at + 2 * size] += beta * v + square * p - (force + force_sine)
+            if half == 0 and is_first:
+                first[2 * size + k] += mode.damping * v + square * p - (force + force_sine)
+            remainder = first[2 * size + k]
             # the remainder goes on as in the step before; at the end, through its value in the middle
-            curvature = work[trend + size + k] if known else 0.0
-            if stage == 1:
-                slope += 2.0 * (work[mean + k + 2 * size] - work[at + 2 * size]) / on_grid - 0.25 * on_grid * curvature
+            curvature = curvatures[k] if known else 0.0
+            if half == 1:
+                slope += 2.0 * (mean[2 * size + k] - remainder) / on_grid - 0.25 * on_grid * curvature
             elif known:
-                slope += work[trend + k]
-            force += work[at + 2 * size]
-            impulse, cosine, sine = work[out + IMPULSE], work[out + COSINE], work[out + SINE]
-            steady = work[out + STEADY]
-            work[to + k] = (
-                (work[out + REST] * p + impulse * v)
-                + (steady * force + work[out + RAMP] * slope + work[out + PARABOLA] * curvature)
-                + (cosine * force_sine + sine * force_cosine)
+                slope += slopes[k]
+            force += remainder
+            to[k] = (
+                (over.rest * p + over.impulse * v)
+                + (over.steady * force + over.ramp * slope + over.parabola * curvature)
+                + (over.cosine * force_sine + over.sine * force_cosine)
             )
-            work[to + size + k] = (
-                (work[out + IMPULSE_RATE] * v - square * impulse * p)
-                + (impulse * force + steady * slope + work[out + RAMP] * curvature)
-                + ((impulse - omega * sine) * force_sine + omega * cosine * force_cosine)
+            to[size + k] = (
+                (over.impulse_rate * v - square * over.impulse * p)
+                + (over.impulse * force + over.steady * slope + over.ramp * curvature)
+                + ((over.impulse - omega * over.sine) * force_sine + omega * over.cosine * force_cosine)
             )
-        _multiply(model, shapes, work, to, here, n, 2)
-        then = t + (0.5 * h if stage == 0 else h)
-        base_ax, base_az = base_acceleration(inputs, then)
-        code = accelerate(model, inputs, work, here, then, work, counters)
+        _multiply(shapes, to, here.row, n, 2)
+        then = t + (0.5 * h if half == 0 else h)
+        motion = base_motion(base, samples, then)
+        ax_then, lift_then = motion.ax, settings.gravity + motion.az
+        code = evaluate_at(column, here, then)
         if code != OK:
             return code, 0.0
-        if _opens(model, work, 0 if stage == 0 else middle, here, 0.5 * h):
+        if _opens(model, work.start if half == 0 else middle, here, 0.5 * h):
             return OPENS, 0.0
-        _multiply(model, inverses, work, here + 2 * size, to + 2 * size, n, 1)
+        _multiply(inverses, here.row[2 * size :], to[2 * size :], n, 1)
         for k in range(size):
-            mode = place(modes + MODE_FIELDS * k)
-            at = place(to + k)
-            beta, square = model[mode + MODE_DAMPING], model[mode + MODE_SQUARE]
-            base = base_ax if k < n else model[GRAVITY] + base_az
-            work[at + 2 * size] += beta * work[at + size] + square * work[at] - model[mode + MODE_PUSH] * base
+            mode = mode_of(model, k)
+            pushed = ax_then if k < n else lift_then
+            to[2 * size + k] += mode.damping * to[size + k] + mode.square * to[k] - mode.push * pushed
 
     per_step = 1.0 / on_grid
     wrong, wrong_rate, hidden = 0.0, 0.0, 0.0
     for k in range(size):
-        mode = place(modes + MODE_FIELDS * k)
-        out = place(responses + RESPONSE_FIELDS * k)
-        at = place(first + k)
-        to = place(last + k)
-        beta, square, push = model[mode + MODE_DAMPING], model[mode + MODE_SQUARE], model[mode + MODE_PUSH]
-        r_0, r_1 = work[at + 2 * size], work[to + 2 * size]
-        bend = 2.0 * (r_0 - 2.0 * work[mean + k + 2 * size] + r_1)  # r = r_0 + (...) s + bend s^2, s from 0 to 1
-        impulse, steady = work[out + WHOLE + IMPULSE], work[out + WHOLE + STEADY]
+        mode = mode_of(model, k)
+        row = responses[RESPONSE_FIELDS * k :]
+        over, still = _half(row[WHOLE:], 0), _steady(row[2 * WHOLE :], 0)
+        beta, square, push = mode.damping, mode.square, mode.push
+        r_0, r_1 = first[2 * size + k], last[2 * size + k]
+        bend = 2.0 * (r_0 - 2.0 * mean[2 * size + k] + r_1)  # r = r_0 + (...) s + bend s^2, s from 0 to 1
         # responses to s and s^2: coordinates, rates
-        line, parabola = work[out + WHOLE + RAMP] * per_step, 2.0 * work[out + WHOLE + PARABOLA] * per_step * per_step
-        line_rate, parabola_rate = steady * per_step, 2.0 * work[out + WHOLE + RAMP] * per_step * per_step
-        change = bend - 0.5 * on_grid * on_grid * (work[trend + size + k] if known else 0.0)
-        p = work[to] + change * (parabola - 0.5 * line)
-        v = work[to + size] + change * (parabola_rate - 0.5 * line_rate)
-        base = base_ax if k < n else model[GRAVITY] + base_az
-        force = push * base + r_1
+        line, parabola = over.ramp * per_step, 2.0 * over.parabola * per_step * per_step
+        line_rate, parabola_rate = over.steady * per_step, 2.0 * over.ramp * per_step * per_step
+        change = bend - 0.5 * on_grid * on_grid * (curvatures[k] if known else 0.0)
+        p = last[k] + change * (parabola - 0.5 * line)
+        v = last[size + k] + change * (parabola_rate - 0.5 * line_rate)
+        force = push * (ax_then if k < n else lift_then) + r_1
         v += excess * (force - beta * v - square * p)
         p += excess * v
-        work[to] = p
-        work[to + size] = v
-        work[to + 2 * size] = force - beta * v - square * p
+        last[k] = p
+        last[size + k] = v
+        last[2 * size + k] = force - beta * v - square * p
 
-        wrong += model[mode + MODE_SIZE] * abs(bend * (line - parabola))
-        wrong_rate += model[mode + MODE_SIZE] * abs(bend * (line_rate - parabola_rate))
+        wrong += mode.size * abs(bend * (line - parabola))
+        wrong_rate += mode.size * abs(bend * (line_rate - parabola_rate))
         # the free motion: without that which the forces make
         slope = (r_1 - r_0 - bend) * per_step
-        work[trend + k] = slope + 2.0 * bend * per_step if is_last else slope
-        work[trend + size + k] = 2.0 * bend * per_step * per_step
+        slopes[k] = slope + 2.0 * bend * per_step if is_last else slope
+        curvatures[k] = 2.0 * bend * per_step * per_step
         if k < n:
-            force = r_0 + push * (inputs[INPUT_AX] + inputs[INPUT_JX] * past)
-            slope += push * inputs[INPUT_JX]
-            sine, cosine = push * work[out + STEADY_SINE], push * work[out + STEADY_COSINE]
-            hidden += work[out + FORCED] * abs(amplitude)
+            force = r_0 + push * ax
+            slope += push * jx
+            sine, cosine = push * still.sine, push * still.cosine
+            hidden += still.forced * abs(amplitude)
         else:
-            force = r_0 + push * (model[GRAVITY] + inputs[INPUT_AZ] + inputs[INPUT_JZ] * past)
-            slope += push * inputs[INPUT_JZ]
+            force = r_0 + push * (settings.gravity + az)
+            slope += push * jz
             sine, cosine = 0.0, 0.0
         slope /= square
-        p = work[at] - (force / square - beta / square * slope) - (sine * wave_sine + cosine * wave_cosine)
-        v = work[at + size] - slope - omega * (sine * wave_cosine - cosine * wave_sine)
-        hidden += work[out + FREE] * (abs(p) + work[out + PER_RATE] * abs(v))
-    _multiply(model, shapes, work, last, end, n, 3)
-    allowed = model[TOLERANCE] * scale
-    error = model[modal + MODAL_THIRD] * max(wrong / allowed, wrong_rate / (model[TOLERANCE] * rate_scale))
+        p = first[k] - (force / square - beta / square * slope) - (sine * wave_sine + cosine * wave_cosine)
+        v = first[size + k] - slope - omega * (sine * wave_cosine - cosine * wave_sine)
+        hidden += still.free * (abs(p) + still.per_rate * abs(v))
+    _multiply(shapes, last, end.row, n, 3)
+    allowed = settings.tolerance * control.rotation_scale
+    error = limits_of(model).third * max(wrong / allowed, wrong_rate / (settings.tolerance * control.rate_scale))
     hidden /= INTERPOLATION_PART * allowed
     if hidden > 0.0:
         error = max(error, hidden ** (ORDER / INTERPOLATION_ORDER))
-    work[trend - 1] = 1.0 if error <= 1.0 else 0.0
+    work.trend.known = 1.0 if error <= 1.0 else 0.0
     return (OK if math.isfinite(error) else OPENS), error

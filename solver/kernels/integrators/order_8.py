@@ -7,13 +7,14 @@ evaluation at the end is the first stage of the next step.
 
 import math
 
-from ..jit import kernel, place
-from ..layout import N_BLOCKS, OK, PHASE_BETWEEN, PHASE_END
+from ..formulations.either import evaluate_stage
+from ..jit import kernel
+from ..layout import OK
+from ..views import packs, packs_of
 from .error import error_in_tolerances
-from .stage import evaluate_stage
+from .stage import stage
 
 ORDER = 8
-INSIDE = (4, 9, 10)  # stages at 0.28, 0.6 and 0.86 of the step
 LEEWAY = 2.0  # the estimate is that of a lower order: how much more than a step's share it may be
 
 C1, C2, C3, C4, C5, C6, C7, C8, C9, C10, C11 = (
@@ -114,155 +115,138 @@ ERROR_3_0, ERROR_3_5, ERROR_3_6, ERROR_3_7, ERROR_3_8, ERROR_3_9, ERROR_3_10, ER
 
 
 @kernel
-def attempt(model, inputs, work, counters, scale, rate_scale, t, h):
-    """One step and its error, relative to tolerance times scale (rad) and rate_scale (rad/s)."""
-    size = place(2 * int(model[N_BLOCKS]))
-    p = 3 * size  # stage k is phase k of the work array
-    rates = size  # slopes are rates and accelerations
-    end = PHASE_END * p
-    for i in range(2 * size):
-        work[p + i] = work[i] + h * (A1_0 * work[rates + i])
-    code = evaluate_stage(model, inputs, work, counters, p, t + C1 * h)
+def attempt(column, t, h):
+    """One step of h seconds from work.start to work.end; returns (code, error in tolerances)."""
+    work = column.work
+    n = work.n
+    count = packs(work.start.row, 4 * n)  # coordinates and rates, whose slopes are rates and accelerations
+    y, f0 = packs_of(work.start.row), packs_of(work.start.row[2 * n :])
+    y1, f1 = packs_of(stage(work, 1).row), packs_of(stage(work, 1).row[2 * n :])
+    y2, f2 = packs_of(stage(work, 2).row), packs_of(stage(work, 2).row[2 * n :])
+    y3, f3 = packs_of(stage(work, 3).row), packs_of(stage(work, 3).row[2 * n :])
+    y4, f4 = packs_of(stage(work, 4).row), packs_of(stage(work, 4).row[2 * n :])
+    y5, f5 = packs_of(stage(work, 5).row), packs_of(stage(work, 5).row[2 * n :])
+    y6, f6 = packs_of(stage(work, 6).row), packs_of(stage(work, 6).row[2 * n :])
+    y7, f7 = packs_of(stage(work, 7).row), packs_of(stage(work, 7).row[2 * n :])
+    y8, f8 = packs_of(stage(work, 8).row), packs_of(stage(work, 8).row[2 * n :])
+    y9, f9 = packs_of(stage(work, 9).row), packs_of(stage(work, 9).row[2 * n :])
+    y10, f10 = packs_of(stage(work, 10).row), packs_of(stage(work, 10).row[2 * n :])
+    y11, f11 = packs_of(stage(work, 11).row), packs_of(stage(work, 11).row[2 * n :])
+    end, error = packs_of(work.end.row), packs_of(work.between.row)
+    for i in range(count):
+        y1[i] = y[i] + h * (A1_0 * f0[i])
+    code = evaluate_stage(column, stage(work, 1), t + C1 * h)
     if code != OK:
         return code, 0.0
-    for i in range(2 * size):
-        work[2 * p + i] = work[i] + h * (A2_0 * work[rates + i] + A2_1 * work[p + rates + i])
-    code = evaluate_stage(model, inputs, work, counters, 2 * p, t + C2 * h)
+    for i in range(count):
+        y2[i] = y[i] + h * (A2_0 * f0[i] + A2_1 * f1[i])
+    code = evaluate_stage(column, stage(work, 2), t + C2 * h)
     if code != OK:
         return code, 0.0
-    for i in range(2 * size):
-        work[3 * p + i] = work[i] + h * (A3_0 * work[rates + i] + A3_2 * work[2 * p + rates + i])
-    code = evaluate_stage(model, inputs, work, counters, 3 * p, t + C3 * h)
+    for i in range(count):
+        y3[i] = y[i] + h * (A3_0 * f0[i] + A3_2 * f2[i])
+    code = evaluate_stage(column, stage(work, 3), t + C3 * h)
     if code != OK:
         return code, 0.0
-    for i in range(2 * size):
-        work[4 * p + i] = work[i] + h * (
-            A4_0 * work[rates + i] + A4_2 * work[2 * p + rates + i] + A4_3 * work[3 * p + rates + i]
+    for i in range(count):
+        y4[i] = y[i] + h * (A4_0 * f0[i] + A4_2 * f2[i] + A4_3 * f3[i])
+    code = evaluate_stage(column, stage(work, 4), t + C4 * h)
+    if code != OK:
+        return code, 0.0
+    for i in range(count):
+        y5[i] = y[i] + h * (A5_0 * f0[i] + A5_3 * f3[i] + A5_4 * f4[i])
+    code = evaluate_stage(column, stage(work, 5), t + C5 * h)
+    if code != OK:
+        return code, 0.0
+    for i in range(count):
+        y6[i] = y[i] + h * (A6_0 * f0[i] + A6_3 * f3[i] + A6_4 * f4[i] + A6_5 * f5[i])
+    code = evaluate_stage(column, stage(work, 6), t + C6 * h)
+    if code != OK:
+        return code, 0.0
+    for i in range(count):
+        y7[i] = y[i] + h * (A7_0 * f0[i] + A7_3 * f3[i] + A7_4 * f4[i] + A7_5 * f5[i] + A7_6 * f6[i])
+    code = evaluate_stage(column, stage(work, 7), t + C7 * h)
+    if code != OK:
+        return code, 0.0
+    for i in range(count):
+        y8[i] = y[i] + h * (A8_0 * f0[i] + A8_3 * f3[i] + A8_4 * f4[i] + A8_5 * f5[i] + A8_6 * f6[i] + A8_7 * f7[i])
+    code = evaluate_stage(column, stage(work, 8), t + C8 * h)
+    if code != OK:
+        return code, 0.0
+    for i in range(count):
+        y9[i] = y[i] + h * (
+            A9_0 * f0[i] + A9_3 * f3[i] + A9_4 * f4[i] + A9_5 * f5[i] + A9_6 * f6[i] + A9_7 * f7[i] + A9_8 * f8[i]
         )
-    code = evaluate_stage(model, inputs, work, counters, 4 * p, t + C4 * h)
+    code = evaluate_stage(column, stage(work, 9), t + C9 * h)
     if code != OK:
         return code, 0.0
-    for i in range(2 * size):
-        work[5 * p + i] = work[i] + h * (
-            A5_0 * work[rates + i] + A5_3 * work[3 * p + rates + i] + A5_4 * work[4 * p + rates + i]
+    for i in range(count):
+        y10[i] = y[i] + h * (
+            A10_0 * f0[i]
+            + A10_3 * f3[i]
+            + A10_4 * f4[i]
+            + A10_5 * f5[i]
+            + A10_6 * f6[i]
+            + A10_7 * f7[i]
+            + A10_8 * f8[i]
+            + A10_9 * f9[i]
         )
-    code = evaluate_stage(model, inputs, work, counters, 5 * p, t + C5 * h)
+    code = evaluate_stage(column, stage(work, 10), t + C10 * h)
     if code != OK:
         return code, 0.0
-    for i in range(2 * size):
-        work[6 * p + i] = work[i] + h * (
-            A6_0 * work[rates + i]
-            + A6_3 * work[3 * p + rates + i]
-            + A6_4 * work[4 * p + rates + i]
-            + A6_5 * work[5 * p + rates + i]
+    for i in range(count):
+        y11[i] = y[i] + h * (
+            A11_0 * f0[i]
+            + A11_3 * f3[i]
+            + A11_4 * f4[i]
+            + A11_5 * f5[i]
+            + A11_6 * f6[i]
+            + A11_7 * f7[i]
+            + A11_8 * f8[i]
+            + A11_9 * f9[i]
+            + A11_10 * f10[i]
         )
-    code = evaluate_stage(model, inputs, work, counters, 6 * p, t + C6 * h)
+    code = evaluate_stage(column, stage(work, 11), t + C11 * h)
     if code != OK:
         return code, 0.0
-    for i in range(2 * size):
-        work[7 * p + i] = work[i] + h * (
-            A7_0 * work[rates + i]
-            + A7_3 * work[3 * p + rates + i]
-            + A7_4 * work[4 * p + rates + i]
-            + A7_5 * work[5 * p + rates + i]
-            + A7_6 * work[6 * p + rates + i]
+    for i in range(count):
+        end[i] = y[i] + h * (
+            B_0 * f0[i]
+            + B_5 * f5[i]
+            + B_6 * f6[i]
+            + B_7 * f7[i]
+            + B_8 * f8[i]
+            + B_9 * f9[i]
+            + B_10 * f10[i]
+            + B_11 * f11[i]
         )
-    code = evaluate_stage(model, inputs, work, counters, 7 * p, t + C7 * h)
+    code = evaluate_stage(column, work.end, t + h)
     if code != OK:
         return code, 0.0
-    for i in range(2 * size):
-        work[8 * p + i] = work[i] + h * (
-            A8_0 * work[rates + i]
-            + A8_3 * work[3 * p + rates + i]
-            + A8_4 * work[4 * p + rates + i]
-            + A8_5 * work[5 * p + rates + i]
-            + A8_6 * work[6 * p + rates + i]
-            + A8_7 * work[7 * p + rates + i]
+    for i in range(count):
+        error[i] = h * (
+            ERROR_5_0 * f0[i]
+            + ERROR_5_5 * f5[i]
+            + ERROR_5_6 * f6[i]
+            + ERROR_5_7 * f7[i]
+            + ERROR_5_8 * f8[i]
+            + ERROR_5_9 * f9[i]
+            + ERROR_5_10 * f10[i]
+            + ERROR_5_11 * f11[i]
         )
-    code = evaluate_stage(model, inputs, work, counters, 8 * p, t + C8 * h)
-    if code != OK:
-        return code, 0.0
-    for i in range(2 * size):
-        work[9 * p + i] = work[i] + h * (
-            A9_0 * work[rates + i]
-            + A9_3 * work[3 * p + rates + i]
-            + A9_4 * work[4 * p + rates + i]
-            + A9_5 * work[5 * p + rates + i]
-            + A9_6 * work[6 * p + rates + i]
-            + A9_7 * work[7 * p + rates + i]
-            + A9_8 * work[8 * p + rates + i]
+    error_5 = error_in_tolerances(column, work.between)
+    for i in range(count):
+        error[i] = h * (
+            ERROR_3_0 * f0[i]
+            + ERROR_3_5 * f5[i]
+            + ERROR_3_6 * f6[i]
+            + ERROR_3_7 * f7[i]
+            + ERROR_3_8 * f8[i]
+            + ERROR_3_9 * f9[i]
+            + ERROR_3_10 * f10[i]
+            + ERROR_3_11 * f11[i]
         )
-    code = evaluate_stage(model, inputs, work, counters, 9 * p, t + C9 * h)
-    if code != OK:
-        return code, 0.0
-    for i in range(2 * size):
-        work[10 * p + i] = work[i] + h * (
-            A10_0 * work[rates + i]
-            + A10_3 * work[3 * p + rates + i]
-            + A10_4 * work[4 * p + rates + i]
-            + A10_5 * work[5 * p + rates + i]
-            + A10_6 * work[6 * p + rates + i]
-            + A10_7 * work[7 * p + rates + i]
-            + A10_8 * work[8 * p + rates + i]
-            + A10_9 * work[9 * p + rates + i]
-        )
-    code = evaluate_stage(model, inputs, work, counters, 10 * p, t + C10 * h)
-    if code != OK:
-        return code, 0.0
-    for i in range(2 * size):
-        work[11 * p + i] = work[i] + h * (
-            A11_0 * work[rates + i]
-            + A11_3 * work[3 * p + rates + i]
-            + A11_4 * work[4 * p + rates + i]
-            + A11_5 * work[5 * p + rates + i]
-            + A11_6 * work[6 * p + rates + i]
-            + A11_7 * work[7 * p + rates + i]
-            + A11_8 * work[8 * p + rates + i]
-            + A11_9 * work[9 * p + rates + i]
-            + A11_10 * work[10 * p + rates + i]
-        )
-    code = evaluate_stage(model, inputs, work, counters, 11 * p, t + C11 * h)
-    if code != OK:
-        return code, 0.0
-    for i in range(2 * size):
-        work[end + i] = work[i] + h * (
-            B_0 * work[rates + i]
-            + B_5 * work[5 * p + rates + i]
-            + B_6 * work[6 * p + rates + i]
-            + B_7 * work[7 * p + rates + i]
-            + B_8 * work[8 * p + rates + i]
-            + B_9 * work[9 * p + rates + i]
-            + B_10 * work[10 * p + rates + i]
-            + B_11 * work[11 * p + rates + i]
-        )
-    code = evaluate_stage(model, inputs, work, counters, end, t + h)
-    if code != OK:
-        return code, 0.0
-    difference = PHASE_BETWEEN * p
-    for i in range(2 * size):
-        work[difference + i] = h * (
-            ERROR_5_0 * work[rates + i]
-            + ERROR_5_5 * work[5 * p + rates + i]
-            + ERROR_5_6 * work[6 * p + rates + i]
-            + ERROR_5_7 * work[7 * p + rates + i]
-            + ERROR_5_8 * work[8 * p + rates + i]
-            + ERROR_5_9 * work[9 * p + rates + i]
-            + ERROR_5_10 * work[10 * p + rates + i]
-            + ERROR_5_11 * work[11 * p + rates + i]
-        )
-    error_5 = error_in_tolerances(model, work, difference, scale, rate_scale)
-    for i in range(2 * size):
-        work[difference + i] = h * (
-            ERROR_3_0 * work[rates + i]
-            + ERROR_3_5 * work[5 * p + rates + i]
-            + ERROR_3_6 * work[6 * p + rates + i]
-            + ERROR_3_7 * work[7 * p + rates + i]
-            + ERROR_3_8 * work[8 * p + rates + i]
-            + ERROR_3_9 * work[9 * p + rates + i]
-            + ERROR_3_10 * work[10 * p + rates + i]
-            + ERROR_3_11 * work[11 * p + rates + i]
-        )
-    error_3 = error_in_tolerances(model, work, difference, scale, rate_scale)
+    error_3 = error_in_tolerances(column, work.between)
     if error_5 == 0.0:
         return OK, 0.0
     return OK, error_5 * error_5 / math.sqrt(error_5 * error_5 + 0.01 * error_3 * error_3) / LEEWAY

@@ -12,11 +12,12 @@ section IV.7, eq. 7.25:
 
 import numpy as np
 
-from ..dynamics import accelerate, tangent_offset
-from ..implicit import factorize, solve
+from ..formulations.either import evaluate_at
+from ..formulations.implicit import factorize, solve
 from ..jit import kernel
-from ..layout import N_BLOCKS, OK, PHASE_BETWEEN, PHASE_END
+from ..layout import OK
 from .error import error_in_tolerances
+from .stage import stage
 
 ORDER = 3
 STAGES = 4
@@ -62,54 +63,52 @@ E = _over_gammas((WEIGHTS - EMBEDDED)[None, :])[0]
 
 
 @kernel
-def attempt(model, inputs, work, counters, scale, rate_scale, t, h):
-    """One step and its error, relative to tolerance times scale (rad) and rate_scale (rad/s)."""
-    n = int(model[N_BLOCKS])
+def attempt(column, t, h):
+    """One step of h seconds from work.start to work.end; returns (code, error in tolerances)."""
+    model, work = column.model, column.work
+    n = work.n
     size = 2 * n
-    phase = 3 * size  # stage k = 1 to 4 keeps (u_q, u_v, F_q) in phase k of the work array; its phase is the fifth
-    here = 5 * phase
-    end = PHASE_END * phase
-    tangent = tangent_offset(n)
+    start, end = work.start.row, work.end.row
+    # inner stage k = 1 to 4 keeps (u_q, u_v, F_q); the phase at which its accelerations are taken is inner stage 5
+    here = stage(work, 5)
     part = h * GAMMA
-    factorize(model, work, 0, work, tangent, part)
-    for stage in range(STAGES):
-        u = phase * (stage + 1)
-        a = 2 * size  # accelerations of the stage: those of the start, which are known, then at its phase
-        if stage > 0:
+    factorize(model, work.start, work.tangent, part)
+    for s in range(STAGES):
+        u = stage(work, s + 1).row
+        rates, accelerations = start[size:], start[2 * size :]  # those of the start are known
+        if s > 0:
             for i in range(2 * size):
-                value = work[i]
-                for j in range(stage):
-                    value += A[stage, j] * work[phase * (j + 1) + i]
-                work[here + i] = value
+                value = start[i]
+                for j in range(s):
+                    value += A[s, j] * stage(work, j + 1).row[i]
+                here.row[i] = value
             for i in range(size):
-                work[here + 2 * size + i] = work[2 * size + i]
-            code = accelerate(model, inputs, work, here, t + NODES[stage] * h, work, counters)
+                here.row[2 * size + i] = start[2 * size + i]
+            code = evaluate_at(column, here, t + NODES[s] * h)
             if code != OK:
                 return code, 0.0
-            a += here
-        rates = here + size if stage > 0 else size
+            rates, accelerations = here.row[size:], here.row[2 * size :]
         for i in range(size):
-            f_q = work[rates + i]
-            f_v = work[a + i]
-            for j in range(stage):
-                f_q += C[stage, j] / h * work[phase * (j + 1) + i]
-                f_v += C[stage, j] / h * work[phase * (j + 1) + size + i]
-            work[u + 2 * size + i] = f_q
-            work[u + size + i] = part * f_v
-        solve(model, work, tangent, u + 2 * size, u + size, part)
+            f_q = rates[i]
+            f_v = accelerations[i]
+            for j in range(s):
+                f_q += C[s, j] / h * stage(work, j + 1).row[i]
+                f_v += C[s, j] / h * stage(work, j + 1).row[size + i]
+            u[2 * size + i] = f_q
+            u[size + i] = part * f_v
+        solve(model, work.tangent, u[size:], u[2 * size :], part)
         for i in range(size):
-            work[u + i] = part * (work[u + size + i] + work[u + 2 * size + i])
-    difference = PHASE_BETWEEN * phase
+            u[i] = part * (u[size + i] + u[2 * size + i])
     for i in range(2 * size):
         value = 0.0
         error = 0.0
         for j in range(STAGES):
-            u_j = work[phase * (j + 1) + i]
+            u_j = stage(work, j + 1).row[i]
             value += M[j] * u_j
             error += E[j] * u_j
-        work[end + i] = work[i] + value
-        work[difference + i] = error
+        end[i] = start[i] + value
+        work.between.row[i] = error
     for i in range(size):
-        work[end + 2 * size + i] = work[2 * size + i]
-    error = error_in_tolerances(model, work, difference, scale, rate_scale)
-    return accelerate(model, inputs, work, end, t + h, work, counters), STRICTNESS * error
+        end[2 * size + i] = start[2 * size + i]
+    error = STRICTNESS * error_in_tolerances(column, work.between)
+    return evaluate_at(column, work.end, t + h), error

@@ -1,14 +1,13 @@
-"""The evaluation of one stage of an explicit Runge-Kutta method."""
+"""The phases inside a step: the inner stages of a Runge-Kutta method."""
 
-from ..dynamics import accelerate
-from ..jit import kernel
-from ..layout import N_BLOCKS
+from ..jit import leaf
+from ..layout import PHASE, PHASE_FIELDS
+
+_phase = PHASE.over
 
 
-@kernel
-def evaluate_stage(model, inputs, work, counters, here, t):
-    """Accelerations of the phase at work[here:] at time t. Returns a code."""
-    size = 2 * int(model[N_BLOCKS])
-    for i in range(size):  # first guess for an iterated formulation
-        work[here + 2 * size + i] = work[2 * size + i]
-    return accelerate(model, inputs, work, here, t, work, counters)
+@leaf
+def stage(work, k):
+    """The phase of inner stage k, counted from 1."""
+    n = work.n
+    return _phase(work.stages[PHASE_FIELDS * n * (k - 1) :], n)

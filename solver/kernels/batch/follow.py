@@ -1,0 +1,303 @@
+"""Runs pass through eight lanes: each with its own column, motion, time and step; a lane that ends takes the next run.
+
+Steps are those of integrators/dormand_prince.py, with an error control that follows every lane by itself. Changes of
+regime are not located: a step across one errs by more than its estimate says, which the tolerance of a batch has to
+allow for (solver/batch.py). What a lane computes depends on nothing in the others.
+"""
+
+from ..formulations.base import ends_soon, enter, smooth_reach
+from ..formulations.exact import exact_top_motion
+from ..integrators import dormand_prince
+from ..jit import kernel, leaf
+from ..lanes import WIDTH, any_of, bits, greater, lane, lesser, magnitude, square_root, where, with_lane
+from ..layout import HAS_OVERTURNED, MODEL, OK, SLACK, STEP_TOO_SMALL
+from ..stepping.advance import KINKS, LEAST_STEP
+from ..stepping.condition import FLIGHT_PART, moment_of_overturning, widest_joint
+from ..stepping.control import GROW, LEAST_ERROR, SAFETY, SHRINK
+from ..stepping.interpolation import interpolate_one
+from ..views import lanes_of
+from .evaluate import Batch, evaluate_lanes, single
+from .runs import SPACE, outcome_of, run_of, samples_of, snapshot_of
+
+NOBODY = -1.0
+_space = SPACE.over
+_PER_N, _BESIDE = SPACE.per_n, SPACE.beside
+_MODEL_PER_N, _MODEL_BESIDE = MODEL.per_n, MODEL.beside
+
+
+@leaf
+def batch_over(n, buffer, queue):
+    """The batch of columns of n blocks over a buffer of lanes."""
+    row = lanes_of(buffer)
+    space = _space(row, n)
+    return Batch(space.model, space.state, space.base, space.work, space.lane, row, queue)
+
+
+# --- a run begins and ends
+
+
+@kernel
+def load(batch, k, number):
+    """Put a run into lane k; the accelerations at its start are still missing."""
+    queue = batch.queue
+    one = single(batch, k)
+    n = one.n
+    for i in range(_PER_N * n + _BESIDE):
+        one.row[i] = 0.0
+    size = _MODEL_PER_N * n + _MODEL_BESIDE
+    for i in range(size):
+        one.model.row[i] = queue.models[size * number + i]
+    for i in range(4 * n):
+        one.work.start.row[i] = queue.phases[4 * n * number + i]
+    run = run_of(queue, number)
+    one.lane.run = number
+    one.lane.t = run.start
+    one.lane.stop = run.stop
+    one.lane.first = run.first
+    one.lane.count = run.count
+    one.lane.scale = run.scale
+    one.base.t0 = run.start
+    one.base.wave_amplitude = run.wave_amplitude
+    one.base.wave_omega = run.wave_omega
+    one.base.wave_phase = run.wave_phase
+    enter(one.base, samples_of(queue, one.lane), run.start)
+    control, settings = one.state.control, one.model.settings
+    control.next_step = settings.first_step
+    control.previous_error = 1.0
+    control.rotation_scale = settings.rotation_floor
+    control.rate_scale = settings.rate_floor
+
+
+@kernel
+def start(batch, fresh):
+    """Accelerations and scales at the start of the lanes in the mask `fresh`."""
+    work, n = batch.work, batch.model.n
+    between, begin = work.between, work.start
+    for i in range(4 * n):
+        between.row[i] = begin.row[i]
+    evaluate_lanes(batch, between, batch.lane.t)
+    for i in range(4 * n, 6 * n):
+        begin.row[i] = where(fresh, between.row[i], begin.row[i])
+    take_stock(batch, begin, fresh)
+    tops = work.tops
+    exact_top_motion(batch.model, begin, tops.between_ux, tops.between_rate)
+    for i in range(n):
+        tops.start_ux[i] = where(fresh, tops.between_ux[i], tops.start_ux[i])
+        tops.start_rate[i] = where(fresh, tops.between_rate[i], tops.start_rate[i])
+        batch.state.peaks[i] = greater(batch.state.peaks[i], magnitude(tops.start_ux[i]))
+
+
+@kernel
+def finish(batch, k, code):
+    """Note what has come of the run in lane k, which is free then."""
+    one = single(batch, k)
+    n = one.n
+    outcome = outcome_of(batch.queue, int(one.lane.run), n)
+    outcome.record.code = code
+    outcome.record.time = one.state.control.overturn_time
+    outcome.record.overturned = widest_joint(one.model, one.work.start) if code == HAS_OVERTURNED else 0
+    outcome.record.steps = one.lane.steps
+    outcome.record.rejected = one.lane.rejected
+    for i in range(n):
+        outcome.peaks[i] = one.state.peaks[i]
+    one.lane.run = NOBODY
+    one.lane.count = 0.0
+    one.base.wave_amplitude = 0.0
+
+
+# --- a step
+
+
+@kernel
+def take_stock(batch, phase, lanes):
+    """Raise the scales that errors are measured against, of the lanes in a mask, by a phase."""
+    blocks, control = batch.model.blocks, batch.state.control
+    turned, spun = control.rotation_scale, control.rate_scale
+    for i in range(batch.model.n):
+        per_size = blocks.per_turn_size[i]
+        turned = greater(turned, magnitude(phase.theta[i]) * per_size)
+        spun = greater(spun, magnitude(phase.theta_rate[i]) * per_size)
+        opening = phase.opening[i]
+        parted = opening > 0.0
+        if any_of(parted):
+            per_half = 2.0 / blocks.width[i]
+            turned = where(parted, greater(turned, FLIGHT_PART * opening * per_half), turned)
+            spun = where(parted, greater(spun, magnitude(phase.opening_rate[i]) * per_half), spun)
+    control.rotation_scale = where(lanes, turned, control.rotation_scale)
+    control.rate_scale = where(lanes, spun, control.rate_scale)
+
+
+@kernel
+def fallen(model, phase):
+    """Mask of the lanes in which a block, or the joint under it, has turned beyond its angle of no return."""
+    n = model.n
+    beyond = phase.theta[n - 1] != phase.theta[n - 1]  # nobody, but who is not a number
+    for i in range(n):
+        turn = phase.theta[i]
+        joint = turn
+        if i + 1 < n:
+            joint = turn - phase.theta[i + 1]
+        limit = model.blocks.fall_angle[i]
+        beyond = beyond | (magnitude(turn) > limit) | (magnitude(joint) > limit)
+    return beyond
+
+
+@kernel
+def step_lengths(batch):
+    """What each lane is to step by, s; 0 where there is no run."""
+    base, lanes, control = batch.base, batch.lane, batch.state.control
+    left = lanes.stop - lanes.t
+    step = control.next_step
+    step = where(base.wave_amplitude != 0.0, lesser(step, 1.0 / base.wave_omega), step)
+    if any_of(lanes.count > 0.0):
+        for k in range(WIDTH):
+            one = single(batch, k)
+            if one.lane.count > 0.0:
+                samples, settings = samples_of(batch.queue, one.lane), one.model.settings
+                roughest = KINKS * settings.tolerance * one.state.control.rate_scale
+                roughest *= one.model.blocks.centroid[one.n - 1]
+                reach = smooth_reach(one.base, samples, one.lane.t, lane(step, k), lane(left, k), roughest)
+                left = with_lane(left, k, reach)
+    step = where(2.0 * step > left, where(step * (1.0 + SLACK) >= left, left, 0.5 * left), step)
+    return where(lanes.run >= 0.0, step, 0.0)
+
+
+@kernel
+def control_steps(batch, step, error):
+    """The mask of lanes whose step is good enough; proposes the next ones.
+
+    As stepping/control.py, with exponents that roots give: 5/8 and 5/16 over the order.
+    """
+    control = batch.state.control
+    good = error <= 1.0
+    least = greater(error, LEAST_ERROR)
+    fourth = square_root(square_root(least))
+    previous = square_root(square_root(square_root(square_root(control.previous_error))))
+    grow = lesser(greater(SAFETY * previous / square_root(fourth), SHRINK), GROW)
+    shrink = where(error < 1e300, greater(SAFETY / fourth, SHRINK), SHRINK)
+    proposed = step * grow
+    whole = step >= control.next_step * (1.0 - SLACK)
+    longer = where(grow < 1.0, proposed, greater(proposed, control.next_step))
+    control.next_step = where(good, longer, step * shrink)
+    control.previous_error = where(good, where(whole, least, control.previous_error), 1.0)
+    return good
+
+
+@kernel
+def track_peaks(batch, step, good):
+    """Raise the peaks of |u_x| of the good lanes by their step, turning points inside it included."""
+    tops, peaks = batch.work.tops, batch.state.peaks
+    exact_top_motion(batch.model, batch.work.end, tops.end_ux, tops.end_rate)
+    for i in range(batch.model.n):
+        d0, d1, v0, v1 = tops.start_ux[i], tops.end_ux[i], tops.start_rate[i], tops.end_rate[i]
+        most = greater(peaks[i], magnitude(d1))
+        turns = good & (v0 * v1 < 0.0)
+        if any_of(turns):
+            # the cubic through both ends: its velocity is v0 + 2 b s + 3 c s^2
+            rise = (d1 - d0) / step
+            b = 3.0 * rise - 2.0 * v0 - v1
+            c = v0 + v1 - 2.0 * rise
+            root = square_root(greater(b * b - 3.0 * c * v0, 0.0))
+            below = where(b > 0.0, -(b + root), root - b)
+            s = v0 / below
+            s = where((s >= 0.0) & (s <= 1.0), s, below / (3.0 * c))
+            s = lesser(greater(s, 0.0), 1.0)
+            turned = d0 + step * (s * (v0 + s * (b + s * c)))
+            most = where(turns, greater(most, magnitude(turned)), most)
+        peaks[i] = where(good, most, peaks[i])
+        tops.start_ux[i] = where(good, d1, d0)
+        tops.start_rate[i] = where(good, tops.end_rate[i], v0)
+
+
+@kernel
+def take_snapshots(batch, k, step):
+    """Keep the column in lane k at those instants that fall into its step."""
+    queue = batch.queue
+    one = single(batch, k)
+    n, number = one.n, int(one.lane.run)
+    begin = run_of(queue, number).start
+    row = int(one.lane.next_row)
+    while row < queue.rows and begin + queue.row_times[row] <= one.lane.t + step * (1.0 + SLACK):
+        kept = snapshot_of(queue, number, row, n).row
+        fraction = min(1.0, max(0.0, (begin + queue.row_times[row] - one.lane.t) / step))
+        for i in range(2 * n):
+            kept[i], kept[2 * n + i] = interpolate_one(one.work, i, step, fraction)
+        row += 1
+    one.lane.next_row = row
+
+
+@kernel
+def step_on(batch):
+    """One step of every lane that has a run. Returns the lanes whose run has ended, bit by bit."""
+    work, lanes, control = batch.work, batch.lane, batch.state.control
+    n = batch.model.n
+    step = step_lengths(batch)
+    busy = step > 0.0
+    _, error = dormand_prince.attempt(batch, lanes.t, step)
+    good = busy & control_steps(batch, step, error)
+    lanes.steps += where(good, 1.0, 0.0)
+    lanes.rejected += where(busy & (error > 1.0), 1.0, 0.0)
+    take_stock(batch, work.end, good)
+    over = good & fallen(batch.model, work.end)
+    ended = 0
+    if any_of(over):
+        ended = bits(over)
+        for k in range(WIDTH):
+            if (ended >> k) & 1:
+                one = single(batch, k)
+                fraction = moment_of_overturning(one, lane(step, k))
+                one.state.control.overturn_time = one.lane.t + fraction * lane(step, k)
+    if batch.queue.rows > 0:
+        moved = bits(good)
+        for k in range(WIDTH):
+            if (moved >> k) & 1:
+                take_snapshots(batch, k, lane(step, k))
+    track_peaks(batch, step, good)
+    for i in range(6 * n):
+        work.start.row[i] = where(good, work.end.row[i], work.start.row[i])
+    at_stop = good & (step == lanes.stop - lanes.t)
+    lanes.t = where(at_stop, lanes.stop, where(good, lanes.t + step, lanes.t))
+    if any_of(lanes.count > 0.0):
+        for k in range(WIDTH):
+            one = single(batch, k)
+            if one.lane.count > 0.0 and ends_soon(one.base, one.lane.t):
+                enter(one.base, samples_of(batch.queue, one.lane), one.lane.t)
+    stuck = busy & (control.next_step < LEAST_STEP * greater(batch.model.settings.first_step, magnitude(lanes.t)))
+    for k in range(WIDTH):
+        if (ended >> k) & 1:
+            finish(batch, k, HAS_OVERTURNED)
+    if any_of(at_stop | stuck):
+        ended |= bits(at_stop | stuck)
+        done, failed = bits(at_stop), bits(stuck)
+        for k in range(WIDTH):
+            if single(batch, k).lane.run < 0.0:
+                continue
+            if (done >> k) & 1:
+                finish(batch, k, OK)
+            elif (failed >> k) & 1:
+                finish(batch, k, STEP_TOO_SMALL)
+    return ended
+
+
+@kernel
+def follow_queue(n, buffer, queue):
+    """Let all runs of a queue pass through eight lanes. buffer: an array of SPACE over lanes."""
+    batch = batch_over(n, buffer, queue)
+    for k in range(WIDTH):
+        single(batch, k).lane.run = NOBODY
+    waiting, running = 0, 0
+    while waiting < queue.size or running > 0:
+        for k in range(WIDTH):
+            if waiting < queue.size and single(batch, k).lane.run < 0.0:
+                load(batch, k, waiting)
+                single(batch, k).lane.steps = NOBODY  # marks it
+                waiting += 1
+                running += 1
+        fresh = batch.lane.steps < 0.0
+        batch.lane.steps = where(fresh, 0.0, batch.lane.steps)
+        start(batch, fresh)
+        ended = 0
+        while ended == 0:
+            ended = step_on(batch)
+        for k in range(WIDTH):
+            running -= (ended >> k) & 1

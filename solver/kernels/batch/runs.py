@@ -1,0 +1,72 @@
+"""The runs of a batch, and the space that eight of them pass through."""
+
+from typing import NamedTuple
+
+from ..formulations.base import Samples
+from ..jit import leaf
+from ..layout import BASE, MODEL, PHASE, STATE, WORK
+from ..views import Numbers, Record, Space
+
+# one run: times and motion; its record is `count` samples from number `first` on
+RUN = Record("start", "stop", "scale", "wave_amplitude", "wave_omega", "wave_phase", "first", "count")
+# what comes of a run: a code of layout.py, when and over which joint it overturned (0: it did not), steps
+OUTCOME = Space(record=Record("code", "time", "overturned", "steps", "rejected"), peaks=Numbers(per_n=1))
+# numbers of a lane beside those of its column
+LANE = Record(
+    "run",  # number of the run, -1 without one
+    "t",  # s
+    "stop",
+    "steps",
+    "rejected",
+    "first",  # sample of the record, and
+    "count",  # number of them
+    "scale",
+    "next_row",  # first snapshot not yet taken
+)
+SPACE = Space(model=MODEL, state=STATE, base=BASE, lane=LANE, work=WORK)
+
+
+class Queue(NamedTuple):
+    """Rows of `size` runs of columns of n blocks, and of what comes of them; the samples of all their records."""
+
+    size: int
+    models: object  # packed models, without modal data
+    phases: object  # coordinates and rates to start from
+    runs: object  # records RUN
+    outcomes: object  # spaces OUTCOME
+    times: object  # s
+    ax: object  # m/s2
+    az: object
+    row_times: object  # s after the start, `rows` of them: when snapshots are taken
+    rows: int
+    snapshots: object  # phases, `rows` for each run
+
+
+_run, _outcome, _phase = RUN.over, OUTCOME.over, PHASE.over
+_RUN_SIZE, _OUTCOME_BESIDE, _OUTCOME_PER_N = RUN.beside, OUTCOME.beside, OUTCOME.per_n
+_PHASE_PER_N = PHASE.per_n
+
+
+@leaf
+def run_of(queue, k):
+    """The record of run k."""
+    return _run(queue.runs[_RUN_SIZE * k :], 0)
+
+
+@leaf
+def outcome_of(queue, k, n):
+    """What comes of run k."""
+    return _outcome(queue.outcomes[(_OUTCOME_PER_N * n + _OUTCOME_BESIDE) * k :], n)
+
+
+@leaf
+def snapshot_of(queue, k, row, n):
+    """The phase of a snapshot of run k."""
+    return _phase(queue.snapshots[_PHASE_PER_N * n * (queue.rows * k + row) :], n)
+
+
+@leaf
+def samples_of(queue, lane):
+    """The record that a lane follows."""
+    first = int(lane.first)
+    return Samples(int(lane.count), queue.times[first:], queue.ax[first:], queue.az[first:], lane.scale, False)

@@ -1,0 +1,114 @@
+"""What follows from the values that describe a column: the derived fields of the packed model, and its rest state."""
+
+import math
+
+from ..jit import kernel
+from ..joint.section import full_stiffness
+from ..layout import DASHPOTS, EXACT
+
+# The errors of steps add up: each is allowed this part of the tolerance that the user asks for.
+STEP_PART = 0.1
+LEAST_TOLERANCE = 1e-13
+
+# Order 8 is the cheaper explicit method where the tolerance is tight, or where joint modes go on ringing because they
+# are damped by less than this part of the critical damping.
+TIGHT = 2e-5
+LIGHTLY_DAMPED = 0.02
+RINGING_PART = 0.4  # of the tolerance of a step, where nothing that it errs by dies out
+
+NO_DAMPING = 1e-300  # s: what a dashpot that does nothing is computed with
+
+# Errors are measured against the largest rotation so far, and at least against this part of the rotation at which the
+# base joint opens: a column at rest, or nearly, need not be followed digit by digit.
+FLOOR = 1e-2
+LEAST_FLOOR = 1e-9  # rad
+
+# A column has overturned when a block, or the joint under it, has turned by more than this many times the angle at
+# which the block alone would stand on its edge (below that angle gravity still rights it), and by at least LEAST_FALL,
+# at most a quarter turn.
+FALL_MARGIN = 1.5
+LEAST_FALL = 0.5  # rad
+
+
+@kernel
+def derive(model):
+    """Fill in the fields that follow from those that describe the column and its settings.
+
+    The tolerance is the user's before and that of a step afterwards: to be called once.
+    """
+    n, settings, blocks = model.n, model.settings, model.blocks
+    tight = settings.tolerance <= TIGHT
+    settings.tolerance = max(LEAST_TOLERANCE, STEP_PART * settings.tolerance)
+    exact = settings.formulation == EXACT
+    height = 0.0  # of the top face of the block
+    for i in range(n - 1, -1, -1):
+        height += blocks.height[i]
+        if int(settings.without) & DASHPOTS:
+            blocks.damping[i] = max(blocks.damping[i], NO_DAMPING)
+        blocks.upper[i] = blocks.height[i] - blocks.centroid[i]
+        blocks.per_mass[i] = 1.0 / blocks.mass[i]
+        blocks.per_inertia[i] = 1.0 / blocks.inertia[i]
+        blocks.open_size[i] = blocks.width[i] / math.sqrt(12.0)
+        blocks.turn_size[i] = 1.0 if exact else height
+        blocks.per_open_size[i] = 1.0 / blocks.open_size[i]
+        blocks.per_turn_size[i] = 1.0 / blocks.turn_size[i]
+        edge_angle = math.atan2(0.5 * blocks.width[i], blocks.centroid[i])
+        blocks.fall_angle[i] = min(0.5 * math.pi, max(LEAST_FALL, FALL_MARGIN * edge_angle))
+    _factorize_horizontal_mass(model)
+
+    # an upper bound of the joint modes, from each block between two stiff joints
+    fastest = 0.0
+    opening_rotation = math.inf  # least rotation at which a joint opens at rest
+    carried = 0.0
+    spring_above = 0.0
+    damping = 0.0  # s, the largest
+    for i in range(n):
+        spring = full_stiffness(blocks, i)
+        fastest = max(fastest, (spring + spring_above) / blocks.mass[i])
+        spring_above = spring
+        damping = max(damping, blocks.damping[i])
+        carried += blocks.mass[i]
+        opening_rotation = min(opening_rotation, 2.0 * (settings.gravity * carried / spring) / blocks.width[i])
+    fastest = math.sqrt(2.0 * fastest)  # rad/s
+    settings.first_step = 0.1 / fastest
+    ringing = 0.5 * damping * fastest < LIGHTLY_DAMPED
+    settings.explicit_order = 8.0 if tight or ringing else 5.0
+    if ringing:
+        settings.tolerance = max(LEAST_TOLERANCE, RINGING_PART * settings.tolerance)
+    settings.rotation_floor = max(LEAST_FLOOR, FLOOR * opening_rotation)
+    settings.rate_floor = settings.rotation_floor * math.sqrt(max(settings.gravity, 1e-3) / height)
+
+
+@kernel
+def _factorize_horizontal_mass(model):
+    """LDL' of the tridiagonal B' m B + C' H^-1 I H^-1 C (theory.md section 3): inverse pivots 1/kg and multipliers."""
+    blocks = model.blocks
+    above = 0.0  # what the block above adds to the diagonal
+    side = 0.0  # between it and this block
+    pivot = 1.0
+    for i in range(model.n):
+        mass, height = blocks.mass[i], blocks.height[i]
+        low = blocks.centroid[i] / height
+        high = 1.0 - low
+        turning = blocks.inertia[i] / (height * height)
+        multiplier = side / pivot
+        pivot = mass * (low * low) + turning + above - side * multiplier
+        above = mass * (high * high) + turning
+        side = mass * low * high - turning
+        blocks.pivot[i] = 1.0 / pivot
+        blocks.coupling[i] = multiplier
+
+
+@kernel
+def settle(model, phase, least):
+    """Openings of a column at rest under gravity, every joint compressed by at least so many m; all else is left."""
+    n, blocks = model.n, model.blocks
+    carried = 0.0
+    for i in range(n):
+        carried += blocks.mass[i]
+        phase.opening[i] = -max(least, model.settings.gravity * carried / full_stiffness(blocks, i))
+    if model.settings.formulation != EXACT:  # settlements of the blocks, positive down
+        settled = 0.0
+        for i in range(n - 1, -1, -1):
+            settled += phase.opening[i]
+            phase.opening[i] = -settled

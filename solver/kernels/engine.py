@@ -1,0 +1,366 @@
+"""What can be done with a column, from its parameters to its outputs: the one engine behind every caller.
+
+`Stepper`, both FMUs and programs without Python call these functions, through arrays (entries.py) or through pointers
+(pointers.py). A column is the bundle of layout.py's spaces.
+"""
+
+import math
+
+from .column.assembly import derive, settle
+from .column.normal_modes import normal_modes
+from .column.normal_modes import scratch_size as modes_scratch
+from .column.stability import longest_stable_step
+from .column.stability import scratch_size as stability_scratch
+from .formulations.base import base_motion, enter
+from .formulations.either import Column, is_exact
+from .formulations.exact import Motion
+from .formulations.feedthrough import base_direction, effective_mass, split_reaction, tangential_gains
+from .formulations.outputs import observe
+from .jit import kernel, leaf
+from .layout import (
+    AUTO,
+    BASE,
+    CENTRAL_DIFFERENCE,
+    COUNTS,
+    EXACT,
+    MODAL_MOST,
+    MODEL,
+    OK,
+    ROW,
+    SPLIT,
+    STATE,
+    WORK,
+    modal_size,
+)
+from .numbers import sine_cosine
+from .stepping.advance import advance, take_phase
+from .views import Record
+
+# what describes a column: settings, then a record for each block; 0 for an optional value that is not given
+GIVEN_SETTINGS = Record("g", "step", "tolerance", "formulation", "integrator", "without")
+GIVEN_BLOCK = ("height", "width", "depth", "mass", "centroid", "inertia")
+GIVEN_JOINT = ("stiffness", "damping", "width", "depth")
+GIVEN = Record(*GIVEN_BLOCK, *(f"joint_{name}" for name in GIVEN_JOINT))
+# what a caller sets of the base: accelerations, their slopes, rotation
+BASE_INPUTS = Record("ax", "az", "jx", "jz", "theta", "omega", "alpha")
+
+# codes of `assemble`, beside those of layout.py
+NOT_STABLE = -10  # the fixed step is beyond the limit, which is left in the detail
+TOO_LARGE = -11  # the moment of inertia of a block, whose number is left in the detail, is beyond float64
+
+STEP_SLACK = 1e-6  # the limit itself is known to so many digits
+PROBE_TURN = 1e-9  # rad, and
+PROBE_SPIN = 1e-6  # rad/s, by which the rotation of the base is varied
+RATE_PART = 1e-4  # of the first step: half the time over which outputs are differenced
+
+_model, _state, _counts, _base, _work = MODEL.over, STATE.over, COUNTS.over, BASE.over, WORK.over
+_row, _split = ROW.over, SPLIT.over
+_given_settings, _given_block, _base_inputs = GIVEN_SETTINGS.over, GIVEN.over, BASE_INPUTS.over
+_SETTINGS_FIELDS, _BLOCK_FIELDS, _COUNTS_FIELDS, _BASE_FIELDS = (
+    GIVEN_SETTINGS.beside,
+    GIVEN.beside,
+    COUNTS.beside,
+    BASE.beside,
+)
+_ROW_FIELDS, _ROW_BESIDE, _SPLIT_FIELDS = ROW.per_n, ROW.beside, SPLIT.beside
+_WORK_PER_N, _WORK_BESIDE = WORK.per_n, WORK.beside
+_CONTROL_FIELDS, _STATE_PER_N = STATE.beside, STATE.per_n
+
+
+def model_room(n: int) -> int:
+    """Length of the largest packed model of n blocks."""
+    return MODEL.size(n) + (modal_size(n) if n <= MODAL_MOST else 0)
+
+
+def scratch_room(n: int, fixed_step: bool) -> int:
+    """Length of the scratch of `assemble`, for a fixed step or one that is chosen."""
+    if fixed_step:
+        return stability_scratch(n)
+    return modes_scratch(n) if n <= MODAL_MOST else 1
+
+
+@leaf
+def column_over(n, model, state, counts, base, samples, work):
+    """The column of n blocks over its rows."""
+    return Column(_model(model, n), _state(state, n), _counts(counts, 0), _base(base, 0), samples, _work(work, n))
+
+
+# --- from parameters to a model
+
+
+@kernel
+def assemble(column, given, afresh, scratch, detail):
+    """The packed model of the column that `given` describes; a column at rest with `afresh`. Returns a code.
+
+    Without `afresh` the motion goes on from the present coordinates and rates. On an error nothing else than the model
+    has changed, which may not be used then. given, scratch, detail: rows.
+    """
+    model, state, counts, base, _, work = column
+    n, settings, blocks = model.n, model.settings, model.blocks
+    described = _given_settings(given, 0)
+    settings.n = n
+    settings.gravity = described.g
+    settings.step = described.step
+    settings.tolerance = described.tolerance
+    settings.formulation = described.formulation
+    settings.integrator = described.integrator
+    settings.without = described.without
+    settings.has_modes = 0.0
+    for i in range(n):
+        block = _given_block(given[_SETTINGS_FIELDS + _BLOCK_FIELDS * i :], 0)
+        blocks.height[i] = block.height
+        blocks.mass[i] = block.mass
+        blocks.centroid[i] = 0.5 * block.height if block.centroid == 0.0 else block.centroid
+        homogeneous = block.mass * (block.height * block.height + block.width * block.width) / 12.0
+        blocks.inertia[i] = homogeneous if block.inertia == 0.0 else block.inertia
+        blocks.stiffness[i] = block.joint_stiffness
+        blocks.damping[i] = block.joint_damping
+        blocks.width[i] = block.width if block.joint_width == 0.0 else block.joint_width
+        blocks.depth[i] = block.depth if block.joint_depth == 0.0 else block.joint_depth
+        if not math.isfinite(blocks.inertia[i]):
+            detail[0] = i + 1.0
+            return TOO_LARGE
+    derive(model)
+    if settings.integrator == CENTRAL_DIFFERENCE:
+        detail[0] = longest_stable_step(column, scratch)
+        if settings.step > detail[0] * (1.0 + STEP_SLACK):
+            return NOT_STABLE
+    for i in range(_WORK_PER_N * n + _WORK_BESIDE):  # responses of the modes of another model
+        work.row[i] = 0.0
+    if settings.formulation == EXACT and settings.integrator == AUTO and n <= MODAL_MOST:
+        settings.has_modes = 1.0 if normal_modes(model, scratch) else 0.0
+    if afresh != 0:
+        for i in range(_STATE_PER_N * n + _CONTROL_FIELDS):
+            state.row[i] = 0.0
+        settle(model, state.phase, 0.0)
+        reset(counts, base)
+    elif counts.overturned == 0:
+        state.control.base_ax = math.nan  # belongs to no input: the accelerations are to be computed anew
+    return OK
+
+
+@kernel
+def reset(counts, base):
+    """Counts and base of a column that has not moved yet."""
+    counts.steps = 0
+    counts.rejected = 0
+    counts.evaluations = 0
+    counts.sweeps = 0
+    counts.overturned = 0
+    counts.started = 0
+    counts.next_row = 0
+    counts.implicit = 0
+    counts.implicit_steps = 0
+    counts.since_probe = 0
+    counts.events = 0
+    counts.unheld = 0
+    counts.elastic_steps = 0
+    counts.elastic_wait = 0
+    counts.in_flight = 0
+    base.t0 = 0.0
+    base.ax = 0.0
+    base.jx = 0.0
+    base.az = 0.0
+    base.jz = 0.0
+    base.wave_amplitude = 0.0
+    base.wave_omega = 0.0
+    base.wave_phase = 0.0
+    base.theta = 0.0
+    base.omega = 0.0
+    base.alpha = 0.0
+    base.anchor = -math.inf  # nowhere
+    base.anchor_sine = 0.0
+    base.anchor_cosine = 0.0
+    base.segment = -1.0
+    base.piece_begin = 0.0
+    base.piece_end = math.inf
+    base.piece_ax = 0.0
+    base.piece_jx = 0.0
+    base.piece_az = 0.0
+    base.piece_jz = 0.0
+
+
+# --- the base
+
+
+@kernel
+def drive(base, inputs, elapsed, t):
+    """Let the base follow, from time t on, inputs that were set `elapsed` s before."""
+    given = _base_inputs(inputs, 0)
+    base.ax = given.ax + given.jx * elapsed
+    base.jx = given.jx
+    base.az = given.az + given.jz * elapsed
+    base.jz = given.jz
+    base.theta = given.theta + elapsed * (given.omega + 0.5 * elapsed * given.alpha)
+    base.omega = given.omega + elapsed * given.alpha
+    base.alpha = given.alpha
+    base.t0 = t
+
+
+@kernel
+def base_of(column, t):
+    """Motion of the base at time t; once the column has overturned, that of the moment."""
+    control = column.state.control
+    if column.counts.overturned > 0:
+        return Motion(control.base_ax, control.base_az, control.base_theta, control.base_omega, control.base_alpha)
+    return base_motion(column.base, column.samples, t)
+
+
+# --- motion and what is seen of it
+
+
+@kernel
+def follow(column, inputs, start, h, watch):
+    """Take the column from `start` to start + h, s, under inputs that begin there, and the record. Returns a code."""
+    drive(column.base, inputs, 0.0, start)
+    return advance(column, start, h, watch)
+
+
+@kernel
+def see(column, motion, row, split):
+    """Fill an output row and the split reaction with what is visible of the state on such a base. Returns a code.
+
+    The phase is left in work.between.
+    """
+    between = column.work.between
+    take_phase(column, motion, between)
+    code = observe(column, between, motion, row)
+    if code != OK:
+        return code
+    return split_reaction(column, between, motion, row, split)
+
+
+@kernel
+def look(column, inputs, afresh, upright, elapsed, t, row, split):
+    """Fill an output row and the split reaction with what is visible at time t. Returns a code.
+
+    With `afresh` under inputs set `elapsed` s before; else under those that the last step has left. With `upright` the
+    column stands on the base as it is turned and turning, instead of upright in space.
+    """
+    base, control = column.base, column.state.control
+    if afresh != 0:
+        drive(base, inputs, elapsed, t)
+    enter(base, column.samples, t)
+    if upright != 0:
+        control.base_theta = base.theta
+        control.base_omega = base.omega
+    return see(column, base_of(column, t), row, split)
+
+
+@kernel
+def clear(row, split, n):
+    """Output row and split of zeros."""
+    for i in range(_ROW_FIELDS * n + _ROW_BESIDE):
+        row.row[i] = 0.0
+    _add_split(split, split, -1.0)
+
+
+@kernel
+def _add(row, split, other, other_split, factor, n):
+    for i in range(_ROW_FIELDS * n + _ROW_BESIDE):
+        row.row[i] += factor * other.row[i]
+    _add_split(split, other_split, factor)
+
+
+@kernel
+def _add_split(split, other, factor):
+    split.R0x += factor * other.R0x
+    split.R0z += factor * other.R0z
+    split.R0m += factor * other.R0m
+    split.mxx += factor * other.mxx
+    split.mxz += factor * other.mxz
+    split.mxt += factor * other.mxt
+    split.mzz += factor * other.mzz
+    split.mzt += factor * other.mzt
+    split.mtt += factor * other.mtt
+
+
+@kernel
+def rates(column, t, row, split, other, other_split):
+    """Fill row and split with the rate of every output at time t, 1/s; `look` has been called then. Returns a code.
+
+    Central differences over a fraction of the fastest motion of the column that the first step is made for, on the
+    parabola that coordinates, rates and accelerations describe. The others are room for another row and split.
+    """
+    model, work = column.model, column.work
+    n = model.n
+    clear(row, split, n)
+    if column.counts.overturned > 0:
+        return OK
+    code = see(column, base_motion(column.base, column.samples, t), other, other_split)
+    between, kept = work.between.row, work.end.row
+    for i in range(6 * n):
+        kept[i] = between[i]
+    past = RATE_PART * model.settings.first_step
+    for _ in range(2):
+        for i in range(2 * n):
+            q, v, a = kept[i], kept[2 * n + i], kept[4 * n + i]
+            between[i] = q + past * (v + 0.5 * past * a)
+            between[2 * n + i] = v + past * a
+            between[4 * n + i] = a
+        then = base_motion(column.base, column.samples, t + past)
+        code = min(code, observe(column, work.between, then, other))
+        code = min(code, split_reaction(column, work.between, then, other, other_split))
+        _add(row, split, other, other_split, 0.5 / past, n)
+        past = -past
+    return code
+
+
+@kernel
+def feedthrough(column, seeds, elapsed, t, row, split, other, other_split):
+    """Fill row and split with the derivative of every output by the base's inputs, in the direction `seeds`.
+
+    seeds: one for each of BASE_INPUTS, which were set `elapsed` s before; as at time t under the inputs that `look` has
+    left. What follows the accelerations of the base at once is linear in them: forces along the joints and reaction by
+    formulations/feedthrough.py, exactly; in the first-order model the difference over 1 m/s2, which is the derivative
+    too. What follows its rotation and the rate of that is differenced. Returns a code.
+    """
+    model, work = column.model, column.work
+    n = model.n
+    clear(row, split, n)
+    if column.counts.overturned > 0:
+        return OK
+    seed = _base_inputs(seeds, 0)
+    along_x = seed.ax + elapsed * seed.jx
+    along_z = seed.az + elapsed * seed.jz
+    alpha = seed.alpha
+    spin = seed.omega + elapsed * alpha
+    turn = seed.theta + elapsed * (seed.omega + 0.5 * elapsed * alpha)
+    motion = base_motion(column.base, column.samples, t)
+    code = OK
+    if not is_exact(model):
+        there = Motion(motion.ax + along_x, motion.az + along_z, motion.theta, motion.omega, alpha)
+        code = min(code, see(column, there, other, other_split))
+        _add(row, split, other, other_split, 1.0, n)
+        code = min(code, see(column, motion, other, other_split))
+        _add(row, split, other, other_split, -1.0, n)
+        _add_split(split, split, -1.0)  # neither part of the split follows the accelerations
+    else:
+        code = min(code, see(column, motion, other, other_split))
+        phase = work.between
+        g_x, g_z, g_m = base_direction(model, phase, motion.theta)
+        met = g_x * along_x + g_z * along_z + g_m * alpha
+        force = effective_mass(model, work) * met
+        gains = work.tops.start_ux
+        tangential_gains(model, work, gains)
+        turn_below = 0.0
+        for i in range(n - 1, -1, -1):
+            _, cosine = sine_cosine(0.5 * (phase.theta[i] + turn_below) + motion.theta)
+            row.joints.T[i] = -gains[i] * met
+            row.joints.S[i] = -cosine * gains[i] * met
+            turn_below = phase.theta[i]
+        row.base.Fx = -g_x * force
+        row.base.Fz = -g_z * force
+        row.base.My = -g_m * force
+    way = 1.0
+    for _ in range(2):
+        if turn != 0.0:
+            then = Motion(motion.ax, motion.az, motion.theta + way * PROBE_TURN, motion.omega, motion.alpha)
+            code = min(code, see(column, then, other, other_split))
+            _add(row, split, other, other_split, 0.5 * turn / (way * PROBE_TURN), n)
+        if spin != 0.0:
+            then = Motion(motion.ax, motion.az, motion.theta, motion.omega + way * PROBE_SPIN, motion.alpha)
+            code = min(code, see(column, then, other, other_split))
+            _add(row, split, other, other_split, 0.5 * spin / (way * PROBE_SPIN), n)
+        way = -1.0
+    return code

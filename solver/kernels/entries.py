@@ -1,0 +1,60 @@
+"""The entries that Python calls: the engine over arrays."""
+
+from .engine import assemble, base_of, column_over, see
+from .formulations.base import Samples, enter
+from .formulations.exact import Motion
+from .formulations.outputs import observe
+from .jit import entry
+from .layout import OK, ROW, SNAPSHOT, SPLIT
+from .stepping.advance import advance
+from .stepping.watch import Watch
+from .views import row_of
+
+_row, _split, _snapshot = ROW.over, SPLIT.over, SNAPSHOT.over
+_ROW_FIELDS, _ROW_BESIDE = ROW.per_n, ROW.beside
+_SNAPSHOT_FIELDS, _SNAPSHOT_BESIDE = SNAPSHOT.per_n, SNAPSHOT.beside
+
+# a column is (n, model, state, counts, base, work); a record (times, ax, az, scale, held)
+
+
+@entry
+def assemble_column(n, model, state, counts, base, work, given, afresh, scratch, detail):
+    """`engine.assemble`. All but n and afresh are arrays."""
+    samples = Samples(0, row_of(given), row_of(given), row_of(given), 1.0, False)
+    column = column_over(n, row_of(model), row_of(state), row_of(counts), row_of(base), samples, row_of(work))
+    return assemble(column, row_of(given), afresh, row_of(scratch), row_of(detail))
+
+
+@entry
+def run(n, model, state, counts, base, work, times, ax, az, scale, held, t, h, at, snapshots):
+    """Take the column from t to t + h over the record; a snapshot for each of the times `at`. Returns a code."""
+    samples = Samples(times.size, row_of(times), row_of(ax), row_of(az), scale, held)
+    column = column_over(n, row_of(model), row_of(state), row_of(counts), row_of(base), samples, row_of(work))
+    return advance(column, t, h, Watch(at.size, row_of(at), row_of(snapshots)))
+
+
+@entry
+def observe_state(n, model, state, counts, base, work, times, ax, az, scale, held, t, row, split):
+    """`engine.see` at time t under the base as it stands. Returns a code."""
+    samples = Samples(times.size, row_of(times), row_of(ax), row_of(az), scale, held)
+    column = column_over(n, row_of(model), row_of(state), row_of(counts), row_of(base), samples, row_of(work))
+    enter(column.base, samples, t)
+    return see(column, base_of(column, t), _row(row_of(row), n), _split(row_of(split), 0))
+
+
+@entry
+def observe_snapshots(n, model, state, counts, base, work, snapshots, rows, count):
+    """Fill every row with what is visible of the snapshot of the same number. Returns (code, number of the last)."""
+    samples = Samples(0, row_of(base), row_of(base), row_of(base), 1.0, False)
+    column = column_over(n, row_of(model), row_of(state), row_of(counts), row_of(base), samples, row_of(work))
+    between = column.work.between
+    kept, filled = row_of(snapshots), row_of(rows)
+    for k in range(count):
+        snapshot = _snapshot(kept[k * (_SNAPSHOT_FIELDS * n + _SNAPSHOT_BESIDE) :], n)
+        for i in range(6 * n):
+            between.row[i] = snapshot.phase.row[i]
+        motion = Motion(snapshot.base.ax, snapshot.base.az, 0.0, 0.0, 0.0)
+        code = observe(column, between, motion, _row(filled[k * (_ROW_FIELDS * n + _ROW_BESIDE) :], n))
+        if code != OK:
+            return code, k
+    return OK, count

@@ -1,0 +1,233 @@
+"""The column's linear system with its joints stiffened: (M + G) z = forces on the joints, in O(n).
+
+M is the mass matrix of the exact formulation at a phase, G holds for every joint the derivatives of its forces, by
+relative rotation and opening and by their rates, over the part that is loaded: `weight` times the second derivatives of
+its potential, and what the moving edge adds. The elimination is that of an articulated body (Featherstone 1983) with
+stiff joints: going down, the two unknowns of each block are eliminated from a symmetric 3 x 3 inertia in (rotation,
+tangent, normal); going up, they follow.
+"""
+
+from ..jit import kernel, leaf
+from ..joint.law import loaded_part
+from ..joint.section import part_stiffness, strip_stiffness
+from ..numbers import sine_cosine
+from ..views import Table
+
+TANGENT = Table(
+    "cosine_beta",  # turn from the frame of this joint to that of the joint above
+    "sine_beta",
+    "b_t",  # acceleration of the top face for a unit relative rotation
+    "b_n",
+    "e_t",  # and for a unit rotation of the body below
+    "h1_a",  # inertia met by a unit relative rotation
+    "h1_t",
+    "h1_n",
+    "h2_a",  # and by a unit opening
+    "h2_t",
+    "h2_n",
+    "d_11",  # inverse of the block's own 2 x 2
+    "d_12",
+    "d_22",
+    "k_11",  # second derivatives of the potential: by rotation, mixed, by opening
+    "k_12",
+    "k_22",
+    "u_1",  # what is left of the forces on the joint
+    "u_2",
+    "edge_11",  # what moving the edge where the faces part adds to K, without a dashpot of its own
+    "edge_12",
+    "edge_22",
+)
+WIDEST = 100.0  # times the width of the joint: what a strip counts at most, where the edge runs along the joint at once
+_tangent = TANGENT.over
+
+
+@leaf
+def _edge_that_moves(width, damping, opening, slope, opening_rate, slope_rate, lo, hi):
+    """(abscissa m, width m) of the strip of joint that is as stiff as the edge of the loaded part is by moving.
+
+    Where the faces part the damper alone presses, by damping times the rate of penetration. As the joint closes by d
+    the edge moves by d / slope: that pressure over that width is the force of a strip, and it has no dashpot.
+    """
+    if damping > 0.0 and slope != 0.0 and lo < hi:
+        edge = opening / slope
+        if edge == (lo if slope > 0.0 else hi) and abs(edge) < 0.5 * width:
+            return edge, min(WIDEST * width, max(0.0, damping * (edge * slope_rate - opening_rate) / abs(slope)))
+    return 0.0, 0.0
+
+
+@kernel
+def factorize(model, phase, tangent, step_part):
+    """Prepare the solution at a phase; joint i is weighted with step_part^2 + step_part * its damping."""
+    n = model.n
+    blocks = model.blocks
+    rows = _tangent(tangent, n)
+    j_aa = 0.0  # the part above block i, in the frame of joint i - 1
+    j_t = 0.0
+    j_n = 0.0
+    m_tt = 0.0
+    m_nt = 0.0
+    m_nn = 0.0
+    cos_above = 1.0
+    sin_above = 0.0
+    square = step_part * step_part
+    for i in range(n):
+        height = blocks.height[i]
+        mass = blocks.mass[i]
+        over = blocks.upper[i]
+        turn = phase.theta[i]
+        spin = phase.theta_rate[i]
+        opening = phase.opening[i]
+        turn_below = 0.0
+        spin_below = 0.0
+        if i + 1 < n:
+            turn_below = phase.theta[i + 1]
+            spin_below = phase.theta_rate[i + 1]
+        sin_half, cos_half = sine_cosine(0.5 * (turn - turn_below))
+        # joint: stiffness of the loaded part
+        eta = blocks.damping[i]
+        width = blocks.width[i]
+        slope = 2.0 * sin_half
+        slope_rate = cos_half * (spin - spin_below)
+        lo, hi = loaded_part(width, eta, opening, slope, phase.opening_rate[i], slope_rate)
+        k_22, k_12, k_11 = part_stiffness(blocks, i, lo, max(lo, hi))
+        k_12 *= -cos_half
+        k_11 *= cos_half * cos_half
+        weight = step_part * (step_part + eta)
+        edge, strip = _edge_that_moves(width, eta, opening, slope, phase.opening_rate[i], slope_rate, lo, hi)
+        edge_22, edge_12, edge_11 = strip_stiffness(blocks, i, edge, strip)
+        edge_12 *= -cos_half
+        edge_11 *= cos_half * cos_half
+        # turn the part above into this frame, add the block
+        cos_beta = cos_above * cos_half - sin_above * sin_half
+        sin_beta = sin_above * cos_half + cos_above * sin_half
+        # t' = c t + s n of the upper frame: components along this joint's t and n
+        t_t = m_tt * cos_beta + m_nt * sin_beta
+        t_n = m_nt * cos_beta + m_nn * sin_beta
+        n_t = m_nt * cos_beta - m_tt * sin_beta
+        n_n = m_nn * cos_beta - m_nt * sin_beta
+        m_tt = t_t * cos_beta + t_n * sin_beta + mass
+        m_nt = n_t * cos_beta + n_n * sin_beta
+        m_nn = n_n * cos_beta - n_t * sin_beta + mass
+        swing = mass * over
+        j_t, j_n = (
+            j_t * cos_beta + j_n * sin_beta - swing * cos_half,
+            j_n * cos_beta - j_t * sin_beta + swing * sin_half,
+        )
+        j_aa += swing * over + blocks.inertia[i]
+        # eliminate relative rotation and opening
+        b_t = 0.5 * opening + height * cos_half
+        b_n = -height * sin_half
+        e_t = b_t + 0.5 * opening
+        h1_a = j_aa + b_t * j_t + b_n * j_n
+        h1_t = j_t + m_tt * b_t + m_nt * b_n
+        h1_n = j_n + m_nt * b_t + m_nn * b_n
+        h2_a = j_n
+        h2_t = m_nt
+        h2_n = m_nn
+        d_11 = h1_a + b_t * h1_t + b_n * h1_n + weight * k_11 + square * edge_11
+        d_12 = h1_n + weight * k_12 + square * edge_12
+        d_22 = h2_n + weight * k_22 + square * edge_22
+        per = 1.0 / (d_11 * d_22 - d_12 * d_12)
+        d_11, d_12, d_22 = d_22 * per, -d_12 * per, d_11 * per
+        w_a = d_11 * h1_a + d_12 * h2_a
+        w_t = d_11 * h1_t + d_12 * h2_t
+        w_n = d_11 * h1_n + d_12 * h2_n
+        v_a = d_12 * h1_a + d_22 * h2_a
+        v_t = d_12 * h1_t + d_22 * h2_t
+        v_n = d_12 * h1_n + d_22 * h2_n
+        j_aa -= h1_a * w_a + h2_a * v_a
+        j_t -= h1_t * w_a + h2_t * v_a
+        j_n -= h1_n * w_a + h2_n * v_a
+        m_tt -= h1_t * w_t + h2_t * v_t
+        m_nt -= h1_n * w_t + h2_n * v_t
+        m_nn -= h1_n * w_n + h2_n * v_n
+        # refer to the top face of the body below
+        j_aa += 2.0 * (e_t * j_t + b_n * j_n) + e_t * (e_t * m_tt + b_n * m_nt) + b_n * (e_t * m_nt + b_n * m_nn)
+        j_t += m_tt * e_t + m_nt * b_n
+        j_n += m_nt * e_t + m_nn * b_n
+        rows.cosine_beta[i] = cos_beta
+        rows.sine_beta[i] = sin_beta
+        rows.b_t[i] = b_t
+        rows.b_n[i] = b_n
+        rows.e_t[i] = e_t
+        rows.h1_a[i] = h1_a
+        rows.h1_t[i] = h1_t
+        rows.h1_n[i] = h1_n
+        rows.h2_a[i] = h2_a
+        rows.h2_t[i] = h2_t
+        rows.h2_n[i] = h2_n
+        rows.d_11[i] = d_11
+        rows.d_12[i] = d_12
+        rows.d_22[i] = d_22
+        rows.k_11[i] = k_11
+        rows.k_12[i] = k_12
+        rows.k_22[i] = k_22
+        rows.edge_11[i] = edge_11
+        rows.edge_12[i] = edge_12
+        rows.edge_22[i] = edge_22
+        cos_above = cos_half
+        sin_above = sin_half
+
+
+@kernel
+def solve(model, tangent, a, v, step_part):
+    """Add to the row a (2 n) the solution z of (M + G) z = -G a - step_part^2 K v for the factorized phase.
+
+    G = step_part (step_part K + D): K the derivatives of the joints' forces by coordinates, D by rates.
+    """
+    n = model.n
+    blocks = model.blocks
+    rows = _tangent(tangent, n)
+    p_a = 0.0  # force needed by the part above, in the frame of joint i - 1
+    p_t = 0.0
+    p_n = 0.0
+    square = step_part * step_part
+    for i in range(n):
+        turn_a = a[i]
+        turn_v = v[i]
+        if i + 1 < n:
+            turn_a -= a[i + 1]
+            turn_v -= v[i + 1]
+        weight = step_part * (step_part + blocks.damping[i])
+        r_1 = weight * turn_a + square * turn_v
+        r_2 = weight * a[n + i] + square * v[n + i]
+        e_1 = square * (turn_a + turn_v)
+        e_2 = square * (a[n + i] + v[n + i])
+        k_12 = rows.k_12[i]
+        edge_12 = rows.edge_12[i]
+        cos_beta = rows.cosine_beta[i]
+        sin_beta = rows.sine_beta[i]
+        p_t, p_n = p_t * cos_beta + p_n * sin_beta, p_n * cos_beta - p_t * sin_beta
+        b_t = rows.b_t[i]
+        b_n = rows.b_n[i]
+        f_1 = rows.k_11[i] * r_1 + k_12 * r_2 + (rows.edge_11[i] * e_1 + edge_12 * e_2)
+        f_2 = k_12 * r_1 + rows.k_22[i] * r_2 + (edge_12 * e_1 + rows.edge_22[i] * e_2)
+        u_1 = -f_1 - (p_a + b_t * p_t + b_n * p_n)
+        u_2 = -f_2 - p_n
+        x_1 = rows.d_11[i] * u_1 + rows.d_12[i] * u_2
+        x_2 = rows.d_12[i] * u_1 + rows.d_22[i] * u_2
+        p_a += rows.h1_a[i] * x_1 + rows.h2_a[i] * x_2
+        p_t += rows.h1_t[i] * x_1 + rows.h2_t[i] * x_2
+        p_n += rows.h1_n[i] * x_1 + rows.h2_n[i] * x_2
+        p_a += rows.e_t[i] * p_t + b_n * p_n
+        rows.u_1[i] = x_1
+        rows.u_2[i] = x_2
+    alpha = 0.0
+    a_t = 0.0
+    a_n = 0.0
+    for i in range(n - 1, -1, -1):
+        b_n = rows.b_n[i]
+        s_t = a_t + rows.e_t[i] * alpha
+        s_n = a_n + b_n * alpha
+        g_1 = rows.h1_a[i] * alpha + rows.h1_t[i] * s_t + rows.h1_n[i] * s_n
+        g_2 = rows.h2_a[i] * alpha + rows.h2_t[i] * s_t + rows.h2_n[i] * s_n
+        turned = rows.u_1[i] - (rows.d_11[i] * g_1 + rows.d_12[i] * g_2)
+        opened = rows.u_2[i] - (rows.d_12[i] * g_1 + rows.d_22[i] * g_2)
+        alpha += turned
+        a_t = s_t + rows.b_t[i] * turned
+        a_n = s_n + b_n * turned + opened
+        a[i] += alpha
+        a[n + i] += opened
+        cos_beta = rows.cosine_beta[i]
+        sin_beta = rows.sine_beta[i]
+        a_t, a_n = a_t * cos_beta - a_n * sin_beta, a_t * sin_beta + a_n * cos_beta

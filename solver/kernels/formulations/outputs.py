@@ -1,0 +1,66 @@
+"""All that a user can see of a column at one instant: one output row."""
+
+import math
+
+from ..jit import kernel
+from ..joint.law import joint_peak_pressure
+from ..layout import OK
+from .either import evaluate, is_exact, joint_opening, joint_slope, rotation, top_motion
+
+
+@kernel
+def observe(column, phase, motion, row):
+    """Fill an output row with everything visible of a phase, and its accelerations. Returns a code."""
+    code = evaluate(column, phase, motion)
+    if code != OK:
+        return code
+    model, work, joints, base = column.model, column.work, row.joints, row.base
+    n = model.n
+    blocks = model.blocks
+    exact = is_exact(model)
+    top_motion(model, phase, joints.ux, work.tops.between_rate, motion.theta, motion.omega)
+    rise = 0.0  # of the top face of the block below
+    for i in range(n - 1, -1, -1):
+        turn = rotation(model, phase.theta, i)
+        turn_below = rotation(model, phase.theta, i + 1)
+        opening = joint_opening(model, phase.opening, i)
+        slope, slope_rate = joint_slope(model, phase, i)
+        phi = 0.5 * (turn + turn_below) + motion.theta
+        sine, cosine = phi, 1.0  # in the first-order model
+        if exact:
+            sine, cosine = math.sin(phi), math.cos(phi)
+        normal, tangential = work.joints.normal[i], work.joints.tangential[i]
+        joints.theta[i] = turn + motion.theta
+        if exact:
+            dip = -2.0 * math.sin(0.5 * (turn + motion.theta)) ** 2  # cos(turn) - 1
+            rise += opening * cosine
+            joints.uz[i] = rise + blocks.centroid[i] * dip
+            rise += blocks.height[i] * dip
+        else:
+            joints.uz[i] = -phase.opening[i]
+        joints.N[i] = normal
+        joints.M[i] = work.joints.moment[i]
+        joints.S[i] = -(normal * sine + tangential * cosine)
+        joints.T[i] = -tangential
+        joints.contact[i] = work.joints.length[i] / blocks.width[i]
+        joints.sigma_max[i] = joint_peak_pressure(
+            blocks.stiffness[i],
+            blocks.width[i],
+            blocks.damping[i],
+            opening,
+            slope,
+            joint_opening(model, phase.opening_rate, i),
+            slope_rate,
+        )
+        if i == n - 1:
+            base.Fx = joints.S[i]
+            base.Fz = -(normal * cosine - tangential * sine)
+            base.My = work.joints.moment[i]
+            if exact:
+                base.My = base.My * math.cos(0.5 * (turn - turn_below)) - 0.5 * opening * tangential
+    if not exact:
+        weight = 0.0
+        for i in range(n):
+            weight += blocks.mass[i] * (model.settings.gravity + motion.az - phase.opening_acceleration[i])
+        base.Fz = -weight
+    return OK

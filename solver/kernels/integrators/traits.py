@@ -1,0 +1,52 @@
+"""The methods, and what the stepping loop has to know of each."""
+
+from typing import NamedTuple
+
+from ..jit import kernel, leaf
+from . import central_difference, dormand_prince, modal, order_8, rosenbrock
+
+FIXED = 0  # central differences
+ORDER_5 = 1
+ORDER_8 = 2
+LINEARLY_IMPLICIT = 3
+MODES = 4
+UNKNOWN = 5
+UNKNOWN_METHOD = -5  # code
+
+
+class Traits(NamedTuple):
+    """What a method with error control is good for."""
+
+    order: int  # by which step lengths are proposed
+    implicit: bool
+    holds: bool  # whether its steps are made with the joints held in their regimes, and end where one changes
+    long: bool  # whether its steps are so long that the quintic inside them wants refining
+    inside: tuple[int, int, int]  # inner stages at which a joint that leaves its regime and comes back is looked for
+    nodes: tuple[float, float, float]  # fractions of the step at which they are
+
+
+@leaf
+def traits_of(method):
+    """The traits of a general method."""
+    if method == ORDER_8:
+        return Traits(order_8.ORDER, False, True, True, (4, 9, 10), (order_8.C4, order_8.C9, order_8.C10))
+    if method == LINEARLY_IMPLICIT:
+        return Traits(rosenbrock.ORDER, True, False, False, (1, 2, 3), (0.25, 0.5, 0.75))
+    nodes = (dormand_prince.C2, dormand_prince.C3, dormand_prince.C4)
+    return Traits(dormand_prince.ORDER, False, True, False, (2, 3, 4), nodes)
+
+
+@kernel
+def attempt_by(method, column, t, h):
+    """One step of h seconds by this method; returns (code, error in tolerances)."""
+    if method == ORDER_5:
+        return dormand_prince.attempt(column, t, h)
+    if method == ORDER_8:
+        return order_8.attempt(column, t, h)
+    if method == LINEARLY_IMPLICIT:
+        return rosenbrock.attempt(column, t, h)
+    if method == MODES:
+        return modal.attempt(column, t, h)
+    if method == FIXED:
+        return central_difference.attempt(column, t, h)
+    return UNKNOWN_METHOD, 0.0

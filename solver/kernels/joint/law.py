@@ -1,0 +1,149 @@
+"""The no-tension joint of a rectangular contact, in closed form (theory.md section 2).
+
+The penetration at abscissa s, -width/2 <= s <= width/2, is  pen(s) = -opening + s * slope.  The pressure is
+max(0, stiffness * (pen + damping * dpen/dt)) where pen > 0: both factors are linear in s, hence the loaded part is one
+interval, and with damping = 0 it is the elastic joint of the paper.
+
+The law has two forms, the same to the last bit: branches for one column, where they are predictable, and selections
+for lanes. One column may also be held in a regime (regimes.py).
+"""
+
+from ..jit import by_width, kernel, leaf
+from ..lanes import LanesType, greater, where
+from .regimes import ANY, OPEN, open_margin, side_margin, sides
+from .section import forces_over
+
+
+@leaf
+def positive_part(value, slope, lo, hi):
+    """The part (lo, hi) of an interval where value + slope * s > 0; lo >= hi when there is none."""
+    if slope > 0.0:
+        edge = -value / slope
+        return edge if edge > lo else lo, hi
+    if slope < 0.0:
+        edge = -value / slope
+        return lo, edge if edge < hi else hi
+    if value > 0.0:
+        return lo, hi
+    return hi, hi
+
+
+@leaf
+def loaded_part(width, damping, opening, slope, opening_rate, slope_rate):
+    """The part (lo, hi) of the joint's width that carries pressure, m from its centre; lo >= hi when there is none."""
+    lo, hi = positive_part(-opening, slope, -0.5 * width, 0.5 * width)
+    if damping > 0.0 and lo < hi:
+        lo, hi = positive_part(-(opening + damping * opening_rate), slope + damping * slope_rate, lo, hi)
+    return lo, hi
+
+
+@leaf
+def joint_forces(stiffness, width, depth, damping, opening, slope, opening_rate, slope_rate):
+    """Normal force N (N, compression positive), moment M (N m, restoring) and loaded length (m) of a joint.
+
+    opening, slope: m and rad, their rates per s; stiffness N/m3; width, depth m; damping s.
+    N = -dU/d(opening), M = dU/d(slope) of the potential below when damping = 0.
+    """
+    lo, hi = loaded_part(width, damping, opening, slope, opening_rate, slope_rate)
+    if not hi > lo:
+        return 0.0, 0.0, 0.0
+    mean = opening + damping * opening_rate
+    gradient = slope + damping * slope_rate
+    length = hi - lo
+    force, moment = forces_over(lo, hi, length, stiffness * depth, mean, gradient)
+    return force, moment, length
+
+
+@leaf
+def joint_forces_in_lanes(stiffness, width, depth, damping, opening, slope, opening_rate, slope_rate):
+    """The same for lanes, without a branch."""
+    mean = opening + damping * opening_rate
+    gradient = slope + damping * slope_rate
+    half = 0.5 * width
+    edge = opening / slope
+    lo = where((slope > 0.0) & (edge > -half), edge, -half)
+    hi = where((slope < 0.0) & (edge < half), edge, half)
+    lo = where((slope == 0.0) & (opening >= 0.0), hi, lo)
+    damped = (damping > 0.0) & (lo < hi)
+    edge = mean / gradient
+    lo = where(damped & (gradient > 0.0) & (edge > lo), edge, lo)
+    hi = where(damped & (gradient < 0.0) & (edge < hi), edge, hi)
+    lo = where(damped & (gradient == 0.0) & (mean >= 0.0), hi, lo)
+    length = greater(hi - lo, 0.0)
+    force, moment = forces_over(lo, hi, length, stiffness * depth, mean, gradient)
+    loaded = length > 0.0
+    return where(loaded, force, 0.0), where(loaded, moment, 0.0), length
+
+
+@leaf
+def held_forces(regime, stiffness, width, depth, damping, opening, slope, opening_rate, slope_rate):
+    """N, M, loaded length by the formula of a regime, even beyond where it applies, and the margin it has left, m."""
+    mean = opening + damping * opening_rate
+    gradient = slope + damping * slope_rate
+    half = 0.5 * width
+    if regime == OPEN:
+        return 0.0, 0.0, 0.0, open_margin(half, opening, slope, mean, gradient)
+    left, right = sides(regime)
+    lo, on_left = side_margin(left, -half, damping, opening, slope, mean, gradient)
+    hi, on_right = side_margin(right, half, damping, opening, slope, mean, gradient)
+    length = hi - lo
+    force, moment = forces_over(lo, hi, length, stiffness * depth, mean, gradient)
+    return force, moment, length, min(on_left, on_right)
+
+
+def resultants(blocks, hold, i, opening, slope, opening_rate, slope_rate):
+    """N, M and loaded length of joint i; one column notes in `hold` whether the joint is outside its regime."""
+    raise NotImplementedError("for kernels only")
+
+
+def _resultants_of_one(blocks, hold, i, opening, slope, opening_rate, slope_rate):
+    regime = hold.held[i]
+    stiffness, width, depth, damping = blocks.stiffness[i], blocks.width[i], blocks.depth[i], blocks.damping[i]
+    if regime == ANY:
+        return joint_forces(stiffness, width, depth, damping, opening, slope, opening_rate, slope_rate)
+    normal, moment, length, margin = held_forces(
+        regime, stiffness, width, depth, damping, opening, slope, opening_rate, slope_rate
+    )
+    if margin < 0.0:
+        hold.outside[i] = 1
+    return normal, moment, length
+
+
+def _resultants_of_lanes(blocks, hold, i, opening, slope, opening_rate, slope_rate):
+    return joint_forces_in_lanes(
+        blocks.stiffness[i],
+        blocks.width[i],
+        blocks.depth[i],
+        blocks.damping[i],
+        opening,
+        slope,
+        opening_rate,
+        slope_rate,
+    )
+
+
+@by_width(resultants)
+def _choose(blocks, hold, i, opening, slope, opening_rate, slope_rate):
+    return _resultants_of_lanes if isinstance(opening, LanesType) else _resultants_of_one
+
+
+@kernel
+def joint_peak_pressure(stiffness, width, damping, opening, slope, opening_rate, slope_rate):
+    """Largest pressure on the joint, Pa: at an end of the loaded part, where a linear function has its maximum."""
+    lo, hi = loaded_part(width, damping, opening, slope, opening_rate, slope_rate)
+    if not hi > lo:
+        return 0.0
+    mean = -(opening + damping * opening_rate)
+    gradient = slope + damping * slope_rate
+    return max(0.0, stiffness * (mean + gradient * (hi if gradient > 0.0 else lo)))
+
+
+@kernel
+def joint_potential(stiffness, width, depth, opening, slope):
+    """Elastic energy of the joint, J: the integral of stiffness * pen^2 / 2 over the loaded area."""
+    lo, hi = loaded_part(width, 0.0, opening, slope, 0.0, 0.0)
+    length = hi - lo
+    if not length > 0.0:
+        return 0.0
+    middle = slope * 0.5 * (lo + hi) - opening
+    return 0.5 * stiffness * depth * length * (middle * middle + slope * slope * (length * length) / 12.0)

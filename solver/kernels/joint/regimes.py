@@ -1,0 +1,104 @@
+"""What bounds the loaded part of a joint on either side: its regime, in which the forces are smooth.
+
+A regime is OPEN, or FULL + left + RIGHT * right with each side a CORNER, TOUCH or PULL.
+"""
+
+from ..jit import leaf
+
+# regimes of a joint
+ANY = 0  # whichever applies
+OPEN = 1
+FULL = 16
+RIGHT = 4
+# what bounds the loaded part on one side
+CORNER = 0  # the end of the joint
+TOUCH = 1  # the faces part there
+PULL = 2  # the damper would pull there
+
+
+@leaf
+def contact_regime(width, damping, opening, slope, opening_rate, slope_rate):
+    """The regime of a joint in this motion: m, s, m, rad and their rates per s.
+
+    As long as it is the same the forces are smooth functions of the joint's motion.
+    """
+    lo, hi = -0.5 * width, 0.5 * width
+    left = right = CORNER
+    if slope > 0.0:
+        edge = opening / slope
+        if edge > lo:
+            lo, left = edge, TOUCH
+    elif slope < 0.0:
+        edge = opening / slope
+        if edge < hi:
+            hi, right = edge, TOUCH
+    elif opening >= 0.0:
+        return OPEN
+    if damping > 0.0:
+        mean = opening + damping * opening_rate
+        gradient = slope + damping * slope_rate
+        if gradient > 0.0:
+            edge = mean / gradient
+            if edge > lo:
+                lo, left = edge, PULL
+        elif gradient < 0.0:
+            edge = mean / gradient
+            if edge < hi:
+                hi, right = edge, PULL
+        elif mean >= 0.0:
+            return OPEN
+    if not lo < hi:
+        return OPEN
+    return FULL + left + RIGHT * right
+
+
+@leaf
+def sides(regime):
+    """What bounds the loaded part on the left and on the right in a regime that is not OPEN."""
+    return regime & 3, (regime >> 2) & 3
+
+
+@leaf
+def side_margin(bound, corner, damping, opening, slope, mean, gradient):
+    """Where the loaded part ends by this bound, m from the centre, and how far the bound is from giving way, m.
+
+    mean, gradient: opening and slope as the damper feels them; corner: the end of the joint on that side, m.
+    """
+    touching = corner * slope - opening
+    pushing = corner * gradient - mean
+    if bound == CORNER:
+        return corner, min(touching, pushing) if damping > 0.0 else touching
+    if bound == TOUCH:
+        edge = opening / slope
+        return edge, min(-touching, edge * gradient - mean) if damping > 0.0 else -touching
+    edge = mean / gradient
+    return edge, min(-pushing, edge * slope - opening)
+
+
+@leaf
+def open_margin(half, opening, slope, mean, gradient):
+    """How far an open joint of this half width is from closing, m."""
+    # largest over the width of the lesser penetration: at a corner, or in between where they are the same
+    most = min(-opening - half * slope, -mean - half * gradient)
+    most = max(most, min(half * slope - opening, half * gradient - mean))
+    same = (mean - opening) / (gradient - slope)
+    if abs(same) < half:
+        most = max(most, same * slope - opening)
+    return -most
+
+
+@leaf
+def regime_margin(regime, width, damping, opening, slope, opening_rate, slope_rate):
+    """How far the joint is from leaving the regime, m: negative beyond, zero where another one begins.
+
+    The least of the penetrations, as they are and as the damper feels them, that have to be positive.
+    """
+    half = 0.5 * width
+    mean = opening + damping * opening_rate
+    gradient = slope + damping * slope_rate
+    if regime == OPEN:
+        return open_margin(half, opening, slope, mean, gradient)
+    left, right = sides(regime)
+    _, on_left = side_margin(left, -half, damping, opening, slope, mean, gradient)
+    _, on_right = side_margin(right, half, damping, opening, slope, mean, gradient)
+    return min(on_left, on_right)

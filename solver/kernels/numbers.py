@@ -1,0 +1,88 @@
+"""Elementary functions of one number or of lanes (lanes.py)."""
+
+import math
+
+from .jit import by_width, leaf
+from .lanes import LanesType, any_of, magnitude, nearest, where
+
+SMALL = 0.03  # rad: below this the short polynomials are exact to rounding
+QUARTER = 0.25 * math.pi + 1e-3  # rad: below this the long ones are
+
+# half of pi in three parts, of which the first two have trailing zeros
+HALF_PI_1 = 1.5707963267341256
+HALF_PI_2 = 6.077100506303966e-11
+HALF_PI_3 = 2.0222662487959506e-21
+
+
+@leaf
+def _short(x):
+    y = x * x
+    sine = x * (1.0 + y * (-1.0 / 6.0 + y * (1.0 / 120.0 - y * (1.0 / 5040.0))))
+    cosine = 1.0 + y * (-0.5 + y * (1.0 / 24.0 - y * (1.0 / 720.0)))
+    return sine, cosine
+
+
+@leaf
+def _long(x):
+    """Taylor polynomials of sine and cosine up to QUARTER."""
+    y = x * x
+    sine = 1.0 / 6227020800.0 - y * (1.0 / 1307674368000.0 - y * (1.0 / 355687428096000.0))
+    sine = -1.0 / 5040.0 + y * (1.0 / 362880.0 + y * (-1.0 / 39916800.0 + y * sine))
+    sine = x + x * (y * (-1.0 / 6.0 + y * (1.0 / 120.0 + y * sine)))
+    cosine = -1.0 / 87178291200.0 + y * (1.0 / 20922789888000.0 - y * (1.0 / 6402373705728000.0))
+    cosine = -1.0 / 720.0 + y * (1.0 / 40320.0 + y * (-1.0 / 3628800.0 + y * (1.0 / 479001600.0 + y * cosine)))
+    cosine = 1.0 + y * (-0.5 + y * (1.0 / 24.0 + y * cosine))
+    return sine, cosine
+
+
+def sine_cosine(x):
+    """sin(x) and cos(x); polynomials where the rest of the series is below rounding."""
+    raise NotImplementedError("for kernels only")
+
+
+def sine(x):
+    """sin(x) for |x| up to 1e6."""
+    raise NotImplementedError("for kernels only")
+
+
+def _sine_cosine_of_one(x):
+    if abs(x) > SMALL:
+        return math.sin(x), math.cos(x)
+    return _short(x)
+
+
+@leaf
+def _reduced(x):
+    """x less the nearest multiple of half of pi, and the number of that multiple modulo 4 as a number."""
+    turns = nearest(x * (2.0 / math.pi))
+    rest = ((x - turns * HALF_PI_1) - turns * HALF_PI_2) - turns * HALF_PI_3
+    return rest, turns - 4.0 * nearest(0.25 * turns - 0.125)
+
+
+def _sine_cosine_of_lanes(x):
+    first, second = _short(x)
+    large = magnitude(x) > SMALL
+    if any_of(large):
+        rest, quarter = _reduced(x)
+        s, c = _long(rest)
+        odd = (quarter == 1.0) | (quarter == -1.0)
+        back = quarter == 2.0
+        long_sine = where(odd, quarter * c, where(back, -s, s))
+        long_cosine = where(odd, -(quarter * s), where(back, -c, c))
+        first = where(large, long_sine, first)
+        second = where(large, long_cosine, second)
+    return first, second
+
+
+def _sine_of_lanes(x):
+    return sine_cosine(x)[0]
+
+
+@by_width(sine_cosine)
+def _choose_both(x):
+    return _sine_cosine_of_lanes if isinstance(x, LanesType) else _sine_cosine_of_one
+
+
+@by_width(sine)
+def _choose_sine(x):
+    return _sine_of_lanes if isinstance(x, LanesType) else lambda x: math.sin(x)

@@ -1,0 +1,1 @@
+"""The one stepping loop and what it is made of."""

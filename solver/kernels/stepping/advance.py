@@ -1,0 +1,350 @@
+"""The one stepping loop.
+
+A step is planned (`plan_fixed`, `plan_modal` or `plan_general`), tried by its method, judged, which may end it sooner,
+and finished: stock is taken, what is watched is kept, its end becomes the start of the next.
+"""
+
+import math
+from typing import NamedTuple
+
+from ..formulations.base import anchor_wave, base_motion, ends_soon, enter, smooth_reach, to_next_sample
+from ..formulations.either import evaluate, evaluate_at, is_exact, top_motion
+from ..formulations.exact import STILL
+from ..integrators import modal
+from ..integrators.error import error_in_tolerances
+from ..integrators.stage import stage
+from ..integrators.traits import FIXED, MODES, UNKNOWN, attempt_by, traits_of
+from ..jit import kernel, leaf, part
+from ..layout import AUTO, CENTRAL_DIFFERENCE, HAS_OVERTURNED, OK, SLACK, STEP_TOO_SMALL
+from .condition import has_fallen, is_quiet, moment_of_overturning, rests, take_stock, widest_joint
+from .control import accepts, accepts_elastic, elastic_step, general_step
+from .holding import NO_CHANGE, expected_change, first_change, hold, release
+from .interpolation import begin, interpolate_phase, refinement
+from .watch import take_held_snapshots, take_snapshots, track_peaks
+
+WELL_ENOUGH = 1.0  # tolerances: what `refine` adds to an interpolation that will do for the end of a step
+BEYOND = 1e-5  # of a step: so far a step made again ends beyond the change, of which it costs the square
+LEAST_CUT = 1e-4  # of a step: regimes that change sooner are not held
+LEAST_STEP = 1e-13  # of the time scale: below this the error control has failed
+# what a step may miss of the kinks of a record, in tolerances of a rate times the height of the lowest centroid
+KINKS = 20.0
+
+ROUNDING = 1e-13  # of the base acceleration: less is no jump
+REJECTED = 0.0  # s made by a step that is to be tried again
+
+
+# --- the base under the state
+
+
+@leaf
+def belongs_to(control, motion):
+    """Whether the accelerations of the state are those under this motion of the base."""
+    translates = motion.ax == control.base_ax and motion.az == control.base_az
+    turns = motion.theta == control.base_theta and motion.omega == control.base_omega
+    return translates and turns and motion.alpha == control.base_alpha
+
+
+@leaf
+def keep_base(control, motion):
+    """Note the motion of the base that the phase of the state belongs to."""
+    control.base_ax, control.base_az = motion.ax, motion.az
+    control.base_theta, control.base_omega, control.base_alpha = motion.theta, motion.omega, motion.alpha
+
+
+@kernel
+def take_phase(column, motion, phase):
+    """The phase of the state, seen from the base as it stands: its rotation may have been set anew.
+
+    The blocks stay where they are and as fast as they are.
+    """
+    state = column.state
+    n = column.model.n
+    for i in range(6 * n):
+        phase.row[i] = state.phase.row[i]
+    turn, spin = motion.theta - state.control.base_theta, motion.omega - state.control.base_omega
+    if turn != 0.0 or spin != 0.0:
+        for i in range(n):
+            phase.theta[i] -= turn
+            phase.theta_rate[i] -= spin
+
+
+# --- steps
+
+
+class Plan(NamedTuple):
+    """The step to be tried next."""
+
+    method: int
+    step: float  # s
+    held: bool  # whether the joints are held in their regimes
+
+
+@leaf
+def _shared(step, left):
+    """The step, s, of which `left` remain: two alike rather than one and a sliver."""
+    if step * (1.0 + SLACK) >= left:
+        return left
+    return 0.5 * left if 2.0 * step > left else step
+
+
+@kernel
+def plan_fixed(column, left):
+    """A step of the length that the settings give, or a little less to come out even."""
+    # a step that arrives as 0.00999...98 or 0.0100...02 is one of 0.01
+    pieces = max(1.0, math.ceil(left / column.model.settings.step * (1.0 - SLACK)))
+    begin(column.work, False)
+    return Plan(FIXED, left if pieces == 1.0 else left / pieces, False)
+
+
+@kernel
+def plan_modal(column, step, left):
+    """A step by modes, of about so many s."""
+    begin(column.work, False)
+    return Plan(MODES, _shared(step, left), False)
+
+
+@kernel
+def plan_general(column, t, left):
+    """A step by a general method, which goes on until just after a joint is expected to leave its regime."""
+    settings = column.model.settings
+    method, step = general_step(column, left)
+    traits = traits_of(method)
+    reach = left
+    if traits.implicit:  # of low order, and long: kinks would cost more than it estimates
+        reach = to_next_sample(column.base, column.samples, t, left)
+    elif column.samples.size > 0:
+        length = column.model.blocks.centroid[column.model.n - 1]
+        roughest = KINKS * settings.tolerance * column.state.control.rate_scale * length
+        reach = smooth_reach(column.base, column.samples, t, step, left, roughest)
+    step = _shared(step, reach)
+    held = traits.holds and is_exact(column.model) and column.counts.unheld == 0
+    if held:
+        hold(column, step)
+        step = min(step, expected_change(column, step))
+    begin(column.work, traits.long)
+    return Plan(method, step, held)
+
+
+@kernel
+def plan_step(column, t, left, to_sample):
+    """The next step, of which `left` s remain in all and `to_sample` until the next sample of a record."""
+    integrator = column.model.settings.integrator
+    if integrator == AUTO:
+        step = elastic_step(column, to_sample)
+        if step > 0.0:
+            return plan_modal(column, step, to_sample)
+    modal.forget(column.work)
+    if integrator == AUTO:
+        return plan_general(column, t, left)
+    return plan_fixed(column, to_sample) if integrator == CENTRAL_DIFFERENCE else Plan(UNKNOWN, left, False)
+
+
+@kernel
+def judge_step(column, plan, t, code, error):
+    """What comes of a step just tried. Returns (code, s made, whether it has to be made again up to there)."""
+    counts, control = column.counts, column.state.control
+    method, step, held = plan
+    if method in (FIXED, UNKNOWN):
+        return code, step, False
+    if method == MODES:
+        return OK, step if accepts_elastic(column, step, code, error) else REJECTED, False
+    if not accepts(column, method, step, code, error):
+        release(column)
+        if control.next_step < LEAST_STEP * max(column.model.settings.first_step, abs(t)):
+            return code if code != OK else STEP_TOO_SMALL, REJECTED, False
+        return OK, REJECTED, False
+    counts.unheld = 0
+    if counts.elastic_wait > 0:
+        counts.elastic_wait -= 1
+    if not held:
+        return OK, step, False
+    return _end_at_change(column, method, t, step)
+
+
+@kernel
+def _end_at_change(column, method, t, step):
+    """Let a held step end where the first joint has left its regime; the joints are let go. Returns as `judge_step`."""
+    work, counts = column.work, column.counts
+    traits = traits_of(method)
+    first, second, third = traits.inside
+    looked_at = (stage(work, first), stage(work, second), stage(work, third))
+    cut = first_change(column, looked_at, traits.nodes, t, step)
+    release(column)
+    if cut == NO_CHANGE:
+        return OK, step, False
+    if cut < LEAST_CUT:
+        counts.unheld = 1
+        return OK, REJECTED, False
+    counts.events += 1
+    if work.interpolation.has_bump == 0.0 or _interpolates_well(column, step, cut):
+        return end_within(column, t, step, cut, traits.long), cut * step, False
+    # what the interpolation would miss at the end of a long step of high order counts at tight tolerances
+    step *= min(1.0, cut + BEYOND)
+    hold(column, step)
+    begin(work, traits.long)
+    return OK, step, True
+
+
+@kernel
+def _interpolates_well(column, h, fraction):
+    """Whether the interpolation at this fraction of a step of h seconds is as accurate as the step."""
+    refinement(column.work, h, fraction)
+    return error_in_tolerances(column, column.work.between) <= WELL_ENOUGH
+
+
+@kernel
+def end_within(column, t, h, fraction, fine):
+    """Let the step of h seconds end at this fraction of it. Returns a code."""
+    work = column.work
+    interpolate_phase(work, h, fraction)
+    for i in range(6 * work.n):
+        work.end.row[i] = work.between.row[i]
+    begin(work, fine)
+    return evaluate_at(column, work.end, t + fraction * h)
+
+
+@kernel
+def release_at_end(column, t):
+    """Let the joints go at the end of a step, which is at time t. Returns a code."""
+    release(column)
+    return evaluate_at(column, column.work.end, t)
+
+
+@kernel
+def finish_step(column, watch, t, step):
+    """Take stock of a step just made, keep what is watched, go on from its end. Returns (code, s made)."""
+    model, state, counts, work = column.model, column.state, column.counts, column.work
+    counts.steps += 1
+    code = take_stock(column, work.end, step)
+    if code != OK:
+        return code, step
+    if has_fallen(model, work.end):
+        fraction = moment_of_overturning(column, step)
+        code = end_within(column, t, step, fraction, False)
+        if code != OK:
+            return code, step
+        step *= fraction
+        state.control.overturn_time = t + step
+        counts.overturned = widest_joint(model, work.end)
+    if watch.size > 0:
+        track_peaks(column, t, step)
+        take_snapshots(column, watch, t, step)
+    for i in range(6 * model.n):
+        work.start.row[i] = work.end.row[i]
+    return OK, step
+
+
+# --- from t to t + h
+
+
+@kernel
+def _start(column, motion, t):
+    """What is done once in the life of a state: scales, and the first steps to be tried. Returns a code."""
+    settings, control = column.model.settings, column.state.control
+    column.counts.started = 1
+    control.next_step = settings.first_step
+    control.explicit_step = settings.first_step
+    control.previous_error = 1.0
+    control.elastic_step = 10.0 * settings.first_step
+    control.rotation_scale = max(control.rotation_scale, settings.rotation_floor)
+    control.rate_scale = max(control.rate_scale, settings.rate_floor)
+    return take_stock(column, column.work.start, 0.0)
+
+
+@kernel
+def _rest_until(column, watch, t, left):
+    """Let a column that rests be, for `left` s."""
+    control = column.state.control
+    for i in range(6 * column.model.n):
+        column.state.phase.row[i] = column.work.start.row[i]
+    keep_base(control, STILL)
+    control.time_full += left
+    control.time_at_rest += left
+    take_held_snapshots(column, watch, t, left)
+
+
+@part
+def advance(column, t, h, watch):
+    """Take the column from t to t + h, landing there exactly. Returns a code.
+
+    Inputs of the base hold within the call; snapshots and peaks take it that the base does not rotate. Snapshots inside
+    are taken by interpolation. A column that has overturned keeps its state. On an error the phase in the state is that
+    at t.
+    """
+    model, state, counts, base, samples, work = column
+    n = model.n
+    if counts.overturned > 0:
+        take_held_snapshots(column, watch, t, h)
+        return HAS_OVERTURNED
+    enter(base, samples, t)
+    motion = base_motion(base, samples, t)
+    take_phase(column, motion, work.start)
+    if counts.started == 0 or not belongs_to(state.control, motion):
+        code = evaluate(column, work.start, motion)
+        if code != OK:
+            return code
+        if counts.started == 0:
+            code = _start(column, motion, t)
+            if code != OK:
+                return code
+    if watch.size > 0:
+        tops = work.tops
+        top_motion(model, work.start, tops.start_ux, tops.start_rate)
+        for i in range(n):
+            state.peaks[i] = max(state.peaks[i], abs(tops.start_ux[i]))
+    modal.forget(work)
+    elapsed = 0.0
+    while elapsed < h:
+        now = t + elapsed
+        to_sample = to_next_sample(base, samples, now, h - elapsed)
+        if is_quiet(base, samples) and rests(column, work.start):
+            _rest_until(column, watch, now, to_sample)
+            made = to_sample
+        else:
+            anchor_wave(base, now)
+            plan = plan_step(column, now, h - elapsed, to_sample)
+            code, error = attempt_by(plan.method, column, now, plan.step)
+            code, made, again = judge_step(column, plan, now, code, error)
+            if again:
+                code, _ = attempt_by(plan.method, column, now, made)
+                code = min(code, release_at_end(column, now + made))
+            if code == OK and made > 0.0:
+                code, made = finish_step(column, watch, now, made)
+            if code != OK:
+                return code
+            if made == REJECTED:
+                continue
+        if counts.overturned > 0:
+            elapsed += made
+            break
+        if made == h - elapsed:
+            elapsed = h
+        else:
+            elapsed += made
+            code = _pass_samples(column, t + elapsed)
+            if code != OK:
+                return code
+
+    for i in range(6 * n):
+        state.phase.row[i] = work.start.row[i]
+    keep_base(state.control, base_motion(base, samples, t + elapsed))
+    if counts.overturned > 0:
+        take_held_snapshots(column, watch, t, h)
+        return HAS_OVERTURNED
+    return OK
+
+
+@kernel
+def _pass_samples(column, t):
+    """Let the base follow the segment of the record at time t; accelerations jump where it does. Returns a code."""
+    base, samples = column.base, column.samples
+    if samples.size == 0 or not ends_soon(base, t):
+        return OK
+    before = base_motion(base, samples, t)
+    enter(base, samples, t)
+    modal.forget(column.work)
+    motion = base_motion(base, samples, t)
+    jump = max(abs(motion.ax - before.ax), abs(motion.az - before.az))
+    if jump <= ROUNDING * max(abs(motion.ax), abs(motion.az)):
+        return OK
+    return evaluate(column, column.work.start, motion)

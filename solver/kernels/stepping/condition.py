@@ -1,0 +1,124 @@
+"""The condition of the column: standing or fallen, at rest or not, in contact, rocking or in flight."""
+
+import math
+
+from ..formulations.base import base_rotates, is_silent
+from ..formulations.either import is_exact, rotation
+from ..jit import kernel, leaf
+from ..joint.section import full_stiffness
+from ..layout import AUTO, NOT_FINITE, OK, REST
+from .interpolation import interpolate_phase
+
+# Openings count by so much in what errors are measured against: what is little of a flight is much of the landing.
+FLIGHT_PART = 1e-3
+HALVINGS = 40  # of a step, in which the moment of overturning is found
+
+
+@kernel
+def has_fallen(model, phase):
+    """Whether a block, or the joint under it, has turned beyond its angle of no return."""
+    fallen = False
+    below = 0.0
+    for i in range(model.n - 1, -1, -1):
+        turn = rotation(model, phase.theta, i)
+        limit = model.blocks.fall_angle[i]
+        fallen = fallen or abs(turn - below) > limit or abs(turn) > limit
+        below = turn
+    return fallen
+
+
+@kernel
+def widest_joint(model, phase):
+    """Number of the joint that has turned most."""
+    widest = 0
+    most = -1.0
+    for i in range(model.n):
+        turned = abs(rotation(model, phase.theta, i) - rotation(model, phase.theta, i + 1))
+        if turned > most:
+            widest, most = i + 1, turned
+    return widest
+
+
+@kernel
+def moment_of_overturning(column, h):
+    """Fraction of the step at which the column passes the angle of no return; its phase is left in work.between."""
+    lo, hi = 0.0, 1.0
+    for _ in range(HALVINGS):
+        middle = 0.5 * (lo + hi)
+        interpolate_phase(column.work, h, middle)
+        if has_fallen(column.model, column.work.between):
+            hi = middle
+        else:
+            lo = middle
+    interpolate_phase(column.work, h, hi)
+    return hi
+
+
+@kernel
+def take_stock(column, phase, h):
+    """Scales, regime and validity after a step of h seconds to a phase. Returns a code."""
+    blocks, control, joints = column.model.blocks, column.state.control, column.work.joints
+    exact = is_exact(column.model)
+    turned = control.rotation_scale
+    spun = control.rate_scale
+    full, flight = True, False
+    sum_all = 0.0
+    for i in range(column.model.n):
+        per_size = blocks.per_turn_size[i]
+        turned = max(turned, abs(phase.theta[i]) * per_size)
+        spun = max(spun, abs(phase.theta_rate[i]) * per_size)
+        opening = phase.opening[i]
+        if exact and opening > 0.0:  # as the corner of a joint that turns about the other one
+            half_width = 0.5 * blocks.width[i]
+            turned = max(turned, FLIGHT_PART * opening / half_width)
+            spun = max(spun, abs(phase.opening_rate[i]) / half_width)
+        length = joints.length[i]
+        full = full and length >= blocks.width[i]
+        flight = flight or not length > 0.0
+        sum_all += phase.theta_acceleration[i] + phase.opening_acceleration[i]
+    control.rotation_scale = turned
+    control.rate_scale = spun
+    column.counts.in_flight = 1 if flight else 0
+    if full:
+        control.time_full += h
+    elif not flight:
+        control.time_rocking += h
+    else:
+        control.time_flight += h
+    # what is not finite in a coordinate or a rate is not finite in the accelerations either
+    return OK if math.isfinite(sum_all) else NOT_FINITE
+
+
+@leaf
+def is_quiet(base, samples):
+    """Whether the base neither accelerates nor rotates, nor is tilted, until the present segment ends."""
+    steady = base.ax == 0.0 and base.az == 0.0 and base.jx == 0.0 and base.jz == 0.0 and not base_rotates(base)
+    if samples.size == 0:
+        return steady and base.wave_amplitude == 0.0
+    k = int(base.segment)
+    if is_silent(samples, k):
+        return steady
+    still = samples.ax[k] == 0.0 and samples.az[k] == 0.0
+    if not samples.held:
+        still = still and samples.ax[k + 1] == 0.0 and samples.az[k + 1] == 0.0
+    return steady and still and base.wave_amplitude == 0.0
+
+
+@kernel
+def rests(column, phase):
+    """Whether the column is at rest under its weight at a phase, but for a motion that the tolerance does not see."""
+    settings, blocks, control = column.model.settings, column.model.blocks, column.state.control
+    if not is_exact(column.model) or settings.integrator != AUTO or int(settings.without) & REST:
+        return False
+    turn = settings.tolerance * control.rotation_scale
+    spin = settings.tolerance * control.rate_scale
+    weight = 0.0
+    for i in range(column.model.n):
+        weight += settings.gravity * blocks.mass[i]
+        settled = -weight / full_stiffness(blocks, i)
+        size = blocks.open_size[i]
+        if abs(phase.theta[i]) > turn or abs(phase.opening[i] - settled) > turn * size:
+            return False
+        if abs(phase.theta_rate[i]) > spin or abs(phase.opening_rate[i]) > spin * size:
+            return False
+    return True

@@ -1,0 +1,195 @@
+"""Regimes of the joints within a step: held while it is made, then the moment is found at which the first one ends.
+
+The law of a joint is smooth while its regime lasts and has a kink where another one begins: an edge parts, a corner
+comes down. A step that is held in the regimes of its start has smooth equations from end to end, so that the order of
+the integrator and the interpolation inside the step hold up to the moment of the change, where it is cut off.
+"""
+
+from ..jit import kernel, leaf
+from ..joint.regimes import ANY, contact_regime, regime_margin
+from ..numbers import sine_cosine
+from .interpolation import quintic_of, refine, value_of
+
+NO_CHANGE = 2.0  # a fraction of the step that is never reached
+AHEAD = 1e-7  # of the step: at the very moment of a change the regime is that of so much later
+CLOSE_ENOUGH = 1e-6  # of the step: the error of going on in the wrong regime is of the second order in it
+MOST_TRIALS = 40
+PREDICTIONS = 4  # trials
+OVERSHOOT = 1.03  # a step that is to end just beyond a change is longer than expected by so much,
+AFTER = 0.01  # and by this part of the one proposed
+
+
+@kernel
+def hold(column, h):
+    """Hold every joint in the regime in which a step of h seconds begins."""
+    blocks, start, rows = column.model.blocks, column.work.start, column.work.hold
+    ahead = AHEAD * h
+    turn_below = 0.0
+    spin_below = 0.0
+    for i in range(column.model.n - 1, -1, -1):
+        turn = start.theta[i] + ahead * start.theta_rate[i]
+        spin = start.theta_rate[i] + ahead * start.theta_acceleration[i]
+        opening = start.opening[i] + ahead * start.opening_rate[i]
+        opening_rate = start.opening_rate[i] + ahead * start.opening_acceleration[i]
+        sine, cosine = sine_cosine(0.5 * (turn - turn_below))
+        slope_rate = cosine * (spin - spin_below)
+        regime = contact_regime(blocks.width[i], blocks.damping[i], opening, 2.0 * sine, opening_rate, slope_rate)
+        rows.held[i] = regime
+        rows.regime[i] = regime
+        rows.outside[i] = 0
+        turn_below = turn
+        spin_below = spin
+
+
+@kernel
+def release(column):
+    """Let the joints go; what they were held in is remembered."""
+    for i in range(column.model.n):
+        column.work.hold.held[i] = ANY
+
+
+@leaf
+def _margin(model, i, regime, turn, opening, spin, opening_rate):
+    """How far joint i, turned by so much, is from leaving a regime, m."""
+    sine, cosine = sine_cosine(0.5 * turn)
+    return regime_margin(
+        regime, model.blocks.width[i], model.blocks.damping[i], opening, 2.0 * sine, opening_rate, cosine * spin
+    )
+
+
+@leaf
+def _less_below(row, i, n):
+    return row[i] - row[i + 1] if i + 1 < n else row[i]
+
+
+@kernel
+def _stays(model, phase, i, regime):
+    """Whether joint i is in this regime at a phase."""
+    turn = _less_below(phase.theta, i, model.n)
+    spin = _less_below(phase.theta_rate, i, model.n)
+    return _margin(model, i, regime, turn, phase.opening[i], spin, phase.opening_rate[i]) >= 0.0
+
+
+@kernel
+def _margin_ahead(model, start, i, regime, s):
+    """The margin of joint i in s seconds from a phase if its accelerations stay what they are."""
+    n = model.n
+    turn, spin = _less_below(start.theta, i, n), _less_below(start.theta_rate, i, n)
+    spin_rate = _less_below(start.theta_acceleration, i, n)
+    opening, opening_rate, rate_of_rate = start.opening[i], start.opening_rate[i], start.opening_acceleration[i]
+    turn += s * (spin + 0.5 * s * spin_rate)
+    opening += s * (opening_rate + 0.5 * s * rate_of_rate)
+    return _margin(model, i, regime, turn, opening, spin + s * spin_rate, opening_rate + s * rate_of_rate)
+
+
+@kernel
+def expected_change(column, h):
+    """Seconds until just after a joint is expected to leave its regime; h if not before that.
+
+    Expected is what happens if accelerations stay what they are. A step that ends there is nearly used up when it is
+    cut off, and interpolates well where that happens.
+    """
+    model, start = column.model, column.work.start
+    first = h
+    for i in range(model.n):
+        regime = column.work.hold.regime[i]
+        hi = first
+        at_hi = _margin_ahead(model, start, i, regime, hi)
+        if at_hi >= 0.0:
+            continue
+        lo = 0.0
+        at_lo = _margin_ahead(model, start, i, regime, lo)
+        if at_lo <= 0.0:
+            continue
+        for _ in range(PREDICTIONS):
+            trial = (lo * at_hi - hi * at_lo) / (at_hi - at_lo)
+            at_trial = _margin_ahead(model, start, i, regime, trial)
+            if at_trial < 0.0:
+                hi, at_hi = trial, at_trial
+                at_lo *= 0.5
+            else:
+                lo, at_lo = trial, at_trial
+                at_hi *= 0.5
+        first = hi
+    return min(h, OVERSHOOT * first + AFTER * h)
+
+
+@leaf
+def _margin_within(model, i, regime, turn, opening, s):
+    """The margin of joint i at fraction s of the step, from the courses of its rotation and opening."""
+    q, v = value_of(turn, s)
+    o, o_rate = value_of(opening, s)
+    return _margin(model, i, regime, q, o, v, o_rate)
+
+
+@kernel
+def _end_of_regime(model, i, regime, turn, opening, lo, hi):
+    """Fraction of the step, after lo, where the margin of joint i is spent; it is at hi.
+
+    The false position with halved weights (M. Dowell, P. Jarratt, BIT 11 (1971) 168-174, the Illinois algorithm).
+    """
+    at_lo = _margin_within(model, i, regime, turn, opening, lo)
+    if at_lo < 0.0:
+        lo = 0.0
+        at_lo = max(0.0, _margin_within(model, i, regime, turn, opening, lo))
+    at_hi = _margin_within(model, i, regime, turn, opening, hi)
+    side = 0
+    for _ in range(MOST_TRIALS):
+        if hi - lo <= CLOSE_ENOUGH:
+            break
+        trial = (lo * at_hi - hi * at_lo) / (at_hi - at_lo)
+        if not lo < trial < hi:
+            trial = 0.5 * (lo + hi)
+        at_trial = _margin_within(model, i, regime, turn, opening, trial)
+        if at_trial < 0.0:
+            hi, at_hi = trial, at_trial
+            if side == 1:
+                at_lo *= 0.5
+            side = 1
+        else:
+            lo, at_lo = trial, at_trial
+            if side == -1:
+                at_hi *= 0.5
+            side = -1
+    return hi
+
+
+@kernel
+def _bracket(column, looked_at, nodes, i, regime):
+    """(lo, hi) of the step between which joint i first leaves its regime, by the phases inside; hi NO_CHANGE if not."""
+    lo = 0.0
+    for k in range(3):
+        if not _stays(column.model, looked_at[k], i, regime):
+            return lo, nodes[k]
+        lo = nodes[k]
+    if _stays(column.model, column.work.end, i, regime):
+        return lo, NO_CHANGE
+    return lo, 1.0
+
+
+@kernel
+def first_change(column, looked_at, nodes, t, h):
+    """Fraction of the step at which a joint first leaves the regime that it was held in; NO_CHANGE if none does.
+
+    looked_at: three phases inside the step, at the fractions `nodes`, for joints that leave and come back.
+    """
+    model, work, rows = column.model, column.work, column.work.hold
+    n = model.n
+    first = NO_CHANGE
+    for i in range(n):
+        if rows.outside[i] == 0:
+            continue
+        regime = rows.regime[i]
+        lo, hi = _bracket(column, looked_at, nodes, i, regime)
+        if hi == NO_CHANGE or lo >= first:
+            continue
+        refine(column, t, h)
+        turn = quintic_of(work, i, i + 1 if i + 1 < n else -1, h)
+        opening = quintic_of(work, n + i, -1, h)
+        if hi < 1.0 and _margin_within(model, i, regime, turn, opening, hi) >= 0.0:
+            # a stage is less accurate than the step
+            if _margin_within(model, i, regime, turn, opening, 1.0) >= 0.0:
+                continue
+            lo, hi = hi, 1.0
+        first = min(first, _end_of_regime(model, i, regime, turn, opening, lo, hi))
+    return first

@@ -1,0 +1,156 @@
+"""The response inside a step, whatever integrator made it.
+
+Coordinates, rates and accelerations at both ends define one quintic Hermite polynomial per coordinate; its error is of
+order six in the step, and the accelerations are continuous inside a step because the inputs are. Long steps of a high
+order need more: `refine` evaluates the accelerations half-way and adds to the quintic the bump c s^3 (1 - s)^3, which
+leaves the ends as they are and meets that acceleration.
+"""
+
+from typing import NamedTuple
+
+from ..formulations.either import evaluate_at
+from ..jit import kernel, leaf
+from ..layout import OK
+
+
+class Quintic(NamedTuple):
+    """q = c0 + c1 s + ... + c5 s^5 + bump s^3 (1 - s)^3 over 0 <= s <= 1, its rate per `step` seconds."""
+
+    step: float
+    c0: float
+    c1: float
+    c2: float
+    c3: float
+    c4: float
+    c5: float
+    bump: float
+
+
+@leaf
+def quintic_through(h, q0, v0, a0, q1, v1, a1, bump):
+    """The quintic through coordinates, rates and accelerations at both ends of h seconds."""
+    c1, c2 = h * v0, 0.5 * h * h * a0
+    # what a parabola from the start misses at the end, in displacement, velocity and acceleration
+    miss_q = (q1 - q0) - (c1 + c2)
+    miss_v = h * v1 - (c1 + 2.0 * c2)
+    miss_a = h * h * a1 - 2.0 * c2
+    c3 = 10.0 * miss_q - 4.0 * miss_v + 0.5 * miss_a
+    c4 = -15.0 * miss_q + 7.0 * miss_v - miss_a
+    c5 = 6.0 * miss_q - 3.0 * miss_v + 0.5 * miss_a
+    return Quintic(h, q0, c1, c2, c3, c4, c5, bump)
+
+
+@leaf
+def value_of(quintic, s):
+    """A coordinate and its rate at fraction s of the step."""
+    h, c0, c1, c2, c3, c4, c5, bump = quintic
+    q = c0 + s * (c1 + s * (c2 + s * (c3 + s * (c4 + s * c5))))
+    v = c1 + s * (2.0 * c2 + s * (3.0 * c3 + s * (4.0 * c4 + s * 5.0 * c5)))
+    if bump != 0.0:
+        hill = s * (1.0 - s)
+        q += bump * hill * hill * hill
+        v += bump * 3.0 * hill * hill * (1.0 - 2.0 * s)
+    return q, v / h
+
+
+@leaf
+def _difference(row, i, less):
+    """Number i of a row, less number `less` where that is not negative."""
+    return row[i] - row[less] if less >= 0 else row[i]
+
+
+@leaf
+def quintic_of(work, i, less, h):
+    """The course of coordinate i (of 2 n) in the step of h seconds, less that of coordinate `less`, -1: of none."""
+    size = 2 * work.n
+    start, end = work.start.row, work.end.row
+    bump = _difference(work.bump, i, less) if work.interpolation.has_bump != 0.0 else 0.0
+    return quintic_through(
+        h,
+        _difference(start, i, less),
+        _difference(start[size:], i, less),
+        _difference(start[2 * size :], i, less),
+        _difference(end, i, less),
+        _difference(end[size:], i, less),
+        _difference(end[2 * size :], i, less),
+        bump,
+    )
+
+
+@leaf
+def interpolate_one(work, i, h, s):
+    """Coordinate i (of 2 n) and its rate at fraction s of the step of h seconds."""
+    return value_of(quintic_of(work, i, -1, h), s)
+
+
+@leaf
+def interpolate_acceleration(work, i, s):
+    """A guess of acceleration i at fraction s of the step: on the line between its ends."""
+    place = 4 * work.n + i
+    return (1.0 - s) * work.start.row[place] + s * work.end.row[place]
+
+
+@kernel
+def interpolate_phase(work, h, fraction):
+    """Fill work.between at this fraction of the step of h seconds; the accelerations there are guesses only."""
+    size = 2 * work.n
+    between = work.between.row
+    for i in range(size):
+        between[i], between[size + i] = interpolate_one(work, i, h, fraction)
+        between[2 * size + i] = interpolate_acceleration(work, i, fraction)
+
+
+@leaf
+def begin(work, fine):
+    """Begin with the quintic alone; `fine` says whether `refine` shall improve on it where the step is looked into."""
+    work.interpolation.has_bump = 0.0
+    work.interpolation.wants_bump = 1.0 if fine else 0.0
+
+
+@kernel
+def refine(column, t, h):
+    """Add the bump, once, if the step from t to t + h is to have one; costs an evaluation. Returns a code."""
+    work = column.work
+    if work.interpolation.wants_bump == 0.0:
+        return OK
+    work.interpolation.wants_bump = 0.0
+    size = 2 * work.n
+    start, end, between = work.start.row, work.end.row, work.between.row
+    interpolate_phase(work, h, 0.5)
+    code = evaluate_at(column, work.between, t + 0.5 * h)
+    for i in range(size):
+        v0, a0 = start[size + i], start[2 * size + i]
+        v1, a1 = end[size + i], end[2 * size + i]
+        quintic = 1.5 * h * (v1 - v0) - 0.25 * h * h * (a0 + a1)  # its second derivative half-way, times h^2
+        work.bump[i] = -8.0 / 3.0 * (h * h * between[2 * size + i] - quintic)
+    work.interpolation.has_bump = 1.0
+    return code
+
+
+@kernel
+def refinement(work, h, s):
+    """What `refine` added to coordinates and rates at fraction s of the step: left in work.between."""
+    size = 2 * work.n
+    between = work.between.row
+    hill = s * (1.0 - s)
+    for i in range(size):
+        bump = work.bump[i] if work.interpolation.has_bump != 0.0 else 0.0
+        between[i] = bump * hill * hill * hill
+        between[size + i] = bump * 3.0 * hill * hill * (1.0 - 2.0 * s) / h
+
+
+@kernel
+def turning_point(d0, v0, d1, v1, h):
+    """Fraction of the step where the cubic through two displacements and velocities turns; v0 * v1 < 0."""
+    # velocity of the cubic: v0 + 2 b s + 3 c s^2 over a step of unit length
+    rise = (d1 - d0) / h
+    b = 3.0 * rise - 2.0 * v0 - v1
+    c = v0 + v1 - 2.0 * rise
+    root = max(0.0, b * b - 3.0 * c * v0) ** 0.5
+    # the root inside is the one whose denominator does not cancel
+    below = -(b + root) if b > 0.0 else -(b - root)
+    first = v0 / below if below != 0.0 else 0.5
+    if 0.0 <= first <= 1.0:
+        return first
+    second = below / (3.0 * c) if c != 0.0 else 0.5
+    return min(1.0, max(0.0, second))

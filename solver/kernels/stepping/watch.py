@@ -1,0 +1,97 @@
+"""What is kept of a run: the peaks of the displacements, and snapshots at the times that are asked for."""
+
+from typing import NamedTuple
+
+from ..formulations.base import base_motion
+from ..formulations.either import is_exact, reach_of, top_motion
+from ..jit import kernel, leaf
+from ..layout import SLACK, SNAPSHOT
+from .interpolation import interpolate_acceleration, interpolate_one, interpolate_phase, refine, turning_point
+
+_snapshot = SNAPSHOT.over
+SNAPSHOT_SIZE = SNAPSHOT.per_n
+SNAPSHOT_BESIDE = SNAPSHOT.beside
+
+
+class Watch(NamedTuple):
+    """Rows of `size` times, s, and of as many snapshots; without times neither snapshots nor peaks are kept."""
+
+    size: int
+    times: object
+    snapshots: object
+
+
+@kernel
+def track_peaks(column, t, h):
+    """Raise the peaks of |u_x| by the step just made from t to t + h, turning points inside it included."""
+    model, work, peaks = column.model, column.work, column.state.peaks
+    n, end = model.n, work.end
+    # nobody can have moved by more than this in the step: leave it there unless it reaches a peak
+    reach = 0.0
+    passed = False
+    for i in range(n - 1, -1, -1):
+        reach += reach_of(model, end.theta, end.opening, i)
+        reach += h * reach_of(model, end.theta_rate, end.opening_rate, i)
+        passed = passed or reach > peaks[i]
+    if not passed:
+        return
+    tops = work.tops
+    top_motion(model, work.start, tops.start_ux, tops.start_rate)
+    top_motion(model, end, tops.end_ux, tops.end_rate)
+    for i in range(n):
+        d0, d1 = tops.start_ux[i], tops.end_ux[i]
+        v0, v1 = tops.start_rate[i], tops.end_rate[i]
+        peaks[i] = max(peaks[i], abs(d1))
+        # beyond its ends the step can only add a turning point, and no more than a quarter of speed times step
+        if v0 * v1 < 0.0 and max(abs(d0), abs(d1)) + h * min(abs(v0), abs(v1)) > peaks[i]:
+            refine(column, t, h)
+            interpolate_phase(work, h, turning_point(d0, v0, d1, v1, h))
+            top_motion(model, work.between, tops.between_ux, tops.between_rate)
+            peaks[i] = max(peaks[i], abs(tops.between_ux[i]))
+
+
+@leaf
+def row_due(counts, watch, t, h):
+    """Whether a snapshot falls into the step from t to t + h."""
+    return counts.next_row < watch.size and watch.times[counts.next_row] <= t + h * (1.0 + SLACK)
+
+
+@leaf
+def _next_snapshot(counts, watch, n):
+    """The names of the next snapshot."""
+    return _snapshot(watch.snapshots[counts.next_row * (SNAPSHOT_SIZE * n + SNAPSHOT_BESIDE) :], n)
+
+
+@kernel
+def take_snapshots(column, watch, t, h):
+    """Keep the column as it is at those times that fall into the step from t to t + h."""
+    work, counts = column.work, column.counts
+    n = column.model.n
+    guess = not is_exact(column.model)  # accelerations are worked out with the row; the sweeps want a first guess
+    while row_due(counts, watch, t, h):
+        snapshot = _next_snapshot(counts, watch, n)
+        kept = snapshot.phase.row
+        fraction = min(1.0, max(0.0, (watch.times[counts.next_row] - t) / h))
+        refine(column, t, h)
+        for i in range(2 * n):
+            kept[i], kept[2 * n + i] = interpolate_one(work, i, h, fraction)
+            if guess:
+                kept[4 * n + i] = interpolate_acceleration(work, i, fraction)
+        motion = base_motion(column.base, column.samples, t + fraction * h)
+        snapshot.base.ax = motion.ax
+        snapshot.base.az = motion.az
+        counts.next_row += 1
+
+
+@kernel
+def take_held_snapshots(column, watch, t, h):
+    """The same for a column whose state does not change from t to t + h."""
+    state, counts = column.state, column.counts
+    n = column.model.n
+    while row_due(counts, watch, t, h):
+        snapshot = _next_snapshot(counts, watch, n)
+        for i in range(6 * n):
+            snapshot.phase.row[i] = state.phase.row[i]
+        snapshot.base.ax = state.control.base_ax
+        snapshot.base.az = state.control.base_az
+        counts.next_row += 1
