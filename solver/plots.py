@@ -268,7 +268,9 @@ def _draw_ensemble(axes: Axes, time: FloatArray, ensemble: FloatArray, colours: 
         low, median, high = ensemble[:, :, i]
         axes.fill_between(time, low, high, color=colour, alpha=0.3, linewidth=0.0, zorder=1.0)
         axes.plot(time, median, color=colour, linestyle="--", linewidth=0.7, zorder=2.0)
-    axes.text(0.99, 0.02, "bands: 16 % to 84 % of the ensemble", transform=axes.transAxes, ha="right", fontsize=7)
+    axes.text(
+        0.99, 0.02, "ensemble: 16 to 84 % (bands), median (dashed)", transform=axes.transAxes, ha="right", fontsize=7
+    )
 
 
 def _draw_friction(
