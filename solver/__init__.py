@@ -1,12 +1,13 @@
 """Seismic response of stacked rigid blocks with no-tension elastic joints."""
 
 from .column import Block, Column, Joint, Settings
-from .errors import InputError, SolverError
+from .errors import InputError, InputWarning, SolverError
 from .modes import natural_frequencies
 from .motion import Motion
 from .packing import InitialState
 from .response import Response
 from .simulate import simulate
+from .uncertainty import Spread
 
 __version__ = "0.1.0"
 
@@ -15,11 +16,13 @@ __all__ = [
     "Column",
     "InitialState",
     "InputError",
+    "InputWarning",
     "Joint",
     "Motion",
     "Response",
     "Settings",
     "SolverError",
+    "Spread",
     "__version__",
     "natural_frequencies",
     "simulate",

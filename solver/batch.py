@@ -24,7 +24,9 @@ from .motion import Motion
 from .packing import FloatArray, arrays_of, settlements
 
 # Steps across changes of regime err by more than their estimate says: they are given so much less of the tolerance.
-TOLERANCE_PART = 1.0
+# Measured on columns of 1 and 3 blocks (eta 1e-3 and 5e-3 s; harmonics, three records at half scale; tolerances of 1e-3
+# to 1e-6; amplification below 100): errors of up to 11 tolerances without, 2.7 with it, for 1.3 times the steps.
+TOLERANCE_PART = 0.3
 
 
 @dataclass(frozen=True)

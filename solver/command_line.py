@@ -3,15 +3,21 @@
 from __future__ import annotations
 
 import argparse
+import os
 import sys
-from collections.abc import Sequence
+import threading
+import warnings
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import NoReturn
+from typing import Any, NoReturn
 
-from . import __version__
+import numpy as np
+
+from . import __version__, column_report
 from .column import FORMULATIONS, INTEGRATORS, Column
-from .errors import InputError, SolverError, needing, reading
-from .motion import STANDARD_GRAVITY
+from .errors import InputError, InputWarning, SolverError, needing, reading
+from .files import check_outputs
+from .motion import STANDARD_GRAVITY, Motion
 from .motion_options import (
     FORMATS,
     add_file_options,
@@ -21,11 +27,14 @@ from .motion_options import (
     read_with_options,
     told,
 )
+from .progress import ProgressLine, compile_kernels
 from .record_report import report
 from .response import Response
-from .simulate import OUTPUT_STEP, simulate
+from .simulate import OUTPUT_STEP, SETTLE, simulate
+from .uncertainty import PERCENTILES, Ensemble, Spread
 
 PROGRAM = "python -m solver"
+INTERRUPTED = 130  # exit code, as of shells
 PICTURES = (".png", ".pdf", ".svg")
 
 
@@ -52,14 +61,32 @@ def program_parser(program: str, description: str) -> OneLineParser:
 
 
 def run_command(parser: argparse.ArgumentParser, arguments: Sequence[str] | None) -> int:
-    """Call `options.command(options)` of what the parser reads; returns the exit code, 2 for a user's mistake."""
+    """Call `options.command(options)` of what the parser reads.
+
+    Returns the exit code: 2 for a user's mistake, 130 where the user interrupts.
+    """
     try:
-        options = _parsed(parser, arguments)
-        options.command(options)
+        with warnings.catch_warnings():
+            warnings.simplefilter("always", InputWarning)
+            warnings.showwarning = _show_warning
+            options = _parsed(parser, arguments)
+            options.command(options)
     except (InputError, SolverError, OSError) as error:
         print(f"{parser.prog}: {error}", file=sys.stderr)
         return 2
+    except KeyboardInterrupt:
+        print(f"{parser.prog}: interrupted", file=sys.stderr)
+        if threading.active_count() > 1:  # something goes on in a thread beside that nobody waits for any more
+            sys.stdout.flush()
+            sys.stderr.flush()
+            os._exit(INTERRUPTED)
+        return INTERRUPTED
     return 0
+
+
+def _show_warning(message: Warning | str, *_: Any, **__: Any) -> None:
+    """Print what is wrong, not where it was found."""
+    print(f"warning: {message}", file=sys.stderr)
 
 
 def _parsed(parser: argparse.ArgumentParser, arguments: Sequence[str] | None) -> argparse.Namespace:
@@ -88,8 +115,30 @@ def add_commands(commands: argparse._SubParsersAction[OneLineParser]) -> None:
     run.add_argument("--integrator", help=" or ".join(INTEGRATORS))
     run.add_argument("--step", type=float, metavar="S", help="s, of an integrator with a fixed step")
     run.add_argument("--tolerance", type=float, help="error relative to the peak, of one that chooses its steps")
+    run.add_argument(
+        "--settle",
+        type=float,
+        default=SETTLE,
+        metavar="S",
+        help=f"s after the end in which to find out whether it falls (default: {SETTLE:g}; 0: none)",
+    )
+    run.add_argument("--no-check", action="store_true", help="do not repeat the run to estimate its error")
+    usual = Spread()
+    run.add_argument("--ensemble", type=int, default=0, metavar="RUNS", help="so many more runs, varied by the spread")
+    run.add_argument(
+        "--spread",
+        type=float,
+        nargs=3,
+        default=(usual.stiffness, usual.damping, usual.motion),
+        metavar=("STIFFNESS", "DAMPING", "MOTION"),
+        help=f"relative sizes (default: {usual.stiffness:g} {usual.damping:g} {usual.motion:g})",
+    )
+    run.add_argument("--spread-seed", type=int, default=usual.seed, metavar="N", help=f"(default: {usual.seed})")
     run.add_argument("-o", "--output", type=Path, metavar="FILE.csv", help="write the histories")
     run.add_argument("--plot", type=Path, metavar="FILE.png", help=f"draw the histories ({', '.join(PICTURES)})")
+
+    run.add_argument("--plot-column", type=Path, metavar="FILE.png", help="draw the deformed column at its peak")
+    run.add_argument("--film", type=Path, metavar="FILE.gif", help="film the column (.gif; .mp4 where ffmpeg is)")
 
     record = commands.add_parser("record", help="how strong records are: peaks, Arias intensity, response spectrum")
     record.set_defaults(command=_record)
@@ -108,11 +157,20 @@ def _simulate(options: argparse.Namespace) -> None:
     if options.output is not None:
         _check_suffix(options.output, ".csv")
     _check_picture(options.plot)
+    _check_picture(options.plot_column)
+    if options.film is not None:
+        with needing("plot", "matplotlib"):
+            from .drawings import check_film
+        check_film(options.film)
+    outputs = (options.output, options.plot, options.plot_column, options.film)
+    check_outputs(outputs, (options.column, options.motion, options.vertical))
     column = _read_column(options.column)
     motion, lines = motion_of(options)
-    print("\n".join(lines), end="\n" if lines else "")
+    print(*lines, column_report.report(column, motion), sep="\n", flush=True)
+    stiffness, damping, shaking = options.spread
+    spread = Spread(stiffness, damping, shaking, options.spread_seed)
     try:
-        response = simulate(
+        response = _run(
             column,
             motion,
             duration=options.duration,
@@ -121,22 +179,39 @@ def _simulate(options: argparse.Namespace) -> None:
             step=options.step,
             tolerance=options.tolerance,
             output_step=options.output_step,
+            settle=options.settle,
+            check=not options.no_check,
+            ensemble=options.ensemble,
+            spread=spread,
         )
         print(_summary(response))
-        if options.output is not None:
-            with reading(options.output):
-                response.to_csv(options.output)
-            print(options.output)
-        if options.plot is not None:
-            with reading(options.plot):
-                response.plot(options.plot)
-            print(options.plot)
+        writers: tuple[Callable[[Path], object], ...] = (
+            response.to_csv,
+            response.plot,
+            response.plot_column,
+            response.film,
+        )
+        for path, write in zip(outputs, writers, strict=True):
+            if path is not None:
+                with reading(path):
+                    write(path)
+                print(path)
     except MemoryError:
         raise SolverError("not enough memory for the response: a larger --output-step may help") from None
 
 
+def _run(column: Column, motion: Motion, duration: float | None, **options: Any) -> Response:
+    """`simulate`, with a progress line on a terminal."""
+    compile_kernels(column)
+    if not sys.stderr.isatty():
+        return simulate(column, motion, duration, **options)
+    with ProgressLine(motion.start, motion.duration if duration is None else duration) as line:
+        return simulate(column, motion, duration, callback=line, **options)
+
+
 def _record(options: argparse.Namespace) -> None:
     _check_picture(options.plot)
+    check_outputs((options.plot,), options.records)
     check_file_options(options.records, options)
     motions = {}
     for path in options.records:
@@ -155,6 +230,7 @@ def _record(options: argparse.Namespace) -> None:
 
 def _convert(options: argparse.Namespace) -> None:
     _check_suffix(options.output, ".csv")
+    check_outputs((options.output,), (options.motion, options.vertical))
     motion, lines = motion_of(options)
     motion.to_csv(options.output)
     print("\n".join(lines), end="\n" if lines else "")
@@ -189,11 +265,46 @@ def _summary(response: Response) -> str:
         "block  peak |ux| (mm)",
         *(f"{i:5d}  {1e3 * peak:14.5g}" for i, peak in enumerate(response.peak_ux, start=1)),
     ]
-    if response.overturned:
-        lines.append(f"overturned at {response.overturn_time:.4g} s over joint {response.overturned_joint}")
-    else:
-        lines.append("not overturned")
+    lines.append(_verdict(response))
+    if response.estimated_error is not None and response.horizon is not None:
+        error = response.estimated_error
+        lines.append(
+            f"estimated error: histories {error.ux:.1e} of the peak, peaks {np.max(error.peak_ux):.1e}; "
+            f"predictable until {response.horizon:.4g} s"
+        )
+    if response.ensemble is not None:
+        lines += _ensemble(response.ensemble)
     regimes = ("full_contact", "rocking", "flight")
     lines.append("time in " + ", ".join(f"{name.replace('_', ' ')} {stats[name]:.1%}" for name in regimes))
     lines.append(f"{stats['steps']} steps in {stats['wall_time']:.2f} s, loading or compiling the kernels included")
     return "\n".join(lines)
+
+
+def _verdict(response: Response) -> str:
+    """The verdict in a line."""
+    if response.verdict == "undecided":
+        return f"undecided: {'' if response.overturned else 'not overturned, but '}{response.reason}"
+    if not response.overturned:
+        return f"standing: not overturned, {response.reason}"
+    late = response.overturn_time > response.time[-1]
+    return f"overturned at {response.overturn_time:.4g} s over joint {response.overturned_joint}" + (
+        ", after the end of the run" if late else ""
+    )
+
+
+def _ensemble(ensemble: Ensemble) -> list[str]:
+    """An ensemble in some lines."""
+    spread, (low, high) = ensemble.spread, ensemble.share_bounds
+    lines = [
+        f"{ensemble.size} runs varied by {spread.stiffness:.2g} (stiffness), {spread.damping:.2g} (damping), "
+        f"{spread.motion:.2g} (motion): {ensemble.overturned} overturned, {ensemble.undecided} undecided; "
+        f"share that overturns {low:.0%} to {high:.0%} at 95 % confidence",
+        "block  peak |ux| (mm) of those that stand, " + ", ".join(f"{percent} %" for percent in PERCENTILES),
+    ]
+    lines += [
+        f"{i:5d}  " + "  ".join(f"{1e3 * peak:14.5g}" for peak in peaks)
+        for i, peaks in enumerate(ensemble.peaks.T, start=1)
+    ]
+    if np.isfinite(ensemble.amplification):
+        lines.append(f"the largest peak spreads by {ensemble.amplification:.3g} times what was varied")
+    return lines

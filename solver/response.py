@@ -13,8 +13,11 @@ import numpy as np
 from .column import Column
 from .errors import needing
 from .files import whole_file
+from .friction import LEAST_PART, friction_demand, time_exceeded
 from .kernels import layout as at
+from .motion import Motion
 from .packing import FloatArray
+from .uncertainty import PERCENTILES, Ensemble, ErrorEstimate
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -36,7 +39,13 @@ class Response:
     joint n. peak_ux m (n,): largest |ux| of the continuous motion. overturned, overturn_time s (NaN if not),
     overturned_joint (0 if not). stats: steps, implicit_steps and elastic_steps (of these), rejected, events
     (steps cut off where the contact of a joint changes), evaluations, sweeps; full_contact, rocking, flight: parts of
-    the time, at_rest: part that was not stepped; undamped_joints; observed_rows; wall_time s.
+    the time, at_rest: part that was not stepped; undamped_joints; observed_rows; wall_time s; settled_for s: how long
+    the column was followed after the histories' end.
+
+    verdict: "overturned", "standing" (it cannot fall any more) or "undecided"; reason: why, in words. It looks beyond
+    the end of the histories: a column that falls later has `overturned` and an `overturn_time` after the last row.
+    estimated_error (uncertainty.py) and horizon s: None unless the run was checked. ensemble
+    (uncertainty.py): None without one.
 
     Histories are worked out from the motion when one of them is first asked for, which may raise SolverError.
     """
@@ -50,6 +59,8 @@ class Response:
         overturned_joint: int,
         overturn_time: float,
         stats: dict[str, Any],
+        verdict: str = "undecided",
+        reason: str = "",
     ) -> None:
         """`observe` returns the output rows (nt, 9 n + 3)."""
         self.column = column
@@ -60,6 +71,13 @@ class Response:
         self.overturned_joint = overturned_joint
         self.overturn_time = overturn_time
         self.stats = stats
+        self.verdict = verdict
+        self.reason = reason
+        self.estimated_error: ErrorEstimate | None = None
+        self.horizon: float | None = None
+        self.ensemble: Ensemble | None = None
+
+        self.motion: Motion | None = None  # of the base; drawn on top of the histories
 
     def __getstate__(self) -> dict[str, Any]:
         """For pickle and copy: the histories themselves, not the solver that works them out. Raises SolverError."""
@@ -96,8 +114,19 @@ class Response:
     Fz = property(lambda self: self._base("Fz"))
     My = property(lambda self: self._base("My"))
 
+    def friction_demand(self, part: float = LEAST_PART) -> FloatArray:
+        """Largest |T| / N of each joint over the rows, (n,), where N is above `part` of the weight carried."""
+        return friction_demand(self, part)
+
+    def time_exceeded(self, mu: float, part: float = LEAST_PART) -> FloatArray:
+        """For how long each joint asks for more friction than mu, s (n,); N as in `friction_demand`."""
+        return time_exceeded(self, mu, part)
+
     def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Write every history under the name of the FMU's output, in the order of the FMU's outputs."""
+        """Write every history under the name of the FMU's output, in the order of the FMU's outputs.
+
+        With an ensemble, the percentiles of its ux follow as ensemble.block[i].ux.p16, p50, p84: nan once all fell.
+        """
         names = ["time"]
         parts = [self.time[:, None]]
         for name, output in BLOCK_HISTORIES.items():
@@ -106,6 +135,10 @@ class Response:
         for name, output in BASE_HISTORIES.items():
             names.append(output)
             parts.append(getattr(self, name)[:, None])
+        if self.ensemble is not None:
+            for percent, band in zip(PERCENTILES, self.ensemble.ux, strict=True):
+                names += [f"ensemble.block[{i + 1}].ux.p{percent}" for i in range(self.column.n)]
+                parts.append(band)
         names.append("overturned")
         parts.append((self.time >= self.overturn_time)[:, None].astype(float))
         with whole_file(path) as partial, open(partial, "w", newline="", encoding="utf-8") as file:
@@ -114,10 +147,30 @@ class Response:
             writer.writerows([[repr(float(value)) for value in row] for row in np.hstack(parts)])
 
     def plot(self, path: str | os.PathLike[str] | None = None) -> Figure:
-        """Draw displacements, rotations, resultants and contact over time; saved to `path` if given.
+        """Draw ground motion, displacements, rotations, forces and contact over time; saved to `path` if given.
 
         Raises InputError without matplotlib (the extra `plot`).
         """
         with needing("plot", "matplotlib"):
             from .plots import plot_response
         return plot_response(self, path)
+
+    def plot_column(
+        self, path: str | os.PathLike[str] | None = None, at: float | None = None, scale: float | None = None
+    ) -> Figure:
+        """Draw the deformed column at time `at`, s (None: its peak), deformation times `scale` (None: one that suits).
+
+        Raises InputError without matplotlib (the extra `plot`).
+        """
+        with needing("plot", "matplotlib"):
+            from .drawings import plot_column
+        return plot_column(self, path, at, scale)
+
+    def film(self, path: str | os.PathLike[str], scale: float | None = None, fps: int = 20, speed: float = 1.0) -> None:
+        """Write a film of the column, a GIF or, where ffmpeg is, an MP4; `speed`: s of motion in a s of film.
+
+        Raises InputError without matplotlib (the extra `plot`).
+        """
+        with needing("plot", "matplotlib"):
+            from .drawings import film
+        film(self, path, scale, fps, speed)

@@ -3,20 +3,26 @@
 from __future__ import annotations
 
 import math
-import time as clock
 from collections.abc import Sequence
 
 import numpy as np
 
+from .chain import Chain
 from .column import Column
-from .errors import InputError
+from .ensemble import ensemble_of
+from .errors import POSITIVE, InputError, SolverError, check_number
 from .motion import Motion
 from .packing import InitialState
 from .response import Response
-from .stepper import Stepper
+from .rest import check_rest
+from .single_run import Callback, single_run
+from .trust import finer, judge
+from .uncertainty import Spread
 
 OUTPUT_STEP = 0.005  # s, where none is asked for
+SETTLE = 10.0  # s, where none is asked for
 MOST_ROWS = 10**8
+MOST_RUNS = 10**5
 
 
 def simulate(
@@ -30,6 +36,11 @@ def simulate(
     without: Sequence[str] | None = None,
     output_step: float | None = None,
     initial: InitialState | None = None,
+    settle: float = SETTLE,
+    check: bool = False,
+    ensemble: int = 0,
+    spread: Spread | None = None,
+    callback: Callback | None = None,
 ) -> Response:
     """Response of a column to a base motion, from the start of the motion.
 
@@ -39,8 +50,17 @@ def simulate(
     output_step: s between the rows of the response; None: 0.005. It has no influence on the steps, and the peaks are
     those of the motion between the rows as well.
     initial: None is rest in static equilibrium.
+    settle: after `duration` the column is followed on, upon a base that does not accelerate any more, until it has
+    fallen or cannot fall, for at most so many s; the histories and the peaks end at `duration`.
+    check: run once more at a tenth of the tolerance (half of a fixed step): `estimated_error` and `horizon` of the
+    response, and a verdict that is "undecided" where the two differ.
+    ensemble: number of further runs, varied by `spread` (uncertainty.py; None: the defaults); what comes of them is the
+    `ensemble` of the response.
+    callback: called as callback(t, single_run.Glance) with the time s reached, some times a second of the clock and
+    at the end of each run; what it raises ends `simulate`.
 
-    Raises InputError for a wrong value, SolverError where the solver cannot go on.
+    Warns (InputWarning) of a settlement or a pressure at rest that is probably not meant. Raises InputError for a wrong
+    value or a rest that is not stable where the run starts from it, SolverError where the solver cannot go on.
     """
     column = column.with_settings(
         formulation=formulation, integrator=integrator, step=step, tolerance=tolerance, without=without
@@ -49,43 +69,27 @@ def simulate(
     output_step = OUTPUT_STEP if output_step is None else _positive("output_step", output_step)
     if duration / output_step > MOST_ROWS:
         raise InputError(f"output_step = {output_step}: must be larger, for at most {MOST_ROWS} rows in {duration} s")
-    stepper = Stepper(column, initial)
+    settle = 0.0 if settle == 0 else _positive("settle", settle)
+    if not isinstance(ensemble, (int, np.integer)) or not 0 <= ensemble <= MOST_RUNS:
+        raise InputError(f"ensemble = {ensemble!r}: must be a number of runs, at most {MOST_RUNS}")
+    check_rest(column, from_rest=initial is None)
     times = motion.start + output_step * np.arange(math.floor(duration / output_step + 1e-9) + 1, dtype=np.float64)
-    begin = clock.perf_counter()
-    snapshots = stepper.run(motion, motion.start + duration, times)
-    wall_time = clock.perf_counter() - begin
-    control, counts = stepper.state.control, stepper.counts
-    per_spent = 1.0 / max(stepper.time_spent, math.ulp(0.0))
-    response = Response(
-        column,
-        times,
-        lambda: stepper.rows_of(snapshots),
-        peak_ux=stepper.peaks.copy(),
-        overturned_joint=stepper.overturned_joint,
-        overturn_time=stepper.overturn_time,
-        stats={
-            "steps": int(counts.steps),
-            "implicit_steps": int(counts.implicit_steps),
-            "elastic_steps": int(counts.elastic_steps),
-            "rejected": int(counts.rejected),
-            "events": int(counts.events),
-            "evaluations": int(counts.evaluations),
-            "sweeps": int(counts.sweeps),
-            "full_contact": float(control.time_full * per_spent),
-            "rocking": float(control.time_rocking * per_spent),
-            "flight": float(control.time_flight * per_spent),
-            "at_rest": float(control.time_at_rest * per_spent),
-            "undamped_joints": sum(block.joint.damping == 0.0 for block in column.blocks),
-            "observed_rows": 0,
-            "wall_time": wall_time,
-        },
-    )
-    if "resultants" in column.settings.without:
-        response.observe()
+    response, phases = single_run(column, motion, duration, times, initial, settle, callback)
+    response.motion = motion
+    if check:
+        chain = Chain(column)
+        ux = chain.top_displacements(phases)
+        try:
+            closer, phases = single_run(finer(column), motion, duration, times, initial, settle, callback)
+        except SolverError as failure:
+            judge(response, failure, ux, None)
+        else:
+            judge(response, closer, ux, chain.top_displacements(phases))
+    if ensemble:
+        spread = Spread() if spread is None else spread
+        response.ensemble = ensemble_of(response, motion, duration, initial, settle, ensemble, spread, callback)
     return response
 
 
 def _positive(key: str, value: float) -> float:
-    if not (isinstance(value, (int, float)) and math.isfinite(value) and value > 0.0):
-        raise InputError(f"{key} = {value!r}: must be a positive time in s")
-    return float(value)
+    return check_number(key, value, POSITIVE, "a positive time in s")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -22,6 +23,13 @@ REASONS = {
     "or the input is not a physical one",
     at.ROTATES: 'the base rotates, which formulation = "paper" does not know: "exact" does',
 }
+
+# A run is followed in chunks, between which an interruption is heard: evaluations times blocks in each, some 0.03 s. It
+# is counted, not timed, so that chunks end at the same instants on every machine: the steps land on them.
+CHUNK = 4e5
+EVALUATIONS_PER_FIRST_STEP = 4.0  # supposed for the first chunk; a rocking column needs less
+LEAST_CHANGE, MOST_CHANGE = 0.125, 2.0  # of the length of a chunk, from one to the next
+ROWS_AT_ONCE = 10_000
 
 _NONE = np.empty(0)
 _ROTATION = at.BASE.fields.index("theta")
@@ -51,6 +59,7 @@ class Stepper:
     """
 
     def __init__(self, column: Column, initial: InitialState | None = None) -> None:
+        self.column = column
         self.n = column.n
         self.arrays: Arrays = arrays_of(column)
         if initial is not None:
@@ -99,32 +108,73 @@ class Stepper:
         self.state.control.base_theta = self.base.theta
         self.state.control.base_omega = self.base.omega
 
-    def run(self, motion: Motion, stop: float, times: FloatArray) -> FloatArray:
-        """Follow a motion from its start to time `stop`, s; a snapshot for each of `times`. Raises SolverError."""
+    def run(
+        self, motion: Motion, stop: float, times: FloatArray, after_chunk: Callable[[float], None] | None = None
+    ) -> FloatArray:
+        """Follow a motion from its start to time `stop`, s; a snapshot for each of `times`. Raises SolverError.
+
+        `after_chunk` is called with the time reached, some times in a second of the clock; what it raises ends the run.
+        """
         snapshots = np.zeros((times.size, at.SNAPSHOT.size(self.n)))
         time, ax, az = motion.time, motion.ax, motion.az
         if motion.end > time[-1]:  # the last held sample ends where the motion does
             time, ax, az = np.append(time, motion.end), np.append(ax, 0.0), np.append(az, 0.0)
-        start = float(motion.time[0])
         self.base.wave_amplitude = motion.amplitude
         self.base.wave_omega = 2.0 * math.pi * motion.frequency
         self.base.wave_phase = -2.0 * math.pi * motion.frequency * motion.start
         record = Record(time, ax, az, held=motion.hold)
-        self._check(self._run(start, stop - start, record, times, snapshots.reshape(-1)), None)
+        self._follow(float(motion.time[0]), stop, record, times, snapshots.reshape(-1), after_chunk)
         return snapshots
+
+    def rest_until(self, t: float, stop: float, after_chunk: Callable[[float], None] | None = None) -> None:
+        """Go from t to time `stop`, s, upon a base that does not accelerate. Raises SolverError."""
+        self.drive(t)
+        self.base.wave_amplitude = 0.0
+        self._follow(t, stop, SILENCE, _NONE, _NONE, after_chunk)
+
+    def _follow(
+        self,
+        t: float,
+        stop: float,
+        record: Record,
+        times: FloatArray,
+        snapshots: FloatArray,
+        after_chunk: Callable[[float], None] | None,
+    ) -> None:
+        settings = self.model.settings
+        step = settings.step if settings.integrator == at.CENTRAL_DIFFERENCE else settings.first_step
+        chunk = CHUNK * float(step) / (EVALUATIONS_PER_FIRST_STEP * self.n)
+        while t < stop:
+            left = stop - t
+            pieces = math.ceil(left / chunk)
+            end = stop if pieces <= 1 else t + (left / pieces if pieces <= 4 else chunk)  # no sliver at the end
+            before = self._work_done
+            self._check(self._run(t, end - t, record, times, snapshots), None)
+            t = end
+            if after_chunk is not None:
+                after_chunk(t)
+            done = max(1.0, self.n * (self._work_done - before))
+            chunk *= min(MOST_CHANGE, max(LEAST_CHANGE, CHUNK / done))
+
+    @property
+    def _work_done(self) -> int:
+        return int(self.counts.evaluations + self.counts.sweeps)
 
     def rows_of(self, snapshots: FloatArray) -> FloatArray:
         """The output row that belongs to each snapshot. Raises SolverError."""
         rows = np.zeros((len(snapshots), at.ROW.size(self.n)))
         arrays = self.arrays._replace(counts=self.arrays.counts.copy())
-        code, count = observe_snapshots(self.n, *arrays, snapshots.reshape(-1), rows.reshape(-1), len(snapshots))
-        if code != at.OK:
-            raise SolverError(f"output row {count}: {REASONS[code]}")
+        for first in range(0, len(snapshots), ROWS_AT_ONCE):
+            part, filled = snapshots[first : first + ROWS_AT_ONCE], rows[first : first + ROWS_AT_ONCE]
+            code, count = observe_snapshots(self.n, *arrays, part.reshape(-1), filled.reshape(-1), len(part))
+            if code != at.OK:
+                raise SolverError(f"output row {first + count}: {REASONS[code]}")
         return rows
 
     def retune(self, column: Column) -> None:
         """Go on from the present coordinates and rates with other parameters of the same blocks. Raises InputError."""
         self.arrays = self.arrays._replace(model=pack_model(column).copy())
+        self.column = column
         self.model = at.MODEL.see(self.arrays.model, self.n)
         self.arrays.work[:] = 0.0  # the responses of the modes are those of the model before
         if not self.overturned_joint:

@@ -1,0 +1,127 @@
+"""A column as a chain of rigid bodies, in numpy: where its blocks are, and what energy they have (theory.md section 4).
+
+A phase is coordinates and rates as the stepper keeps them, (4 n,) or (rows, 4 n).
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from .column import Column
+from .packing import FloatArray, settlements
+
+PARALLEL = 1e-30  # rad: faces that are as good as parallel
+
+
+class Places(NamedTuple):
+    """Rotations rad and openings m of the blocks and the joints under them, and their rates: (..., n) each."""
+
+    theta: FloatArray
+    opening: FloatArray
+    spin: FloatArray
+    opening_rate: FloatArray
+
+
+class Chain:
+    """The data of a column as rows of n numbers, the top block first."""
+
+    def __init__(self, column: Column) -> None:
+        blocks = column.blocks
+        self.n, self.g = column.n, column.g
+        self.exact = column.settings.formulation == "exact"
+        self.height = np.array([block.height for block in blocks])
+        self.centroid = np.array([block.resolved_centroid for block in blocks])
+        self.mass = np.array([block.mass for block in blocks])
+        self.inertia = np.array([block.resolved_inertia for block in blocks])
+        self.width = np.array([block.joint_width for block in blocks])
+        # N/m2: of a metre of the joint's width
+        self.rigidity = np.array([block.joint.stiffness * block.joint_depth for block in blocks])
+        self.carried = np.cumsum(self.mass)  # kg, by the joint under each block
+        self.settled = settlements(column)
+
+    def places(self, phase: FloatArray) -> Places:
+        """Rotations and openings of a phase of either formulation."""
+        first, last, first_rate, last_rate = np.split(phase, 4, axis=-1)
+        if self.exact:
+            return Places(first, last, first_rate, last_rate)
+        return Places(
+            _over_below(first) / self.height, -_over_below(last), _over_below(first_rate) / self.height,
+            -_over_below(last_rate),
+        )  # fmt: skip
+
+    def top_displacements(self, phase: FloatArray) -> FloatArray:
+        """Horizontal displacements of the top faces relative to the base, m, (..., n)."""
+        if not self.exact:
+            return phase[..., : self.n].copy()
+        theta, opening, _, _ = self.places(phase)
+        mean = theta - 0.5 * _over_below(theta)
+        return _from_base(opening * np.sin(mean) + self.height * np.sin(theta))
+
+    def energy(self, phase: FloatArray) -> float:
+        """Kinetic, elastic and gravitational energy of a phase (4 n,) above that of the rest under gravity, J."""
+        theta, opening, spin, opening_rate = self.places(phase)
+        mean, mean_spin = theta - 0.5 * _over_below(theta), spin - 0.5 * _over_below(spin)
+        sine, cosine = np.sin(mean), np.cos(mean)
+        x_rate = (
+            _from_base(opening_rate * sine + opening * cosine * mean_spin + self.height * np.cos(theta) * spin)
+            - (self.height - self.centroid) * np.cos(theta) * spin
+        )
+        z_rate = (
+            _from_base(opening_rate * cosine - opening * sine * mean_spin - self.height * np.sin(theta) * spin)
+            + (self.height - self.centroid) * np.sin(theta) * spin
+        )
+        kinetic = 0.5 * np.sum(self.mass * (x_rate**2 + z_rate**2) + self.inertia * spin**2)
+        dip = -2.0 * np.sin(0.5 * theta) ** 2  # cos(theta) - 1
+        raised = _from_base(opening * cosine + self.settled + self.height * dip) - (self.height - self.centroid) * dip
+        slope = 2.0 * np.sin(0.5 * _over_below(theta))
+        at_rest = 0.5 * self.rigidity * self.width * self.settled**2
+        return float(kinetic + self.g * np.sum(self.mass * raised) + np.sum(self.elastic(opening, slope) - at_rest))
+
+    def elastic(self, opening: FloatArray, slope: FloatArray) -> FloatArray:
+        """Elastic energy of each joint, J, from its opening m and slope rad."""
+        slope = np.abs(slope)
+        deepest, least = 0.5 * self.width * slope - opening, -0.5 * self.width * slope - opening
+        full = 0.5 * self.rigidity * self.width * (opening**2 + (slope * self.width) ** 2 / 12.0)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            part = self.rigidity * deepest**3 / (6.0 * slope)
+        found: FloatArray = np.where(least >= 0.0, full, np.where(deepest > 0.0, part, 0.0))
+        return found
+
+    def joint_energy(self, i: int, turn: FloatArray, turn_below: FloatArray) -> FloatArray:
+        """Least energy, J above rest, that joint i and the weight it carries have when the bodies at it are turned.
+
+        It includes the rise of that weight by the opening; the opening is the one at which the energy is least.
+        """
+        slope = 2.0 * np.abs(np.sin(0.5 * (turn - turn_below)))
+        full_weight = self.carried[i] * self.g
+        weight = full_weight * np.cos(0.5 * (turn + turn_below))
+        width, rigidity = self.width[i], self.rigidity[i]
+        length = np.sqrt(2.0 * weight / (rigidity * np.maximum(slope, PARALLEL)))  # in contact
+        partly = weight * slope * (0.5 * width - 2.0 / 3.0 * length)
+        full = rigidity * width**3 * slope**2 / 24.0 - weight**2 / (2.0 * rigidity * width)
+        rest = -(full_weight**2) / (2.0 * rigidity * width)
+        found: FloatArray = np.where(length < width, partly, full) - rest
+        return found
+
+    @cached_property
+    def toppling(self) -> FloatArray:
+        """J: what lifts falls by when the block turns by theta, over 1 - cos(theta), (n,)."""
+        above = self.carried - self.mass
+        lever: FloatArray = self.mass * self.centroid + above * self.height
+        return self.g * lever
+
+
+def _over_below(values: FloatArray) -> FloatArray:
+    """Differences of each block to the block below; the base is zero."""
+    result: FloatArray = values.copy()
+    result[..., :-1] -= values[..., 1:]
+    return result
+
+
+def _from_base(steps: FloatArray) -> FloatArray:
+    """Sums from the base up to each block."""
+    summed: FloatArray = np.cumsum(steps[..., ::-1], axis=-1)[..., ::-1]
+    return summed

@@ -1,0 +1,73 @@
+"""What a long run shows on a terminal: how far it is, and that kernels are being compiled."""
+
+from __future__ import annotations
+
+import sys
+import time as clock
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+from .column import Column
+from .ensemble import interruptible
+from .kernels import entries
+from .kernels.jit import SOURCES
+from .motion import Motion
+from .simulate import simulate
+from .single_run import Glance
+
+PATIENCE = 2.0  # s, for which nothing is shown
+
+
+class ProgressLine:
+    """A callback of `simulate` that draws a line of tqdm, if that is installed, for what takes longer than 2 s."""
+
+    def __init__(self, start: float, duration: float) -> None:
+        self._start, self._duration = start, duration
+        self._begin = clock.monotonic()
+        self._bar: Any = None
+
+    def __call__(self, t: float, seen: Glance) -> None:
+        """Show that time t, s, is reached."""
+        if self._bar is None and clock.monotonic() - self._begin > PATIENCE:
+            try:
+                from tqdm import tqdm
+            except ModuleNotFoundError:
+                self._begin = float("inf")
+                return
+            form = "{percentage:3.0f}% |{bar}| {n:.4g} of {total:.4g} s"
+            self._bar = tqdm(total=self._duration, bar_format=form, leave=False, file=sys.stderr)
+        if self._bar is not None:
+            self._bar.n = min(self._duration, t - self._start)
+            self._bar.refresh()
+
+    def __enter__(self) -> ProgressLine:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Wipe the line."""
+        if self._bar is not None:
+            self._bar.close()
+
+
+def compile_kernels(column: Column) -> None:
+    """Have the kernels that a run of this column needs, and say so if they have to be compiled, which takes a while.
+
+    They are made in a thread beside: an interruption is heard at once.
+    """
+    if _kept():
+        return
+    print("compiling the kernels, once", flush=True)
+    instant = Motion.harmonic(1e-3, 1.0, 1e-6)
+    column = column.with_settings(formulation="exact", integrator="auto")
+    interruptible(lambda: simulate(column, instant, settle=0.0).observe())
+
+
+def _kept() -> bool:
+    """Whether the machine code of the kernels is on the disk (or in this process)."""
+    if entries.run.signatures:  # type: ignore[attr-defined]
+        return True
+    folder = entries.run.stats.cache_path  # type: ignore[attr-defined]
+    return folder is not None and any(Path(folder).glob(f"*run_{SOURCES}*.nbc"))

@@ -1,0 +1,127 @@
+"""One run: a column under a motion, and upon the still base after it until it is known whether it stands."""
+
+from __future__ import annotations
+
+import math
+import time as clock
+from collections.abc import Callable
+from typing import NamedTuple
+
+from .chain import Chain
+from .column import Column
+from .errors import SolverError
+from .kernels import layout as at
+from .motion import Motion
+from .packing import FloatArray, InitialState
+from .response import Response
+from .stepper import Stepper
+from .verdict import OVERTURNED, STANDING, UNDECIDED, cannot_fall
+
+BETWEEN_LOOKS = 0.25  # s, after the motion
+
+
+class Glance(NamedTuple):
+    """What a callback sees of a run under way: ux m, theta rad, the peaks of |ux| so far m, (n,) each."""
+
+    ux: FloatArray
+    theta: FloatArray
+    peak_ux: FloatArray
+
+
+Callback = Callable[[float, Glance], object]
+
+
+class Verdict(NamedTuple):
+    """A word of verdict.py, and the sentence that says why."""
+
+    word: str
+    reason: str
+
+
+def single_run(
+    column: Column,
+    motion: Motion,
+    duration: float,
+    times: FloatArray,
+    initial: InitialState | None,
+    settle: float,
+    callback: Callback | None = None,
+) -> tuple[Response, FloatArray]:
+    """A run of `duration` s with rows at `times`, s; and the phases at these times, (rows, 4 n). Raises SolverError."""
+    stepper = Stepper(column, initial)
+    chain = Chain(column)
+    stop = motion.start + duration
+
+    def after_chunk(t: float) -> None:
+        if callback is not None:
+            phase = phase_of(stepper)
+            places = chain.places(phase)
+            callback(t, Glance(chain.top_displacements(phase), places.theta.copy(), stepper.peaks.copy()))
+
+    begin = clock.perf_counter()
+    snapshots = stepper.run(motion, stop, times, after_chunk)
+    wall_time = clock.perf_counter() - begin
+    stats = _stats(stepper, wall_time)
+    peaks = stepper.peaks.copy()
+    verdict, end = settled_verdict(stepper, stop, settle)
+    stats["settled_for"] = end - stop
+    response = Response(
+        column,
+        times,
+        lambda: stepper.rows_of(snapshots),
+        peak_ux=peaks,
+        overturned_joint=stepper.overturned_joint,
+        overturn_time=stepper.overturn_time,
+        stats=stats,
+        verdict=verdict.word,
+        reason=verdict.reason,
+    )
+    if "resultants" in column.settings.without:
+        response.observe()
+    return response, snapshots[:, : 4 * column.n]
+
+
+def phase_of(stepper: Stepper) -> FloatArray:
+    """Coordinates and rates of a stepper, (4 n,), a copy."""
+    found: FloatArray = stepper.arrays.state[at.CONTROL.beside :][: 4 * stepper.n].copy()
+    return found
+
+
+def settled_verdict(stepper: Stepper, stop: float, settle: float) -> tuple[Verdict, float]:
+    """The verdict on a run that ended at time `stop`, s, and the time until which it took to look, at most `settle`."""
+    t = stop
+    while not stepper.overturned_joint:
+        if cannot_fall(stepper.column, phase_of(stepper)):
+            return Verdict(STANDING, "its energy does not suffice to overturn it"), t
+        if not t < stop + settle:
+            return Verdict(UNDECIDED, f"{settle:g} s after the end it still has the energy to overturn"), t
+        end = min(t + BETWEEN_LOOKS, stop + settle)
+        try:
+            stepper.rest_until(t, end)
+        except SolverError as failure:
+            return Verdict(UNDECIDED, f"after the end, {failure}"), t
+        t = end
+    later = stepper.overturn_time - stop
+    when = f"{later:.4g} s after the end of the run" if later > 0.0 else "within the run"
+    return Verdict(OVERTURNED, f"over joint {stepper.overturned_joint}, {when}"), max(t, stop)
+
+
+def _stats(stepper: Stepper, wall_time: float) -> dict[str, float | int]:
+    control, counts = stepper.state.control, stepper.counts
+    per_spent = 1.0 / max(stepper.time_spent, math.ulp(0.0))
+    return {
+        "steps": int(counts.steps),
+        "implicit_steps": int(counts.implicit_steps),
+        "elastic_steps": int(counts.elastic_steps),
+        "rejected": int(counts.rejected),
+        "events": int(counts.events),
+        "evaluations": int(counts.evaluations),
+        "sweeps": int(counts.sweeps),
+        "full_contact": float(control.time_full * per_spent),
+        "rocking": float(control.time_rocking * per_spent),
+        "flight": float(control.time_flight * per_spent),
+        "at_rest": float(control.time_at_rest * per_spent),
+        "undamped_joints": sum(block.joint.damping == 0.0 for block in stepper.column.blocks),
+        "observed_rows": 0,
+        "wall_time": wall_time,
+    }
