@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import sys
 import time as clock
+import warnings
 from pathlib import Path
 from types import TracebackType
 from typing import Any
 
 from .column import Column
 from .ensemble import interruptible
+from .errors import InputWarning
 from .kernels import entries
 from .kernels.jit import SOURCES
 from .motion import Motion
@@ -62,7 +64,9 @@ def compile_kernels(column: Column) -> None:
     print("compiling the kernels, once", flush=True)
     instant = Motion.harmonic(1e-3, 1.0, 1e-6)
     column = column.with_settings(formulation="exact", integrator="auto")
-    interruptible(lambda: simulate(column, instant, settle=0.0).observe())
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", InputWarning)  # the run itself says it
+        interruptible(lambda: simulate(column, instant, settle=0.0).observe())
 
 
 def _kept() -> bool:
