@@ -79,7 +79,7 @@ def test_ctrl_c_ends_a_run_at_once(tall: Path, options: tuple[str, ...]) -> None
     assert err == "python -m solver: interrupted\n"
     assert sorted(tall.iterdir()) == before
     # asked for: 0.5 s; measured 0.05 to 0.2 on a quiet machine. The rest is for one where several tests run at once.
-    assert took < 2.0
+    assert took < 5.0
 
 
 def test_ctrl_c_ends_an_ensemble_at_once(tall: Path) -> None:
@@ -97,7 +97,7 @@ def test_ctrl_c_ends_an_ensemble_at_once(tall: Path) -> None:
     )
     process, took, _, err = interrupted(tall, "-c", script)
     assert (process.returncode, err) == (130, "lanes: interrupted\n")
-    assert took < 2.0
+    assert took < 5.0
 
 
 def test_ctrl_c_while_kernels_are_compiled_ends_at_once(tall: Path) -> None:
@@ -107,7 +107,7 @@ def test_ctrl_c_while_kernels_are_compiled_ends_at_once(tall: Path) -> None:
     )
     assert (process.returncode, err) == (130, "python -m solver: interrupted\n")
     assert "compiling the kernels, once\n" in out
-    assert took < 2.0
+    assert took < 5.0
 
 
 def test_ctrl_c_while_the_results_are_written_leaves_nothing(tall: Path) -> None:
