@@ -39,15 +39,18 @@ from fmu_src.record import read_motion
 from fmu_src.variables import variables
 from solver import Column, InputError
 from solver.command_line import program_parser, run_command
-from solver.errors import needing
+from solver.errors import needing, reading
 from solver.files import whole_file
+from solver.rest import check_rest
 
 COLUMNS_PACKAGE = "multiblock_columns"  # what examples/columns/ is called where the project is installed
 BUILDER_PACKAGES = ("pythonfmu", "matplotlib")
 LEFT_AT_HOME = {
     "plots.py",
     "record_plots.py",
+    "drawings.py",
     "record_report.py",
+    "column_report.py",
     "intensity.py",
     "oscillator.py",
     "wavelets.py",
@@ -57,8 +60,6 @@ LEFT_AT_HOME = {
     "documentation.py",
     "native",
     "pointers.py",
-    "batch.py",
-    "batch",
 }  # an FMU has no use for them
 # what the slave calls, as the slave calls it; without the listings with paths and addresses of this very process
 COMPILE = """
@@ -124,10 +125,10 @@ def _build(options: argparse.Namespace) -> None:
 
 
 def _default_column() -> Path:
-    """The Column of Phocas: in the clone that this file is part of, or as it was installed beside this file."""
+    """The Column of Phocas, damped: in the clone that this file is part of, or as it was installed beside this file."""
     here = Path(__file__).resolve().parent
     clone = here / "examples" / "columns"
-    return (clone if clone.is_dir() else here / COLUMNS_PACKAGE) / "phocas.toml"
+    return (clone if clone.is_dir() else here / COLUMNS_PACKAGE) / "phocas-damped.toml"
 
 
 DEFAULT_COLUMN = _default_column()
@@ -159,6 +160,8 @@ def _column_and_output(column_file: Path, output: Path | None) -> tuple[Column, 
     output = Path(f"{column.name}.fmu") if output is None else output
     if output.suffix != ".fmu":
         raise InputError(f"-o {output}: must end in .fmu")
+    with reading(column_file):
+        check_rest(column)
     return column, output
 
 

@@ -181,6 +181,9 @@ def draw(results: Results, folder: Path) -> None:
     if drawn:
         plots.work_precision(drawn, folder / "work-precision.png")
         plots.work_precision(drawn, folder / "work-precision-evaluations.png", "evaluations")
+        shown = [scene for scene in drawn if scene["title"] in plots.README_SCENES]
+        if shown:
+            plots.work_precision(shown, folder / "work-precision-two.png")
     if "scaling" in results:
         plots.scaling(results["scaling"]["rows"], folder / "scaling.png")
 

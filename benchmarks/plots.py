@@ -29,6 +29,7 @@ STYLES: dict[str, tuple[str, str, str]] = {
 }
 OTHER_STYLE = ("#555555", ".", "--")
 COLUMNS = 4  # of pictures in a row
+README_SCENES = ("Phocas, 0.05 g 2 Hz", "Phocas, El Centro")
 LARGEST_ERROR, SMALLEST_ERROR = 0.5, 1e-10  # of the peak, that are drawn
 GREY = "0.92"  # below what the references disagree by
 

@@ -1,7 +1,7 @@
 """Seismic response of stacked rigid blocks with no-tension elastic joints."""
 
 from .column import Block, Column, Joint, Settings
-from .errors import InputError, SolverError
+from .errors import InputError, InputWarning, SolverError
 from .modes import natural_frequencies
 from .motion import Motion
 from .packing import InitialState
@@ -16,6 +16,7 @@ __all__ = [
     "Column",
     "InitialState",
     "InputError",
+    "InputWarning",
     "Joint",
     "Motion",
     "Response",

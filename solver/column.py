@@ -37,12 +37,16 @@ NUMBERS: dict[str, tuple[tuple[float, float], str]] = {
 }
 
 
+# what the absence of a key is answered by, beside what the key may hold
+_HINTS = {"damping": "; 0 if none is meant: an undamped rocking column is chaotic and nobody predicts its motion"}
+
+
 @dataclass(frozen=True)
 class Joint:
     """The no-tension elastic joint under a block."""
 
     stiffness: float  # N/m3, Winkler modulus: pressure per penetration
-    damping: float = 0.0  # s, eta of the Kelvin-Voigt law
+    damping: float  # s, eta of the Kelvin-Voigt law; 0 is none, which makes a rocking column chaotic
     width: float | None = None  # m, contact along the motion; None: the block's
     depth: float | None = None  # m, contact across the motion; None: the block's
 
@@ -303,7 +307,7 @@ def _table(key: str, data: Mapping[str, Any], known: Collection[str]) -> Mapping
 def _number(prefix: str, table: Mapping[str, Any], name: str) -> float:
     key = f"{prefix}.{name}" if prefix else name
     if name not in table:
-        raise InputError(f"{key}: missing, must be {NUMBERS[name][1]}")
+        raise InputError(f"{key}: missing, must be {NUMBERS[name][1]}{_HINTS.get(name, '')}")
     return _check(key, table[name])
 
 
@@ -328,8 +332,9 @@ def _block_from(key: str, table: Mapping[str, Any], joint_defaults: Mapping[str,
 
 
 def _joint_from(key: str, table: Mapping[str, Any]) -> Joint:
-    stiffness = _number(key, table, "stiffness")
-    return Joint(stiffness, **{name: _number(key, table, name) for name in table if name != "stiffness"})
+    given = {name: _number(key, table, name) for name in ("stiffness", "damping")}
+    optional = {name: _number(key, table, name) for name in table if name not in given}
+    return Joint(**given, **optional)
 
 
 def _plain(items: list[tuple[str, Any]]) -> dict[str, Any]:

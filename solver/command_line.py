@@ -6,15 +6,17 @@ import argparse
 import os
 import sys
 import threading
-from collections.abc import Sequence
+import warnings
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
 import numpy as np
 
-from . import __version__
+from . import __version__, column_report
 from .column import FORMULATIONS, INTEGRATORS, Column
-from .errors import InputError, SolverError, needing, reading
+from .errors import InputError, InputWarning, SolverError, needing, reading
+from .files import check_outputs
 from .motion import STANDARD_GRAVITY, Motion
 from .motion_options import (
     FORMATS,
@@ -64,8 +66,11 @@ def run_command(parser: argparse.ArgumentParser, arguments: Sequence[str] | None
     Returns the exit code: 2 for a user's mistake, 130 where the user interrupts.
     """
     try:
-        options = _parsed(parser, arguments)
-        options.command(options)
+        with warnings.catch_warnings():
+            warnings.simplefilter("always", InputWarning)
+            warnings.showwarning = _show_warning
+            options = _parsed(parser, arguments)
+            options.command(options)
     except (InputError, SolverError, OSError) as error:
         print(f"{parser.prog}: {error}", file=sys.stderr)
         return 2
@@ -77,6 +82,11 @@ def run_command(parser: argparse.ArgumentParser, arguments: Sequence[str] | None
             os._exit(INTERRUPTED)
         return INTERRUPTED
     return 0
+
+
+def _show_warning(message: Warning | str, *_: Any, **__: Any) -> None:
+    """Print what is wrong, not where it was found."""
+    print(f"warning: {message}", file=sys.stderr)
 
 
 def _parsed(parser: argparse.ArgumentParser, arguments: Sequence[str] | None) -> argparse.Namespace:
@@ -127,6 +137,9 @@ def add_commands(commands: argparse._SubParsersAction[OneLineParser]) -> None:
     run.add_argument("-o", "--output", type=Path, metavar="FILE.csv", help="write the histories")
     run.add_argument("--plot", type=Path, metavar="FILE.png", help=f"draw the histories ({', '.join(PICTURES)})")
 
+    run.add_argument("--plot-column", type=Path, metavar="FILE.png", help="draw the deformed column at its peak")
+    run.add_argument("--film", type=Path, metavar="FILE.gif", help="film the column (.gif; .mp4 where ffmpeg is)")
+
     record = commands.add_parser("record", help="how strong records are: peaks, Arias intensity, response spectrum")
     record.set_defaults(command=_record)
     record.add_argument("records", type=Path, nargs="+", metavar="FILE", help=FORMATS)
@@ -144,9 +157,16 @@ def _simulate(options: argparse.Namespace) -> None:
     if options.output is not None:
         _check_suffix(options.output, ".csv")
     _check_picture(options.plot)
+    _check_picture(options.plot_column)
+    if options.film is not None:
+        with needing("plot", "matplotlib"):
+            from .drawings import check_film
+        check_film(options.film)
+    outputs = (options.output, options.plot, options.plot_column, options.film)
+    check_outputs(outputs, (options.column, options.motion, options.vertical))
     column = _read_column(options.column)
     motion, lines = motion_of(options)
-    print("\n".join(lines), end="\n" if lines else "")
+    print(*lines, column_report.report(column, motion), sep="\n", flush=True)
     stiffness, damping, shaking = options.spread
     spread = Spread(stiffness, damping, shaking, options.spread_seed)
     try:
@@ -165,14 +185,17 @@ def _simulate(options: argparse.Namespace) -> None:
             spread=spread,
         )
         print(_summary(response))
-        if options.output is not None:
-            with reading(options.output):
-                response.to_csv(options.output)
-            print(options.output)
-        if options.plot is not None:
-            with reading(options.plot):
-                response.plot(options.plot)
-            print(options.plot)
+        writers: tuple[Callable[[Path], object], ...] = (
+            response.to_csv,
+            response.plot,
+            response.plot_column,
+            response.film,
+        )
+        for path, write in zip(outputs, writers, strict=True):
+            if path is not None:
+                with reading(path):
+                    write(path)
+                print(path)
     except MemoryError:
         raise SolverError("not enough memory for the response: a larger --output-step may help") from None
 
@@ -188,6 +211,7 @@ def _run(column: Column, motion: Motion, duration: float | None, **options: Any)
 
 def _record(options: argparse.Namespace) -> None:
     _check_picture(options.plot)
+    check_outputs((options.plot,), options.records)
     check_file_options(options.records, options)
     motions = {}
     for path in options.records:
@@ -206,6 +230,7 @@ def _record(options: argparse.Namespace) -> None:
 
 def _convert(options: argparse.Namespace) -> None:
     _check_suffix(options.output, ".csv")
+    check_outputs((options.output,), (options.motion, options.vertical))
     motion, lines = motion_of(options)
     motion.to_csv(options.output)
     print("\n".join(lines), end="\n" if lines else "")

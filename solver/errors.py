@@ -20,6 +20,10 @@ class InputError(ValueError):
     """A user's mistake: one line with the file (if any), the key, the value and what would be right."""
 
 
+class InputWarning(UserWarning):
+    """What is computed as given and probably not meant: one line with the key, the value and what would be right."""
+
+
 class SolverError(ValueError):
     """The solver cannot go on, e.g. the step is too small: one line with the time and the reason."""
 

@@ -4,9 +4,37 @@ from __future__ import annotations
 
 import os
 import uuid
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+
+from .errors import InputError
+
+
+def check_outputs(outputs: Iterable[Path | None], inputs: Iterable[Path | None]) -> None:
+    """Raise InputError if an output cannot be meant or cannot be written: said before a run, not after it.
+
+    That is a folder that is missing, a file that is read or written by the same command already. None is no file.
+    """
+    taken = [path for path in inputs if path is not None]
+    for path in outputs:
+        if path is None:
+            continue
+        if not path.parent.is_dir():
+            raise InputError(f"{path}: No such folder: {path.parent}")
+        if path.is_dir():
+            raise InputError(f"{path}: is a folder, must be a file")
+        for other in taken:
+            if _same(path, other):
+                raise InputError(f"{path}: must be another file than {other}, which it would overwrite")
+        taken.append(path)
+
+
+def _same(path: Path, other: Path) -> bool:
+    try:
+        return path.samefile(other)
+    except OSError:  # one of them is not there yet
+        return path.resolve() == other.resolve()
 
 
 @contextmanager

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .errors import FINITE, NOT_NEGATIVE, POSITIVE, InputError, check_number, reading
+from .errors import FINITE, NOT_NEGATIVE, POSITIVE, InputError, check_number, reading, shown
 from .files import whole_file
 from .records import STANDARD_GRAVITY as STANDARD_GRAVITY
 from .records import Record, read_record
@@ -51,6 +51,8 @@ class Motion:
             raise InputError(
                 f"time[{k + 1}] = {self.time[k + 1]}: must be later than the sample before, {self.time[k]} s"
             )
+        if not isinstance(self.hold, (bool, np.bool_)):
+            raise InputError(f"hold = {shown(self.hold)}: must be True or False")
         check_number("amplitude", self.amplitude, FINITE, "a finite acceleration in m/s2")
         limits = POSITIVE if self.amplitude else NOT_NEGATIVE
         check_number("frequency", self.frequency, limits, "a positive frequency in Hz")

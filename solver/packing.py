@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .column import Column
-from .errors import InputError
+from .errors import InputError, shown
 from .kernels import layout as at
 from .kernels.engine import (
     GIVEN,
@@ -139,29 +139,38 @@ def described(column: Column) -> FloatArray:
     return np.array(given, dtype=np.float64)
 
 
+def carried_weights(column: Column) -> FloatArray:
+    """Weight that each joint carries at rest, N, (n,) from the top joint down."""
+    carried: FloatArray = column.g * np.cumsum([block.mass for block in column.blocks])
+    return carried
+
+
 def settlements(column: Column) -> FloatArray:
     """Compression of each joint at rest under gravity, m, (n,) from the top joint down."""
-    carried = column.g * np.cumsum([block.mass for block in column.blocks])
     spring = [block.joint.stiffness * block.joint_width * block.joint_depth for block in column.blocks]
-    settled: FloatArray = carried / np.array(spring)
+    settled: FloatArray = carried_weights(column) / np.array(spring)
     return settled
 
 
 def set_initial(column: Column, state: FloatArray, initial: InitialState) -> None:
     """Let the state, at rest as assembled, be another one. Raises InputError if `initial` does not fit the column."""
+    if not isinstance(initial, InitialState):
+        raise InputError(f"initial = {shown(initial)}: must be an InitialState")
     n = column.n
     rotation = _given("rotation", initial.rotation, np.zeros(n))
+    _within("rotation", rotation, np.full(n, 0.5 * np.pi), "a quarter turn either way at most, in rad")
     spin = _given("rotation_rate", initial.rotation_rate, np.zeros(n))
     opening = _given("opening", initial.opening, -settlements(column))
+    heights = np.array([block.height for block in column.blocks])
+    _within("opening", np.minimum(opening, 0.0), heights, "no deeper than the block is high, in m")
     opening_rate = _given("opening_rate", initial.opening_rate, np.zeros(n))
     phase = at.STATE.see(state, n).phase
     if column.settings.formulation == "exact":
         phase.theta[:], phase.opening[:] = rotation, opening
         phase.theta_rate[:], phase.opening_rate[:] = spin, opening_rate
         return
-    height = np.array([block.height for block in column.blocks])
-    phase.theta[:], phase.opening[:] = _from_base(height * rotation), -_from_base(opening)
-    phase.theta_rate[:], phase.opening_rate[:] = _from_base(height * spin), -_from_base(opening_rate)
+    phase.theta[:], phase.opening[:] = _from_base(heights * rotation), -_from_base(opening)
+    phase.theta_rate[:], phase.opening_rate[:] = _from_base(heights * spin), -_from_base(opening_rate)
 
 
 def _from_base(steps: FloatArray) -> FloatArray:
@@ -173,7 +182,18 @@ def _from_base(steps: FloatArray) -> FloatArray:
 def _given(key: str, values: Sequence[float] | FloatArray | None, default: FloatArray) -> FloatArray:
     if values is None:
         return default
-    array = np.asarray(values, dtype=np.float64)
-    if array.shape != default.shape or not np.all(np.isfinite(array)):
-        raise InputError(f"initial.{key} = {values!r}: must be {len(default)} finite numbers, one per block")
-    return array
+    gaps = isinstance(values, np.ma.MaskedArray) and np.ma.is_masked(values)
+    try:
+        array = np.asarray(values)
+    except ValueError:  # ragged
+        array = np.array(None)
+    if gaps or array.dtype.kind not in "iuf" or array.shape != default.shape or not np.all(np.isfinite(array)):
+        raise InputError(f"initial.{key} = {shown(values)}: must be {len(default)} finite numbers, one per block")
+    return array.astype(np.float64)
+
+
+def _within(key: str, values: FloatArray, limits: FloatArray, meaning: str) -> None:
+    beyond = np.flatnonzero(np.abs(values) > limits)
+    if beyond.size:
+        i = int(beyond[0])
+        raise InputError(f"initial.{key}[{i}] = {values[i]:g}: must be {meaning}")

@@ -13,7 +13,9 @@ import numpy as np
 from .column import Column
 from .errors import needing
 from .files import whole_file
+from .friction import LEAST_PART, friction_demand, time_exceeded
 from .kernels import layout as at
+from .motion import Motion
 from .packing import FloatArray
 from .uncertainty import PERCENTILES, Ensemble, ErrorEstimate
 
@@ -75,6 +77,8 @@ class Response:
         self.horizon: float | None = None
         self.ensemble: Ensemble | None = None
 
+        self.motion: Motion | None = None  # of the base; drawn on top of the histories
+
     def __getstate__(self) -> dict[str, Any]:
         """For pickle and copy: the histories themselves, not the solver that works them out. Raises SolverError."""
         self.observe()
@@ -110,6 +114,14 @@ class Response:
     Fz = property(lambda self: self._base("Fz"))
     My = property(lambda self: self._base("My"))
 
+    def friction_demand(self, part: float = LEAST_PART) -> FloatArray:
+        """Largest |T| / N of each joint over the rows, (n,), where N is above `part` of the weight carried."""
+        return friction_demand(self, part)
+
+    def time_exceeded(self, mu: float, part: float = LEAST_PART) -> FloatArray:
+        """For how long each joint asks for more friction than mu, s (n,); N as in `friction_demand`."""
+        return time_exceeded(self, mu, part)
+
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write every history under the name of the FMU's output, in the order of the FMU's outputs.
 
@@ -135,10 +147,30 @@ class Response:
             writer.writerows([[repr(float(value)) for value in row] for row in np.hstack(parts)])
 
     def plot(self, path: str | os.PathLike[str] | None = None) -> Figure:
-        """Draw displacements, rotations, resultants and contact over time; saved to `path` if given.
+        """Draw ground motion, displacements, rotations, forces and contact over time; saved to `path` if given.
 
         Raises InputError without matplotlib (the extra `plot`).
         """
         with needing("plot", "matplotlib"):
             from .plots import plot_response
         return plot_response(self, path)
+
+    def plot_column(
+        self, path: str | os.PathLike[str] | None = None, at: float | None = None, scale: float | None = None
+    ) -> Figure:
+        """Draw the deformed column at time `at`, s (None: its peak), deformation times `scale` (None: one that suits).
+
+        Raises InputError without matplotlib (the extra `plot`).
+        """
+        with needing("plot", "matplotlib"):
+            from .drawings import plot_column
+        return plot_column(self, path, at, scale)
+
+    def film(self, path: str | os.PathLike[str], scale: float | None = None, fps: int = 20, speed: float = 1.0) -> None:
+        """Write a film of the column, a GIF or, where ffmpeg is, an MP4; `speed`: s of motion in a s of film.
+
+        Raises InputError without matplotlib (the extra `plot`).
+        """
+        with needing("plot", "matplotlib"):
+            from .drawings import film
+        film(self, path, scale, fps, speed)

@@ -10,10 +10,11 @@ import numpy as np
 from .chain import Chain
 from .column import Column
 from .ensemble import ensemble_of
-from .errors import InputError, SolverError
+from .errors import POSITIVE, InputError, SolverError, check_number
 from .motion import Motion
 from .packing import InitialState
 from .response import Response
+from .rest import check_rest
 from .single_run import Callback, single_run
 from .trust import finer, judge
 from .uncertainty import Spread
@@ -58,7 +59,8 @@ def simulate(
     callback: called as callback(t, single_run.Glance) with the time s reached, some times a second of the clock and
     at the end of each run; what it raises ends `simulate`.
 
-    Raises InputError for a wrong value, SolverError where the solver cannot go on.
+    Warns (InputWarning) of a settlement or a pressure at rest that is probably not meant. Raises InputError for a wrong
+    value or a rest that is not stable where the run starts from it, SolverError where the solver cannot go on.
     """
     column = column.with_settings(
         formulation=formulation, integrator=integrator, step=step, tolerance=tolerance, without=without
@@ -70,8 +72,10 @@ def simulate(
     settle = 0.0 if settle == 0 else _positive("settle", settle)
     if not isinstance(ensemble, (int, np.integer)) or not 0 <= ensemble <= MOST_RUNS:
         raise InputError(f"ensemble = {ensemble!r}: must be a number of runs, at most {MOST_RUNS}")
+    check_rest(column, from_rest=initial is None)
     times = motion.start + output_step * np.arange(math.floor(duration / output_step + 1e-9) + 1, dtype=np.float64)
     response, phases = single_run(column, motion, duration, times, initial, settle, callback)
+    response.motion = motion
     if check:
         chain = Chain(column)
         ux = chain.top_displacements(phases)
@@ -88,6 +92,4 @@ def simulate(
 
 
 def _positive(key: str, value: float) -> float:
-    if not (isinstance(value, (int, float)) and math.isfinite(value) and value > 0.0):
-        raise InputError(f"{key} = {value!r}: must be a positive time in s")
-    return float(value)
+    return check_number(key, value, POSITIVE, "a positive time in s")

@@ -38,6 +38,7 @@ depth = 0.5
 density = 2000.0
 [joint]
 stiffness = 5e8
+damping = 1e-3
 [solver]
 formulation = "exact"
 tolerance = 1e-6

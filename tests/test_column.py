@@ -15,7 +15,7 @@ from solver.errors import InputError
 
 EXAMPLES = Path(__file__).resolve().parents[1] / "examples" / "columns"
 
-PHOCAS_BLOCK = Block(4.69, 1.56, 1.56, 27000.0, Joint(533 * 9.80665e6))
+PHOCAS_BLOCK = Block(4.69, 1.56, 1.56, 27000.0, Joint(533 * 9.80665e6, 0.0))
 
 TOML = """
 name = "two"
@@ -101,8 +101,10 @@ def test_toml_integers_become_floats(tmp_path: Path) -> None:
 
 
 def test_defaults_of_what_toml_leaves_out() -> None:
-    block = {"height": 1.0, "width": 1.0, "depth": 1.0, "mass": 1.0, "joint": {"stiffness": 1.0}}
-    assert Column.from_dict({"name": "a", "block": [block]}) == Column("a", (Block(1.0, 1.0, 1.0, 1.0, Joint(1.0)),))
+    block = {"height": 1.0, "width": 1.0, "depth": 1.0, "mass": 1.0, "joint": {"stiffness": 1.0, "damping": 0.0}}
+    assert Column.from_dict({"name": "a", "block": [block]}) == Column(
+        "a", (Block(1.0, 1.0, 1.0, 1.0, Joint(1.0, 0.0)),)
+    )
 
 
 def test_phocas_example_is_the_papers() -> None:
@@ -123,7 +125,7 @@ def test_values_that_follow_from_others() -> None:
 
 
 def test_values_that_are_given() -> None:
-    block = Block(2.0, 1.0, 0.5, 3000.0, Joint(1e9, width=0.8, depth=0.4), centroid=0.9, inertia=1500.0)
+    block = Block(2.0, 1.0, 0.5, 3000.0, Joint(1e9, 0.0, width=0.8, depth=0.4), centroid=0.9, inertia=1500.0)
     assert (block.resolved_centroid, block.resolved_inertia) == (0.9, 1500.0)
     assert (block.joint_width, block.joint_depth) == (0.8, 0.4)
 
@@ -139,8 +141,13 @@ def test_dict_survives_json(made: Column) -> None:
 
 
 def test_numpy_scalars_are_numbers() -> None:
-    made = column(blocks=[Block(np.float32(4.0), np.int64(1), 1.0, 1.0, Joint(1e9))])  # type: ignore[arg-type]
+    made = column(blocks=[Block(np.float32(4.0), np.int64(1), 1.0, 1.0, Joint(1e9, 0.0))])  # type: ignore[arg-type]
     assert Column.from_dict(json.loads(json.dumps(made.to_dict()))) == made
+
+
+def test_damping_is_written() -> None:
+    with pytest.raises(TypeError, match="damping"):
+        Joint(1e9)  # type: ignore[call-arg]
 
 
 def test_block_count() -> None:
@@ -165,7 +172,7 @@ def test_with_settings_is_checked() -> None:
 @pytest.mark.parametrize("key", ["height", "width", "depth", "mass", "joint.stiffness"])
 def test_blocks_made_by_hand_are_checked(key: str, value: Any) -> None:
     if key.startswith("joint."):
-        block = dataclasses.replace(PHOCAS_BLOCK, joint=Joint(value))
+        block = dataclasses.replace(PHOCAS_BLOCK, joint=Joint(value, 0.0))
     else:
         block = dataclasses.replace(PHOCAS_BLOCK, **{key: value})
     with pytest.raises(InputError, match=rf"^block\[2\].{key} = .*: must be a positive .+$"):
@@ -179,12 +186,15 @@ def test_blocks_made_by_hand_are_checked(key: str, value: Any) -> None:
         ({"blocks": (Block(1.0, 1.0, 1.0, 1.0, 1e9),)}, "block[1].joint = 1000000000.0: must be a Joint"),  # type: ignore[arg-type]
         ({"settings": "paper"}, "solver = 'paper': must be Settings"),
         ({"g": -9.8}, "g = -9.8: must be an acceleration in m/s2, zero or positive"),
-        ({"blocks": (Block(1e200, 1.0, 1.0, 1.0, Joint(1.0)),)}, "block[1].height = 1e+200: must be a positive length"),
         (
-            {"blocks": (Block(1e-300, 1.0, 1.0, 1.0, Joint(1.0)),)},
+            {"blocks": (Block(1e200, 1.0, 1.0, 1.0, Joint(1.0, 0.0)),)},
+            "block[1].height = 1e+200: must be a positive length",
+        ),
+        (
+            {"blocks": (Block(1e-300, 1.0, 1.0, 1.0, Joint(1.0, 0.0)),)},
             "block[1].height = 1e-300: must be a positive length",
         ),
-        ({"blocks": (Block(1e-5, 1e-6, 1.0, 1e-12, Joint(1.0)),)}, "block[1].mass = 1e-12: must be"),
+        ({"blocks": (Block(1e-5, 1e-6, 1.0, 1e-12, Joint(1.0, 0.0)),)}, "block[1].mass = 1e-12: must be"),
     ],
 )
 def test_columns_made_by_hand_are_checked(changes: dict[str, object], said: str) -> None:
@@ -229,12 +239,19 @@ BAD = [
     ("inertia = 1500.0", "inertia = -1", "block[1].inertia = -1: must be a positive moment of inertia in kg m2"),
     ("width = 0.8", "width = 1.01", "block[1].joint.width = 1.01: must not exceed the block's width = 1.0 m"),
     ("depth = 0.4", "depth = 0.6", "block[1].joint.depth = 0.6: must not exceed the block's depth = 0.5 m"),
+    ("damping = 2e-3", "damping = true", "block[1].joint.damping = True: must be a time in s"),
     ("damping = 2e-3", "damping = -1e-3", "block[1].joint.damping = -0.001: must be a time in s, zero or positive"),
     (
         "damping = 2e-3",
         "dampig = 1",
         "block[1].joint.dampig: unknown key, must be one of stiffness, damping, width, depth",
     ),
+    (
+        "damping = 1e-3",
+        "",
+        "block[2].joint.damping: missing, must be a time in s, zero or positive, at most 1e6; 0 if none",
+    ),
+    ("damping = 1e-3", "", "an undamped rocking column is chaotic"),
     ("stiffness = 5e8", "", "block[2].joint.stiffness: missing, must be a positive Winkler modulus in N/m3"),
     ("stiffness = 5e8", 'stiffness = "stiff"', "joint.stiffness = 'stiff': must be a positive Winkler modulus"),
     ("stiffness = 5e8", "stifness = 5e8", "joint.stifness: unknown key"),

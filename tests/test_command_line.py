@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from solver import Column, Motion, simulate
+from solver import Column, Motion, natural_frequencies, simulate
 from solver.motion import STANDARD_GRAVITY
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -74,6 +74,33 @@ def test_simulate_writes_what_the_solver_computes(tmp_path: Path, motion: Motion
     assert f"full contact {response.stats['full_contact']:.1%}" in run.stdout
     assert run.stdout.splitlines()[-2:] == ["results.csv", "response.png"]
     assert (tmp_path / "response.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_simulate_says_what_it_starts_from(tmp_path: Path, motion: Motion) -> None:
+    run = solver(tmp_path, "simulate", PHOCAS, "motion.csv", "--scale", 2)
+    assert "phocas: 3 blocks, 14.07 m, settles by " in run.stdout
+    column = Column.from_toml(PHOCAS)
+    assert f"first natural frequency {natural_frequencies(column)[0]:.4g} Hz, no joints damped\n" in run.stdout
+    assert "base: 2 s, PGA 0.1 g\n" in run.stdout
+
+
+def test_a_column_that_is_probably_not_meant(tmp_path: Path, motion: Motion) -> None:
+    text = (COLUMNS / "phocas-damped.toml").read_text(encoding="utf-8")
+    (tmp_path / "soft.toml").write_text(text.replace("5226944450.0", "1e5"), encoding="utf-8")
+    run = solver(tmp_path, "simulate", "soft.toml", "motion.csv")
+    assert run.returncode == 2
+    assert "phocas_damped cannot stand: its rest under gravity is not stable" in run.stderr
+    assert "settles by 3.26 m" in run.stderr
+    assert "standing" not in run.stdout
+    assert "not overturned" not in run.stdout
+    (tmp_path / "heavy.toml").write_text(
+        text.replace("27000.0 ", "2e9 ").replace("5226944450.0", "1e15"), encoding="utf-8"
+    )
+    run = solver(tmp_path, "simulate", "heavy.toml", "motion.csv", "--duration", 0.01)
+    assert run.returncode == 0
+    (line,) = run.stderr.splitlines()
+    assert line.startswith("warning: joint 3: carries ")
+    assert "MPa, which no stone does; mass is in kg" in line
 
 
 def test_simulate_takes_every_option(tmp_path: Path, motion: Motion) -> None:
@@ -151,14 +178,19 @@ def test_convert_writes_what_fmpy_reads(tmp_path: Path) -> None:
         ("simulate {phocas} motion.csv --tolerance 1", "solver.tolerance = 1"),
         ("simulate {phocas} motion.csv -o results.txt", "results.txt: must end in .csv"),
         ("simulate {phocas} motion.csv --plot response.txt", "response.txt: must end in .png"),
-        ("simulate {phocas} motion.csv -o none/results.csv", "none/results.csv: No such file"),
-        ("simulate {phocas} motion.csv --plot none/response.png", "none/response.png: No such file"),
+        ("simulate {phocas} motion.csv -o none/results.csv", "none/results.csv: No such folder: none"),
+        ("simulate {phocas} motion.csv --plot none/response.png", "none/response.png: No such folder: none"),
         ("simulate {phocas} motion.csv --step 0.5", "central differences are stable"),
         ("simulate {phocas} motion.csv --frob", "unrecognized arguments: --frob"),
+        ("simulate {phocas} motion.csv -o motion.csv", "motion.csv: must be another file than motion.csv"),
+        ("simulate {phocas} record.AT2 --vertical motion.csv -o ./motion.csv", "must be another file than motion.csv"),
+        ("simulate {phocas} motion.csv --duration 1e5 -o none/results.csv", "No such folder: none"),
+        ("record record.AT2 --plot none/record.png", "none/record.png: No such folder: none"),
+        ("convert motion.csv motion.csv", "motion.csv: must be another file than motion.csv, which it would overwrite"),
         ("convert other.csv", "MOTION: must be given, a record or --wavelet"),
         ("convert none.AT2 other.csv", "none.AT2: No such file"),
         ("convert record.AT2 other.txt", "other.txt: must end in .csv"),
-        ("convert record.AT2 none/other.csv", "none/other.csv: No such file"),
+        ("convert record.AT2 none/other.csv", "none/other.csv: No such folder: none"),
     ],
 )
 def test_mistakes_end_in_one_line(tmp_path: Path, motion: Motion, line: str, message: str) -> None:

@@ -59,7 +59,7 @@ def too_stiff(folder: Path) -> Path:
 
 
 def test_phocas(tmp_path: Path) -> None:
-    run = example("phocas.py", tmp_path)
+    run = example("phocas.py", tmp_path, "--column", PHOCAS)
     assert (run.returncode, run.stderr) == (0, "")
     assert sorted(file.name for file in tmp_path.iterdir()) == ["phocas.fmu", "results.csv", "results.png"]
     assert is_picture(tmp_path / "results.png")
@@ -85,7 +85,7 @@ def test_phocas(tmp_path: Path) -> None:
 
 def test_phocas_with_options(tmp_path: Path) -> None:
     folder = tmp_path / "new" / "folder"
-    options = ["--column", DAMPED, "--amplitude", 0.6, "--frequency", 0.25, "--duration", 2.5]
+    options = ["--amplitude", 0.6, "--frequency", 0.25, "--duration", 2.5]
     run = example("phocas.py", tmp_path, *options, "--output-folder", folder)
     assert (run.returncode, run.stderr) == (0, "")
     assert sorted(file.name for file in folder.iterdir()) == ["phocas_damped.fmu", "results.csv", "results.png"]

@@ -119,8 +119,8 @@ def test_modes_are_those_of_lagranges_mass_matrix(n: int) -> None:
         phocas(integrator="central-difference"),
         replace(phocas(), g=0.0),
         cut(at.MODAL_MOST + 1, 0.0),
-        Column("soft", (Block(4.69, 1.56, 1.56, 27000.0, Joint(1e5)),) * 3),  # falls over by itself
-        Column("mixed", (Block(4.0, 1.0, 1.0, 9e3, Joint(1e9, 1e-3)), Block(4.0, 1.0, 1.0, 9e3, Joint(1e9)))),
+        Column("soft", (Block(4.69, 1.56, 1.56, 27000.0, Joint(1e5, 0.0)),) * 3),  # falls over by itself
+        Column("mixed", (Block(4.0, 1.0, 1.0, 9e3, Joint(1e9, 1e-3)), Block(4.0, 1.0, 1.0, 9e3, Joint(1e9, 0.0)))),
     ],
     ids=["paper", "fixed step", "no gravity", "many blocks", "unstable", "coupled by damping"],
 )

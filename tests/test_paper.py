@@ -160,7 +160,8 @@ def test_sweeps_are_counted_and_few() -> None:
 
 def test_sweeps_that_do_not_settle_are_an_error() -> None:
     # blocks displaced by more than their height are beyond a first-order model
-    stepper = Stepper(phocas(formulation="paper"), InitialState(rotation=[2.0, -2.0, 2.0]))
+    stepper = Stepper(phocas(formulation="paper"))
+    stepper.state.phase.theta[:] = 2.0 * 4.69, 0.0, 2.0 * 4.69  # as rotations of 2 rad, which no start may have
     with pytest.raises(ValueError, match="sweeps"):
         stepper.observe(0.0)
 

@@ -18,7 +18,7 @@ DAMPED = ROOT / "examples/columns/phocas-damped.toml"
 
 
 def stack(n: int) -> Column:
-    return Column("stack", (Block(1.0, 1.0, 1.0, 2000.0, Joint(1e9)),) * n)
+    return Column("stack", (Block(1.0, 1.0, 1.0, 2000.0, Joint(1e9, 0.0)),) * n)
 
 
 def test_value_references_are_those_that_were_once_given() -> None:

@@ -1,0 +1,217 @@
+"""The column itself, deformed: a picture of one instant, a film of all. Imported late, for matplotlib."""
+
+from __future__ import annotations
+
+import math
+import os
+from pathlib import Path
+from typing import Protocol
+
+import numpy as np
+from matplotlib.animation import AbstractMovieWriter, FFMpegWriter, PillowWriter
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Polygon
+
+from .column import Column
+from .errors import POSITIVE, InputError, check_number
+from .files import whole_file
+from .motion import Motion
+from .packing import FloatArray
+from .plots import block_colours, draw_ground, save
+
+STONE, INK = "#cdbfa7", "#3b3a38"
+SHOWN = 0.15  # of the column's height, that its top moves by in a picture whose scale nobody chose
+NICE = (1.0, 2.0, 5.0)  # times powers of ten: the scales that are chosen
+FILMS = (".gif", ".mp4")
+FRAMES_PER_SECOND = 20
+MOST_FRAMES = 5000
+FILM_DPI = 80
+
+
+class Drawable(Protocol):
+    """What is needed of a Response; its module stands above this one."""
+
+    @property
+    def column(self) -> Column: ...
+    @property
+    def time(self) -> FloatArray: ...
+    @property
+    def motion(self) -> Motion | None: ...
+    @property
+    def ux(self) -> FloatArray: ...
+    @property
+    def uz(self) -> FloatArray: ...
+    @property
+    def theta(self) -> FloatArray: ...
+
+
+def plot_column(
+    response: Drawable,
+    path: str | os.PathLike[str] | None = None,
+    at: float | None = None,
+    scale: float | None = None,
+) -> Figure:
+    """Draw the deformed column, relative to its base; saved to `path` if given.
+
+    at: time in s, of which the nearest row is drawn; None: the row of the largest |ux| of any block. scale: factor on
+    rotations and openings; None: 1, 2 or 5 times a power of ten, so that the motion is seen, and 1 where it is large.
+    The picture states it. Raises InputError, OSError.
+    """
+    k = _peak(response) if at is None else _row(response, at)
+    scale = _scale(response, scale)
+    figure = Figure(figsize=(4.2, 7.0), layout="constrained")
+    axes = figure.add_subplot()
+    draw_column(axes, response, k, scale)
+    top = int(np.argmax(np.abs(response.ux[k])))
+    axes.set_title(
+        f"{response.column.name} at {response.time[k]:.3f} s\n"
+        f"top of block {top + 1} at {1e3 * response.ux[k, top]:.3g} mm; {_told(scale)}",
+        fontsize=9,
+    )
+    if path is not None:
+        save(figure, path)
+    return figure
+
+
+def draw_column(axes: Axes, response: Drawable, k: int, scale: float) -> list[Polygon]:
+    """Draw row k of a response, rotations and openings times `scale`, on axes of equal units; returns the blocks."""
+    patches = [
+        Polygon(corners, facecolor=STONE, edgecolor=INK, linewidth=1.0) for corners in corners_of(response, k, scale)
+    ]
+    for patch in patches:
+        axes.add_patch(patch)
+    blocks = response.column.blocks
+    height, width = sum(block.height for block in blocks), max(block.width for block in blocks)
+    reach = 0.6 * width + max(SHOWN * height, scale * float(np.max(np.abs(response.ux))))
+    axes.axhline(0.0, color=INK, linewidth=3.0)
+    axes.plot([0.0, 0.0], [0.0, 1.03 * height], color=INK, linewidth=0.7, linestyle=":")
+    axes.set(
+        xlim=(-min(reach, 1.5 * height), min(reach, 1.5 * height)), ylim=(-0.03 * height, 1.1 * height), aspect="equal"
+    )
+    axes.set_axis_off()
+    return patches
+
+
+def corners_of(response: Drawable, k: int, scale: float) -> list[FloatArray]:
+    """Corners (4, 2) of each block at row k, m, the top block first; at a scale of 1 where they are in space.
+
+    From the base up: what separates the faces of a joint is taken in the frame of the lower one, and multiplied there.
+    """
+    found: list[FloatArray] = []
+    foot, drawn, turned, turn = np.zeros(2), np.zeros(2), 0.0, 0.0  # middle of the face below: true, drawn; rotations
+    rest = 0.0  # height of the joint without load
+    for i in range(response.column.n - 1, -1, -1):
+        block, theta = response.column.blocks[i], float(response.theta[k, i])
+        rise = block.resolved_centroid
+        up, along = _frame(theta)
+        centroid = np.array([response.ux[k, i] - (block.height - rise) * up[0], rest + rise + response.uz[k, i]])
+        apart = centroid - rise * up - foot
+        below_up, below_along = _frame(turned)
+        drawn_up, drawn_along = _frame(turn)
+        drawn = drawn + scale * ((apart @ below_up) * drawn_up + (apart @ below_along) * drawn_along)
+        foot, turned, turn = centroid + (block.height - rise) * up, theta, scale * theta
+        up, along = _frame(turn)
+        half, tall = 0.5 * block.width * along, block.height * up
+        found.append(np.array([drawn - half, drawn + half, drawn + half + tall, drawn - half + tall]))
+        drawn = drawn + tall
+        rest += block.height
+    return found[::-1]
+
+
+def film(
+    response: Drawable,
+    path: str | os.PathLike[str],
+    scale: float | None = None,
+    fps: int = FRAMES_PER_SECOND,
+    speed: float = 1.0,
+) -> None:
+    """Write the column in motion beside its base acceleration and ux: a GIF, or an MP4 where ffmpeg is.
+
+    scale: as in `plot_column`. fps: pictures a second. speed: seconds of motion in a second of film.
+    Raises InputError, OSError.
+    """
+    check_film(path)
+    fps = round(check_number("fps", fps, (1.0, 100.0), "a whole number of pictures a second, from 1 to 100"))
+    speed = check_number("speed", speed, POSITIVE, "seconds of motion in a second of film, positive")
+    time = response.time
+    instants = np.arange(time[0], time[-1] + 1e-9, speed / fps)
+    if len(instants) > MOST_FRAMES:
+        raise InputError(
+            f"speed = {speed:g}: makes {len(instants)} pictures, must be larger, for at most {MOST_FRAMES}"
+        )
+    scale = _scale(response, scale)
+    figure = Figure(figsize=(9.0, 5.4))
+    grid = figure.add_gridspec(2, 2, width_ratios=(1.0, 1.7), hspace=0.4, left=0.02, right=0.97, bottom=0.1, top=0.9)
+    column = figure.add_subplot(grid[:, 0])
+    ground, moved = figure.add_subplot(grid[0, 1]), figure.add_subplot(grid[1, 1])
+    patches = draw_column(column, response, 0, scale)
+    draw_ground(ground, response.motion)
+    largest = np.max(np.abs(response.ux))
+    unit, factor = ("m", 1.0) if largest >= 1.0 else ("mm", 1e3)
+    for i, colour in enumerate(block_colours(response.column.n)):
+        moved.plot(time, factor * response.ux[:, i], color=colour, linewidth=0.8)
+        patches[i].set_facecolor(colour)
+        patches[i].set_alpha(0.75)
+    moved.set_title("displacement of the top faces", loc="left", fontsize=10)
+    moved.set(xlabel="time (s)", ylabel=f"$u_x$ ({unit})")
+    moved.grid(color="0.9", linewidth=0.6)
+    cursors = []
+    for axes in (ground, moved):
+        axes.set_xlim(time[0], time[-1])
+        axes.spines[["top", "right"]].set_visible(False)
+        cursors.append(axes.axvline(time[0], color="black", linewidth=0.8))
+    writer: AbstractMovieWriter = (
+        FFMpegWriter(fps=fps) if Path(path).suffix.lower() == ".mp4" else PillowWriter(fps=fps)
+    )
+    with whole_file(path) as partial, writer.saving(figure, os.fspath(partial), FILM_DPI):
+        for instant in instants:
+            k = _row(response, instant)
+            for patch, corners in zip(patches, corners_of(response, k, scale), strict=True):
+                patch.set_xy(corners)
+            for cursor in cursors:
+                cursor.set_xdata([time[k], time[k]])
+            column.set_title(f"{response.column.name}, {time[k]:.2f} s\n{_told(scale)}", fontsize=9)
+            writer.grab_frame()
+
+
+def check_film(path: str | os.PathLike[str]) -> None:
+    """Raise InputError if a film of that name cannot be written here."""
+    suffix = Path(path).suffix.lower()
+    if suffix not in FILMS:
+        raise InputError(f"{path}: must end in {' or '.join(FILMS)}")
+    if suffix == ".mp4" and not FFMpegWriter.isAvailable():
+        raise InputError(f"{path}: needs ffmpeg, which is not installed; .gif does not")
+
+
+def _frame(theta: float) -> tuple[FloatArray, FloatArray]:
+    """Unit vectors of a body turned clockwise by theta: up, and along its faces to the right."""
+    sine, cosine = math.sin(theta), math.cos(theta)
+    return np.array([sine, cosine]), np.array([cosine, -sine])
+
+
+def _peak(response: Drawable) -> int:
+    return int(np.argmax(np.max(np.abs(response.ux), axis=1)))
+
+
+def _row(response: Drawable, at: float) -> int:
+    time = response.time
+    at = check_number(
+        "at", at, (float(time[0]), float(time[-1])), f"a time of the response, {time[0]:g} to {time[-1]:g} s"
+    )
+    return int(np.argmin(np.abs(time - at)))
+
+
+def _scale(response: Drawable, scale: float | None) -> float:
+    if scale is not None:
+        return check_number("scale", scale, POSITIVE, "a positive factor on the deformation")
+    largest = float(np.max(np.abs(response.ux)))
+    wanted = SHOWN * sum(block.height for block in response.column.blocks) / max(largest, 1e-300)
+    if wanted <= 1.0 or largest < 1e-12:
+        return 1.0
+    power = 10.0 ** math.floor(math.log10(wanted))
+    return power * max(nice for nice in NICE if nice * power <= wanted)
+
+
+def _told(scale: float) -> str:
+    return "deformation to scale" if scale == 1.0 else f"deformation times {scale:g}"

@@ -1,0 +1,76 @@
+"""The column at rest under its own weight: whether it stands there, and what speaks for a slip of units."""
+
+from __future__ import annotations
+
+import warnings
+
+import numpy as np
+
+from .column import Column
+from .errors import InputError, InputWarning
+from .packing import carried_weights, settlements
+
+MOST_SETTLED = 0.1  # of a block's height; the mortar beds and soils under blocks settle by less
+MOST_PRESSED = 500e6  # Pa; hardly any stone has that strength
+UNITS_OF_STIFFNESS = "stiffness is in N/m3: 1 kgf/cm3 = 9.80665e6 N/m3, 1 MPa/mm = 1e9 N/m3"
+UNITS_OF_WEIGHT = "mass is in kg, density in kg/m3, width and depth in m"
+
+
+def check_rest(column: Column, from_rest: bool = True) -> None:
+    """Warn (InputWarning) of each of the column's `doubts`.
+
+    Raises InputError if a run is to start `from_rest` and that rest is not stable.
+    """
+    if from_rest and not is_stable(column):
+        i = int(np.argmax(settlements(column))) + 1
+        raise InputError(
+            f"{column.name} cannot stand: its rest under gravity is not stable, the joints are too soft for the weight "
+            f"above them (block[{i}].joint.stiffness = {column.blocks[i - 1].joint.stiffness:g} settles by "
+            f"{settlements(column)[i - 1]:.3g} m); {UNITS_OF_STIFFNESS}"
+        )
+    for doubt in doubts(column):
+        warnings.warn(doubt, InputWarning, stacklevel=3)
+
+
+def doubts(column: Column) -> list[str]:
+    """What can be computed but is probably not meant, a line each, about the worst of the joints; mostly none."""
+    lines = []
+    settled = settlements(column)
+    part = settled / np.array([block.height for block in column.blocks])
+    i = int(np.argmax(part))
+    if part[i] > MOST_SETTLED:
+        lines.append(
+            f"block[{i + 1}].joint.stiffness = {column.blocks[i].joint.stiffness:g}: block {i + 1} settles by "
+            f"{settled[i]:.3g} m at rest, {part[i]:.2g} of its height; {UNITS_OF_STIFFNESS}"
+        )
+    area = np.array([block.joint_width * block.joint_depth for block in column.blocks])
+    pressure = carried_weights(column) / area
+    i = int(np.argmax(pressure))
+    if pressure[i] > MOST_PRESSED:
+        lines.append(
+            f"joint {i + 1}: carries {carried_weights(column)[i]:.3g} N on {area[i]:.3g} m2 at rest, "
+            f"{1e-6 * pressure[i]:.3g} MPa, which no stone does; {UNITS_OF_WEIGHT}"
+        )
+    return lines
+
+
+def is_stable(column: Column) -> bool:
+    """Whether the rest under gravity, all joints in full contact, is a minimum of the potential energy.
+
+    With the openings of theory.md, section 4, its second derivatives with respect to the rotations form a symmetric
+    tridiagonal matrix; the openings are stable by themselves. Elimination leaves pivots that are all positive, or not.
+    """
+    weight, settled = carried_weights(column), settlements(column)
+    pivot, coupling = np.inf, 0.0
+    turned_above = spread_above = 0.0
+    for block, carried, compression in zip(column.blocks, weight, settled, strict=True):
+        joint = block.joint
+        turning = joint.stiffness * block.joint_depth * block.joint_width**3 / 12.0
+        spread = 0.25 * compression * carried  # the compressed joint is shortened along its mean normal
+        own = column.g * block.mass
+        falling = (carried - own) * block.height + own * block.resolved_centroid
+        pivot = turning + turned_above + spread + spread_above - falling - coupling * coupling / pivot
+        if not pivot > 0.0:
+            return False
+        coupling, turned_above, spread_above = spread - turning, turning, spread
+    return True
