@@ -166,6 +166,7 @@ def _simulate(options: argparse.Namespace) -> None:
     check_outputs(outputs, (options.column, options.motion, options.vertical))
     column = _read_column(options.column)
     motion, lines = motion_of(options)
+    compile_kernels()
     print(*lines, column_report.report(column, motion), sep="\n", flush=True)
     stiffness, damping, shaking = options.spread
     spread = Spread(stiffness, damping, shaking, options.spread_seed)
@@ -202,7 +203,6 @@ def _simulate(options: argparse.Namespace) -> None:
 
 def _run(column: Column, motion: Motion, duration: float | None, **options: Any) -> Response:
     """`simulate`, with a progress line on a terminal."""
-    compile_kernels(column)
     if not sys.stderr.isatty():
         return simulate(column, motion, duration, **options)
     with ProgressLine(motion.start, motion.duration if duration is None else duration) as line:

@@ -8,7 +8,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any
 
-from .column import Column
+from .column import Block, Column, Joint
 from .ensemble import interruptible
 from .kernels import entries
 from .kernels.jit import SOURCES
@@ -52,8 +52,8 @@ class ProgressLine:
             self._bar.close()
 
 
-def compile_kernels(column: Column) -> None:
-    """Have the kernels that a run of this column needs, and say so if they have to be compiled, which takes a while.
+def compile_kernels() -> None:
+    """Have the kernels that a run needs, and say so if they have to be compiled, which takes a while.
 
     They are made in a thread beside: an interruption is heard at once.
     """
@@ -61,7 +61,7 @@ def compile_kernels(column: Column) -> None:
         return
     print("compiling the kernels, once", flush=True)
     instant = Motion.harmonic(1e-3, 1.0, 1e-6)
-    column = column.with_settings(formulation="exact", integrator="auto")
+    column = Column("any", (Block(1.0, 1.0, 1.0, 2500.0, Joint(1e9, 1e-3)),))
     interruptible(lambda: simulate(column, instant, settle=0.0).observe())
 
 
