@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import sys
 import time as clock
+import warnings
 from pathlib import Path
 from types import TracebackType
 from typing import Any
 
-from .column import Block, Column, Joint
+from .column import Column
 from .ensemble import interruptible
+from .errors import InputWarning
 from .kernels import entries
 from .kernels.jit import SOURCES
 from .motion import Motion
@@ -52,8 +54,8 @@ class ProgressLine:
             self._bar.close()
 
 
-def compile_kernels() -> None:
-    """Have the kernels that a run needs, and say so if they have to be compiled, which takes a while.
+def compile_kernels(column: Column) -> None:
+    """Have the kernels that a run of this column needs, and say so if they have to be compiled, which takes a while.
 
     They are made in a thread beside: an interruption is heard at once.
     """
@@ -61,8 +63,10 @@ def compile_kernels() -> None:
         return
     print("compiling the kernels, once", flush=True)
     instant = Motion.harmonic(1e-3, 1.0, 1e-6)
-    column = Column("any", (Block(1.0, 1.0, 1.0, 2500.0, Joint(1e9, 1e-3)),))
-    interruptible(lambda: simulate(column, instant, settle=0.0).observe())
+    column = column.with_settings(formulation="exact", integrator="auto")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", InputWarning)  # the run itself says it
+        interruptible(lambda: simulate(column, instant, settle=0.0).observe())
 
 
 def _kept() -> bool:

@@ -70,7 +70,7 @@ def simulate(
     if duration / output_step > MOST_ROWS:
         raise InputError(f"output_step = {output_step}: must be larger, for at most {MOST_ROWS} rows in {duration} s")
     settle = 0.0 if settle == 0 else _positive("settle", settle)
-    if not isinstance(ensemble, (int, np.integer)) or not 0 <= ensemble <= MOST_RUNS:
+    if isinstance(ensemble, bool) or not isinstance(ensemble, (int, np.integer)) or not 0 <= ensemble <= MOST_RUNS:
         raise InputError(f"ensemble = {ensemble!r}: must be a number of runs, at most {MOST_RUNS}")
     check_rest(column, from_rest=initial is None)
     times = motion.start + output_step * np.arange(math.floor(duration / output_step + 1e-9) + 1, dtype=np.float64)
