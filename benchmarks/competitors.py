@@ -73,7 +73,13 @@ def own(integrator: str, knob: str, **options: Any) -> Solve:
     """`simulate` with an integrator and other options of it; the knob is one of its arguments."""
 
     def solve(scene: Scene, times: Array, value: float, budget: float) -> Result:
-        given: dict[str, Any] = {"integrator": integrator, "output_step": OUTPUT_STEP, knob: value, **options}
+        given: dict[str, Any] = {
+            "integrator": integrator,
+            "output_step": OUTPUT_STEP,
+            "settle": 0.0,
+            knob: value,
+            **options,
+        }
         response, seconds, runs = timing.fastest(
             lambda: simulate(scene.column, scene.motion, float(times[-1]), **given), budget
         )

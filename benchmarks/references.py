@@ -97,7 +97,14 @@ def overturn_time(scene: Scene, problem: Problem, states: Array) -> float:
 def reference(scene: Scene) -> Reference:
     """Both references of a scene. Raises MeasurementError where no window is left."""
     own = simulate(
-        scene.column, scene.motion, scene.duration, "exact", "auto", tolerance=OWN_TOLERANCE, output_step=OUTPUT_STEP
+        scene.column,
+        scene.motion,
+        scene.duration,
+        "exact",
+        "auto",
+        tolerance=OWN_TOLERANCE,
+        output_step=OUTPUT_STEP,
+        settle=0.0,
     )
     times = grid(scene.duration)
     if own.overturned:  # the solver holds the state of a column that has fallen, others do not
@@ -112,7 +119,7 @@ def reference(scene: Scene) -> Reference:
     if times[max(count, 1) - 1] < LEAST_WINDOW:
         raise MeasurementError("the references do not agree even at the beginning")
     deviation = np.max(np.abs(first - second), axis=1)
-    inside = simulate(scene.column, scene.motion, float(times[count - 1]), "exact", "auto", tolerance=1e-8)
+    inside = simulate(scene.column, scene.motion, float(times[count - 1]), "exact", "auto", tolerance=1e-8, settle=0.0)
     return Reference(
         scene=scene,
         times=times[:count],
