@@ -78,7 +78,7 @@ def test_ctrl_c_ends_a_run_at_once(tall: Path, options: tuple[str, ...]) -> None
     assert process.returncode == 130, err
     assert err == "python -m solver: interrupted\n"
     assert sorted(tall.iterdir()) == before
-    # asked for: 0.5 s; measured 0.05 to 0.2 on a quiet machine. The rest is for one where several tests run at once.
+    # asked for: 0.5 s; the rest is for a machine on which several tests run at once
     assert took < 5.0
 
 
@@ -156,7 +156,7 @@ def test_chunks_change_a_run_by_less_than_the_tolerance(monkeypatch: pytest.Monk
         monkeypatch.setattr("solver.stepper.CHUNK", chunk)
         runs.append(simulate(column, motion))
     for run in runs[1:]:
-        assert run.peak_ux == pytest.approx(runs[0].peak_ux, rel=1e-5)  # the tolerance; measured 2e-7
+        assert run.peak_ux == pytest.approx(runs[0].peak_ux, rel=1e-5)  # the tolerance
         assert run.ux == pytest.approx(runs[0].ux, abs=1e-5 * np.max(run.peak_ux))
     assert runs[1].stats["steps"] < 1.02 * runs[0].stats["steps"]
 
