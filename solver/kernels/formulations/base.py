@@ -165,7 +165,9 @@ def to_next_sample(base, samples, t, left):
     k = int(base.segment) + 1
     if samples.size == 0 or k >= samples.size:
         return left
-    return min(left, base.piece_end - t)
+    ahead = base.piece_end - t
+    # a sample at the end of a call, but for rounding, leaves no sliver of a step behind it
+    return ahead if ahead < left - SAMPLE_SLACK * (base.piece_end - base.piece_begin) else left
 
 
 @kernel
