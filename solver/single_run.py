@@ -108,7 +108,7 @@ def settled_verdict(stepper: Stepper, stop: float, settle: float) -> tuple[Verdi
 
 def _stats(stepper: Stepper, wall_time: float) -> dict[str, float | int]:
     control, counts = stepper.state.control, stepper.counts
-    per_spent = 1.0 / max(stepper.time_spent, math.ulp(0.0))
+    spent = max(stepper.time_spent, math.ulp(0.0))
     return {
         "steps": int(counts.steps),
         "implicit_steps": int(counts.implicit_steps),
@@ -117,10 +117,10 @@ def _stats(stepper: Stepper, wall_time: float) -> dict[str, float | int]:
         "events": int(counts.events),
         "evaluations": int(counts.evaluations),
         "sweeps": int(counts.sweeps),
-        "full_contact": float(control.time_full * per_spent),
-        "rocking": float(control.time_rocking * per_spent),
-        "flight": float(control.time_flight * per_spent),
-        "at_rest": float(control.time_at_rest * per_spent),
+        "full_contact": float(control.time_full / spent),
+        "rocking": float(control.time_rocking / spent),
+        "flight": float(control.time_flight / spent),
+        "at_rest": float(control.time_at_rest / spent),
         "undamped_joints": sum(block.joint.damping == 0.0 for block in stepper.column.blocks),
         "observed_rows": 0,
         "wall_time": wall_time,
