@@ -34,7 +34,7 @@ def test_a_change_in_any_kernel_file_is_compiled_anew(tmp_path: Path) -> None:
     shutil.copy(ROOT / "examples" / "columns" / "phocas-damped.toml", tmp_path / "phocas.toml")
     first = loaded_kernel_says(tmp_path)
     assert loaded_kernel_says(tmp_path) == first
-    joint = tmp_path / "solver" / "kernels" / "joint" / "law.py"
+    joint = tmp_path / "solver" / "kernels" / "joint" / "section.py"
     text = joint.read_text()
     changed = text.replace("area = rigidity * length", "area = 2.0 * rigidity * length")
     assert changed != text
