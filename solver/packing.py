@@ -79,17 +79,22 @@ def model_of(column: Column) -> Any:
     return at.MODEL.see(pack_model(column), column.n)
 
 
-@lru_cache(maxsize=64)
-def _assembled(column: Column) -> Arrays:
-    n = column.n
-    fixed = column.settings.integrator == "central-difference"
-    made = Arrays(
+def _empty(n: int) -> Arrays:
+    """Arrays for n blocks that nothing has been written to."""
+    return Arrays(
         np.zeros(model_room(n)),
         np.zeros(at.STATE.size(n)),
         np.zeros(at.COUNTS.beside, dtype=np.int64),
         np.zeros(at.BASE.beside),
         np.zeros(at.WORK.size(n)),
     )
+
+
+@lru_cache(maxsize=64)
+def _assembled(column: Column) -> Arrays:
+    n = column.n
+    fixed = column.settings.integrator == "central-difference"
+    made = _empty(n)
     detail = np.zeros(1)
     code = assemble_column(n, *made, described(column), 1, np.zeros(scratch_room(n, fixed)), detail)
     if code == NOT_STABLE:
@@ -109,13 +114,7 @@ def longest_stable_step(column: Column) -> float:
     n = column.n
     column = column.with_settings(integrator="central-difference", step=LEAST_STEP)
     detail = np.zeros(1)
-    made = Arrays(
-        np.zeros(model_room(n)),
-        np.zeros(at.STATE.size(n)),
-        np.zeros(at.COUNTS.beside, dtype=np.int64),
-        np.zeros(at.BASE.beside),
-        np.zeros(at.WORK.size(n)),
-    )
+    made = _empty(n)
     assemble_column(n, *made, described(column), 1, np.zeros(scratch_room(n, True)), detail)
     return float(detail[0])
 
