@@ -1,4 +1,4 @@
-"""The command line of the solver: the commands `simulate`, `record` and `convert`, and how any command ends."""
+"""The command line of the solver: its commands, and how any command ends."""
 
 from __future__ import annotations
 
@@ -31,6 +31,7 @@ from .progress import ProgressLine, compile_kernels
 from .record_report import report
 from .response import Response
 from .simulate import OUTPUT_STEP, SETTLE, simulate
+from .studies.command import add_command as add_study
 from .uncertainty import PERCENTILES, Ensemble, Spread
 
 PROGRAM = "python -m solver"
@@ -104,7 +105,7 @@ def _parsed(parser: argparse.ArgumentParser, arguments: Sequence[str] | None) ->
 
 
 def add_commands(commands: argparse._SubParsersAction[OneLineParser]) -> None:
-    """Add `simulate`, `record` and `convert`."""
+    """Add `simulate`, `record`, `convert` and `study`."""
     run = commands.add_parser("simulate", help="response of a column to a base motion")
     run.set_defaults(command=_simulate, paths=("motion",))
     run.add_argument("column", type=Path, metavar="COLUMN.toml", help="blocks, joints and solver settings")
@@ -150,6 +151,7 @@ def add_commands(commands: argparse._SubParsersAction[OneLineParser]) -> None:
     convert.set_defaults(command=_convert, paths=("motion", "output"))
     add_motion_options(convert)
     convert.add_argument("output", type=Path, metavar="MOTION.csv", help="time,base.ax,base.az in s and m/s2")
+    add_study(commands)
 
 
 def _simulate(options: argparse.Namespace) -> None:
