@@ -106,7 +106,7 @@ def _parsed(parser: argparse.ArgumentParser, arguments: Sequence[str] | None) ->
 
 
 def add_commands(commands: argparse._SubParsersAction[OneLineParser]) -> None:
-    """Add `simulate`, `modes`, `statics`, `record`, `convert` and `study`."""
+    """Add `simulate`, `record`, `convert`, `modes`, `statics` and `study`."""
     run = commands.add_parser("simulate", help="response of a column to a base motion")
     run.set_defaults(command=_simulate, paths=("motion",))
     run.add_argument("column", type=Path, metavar="COLUMN.toml", help="blocks, joints and solver settings")
@@ -142,8 +142,6 @@ def add_commands(commands: argparse._SubParsersAction[OneLineParser]) -> None:
     run.add_argument("--plot-column", type=Path, metavar="FILE.png", help="draw the deformed column at its peak")
     run.add_argument("--film", type=Path, metavar="FILE.gif", help="film the column (.gif; .mp4 where ffmpeg is)")
 
-    add_static_commands(commands)
-
     record = commands.add_parser("record", help="how strong records are: peaks, Arias intensity, response spectrum")
     record.set_defaults(command=_record)
     record.add_argument("records", type=Path, nargs="+", metavar="FILE", help=FORMATS)
@@ -154,6 +152,7 @@ def add_commands(commands: argparse._SubParsersAction[OneLineParser]) -> None:
     convert.set_defaults(command=_convert, paths=("motion", "output"))
     add_motion_options(convert)
     convert.add_argument("output", type=Path, metavar="MOTION.csv", help="time,base.ax,base.az in s and m/s2")
+    add_static_commands(commands)
     add_study(commands)
 
 
