@@ -33,7 +33,7 @@ from .statistics import (
 
 FloatArray = NDArray[np.float64]
 
-WIDTH = 128  # letters of a caption's line
+WIDTH = 138  # letters of a caption's line
 MOST_CURVES = 300  # drawn one by one
 MOST_INFLUENCES = 12
 BLUE, RED, GREEN = FEW_COLOURS[:3]
@@ -174,23 +174,23 @@ def draw_fragility(results: Results) -> Figure:
         limits = results.study["limits"]
         for axes, limit in zip(panels[2:], (limits[len(limits) // 2] if limits else None, None), strict=True):
             _draw_scenarios(axes, results, limit)
-    return _captioned(figure, results, " ".join(texts))
+    return _captioned(figure, results, "\n".join(texts))
 
 
 def _draw_fits(axes: Axes, results: Results, name: str, texts: list[str]) -> None:
-    """Curves over one intensity; adds a sentence about each, or why there is none."""
+    """Curves over one intensity; adds a line about them, or why there is none."""
+    said = []
     for limit, colour in zip((*results.study["limits"], None), _LIMIT_COLOURS, strict=False):
         what = "overturned" if limit is None else f"{limit:g} m"
         try:
             found = fit_fragility(results, name, limit)
         except InputError as error:
-            texts.append(f"{what}, {error}.")
+            said.append(f"{what}: {error}")
             continue
         draw_curve(axes, found, colour, what)
-        texts.append(
-            f"{what}, {_label(results, name)}: median {found.median:.3g} ({found.median_bounds[0]:.3g} to "
-            f"{found.median_bounds[1]:.3g}), deviation {found.deviation:.2g}."
-        )
+        bounds = f"{found.median_bounds[0]:.3g} to {found.median_bounds[1]:.3g}"
+        said.append(f"{what} {found.median:.3g} ({bounds}), {found.deviation:.2g}")
+    texts.append(f"{_label(results, name)}, median with its bounds, deviation of the logarithm: {'; '.join(said)}.")
     axes.set(xlabel=_label(results, name), ylabel="probability of failure", ylim=(-0.02, 1.02))
     axes.set_title("curve: lognormal, band: 95 % by the bootstrap; points: runs", loc="left", fontsize=10)
     if axes.get_legend_handles_labels()[0]:
@@ -375,7 +375,7 @@ def caption(results: Results) -> list[str]:
 
 
 def _captioned(figure: Figure, results: Results, text: str = "") -> Figure:
-    paragraphs = [*caption(results)[:-1], *([text] if text else []), LIMITS]
+    paragraphs = [*caption(results)[:-1], *text.splitlines(), LIMITS]
     letters = int(WIDTH * figure.get_figwidth() / 10.0)
     lines = [line for paragraph in paragraphs for line in textwrap.wrap(paragraph, width=letters)]
     figure.supxlabel("\n".join(lines), x=0.02, ha="left", fontsize=9, linespacing=1.4)
