@@ -27,8 +27,8 @@ def response(
     push_u = ub[which] * before[:, None] + ua[which] * after[:, None]
     push_v = vb[which] * before[:, None] + va[which] * after[:, None]
     if len(omega) == 1:
-        step = np.stack((uu, uv, vu, vv))[:, which, 0]
-        return _alone(*step.tolist(), push_u[:, 0].tolist(), push_v[:, 0].tolist())
+        maps_alone = np.stack((uu, uv, vu, vv))[:, which, 0].tolist()
+        return _alone(maps_alone, push_u[:, 0].tolist(), push_v[:, 0].tolist())
     u, v = np.zeros((len(steps) + 1, len(omega))), np.zeros((len(steps) + 1, len(omega)))
     for k, i in enumerate(which):
         u[k + 1] = uu[i] * u[k] + uv[i] * v[k] + push_u[k]
@@ -36,15 +36,9 @@ def response(
     return u, v
 
 
-def _alone(
-    uu: list[float],
-    uv: list[float],
-    vu: list[float],
-    vv: list[float],
-    push_u: list[float],
-    push_v: list[float],
-) -> tuple[FloatArray, FloatArray]:
+def _alone(maps: list[list[float]], push_u: list[float], push_v: list[float]) -> tuple[FloatArray, FloatArray]:
     """The same of one oscillator by plain numbers, to the same bits, at a tenth of the time."""
+    uu, uv, vu, vv = maps
     u, v = [0.0], [0.0]
     for k in range(len(push_u)):
         u.append(uu[k] * u[k] + uv[k] * v[k] + push_u[k])
