@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from .batch import HELD, why_not_in_lanes
+from .batch import why_not_in_lanes
 from .column import Column
 from .errors import POSITIVE, InputError, InputWarning, SolverError, check_number, shown
 from .motion import Motion
@@ -181,12 +181,11 @@ def _iterated(given: dict[str, Any], several: dict[str, Any], total: int | None)
             if last[0] is not column or last[1] != tolerance:
                 last = column, tolerance
                 made = _with_tolerance(k, column, tolerance)
-                why = why_not_in_lanes(made)
             if not isinstance(motion, Motion):
                 raise InputError(f"motions[{k}] = {shown(motion)}: must be a Motion")
             span = motion.duration if duration is None else duration
             span = check_number(f"duration[{k}]", span, POSITIVE, "a positive time in s")
-            yield Run(made, motion, span, why or (HELD if motion.hold else ""))
+            yield Run(made, motion, span)
             continue
         _check_all_end(ended, k, given, several, sources, values)
         return
@@ -230,7 +229,7 @@ class Pace:
 
     def learn(self, chunk: Chunk, seconds: float) -> None:
         """Go by what the last chunk took."""
-        self._cost = max(seconds, 1e-6) / sum(map(_weight, chunk.runs))
+        self._cost = max(seconds, 1e-6) / chunk.weight
         self._per_run = max(seconds, 1e-6) / len(chunk.runs)
         self._seconds = CHUNK_SECONDS
 
@@ -248,37 +247,40 @@ class Pace:
         return count >= MOST_RUNS or (count >= LEAST_RUNS and weight * self._cost >= self._seconds)
 
 
-def _weight(run: Run) -> float:
-    """What a run costs, roughly, in those of a block for a second in lanes."""
-    dear = 1.0
-    if run.why_scalar:
-        dear = ALONE if run.column.settings.formulation == "exact" else SWEPT
-    return run.column.n * run.duration * dear
+def _dearness(column: Column) -> float:
+    """What a run costs, roughly, in those of lanes."""
+    if not why_not_in_lanes(column):
+        return 1.0
+    return ALONE if column.settings.formulation == "exact" else SWEPT
 
 
 def _chunks(
     runs: Iterator[Run], pace: Pace, keep: tuple[str, ...], settle: float, whole: frozenset[int]
 ) -> Iterator[Chunk]:
-    first, samples, weight = 0, 0, 0.0
+    first, samples, weight, dear = 0, 0, 0.0, 1.0
     taken: list[Run] = []
     records: set[int] = set()
+    column: Column | None = None
+
+    def chunk() -> Chunk:
+        places = tuple(k for k in range(len(taken)) if first + k in whole)
+        return Chunk(first, taken, keep, settle, places, weight)
+
     for run in runs:
         taken.append(run)
-        weight += _weight(run)
+        if run.column is not column:
+            column, dear = run.column, _dearness(run.column)
+        weight += run.column.n * run.duration * dear
         if id(run.motion) not in records:
             records.add(id(run.motion))
             samples += len(run.motion.time)
         if pace.enough(len(taken), weight) or samples >= MOST_SAMPLES:
-            yield _chunk(first, taken, keep, settle, whole)
+            yield chunk()
             first += len(taken)
             pace.sent(len(taken))
             taken, weight, samples, records = [], 0.0, 0, set()
     if taken:
-        yield _chunk(first, taken, keep, settle, whole)
-
-
-def _chunk(first: int, runs: list[Run], keep: tuple[str, ...], settle: float, whole: frozenset[int]) -> Chunk:
-    return Chunk(first, runs, keep, settle, tuple(k for k in range(len(runs)) if first + k in whole))
+        yield chunk()
 
 
 def _sent_out(

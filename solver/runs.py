@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .batch import BatchResult, follow_in_lanes
+from .batch import HELD, BatchResult, follow_in_lanes, why_not_in_lanes
 from .chain import Chain
 from .column import Column
 from .errors import InputError, SolverError
@@ -49,7 +49,6 @@ class Run(NamedTuple):
     column: Column
     motion: Motion
     duration: float  # s
-    why_scalar: str  # why it is not made in lanes; empty where it is (batch.py)
 
 
 @dataclass(frozen=True)
@@ -61,6 +60,7 @@ class Chunk:
     keep: tuple[str, ...]
     settle: float  # s, the longest that a column is followed after the duration
     whole: tuple[int, ...] = ()
+    weight: float = 0.0  # roughly what the runs cost, in those of a block for a second in lanes
 
 
 @dataclass
@@ -144,11 +144,17 @@ def empty_columns(chunk: Chunk) -> Columns:
 
 def _in_lanes(chunk: Chunk, columns: Columns, tally: Tally, flag: FloatArray) -> dict[int, str]:
     """Make what lanes can into the columns. Returns the places of the others, and why they are not made in lanes."""
-    alone = {place: run.why_scalar for place, run in enumerate(chunk.runs) if run.why_scalar}
+    alone: dict[int, str] = {}
     groups: dict[int, list[int]] = {}
-    for place, run in enumerate(chunk.runs):
-        if not run.why_scalar:
-            groups.setdefault(run.column.n, []).append(place)
+    known: dict[int, str] = {}  # of the same column
+    for place, (column, motion, _) in enumerate(chunk.runs):
+        if id(column) not in known:
+            known[id(column)] = why_not_in_lanes(column)
+        why = known[id(column)] or (HELD if motion.hold else "")
+        if why:
+            alone[place] = why
+        else:
+            groups.setdefault(column.n, []).append(place)
     for places in groups.values():
         runs = [chunk.runs[place] for place in places]
         batch = follow_in_lanes(
@@ -197,7 +203,7 @@ def _verdicts(
     energy, turned = chain.energies(batch.ends), np.abs(chain.places(batch.ends).theta)
     undecided = batch.finished & (joints == 0) & ~surely_stand(chain, energy, turned)
     for k in np.flatnonzero(undecided).tolist():
-        column, motion, duration, _ = runs[k]
+        column, motion, duration = runs[k]
         if not is_held(column, float(energy[k]), turned[k]):
             words[k], times[k], joints[k] = fate(column, batch.ends[k], motion.start + duration, settle)
     return words, times, joints
