@@ -1,6 +1,6 @@
 """The command line of the solver: the commands `simulate`, `record` and `convert`, and how any command ends.
 
-`modes` and `statics` are those of static_commands.py.
+`modes`, `statics` and `calibrate` are those of static_commands.py and calibrate_command.py.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from typing import Any, NoReturn
 import numpy as np
 
 from . import __version__, column_report
+from .calibrate_command import add_calibrate_command
 from .column import FORMULATIONS, INTEGRATORS, Column
 from .command_files import PICTURES, check_picture, check_suffix, read_column
 from .errors import InputError, InputWarning, SolverError, needing, reading
@@ -108,7 +109,7 @@ def _parsed(parser: argparse.ArgumentParser, arguments: Sequence[str] | None) ->
 
 
 def add_commands(commands: argparse._SubParsersAction[OneLineParser]) -> None:
-    """Add `simulate`, `record` and `convert`, `modes` and `statics`."""
+    """Add `simulate`, `record` and `convert`, `modes`, `statics` and `calibrate`."""
     run = commands.add_parser("simulate", help="response of a column to a base motion")
     run.set_defaults(command=_simulate, paths=("motion",))
     run.add_argument("column", type=Path, metavar="COLUMN.toml", help="blocks, joints and solver settings")
@@ -156,6 +157,7 @@ def add_commands(commands: argparse._SubParsersAction[OneLineParser]) -> None:
     convert.add_argument("output", type=Path, metavar="MOTION.csv", help="time,base.ax,base.az in s and m/s2")
 
     add_static_commands(commands)
+    add_calibrate_command(commands)
 
 
 def _simulate(options: argparse.Namespace) -> None:
