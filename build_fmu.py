@@ -69,6 +69,7 @@ LEFT_AT_HOME = {
     "documentation.py",
     "native",
     "pointers.py",
+    "studies",
 }  # an FMU has no use for them
 # what the slave calls, as the slave calls it; without the listings with paths and addresses of this very process
 COMPILE = """
