@@ -263,7 +263,7 @@ def _summary(response: Response) -> str:
         lines += _ensemble(response.ensemble)
     regimes = ("full_contact", "rocking", "flight")
     lines.append("time in " + ", ".join(f"{name.replace('_', ' ')} {stats[name]:.1%}" for name in regimes))
-    lines.append(f"{stats['steps']} steps in {stats['wall_time']:.2f} s, loading or compiling the kernels included")
+    lines.append(f"{stats['steps']} steps in {stats['wall_time']:.2f} s")
     return "\n".join(lines)
 
 
