@@ -150,7 +150,7 @@ def draw_ida(results: Results) -> Figure:
     axes.set_xscale("log")
     axes.set(title="of the runs, largest displacement", xlabel="largest displacement of any block (mm)")
     axes.set_ylabel(_measure(results))
-    axes.legend(frameon=False, title="an arrow: beyond it they overturn", loc="lower right")
+    axes.legend(frameon=False, title="an arrow: beyond it they overturn", loc="upper left")
     fallen.plot(curves.overturned, curves.levels, "o-", color="black", markersize=3.0)
     fallen.set(title="overturned", xlabel="share of the runs", xlim=(-0.02, 1.02))
     for panel in (axes, fallen):
@@ -319,14 +319,14 @@ def draw_tornado(results: Results) -> Figure:
                 if math.isinf(value):
                     axes.plot(end, y, ">", color=colour)
         axes.axvline(min(factor * whole, top), color="black", linewidth=1.0)
-        _tidy(axes)
     rank.barh(place, [item.rank for item in found], height=0.6, color="0.4")
     rank.axvline(0.0, color="black", linewidth=1.0)
-    _tidy(rank)
     left.set_yticks(place, [item.name for item in found])
     left.set(title="median of the largest displacement", xlabel="mm")
     right.set(title="overturned", xlabel="share of the runs")
-    rank.set(title="rank correlation", xlabel="with the largest displacement")
+    rank.set(title="rank correlation", xlabel="with the displacement")
+    for axes in (left, right, rank):
+        _tidy(axes)
     text = "Of the runs with the lowest (blue) and the highest (red) 16 % of each parameter; the line: of all runs."
     return _captioned(figure, results, text)
 
