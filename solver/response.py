@@ -35,7 +35,7 @@ class Response:
     time s; ux m, top face relative to the base, +x; uz m, centroid, up, from the unloaded geometry; theta rad,
     clockwise; N N, compression; M N m, restoring; S N, horizontal, and T N, along the joint, of the part
     above on the part below; contact 0..1
-    of the joint's width; sigma_max Pa; Fx, Fz N and My N m (clockwise), of the column on the base at the centre of
+    of the joint's width; sigma_max Pa; slip m, of the block over what is under it, to +x; Fx, Fz N and My N m (clockwise), of the column on the base at the centre of
     joint n. peak_ux m (n,): largest |ux| of the continuous motion. overturned, overturn_time s (NaN if not),
     overturned_joint (0 if not). stats: steps, implicit_steps and elastic_steps (of these), rejected, events
     (steps cut off where the contact of a joint changes), evaluations, sweeps; full_contact, rocking, flight: parts of
@@ -62,7 +62,7 @@ class Response:
         verdict: str = "undecided",
         reason: str = "",
     ) -> None:
-        """`observe` returns the output rows (nt, 9 n + 3)."""
+        """`observe` returns the output rows (nt, 10 n + 3)."""
         self.column = column
         self.time = time
         self._observe = observe
@@ -108,6 +108,7 @@ class Response:
     M = property(lambda self: self._joints("M"))
     S = property(lambda self: self._joints("S"))
     T = property(lambda self: self._joints("T"))
+    slip = property(lambda self: self._joints("slip"))
     contact = property(lambda self: self._joints("contact"))
     sigma_max = property(lambda self: self._joints("sigma_max"))
     Fx = property(lambda self: self._base("Fx"))
