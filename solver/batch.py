@@ -53,7 +53,8 @@ def run_batch(
     """Run column k under motion k, from rest, for duration k, s (None: that of the motion).
 
     tolerance: relative to the peak; None: each column's. times: s after the start of a run, at which its phase is kept.
-    Raises InputError for columns of another number of blocks or formulation, and for held samples.
+    Raises InputError for columns of another number of blocks or formulation or with friction, and for held
+    samples.
     """
     n = columns[0].n
     durations = [motion.duration for motion in motions] if durations is None else list(durations)
@@ -62,6 +63,8 @@ def run_batch(
     for k, (column, motion) in enumerate(zip(columns, motions, strict=True)):
         if column.n != n or column.settings.formulation != "exact":
             raise InputError(f"columns[{k}]: must have {n} blocks and the formulation exact, as the others of a batch")
+        if column.slides:
+            raise InputError(f"columns[{k}]: has joints that may slide, which a batch does not know; simulate does")
         if motion.hold:
             raise InputError(f"motions[{k}]: its samples are held, must be joined by straight lines")
     at_rows = np.empty(0) if times is None else np.ascontiguousarray(times, dtype=np.float64)
@@ -98,7 +101,7 @@ def _run_part(
     tolerance: float | None,
     rows: FloatArray,
 ) -> tuple[FloatArray, FloatArray]:
-    """Outcomes (runs, fields and peaks) and phases (runs, rows, 6 n), in one thread."""
+    """Outcomes (runs, fields and peaks) and phases (runs, rows, 12 n), in one thread."""
     n, count = columns[0].n, len(columns)
     models = np.empty((count, at.MODEL.size(n)))
     starts = np.zeros((count, 4 * n))
@@ -124,7 +127,7 @@ def _run_part(
         run.first, run.count = (0, 0) if silent else places[id(motion)]
     time, ax, az = np.hstack(samples) if samples else np.zeros((3, 1))
     outcomes = np.zeros((count, OUTCOME.size(n)))
-    snapshots = np.zeros((count, rows.size, 6 * n))
+    snapshots = np.zeros((count, rows.size, at.PHASE.size(n)))
     buffer = np.zeros(WIDTH * SPACE.size(n))
     flat = (array.reshape(-1) for array in (models, starts, runs, outcomes))
     contiguous = (np.ascontiguousarray(row) for row in (time, ax, az))

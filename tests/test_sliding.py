@@ -112,7 +112,7 @@ def test_the_split_of_the_reaction_holds_where_joints_slide(seed: int, n: int) -
     put(stepper, q, rate, direction)
     base = rng.uniform(-0.01, 0.01, 2) * column.g
     rows = []
-    for ax, az in (base, base + [1e-3, 0.0]):
+    for ax, az in (base, base + np.array([1e-3, 0.0])):
         stepper.drive(0.0, ax=ax, az=az)
         row = stepper.observe(0.0).copy()
         rows.append((reaction(row, "Fx"), at.WORK.see(stepper.arrays.work, n).between.sliding[-1]))

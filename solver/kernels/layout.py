@@ -8,8 +8,8 @@
 
 Block 1 is the top block, joint i lies under block i. A *phase* is coordinates, rates, accelerations: the coordinates
 are the rotations theta relative to the base and the joint openings (formulation exact), or in their places the
-displacements v and the settlements w (paper). Where joints may slide, a second part of the phase follows, with the slips
-as coordinates; elsewhere nobody touches it.
+displacements v and the settlements w (paper). Where joints may slide, a second part of the phase follows, with the
+slips as coordinates; elsewhere nobody touches it.
 """
 
 from numba.extending import register_jitable

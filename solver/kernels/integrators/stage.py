@@ -1,8 +1,8 @@
 """The phases inside a step: the inner stages of a Runge-Kutta method, and what is summed up to make one."""
 
 from ..jit import by_width, leaf
+from ..lanes import LANES
 from ..layout import PHASE, PHASE_FIELDS
-from ..views import LANES
 
 _phase = PHASE.over
 

@@ -6,7 +6,7 @@ part of it along the joint is called drift. Friction and dowel bear the rest.
 """
 
 from ..jit import by_width, leaf
-from ..views import LANES
+from ..lanes import LANES
 
 RIGID = 1e300  # N, as the dowel of a joint that never slides
 

@@ -98,7 +98,7 @@ def interpolate_one(work, i, h, s):
 
 @leaf
 def interpolate_acceleration(work, i, s):
-    """A guess of the acceleration of the coordinate at place i at fraction s of the step: on the line between its ends."""
+    """A guess of the acceleration of the coordinate at place i at fraction s of the step: on a line from end to end."""
     place = 4 * work.n + i
     return (1.0 - s) * work.start.row[place] + s * work.end.row[place]
 
