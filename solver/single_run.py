@@ -131,6 +131,7 @@ def _stats(stepper: Stepper, wall_time: float) -> dict[str, float | int]:
         "rocking": float(control.time_rocking / spent),
         "flight": float(control.time_flight / spent),
         "at_rest": float(control.time_at_rest / spent),
+        "friction_work": float(np.sum(stepper.state.phase.friction_work)),
         "undamped_joints": sum(block.joint.damping == 0.0 for block in stepper.column.blocks),
         "observed_rows": 0,
         "wall_time": wall_time,

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from lagrange import TINY, Array, Reference, below, from_base, pressure_resultants
 from numpy.typing import NDArray
+from scipy.integrate import solve_ivp
 
 from solver import Column
 
@@ -113,3 +114,54 @@ class SlidingReference(Reference):
         x, z = self.tops(q)
         high = self.height - self.centroid
         return x - high * np.sin(theta), z - high * np.cos(theta)
+
+
+def follow(
+    reference: SlidingReference, q: Array, rate: Array, ax: float, until: float, tolerance: float
+) -> tuple[Array, int]:
+    """(q and rates at time `until` s under a held ax, changes of who slides): DOP853 between these."""
+    n = reference.n
+    direction, t, changes = np.sign(rate[2 * n :]), 0.0, 0
+    y: Array = np.concatenate([q, rate])
+    scale = np.concatenate([np.full(3 * n, 1e-4), np.full(3 * n, 1e-1)])
+    while t < until:
+        _settle(reference, y, direction, ax)
+        kept = direction.copy()
+
+        def slope(_: float, here: Array, kept: Array = kept) -> Array:
+            return np.concatenate([here[3 * n :], reference.solve(here[: 3 * n], here[3 * n :], kept, ax)[0]])
+
+        def margins(i: int, kept: Array = kept) -> Any:
+            def margin(t: float, here: Array) -> float:
+                if kept[i] != 0.0:
+                    return float(kept[i] * here[5 * n + i])
+                _, force, drift, bears = reference.solve(here[: 3 * n], here[3 * n :], kept, ax)
+                return float(bears[i] - abs(force[i] - drift[i]))
+
+            margin.terminal, margin.direction = True, -1.0  # type: ignore[attr-defined]
+            return margin
+
+        events = [margins(i) for i in range(n)]
+        run = solve_ivp(slope, (t, until), y, "DOP853", events=events, rtol=tolerance, atol=tolerance * scale)
+        t, y = float(run.t[-1]), run.y[:, -1]
+        if t < until:
+            changes += 1
+            for i, times in enumerate(run.t_events):
+                if times.size:
+                    if kept[i] == 0.0:
+                        _, force, drift, _ = reference.solve(y[: 3 * n], y[3 * n :], kept, ax)
+                        direction[i] = -np.sign(force[i] - drift[i])
+                    else:
+                        direction[i] = y[5 * n + i] = 0.0
+    return y, changes
+
+
+def _settle(reference: SlidingReference, y: Array, direction: Array, ax: float) -> None:
+    """Let go what sticks and bears too little, with the direction that it is pushed to."""
+    n = reference.n
+    for _ in range(n + 1):
+        _, force, drift, bears = reference.solve(y[: 3 * n], y[3 * n :], direction, ax)
+        beyond = (direction == 0.0) & (np.abs(force - drift) > bears * (1.0 + 1e-12))
+        if not np.any(beyond):
+            return
+        direction[beyond] = -np.sign(force - drift)[beyond]
