@@ -116,6 +116,17 @@ def settled_verdict(stepper: Stepper, stop: float, settle: float) -> tuple[Verdi
     return Verdict(OVERTURNED, f"over joint {stepper.overturned_joint}, {when}"), max(t, stop)
 
 
+def fate(column: Column, phase: FloatArray, stop: float, settle: float) -> tuple[str, float, int]:
+    """What comes of a column, formulation `exact`, that has this phase at time `stop`, s, upon a base then still.
+
+    Returns the word, the time of overturning, s, and the joint; NaN and 0 where it stands.
+    """
+    rotation, opening, spin, opening_rate = np.split(phase, 4)
+    stepper = Stepper(column, InitialState(rotation, spin, opening, opening_rate))
+    verdict, _ = settled_verdict(stepper, stop, settle)
+    return verdict.word, stepper.overturn_time, stepper.overturned_joint
+
+
 def _stats(stepper: Stepper, wall_time: float) -> dict[str, float | int]:
     control, counts = stepper.state.control, stepper.counts
     spent = max(stepper.time_spent, math.ulp(0.0))
