@@ -19,6 +19,7 @@ from .errors import InputError
 from .kernels import layout as at
 from .kernels.batch.entries import run_lanes
 from .kernels.batch.runs import OUTCOME, RUN, SPACE
+from .kernels.joint.section import RECTANGLE, SECTIONS
 from .kernels.lanes import WIDTH
 from .motion import Motion
 from .packing import FloatArray, arrays_of, settlements
@@ -53,7 +54,8 @@ def run_batch(
     """Run column k under motion k, from rest, for duration k, s (None: that of the motion).
 
     tolerance: relative to the peak; None: each column's. times: s after the start of a run, at which its phase is kept.
-    Raises InputError for columns of another number of blocks or formulation, and for held samples.
+    Raises InputError for columns of another number of blocks or formulation, for sections that are no rectangles, and
+    for held samples.
     """
     n = columns[0].n
     durations = [motion.duration for motion in motions] if durations is None else list(durations)
@@ -62,6 +64,12 @@ def run_batch(
     for k, (column, motion) in enumerate(zip(columns, motions, strict=True)):
         if column.n != n or column.settings.formulation != "exact":
             raise InputError(f"columns[{k}]: must have {n} blocks and the formulation exact, as the others of a batch")
+        other = next((block for block in column.blocks if block.joint_section != RECTANGLE), None)
+        if other is not None:
+            raise InputError(
+                f"columns[{k}]: has a joint of the section {SECTIONS[other.joint_section]}, must be rectangles in "
+                "a batch; simulate takes every section"
+            )
         if motion.hold:
             raise InputError(f"motions[{k}]: its samples are held, must be joined by straight lines")
     at_rows = np.empty(0) if times is None else np.ascontiguousarray(times, dtype=np.float64)

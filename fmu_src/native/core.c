@@ -219,7 +219,7 @@ static int find_fault(const Moment *moment, char *reason) {
 
 /* What `assemble` is given, from the parameters as they stand. */
 static int describe(const Moment *now, double described[GIVEN], char *reason) {
-    for (int k = 0; k < GIVEN; k++) described[k] = given[k] < 0 ? 0.0 : now->reals[given[k]];
+    for (int k = 0; k < GIVEN; k++) described[k] = given[k] < 0 ? given_fixed[k] : now->reals[given[k]];
     int formulation = code_of(&choice_formulation, now, reason);
     if (formulation < 0) return 0;
     int integrator = code_of(&choice_integrator, now, reason);

@@ -16,7 +16,7 @@ from solver.column import BLOCK_RULES, NUMBERS, SKIPS, Column
 from solver.kernels import engine, pointers
 from solver.kernels import layout as at
 from solver.motion import Motion
-from solver.packing import FORMULATION_CODES, INTEGRATOR_CODES, SKIP_CODES
+from solver.packing import FORMULATION_CODES, INTEGRATOR_CODES, SKIP_CODES, section_of
 from solver.stepper import REASONS
 
 from .. import rules
@@ -169,7 +169,9 @@ def declarations(contents: Contents) -> str:
     lines += _array("char *const", "text_starts", [_quoted(str(variable.start)) for variable in texts])
     lines += _families(table)
     lines += _array("int", "slope_of", [str(places.get(SLOPES.get(item.name, ""), -1)) for item in INPUTS])
-    lines += _array("int", "given", [str(_place_given(name, places)) for name in _given_names(column.n)])
+    names = _given_names(column.n)
+    lines += _array("int", "given", [str(_place_given(name, places)) for name in names])
+    lines += _array("double", "given_fixed", [_number(value) for value in _given_fixed(column)])
     codes = {FORMULATION.name: FORMULATION_CODES, INTEGRATOR.name: INTEGRATOR_CODES}
     for name, choice in CHOICES.items():
         items = [(number, codes[choice.name][word], word) for word, number in choice.items.items()]
@@ -241,13 +243,22 @@ def _given_names(n: int) -> list[str]:
     names = [name if name == "g" else f"solver.{name}" for name in pointers.GIVEN_SETTINGS]
     for i in range(1, n + 1):
         names += [f"block[{i}].{name}" for name in pointers.GIVEN_BLOCK]
-        names += [f"joint[{i}].{name}" for name in pointers.GIVEN_JOINT]
+        names += [f"joint[{i}].{name}" for name in (*pointers.GIVEN_JOINT, *pointers.GIVEN_SECTION)]
     return names
 
 
 def _place_given(name: str, places: dict[str, int]) -> int:
-    """Among the numbers; -1 for what is given as a code."""
-    return -1 if name in CHOICES or name == "solver.without" else places[name]
+    """Among the numbers; -1 for what is given as a code, or is fixed when the FMU is built."""
+    fixed = name.rpartition(".")[2] in pointers.GIVEN_SECTION
+    return -1 if fixed or name in CHOICES or name == "solver.without" else places[name]
+
+
+def _given_fixed(column: Column) -> list[float]:
+    """What stands for the variables that `assemble` is not given: the sections."""
+    values = [0.0] * len(pointers.GIVEN_SETTINGS)
+    for block in column.blocks:
+        values += [0.0] * (len(pointers.GIVEN_BLOCK) + len(pointers.GIVEN_JOINT)) + section_of(block)
+    return values
 
 
 def _choice(name: str, row: int, items: list[tuple[int, int, str]]) -> list[str]:

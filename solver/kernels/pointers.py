@@ -8,7 +8,16 @@ without one.
 from numba import types
 
 from . import engine
-from .engine import GIVEN_BLOCK, GIVEN_JOINT, NOT_STABLE, TOO_LARGE, column_over, model_room, scratch_room
+from .engine import (
+    GIVEN_BLOCK,
+    GIVEN_JOINT,
+    GIVEN_SECTION,
+    NOT_STABLE,
+    TOO_LARGE,
+    column_over,
+    model_room,
+    scratch_room,
+)
 from .formulations.base import Samples
 from .jit import leaf
 from .layout import ROW, SPLIT
@@ -20,6 +29,7 @@ __all__ = [
     "GIVEN_BLOCK",
     "GIVEN_FIELDS",
     "GIVEN_JOINT",
+    "GIVEN_SECTION",
     "GIVEN_SETTINGS",
     "NOT_STABLE",
     "TOO_LARGE",
