@@ -19,7 +19,7 @@ from .errors import InputError
 from .kernels import layout as at
 from .kernels.batch.entries import run_lanes
 from .kernels.batch.runs import OUTCOME, RUN, SPACE
-from .kernels.joint.section import RECTANGLE, SECTIONS
+from .kernels.joint.section import SECTIONS
 from .kernels.lanes import WIDTH
 from .motion import Motion
 from .packing import FloatArray, arrays_of, settlements
@@ -64,12 +64,9 @@ def run_batch(
     for k, (column, motion) in enumerate(zip(columns, motions, strict=True)):
         if column.n != n or column.settings.formulation != "exact":
             raise InputError(f"columns[{k}]: must have {n} blocks and the formulation exact, as the others of a batch")
-        other = next((block for block in column.blocks if block.joint_section != RECTANGLE), None)
-        if other is not None:
-            raise InputError(
-                f"columns[{k}]: has a joint of the section {SECTIONS[other.joint_section]}, must be rectangles in "
-                "a batch; simulate takes every section"
-            )
+        if not column.has_rectangles_only:
+            names = ", ".join(sorted({SECTIONS[block.joint_section] for block in column.blocks}))
+            raise InputError(f"columns[{k}]: its joints are of the sections {names}, must be rectangles in a batch")
         if motion.hold:
             raise InputError(f"motions[{k}]: its samples are held, must be joined by straight lines")
     at_rows = np.empty(0) if times is None else np.ascontiguousarray(times, dtype=np.float64)

@@ -11,7 +11,10 @@ from typing import NamedTuple
 import numpy as np
 
 from .column import Column
-from .packing import FloatArray, settlements
+from .kernels import layout as at
+from .kernels.entries import joint_energies, joint_potentials
+from .kernels.joint.section import RECTANGLE
+from .packing import FloatArray, pack_model, settlements
 
 PARALLEL = 1e-30  # rad: faces that are as good as parallel
 
@@ -36,8 +39,10 @@ class Chain:
         self.centroid = np.array([block.resolved_centroid for block in blocks])
         self.mass = np.array([block.mass for block in blocks])
         self.inertia = np.array([block.resolved_inertia for block in blocks])
-        self.width = np.array([block.joint_width for block in blocks])
-        # N/m2: of a metre of the joint's width
+        self.model = pack_model(column)
+        self.rectangles = np.array([block.joint_section == RECTANGLE for block in blocks])
+        self.width = np.array(at.MODEL.see(self.model, column.n).blocks.width)  # of the contacts
+        # N/m2: of a metre of the joint's width, where it is a rectangle
         self.rigidity = np.array([block.joint.stiffness * block.joint_depth for block in blocks])
         self.carried = np.cumsum(self.mass)  # kg, by the joint under each block
         self.settled = settlements(column)
@@ -77,7 +82,7 @@ class Chain:
         dip = -2.0 * np.sin(0.5 * theta) ** 2  # cos(theta) - 1
         raised = _from_base(opening * cosine + self.settled + self.height * dip) - (self.height - self.centroid) * dip
         slope = 2.0 * np.sin(0.5 * _over_below(theta))
-        at_rest = 0.5 * self.rigidity * self.width * self.settled**2
+        at_rest = 0.5 * self.carried * self.g * self.settled
         return float(kinetic + self.g * np.sum(self.mass * raised) + np.sum(self.elastic(opening, slope) - at_rest))
 
     def elastic(self, opening: FloatArray, slope: FloatArray) -> FloatArray:
@@ -88,6 +93,10 @@ class Chain:
         with np.errstate(divide="ignore", invalid="ignore"):
             part = self.rigidity * deepest**3 / (6.0 * slope)
         found: FloatArray = np.where(least >= 0.0, full, np.where(deepest > 0.0, part, 0.0))
+        if not np.all(self.rectangles):
+            others = np.zeros(self.n)
+            joint_potentials(self.n, self.model, opening, slope, others)
+            found = np.where(self.rectangles, found, others)
         return found
 
     def joint_energy(self, i: int, turn: FloatArray, turn_below: FloatArray) -> FloatArray:
@@ -98,6 +107,8 @@ class Chain:
         slope = 2.0 * np.abs(np.sin(0.5 * (turn - turn_below)))
         full_weight = self.carried[i] * self.g
         weight = full_weight * np.cos(0.5 * (turn + turn_below))
+        if not self.rectangles[i]:
+            return self._other_energy(i, slope, weight) - self._other_energy(i, np.zeros(1), np.full(1, full_weight))
         width, rigidity = self.width[i], self.rigidity[i]
         length = np.sqrt(2.0 * weight / (rigidity * np.maximum(slope, PARALLEL)))  # in contact
         partly = weight * slope * (0.5 * width - 2.0 / 3.0 * length)
@@ -105,6 +116,13 @@ class Chain:
         rest = -(full_weight**2) / (2.0 * rigidity * width)
         found: FloatArray = np.where(length < width, partly, full) - rest
         return found
+
+    def _other_energy(self, i: int, slope: FloatArray, weight: FloatArray) -> FloatArray:
+        """The same of a joint that is no rectangle, from its slope rad and the weight N upon it, not above rest."""
+        found = np.zeros(slope.size)
+        slopes, weights = (np.ascontiguousarray(values, dtype=np.float64).ravel() for values in (slope, weight))
+        joint_energies(self.n, self.model, i, slopes, weights, found)
+        return found.reshape(slope.shape)
 
     @cached_property
     def toppling(self) -> FloatArray:

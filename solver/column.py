@@ -211,6 +211,11 @@ class Column:
         """Number of blocks."""
         return len(self.blocks)
 
+    @property
+    def has_rectangles_only(self) -> bool:
+        """Whether all joints are rectangles, the one section that lanes know."""
+        return all(block.joint_section == RECTANGLE for block in self.blocks)
+
     def with_settings(
         self,
         *,

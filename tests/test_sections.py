@@ -4,14 +4,19 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from probe import Array
+from scipy.optimize import minimize_scalar
 
-from solver import Block, Column, Joint
+from solver import Block, Column, InitialState, InputError, Joint, Motion, natural_frequencies, simulate
+from solver.batch import run_batch
+from solver.chain import Chain
+from solver.ensemble import runs_in_lanes
 from solver.kernels import layout as at
 from solver.kernels.jit import kernel
 from solver.kernels.joint.circle import SMALL, circle_part
@@ -26,6 +31,8 @@ from solver.kernels.joint.section import (
 )
 from solver.kernels.views import row_of
 from solver.packing import pack_model
+from solver.stepper import Stepper
+from solver.verdict import barrier
 
 examples = settings(deadline=None, max_examples=200, derandomize=True)
 
@@ -297,3 +304,97 @@ def test_uplift_of_a_circle_begins_at_the_kern() -> None:
     assert length == pytest.approx(WIDTH, rel=1e-12)
     assert moment / force == pytest.approx(radius / 4.0, rel=1e-13)
     assert ask("circle", -0.999 * slope * radius, slope)[2] < WIDTH
+
+
+# --- columns
+
+
+def drums(damping: float = 0.0, stiffness: float = 4e9, **joint: Any) -> Column:
+    joints = Joint(stiffness, damping, **joint)
+    return Column("drums", tuple(Block(4.5, 1.4, 1.4, 18000.0, joints, section="circle") for _ in range(3)))
+
+
+SHAPES: list[dict[str, Any]] = [
+    {},
+    {"section": "annulus", "bore": 0.5},
+    {"section": "strips", "strips": (0.7, 1.2, 0.7)},
+]
+
+
+@pytest.mark.parametrize("joint", SHAPES)
+def test_an_undamped_column_that_rocks_keeps_its_energy(joint: dict[str, Any]) -> None:
+    """Forces and kinetics agree with the energies of chain.py over dozens of openings."""
+    column = drums(**joint)
+    start = InitialState(rotation_rate=[0.05] * 3)
+    stepper = Stepper(column.with_settings(tolerance=1e-8), start)
+    chain = Chain(column)
+    phase = stepper.arrays.state[at.CONTROL.beside :][:12]
+    before = chain.energy(phase)
+    stepper.advance(0.0, 1.0)
+    assert stepper.counts.events > 20
+    assert before > 0.0
+    assert chain.energy(phase) == pytest.approx(before, rel=1e-6)
+
+
+@pytest.mark.parametrize("joint", SHAPES)
+def test_least_energy_of_a_joint_is_the_least_over_its_openings(joint: dict[str, Any]) -> None:
+    column = drums(**joint)
+    chain = Chain(column)
+    for turn in (0.0, 1e-5, 1e-4, 1e-3, 1e-2, 0.1):
+        weight = 36000.0 * column.g * math.cos(0.5 * turn)
+        slope = 2.0 * math.sin(0.5 * turn)
+
+        def energy(opening: float, weight: float = weight, slope: float = slope) -> float:
+            return float(chain.elastic(np.full(3, opening), np.full(3, slope))[1]) + weight * opening
+
+        settled = 36000.0 * column.g / column.blocks[1].joint_stiffness
+        found = minimize_scalar(
+            energy, bounds=(-3.0 * settled - slope, slope), method="bounded", options={"xatol": 1e-12}
+        )
+        expected = float(found.fun) + 0.5 * 36000.0 * column.g * settled
+        scale = 36000.0 * column.g * (settled + slope)
+        assert float(chain.joint_energy(1, np.array([turn]), np.zeros(1))[0]) == pytest.approx(
+            expected, abs=1e-9 * scale
+        )
+
+
+def test_barrier_of_a_stiff_round_block_is_the_rise_of_its_centroid_to_above_its_rim() -> None:
+    block = Block(14.0, 1.5, 1.5, 6e4, Joint(1e13, 0.0), section="circle")
+    rise = math.hypot(7.0, 0.75) - 7.0
+    energy = barrier(Column("one", (block,))).energy / (6e4 * 9.80665 * rise)
+    assert 0.99 < energy <= 1.0
+
+
+def test_modes_of_a_round_block_are_those_of_its_springs() -> None:
+    block = Block(6.0, 1.5, 1.5, 2e4, Joint(2e9, 0.0), section="circle")
+    column = Column("one", (block,))
+    up = 2e9 * math.pi * 0.75**2
+    assert natural_frequencies(column)[1] == pytest.approx(math.sqrt(up / 2e4) / (2.0 * math.pi), rel=1e-6)
+    turning = 2e9 * math.pi * 0.75**4 / 4.0
+    about = block.resolved_inertia + 2e4 * (3.0 - 0.5 * 2e4 * column.g / up) ** 2
+    spread = 2e4 * column.g * (3.0 - 0.25 * 2e4 * column.g / up)
+    expected = math.sqrt((turning - spread) / about) / (2.0 * math.pi)
+    assert natural_frequencies(column)[0] == pytest.approx(expected, rel=1e-6)
+
+
+def test_implicit_and_explicit_steps_of_a_round_column_lead_to_the_same_motion() -> None:
+    column = Column("d", tuple(Block(0.5, 1.5, 1.5, 2300.0, Joint(4e9, 0.02), section="circle") for _ in range(12)))
+    motion = Motion.harmonic(1.0, 1.5, 1.0)
+    implicit = simulate(column, motion, tolerance=1e-4)
+    explicit = simulate(column, motion, tolerance=1e-7, without=("implicit",))
+    assert implicit.stats["implicit_steps"] > 0.2 * implicit.stats["steps"]
+    assert np.max(np.abs(implicit.ux - explicit.ux)) < 1e-4 * explicit.peak_ux[0]
+
+
+def test_mirrored_motion_gives_the_mirrored_response_to_the_last_bit() -> None:
+    motion = Motion.harmonic(2.0, 1.0, 2.0)
+    run, mirrored = simulate(drums(1e-3), motion), simulate(drums(1e-3), motion.mirrored())
+    assert np.array_equal(-run.ux, mirrored.ux)
+    assert np.array_equal(run.N, mirrored.N)
+
+
+def test_lanes_refuse_other_sections_and_ensembles_do_without_them() -> None:
+    motion = Motion.harmonic(1.0, 1.0, 0.2)
+    with pytest.raises(InputError, match=r"columns\[0\]: its joints are of the sections circle, must be rectangles"):
+        run_batch([drums(1e-3)], [motion])
+    assert not runs_in_lanes(simulate(drums(1e-3), motion), motion, None)

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 from ..jit import kernel, leaf
 from ..layout import MOST_STRIPS, STRIP_NUMBERS
 from .circle import ring_part
-from .strips import COUNT, DEPTHS, PITCH, edge_of, strip_at, strips_part
+from .strips import COUNT, DEPTHS, PITCH, edge_of, strips_part
 
 # the names that a user writes; the code of a section is its place among them
 SECTIONS = ("rectangle", "circle", "annulus", "strips")

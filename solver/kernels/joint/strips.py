@@ -4,8 +4,6 @@ Its numbers are a row: how many strips, their width, then their depths from left
 about the middle of the block; where the outermost have no depth, there is no contact.
 """
 
-import math
-
 from ..jit import kernel, leaf
 
 COUNT, PITCH, DEPTHS = 0, 1, 2  # places in the row
@@ -47,10 +45,3 @@ def strips_part(strips, lo, hi):
         first += b
         second += c
     return middle, area, first, second
-
-
-@leaf
-def strip_at(strips, place):
-    """Depth of the section at a place, m."""
-    k = math.floor(place / strips[PITCH] + 0.5 * strips[COUNT])
-    return strips[DEPTHS + min(max(int(k), 0), int(strips[COUNT]) - 1)]
