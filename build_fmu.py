@@ -66,6 +66,7 @@ LEFT_AT_HOME = {
     "documentation.py",
     "native",
     "pointers.py",
+    "studies",
 }  # an FMU has no use for them
 # what the slave calls, as the slave calls it; without the listings with paths and addresses of this very process
 COMPILE = """
@@ -157,7 +158,7 @@ def build_native_fmu(
     files, needs = native_files(column, list(dict.fromkeys(platforms)), motion, record.name if record else "")
     print(told(needs), file=sys.stderr)
     output.parent.mkdir(parents=True, exist_ok=True)
-    _write(output, files)
+    write_archive(output, files)
     return output
 
 
@@ -273,10 +274,10 @@ def repack(source: Path, target: Path, extra: dict[str, bytes]) -> None:
         files = {name: old.read(name) for name in old.namelist()}
     if not has_tools():
         print(f"build_fmu.py: {guard.WITHOUT}", file=sys.stderr)
-    _write(target, guard.guarded(files) | extra)
+    write_archive(target, guard.guarded(files) | extra)
 
 
-def _write(target: Path, content: dict[str, bytes]) -> None:
+def write_archive(target: Path, content: dict[str, bytes]) -> None:
     """Write an archive, whole or not at all."""
     with whole_file(target) as partial, zipfile.ZipFile(partial, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as new:
         for name in sorted(content):

@@ -1,7 +1,4 @@
-"""The command line of the solver: the commands `simulate`, `record` and `convert`, and how any command ends.
-
-`modes` and `statics` are those of static_commands.py.
-"""
+"""The command line of the solver: its commands, and how any command ends."""
 
 from __future__ import annotations
 
@@ -36,6 +33,7 @@ from .record_report import report
 from .response import Response
 from .simulate import OUTPUT_STEP, SETTLE, simulate
 from .static_commands import add_static_commands
+from .studies.command import add_command as add_study
 from .uncertainty import PERCENTILES, Ensemble, Spread
 
 PROGRAM = "python -m solver"
@@ -108,7 +106,7 @@ def _parsed(parser: argparse.ArgumentParser, arguments: Sequence[str] | None) ->
 
 
 def add_commands(commands: argparse._SubParsersAction[OneLineParser]) -> None:
-    """Add `simulate`, `record` and `convert`, `modes` and `statics`."""
+    """Add `simulate`, `record`, `convert`, `modes`, `statics` and `study`."""
     run = commands.add_parser("simulate", help="response of a column to a base motion")
     run.set_defaults(command=_simulate, paths=("motion",))
     run.add_argument("column", type=Path, metavar="COLUMN.toml", help="blocks, joints and solver settings")
@@ -154,8 +152,8 @@ def add_commands(commands: argparse._SubParsersAction[OneLineParser]) -> None:
     convert.set_defaults(command=_convert, paths=("motion", "output"))
     add_motion_options(convert)
     convert.add_argument("output", type=Path, metavar="MOTION.csv", help="time,base.ax,base.az in s and m/s2")
-
     add_static_commands(commands)
+    add_study(commands)
 
 
 def _simulate(options: argparse.Namespace) -> None:

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import os
 import sys
-import zipfile
 from collections.abc import Callable
 from graphlib import TopologicalSorter
 from pathlib import Path
 from typing import Any
-from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -114,30 +112,3 @@ def test_partners_are_sound_fmus_whose_state_can_be_kept(built: Path) -> None:
         assert found["moved"]
         assert f"({REFUSED})" in found["backwards"]
         assert "discard" in found["no number"].lower()
-
-
-def test_the_ssp_connects_what_there_is(built: Path) -> None:
-    with zipfile.ZipFile(built / "isolated.ssp") as archive:
-        root = ElementTree.fromstring(archive.read("SystemStructure.ssd"))
-        names = set(archive.namelist())
-    space = {"ssd": "http://ssp-standard.org/SSP1/SystemStructureDescription"}
-    variables = {}
-    for component in root.iterfind(".//ssd:Component", space):
-        name, source = component.get("name") or "", component.get("source") or ""
-        assert source in names
-        description = read_model_description(str(built / f"{name}.fmu"))
-        variables[name] = {variable.name: variable.causality for variable in description.modelVariables}
-    connections = root.findall(".//ssd:Connection", space)
-    assert len(connections) == 12
-    for connection in connections:
-        start, end = connection.get("startElement"), connection.get("endElement") or ""
-        if start:
-            assert variables[start][connection.get("startConnector") or ""] == "output"
-        assert variables[end][connection.get("endConnector") or ""] == "input"
-
-
-def test_the_ssp_runs_in_fmpy(built: Path) -> None:
-    ssp, master = (np.array(part) for part in example(coupled.ssp, built))
-    count = min(len(ssp), len(master)) - 1
-    late = ssp[:count] - master[1 : count + 1]  # of its time it shows the end of the step
-    assert np.max(np.abs(late)) < 0.1 * np.max(np.abs(master))

@@ -29,7 +29,6 @@ __all__ = [
     "GIVEN_BLOCK",
     "GIVEN_FIELDS",
     "GIVEN_JOINT",
-    "GIVEN_SECTION",
     "GIVEN_SETTINGS",
     "NOT_STABLE",
     "TOO_LARGE",
