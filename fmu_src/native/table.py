@@ -176,8 +176,8 @@ def declarations(contents: Contents) -> str:
     fixed = [isinstance(name, float) or name in chosen for name in subject.given]
     found = ["-1" if own else str(places[str(name)]) for name, own in zip(subject.given, fixed, strict=True)]
     lines += _array("int", "given", found)
-    numbers = [name if isinstance(name, float) else 0.0 for name in subject.given]
-    lines += _array("double", "given_fixed", [_number(value) for value in numbers])
+    constants = [name if isinstance(name, float) else 0.0 for name in subject.given]
+    lines += _array("double", "given_fixed", [_number(value) for value in constants])
     lines += _choices(subject, index)
     lines += _array("Check", "checks", [_check(check, index) for check in subject.checks])
     lines += _array("Reason", "reasons", [f"{{{code}, {_quoted(text)}}}" for code, text in subject.reasons.items()])

@@ -11,7 +11,6 @@ from . import engine
 from .engine import (
     GIVEN_BLOCK,
     GIVEN_JOINT,
-    GIVEN_SECTION,
     NOT_STABLE,
     TOO_LARGE,
     column_over,
