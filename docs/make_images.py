@@ -161,8 +161,8 @@ def columns() -> None:
     """columns.png: the columns of examples/columns, to one scale; the small ones once more, larger."""
     names = ("phocas", "phocas-round", "doric", "aurelian", "statue", "storage")
     figure = Figure(figsize=(9.0, 4.6), layout="constrained")
-    left, right = figure.subplots(1, 2, width_ratios=(3.4, 1.0))
-    for axes, shown, gap in ((left, names, 2.0), (right, names[-2:], 0.6)):
+    left, right = figure.subplots(1, 2, width_ratios=(3.0, 1.0))
+    for axes, shown, gap in ((left, names, 4.0), (right, names[-2:], 0.6)):
         place = 0.0
         for name in shown:
             blocks = Column.from_toml(HERE.parent / "examples" / "columns" / f"{name}.toml").blocks

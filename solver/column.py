@@ -326,13 +326,33 @@ def _check_block(key: str, block: object) -> None:
     if not isinstance(block.joint, Joint):
         raise InputError(f"{key}.joint = {shown(block.joint)}: must be a Joint")
     _check_section(key, block)
-    for rule in BLOCK_RULES:
+    sizes = tuple(rule for rule in BLOCK_RULES if not (rule.of_joint or rule.optional))
+    _check_rules(key, block, sizes)
+    if block.section == "annulus" and block.bore is None:
+        raise InputError(f"{key}.bore: missing, must be {NUMBERS['bore'][1]}: the inner diameter")
+    narrowest = min(block.width, block.top_width or block.width)
+    _check_bore(key, block.bore, block.section, narrowest)
+    _check_rules(key, block, tuple(rule for rule in BLOCK_RULES if rule not in sizes))
+    _check_bore(f"{key}.joint", block.joint.bore, SECTIONS[block.joint_section], block.joint_width)
+    if block.joint_section == ANNULUS and not 0.0 < block.joint_bore < block.joint_width:
+        raise InputError(f"{key}.joint.bore: must be an inner diameter in m, less than {shown(block.joint_width)} m")
+    _check_strips(f"{key}.joint.strips", block)
+
+
+def _check_rules(key: str, block: Block, rules: Sequence[Rule]) -> None:
+    for rule in rules:
         name = f"{key}.joint.{rule.key}" if rule.of_joint else f"{key}.{rule.key}"
         value = _check(name, _resolved(block, rule))
         bound = getattr(block, rule.bound) if rule.bound else None
         if bound is not None and (value >= bound if rule.strict else value > bound):
             raise InputError(f"{name} = {shown(value)}: {rule.relation} = {shown(bound)} m")
-    _check_shape(key, block)
+
+
+def _check_bore(owner: str, bore: float | None, section: str, width: float) -> None:
+    if bore is not None and section != "annulus":
+        raise InputError(f'{owner}.bore = {shown(bore)}: must be left out, or section = "annulus"')
+    if bore is not None and bore >= width:
+        raise InputError(f"{owner}.bore = {shown(bore)}: must be less than the outer diameter = {shown(width)} m")
 
 
 def _check_section(key: str, block: Block) -> None:
@@ -344,24 +364,6 @@ def _check_section(key: str, block: Block) -> None:
     for name, value in (numbers | {f"{key}.joint.bore": block.joint.bore}).items():
         if value is not None:
             _check(name, value)
-
-
-def _check_shape(key: str, block: Block) -> None:
-    """That the numbers of the sections of a block and of the contact under it go together."""
-    narrowest = min(block.width, block.top_width or block.width)
-    for owner, bore, section, width in (
-        (key, block.bore, block.section, narrowest),
-        (f"{key}.joint", block.joint.bore, SECTIONS[block.joint_section], block.joint_width),
-    ):
-        if bore is not None and section != "annulus":
-            raise InputError(f'{owner}.bore = {shown(bore)}: must be left out, or section = "annulus"')
-        if bore is not None and bore >= width:
-            raise InputError(f"{owner}.bore = {shown(bore)}: must be less than the outer diameter = {shown(width)} m")
-    if block.section == "annulus" and block.bore is None:
-        raise InputError(f"{key}.bore: missing, must be {NUMBERS['bore'][1]}: the inner diameter")
-    if block.joint_section == ANNULUS and not 0.0 < block.joint_bore < block.joint_width:
-        raise InputError(f"{key}.joint.bore: must be an inner diameter in m, less than {shown(block.joint_width)} m")
-    _check_strips(f"{key}.joint.strips", block)
 
 
 def _check_strips(key: str, block: Block) -> None:
