@@ -25,7 +25,7 @@ from ..column import Column
 from ..errors import FINITE, POSITIVE, InputError, check_number, needing, reading, shown
 from ..kernels.jit import SOURCES
 from ..motion import Motion
-from ..runs import Run
+from ..runs import KEPT, Run
 from .distributions import Distribution
 from .motions import Measure, Shaking, tilted
 from .parameters import column_with, is_of_column, single_names
@@ -115,6 +115,11 @@ class Study:
             check_number("duration", self.duration, POSITIVE, "a positive time in s")
         for k, limit in enumerate(self.limits, start=1):
             check_number(f"limits[{k}]", limit, POSITIVE, "a positive displacement in m")
+        for name in self.keep:
+            _check_choice("keep", name, tuple(KEPT))
+        for name in ("peak_ux", "verdict"):
+            if name not in self.keep:
+                raise InputError(f"keep: must have {name}, which every picture and table goes by")
         if self.tolerance is not None:  # checked as the columns' own
             self.columns[0].with_settings(tolerance=self.tolerance)
         self._check_names()

@@ -119,6 +119,7 @@ def _made(
 ) -> Iterator[list[list[Any]]]:
     """Rows of the runs that are not among `finished`, chunk by chunk as they end; `finished` is not changed."""
     left = [number for number in range(study.runs) if number not in finished]
+    left.sort(key=lambda number: number % study.samples)  # sample by sample: one that is cut short has all of the grid
     done = study.runs - len(left)
     if callback is not None:
         callback(done, study.runs)
