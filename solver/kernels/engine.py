@@ -18,6 +18,7 @@ from .formulations.feedthrough import base_direction, effective_mass, split_reac
 from .formulations.outputs import observe
 from .formulations.slips import begin_slips, phase_size
 from .jit import kernel, leaf
+from .joint.section import lay_out
 from .joint.sliding import RIGID
 from .layout import (
     AUTO,
@@ -27,6 +28,7 @@ from .layout import (
     EXACT,
     MODAL_MOST,
     MODEL,
+    MOST_STRIPS,
     OK,
     ROW,
     SPLIT,
@@ -42,7 +44,9 @@ from .views import Record
 GIVEN_SETTINGS = Record("g", "step", "tolerance", "formulation", "integrator", "without")
 GIVEN_BLOCK = ("height", "width", "depth", "mass", "centroid", "inertia")
 GIVEN_JOINT = ("stiffness", "damping", "width", "depth", "friction", "dowel")
-GIVEN = Record(*GIVEN_BLOCK, *(f"joint_{name}" for name in GIVEN_JOINT))
+# of its section, which no parameter of an FMU changes: code, inner diameter m, number of strips and their depths m
+GIVEN_SECTION = ("section", "bore", "strips", *(f"strip_{k}" for k in range(MOST_STRIPS)))
+GIVEN = Record(*GIVEN_BLOCK, *(f"joint_{name}" for name in (*GIVEN_JOINT, *GIVEN_SECTION)))
 # what a caller sets of the base: accelerations, their slopes, rotation
 BASE_INPUTS = Record("ax", "az", "jx", "jz", "theta", "omega", "alpha")
 
@@ -56,6 +60,7 @@ PROBE_SPIN = 1e-6  # rad/s, by which the rotation of the base is varied
 RATE_PART = 1e-4  # of the first step: half the time over which outputs are differenced
 
 _model, _state, _counts, _base, _work = MODEL.over, STATE.over, COUNTS.over, BASE.over, WORK.over
+_STRIPS_GIVEN = GIVEN.fields.index("joint_strips")
 _row, _split = ROW.over, SPLIT.over
 _given_settings, _given_block, _base_inputs = GIVEN_SETTINGS.over, GIVEN.over, BASE_INPUTS.over
 _SETTINGS_FIELDS, _BLOCK_FIELDS, _COUNTS_FIELDS, _BASE_FIELDS = (
@@ -112,7 +117,8 @@ def assemble(column, given, afresh, scratch, detail):
     settings.has_modes = 0.0
     settings.slides = 0.0
     for i in range(n):
-        block = _given_block(given[_SETTINGS_FIELDS + _BLOCK_FIELDS * i :], 0)
+        row = given[_SETTINGS_FIELDS + _BLOCK_FIELDS * i :]
+        block = _given_block(row, 0)
         blocks.height[i] = block.height
         blocks.mass[i] = block.mass
         blocks.centroid[i] = 0.5 * block.height if block.centroid == 0.0 else block.centroid
@@ -120,8 +126,9 @@ def assemble(column, given, afresh, scratch, detail):
         blocks.inertia[i] = homogeneous if block.inertia == 0.0 else block.inertia
         blocks.stiffness[i] = block.joint_stiffness
         blocks.damping[i] = block.joint_damping
-        blocks.width[i] = block.width if block.joint_width == 0.0 else block.joint_width
-        blocks.depth[i] = block.depth if block.joint_depth == 0.0 else block.joint_depth
+        width = block.width if block.joint_width == 0.0 else block.joint_width
+        depth = block.depth if block.joint_depth == 0.0 else block.joint_depth
+        lay_out(blocks, i, block.joint_section, width, depth, block.joint_bore, row[_STRIPS_GIVEN:])
         blocks.friction[i] = block.joint_friction
         blocks.dowel[i] = block.joint_dowel if block.joint_friction > 0.0 else RIGID
         settings.slides = 1.0 if block.joint_friction > 0.0 else settings.slides

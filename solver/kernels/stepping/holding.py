@@ -42,7 +42,9 @@ def hold(column, h):
             slip_rate = start.slip_rate[i] + ahead * start.slip_acceleration[i]
             opening = opening_felt(opening, slip, 2.0 * sine)
             opening_rate = opening_rate_felt(opening_rate, slip, slip_rate, 2.0 * sine, slope_rate)
-        regime = contact_regime(blocks.width[i], blocks.damping[i], opening, 2.0 * sine, opening_rate, slope_rate)
+        regime = contact_regime(
+            blocks.left[i], blocks.right[i], blocks.damping[i], opening, 2.0 * sine, opening_rate, slope_rate
+        )
         rows.held[i] = regime
         rows.regime[i] = regime
         rows.outside[i] = 0
@@ -64,7 +66,8 @@ def _margin(model, i, regime, turn, opening, slip, spin, opening_rate, slip_rate
     slope, slope_rate = 2.0 * sine, cosine * spin
     felt = opening_felt(opening, slip, slope)
     felt_rate = opening_rate_felt(opening_rate, slip, slip_rate, slope, slope_rate)
-    return regime_margin(regime, model.blocks.width[i], model.blocks.damping[i], felt, slope, felt_rate, slope_rate)
+    blocks = model.blocks
+    return regime_margin(regime, blocks.left[i], blocks.right[i], blocks.damping[i], felt, slope, felt_rate, slope_rate)
 
 
 @leaf
