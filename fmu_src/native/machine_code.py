@@ -53,8 +53,8 @@ def made_with(kernels: Kernels) -> str:
     return versions if kernels == COLUMN else f"{versions}, {kernels.entries} {kernels.beside}"
 
 
-def object_code(targets: list[Target], kernels: Kernels) -> list[bytes]:
-    """The object code of every target. Raises OSError, subprocess.CalledProcessError."""
+def object_code(targets: list[Target], kernels: Kernels, suffix: str = ".o") -> list[bytes]:
+    """The object code of every target, or its assembly (".s"). Raises OSError, subprocess.CalledProcessError."""
     key = hashlib.sha256(made_with(kernels).encode()).hexdigest()[:16]
     kept = user_cache() / CACHE_FOLDER / "native" / key
     with tempfile.TemporaryDirectory(prefix="machine_code_") as temporary:
