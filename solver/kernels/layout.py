@@ -101,6 +101,7 @@ CONTROL = Record(
     "time_rocking",  # s with some joint partly open, none fully
     "time_flight",  # s with some joint fully open
     "time_at_rest",  # s that were skipped
+    "reached",  # s, the instant at which the last call ended
 )
 STATE = Space(control=CONTROL, phase=PHASE, peaks=Numbers(per_n=1))
 COUNTS = Record(
@@ -119,6 +120,7 @@ COUNTS = Record(
     "elastic_steps",  # of steps
     "elastic_wait",  # steps to be made by other methods before the modal one is tried again
     "in_flight",  # 1 while a joint is fully open
+    "until_opening",  # 1 where `advance` is to end once the modal method does not go on
 )
 
 # --- base: a_x = ax + jx (t - t0) + wave_amplitude sin(wave_omega t + wave_phase); the base turns by
