@@ -85,7 +85,7 @@ def subject(law: ModuleType) -> Subject:
         inputs=names["input"],
         slopes=slopes,
         split=next(name for name in after if name in numbers or name in names["output"]),
-        given=given,
+        given=[*given],
         choices=[
             Chosen(port.name, "ONE_WORD", [(0, code, word) for code, word in enumerate(port.words)])
             for port in ports

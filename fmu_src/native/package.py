@@ -51,7 +51,7 @@ XML = b'<?xml version="1.0" encoding="UTF-8"?>\n'
 
 def contents_of(column: Column, record: Motion | None = None, record_name: str = "", fmi: int = 2) -> Contents:
     """What the FMU of a column is made for, under a GUID that follows from all that its libraries are made of."""
-    contents = Contents(column_subject(column.n), variables(column, record_name), "", record_name, record)
+    contents = Contents(column_subject(column), variables(column, record_name), "", record_name, record)
     return identified(contents, COLUMN, fmi, json.dumps(column.to_dict()))
 
 
