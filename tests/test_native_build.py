@@ -33,7 +33,7 @@ if importlib.util.find_spec("ziglang") is None:
     pytest.skip("needs ziglang, the extra native", allow_module_level=True)
 
 DAMPED = ROOT / "examples/columns/phocas-damped.toml"
-MATHEMATICS = {"atan2", "cos", "exp", "expm1", "hypot", "log", "pow", "sin", "sincos"}
+MATHEMATICS = {"asin", "atan2", "cos", "exp", "expm1", "hypot", "log", "pow", "sin", "sincos"}
 FORMATS = {
     "linux64": ["ELF x86-64"],
     "win64": ["PE x86-64"],
