@@ -137,6 +137,12 @@ def reference_of(name: str) -> int:
     return FAMILY * FAMILIES[f"{owner}.{quantity}"] + int(number)
 
 
+def array_of(name: str) -> str:
+    """The array that a variable of one block or joint belongs to, block[3].ux to block.ux; "" for other variables."""
+    parts = re.fullmatch(r"(\w+)\[\d+\]\.(\w+)", name)
+    return f"{parts[1]}.{parts[2]}" if parts else ""
+
+
 @dataclass(frozen=True)
 class Variable:
     """One row of the table. A unit of "" is a pure number.
