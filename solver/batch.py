@@ -20,6 +20,7 @@ from .kernels import layout as at
 from .kernels.batch.entries import run_lanes
 from .kernels.batch.runs import OUTCOME, RUN, SPACE
 from .kernels.entries import run
+from .kernels.joint.section import SECTIONS
 from .kernels.lanes import WIDTH
 from .motion import Motion
 from .packing import FloatArray, arrays_at, copied
@@ -66,10 +67,14 @@ def why_not_in_lanes(column: Column) -> str:
         return f"integrator {settings.integrator}"
     if settings.without:
         return "short cuts left out"
+    if column.slides:
+        return "joints that may slide"
     if column.n > MOST_BLOCKS:
         return f"more than {MOST_BLOCKS} blocks"
     if settings.tolerance < TIGHTEST:
         return "tight tolerance"
+    if not column.has_rectangles_only:
+        return "joints that are no rectangles"
     if _is_stiff(column):
         return "stiff joints"
     return ""
@@ -80,7 +85,7 @@ def _is_stiff(column: Column) -> bool:
     damping = max(block.joint.damping for block in column.blocks)
     squares, above = 0.0, 0.0  # of the frequency of each block between its two joints, as kernels/column/assembly.py
     for block in column.blocks:
-        spring = block.joint.stiffness * block.joint_width * block.joint_depth
+        spring = block.joint_stiffness
         squares, above = max(squares, (spring + above) / block.mass), spring
     if damping * math.sqrt(2.0 * squares) <= CRITICAL:
         return False
@@ -100,7 +105,8 @@ def run_batch(
     """Run column k under motion k, from rest, for duration k, s (None: that of the motion).
 
     tolerance: relative to the peak; None: each column's. times: s after the start of a run, at which its phase is kept.
-    Raises InputError for columns of another number of blocks or formulation, and for held samples.
+    Raises InputError for columns of another number of blocks or formulation, for friction, for sections that are no
+    rectangles, and for held samples.
     """
     n = columns[0].n
     durations = [motion.duration for motion in motions] if durations is None else list(durations)
@@ -109,6 +115,11 @@ def run_batch(
     for k, (column, motion) in enumerate(zip(columns, motions, strict=True)):
         if column.n != n or column.settings.formulation != "exact":
             raise InputError(f"columns[{k}]: must have {n} blocks and the formulation exact, as the others of a batch")
+        if column.slides:
+            raise InputError(f"columns[{k}]: has joints that may slide, which a batch does not know; simulate does")
+        if not column.has_rectangles_only:
+            names = ", ".join(sorted({SECTIONS[block.joint_section] for block in column.blocks}))
+            raise InputError(f"columns[{k}]: its joints are of the sections {names}, must be rectangles in a batch")
         if motion.hold:
             raise InputError(f"motions[{k}]: its samples are held, must be joined by straight lines")
     if tolerance is not None:
@@ -177,7 +188,7 @@ class _Batch:
         self._phases = np.zeros((count, 4 * n))
         self._runs = np.zeros((count, RUN.beside))
         self._outcomes = np.zeros((count, OUTCOME.size(n)))
-        self._snapshots = np.zeros((count, rows.size, 6 * n))
+        self._snapshots = np.zeros((count, rows.size, at.PHASE.size(n)))
         self._evaluations = np.zeros(count, dtype=np.int64)
         self._waiting: list[int] = []
         self._column: Column | None = None
@@ -202,7 +213,7 @@ class _Batch:
         self._outcomes[k] = np.concatenate([[code, math.nan, 0.0, counts.steps, counts.rejected], peaks, phase])
         self._evaluations[k] = counts.evaluations
         if self._rows.size:
-            self._snapshots[k] = kept[:, : 6 * n]
+            self._snapshots[k] = kept[:, : at.PHASE.size(n)]
         if code == at.OK and control.reached < stop:
             self._waiting.append(k)
             self._models[k] = arrays.model[: self._models.shape[1]]

@@ -1,6 +1,7 @@
 """A column as a chain of rigid bodies, in numpy: where its blocks are, and what energy they have (theory.md section 4).
 
-A phase is coordinates and rates as the stepper keeps them, (4 n,) or (rows, 4 n).
+A phase is coordinates and rates as the stepper keeps them, (4 n,) or (rows, 4 n); slips and their rates follow in that
+of a column whose joints may slide, (6 n,) or (rows, 6 n).
 """
 
 from __future__ import annotations
@@ -12,18 +13,23 @@ from typing import NamedTuple
 import numpy as np
 
 from .column import Block, Column
-from .packing import FloatArray, settlements
+from .kernels import layout as at
+from .kernels.entries import joint_energies, joint_potentials
+from .kernels.joint.section import RECTANGLE
+from .packing import FloatArray, pack_model, settlements
 
 PARALLEL = 1e-30  # rad: faces that are as good as parallel
 
 
 class Places(NamedTuple):
-    """Rotations rad and openings m of the blocks and the joints under them, and their rates: (..., n) each."""
+    """Rotations rad, openings m and slips m of the blocks and the joints under them, and their rates: (..., n) each."""
 
     theta: FloatArray
     opening: FloatArray
     spin: FloatArray
     opening_rate: FloatArray
+    slip: FloatArray | float = 0.0
+    slip_rate: FloatArray | float = 0.0
 
 
 class Chain:
@@ -39,16 +45,24 @@ class Chain:
         self.centroid = np.array([block.resolved_centroid for block in blocks])
         self.mass = np.array([block.mass for block in blocks])
         self.inertia = np.array([block.resolved_inertia for block in blocks])
-        self.width = np.array([block.joint_width for block in blocks])
-        # N/m2: of a metre of the joint's width
+        self.rectangles = np.array([block.joint_section == RECTANGLE for block in blocks])
+        self.width = np.array([block.joint_width for block in blocks])  # of the contacts
+        if not np.all(self.rectangles):
+            self.model = pack_model(column)
+            self.width = np.array(at.MODEL.see(self.model, column.n).blocks.width)
+        # N/m2: of a metre of the joint's width, where it is a rectangle
         self.rigidity = np.array([block.joint.stiffness * block.joint_depth for block in blocks])
         self.carried = np.cumsum(self.mass)  # kg, by the joint under each block
         self.settled = settlements(column)
 
     @classmethod
     def of_many(cls, columns: Sequence[Column]) -> Chain:
-        """The data of many columns of n blocks each, formulation `exact`: arrays (columns, n), for as many phases."""
+        """The data of many columns of n blocks each, formulation `exact`: arrays (columns, n), for as many phases.
+
+        All joints are rectangles.
+        """
         chain = cls.__new__(cls)
+        chain.rectangles = np.ones(columns[0].n, dtype=np.bool_)
         given = np.array([[_data_of(block) for block in column.blocks] for column in columns], dtype=np.float64)
         chain.height, chain.centroid, chain.mass, chain.inertia, chain.width, chain.rigidity = np.moveaxis(given, -1, 0)
         chain.n, chain.exact = columns[0].n, True
@@ -59,9 +73,9 @@ class Chain:
 
     def places(self, phase: FloatArray) -> Places:
         """Rotations and openings of a phase of either formulation."""
-        first, last, first_rate, last_rate = np.split(phase, 4, axis=-1)
+        first, last, first_rate, last_rate, *slips = np.split(phase, phase.shape[-1] // self.n, axis=-1)
         if self.exact:
-            return Places(first, last, first_rate, last_rate)
+            return Places(first, last, first_rate, last_rate, *slips)
         return Places(
             _over_below(first) / self.height, -_over_below(last), _over_below(first_rate) / self.height,
             -_over_below(last_rate),
@@ -71,33 +85,43 @@ class Chain:
         """Horizontal displacements of the top faces relative to the base, m, (..., n)."""
         if not self.exact:
             return phase[..., : self.n].copy()
-        theta, opening, _, _ = self.places(phase)
+        theta, opening, _, _, slip, _ = self.places(phase)
         mean = theta - 0.5 * _over_below(theta)
-        return _from_base(opening * np.sin(mean) + self.height * np.sin(theta))
+        return _from_base(opening * np.sin(mean) + slip * np.cos(mean) + self.height * np.sin(theta))
 
     def energy(self, phase: FloatArray) -> float:
-        """Kinetic, elastic and gravitational energy of a phase (4 n,) above that of the rest under gravity, J."""
+        """Kinetic, elastic and gravitational energy of one phase above that of the rest under gravity, J."""
         return float(self.energies(phase))
 
     def energies(self, phase: FloatArray) -> FloatArray:
-        """The same of phases (..., 4 n)."""
-        theta, opening, spin, opening_rate = self.places(phase)
+        """The same of phases, one a row."""
+        theta, opening, spin, opening_rate, slip, slip_rate = self.places(phase)
         mean, mean_spin = theta - 0.5 * _over_below(theta), spin - 0.5 * _over_below(spin)
         sine, cosine = np.sin(mean), np.cos(mean)
         x_rate = (
-            _from_base(opening_rate * sine + opening * cosine * mean_spin + self.height * np.cos(theta) * spin)
+            _from_base(
+                (opening_rate - slip * mean_spin) * sine
+                + (opening * mean_spin + slip_rate) * cosine
+                + self.height * np.cos(theta) * spin
+            )
             - (self.height - self.centroid) * np.cos(theta) * spin
         )
         z_rate = (
-            _from_base(opening_rate * cosine - opening * sine * mean_spin - self.height * np.sin(theta) * spin)
+            _from_base(
+                (opening_rate - slip * mean_spin) * cosine
+                - (opening * mean_spin + slip_rate) * sine
+                - self.height * np.sin(theta) * spin
+            )
             + (self.height - self.centroid) * np.sin(theta) * spin
         )
         moving = 0.5 * (self.mass * (x_rate**2 + z_rate**2) + self.inertia * spin**2)
         dip = -2.0 * np.sin(0.5 * theta) ** 2  # cos(theta) - 1
-        raised = _from_base(opening * cosine + self.settled + self.height * dip) - (self.height - self.centroid) * dip
+        lifted = opening * cosine - slip * sine + self.settled
+        raised = _from_base(lifted + self.height * dip) - (self.height - self.centroid) * dip
         slope = 2.0 * np.sin(0.5 * _over_below(theta))
-        at_rest = 0.5 * self.rigidity * self.width * self.settled**2
-        strained = self.elastic(opening, slope) - at_rest
+        felt = opening - 0.5 * slip * slope  # in the middle of the contact
+        at_rest = 0.5 * self.carried * self.g * self.settled
+        strained = self.elastic(felt, slope) - at_rest
         found: FloatArray = np.sum(moving + self.g * self.mass * raised + strained, axis=-1)
         return found
 
@@ -109,6 +133,12 @@ class Chain:
         with np.errstate(divide="ignore", invalid="ignore"):
             part = self.rigidity * deepest**3 / (6.0 * slope)
         found: FloatArray = np.where(least >= 0.0, full, np.where(deepest > 0.0, part, 0.0))
+        if not np.all(self.rectangles):
+            others = np.zeros((opening.size // self.n, self.n))
+            rows = (values.reshape(-1, self.n) for values in (opening, slope))
+            for each_opening, each_slope, row in zip(*rows, others, strict=True):
+                joint_potentials(self.n, self.model, each_opening, each_slope, row)
+            found = np.where(self.rectangles, found, others.reshape(opening.shape))
         return found
 
     def joint_energy(self, i: int, turn: FloatArray, turn_below: FloatArray) -> FloatArray:
@@ -119,6 +149,8 @@ class Chain:
         slope = 2.0 * np.abs(np.sin(0.5 * (turn - turn_below)))
         full_weight = self.carried[i] * self.g
         weight = full_weight * np.cos(0.5 * (turn + turn_below))
+        if not self.rectangles[i]:
+            return self._other_energy(i, slope, weight) - self._other_energy(i, np.zeros(1), np.full(1, full_weight))
         width, rigidity = self.width[i], self.rigidity[i]
         length = np.sqrt(2.0 * weight / (rigidity * np.maximum(slope, PARALLEL)))  # in contact
         partly = weight * slope * (0.5 * width - 2.0 / 3.0 * length)
@@ -126,6 +158,13 @@ class Chain:
         rest = -(full_weight**2) / (2.0 * rigidity * width)
         found: FloatArray = np.where(length < width, partly, full) - rest
         return found
+
+    def _other_energy(self, i: int, slope: FloatArray, weight: FloatArray) -> FloatArray:
+        """The same of a joint that is no rectangle, from its slope rad and the weight N upon it, not above rest."""
+        found = np.zeros(slope.size)
+        slopes, weights = (np.ascontiguousarray(values, dtype=np.float64).ravel() for values in (slope, weight))
+        joint_energies(self.n, self.model, i, slopes, weights, found)
+        return found.reshape(slope.shape)
 
     @cached_property
     def toppling(self) -> FloatArray:

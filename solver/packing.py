@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -10,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .column import Column
+from .column import Block, Column
 from .errors import InputError, shown
 from .kernels import layout as at
 from .kernels.engine import (
@@ -45,13 +46,16 @@ class InitialState:
     """Where a run starts; None is rest, and for the openings static equilibrium under gravity.
 
     Sequences of n numbers, block 1 (the top) first: `rotation` rad clockwise, `rotation_rate` rad/s, `opening` m of
-    the joint under each block along its normal (negative: compressed), `opening_rate` m/s.
+    the joint under each block along its normal (negative: compressed), `opening_rate` m/s, `slip` m of the block
+    over what is under it, to +x, `slip_rate` m/s.
     """
 
     rotation: Sequence[float] | FloatArray | None = None
     rotation_rate: Sequence[float] | FloatArray | None = None
     opening: Sequence[float] | FloatArray | None = None
     opening_rate: Sequence[float] | FloatArray | None = None
+    slip: Sequence[float] | FloatArray | None = None
+    slip_rate: Sequence[float] | FloatArray | None = None
 
 
 class Arrays(NamedTuple):
@@ -150,11 +154,19 @@ def described(column: Column) -> FloatArray:
         "without": sum(SKIP_CODES[name] for name in set(settings.without)),
     }
     given = [values[name] for name in GIVEN_SETTINGS.fields]
-    for block in column.blocks:
+    for block in (block.written_out() for block in column.blocks):
         given += [getattr(block, name) or 0.0 for name in GIVEN_BLOCK]
         given += [getattr(block.joint, name) or 0.0 for name in GIVEN_JOINT]
+        given += section_of(block)
     assert len(given) == GIVEN_SETTINGS.beside + GIVEN.beside * column.n
     return np.array(given, dtype=np.float64)
+
+
+def section_of(block: Block) -> list[float]:
+    """The numbers of the section of the contact under a block (engine.py, GIVEN_SECTION)."""
+    strips = block.joint.strips or ()
+    unused = [0.0] * (at.MOST_STRIPS - len(strips))
+    return [float(block.joint_section), block.joint_bore, float(len(strips)), *strips, *unused]
 
 
 def carried_weights(column: Column) -> FloatArray:
@@ -165,7 +177,7 @@ def carried_weights(column: Column) -> FloatArray:
 
 def settlements(column: Column) -> FloatArray:
     """Compression of each joint at rest under gravity, m, (n,) from the top joint down."""
-    spring = [block.joint.stiffness * block.joint_width * block.joint_depth for block in column.blocks]
+    spring = [block.joint_stiffness for block in column.blocks]
     settled: FloatArray = carried_weights(column) / np.array(spring)
     return settled
 
@@ -183,6 +195,12 @@ def set_initial(column: Column, state: FloatArray, initial: InitialState) -> Non
     _within("opening", np.minimum(opening, 0.0), heights, "no deeper than the block is high, in m")
     opening_rate = _given("opening_rate", initial.opening_rate, np.zeros(n))
     phase = at.STATE.see(state, n).phase
+    for key in ("slip", "slip_rate"):
+        given = _given(key, getattr(initial, key), np.zeros(n))
+        free = [math.inf if block.joint.friction is not None else 0.0 for block in column.blocks]
+        _within(key, given, np.array(free), "zero where the joint has no friction: it never slides")
+        getattr(phase, key)[:] = given
+    phase.sliding[:] = np.sign(phase.slip_rate)
     if column.settings.formulation == "exact":
         phase.theta[:], phase.opening[:] = rotation, opening
         phase.theta_rate[:], phase.opening_rate[:] = spin, opening_rate
