@@ -38,7 +38,6 @@ MOST_CURVES = 300  # drawn one by one
 MOST_INFLUENCES = 12
 BLUE, RED, GREEN = FEW_COLOURS[:3]
 _LIMIT_COLOURS = (BLUE, GREEN, RED, *FEW_COLOURS[3:])
-LIMITS = "Plane motion of rigid blocks upon elastic joints without tension; joints do not crush."
 
 
 def draw(results: Results, path: str | os.PathLike[str] | None = None) -> Figure:
@@ -371,11 +370,19 @@ def caption(results: Results) -> list[str]:
     said = [f"{study['name']}: {columns}; base motion: {motions}; {runs}."]
     if random:
         said.append(f"Random: {random}; {study['samples']} samples, {study['sampling']}.")
-    return [*said, LIMITS]
+    return [*said, limits_of_model(results)]
+
+
+def limits_of_model(results: Results) -> str:
+    """What the model leaves out."""
+    joints = [block.get("joint", {}) for column in results.study["columns"] for block in column["block"]]
+    slide = any(joint.get("friction") is not None for joint in joints)
+    limits = "do not crush" if slide or "joint.friction" in results.study["random"] else "neither slide nor crush"
+    return f"Plane motion of rigid blocks upon elastic joints without tension, which {limits}."
 
 
 def _captioned(figure: Figure, results: Results, text: str = "") -> Figure:
-    paragraphs = [*caption(results)[:-1], *text.splitlines(), LIMITS]
+    paragraphs = [*caption(results)[:-1], *text.splitlines(), limits_of_model(results)]
     letters = int(WIDTH * figure.get_figwidth() / 10.0)
     lines = [line for paragraph in paragraphs for line in textwrap.wrap(paragraph, width=letters)]
     figure.supxlabel("\n".join(lines), x=0.02, ha="left", fontsize=9, linespacing=1.4)
