@@ -58,7 +58,7 @@ def test_one_block_balances_what_its_closed_form_does() -> None:
     assert curve.theta[curve.strongest, 0] == pytest.approx(4.782e-3, rel=1e-2)
     partly = np.flatnonzero(curve.contact[:, 0] < 0.95)
     pushes = [push_of(curve.theta[k, 0]) for k in partly]
-    assert curve.acceleration[partly] / G == pytest.approx(np.array(pushes), abs=1e-12)  # measured rounding
+    assert curve.acceleration[partly] / G == pytest.approx(np.array(pushes), abs=1e-11)  # measured 3e-12
 
 
 def test_stiffer_block_tends_to_the_rigid_one() -> None:
