@@ -5,13 +5,17 @@ A phase is coordinates and rates as the stepper keeps them, (4 n,) or (rows, 4 n
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
-from .column import Column
-from .packing import FloatArray, settlements
+from .column import Block, Column
+from .kernels import layout as at
+from .kernels.entries import joint_energies, joint_potentials
+from .kernels.joint.section import RECTANGLE
+from .packing import FloatArray, pack_model, settlements
 
 PARALLEL = 1e-30  # rad: faces that are as good as parallel
 
@@ -28,6 +32,8 @@ class Places(NamedTuple):
 class Chain:
     """The data of a column as rows of n numbers, the top block first."""
 
+    g: FloatArray | float  # m/s2
+
     def __init__(self, column: Column) -> None:
         blocks = column.blocks
         self.n, self.g = column.n, column.g
@@ -36,11 +42,31 @@ class Chain:
         self.centroid = np.array([block.resolved_centroid for block in blocks])
         self.mass = np.array([block.mass for block in blocks])
         self.inertia = np.array([block.resolved_inertia for block in blocks])
-        self.width = np.array([block.joint_width for block in blocks])
-        # N/m2: of a metre of the joint's width
+        self.rectangles = np.array([block.joint_section == RECTANGLE for block in blocks])
+        self.width = np.array([block.joint_width for block in blocks])  # of the contacts
+        if not np.all(self.rectangles):
+            self.model = pack_model(column)
+            self.width = np.array(at.MODEL.see(self.model, column.n).blocks.width)
+        # N/m2: of a metre of the joint's width, where it is a rectangle
         self.rigidity = np.array([block.joint.stiffness * block.joint_depth for block in blocks])
         self.carried = np.cumsum(self.mass)  # kg, by the joint under each block
         self.settled = settlements(column)
+
+    @classmethod
+    def of_many(cls, columns: Sequence[Column]) -> Chain:
+        """The data of many columns of n blocks each, formulation `exact`: arrays (columns, n), for as many phases.
+
+        All joints are rectangles.
+        """
+        chain = cls.__new__(cls)
+        chain.rectangles = np.ones(columns[0].n, dtype=np.bool_)
+        given = np.array([[_data_of(block) for block in column.blocks] for column in columns], dtype=np.float64)
+        chain.height, chain.centroid, chain.mass, chain.inertia, chain.width, chain.rigidity = np.moveaxis(given, -1, 0)
+        chain.n, chain.exact = columns[0].n, True
+        chain.g = np.array([[column.g] for column in columns])
+        chain.carried = np.cumsum(chain.mass, axis=-1)
+        chain.settled = chain.g * chain.carried / (chain.rigidity * chain.width)
+        return chain
 
     def places(self, phase: FloatArray) -> Places:
         """Rotations and openings of a phase of either formulation."""
@@ -62,6 +88,10 @@ class Chain:
 
     def energy(self, phase: FloatArray) -> float:
         """Kinetic, elastic and gravitational energy of a phase (4 n,) above that of the rest under gravity, J."""
+        return float(self.energies(phase))
+
+    def energies(self, phase: FloatArray) -> FloatArray:
+        """The same of phases (..., 4 n)."""
         theta, opening, spin, opening_rate = self.places(phase)
         mean, mean_spin = theta - 0.5 * _over_below(theta), spin - 0.5 * _over_below(spin)
         sine, cosine = np.sin(mean), np.cos(mean)
@@ -73,12 +103,14 @@ class Chain:
             _from_base(opening_rate * cosine - opening * sine * mean_spin - self.height * np.sin(theta) * spin)
             + (self.height - self.centroid) * np.sin(theta) * spin
         )
-        kinetic = 0.5 * np.sum(self.mass * (x_rate**2 + z_rate**2) + self.inertia * spin**2)
+        moving = 0.5 * (self.mass * (x_rate**2 + z_rate**2) + self.inertia * spin**2)
         dip = -2.0 * np.sin(0.5 * theta) ** 2  # cos(theta) - 1
         raised = _from_base(opening * cosine + self.settled + self.height * dip) - (self.height - self.centroid) * dip
         slope = 2.0 * np.sin(0.5 * _over_below(theta))
-        at_rest = 0.5 * self.rigidity * self.width * self.settled**2
-        return float(kinetic + self.g * np.sum(self.mass * raised) + np.sum(self.elastic(opening, slope) - at_rest))
+        at_rest = 0.5 * self.carried * self.g * self.settled
+        strained = self.elastic(opening, slope) - at_rest
+        found: FloatArray = np.sum(moving + self.g * self.mass * raised + strained, axis=-1)
+        return found
 
     def elastic(self, opening: FloatArray, slope: FloatArray) -> FloatArray:
         """Elastic energy of each joint, J, from its opening m and slope rad."""
@@ -88,6 +120,12 @@ class Chain:
         with np.errstate(divide="ignore", invalid="ignore"):
             part = self.rigidity * deepest**3 / (6.0 * slope)
         found: FloatArray = np.where(least >= 0.0, full, np.where(deepest > 0.0, part, 0.0))
+        if not np.all(self.rectangles):
+            others = np.zeros((opening.size // self.n, self.n))
+            rows = (values.reshape(-1, self.n) for values in (opening, slope))
+            for each_opening, each_slope, row in zip(*rows, others, strict=True):
+                joint_potentials(self.n, self.model, each_opening, each_slope, row)
+            found = np.where(self.rectangles, found, others.reshape(opening.shape))
         return found
 
     def joint_energy(self, i: int, turn: FloatArray, turn_below: FloatArray) -> FloatArray:
@@ -98,6 +136,8 @@ class Chain:
         slope = 2.0 * np.abs(np.sin(0.5 * (turn - turn_below)))
         full_weight = self.carried[i] * self.g
         weight = full_weight * np.cos(0.5 * (turn + turn_below))
+        if not self.rectangles[i]:
+            return self._other_energy(i, slope, weight) - self._other_energy(i, np.zeros(1), np.full(1, full_weight))
         width, rigidity = self.width[i], self.rigidity[i]
         length = np.sqrt(2.0 * weight / (rigidity * np.maximum(slope, PARALLEL)))  # in contact
         partly = weight * slope * (0.5 * width - 2.0 / 3.0 * length)
@@ -106,12 +146,24 @@ class Chain:
         found: FloatArray = np.where(length < width, partly, full) - rest
         return found
 
+    def _other_energy(self, i: int, slope: FloatArray, weight: FloatArray) -> FloatArray:
+        """The same of a joint that is no rectangle, from its slope rad and the weight N upon it, not above rest."""
+        found = np.zeros(slope.size)
+        slopes, weights = (np.ascontiguousarray(values, dtype=np.float64).ravel() for values in (slope, weight))
+        joint_energies(self.n, self.model, i, slopes, weights, found)
+        return found.reshape(slope.shape)
+
     @cached_property
     def toppling(self) -> FloatArray:
         """J: what lifts falls by when the block turns by theta, over 1 - cos(theta), (n,)."""
         above = self.carried - self.mass
         lever: FloatArray = self.mass * self.centroid + above * self.height
         return self.g * lever
+
+
+def _data_of(block: Block) -> tuple[float, ...]:
+    rigidity = block.joint.stiffness * block.joint_depth
+    return block.height, block.resolved_centroid, block.mass, block.resolved_inertia, block.joint_width, rigidity
 
 
 def _over_below(values: FloatArray) -> FloatArray:

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .column import Column
+from .column import Block, Column
 from .errors import InputError, shown
 from .kernels import layout as at
 from .kernels.engine import (
@@ -27,6 +27,7 @@ from .kernels.entries import assemble_column
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
+_TOLERANCE = GIVEN_SETTINGS.fields.index("tolerance")
 FORMULATION_CODES = {"exact": at.EXACT, "paper": at.PAPER}
 INTEGRATOR_CODES = {"auto": at.AUTO, "central-difference": at.CENTRAL_DIFFERENCE}
 LEAST_STEP = 1e-9  # s, below any limit of stability
@@ -65,8 +66,21 @@ class Arrays(NamedTuple):
 
 def arrays_of(column: Column) -> Arrays:
     """The arrays of a column at rest. Raises InputError for a fixed step that is not stable."""
-    made = _assembled(column)
-    return Arrays(made.model.copy(), made.state.copy(), made.counts.copy(), made.base.copy(), made.work.copy())
+    return copied(_assembled(column))
+
+
+def arrays_at(column: Column, tolerance: float) -> Arrays:
+    """The same at another tolerance, which is not checked; nothing is remembered of it."""
+    given = described(column)
+    given[_TOLERANCE] = tolerance
+    return _assemble(column, given)
+
+
+def copied(arrays: Arrays) -> Arrays:
+    """Arrays of their own with the same numbers."""
+    return Arrays(
+        arrays.model.copy(), arrays.state.copy(), arrays.counts.copy(), arrays.base.copy(), arrays.work.copy()
+    )
 
 
 def pack_model(column: Column) -> FloatArray:
@@ -92,11 +106,18 @@ def _empty(n: int) -> Arrays:
 
 @lru_cache(maxsize=64)
 def _assembled(column: Column) -> Arrays:
+    made = _assemble(column, described(column))
+    for array in made:
+        array.flags.writeable = False
+    return made
+
+
+def _assemble(column: Column, given: FloatArray) -> Arrays:
     n = column.n
     fixed = column.settings.integrator == "central-difference"
     made = _empty(n)
     detail = np.zeros(1)
-    code = assemble_column(n, *made, described(column), 1, np.zeros(scratch_room(n, fixed)), detail)
+    code = assemble_column(n, *made, given, 1, np.zeros(scratch_room(n, fixed)), detail)
     if code == NOT_STABLE:
         raise InputError(
             f"solver.step = {column.settings.step}: must be at most {detail[0]:.4g} s, where central differences are "
@@ -104,8 +125,6 @@ def _assembled(column: Column) -> Arrays:
         )
     if code != at.OK:  # the other checks are those of the column
         raise InputError(f"block[{int(detail[0])}].inertia: beyond the range of float64")
-    for array in made:
-        array.flags.writeable = False
     return made
 
 
@@ -131,11 +150,19 @@ def described(column: Column) -> FloatArray:
         "without": sum(SKIP_CODES[name] for name in set(settings.without)),
     }
     given = [values[name] for name in GIVEN_SETTINGS.fields]
-    for block in column.blocks:
+    for block in (block.written_out() for block in column.blocks):
         given += [getattr(block, name) or 0.0 for name in GIVEN_BLOCK]
         given += [getattr(block.joint, name) or 0.0 for name in GIVEN_JOINT]
+        given += section_of(block)
     assert len(given) == GIVEN_SETTINGS.beside + GIVEN.beside * column.n
     return np.array(given, dtype=np.float64)
+
+
+def section_of(block: Block) -> list[float]:
+    """The numbers of the section of the contact under a block (engine.py, GIVEN_SECTION)."""
+    strips = block.joint.strips or ()
+    unused = [0.0] * (at.MOST_STRIPS - len(strips))
+    return [float(block.joint_section), block.joint_bore, float(len(strips)), *strips, *unused]
 
 
 def carried_weights(column: Column) -> FloatArray:
@@ -146,7 +173,7 @@ def carried_weights(column: Column) -> FloatArray:
 
 def settlements(column: Column) -> FloatArray:
     """Compression of each joint at rest under gravity, m, (n,) from the top joint down."""
-    spring = [block.joint.stiffness * block.joint_width * block.joint_depth for block in column.blocks]
+    spring = [block.joint_stiffness for block in column.blocks]
     settled: FloatArray = carried_weights(column) / np.array(spring)
     return settled
 
