@@ -109,6 +109,17 @@ def test_curve_is_of_balance_from_rest_over_the_largest_push_to_none(column: Col
         assert curve.M[k, i] == pytest.approx(kern, rel=1e-8)  # measured 5e-11
 
 
+def test_round_drums_open_where_the_push_leaves_their_kern() -> None:
+    drum = {"height": 2.0, "section": "circle", "diameter": 1.4, "density": 2700.0}
+    joint = {"stiffness": 5e9, "damping": 1e-3}
+    curve = capacity_curve(Column.from_dict({"name": "round", "joint": joint, "block": [drum] * 3}))
+    assert unbalance(curve) < 1e-8
+    for i in (1, 2):
+        k = int(np.argmin(np.abs(curve.acceleration - curve.uplift[i])))
+        assert curve.M[k, i] == pytest.approx(curve.N[k, i] * 1.4 / 8.0, rel=1e-6)  # R / 4
+    assert curve.largest_acceleration < G * 0.7 / 3.0  # of a rigid column
+
+
 def test_curve_of_the_other_direction_is_the_mirror_image() -> None:
     right, left = capacity_curve(phocas()), capacity_curve(phocas(), direction=-1)
     assert left.ux == pytest.approx(-right.ux, abs=1e-12)
