@@ -120,6 +120,16 @@ def test_round_drums_open_where_the_push_leaves_their_kern() -> None:
     assert curve.largest_acceleration < G * 0.7 / 3.0  # of a rigid column
 
 
+def test_joints_that_may_slide_are_taken_as_stuck() -> None:
+    column = phocas(eta=1e-3)
+    slippery = tuple(replace(block, joint=replace(block.joint, friction=0.05)) for block in column.blocks)
+    curve = capacity_curve(replace(column, blocks=slippery))
+    assert curve.acceleration == pytest.approx(capacity_curve(column).acceleration, abs=1e-12)
+    assert curve.friction > 0.05
+    modes = natural_modes(replace(column, blocks=slippery))
+    assert modes.damping_ratio == pytest.approx(natural_modes(column).damping_ratio, rel=1e-9)
+
+
 def test_curve_of_the_other_direction_is_the_mirror_image() -> None:
     right, left = capacity_curve(phocas()), capacity_curve(phocas(), direction=-1)
     assert left.ux == pytest.approx(-right.ux, abs=1e-12)
