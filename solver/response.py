@@ -35,12 +35,13 @@ class Response:
     time s; ux m, top face relative to the base, +x; uz m, centroid, up, from the unloaded geometry; theta rad,
     clockwise; N N, compression; M N m, restoring; S N, horizontal, and T N, along the joint, of the part
     above on the part below; contact 0..1
-    of the joint's width; sigma_max Pa; Fx, Fz N and My N m (clockwise), of the column on the base at the centre of
-    joint n. peak_ux m (n,): largest |ux| of the continuous motion. overturned, overturn_time s (NaN if not),
-    overturned_joint (0 if not). stats: steps, implicit_steps and elastic_steps (of these), rejected, events
-    (steps cut off where the contact of a joint changes), evaluations, sweeps; full_contact, rocking, flight: parts of
-    the time, at_rest: part that was not stepped; undamped_joints; observed_rows; wall_time s; settled_for s: how long
-    the column was followed after the histories' end.
+    of the joint's width; sigma_max Pa; slip m, of the block over what is under it, to +x; Fx, Fz N and
+    My N m (clockwise), of the column on the base at the centre of joint n. peak_ux m (n,): largest |ux| of the
+    continuous motion. overturned, overturn_time s (NaN if not), overturned_joint (0 if not). stats: steps,
+    implicit_steps and elastic_steps (of these), rejected, events (steps cut off where the contact of a joint
+    changes), evaluations, sweeps; full_contact, rocking, flight: parts of the time, at_rest: part that was not
+    stepped; undamped_joints; observed_rows; wall_time s; settled_for s: how long the column was followed after the
+    histories' end.
 
     verdict: "overturned", "standing" (it cannot fall any more) or "undecided"; reason: why, in words. It looks beyond
     the end of the histories: a column that falls later has `overturned` and an `overturn_time` after the last row.
@@ -62,7 +63,7 @@ class Response:
         verdict: str = "undecided",
         reason: str = "",
     ) -> None:
-        """`observe` returns the output rows (nt, 9 n + 3)."""
+        """`observe` returns the output rows (nt, 10 n + 3)."""
         self.column = column
         self.time = time
         self._observe = observe
@@ -108,6 +109,7 @@ class Response:
     M = property(lambda self: self._joints("M"))
     S = property(lambda self: self._joints("S"))
     T = property(lambda self: self._joints("T"))
+    slip = property(lambda self: self._joints("slip"))
     contact = property(lambda self: self._joints("contact"))
     sigma_max = property(lambda self: self._joints("sigma_max"))
     Fx = property(lambda self: self._base("Fx"))
