@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 from .chain import Chain
 from .column import Column
 from .packing import FloatArray, model_of
+from .sticking import sticks_for_good
 
 OVERTURNED, STANDING, UNDECIDED = "overturned", "standing", "undecided"
 
@@ -51,7 +52,7 @@ class Barrier(NamedTuple):
 def cannot_fall(column: Column, phase: FloatArray) -> bool:
     """Whether a column with this phase, (4 n,), stands for ever upon a base that stays still."""
     if column.slides:  # what slides has less to overcome, and may slide on
-        return False
+        return sticks_for_good(column, phase)
     chain = Chain(column)
     return is_held(column, chain.energy(phase), np.abs(chain.places(phase).theta))
 

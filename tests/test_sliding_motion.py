@@ -14,7 +14,9 @@ from sliding import SlidingReference, follow
 
 from solver import Block, Column, InitialState, InputError, Joint, Motion, Settings, simulate
 from solver.batch import run_batch
+from solver.single_run import phase_of
 from solver.stepper import Stepper
+from solver.verdict import cannot_fall
 
 MU = 0.3
 
@@ -179,6 +181,36 @@ def test_a_state_put_back_goes_on_with_the_same_bits() -> None:
         stepper.advance(0.1, 0.05)
     assert np.array_equal(kept.arrays.state, other.arrays.state)
     assert np.array_equal(kept.observe(0.15), other.observe(0.15))
+
+
+# --- when it is over
+
+
+def test_a_column_that_has_come_to_rest_stands() -> None:
+    motion = pulse(2.0 * MU * G, 0.2, 0.8)
+    response = simulate(flat_block(tolerance=1e-6), motion)
+    assert response.verdict == "standing"
+    assert simulate(flat_block(tolerance=1e-6), motion, duration=0.3, settle=0.0).verdict == "undecided"  # it slides
+
+
+def test_what_is_said_to_stick_for_good_does() -> None:
+    """Pushed as hard as the bound allows, in every direction that a random state has: no joint slides."""
+    column = two_blocks(0.0, 1e-8)
+    n, rng, said = column.n, np.random.default_rng(3), 0
+    for _ in range(20):
+        spin, speed = rng.normal(size=n), rng.normal(size=n) * 0.1
+        size = 1.0
+        while True:
+            initial = InitialState(rotation_rate=size * spin, opening_rate=size * speed)
+            stepper = Stepper(column, initial)
+            if cannot_fall(column, phase_of(stepper)):
+                break
+            size *= 0.8
+        said += size > 1e-6
+        stepper.rest_until(0.0, 0.5)
+        assert np.all(stepper.state.phase.slip == 0.0)
+        assert stepper.counts.events == 0
+    assert said == 20
 
 
 # --- Shenton's map

@@ -18,8 +18,8 @@ from fractions import Fraction
 
 from ..jit import kernel, leaf
 
-SMALL = 0.2  # sin d: below it the series are exact to rounding
-TERMS = 11
+SMALL = 0.125  # sin d: below it the series are exact to rounding
+TERMS = 8
 
 
 def _series() -> tuple[tuple[float, float, float], ...]:
@@ -65,23 +65,6 @@ def _by_angle(s, c):
     return e, g, h
 
 
-@leaf
-def _unit_part(lo, hi):
-    """Area, first and second moment about the middle, of the part of the unit circle from lo to hi > lo."""
-    chords = math.sqrt((1.0 - lo) * (1.0 + lo)) + math.sqrt((1.0 - hi) * (1.0 + hi))  # half of both
-    if chords == 0.0:
-        return math.pi, 0.0, 0.25 * math.pi
-    ends = lo + hi
-    span = math.sqrt(ends * ends + chords * chords)  # 2 cos d
-    c = 0.5 * span
-    s = 0.5 * span * (hi - lo) / chords
-    sine, cosine = ends / span, chords / span  # of m
-    u = cosine * cosine
-    e, g, h = _by_series(s) if s < SMALL else _by_angle(s, c)
-    cube = 4.0 / 3.0 * u * (s * s * s)
-    return e + 4.0 * u * (s * c), sine * (g - cube), h + u * c * (g + cube)
-
-
 @kernel
 def circle_part(radius, lo, hi):
     """Middle, area, first and second moment about it, of the part of a circle between two abscissas, m from the centre.
@@ -93,12 +76,20 @@ def circle_part(radius, lo, hi):
         area = math.pi * square
         return 0.0, area, 0.0, 0.25 * area * square
     lo, hi = max(lo, -radius), min(hi, radius)
-    middle = 0.5 * (lo + hi)
+    ends = lo + hi
     if not lo < hi:
-        return middle, 0.0, 0.0, 0.0
-    per = 1.0 / radius
-    area, first, second = _unit_part(max(lo * per, -1.0), min(hi * per, 1.0))
-    return middle, area * square, first * (square * radius), second * (square * square)
+        return 0.5 * ends, 0.0, 0.0, 0.0
+    chords = math.sqrt((radius - lo) * (radius + lo)) + math.sqrt((radius - hi) * (radius + hi))  # half of both
+    span = math.sqrt(ends * ends + chords * chords)  # 2 radius cos d
+    per = 1.0 / (span * chords)  # one division for all
+    c = 0.5 * span / radius
+    s = c * (hi - lo) * (span * per)
+    sine, cosine = ends * (chords * per), chords * (chords * per)  # of m
+    u = cosine * cosine
+    e, g, h = _by_series(s) if s < SMALL else _by_angle(s, c)
+    cube = 4.0 / 3.0 * u * (s * s * s)
+    area, first, second = e + 4.0 * u * (s * c), sine * (g - cube), h + u * c * (g + cube)
+    return 0.5 * ends, area * square, first * (square * radius), second * (square * square)
 
 
 @kernel

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 from ..jit import kernel, leaf
 from ..layout import MOST_STRIPS, STRIP_NUMBERS
-from .circle import ring_part
+from .circle import circle_part, ring_part
 from .strips import COUNT, DEPTHS, PITCH, edge_of, strips_part
 
 # the names that a user writes; the code of a section is its place among them
@@ -47,6 +47,8 @@ def contact_of(blocks, i):
 @kernel
 def _part(contact, lo, hi):
     """Middle of lo and hi, area and moments about it."""
+    if contact.section == CIRCLE:
+        return circle_part(0.5 * contact.depth, lo, hi)
     if contact.section == STRIPS:
         return strips_part(contact.strips, lo, hi)
     return ring_part(0.5 * contact.depth, 0.5 * contact.bore, lo, hi)
