@@ -1,6 +1,7 @@
 """Build a co-simulation FMU from the TOML file of a column.
 
-    multiblock build-fmu [COLUMN.toml] [-o FILE.fmu] [--record RECORD] [--native [--fmi 3] [--platforms NAME,...]]
+    multiblock build-fmu [COLUMN.toml] [-o FILE.fmu] [--record RECORD]
+                         [--native [--fmi 3] [--source] [--platforms NAME,...]]
     python build_fmu.py ...
 
 Packaging only. Inside the FMU the two packages carry the hash of their content in their names, so that two FMUs in one
@@ -124,6 +125,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--record", type=Path, metavar="FILE", help="record to put inside, added to the inputs")
     parser.add_argument("--native", action="store_true", help="compiled libraries instead of Python")
     parser.add_argument("--fmi", type=int, choices=(2, 3), default=2, help="version of FMI; 3: native only")
+    parser.add_argument("--source", action="store_true", help="with the source code inside, for hosts that compile")
     known = "; ".join(f"FMI {version}: {','.join(names)}" for version, names in PLATFORMS.items())
     parser.add_argument("--platforms", help=f"of the native FMU, with commas (default: all; {known})")
 
@@ -131,9 +133,10 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 def _build(options: argparse.Namespace) -> None:
     if options.native:
         platforms = options.platforms.split(",") if options.platforms else None
-        path = build_native_fmu(options.column, options.output, options.record, platforms, options.fmi)
-    elif options.fmi != 2:
-        raise InputError(f"--fmi {options.fmi}: with --native only, PythonFMU knows FMI 2.0")
+        path = build_native_fmu(options.column, options.output, options.record, platforms, options.fmi, options.source)
+    elif options.fmi != 2 or options.source:
+        option = "--source" if options.source else f"--fmi {options.fmi}"
+        raise InputError(f"{option}: with --native only")
     else:
         path = build_fmu(options.column, options.output, options.record)
     print(path)
@@ -155,6 +158,7 @@ def build_native_fmu(
     record: Path | None = None,
     platforms: Sequence[str] | None = None,
     fmi: int = 2,
+    source: bool = False,
 ) -> Path:
     """Build the FMU that needs no Python and return its path; prints what its libraries need from outside.
 
@@ -169,7 +173,9 @@ def build_native_fmu(
         if platform not in known:
             raise InputError(f"--platforms {platform}: must be of {', '.join(known)}")
     motion = None if record is None else read_motion(record)
-    files, needs = native_files(column, list(dict.fromkeys(platforms)), motion, record.name if record else "", fmi)
+    files, needs = native_files(
+        column, list(dict.fromkeys(platforms)), motion, record.name if record else "", fmi, source
+    )
     print(told(needs), file=sys.stderr)
     output.parent.mkdir(parents=True, exist_ok=True)
     write_archive(output, files)

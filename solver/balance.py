@@ -23,12 +23,18 @@ from .still import StillColumn
 LONGEST = 0.02  # step along the curve, in parts of the rigid column's largest push and of its rotation on the edge
 SHORTEST = 1e-9
 MOST_POINTS = 5000
-ITERATIONS = 12  # of Newton's method to a point
-FEW = 4  # iterations at which the step may grow
+ITERATIONS = 30  # to a point
+SLOW = 0.3  # of the correction before: derivatives are taken anew
+FEW = 2  # times that derivatives are taken anew, at which the step may grow
+NEAR = 1e-4  # of the length of the curve: a correction as small as that leads nowhere else
 CONVERGED = 1e-9  # last correction, in parts of what opens a joint
+ROUNDED = 1e-5  # the same where rounding stands in the way, which new derivatives show
 PART = 1e-3  # of what opens a joint: how far accelerations are differenced
 TURN = 0.97  # least cosine between the directions of the curve at two points
 NARROWED = 1e-9  # of a step: how exactly a point is found at which something changes
+
+
+_NONE = np.empty((0, 0))
 
 
 class Balanced(NamedTuple):
@@ -37,6 +43,7 @@ class Balanced(NamedTuple):
     q: FloatArray  # (2 n,), coordinates of the exact formulation
     push: float  # m/s2, acceleration of the base towards -x (direction 1)
     along: FloatArray  # (2 n + 1,), unit direction of the curve in the scaled coordinates and the push
+    inverse: FloatArray  # of the derivatives by these, the direction below them; empty once left behind
 
 
 class _LostError(Exception):
@@ -59,6 +66,7 @@ class BalanceCurve:
         )
         self._scale[-1] = column.g * slenderness
         self._opens = np.append(self.still.sizes, 1e-3 * self._scale[-1])
+        self._converged = CONVERGED
         self._weight = np.concatenate([np.full(self.n, 1.0 / self.n), np.zeros(self.n), [1.0]])
 
     def follow(self) -> tuple[list[Balanced], FloatArray]:
@@ -68,71 +76,95 @@ class BalanceCurve:
         SolverError if the curve cannot be followed.
         """
         upwards = np.append(np.zeros(2 * self.n), 1.0)
+        q = self.still.rest
         try:
-            places, step = [self._onto(self.still.rest, 0.0, upwards, math.inf)[0]], LONGEST
+            start = Balanced(q, 0.0, upwards, _inverse(self._matrix(q, 0.0, upwards)))
+            places, step = [self._pointed(*self._onto(q, 0.0, start, math.inf)[:2], upwards)], LONGEST
         except _LostError:
             raise SolverError("no balance was found at rest") from None
         uplift = np.where(self._opened(places[0]), 0.0, math.nan)
         while len(places) < MOST_POINTS:
             last = places[-1]
             try:
-                place, iterations = self._step(last, step)
+                place, renewals = self._step(last, step)
             except _LostError:
                 step *= 0.5
                 if step < SHORTEST:
                     raise SolverError(f"the balance is lost beyond a push of {last.push:.6g} m/s2") from None
                 continue
+            places[-1] = last._replace(inverse=_NONE)
             between = []
             for i in np.flatnonzero(self._opened(place) & np.isnan(uplift)):
                 between.append(self._first(last, step, partial(self._joint_opened, int(i))))
                 uplift[i] = between[-1][1].push
             if last.along[-1] > 0.0 >= place.along[-1]:
-                between.append(self._first(last, step, lambda there: there.along[-1] <= 0.0))
+                between.append(self._first(last, step, lambda there: self._pointed(*there[:3]).along[-1] <= 0.0))
             if place.push <= 0.0:
                 between.append(self._first(last, step, lambda there: there.push <= 0.0))
-            places += [there for _, there in sorted(between, key=lambda found: found[0])]
+            places += [there._replace(inverse=_NONE) for _, there in sorted(between, key=lambda found: found[0])]
             if place.push <= 0.0:
                 return places, uplift
             places.append(place)
-            if iterations <= FEW:
+            if renewals <= FEW:
                 step = min(LONGEST, 2.0 * step)
         raise SolverError(f"the curve of balance does not come to an end within {MOST_POINTS} points")
 
     def _step(self, last: Balanced, step: float) -> tuple[Balanced, int]:
-        """The place further along the curve by a step, and the iterations that it took. Raises _LostError."""
-        change = step * last.along * self._scale
-        place, iterations = self._onto(last.q + change[:-1], last.push + float(change[-1]), last.along, step)
+        """The place further along the curve by a step, and how often derivatives were taken. Raises _LostError."""
+        q, push, renewals = self._beside(last, step)
+        place = self._pointed(q, push, last.along)
         if float(np.sum(self._weight * place.along * last.along)) < TURN:
             raise _LostError
-        return place, iterations
+        return place, renewals
+
+    def _beside(self, last: Balanced, step: float) -> tuple[FloatArray, float, int]:
+        change = step * last.along * self._scale
+        return self._onto(last.q + change[:-1], last.push + float(change[-1]), last, step)
 
     def _first(self, last: Balanced, step: float, passed: Callable[[Balanced], bool]) -> tuple[float, Balanced]:
         """How far beyond `last`, within the step, and the first place at which something has passed."""
         low, high = 0.0, step
-        there = self._step(last, step)[0]
         while high - low > NARROWED * step:
             middle = 0.5 * (low + high)
-            place, _ = self._step(last, middle)
-            if passed(place):
-                high, there = middle, place
+            q, push, _ = self._beside(last, middle)
+            if passed(Balanced(q, push, last.along, _NONE)):
+                high = middle
             else:
                 low = middle
-        return high, there
+        return high, self._step(last, high)[0]
 
-    def _onto(self, q: FloatArray, push: float, along: FloatArray, most: float) -> tuple[Balanced, int]:
-        """Newton's method onto the curve, across `along`, by at most so much; and its iterations. Raises _LostError."""
-        for iteration in range(1, ITERATIONS + 1):
-            right = np.append(-self._unbalanced(q, push), 0.0)
-            moved = _solved(self._matrix(q, push, along), right)
-            if not self._length(moved) <= most:
+    def _onto(self, q: FloatArray, push: float, last: Balanced, most: float) -> tuple[FloatArray, float, int]:
+        """Newton's method onto the curve, across the direction at `last`, by at most so much.
+
+        Begins with the derivatives at `last`; returns coordinates, push and how often others were taken. Raises
+        _LostError.
+        """
+        inverse, renewals, before, near = last.inverse, 0, math.inf, False
+        for _ in range(ITERATIONS):
+            moved = inverse[:, :-1] @ -self._unbalanced(q, push)
+            if not self._length(moved) <= max(most, NEAR):
                 raise _LostError
             change = moved * self._scale
             q, push = q + change[:-1], push + float(change[-1])
-            if np.max(np.abs(change) / self._opens) < CONVERGED:
-                right[:-1], right[-1] = 0.0, 1.0
-                ahead = _solved(self._matrix(q, push, along), right)
-                return Balanced(q, push, ahead / self._length(ahead)), iteration
+            size = float(np.max(np.abs(change) / self._opens))
+            if size < self._converged:
+                return q, push, renewals
+            if size > SLOW * before:
+                if near and size < ROUNDED:
+                    self._converged = min(ROUNDED, 3.0 * size)
+                    return q, push, renewals
+                near = size < ROUNDED
+                inverse, renewals, size = _inverse(self._matrix(q, push, last.along)), renewals + 1, math.inf
+            before = size
         raise _LostError
+
+    def _pointed(self, q: FloatArray, push: float, along: FloatArray) -> Balanced:
+        """The place with the direction of the curve there, in the sense of `along`, and the derivatives."""
+        matrix = self._matrix(q, push, along)
+        ahead = _inverse(matrix)[:, -1]
+        ahead = ahead / self._length(ahead)
+        matrix[-1] = self._weight * ahead
+        return Balanced(q, push, ahead, _inverse(matrix))
 
     def _length(self, moved: FloatArray) -> float:
         return math.sqrt(float(np.sum(self._weight * moved * moved)))
@@ -169,9 +201,10 @@ def _slenderness(still: StillColumn) -> float:
     return float(least)
 
 
-def _solved(matrix: FloatArray, right: FloatArray) -> FloatArray:
+def _inverse(matrix: FloatArray) -> FloatArray:
+    """Used many times over, which no factorization is faster at for matrices of this size. Raises _LostError."""
     try:
-        found = np.linalg.solve(matrix, right)
+        found = np.linalg.inv(matrix)
     except np.linalg.LinAlgError:
         raise _LostError from None
     return np.asarray(found, dtype=np.float64)

@@ -15,7 +15,7 @@ from .column import Column
 from .errors import SolverError, needing
 from .files import whole_file
 from .packing import FloatArray
-from .still import StillColumn, undamped
+from .still import StillColumn, stuck, undamped
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -70,7 +70,7 @@ def natural_frequencies(column: Column, formulation: str | None = None) -> Float
 def natural_modes(column: Column, formulation: str | None = None) -> Modes:
     """Frequencies, shapes, damping ratios and effective masses about rest. Raises as `natural_frequencies` does."""
     column = column.with_settings(formulation=formulation)
-    still, damped = StillColumn(undamped(column)), StillColumn(column)
+    still, damped = StillColumn(undamped(column)), StillColumn(stuck(column))
     n, rest, blocks = column.n, still.rest, still.blocks
     squares, vectors = np.linalg.eig(still.stiffness(rest, PART))
     frequency = _frequencies(squares)

@@ -10,9 +10,9 @@ from .balance import BalanceCurve
 from .chain import Chain
 from .column import Column
 from .errors import InputError, SolverError, check_number
-from .kernels import layout as at
-from .packing import FloatArray, InitialState
+from .packing import InitialState
 from .rest import is_stable
+from .single_run import phase_of
 from .stepper import Stepper
 from .still import undamped
 
@@ -58,9 +58,10 @@ def pulled_aside(column: Column, release: float = RELEASE) -> tuple[InitialState
     column = column.with_settings(formulation="exact")
     if column.g > 0.0 and not is_stable(column):
         raise SolverError("the rest state is not stable: the joints are too soft for the weight above them")
-    places, _ = BalanceCurve(undamped(column)).follow()
-    n, chain = column.n, Chain(column)
-    tops = np.array([chain.top_displacements(np.append(place.q, np.zeros(2 * n)))[0] for place in places])
+    curve = BalanceCurve(undamped(column))
+    places, _ = curve.follow()
+    n = column.n
+    tops = np.array([curve.still.row(place.q).joints.ux[0] for place in places])
     k = int(np.argmin(np.abs(tops - release * tops[-1])))
     if places[k].along[-1] > 0.0:
         at_most = tops[np.argmax([place.push for place in places])] / tops[-1]
@@ -75,19 +76,14 @@ def restitution_from(column: Column, start: InitialState, top: float) -> float:
     column = column.with_settings(formulation="exact", integrator="auto")
     chain, stepper = Chain(column), Stepper(column, start)
     falling = math.sqrt(float(np.sum(chain.height)) / column.g)  # s
-    before, t, farthest = chain.energy(_phase(stepper)), 0.0, 0.0
+    before, t, farthest = chain.energy(phase_of(stepper)), 0.0, 0.0
     while t < LONGEST * falling:
         stepper.advance(t, LOOK * falling)
         t += LOOK * falling
         if stepper.overturned_joint:
             raise SolverError(f"let go at {top:.3g} m the column falls")
-        beyond = -math.copysign(1.0, top) * float(chain.top_displacements(_phase(stepper))[0])
+        beyond = -math.copysign(1.0, top) * float(chain.top_displacements(phase_of(stepper))[0])
         if 0.0 < beyond < farthest:
-            return math.sqrt(max(0.0, chain.energy(_phase(stepper))) / before)
+            return math.sqrt(max(0.0, chain.energy(phase_of(stepper))) / before)
         farthest = beyond
     raise SolverError(f"let go at {top:.3g} m the column does not come to the other side")
-
-
-def _phase(stepper: Stepper) -> FloatArray:
-    found: FloatArray = stepper.arrays.state[at.CONTROL.beside :][: 4 * stepper.n]
-    return found

@@ -77,5 +77,17 @@ class StillColumn:
 
 
 def undamped(column: Column) -> Column:
-    """The same column without damping."""
-    return replace(column, blocks=tuple(replace(b, joint=replace(b.joint, damping=0.0)) for b in column.blocks))
+    """The same column without damping, its joints rigid in shear."""
+    return _with_joints(column, damping=0.0, friction=None, dowel=None)
+
+
+def stuck(column: Column) -> Column:
+    """The same column with joints that never slide."""
+    return _with_joints(column, friction=None, dowel=None)
+
+
+def _with_joints(column: Column, **changes: float | None) -> Column:
+    return replace(
+        column,
+        blocks=tuple(replace(block, joint=replace(block.joint, **changes)) for block in column.blocks),  # type: ignore
+    )

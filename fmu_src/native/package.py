@@ -21,6 +21,7 @@ from .column_subject import column_subject
 from .library import OWN_HEADERS, libraries, sources
 from .machine_code import COLUMN, Kernels, made_with
 from .platforms import PLATFORMS
+from .source import describe_sources, source_files
 from .symbols import Symbols
 from .table import Contents, headers
 
@@ -64,9 +65,17 @@ def identified(contents: Contents, kernels: Kernels, fmi: int, *texts: str) -> C
 
 
 def native_files(
-    column: Column, platforms: list[str], record: Motion | None = None, record_name: str = "", fmi: int = 2
+    column: Column,
+    platforms: list[str],
+    record: Motion | None = None,
+    record_name: str = "",
+    fmi: int = 2,
+    source: bool = False,
 ) -> tuple[dict[str, bytes], dict[str, list[Symbols]]]:
-    """The files of the FMU by their names, and what the libraries need; fmi: version. Raises InputError, OSError."""
+    """The files of the FMU by their names, and what the libraries need. Raises InputError, OSError.
+
+    fmi: version. source: whether the source code goes in too.
+    """
     contents = contents_of(column, record, record_name, fmi)
     experiment = Experiment(record.start, record.end, Record(record).dt) if record else Experiment()
     told = (column.name, contents.guid, column_description(column), __version__, contents.table, experiment)
@@ -83,6 +92,9 @@ def native_files(
         "documentation/signs.png": documentation.sign_conventions(),
         "terminalsAndIcons/terminalsAndIcons.xml": XML + tostring(terminals(contents.table)),
     }
+    if source:
+        pages |= source_files(column.name, headers(contents), COLUMN, fmi)
+        pages |= describe_sources(description, column.name, fmi)
     files, needs = compiled(column.name, contents, COLUMN, platforms, description, fmi)
     return files | pages, needs
 

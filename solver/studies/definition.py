@@ -23,8 +23,9 @@ from numpy.typing import NDArray
 from .. import __version__
 from ..column import Column
 from ..errors import FINITE, POSITIVE, InputError, check_number, needing, reading, shown
+from ..intensity import intensity
 from ..kernels.jit import SOURCES
-from ..motion import Motion
+from ..motion import STANDARD_GRAVITY, Motion
 from ..runs import KEPT, Run
 from .distributions import Distribution
 from .motions import Measure, Shaking, tilted
@@ -188,7 +189,9 @@ class Study:
         for name, value in values.items():
             if name not in ("column", "motion", INTENSITY) and not name.startswith("motion."):
                 numbers[name] = value, self._relative(name)
-        column = column_with(column, numbers).with_settings(tolerance=self.tolerance)
+        if self.tolerance is not None:
+            numbers.setdefault("solver.tolerance", (self.tolerance, False))
+        column = column_with(column, numbers)
         motion, measures = self._shaken(values)
         duration = motion.duration
         if self.duration is not None:
@@ -377,9 +380,11 @@ def _base(
     made = study.motions[motion].base(dict(numbers), unit)
     if not np.any(made.ax) and not made.amplitude:
         return made, dict.fromkeys(study.measured, 0.0)
-    sa = study.measure if study.measure is not None and study.measure.name == "sa" else None
-    measures = {"pga": Measure("pga"), "pgv": Measure("pgv")} | ({"sa": sa} if sa is not None else {})
-    return made, {name: measure.of(made) for name, measure in measures.items()}
+    strength = intensity(made)
+    measures = {"pga": strength.pga / STANDARD_GRAVITY, "pgv": strength.pgv}
+    if study.measure is not None and study.measure.name == "sa":
+        measures["sa"] = study.measure.of(made)
+    return made, measures
 
 
 def _without_number(name: str) -> str:

@@ -38,7 +38,6 @@ MOST_CURVES = 300  # drawn one by one
 MOST_INFLUENCES = 12
 BLUE, RED, GREEN = FEW_COLOURS[:3]
 _LIMIT_COLOURS = (BLUE, GREEN, RED, *FEW_COLOURS[3:])
-LIMITS = "Plane motion of rigid blocks upon elastic joints without tension; joints do not crush."
 
 
 def draw(results: Results, path: str | os.PathLike[str] | None = None) -> Figure:
@@ -150,7 +149,7 @@ def draw_ida(results: Results) -> Figure:
     axes.set_xscale("log")
     axes.set(title="of the runs, largest displacement", xlabel="largest displacement of any block (mm)")
     axes.set_ylabel(_measure(results))
-    axes.legend(frameon=False, title="an arrow: beyond it they overturn", loc="lower right")
+    axes.legend(frameon=False, title="an arrow: beyond it they overturn", loc="upper left")
     fallen.plot(curves.overturned, curves.levels, "o-", color="black", markersize=3.0)
     fallen.set(title="overturned", xlabel="share of the runs", xlim=(-0.02, 1.02))
     for panel in (axes, fallen):
@@ -319,14 +318,14 @@ def draw_tornado(results: Results) -> Figure:
                 if math.isinf(value):
                     axes.plot(end, y, ">", color=colour)
         axes.axvline(min(factor * whole, top), color="black", linewidth=1.0)
-        _tidy(axes)
     rank.barh(place, [item.rank for item in found], height=0.6, color="0.4")
     rank.axvline(0.0, color="black", linewidth=1.0)
-    _tidy(rank)
     left.set_yticks(place, [item.name for item in found])
     left.set(title="median of the largest displacement", xlabel="mm")
     right.set(title="overturned", xlabel="share of the runs")
-    rank.set(title="rank correlation", xlabel="with the largest displacement")
+    rank.set(title="rank correlation", xlabel="with the displacement")
+    for axes in (left, right, rank):
+        _tidy(axes)
     text = "Of the runs with the lowest (blue) and the highest (red) 16 % of each parameter; the line: of all runs."
     return _captioned(figure, results, text)
 
@@ -371,11 +370,19 @@ def caption(results: Results) -> list[str]:
     said = [f"{study['name']}: {columns}; base motion: {motions}; {runs}."]
     if random:
         said.append(f"Random: {random}; {study['samples']} samples, {study['sampling']}.")
-    return [*said, LIMITS]
+    return [*said, limits_of_model(results)]
+
+
+def limits_of_model(results: Results) -> str:
+    """What the model leaves out."""
+    joints = [block.get("joint", {}) for column in results.study["columns"] for block in column["block"]]
+    slide = any(joint.get("friction") is not None for joint in joints)
+    limits = "do not crush" if slide or "joint.friction" in results.study["random"] else "neither slide nor crush"
+    return f"Plane motion of rigid blocks upon elastic joints without tension, which {limits}."
 
 
 def _captioned(figure: Figure, results: Results, text: str = "") -> Figure:
-    paragraphs = [*caption(results)[:-1], *text.splitlines(), LIMITS]
+    paragraphs = [*caption(results)[:-1], *text.splitlines(), limits_of_model(results)]
     letters = int(WIDTH * figure.get_figwidth() / 10.0)
     lines = [line for paragraph in paragraphs for line in textwrap.wrap(paragraph, width=letters)]
     figure.supxlabel("\n".join(lines), x=0.02, ha="left", fontsize=9, linespacing=1.4)

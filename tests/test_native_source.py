@@ -1,0 +1,109 @@
+"""The native FMU as source code: what is inside compiles by itself and does what the library does."""
+
+from __future__ import annotations
+
+import importlib.util
+import shutil
+import sys
+import zipfile
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+from child import call
+from fmpy import extract, read_model_description
+from fmus import ROOT, Fmus, finish, run
+from inside import inputs
+
+from build_fmu import main
+from fmu_src.native import symbols
+
+if importlib.util.find_spec("ziglang") is None:
+    pytest.skip("needs ziglang, the extra native", allow_module_level=True)
+if not sys.platform.startswith("linux"):
+    pytest.skip("the libraries are built for Linux", allow_module_level=True)
+
+pytestmark = pytest.mark.long
+
+DAMPED = ROOT / "examples/columns/phocas-damped.toml"
+OPTIONS = ("-std=c11", "-O2", "-shared", "-fPIC", "-ffp-contract=off", "-Wall", "-Wextra", "-Werror")
+ZIG = (sys.executable, "-m", "ziglang", "cc", "-target")
+
+
+@pytest.fixture(scope="module")
+def fmu(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    output = tmp_path_factory.mktemp("source") / "damped.fmu"
+    return Fmus.build(DAMPED, output, "--native", "--source", "--platforms", "linux64")
+
+
+@pytest.fixture(scope="module")
+def files(fmu: Path, tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
+    """The files to be compiled, as the model description lists them."""
+    folder = Path(extract(str(fmu), unzipdir=tmp_path_factory.mktemp("unpacked")))
+    root = ElementTree.parse(folder / "modelDescription.xml").getroot()
+    found = [folder / "sources" / str(file.get("name")) for file in root.findall("CoSimulation/SourceFiles/File")]
+    assert len(found) == 3
+    return found
+
+
+def displacement(fmu: Path, library: Path, folder: Path) -> float:
+    """Of the top, under the C host; fails unless it ends with 0."""
+    host = folder / "host"
+    run(*ZIG, "x86_64-linux-gnu", "-O1", ROOT / "tests/masters/host.c", "-o", host, "-ldl")
+    guid = read_model_description(str(fmu)).guid
+    once, again = map(float, run(host, library, "file:///nowhere", guid, "1", "10001").split())
+    assert once == again
+    return once
+
+
+def test_it_is_valid(fmu: Path) -> None:
+    assert "No problems found" in run("fmpy", "validate", fmu)
+
+
+@pytest.mark.parametrize("compiler", ["gcc", "zig"])
+def test_a_compiler_makes_the_library_of_it(fmu: Path, files: list[Path], tmp_path: Path, compiler: str) -> None:
+    if compiler == "gcc" and shutil.which("gcc") is None:
+        pytest.skip("gcc is not installed")
+    command = ("gcc",) if compiler == "gcc" else (*ZIG, "x86_64-linux-gnu.2.17")
+    library = tmp_path / "column.so"
+    run(*command, *OPTIONS, "-DFMI2_OVERRIDE_FUNCTION_PREFIX", *files, "-lm", "-o", library)
+    (part,) = symbols.read(library.read_bytes())
+    assert part.foreign == []
+    assert displacement(fmu, library, tmp_path) == call(inputs.pushed, fmu)
+
+
+def test_every_name_is_that_of_the_fmu(files: list[Path], tmp_path: Path) -> None:
+    library = tmp_path / "column.so"
+    run(*ZIG, "x86_64-linux-gnu.2.17", *OPTIONS, *files, "-lm", "-o", library)
+    (part,) = symbols.read(library.read_bytes())
+    own = [name for name in part.offered if "fmi2" in name or "core_" in name or "kernel" in name]
+    assert len(own) >= 31
+    assert all(name.startswith("phocas_damped_") for name in own)
+
+
+@pytest.mark.parametrize(
+    "target", ["aarch64-linux-gnu.2.17", "x86_64-windows-gnu", "x86_64-macos.11.0", "aarch64-macos.11.0"]
+)
+def test_it_compiles_for_the_other_targets(files: list[Path], tmp_path: Path, target: str) -> None:
+    run(*ZIG, target, *OPTIONS, *files, "-lm", "-o", tmp_path / "column.so")
+
+
+def test_fmi_3_describes_its_build(tmp_path: Path) -> None:
+    options = ("--native", "--source", "--fmi", "3", "--platforms", "x86_64-linux")
+    fmu = Fmus.build(DAMPED, tmp_path / "damped.fmu", *options)
+    assert "No problems found" in run("fmpy", "validate", fmu)
+    with zipfile.ZipFile(fmu) as archive:
+        archive.extractall(tmp_path / "unpacked")
+    sources = tmp_path / "unpacked" / "sources"
+    root = ElementTree.parse(sources / "buildDescription.xml").getroot()
+    listed = [sources / str(file.get("name")) for file in root.iter("SourceFile")]
+    library = tmp_path / "column.so"
+    run(*ZIG, "x86_64-linux-gnu", *OPTIONS, "-DFMI3_OVERRIDE_FUNCTION_PREFIX", *listed, "-lm", "-o", library)
+    (part,) = symbols.read(library.read_bytes())
+    assert len([name for name in part.offered if name.startswith("fmi3")]) > 70
+
+
+def test_a_pythonfmu_has_no_such_source(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main([str(DAMPED), "--source"]) == 2
+    assert "--source: with --native only" in capsys.readouterr().err
+    assert finish(sys.executable, ROOT / "build_fmu.py", DAMPED, "--source").returncode == 2
