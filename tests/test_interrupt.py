@@ -74,15 +74,19 @@ import sys
 from solver import Column, Motion, simulate_many
 
 column = Column.from_toml("tall.toml")
+motions = [Motion.harmonic(0.1, 2.0 + 0.01 * k, 2.0) for k in range(40)]
+table = simulate_many(column, motions, tolerance=float(sys.argv[1]), duration=0.01, keep=("path",))
+print(table["path"][0], flush=True)
 motions = [Motion.from_csv("motion.csv").scaled(1.0 + 0.01 * k) for k in range(40)]
 simulate_many(column, motions, tolerance=float(sys.argv[1]))
 """
 
 
-@pytest.mark.parametrize("tolerance", ["1e-4", "1e-8"])  # in lanes, and one by one
-def test_ctrl_c_ends_many_runs_at_once(tall: Path, tolerance: str) -> None:
+@pytest.mark.parametrize(("tolerance", "path"), [("1e-4", "lanes"), ("1e-8", "scalar")])
+def test_ctrl_c_ends_many_runs_at_once(tall: Path, tolerance: str, path: str) -> None:
     (tall / "many.py").write_text(MANY)
-    process, took, _, err = interrupted(tall, "many.py", tolerance)
+    process, took, out, err = interrupted(tall, "many.py", tolerance, after=8.0)
+    assert out.split() == [path]
     assert process.returncode == -signal.SIGINT, err
     assert err.rstrip().endswith("KeyboardInterrupt")
     assert took < 5.0

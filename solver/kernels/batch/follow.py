@@ -328,7 +328,7 @@ def follow_queue(n, buffer, queue):
         batch.lane.fresh = where(fresh, 0.0, batch.lane.fresh)
         start(batch, fresh)
         ended = 0
-        while ended == 0:
+        while ended == 0 and queue.flag[0] == 0.0:
             ended = step_on(batch)
         for k in range(WIDTH):
             running -= (ended >> k) & 1
