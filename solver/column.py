@@ -14,8 +14,8 @@ from .errors import InputError, check_number, reading, shown
 
 FORMULATIONS = ("exact", "paper")
 INTEGRATORS = ("auto", "central-difference")
-# short cuts that can be left out, to check or to measure them
-SKIPS = ("elastic", "rest", "dashpots", "resultants", "implicit")
+# what can be left out: short cuts, to check or to measure them, and the peaks of all but ux
+SKIPS = ("elastic", "rest", "dashpots", "resultants", "implicit", "peaks")
 MAX_BLOCKS = 1000
 
 # What each numeric key may hold, whichever table it stands in: far beyond anything built, but so that nothing that is
@@ -94,7 +94,7 @@ class Settings:
     integrator: str = "auto"  # one of INTEGRATORS
     step: float = 1e-4  # s, of an integrator with a fixed step
     tolerance: float = 1e-5  # relative error of an integrator that chooses its steps
-    without: tuple[str, ...] = ()  # short cuts not to be taken, of SKIPS: a check of what they leave out
+    without: tuple[str, ...] = ()  # of SKIPS: what is not to be done
 
     def __post_init__(self) -> None:
         if isinstance(self.without, list):  # as TOML and JSON have it

@@ -33,6 +33,7 @@ from .response import Response
 from .simulate import OUTPUT_STEP, SETTLE, simulate
 from .uncertainty import PERCENTILES, Ensemble, Spread
 
+BASE_PEAKS = ("Fx", "Fz", "My"), ("kN", "kN", "kN m")
 PROGRAM = "python -m solver"
 INTERRUPTED = 130  # exit code, as of shells
 PICTURES = (".png", ".pdf", ".svg")
@@ -265,6 +266,8 @@ def _summary(response: Response) -> str:
         "block  peak |ux| (mm)",
         *(f"{i:5d}  {1e3 * peak:14.5g}" for i, peak in enumerate(response.peak_ux, start=1)),
     ]
+    if "N" in response.peaks:
+        lines += _peaks(response)
     lines.append(_verdict(response))
     if response.estimated_error is not None and response.horizon is not None:
         error = response.estimated_error
@@ -278,6 +281,22 @@ def _summary(response: Response) -> str:
     lines.append("time in " + ", ".join(f"{name.replace('_', ' ')} {stats[name]:.1%}" for name in regimes))
     lines.append(f"{stats['steps']} steps in {stats['wall_time']:.2f} s, loading or compiling the kernels included")
     return "\n".join(lines)
+
+
+def _peaks(response: Response) -> list[str]:
+    """What the joints and the base had to bear, in a table."""
+    peaks = response.peaks
+    columns = {"N": 1e-3, "|M|": 1e-3, "|T|": 1e-3, "sigma_max": 1e-6, "contact": 1.0, "friction": 1.0}
+    rows = zip(*(scale * peaks[name.strip("|")] for name, scale in columns.items()), strict=True)
+    base = ", ".join(f"|{name}| {1e-3 * peaks[name][0]:.5g} {unit}" for name, unit in zip(*BASE_PEAKS, strict=True))
+    return [
+        "joint  peak N (kN)  |M| (kN m)    |T| (kN)  pressure (MPa)  least contact     |T| / N",
+        *(
+            f"{i:5d}  {n:11.5g}  {m:10.5g}  {t:10.5g}  {sigma:14.5g}  {contact:13.5g}  {friction:10.4g}"
+            for i, (n, m, t, sigma, contact, friction) in enumerate(rows, start=1)
+        ),
+        f"peaks of the base reaction: {base}",
+    ]
 
 
 def _verdict(response: Response) -> str:

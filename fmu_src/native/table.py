@@ -33,12 +33,14 @@ from ..variables import (
     RECORD,
     RECORD_PGA,
     RECORD_SCALE,
+    VERDICT,
+    VERDICT_NOW,
     Variable,
 )
 from .machine_code import PREFIX
 
 TEXT = 256  # bytes of a String, its end included
-STATE_FORMAT = "multiblock-fmu native state 3"
+STATE_FORMAT = "multiblock-fmu native state 4"
 # input -> the input that is its slope
 SLOPES = {"base.ax": "base.jx", "base.az": "base.jz", "base.theta": "base.omega", "base.omega": "base.alpha"}
 # the base's inputs where the kernels look for them
@@ -79,6 +81,7 @@ def contract(n: int) -> str:
         "WORK": at.WORK.size(n),
         "ROW": at.ROW.size(n),
         "SPLIT": at.SPLIT.beside,
+        "PEAKS": at.PEAKS.size(n),
         "ROOM": pointers.scratch_room(n, False),
         "FIXED_STEP_ROOM": pointers.scratch_room(n, True),
         "BASE_INPUTS": len(BASE_INPUTS),
@@ -90,6 +93,9 @@ def contract(n: int) -> str:
         "STATE_TIME_FULL": at.CONTROL.fields.index("time_full"),
         "STATE_TIME_ROCKING": at.CONTROL.fields.index("time_rocking"),
         "STATE_TIME_FLIGHT": at.CONTROL.fields.index("time_flight"),
+        "STATE_PEAKS": at.STATE.size(n) - at.PEAKS.size(n),
+        "PEAK_CONTACT": n * at.OUTPUTS.fields.index("contact"),
+        "COUNT_RESTING": at.COUNTS.fields.index("resting"),
         "COUNT_OVERTURNED": at.COUNTS.fields.index("overturned"),
         "CENTRAL_DIFFERENCE": at.CENTRAL_DIFFERENCE,
         "NOT_STABLE": pointers.NOT_STABLE,
@@ -153,6 +159,11 @@ def declarations(contents: Contents) -> str:
         "FAMILY": FAMILY,
         "AT_ROW": len(INPUTS),
         "AT_SPLIT": places["base.R0x"],
+        "AT_PEAKS": places["block[1].ux_peak"],
+        "AT_VERDICT": places[VERDICT_NOW.name],
+        "VERDICT_OVERTURNED": VERDICT.items["overturned"],
+        "VERDICT_STANDING": VERDICT.items["standing"],
+        "VERDICT_UNDECIDED": VERDICT.items["undecided"],
         "AT_OVERTURN_TIME": places[OVERTURN_TIME.name],
         "AT_OVERTURN_JOINT": places[OVERTURN_JOINT.name],
         "AT_OVERTURNED": places[OVERTURNED.name],
