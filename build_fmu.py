@@ -55,11 +55,18 @@ LEFT_AT_HOME = {
     "oscillator.py",
     "wavelets.py",
     "motion_options.py",
+    "balance.py",
+    "command_files.py",
     "command_line.py",
+    "static_commands.py",
+    "static_plots.py",
+    "static_report.py",
+    "statics.py",
     "__main__.py",
     "documentation.py",
     "native",
     "pointers.py",
+    "studies",
 }  # an FMU has no use for them
 # what the slave calls, as the slave calls it; without the listings with paths and addresses of this very process
 COMPILE = """

@@ -9,9 +9,11 @@ from matplotlib.patches import Polygon
 
 from solver import Column, Motion, simulate, wavelets
 from solver.drawings import draw_column
+from solver.modes import natural_modes
 from solver.motion import STANDARD_GRAVITY
 from solver.plots import draw_ground
 from solver.record_plots import plot_records
+from solver.statics import capacity_curve
 
 HERE = Path(__file__).resolve().parent
 EXAGGERATION = 50.0
@@ -121,7 +123,15 @@ def records() -> None:
     plot_records(motions, HERE / "images" / "records.png")
 
 
+def statics() -> None:
+    """modes.png and statics.png: as `multiblock modes` and `multiblock statics` draw them."""
+    column = Column.from_toml(HERE.parent / "examples" / "columns" / "phocas-damped.toml")
+    natural_modes(column).plot(HERE / "images" / "modes.png")
+    capacity_curve(column).plot(HERE / "images" / "statics.png")
+
+
 if __name__ == "__main__":
     signs()
     phocas()
     records()
+    statics()

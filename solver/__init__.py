@@ -2,11 +2,13 @@
 
 from .column import Block, Column, Joint, Settings
 from .errors import InputError, InputWarning, SolverError
+from .many import simulate_many
 from .modes import natural_frequencies
 from .motion import Motion
 from .packing import InitialState
 from .response import Response
 from .simulate import simulate
+from .table import Table
 from .uncertainty import Spread
 
 __version__ = "0.1.0"
@@ -23,7 +25,9 @@ __all__ = [
     "Settings",
     "SolverError",
     "Spread",
+    "Table",
     "__version__",
     "natural_frequencies",
     "simulate",
+    "simulate_many",
 ]

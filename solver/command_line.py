@@ -1,4 +1,4 @@
-"""The command line of the solver: the commands `simulate`, `record` and `convert`, and how any command ends."""
+"""The command line of the solver: its commands, and how any command ends."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ import numpy as np
 
 from . import __version__, column_report
 from .column import FORMULATIONS, INTEGRATORS, Column
+from .command_files import PICTURES, check_picture, check_suffix, read_column
 from .errors import InputError, InputWarning, SolverError, needing, reading
 from .files import check_outputs
 from .motion import STANDARD_GRAVITY, Motion
@@ -31,12 +32,13 @@ from .progress import ProgressLine, compile_kernels
 from .record_report import report
 from .response import Response
 from .simulate import OUTPUT_STEP, SETTLE, simulate
+from .static_commands import add_static_commands
+from .studies.command import add_command as add_study
 from .uncertainty import PERCENTILES, Ensemble, Spread
 
 BASE_PEAKS = ("Fx", "Fz", "My"), ("kN", "kN", "kN m")
 PROGRAM = "python -m solver"
 INTERRUPTED = 130  # exit code, as of shells
-PICTURES = (".png", ".pdf", ".svg")
 
 
 class OneLineParser(argparse.ArgumentParser):
@@ -105,7 +107,7 @@ def _parsed(parser: argparse.ArgumentParser, arguments: Sequence[str] | None) ->
 
 
 def add_commands(commands: argparse._SubParsersAction[OneLineParser]) -> None:
-    """Add `simulate`, `record` and `convert`."""
+    """Add `simulate`, `record`, `convert`, `modes`, `statics` and `study`."""
     run = commands.add_parser("simulate", help="response of a column to a base motion")
     run.set_defaults(command=_simulate, paths=("motion",))
     run.add_argument("column", type=Path, metavar="COLUMN.toml", help="blocks, joints and solver settings")
@@ -151,21 +153,23 @@ def add_commands(commands: argparse._SubParsersAction[OneLineParser]) -> None:
     convert.set_defaults(command=_convert, paths=("motion", "output"))
     add_motion_options(convert)
     convert.add_argument("output", type=Path, metavar="MOTION.csv", help="time,base.ax,base.az in s and m/s2")
+    add_static_commands(commands)
+    add_study(commands)
 
 
 def _simulate(options: argparse.Namespace) -> None:
     # what stands in the way of an output is said before the run, not after it
     if options.output is not None:
-        _check_suffix(options.output, ".csv")
-    _check_picture(options.plot)
-    _check_picture(options.plot_column)
+        check_suffix(options.output, ".csv")
+    check_picture(options.plot)
+    check_picture(options.plot_column)
     if options.film is not None:
         with needing("plot", "matplotlib"):
             from .drawings import check_film
         check_film(options.film)
     outputs = (options.output, options.plot, options.plot_column, options.film)
     check_outputs(outputs, (options.column, options.motion, options.vertical))
-    column = _read_column(options.column)
+    column = read_column(options.column)
     motion, lines = motion_of(options)
     compile_kernels(column)  # the report needs them too
     print(*lines, column_report.report(column, motion), sep="\n", flush=True)
@@ -211,7 +215,7 @@ def _run(column: Column, motion: Motion, duration: float | None, **options: Any)
 
 
 def _record(options: argparse.Namespace) -> None:
-    _check_picture(options.plot)
+    check_picture(options.plot)
     check_outputs((options.plot,), options.records)
     check_file_options(options.records, options)
     motions = {}
@@ -230,32 +234,13 @@ def _record(options: argparse.Namespace) -> None:
 
 
 def _convert(options: argparse.Namespace) -> None:
-    _check_suffix(options.output, ".csv")
+    check_suffix(options.output, ".csv")
     check_outputs((options.output,), (options.motion, options.vertical))
     motion, lines = motion_of(options)
     motion.to_csv(options.output)
     print("\n".join(lines), end="\n" if lines else "")
     pga = motion.pga / STANDARD_GRAVITY
     print(f"{options.output}: {len(motion.time)} samples, {motion.duration:g} s, largest acceleration {pga:.4g} g")
-
-
-def _read_column(path: Path) -> Column:
-    _check_suffix(path, ".toml")
-    return Column.from_toml(path)
-
-
-def _check_picture(path: Path | None) -> None:
-    """Raise InputError if a picture is wanted that cannot be drawn."""
-    if path is not None:
-        _check_suffix(path, *PICTURES)
-        with needing("plot", "matplotlib"):
-            import matplotlib  # noqa: F401
-
-
-def _check_suffix(path: Path, *known: str) -> None:
-    """Raise InputError unless the file's name ends in a known suffix, in either case."""
-    if path.suffix.lower() not in {suffix.lower() for suffix in known}:
-        raise InputError(f"{path}: must end in {' or '.join(known)}")
 
 
 def _summary(response: Response) -> str:

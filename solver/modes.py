@@ -1,21 +1,61 @@
-"""The column about its rest state, all joints in full contact: its natural frequencies."""
+"""The column about its rest state, all joints in full contact: natural frequencies, shapes, damping ratios."""
 
 from __future__ import annotations
 
+import csv
 import math
-from dataclasses import replace
-from typing import Any
+import os
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .column import Column
-from .errors import InputError, SolverError
-from .kernels import layout as at
-from .packing import FloatArray, InitialState, settlements
-from .stepper import Stepper
+from .errors import SolverError, needing
+from .files import whole_file
+from .packing import FloatArray
+from .still import StillColumn, undamped
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 PART = 1e-2  # of the rotation that opens a joint: how far accelerations are differenced
+
+
+@dataclass(frozen=True, eq=False)
+class Modes:
+    """The 2 n modes of a column, by frequency. Shapes (2 n, n): block 1, the top block, first.
+
+    A shape is scaled so that the largest of its ux and uz is 1 m; block i then has the rotation theta rad.
+    """
+
+    column: Column
+    frequency: FloatArray  # (2 n,) Hz, undamped, gravity included
+    damping_ratio: FloatArray  # (2 n,) of critical; dampers that couple modes are taken as if they did not
+    sways: NDArray[np.bool_]  # (2 n,) whether blocks rotate, rather than go up and down
+    ux: FloatArray  # m, top faces
+    uz: FloatArray  # m, centroids, up
+    theta: FloatArray  # rad, clockwise
+    mass_x: FloatArray  # (2 n,) kg, effective mass under horizontal motion; the rest of the mass follows the base
+    mass_z: FloatArray  # (2 n,) kg, under vertical motion
+
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
+        """Write a row for each mode: frequency, damping ratio, effective masses, shape. Raises OSError."""
+        names = ["mode", "frequency", "damping_ratio", "mass_x", "mass_z"]
+        names += [f"block[{i + 1}].{name}" for name in ("ux", "uz", "theta") for i in range(self.column.n)]
+        parts = [self.frequency[:, None], self.damping_ratio[:, None], self.mass_x[:, None], self.mass_z[:, None]]
+        rows = np.hstack([*parts, self.ux, self.uz, self.theta])
+        with whole_file(path) as partial, open(partial, "w", newline="", encoding="utf-8") as file:
+            writer = csv.writer(file)
+            writer.writerow(names)
+            writer.writerows([[k, *map(repr, map(float, row))] for k, row in enumerate(rows, start=1)])
+
+    def plot(self, path: str | os.PathLike[str] | None = None, most: int = 6) -> Figure:
+        """Draw the first `most` shapes; saved to `path` if given. Raises InputError without matplotlib, OSError."""
+        with needing("plot", "matplotlib"):
+            from .static_plots import plot_modes
+        return plot_modes(self, path, most)
 
 
 def natural_frequencies(column: Column, formulation: str | None = None) -> FloatArray:
@@ -23,38 +63,49 @@ def natural_frequencies(column: Column, formulation: str | None = None) -> Float
 
     Raises InputError without gravity, which leaves the joints open at rest; SolverError if the rest state is unstable.
     """
+    still = StillColumn(undamped(column.with_settings(formulation=formulation)))
+    return np.sort(_frequencies(np.linalg.eigvals(still.stiffness(still.rest, PART))))
+
+
+def natural_modes(column: Column, formulation: str | None = None) -> Modes:
+    """Frequencies, shapes, damping ratios and effective masses about rest. Raises as `natural_frequencies` does."""
     column = column.with_settings(formulation=formulation)
-    if column.g == 0.0:
-        raise InputError("g = 0.0: must be positive for joints that are in contact at rest")
-    squares = _frequency_squares(column, settlements(column))
+    still, damped = StillColumn(undamped(column)), StillColumn(column)
+    n, rest, blocks = column.n, still.rest, still.blocks
+    squares, vectors = np.linalg.eig(still.stiffness(rest, PART))
+    frequency = _frequencies(squares)
+    order = np.argsort(frequency, kind="stable")
+    frequency, vectors = frequency[order], vectors[:, order].real
+    damping = np.linalg.solve(vectors, damped.damping(rest, PART) @ vectors)
+    ux, uz, theta = (np.empty((2 * n, n)) for _ in range(3))
+    for k in range(2 * n):
+        step = PART * vectors[:, k] / np.max(np.abs(vectors[:, k]) / still.sizes)
+        ahead, behind = still.row(rest + step).joints, still.row(rest - step).joints
+        shape = np.array([getattr(ahead, name) - getattr(behind, name) for name in ("ux", "uz", "theta")])
+        # what is of the second order in one direction cancels, or is rounding
+        largest = shape[:2].flat[np.argmax(np.abs(shape[:2]))]
+        ux[k], uz[k], theta[k] = shape / largest
+        vectors[:, k] *= 2.0 * PART / np.max(np.abs(vectors[:, k]) / still.sizes) / largest
+    # of a base that accelerates by 1 m/s2: how much of each mode, and the inertia force of that mode
+    along = -np.linalg.solve(vectors, still.accelerations(rest, 1.0) - still.accelerations(rest, 0.0))
+    upwards = -np.linalg.solve(vectors, still.accelerations(rest, 0.0, az=1.0) - still.accelerations(rest, 0.0))
+    sway = ux - (blocks.height - blocks.centroid) * theta  # of the centroids
+    return Modes(
+        column,
+        frequency,
+        np.maximum(np.diag(damping), 0.0) / (4.0 * math.pi * frequency) + 0.0,  # no minus before zero
+        np.max(np.abs(ux), axis=1) > np.max(np.abs(uz), axis=1),
+        ux,
+        uz,
+        theta,
+        along * (sway @ blocks.mass),
+        upwards * (uz @ blocks.mass),
+    )
+
+
+def _frequencies(squares: NDArray[Any]) -> FloatArray:
+    """Hz, from eigenvalues of M^-1 K, 1/s2. Raises SolverError."""
     if np.min(squares.real) <= 0.0:
         raise SolverError("the rest state is not stable: the joints are too soft for the weight above them")
-    frequencies: FloatArray = np.sort(np.sqrt(squares.real)) / (2.0 * math.pi)
-    return frequencies
-
-
-def _frequency_squares(column: Column, compression: FloatArray) -> NDArray[Any]:
-    """Eigenvalues of M^-1 K, 1/s2, from central differences of the undamped accelerations at that compression, m."""
-    n = column.n
-    undamped = replace(column, blocks=tuple(replace(b, joint=replace(b.joint, damping=0.0)) for b in column.blocks))
-    stepper = Stepper(undamped.with_settings(integrator="auto"), InitialState(opening=-compression))
-    blocks = stepper.model.blocks
-    phase = stepper.state.phase
-    between = at.WORK.see(stepper.arrays.work, n).between
-    tilt = PART * float(np.min(2.0 * compression / blocks.width))
-    rows = [*((phase.theta, k, blocks.turn_size[k]) for k in range(n))]
-    rows += [*((phase.opening, k, blocks.open_size[k]) for k in range(n))]
-
-    def accelerations(row: FloatArray, k: int, change: float) -> FloatArray:
-        kept = row[k]
-        row[k] += change
-        stepper.observe(0.0)
-        row[k] = kept
-        return np.concatenate([between.theta_acceleration, between.opening_acceleration])
-
-    stiffness = np.zeros((2 * n, 2 * n))
-    for column_of, (row, k, size) in enumerate(rows):
-        change = tilt * size
-        difference = accelerations(row, k, change) - accelerations(row, k, -change)
-        stiffness[:, column_of] = -difference / (2.0 * change)
-    return np.asarray(np.linalg.eigvals(stiffness))
+    found: FloatArray = np.sqrt(squares.real) / (2.0 * math.pi)
+    return found

@@ -21,15 +21,21 @@ def check_rest(column: Column, from_rest: bool = True) -> None:
 
     Raises InputError if a run is to start `from_rest` and that rest is not stable.
     """
-    if from_rest and not is_stable(column):
+    if from_rest:
+        check_stable(column)
+    for doubt in doubts(column):
+        warnings.warn(doubt, InputWarning, stacklevel=3)
+
+
+def check_stable(column: Column) -> None:
+    """Raise InputError if the rest under gravity is not stable."""
+    if not is_stable(column):
         i = int(np.argmax(settlements(column))) + 1
         raise InputError(
             f"{column.name} cannot stand: its rest under gravity is not stable, the joints are too soft for the weight "
             f"above them (block[{i}].joint.stiffness = {column.blocks[i - 1].joint.stiffness:g} settles by "
             f"{settlements(column)[i - 1]:.3g} m); {UNITS_OF_STIFFNESS}"
         )
-    for doubt in doubts(column):
-        warnings.warn(doubt, InputWarning, stacklevel=3)
 
 
 def doubts(column: Column) -> list[str]:

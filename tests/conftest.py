@@ -1,9 +1,15 @@
 """Fixtures shared by the tests."""
 
+import signal
 from pathlib import Path
 
 import pytest
 from fmus import ROOT, Fmus
+
+
+def pytest_configure() -> None:
+    """Whatever started the tests: a shell's background job hands on SIGINT as ignored, and a child would ignore it."""
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.fixture(scope="session")

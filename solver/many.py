@@ -1,0 +1,392 @@
+"""Many runs: any mixture of columns and motions, in threads or wherever an executor takes them, in one table."""
+
+from __future__ import annotations
+
+import itertools
+import math
+import os
+import queue
+import sys
+import time as clock
+import warnings
+from collections import Counter
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from concurrent.futures import BrokenExecutor, CancelledError, ThreadPoolExecutor
+from dataclasses import dataclass, field
+from threading import Event
+from typing import Any
+
+from .column import Column
+from .errors import POSITIVE, InputError, InputWarning, SolverError, check_number, shown
+from .motion import Motion
+from .runs import KEPT, Chunk, Made, Run, make_runs
+from .table import Table, joined
+
+SETTLE = 10.0  # s, where none is asked for
+
+CHUNK_SECONDS = 2.0  # of the clock: what is sent out at once
+FIRST_SECONDS = 0.2  # of the first chunks, whose cost is guessed
+FIRST_COST = 2e-4  # s for a block and a second of motion, by itself; less in lanes
+MOST_SAMPLES = 2**20  # of the records in a chunk, so that memory does not grow with the number of runs
+LEAST_RUNS = 16  # in a chunk: lanes are refilled
+TRIES = 3  # of a chunk whose worker died
+LISTEN = 0.05  # s between two looks whether somebody interrupts
+MOST_NOTED = 100  # failures that are told one by one
+
+Callback = Callable[[int, int | None], object]
+
+
+class ExecutorError(SolverError):
+    """An executor failed. `finished`: tables of the runs that were made, neighbours each; `first` says which."""
+
+    finished: Sequence[Table] = ()
+
+
+def simulate_many(
+    columns: Column | Iterable[Column],
+    motions: Motion | Iterable[Motion],
+    *,
+    duration: float | Iterable[float | None] | None = None,
+    tolerance: float | Iterable[float | None] | None = None,
+    keep: Sequence[str] = ("peak_ux", "verdict"),
+    executor: Any = None,
+    threads: int | None = None,
+    settle: float = SETTLE,
+    responses: Collection[int] = (),
+    callback: Callback | None = None,
+) -> Table:
+    """Runs of column k under motion k, each from rest, as a table with a row for each.
+
+    columns, motions, duration (s; None: that of the motion), tolerance (relative to the peak; None: that of the
+    column): one for all runs, or one for each run. They may differ in everything. What is iterated is taken as it is
+    needed, so that memory does not grow with the number of runs, but for the table.
+    keep: what the table shall hold, names of runs.KEPT.
+    executor: anything with `submit`, such as a process pool or a client of Dask; None: threads of this process, as many
+    as `threads` or as it has cores.
+    settle: as in `simulate`. responses: numbers of runs of which the whole Response is kept, in `table.responses`.
+    callback: called as callback(runs done, runs in all or None) as they end; what it raises ends `simulate_many`.
+
+    The numbers are the same, bit for bit, whatever the threads, workers and the order. A run that the solver cannot
+    finish is "undecided", its numbers are NaN and `table.stats["failures"]` says why.
+    Raises InputError for a wrong value, ExecutorError where the executor fails. Warns as `simulate`, once for all.
+    """
+    summary = Summary()
+    parts: list[Table] = []
+    try:
+        for part in parts_of_many(
+            columns,
+            motions,
+            duration=duration,
+            tolerance=tolerance,
+            keep=keep,
+            executor=executor,
+            threads=threads,
+            settle=settle,
+            responses=responses,
+            callback=callback,
+            summary=summary,
+        ):
+            parts.append(part)
+    except ExecutorError as lost:
+        lost.finished = parts
+        raise
+    parts.sort(key=lambda part: part.first)
+    table = joined(parts)
+    table.stats = summary.as_dict()
+    return table
+
+
+def parts_of_many(
+    columns: Column | Iterable[Column],
+    motions: Motion | Iterable[Motion],
+    *,
+    duration: float | Iterable[float | None] | None = None,
+    tolerance: float | Iterable[float | None] | None = None,
+    keep: Sequence[str] = ("peak_ux", "verdict"),
+    executor: Any = None,
+    threads: int | None = None,
+    settle: float = SETTLE,
+    responses: Collection[int] = (),
+    callback: Callback | None = None,
+    summary: Summary | None = None,
+) -> Iterator[Table]:
+    """As `simulate_many`, but yields tables of neighbouring runs as they end, in any order; `first` says which."""
+    for name in keep:
+        if name not in KEPT:
+            raise InputError(f"keep: {shown(name)}: must be of {', '.join(KEPT)}")
+    settle = 0.0 if settle == 0 else check_number("settle", settle, POSITIVE, "a positive time in s")
+    if threads is not None and (isinstance(threads, bool) or not isinstance(threads, int) or threads < 1):
+        raise InputError(f"threads = {shown(threads)}: must be a number of threads, at least 1")
+    total, runs = _runs(columns, motions, duration, tolerance)
+    summary = Summary() if summary is None else summary
+    pace = Pace(total)
+    chunks = _chunks(runs, pace, tuple(dict.fromkeys(keep)), settle, frozenset(responses))
+    if executor is not None:
+        workers = _workers_of(executor)
+        made = _sent_out(chunks, lambda chunk: executor.submit(make_runs, chunk), pace, workers)
+        yield from _noted(made, summary, total, callback)
+        return
+    workers = threads or _cores()
+    stop = Event()
+    pool = ThreadPoolExecutor(workers, thread_name_prefix="runs")
+    try:
+        made = _sent_out(chunks, lambda chunk: pool.submit(make_runs, chunk, stop.is_set), pace, workers)
+        yield from _noted(made, summary, total, callback)
+    finally:
+        stop.set()
+        pool.shutdown(wait=True, cancel_futures=True)
+
+
+# --- what is given
+
+
+def _runs(columns: Any, motions: Any, durations: Any, tolerances: Any) -> tuple[int | None, Iterator[Run]]:
+    """How many runs, if that is known, and one after the other. Raises InputError for lengths that differ."""
+    given = {"columns": columns, "motions": motions, "duration": durations, "tolerance": tolerances}
+    several = {key: value for key, value in given.items() if _is_several(key, value)}
+    lengths = {key: len(value) for key, value in several.items() if hasattr(value, "__len__")}
+    if len(set(lengths.values())) > 1:
+        listed = ", ".join(f"{count} {key}" for key, count in lengths.items())
+        raise InputError(f"{listed}: must be as many of each, or a single one for all runs")
+    total = next(iter(lengths.values()), None) if several else 1
+    return total, _iterated(given, several, total)
+
+
+def _is_several(key: str, value: Any) -> bool:
+    single = {"columns": Column, "motions": Motion}.get(key, (int, float))
+    if value is None or isinstance(value, single):
+        if value is None and key in ("columns", "motions"):
+            raise InputError(f"{key} = None: must be one for all runs, or one for each")
+        return False
+    if not isinstance(value, Iterable):
+        raise InputError(f"{key} = {shown(value)}: must be one for all runs, or one for each")
+    return True
+
+
+def _iterated(given: dict[str, Any], several: dict[str, Any], total: int | None) -> Iterator[Run]:
+    sources = [iter(several[key]) if key in several else itertools.repeat(given[key]) for key in given]
+    settled: tuple[Column | None, float | None, Column | None] = (None, None, None)
+    for k in itertools.count() if several else range(1):
+        values = []
+        for key, source in zip(given, sources, strict=True):
+            try:
+                values.append(next(source))
+            except StopIteration:
+                ended = key
+                break
+        else:
+            column, motion, duration, tolerance = values
+            if settled[0] is not column or settled[1] != tolerance:
+                settled = (column, tolerance, _with_tolerance(k, column, tolerance))
+            made = settled[2]
+            if not isinstance(motion, Motion):
+                raise InputError(f"motions[{k}] = {shown(motion)}: must be a Motion")
+            span = motion.duration if duration is None else duration
+            assert made is not None
+            yield Run(made, motion, check_number(f"duration[{k}]", span, POSITIVE, "a positive time in s"))
+            continue
+        _check_all_end(ended, k, given, several, sources, values)
+        return
+
+
+def _check_all_end(
+    ended: str, k: int, given: dict[str, Any], several: dict[str, Any], sources: list[Any], values: list[Any]
+) -> None:
+    """Raise InputError unless all that is iterated ends where the first one, named `ended`, did."""
+    keys = list(given)
+    longer = [key for key in keys[: len(values)] if key in several]
+    longer += [
+        key
+        for key, source in zip(keys[len(values) + 1 :], sources[len(values) + 1 :], strict=True)
+        if key in several and next(source, several) is not several
+    ]
+    if longer:
+        raise InputError(f"{ended}: ends after {k}, {longer[0]} does not: must be as many of each")
+
+
+def _with_tolerance(k: int, column: Any, tolerance: Any) -> Column:
+    if not isinstance(column, Column):
+        raise InputError(f"columns[{k}] = {shown(column)}: must be a Column")
+    if tolerance is None:
+        return column
+    try:
+        return column.with_settings(tolerance=tolerance)
+    except InputError as error:
+        raise InputError(f"tolerance[{k}]: {error}") from None
+
+
+# --- in chunks
+
+
+class Pace:
+    """How many runs make a chunk of about two seconds."""
+
+    def __init__(self, total: int | None) -> None:
+        self.cost = FIRST_COST
+        self.seconds = FIRST_SECONDS
+        self.left = total
+        self.workers = 1
+
+    def size(self, runs: Iterable[Run]) -> float:
+        """What runs are thought to cost, in blocks times seconds of motion."""
+        return sum(run.column.n * run.duration for run in runs)
+
+    def learn(self, chunk: Chunk, seconds: float) -> None:
+        """Go by what the last chunk took."""
+        self.cost = max(seconds, 1e-6) / self.size(chunk.runs)
+        self.seconds = CHUNK_SECONDS
+
+    @property
+    def most(self) -> float:
+        """Runs that a chunk may have: towards the end all workers shall have some."""
+        return math.inf if self.left is None else max(LEAST_RUNS, math.ceil(self.left / (2 * self.workers)))
+
+
+def _chunks(
+    runs: Iterator[Run], pace: Pace, keep: tuple[str, ...], settle: float, whole: frozenset[int]
+) -> Iterator[Chunk]:
+    first = 0
+    taken: list[Run] = []
+    size, samples, records = 0.0, 0, set[int]()
+    for run in runs:
+        taken.append(run)
+        size += run.column.n * run.duration
+        if id(run.motion) not in records:
+            records.add(id(run.motion))
+            samples += len(run.motion.time)
+        long = size * pace.cost >= pace.seconds or samples >= MOST_SAMPLES
+        if (long and len(taken) >= LEAST_RUNS) or len(taken) >= pace.most:
+            yield _chunk(first, taken, keep, settle, whole)
+            first += len(taken)
+            if pace.left is not None:
+                pace.left -= len(taken)
+            taken, size, samples, records = [], 0.0, 0, set()
+    if taken:
+        yield _chunk(first, taken, keep, settle, whole)
+
+
+def _chunk(first: int, runs: list[Run], keep: tuple[str, ...], settle: float, whole: frozenset[int]) -> Chunk:
+    return Chunk(first, runs, keep, settle, tuple(k for k in range(len(runs)) if first + k in whole))
+
+
+def _sent_out(
+    chunks: Iterator[Chunk], submit: Callable[[Chunk], Any], pace: Pace, workers: int
+) -> Iterator[tuple[Chunk, Made]]:
+    """What comes of the chunks, as they end; one waits for each worker that has one. Raises what a chunk raises."""
+    pace.workers = workers
+    ended: queue.SimpleQueue[Any] = queue.SimpleQueue()
+    under_way: dict[Any, tuple[Chunk, int]] = {}
+
+    def send(chunk: Chunk, tries: int) -> None:
+        try:
+            future = submit(chunk)
+        except Exception as error:  # of whatever kind of executor
+            raise ExecutorError(f"the executor takes no more runs: {_said(error)}") from error
+        under_way[future] = chunk, tries
+        future.add_done_callback(ended.put)
+
+    try:
+        more = True
+        while more or under_way:
+            while more and len(under_way) < 2 * workers:
+                chunk = next(chunks, None)
+                more = chunk is not None
+                if chunk is not None:
+                    send(chunk, 1)
+            if not under_way:
+                return
+            try:
+                future = ended.get(timeout=LISTEN)
+            except queue.Empty:
+                continue
+            chunk, tries = under_way.pop(future)
+            try:
+                made = future.result()
+            except (InputError, SolverError):
+                raise
+            except (BrokenExecutor, CancelledError, OSError) as error:  # the worker died, or the way to it
+                if tries >= TRIES:
+                    raise ExecutorError(f"runs from number {chunk.first}: {_said(error)}") from error
+                send(chunk, tries + 1)
+                continue
+            except Exception as error:  # of whatever kind of executor
+                raise ExecutorError(f"runs from number {chunk.first}: {_said(error)}") from error
+            pace.learn(chunk, made[1].seconds)
+            yield chunk, made
+    finally:
+        for future in under_way:
+            future.cancel()
+
+
+def _said(error: BaseException) -> str:
+    return f"{type(error).__name__}: {error}".splitlines()[0]
+
+
+def _cores() -> int:
+    """How many cores this process may use."""
+    return len(os.sched_getaffinity(0)) if sys.platform == "linux" else os.cpu_count() or 1
+
+
+def _workers_of(executor: Any) -> int:
+    """How many chunks an executor works at."""
+    if not hasattr(executor, "submit"):
+        raise InputError(f"executor = {shown(executor)}: must have submit, as those of concurrent.futures")
+    if hasattr(executor, "nthreads"):  # a client of Dask
+        return max(1, int(sum(executor.nthreads().values())))
+    return int(getattr(executor, "_max_workers", 0)) or _cores()
+
+
+# --- what comes of it
+
+
+@dataclass
+class Summary:
+    """What `Table.stats` holds: how many runs each path made, why not all in lanes, failures, s of the clock."""
+
+    runs: int = 0
+    chunks: int = 0
+    paths: Counter[str] = field(default_factory=Counter)
+    why_scalar: Counter[str] = field(default_factory=Counter)
+    failed: int = 0
+    failures: dict[int, str] = field(default_factory=dict)
+    doubtful: int = 0
+    begin: float = field(default_factory=clock.perf_counter)
+
+    def add(self, table: Table, made: Any) -> None:
+        """Note what a chunk says of itself; the first that fail are told one by one."""
+        self.runs += len(table)
+        self.chunks += 1
+        self.paths.update(made.paths)
+        self.why_scalar.update(made.why_scalar)
+        self.failed += len(made.failures)
+        for number, failure in made.failures.items():
+            if len(self.failures) < MOST_NOTED:
+                self.failures[number] = failure
+        if made.doubts and not self.doubtful:
+            number, doubt = next(iter(made.doubts.items()))
+            warnings.warn(f"columns[{number}]: {doubt}", InputWarning, stacklevel=2)
+        self.doubtful += len(made.doubts)
+
+    def as_dict(self) -> dict[str, Any]:
+        """For `Table.stats`."""
+        return {
+            "runs": self.runs,
+            "lanes": self.paths["lanes"],
+            "scalar": self.paths["scalar"],
+            "why_scalar": dict(self.why_scalar),
+            "failed": self.failed,
+            "failures": self.failures,
+            "doubtful_columns": self.doubtful,
+            "chunks": self.chunks,
+            "wall_time": clock.perf_counter() - self.begin,
+        }
+
+
+def _noted(
+    made: Iterator[tuple[Chunk, Made]], summary: Summary, total: int | None, callback: Callback | None
+) -> Iterator[Table]:
+    for _, (table, tally) in made:
+        summary.add(table, tally)
+        if callback is not None:
+            callback(summary.runs, total)
+        yield table

@@ -1,0 +1,179 @@
+"""What one thread or process is given to do of many runs, and the rows of the table that come of it."""
+
+from __future__ import annotations
+
+import math
+import time as clock
+from collections import Counter
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .chain import Chain
+from .column import Column
+from .errors import InputError, SolverError
+from .motion import Motion
+from .packing import FloatArray
+from .response import Response
+from .rest import check_stable, doubts
+from .single_run import Callback, single_run
+from .table import Columns, Table
+from .verdict import UNDECIDED
+
+# What can be kept of a run: its type, or None for a number of each block or joint. peak_ux: largest |ux| within the
+# duration, m. residual_ux, residual_theta: where a column that has not fallen is at the end of the duration, m, rad.
+# energy: what it has then above its rest, J. overturn_time s: from the start of the motion's time, NaN while it stands.
+KEPT: dict[str, Any] = {
+    "peak_ux": None,
+    "residual_ux": None,
+    "residual_theta": None,
+    "energy": np.float64,
+    "verdict": "U10",
+    "overturn_time": np.float64,
+    "overturned_joint": np.int64,
+    "steps": np.int64,
+    "evaluations": np.int64,
+    "path": "U6",
+}
+SCALAR, LANES = "scalar", "lanes"
+OUTPUT_STEP = 0.005  # s, of a response that is kept
+
+
+class Run(NamedTuple):
+    """One run, from rest."""
+
+    column: Column
+    motion: Motion
+    duration: float  # s
+
+
+@dataclass(frozen=True)
+class Chunk:
+    """Neighbouring runs, what to keep of them, and of which, by their place, the whole response."""
+
+    first: int
+    runs: Sequence[Run]
+    keep: tuple[str, ...]
+    settle: float  # s, the longest that a column is followed after the duration
+    whole: tuple[int, ...] = ()
+
+
+@dataclass
+class Tally:
+    """How runs were made: by which path, why not in lanes; what was wrong with those that failed; s of the clock."""
+
+    paths: Counter[str] = field(default_factory=Counter)
+    why_scalar: Counter[str] = field(default_factory=Counter)
+    failures: dict[int, str] = field(default_factory=dict)
+    doubts: dict[int, str] = field(default_factory=dict)
+    seconds: float = 0.0
+
+
+Made = tuple[Table, Tally]
+
+
+class Stopped(Exception):  # noqa: N818  nothing went wrong
+    """Somebody wants no more of a chunk."""
+
+
+def make_runs(chunk: Chunk, stopped: Callable[[], bool] | None = None) -> Made:
+    """Make the runs of a chunk, in one thread. Raises InputError, and Stopped once `stopped()` is true."""
+    begin = clock.perf_counter()
+    tally = Tally()
+    check_columns(chunk, tally)
+    columns = empty_columns(chunk)
+    responses: dict[int, Response] = {}
+
+    def look(*_: object) -> None:
+        if stopped is not None and stopped():
+            raise Stopped
+
+    for place, run in enumerate(chunk.runs):
+        look()
+        failure = _alone(run, chunk, columns, place, look)
+        if failure:
+            tally.failures[chunk.first + place] = failure
+        tally.paths[SCALAR] += 1
+        if place in chunk.whole and not failure:
+            responses[chunk.first + place] = _response(run, chunk.settle, look)
+    tally.seconds = clock.perf_counter() - begin
+    return Table(columns, responses=responses, first=chunk.first), tally
+
+
+def check_columns(chunk: Chunk, tally: Tally) -> None:
+    """Note what is probably not meant. Raises InputError for a column that cannot stand."""
+    seen: set[int] = set()
+    for place, run in enumerate(chunk.runs):
+        if id(run.column) in seen:
+            continue
+        seen.add(id(run.column))
+        try:
+            check_stable(run.column)
+        except InputError as error:
+            raise InputError(f"columns[{chunk.first + place}]: {error}") from None
+        for doubt in doubts(run.column):
+            tally.doubts[chunk.first + place] = doubt
+
+
+def empty_columns(chunk: Chunk) -> Columns:
+    """Columns for all the runs of a chunk, of what a run has that failed."""
+    count, most = len(chunk.runs), max(run.column.n for run in chunk.runs)
+    columns: Columns = {}
+    for name in chunk.keep:
+        kind = KEPT[name]
+        shape = (count, most) if kind is None else (count,)
+        columns[name] = np.zeros(shape, dtype=kind or np.float64)
+        if columns[name].dtype.kind == "f":
+            columns[name][:] = math.nan
+    if "verdict" in columns:
+        columns["verdict"][:] = UNDECIDED
+    if "path" in columns:
+        columns["path"][:] = SCALAR
+    return columns
+
+
+def _response(run: Run, settle: float, look: Callback) -> Response:
+    """All of a run, with the rows of `simulate`."""
+    count = math.floor(run.duration / OUTPUT_STEP + 1e-9) + 1
+    times = run.motion.start + OUTPUT_STEP * np.arange(count, dtype=np.float64)
+    response, _ = single_run(run.column, run.motion, run.duration, times, None, settle, look)
+    response.motion = run.motion
+    return response
+
+
+def _alone(run: Run, chunk: Chunk, columns: Columns, place: int, look: Callback) -> str:
+    """Make one run by itself into the columns. Returns what went wrong, or nothing."""
+    end = np.array([run.motion.start + run.duration])
+    try:
+        response, phases = single_run(run.column, run.motion, run.duration, end, None, chunk.settle, look)
+    except SolverError as failure:
+        return str(failure)
+    stands = not response.overturn_time <= end[0]
+    for name, values in columns.items():
+        values[place, ...] = _padded(_value(name, run.column, response, phases[0], stands), values[place])
+    return ""
+
+
+def _padded(value: Any, like: NDArray[Any]) -> Any:
+    if np.ndim(value) == 0 or len(value) == len(like):
+        return value
+    return np.concatenate([value, np.full(len(like) - len(value), math.nan)])
+
+
+def _value(name: str, column: Column, response: Response, phase: FloatArray, stands: bool) -> Any:
+    """What is kept under a name of a run that ends with this phase, (4 n,), and stands then or not."""
+    if name == "path":
+        return SCALAR
+    if name in ("steps", "evaluations"):
+        return response.stats[name]
+    if name in ("residual_ux", "residual_theta", "energy"):
+        if not stands:
+            return math.nan
+        chain = Chain(column)
+        if name == "energy":
+            return chain.energy(phase)
+        return chain.top_displacements(phase) if name == "residual_ux" else chain.places(phase).theta
+    return getattr(response, name)

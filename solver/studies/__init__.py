@@ -1,0 +1,28 @@
+"""Studies: many runs of columns and motions that differ by a plan, in one table."""
+
+from .definition import Random, Study
+from .distributions import Distribution
+from .execution import StudyError, run_study
+from .motions import Measure, Shaking
+from .results import Results
+from .standard import fragility, ida, montecarlo, spectrum, sweep
+from .statistics import fit_fragility, ida_curves, influences
+
+__all__ = [
+    "Distribution",
+    "Measure",
+    "Random",
+    "Results",
+    "Shaking",
+    "Study",
+    "StudyError",
+    "fit_fragility",
+    "fragility",
+    "ida",
+    "ida_curves",
+    "influences",
+    "montecarlo",
+    "run_study",
+    "spectrum",
+    "sweep",
+]

@@ -1,0 +1,52 @@
+"""What a worker does: some runs of a study by their numbers, and the rows that come of them. It keeps nothing."""
+
+from __future__ import annotations
+
+import time as clock
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+from ..errors import InputError
+from ..rest import check_stable
+from ..runs import Chunk, make_runs
+from .definition import Planned, Study
+
+SETTLE = 10.0  # s, as `simulate`
+FAILED = "failed"
+
+
+class Made(NamedTuple):
+    """Rows [number, values of what is varied, measures, outputs, why it failed], and how long they took, s."""
+
+    rows: list[list[Any]]
+    seconds: float
+
+
+def make(study: Study, numbers: Sequence[int]) -> Made:
+    """Make the runs of these numbers, in one thread. What comes of a run does not depend on the others."""
+    begin = clock.perf_counter()
+    ready: list[tuple[int, Planned]] = []
+    rows: list[list[Any]] = []
+    for number in numbers:
+        values = study.values(number)
+        try:
+            planned = study.run(number)
+            check_stable(planned.run.column)
+        except InputError as error:  # of numbers that were drawn: the others are to go on
+            rows.append([number, list(values.values()), [None] * len(study.measured), None, str(error)])
+            continue
+        ready.append((number, planned))
+    if ready:
+        table, tally = make_runs(Chunk(0, [planned.run for _, planned in ready], study.keep, SETTLE))
+        outputs = {name: table[name].tolist() for name in study.keep}
+        for place, (number, (run, values, measures)) in enumerate(ready):
+            found = {name: _own(column[place], run.column.n) for name, column in outputs.items()}
+            failure = tally.failures.get(place, "")
+            rows.append([number, list(values.values()), list(measures.values()), found, failure])
+    rows.sort(key=lambda row: row[0])
+    return Made(rows, clock.perf_counter() - begin)
+
+
+def _own(value: Any, blocks: int) -> Any:
+    """What is kept of a run, without the blocks that it does not have."""
+    return value[:blocks] if isinstance(value, list) else value

@@ -1,0 +1,66 @@
+"""Dask distributed as an executor: a cluster that exists, or workers of this machine to try with."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from importlib import import_module
+from types import TracebackType
+from typing import Any
+
+from ..errors import InputError, needing
+
+LOCAL = "local"
+CONNECT = "20s"  # patience for the scheduler
+
+
+class Cluster:
+    """An executor for `run_study`, to be used as a context. address: tcp://HOST:PORT of a scheduler, or "local".
+
+    What every chunk needs travels once to each worker (`carry`). A chunk whose worker dies is done again by another.
+    Needs the extra `dask`. Raises InputError if it is not installed or nobody answers.
+    """
+
+    def __init__(self, address: str = LOCAL, workers: int | None = None) -> None:
+        with needing("dask", "distributed", "dask"):
+            distributed: Any = import_module("distributed")
+        try:
+            if address == LOCAL:
+                self._client: Any = distributed.Client(
+                    n_workers=workers, threads_per_worker=1, dashboard_address=None, set_as_default=False
+                )
+            else:
+                self._client = distributed.Client(address, timeout=CONNECT, set_as_default=False)
+        except (OSError, ValueError, TimeoutError) as error:
+            raise InputError(f"--dask {address}: no scheduler answers: {error}") from error
+        self.address = address
+
+    @property
+    def workers(self) -> int:
+        """Chunks that are worked at at once."""
+        return max(1, int(sum(self._client.nthreads().values())))
+
+    def carry(self, thing: Any) -> Any:
+        """Send what every chunk needs; returns what stands for it in `submit`."""
+        return self._client.scatter(thing, broadcast=True, hash=False)
+
+    def submit(self, function: Callable[..., Any], *arguments: Any) -> Any:
+        """A future of Dask."""
+        return self._client.submit(function, *arguments, pure=False, retries=2)
+
+    def lost(self) -> str:
+        """Why nothing will come back any more; empty while something may."""
+        if self._client.status == "running":
+            return ""
+        return f"the scheduler at {self.address} has gone ({self._client.status})"
+
+    def close(self) -> None:
+        """Leave the cluster; workers that were started here end."""
+        self._client.close(timeout=5)
+
+    def __enter__(self) -> Cluster:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()

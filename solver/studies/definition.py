@@ -1,0 +1,411 @@
+"""A study: columns, motions and what is varied; every run of it follows from its number.
+
+The runs are numbered column by column, motion by motion, through the grid (its last name changes fastest), and sample
+by sample of the random parameters, which are the same samples at every point of the grid.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+import os
+import tomllib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import __version__
+from ..column import Column
+from ..errors import FINITE, POSITIVE, InputError, check_number, needing, reading, shown
+from ..kernels.jit import SOURCES
+from ..motion import Motion
+from ..runs import Run
+from .distributions import Distribution
+from .motions import Measure, Shaking, tilted
+from .parameters import column_with, is_of_column, single_names
+
+FloatArray = NDArray[np.float64]
+
+KINDS = ("sweep", "ida", "fragility", "spectrum", "montecarlo")
+SAMPLINGS = ("latin-hypercube", "sobol", "random")
+INTENSITY = "intensity"
+MOST_RUNS = 10**8
+_SIMPLE = ("samples", "sampling", "seed", "tolerance", "duration", "limit")
+_TEXTS = ("name", "kind", "sampling")
+_KEYS = (
+    *("name", "kind", "column", "columns", "motion", "grid", "random", "intensity", "samples", "sampling", "seed"),
+    *("keep", "tolerance", "duration", "limit"),
+)
+_BESIDE = ("relative", "each")
+
+
+@dataclass(frozen=True)
+class Random:
+    """A random parameter: its distribution; whether it multiplies what is there, and whether each block has its own."""
+
+    distribution: Distribution
+    relative: bool = False
+    each: bool = False
+
+    @classmethod
+    def from_table(cls, key: str, table: object) -> Random:
+        """Read {distribution = ..., relative = true, each = true}. Raises InputError."""
+        if not isinstance(table, Mapping):
+            raise InputError(f"{key} = {shown(table)}: must be a table with distribution and its numbers")
+        for name in _BESIDE:
+            if not isinstance(table.get(name, False), bool):
+                raise InputError(f"{key}.{name} = {shown(table[name])}: must be true or false")
+        numbers = {name: value for name, value in table.items() if name not in _BESIDE}
+        return cls(Distribution.from_table(key, numbers), table.get("relative", False), table.get("each", False))
+
+    def to_table(self) -> dict[str, Any]:
+        """What `from_table` turns into this very parameter."""
+        return {**self.distribution.to_table(), "relative": self.relative, "each": self.each}
+
+
+class Planned(NamedTuple):
+    """One run of a study, ready to go, and what it was made from."""
+
+    run: Run
+    values: dict[str, float]  # of what is varied
+    measures: dict[str, float]  # of the motion as it is run: pga g, pgv m/s, sa g
+
+
+@dataclass(frozen=True, eq=False)
+class Study:
+    """What is run, and how the runs differ; see the module. Raises InputError on what does not go together.
+
+    grid: name -> values. random: name -> parameter. Names are those of parameters.py, `motion.KEY` of a number of the
+    motions, and `intensity`: the value of `measure` that the motion is scaled to. samples: of the random parameters, by
+    `sampling`. keep: outputs of `simulate_many`. duration: s, of every run; None: that of its motion. limit: m, top
+    displacement that counts as failure beside overturning; None: overturning alone.
+    """
+
+    name: str
+    kind: str
+    columns: tuple[Column, ...]
+    motions: tuple[Shaking, ...]
+    grid: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
+    random: Mapping[str, Random] = field(default_factory=dict)
+    measure: Measure | None = None
+    samples: int = 1
+    sampling: str = SAMPLINGS[0]
+    seed: int = 0
+    keep: tuple[str, ...] = ("peak_ux", "verdict")
+    tolerance: float | None = None
+    duration: float | None = None
+    limit: float | None = None
+
+    def __post_init__(self) -> None:
+        _check_choice("kind", self.kind, KINDS)
+        _check_choice("sampling", self.sampling, SAMPLINGS)
+        if not self.columns or not self.motions:
+            raise InputError("column, motion: must be one of each at least")
+        for key, least in (("samples", 1), ("seed", 0)):
+            value = getattr(self, key)
+            if isinstance(value, bool) or not isinstance(value, int) or value < least:
+                raise InputError(f"{key} = {shown(value)}: must be a whole number, at least {least}")
+        for key in ("duration", "limit"):
+            if getattr(self, key) is not None:
+                check_number(key, getattr(self, key), POSITIVE, "a positive number")
+        if self.tolerance is not None:  # checked as the columns' own
+            self.columns[0].with_settings(tolerance=self.tolerance)
+        self._check_names()
+        if self.runs > MOST_RUNS:
+            raise InputError(f"samples: {self.runs} runs in all, must be at most {MOST_RUNS}")
+
+    def _check_names(self) -> None:
+        twice = set(self.grid) & set(self.random)
+        if twice:
+            raise InputError(f"random.{min(twice)}: must not be in the grid too")
+        known = set.intersection(*(Shaking.numbers_of(shaking.formula) for shaking in self.motions))
+        for name in (*self.grid, *self.random):
+            if name == INTENSITY:
+                if self.measure is None:
+                    raise InputError(f"intensity.measure: missing, {INTENSITY} is varied")
+            elif name.startswith("motion."):
+                if name.removeprefix("motion.") not in known:
+                    listed = ", ".join(f"motion.{item}" for item in sorted(known))
+                    raise InputError(f"{name}: unknown name, the motions have {listed}")
+            elif not is_of_column(name):
+                raise InputError(f"{name}: unknown name, must be of the column as joint.stiffness or block[1].height")
+        for name, values in self.grid.items():
+            if not values:
+                raise InputError(f"grid.{name}: is empty, must be a list of numbers")
+        if not self.random and self.samples != 1:
+            raise InputError(f"samples = {self.samples}: must be 1 where nothing is random")
+        for name, parameter in self.random.items():
+            if parameter.each and len({column.n for column in self.columns}) > 1:
+                raise InputError(f"random.{name}.each: must be left out for columns of different numbers of blocks")
+
+    # what is run
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Numbers of columns, motions, values of each name of the grid, samples; its product is the number of runs."""
+        return (len(self.columns), len(self.motions), *(len(values) for values in self.grid.values()), self.samples)
+
+    @property
+    def runs(self) -> int:
+        """Number of runs."""
+        return math.prod(self.shape)
+
+    @property
+    def blocks(self) -> int:
+        """Largest number of blocks of a column."""
+        return max(column.n for column in self.columns)
+
+    @property
+    def varied(self) -> tuple[str, ...]:
+        """Names of the numbers that make a run, one each: `column` and `motion` are counted from 0."""
+        names = ["column", "motion", *self.grid]
+        for name, parameter in self.random.items():
+            names += single_names(name, self.blocks) if parameter.each else [name]
+        return tuple(names)
+
+    @property
+    def measured(self) -> tuple[str, ...]:
+        """Names of the measures of a motion that are kept."""
+        return ("pga", "pgv") if self.measure is None or self.measure.name != "sa" else ("pga", "pgv", "sa")
+
+    def run(self, number: int) -> Planned:
+        """The run of a number, from 0. Raises InputError where a value does not suit the column or the motion."""
+        values = self.values(number)
+        column = self.columns[int(values["column"])]
+        numbers = {}
+        for name, value in values.items():
+            if name not in ("column", "motion", INTENSITY) and not name.startswith("motion."):
+                numbers[name] = value, self._relative(name)
+        column = column_with(column, numbers).with_settings(tolerance=self.tolerance)
+        motion, measures = self._shaken(values)
+        duration = motion.duration
+        if self.duration is not None:
+            lead = motion.duration - self._base(values).duration
+            duration = self.duration + lead
+        return Planned(Run(column, motion, duration), values, measures)
+
+    def values(self, number: int) -> dict[str, float]:
+        """What is varied, by name, for a run."""
+        place = np.unravel_index(number, self.shape)
+        values = {"column": float(place[0]), "motion": float(place[1])}
+        for (name, items), k in zip(self.grid.items(), place[2:-1], strict=True):
+            values[name] = items[int(k)]
+        drawn = self._drawn()[int(place[-1])].tolist()
+        values.update(zip(self.varied[len(values) :], drawn, strict=True))
+        return values
+
+    def _relative(self, name: str) -> bool:
+        parameter = self.random.get(name) or self.random.get(_without_number(name))
+        return parameter is not None and parameter.relative
+
+    def _drawn(self) -> FloatArray:
+        """Values of the random parameters, (samples, numbers)."""
+        return _drawn(tuple(self.random.items()), self.blocks, self.samples, self.sampling, self.seed)
+
+    def _base(self, values: Mapping[str, float]) -> Motion:
+        return _base(self, int(values["motion"]), self._numbers(values), self._unit(values))[0]
+
+    def _numbers(self, values: Mapping[str, float]) -> tuple[tuple[str, float], ...]:
+        shaking = self.motions[int(values["motion"])]
+        found = []
+        for name, value in values.items():
+            if name.startswith("motion."):
+                key = name.removeprefix("motion.")
+                if self._relative(name):
+                    if key not in shaking.numbers and key != "scale":
+                        raise InputError(f"{name}: {shaking.name} has none that could be multiplied")
+                    value *= shaking.numbers.get(key, 1.0)
+                found.append((key, value))
+        return tuple(found)
+
+    @staticmethod
+    def _unit(values: Mapping[str, float]) -> bool:
+        return INTENSITY in values
+
+    def _shaken(self, values: Mapping[str, float]) -> tuple[Motion, dict[str, float]]:
+        shaking = self.motions[int(values["motion"])]
+        numbers = self._numbers(values)
+        base = tuple(item for item in numbers if item[0] not in ("scale", "tilt"))
+        motion, measures = _base(self, int(values["motion"]), base, self._unit(values))
+        given = {**shaking.numbers, **dict(numbers)}
+        factor = given.get("scale", 1.0)
+        if self.measure is not None and INTENSITY in values:
+            factor *= values[INTENSITY] / measures[self.measure.name]
+        motion = motion.scaled(factor)
+        size = abs(factor)
+        return tilted(motion, given.get("tilt", 0.0)), {name: size * value for name, value in measures.items()}
+
+    # what it is known by
+
+    def to_dict(self) -> dict[str, Any]:
+        """All that the results depend on, as plain numbers, texts, lists and dicts."""
+        return {
+            "name": self.name,
+            "kind": self.kind,
+            "columns": [column.to_dict() for column in self.columns],
+            "motions": [{**shaking.to_table(), "samples": _digest(shaking.record)} for shaking in self.motions],
+            "grid": {name: list(values) for name, values in self.grid.items()},
+            "random": {name: parameter.to_table() for name, parameter in self.random.items()},
+            "intensity": None if self.measure is None else self.measure.to_table(),
+            **{key: getattr(self, key) for key in _SIMPLE},
+            "keep": list(self.keep),
+        }
+
+    @property
+    def fingerprint(self) -> str:
+        """Tells whether results are of this very study."""
+        text = json.dumps(self.to_dict(), sort_keys=True)
+        return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+    @classmethod
+    def from_toml(cls, path: str | os.PathLike[str]) -> Study:
+        """Read a study; paths in it are relative to its folder. Raises InputError that begins with `path`."""
+        with reading(path), open(path, "rb") as file:
+            return cls.from_dict(tomllib.load(file), Path(path).parent)
+
+    @classmethod
+    def from_dict(cls, data: Mapping[str, Any], folder: str | os.PathLike[str] = ".") -> Study:
+        """Build a study from the mapping that a TOML file holds (docs/studies.md). Raises InputError."""
+        for key in data:
+            if key not in _KEYS:
+                raise InputError(f"{key}: unknown key, must be one of {', '.join(_KEYS)}")
+        for key in ("name", "kind"):
+            if key not in data:
+                raise InputError(f"{key}: missing, must be a text")
+        for key in _TEXTS:
+            if not isinstance(data.get(key, ""), str):
+                raise InputError(f"{key} = {shown(data[key])}: must be a text")
+        tables = data.get("motion", [])
+        if not isinstance(tables, list) or not tables or not all(isinstance(table, Mapping) for table in tables):
+            raise InputError("motion: must be one table [[motion]] for each motion")
+        simple = {key: data[key] for key in _SIMPLE if key in data}
+        if "keep" in data:
+            simple["keep"] = tuple(_texts("keep", data["keep"]))
+        return cls(
+            name=data["name"],
+            kind=data["kind"],
+            columns=tuple(Column.from_toml(Path(folder) / path) for path in _column_paths(data)),
+            motions=tuple(
+                Shaking.from_table(f"motion[{k}]", table, Path(folder)) for k, table in enumerate(tables, start=1)
+            ),
+            grid={name: axis(f"grid.{name}", values) for name, values in _table("grid", data).items()},
+            random={name: Random.from_table(f"random.{name}", table) for name, table in _table("random", data).items()},
+            measure=Measure.from_table(_table("intensity", data)) if "intensity" in data else None,
+            **simple,
+        )
+
+    def with_runs(self, samples: int) -> Study:
+        """The study with another number of samples of its random parameters."""
+        return replace(self, samples=samples)
+
+
+def versions() -> dict[str, str]:
+    """What the numbers depend on beside the study: results of other versions are not to be mixed with."""
+    import numba
+
+    found = {"multiblock-fmu": __version__, "kernels": SOURCES, "numpy": np.__version__, "numba": numba.__version__}
+    with needing("studies", "scipy"):
+        import scipy
+    return {**found, "scipy": scipy.__version__}
+
+
+def axis(key: str, values: object) -> tuple[float, ...]:
+    """Values of a grid: a list of numbers, or {from, to, count} with spacing = "linear" or "log". Raises InputError."""
+    if isinstance(values, Mapping):
+        for name in values:
+            if name not in ("from", "to", "count", "spacing"):
+                raise InputError(f"{key}.{name}: unknown key, must be one of from, to, count, spacing")
+        spacing = values.get("spacing", "linear")
+        _check_choice(f"{key}.spacing", spacing, ("linear", "log"))
+        limits = POSITIVE if spacing == "log" else FINITE
+        first, last = (check_number(f"{key}.{name}", values.get(name), limits, "a number") for name in ("from", "to"))
+        count = check_number(f"{key}.count", values.get("count"), (2, 1e6), "a whole number, at least 2")
+        points = np.geomspace(first, last, int(count)) if spacing == "log" else np.linspace(first, last, int(count))
+        return tuple(float(f"{value:.12g}") for value in points)
+    if not isinstance(values, Sequence) or isinstance(values, str):
+        raise InputError(f"{key} = {shown(values)}: must be a list of numbers, or a table of from, to and count")
+    return tuple(check_number(f"{key}[{k}]", value, FINITE, "a number") for k, value in enumerate(values, start=1))
+
+
+@lru_cache(maxsize=8)
+def _drawn(random: tuple[tuple[str, Random], ...], blocks: int, samples: int, sampling: str, seed: int) -> FloatArray:
+    """Samples of all random numbers, (samples, numbers), one after the other as Study.varied names them."""
+    owners = [
+        parameter for name, parameter in random for _ in (single_names(name, blocks) if parameter.each else [name])
+    ]
+    if not owners:
+        return np.empty((samples, 0))
+    quantiles = _quantiles(len(owners), samples, sampling, seed)
+    columns = [parameter.distribution.at(quantiles[:, k]) for k, parameter in enumerate(owners)]
+    return np.column_stack(columns)
+
+
+def _quantiles(numbers: int, samples: int, sampling: str, seed: int) -> FloatArray:
+    rng = np.random.default_rng(seed)
+    if sampling == "random":
+        return rng.random((samples, numbers))
+    with needing("studies", "scipy"):
+        from scipy.stats import qmc
+    if sampling == "latin-hypercube":
+        drawn = qmc.LatinHypercube(numbers, rng=rng).random(samples)
+    else:
+        whole = max(0, math.ceil(math.log2(samples)))
+        drawn = qmc.Sobol(numbers, rng=rng).random_base2(whole)[:samples]
+    return np.clip(np.asarray(drawn, dtype=np.float64), 2.0**-53, 1.0 - 2.0**-53)
+
+
+@lru_cache(maxsize=256)
+def _base(
+    study: Study, motion: int, numbers: tuple[tuple[str, float], ...], unit: bool
+) -> tuple[Motion, dict[str, float]]:
+    """A motion before it is scaled, and its measures."""
+    made = study.motions[motion].base(dict(numbers), unit)
+    if not np.any(made.ax) and not made.amplitude:
+        return made, dict.fromkeys(study.measured, 0.0)
+    sa = study.measure if study.measure is not None and study.measure.name == "sa" else None
+    measures = {"pga": Measure("pga"), "pgv": Measure("pgv")} | ({"sa": sa} if sa is not None else {})
+    return made, {name: measure.of(made) for name, measure in measures.items()}
+
+
+def _without_number(name: str) -> str:
+    part, _, key = name.partition(".")
+    return f"{part.partition('[')[0]}.{key}"
+
+
+def _check_choice(key: str, value: object, known: Sequence[str]) -> None:
+    if value not in known:
+        raise InputError(f"{key} = {shown(value)}: must be one of {', '.join(known)}")
+
+
+def _table(key: str, data: Mapping[str, Any]) -> Mapping[str, Any]:
+    found = data.get(key, {})
+    if not isinstance(found, Mapping):
+        raise InputError(f"{key} = {shown(found)}: must be a table")
+    return found
+
+
+def _texts(key: str, value: object) -> list[str]:
+    if not isinstance(value, (list, tuple)) or not value or not all(isinstance(item, str) for item in value):
+        raise InputError(f"{key} = {shown(value)}: must be a list of texts")
+    return list(value)
+
+
+def _column_paths(data: Mapping[str, Any]) -> list[str]:
+    if ("column" in data) == ("columns" in data):
+        raise InputError("column: must be the path of a column file, or columns a list of them")
+    return _texts("columns", data["columns"]) if "columns" in data else _texts("column", [data["column"]])
+
+
+def _digest(motion: Motion | None) -> str:
+    if motion is None:
+        return ""
+    content = hashlib.sha256()
+    for array in (motion.time, motion.ax, motion.az):
+        content.update(np.ascontiguousarray(array).tobytes())
+    return content.hexdigest()[:16]

@@ -1,0 +1,140 @@
+"""Distributions of a random number, by the quantiles that a sampling method hands out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import FINITE, POSITIVE, InputError, check_number, needing, shown
+
+FloatArray = NDArray[np.float64]
+
+# keys that a distribution needs, in the order of its arguments; and those that cut its tails
+_NEEDS = {
+    "uniform": ("low", "high"),
+    "loguniform": ("low", "high"),
+    "integers": ("low", "high"),
+    "triangular": ("low", "mode", "high"),
+    "normal": ("mean", "deviation"),
+    "lognormal": ("median", "deviation"),
+    "choice": ("values",),
+}
+_TAILS = ("low", "high")
+_CAN_BE_CUT = ("normal", "lognormal")
+_POSITIVE = {("loguniform", "low"), ("lognormal", "median"), ("lognormal", "low"), ("normal", "deviation")}
+_POSITIVE |= {("lognormal", "deviation"), ("lognormal", "high")}
+KINDS = tuple(_NEEDS)
+KEYS = ("distribution", "low", "high", "mode", "mean", "median", "deviation", "values")
+
+
+@dataclass(frozen=True)
+class Distribution:
+    """A distribution by name, and its numbers by key.
+
+    uniform, loguniform: low, high. integers: low, high, both included. triangular: low, mode, high. normal: mean,
+    deviation. lognormal: median, deviation (of the logarithm). The last two may have low and high beside: the tails
+    beyond are cut off. choice: values, one as likely as the other. Raises InputError on a wrong number.
+    """
+
+    kind: str
+    numbers: tuple[tuple[str, Any], ...]
+
+    @classmethod
+    def from_table(cls, key: str, table: Mapping[str, Any]) -> Distribution:
+        """Read {distribution = "normal", mean = 1.0, ...}. Raises InputError that names the key."""
+        kind = table.get("distribution")
+        if kind not in _NEEDS:
+            raise InputError(f"{key}.distribution = {shown(kind)}: must be one of {', '.join(KINDS)}")
+        allowed = _NEEDS[kind] + (_TAILS if kind in _CAN_BE_CUT else ())
+        for name in table:
+            if name != "distribution" and name not in allowed:
+                raise InputError(f"{key}.{name}: unknown key of {kind}, must be one of {', '.join(allowed)}")
+        numbers: list[tuple[str, Any]] = []
+        for name in allowed:
+            if name not in table:
+                if name in _NEEDS[kind]:
+                    raise InputError(f"{key}.{name}: missing, {kind} needs {', '.join(_NEEDS[kind])}")
+                continue
+            numbers.append((name, _value(f"{key}.{name}", kind, name, table[name])))
+        made = cls(kind, tuple(numbers))
+        made._check(key)
+        return made
+
+    def _check(self, key: str) -> None:
+        given = dict(self.numbers)
+        if "low" in given and "high" in given:
+            enough = given["low"] <= given["high"] if self.kind == "integers" else given["low"] < given["high"]
+            if not enough:
+                raise InputError(f"{key}.high = {given['high']}: must be more than low = {given['low']}")
+        if "mode" in given and not given["low"] <= given["mode"] <= given["high"]:
+            raise InputError(f"{key}.mode = {given['mode']}: must lie between low and high")
+
+    def at(self, quantile: FloatArray) -> FloatArray:
+        """The values (any shape) below which the parts `quantile` of it lie, each from 0 to 1, both excluded."""
+        value: FloatArray = _AT[self.kind](quantile, **dict(self.numbers))
+        return value
+
+    def to_table(self) -> dict[str, Any]:
+        """What `from_table` turns into this very distribution."""
+        plain = {key: list(value) if isinstance(value, tuple) else value for key, value in self.numbers}
+        return {"distribution": self.kind, **plain}
+
+
+def _value(key: str, kind: str, name: str, given: object) -> Any:
+    if name == "values":
+        if not isinstance(given, (list, tuple)) or not given:
+            raise InputError(f"{key} = {shown(given)}: must be a list of numbers")
+        return tuple(check_number(f"{key}[{k}]", item, FINITE, "a number") for k, item in enumerate(given, start=1))
+    limits, meaning = (POSITIVE, "a positive number") if (kind, name) in _POSITIVE else (FINITE, "a number")
+    value = check_number(key, given, limits, meaning)
+    if kind == "integers" and value != round(value):
+        raise InputError(f"{key} = {shown(given)}: must be a whole number")
+    return value
+
+
+def _normal(
+    quantile: FloatArray, mean: float, deviation: float, low: float = -np.inf, high: float = np.inf
+) -> FloatArray:
+    with needing("studies", "scipy"):
+        from scipy.special import ndtr, ndtri
+    first, last = ndtr((low - mean) / deviation), ndtr((high - mean) / deviation)
+    inside = ndtri(first + quantile * (last - first))
+    value: FloatArray = np.clip(mean + deviation * inside, low, high)
+    return value
+
+
+def _lognormal(
+    quantile: FloatArray, median: float, deviation: float, low: float = 0.0, high: float = np.inf
+) -> FloatArray:
+    with np.errstate(divide="ignore"):
+        ends = np.log(low), np.log(high)
+    return np.exp(_normal(quantile, float(np.log(median)), deviation, *ends))
+
+
+def _triangular(quantile: FloatArray, low: float, mode: float, high: float) -> FloatArray:
+    width, rise, fall = high - low, mode - low, high - mode
+    up, down = low + np.sqrt(quantile * width * rise), high - np.sqrt((1.0 - quantile) * width * fall)
+    return np.where(quantile * width < rise, up, down)
+
+
+def _whole(quantile: FloatArray, low: float, high: float) -> FloatArray:
+    return np.minimum(low + np.floor(quantile * (high - low + 1.0)), high)
+
+
+def _choice(quantile: FloatArray, values: tuple[float, ...]) -> FloatArray:
+    return np.array(values)[np.minimum((quantile * len(values)).astype(np.int64), len(values) - 1)]
+
+
+_AT: dict[str, Callable[..., FloatArray]] = {
+    "uniform": lambda quantile, low, high: low + quantile * (high - low),
+    "loguniform": lambda quantile, low, high: low * (high / low) ** quantile,
+    "integers": _whole,
+    "triangular": _triangular,
+    "normal": _normal,
+    "lognormal": _lognormal,
+    "choice": _choice,
+}

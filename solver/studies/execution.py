@@ -1,0 +1,220 @@
+"""Runs of a study, chunk by chunk, wherever an executor takes them; each row is on the disk before the next is asked.
+
+An executor is anything with `submit(function, *arguments)` that returns futures with `result` and `add_done_callback`.
+"""
+
+from __future__ import annotations
+
+import os
+import queue
+import time as clock
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import CancelledError, ThreadPoolExecutor
+from pathlib import Path
+from typing import Any
+
+from ..errors import InputError, SolverError, shown
+from . import chunks
+from .definition import Study, versions
+from .journal import SUFFIX, Journal
+from .results import Results
+
+CHUNK_SECONDS = 2.0
+FIRST_RUNS = 16  # of the first chunks, whose cost nobody knows
+MOST_RUNS = 4096  # in a chunk
+GROWTH = 4.0  # of a chunk over the one before
+TRIES = 3  # of a chunk whose worker died
+LISTEN = 0.5  # s between two looks whether the executor is still there
+SAVE_EVERY = 60.0  # s between two NetCDF files
+SAVE_PART = 0.05  # of the time, at most, for writing these
+
+Callback = Callable[[int, int], object]
+
+
+class StudyError(SolverError):
+    """The executor is gone, or work fails on it; what was finished is kept."""
+
+
+def run_study(
+    study: Study,
+    folder: str | os.PathLike[str] | None = None,
+    *,
+    executor: Any = None,
+    threads: int | None = None,
+    callback: Callback | None = None,
+    chunk_seconds: float = CHUNK_SECONDS,
+) -> Results:
+    """Make those runs of a study that are not finished yet, and return all.
+
+    folder: NAME.journal there takes each run as it ends, NAME.csv and NAME.nc are written from it, the latter where
+    the extra `studies` is installed; None: nothing is written. executor: see the module; None: threads of this process,
+    `threads` of them or as many as it has cores. callback: called as callback(runs finished, runs in all).
+    chunk_seconds: s, how long a worker is to be busy with what it is sent.
+
+    The numbers are the same, bit for bit, whatever the executor, its workers and the order. Raises InputError,
+    StudyError where the executor fails: call it again to go on. An interruption of the process at any moment loses no
+    finished run.
+    """
+    if folder is None:
+        rows: list[list[Any]] = []
+        done: set[int] = set()
+        for made in _made(study, done, executor, threads, callback, chunk_seconds):
+            rows += made
+        rows.sort(key=lambda row: row[0])
+        return Results(head_of(study), rows)
+    with Journal(Path(folder) / f"{study.name}{SUFFIX}", head_of(study)) as journal:
+        saver = Saver(journal.path)
+        for made in _made(study, journal.finished, executor, threads, callback, chunk_seconds):
+            journal.add(made)
+            saver.look()
+        return saver.save()
+
+
+def head_of(study: Study) -> dict[str, Any]:
+    """What stands first in a journal."""
+    return {
+        "study": study.to_dict(),
+        "fingerprint": study.fingerprint,
+        "versions": versions(),
+        "runs": study.runs,
+        "varied": list(study.varied),
+        "measured": list(study.measured),
+        "blocks": study.blocks,
+    }
+
+
+class Saver:
+    """Writes the tables beside a journal, from time to time and at the end."""
+
+    def __init__(self, journal: Path) -> None:
+        self.journal = journal
+        self._last = clock.monotonic()
+        self._took = 0.0
+
+    def look(self) -> None:
+        """Write the table if it is time to."""
+        if clock.monotonic() - self._last > max(SAVE_EVERY, self._took / SAVE_PART):
+            self.save()
+
+    def save(self) -> Results:
+        """Write the tables; returns what is in them."""
+        begin = clock.monotonic()
+        results = Results.from_journal(self.journal)
+        results.to_csv(self.journal.with_suffix(".csv"))
+        if Results.can_write_netcdf():
+            results.to_netcdf(self.journal.with_suffix(".nc"))
+        self._last = clock.monotonic()
+        self._took = self._last - begin
+        return results
+
+
+def _made(
+    study: Study,
+    finished: set[int],
+    executor: Any,
+    threads: int | None,
+    callback: Callback | None,
+    chunk_seconds: float,
+) -> Iterator[list[list[Any]]]:
+    """Rows of the runs that are not among `finished`, chunk by chunk as they end; `finished` is not changed."""
+    left = [number for number in range(study.runs) if number not in finished]
+    done = study.runs - len(left)
+    if callback is not None:
+        callback(done, study.runs)
+    if not left:
+        return
+    own = executor is None
+    workers = (threads or cores()) if own else workers_of(executor)
+    executor = ThreadPoolExecutor(workers, thread_name_prefix="runs") if own else executor
+    try:
+        for rows in Dispatch(study, left, executor, workers, chunk_seconds):
+            done += len(rows)
+            yield rows
+            if callback is not None:
+                callback(done, study.runs)
+    finally:
+        if own:
+            executor.shutdown(wait=False, cancel_futures=True)
+
+
+class Dispatch:
+    """Chunks sent to an executor, two for each worker, and their rows as they come back."""
+
+    def __init__(self, study: Study, left: Sequence[int], executor: Any, workers: int, chunk_seconds: float) -> None:
+        self._study, self._left, self._executor = study, left, executor
+        self._workers, self._seconds = workers, chunk_seconds
+        self._next = 0
+        self._size = FIRST_RUNS
+        self._ended: queue.SimpleQueue[Any] = queue.SimpleQueue()
+        self._under_way: dict[Any, tuple[list[int], int]] = {}
+        # what a cluster keeps for all chunks to come; others are sent the study with each
+        self._sent = executor.carry(study) if hasattr(executor, "carry") else study
+
+    def __iter__(self) -> Iterator[list[list[Any]]]:
+        """Rows of one chunk after the other."""
+        try:
+            while self._next < len(self._left) or self._under_way:
+                while self._next < len(self._left) and len(self._under_way) < 2 * self._workers:
+                    self._send(self._chunk(), 1)
+                made = self._await()
+                if made is not None:
+                    yield made.rows
+        finally:
+            for future in self._under_way:
+                future.cancel()
+
+    def _chunk(self) -> list[int]:
+        # towards the end all workers shall have some
+        fair = -(-(len(self._left) - self._next) // (2 * self._workers))
+        size = max(1, min(self._size, max(fair, FIRST_RUNS)))
+        numbers = list(self._left[self._next : self._next + size])
+        self._next += len(numbers)
+        return numbers
+
+    def _send(self, numbers: list[int], tries: int) -> None:
+        try:
+            future = self._executor.submit(chunks.make, self._sent, numbers)
+        except Exception as error:  # of whatever kind of executor
+            raise StudyError(f"the executor takes no more runs: {_said(error)}; finished runs are kept") from error
+        self._under_way[future] = numbers, tries
+        future.add_done_callback(self._ended.put)
+
+    def _await(self) -> chunks.Made | None:
+        try:
+            future = self._ended.get(timeout=LISTEN)
+        except queue.Empty:
+            lost = getattr(self._executor, "lost", None)  # as the executor of cluster.py says it
+            if lost is not None and lost():
+                raise StudyError(f"{lost()}; finished runs are kept, run the study again to go on") from None
+            return None
+        numbers, tries = self._under_way.pop(future)
+        try:
+            made: chunks.Made = future.result()
+        except InputError:
+            raise
+        except (Exception, CancelledError) as error:  # of whatever kind: its worker died, or the program is wrong
+            if tries >= TRIES:
+                raise StudyError(
+                    f"runs {numbers[0]} to {numbers[-1]}: {_said(error)}; finished runs are kept"
+                ) from error
+            self._send(numbers, tries + 1)
+            return None
+        each = max(made.seconds, 1e-6) / len(numbers)
+        self._size = max(1, min(MOST_RUNS, int(GROWTH * self._size), int(self._seconds / each)))
+        return made
+
+
+def cores() -> int:
+    """Cores that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def workers_of(executor: Any) -> int:
+    """How many chunks an executor works at."""
+    if not hasattr(executor, "submit"):
+        raise InputError(f"executor = {shown(executor)}: must have submit, as those of concurrent.futures")
+    return int(getattr(executor, "workers", 0) or getattr(executor, "_max_workers", 0)) or cores()
+
+
+def _said(error: BaseException) -> str:
+    return f"{type(error).__name__}: {error}".splitlines()[0]

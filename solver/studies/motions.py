@@ -1,0 +1,205 @@
+"""Base motions of a study: records and formulas by a table each, whose numbers a study may vary, and how strong."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .. import wavelets
+from ..errors import FINITE, POSITIVE, InputError, check_number, shown
+from ..intensity import intensity, spectrum
+from ..motion import STANDARD_GRAVITY, Motion
+from . import near_fault
+
+LEAN_IN = 5.0  # s, in which the base is tilted before the motion begins
+PER_LEAN = 200  # samples of it
+
+
+@dataclass(frozen=True)
+class Formula:
+    """A motion by numbers: those that it needs, those that may be left out, and what makes it."""
+
+    needs: tuple[str, ...]
+    makes: Callable[..., Motion]
+    optional: tuple[str, ...] = ()
+    amplitude: str = "amplitude"  # number that its size goes by; "": it has a size of its own
+
+
+FORMULAS = {
+    "harmonic": Formula(("frequency", "duration"), Motion.harmonic),
+    "ricker": Formula(("frequency",), wavelets.ricker),
+    "one-sine": Formula(("frequency",), wavelets.one_sine),
+    "one-cosine": Formula(("frequency",), wavelets.one_cosine),
+    "mavroeidis-papageorgiou": Formula(
+        ("frequency", "cycles"),
+        lambda velocity, frequency, cycles, phase=0.0: wavelets.mavroeidis_papageorgiou(
+            velocity, frequency, cycles, math.radians(phase)
+        ),
+        ("phase",),
+        amplitude="velocity",
+    ),
+    "noise": Formula(
+        ("frequency", "duration", "seed"),
+        lambda amplitude, frequency, duration, seed: wavelets.filtered_noise(amplitude, frequency, duration, seed),
+    ),
+    "near-fault": Formula(("magnitude", "distance", "seed"), near_fault.motion, near_fault.OPTIONAL, amplitude=""),
+}
+WHOLE = ("seed",)
+_OF_RECORDS = ("record", "vertical", "dt", "units", "channel", "vertical_channel")
+BESIDE = ("scale", "tilt")  # numbers of every motion: factor; tilt of the base, rad, clockwise positive
+MEASURES = ("pga", "pgv", "sa")
+
+
+@dataclass(frozen=True)
+class Measure:
+    """An intensity measure: pga in g, pgv in m/s, or sa, pseudo-acceleration in g at a period in s."""
+
+    name: str
+    period: float = 0.0
+    damping: float = 0.05
+
+    def of(self, motion: Motion) -> float:
+        """Its value, of the horizontal component."""
+        if self.name == "pga":
+            return motion.pga / STANDARD_GRAVITY
+        if self.name == "pgv":
+            return intensity(motion).pgv
+        return float(spectrum(motion, [self.period], self.damping).psa[0]) / STANDARD_GRAVITY
+
+    @property
+    def unit(self) -> str:
+        """As it is shown."""
+        return "m/s" if self.name == "pgv" else "g"
+
+    @property
+    def label(self) -> str:
+        """As it is shown."""
+        return f"Sa({self.period:g} s, {self.damping:.0%})" if self.name == "sa" else self.name.upper()
+
+    @classmethod
+    def from_table(cls, table: Mapping[str, Any]) -> Measure:
+        """Read {measure = "sa", period = 0.5, damping = 0.05}. Raises InputError."""
+        name = table.get("measure")
+        if name not in MEASURES:
+            raise InputError(f"intensity.measure = {shown(name)}: must be one of {', '.join(MEASURES)}")
+        known = ("measure", "period", "damping") if name == "sa" else ("measure",)
+        for key in table:
+            if key not in known:
+                raise InputError(f"intensity.{key}: unknown key of {name}, must be one of {', '.join(known)}")
+        if name != "sa":
+            return cls(name)
+        period = check_number("intensity.period", table.get("period"), POSITIVE, "a positive time in s")
+        damping = check_number("intensity.damping", table.get("damping", 0.05), (0.0, 0.999), "a part of critical")
+        return cls(name, period, damping)
+
+    def to_table(self) -> dict[str, Any]:
+        """What `from_table` turns into this very measure."""
+        beside = {"period": self.period, "damping": self.damping} if self.name == "sa" else {}
+        return {"measure": self.name, **beside}
+
+
+@dataclass(frozen=True, eq=False)
+class Shaking:
+    """A motion of a study: a record that has been read, or a formula with the numbers that are given.
+
+    name: as it is shown. formula: one of FORMULAS, "" for a record. numbers: of the formula, `scale` and `tilt`.
+    """
+
+    name: str
+    formula: str = ""
+    numbers: Mapping[str, float] = field(default_factory=dict)
+    record: Motion | None = None
+
+    @classmethod
+    def from_table(cls, key: str, table: Mapping[str, Any], folder: Path) -> Shaking:
+        """Read {record = "file.AT2", ...}, its path relative to `folder`, or {formula = "ricker", ...}.
+
+        Raises InputError that begins with `key`, or with the path of a record.
+        """
+        if ("record" in table) == ("formula" in table):
+            raise InputError(f"{key}: must have exactly one of record, a file, and formula, of {', '.join(FORMULAS)}")
+        name, formula = table.get("name"), table.get("formula", "")
+        if formula and formula not in FORMULAS:
+            raise InputError(f"{key}.formula = {shown(formula)}: must be one of {', '.join(FORMULAS)}")
+        numbers = cls.numbers_of(formula)
+        known = ("name", "formula", *numbers) if formula else ("name", *_OF_RECORDS, *numbers)
+        for item in table:
+            if item not in known:
+                raise InputError(f"{key}.{item}: unknown key, must be one of {', '.join(known)}")
+        given = {
+            item: check_number(f"{key}.{item}", table[item], FINITE, "a number") for item in numbers & table.keys()
+        }
+        record = None if formula else _record(key, table, folder)
+        shown_as = formula or Path(str(table["record"])).stem
+        return cls(str(name) if name is not None else shown_as, formula, given, record)
+
+    @staticmethod
+    def numbers_of(formula: str) -> set[str]:
+        """The numbers that a study may give or vary."""
+        if not formula:
+            return set(BESIDE)
+        found = FORMULAS[formula]
+        return {*found.needs, *found.optional, *BESIDE} | ({found.amplitude} if found.amplitude else set())
+
+    def base(self, values: Mapping[str, float], unit: bool) -> Motion:
+        """The motion with these numbers beside the given ones, before it is scaled or tilted.
+
+        unit: its size does not matter, it will be scaled to an intensity. Raises InputError on a number that is missing
+        or wrong.
+        """
+        if self.record is not None:
+            return self.record
+        formula = FORMULAS[self.formula]
+        numbers: dict[str, Any] = {**self.numbers, **values}
+        if formula.amplitude and unit:
+            numbers.setdefault(formula.amplitude, 1.0)
+        needed = (formula.amplitude, *formula.needs) if formula.amplitude else formula.needs
+        for name in needed:
+            if name not in numbers:
+                raise InputError(f"motion.{name}: missing, {self.formula} needs {', '.join(needed)}")
+        for name in WHOLE:
+            if name in numbers:
+                numbers[name] = int(numbers[name])
+        return formula.makes(**{name: numbers[name] for name in (*needed, *formula.optional) if name in numbers})
+
+    def to_table(self) -> dict[str, Any]:
+        """What tells one motion from another: for fingerprints and captions."""
+        return {"name": self.name, "formula": self.formula, **self.numbers}
+
+
+def _record(key: str, table: Mapping[str, Any], folder: Path) -> Motion:
+    def read(name: str, channel: str) -> Motion:
+        if not isinstance(table[name], str):
+            raise InputError(f"{key}.{name} = {shown(table[name])}: must be the path of a file")
+        return Motion.from_file(folder / table[name], table.get("dt"), table.get("units"), table.get(channel))
+
+    motion = read("record", "channel")
+    return motion.with_vertical(read("vertical", "vertical_channel")) if "vertical" in table else motion
+
+
+def tilted(motion: Motion, angle: float) -> Motion:
+    """The motion upon a base that leans by `angle`, rad, clockwise: what gravity is for a column on it.
+
+    The base leans over smoothly in the 5 s before the motion. A frame that leans by psi feels gravity turned by psi:
+    a base acceleration of -g sin(psi) along and -g (1 - cos(psi)) across. Raises InputError for held samples.
+    """
+    if angle == 0.0:
+        return motion
+    angle = check_number("motion.tilt", angle, (-1.5, 1.5), "an angle in rad, from -1.5 to 1.5")
+    if motion.hold or motion.amplitude:
+        raise InputError("motion.tilt: is for motions of samples, neither held nor harmonic")
+    part = np.arange(PER_LEAN) / PER_LEAN
+    rise = 0.5 * (1.0 - np.cos(np.pi * part))
+    ax, az = -STANDARD_GRAVITY * math.sin(angle), -STANDARD_GRAVITY * (1.0 - math.cos(angle))
+    time = np.concatenate([motion.start - LEAN_IN * (1.0 - part), motion.time])
+    return Motion(
+        time,
+        np.concatenate([ax * rise, motion.ax + ax]),
+        np.concatenate([az * rise, motion.az + az]),
+        float(time[-1] - time[0]),
+    )

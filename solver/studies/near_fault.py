@@ -1,0 +1,88 @@
+"""Synthetic motions near a fault by magnitude and distance: a pulse of velocity upon filtered noise.
+
+Size, period and length follow published relations; the factors are for their scatter:
+
+- PGA of the noise and PGV of the pulse: Joyner and Boore (1981), Bull. Seism. Soc. Am. 71 (6), 2011-2038, on rock;
+  standard deviations 0.26 and 0.22 of the decimal logarithm.
+- period of the pulse: Mavroeidis and Papageorgiou (2003), Bull. Seism. Soc. Am. 93 (3), 1099-1131.
+- time from 5 to 95 % of the Arias intensity: Dobry, Idriss and Ng (1978), Bull. Seism. Soc. Am. 68 (5), 1487-1520,
+  on rock.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ..errors import POSITIVE, check_number
+from ..motion import STANDARD_GRAVITY, Motion
+from ..wavelets import NOISE_STEP, filtered_noise, mavroeidis_papageorgiou
+
+MAGNITUDES, DISTANCES = (5.0, 7.7), (0.0, 370.0)  # what the relations were found from; km
+CYCLES = 1.8  # of the pulse, where no other number is given
+GROUND = 2.5  # Hz, of the noise
+SIGNIFICANT = 0.476  # of the length of the noise, between 5 and 95 % of its Arias intensity
+STRONGEST = 0.375  # of it, the middle of its level part: there the pulse has its middle
+OPTIONAL = ("cycles", "phase", "pga_factor", "pgv_factor", "period_factor", "ground")
+
+
+def pga(magnitude: float, distance: float) -> float:
+    """Median PGA, m/s2; distance: km from the surface projection of the fault."""
+    r = math.hypot(distance, 7.3)
+    return float(STANDARD_GRAVITY * 10.0 ** (-1.02 + 0.249 * magnitude - math.log10(r) - 0.00255 * r))
+
+
+def pgv(magnitude: float, distance: float) -> float:
+    """Median PGV, m/s; distance: km from the surface projection of the fault."""
+    r = math.hypot(distance, 4.0)
+    return float(0.01 * 10.0 ** (-0.67 + 0.489 * magnitude - math.log10(r) - 0.00256 * r))
+
+
+def pulse_period(magnitude: float) -> float:
+    """Median period of the pulse of velocity, s."""
+    return float(10.0 ** (-2.2 + 0.4 * magnitude))
+
+
+def significant_duration(magnitude: float) -> float:
+    """From 5 to 95 % of the Arias intensity, s."""
+    return float(10.0 ** (-1.83 + 0.432 * magnitude))
+
+
+def motion(
+    magnitude: float,
+    distance: float,
+    seed: int,
+    cycles: float = CYCLES,
+    phase: float = 0.0,
+    pga_factor: float = 1.0,
+    pgv_factor: float = 1.0,
+    period_factor: float = 1.0,
+    ground: float = GROUND,
+) -> Motion:
+    """The pulse of Mavroeidis and Papageorgiou upon filtered noise (wavelets.py).
+
+    magnitude: moment magnitude. distance: km. seed, ground (Hz): of the noise. cycles, phase (degrees): of the pulse.
+    The factors are upon the medians. Raises InputError on a wrong value.
+    """
+    magnitude = check_number("motion.magnitude", magnitude, MAGNITUDES, "a magnitude from {} to {}".format(*MAGNITUDES))
+    distance = check_number("motion.distance", distance, DISTANCES, "a distance in km from {} to {}".format(*DISTANCES))
+    for key, factor in (("pga_factor", pga_factor), ("pgv_factor", pgv_factor), ("period_factor", period_factor)):
+        check_number(f"motion.{key}", factor, POSITIVE, "a positive number")
+    length = significant_duration(magnitude) / SIGNIFICANT
+    noise = filtered_noise(pga_factor * pga(magnitude, distance), ground, length, seed)
+    pulse = mavroeidis_papageorgiou(1.0, 1.0 / (period_factor * pulse_period(magnitude)), cycles, math.radians(phase))
+    largest = _largest_velocity(pulse)
+    before = max(0.0, 0.5 * pulse.duration - STRONGEST * noise.duration)  # noise begins so much later than the motion
+    begin = before + STRONGEST * noise.duration - 0.5 * pulse.duration
+    count = math.ceil(max(before + noise.duration, begin + pulse.duration) / NOISE_STEP)
+    time = NOISE_STEP * np.arange(count + 1, dtype=np.float64)
+    ax = np.interp(time - before, noise.time, noise.ax, left=0.0, right=0.0)
+    factor = pgv_factor * pgv(magnitude, distance) / largest
+    ax += factor * np.interp(time - begin, pulse.time, pulse.ax, left=0.0, right=0.0)
+    return Motion(time, ax, np.zeros(count + 1), float(time[-1]))
+
+
+def _largest_velocity(pulse: Motion) -> float:
+    step = np.diff(pulse.time)
+    return float(np.max(np.abs(np.cumsum(0.5 * step * (pulse.ax[1:] + pulse.ax[:-1])))))

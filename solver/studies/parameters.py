@@ -1,0 +1,108 @@
+"""Numbers of a column by their dotted names, so that a study can set any of them, whatever keys columns may have.
+
+joint.stiffness     of every joint
+joint[3].damping    of the joint under block 3, counted from 1, the top one
+block[1].height     of a block
+g, solver.tolerance
+column.size         factor on every length; masses go by its cube, given moments of inertia by its fifth power
+column.slenderness  all heights over the width of the lowest block: widths and depths are changed until it is so
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping
+from typing import Any
+
+from ..column import NUMBERS, Column
+from ..errors import POSITIVE, InputError, check_number
+
+_PARTS = re.compile(r"(block|joint)(?:\[([1-9]\d*)\])?\.([a-z_]+)")
+_WHOLE = ("g", "solver.step", "solver.tolerance")
+SHAPES = ("column.size", "column.slenderness")
+_UPRIGHT = ("height", "centroid")  # lengths along the axis of the column
+_EITHER = {"mass": "density", "density": "mass"}  # one takes the place of the other
+
+
+def is_of_column(name: str) -> bool:
+    """Whether a dotted name speaks of the column."""
+    return name in _WHOLE or name in SHAPES or _PARTS.fullmatch(name) is not None
+
+
+def single_names(name: str, blocks: int) -> list[str]:
+    """`joint.stiffness` as `joint[1].stiffness`, `joint[2].stiffness` ...; a name of one number as it is."""
+    found = _PARTS.fullmatch(name)
+    if found is None or found[2] is not None:
+        return [name]
+    return [f"{found[1]}[{i}].{found[3]}" for i in range(1, blocks + 1)]
+
+
+def column_with(column: Column, values: Mapping[str, tuple[float, bool]]) -> Column:
+    """The column with numbers set: name -> (number, whether it multiplies what the column has).
+
+    Shapes come first, then the others in their order. Raises InputError on a name or a number that is wrong.
+    """
+    if not values:
+        return column
+    data = column.to_dict()
+    for name in sorted(values, key=lambda name: name not in SHAPES):
+        number, relative = values[name]
+        _set(data, name, number, relative)
+    return Column.from_dict(data)
+
+
+def _set(data: dict[str, Any], name: str, number: float, relative: bool) -> None:
+    found = _PARTS.fullmatch(name)
+    if name in SHAPES:
+        factor = check_number(name, number, POSITIVE, "a positive number")
+        _resize(data, factor) if name == "column.size" else _widen(data, factor, relative)
+    elif name == "g":
+        _put(data, name, "g", number, relative)
+    elif found is None:
+        _put(data["solver"], name, name.removeprefix("solver."), number, relative)
+    else:
+        blocks = data["block"]
+        if found[2] is not None and int(found[2]) > len(blocks):
+            raise InputError(f"{name}: there are {len(blocks)} blocks")
+        for block in blocks if found[2] is None else [blocks[int(found[2]) - 1]]:
+            _put(block if found[1] == "block" else block["joint"], name, found[3], number, relative)
+
+
+def _put(table: dict[str, Any], name: str, key: str, number: float, relative: bool) -> None:
+    if relative and not isinstance(table.get(key), (int, float)):
+        raise InputError(f"{name}: the column has none that could be multiplied, must be given without relative")
+    table[key] = number * table[key] if relative else number
+    if table.pop(_EITHER.get(key, ""), None) is not None and relative:
+        raise InputError(f"{name}: must be given without relative")
+
+
+def _is_length(key: str) -> bool:
+    return key in NUMBERS and NUMBERS[key][1].startswith("a positive length")
+
+
+def _scale(table: dict[str, Any], factor: float, skip: tuple[str, ...] = ()) -> None:
+    for key, value in table.items():
+        if _is_length(key) and key not in skip and value is not None:
+            table[key] = factor * value
+
+
+def _resize(data: dict[str, Any], factor: float) -> None:
+    for block in data["block"]:
+        _scale(block, factor)
+        _scale(block["joint"], factor)
+        block["mass"] *= factor**3
+        if block.get("inertia") is not None:
+            block["inertia"] *= factor**5
+
+
+def _widen(data: dict[str, Any], slenderness: float, relative: bool) -> None:
+    blocks = data["block"]
+    present = math.fsum(block["height"] for block in blocks) / blocks[-1]["width"]
+    factor = 1.0 / slenderness if relative else present / slenderness
+    for i, block in enumerate(blocks, start=1):
+        if block.get("inertia") is not None:
+            raise InputError(f"block[{i}].inertia: must be left out where column.slenderness is varied")
+        _scale(block, factor, _UPRIGHT)
+        _scale(block["joint"], factor, _UPRIGHT)
+        block["mass"] *= factor**2

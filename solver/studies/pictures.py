@@ -1,0 +1,329 @@
+"""Pictures of studies, each with what it was made from below it. Imported late, for matplotlib."""
+
+from __future__ import annotations
+
+import math
+import os
+import textwrap
+from collections.abc import Callable
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import BoundaryNorm
+from matplotlib.figure import Figure
+from matplotlib.ticker import ScalarFormatter
+from numpy.typing import NDArray
+
+from ..errors import InputError
+from ..plots import FEW_COLOURS, block_colours, save, show_blocks
+from ..uncertainty import PERCENTILES
+from .motions import Measure
+from .results import Results
+from .statistics import Fragility, fit_fragility, ida_curves, influences, intensity_name, percentiles
+
+FloatArray = NDArray[np.float64]
+
+WIDTH = 128  # letters of a caption's line
+MOST_CURVES = 300  # drawn one by one
+MOST_INFLUENCES = 12
+BLUE, RED, GREEN = FEW_COLOURS[:3]
+LIMITS = "Plane motion of rigid blocks upon elastic joints without tension; joints do not crush."
+
+
+def draw(results: Results, path: str | os.PathLike[str] | None = None) -> Figure:
+    """Draw what the kind of the study asks for; saved to `path` if given. Raises InputError if there is nothing yet."""
+    if not len(results):
+        raise InputError(f"{results.study['name']}: no run is finished yet")
+    figure = _DRAW[results.study["kind"]](results)
+    if path is not None:
+        save(figure, path)
+    return figure
+
+
+def draw_sweep(results: Results) -> Figure:
+    """Peak displacement of every block over the frequency, a panel for each amplitude; a band where there are samples.
+
+    Below it where the column falls, over frequency and amplitude.
+    """
+    levels, frequencies = np.unique(results["intensity"]), np.unique(results["motion.frequency"])
+    shown = levels if len(levels) <= 3 else levels[[0, len(levels) // 2, -1]]
+    boundary = len(levels) > 2
+    figure = Figure(figsize=(10.0, 9.5 if boundary else 6.6), layout="constrained")
+    grid = figure.add_gridspec(2 if boundary else 1, len(shown))
+    panels: list[Axes] = []
+    blocks = results.head["blocks"]
+    colours = block_colours(blocks)
+    for k, level in enumerate(shown):
+        axes = figure.add_subplot(grid[0, k], sharey=panels[0] if panels else None)
+        panels.append(axes)
+        chosen = results["intensity"] == level
+        points, fell = _by_frequency(results, frequencies, chosen)
+        for i, colour in enumerate(colours):
+            axes.plot(frequencies, 1e3 * points[1, :, i], "o-", color=colour, linewidth=1.0, markersize=2.5)
+            if results.study["samples"] > 1:
+                axes.fill_between(
+                    frequencies, 1e3 * points[0, :, i], 1e3 * points[2, :, i], color=colour, alpha=0.25, linewidth=0.0
+                )
+        top = axes.get_xaxis_transform()  # Hz across, parts of the panel up
+        for marker, name, there in (
+            ("^", "all overturned", fell >= 1.0),
+            ("2", "some overturned", (fell > 0.0) & (fell < 1.0)),
+        ):
+            if np.any(there):
+                axes.plot(
+                    frequencies[there], np.full(np.sum(there), 0.97), marker, color="black", transform=top, label=name
+                )
+        if axes.get_legend_handles_labels()[0]:
+            axes.legend(loc="upper right", bbox_to_anchor=(1.0, 0.95), frameon=False)
+        axes.set_yscale("log")
+        axes.set(title=f"{level:g} g", xlabel="frequency (Hz)")
+        _tidy(axes)
+    panels[0].set_ylabel("peak displacement of the top face (mm)")
+    if boundary:
+        _draw_boundary(figure.add_subplot(grid[1, :]), figure, results, levels, frequencies)
+    show_blocks(figure, panels, colours, "outside upper center")
+    return _captioned(figure, results)
+
+
+def _by_frequency(
+    results: Results, frequencies: FloatArray, chosen: NDArray[np.bool_]
+) -> tuple[FloatArray, FloatArray]:
+    """Percentiles of the peaks of what stands, (3, frequencies, blocks), and the share that fell (frequencies,)."""
+    points = np.full((len(PERCENTILES), len(frequencies), results.head["blocks"]), math.nan)
+    fell = np.zeros(len(frequencies))
+    for k, frequency in enumerate(frequencies):
+        here = chosen & (results["motion.frequency"] == frequency)
+        stands = here & ~results.overturned
+        if np.any(stands):
+            points[:, k] = percentiles(results["peak_ux"][stands])
+        fell[k] = np.mean(results.overturned[here]) if np.any(here) else math.nan
+    return points, fell
+
+
+def _draw_boundary(axes: Axes, figure: Figure, results: Results, levels: FloatArray, frequencies: FloatArray) -> None:
+    """Share that overturns over frequency and amplitude, and the line along which half of them do."""
+    share = np.full((len(levels), len(frequencies)), math.nan)
+    row, column = (
+        np.searchsorted(levels, results["intensity"]),
+        np.searchsorted(frequencies, results["motion.frequency"]),
+    )
+    runs, fell = np.zeros_like(share), np.zeros_like(share)
+    np.add.at(runs, (row, column), 1.0)
+    np.add.at(fell, (row, column), results.overturned)
+    share = np.divide(fell, runs, out=share, where=runs > 0.0)
+    mesh = axes.pcolormesh(frequencies, levels, share, cmap="Reds", vmin=0.0, vmax=1.0, shading="nearest")
+    figure.colorbar(mesh, ax=axes, label="share that overturns")
+    if np.nanmax(share) > 0.0 and np.nanmin(share) < 1.0:
+        axes.contour(frequencies, levels, np.nan_to_num(share), [0.5], colors="black", linewidths=1.2)
+    axes.set(title="overturning: half of the runs along the line", xlabel="frequency (Hz)", ylabel="amplitude (g)")
+    _tidy(axes, grid=False)
+
+
+def draw_ida(results: Results) -> Figure:
+    """Intensity over the largest displacement: each curve, and their 16, 50 and 84 % points; none where they fall."""
+    curves = ida_curves(results)
+    figure = Figure(figsize=(10.0, 6.6), layout="constrained")
+    axes, fallen = figure.subplots(1, 2, sharey=True, width_ratios=(2.4, 1.0))
+    step = max(1, len(curves.each) // MOST_CURVES)
+    for curve in curves.each[::step]:
+        stands = np.isfinite(curve)
+        axes.plot(1e3 * curve[stands], curves.levels[stands], color="0.6", linewidth=0.4, alpha=0.5, zorder=1)
+    for percent, points, colour, style in zip(
+        PERCENTILES, curves.percentiles, (BLUE, "black", RED), ("--", "-", "--"), strict=True
+    ):
+        stands = np.isfinite(points)
+        axes.plot(1e3 * points[stands], curves.levels[stands], style, color=colour, linewidth=2.0, label=f"{percent} %")
+        if not np.all(stands[~np.isnan(points)]) and np.any(stands):
+            last = int(np.flatnonzero(stands)[-1])
+            axes.plot(1e3 * points[last], curves.levels[last], ">", color=colour, markersize=8.0)
+    axes.set_xscale("log")
+    axes.set(title="of the runs, largest displacement", xlabel="largest displacement of any block (mm)")
+    axes.set_ylabel(_measure(results))
+    axes.legend(frameon=False, title="an arrow: beyond it they overturn", loc="lower right")
+    fallen.plot(curves.overturned, curves.levels, "o-", color="black", markersize=3.0)
+    fallen.set(title="overturned", xlabel="share of the runs", xlim=(-0.02, 1.02))
+    for panel in (axes, fallen):
+        _tidy(panel)
+    return _captioned(figure, results)
+
+
+def draw_fragility(results: Results, found: Fragility | None = None) -> Figure:
+    """The fitted curve with its band, and the data it goes by, each with its bounds."""
+    found = fit_fragility(results, limit=results.study["limit"]) if found is None else found
+    figure = Figure(figsize=(8.5, 6.6), layout="constrained")
+    axes = figure.subplots()
+    draw_curve(axes, found, BLUE)
+    axes.set(xlabel=_label(results, found.name), ylabel="probability of failure", ylim=(-0.02, 1.02))
+    axes.set_title(f"failure: {found.how}", loc="left", fontsize=10)
+    axes.legend(frameon=False, loc="upper left")
+    _tidy(axes)
+    text = (
+        f"Median {found.median:.4g} ({found.median_bounds[0]:.4g} to {found.median_bounds[1]:.4g}), deviation of the "
+        f"logarithm {found.deviation:.3g} ({found.deviation_bounds[0]:.3g} to {found.deviation_bounds[1]:.3g}) at 95 % "
+        f"confidence; {found.failed} of {found.runs} runs failed."
+    )
+    return _captioned(figure, results, text)
+
+
+def draw_curve(axes: Axes, found: Fragility, colour: str, name: str = "") -> None:
+    """One fragility into axes: curve, band, bins with their bounds."""
+    bins = found.bins
+    x = np.linspace(0.0, float(bins.edges[-1]), 400)[1:]
+    low, high = found.band(x)
+    before = f"{name}: " if name else ""
+    axes.fill_between(x, low, high, color=colour, alpha=0.25, linewidth=0.0)
+    axes.plot(x, found.probability(x), color=colour, linewidth=2.0, label=f"{before}lognormal, 95 % by the bootstrap")
+    errors = np.abs(np.array([bins.low, bins.high]) - bins.share)
+    label = f"{before}share of the runs, 95 % binomial"
+    axes.errorbar(bins.middle, bins.share, errors, fmt="o", color=colour, markersize=4.0, capsize=2.5, label=label)
+
+
+def draw_spectrum(results: Results) -> Figure:
+    """Largest displacement over the width of the base, by size and slenderness, a panel for each motion."""
+    study = results.study
+    sizes, slender = (np.array(study["grid"][name]) for name in ("column.size", "column.slenderness"))
+    names = [motion["name"] for motion in study["motions"]]
+    across = min(3, len(names))
+    down = -(-len(names) // across)
+    figure = Figure(figsize=(1.6 + 4.2 * max(across, 2), 2.0 + 4.0 * down), layout="constrained")
+    panels = figure.subplots(down, across, squeeze=False, sharex=True, sharey=True)
+    block = study["columns"][0]["block"]
+    height, width = sum(part["height"] for part in block), block[-1]["width"]
+    base = results["column.size"] * height / results["column.slenderness"]
+    part = results.largest / base
+    bounds = [0.003, 0.01, 0.03, 0.1, 0.2, 0.3, 0.5, 1.0]
+    norm = BoundaryNorm(bounds, 256, extend="both")
+    for k, axes in enumerate(panels.flat):
+        if k >= len(names):
+            axes.set_visible(False)
+            continue
+        here = results["motion"] == k
+        table = np.full((len(slender), len(sizes)), math.nan)
+        fell = np.zeros_like(table)
+        for i, slenderness in enumerate(slender):
+            for j, size in enumerate(sizes):
+                cell = here & (results["column.size"] == size) & (results["column.slenderness"] == slenderness)
+                if np.any(cell):
+                    table[i, j] = percentiles(part[cell])[1]
+                    fell[i, j] = np.mean(results.overturned[cell])
+        shown = np.where(np.isinf(table), math.nan, table)
+        mesh = axes.pcolormesh(sizes * height, slender, shown, norm=norm, cmap="viridis", shading="nearest")
+        axes.pcolormesh(
+            sizes * height,
+            slender,
+            np.where(np.isinf(table), 1.0, math.nan),
+            cmap="gray",
+            vmin=0.0,
+            vmax=3.0,
+            shading="nearest",
+        )
+        axes.set_title(names[k], loc="left", fontsize=10)
+        axes.set_xscale("log")
+        axes.xaxis.set_major_formatter(ScalarFormatter())
+        axes.xaxis.set_minor_formatter("")
+        axes.set_xticks(
+            [tick for tick in (0.5, 1, 2, 5, 10, 20, 50) if sizes[0] * height <= tick <= sizes[-1] * height]
+        )
+        _tidy(axes, grid=False)
+    for axes in panels[-1]:
+        axes.set_xlabel("height of the column (m)")
+    for axes in panels[:, 0]:
+        axes.set_ylabel("slenderness, height over width")
+    figure.colorbar(mesh, ax=panels, label="largest displacement over the width; dark grey: overturned")
+    return _captioned(figure, results, f"The column is {height:g} m high and {width:g} m wide at size 1.")
+
+
+def draw_tornado(results: Results) -> Figure:
+    """What each random parameter does to the largest displacement and to overturning, the strongest on top."""
+    found = influences(results)[:MOST_INFLUENCES]
+    if not found:
+        raise InputError(f"{results.study['name']}: nothing is random, or all runs end alike: no influence to draw")
+    figure = Figure(figsize=(10.0, 2.6 + 0.45 * len(found)), layout="constrained")
+    left, right, rank = figure.subplots(1, 3, sharey=True, width_ratios=(1.5, 1.0, 0.8))
+    finite = np.isfinite(results.largest)
+    middle = float(np.median(results.largest[~np.isnan(results.largest)]))
+    share = float(np.mean(results.overturned))
+    place = np.arange(len(found))[::-1]
+    for axes, whole, pairs, factor in (
+        (left, middle, [item.displacement for item in found], 1e3),
+        (right, share, [item.overturned for item in found], 1.0),
+    ):
+        top = factor * float(np.max(results.largest[finite], initial=1e-3)) if factor > 1.0 else 1.0
+        for y, pair in zip(place, pairs, strict=True):
+            for value, colour in zip(pair, (BLUE, RED), strict=True):
+                end = min(factor * value, top)
+                begin = min(factor * whole, top)
+                axes.barh(y, end - begin, left=begin, height=0.6, color=colour, alpha=0.8)
+                if math.isinf(value):
+                    axes.plot(end, y, ">", color=colour)
+        axes.axvline(min(factor * whole, top), color="black", linewidth=1.0)
+        _tidy(axes)
+    rank.barh(place, [item.rank for item in found], height=0.6, color="0.4")
+    rank.axvline(0.0, color="black", linewidth=1.0)
+    _tidy(rank)
+    left.set_yticks(place, [item.name for item in found])
+    left.set(title="median of the largest displacement", xlabel="mm")
+    right.set(title="overturned", xlabel="share of the runs")
+    rank.set(title="rank correlation", xlabel="with the largest displacement")
+    text = "Of the runs with the lowest (blue) and the highest (red) 16 % of each parameter; the line: of all runs."
+    return _captioned(figure, results, text)
+
+
+def _tidy(axes: Axes, grid: bool = True) -> None:
+    axes.set_title(axes.get_title() or axes.get_title(loc="left"), loc="left", fontsize=10)
+    axes.set_title("")
+    if grid:
+        axes.grid(color="0.9", linewidth=0.6)
+        axes.set_axisbelow(True)
+    axes.spines[["top", "right"]].set_visible(False)
+
+
+def _measure(results: Results) -> str:
+    return _label(results, intensity_name(results))
+
+
+def _label(results: Results, name: str) -> str:
+    table = results.study["intensity"]
+    if table is not None and table["measure"] == name:
+        measure = Measure.from_table(table)
+        return f"{measure.label} ({measure.unit})"
+    return {"pga": "PGA (g)", "pgv": "PGV (m/s)"}.get(name, name)
+
+
+def caption(results: Results) -> list[str]:
+    """What was run: columns, motions, what is random, runs and their seed, and what the model leaves out."""
+    study = results.study
+    columns = ", ".join(f"{column['name']} ({len(column['block'])} blocks)" for column in study["columns"])
+    names = [motion["name"] for motion in study["motions"]]
+    motions = ", ".join(names[:6]) + (f" and {len(names) - 6} more" if len(names) > 6 else "")
+    random = ", ".join(
+        f"{name} ({table['distribution']}{', each' if table['each'] else ''})"
+        for name, table in study["random"].items()
+    )
+    failed = int(np.sum(results["failure"] != ""))
+    undecided = int(np.sum(results["verdict"] == "undecided"))
+    runs = f"{len(results)} of {results.head['runs']} runs, seed {study['seed']}"
+    runs += f", {int(np.sum(results.overturned))} overturned"
+    runs += f", {undecided} undecided" if undecided else ""
+    runs += f", {failed} could not be made" if failed else ""
+    said = [f"{study['name']}: {columns}; base motion: {motions}; {runs}."]
+    if random:
+        said.append(f"Random: {random}; {study['samples']} samples, {study['sampling']}.")
+    return [*said, LIMITS]
+
+
+def _captioned(figure: Figure, results: Results, text: str = "") -> Figure:
+    paragraphs = [*caption(results)[:-1], *([text] if text else []), LIMITS]
+    letters = int(WIDTH * figure.get_figwidth() / 10.0)
+    lines = [line for paragraph in paragraphs for line in textwrap.wrap(paragraph, width=letters)]
+    figure.supxlabel("\n".join(lines), x=0.02, ha="left", fontsize=9, linespacing=1.4)
+    return figure
+
+
+_DRAW: dict[str, Callable[[Results], Figure]] = {
+    "sweep": draw_sweep,
+    "ida": draw_ida,
+    "fragility": draw_fragility,
+    "spectrum": draw_spectrum,
+    "montecarlo": draw_tornado,
+}

@@ -1,0 +1,177 @@
+"""What came of the runs of a study: one table, as arrays, as CSV, as NetCDF."""
+
+from __future__ import annotations
+
+import csv
+import importlib.util
+import json
+import math
+import os
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InputError, needing, reading
+from ..files import whole_file
+from .chunks import FAILED
+from .journal import read_journal
+
+# units by the name of a column of the table; what is varied has those of the column file and the study file
+UNITS = {
+    "pga": "g",
+    "pgv": "m/s",
+    "sa": "g",
+    "peak_ux": "m",
+    "residual_ux": "m",
+    "residual_theta": "rad",
+    "energy": "J",
+    "overturn_time": "s",
+}
+
+
+class Results:
+    """Finished runs of a study by number: `results["peak_ux"]` is (runs, blocks), other columns (runs,).
+
+    Names: `run`; what is varied (`column`, `motion`, `joint.stiffness` ...); measures of the motion as it was run: pga
+    and sa in g, pgv in m/s; outputs as of `simulate_many`; `failure`, a text. head: the study and the versions.
+    A run that the solver could not make has the verdict "failed", and NaN.
+    """
+
+    def __init__(self, head: Mapping[str, Any], rows: list[list[Any]]) -> None:
+        self.head = dict(head)
+        self.columns: dict[str, NDArray[Any]] = {"run": np.array([row[0] for row in rows], dtype=np.int64)}
+        for place, key in ((1, "varied"), (2, "measured")):
+            for k, name in enumerate(head[key]):
+                values = [math.nan if row[place][k] is None else row[place][k] for row in rows]
+                self.columns[name] = np.array(values, dtype=np.float64)
+        for name in ("column", "motion"):
+            self.columns[name] = self.columns[name].astype(np.int64)
+        for name in self.study["keep"]:
+            self.columns[name] = _output(name, [row[3] for row in rows], head["blocks"])
+        self.columns["failure"] = np.array([row[4] for row in rows], dtype=np.str_)
+
+    @classmethod
+    def from_journal(cls, path: str | os.PathLike[str]) -> Results:
+        """Read a journal, also while runs are added to it. Raises InputError that begins with `path`."""
+        return cls(*read_journal(path))
+
+    @property
+    def study(self) -> dict[str, Any]:
+        """The study as plain data."""
+        found: dict[str, Any] = self.head["study"]
+        return found
+
+    def __getitem__(self, name: str) -> NDArray[Any]:
+        """A column of the table; KeyError says which there are."""
+        if name not in self.columns:
+            raise KeyError(f"{name}: not kept, only {', '.join(self.columns)}")
+        return self.columns[name]
+
+    def __contains__(self, name: object) -> bool:
+        return name in self.columns
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.columns)
+
+    def __len__(self) -> int:
+        """Number of finished runs."""
+        return len(self.columns["run"])
+
+    @property
+    def complete(self) -> bool:
+        """Whether all runs of the study are finished."""
+        return bool(len(self) == self.head["runs"])
+
+    @property
+    def overturned(self) -> NDArray[np.bool_]:
+        """(runs,) Whether the column fell."""
+        return np.asarray(self["verdict"] == "overturned")
+
+    @property
+    def largest(self) -> NDArray[np.float64]:
+        """(runs,) m, the largest peak displacement of any block; infinite where the column fell, NaN where not made."""
+        peaks = self["peak_ux"]
+        known = ~np.all(np.isnan(peaks), axis=1)
+        largest = np.full(len(self), math.nan)
+        largest[known] = np.nanmax(peaks[known], axis=1)
+        return np.where(self.overturned, math.inf, largest)
+
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
+        """Write a line a run, every float64 in full, nothing where there is no value. Raises InputError, OSError."""
+        names, columns = [], []
+        for name, values in self.columns.items():
+            if values.ndim == 1:
+                names.append(name)
+                columns.append(values)
+            else:
+                names += [f"{name}[{i}]" for i in range(1, values.shape[1] + 1)]
+                columns += list(values.T)
+        texts = [[_text(value) for value in column.tolist()] for column in columns]
+        with reading(path), whole_file(path) as partial, open(partial, "w", newline="", encoding="utf-8") as file:
+            writer = csv.writer(file)
+            writer.writerow(names)
+            writer.writerows(zip(*texts, strict=True))
+
+    @staticmethod
+    def can_write_netcdf() -> bool:
+        """Whether what it takes is installed."""
+        return all(importlib.util.find_spec(name) is not None for name in ("xarray", "h5netcdf", "h5py"))
+
+    def to_xarray(self) -> Any:
+        """An xarray.Dataset over the dimensions run and block, with units; the study and the versions as attributes."""
+        with needing("studies", "xarray"):
+            import xarray
+        data = {}
+        for name, values in self.columns.items():
+            if name != "run":
+                dimensions = ("run",) if values.ndim == 1 else ("run", "block")
+                attributes = {"units": UNITS[name]} if name in UNITS else {}
+                kept = values.astype(object) if values.dtype.kind == "U" else values
+                data[name] = (dimensions, kept, attributes)
+        attributes = {
+            "title": self.study["name"],
+            "study": json.dumps(self.study),
+            "fingerprint": self.head["fingerprint"],
+            "versions": json.dumps(self.head["versions"]),
+            "runs": self.head["runs"],
+        }
+        coordinates = {"run": self["run"], "block": np.arange(1, self.head["blocks"] + 1)}
+        return xarray.Dataset(data, coordinates, attributes)
+
+    def to_netcdf(self, path: str | os.PathLike[str]) -> None:
+        """Write NetCDF 4, whole or not at all. Raises InputError."""
+        with needing("studies", "h5netcdf", "h5py"):
+            import h5netcdf  # noqa: F401
+            import h5py  # noqa: F401
+        with reading(path), whole_file(path) as partial:
+            self.to_xarray().to_netcdf(partial, engine="h5netcdf")
+
+
+def _output(name: str, found: list[dict[str, Any] | None], blocks: int) -> NDArray[Any]:
+    """One output of all runs; of those that were not made what says so."""
+    example = next((outputs[name] for outputs in found if outputs is not None), math.nan)
+    if isinstance(example, str):
+        absent = FAILED if name == "verdict" else ""
+        return np.array([absent if outputs is None else outputs[name] for outputs in found], dtype=np.str_)
+    if not isinstance(example, list):
+        return np.array([math.nan if outputs is None else outputs[name] for outputs in found])
+    table = np.full((len(found), blocks), math.nan)
+    for row, outputs in zip(table, found, strict=True):
+        if outputs is not None:
+            row[: len(outputs[name])] = outputs[name]
+    return table
+
+
+def _text(value: Any) -> str:
+    if isinstance(value, float):
+        return "" if math.isnan(value) else repr(value)
+    return str(value)
+
+
+def results_of(path: str | os.PathLike[str]) -> Results:
+    """The results in a journal. Raises InputError that begins with `path`."""
+    if not os.path.isfile(path):
+        raise InputError(f"{path}: No such file: the study has not been run here")
+    return Results.from_journal(path)

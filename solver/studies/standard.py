@@ -1,0 +1,167 @@
+"""The usual studies as functions: each builds a `Study`, runs it as `run_study` does, and returns its `Results`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from ..column import Column
+from ..motion import Motion
+from .definition import INTENSITY, Random, Study
+from .execution import run_study
+from .motions import Measure, Shaking
+from .results import Results
+
+Columns = Column | Sequence[Column]
+Motions = Motion | Shaking | Sequence[Shaking] | Mapping[str, Motion]
+Randoms = Mapping[str, Random | Mapping[str, Any]]
+
+
+def sweep(
+    column: Columns,
+    frequencies: Sequence[float],
+    amplitudes: Sequence[float],
+    duration: float = 20.0,
+    *,
+    random: Randoms | None = None,
+    samples: int = 1,
+    seed: int = 0,
+    name: str = "sweep",
+    **options: Any,
+) -> Results:
+    """Harmonic base motion of every frequency, Hz, and amplitude, g, for `duration`, s: Figure 3 of the paper.
+
+    random, samples: the column as it may be as well, an ensemble at each point, whose spread tells where the response
+    is chaotic. options: of `run_study`; and `keep`, `tolerance` as of `Study`. Raises InputError as both do.
+    """
+    motion = Shaking("harmonic", "harmonic", {"duration": float(duration)})
+    grid = {INTENSITY: amplitudes, "motion.frequency": frequencies}
+    return _run("sweep", name, column, motion, grid, random, samples, seed, Measure("pga"), options)
+
+
+def ida(
+    column: Columns,
+    motions: Motions,
+    levels: Sequence[float],
+    *,
+    measure: Measure | None = None,
+    random: Randoms | None = None,
+    samples: int = 1,
+    seed: int = 0,
+    name: str = "ida",
+    **options: Any,
+) -> Results:
+    """Incremental dynamic analysis: each motion scaled to each level of the measure (None: PGA, g).
+
+    `statistics.ida_curves` takes the percentiles from the results. The rest as in `sweep`.
+    """
+    grid = {INTENSITY: levels}
+    return _run("ida", name, column, motions, grid, random, samples, seed, measure or Measure("pga"), options)
+
+
+def fragility(
+    column: Columns,
+    motions: Motions,
+    random: Randoms,
+    samples: int,
+    *,
+    levels: Sequence[float] | None = None,
+    measure: Measure | None = None,
+    seed: int = 0,
+    name: str = "fragility",
+    **options: Any,
+) -> Results:
+    """Runs of which `statistics.fit_fragility` makes a probability of failure over the measure (None: PGA, g).
+
+    levels: to which each motion is scaled; None: `random` has "intensity", or the motions are as strong as they are.
+    The rest as in `sweep`.
+    """
+    grid = {} if levels is None else {INTENSITY: levels}
+    return _run("fragility", name, column, motions, grid, random, samples, seed, measure or Measure("pga"), options)
+
+
+def spectrum(
+    column: Column,
+    motions: Motions,
+    sizes: Sequence[float],
+    slendernesses: Sequence[float],
+    *,
+    random: Randoms | None = None,
+    samples: int = 1,
+    seed: int = 0,
+    name: str = "spectrum",
+    **options: Any,
+) -> Results:
+    """Rocking spectrum: the column in every size, a factor on all lengths, and slenderness, height over width.
+
+    See parameters.py for what else changes with them. The rest as in `sweep`.
+    """
+    grid = {"column.size": sizes, "column.slenderness": slendernesses}
+    return _run("spectrum", name, column, motions, grid, random, samples, seed, None, options)
+
+
+def montecarlo(
+    column: Columns,
+    motions: Motions,
+    random: Randoms,
+    samples: int,
+    *,
+    sampling: str = "latin-hypercube",
+    measure: Measure | None = None,
+    seed: int = 0,
+    name: str = "montecarlo",
+    **options: Any,
+) -> Results:
+    """Samples of the random parameters under each motion; sampling: latin-hypercube, sobol or random.
+
+    `statistics.influences` tells which parameter does most. The rest as in `sweep`.
+    """
+    options["sampling"] = sampling
+    return _run("montecarlo", name, column, motions, {}, random, samples, seed, measure, options)
+
+
+_OF_STUDY = ("keep", "tolerance", "duration", "limit", "sampling")
+
+
+def _run(
+    kind: str,
+    name: str,
+    column: Columns,
+    motions: Motions,
+    grid: Mapping[str, Sequence[float]],
+    random: Randoms | None,
+    samples: int,
+    seed: int,
+    measure: Measure | None,
+    options: dict[str, Any],
+) -> Results:
+    of_study = {key: options.pop(key) for key in _OF_STUDY if key in options}
+    folder: str | Path | None = options.pop("folder", None)
+    study = Study(
+        name=name,
+        kind=kind,
+        columns=(column,) if isinstance(column, Column) else tuple(column),
+        motions=_shakings(motions),
+        grid={key: tuple(float(value) for value in values) for key, values in grid.items()},
+        random={key: _random(key, parameter) for key, parameter in (random or {}).items()},
+        measure=measure,
+        samples=samples,
+        seed=seed,
+        **of_study,
+    )
+    return run_study(study, folder, **options)
+
+
+def _shakings(motions: Motions) -> tuple[Shaking, ...]:
+    if isinstance(motions, Motion):
+        return (Shaking("motion", record=motions),)
+    if isinstance(motions, Shaking):
+        return (motions,)
+    if isinstance(motions, Mapping):
+        return tuple(Shaking(name, record=motion) for name, motion in motions.items())
+    return tuple(motions)
+
+
+def _random(name: str, parameter: Random | Mapping[str, Any]) -> Random:
+    return parameter if isinstance(parameter, Random) else Random.from_table(f"random.{name}", parameter)

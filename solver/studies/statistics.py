@@ -1,0 +1,352 @@
+"""What the runs of a study say: curves over intensity, probabilities with their bounds, what matters most."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InputError, needing
+from ..uncertainty import CONFIDENCE, PERCENTILES
+from .results import Results
+
+FloatArray = NDArray[np.float64]
+
+RESAMPLED = 200  # times, for confidence
+GROUPS = 1000  # of neighbouring intensities, where there are more different ones: the likelihood goes by their middles
+BINS = 12
+LEAST_DEVIATION, MOST_DEVIATION = 0.01, 5.0
+TAIL = 0.16  # of the runs, at either end of a parameter
+
+
+@dataclass(frozen=True)
+class Bins:
+    """Shares of failures between intensities: `edges` (b + 1,), `runs` (b,), `failed` (b,), `middle` (b,) of the runs.
+
+    low, high (b,): bounds of Clopper and Pearson at 95 % confidence.
+    """
+
+    edges: FloatArray
+    middle: FloatArray
+    runs: NDArray[np.int64]
+    failed: NDArray[np.int64]
+    low: FloatArray
+    high: FloatArray
+
+    @property
+    def share(self) -> FloatArray:
+        """(b,)"""
+        return np.asarray(self.failed / self.runs)
+
+
+@dataclass(frozen=True)
+class Fragility:
+    """A lognormal probability of failure over an intensity: median, and deviation of the logarithm.
+
+    median_bounds, deviation_bounds: at 95 % confidence, by the bootstrap. curves (resampled, 2): the two of each of its
+    samples. bins: the data themselves. name: of the intensity. how: what was fitted.
+    """
+
+    name: str
+    median: float
+    deviation: float
+    median_bounds: tuple[float, float]
+    deviation_bounds: tuple[float, float]
+    curves: FloatArray
+    bins: Bins
+    runs: int
+    failed: int
+    how: str
+
+    def probability(self, intensity: FloatArray) -> FloatArray:
+        """Of failure at intensities of any shape."""
+        return lognormal(np.asarray(intensity, dtype=np.float64), self.median, self.deviation)
+
+    def band(self, intensity: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Within which the curve lies at each intensity (k,), at 95 % confidence."""
+        curves = np.array([lognormal(intensity, median, deviation) for median, deviation in self.curves])
+        low, high = np.percentile(curves, _ends(), axis=0)
+        return low, high
+
+
+def lognormal(intensity: FloatArray, median: float, deviation: float) -> FloatArray:
+    """The lognormal distribution function."""
+    with needing("studies", "scipy"):
+        from scipy.special import ndtr
+    with np.errstate(divide="ignore"):
+        return np.asarray(ndtr((np.log(intensity) - math.log(median)) / deviation))
+
+
+def failed_of(results: Results, limit: float | None = None) -> NDArray[np.bool_]:
+    """(runs,) Whether the column fell or its largest displacement came to more than `limit`, m."""
+    return results.overturned if limit is None else np.asarray(results.largest > limit)
+
+
+def made(results: Results) -> NDArray[np.bool_]:
+    """(runs,) Whether the solver made the run to its end."""
+    return np.asarray(~np.isnan(results.largest))
+
+
+def fit_fragility(
+    results: Results,
+    intensity: str | None = None,
+    limit: float | None = None,
+    *,
+    method: str = "failures",
+    bins: int = BINS,
+    resampled: int = RESAMPLED,
+    chosen: NDArray[np.bool_] | None = None,
+) -> Fragility:
+    """The lognormal fragility of largest likelihood over an intensity, a column of the results (None: the study's).
+
+    Failure is overturning, or a largest displacement above `limit`, m. method "failures": each run tells whether it
+    failed. "demand": the logarithm of the largest displacement is linear in that of the intensity, with a normal
+    scatter; what overturned is censored, known only to be beyond the limit. It needs a limit and fewer failures.
+    Confidence: by resampling, 200 times, the samples of the random parameters together with the motion, each with all
+    its intensities. chosen: (runs,) those to go by. Raises InputError where the runs do not tell.
+    """
+    name = intensity or intensity_name(results)
+    valid = made(results) & (results[name] > 0.0)
+    if chosen is not None:
+        valid &= chosen
+    im, failed = results[name][valid], failed_of(results, limit)[valid]
+    clusters = np.unique(_clusters(results)[valid], return_inverse=True)[1]
+    if not 0 < np.sum(failed) < len(failed):
+        raise InputError(f"{name}: {np.sum(failed)} of {len(failed)} runs failed: a fragility needs some of both")
+    if method == "failures":
+        fit = _Failures(im, failed)
+        how = "overturned" if limit is None else f"overturned or moved by more than {limit:g} m"
+    elif method == "demand":
+        if limit is None:
+            raise InputError("limit: must be given for the method demand, in m")
+        fit = _Demand(im, results.largest[valid], limit)  # type: ignore[assignment]
+        how = f"moved by more than {limit:g} m, by the demand of those that stand"
+    else:
+        raise InputError(f"method = {method!r}: must be failures or demand")
+    best = fit(np.ones(len(im)))
+    rng = np.random.default_rng(results.study["seed"])
+    count = int(clusters.max()) + 1
+
+    def again() -> tuple[float, float]:
+        times = np.bincount(rng.integers(count, size=count), minlength=count)
+        return fit(times[clusters].astype(np.float64), best)
+
+    curves = np.array([again() for _ in range(resampled)])
+    bounds = np.percentile(curves, _ends(), axis=0)
+    return Fragility(
+        name=name,
+        median=best[0],
+        deviation=best[1],
+        median_bounds=(float(bounds[0, 0]), float(bounds[1, 0])),
+        deviation_bounds=(float(bounds[0, 1]), float(bounds[1, 1])),
+        curves=curves,
+        bins=binned(im, failed, bins),
+        runs=len(im),
+        failed=int(np.sum(failed)),
+        how=how,
+    )
+
+
+def intensity_name(results: Results) -> str:
+    """The measure of the study, PGA if it has none."""
+    measure = results.study["intensity"]
+    return "pga" if measure is None else str(measure["measure"])
+
+
+def binned(intensity: FloatArray, failed: NDArray[np.bool_], bins: int = BINS) -> Bins:
+    """Shares of failures by intensity; of few different intensities each is a bin, of many as many runs lie in each."""
+    levels = np.unique(intensity)
+    if len(levels) <= 2 * bins:
+        between = 0.5 * (levels[1:] + levels[:-1])
+        edges = np.concatenate([levels[:1], between, levels[-1:]])
+    else:
+        edges = np.unique(np.quantile(intensity, np.linspace(0.0, 1.0, bins + 1)))
+    place = np.clip(np.searchsorted(edges, intensity, side="right") - 1, 0, len(edges) - 2)
+    runs = np.bincount(place, minlength=len(edges) - 1)
+    hits = np.bincount(place, weights=failed, minlength=len(edges) - 1).astype(np.int64)
+    middle = np.exp(np.bincount(place, weights=np.log(intensity), minlength=len(edges) - 1) / np.maximum(runs, 1))
+    kept = runs > 0
+    low, high = share_bounds(hits[kept], runs[kept])
+    return Bins(edges, middle[kept], runs[kept], hits[kept], low, high)
+
+
+def share_bounds(count: NDArray[np.int64], size: NDArray[np.int64]) -> tuple[FloatArray, FloatArray]:
+    """Bounds of Clopper and Pearson on probabilities by which `count` of `size` trials came true, at 95 %."""
+    with needing("studies", "scipy"):
+        from scipy.special import betaincinv
+    tail = 0.5 * (1.0 - CONFIDENCE)
+    low = np.where(count > 0, betaincinv(np.maximum(count, 1), size - count + 1, tail), 0.0)
+    high = np.where(count < size, betaincinv(count + 1, np.maximum(size - count, 1), 1.0 - tail), 1.0)
+    return low, high
+
+
+class _Failures:
+    """Maximum likelihood of who failed: probability ndtr((log im - log median) / deviation)."""
+
+    def __init__(self, intensity: FloatArray, failed: NDArray[np.bool_]) -> None:
+        x = np.log(intensity)
+        levels, self._group = np.unique(x, return_inverse=True)
+        if len(levels) > GROUPS:
+            order = np.argsort(x, kind="stable")
+            self._group = np.empty(len(x), dtype=np.int64)
+            self._group[order] = np.arange(len(x)) * GROUPS // len(x)
+            levels = np.bincount(self._group, weights=x) / np.bincount(self._group)
+        self._x, self._failed = levels, failed
+
+    def __call__(self, weights: FloatArray, start: tuple[float, float] | None = None) -> tuple[float, float]:
+        count = len(self._x)
+        runs = np.bincount(self._group, weights=weights, minlength=count)
+        hits = np.bincount(self._group, weights=weights * self._failed, minlength=count)
+        with needing("studies", "scipy"):
+            from scipy.special import log_ndtr
+
+        def loss(p: FloatArray) -> tuple[float, FloatArray]:
+            deviation = math.exp(p[1])
+            z = (self._x - p[0]) / deviation
+            yes, no = log_ndtr(z), log_ndtr(-z)
+            density = -0.5 * z * z - 0.5 * math.log(2.0 * math.pi)
+            slope = hits * np.exp(density - yes) - (runs - hits) * np.exp(density - no)
+            value = -float(np.sum(hits * yes + (runs - hits) * no))
+            return value, np.array([np.sum(slope) / deviation, np.sum(slope * z)])
+
+        if start is None:
+            middle = float(np.sum(runs * self._x) / np.sum(runs))
+            start = math.exp(middle), max(LEAST_DEVIATION, float(np.std(self._x)))
+        median, deviation = _minimum(loss, start)
+        return math.exp(median), math.exp(deviation)
+
+
+class _Demand:
+    """Maximum likelihood of log u = a + b log im + s e with what is beyond the limit censored there."""
+
+    def __init__(self, intensity: FloatArray, largest: FloatArray, limit: float) -> None:
+        self._x = np.log(intensity)
+        self._beyond = largest > limit
+        self._y = np.log(np.where(self._beyond, limit, largest))
+        self._limit = math.log(limit)
+
+    def __call__(self, weights: FloatArray, start: tuple[float, float] | None = None) -> tuple[float, float]:
+        with needing("studies", "scipy"):
+            from scipy.optimize import minimize
+            from scipy.special import log_ndtr
+
+        def loss(p: FloatArray) -> float:
+            spread = math.exp(p[2])
+            z = (self._y - p[0] - p[1] * self._x) / spread
+            seen = -0.5 * z * z - p[2]
+            return -float(np.sum(weights * np.where(self._beyond, log_ndtr(-z), seen)))
+
+        slope, base = np.polyfit(self._x[~self._beyond], self._y[~self._beyond], 1)
+        found = minimize(loss, np.array([base, max(slope, 0.1), math.log(0.5)]), method="Nelder-Mead").x
+        if not found[1] > 0.0:
+            raise InputError("the displacements do not grow with the intensity: the method demand does not apply")
+        return math.exp((self._limit - found[0]) / found[1]), math.exp(found[2]) / found[1]
+
+
+def _minimum(loss: Any, start: tuple[float, float]) -> tuple[float, float]:
+    with needing("studies", "scipy"):
+        from scipy.optimize import minimize
+    first = np.log(np.clip(start, (1e-12, LEAST_DEVIATION), (1e12, MOST_DEVIATION)))
+    bounds = [(None, None), (math.log(LEAST_DEVIATION), math.log(MOST_DEVIATION))]
+    found = minimize(loss, first, jac=True, bounds=bounds, method="L-BFGS-B")
+    return float(found.x[0]), float(found.x[1])
+
+
+def _ends() -> list[float]:
+    return [50.0 * (1.0 - CONFIDENCE), 50.0 * (1.0 + CONFIDENCE)]
+
+
+def _clusters(results: Results) -> NDArray[np.int64]:
+    """(runs,) Number of what is drawn together: a motion with one sample of the random parameters."""
+    samples = results.study["samples"]
+    return np.asarray(results["motion"] * samples + results["run"] % samples)
+
+
+@dataclass(frozen=True)
+class Curves:
+    """Percentiles of the largest displacement over intensity, m (3, levels): 16, 50, 84 %; infinite where they fell.
+
+    overturned (levels,): share of the runs at each level. each: one curve a motion and sample, (curves, levels).
+    """
+
+    name: str
+    levels: FloatArray
+    percentiles: FloatArray
+    overturned: FloatArray
+    each: FloatArray
+
+
+def ida_curves(results: Results) -> Curves:
+    """The curves of an incremental dynamic analysis. Raises InputError unless the grid has intensities."""
+    if "intensity" not in results.study["grid"]:
+        raise InputError("grid.intensity: missing, the curves need levels of intensity")
+    levels = np.unique(results["intensity"])
+    level = np.searchsorted(levels, results["intensity"])
+    other = [results[name] for name in results.study["grid"] if name != "intensity"]
+    keys = np.column_stack([results["column"], _clusters(results), *other])
+    _, curve = np.unique(keys, axis=0, return_inverse=True)
+    each = np.full((int(curve.max()) + 1, len(levels)), math.nan)
+    each[curve.ravel(), level] = results.largest
+    return Curves(
+        name=intensity_name(results),
+        levels=levels,
+        percentiles=percentiles(each),
+        overturned=np.mean(np.isinf(each), axis=0),
+        each=each,
+    )
+
+
+def percentiles(values: FloatArray, points: Sequence[float] = PERCENTILES) -> FloatArray:
+    """Points over the first axis, of what is a number there, infinite ones among them; between two the lower one."""
+    ordered = np.sort(values, axis=0)
+    last = np.sum(~np.isnan(ordered), axis=0) - 1
+    places = [np.maximum(np.floor(0.01 * point * last + 0.5).astype(np.int64), 0) for point in points]
+    return np.array([np.take_along_axis(ordered, place[None], axis=0)[0] for place in places])
+
+
+@dataclass(frozen=True)
+class Influence:
+    """What a random parameter does: median of the largest displacement, m, and share overturned, where it is low, high.
+
+    That is over the 16 % of the runs with its lowest and its highest values. rank: its rank correlation with the
+    largest displacement, fallen columns on top.
+    """
+
+    name: str
+    values: tuple[float, float]
+    displacement: tuple[float, float]
+    overturned: tuple[float, float]
+    rank: float
+
+
+def influences(results: Results) -> list[Influence]:
+    """What each random parameter does, the strongest first."""
+    with needing("studies", "scipy"):
+        from scipy.stats import rankdata
+    valid = made(results)
+    largest, fell = results.largest[valid], results.overturned[valid]
+    fixed = {"column", "motion", *results.study["grid"]}
+    found: list[Influence] = []
+    by_size = rankdata(largest)
+    if np.ptp(by_size) == 0.0:  # all fell
+        return found
+    for name in results.head["varied"]:
+        values = results[name][valid]
+        if name in fixed or np.ptp(values) == 0.0:
+            continue
+        ends = np.quantile(values, [TAIL, 1.0 - TAIL])
+        low, high = values <= ends[0], values >= ends[1]
+        found.append(
+            Influence(
+                name,
+                (float(np.median(values[low])), float(np.median(values[high]))),
+                (float(np.median(largest[low])), float(np.median(largest[high]))),
+                (float(np.mean(fell[low])), float(np.mean(fell[high]))),
+                float(np.corrcoef(rankdata(values), by_size)[0, 1]),
+            )
+        )
+    return sorted(found, key=lambda item: -abs(item.rank))

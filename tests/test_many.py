@@ -1,0 +1,174 @@
+"""Many runs in one table: the same numbers as one by one, whatever makes them and in which order."""
+
+from __future__ import annotations
+
+import csv
+import math
+from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
+from dataclasses import replace
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from probe import G, monolith, phocas
+
+from solver import Column, InputError, Motion, Table, simulate, simulate_many
+from solver.many import ExecutorError, parts_of_many
+
+KEEP = ("peak_ux", "residual_ux", "residual_theta", "energy", "verdict", "overturn_time", "overturned_joint", "steps")
+
+
+def mixture() -> tuple[list[Column], list[Motion], list[float]]:
+    """Columns of one and of three blocks, the paper's formulation, weak and strong motions, one that falls."""
+    columns = [phocas(1e-3), monolith(eta=1e-3), phocas(5e-3, formulation="paper"), phocas(2e-2)] * 5
+    motions = [Motion.harmonic(0.01 * G * (k + 1), 2.0, 1.0) for k in range(19)] + [Motion.harmonic(0.6 * G, 0.4, 3.0)]
+    return columns, motions, [0.5 + 0.05 * k for k in range(19)] + [3.0]
+
+
+def phocas_on(stiffness: float) -> Column:
+    column = phocas(1e-3)
+    return replace(column, blocks=tuple(replace(b, joint=replace(b.joint, stiffness=stiffness)) for b in column.blocks))
+
+
+def assert_same(one: Table, other: Table) -> None:
+    assert list(one) == list(other)
+    for name in one:
+        assert np.array_equal(one[name], other[name], equal_nan=one[name].dtype.kind == "f"), name
+
+
+def test_runs_are_those_of_simulate() -> None:
+    columns, motions, durations = mixture()
+    table = simulate_many(columns, motions, duration=durations, keep=KEEP, responses=[4])
+    assert len(table) == 20
+    assert table["peak_ux"].shape == (20, 3)
+    for k, (column, motion, duration) in enumerate(zip(columns, motions, durations, strict=True)):
+        single = simulate(column, motion, duration, tolerance=1e-8, output_step=duration)
+        n = column.n
+        assert table["verdict"][k] == single.verdict
+        assert table["overturned_joint"][k] == single.overturned_joint
+        assert np.all(np.isnan(table["peak_ux"][k, n:]))
+        assert table["peak_ux"][k, :n] == pytest.approx(single.peak_ux, rel=1e-3)
+        if single.overturned:
+            assert table["overturn_time"][k] == pytest.approx(single.overturn_time, abs=1e-3)
+            assert np.all(np.isnan(table["residual_ux"][k]))
+        else:
+            assert math.isnan(table["overturn_time"][k])
+            largest = float(np.max(single.peak_ux))
+            assert table["residual_ux"][k, :n] == pytest.approx(single.ux[-1], abs=1e-3 * largest)
+            assert table["residual_theta"][k, :n] == pytest.approx(single.theta[-1], abs=1e-3 * largest)
+    assert list(table.responses) == [4]
+    assert np.array_equal(table.responses[4].ux, simulate(columns[4], motions[4], durations[4]).ux)
+    assert table.stats["lanes"] + table.stats["scalar"] == table.stats["runs"] == 20
+
+
+def test_single_ones_stand_for_all_and_what_is_iterated_is_taken_as_needed() -> None:
+    one, motion = phocas(1e-3), Motion.harmonic(0.05 * G, 2.0, 0.5)
+    assert len(simulate_many(one, motion)) == 1
+    taken = []
+
+    def endless() -> Any:
+        for k in range(10**9):
+            taken.append(k)
+            yield motion.scaled(1.0 + 0.01 * k)
+
+    parts = parts_of_many(one, endless(), threads=2)
+    first = next(parts)
+    parts.close()  # type: ignore[attr-defined]
+    assert len(taken) < 10_000
+    motions = [motion.scaled(1.0 + 0.01 * k) for k in range(first.first, first.first + len(first))]
+    assert_same(first, simulate_many([one] * len(motions), motions))
+
+
+@pytest.mark.parametrize("threads", [1, 3, 8])
+def test_the_same_bits_in_any_order_and_number_of_threads(threads: int) -> None:
+    columns, motions, durations = mixture()
+    order = np.random.default_rng(threads).permutation(len(columns))
+    table = simulate_many(columns, motions, duration=durations, keep=KEEP, threads=2)
+    other = simulate_many(
+        [columns[k] for k in order],
+        [motions[k] for k in order],
+        duration=[durations[k] for k in order],
+        keep=KEEP,
+        threads=threads,
+    )
+    for name in KEEP:
+        assert np.array_equal(table[name][order], other[name], equal_nan=table[name].dtype.kind == "f"), name
+
+
+def test_the_same_bits_from_processes() -> None:
+    columns, motions, durations = mixture()
+    with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool:
+        there = simulate_many(columns, motions, duration=durations, keep=KEEP, executor=pool)
+    assert_same(there, simulate_many(columns, motions, duration=durations, keep=KEEP))
+
+
+class Unreliable:
+    """An executor whose workers die now and then, or from some moment on for good."""
+
+    def __init__(self, pool: ThreadPoolExecutor, lasts: int) -> None:
+        self.pool, self.lasts, self.sent = pool, lasts, 0
+
+    def submit(self, function: Any, *arguments: Any) -> Future[Any]:
+        self.sent += 1
+        if self.sent > self.lasts:
+            raise RuntimeError("closed")
+        return self.pool.submit(self._die if self.sent % 2 else function, *arguments)
+
+    def _die(self, *_: Any) -> None:
+        raise OSError("lost")
+
+
+def test_what_a_dead_worker_had_is_done_again() -> None:
+    columns, motions, durations = mixture()
+    with ThreadPoolExecutor(2) as pool:
+        table = simulate_many(columns, motions, duration=durations, keep=KEEP, executor=Unreliable(pool, 1000))
+        assert_same(table, simulate_many(columns, motions, duration=durations, keep=KEEP))
+        with pytest.raises(ExecutorError, match="takes no more runs: RuntimeError: closed") as lost:
+            simulate_many([phocas(1e-3)] * 100, motions[0], duration=0.1, executor=Unreliable(pool, 5))
+    assert all(len(part) for part in lost.value.finished)
+
+
+def test_what_is_wrong_is_said_in_one_line() -> None:
+    one, motion = phocas(1e-3), Motion.harmonic(0.05 * G, 2.0, 0.5)
+    soft = phocas_on(1e5)
+    for arguments, options, message in (
+        (([one] * 3, [motion] * 2), {}, "3 columns, 2 motions"),
+        ((iter([one] * 3), [motion] * 2), {}, "motions: ends after 2, columns does not"),
+        (([one] * 2, iter([motion] * 3)), {}, "columns: ends after 2, motions does not"),
+        ((one, motion), {"keep": ("peak_uy",)}, "keep: 'peak_uy'"),
+        ((one, motion), {"duration": [1.0, -1.0]}, r"duration\[1\] = -1.0"),
+        ((one, motion), {"tolerance": [1e-3, 1.0]}, r"tolerance\[1\]: solver.tolerance = 1.0"),
+        ((one, motion), {"threads": 0}, "threads = 0"),
+        ((one, motion), {"executor": 4}, "executor = 4"),
+        (([one, None], motion), {}, r"columns\[1\] = None"),
+        ((one, [motion, 3]), {}, r"motions\[1\] = 3"),
+        (([one, soft], motion), {}, r"columns\[1\]: phocas cannot stand"),
+    ):
+        with pytest.raises(InputError, match=message):
+            simulate_many(*arguments, **options)
+
+
+def test_a_run_that_fails_is_undecided_and_told() -> None:
+    """The first-order formulation does not know a base that throws the blocks about."""
+    wild = Motion.harmonic(1e9, 50.0, 1.0)
+    table = simulate_many(phocas(1e-3, formulation="paper"), [wild, Motion.harmonic(0.01 * G, 2.0, 0.2)], keep=KEEP)
+    assert table["verdict"][0] in ("undecided", "overturned")
+    assert table.stats["failed"] == len(table.stats["failures"])
+    assert np.isnan(table["peak_ux"][0]).all() == (0 in table.stats["failures"])
+    assert table["verdict"][1] == "standing"
+
+
+def test_a_table_as_csv(tmp_path: Path) -> None:
+    columns, motions, durations = mixture()
+    table = simulate_many(columns[:3], motions[:3], duration=durations[:3])
+    table.to_csv(tmp_path / "runs.csv")
+    with open(tmp_path / "runs.csv", newline="", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert [row["run"] for row in rows] == ["0", "1", "2"]
+    assert [row["verdict"] for row in rows] == ["standing"] * 3
+    found = np.array([[float(row[f"peak_ux[{i}]"]) for i in (1, 2, 3)] for row in rows])
+    assert np.array_equal(found, table["peak_ux"], equal_nan=True)
+    with pytest.raises(KeyError, match="energy: not kept, only peak_ux, verdict"):
+        table["energy"]
