@@ -43,9 +43,10 @@ def test_peaks_are_those_of_dense_rows(scene: str) -> None:
             assert np.all(peak <= seen + 1e-6)
             assert peak == pytest.approx(seen, abs=2e-4)
             continue
-        # nothing that a row shows is above the peak but by the tolerance; what the rows miss, at impacts, is more
+        # nothing that a row shows is above the peak but by the tolerance; rows miss more where dashpots meet an impact
         assert np.all(seen <= peak * (1.0 + 1e-5)), name
-        missed = 0.05 if scene == "mortar" or name == "friction" else 2e-3
+        missed = 1e-4 if scene in ("undamped", "elastic") else 0.01
+        missed = 0.1 if scene == "mortar" or name == "friction" else missed  # measured 0.04 at rows of 1e-5 s
         assert peak == pytest.approx(seen, rel=missed), name
 
 
@@ -82,7 +83,7 @@ def test_without_peaks_those_of_ux_are_kept_and_the_steps_are_the_same() -> None
     assert np.array_equal(with_them.ux, without.ux)
     for name in ("steps", "evaluations"):
         assert with_them.stats[name] == without.stats[name]
-    assert without.stats["looks"] < with_them.stats["looks"] < 0.1 * with_them.stats["evaluations"]
+    assert without.stats["looks"] < with_them.stats["looks"] < 0.2 * with_them.stats["evaluations"]
 
 
 def test_peaks_of_a_run_in_short_calls_cover_what_is_seen_between_them() -> None:

@@ -29,6 +29,8 @@ PROMISE = 0.1  # of the tolerance: a peak that is expected to rise by less has b
 # slender block upon its joint has less than 0.75 of both
 NORMAL_STRAY = 1.0
 MOMENT_STRAY = 1.0
+BASE_STRAY = 2e-3  # of T: what the curvature of the base acceleration may add to these
+STEEP = 6.0  # times that: ends that differ by more have no extreme between them
 MOST_TRIALS = 8
 CLOSE = 1e-4  # of a step: no two evaluations are closer
 
@@ -60,7 +62,7 @@ def _beyond_with(start, end, stray, peak):
     if max(here, there) + stray <= peak:
         return 0
     found = RISES if there > peak else 0
-    return found | TURNS if abs(end - start) < 2.0 * stray or (here > peak and here >= there) else found
+    return found | TURNS if abs(end - start) < STEEP * stray or (here > peak and here >= there) else found
 
 
 @leaf
@@ -161,12 +163,13 @@ def _shears_beyond(column, stray):
         across, across_e = normal * phi + along, normal_e * phi_e + along_e
         most, bend = max(abs(along), abs(along_e)) + stray, abs(normal - 2.0 * normal_m + normal_e)
         neglected = _curved(phi_e, max(normal, normal_m, normal_e), most)
-        found |= _beyond_with(along, along_e, stray, peaks.joints.T[i])
-        found |= _beyond_with(across, across_e, stray + abs(phi_e) * bend, peaks.joints.S[i] - neglected)
+        strays = stray + BASE_STRAY * most
+        found |= _beyond_with(along, along_e, strays, peaks.joints.T[i])
+        found |= _beyond_with(across, across_e, strays + abs(phi_e) * bend, peaks.joints.S[i] - neglected)
         counts, least = notes.counts[i], min(normal, normal_m, normal_e)
         if max(normal, normal_m, normal_e) > counts and most > peaks.friction[i] * max(least, counts):
             here, there = abs(along) * normal_e, abs(along_e) * normal  # over both N
-            turns = normal_m < min(normal, normal_e) or least < counts or abs(along_e - along) < 2.0 * stray
+            turns = normal_m < min(normal, normal_e) or least < counts or abs(along_e - along) < STEEP * strays
             found |= TURNS if turns or here >= there else RISES
         if i == n - 1:
             lifted, lifted_e = normal - along * phi, normal_e - along_e * phi_e
