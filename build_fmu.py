@@ -56,8 +56,11 @@ LEFT_AT_HOME = {
     "wavelets.py",
     "motion_options.py",
     "balance.py",
+    "calibrate.py",
+    "calibrate_command.py",
     "command_files.py",
     "command_line.py",
+    "rocking.py",
     "static_commands.py",
     "static_plots.py",
     "static_report.py",
@@ -158,7 +161,7 @@ def build_native_fmu(
     files, needs = native_files(column, list(dict.fromkeys(platforms)), motion, record.name if record else "")
     print(told(needs), file=sys.stderr)
     output.parent.mkdir(parents=True, exist_ok=True)
-    _write(output, files)
+    write_archive(output, files)
     return output
 
 
@@ -274,10 +277,10 @@ def repack(source: Path, target: Path, extra: dict[str, bytes]) -> None:
         files = {name: old.read(name) for name in old.namelist()}
     if not has_tools():
         print(f"build_fmu.py: {guard.WITHOUT}", file=sys.stderr)
-    _write(target, guard.guarded(files) | extra)
+    write_archive(target, guard.guarded(files) | extra)
 
 
-def _write(target: Path, content: dict[str, bytes]) -> None:
+def write_archive(target: Path, content: dict[str, bytes]) -> None:
     """Write an archive, whole or not at all."""
     with whole_file(target) as partial, zipfile.ZipFile(partial, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as new:
         for name in sorted(content):

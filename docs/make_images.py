@@ -7,12 +7,14 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
-from solver import Column, Motion, simulate, wavelets
+from solver import Block, Column, Joint, Motion, simulate, wavelets
+from solver.calibrate import with_joints
 from solver.drawings import draw_column
 from solver.modes import natural_modes
 from solver.motion import STANDARD_GRAVITY
 from solver.plots import draw_ground
 from solver.record_plots import plot_records
+from solver.rocking import housner_restitution, pulled_aside, restitution_from
 from solver.statics import capacity_curve
 
 HERE = Path(__file__).resolve().parent
@@ -130,8 +132,34 @@ def statics() -> None:
     capacity_curve(column).plot(HERE / "images" / "statics.png")
 
 
+def restitutions() -> None:
+    """restitution.png: the Column of Phocas as one block, let go at a half of the way to the edge and elsewhere."""
+    block = Block(14.07, 1.56, 1.56, 81000.0, Joint(533 * 9.80665e6, 0.0))
+    column = Column("phocas", (block,))
+    etas = np.geomspace(1e-4, 10.0, 26)
+    figure = Figure(figsize=(9.0, 4.2), layout="constrained")
+    left, right = figure.subplots(1, 2, sharey=True)
+    lines = [(left, times, 0.5, f"{times:g} times 5.23e9 N/m3") for times in (0.1, 1.0, 10.0)]
+    lines += [(right, 1.0, release, f"let go at {release:g} of the way") for release in (0.2, 0.5, 0.8)]
+    for axes, times, release, label in lines:
+        softer = with_joints(column, times * block.joint.stiffness)
+        start, top = pulled_aside(softer, release)
+        found = [restitution_from(with_joints(softer, damping=eta), start, top) for eta in etas]
+        axes.plot(etas, found, label=label)
+    for axes, title in ((left, "(a) by the modulus, let go at 0.5 of the way"), (right, "(b) by the release")):
+        axes.axhline(housner_restitution(column), color=INK, linestyle="--", linewidth=0.9, label="Housner")
+        axes.set(xscale="log", xlabel="eta (s)", ylim=(0.9, 1.0))
+        axes.set_title(title, loc="left", fontsize=10)
+        axes.grid(color="0.9", linewidth=0.6)
+        axes.spines[["top", "right"]].set_visible(False)
+        axes.legend(frameon=False, fontsize=8, loc="lower left")
+    left.set_ylabel("restitution")
+    figure.savefig(HERE / "images" / "restitution.png", dpi=110)
+
+
 if __name__ == "__main__":
     signs()
     phocas()
     records()
     statics()
+    restitutions()

@@ -5,12 +5,13 @@ A phase is coordinates and rates as the stepper keeps them, (4 n,) or (rows, 4 n
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
-from .column import Column
+from .column import Block, Column
 from .packing import FloatArray, settlements
 
 PARALLEL = 1e-30  # rad: faces that are as good as parallel
@@ -28,6 +29,8 @@ class Places(NamedTuple):
 class Chain:
     """The data of a column as rows of n numbers, the top block first."""
 
+    g: FloatArray | float  # m/s2
+
     def __init__(self, column: Column) -> None:
         blocks = column.blocks
         self.n, self.g = column.n, column.g
@@ -41,6 +44,18 @@ class Chain:
         self.rigidity = np.array([block.joint.stiffness * block.joint_depth for block in blocks])
         self.carried = np.cumsum(self.mass)  # kg, by the joint under each block
         self.settled = settlements(column)
+
+    @classmethod
+    def of_many(cls, columns: Sequence[Column]) -> Chain:
+        """The data of many columns of n blocks each, formulation `exact`: arrays (columns, n), for as many phases."""
+        chain = cls.__new__(cls)
+        given = np.array([[_data_of(block) for block in column.blocks] for column in columns], dtype=np.float64)
+        chain.height, chain.centroid, chain.mass, chain.inertia, chain.width, chain.rigidity = np.moveaxis(given, -1, 0)
+        chain.n, chain.exact = columns[0].n, True
+        chain.g = np.array([[column.g] for column in columns])
+        chain.carried = np.cumsum(chain.mass, axis=-1)
+        chain.settled = chain.g * chain.carried / (chain.rigidity * chain.width)
+        return chain
 
     def places(self, phase: FloatArray) -> Places:
         """Rotations and openings of a phase of either formulation."""
@@ -62,6 +77,10 @@ class Chain:
 
     def energy(self, phase: FloatArray) -> float:
         """Kinetic, elastic and gravitational energy of a phase (4 n,) above that of the rest under gravity, J."""
+        return float(self.energies(phase))
+
+    def energies(self, phase: FloatArray) -> FloatArray:
+        """The same of phases (..., 4 n)."""
         theta, opening, spin, opening_rate = self.places(phase)
         mean, mean_spin = theta - 0.5 * _over_below(theta), spin - 0.5 * _over_below(spin)
         sine, cosine = np.sin(mean), np.cos(mean)
@@ -73,12 +92,14 @@ class Chain:
             _from_base(opening_rate * cosine - opening * sine * mean_spin - self.height * np.sin(theta) * spin)
             + (self.height - self.centroid) * np.sin(theta) * spin
         )
-        kinetic = 0.5 * np.sum(self.mass * (x_rate**2 + z_rate**2) + self.inertia * spin**2)
+        moving = 0.5 * (self.mass * (x_rate**2 + z_rate**2) + self.inertia * spin**2)
         dip = -2.0 * np.sin(0.5 * theta) ** 2  # cos(theta) - 1
         raised = _from_base(opening * cosine + self.settled + self.height * dip) - (self.height - self.centroid) * dip
         slope = 2.0 * np.sin(0.5 * _over_below(theta))
         at_rest = 0.5 * self.rigidity * self.width * self.settled**2
-        return float(kinetic + self.g * np.sum(self.mass * raised) + np.sum(self.elastic(opening, slope) - at_rest))
+        strained = self.elastic(opening, slope) - at_rest
+        found: FloatArray = np.sum(moving + self.g * self.mass * raised + strained, axis=-1)
+        return found
 
     def elastic(self, opening: FloatArray, slope: FloatArray) -> FloatArray:
         """Elastic energy of each joint, J, from its opening m and slope rad."""
@@ -112,6 +133,11 @@ class Chain:
         above = self.carried - self.mass
         lever: FloatArray = self.mass * self.centroid + above * self.height
         return self.g * lever
+
+
+def _data_of(block: Block) -> tuple[float, ...]:
+    rigidity = block.joint.stiffness * block.joint_depth
+    return block.height, block.resolved_centroid, block.mass, block.resolved_inertia, block.joint_width, rigidity
 
 
 def _over_below(values: FloatArray) -> FloatArray:

@@ -17,10 +17,9 @@ from .errors import SolverError
 from .motion import Motion
 from .packing import FloatArray, InitialState
 from .response import Response
-from .single_run import Callback, settled_verdict, single_run
-from .stepper import Stepper
+from .single_run import Callback, fate, single_run
 from .uncertainty import PERCENTILES, Ensemble, Spread
-from .verdict import OVERTURNED, UNDECIDED, cannot_fall
+from .verdict import OVERTURNED, UNDECIDED
 
 MOST_DAMPED = 0.1  # of the steps implicit: beyond, lanes, which step explicitly, are no gain
 LISTEN = 0.05  # s between two looks whether somebody interrupts
@@ -130,19 +129,9 @@ def _in_lanes(
             continue
         verdict, fall = OVERTURNED, float(batch.overturn_time[k])
         if not batch.overturned_joint[k]:
-            verdict, fall = _verdict_after(column, batch.phases[k, -1], motion.start + duration, settle)
+            verdict, fall, _ = fate(column, batch.phases[k, -1], motion.start + duration, settle)
         made.append((verdict, fall, batch.peak_ux[k], Chain(column).top_displacements(batch.phases[k, :-1])))
     return made
-
-
-def _verdict_after(column: Column, phase: FloatArray, stop: float, settle: float) -> tuple[str, float]:
-    """What comes of a column that is left with this phase upon a still base at time `stop`, s."""
-    if cannot_fall(column, phase):
-        return "standing", math.nan
-    rotation, opening, spin, opening_rate = np.split(phase, 4)
-    stepper = Stepper(column, InitialState(rotation, spin, opening, opening_rate))
-    verdict, _ = settled_verdict(stepper, stop, settle)
-    return verdict.word, stepper.overturn_time
 
 
 def _percentiles(values: FloatArray) -> FloatArray:

@@ -13,9 +13,11 @@ from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from concurrent.futures import BrokenExecutor, CancelledError, ThreadPoolExecutor
 from dataclasses import dataclass, field
-from threading import Event
 from typing import Any
 
+import numpy as np
+
+from .batch import why_not_in_lanes
 from .column import Column
 from .errors import POSITIVE, InputError, InputWarning, SolverError, check_number, shown
 from .motion import Motion
@@ -26,9 +28,10 @@ SETTLE = 10.0  # s, where none is asked for
 
 CHUNK_SECONDS = 2.0  # of the clock: what is sent out at once
 FIRST_SECONDS = 0.2  # of the first chunks, whose cost is guessed
-FIRST_COST = 2e-4  # s for a block and a second of motion, by itself; less in lanes
+FIRST_COST = 2e-5  # s for a block and a second of motion in lanes, before anything is known
+ALONE, SWEPT = 10.0, 300.0  # times that: a run by itself, and in the formulation of the paper
 MOST_SAMPLES = 2**20  # of the records in a chunk, so that memory does not grow with the number of runs
-LEAST_RUNS = 16  # in a chunk: lanes are refilled
+LEAST_RUNS, MOST_RUNS = 16, 2000  # in a chunk: lanes are refilled; rows of a run take memory
 TRIES = 3  # of a chunk whose worker died
 LISTEN = 0.05  # s between two looks whether somebody interrupts
 MOST_NOTED = 100  # failures that are told one by one
@@ -119,21 +122,20 @@ def parts_of_many(
         raise InputError(f"threads = {shown(threads)}: must be a number of threads, at least 1")
     total, runs = _runs(columns, motions, duration, tolerance)
     summary = Summary() if summary is None else summary
-    pace = Pace(total)
+    workers = (threads or _cores()) if executor is None else _workers_of(executor)
+    pace = Pace(total, workers)
     chunks = _chunks(runs, pace, tuple(dict.fromkeys(keep)), settle, frozenset(responses))
     if executor is not None:
-        workers = _workers_of(executor)
         made = _sent_out(chunks, lambda chunk: executor.submit(make_runs, chunk), pace, workers)
         yield from _noted(made, summary, total, callback)
         return
-    workers = threads or _cores()
-    stop = Event()
+    flag = np.zeros(1)
     pool = ThreadPoolExecutor(workers, thread_name_prefix="runs")
     try:
-        made = _sent_out(chunks, lambda chunk: pool.submit(make_runs, chunk, stop.is_set), pace, workers)
+        made = _sent_out(chunks, lambda chunk: pool.submit(make_runs, chunk, flag), pace, workers)
         yield from _noted(made, summary, total, callback)
     finally:
-        stop.set()
+        flag[0] = 1.0
         pool.shutdown(wait=True, cancel_futures=True)
 
 
@@ -165,7 +167,7 @@ def _is_several(key: str, value: Any) -> bool:
 
 def _iterated(given: dict[str, Any], several: dict[str, Any], total: int | None) -> Iterator[Run]:
     sources = [iter(several[key]) if key in several else itertools.repeat(given[key]) for key in given]
-    settled: tuple[Column | None, float | None, Column | None] = (None, None, None)
+    last: tuple[Any, Any] = (None, None)  # column and tolerance as given
     for k in itertools.count() if several else range(1):
         values = []
         for key, source in zip(given, sources, strict=True):
@@ -176,14 +178,14 @@ def _iterated(given: dict[str, Any], several: dict[str, Any], total: int | None)
                 break
         else:
             column, motion, duration, tolerance = values
-            if settled[0] is not column or settled[1] != tolerance:
-                settled = (column, tolerance, _with_tolerance(k, column, tolerance))
-            made = settled[2]
+            if last[0] is not column or last[1] != tolerance:
+                last = column, tolerance
+                made = _with_tolerance(k, column, tolerance)
             if not isinstance(motion, Motion):
                 raise InputError(f"motions[{k}] = {shown(motion)}: must be a Motion")
             span = motion.duration if duration is None else duration
-            assert made is not None
-            yield Run(made, motion, check_number(f"duration[{k}]", span, POSITIVE, "a positive time in s"))
+            span = check_number(f"duration[{k}]", span, POSITIVE, "a positive time in s")
+            yield Run(made, motion, span)
             continue
         _check_all_end(ended, k, given, several, sources, values)
         return
@@ -221,59 +223,70 @@ def _with_tolerance(k: int, column: Any, tolerance: Any) -> Column:
 class Pace:
     """How many runs make a chunk of about two seconds."""
 
-    def __init__(self, total: int | None) -> None:
-        self.cost = FIRST_COST
-        self.seconds = FIRST_SECONDS
-        self.left = total
-        self.workers = 1
-
-    def size(self, runs: Iterable[Run]) -> float:
-        """What runs are thought to cost, in blocks times seconds of motion."""
-        return sum(run.column.n * run.duration for run in runs)
+    def __init__(self, total: int | None, workers: int) -> None:
+        self._left, self._workers = total, workers
+        self._cost, self._seconds, self._per_run = FIRST_COST, FIRST_SECONDS, math.inf
 
     def learn(self, chunk: Chunk, seconds: float) -> None:
         """Go by what the last chunk took."""
-        self.cost = max(seconds, 1e-6) / self.size(chunk.runs)
-        self.seconds = CHUNK_SECONDS
+        self._cost = max(seconds, 1e-6) / chunk.weight
+        self._per_run = max(seconds, 1e-6) / len(chunk.runs)
+        self._seconds = CHUNK_SECONDS
 
-    @property
-    def most(self) -> float:
-        """Runs that a chunk may have: towards the end all workers shall have some."""
-        return math.inf if self.left is None else max(LEAST_RUNS, math.ceil(self.left / (2 * self.workers)))
+    def sent(self, count: int) -> None:
+        """Note that so many runs have gone out."""
+        if self._left is not None:
+            self._left -= count
+
+    def enough(self, count: int, weight: float) -> bool:
+        """Whether so many runs of this weight make a chunk. Towards the end all workers shall have some."""
+        if self._left is not None:
+            share = self._left / (self._workers if self._per_run == math.inf else 2 * self._workers)
+            if count >= max(LEAST_RUNS, FIRST_SECONDS / self._per_run, share):
+                return True
+        return count >= MOST_RUNS or (count >= LEAST_RUNS and weight * self._cost >= self._seconds)
+
+
+def _dearness(column: Column) -> float:
+    """What a run costs, roughly, in those of lanes."""
+    if not why_not_in_lanes(column):
+        return 1.0
+    return ALONE if column.settings.formulation == "exact" else SWEPT
 
 
 def _chunks(
     runs: Iterator[Run], pace: Pace, keep: tuple[str, ...], settle: float, whole: frozenset[int]
 ) -> Iterator[Chunk]:
-    first = 0
+    first, samples, weight, dear = 0, 0, 0.0, 1.0
     taken: list[Run] = []
-    size, samples, records = 0.0, 0, set[int]()
+    records: set[int] = set()
+    column: Column | None = None
+
+    def chunk() -> Chunk:
+        places = tuple(k for k in range(len(taken)) if first + k in whole)
+        return Chunk(first, taken, keep, settle, places, weight)
+
     for run in runs:
         taken.append(run)
-        size += run.column.n * run.duration
+        if run.column is not column:
+            column, dear = run.column, _dearness(run.column)
+        weight += run.column.n * run.duration * dear
         if id(run.motion) not in records:
             records.add(id(run.motion))
             samples += len(run.motion.time)
-        long = size * pace.cost >= pace.seconds or samples >= MOST_SAMPLES
-        if (long and len(taken) >= LEAST_RUNS) or len(taken) >= pace.most:
-            yield _chunk(first, taken, keep, settle, whole)
+        if pace.enough(len(taken), weight) or samples >= MOST_SAMPLES:
+            yield chunk()
             first += len(taken)
-            if pace.left is not None:
-                pace.left -= len(taken)
-            taken, size, samples, records = [], 0.0, 0, set()
+            pace.sent(len(taken))
+            taken, weight, samples, records = [], 0.0, 0, set()
     if taken:
-        yield _chunk(first, taken, keep, settle, whole)
-
-
-def _chunk(first: int, runs: list[Run], keep: tuple[str, ...], settle: float, whole: frozenset[int]) -> Chunk:
-    return Chunk(first, runs, keep, settle, tuple(k for k in range(len(runs)) if first + k in whole))
+        yield chunk()
 
 
 def _sent_out(
     chunks: Iterator[Chunk], submit: Callable[[Chunk], Any], pace: Pace, workers: int
 ) -> Iterator[tuple[Chunk, Made]]:
     """What comes of the chunks, as they end; one waits for each worker that has one. Raises what a chunk raises."""
-    pace.workers = workers
     ended: queue.SimpleQueue[Any] = queue.SimpleQueue()
     under_way: dict[Any, tuple[Chunk, int]] = {}
 

@@ -27,6 +27,7 @@ from .kernels.entries import assemble_column
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
+_TOLERANCE = GIVEN_SETTINGS.fields.index("tolerance")
 FORMULATION_CODES = {"exact": at.EXACT, "paper": at.PAPER}
 INTEGRATOR_CODES = {"auto": at.AUTO, "central-difference": at.CENTRAL_DIFFERENCE}
 LEAST_STEP = 1e-9  # s, below any limit of stability
@@ -66,8 +67,21 @@ class Arrays(NamedTuple):
 
 def arrays_of(column: Column) -> Arrays:
     """The arrays of a column at rest. Raises InputError for a fixed step that is not stable."""
-    made = _assembled(column)
-    return Arrays(made.model.copy(), made.state.copy(), made.counts.copy(), made.base.copy(), made.work.copy())
+    return copied(_assembled(column))
+
+
+def arrays_at(column: Column, tolerance: float) -> Arrays:
+    """The same at another tolerance, which is not checked; nothing is remembered of it."""
+    given = described(column)
+    given[_TOLERANCE] = tolerance
+    return _assemble(column, given)
+
+
+def copied(arrays: Arrays) -> Arrays:
+    """Arrays of their own with the same numbers."""
+    return Arrays(
+        arrays.model.copy(), arrays.state.copy(), arrays.counts.copy(), arrays.base.copy(), arrays.work.copy()
+    )
 
 
 def pack_model(column: Column) -> FloatArray:
@@ -93,11 +107,18 @@ def _empty(n: int) -> Arrays:
 
 @lru_cache(maxsize=64)
 def _assembled(column: Column) -> Arrays:
+    made = _assemble(column, described(column))
+    for array in made:
+        array.flags.writeable = False
+    return made
+
+
+def _assemble(column: Column, given: FloatArray) -> Arrays:
     n = column.n
     fixed = column.settings.integrator == "central-difference"
     made = _empty(n)
     detail = np.zeros(1)
-    code = assemble_column(n, *made, described(column), 1, np.zeros(scratch_room(n, fixed)), detail)
+    code = assemble_column(n, *made, given, 1, np.zeros(scratch_room(n, fixed)), detail)
     if code == NOT_STABLE:
         raise InputError(
             f"solver.step = {column.settings.step}: must be at most {detail[0]:.4g} s, where central differences are "
@@ -105,8 +126,6 @@ def _assembled(column: Column) -> Arrays:
         )
     if code != at.OK:  # the other checks are those of the column
         raise InputError(f"block[{int(detail[0])}].inertia: beyond the range of float64")
-    for array in made:
-        array.flags.writeable = False
     return made
 
 

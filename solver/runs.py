@@ -5,23 +5,24 @@ from __future__ import annotations
 import math
 import time as clock
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .batch import HELD, BatchResult, follow_in_lanes, why_not_in_lanes
 from .chain import Chain
 from .column import Column
 from .errors import InputError, SolverError
 from .motion import Motion
-from .packing import FloatArray
+from .packing import FloatArray, IntArray
 from .response import Response
 from .rest import check_stable, doubts
-from .single_run import Callback, single_run
+from .single_run import Callback, fate, single_run
 from .table import Columns, Table
-from .verdict import UNDECIDED
+from .verdict import OVERTURNED, STANDING, UNDECIDED, is_held, surely_stand
 
 # What can be kept of a run: its type, or None for a number of each block or joint. peak_ux: largest |ux| within the
 # duration, m. residual_ux, residual_theta: where a column that has not fallen is at the end of the duration, m, rad.
@@ -59,6 +60,7 @@ class Chunk:
     keep: tuple[str, ...]
     settle: float  # s, the longest that a column is followed after the duration
     whole: tuple[int, ...] = ()
+    weight: float = 0.0  # roughly what the runs cost, in those of a block for a second in lanes
 
 
 @dataclass
@@ -79,26 +81,28 @@ class Stopped(Exception):  # noqa: N818  nothing went wrong
     """Somebody wants no more of a chunk."""
 
 
-def make_runs(chunk: Chunk, stopped: Callable[[], bool] | None = None) -> Made:
-    """Make the runs of a chunk, in one thread. Raises InputError, and Stopped once `stopped()` is true."""
+def make_runs(chunk: Chunk, flag: FloatArray | None = None) -> Made:
+    """Make the runs of a chunk, in one thread. Raises InputError, and Stopped soon after flag[0] is not zero."""
     begin = clock.perf_counter()
+    flag = np.zeros(1) if flag is None else flag
     tally = Tally()
     check_columns(chunk, tally)
     columns = empty_columns(chunk)
-    responses: dict[int, Response] = {}
+    alone = _in_lanes(chunk, columns, tally, flag)
 
     def look(*_: object) -> None:
-        if stopped is not None and stopped():
+        if flag[0]:
             raise Stopped
 
-    for place, run in enumerate(chunk.runs):
+    for place, why in sorted(alone.items()):
         look()
-        failure = _alone(run, chunk, columns, place, look)
+        failure = _alone(chunk.runs[place], chunk, columns, place, look)
         if failure:
             tally.failures[chunk.first + place] = failure
-        tally.paths[SCALAR] += 1
-        if place in chunk.whole and not failure:
-            responses[chunk.first + place] = _response(run, chunk.settle, look)
+        tally.why_scalar[why] += 1
+    tally.paths.update({SCALAR: len(alone), LANES: len(chunk.runs) - len(alone)})
+    wanted = [place for place in chunk.whole if chunk.first + place not in tally.failures]
+    responses = {chunk.first + place: _response(chunk.runs[place], chunk.settle, look) for place in wanted}
     tally.seconds = clock.perf_counter() - begin
     return Table(columns, responses=responses, first=chunk.first), tally
 
@@ -135,6 +139,79 @@ def empty_columns(chunk: Chunk) -> Columns:
     return columns
 
 
+# --- in lanes
+
+
+def _in_lanes(chunk: Chunk, columns: Columns, tally: Tally, flag: FloatArray) -> dict[int, str]:
+    """Make what lanes can into the columns. Returns the places of the others, and why they are not made in lanes."""
+    alone: dict[int, str] = {}
+    groups: dict[int, list[int]] = {}
+    known: dict[int, str] = {}  # of the same column
+    for place, (column, motion, _) in enumerate(chunk.runs):
+        if id(column) not in known:
+            known[id(column)] = why_not_in_lanes(column)
+        why = known[id(column)] or (HELD if motion.hold else "")
+        if why:
+            alone[place] = why
+        else:
+            groups.setdefault(column.n, []).append(place)
+    for places in groups.values():
+        runs = [chunk.runs[place] for place in places]
+        batch = follow_in_lanes(
+            [run.column for run in runs], [run.motion for run in runs], [run.duration for run in runs], flag=flag
+        )
+        if flag[0]:
+            raise Stopped
+        _fill(columns, np.array(places), runs, batch, chunk.settle)
+        alone |= {
+            place: "step too small in lanes" for place, made in zip(places, batch.finished, strict=True) if not made
+        }
+    return alone
+
+
+def _fill(columns: Columns, places: IntArray, runs: Sequence[Run], batch: BatchResult, settle: float) -> None:
+    """What has come of runs with as many blocks each, into their rows of the columns."""
+    n = runs[0].column.n
+    chain = Chain.of_many([run.column for run in runs])
+    fell = batch.overturned_joint > 0
+    words, times, joints = _verdicts(runs, batch, chain, settle)
+    made: Columns = {
+        "peak_ux": batch.peak_ux,
+        "residual_ux": np.where(fell[:, None], math.nan, chain.top_displacements(batch.ends)),
+        "residual_theta": np.where(fell[:, None], math.nan, chain.places(batch.ends).theta),
+        "energy": np.where(fell, math.nan, chain.energies(batch.ends)),
+        "verdict": words,
+        "overturn_time": times,
+        "overturned_joint": joints,
+        "steps": batch.steps,
+        "evaluations": batch.evaluations,
+        "path": np.full(len(runs), LANES),
+    }
+    for name, values in columns.items():
+        if values.ndim == 2:
+            values[places, :n] = made[name]
+        else:
+            values[places] = made[name]
+
+
+def _verdicts(
+    runs: Sequence[Run], batch: BatchResult, chain: Chain, settle: float
+) -> tuple[NDArray[np.str_], FloatArray, IntArray]:
+    """Words, times of overturning (NaN while it stands) and joints, of runs that are followed on where it is needed."""
+    joints, times = batch.overturned_joint.copy(), batch.overturn_time.copy()
+    words = np.where(joints > 0, OVERTURNED, STANDING).astype(KEPT["verdict"])
+    energy, turned = chain.energies(batch.ends), np.abs(chain.places(batch.ends).theta)
+    undecided = batch.finished & (joints == 0) & ~surely_stand(chain, energy, turned)
+    for k in np.flatnonzero(undecided).tolist():
+        column, motion, duration = runs[k]
+        if not is_held(column, float(energy[k]), turned[k]):
+            words[k], times[k], joints[k] = fate(column, batch.ends[k], motion.start + duration, settle)
+    return words, times, joints
+
+
+# --- one by one
+
+
 def _response(run: Run, settle: float, look: Callback) -> Response:
     """All of a run, with the rows of `simulate`."""
     count = math.floor(run.duration / OUTPUT_STEP + 1e-9) + 1
@@ -147,8 +224,9 @@ def _response(run: Run, settle: float, look: Callback) -> Response:
 def _alone(run: Run, chunk: Chunk, columns: Columns, place: int, look: Callback) -> str:
     """Make one run by itself into the columns. Returns what went wrong, or nothing."""
     end = np.array([run.motion.start + run.duration])
+    column = run.column.with_settings(without=(*run.column.settings.without, "peaks"))  # but those of ux
     try:
-        response, phases = single_run(run.column, run.motion, run.duration, end, None, chunk.settle, look)
+        response, phases = single_run(column, run.motion, run.duration, end, None, chunk.settle, look)
     except SolverError as failure:
         return str(failure)
     stands = not response.overturn_time <= end[0]

@@ -7,6 +7,8 @@ import time as clock
 from collections.abc import Callable
 from typing import NamedTuple
 
+import numpy as np
+
 from .chain import Chain
 from .column import Column
 from .errors import SolverError
@@ -104,6 +106,17 @@ def settled_verdict(stepper: Stepper, stop: float, settle: float) -> tuple[Verdi
     later = stepper.overturn_time - stop
     when = f"{later:.4g} s after the end of the run" if later > 0.0 else "within the run"
     return Verdict(OVERTURNED, f"over joint {stepper.overturned_joint}, {when}"), max(t, stop)
+
+
+def fate(column: Column, phase: FloatArray, stop: float, settle: float) -> tuple[str, float, int]:
+    """What comes of a column, formulation `exact`, that has this phase at time `stop`, s, upon a base then still.
+
+    Returns the word, the time of overturning, s, and the joint; NaN and 0 where it stands.
+    """
+    rotation, opening, spin, opening_rate = np.split(phase, 4)
+    stepper = Stepper(column, InitialState(rotation, spin, opening, opening_rate))
+    verdict, _ = settled_verdict(stepper, stop, settle)
+    return verdict.word, stepper.overturn_time, stepper.overturned_joint
 
 
 def _stats(stepper: Stepper, wall_time: float) -> dict[str, float | int]:

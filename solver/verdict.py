@@ -16,9 +16,11 @@ blocks only. Rotations of both signs need more energy than their absolute values
 from __future__ import annotations
 
 from functools import lru_cache
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .chain import Chain
 from .column import Column
@@ -33,6 +35,9 @@ GRID = 32  # rotations up to the largest limit, closer together near upright, wh
 # Of the barrier: what a column that stands for good may have. It covers the grid (measured: at most 1 % too high) and
 # the error of the motion; and what the first-order formulation neglects.
 SAFE = {"exact": 0.97, "paper": 0.9}
+SHARES = (0.25, 1.0)  # limits that are tried for many columns, as `least_energies` counts them
+GRAZED = (0.2, 0.7)  # and lengths of the contact
+MOST_TURNED = 0.25  # rad, less than half of any angle of no return (kernels/column/assembly.py, LEAST_FALL)
 REST = 1e-12  # of the energy that would lift the column by a width: rounding
 
 
@@ -46,13 +51,50 @@ class Barrier(NamedTuple):
 def cannot_fall(column: Column, phase: FloatArray) -> bool:
     """Whether a column with this phase, (4 n,), stands for ever upon a base that stays still."""
     chain = Chain(column)
-    rounding = REST * chain.g * float(np.sum(chain.mass * chain.width))
-    energy, turned = chain.energy(phase), np.abs(chain.places(phase).theta)
+    return is_held(column, chain.energy(phase), np.abs(chain.places(phase).theta))
+
+
+def is_held(column: Column, energy: float, turned: FloatArray) -> bool:
+    """The same of a column with this energy, J, whose blocks are turned by so much either way, rad (n,)."""
+    rounding = REST * column.g * sum(block.mass * block.joint_width for block in column.blocks)
     safe = SAFE[column.settings.formulation]
     return any(
         energy <= safe * energy_to_fall + rounding and bool(np.all(turned < limits))
         for energy_to_fall, limits in (_barrier_at(column, part) for part in PARTS)
     )
+
+
+def surely_stand(chain: Chain, energy: FloatArray, turned: FloatArray) -> NDArray[np.bool_]:
+    """Of many columns (Chain.of_many) with energies J and blocks turned by so much, those soon seen to stand for ever.
+
+    energy: (columns,), turned: rad either way, (columns, n).
+    """
+    theta = np.max(turned, axis=-1)
+    stands = np.zeros(len(energy), dtype=bool)
+    for part, grazed in product(SHARES, GRAZED):
+        least, limit = least_energies(chain, part, grazed)
+        stands |= (energy <= SAFE["exact"] * least) & (theta < limit)
+    return stands
+
+
+def least_energies(chain: Chain, part: float, grazed: float) -> tuple[FloatArray, FloatArray]:
+    """No more than the energy J that each of many columns needs for a block to turn by a limit, rad; (columns,) each.
+
+    To turn block i by alpha, the joints under it have to turn by alpha together. Under a weight W the energy of a joint
+    over the sine of its turn is convex, and lies above each of its tangents: where the contact has the part c =
+    `grazed` of the width b, that of slope W b (1/2 - c/3), which passes W^2 / (k b) (2/(3 c) - 1/2) below the origin,
+    with k the rigidity. The blocks give back (1 - cos alpha) of what they topple by. part: alpha, in parts of that
+    with the largest bound.
+    """
+    toppling = np.sum(chain.toppling, axis=-1)
+    weight = chain.g * chain.carried
+    steepness = 0.5 - grazed / 3.0
+    best = steepness * np.min(weight * chain.width, axis=-1) / np.maximum(toppling, np.finfo(float).tiny)
+    alpha = np.minimum(part * best, MOST_TURNED)
+    weight = weight * np.cos(alpha)[:, None]
+    slope = steepness * np.min(weight * chain.width, axis=-1)
+    missed = np.sum(weight**2 / (chain.rigidity * chain.width), axis=-1) * (2.0 / (3.0 * grazed) - 0.5)
+    return np.sin(alpha) * slope - missed - 2.0 * np.sin(0.5 * alpha) ** 2 * toppling, alpha
 
 
 def barrier(column: Column) -> Barrier:

@@ -5,9 +5,11 @@ from __future__ import annotations
 import re
 import sys
 
+import pytest
 from fmus import run
 
 
+@pytest.mark.long
 def test_prints_a_figure_for_each_part() -> None:
     parts = ("state", "getters", "threads", "exits")
     out = run(sys.executable, "-m", "benchmarks.fmu", *parts, "--rounds", 1, "--processes", 4)

@@ -15,7 +15,7 @@ import pytest
 from probe import G, monolith, phocas
 
 from solver import Column, InputError, Motion, Table, simulate, simulate_many
-from solver.many import ExecutorError, parts_of_many
+from solver.many import MOST_RUNS, ExecutorError, parts_of_many
 
 KEEP = ("peak_ux", "residual_ux", "residual_theta", "energy", "verdict", "overturn_time", "overturned_joint", "steps")
 
@@ -71,13 +71,13 @@ def test_single_ones_stand_for_all_and_what_is_iterated_is_taken_as_needed() -> 
     def endless() -> Any:
         for k in range(10**9):
             taken.append(k)
-            yield motion.scaled(1.0 + 0.01 * k)
+            yield motion.scaled(1.0 + 1e-4 * k)
 
     parts = parts_of_many(one, endless(), threads=2)
     first = next(parts)
     parts.close()  # type: ignore[attr-defined]
-    assert len(taken) < 10_000
-    motions = [motion.scaled(1.0 + 0.01 * k) for k in range(first.first, first.first + len(first))]
+    assert len(taken) < 6 * MOST_RUNS
+    motions = [motion.scaled(1.0 + 1e-4 * k) for k in range(first.first, first.first + len(first))]
     assert_same(first, simulate_many([one] * len(motions), motions))
 
 

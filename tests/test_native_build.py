@@ -21,7 +21,7 @@ from inside import inputs
 
 from build_fmu import main
 from fmu_src import rules
-from fmu_src.native import library, symbols, table
+from fmu_src.native import column_subject, library, symbols, table
 from fmu_src.native.package import contents_of
 from solver import Column
 from solver.column import SKIPS
@@ -175,11 +175,11 @@ def test_a_kernel_that_takes_another_argument_does_not_compile(tmp_path: Path) -
 
 
 def test_one_more_short_cut_is_one_more_row(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(table, "SKIPS", (*SKIPS, "another"))
-    monkeypatch.setattr(table, "SKIP_CODES", SKIP_CODES | {"another": 1024})
+    monkeypatch.setattr(column_subject, "SKIPS", (*SKIPS, "another"))
+    monkeypatch.setattr(column_subject, "SKIP_CODES", SKIP_CODES | {"another": 1024})
     folder = written(tmp_path / "headers")
     text = (folder / "table.h").read_text(encoding="utf-8")
-    ((_, count),) = re.findall(r"choice_without = {(\d+), (\d+), without_items}", text)
+    (count,) = re.findall(r"{\d+, \d+, ANY_WORDS, (\d+), items_\d+}", text)
     assert (int(count), '{0, 1024, "another"}' in text) == (len(SKIPS) + 1, True)
     assert compile_core(folder) == ""
 

@@ -13,8 +13,9 @@ from scipy.optimize import minimize
 
 from solver import Column, InitialState, InputError, Motion, simulate
 from solver.chain import Chain
+from solver.rest import is_stable
 from solver.stepper import Stepper
-from solver.verdict import SAFE, barrier, cannot_fall, least_energy
+from solver.verdict import GRAZED, SAFE, SHARES, barrier, cannot_fall, least_energies, least_energy
 
 
 def half_sine(amplitude: float, length: float) -> Motion:
@@ -200,3 +201,19 @@ def test_a_verdict_is_pickled() -> None:
     assert (again.verdict, again.reason, again.horizon) == (run.verdict, run.reason, run.horizon)
     assert again.estimated_error.ux == run.estimated_error.ux
     assert again.ensemble.verdicts == run.ensemble.verdicts
+
+
+@pytest.mark.parametrize("n", [1, 2, 4])
+def test_the_quick_bound_for_many_columns_is_never_above_the_barrier(n: int) -> None:
+    rng = np.random.default_rng(n)
+    columns = [column for column in (random_column(rng, n, softest=1e7) for _ in range(60)) if is_stable(column)]
+    columns.append(phocas(1e-3) if n != 1 else monolith(eta=1e-3))
+    columns = [column for column in columns if column.n == n]
+    chain = Chain.of_many(columns)
+    bounds = [least_energies(chain, part, grazed)[0] for part in SHARES for grazed in GRAZED]
+    least = np.array([barrier(column).energy for column in columns])
+    assert np.any(np.max(bounds, axis=0) > 0.0)
+    assert np.all(np.max(bounds, axis=0) < least)  # measured: at most 0.99 of it
+    states = [np.concatenate(random_state(rng, column, 1e-3)) for column in columns]
+    energies = chain.energies(np.array(states))
+    assert energies == pytest.approx([Chain(c).energy(x) for c, x in zip(columns, states, strict=True)], rel=1e-9)

@@ -1,5 +1,6 @@
 /* Around the kernels: life of an instance, legal calls, messages, state, the record inside. No numerics.
 
+   The kernels are those of a column (IS_COLUMN) or of what a column is coupled with.
    contract.h declares the kernels and all that goes by their tables, table.h holds what differs from one FMU to another;
    both are generated (table.py). */
 
@@ -16,7 +17,8 @@
 typedef struct { const char *name, *unit; Kind kind; Role role; int tunable, place; } Variable;
 typedef struct { int count; const int *rows; } Family; /* rows of variables by their numbers within the family */
 typedef struct { int number, code; const char *word; } Item;
-typedef struct { int row, count; const Item *items; } Choice;
+typedef enum { NUMBERED, ONE_WORD, ANY_WORDS } Way; /* how a choice is made: by an enumeration's number or in words */
+typedef struct { int row, place; Way way; int count; const Item *items; } Choice; /* place: among what is given */
 typedef struct {
     int row;
     double low, high;
@@ -31,11 +33,12 @@ typedef struct { int64_t code; const char *text; } Reason;
 
 #define COUNT(array) (sizeof(array) / sizeof *(array))
 enum { MESSAGE = 1024, NUMBER = 32, HEADER = 96 };
+enum { INPUT_ROOM = BASE_INPUTS + !BASE_INPUTS, SPLIT_ROOM = SPLIT + !SPLIT }; /* C knows no array of nothing */
 _Static_assert(sizeof STATE_FORMAT + sizeof IDENTITY + 17 <= HEADER, "the head of a serialized state");
-_Static_assert(COUNT(given) == GIVEN && COUNT(slope_of) == BASE_INPUTS, "what the kernels are given");
+_Static_assert(COUNT(given) == GIVEN && COUNT(slope_of) == INPUT_ROOM, "what the kernels are given");
 _Static_assert(COUNT(real_starts) == REALS && COUNT(whole_starts) == WHOLES && COUNT(text_starts) == TEXTS, "starts");
 _Static_assert(AT_ROW + ROW == AT_SPLIT && AT_SPLIT + SPLIT <= REALS, "outputs begin with row and split");
-_Static_assert(AT_SPLIT + SPLIT == AT_PEAKS && AT_PEAKS + PEAKS <= REALS, "then peaks");
+_Static_assert(!IS_COLUMN || (AT_SPLIT + SPLIT == AT_PEAKS && AT_PEAKS + PEAKS <= REALS), "then peaks");
 
 const char *const core_identity = IDENTITY;
 
@@ -65,7 +68,7 @@ typedef struct {
 struct Instance {
     Moment now;
     Moment before; /* to go back to */
-    double work[WORK], row[ROW], split[SPLIT], other_row[ROW], other_split[SPLIT], detail[1];
+    double work[WORK], row[ROW], split[SPLIT_ROOM], other_row[ROW], other_split[SPLIT_ROOM], detail[1];
     int outdated; /* whether the outputs belong to an earlier time, input or parameter */
     int coarse_told;
     Status last_step;
@@ -171,6 +174,17 @@ static int code_of(const Choice *choice, const Moment *moment, char *reason) {
     return -1;
 }
 
+/* The kernels' code of a word; -1 and a reason if it is unknown. */
+static int code_of_word(const Choice *choice, const char *word, size_t length, char *reason) {
+    for (int k = 0; k < choice->count; k++) {
+        const Item *item = &choice->items[k];
+        if (strlen(item->word) == length && !memcmp(item->word, word, length)) return item->code;
+    }
+    snprintf(reason, MESSAGE, "%s = '%.*s': must be one of ", variables[choice->row].name, (int)length, word);
+    for (int k = 0; k < choice->count; k++) append(reason, "%s%s", k ? ", " : "", choice->items[k].word);
+    return -1;
+}
+
 /* The sum of the kernels' codes of words with commas between; -1 and a reason if one is unknown. */
 static int codes_of_words(const Choice *choice, const char *words, char *reason) {
     int codes = 0;
@@ -179,26 +193,26 @@ static int codes_of_words(const Choice *choice, const char *words, char *reason)
         size_t length;
         if (!end) end = at + strlen(at);
         const char *word = trimmed(at, end, &length);
-        int code = length ? -1 : 0;
-        for (int k = 0; k < choice->count && code < 0; k++) {
-            const Item *item = &choice->items[k];
-            if (strlen(item->word) == length && !memcmp(item->word, word, length)) code = item->code;
-        }
-        if (code < 0) {
-            snprintf(reason, MESSAGE, "%s = '%.*s': must be one of ", variables[choice->row].name, (int)length, word);
-            for (int k = 0; k < choice->count; k++) append(reason, "%s%s", k ? ", " : "", choice->items[k].word);
-            return -1;
-        }
+        int code = length ? code_of_word(choice, word, length, reason) : 0;
+        if (code < 0) return -1;
         codes |= code;
         at = *end ? end + 1 : end;
     }
     return codes;
 }
 
+/* What is chosen, whichever the way; -1 and a reason if it cannot be. */
+static int chosen(const Choice *choice, const Moment *moment, char *reason) {
+    if (choice->way == NUMBERED) return code_of(choice, moment, reason);
+    const char *words = moment->texts[variables[choice->row].place];
+    return choice->way == ONE_WORD ? code_of_word(choice, words, strlen(words), reason)
+                                   : codes_of_words(choice, words, reason);
+}
+
 /* Whether one of the checks finds fault with a Real parameter. */
 static int find_fault(const Moment *moment, char *reason) {
     char value[NUMBER], bound[NUMBER];
-    for (size_t k = 0; k < COUNT(checks); k++) {
+    for (int k = 0; k < CHECKS; k++) {
         const Check *check = &checks[k];
         double given_value = real_at(moment, check->row);
         const char *name = variables[check->row].name;
@@ -221,15 +235,15 @@ static int find_fault(const Moment *moment, char *reason) {
 /* What `assemble` is given, from the parameters as they stand. */
 static int describe(const Moment *now, double described[GIVEN], char *reason) {
     for (int k = 0; k < GIVEN; k++) described[k] = given[k] < 0 ? 0.0 : now->reals[given[k]];
-    int formulation = code_of(&choice_formulation, now, reason);
-    if (formulation < 0) return 0;
-    int integrator = code_of(&choice_integrator, now, reason);
-    if (integrator < 0 || find_fault(now, reason)) return 0;
-    int without = codes_of_words(&choice_without, now->texts[variables[choice_without.row].place], reason);
-    if (without < 0) return 0;
-    described[GIVEN_FORMULATION] = formulation;
-    described[GIVEN_INTEGRATOR] = integrator;
-    described[GIVEN_WITHOUT] = without;
+    for (int in_words = 0; in_words < 2; in_words++) {
+        if (in_words && find_fault(now, reason)) return 0;
+        for (int k = 0; k < CHOICES; k++) {
+            if ((choices[k].way != NUMBERED) != in_words) continue;
+            int code = chosen(&choices[k], now, reason);
+            if (code < 0) return 0;
+            described[choices[k].place] = code;
+        }
+    }
     return 1;
 }
 
@@ -240,15 +254,15 @@ static int build(Instance *instance, int afresh, char *reason) {
     char text[NUMBER];
     const char *record = now->texts[AT_RECORD];
     if (!describe(now, described, reason)) return 0;
-    int has_record = *record != 0;
+    int has_record = HAS_RECORD && *record != 0;
     if (has_record && (!SAMPLES || strcmp(record, RECORD_NAME))) {
         snprintf(reason, MESSAGE,
-                 "base.record = '%.600s': this FMU reads no files, must be empty%s%s; build_fmu.py --record puts a "
+                 RECORD_KEY " = '%.600s': this FMU reads no files, must be empty%s%s; build_fmu.py --record puts a "
                  "record inside",
                  record, SAMPLES ? " or " : "", SAMPLES ? RECORD_NAME : "");
         return 0;
     }
-    int fixed_step = described[GIVEN_INTEGRATOR] == CENTRAL_DIFFERENCE;
+    int fixed_step = IS_COLUMN && described[GIVEN_INTEGRATOR] == CENTRAL_DIFFERENCE;
     double *scratch = malloc(sizeof(double) * (size_t)(fixed_step ? FIXED_STEP_ROOM : ROOM));
     if (!scratch) return snprintf(reason, MESSAGE, "out of memory"), 0;
     memcpy(instance->before.model, now->model, sizeof now->model);
@@ -269,11 +283,15 @@ static int build(Instance *instance, int afresh, char *reason) {
     now->retune = 0;
     if (afresh) {
         now->has_record = has_record;
-        now->scale = now->reals[AT_RECORD_SCALE];
-        now->reals[AT_RECORD_PGA] = has_record ? fabs(now->scale) * RECORD_LARGEST : 0.0;
-        now->reals[AT_OVERTURN_TIME] = -1.0;
-        now->wholes[AT_OVERTURN_JOINT] = now->wholes[AT_OVERTURNED] = 0;
-        now->wholes[AT_VERDICT] = VERDICT_UNDECIDED;
+        if (HAS_RECORD) {
+            now->scale = now->reals[AT_RECORD_SCALE];
+            now->reals[AT_RECORD_PGA] = has_record ? fabs(now->scale) * RECORD_LARGEST : 0.0;
+        }
+        if (IS_COLUMN) {
+            now->reals[AT_OVERTURN_TIME] = -1.0;
+            now->wholes[AT_OVERTURN_JOINT] = now->wholes[AT_OVERTURNED] = 0;
+            now->wholes[AT_VERDICT] = VERDICT_UNDECIDED;
+        }
         now->inputs_stand = 0;
     }
     instance->outdated = 1;
@@ -291,16 +309,16 @@ static int update(Instance *instance, char *reason) {
                                .upright = now->mode == INITIALIZATION, .elapsed = now->time - now->input_time,
                                .t = now->time, .row = &now->reals[AT_ROW], .split = &now->reals[AT_SPLIT]});
     if (code < 0) return snprintf(reason, MESSAGE, "at t = %.6g s: %s", now->time, reason_of(code)), 0;
-    double *peaks = &now->reals[AT_PEAKS];
-    for (int k = 0; k < PEAKS; k++) peaks[k] = now->state[STATE_PEAKS + k];
-    for (int k = PEAK_CONTACT; k < PEAK_CONTACT + N; k++) peaks[k] = 1.0 - peaks[k];
-    int64_t joint = now->counts[COUNT_OVERTURNED];
-    now->wholes[AT_VERDICT] = joint                        ? VERDICT_OVERTURNED
-                              : now->counts[COUNT_RESTING] ? VERDICT_STANDING
-                                                           : VERDICT_UNDECIDED;
-    now->wholes[AT_OVERTURN_JOINT] = joint;
-    now->wholes[AT_OVERTURNED] = joint > 0;
-    now->reals[AT_OVERTURN_TIME] = joint ? now->state[STATE_OVERTURN_TIME] : -1.0;
+    if (IS_COLUMN) {
+        double *peaks = &now->reals[AT_PEAKS];
+        for (int k = 0; k < PEAKS; k++) peaks[k] = now->state[STATE_PEAKS + k];
+        for (int k = PEAK_CONTACT; k < PEAK_CONTACT + N; k++) peaks[k] = 1.0 - peaks[k];
+        int64_t joint = now->counts[COUNT_OVERTURNED], resting = now->counts[COUNT_RESTING];
+        now->wholes[AT_VERDICT] = joint ? VERDICT_OVERTURNED : resting ? VERDICT_STANDING : VERDICT_UNDECIDED;
+        now->wholes[AT_OVERTURN_JOINT] = joint;
+        now->wholes[AT_OVERTURNED] = joint > 0;
+        now->reals[AT_OVERTURN_TIME] = joint ? now->state[STATE_OVERTURN_TIME] : -1.0;
+    }
     instance->outdated = 0;
     return 1;
 }
@@ -329,9 +347,9 @@ void core_reset(Instance *instance) {
     memset(now, 0, sizeof *now);
     now->mode = INSTANTIATED;
     memcpy(now->reals, real_starts, sizeof now->reals);
-    now->reals[AT_OVERTURN_TIME] = -1.0;
+    if (IS_COLUMN) now->reals[AT_OVERTURN_TIME] = -1.0;
     for (int k = 0; k < WHOLES; k++) now->wholes[k] = whole_starts[k];
-    now->wholes[AT_VERDICT] = VERDICT_UNDECIDED;
+    if (IS_COLUMN) now->wholes[AT_VERDICT] = VERDICT_UNDECIDED;
     for (int k = 0; k < TEXTS; k++) snprintf(now->texts[k], TEXT, "%s", text_starts[k]);
     instance->outdated = 1;
     instance->coarse_told = 0;
@@ -379,7 +397,7 @@ Status core_terminate(Instance *instance) {
     if (wrong_mode(instance, STEPPING, SAY_WHEN_TERMINATED)) return ST_ERROR;
     const double *state = instance->now.state;
     double spent = state[STATE_TIME_FULL] + state[STATE_TIME_ROCKING] + state[STATE_TIME_FLIGHT];
-    if (!instance->now.shaken && spent > 0.0) core_say(instance, ST_WARNING, SAY_NOT_SHAKEN);
+    if (IS_COLUMN && !instance->now.shaken && spent > 0.0) core_say(instance, ST_WARNING, SAY_NOT_SHAKEN);
     instance->now.mode = TERMINATED;
     return ST_OK;
 }
@@ -525,7 +543,7 @@ static int advance(Instance *instance, double start, double step, char *reason) 
         now->shaken = now->has_record;
         for (int k = 0; k < BASE_INPUTS; k++) now->shaken |= now->reals[k] != 0.0;
     }
-    if (now->has_record && !instance->coarse_told && step > RECORD_DT * (1.0 + STEP_SLACK)) {
+    if (IS_COLUMN && now->has_record && !instance->coarse_told && step > RECORD_DT * (1.0 + STEP_SLACK)) {
         char text[NUMBER];
         instance->coarse_told = 1;
         core_say(instance, ST_WARNING, SAY_COARSE, shown(step, text), RECORD_DT);
@@ -601,6 +619,13 @@ static int up_to_date(Instance *instance) {
     return 0;
 }
 
+/* What a kernel's code means for the call; an error is told. */
+static Status answer(const Instance *instance, int64_t code) {
+    if (code >= 0) return ST_OK;
+    core_say(instance, ST_ERROR, "%s", reason_of(code));
+    return ST_ERROR;
+}
+
 Status core_rates(Instance *instance, const Reference references[], size_t count, const int orders[], double values[]) {
     if (wrong_mode(instance, INITIALIZATION | STEPPING | TERMINATED, "derivatives of outputs")) return ST_ERROR;
     for (size_t k = 0; k < count; k++)
@@ -611,13 +636,13 @@ Status core_rates(Instance *instance, const Reference references[], size_t count
                                  .split = instance->split, .other = instance->other_row,
                                  .other_split = instance->other_split});
     for (size_t k = 0; k < count; k++) values[k] = *visible(instance, references[k]);
-    return code < 0 ? ST_ERROR : ST_OK;
+    return answer(instance, code);
 }
 
 Status core_directional(Instance *instance, const Reference unknowns[], size_t unknown_count, const Reference knowns[],
                         size_t known_count, const double seeds[], double values[]) {
     const Moment *now = &instance->now;
-    double along[BASE_INPUTS] = {0.0};
+    double along[INPUT_ROOM] = {0.0};
     if (wrong_mode(instance, INITIALIZATION | STEPPING | TERMINATED, "directional derivatives")) return ST_ERROR;
     for (size_t k = 0; k < unknown_count; k++)
         if (!is_continuous_output(instance, unknowns[k])) return ST_ERROR;
@@ -634,7 +659,7 @@ Status core_directional(Instance *instance, const Reference unknowns[], size_t u
                                              .t = now->time, .row = instance->row, .split = instance->split,
                                              .other = instance->other_row, .other_split = instance->other_split});
     for (size_t k = 0; k < unknown_count; k++) values[k] = *visible(instance, unknowns[k]);
-    return code < 0 ? ST_ERROR : ST_OK;
+    return answer(instance, code);
 }
 
 /* --- state */

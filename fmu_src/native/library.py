@@ -11,7 +11,7 @@ from pathlib import Path
 from solver.errors import InputError
 
 from . import symbols
-from .machine_code import object_code
+from .machine_code import COLUMN, Kernels, object_code
 from .platforms import PLATFORMS, Target
 
 SOURCES = tuple(Path(__file__).with_name(name) for name in ("core.c", "fmi2.c"))
@@ -56,7 +56,7 @@ def compile_c(target: Target, sources: list[Path | str], output: Path) -> None:
 
 
 def libraries(
-    name: str, platforms: list[str], generated: dict[str, str]
+    name: str, platforms: list[str], generated: dict[str, str], kernels: Kernels = COLUMN
 ) -> dict[str, tuple[bytes, list[symbols.Symbols]]]:
     """Platform -> library of that name, and what each of its parts needs. Raises InputError if that is Python's.
 
@@ -64,7 +64,7 @@ def libraries(
     """
     check_tools()
     targets = [target for platform in platforms for target in PLATFORMS[platform].targets]
-    codes = dict(zip(targets, object_code(targets), strict=True))
+    codes = dict(zip(targets, object_code(targets, kernels), strict=True))
     made = {}
     with tempfile.TemporaryDirectory(prefix="native_") as temporary:
         folder = Path(temporary)

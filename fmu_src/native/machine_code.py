@@ -9,10 +9,12 @@ from __future__ import annotations
 
 import contextlib
 import hashlib
+import importlib
 import os
 import subprocess
 import sys
 import tempfile
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -29,15 +31,31 @@ BASELINE = "x86-64-v2"
 PREFIX = "kernel_"  # of the entries in the object code
 
 
-def made_with() -> str:
+@dataclass(frozen=True)
+class Kernels:
+    """The kernels of one kind of FMU.
+
+    entries: where they are found, as MODULE:NAME of a mapping from each function to the types of its arguments.
+    beside: what identifies the sources that do not belong to solver/kernels/.
+    """
+
+    entries: str
+    beside: str = ""
+
+
+COLUMN = Kernels("solver.kernels.pointers:ENTRIES")
+
+
+def made_with(kernels: Kernels) -> str:
     """What the object code depends on beside the target."""
     content = hashlib.sha256(Path(__file__).read_bytes()).hexdigest()[:16]
-    return f"numba {numba.__version__}, llvmlite {llvmlite.__version__}, kernels {SOURCES}, {content}"
+    versions = f"numba {numba.__version__}, llvmlite {llvmlite.__version__}, kernels {SOURCES}, {content}"
+    return versions if kernels == COLUMN else f"{versions}, {kernels.entries} {kernels.beside}"
 
 
-def object_code(targets: list[Target]) -> list[bytes]:
+def object_code(targets: list[Target], kernels: Kernels) -> list[bytes]:
     """The object code of every target. Raises OSError, subprocess.CalledProcessError."""
-    key = hashlib.sha256(made_with().encode()).hexdigest()[:16]
+    key = hashlib.sha256(made_with(kernels).encode()).hexdigest()[:16]
     kept = user_cache() / CACHE_FOLDER / "native" / key
     with tempfile.TemporaryDirectory(prefix="machine_code_") as temporary:
         folder = Path(temporary)
@@ -48,7 +66,7 @@ def object_code(targets: list[Target]) -> list[bytes]:
         if missing:
             environment = {key: value for key, value in os.environ.items() if not key.startswith("NUMBA_")}
             settings = {"NUMBA_CPU_NAME": BASELINE, "NUMBA_CPU_FEATURES": "", "PYTHONHASHSEED": "0"}
-            command = [sys.executable, "-m", __spec__.name, str(folder), *missing]
+            command = [sys.executable, "-m", __spec__.name, str(folder), kernels.entries, *missing]
             path = os.pathsep.join(entry for entry in sys.path if entry)
             subprocess.run(command, check=True, env=environment | settings | {"PYTHONPATH": path})
             with contextlib.suppress(OSError):  # no room: made again next time
@@ -65,12 +83,11 @@ def _file(target: Target) -> str:
     return f"{target.triple}-{target.cpu}.o"
 
 
-def module() -> llvm.ModuleRef:
-    """The entries of kernels/pointers.py and all that they call; nothing else is left."""
-    from solver.kernels.pointers import ENTRIES
-
+def module(entries: str) -> llvm.ModuleRef:
+    """The entries and all that they call; nothing else is left."""
+    place, _, attribute = entries.partition(":")
     whole = None
-    for function, arguments in ENTRIES.items():
+    for function, arguments in getattr(importlib.import_module(place), attribute).items():
         compile_entry: Any = numba.cfunc(numba.types.int64(*arguments), **OPTIONS)
         part = llvm.parse_assembly(compile_entry(function).inspect_llvm())
         native = [item for item in part.functions if not item.is_declaration and function.__name__ in item.name]
@@ -103,11 +120,11 @@ def emit(whole: llvm.ModuleRef, triple: str, cpu: str) -> bytes:
 
 
 def main(arguments: list[str]) -> int:
-    """Write the object code of targets given as TRIPLE=CPU to a folder."""
+    """FOLDER ENTRIES TRIPLE=CPU ...: write the object code of each target to the folder."""
     llvm.initialize_all_targets()
     llvm.initialize_all_asmprinters()
-    whole = module()
-    for word in arguments[1:]:
+    whole = module(arguments[1])
+    for word in arguments[2:]:
         triple, cpu = word.split("=")
         (Path(arguments[0]) / f"{triple}-{cpu}.o").write_bytes(emit(whole, triple, cpu))
     return 0

@@ -6,7 +6,7 @@ import hashlib
 import json
 import uuid
 from dataclasses import replace
-from xml.etree.ElementTree import tostring
+from xml.etree.ElementTree import Element, tostring
 
 from solver import __version__
 from solver.column import Column
@@ -16,8 +16,9 @@ from .. import documentation
 from ..model_description import FLAGS, Experiment, column_description, model_description
 from ..record import Record
 from ..variables import variables
+from .column_subject import column_subject
 from .library import OWN_HEADERS, SOURCES, libraries
-from .machine_code import made_with
+from .machine_code import COLUMN, Kernels, made_with
 from .platforms import PLATFORMS
 from .symbols import Symbols
 from .table import Contents, headers
@@ -32,8 +33,13 @@ NEEDS = "It needs nothing but the mathematical functions of the system's C libra
 
 def contents_of(column: Column, record: Motion | None = None, record_name: str = "") -> Contents:
     """What the FMU of a column is made for, under a GUID that follows from all that its libraries are made of."""
-    contents = Contents(column, variables(column, record_name), "", record_name, record)
-    parts = [json.dumps(column.to_dict()), made_with(), *headers(contents).values()]
+    contents = Contents(column_subject(column.n), variables(column, record_name), "", record_name, record)
+    return identified(contents, COLUMN, json.dumps(column.to_dict()))
+
+
+def identified(contents: Contents, kernels: Kernels, *sources: str) -> Contents:
+    """The same under a GUID that follows from all that its libraries are made of."""
+    parts = [*sources, made_with(kernels), *headers(contents).values()]
     identity = "".join([*parts, *(file.read_text(encoding="utf-8") for file in (*SOURCES, *OWN_HEADERS))])
     guid = uuid.uuid5(uuid.NAMESPACE_OID, hashlib.sha256(identity.encode()).hexdigest())
     return replace(contents, guid=f"{{{guid}}}")
@@ -44,31 +50,41 @@ def native_files(
 ) -> tuple[dict[str, bytes], dict[str, list[Symbols]]]:
     """The files of the FMU by their names, and what the libraries need. Raises InputError, OSError."""
     contents = contents_of(column, record, record_name)
-    guid, table = contents.guid, contents.table
-    made = libraries(column.name, platforms, headers(contents))
     experiment = Experiment(record.start, record.end, Record(record).dt) if record else Experiment()
     description = model_description(
-        *(column.name, guid, column_description(column), __version__, table, experiment),
+        *(column.name, contents.guid, column_description(column), __version__, contents.table, experiment),
         flags=NATIVE_FLAGS,
         tool="build_fmu.py --native",
     )
     picture = documentation.drawing(column)
-    files = {
-        "modelDescription.xml": b'<?xml version="1.0" encoding="UTF-8"?>\n' + tostring(description),
+    pages = {
         "model.png": picture,
-        "documentation/index.html": documentation.page(column, table, NEEDS).encode(),
+        "documentation/index.html": documentation.page(column, contents.table, NEEDS).encode(),
         "documentation/model.png": picture,
         "documentation/signs.png": documentation.sign_conventions(),
-        "documentation/binaries.txt": _account({platform: needs for platform, (_, needs) in made.items()}).encode(),
+    }
+    files, needs = compiled(column.name, contents, COLUMN, platforms, description)
+    return files | pages, needs
+
+
+def compiled(
+    name: str, contents: Contents, kernels: Kernels, platforms: list[str], description: Element
+) -> tuple[dict[str, bytes], dict[str, list[Symbols]]]:
+    """Model description, libraries and their account; and what the libraries need. Raises InputError, OSError."""
+    made = libraries(name, platforms, headers(contents), kernels)
+    needs = {platform: needed for platform, (_, needed) in made.items()}
+    files = {
+        "modelDescription.xml": b'<?xml version="1.0" encoding="UTF-8"?>\n' + tostring(description),
+        "documentation/binaries.txt": _account(needs, kernels).encode(),
     }
     for platform, (content, _) in made.items():
-        files[f"binaries/{platform}/{column.name}{PLATFORMS[platform].suffix}"] = content
-    return files, {platform: needs for platform, (_, needs) in made.items()}
+        files[f"binaries/{platform}/{name}{PLATFORMS[platform].suffix}"] = content
+    return files, needs
 
 
-def _account(needs: dict[str, list[Symbols]]) -> str:
+def _account(needs: dict[str, list[Symbols]], kernels: Kernels) -> str:
     """How the libraries were made and what they need from outside."""
-    lines = [f"multiblock-fmu {__version__}; {made_with()}"]
+    lines = [f"multiblock-fmu {__version__}; {made_with(kernels)}"]
     for platform, parts in needs.items():
         for part, target in zip(parts, PLATFORMS[platform].targets, strict=True):
             lines.append(f"{platform}: {part.format} for {target.linker}, {target.cpu} and newer")

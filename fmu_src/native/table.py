@@ -1,6 +1,6 @@
 """What the C core is compiled with, written from the tables of Python: nothing of it is kept by hand.
 
-contract.h  of a number of blocks: the kernels with their arguments by name, sizes and codes, limits, messages
+contract.h  of what is simulated: the kernels with their arguments by name, sizes and codes, limits, messages
 table.h     what differs from one FMU to another: variables, start values, checks of the parameters, the record
 """
 
@@ -12,49 +12,75 @@ from typing import Any
 
 import numpy as np
 
-from solver.column import BLOCK_RULES, NUMBERS, SKIPS, Column
-from solver.kernels import engine, pointers
-from solver.kernels import layout as at
+from solver.column import NUMBERS
+from solver.kernels import pointers
 from solver.motion import Motion
-from solver.packing import FORMULATION_CODES, INTEGRATOR_CODES, SKIP_CODES
-from solver.stepper import REASONS
 
 from .. import rules
 from ..record import Record
-from ..variables import (
-    CHOICES,
-    FAMILY,
-    FORMULATION,
-    INPUTS,
-    INTEGRATOR,
-    OVERTURN_JOINT,
-    OVERTURN_TIME,
-    OVERTURNED,
-    RECORD,
-    RECORD_PGA,
-    RECORD_SCALE,
-    VERDICT,
-    VERDICT_NOW,
-    Variable,
-)
+from ..variables import FAMILY, Variable
 from .machine_code import PREFIX
 
 TEXT = 256  # bytes of a String, its end included
 STATE_FORMAT = "multiblock-fmu native state 4"
-# input -> the input that is its slope
-SLOPES = {"base.ax": "base.jx", "base.az": "base.jz", "base.theta": "base.omega", "base.omega": "base.alpha"}
-# the base's inputs where the kernels look for them
-BASE_INPUTS = {f"base.{name}": place for place, name in enumerate(engine.BASE_INPUTS.fields)}
 READ_ONLY = ("given", "inputs", "times", "ax", "az", "seeds")  # arguments behind which kernels write nothing
 C_TYPES = {"float64": "double ", "int64": "int64_t ", "float64*": "double *", "int64*": "int64_t *"}
 STORED = {"Real": "REAL", "Integer": "INTEGER", "Enumeration": "INTEGER", "Boolean": "BOOLEAN", "String": "STRING"}
+# what the core asks for by name: sizes that depend on what is inside; where columns alone keep something
+SIZES = ("N", "MODEL", "STATE", "COUNTS", "BASE", "WORK", "ROW", "SPLIT", "ROOM", "FIXED_STEP_ROOM")
+COLUMN_CODES = (
+    *("GIVEN_INTEGRATOR", "GIVEN_STEP", "CENTRAL_DIFFERENCE", "NOT_STABLE", "TOO_LARGE", "COUNT_OVERTURNED"),
+    *("STATE_OVERTURN_TIME", "STATE_TIME_FULL", "STATE_TIME_ROCKING", "STATE_TIME_FLIGHT"),
+    *("PEAKS", "STATE_PEAKS", "PEAK_CONTACT", "COUNT_RESTING"),
+    *("VERDICT_OVERTURNED", "VERDICT_STANDING", "VERDICT_UNDECIDED"),
+)
+PLACES = ("PEAKS", "OVERTURN_TIME", "OVERTURN_JOINT", "OVERTURNED", "VERDICT", "RECORD", "RECORD_PGA", "RECORD_SCALE")
+
+
+@dataclass(frozen=True)
+class Chosen:
+    """What a parameter chooses: by an enumeration's number (NUMBERED), or as text (ONE_WORD, ANY_WORDS)."""
+
+    name: str
+    way: str
+    items: list[tuple[int, int, str]]  # the enumeration's number, the kernels' code, the word
+
+
+@dataclass(frozen=True)
+class Subject:
+    """What is simulated, as the core has to know it. What is not a column has neither codes nor places of columns."""
+
+    is_column: bool
+    sizes: dict[str, int]
+    codes: dict[str, int]
+    places: dict[str, str]  # of PLACES -> variable
+    inputs: list[str]  # in the order of the kernels
+    slopes: dict[str, str]  # input -> the input that is its slope
+    split: str  # the first variable after those of the output row
+    given: list[str]  # the parameters that `assemble` is given, in its order
+    choices: list[Chosen]
+    checks: list[Check]
+    reasons: dict[int, str]
+
+
+@dataclass(frozen=True)
+class Check:
+    """Limits of a Real parameter; another variable that bounds it."""
+
+    name: str
+    limits: tuple[float, float]
+    meaning: str
+    optional: bool = False  # 0 stands for "not given"
+    bound: str = ""
+    strict: bool = False
+    relation: str = ""
 
 
 @dataclass(frozen=True)
 class Contents:
     """What one FMU is made for."""
 
-    column: Column
+    subject: Subject
     table: list[Variable]
     guid: str
     record_name: str
@@ -64,43 +90,17 @@ class Contents:
 def headers(contents: Contents) -> dict[str, str]:
     """The generated header files: name -> text."""
     note = "/* Made by build_fmu.py; not to be edited. */\n"
-    return {"contract.h": note + contract(contents.column.n), "table.h": note + declarations(contents)}
+    return {"contract.h": note + contract(contents.subject), "table.h": note + declarations(contents)}
 
 
 # --- contract.h
 
 
-def contract(n: int) -> str:
-    """The kernels and what goes by their tables, for n blocks."""
-    sizes = {
-        "N": n,
-        "MODEL": pointers.model_room(n),
-        "STATE": at.STATE.size(n),
-        "COUNTS": at.COUNTS.beside,
-        "BASE": at.BASE.beside,
-        "WORK": at.WORK.size(n),
-        "ROW": at.ROW.size(n),
-        "SPLIT": at.SPLIT.beside,
-        "PEAKS": at.PEAKS.size(n),
-        "ROOM": pointers.scratch_room(n, False),
-        "FIXED_STEP_ROOM": pointers.scratch_room(n, True),
-        "BASE_INPUTS": len(BASE_INPUTS),
-        "GIVEN": len(pointers.GIVEN_SETTINGS) + pointers.GIVEN_FIELDS * n,
-    }
-    codes = {f"GIVEN_{name.upper()}": place for place, name in enumerate(pointers.GIVEN_SETTINGS)}
-    codes |= {
-        "STATE_OVERTURN_TIME": at.CONTROL.fields.index("overturn_time"),
-        "STATE_TIME_FULL": at.CONTROL.fields.index("time_full"),
-        "STATE_TIME_ROCKING": at.CONTROL.fields.index("time_rocking"),
-        "STATE_TIME_FLIGHT": at.CONTROL.fields.index("time_flight"),
-        "STATE_PEAKS": at.STATE.size(n) - at.PEAKS.size(n),
-        "PEAK_CONTACT": n * at.OUTPUTS.fields.index("contact"),
-        "COUNT_RESTING": at.COUNTS.fields.index("resting"),
-        "COUNT_OVERTURNED": at.COUNTS.fields.index("overturned"),
-        "CENTRAL_DIFFERENCE": at.CENTRAL_DIFFERENCE,
-        "NOT_STABLE": pointers.NOT_STABLE,
-        "TOO_LARGE": pointers.TOO_LARGE,
-    }
+def contract(subject: Subject) -> str:
+    """The kernels and what goes by their tables."""
+    sizes = {name: subject.sizes[name] for name in SIZES}
+    sizes |= {"BASE_INPUTS": len(subject.inputs), "GIVEN": len(subject.given)}
+    codes = {"IS_COLUMN": int(subject.is_column)} | {name: subject.codes.get(name, 0) for name in COLUMN_CODES}
     lines = ["#include <stdint.h>", *_enum(sizes), *_enum(codes)]
     lines.append(f"#define TIME_SLACK {rules.TIME_SLACK!r}")
     lines.append(f"#define STEP_SLACK {rules.STEP_SLACK!r}")
@@ -143,8 +143,8 @@ def _kernel(function: Any, kinds: tuple[Any, ...]) -> list[str]:
 
 def declarations(contents: Contents) -> str:
     """The text of table.h."""
-    column, table = contents.column, contents.table
-    if [item.name for item in INPUTS] != sorted(BASE_INPUTS, key=BASE_INPUTS.__getitem__):
+    subject, table = contents.subject, contents.table
+    if [item.name for item in table if item.causality == "input"] != subject.inputs:
         raise ValueError("the inputs of the FMU are not in the order of the kernels")
     index = {variable.name: k for k, variable in enumerate(table)}
     places = storage(table)
@@ -153,25 +153,19 @@ def declarations(contents: Contents) -> str:
     texts = [variable for variable in table if STORED[variable.kind] == "STRING"]
     numbers = {
         "REALS": len(reals),
-        "WHOLES": len(wholes),
-        "TEXTS": len(texts),
+        "WHOLES": max(len(wholes), 1),
+        "TEXTS": max(len(texts), 1),
         "TEXT": TEXT,
         "FAMILY": FAMILY,
-        "AT_ROW": len(INPUTS),
-        "AT_SPLIT": places["base.R0x"],
-        "AT_PEAKS": places["block[1].ux_peak"],
-        "AT_VERDICT": places[VERDICT_NOW.name],
-        "VERDICT_OVERTURNED": VERDICT.items["overturned"],
-        "VERDICT_STANDING": VERDICT.items["standing"],
-        "VERDICT_UNDECIDED": VERDICT.items["undecided"],
-        "AT_OVERTURN_TIME": places[OVERTURN_TIME.name],
-        "AT_OVERTURN_JOINT": places[OVERTURN_JOINT.name],
-        "AT_OVERTURNED": places[OVERTURNED.name],
-        "AT_RECORD": places[RECORD],
-        "AT_RECORD_PGA": places[RECORD_PGA.name],
-        "AT_RECORD_SCALE": places[RECORD_SCALE],
+        "AT_ROW": len(subject.inputs),
+        "AT_SPLIT": places[subject.split],
+        "CHOICES": len(subject.choices),
+        "CHECKS": len(subject.checks),
+        "HAS_RECORD": int("RECORD" in subject.places),
     }
+    numbers |= {f"AT_{name}": places[subject.places[name]] if name in subject.places else 0 for name in PLACES}
     lines = _enum(numbers)
+    lines.append(f"#define RECORD_KEY {_quoted(subject.places.get('RECORD', ''))}")
     lines.append(f"#define IDENTITY {_quoted(contents.guid)}")
     lines.append(f"#define STATE_FORMAT {_quoted(STATE_FORMAT)}")
     lines += _array("Variable", "variables", [_variable(variable, places[variable.name]) for variable in table])
@@ -179,15 +173,12 @@ def declarations(contents: Contents) -> str:
     lines += _array("int", "whole_starts", [str(int(_start(variable))) for variable in wholes])
     lines += _array("char *const", "text_starts", [_quoted(str(variable.start)) for variable in texts])
     lines += _families(table)
-    lines += _array("int", "slope_of", [str(places.get(SLOPES.get(item.name, ""), -1)) for item in INPUTS])
-    lines += _array("int", "given", [str(_place_given(name, places)) for name in _given_names(column.n)])
-    codes = {FORMULATION.name: FORMULATION_CODES, INTEGRATOR.name: INTEGRATOR_CODES}
-    for name, choice in CHOICES.items():
-        items = [(number, codes[choice.name][word], word) for word, number in choice.items.items()]
-        lines += _choice(choice.name.lower(), index[name], items)
-    lines += _choice("without", index["solver.without"], [(0, SKIP_CODES[word], word) for word in SKIPS])
-    lines += _array("Check", "checks", _checks(column.n, index))
-    lines += _array("Reason", "reasons", [f"{{{code}, {_quoted(text)}}}" for code, text in REASONS.items()])
+    lines += _array("int", "slope_of", [str(places.get(subject.slopes.get(name, ""), -1)) for name in subject.inputs])
+    chosen = {choice.name for choice in subject.choices}  # given as a code
+    lines += _array("int", "given", ["-1" if name in chosen else str(places[name]) for name in subject.given])
+    lines += _choices(subject, index)
+    lines += _array("Check", "checks", [_check(check, index) for check in subject.checks])
+    lines += _array("Reason", "reasons", [f"{{{code}, {_quoted(text)}}}" for code, text in subject.reasons.items()])
     lines += _record(contents)
     return "\n".join(lines) + "\n"
 
@@ -247,57 +238,27 @@ def _variable(variable: Variable, place: int) -> str:
     return f"{{{_quoted(variable.name)}, {_quoted(variable.unit)}, {', '.join(map(str, words))}}}"
 
 
-def _given_names(n: int) -> list[str]:
-    """The variables that `assemble` is given, in its order."""
-    names = [name if name == "g" else f"solver.{name}" for name in pointers.GIVEN_SETTINGS]
-    for i in range(1, n + 1):
-        names += [f"block[{i}].{name}" for name in pointers.GIVEN_BLOCK]
-        names += [f"joint[{i}].{name}" for name in pointers.GIVEN_JOINT]
-    return names
+def _choices(subject: Subject, index: dict[str, int]) -> list[str]:
+    lines, rows = [], []
+    for k, choice in enumerate(subject.choices):
+        items = [f"{{{number}, {code}, {_quoted(word)}}}" for number, code, word in choice.items]
+        lines += _array("Item", f"items_{k}", items)
+        place = subject.given.index(choice.name)
+        rows.append(f"{{{index[choice.name]}, {place}, {choice.way}, {len(items)}, items_{k}}}")
+    return [*lines, *_array("Choice", "choices", rows)]
 
 
-def _place_given(name: str, places: dict[str, int]) -> int:
-    """Among the numbers; -1 for what is given as a code."""
-    return -1 if name in CHOICES or name == "solver.without" else places[name]
-
-
-def _choice(name: str, row: int, items: list[tuple[int, int, str]]) -> list[str]:
-    listed = [f"{{{number}, {code}, {_quoted(word)}}}" for number, code, word in items]
-    lines = _array("Item", f"{name}_items", listed)
-    return [*lines, f"static const Choice choice_{name} = {{{row}, {len(items)}, {name}_items}};"]
-
-
-def _checks(n: int, index: dict[str, int]) -> list[str]:
-    """The limits of every Real parameter in the order in which the Python slave finds fault with them."""
-
-    def check(
-        name: str,
-        limits: tuple[tuple[float, float], str] | None = None,
-        optional: bool = False,
-        bound: str = "",
-        strict: bool = False,
-        relation: str = "",
-    ) -> str:
-        (low, high), meaning = limits or NUMBERS[name.rpartition(".")[2]]
-        parts = [
-            str(index[name]),
-            _number(low),
-            _number(high),
-            str(int(optional)),
-            _quoted(f"must be {meaning}"),
-            str(index[bound]) if bound else "-1",
-            str(int(strict)),
-            _quoted(relation),
-        ]
-        return f"{{{', '.join(parts)}}}"
-
-    rows = [check("g")]
-    for i in range(1, n + 1):
-        for rule in BLOCK_RULES:
-            owner = f"joint[{i}]" if rule.of_joint else f"block[{i}]"
-            bound = f"block[{i}].{rule.bound}" if rule.bound else ""
-            rows.append(check(f"{owner}.{rule.key}", None, rule.optional, bound, rule.strict, rule.relation))
-    return [*rows, check("solver.step"), check("solver.tolerance"), check(RECORD_SCALE, rules.SCALE_LIMITS)]
+def _check(check: Check, index: dict[str, int]) -> str:
+    parts = [
+        str(index[check.name]),
+        *map(_number, check.limits),
+        str(int(check.optional)),
+        _quoted(f"must be {check.meaning}"),
+        str(index[check.bound]) if check.bound else "-1",
+        str(int(check.strict)),
+        _quoted(check.relation),
+    ]
+    return f"{{{', '.join(parts)}}}"
 
 
 def _record(contents: Contents) -> list[str]:

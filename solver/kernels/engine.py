@@ -159,6 +159,7 @@ def reset(counts, base):
     counts.in_flight = 0
     counts.resting = 0
     counts.looks = 0
+    counts.until_opening = 0
     base.t0 = 0.0
     base.ax = 0.0
     base.jx = 0.0

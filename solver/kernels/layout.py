@@ -109,6 +109,7 @@ CONTROL = Record(
     "time_rocking",  # s with some joint partly open, none fully
     "time_flight",  # s with some joint fully open
     "time_at_rest",  # s that were skipped
+    "reached",  # s, the instant at which the last call ended
 )
 STATE = Space(control=CONTROL, phase=PHASE, peaks=Numbers(PEAKS.per_n, PEAKS.beside))
 COUNTS = Record(
@@ -129,6 +130,7 @@ COUNTS = Record(
     "in_flight",  # 1 while a joint is fully open
     "resting",  # 1 while it rests upon a base that is still
     "looks",  # evaluations for what is watched; the steps do not depend on them
+    "until_opening",  # 1 where `advance` is to end once the modal method does not go on
 )
 
 # --- base: a_x = ax + jx (t - t0) + wave_amplitude sin(wave_omega t + wave_phase); the base turns by

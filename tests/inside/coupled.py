@@ -95,17 +95,40 @@ def kept_state(fmu: str) -> dict[str, Any]:
     return found
 
 
-def ssp(folder: str) -> list[list[float]]:
-    """base.R0x of the SSP run by FMPy, and by the example's master."""
-    from fmpy.ssp.simulation import simulate_ssp
+def same(first: str, second: str, partner: str, parameters: dict[str, Any]) -> tuple[bool, float]:
+    """Whether the partner of one folder moves bit for bit as that of another under one column; and how far."""
     from master import Fmu, couple
-
-    h = 1e-3
 
     def ground(t: float) -> float:
         return float(np.sin(2.0 * np.pi * t))
 
-    given = {"ground.ax": ground, "ground.jx": lambda t: (ground(t + h) - ground(t)) / h}
-    table = simulate_ssp(f"{folder}/isolated.ssp", stop_time=0.5, step_size=h, input=given)
-    run = couple(Fmu(f"{folder}/column.fmu"), Fmu(f"{folder}/isolator.fmu"), ground, h, 0.5, watch=("base.R0x",))
-    return [table["column.base.R0x"].tolist(), run["base.R0x"].tolist()]
+    found = []
+    for folder in (first, second):
+        partner_fmu = Fmu(f"{folder}/{partner}.fmu", **parameters)
+        run = couple(Fmu(f"{first}/column.fmu"), partner_fmu, ground, 1e-3, 0.5, watch_partner=("x", "v", "base.ax"))
+        found.append([run["block[1].ux"].tolist(), run["x"].tolist(), run["base.ax"].tolist(), run["work_given"]])
+    return found[0] == found[1], max(map(abs, found[0][1]))
+
+
+def refused(fmu: str, parameters: dict[str, Any]) -> str:
+    """What FMPy raises where a partner is set up with these."""
+    from master import Fmu
+
+    try:
+        Fmu(fmu, **parameters)
+    except Exception as error:
+        return str(error)
+    return ""
+
+
+def ground(fmu: str, step: float, told: float, count: int) -> list[list[float]]:
+    """Acceleration and slope of the ground at every step; `told` is its parameter `step`."""
+    from master import Fmu
+
+    part = Fmu(fmu, step=told)
+    rows = []
+    for k in range(count):
+        rows.append(part.get("ground.ax", "ground.jx"))
+        part.step(k * step, step)
+    part.close()
+    return rows

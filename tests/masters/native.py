@@ -25,7 +25,7 @@ sys.path.insert(0, str(ROOT))
 
 from build_fmu import DEFAULT_COLUMN, build_native_fmu  # noqa: E402
 from fmu_src.native import library  # noqa: E402
-from fmu_src.native.machine_code import object_code  # noqa: E402
+from fmu_src.native.machine_code import COLUMN, object_code  # noqa: E402
 from fmu_src.native.package import contents_of  # noqa: E402
 from fmu_src.native.platforms import PLATFORMS  # noqa: E402
 from fmu_src.native.table import headers  # noqa: E402
@@ -48,7 +48,7 @@ def _sanitized(column: Path, fmu: Path, folder: Path) -> int:
         return 0
     for name, text in headers(contents_of(Column.from_toml(column))).items():
         (folder / name).write_text(text, encoding="utf-8")
-    (folder / "kernels.o").write_bytes(object_code(list(PLATFORMS["linux64"].targets))[0])
+    (folder / "kernels.o").write_bytes(object_code(list(PLATFORMS["linux64"].targets), COLUMN)[0])
     output = folder / "sanitized.so"
     command = ["gcc", "-std=c11", "-g", "-O1", "-shared", "-fPIC", *SANITIZERS, f"-I{folder}", f"-I{library.headers()}"]
     subprocess.run(

@@ -7,7 +7,7 @@ from .runs import Queue
 
 
 @entry
-def run_lanes(n, buffer, count, models, phases, runs, outcomes, times, ax, az, row_times, snapshots):
+def run_lanes(n, buffer, count, models, phases, runs, outcomes, times, ax, az, row_times, snapshots, flag):
     """`follow_queue`: all runs of columns of n blocks, eight at a time. All but n and count are arrays."""
     queue = Queue(
         count,
@@ -21,5 +21,6 @@ def run_lanes(n, buffer, count, models, phases, runs, outcomes, times, ax, az, r
         row_of(row_times),
         row_times.size,
         row_of(snapshots),
+        row_of(flag),
     )
     follow_queue(n, buffer, queue)

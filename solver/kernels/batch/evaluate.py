@@ -2,13 +2,13 @@
 
 from typing import NamedTuple
 
-from ..formulations.base import base_motion
+from ..formulations.base import SOON, record_line
 from ..formulations.either import evaluate_at
 from ..formulations.exact import Motion, exact_accelerations
 from ..jit import by_width, kernel, leaf
-from ..lanes import WIDTH, LanesType, any_of, lane, splat, where, with_lane
+from ..lanes import WIDTH, LanesType, any_of, bits, lane, magnitude, splat, where, with_lane
 from ..layout import OK
-from ..numbers import sine
+from ..numbers import sine, sine_cosine
 from ..views import one_lane
 from .runs import SPACE, samples_of
 
@@ -33,27 +33,49 @@ def single(batch, k):
     return _space(one_lane(batch.row, k), batch.model.n)
 
 
+@leaf
+def anchor_waves(base, t):
+    """Let the sines of the harmonic parts be worked out at the times t."""
+    if any_of(base.wave_amplitude != 0.0):
+        base.anchor_sine, base.anchor_cosine = sine_cosine(base.wave_omega * t + base.wave_phase)
+        base.anchor = t
+
+
+@leaf
+def wave_of_lanes(base, t):
+    """As formulations/base.py, `wave`."""
+    x = base.wave_omega * (t - base.anchor)
+    y = x * x
+    rise = x * (1.0 + y * (-1.0 / 6.0 + y * (1.0 / 120.0 + y * (-1.0 / 5040.0 + y * (1.0 / 362880.0)))))
+    dip = y * (-0.5 + y * (1.0 / 24.0 + y * (-1.0 / 720.0 + y * (1.0 / 40320.0))))
+    found = base.anchor_sine + (base.anchor_sine * dip + base.anchor_cosine * rise)
+    far = magnitude(x) > SOON
+    if any_of(far):
+        found = where(far, sine(base.wave_omega * t + base.wave_phase), found)
+    return found
+
+
 @kernel
 def motion_of_lanes(batch, t):
     """Motion of the eight bases at the times t; they do not rotate."""
     base = batch.base
-    past = t - base.t0
-    ax = base.ax + base.jx * past
-    az = base.az + base.jz * past
-    waves = base.wave_amplitude != 0.0
-    if any_of(waves):
-        ax += base.wave_amplitude * sine(base.wave_omega * t + base.wave_phase)
-    sampled = batch.lane.count > 0.0
-    if any_of(sampled):
-        sampled_ax, sampled_az = ax, az
+    within = t - base.piece_begin
+    ax = base.piece_ax + base.piece_jx * within
+    az = base.piece_az + base.piece_jz * within
+    late = bits(t > base.piece_end)
+    if late != 0:  # a step crosses kinks of the straight lines
         for k in range(WIDTH):
-            one = single(batch, k)
-            if one.lane.count > 0.0:
-                motion = base_motion(one.base, samples_of(batch.queue, one.lane), lane(t, k))
-                sampled_ax = with_lane(sampled_ax, k, motion.ax)
-                sampled_az = with_lane(sampled_az, k, motion.az)
-        ax = where(sampled, sampled_ax, ax)
-        az = where(sampled, sampled_az, az)
+            if (late >> k) & 1:
+                one = single(batch, k)
+                samples = samples_of(batch.queue, one.lane)
+                segment = int(one.base.segment)
+                while 0 <= segment < samples.size - 2 and lane(t, k) > samples.times[segment + 1]:
+                    segment += 1
+                line_ax, _, line_az, _ = record_line(samples, segment, lane(t, k))
+                ax = with_lane(ax, k, line_ax)
+                az = with_lane(az, k, line_az)
+    if any_of(base.wave_amplitude != 0.0):
+        ax += base.wave_amplitude * wave_of_lanes(base, t)
     zero = splat(0.0)
     return Motion(ax, az, zero, zero, zero)
 

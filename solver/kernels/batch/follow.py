@@ -5,7 +5,9 @@ regime are not located: a step across one errs by more than its estimate says, w
 allow for (solver/batch.py). What a lane computes depends on nothing in the others.
 """
 
-from ..formulations.base import ends_soon, enter, smooth_reach
+import math
+
+from ..formulations.base import ends_soon, enter, is_silent, smooth_reach
 from ..formulations.exact import exact_top_motion
 from ..integrators import dormand_prince
 from ..jit import kernel, leaf
@@ -16,7 +18,7 @@ from ..stepping.condition import FLIGHT_PART, moment_of_overturning, widest_join
 from ..stepping.control import GROW, LEAST_ERROR, SAFETY, SHRINK
 from ..stepping.interpolation import interpolate_one
 from ..views import lanes_of
-from .evaluate import Batch, evaluate_lanes, single
+from .evaluate import Batch, anchor_waves, evaluate_lanes, single
 from .runs import SPACE, outcome_of, run_of, samples_of, snapshot_of
 
 NOBODY = -1.0
@@ -56,16 +58,34 @@ def load(batch, k, number):
     one.lane.first = run.first
     one.lane.count = run.count
     one.lane.scale = run.scale
-    one.base.t0 = run.start
+    one.lane.next_row = run.row
+    one.lane.fresh = 1.0
+    one.base.piece_end = math.inf
     one.base.wave_amplitude = run.wave_amplitude
     one.base.wave_omega = run.wave_omega
     one.base.wave_phase = run.wave_phase
-    enter(one.base, samples_of(queue, one.lane), run.start)
+    follow_record(batch, one, run.start)
     control, settings = one.state.control, one.model.settings
     control.next_step = settings.first_step
     control.previous_error = 1.0
-    control.rotation_scale = settings.rotation_floor
-    control.rate_scale = settings.rate_floor
+    control.rotation_scale = max(settings.rotation_floor, run.rotation_scale)
+    control.rate_scale = max(settings.rate_floor, run.rate_scale)
+    so_far = outcome_of(queue, number, n)
+    one.lane.steps = so_far.record.steps
+    one.lane.rejected = so_far.record.rejected
+    for i in range(n):
+        one.state.peaks[i] = so_far.peaks[i]
+
+
+@leaf
+def follow_record(batch, one, t):
+    """Let a lane follow the segment of its record at time t; where that is silent, so is the harmonic part."""
+    samples = samples_of(batch.queue, one.lane)
+    if samples.size > 0:
+        enter(one.base, samples, t)
+        if is_silent(samples, int(one.base.segment)):
+            one.base.wave_amplitude = 0.0
+            one.lane.fresh = 1.0
 
 
 @kernel
@@ -75,6 +95,7 @@ def start(batch, fresh):
     between, begin = work.between, work.start
     for i in range(4 * n):
         between.row[i] = begin.row[i]
+    anchor_waves(batch.base, batch.lane.t)
     evaluate_lanes(batch, between, batch.lane.t)
     for i in range(4 * n, 6 * n):
         begin.row[i] = where(fresh, between.row[i], begin.row[i])
@@ -100,8 +121,11 @@ def finish(batch, k, code):
     outcome.record.rejected = one.lane.rejected
     for i in range(n):
         outcome.peaks[i] = one.state.peaks[i]
+    for i in range(4 * n):
+        outcome.phase[i] = one.work.start.row[i]
     one.lane.run = NOBODY
     one.lane.count = 0.0
+    one.base.piece_end = math.inf
     one.base.wave_amplitude = 0.0
 
 
@@ -149,10 +173,11 @@ def step_lengths(batch):
     left = lanes.stop - lanes.t
     step = control.next_step
     step = where(base.wave_amplitude != 0.0, lesser(step, 1.0 / base.wave_omega), step)
-    if any_of(lanes.count > 0.0):
+    near = bits((lanes.count > 0.0) & (base.piece_end - lanes.t < lesser(2.0 * step, left)))
+    if near != 0:
         for k in range(WIDTH):
-            one = single(batch, k)
-            if one.lane.count > 0.0:
+            if (near >> k) & 1:
+                one = single(batch, k)
                 samples, settings = samples_of(batch.queue, one.lane), one.model.settings
                 roughest = KINKS * settings.tolerance * one.state.control.rate_scale
                 roughest *= one.model.blocks.centroid[one.n - 1]
@@ -215,7 +240,7 @@ def take_snapshots(batch, k, step):
     queue = batch.queue
     one = single(batch, k)
     n, number = one.n, int(one.lane.run)
-    begin = run_of(queue, number).start
+    begin = run_of(queue, number).origin
     row = int(one.lane.next_row)
     while row < queue.rows and begin + queue.row_times[row] <= one.lane.t + step * (1.0 + SLACK):
         kept = snapshot_of(queue, number, row, n).row
@@ -228,22 +253,25 @@ def take_snapshots(batch, k, step):
 
 @kernel
 def step_on(batch):
-    """One step of every lane that has a run. Returns the lanes whose run has ended, bit by bit."""
+    """One step of every lane that has a run. Returns the lanes whose run has ended, bit by bit, and one more bit.
+
+    That is set where the base of a lane has fallen silent: its accelerations jump.
+    """
     work, lanes, control = batch.work, batch.lane, batch.state.control
     n = batch.model.n
     step = step_lengths(batch)
     busy = step > 0.0
+    anchor_waves(batch.base, lanes.t)
     _, error = dormand_prince.attempt(batch, lanes.t, step)
     good = busy & control_steps(batch, step, error)
     lanes.steps += where(good, 1.0, 0.0)
     lanes.rejected += where(busy & (error > 1.0), 1.0, 0.0)
     take_stock(batch, work.end, good)
     over = good & fallen(batch.model, work.end)
-    ended = 0
-    if any_of(over):
-        ended = bits(over)
+    fell, ended = bits(over), bits(over)
+    if fell != 0:
         for k in range(WIDTH):
-            if (ended >> k) & 1:
+            if (fell >> k) & 1:
                 one = single(batch, k)
                 fraction = moment_of_overturning(one, lane(step, k))
                 one.state.control.overturn_time = one.lane.t + fraction * lane(step, k)
@@ -257,15 +285,19 @@ def step_on(batch):
         work.start.row[i] = where(good, work.end.row[i], work.start.row[i])
     at_stop = good & (step == lanes.stop - lanes.t)
     lanes.t = where(at_stop, lanes.stop, where(good, lanes.t + step, lanes.t))
-    if any_of(lanes.count > 0.0):
+    passed = bits((lanes.count > 0.0) & ends_soon(batch.base, lanes.t))
+    if passed != 0:
         for k in range(WIDTH):
-            one = single(batch, k)
-            if one.lane.count > 0.0 and ends_soon(one.base, one.lane.t):
-                enter(one.base, samples_of(batch.queue, one.lane), one.lane.t)
+            if (passed >> k) & 1:
+                one = single(batch, k)
+                follow_record(batch, one, one.lane.t)
+                if one.lane.fresh > 0.0:
+                    ended |= 1 << WIDTH
     stuck = busy & (control.next_step < LEAST_STEP * greater(batch.model.settings.first_step, magnitude(lanes.t)))
-    for k in range(WIDTH):
-        if (ended >> k) & 1:
-            finish(batch, k, HAS_OVERTURNED)
+    if fell != 0:
+        for k in range(WIDTH):
+            if (fell >> k) & 1:
+                finish(batch, k, HAS_OVERTURNED)
     if any_of(at_stop | stuck):
         ended |= bits(at_stop | stuck)
         done, failed = bits(at_stop), bits(stuck)
@@ -286,15 +318,14 @@ def follow_queue(n, buffer, queue):
     for k in range(WIDTH):
         single(batch, k).lane.run = NOBODY
     waiting, running = 0, 0
-    while waiting < queue.size or running > 0:
+    while (waiting < queue.size or running > 0) and queue.flag[0] == 0.0:
         for k in range(WIDTH):
             if waiting < queue.size and single(batch, k).lane.run < 0.0:
                 load(batch, k, waiting)
-                single(batch, k).lane.steps = NOBODY  # marks it
                 waiting += 1
                 running += 1
-        fresh = batch.lane.steps < 0.0
-        batch.lane.steps = where(fresh, 0.0, batch.lane.steps)
+        fresh = batch.lane.fresh > 0.0
+        batch.lane.fresh = where(fresh, 0.0, batch.lane.fresh)
         start(batch, fresh)
         ended = 0
         while ended == 0:

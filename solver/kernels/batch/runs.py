@@ -7,10 +7,26 @@ from ..jit import leaf
 from ..layout import BASE, MODEL, PHASE, STATE, WORK
 from ..views import Numbers, Record, Space
 
-# one run: times and motion; its record is `count` samples from number `first` on
-RUN = Record("start", "stop", "scale", "wave_amplitude", "wave_omega", "wave_phase", "first", "count")
-# what comes of a run: a code of layout.py, when and over which joint it overturned (0: it did not), steps
-OUTCOME = Space(record=Record("code", "time", "overturned", "steps", "rejected"), peaks=Numbers(per_n=1))
+# one run, which may be under way: its record is `count` samples from number `first` on
+RUN = Record(
+    "origin",  # s, start of its motion, which snapshots are counted from
+    "start",  # s, from where it is to be followed, and
+    "stop",
+    "scale",
+    "wave_amplitude",
+    "wave_omega",
+    "wave_phase",
+    "first",
+    "count",
+    "row",  # first snapshot not yet taken
+    "rotation_scale",  # rad and
+    "rate_scale",  # rad/s, the largest so far
+)
+# what comes of a run: a code of layout.py, when and over which joint it overturned (0: it did not), steps; peaks, which
+# hold those so far before; coordinates and rates at its end
+OUTCOME = Space(
+    record=Record("code", "time", "overturned", "steps", "rejected"), peaks=Numbers(per_n=1), phase=Numbers(per_n=4)
+)
 # numbers of a lane beside those of its column
 LANE = Record(
     "run",  # number of the run, -1 without one
@@ -22,12 +38,16 @@ LANE = Record(
     "count",  # number of them
     "scale",
     "next_row",  # first snapshot not yet taken
+    "fresh",  # 1 while the accelerations at its time are missing
 )
 SPACE = Space(model=MODEL, state=STATE, base=BASE, lane=LANE, work=WORK)
 
 
 class Queue(NamedTuple):
-    """Rows of `size` runs of columns of n blocks, and of what comes of them; the samples of all their records."""
+    """Rows of `size` runs of columns of n blocks, and of what comes of them; the samples of all their records.
+
+    Once the number that `flag` leads to is not zero, no more runs are begun and those under way are left.
+    """
 
     size: int
     models: object  # packed models, without modal data
@@ -40,6 +60,7 @@ class Queue(NamedTuple):
     row_times: object  # s after the start, `rows` of them: when snapshots are taken
     rows: int
     snapshots: object  # phases, `rows` for each run
+    flag: object
 
 
 _run, _outcome, _phase = RUN.over, OUTCOME.over, PHASE.over

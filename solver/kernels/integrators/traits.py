@@ -11,6 +11,7 @@ ORDER_8 = 2
 LINEARLY_IMPLICIT = 3
 MODES = 4
 UNKNOWN = 5
+NONE = 6  # no step at all
 UNKNOWN_METHOD = -5  # code
 
 

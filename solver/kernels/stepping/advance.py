@@ -13,7 +13,7 @@ from ..formulations.exact import STILL
 from ..integrators import modal
 from ..integrators.error import error_in_tolerances
 from ..integrators.stage import stage
-from ..integrators.traits import FIXED, MODES, UNKNOWN, attempt_by, traits_of
+from ..integrators.traits import FIXED, MODES, NONE, UNKNOWN, attempt_by, traits_of
 from ..jit import kernel, leaf, part
 from ..layout import AUTO, CENTRAL_DIFFERENCE, HAS_OVERTURNED, OK, SLACK, STEP_TOO_SMALL
 from .condition import has_fallen, is_quiet, moment_of_overturning, rests, take_stock, widest_joint
@@ -133,6 +133,8 @@ def plan_step(column, t, left, to_sample):
         step = elastic_step(column, to_sample)
         if step > 0.0:
             return plan_modal(column, step, to_sample)
+        if column.counts.until_opening == 1:
+            return Plan(NONE, 0.0, False)
     modal.forget(column.work)
     if integrator == AUTO:
         return plan_general(column, t, left)
@@ -265,7 +267,7 @@ def _rest_until(column, watch, t, left):
 
 @part
 def advance(column, t, h, watch):
-    """Take the column from t to t + h, landing there exactly. Returns a code.
+    """Take the column from t to t + h, landing there exactly; no further than `until_opening`. Returns a code.
 
     Inputs of the base hold within the call; snapshots take it that the base does not rotate. Snapshots inside are taken
     by interpolation. A column that has overturned keeps its state. On an error the phase in the state is that at t.
@@ -299,6 +301,8 @@ def advance(column, t, h, watch):
         else:
             anchor_wave(base, now)
             plan = plan_step(column, now, h - elapsed, to_sample)
+            if plan.method == NONE:
+                break
             code, error = attempt_by(plan.method, column, now, plan.step)
             code, made, again = judge_step(column, plan, now, code, error)
             if again:
@@ -325,6 +329,7 @@ def advance(column, t, h, watch):
         state.phase.row[i] = work.start.row[i]
     motion = base_motion(base, samples, t + elapsed)
     end_watching(column, watch, motion)
+    state.control.reached = t + elapsed
     keep_base(state.control, motion)
     if counts.overturned > 0:
         take_held_snapshots(column, watch, t, h)

@@ -1,0 +1,165 @@
+"""A coupled system as SSP 1.0, for masters that open such files.
+
+Beside the FMUs it holds the system (SystemStructure.ssd) and a set of parameters for each component (.ssv). A connector
+of the system has no dot in its name, which OMSimulator would take for the name of an element, and the step that
+OMSimulator wants to be told stands in an annotation of its own, which others pass over.
+"""
+
+from __future__ import annotations
+
+import zipfile
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+from xml.etree.ElementTree import Element, SubElement, indent, tostring
+
+from fmpy import read_model_description
+
+from fmu_src.model_description import UNITS
+
+SPACE = "http://ssp-standard.org/SSP1/SystemStructure"
+SPACES = {"xmlns:ssd": f"{SPACE}Description", "xmlns:ssc": f"{SPACE}Common", "xmlns:ssv": f"{SPACE}ParameterValues"}
+OMS = {"xmlns:oms": "https://raw.githubusercontent.com/OpenModelica/OMSimulator/master/schema/oms.xsd"}
+SPLIT = ("R0x", "R0z", "R0m", "mxx", "mxz", "mxt", "mzz", "mzt", "mtt")
+MOTION = ("ax", "az", "jx", "jz", "theta", "omega", "alpha")
+GROUND = ("ax", "az", "jx", "jz")
+SET = "defaults"
+KINDS = {float: "Real", int: "Integer", bool: "Boolean", str: "String"}
+
+
+@dataclass
+class System:
+    """Components by name, and what is connected: (element, connector, element, connector), "" for the system itself."""
+
+    name: str
+    fmus: dict[str, Path]
+    parameters: Mapping[str, Mapping[str, Any]]  # component -> variable -> value
+    stop: float  # s
+    step: float  # s
+    connections: list[tuple[str, str, str, str]] = field(default_factory=list)
+
+
+def coupled(
+    partner: str, fmus: Mapping[str, Path], parameters: Mapping[str, Mapping[str, Any]], stop: float, step: float
+) -> System:
+    """The column on a partner; the ground is a component if there is an FMU of it, otherwise inputs of the system."""
+    inside = "ground" in fmus
+    parts = [*(["ground"] if inside else []), "column", partner]
+    name = {"isolator": "isolated", "soil": "on_soil"}[partner] + ("" if inside else "_inputs")
+    system = System(name, {part: fmus[part] for part in parts}, parameters, stop, step)
+    known = {variable.name for variable in read_model_description(str(fmus[partner])).modelVariables}
+    for axis in GROUND:
+        source = ("ground", f"ground.{axis}") if inside else ("", f"ground_{axis}")
+        system.connections.append((*source, partner, f"ground.{axis}"))
+    for part in SPLIT:
+        if f"column.{part}" in known:
+            system.connections.append(("column", f"base.{part}", partner, f"column.{part}"))
+    for part in MOTION:
+        if f"base.{part}" in known:
+            system.connections.append((partner, f"base.{part}", "column", f"base.{part}"))
+    return system
+
+
+def write(system: System, output: Path) -> Path:
+    """The archive."""
+    with zipfile.ZipFile(output, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("SystemStructure.ssd", _text(structure(system)))
+        for part, values in system.parameters.items():
+            if part in system.fmus and values:
+                archive.writestr(f"resources/{part}.ssv", _text(parameter_set(values)))
+        for part, path in system.fmus.items():
+            archive.write(path, f"resources/{part}.fmu")
+    return output
+
+
+def wire(system: System, folder: Path, platform: str, watched: list[tuple[str, str]]) -> Path:
+    """The same for master.c: libraries for one platform and a file that says what is connected. Native FMUs only."""
+    folder.mkdir(parents=True, exist_ok=True)
+    descriptions: dict[str, Any] = {part: read_model_description(str(path)) for part, path in system.fmus.items()}
+    numbers = {
+        (part, variable.name): variable.valueReference
+        for part, description in descriptions.items()
+        for variable in description.modelVariables
+    }
+    lines = []
+    for part, path in system.fmus.items():
+        with zipfile.ZipFile(path) as archive:
+            (inside,) = (name for name in archive.namelist() if name.startswith(f"binaries/{platform}/"))
+            library = folder / Path(inside).name
+            library.write_bytes(archive.read(inside))
+        lines.append(f"fmu {part} {descriptions[part].guid} {library.resolve()}")
+        for name, value in system.parameters.get(part, {}).items():
+            kind = "text" if isinstance(value, str) else "real"
+            lines.append(f"{kind} {part} {numbers[part, name]} {value!r}".replace("'", ""))
+    lines += [f"connect {a} {numbers[a, start]} {b} {numbers[b, end]}" for a, start, b, end in system.connections if a]
+    lines += [f"watch {part} {numbers[part, name]}" for part, name in watched]
+    file = folder / f"{system.name}.txt"
+    file.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return file
+
+
+def _text(root: Element) -> bytes:
+    indent(root)
+    return b'<?xml version="1.0" encoding="UTF-8"?>\n' + tostring(root) + b"\n"
+
+
+def parameter_set(values: Mapping[str, Any]) -> Element:
+    """Values of the variables of one component. All sets have one name, by which ecos is told to use them."""
+    root = Element("ssv:ParameterSet", {**_spaces("ssc", "ssv"), "version": "1.0", "name": SET})
+    parameters = SubElement(root, "ssv:Parameters")
+    for variable, value in values.items():
+        parameter = SubElement(parameters, "ssv:Parameter", name=variable)
+        text = str(value).lower() if isinstance(value, bool) else str(value)
+        SubElement(parameter, f"ssv:{KINDS[type(value)]}", value=text)
+    return root
+
+
+def _spaces(*names: str) -> dict[str, str]:
+    return {f"xmlns:{name}": SPACES[f"xmlns:{name}"] for name in names}
+
+
+def structure(system: System) -> Element:
+    """The system."""
+    units = {part: _units(path) for part, path in system.fmus.items()}
+    used = {unit for _, _, target, end in system.connections if (unit := units[target][end])}
+    root = Element("ssd:SystemStructureDescription", {**_spaces("ssd", "ssc"), **OMS, "name": system.name})
+    root.set("version", "1.0")
+    top = SubElement(root, "ssd:System", name=system.name)
+    own = [(start, units[target][end]) for source, start, target, end in system.connections if not source]
+    if own:
+        _connectors(top, [(name, "input", unit) for name, unit in own])
+    elements = SubElement(top, "ssd:Elements")
+    for part in system.fmus:
+        component = SubElement(elements, "ssd:Component", name=part, source=f"resources/{part}.fmu")
+        component.set("type", "application/x-fmu-sharedlibrary")
+        ports = [(start, "output", units[part][start]) for source, start, _, _ in system.connections if source == part]
+        ports += [(end, "input", units[part][end]) for _, _, target, end in system.connections if target == part]
+        _connectors(component, list(dict.fromkeys(ports)))
+        if system.parameters.get(part):
+            binding = SubElement(SubElement(component, "ssd:ParameterBindings"), "ssd:ParameterBinding")
+            binding.set("source", f"resources/{part}.ssv")
+    connections = SubElement(top, "ssd:Connections")
+    for source, start, target, end in system.connections:
+        connection = SubElement(connections, "ssd:Connection", {"startElement": source} if source else {})
+        connection.attrib |= {"startConnector": start, "endElement": target, "endConnector": end}
+    annotation = SubElement(SubElement(top, "ssd:Annotations"), "ssc:Annotation", type="org.openmodelica")
+    information = SubElement(SubElement(annotation, "oms:Annotations"), "oms:SimulationInformation")
+    master = SubElement(information, "oms:FixedStepMaster", description="oms-ma", stepSize=str(system.step))
+    master.attrib |= {"absoluteTolerance": "1e-4", "relativeTolerance": "1e-4"}
+    listed = SubElement(root, "ssd:Units")
+    for unit in sorted(used):
+        exponents = {base: str(power) for base, power in UNITS[unit].items()}
+        SubElement(SubElement(listed, "ssc:Unit", name=unit), "ssc:BaseUnit", exponents)
+    SubElement(root, "ssd:DefaultExperiment", startTime="0.0", stopTime=str(system.stop))
+    return root
+
+
+def _connectors(owner: Element, ports: list[tuple[str, str, str]]) -> None:
+    connectors = SubElement(owner, "ssd:Connectors")
+    for name, kind, unit in ports:
+        SubElement(SubElement(connectors, "ssd:Connector", name=name, kind=kind), "ssc:Real", unit=unit)
+
+
+def _units(path: Path) -> dict[str, str]:
+    return {variable.name: variable.unit or "" for variable in read_model_description(str(path)).modelVariables}

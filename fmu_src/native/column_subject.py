@@ -1,0 +1,107 @@
+"""A column of blocks as the C core has to know it."""
+
+from __future__ import annotations
+
+from solver.column import BLOCK_RULES, NUMBERS, SKIPS
+from solver.kernels import engine, pointers
+from solver.kernels import layout as at
+from solver.packing import FORMULATION_CODES, INTEGRATOR_CODES, SKIP_CODES
+from solver.stepper import REASONS
+
+from .. import rules
+from ..variables import (
+    CHOICES,
+    FORMULATION,
+    INTEGRATOR,
+    OVERTURN_JOINT,
+    OVERTURN_TIME,
+    OVERTURNED,
+    RECORD,
+    RECORD_PGA,
+    RECORD_SCALE,
+    VERDICT,
+    VERDICT_NOW,
+    Choice,
+)
+from .table import Check, Chosen, Subject
+
+ENTRIES = "solver.kernels.pointers:ENTRIES"  # of the kernels
+# input -> the input that is its slope
+SLOPES = {"base.ax": "base.jx", "base.az": "base.jz", "base.theta": "base.omega", "base.omega": "base.alpha"}
+CODES = {FORMULATION.name: FORMULATION_CODES, INTEGRATOR.name: INTEGRATOR_CODES}
+
+
+def column_subject(n: int) -> Subject:
+    """Of n blocks."""
+    return Subject(
+        is_column=True,
+        sizes={
+            "N": n,
+            "MODEL": pointers.model_room(n),
+            "STATE": at.STATE.size(n),
+            "COUNTS": at.COUNTS.beside,
+            "BASE": at.BASE.beside,
+            "WORK": at.WORK.size(n),
+            "ROW": at.ROW.size(n),
+            "SPLIT": at.SPLIT.beside,
+            "ROOM": pointers.scratch_room(n, False),
+            "FIXED_STEP_ROOM": pointers.scratch_room(n, True),
+        },
+        codes={f"GIVEN_{name.upper()}": place for place, name in enumerate(pointers.GIVEN_SETTINGS)}
+        | {f"STATE_{name.upper()}": place for place, name in enumerate(at.CONTROL.fields)}
+        | {
+            "PEAKS": at.PEAKS.size(n),
+            "STATE_PEAKS": at.STATE.size(n) - at.PEAKS.size(n),
+            "PEAK_CONTACT": n * at.OUTPUTS.fields.index("contact"),
+            "COUNT_RESTING": at.COUNTS.fields.index("resting"),
+            "COUNT_OVERTURNED": at.COUNTS.fields.index("overturned"),
+            "CENTRAL_DIFFERENCE": at.CENTRAL_DIFFERENCE,
+            "NOT_STABLE": pointers.NOT_STABLE,
+            "TOO_LARGE": pointers.TOO_LARGE,
+        }
+        | {f"VERDICT_{word.upper()}": number for word, number in VERDICT.items.items()},
+        places={
+            "PEAKS": "block[1].ux_peak",
+            "VERDICT": VERDICT_NOW.name,
+            "OVERTURN_TIME": OVERTURN_TIME.name,
+            "OVERTURN_JOINT": OVERTURN_JOINT.name,
+            "OVERTURNED": OVERTURNED.name,
+            "RECORD": RECORD,
+            "RECORD_PGA": RECORD_PGA.name,
+            "RECORD_SCALE": RECORD_SCALE,
+        },
+        inputs=[f"base.{name}" for name in engine.BASE_INPUTS.fields],
+        slopes=SLOPES,
+        split="base.R0x",
+        given=_given(n),
+        choices=[
+            *(Chosen(name, "NUMBERED", _items(choice)) for name, choice in CHOICES.items()),
+            Chosen("solver.without", "ANY_WORDS", [(0, SKIP_CODES[word], word) for word in SKIPS]),
+        ],
+        checks=_checks(n),
+        reasons=REASONS,
+    )
+
+
+def _items(choice: Choice) -> list[tuple[int, int, str]]:
+    return [(number, CODES[choice.name][word], word) for word, number in choice.items.items()]
+
+
+def _given(n: int) -> list[str]:
+    names = [name if name == "g" else f"solver.{name}" for name in pointers.GIVEN_SETTINGS]
+    for i in range(1, n + 1):
+        names += [f"block[{i}].{name}" for name in pointers.GIVEN_BLOCK]
+        names += [f"joint[{i}].{name}" for name in pointers.GIVEN_JOINT]
+    return names
+
+
+def _checks(n: int) -> list[Check]:
+    """The limits of every Real parameter in the order in which the Python slave finds fault with them."""
+    rows = [Check("g", *NUMBERS["g"])]
+    for i in range(1, n + 1):
+        for rule in BLOCK_RULES:
+            name = f"joint[{i}].{rule.key}" if rule.of_joint else f"block[{i}].{rule.key}"
+            bound = f"block[{i}].{rule.bound}" if rule.bound else ""
+            rows.append(Check(name, *NUMBERS[rule.key], rule.optional, bound, rule.strict, rule.relation))
+    rows += [Check(f"solver.{key}", *NUMBERS[key]) for key in ("step", "tolerance")]
+    return [*rows, Check(RECORD_SCALE, *rules.SCALE_LIMITS)]

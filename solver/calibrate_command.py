@@ -1,0 +1,126 @@
+"""The command `calibrate`: modulus and damping from what is known of a column, and what they mean."""
+
+from __future__ import annotations
+
+import argparse
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .calibrate import (
+    damping_from_ratio,
+    damping_from_restitution,
+    free_vibration,
+    modulus_from_elasticity,
+    modulus_from_frequencies,
+    read_history,
+    with_joints,
+)
+from .column import Column
+from .command_files import read_column
+from .errors import InputError, SolverError, reading
+from .modes import natural_modes
+from .progress import compile_kernels
+from .rocking import RELEASE, housner_restitution, restitution
+
+HOUSNER = "housner"
+_OF_RECORDS = ("channel", "begin", "end")
+
+
+def add_calibrate_command(commands: argparse._SubParsersAction[Any]) -> None:
+    """Add `calibrate`."""
+    parser = commands.add_parser(
+        "calibrate", help="modulus and damping of the joints from elasticity, frequencies, decay or restitution"
+    )
+    parser.set_defaults(command=_calibrate)
+    parser.add_argument("column", type=Path, metavar="COLUMN.toml", help="its values stay if nothing is asked for")
+    modulus = parser.add_argument_group("modulus, one of").add_mutually_exclusive_group()
+    modulus.add_argument("--young", type=float, metavar="PA", help="modulus of elasticity of the blocks, Pa")
+    modulus.add_argument("--frequencies", type=float, nargs="+", metavar="HZ", help="measured, first, second ... sway")
+    parser.add_argument("--joint-thickness", type=float, metavar="M", help="of mortar or lead in joints, with --young")
+    parser.add_argument("--joint-young", type=float, metavar="PA", help="modulus of what is in the joints")
+    damping = parser.add_argument_group("damping, one of").add_mutually_exclusive_group()
+    damping.add_argument("--restitution", metavar="R", help=f"after over before an impact; {HOUSNER}: by the geometry")
+    damping.add_argument("--damping-ratio", type=float, metavar="R", help="of critical, in the first mode that sways")
+    damping.add_argument("--free-vibration", type=Path, metavar="FILE.csv", help="times and values of a decay")
+    parser.add_argument(
+        "--release", type=float, default=RELEASE, metavar="PART", help=f"of the way to the edge (default: {RELEASE:g})"
+    )
+    parser.add_argument("--channel", metavar="NAME", help="column of --free-vibration (default: the second)")
+    parser.add_argument("--begin", type=float, metavar="S", help="of the decay in --free-vibration, s")
+    parser.add_argument("--end", type=float, metavar="S", help="of the decay, s")
+
+
+def _calibrate(options: argparse.Namespace) -> None:
+    for keys, needed in ((("joint_thickness", "joint_young"), "young"), (_OF_RECORDS, "free_vibration")):
+        for key in keys:
+            if getattr(options, key) is not None and getattr(options, needed) is None:
+                raise InputError(f"--{key.replace('_', '-')}: must be left out, or --{needed.replace('_', '-')} given")
+    column = read_column(options.column)
+    compile_kernels(column)
+    if options.young is not None:
+        column = with_joints(
+            column, modulus_from_elasticity(column, options.young, options.joint_thickness or 0.0, options.joint_young)
+        )
+    elif options.frequencies is not None:
+        column = with_joints(column, modulus_from_frequencies(column, options.frequencies))
+    if options.restitution is not None:
+        column = with_joints(
+            column, damping=damping_from_restitution(column, _number(options.restitution), options.release)
+        )
+    elif options.damping_ratio is not None:
+        column = with_joints(column, damping=damping_from_ratio(column, options.damping_ratio))
+    elif options.free_vibration is not None:
+        column = with_joints(column, damping=damping_from_ratio(column, _ratio_of_record(options)))
+    print(_joints(column))
+    print(_meaning(column, options.release))
+
+
+def _number(text: str) -> float | None:
+    """The restitution that is asked for; None is Housner's."""
+    if text.lower() == HOUSNER:
+        return None
+    try:
+        return float(text)
+    except ValueError:
+        raise InputError(f"--restitution {text}: must be {HOUSNER}, or a number between 0 and 1") from None
+
+
+def _ratio_of_record(options: argparse.Namespace) -> float:
+    time, values = read_history(options.free_vibration, options.channel)
+    begin = -math.inf if options.begin is None else options.begin
+    within = (time >= begin) & (time <= (math.inf if options.end is None else options.end))
+    with reading(options.free_vibration):
+        found = free_vibration(time[within], values[within])
+    print(
+        f"{options.free_vibration}: {found.frequency:.5g} Hz, damping {found.ratio:.3%}; "
+        f"a decaying swing explains {found.explained:.1%}"
+    )
+    return found.ratio
+
+
+def _joints(column: Column) -> str:
+    """The values as the column file has them: once if all joints have the same."""
+    joints = [block.joint for block in column.blocks]
+    values = [(joint.stiffness, joint.damping) for joint in joints]
+    if len(set(values)) == 1:
+        values = values[:1]
+    lines = []
+    for i, (stiffness, damping) in enumerate(values, start=1):
+        lines.append("[joint]" if len(values) == 1 else f"[block.joint]              # of block {i}")
+        lines += [f"stiffness = {stiffness:.6g}    # N/m3", f"damping = {damping:.6g}    # s"]
+    return "\n".join(lines)
+
+
+def _meaning(column: Column, release: float) -> str:
+    """What the values come to: first mode, restitution."""
+    modes = natural_modes(column)
+    first = int(np.argmax(modes.sways))
+    lines = [f"first mode {modes.frequency[first]:.5g} Hz, damping {modes.damping_ratio[first]:.3%}, all joints closed"]
+    try:
+        found = f"{restitution(column, release):.5f}, let go at {release:g} of the way to the edge"
+    except SolverError as failure:
+        found = f"not found: {failure}"
+    return "\n".join([*lines, f"restitution {found}; Housner's rigid block {housner_restitution(column):.5f}"])

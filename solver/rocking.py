@@ -1,0 +1,93 @@
+"""Free rocking of a column that is pulled aside and let go: what it keeps of its energy from one side to the other."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from .balance import BalanceCurve
+from .chain import Chain
+from .column import Column
+from .errors import InputError, SolverError, check_number
+from .kernels import layout as at
+from .packing import FloatArray, InitialState
+from .rest import is_stable
+from .stepper import Stepper
+from .still import undamped
+
+RELEASE = 0.5  # of the way to the edge, where none is given
+LOOK = 2e-3  # between two looks at the motion, in parts of the time in which the column falls
+LONGEST = 100.0  # such times, until it has to be on the other side and back at rest there
+
+
+def housner_restitution(column: Column) -> float:
+    """Rotation rate after over before an impact, of the whole column as one rigid block (Housner 1963).
+
+    From angular momentum about the new edge: 1 - 2 m c^2 / I, with c half the width of the lowest joint and I the
+    moment of inertia about an edge. Of a homogeneous rectangle that is 1 - 1.5 sin^2(alpha).
+    """
+    mass, first, inertia = 0.0, 0.0, 0.0  # moments of mass about the base
+    below = sum(block.height for block in column.blocks)
+    for block in column.blocks:
+        below -= block.height
+        rise = below + block.resolved_centroid
+        mass += block.mass
+        first += block.mass * rise
+        inertia += block.resolved_inertia + block.mass * rise * rise
+    half = 0.5 * column.blocks[-1].joint_width
+    return 1.0 - 2.0 * mass * half * half / (inertia + mass * half * half)
+
+
+def restitution(column: Column, release: float = RELEASE) -> float:
+    """Root of the part of its energy that a column keeps from the release on one side to the turn on the other.
+
+    Of a rigid block that is the rotation rate after over before the impact. The column is pulled aside as on its
+    capacity curve (statics.py) and let go on a still base. release: where, in parts of the displacement of the top
+    from which it falls; from 0.02 to 0.95.
+
+    Raises InputError for another `release` or without gravity, SolverError if the column is not stable or falls.
+    """
+    start, top = pulled_aside(column, release)
+    return restitution_from(column, start, top)
+
+
+def pulled_aside(column: Column, release: float = RELEASE) -> tuple[InitialState, float]:
+    """A place of balance beyond the largest push, and its top displacement m. Raises as `restitution` does."""
+    release = check_number("release", release, (0.02, 0.95), "a part of the displacement to the edge, 0.02 to 0.95")
+    column = column.with_settings(formulation="exact")
+    if column.g > 0.0 and not is_stable(column):
+        raise SolverError("the rest state is not stable: the joints are too soft for the weight above them")
+    places, _ = BalanceCurve(undamped(column)).follow()
+    n, chain = column.n, Chain(column)
+    tops = np.array([chain.top_displacements(np.append(place.q, np.zeros(2 * n)))[0] for place in places])
+    k = int(np.argmin(np.abs(tops - release * tops[-1])))
+    if places[k].along[-1] > 0.0:
+        at_most = tops[np.argmax([place.push for place in places])] / tops[-1]
+        raise InputError(
+            f"release = {release:g}: must be more than {at_most:.2g}, beyond the largest push: before, the column sways"
+        )
+    return InitialState(rotation=places[k].q[:n], opening=places[k].q[n:]), float(tops[k])
+
+
+def restitution_from(column: Column, start: InitialState, top: float) -> float:
+    """The same from a place that `pulled_aside` has found. Raises SolverError."""
+    column = column.with_settings(formulation="exact", integrator="auto")
+    chain, stepper = Chain(column), Stepper(column, start)
+    falling = math.sqrt(float(np.sum(chain.height)) / column.g)  # s
+    before, t, farthest = chain.energy(_phase(stepper)), 0.0, 0.0
+    while t < LONGEST * falling:
+        stepper.advance(t, LOOK * falling)
+        t += LOOK * falling
+        if stepper.overturned_joint:
+            raise SolverError(f"let go at {top:.3g} m the column falls")
+        beyond = -math.copysign(1.0, top) * float(chain.top_displacements(_phase(stepper))[0])
+        if 0.0 < beyond < farthest:
+            return math.sqrt(max(0.0, chain.energy(_phase(stepper))) / before)
+        farthest = beyond
+    raise SolverError(f"let go at {top:.3g} m the column does not come to the other side")
+
+
+def _phase(stepper: Stepper) -> FloatArray:
+    found: FloatArray = stepper.arrays.state[at.CONTROL.beside :][: 4 * stepper.n]
+    return found

@@ -1,0 +1,197 @@
+"""Modulus and damping that are asked for come out of the column that gets them."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from probe import PHOCAS_STIFFNESS, Array, monolith, phocas
+
+from solver import Column, InitialState, InputError, Motion, SolverError, simulate
+from solver.calibrate import (
+    damping_from_ratio,
+    damping_from_restitution,
+    free_vibration,
+    modulus_from_elasticity,
+    modulus_from_frequencies,
+    read_history,
+    sway_frequencies,
+    with_joints,
+)
+from solver.command_line import main
+from solver.modes import natural_modes
+from solver.rocking import housner_restitution, pulled_aside, restitution
+
+COLUMNS = Path(__file__).resolve().parents[1] / "examples" / "columns"
+ALPHA = math.atan2(1.56, 14.07)  # rad, of the diagonal of the monolith
+STILL = Motion.harmonic(1e-12, 1.0, 6.0)  # a base that is as good as still
+
+
+def turned_back(column: Column, start: InitialState) -> tuple[float, float]:
+    """Rotations from which one block is let go, and at which it turns on the other side, rad."""
+    run = simulate(column, STILL, initial=start, output_step=1e-3, settle=0.0)
+    theta = run.theta[:, 0]
+    beyond = int(np.argmax(theta < 0.0))
+    later = np.flatnonzero(theta[beyond:] > 0.0)
+    end = beyond + (int(later[0]) if later.size else len(theta))
+    return float(theta[0]), float(-np.min(theta[beyond:end]))
+
+
+def rigid_energy(turn: float) -> float:
+    """Of Housner's block above its place upright, over its weight and half its diagonal."""
+    return math.cos(ALPHA - turn) - math.cos(ALPHA)
+
+
+@pytest.mark.parametrize("wanted", [0.99, None, 0.96])
+def test_block_rocks_with_the_restitution_that_was_asked_for(wanted: float | None) -> None:
+    column = monolith(tolerance=1e-7)
+    column = with_joints(column, damping=damping_from_restitution(column, wanted))
+    asked = housner_restitution(column) if wanted is None else wanted
+    there, back = turned_back(column, pulled_aside(column)[0])
+    found = math.sqrt(rigid_energy(back) / rigid_energy(there))
+    # of an elastic bed, whose energy is not that of a rigid block
+    assert found == pytest.approx(asked, rel=2e-3)  # measured 8e-4
+    assert 1.0 - found**2 == pytest.approx(1.0 - asked**2, rel=0.02)  # the loss; measured 1.9 %
+    assert restitution(column) == pytest.approx(asked, abs=1e-6)  # measured 1e-9
+
+
+def test_column_of_blocks_gets_its_restitution_too() -> None:
+    column = phocas()
+    eta = damping_from_restitution(column)
+    assert restitution(with_joints(column, damping=eta)) == pytest.approx(housner_restitution(column), abs=1e-6)
+    assert restitution(column) == pytest.approx(1.0, abs=1e-6)  # measured 7e-9: nothing is lost without damping
+
+
+def test_housners_restitution_is_that_of_the_whole() -> None:
+    assert housner_restitution(monolith()) == pytest.approx(1.0 - 1.5 * math.sin(ALPHA) ** 2, rel=1e-12)
+    assert housner_restitution(monolith()) == pytest.approx(0.981784, abs=5e-7)  # theory.md, section 5, its alpha
+    assert housner_restitution(phocas()) == pytest.approx(housner_restitution(monolith()), rel=1e-12)
+
+
+@pytest.mark.parametrize(("wanted", "message"), [(0.5, "no damping reaches it"), (1.5, "between 0 and 1")])
+def test_restitution_out_of_reach_is_refused(wanted: float, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        damping_from_restitution(monolith(), wanted)
+
+
+@pytest.mark.parametrize("mode", [1, 2])
+def test_damping_ratio_is_that_of_the_mode(mode: int) -> None:
+    column = phocas()
+    damped = natural_modes(with_joints(column, damping=damping_from_ratio(column, 0.02, mode)))
+    assert damped.damping_ratio[damped.sways][mode - 1] == pytest.approx(0.02, rel=1e-9)
+
+
+def decay(ratio: float) -> tuple[Array, Array]:
+    """Free vibration of Phocas in its first mode with this ratio, in m."""
+    column = phocas()
+    column = with_joints(column, damping=damping_from_ratio(column, ratio))
+    shape = natural_modes(column).theta[0]
+    run = simulate(column, STILL, 3.0, initial=InitialState(rotation=1e-6 * shape))
+    return run.time, run.ux[:, 0]
+
+
+@pytest.mark.parametrize("ratio", [0.002, 0.02, 0.1])
+def test_decay_gives_back_frequency_and_ratio(ratio: float) -> None:
+    time, ux = decay(ratio)
+    found = free_vibration(time, ux)
+    assert found.ratio == pytest.approx(ratio, rel=1e-3)  # measured 4e-5 at most: modes are coupled by the dampers
+    assert found.frequency == pytest.approx(3.05805407, rel=1e-4)
+    noise = np.random.default_rng(1).normal(size=len(ux))
+    noisy = free_vibration(time, 3.0 + ux / np.max(np.abs(ux)) + 0.05 * noise)
+    assert noisy.ratio == pytest.approx(ratio, rel=0.05, abs=5e-4)  # measured 2.6e-4
+
+
+def test_what_does_not_decay_is_refused() -> None:
+    time = np.linspace(0.0, 3.0, 600)
+    with pytest.raises(InputError, match="a decaying swing explains"):
+        free_vibration(time, np.random.default_rng(1).normal(size=600))
+    with pytest.raises(InputError, match="does not move"):
+        free_vibration(time, np.ones(600))
+    with pytest.raises(InputError, match="must increase"):
+        free_vibration(time[::-1], time)
+
+
+def test_modulus_comes_of_elasticity() -> None:
+    column = phocas()
+    assert modulus_from_elasticity(column, 4.69 * PHOCAS_STIFFNESS) == pytest.approx(PHOCAS_STIFFNESS)
+    softer = modulus_from_elasticity(column, 70e9, 0.02, 2e9)
+    assert softer == pytest.approx(1.0 / (4.69 / 70e9 + 0.02 / 2e9))
+    with pytest.raises(InputError, match="joint_young: missing"):
+        modulus_from_elasticity(column, 70e9, 0.02)
+
+
+@pytest.mark.parametrize("frequency", [0.3, 1.3, 10.0])
+def test_modulus_comes_of_a_measured_frequency(frequency: float) -> None:
+    column = phocas()
+    moduli = modulus_from_frequencies(column, [frequency])
+    assert sway_frequencies(with_joints(column, moduli))[0] == pytest.approx(frequency, rel=1e-8)
+    assert np.all(moduli == moduli[0])
+
+
+def test_modulus_of_several_frequencies_is_their_least_squares() -> None:
+    column, factor = phocas(), 0.7
+    true = sway_frequencies(with_joints(column, factor * PHOCAS_STIFFNESS))
+    assert modulus_from_frequencies(column, list(true)) == pytest.approx(factor * PHOCAS_STIFFNESS, rel=1e-7)
+    only_second = modulus_from_frequencies(column, [math.nan, float(true[1])])
+    assert only_second == pytest.approx(factor * PHOCAS_STIFFNESS, rel=1e-7)
+    wrong = true * np.array([1.02, 0.98, 1.0])
+
+    def misfit(times: float) -> float:
+        tried = sway_frequencies(with_joints(column, times * PHOCAS_STIFFNESS))
+        return float(np.sum((tried / wrong - 1.0) ** 2))
+
+    best = float(modulus_from_frequencies(column, list(wrong))[0]) / PHOCAS_STIFFNESS
+    assert misfit(best) < min(misfit(0.999 * best), misfit(1.001 * best))
+
+
+def test_frequencies_that_no_column_has_are_refused() -> None:
+    with pytest.raises(InputError, match="positive frequencies"):
+        modulus_from_frequencies(phocas(), [-1.0])
+    with pytest.raises(InputError, match="up to 3"):
+        modulus_from_frequencies(phocas(), [1.0] * 4)
+    with pytest.raises((InputError, SolverError)):
+        modulus_from_frequencies(phocas(), [])
+
+
+def test_command_prints_what_to_write_and_what_it_means(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    column = str(COLUMNS / "phocas-damped.toml")
+    assert main(["calibrate", column, "--restitution", "housner"]) == 0
+    text = capsys.readouterr().out
+    damping = float(next(line for line in text.splitlines() if line.startswith("damping")).split()[2])
+    assert damping == pytest.approx(damping_from_restitution(Column.from_toml(column)), rel=1e-5)
+    assert "restitution 0.98178" in text
+    time, ux = decay(0.02)
+    rows = "\n".join(f"{t:.9g},0,{u:.17g}" for t, u in zip(time, ux, strict=True))
+    (tmp_path / "decay.csv").write_text(f"time,other,top\n{rows}\n", encoding="utf-8")
+    decayed = ["--free-vibration", str(tmp_path / "decay.csv"), "--channel", "top", "--begin", "0.5"]
+    assert main(["calibrate", column, "--young", "24.5e9", *decayed]) == 0
+    text = capsys.readouterr().out
+    assert "3.0581 Hz, damping 2.000%; a decaying swing explains 100.0%" in text
+    assert "damping 2.000%, all joints closed" in text
+    assert read_history(tmp_path / "decay.csv", "top")[1] == pytest.approx(ux)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--restitution", "much"], "--restitution much: must be housner, or a number between 0 and 1"),
+        (["--joint-young", "1e9"], "--joint-young: must be left out, or --young given"),
+        (["--channel", "x"], "--channel: must be left out, or --free-vibration given"),
+        (["--free-vibration", "none.csv"], "none.csv: No such file"),
+        (["--young", "-1"], "young = -1"),
+    ],
+)
+def test_command_says_what_is_wrong(
+    options: list[str],
+    message: str,
+    capsys: pytest.CaptureFixture[str],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(["calibrate", str(COLUMNS / "phocas-damped.toml"), *options]) == 2
+    error = capsys.readouterr().err
+    assert message in error
+    assert error.count("\n") == 1
