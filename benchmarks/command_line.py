@@ -21,6 +21,7 @@ from . import (
     plots,
     report,
     scaling,
+    studies,
     verdicts,
     work_precision,
 )
@@ -147,6 +148,13 @@ def measure_energy(wanted: Scenes, quick: bool, results: Results) -> Iterator[No
         yield
 
 
+def measure_studies(wanted: Scenes, quick: bool, results: Results) -> Iterator[None]:
+    """Many runs: throughput, cores, a study, Figure 3, memory."""
+    for found in studies.measure(quick):
+        results["studies"] = found
+        yield
+
+
 # each yields whenever there is something new to be written
 PARTS: dict[str, Callable[[Scenes, bool, Results], Iterator[None]]] = {
     "work-precision": measure_work_precision,
@@ -157,6 +165,7 @@ PARTS: dict[str, Callable[[Scenes, bool, Results], Iterator[None]]] = {
     "damped-columns": measure_damped_columns,
     "ablation": measure_ablation,
     "energy": measure_energy,
+    "studies": measure_studies,
 }
 
 

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from solver import Column, InitialState, natural_frequencies
-from solver.kernels.joint.law import joint_potential
 from solver.packing import settlements
 from solver.stepper import Stepper
 
@@ -62,7 +61,11 @@ def energy(stepper: Stepper, columns: Array) -> float:
         opening_rate * np.cos(phi) - opening * phi_rate * np.sin(phi) - height * spin * np.sin(turn)
     ) + over * spin * np.sin(turn)
     slope = 2.0 * np.sin(0.5 * (turn - turn_below))
-    joints = [joint_potential(*joint) for joint in zip(stiffness, width, depth, opening, slope, strict=True)]
+    deepest, least = 0.5 * width * np.abs(slope) - opening, -0.5 * width * np.abs(slope) - opening
+    with np.errstate(divide="ignore", invalid="ignore"):
+        part = stiffness * depth * deepest**3 / (6.0 * np.abs(slope))
+    full = 0.5 * stiffness * depth * width * (opening**2 + (slope * width) ** 2 / 12.0)
+    joints = np.where(least >= 0.0, full, np.where(deepest > 0.0, part, 0.0))
     kinetic = 0.5 * (mass * (x_rate**2 + z_rate**2) + inertia * spin**2)
     return math.fsum([*kinetic, *(mass * g * rise), *joints])
 

@@ -9,6 +9,7 @@ from .targets import Target, ratios, targets
 
 Results = dict[str, Any]
 Rows = list[list[str]]
+WAYS = ("simulate", "many")
 
 
 def report(results: Results) -> str:
@@ -26,6 +27,7 @@ def report(results: Results) -> str:
         damped_table(results),
         ablation_table(results),
         energy_table(results),
+        studies_table(results),
         failures(results),
     ]
     return "\n\n".join(part for part in parts if part) + "\n"
@@ -292,6 +294,52 @@ def energy_table(results: Results) -> str:
     ]
     head = ["blocks", "part of the opening rotation", "periods", "relative drift", "rounding", "modal steps"]
     return "## Energy of undamped elastic motion\n\n" + table(head, rows) if rows else ""
+
+
+def studies_table(results: Results) -> str:
+    """Many runs."""
+    part = results.get("studies", {})
+    if "throughput" not in part:
+        return ""
+    rows = [
+        [
+            row["scene"],
+            str(row["runs"]),
+            *(f"{row[way]['throughput']:.0f} at {row[way]['tolerance']:g} ({row[way]['error']:.1e})" for way in WAYS),
+            f"{row['ratio']:.1f}",
+        ]
+        for row in part["throughput"]
+    ]
+    head = ["scene", "runs", "`simulate`", "`simulate_many`", "ratio"]
+    lines = [
+        "## Many runs",
+        "Seconds of motion of a column in a second of one core, at the loosest tolerance whose largest error of a peak "
+        "(in brackets) is within 1e-3.",
+        table(head, rows),
+    ]
+    if "cores" in part:
+        cores = part["cores"]
+        lines.append(
+            f"{cores['runs']} rocking runs: {cores['one']:.3g} s by one thread, {cores['two']:.3g} s by two, "
+            f"{cores['processes']:.3g} s by two processes."
+        )
+    if "ida" in part:
+        ida = part["ida"]
+        lines.append(
+            f"Six drums, five records, {ida['runs']} runs on two cores: {ida['processes']:.3g} s by processes that "
+            f"call `simulate`, {ida['many']:.3g} s by `simulate_many`; at a tolerance of 1e-3 "
+            f"{ida['processes_loose']:.3g} s and {ida['many_loose']:.3g} s."
+        )
+    if "figure" in part:
+        figure = part["figure"]
+        lines.append(
+            f"Figure 3, {figure['runs']} runs of the exact model: {figure['seconds']:.3g} s. By the paper's scheme a "
+            f"run takes {1e3 * figure['paper'] / figure['paper_runs']:.0f} ms by `simulate`, "
+            f"{1e3 * figure['paper_many'] / figure['paper_runs']:.0f} ms by `simulate_many`."
+        )
+    if "memory" in part:
+        lines.append(f"{part['memory']['runs']} runs: {part['memory']['megabytes']:.0f} MB.")
+    return "\n\n".join(lines)
 
 
 def failures(results: Results) -> str:

@@ -19,6 +19,14 @@ RATIO_RANGE = (0.01, 10.0)  # observed error over requested tolerance
 FAR_OFF = 100.0
 ENERGY_DRIFT = 1e-6  # relative, over ENERGY_PERIODS of undamped elastic motion
 ENERGY_PERIODS = 1_000_000
+MANY_SPEED_UP = 10.0  # of many rocking runs over `simulate`, a core
+MANY_OPENSEES_SPEED_UP = 100.0
+CORES_SPEED_UP = 1.9  # by two
+IDA_SPEED_UP = 12.0  # over processes that call `simulate`
+FIGURE_SECONDS = 5.0
+PAPER_SPEED_UP = 3.0
+MEGABYTES = 300.0
+PROCESSES_PART = 0.9  # of the throughput of threads
 REFERENCE_MARGIN = 10.0  # a tolerance is judged where it is this many times what the references disagree by
 
 
@@ -38,7 +46,7 @@ Results = dict[str, Any]
 def targets(results: Results) -> list[Target]:
     """All targets, in order."""
     rows = speed(results) + forced_run(results) + evaluation(results) + scaling(results)
-    return rows + tolerance_met(results) + verdict(results) + energy(results)
+    return rows + tolerance_met(results) + verdict(results) + energy(results) + studies(results)
 
 
 def _unmeasured(number: str, aim: str, reason: str = "not measured") -> Target:
@@ -216,3 +224,46 @@ def energy(results: Results) -> list[Target]:
     text = f"at most {abs(worst['drift']):.1e} over {worst['periods']:.0e} periods ({worst['n']} blocks)"
     long_enough = all(row["periods"] >= ENERGY_PERIODS for row in rows)
     return [Target("7", aim, text, abs(worst["drift"]) <= ENERGY_DRIFT if long_enough else None)]
+
+
+def studies(results: Results) -> list[Target]:
+    """8: many runs."""
+    part = results.get("studies", {})
+    found: dict[str, float] = {}
+    for row in part.get("throughput", []):
+        found["8a" if "rocking" in row["scene"] else "8d"] = row["ratio"]
+    if "ratio" in part.get("opensees", {}):
+        found["8b"] = part["opensees"]["ratio"]
+    if "cores" in part:
+        found["8c"] = part["cores"]["one"] / part["cores"]["two"]
+        found["8i"] = part["cores"]["two"] / part["cores"]["processes"]
+    if "ida" in part:
+        found["8e"] = part["ida"]["processes_loose"] / part["ida"]["many_loose"]
+    if "figure" in part:
+        found["8f"] = part["figure"]["seconds"]
+        found["8g"] = part["figure"]["paper"] / part["figure"]["paper_many"]
+    if "memory" in part:
+        found["8h"] = part["memory"]["megabytes"]
+    aims = {
+        "8a": (f"damped Phocas rocking, many runs at an error of 1e-3: {MANY_SPEED_UP:g}x `simulate`", MANY_SPEED_UP),
+        "8b": (f"the same: {MANY_OPENSEES_SPEED_UP:g}x tuned OpenSees", MANY_OPENSEES_SPEED_UP),
+        "8c": (f"the same by two threads: {CORES_SPEED_UP:g}x one", CORES_SPEED_UP),
+        "8d": ("all joints in contact: no slower than `simulate`", 1.0),
+        "8e": (
+            f"six drums, five records, 20 intensities at a tolerance of 1e-3: {IDA_SPEED_UP:g}x processes",
+            IDA_SPEED_UP,
+        ),
+        "8f": (f"Figure 3, 2 x 160 frequencies, exact model: at most {FIGURE_SECONDS:g} s", FIGURE_SECONDS),
+        "8g": (f"the paper's scheme: a run {PAPER_SPEED_UP:g}x as fast", PAPER_SPEED_UP),
+        "8h": (f"10^6 runs: at most {MEGABYTES:g} MB", MEGABYTES),
+        "8i": (f"processes: {PROCESSES_PART:g} of the throughput of threads", PROCESSES_PART),
+    }
+    rows = []
+    for number, (aim, limit) in aims.items():
+        if number not in found:
+            rows.append(_unmeasured(number, aim))
+            continue
+        value = found[number]
+        at_most = number in ("8f", "8h")
+        rows.append(Target(number, aim, f"{value:.3g}", value <= limit if at_most else value >= limit))
+    return rows

@@ -157,9 +157,84 @@ def restitutions() -> None:
     figure.savefig(HERE / "images" / "restitution.png", dpi=110)
 
 
+def columns() -> None:
+    """columns.png: the columns of examples/columns, to one scale; the small ones once more, larger."""
+    names = ("phocas", "phocas-round", "doric", "aurelian", "statue", "storage")
+    figure = Figure(figsize=(9.0, 4.6), layout="constrained")
+    left, right = figure.subplots(1, 2, width_ratios=(3.0, 1.0))
+    for axes, shown, gap in ((left, names, 4.0), (right, names[-2:], 0.6)):
+        place = 0.0
+        for name in shown:
+            blocks = Column.from_toml(HERE.parent / "examples" / "columns" / f"{name}.toml").blocks
+            half = 0.5 * max(max(block.width, block.top_width or 0.0) for block in blocks)
+            place += half
+            foot = 0.0
+            for block in reversed(blocks):
+                low, high = 0.5 * block.width, 0.5 * (block.top_width or block.width)
+                corners = [(-low, 0.0), (low, 0.0), (high, block.height), (-high, block.height)]
+                outline = np.array(corners) + np.array([place, foot])
+                axes.add_patch(Polygon(outline, facecolor=STONE, edgecolor=INK, linewidth=0.8))
+                foot += block.height
+            axes.text(place, -0.03 * axes_height(axes is left), name, ha="center", va="top", fontsize=8, color=INK)
+            place += half + gap
+        axes.plot([-gap, place], [0.0, 0.0], color=INK, linewidth=2.0)
+        axes.set(xlim=(-gap, place), ylim=(-0.12 * axes_height(axes is left), axes_height(axes is left)))
+        axes.set(aspect="equal", ylabel="m")
+        axes.spines[["top", "right", "bottom"]].set_visible(False)
+        axes.set_xticks([])
+    figure.savefig(HERE / "images" / "columns.png", dpi=110)
+
+
+def axes_height(all_of_them: bool) -> float:
+    """Of the two drawings of `columns`, m."""
+    return 27.5 if all_of_them else 2.7
+
+
+def square_and_round() -> None:
+    """square-and-round.png: the paper's Phocas, the round one and squares that stand for it, under one record."""
+    record = HERE.parent.parent / "shared" / "records" / "elcentro-1940-ns.AT2"
+    if not record.is_file():
+        print(f"square-and-round.png is left as it is: {record} is not there")
+        return
+    motion = Motion.from_at2(record)
+    as_built = Column.from_toml(HERE.parent / "examples" / "columns" / "phocas-round.toml")
+    paper = Column.from_toml(HERE.parent / "examples" / "columns" / "phocas-damped.toml")
+    radius = 0.5 * as_built.blocks[0].width
+    widths = {
+        "same area": np.sqrt(np.pi) * radius,
+        "same second moment": (3.0 * np.pi) ** 0.25 * radius,
+        "same kern": 1.5 * radius,
+    }
+    shown = {"paper, three square blocks": paper, "as it stands, round": as_built}
+    for name, width in widths.items():
+        block = as_built.blocks[0]
+        block = Block(block.height, float(width), float(width), block.mass, block.joint)
+        shown[f"square, {name}"] = Column("square", (block,) * as_built.n)
+    figure = Figure(figsize=(9.0, 6.4), layout="constrained")
+    ground, upper, lower = figure.subplots(3, 1, sharex=True, height_ratios=(0.7, 1.3, 1.3))
+    draw_ground(ground, motion)
+    for k, (name, column) in enumerate(shown.items()):
+        response = simulate(column, motion, tolerance=1e-6)
+        label = f"{name}: {1e3 * response.peak_ux[0]:.0f} mm"
+        print(label, response.verdict)
+        if k < 2:
+            upper.plot(response.time, 1e3 * response.ux[:, 0], label=label, linewidth=1.0)
+        if k > 0:
+            lower.plot(response.time, 1e3 * response.ux[:, 0], label=label, linewidth=0.8)
+    for axes in (upper, lower):
+        axes.set_ylabel("top, mm")
+        axes.grid(color="0.9", linewidth=0.6)
+        axes.spines[["top", "right"]].set_visible(False)
+        axes.legend(frameon=False, fontsize=8, loc="upper right")
+    lower.set_xlabel("time (s)")
+    figure.savefig(HERE / "images" / "square-and-round.png", dpi=110)
+
+
 if __name__ == "__main__":
     signs()
     phocas()
     records()
     statics()
     restitutions()
+    columns()
+    square_and_round()

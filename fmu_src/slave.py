@@ -409,7 +409,7 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
         """The column that the parameters describe. Raises InputError."""
         values = self._values if values is None else values
         try:
-            return column_from(self._column.name, self._column.n, lambda name: values[self._place[name]])
+            return column_from(self._column, lambda name: values[self._place[name]])
         except InputError as error:
             raise InputError(parameter_names(str(error))) from error
 

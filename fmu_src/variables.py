@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 from itertools import accumulate
 from typing import Any
 
-from solver.column import MAX_BLOCKS, NUMBERS, SKIPS, Block, Column, Joint, Settings
+from solver.column import MAX_BLOCKS, NUMBERS, SKIPS, Column, Settings
 from solver.errors import InputError
 from solver.motion import STANDARD_GRAVITY
 from solver.response import BASE_HISTORIES, BLOCK_HISTORIES, PEAKS
@@ -375,9 +375,7 @@ def _sizes(column: Column) -> dict[str, list[float]]:
         "T": weights,
         "contact": [1.0] * column.n,
         "friction": [1.0] * column.n,
-        "sigma_max": [
-            weight / (block.joint_width * block.joint_depth) for weight, block in zip(weights, blocks, strict=True)
-        ],
+        "sigma_max": [weight / block.joint_moments[0] for weight, block in zip(weights, blocks, strict=True)],
     }
 
 
@@ -396,7 +394,7 @@ def _parameters(column: Column, record: str) -> list[Variable]:
         return Variable(name, reference, "Real", *common, start or 0.0, 0.0 if optional else least, most)
 
     rows = [parameter("g", "m/s2", "Acceleration of gravity", column.g)]
-    for i, block in enumerate(column.blocks, start=1):
+    for i, block in enumerate((block.written_out() for block in column.blocks), start=1):
         for key, (unit, text, optional) in _BLOCK_PARAMETERS.items():
             rows.append(parameter(f"block[{i}].{key}", unit, text.format(i=i), getattr(block, key), optional))
     for i, block in enumerate(column.blocks, start=1):
@@ -416,21 +414,24 @@ def parameter_names(message: str) -> str:
     return re.sub(r"block\[(\d+)\]\.joint\.", r"joint[\1].", message)
 
 
-def column_from(name: str, n: int, value: Callable[[str], float | int | str]) -> Column:
-    """The column that the parameters describe; `value` looks one up by its name. Raises InputError."""
+def column_from(built: Column, value: Callable[[str], float | int | str]) -> Column:
+    """The column that the parameters describe; `value` looks one up by its name. Raises InputError.
+
+    built: the column that the FMU was built from: its name and its sections, which are no parameters.
+    """
 
     def given(kind: str, i: int, key: str, optional: bool) -> float | None:
         number = value(f"{kind}[{i}].{key}")
         return None if optional and number == 0.0 else number  # type: ignore[return-value]
 
     blocks = []
-    for i in range(1, n + 1):
+    for i, own in enumerate(built.blocks, start=1):
         joint = {key: given("joint", i, key, optional) for key, (_, _, optional) in _JOINT_PARAMETERS.items()}
         block = {key: given("block", i, key, optional) for key, (_, _, optional) in _BLOCK_PARAMETERS.items()}
-        blocks.append(Block(joint=Joint(**joint), **block))  # type: ignore[arg-type]
+        blocks.append(replace(own, joint=replace(own.joint, **joint), **block))  # type: ignore[arg-type]
     settings: dict[str, Any] = {key: value(f"solver.{key}") for key in _SETTINGS_PARAMETERS}
     for key, choice in CHOICES.items():
         setting = key.rpartition(".")[2]
         settings[setting] = choice.word(key, settings[setting])
     settings["without"] = tuple(word.strip() for word in settings["without"].split(",") if word.strip())
-    return Column(name, tuple(blocks), Settings(**settings), value("g"))  # type: ignore[arg-type]
+    return Column(built.name, tuple(blocks), Settings(**settings), value("g"))  # type: ignore[arg-type]

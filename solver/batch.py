@@ -20,6 +20,7 @@ from .kernels import layout as at
 from .kernels.batch.entries import run_lanes
 from .kernels.batch.runs import OUTCOME, RUN, SPACE
 from .kernels.entries import run
+from .kernels.joint.section import SECTIONS
 from .kernels.lanes import WIDTH
 from .motion import Motion
 from .packing import FloatArray, arrays_at, copied
@@ -70,6 +71,8 @@ def why_not_in_lanes(column: Column) -> str:
         return f"more than {MOST_BLOCKS} blocks"
     if settings.tolerance < TIGHTEST:
         return "tight tolerance"
+    if not column.has_rectangles_only:
+        return "joints that are no rectangles"
     if _is_stiff(column):
         return "stiff joints"
     return ""
@@ -80,7 +83,7 @@ def _is_stiff(column: Column) -> bool:
     damping = max(block.joint.damping for block in column.blocks)
     squares, above = 0.0, 0.0  # of the frequency of each block between its two joints, as kernels/column/assembly.py
     for block in column.blocks:
-        spring = block.joint.stiffness * block.joint_width * block.joint_depth
+        spring = block.joint_stiffness
         squares, above = max(squares, (spring + above) / block.mass), spring
     if damping * math.sqrt(2.0 * squares) <= CRITICAL:
         return False
@@ -100,7 +103,8 @@ def run_batch(
     """Run column k under motion k, from rest, for duration k, s (None: that of the motion).
 
     tolerance: relative to the peak; None: each column's. times: s after the start of a run, at which its phase is kept.
-    Raises InputError for columns of another number of blocks or formulation, and for held samples.
+    Raises InputError for columns of another number of blocks or formulation, for sections that are no rectangles, and
+    for held samples.
     """
     n = columns[0].n
     durations = [motion.duration for motion in motions] if durations is None else list(durations)
@@ -109,6 +113,9 @@ def run_batch(
     for k, (column, motion) in enumerate(zip(columns, motions, strict=True)):
         if column.n != n or column.settings.formulation != "exact":
             raise InputError(f"columns[{k}]: must have {n} blocks and the formulation exact, as the others of a batch")
+        if not column.has_rectangles_only:
+            names = ", ".join(sorted({SECTIONS[block.joint_section] for block in column.blocks}))
+            raise InputError(f"columns[{k}]: its joints are of the sections {names}, must be rectangles in a batch")
         if motion.hold:
             raise InputError(f"motions[{k}]: its samples are held, must be joined by straight lines")
     if tolerance is not None:

@@ -12,7 +12,10 @@ from typing import NamedTuple
 import numpy as np
 
 from .column import Block, Column
-from .packing import FloatArray, settlements
+from .kernels import layout as at
+from .kernels.entries import joint_energies, joint_potentials
+from .kernels.joint.section import RECTANGLE
+from .packing import FloatArray, pack_model, settlements
 
 PARALLEL = 1e-30  # rad: faces that are as good as parallel
 
@@ -39,16 +42,24 @@ class Chain:
         self.centroid = np.array([block.resolved_centroid for block in blocks])
         self.mass = np.array([block.mass for block in blocks])
         self.inertia = np.array([block.resolved_inertia for block in blocks])
-        self.width = np.array([block.joint_width for block in blocks])
-        # N/m2: of a metre of the joint's width
+        self.rectangles = np.array([block.joint_section == RECTANGLE for block in blocks])
+        self.width = np.array([block.joint_width for block in blocks])  # of the contacts
+        if not np.all(self.rectangles):
+            self.model = pack_model(column)
+            self.width = np.array(at.MODEL.see(self.model, column.n).blocks.width)
+        # N/m2: of a metre of the joint's width, where it is a rectangle
         self.rigidity = np.array([block.joint.stiffness * block.joint_depth for block in blocks])
         self.carried = np.cumsum(self.mass)  # kg, by the joint under each block
         self.settled = settlements(column)
 
     @classmethod
     def of_many(cls, columns: Sequence[Column]) -> Chain:
-        """The data of many columns of n blocks each, formulation `exact`: arrays (columns, n), for as many phases."""
+        """The data of many columns of n blocks each, formulation `exact`: arrays (columns, n), for as many phases.
+
+        All joints are rectangles.
+        """
         chain = cls.__new__(cls)
+        chain.rectangles = np.ones(columns[0].n, dtype=np.bool_)
         given = np.array([[_data_of(block) for block in column.blocks] for column in columns], dtype=np.float64)
         chain.height, chain.centroid, chain.mass, chain.inertia, chain.width, chain.rigidity = np.moveaxis(given, -1, 0)
         chain.n, chain.exact = columns[0].n, True
@@ -96,7 +107,7 @@ class Chain:
         dip = -2.0 * np.sin(0.5 * theta) ** 2  # cos(theta) - 1
         raised = _from_base(opening * cosine + self.settled + self.height * dip) - (self.height - self.centroid) * dip
         slope = 2.0 * np.sin(0.5 * _over_below(theta))
-        at_rest = 0.5 * self.rigidity * self.width * self.settled**2
+        at_rest = 0.5 * self.carried * self.g * self.settled
         strained = self.elastic(opening, slope) - at_rest
         found: FloatArray = np.sum(moving + self.g * self.mass * raised + strained, axis=-1)
         return found
@@ -109,6 +120,12 @@ class Chain:
         with np.errstate(divide="ignore", invalid="ignore"):
             part = self.rigidity * deepest**3 / (6.0 * slope)
         found: FloatArray = np.where(least >= 0.0, full, np.where(deepest > 0.0, part, 0.0))
+        if not np.all(self.rectangles):
+            others = np.zeros((opening.size // self.n, self.n))
+            rows = (values.reshape(-1, self.n) for values in (opening, slope))
+            for each_opening, each_slope, row in zip(*rows, others, strict=True):
+                joint_potentials(self.n, self.model, each_opening, each_slope, row)
+            found = np.where(self.rectangles, found, others.reshape(opening.shape))
         return found
 
     def joint_energy(self, i: int, turn: FloatArray, turn_below: FloatArray) -> FloatArray:
@@ -119,6 +136,8 @@ class Chain:
         slope = 2.0 * np.abs(np.sin(0.5 * (turn - turn_below)))
         full_weight = self.carried[i] * self.g
         weight = full_weight * np.cos(0.5 * (turn + turn_below))
+        if not self.rectangles[i]:
+            return self._other_energy(i, slope, weight) - self._other_energy(i, np.zeros(1), np.full(1, full_weight))
         width, rigidity = self.width[i], self.rigidity[i]
         length = np.sqrt(2.0 * weight / (rigidity * np.maximum(slope, PARALLEL)))  # in contact
         partly = weight * slope * (0.5 * width - 2.0 / 3.0 * length)
@@ -126,6 +145,13 @@ class Chain:
         rest = -(full_weight**2) / (2.0 * rigidity * width)
         found: FloatArray = np.where(length < width, partly, full) - rest
         return found
+
+    def _other_energy(self, i: int, slope: FloatArray, weight: FloatArray) -> FloatArray:
+        """The same of a joint that is no rectangle, from its slope rad and the weight N upon it, not above rest."""
+        found = np.zeros(slope.size)
+        slopes, weights = (np.ascontiguousarray(values, dtype=np.float64).ravel() for values in (slope, weight))
+        joint_energies(self.n, self.model, i, slopes, weights, found)
+        return found.reshape(slope.shape)
 
     @cached_property
     def toppling(self) -> FloatArray:

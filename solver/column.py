@@ -10,13 +10,20 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, fields, replace
 from typing import Any
 
+import numpy as np
+
 from .errors import InputError, check_number, reading, shown
+from .kernels.joint.section import ANNULUS, RECTANGLE, SECTIONS, STRIPS, whole
+from .kernels.layout import MOST_STRIPS
+from .solids import Solid, solid_between, with_load
 
 FORMULATIONS = ("exact", "paper")
 INTEGRATORS = ("auto", "central-difference")
 # what can be left out: short cuts, to check or to measure them, and the peaks of all but ux
 SKIPS = ("elastic", "rest", "dashpots", "resultants", "implicit", "peaks")
 MAX_BLOCKS = 1000
+BLOCK_SECTIONS = tuple(name for name in SECTIONS if name != "strips")  # strips are of contacts only
+ROUND = ("circle", "annulus")
 
 # What each numeric key may hold, whichever table it stands in: far beyond anything built, but so that nothing that is
 # worked out of it leaves the range of float64.
@@ -26,6 +33,12 @@ NUMBERS: dict[str, tuple[tuple[float, float], str]] = {
     "height": _LENGTH,
     "width": _LENGTH,
     "depth": _LENGTH,
+    "top_width": _LENGTH,
+    "top_depth": _LENGTH,
+    "diameter": _LENGTH,
+    "top_diameter": _LENGTH,
+    "bore": _LENGTH,
+    "above": ((0.0, 1e6), "a height in m, zero or positive, at most 1e6"),
     "mass": ((1e-9, 1e15), "a positive mass in kg, from 1e-9 to 1e15"),
     "density": ((1e-6, 1e9), "a positive density in kg/m3, from 1e-6 to 1e9"),
     "centroid": _LENGTH,
@@ -47,8 +60,15 @@ class Joint:
 
     stiffness: float  # N/m3, Winkler modulus: pressure per penetration
     damping: float  # s, eta of the Kelvin-Voigt law; 0 is none, which makes a rocking column chaotic
-    width: float | None = None  # m, contact along the motion; None: the block's
-    depth: float | None = None  # m, contact across the motion; None: the block's
+    width: float | None = None  # m, contact along the motion, the diameter of a round one; None: the block's
+    depth: float | None = None  # m, contact across the motion, not of a round one; None: the block's
+    section: str | None = None  # of the contact, one of SECTIONS; None: the block's
+    bore: float | None = None  # m, inner diameter of an annulus; None: the block's
+    strips: tuple[float, ...] | None = None  # m, depths of equal strips from -x to +x, 0 where nothing touches
+
+    def __post_init__(self) -> None:
+        if isinstance(self.strips, list):  # as TOML and JSON have it
+            object.__setattr__(self, "strips", tuple(self.strips))
 
 
 @dataclass(frozen=True)
@@ -56,24 +76,74 @@ class Block:
     """A rigid block and the joint under it."""
 
     height: float  # m
-    width: float  # m, along the motion
+    width: float  # m, along the motion, of the bottom face; the diameter of a round block
     depth: float  # m, across the motion
     mass: float  # kg
     joint: Joint
-    centroid: float | None = None  # m above the bottom face; None: height / 2
+    centroid: float | None = None  # m above the bottom face; None: that of a homogeneous block
     inertia: float | None = None  # kg m2 about the centroid; None: that of a homogeneous block
+    section: str = "rectangle"  # one of BLOCK_SECTIONS
+    top_width: float | None = None  # m, of the top face of a block that tapers; None: that of the bottom face
+    top_depth: float | None = None
+    bore: float | None = None  # m, inner diameter of a hollow drum, section annulus
+
+    @property
+    def solid(self) -> Solid:
+        """Volume, centroid and inertia of the block if it is homogeneous and of density 1 kg/m3."""
+        bottom = (self.width, self.depth)
+        top = (self.top_width or self.width, self.top_depth or self.depth)
+        return solid_between(SECTIONS.index(self.section), self.height, bottom, top, self.bore or 0.0)
+
+    @property
+    def is_cuboid(self) -> bool:
+        """Whether the block is a rectangle all the way up."""
+        return self.section == "rectangle" and self.top_width is None and self.top_depth is None
 
     @property
     def resolved_centroid(self) -> float:
         """Height of the centroid above the bottom face, m."""
-        return 0.5 * self.height if self.centroid is None else self.centroid
+        if self.centroid is None:
+            return 0.5 * self.height if self.is_cuboid else self.solid.centroid
+        return self.centroid
 
     @property
     def resolved_inertia(self) -> float:
         """Moment of inertia about the centroid, kg m2."""
-        if self.inertia is None:
+        if self.inertia is not None:
+            return self.inertia
+        if self.is_cuboid:
             return self.mass * (self.height * self.height + self.width * self.width) / 12.0
-        return self.inertia
+        solid = self.solid
+        return self.mass / solid.volume * solid.inertia
+
+    def written_out(self) -> Block:
+        """The block with its centroid and inertia as numbers, where they are not those of a cuboid."""
+        if self.is_cuboid:
+            return self
+        return replace(self, centroid=self.resolved_centroid, inertia=self.resolved_inertia)
+
+    @property
+    def joint_section(self) -> int:
+        """Code of the section of the contact under the block."""
+        return SECTIONS.index(self.joint.section or self.section)
+
+    @property
+    def joint_bore(self) -> float:
+        """Inner diameter of the contact under the block, m; 0 where it is not an annulus."""
+        return (self.joint.bore or self.bore or 0.0) if self.joint_section == ANNULUS else 0.0
+
+    @property
+    def joint_moments(self) -> tuple[float, ...]:
+        """Area m2 and first and second moment (m3, m4), about the middle of the block, of the contact under it."""
+        strips = self.joint.strips or ()
+        return whole(self.joint_section, self.joint_width, self.joint_depth, self.joint_bore, strips)
+
+    @property
+    def joint_stiffness(self) -> float:
+        """Stiffness of the joint under the block in full contact, N/m."""
+        if self.joint_section == RECTANGLE:
+            return self.joint.stiffness * self.joint_width * self.joint_depth
+        return self.joint.stiffness * self.joint_moments[0]
 
     @property
     def joint_width(self) -> float:
@@ -102,9 +172,15 @@ class Settings:
 
 
 # the keys of the tables of a TOML file
-_COLUMN_KEYS = ("name", "g", "block", "joint", "solver")
-_BLOCK_KEYS = ("height", "width", "depth", "mass", "density", "centroid", "inertia", "joint")
-_JOINT_KEYS = tuple(item.name for item in fields(Joint))
+_COLUMN_KEYS = ("name", "g", "block", "joint", "solver", "profile")
+# of a block: those of `Block`, and those that others follow from
+_BLOCK_KEYS = (
+    *("height", "width", "depth", "mass", "density", "centroid", "inertia", "joint", "section", "diameter"),
+    *("top_width", "top_depth", "top_diameter", "bore", "load", "repeat"),
+)
+_JOINT_KEYS = (*(item.name for item in fields(Joint)), "diameter")
+_WORDS = ("section", "strips")  # keys of a joint that are no number
+_LOAD_KEYS = ("mass", "above")  # of what rests on a block: kg, and m of its centroid above the top face
 _SETTINGS_KEYS = tuple(item.name for item in fields(Settings))
 
 
@@ -134,6 +210,11 @@ class Column:
     def n(self) -> int:
         """Number of blocks."""
         return len(self.blocks)
+
+    @property
+    def has_rectangles_only(self) -> bool:
+        """Whether all joints are rectangles, the one section that lanes know."""
+        return all(block.joint_section == RECTANGLE for block in self.blocks)
 
     def with_settings(
         self,
@@ -179,11 +260,9 @@ class Column:
             raise InputError("name: missing, must be a C identifier")
         joint_defaults = _table("joint", data, _JOINT_KEYS)
         for key, value in joint_defaults.items():  # checked here, where the user wrote them
-            _check(f"joint.{key}", value)
-        blocks = tuple(
-            _block_from(f"block[{number}]", table, joint_defaults)
-            for number, table in enumerate(_block_tables(data), start=1)
-        )
+            if key not in _WORDS:
+                _check(f"joint.{key}", value)
+        blocks = _blocks_from(data, joint_defaults)
         solver = _table("solver", data, _SETTINGS_KEYS)
         settings: dict[str, Any] = {
             key: _number("solver", solver, key) if key in NUMBERS else value for key, value in solver.items()
@@ -246,12 +325,62 @@ def _check_block(key: str, block: object) -> None:
         raise InputError(f"{key} = {shown(block)}: must be a Block")
     if not isinstance(block.joint, Joint):
         raise InputError(f"{key}.joint = {shown(block.joint)}: must be a Joint")
-    for rule in BLOCK_RULES:
+    _check_section(key, block)
+    sizes = tuple(rule for rule in BLOCK_RULES if not (rule.of_joint or rule.optional))
+    _check_rules(key, block, sizes)
+    if block.section == "annulus" and block.bore is None:
+        raise InputError(f"{key}.bore: missing, must be {NUMBERS['bore'][1]}: the inner diameter")
+    narrowest = min(block.width, block.top_width or block.width)
+    _check_bore(key, block.bore, block.section, narrowest)
+    _check_rules(key, block, tuple(rule for rule in BLOCK_RULES if rule not in sizes))
+    _check_bore(f"{key}.joint", block.joint.bore, SECTIONS[block.joint_section], block.joint_width)
+    if block.joint_section == ANNULUS and not 0.0 < block.joint_bore < block.joint_width:
+        raise InputError(f"{key}.joint.bore: must be an inner diameter in m, less than {shown(block.joint_width)} m")
+    _check_strips(f"{key}.joint.strips", block)
+
+
+def _check_rules(key: str, block: Block, rules: Sequence[Rule]) -> None:
+    for rule in rules:
         name = f"{key}.joint.{rule.key}" if rule.of_joint else f"{key}.{rule.key}"
         value = _check(name, _resolved(block, rule))
         bound = getattr(block, rule.bound) if rule.bound else None
         if bound is not None and (value >= bound if rule.strict else value > bound):
             raise InputError(f"{name} = {shown(value)}: {rule.relation} = {shown(bound)} m")
+
+
+def _check_bore(owner: str, bore: float | None, section: str, width: float) -> None:
+    if bore is not None and section != "annulus":
+        raise InputError(f'{owner}.bore = {shown(bore)}: must be left out, or section = "annulus"')
+    if bore is not None and bore >= width:
+        raise InputError(f"{owner}.bore = {shown(bore)}: must be less than the outer diameter = {shown(width)} m")
+
+
+def _check_section(key: str, block: Block) -> None:
+    """That names of sections are known, and that what goes with them are numbers."""
+    _check_choice(f"{key}.section", block.section, BLOCK_SECTIONS)
+    if block.joint.section is not None:
+        _check_choice(f"{key}.joint.section", block.joint.section, SECTIONS)
+    numbers = {f"{key}.{name}": getattr(block, name) for name in ("top_width", "top_depth", "bore")}
+    for name, value in (numbers | {f"{key}.joint.bore": block.joint.bore}).items():
+        if value is not None:
+            _check(name, value)
+
+
+def _check_strips(key: str, block: Block) -> None:
+    strips = block.joint.strips
+    if block.joint_section != STRIPS:
+        if strips is not None:
+            raise InputError(f'{key} = {shown(strips)}: must be left out, or section = "strips"')
+        return
+    if not isinstance(strips, tuple) or not 1 <= len(strips) <= MOST_STRIPS:
+        raise InputError(f"{key} = {shown(strips)}: must be a list of 1 to {MOST_STRIPS} depths in m")
+    meaning = f"a depth in m, from 0 to that of the block, {shown(block.depth)}"
+    for k, depth in enumerate(strips):
+        check_number(f"{key}[{k}]", depth, (0.0, block.depth), meaning)
+    if not any(strips):
+        raise InputError(f"{key}: all zero, must have a depth somewhere")
+    if strips != strips[::-1]:
+        raise InputError(f"{key}: must be the same read backwards: the rest of a column is upright")
 
 
 def _resolved(block: Block, rule: Rule) -> object:
@@ -319,22 +448,118 @@ def _block_tables(data: Mapping[str, Any]) -> list[Mapping[str, Any]]:
     return tables
 
 
+def _blocks_from(data: Mapping[str, Any], joint_defaults: Mapping[str, Any]) -> tuple[Block, ...]:
+    """The blocks of the tables, those repeated as often as they ask for; what they miss is taken from the profile."""
+    tables: list[tuple[str, Mapping[str, Any]]] = []
+    for number, table in enumerate(_block_tables(data), start=1):
+        key, times = f"block[{number}]", table.get("repeat", 1)
+        _check_keys(f"{key}.", table, _BLOCK_KEYS)
+        if isinstance(times, bool) or not isinstance(times, int) or not 1 <= times <= MAX_BLOCKS:
+            raise InputError(f"{key}.repeat = {shown(times)}: must be a whole number from 1 to {MAX_BLOCKS}")
+        tables += [(key, table)] * times
+    profile = _profile_from(data)
+    blocks: list[Block] = []
+    foot = 0.0  # height of the bottom face above the base
+    for key, table in reversed(tables):
+        given = dict(table)
+        if profile and table.get("section") in ROUND and not {"diameter", "width", "depth"} & table.keys():
+            height = _number(key, table, "height")
+            given["diameter"], given["top_diameter"] = np.interp([foot, foot + height], *profile).tolist()
+        blocks.append(_block_from(key, given, joint_defaults))
+        foot += blocks[-1].height
+    return tuple(reversed(blocks))
+
+
+def _profile_from(data: Mapping[str, Any]) -> tuple[list[float], list[float]] | None:
+    """Heights above the base and diameters there, m."""
+    if "profile" not in data:
+        return None
+    points = data["profile"]
+    meaning = "must be a list of at least two pairs [height above the base, diameter] in m, from the bottom up"
+    if not isinstance(points, list) or len(points) < 2:
+        raise InputError(f"profile = {shown(points)}: {meaning}")
+    heights, diameters = [], []
+    for k, point in enumerate(points):
+        if not isinstance(point, list) or len(point) != 2:
+            raise InputError(f"profile[{k}] = {shown(point)}: {meaning}")
+        heights.append(check_number(f"profile[{k}][0]", point[0], (0.0, 1e6), "a height in m, from 0 to 1e6"))
+        diameters.append(check_number(f"profile[{k}][1]", point[1], *_LENGTH))
+        if k and not heights[k - 1] < heights[k]:
+            raise InputError(f"profile[{k}][0] = {shown(point[0])}: must be above {shown(heights[k - 1])} m")
+
+    return heights, diameters
+
+
 def _block_from(key: str, table: Mapping[str, Any], joint_defaults: Mapping[str, Any]) -> Block:
-    _check_keys(f"{key}.", table, _BLOCK_KEYS)
     joint_table = _table(f"{key}.joint", table, _JOINT_KEYS)
-    height, width, depth = (_number(key, table, name) for name in ("height", "width", "depth"))
+    shape: dict[str, Any] = {"height": _number(key, table, "height"), "section": table.get("section", "rectangle")}
+    _check_choice(f"{key}.section", shape["section"], BLOCK_SECTIONS)
+    shape |= _faces_from(key, table, shape["section"])
     if ("mass" in table) == ("density" in table):
         given = "both given" if "mass" in table else "missing"
         raise InputError(f"{key}.mass, {key}.density: {given}, must be exactly one of mass in kg and density in kg/m3")
-    mass = _number(key, table, "mass") if "mass" in table else _number(key, table, "density") * height * width * depth
-    optional = {name: _number(key, table, name) for name in ("centroid", "inertia") if name in table}
-    return Block(height, width, depth, mass, _joint_from(f"{key}.joint", {**joint_defaults, **joint_table}), **optional)
+    joint = _joint_from(f"{key}.joint", {**joint_defaults, **joint_table}, shape["section"])
+    shape |= {name: _number(key, table, name) for name in ("centroid", "inertia") if name in table}
+    block = Block(mass=_number(key, table, "mass") if "mass" in table else 1.0, joint=joint, **shape)
+    if "density" in table:
+        if not block.is_cuboid:
+            _check_block(key, block)
+        volume = block.height * block.width * block.depth if block.is_cuboid else block.solid.volume
+        block = replace(block, mass=_number(key, table, "density") * volume)
+    return _loaded(key, table, block) if "load" in table else block
 
 
-def _joint_from(key: str, table: Mapping[str, Any]) -> Joint:
-    given = {name: _number(key, table, name) for name in ("stiffness", "damping")}
-    optional = {name: _number(key, table, name) for name in table if name not in given}
-    return Joint(**given, **optional)
+def _faces_from(key: str, table: Mapping[str, Any], section: str) -> dict[str, float]:
+    """Width and depth of the bottom face, and of the top face and the bore where they are given."""
+    if section not in ROUND:
+        for name in ("diameter", "top_diameter"):
+            if name in table:
+                raise InputError(f'{key}.{name}: must be left out, or section = "circle" or "annulus"')
+        names = ["width", "depth", *(name for name in ("top_width", "top_depth", "bore") if name in table)]
+        return {name: _number(key, table, name) for name in names}
+    found: dict[str, float] = {}
+    for name, width, depth in (("diameter", "width", "depth"), ("top_diameter", "top_width", "top_depth")):
+        if width in table or depth in table:  # as `to_dict` writes them
+            if name in table:
+                raise InputError(f"{key}.{name}: given beside {width} or {depth}, must be alone")
+            found |= {width: _number(key, table, width), depth: _number(key, table, depth)}
+            if found[width] != found[depth]:
+                raise InputError(f"{key}.{depth} = {shown(found[depth])}: must be the {width} of a round block")
+        elif name in table or name == "diameter":
+            found[width] = found[depth] = _number(key, table, name)
+    if "bore" in table:
+        found["bore"] = _number(key, table, "bore")
+    return found
+
+
+def _loaded(key: str, table: Mapping[str, Any], block: Block) -> Block:
+    """The block with a load that rests on it and turns with it."""
+    load = table["load"]
+    if not isinstance(load, Mapping):
+        raise InputError(f"{key}.load = {shown(load)}: must be a table with the keys {', '.join(_LOAD_KEYS)}")
+    _check_keys(f"{key}.load.", load, _LOAD_KEYS)
+    above = _number(f"{key}.load", load, "above") if "above" in load else 0.0
+    mass, centroid, inertia = with_load(
+        block.mass,
+        block.resolved_centroid,
+        block.resolved_inertia,
+        _number(f"{key}.load", load, "mass"),
+        block.height + above,
+    )
+    return replace(block, mass=mass, centroid=centroid, inertia=inertia)
+
+
+def _joint_from(key: str, table: Mapping[str, Any], section: str) -> Joint:
+    given: dict[str, Any] = {name: _number(key, table, name) for name in ("stiffness", "damping")}
+    words = {name: table[name] for name in _WORDS if name in table}
+    is_round = words.get("section", section) in ROUND
+    if is_round and "depth" in table:
+        raise InputError(f"{key}.depth: must be left out, a round contact has a diameter")
+    if "diameter" in table and (not is_round or "width" in table):
+        raise InputError(f"{key}.diameter: must be left out, or alone in a contact that is a circle or an annulus")
+    rest = [name for name in table if name not in (*given, *_WORDS)]
+    given |= {("width" if name == "diameter" else name): _number(key, table, name) for name in rest}
+    return Joint(**given, **words)
 
 
 def _plain(items: list[tuple[str, Any]]) -> dict[str, Any]:

@@ -82,7 +82,10 @@ def draw_column(axes: Axes, response: Drawable, k: int, scale: float) -> list[Po
     for patch in patches:
         axes.add_patch(patch)
     blocks = response.column.blocks
-    height, width = sum(block.height for block in blocks), max(block.width for block in blocks)
+    height, width = (
+        sum(block.height for block in blocks),
+        max(max(block.width, block.top_width or 0.0) for block in blocks),
+    )
     reach = 0.6 * width + max(SHOWN * height, scale * float(np.max(np.abs(response.ux))))
     axes.axhline(0.0, color=INK, linewidth=3.0)
     axes.plot([0.0, 0.0], [0.0, 1.03 * height], color=INK, linewidth=0.7, linestyle=":")
@@ -112,8 +115,8 @@ def corners_of(response: Drawable, k: int, scale: float) -> list[FloatArray]:
         drawn = drawn + scale * ((apart @ below_up) * drawn_up + (apart @ below_along) * drawn_along)
         foot, turned, turn = centroid + (block.height - rise) * up, theta, scale * theta
         up, along = _frame(turn)
-        half, tall = 0.5 * block.width * along, block.height * up
-        found.append(np.array([drawn - half, drawn + half, drawn + half + tall, drawn - half + tall]))
+        half, top, tall = 0.5 * block.width * along, 0.5 * (block.top_width or block.width) * along, block.height * up
+        found.append(np.array([drawn - half, drawn + half, drawn + top + tall, drawn - top + tall]))
         drawn = drawn + tall
         rest += block.height
     return found[::-1]

@@ -92,7 +92,7 @@ def runs_in_lanes(response: Response, motion: Motion, initial: InitialState | No
     settings = response.column.settings
     fits = settings.formulation == "exact" and settings.integrator == "auto" and set(settings.without) <= {"peaks"}
     explicit = response.stats["implicit_steps"] <= MOST_DAMPED * response.stats["steps"]
-    return fits and explicit and not motion.hold and initial is None
+    return fits and explicit and response.column.has_rectangles_only and not motion.hold and initial is None
 
 
 Made = tuple[str, float, FloatArray, FloatArray]  # verdict, time of overturning s, peaks (n,), ux (nt, n)

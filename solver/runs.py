@@ -21,23 +21,24 @@ from .packing import FloatArray, IntArray
 from .response import Response
 from .rest import check_stable, doubts
 from .single_run import Callback, fate, single_run
-from .table import Columns, Table
+from .table import WORDS, Columns, Table
 from .verdict import OVERTURNED, STANDING, UNDECIDED, is_held, surely_stand
 
 # What can be kept of a run: its type, or None for a number of each block or joint. peak_ux: largest |ux| within the
 # duration, m. residual_ux, residual_theta: where a column that has not fallen is at the end of the duration, m, rad.
-# energy: what it has then above its rest, J. overturn_time s: from the start of the motion's time, NaN while it stands.
+# energy: what it has then above its rest, J. verdict, path: numbers of table.WORDS. overturn_time s: as that of a
+# Response, NaN while it stands.
 KEPT: dict[str, Any] = {
     "peak_ux": None,
     "residual_ux": None,
     "residual_theta": None,
     "energy": np.float64,
-    "verdict": "U10",
+    "verdict": np.uint8,
     "overturn_time": np.float64,
     "overturned_joint": np.int64,
     "steps": np.int64,
     "evaluations": np.int64,
-    "path": "U6",
+    "path": np.uint8,
 }
 SCALAR, LANES = "scalar", "lanes"
 OUTPUT_STEP = 0.005  # s, of a response that is kept
@@ -132,10 +133,9 @@ def empty_columns(chunk: Chunk) -> Columns:
         columns[name] = np.zeros(shape, dtype=kind or np.float64)
         if columns[name].dtype.kind == "f":
             columns[name][:] = math.nan
-    if "verdict" in columns:
-        columns["verdict"][:] = UNDECIDED
-    if "path" in columns:
-        columns["path"][:] = SCALAR
+    for name, word in (("verdict", UNDECIDED), ("path", SCALAR)):
+        if name in columns:
+            columns[name][:] = WORDS[name].index(word)
     return columns
 
 
@@ -185,7 +185,7 @@ def _fill(columns: Columns, places: IntArray, runs: Sequence[Run], batch: BatchR
         "overturned_joint": joints,
         "steps": batch.steps,
         "evaluations": batch.evaluations,
-        "path": np.full(len(runs), LANES),
+        "path": np.full(len(runs), WORDS["path"].index(LANES)),
     }
     for name, values in columns.items():
         if values.ndim == 2:
@@ -196,16 +196,18 @@ def _fill(columns: Columns, places: IntArray, runs: Sequence[Run], batch: BatchR
 
 def _verdicts(
     runs: Sequence[Run], batch: BatchResult, chain: Chain, settle: float
-) -> tuple[NDArray[np.str_], FloatArray, IntArray]:
-    """Words, times of overturning (NaN while it stands) and joints, of runs that are followed on where it is needed."""
+) -> tuple[IntArray, FloatArray, IntArray]:
+    """Numbers of the words, times of overturning (NaN: it stands) and joints; followed on where that is needed."""
     joints, times = batch.overturned_joint.copy(), batch.overturn_time.copy()
-    words = np.where(joints > 0, OVERTURNED, STANDING).astype(KEPT["verdict"])
+    code = WORDS["verdict"].index
+    words = np.where(joints > 0, code(OVERTURNED), code(STANDING))
     energy, turned = chain.energies(batch.ends), np.abs(chain.places(batch.ends).theta)
     undecided = batch.finished & (joints == 0) & ~surely_stand(chain, energy, turned)
     for k in np.flatnonzero(undecided).tolist():
         column, motion, duration = runs[k]
         if not is_held(column, float(energy[k]), turned[k]):
-            words[k], times[k], joints[k] = fate(column, batch.ends[k], motion.start + duration, settle)
+            word, times[k], joints[k] = fate(column, batch.ends[k], motion.start + duration, settle)
+            words[k] = code(word)
     return words, times, joints
 
 
@@ -244,7 +246,9 @@ def _padded(value: Any, like: NDArray[Any]) -> Any:
 def _value(name: str, column: Column, response: Response, phase: FloatArray, stands: bool) -> Any:
     """What is kept under a name of a run that ends with this phase, (4 n,), and stands then or not."""
     if name == "path":
-        return SCALAR
+        return WORDS[name].index(SCALAR)
+    if name == "verdict":
+        return WORDS[name].index(response.verdict)
     if name in ("steps", "evaluations"):
         return response.stats[name]
     if name in ("residual_ux", "residual_theta", "energy"):

@@ -15,12 +15,16 @@ from .response import Response
 
 Columns = dict[str, NDArray[Any]]
 
+# columns of words, which are held as numbers: a word for each of 10^6 runs takes as much memory as all the rest
+WORDS: dict[str, tuple[str, ...]] = {"verdict": ("undecided", "standing", "overturned"), "path": ("scalar", "lanes")}
+
 
 class Table:
     """Columns by name, `table["peak_ux"]`: an array (runs,), or (runs, blocks) for what every block or joint has.
 
     Block 1, the top one, comes first; NaN stands beyond the blocks that a column has. `first`: number of the first run.
-    stats: how the runs were made (many.py). responses: by number of the run, those that were asked for in full.
+    columns: words as numbers, that WORDS names. stats: how the runs were made (many.py). responses: by number of the
+    run, those that were asked for in full.
     """
 
     def __init__(
@@ -39,7 +43,8 @@ class Table:
         """The column of that name; KeyError says which there are."""
         if name not in self._columns:
             raise KeyError(f"{name}: not kept, only {', '.join(self._columns)}")
-        return self._columns[name]
+        values = self._columns[name]
+        return np.array(WORDS[name])[values] if name in WORDS else values
 
     def __contains__(self, name: object) -> bool:
         return name in self._columns
@@ -58,7 +63,8 @@ class Table:
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write a line for each run, the number of the run first; a column of blocks as peak_ux[1], peak_ux[2] ..."""
         names, columns = ["run"], [np.arange(self.first, self.first + len(self))]
-        for name, values in self._columns.items():
+        for name in self._columns:
+            values = self[name]
             if values.ndim == 1:
                 names.append(name)
                 columns.append(values)
@@ -74,7 +80,7 @@ class Table:
 def joined(parts: Sequence[Table]) -> Table:
     """The tables of neighbouring runs as one; columns of blocks become as wide as the widest. Stats are left out."""
     responses = {number: response for part in parts for number, response in part.responses.items()}
-    columns = {name: _stacked([part[name] for part in parts]) for name in (parts[0] if parts else ())}
+    columns = {name: _stacked([part._columns[name] for part in parts]) for name in (parts[0] if parts else ())}
     return Table(columns, responses=responses, first=parts[0].first if parts else 0)
 
 

@@ -17,10 +17,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from joints import joint_forces
 from lagrange import Array
 
 from solver import Column
-from solver.kernels.joint.law import joint_forces
 
 Motion = tuple[float, float, float, float, float]  # of the base: ax, az, theta, omega, alpha
 

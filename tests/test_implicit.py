@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
+from joints import contact_regime, joint_forces
 from lagrange import Reference
 from probe import PHOCAS_STIFFNESS, Array, G, phocas, random_column, random_state
 
@@ -17,8 +18,7 @@ from solver.kernels import layout as at
 from solver.kernels.formulations.implicit import TANGENT, WIDEST, factorize, solve
 from solver.kernels.integrators import rosenbrock
 from solver.kernels.jit import kernel
-from solver.kernels.joint.law import joint_forces
-from solver.kernels.joint.regimes import OPEN, contact_regime
+from solver.kernels.joint.regimes import OPEN
 from solver.kernels.views import row_of
 from solver.packing import pack_model
 

@@ -9,7 +9,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from solver import InputError, Motion
+from solver import InputError, Motion, oscillator
 from solver.intensity import components, histories, intensity, spectrum
 from solver.motion import STANDARD_GRAVITY as G
 from solver.record_plots import plot_records
@@ -155,3 +155,12 @@ def test_mistakes(make: Callable[[], object], said: str) -> None:
     with pytest.raises(InputError) as caught:
         make()
     assert str(caught.value).startswith(said)
+
+
+def test_one_oscillator_alone_is_one_among_many_to_the_bit() -> None:
+    samples = np.random.default_rng(1).standard_normal(400)
+    steps = np.where(np.arange(399) % 3, 0.01, 0.02)
+    alone = oscillator.response(steps, samples[:-1], samples[1:], np.array([30.0]), 0.05)
+    among = oscillator.response(steps, samples[:-1], samples[1:], np.array([30.0, 5.0]), 0.05)
+    for one, many in zip(alone, among, strict=True):
+        np.testing.assert_array_equal(one[:, 0], many[:, 0])

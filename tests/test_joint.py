@@ -9,10 +9,9 @@ import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
+from joints import joint_forces, joint_peak_pressure, joint_potential
 from lagrange import pressure_resultants
 from probe import PHOCAS_STIFFNESS, G
-
-from solver.kernels.joint.law import joint_forces, joint_peak_pressure, joint_potential
 
 examples = settings(deadline=None, max_examples=200, derandomize=True)
 

@@ -10,13 +10,14 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from joints import joint_forces
 from probe import Array, random_column, random_state
 from test_joint import State, states
 
 from solver.kernels import layout as at
 from solver.kernels.formulations.exact import Motion, exact_accelerations
 from solver.kernels.jit import kernel
-from solver.kernels.joint.law import joint_forces, joint_forces_in_lanes
+from solver.kernels.joint.law import joint_forces_in_lanes
 from solver.kernels.lanes import WIDTH, any_of, bits, greater, lane, lesser, magnitude, nearest, square_root, where
 from solver.kernels.numbers import sine, sine_cosine
 from solver.kernels.views import lanes_of, row_of

@@ -72,6 +72,22 @@ def test_one_and_fifty_blocks(tmp_path: Path, n: int, joint: str) -> None:
     assert same, apart
 
 
+def test_round_hollow_and_chipped_joints(tmp_path: Path) -> None:
+    column = tmp_path / "drums.toml"
+    column.write_text(
+        'name = "drums"\njoint = {stiffness = 4e9, damping = 2e-3}\n'
+        '[[block]]\nsection = "circle"\nheight = 4.0\ndiameter = 1.3\ntop_diameter = 1.1\ndensity = 2600.0\n'
+        'joint = {section = "annulus", bore = 0.3}\n'
+        '[[block]]\nsection = "annulus"\nheight = 4.0\ndiameter = 1.4\nbore = 0.4\ndensity = 2600.0\n'
+        '[[block]]\nsection = "circle"\nheight = 4.0\ndiameter = 1.5\ndensity = 2600.0\n'
+        'joint = {section = "strips", strips = [0.0, 1.2, 1.4, 1.2, 0.0]}\n'
+    )
+    native = Fmus.build(column, tmp_path / "native.fmu", *LINUX)
+    python = Fmus.build(column, tmp_path / "python.fmu")
+    results = compare(native, python, {}, {"joint[3].width": 1.3, "block[2].mass": 9e3}, {"push": 0.5})
+    assert all(same for same, _ in results), results
+
+
 def test_fmpy_is_content_and_python_is_not_needed(native: Path) -> None:
     assert "No problems found" in run("fmpy", "validate", native)
     with zipfile.ZipFile(native) as archive:

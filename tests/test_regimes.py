@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
+from joints import contact_regime, held_forces, joint_forces, regime_margin
 from probe import Array, G, coordinates, phocas
 from test_joint import State, examples, states
 
@@ -18,8 +19,7 @@ from solver.kernels import layout as at
 from solver.kernels.engine import column_over
 from solver.kernels.formulations.base import Samples
 from solver.kernels.jit import kernel
-from solver.kernels.joint.law import held_forces, joint_forces
-from solver.kernels.joint.regimes import FULL, OPEN, RIGHT, contact_regime, regime_margin
+from solver.kernels.joint.regimes import FULL, OPEN, RIGHT
 from solver.kernels.stepping.interpolation import begin, interpolate_phase, refine
 from solver.kernels.views import row_of
 from solver.stepper import Stepper

@@ -217,6 +217,8 @@ def test_axis() -> None:
         ("intensity = [0.2, 0.6]", "intensity = []", "grid.intensity: is empty"),
         ('column = "block.toml"', 'column = "none.toml"', "none.toml: No such file"),
         ("tolerance = 1e-3", "tolerance = 1", "tolerance = 1"),
+        ('"verdict", "overturn_time"', '"verdict", "overturned"', "keep = 'overturned': must be one of peak_ux"),
+        ('"verdict", "overturn_time"', '"overturn_time"', "keep: must have verdict"),
     ],
 )
 def test_a_wrong_study_is_refused_in_one_line(folder: Path, old: str, new: str, message: str) -> None:

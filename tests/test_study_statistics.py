@@ -28,7 +28,7 @@ def made_up(
         "sampling": "random",
         "intensity": {"measure": "pga"},
         "keep": ["peak_ux", "verdict"],
-        "limit": None,
+        "limits": [],
         "grid": grid or {},
         "random": {name: {"distribution": "uniform", "each": False} for name in beside},
         "columns": [{"name": "block", "block": [{"height": 3.0, "width": 1.0}]}],

@@ -81,9 +81,9 @@ def test_the_table_gives_the_column_back() -> None:
         formulation="paper", integrator="central-difference", without=("rest", "elastic")
     )
     values: dict[str, Any] = {variable.name: variable.start for variable in variables(column)}
-    assert column_from(column.name, column.n, values.__getitem__) == column
+    assert column_from(column, values.__getitem__) == column
     with pytest.raises(InputError, match=r"solver.formulation = 3: must be one of 1 \(exact\), 2 \(paper\)"):
-        column_from(column.name, column.n, (values | {"solver.formulation": 3}).__getitem__)
+        column_from(column, (values | {"solver.formulation": 3}).__getitem__)
 
 
 def test_large_columns_do_not_list_what_grows_with_the_square_of_their_blocks() -> None:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from solver.column import BLOCK_RULES, NUMBERS, SKIPS
+from solver.column import BLOCK_RULES, NUMBERS, SKIPS, Column
 from solver.kernels import engine, pointers
 from solver.kernels import layout as at
-from solver.packing import FORMULATION_CODES, INTEGRATOR_CODES, SKIP_CODES
+from solver.packing import FORMULATION_CODES, INTEGRATOR_CODES, SKIP_CODES, section_of
 from solver.stepper import REASONS
 
 from .. import rules
@@ -31,8 +31,9 @@ SLOPES = {"base.ax": "base.jx", "base.az": "base.jz", "base.theta": "base.omega"
 CODES = {FORMULATION.name: FORMULATION_CODES, INTEGRATOR.name: INTEGRATOR_CODES}
 
 
-def column_subject(n: int) -> Subject:
-    """Of n blocks."""
+def column_subject(column: Column) -> Subject:
+    """Of a column, of which only the number of blocks and the sections matter."""
+    n = column.n
     return Subject(
         is_column=True,
         sizes={
@@ -73,7 +74,7 @@ def column_subject(n: int) -> Subject:
         inputs=[f"base.{name}" for name in engine.BASE_INPUTS.fields],
         slopes=SLOPES,
         split="base.R0x",
-        given=_given(n),
+        given=_given(column),
         choices=[
             *(Chosen(name, "NUMBERED", _items(choice)) for name, choice in CHOICES.items()),
             Chosen("solver.without", "ANY_WORDS", [(0, SKIP_CODES[word], word) for word in SKIPS]),
@@ -87,11 +88,12 @@ def _items(choice: Choice) -> list[tuple[int, int, str]]:
     return [(number, CODES[choice.name][word], word) for word, number in choice.items.items()]
 
 
-def _given(n: int) -> list[str]:
-    names = [name if name == "g" else f"solver.{name}" for name in pointers.GIVEN_SETTINGS]
-    for i in range(1, n + 1):
+def _given(column: Column) -> list[str | float]:
+    names: list[str | float] = [name if name == "g" else f"solver.{name}" for name in pointers.GIVEN_SETTINGS]
+    for i, block in enumerate(column.blocks, start=1):
         names += [f"block[{i}].{name}" for name in pointers.GIVEN_BLOCK]
         names += [f"joint[{i}].{name}" for name in pointers.GIVEN_JOINT]
+        names += section_of(block)
     return names
 
 

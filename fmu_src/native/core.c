@@ -234,7 +234,7 @@ static int find_fault(const Moment *moment, char *reason) {
 
 /* What `assemble` is given, from the parameters as they stand. */
 static int describe(const Moment *now, double described[GIVEN], char *reason) {
-    for (int k = 0; k < GIVEN; k++) described[k] = given[k] < 0 ? 0.0 : now->reals[given[k]];
+    for (int k = 0; k < GIVEN; k++) described[k] = given[k] < 0 ? given_fixed[k] : now->reals[given[k]];
     for (int in_words = 0; in_words < 2; in_words++) {
         if (in_words && find_fault(now, reason)) return 0;
         for (int k = 0; k < CHOICES; k++) {

@@ -33,7 +33,7 @@ NEEDS = "It needs nothing but the mathematical functions of the system's C libra
 
 def contents_of(column: Column, record: Motion | None = None, record_name: str = "") -> Contents:
     """What the FMU of a column is made for, under a GUID that follows from all that its libraries are made of."""
-    contents = Contents(column_subject(column.n), variables(column, record_name), "", record_name, record)
+    contents = Contents(column_subject(column), variables(column, record_name), "", record_name, record)
     return identified(contents, COLUMN, json.dumps(column.to_dict()))
 
 

@@ -57,7 +57,7 @@ class Subject:
     inputs: list[str]  # in the order of the kernels
     slopes: dict[str, str]  # input -> the input that is its slope
     split: str  # the first variable after those of the output row
-    given: list[str]  # the parameters that `assemble` is given, in its order
+    given: list[str | float]  # what `assemble` is given, in its order: parameters, and numbers that never change
     choices: list[Chosen]
     checks: list[Check]
     reasons: dict[int, str]
@@ -175,7 +175,11 @@ def declarations(contents: Contents) -> str:
     lines += _families(table)
     lines += _array("int", "slope_of", [str(places.get(subject.slopes.get(name, ""), -1)) for name in subject.inputs])
     chosen = {choice.name for choice in subject.choices}  # given as a code
-    lines += _array("int", "given", ["-1" if name in chosen else str(places[name]) for name in subject.given])
+    fixed = [isinstance(name, float) or name in chosen for name in subject.given]
+    found = ["-1" if own else str(places[str(name)]) for name, own in zip(subject.given, fixed, strict=True)]
+    lines += _array("int", "given", found)
+    constants = [name if isinstance(name, float) else 0.0 for name in subject.given]
+    lines += _array("double", "given_fixed", [_number(value) for value in constants])
     lines += _choices(subject, index)
     lines += _array("Check", "checks", [_check(check, index) for check in subject.checks])
     lines += _array("Reason", "reasons", [f"{{{code}, {_quoted(text)}}}" for code, text in subject.reasons.items()])

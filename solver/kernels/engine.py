@@ -17,6 +17,7 @@ from .formulations.exact import Motion
 from .formulations.feedthrough import base_direction, effective_mass, split_reaction, tangential_gains
 from .formulations.outputs import observe
 from .jit import kernel, leaf
+from .joint.section import lay_out
 from .layout import (
     AUTO,
     BASE,
@@ -25,6 +26,7 @@ from .layout import (
     EXACT,
     MODAL_MOST,
     MODEL,
+    MOST_STRIPS,
     OK,
     ROW,
     SPLIT,
@@ -40,7 +42,9 @@ from .views import Record
 GIVEN_SETTINGS = Record("g", "step", "tolerance", "formulation", "integrator", "without")
 GIVEN_BLOCK = ("height", "width", "depth", "mass", "centroid", "inertia")
 GIVEN_JOINT = ("stiffness", "damping", "width", "depth")
-GIVEN = Record(*GIVEN_BLOCK, *(f"joint_{name}" for name in GIVEN_JOINT))
+# of its section, which no parameter of an FMU changes: code, inner diameter m, number of strips and their depths m
+GIVEN_SECTION = ("section", "bore", "strips", *(f"strip_{k}" for k in range(MOST_STRIPS)))
+GIVEN = Record(*GIVEN_BLOCK, *(f"joint_{name}" for name in (*GIVEN_JOINT, *GIVEN_SECTION)))
 # what a caller sets of the base: accelerations, their slopes, rotation
 BASE_INPUTS = Record("ax", "az", "jx", "jz", "theta", "omega", "alpha")
 
@@ -54,6 +58,7 @@ PROBE_SPIN = 1e-6  # rad/s, by which the rotation of the base is varied
 RATE_PART = 1e-4  # of the first step: half the time over which outputs are differenced
 
 _model, _state, _counts, _base, _work = MODEL.over, STATE.over, COUNTS.over, BASE.over, WORK.over
+_STRIPS_GIVEN = GIVEN.fields.index("joint_strips")
 _row, _split = ROW.over, SPLIT.over
 _given_settings, _given_block, _base_inputs = GIVEN_SETTINGS.over, GIVEN.over, BASE_INPUTS.over
 _SETTINGS_FIELDS, _BLOCK_FIELDS, _COUNTS_FIELDS, _BASE_FIELDS = (
@@ -107,7 +112,8 @@ def assemble(column, given, afresh, scratch, detail):
     settings.without = described.without
     settings.has_modes = 0.0
     for i in range(n):
-        block = _given_block(given[_SETTINGS_FIELDS + _BLOCK_FIELDS * i :], 0)
+        row = given[_SETTINGS_FIELDS + _BLOCK_FIELDS * i :]
+        block = _given_block(row, 0)
         blocks.height[i] = block.height
         blocks.mass[i] = block.mass
         blocks.centroid[i] = 0.5 * block.height if block.centroid == 0.0 else block.centroid
@@ -115,8 +121,9 @@ def assemble(column, given, afresh, scratch, detail):
         blocks.inertia[i] = homogeneous if block.inertia == 0.0 else block.inertia
         blocks.stiffness[i] = block.joint_stiffness
         blocks.damping[i] = block.joint_damping
-        blocks.width[i] = block.width if block.joint_width == 0.0 else block.joint_width
-        blocks.depth[i] = block.depth if block.joint_depth == 0.0 else block.joint_depth
+        width = block.width if block.joint_width == 0.0 else block.joint_width
+        depth = block.depth if block.joint_depth == 0.0 else block.joint_depth
+        lay_out(blocks, i, block.joint_section, width, depth, block.joint_bore, row[_STRIPS_GIVEN:])
         if not math.isfinite(blocks.inertia[i]):
             detail[0] = i + 1.0
             return TOO_LARGE

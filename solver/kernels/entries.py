@@ -5,11 +5,15 @@ from .formulations.base import Samples, enter
 from .formulations.exact import Motion
 from .formulations.outputs import observe
 from .jit import entry
-from .layout import OK, ROW, SNAPSHOT, SPLIT
+from .joint.energy import least_energy
+from .joint.law import joint_potential
+from .joint.section import contact_of
+from .layout import MODEL, OK, ROW, SNAPSHOT, SPLIT
 from .stepping.advance import advance
 from .stepping.watch import Watch
 from .views import row_of
 
+_model = MODEL.over
 _row, _split, _snapshot = ROW.over, SPLIT.over, SNAPSHOT.over
 _ROW_FIELDS, _ROW_BESIDE = ROW.per_n, ROW.beside
 _SNAPSHOT_FIELDS, _SNAPSHOT_BESIDE = SNAPSHOT.per_n, SNAPSHOT.beside
@@ -61,3 +65,22 @@ def observe_snapshots(n, model, state, counts, base, work, snapshots, rows, coun
         if code != OK:
             return code, k
     return OK, count
+
+
+# --- energies of joints, where Python has no closed form of its own; (n, model), then arrays
+
+
+@entry
+def joint_potentials(n, model, openings, slopes, found):
+    """Elastic energy of every joint, J."""
+    blocks = _model(row_of(model), n).blocks
+    for i in range(n):
+        found[i] = joint_potential(contact_of(blocks, i), blocks.stiffness[i], openings[i], slopes[i])
+
+
+@entry
+def joint_energies(n, model, i, slopes, weights, found):
+    """`least_energy` of joint i for every slope and weight."""
+    blocks = _model(row_of(model), n).blocks
+    for k in range(slopes.size):
+        found[k] = least_energy(contact_of(blocks, i), blocks.stiffness[i], slopes[k], weights[k])

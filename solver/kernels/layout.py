@@ -43,6 +43,8 @@ SETTINGS = Record(
     "has_modes",  # 1 where there are modal data
     "explicit_order",  # 5 or 8, of the explicit method of `auto`
 )
+MOST_STRIPS = 32  # of a section made of strips
+STRIP_NUMBERS = 2 + MOST_STRIPS  # how many strips, their width in m, their depths in m
 BLOCKS = Table(
     "height",  # m
     "centroid",  # m above the bottom face
@@ -52,16 +54,21 @@ BLOCKS = Table(
     "per_mass",  # 1/kg
     "per_inertia",  # 1/(kg m2)
     "stiffness",  # N/m3, of the joint under the block
-    "width",  # m, of the joint
+    "section",  # of the contact: a code, and what goes with it (joint/section.py)
+    "left",  # m from the middle of the block: ends of the contact
+    "right",
+    "width",  # m, from end to end
     "depth",  # m
+    "bore",  # m
     "damping",  # s
     "turn_size",  # first coordinate when the column turns by 1 rad: 1 (exact), height of the top face (paper)
-    "open_size",  # m, opening with the elastic energy of a joint rotation of 1 rad: width / sqrt(12)
+    "open_size",  # m, opening with the elastic energy of a joint rotation of 1 rad: radius of gyration of the contact
     "per_turn_size",
     "per_open_size",
     "fall_angle",  # rad, rotation of the block or its joint from which nothing comes back
     "pivot",  # 1/kg, inverse pivot and
     "coupling",  # multiplier of the factorized horizontal mass matrix (formulation paper)
+    strips=STRIP_NUMBERS,
 )
 MODEL = Space(settings=SETTINGS, blocks=BLOCKS, modal=Numbers())
 

@@ -8,7 +8,15 @@ without one.
 from numba import types
 
 from . import engine
-from .engine import GIVEN_BLOCK, GIVEN_JOINT, NOT_STABLE, TOO_LARGE, column_over, model_room, scratch_room
+from .engine import (
+    GIVEN_BLOCK,
+    GIVEN_JOINT,
+    NOT_STABLE,
+    TOO_LARGE,
+    column_over,
+    model_room,
+    scratch_room,
+)
 from .formulations.base import Samples
 from .jit import leaf
 from .layout import ROW, SPLIT

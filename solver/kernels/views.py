@@ -350,22 +350,26 @@ class Record(Part):
 
 
 class Table(Part):
-    """Fields of n numbers each."""
+    """Fields of n numbers each; after them fields of so many times n numbers: `several`."""
 
-    def __init__(self, *fields: str, whole: bool = False) -> None:
+    def __init__(self, *fields: str, whole: bool = False, **several: int) -> None:
         self.fields = fields
-        self.per_n = len(fields)
+        self.places = {name: (k, 1) for k, name in enumerate(fields)}  # where each begins, how many times n
+        for name, times in several.items():
+            self.places[name] = sum(length for _, length in self.places.values()), times
+        self.per_n = sum(length for _, length in self.places.values())
         self.whole = whole
         self.over = _over(self)
 
     def type(self, kind: Any) -> Any:
         """A space of rows."""
         kind = types.int64 if self.whole else kind
-        return SpaceType(kind, tuple((name, RowType(kind), k, 0) for k, name in enumerate(self.fields)))
+        return SpaceType(kind, tuple((name, RowType(kind), begin, 0) for name, (begin, _) in self.places.items()))
 
     def see(self, array: Any, n: int) -> Any:
-        """The fields as attributes, arrays of n numbers."""
-        return SimpleNamespace(**{name: array[k * n : (k + 1) * n] for k, name in enumerate(self.fields)})
+        """The fields as attributes, arrays of n numbers, or of several times n."""
+        places = self.places.items()
+        return SimpleNamespace(**{name: array[begin * n : (begin + times) * n] for name, (begin, times) in places})
 
 
 class Space(Part):

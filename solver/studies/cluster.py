@@ -13,6 +13,10 @@ LOCAL = "local"
 CONNECT = "20s"  # patience for the scheduler
 
 
+def _same(thing: Any) -> Any:
+    return thing
+
+
 class Cluster:
     """An executor for `run_study`, to be used as a context. address: tcp://HOST:PORT of a scheduler, or "local".
 
@@ -40,12 +44,15 @@ class Cluster:
         return max(1, int(sum(self._client.nthreads().values())))
 
     def carry(self, thing: Any) -> Any:
-        """Send what every chunk needs; returns what stands for it in `submit`."""
-        return self._client.scatter(thing, broadcast=True, hash=False)
+        """Send what every chunk needs; returns what stands for it in `submit`.
+
+        As a task of its own: unlike data that were scattered it is there again when the worker that had it dies.
+        """
+        return self._client.submit(_same, thing, pure=False)
 
     def submit(self, function: Callable[..., Any], *arguments: Any) -> Any:
         """A future of Dask."""
-        return self._client.submit(function, *arguments, pure=False, retries=2)
+        return self._client.submit(function, *arguments, pure=False)
 
     def lost(self) -> str:
         """Why nothing will come back any more; empty while something may."""

@@ -179,11 +179,12 @@ def summary(results: Results) -> str:
         for level, points, share in zip(curves.levels, curves.percentiles.T, curves.overturned, strict=True):
             lines.append(f"{level:10.4g}  " + "  ".join(f"{1e3 * point:10.4g}" for point in points) + f"  {share:6.1%}")
     if study["kind"] == "fragility" and len(results):
-        try:
-            found = fit_fragility(results, limit=study["limit"])
-        except InputError as error:
-            lines.append(str(error))
-        else:
+        for limit in (*study["limits"], None):
+            try:
+                found = fit_fragility(results, limit=limit)
+            except InputError as error:
+                lines.append(str(error))
+                continue
             lines.append(
                 f"{found.how}: median {found.name} {found.median:.4g} ({found.median_bounds[0]:.4g} to "
                 f"{found.median_bounds[1]:.4g}), deviation of the logarithm {found.deviation:.3g} "

@@ -25,7 +25,7 @@ from ..column import Column
 from ..errors import FINITE, POSITIVE, InputError, check_number, needing, reading, shown
 from ..kernels.jit import SOURCES
 from ..motion import Motion
-from ..runs import Run
+from ..runs import KEPT, Run
 from .distributions import Distribution
 from .motions import Measure, Shaking, tilted
 from .parameters import column_with, is_of_column, single_names
@@ -36,11 +36,11 @@ KINDS = ("sweep", "ida", "fragility", "spectrum", "montecarlo")
 SAMPLINGS = ("latin-hypercube", "sobol", "random")
 INTENSITY = "intensity"
 MOST_RUNS = 10**8
-_SIMPLE = ("samples", "sampling", "seed", "tolerance", "duration", "limit")
+_SIMPLE = ("samples", "sampling", "seed", "tolerance", "duration")
 _TEXTS = ("name", "kind", "sampling")
 _KEYS = (
     *("name", "kind", "column", "columns", "motion", "grid", "random", "intensity", "samples", "sampling", "seed"),
-    *("keep", "tolerance", "duration", "limit"),
+    *("keep", "tolerance", "duration", "limits"),
 )
 _BESIDE = ("relative", "each")
 
@@ -83,8 +83,8 @@ class Study:
 
     grid: name -> values. random: name -> parameter. Names are those of parameters.py, `motion.KEY` of a number of the
     motions, and `intensity`: the value of `measure` that the motion is scaled to. samples: of the random parameters, by
-    `sampling`. keep: outputs of `simulate_many`. duration: s, of every run; None: that of its motion. limit: m, top
-    displacement that counts as failure beside overturning; None: overturning alone.
+    `sampling`. keep: outputs of `simulate_many`. duration: s, of every run; None: that of its motion. limits: m,
+    largest displacements beyond which a column counts as failed, as it does when it overturns.
     """
 
     name: str
@@ -100,7 +100,7 @@ class Study:
     keep: tuple[str, ...] = ("peak_ux", "verdict")
     tolerance: float | None = None
     duration: float | None = None
-    limit: float | None = None
+    limits: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
         _check_choice("kind", self.kind, KINDS)
@@ -111,9 +111,15 @@ class Study:
             value = getattr(self, key)
             if isinstance(value, bool) or not isinstance(value, int) or value < least:
                 raise InputError(f"{key} = {shown(value)}: must be a whole number, at least {least}")
-        for key in ("duration", "limit"):
-            if getattr(self, key) is not None:
-                check_number(key, getattr(self, key), POSITIVE, "a positive number")
+        if self.duration is not None:
+            check_number("duration", self.duration, POSITIVE, "a positive time in s")
+        for k, limit in enumerate(self.limits, start=1):
+            check_number(f"limits[{k}]", limit, POSITIVE, "a positive displacement in m")
+        for name in self.keep:
+            _check_choice("keep", name, tuple(KEPT))
+        for name in ("peak_ux", "verdict"):
+            if name not in self.keep:
+                raise InputError(f"keep: must have {name}, which every picture and table goes by")
         if self.tolerance is not None:  # checked as the columns' own
             self.columns[0].with_settings(tolerance=self.tolerance)
         self._check_names()
@@ -255,6 +261,7 @@ class Study:
             "intensity": None if self.measure is None else self.measure.to_table(),
             **{key: getattr(self, key) for key in _SIMPLE},
             "keep": list(self.keep),
+            "limits": list(self.limits),
         }
 
     @property
@@ -287,6 +294,8 @@ class Study:
         simple = {key: data[key] for key in _SIMPLE if key in data}
         if "keep" in data:
             simple["keep"] = tuple(_texts("keep", data["keep"]))
+        if "limits" in data:
+            simple["limits"] = axis("limits", data["limits"])
         return cls(
             name=data["name"],
             kind=data["kind"],

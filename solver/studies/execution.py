@@ -24,6 +24,7 @@ FIRST_RUNS = 16  # of the first chunks, whose cost nobody knows
 MOST_RUNS = 4096  # in a chunk
 GROWTH = 4.0  # of a chunk over the one before
 TRIES = 3  # of a chunk whose worker died
+PATIENCE = 120.0  # s for the rows of a chunk that is done to come from the worker
 LISTEN = 0.5  # s between two looks whether the executor is still there
 SAVE_EVERY = 60.0  # s between two NetCDF files
 SAVE_PART = 0.05  # of the time, at most, for writing these
@@ -118,6 +119,7 @@ def _made(
 ) -> Iterator[list[list[Any]]]:
     """Rows of the runs that are not among `finished`, chunk by chunk as they end; `finished` is not changed."""
     left = [number for number in range(study.runs) if number not in finished]
+    left.sort(key=lambda number: number % study.samples)  # sample by sample: one that is cut short has all of the grid
     done = study.runs - len(left)
     if callback is not None:
         callback(done, study.runs)
@@ -183,16 +185,15 @@ class Dispatch:
         try:
             future = self._ended.get(timeout=LISTEN)
         except queue.Empty:
-            lost = getattr(self._executor, "lost", None)  # as the executor of cluster.py says it
-            if lost is not None and lost():
-                raise StudyError(f"{lost()}; finished runs are kept, run the study again to go on") from None
+            self._check_executor()
             return None
         numbers, tries = self._under_way.pop(future)
         try:
-            made: chunks.Made = future.result()
+            made: chunks.Made = future.result(timeout=PATIENCE)
         except InputError:
             raise
         except (Exception, CancelledError) as error:  # of whatever kind: its worker died, or the program is wrong
+            self._check_executor()
             if tries >= TRIES:
                 raise StudyError(
                     f"runs {numbers[0]} to {numbers[-1]}: {_said(error)}; finished runs are kept"
@@ -202,6 +203,12 @@ class Dispatch:
         each = max(made.seconds, 1e-6) / len(numbers)
         self._size = max(1, min(MOST_RUNS, int(GROWTH * self._size), int(self._seconds / each)))
         return made
+
+    def _check_executor(self) -> None:
+        """Raise StudyError if the executor, one as of cluster.py, says that it is lost."""
+        lost = self._executor.lost() if hasattr(self._executor, "lost") else ""
+        if lost:
+            raise StudyError(f"{lost}; finished runs are kept, run the study again to go on")
 
 
 def cores() -> int:

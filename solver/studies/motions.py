@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -48,6 +49,12 @@ FORMULAS = {
         lambda amplitude, frequency, duration, seed: wavelets.filtered_noise(amplitude, frequency, duration, seed),
     ),
     "near-fault": Formula(("magnitude", "distance", "seed"), near_fault.motion, near_fault.OPTIONAL, amplitude=""),
+    "near-fault-1981": Formula(
+        ("magnitude", "distance", "seed"),
+        partial(near_fault.motion, velocity=near_fault.pgv_of_all),
+        near_fault.OPTIONAL,
+        amplitude="",
+    ),
 }
 WHOLE = ("seed",)
 _OF_RECORDS = ("record", "vertical", "dt", "units", "channel", "vertical_channel")

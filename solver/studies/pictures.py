@@ -19,14 +19,25 @@ from ..plots import FEW_COLOURS, block_colours, save, show_blocks
 from ..uncertainty import PERCENTILES
 from .motions import Measure
 from .results import Results
-from .statistics import Fragility, fit_fragility, ida_curves, influences, intensity_name, percentiles
+from .statistics import (
+    Fragility,
+    failed_of,
+    fit_fragility,
+    ida_curves,
+    influences,
+    intensity_name,
+    made,
+    percentiles,
+    share_bounds,
+)
 
 FloatArray = NDArray[np.float64]
 
-WIDTH = 128  # letters of a caption's line
+WIDTH = 138  # letters of a caption's line
 MOST_CURVES = 300  # drawn one by one
 MOST_INFLUENCES = 12
 BLUE, RED, GREEN = FEW_COLOURS[:3]
+_LIMIT_COLOURS = (BLUE, GREEN, RED, *FEW_COLOURS[3:])
 LIMITS = "Plane motion of rigid blocks upon elastic joints without tension; joints do not crush."
 
 
@@ -147,35 +158,86 @@ def draw_ida(results: Results) -> Figure:
     return _captioned(figure, results)
 
 
-def draw_fragility(results: Results, found: Fragility | None = None) -> Figure:
-    """The fitted curve with its band, and the data it goes by, each with its bounds."""
-    found = fit_fragility(results, limit=results.study["limit"]) if found is None else found
-    figure = Figure(figsize=(8.5, 6.6), layout="constrained")
-    axes = figure.subplots()
-    draw_curve(axes, found, BLUE)
-    axes.set(xlabel=_label(results, found.name), ylabel="probability of failure", ylim=(-0.02, 1.02))
-    axes.set_title(f"failure: {found.how}", loc="left", fontsize=10)
-    axes.legend(frameon=False, loc="upper left")
+def draw_fragility(results: Results) -> Figure:
+    """Fitted curves with their bands, and the data they go by, for every limit and for overturning.
+
+    Of motions by magnitude and distance also the shares by these, and the curves over PGA and PGV.
+    """
+    scenarios = {"motion.magnitude", "motion.distance"} <= set(results.study["grid"])
+    names = ["pga", "pgv"] if scenarios else [intensity_name(results)]
+    figure = Figure(figsize=(10.0, 9.5) if scenarios else (8.5, 6.6), layout="constrained")
+    panels: list[Axes] = list(figure.subplots(2 if scenarios else 1, len(names), squeeze=False).flat)
+    texts: list[str] = []
+    for axes, name in zip(panels, names, strict=False):
+        _draw_fits(axes, results, name, texts)
+    if scenarios:
+        limits = results.study["limits"]
+        for axes, limit in zip(panels[2:], (limits[len(limits) // 2] if limits else None, None), strict=True):
+            _draw_scenarios(axes, results, limit)
+    return _captioned(figure, results, "\n".join(texts))
+
+
+def _draw_fits(axes: Axes, results: Results, name: str, texts: list[str]) -> None:
+    """Curves over one intensity; adds a line about them, or why there is none."""
+    said = []
+    for limit, colour in zip((*results.study["limits"], None), _LIMIT_COLOURS, strict=False):
+        what = "overturned" if limit is None else f"{limit:g} m"
+        try:
+            found = fit_fragility(results, name, limit)
+        except InputError as error:
+            said.append(f"{what}: {error}")
+            continue
+        draw_curve(axes, found, colour, what)
+        bounds = f"{found.median_bounds[0]:.3g} to {found.median_bounds[1]:.3g}"
+        said.append(f"{what} {found.median:.3g} ({bounds}), {found.deviation:.2g}")
+    texts.append(f"{_label(results, name)}, median with its bounds, deviation of the logarithm: {'; '.join(said)}.")
+    axes.set(xlabel=_label(results, name), ylabel="probability of failure", ylim=(-0.02, 1.02))
+    axes.set_title("curve: lognormal, band: 95 % by the bootstrap; points: runs", loc="left", fontsize=10)
+    if axes.get_legend_handles_labels()[0]:
+        axes.legend(frameon=False, loc="best")
     _tidy(axes)
-    text = (
-        f"Median {found.median:.4g} ({found.median_bounds[0]:.4g} to {found.median_bounds[1]:.4g}), deviation of the "
-        f"logarithm {found.deviation:.3g} ({found.deviation_bounds[0]:.3g} to {found.deviation_bounds[1]:.3g}) at 95 % "
-        f"confidence; {found.failed} of {found.runs} runs failed."
-    )
-    return _captioned(figure, results, text)
 
 
-def draw_curve(axes: Axes, found: Fragility, colour: str, name: str = "") -> None:
+def _draw_scenarios(axes: Axes, results: Results, limit: float | None) -> None:
+    """Share of failures over the magnitude, a line for each distance, with binomial bounds."""
+    magnitudes, distances = (np.unique(results[f"motion.{name}"]) for name in ("magnitude", "distance"))
+    failed, valid = failed_of(results, limit), made(results)
+    for k, (distance, colour) in enumerate(zip(distances, block_colours(len(distances)), strict=True)):
+        cells = [
+            valid & (results["motion.magnitude"] == magnitude) & (results["motion.distance"] == distance)
+            for magnitude in magnitudes
+        ]
+        runs, hits = np.array([np.sum(cell) for cell in cells]), np.array([np.sum(failed[cell]) for cell in cells])
+        there = runs > 0
+        low, high = share_bounds(hits[there], runs[there])
+        share = hits[there] / runs[there]
+        beside = 0.02 * (k - 0.5 * (len(distances) - 1))  # so that bounds do not cover each other
+        axes.errorbar(
+            magnitudes[there] + beside,
+            share,
+            np.abs(np.array([low, high]) - share),
+            fmt="o-",
+            color=colour,
+            markersize=4.0,
+            capsize=2.5,
+            label=f"{distance:g} km",
+        )
+    what = "overturned" if limit is None else f"overturned or moved by more than {limit:g} m"
+    axes.set(xlabel="magnitude", ylabel="share of the runs", ylim=(-0.02, None))
+    axes.set_title(f"{what}; bounds: 95 % binomial", loc="left", fontsize=10)
+    axes.legend(frameon=False, loc="best")
+    _tidy(axes)
+
+
+def draw_curve(axes: Axes, found: Fragility, colour: str, name: str) -> None:
     """One fragility into axes: curve, band, bins with their bounds."""
     bins = found.bins
     x = np.linspace(0.0, float(bins.edges[-1]), 400)[1:]
     low, high = found.band(x)
-    before = f"{name}: " if name else ""
     axes.fill_between(x, low, high, color=colour, alpha=0.25, linewidth=0.0)
-    axes.plot(x, found.probability(x), color=colour, linewidth=2.0, label=f"{before}lognormal, 95 % by the bootstrap")
+    axes.plot(x, found.probability(x), color=colour, linewidth=2.0, label=name)
     errors = np.abs(np.array([bins.low, bins.high]) - bins.share)
-    label = f"{before}share of the runs, 95 % binomial"
-    axes.errorbar(bins.middle, bins.share, errors, fmt="o", color=colour, markersize=4.0, capsize=2.5, label=label)
+    axes.errorbar(bins.middle, bins.share, errors, fmt="o", color=colour, markersize=4.0, capsize=2.5)
 
 
 def draw_spectrum(results: Results) -> Figure:
@@ -313,7 +375,7 @@ def caption(results: Results) -> list[str]:
 
 
 def _captioned(figure: Figure, results: Results, text: str = "") -> Figure:
-    paragraphs = [*caption(results)[:-1], *([text] if text else []), LIMITS]
+    paragraphs = [*caption(results)[:-1], *text.splitlines(), LIMITS]
     letters = int(WIDTH * figure.get_figwidth() / 10.0)
     lines = [line for paragraph in paragraphs for line in textwrap.wrap(paragraph, width=letters)]
     figure.supxlabel("\n".join(lines), x=0.02, ha="left", fontsize=9, linespacing=1.4)

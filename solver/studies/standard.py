@@ -121,7 +121,7 @@ def montecarlo(
     return _run("montecarlo", name, column, motions, {}, random, samples, seed, measure, options)
 
 
-_OF_STUDY = ("keep", "tolerance", "duration", "limit", "sampling")
+_OF_STUDY = ("keep", "tolerance", "duration", "limits", "sampling")
 
 
 def _run(

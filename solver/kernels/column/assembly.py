@@ -3,7 +3,7 @@
 import math
 
 from ..jit import kernel
-from ..joint.section import full_stiffness
+from ..joint.section import RECTANGLE, full_stiffness, full_turning_stiffness
 from ..layout import DASHPOTS, EXACT
 
 # The errors of steps add up: each is allowed this part of the tolerance that the user asks for.
@@ -48,11 +48,14 @@ def derive(model):
         blocks.upper[i] = blocks.height[i] - blocks.centroid[i]
         blocks.per_mass[i] = 1.0 / blocks.mass[i]
         blocks.per_inertia[i] = 1.0 / blocks.inertia[i]
-        blocks.open_size[i] = blocks.width[i] / math.sqrt(12.0)
+        if blocks.section[i] == RECTANGLE:
+            blocks.open_size[i] = blocks.width[i] / math.sqrt(12.0)
+        else:
+            blocks.open_size[i] = math.sqrt(full_turning_stiffness(blocks, i) / full_stiffness(blocks, i))
         blocks.turn_size[i] = 1.0 if exact else height
         blocks.per_open_size[i] = 1.0 / blocks.open_size[i]
         blocks.per_turn_size[i] = 1.0 / blocks.turn_size[i]
-        edge_angle = math.atan2(0.5 * blocks.width[i], blocks.centroid[i])
+        edge_angle = math.atan2(max(-blocks.left[i], blocks.right[i]), blocks.centroid[i])
         blocks.fall_angle[i] = min(0.5 * math.pi, max(LEAST_FALL, FALL_MARGIN * edge_angle))
     _factorize_horizontal_mass(model)
 

@@ -9,7 +9,7 @@ tangent, normal); going up, they follow.
 
 from ..jit import kernel, leaf
 from ..joint.law import loaded_part
-from ..joint.section import part_stiffness, strip_stiffness
+from ..joint.section import contact_of, part_stiffness, strip_stiffness
 from ..numbers import sine_cosine
 from ..views import Table
 
@@ -42,7 +42,7 @@ _tangent = TANGENT.over
 
 
 @leaf
-def _edge_that_moves(width, damping, opening, slope, opening_rate, slope_rate, lo, hi):
+def _edge_that_moves(contact, damping, opening, slope, opening_rate, slope_rate, lo, hi):
     """(abscissa m, width m) of the strip of joint that is as stiff as the edge of the loaded part is by moving.
 
     Where the faces part the damper alone presses, by damping times the rate of penetration. As the joint closes by d
@@ -50,8 +50,9 @@ def _edge_that_moves(width, damping, opening, slope, opening_rate, slope_rate, l
     """
     if damping > 0.0 and slope != 0.0 and lo < hi:
         edge = opening / slope
-        if edge == (lo if slope > 0.0 else hi) and abs(edge) < 0.5 * width:
-            return edge, min(WIDEST * width, max(0.0, damping * (edge * slope_rate - opening_rate) / abs(slope)))
+        if edge == (lo if slope > 0.0 else hi) and contact.left < edge < contact.right:
+            widest = WIDEST * (contact.right - contact.left)
+            return edge, min(widest, max(0.0, damping * (edge * slope_rate - opening_rate) / abs(slope)))
     return 0.0, 0.0
 
 
@@ -85,16 +86,16 @@ def factorize(model, phase, tangent, step_part):
         sin_half, cos_half = sine_cosine(0.5 * (turn - turn_below))
         # joint: stiffness of the loaded part
         eta = blocks.damping[i]
-        width = blocks.width[i]
+        contact = contact_of(blocks, i)
         slope = 2.0 * sin_half
         slope_rate = cos_half * (spin - spin_below)
-        lo, hi = loaded_part(width, eta, opening, slope, phase.opening_rate[i], slope_rate)
-        k_22, k_12, k_11 = part_stiffness(blocks, i, lo, max(lo, hi))
+        lo, hi = loaded_part(contact.left, contact.right, eta, opening, slope, phase.opening_rate[i], slope_rate)
+        k_22, k_12, k_11 = part_stiffness(contact, blocks.stiffness[i], lo, max(lo, hi))
         k_12 *= -cos_half
         k_11 *= cos_half * cos_half
         weight = step_part * (step_part + eta)
-        edge, strip = _edge_that_moves(width, eta, opening, slope, phase.opening_rate[i], slope_rate, lo, hi)
-        edge_22, edge_12, edge_11 = strip_stiffness(blocks, i, edge, strip)
+        edge, strip = _edge_that_moves(contact, eta, opening, slope, phase.opening_rate[i], slope_rate, lo, hi)
+        edge_22, edge_12, edge_11 = strip_stiffness(contact, blocks.stiffness[i], edge, strip)
         edge_12 *= -cos_half
         edge_11 *= cos_half * cos_half
         # turn the part above into this frame, add the block

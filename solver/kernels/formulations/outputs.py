@@ -44,8 +44,9 @@ def observe(column, phase, motion, row):
         joints.T[i] = -tangential
         joints.contact[i] = work.joints.length[i] / blocks.width[i]
         joints.sigma_max[i] = joint_peak_pressure(
+            blocks.left[i],
+            blocks.right[i],
             blocks.stiffness[i],
-            blocks.width[i],
             blocks.damping[i],
             opening,
             slope,

@@ -1,6 +1,6 @@
-"""The no-tension joint of a rectangular contact, in closed form (theory.md section 2).
+"""The no-tension joint, in closed form (theory.md section 2); what its shape comes to is told by section.py.
 
-The penetration at abscissa s, -width/2 <= s <= width/2, is  pen(s) = -opening + s * slope.  The pressure is
+The penetration at abscissa s, left <= s <= right of its contact, is  pen(s) = -opening + s * slope.  The pressure is
 max(0, stiffness * (pen + damping * dpen/dt)) where pen > 0: both factors are linear in s, hence the loaded part is one
 interval, and with damping = 0 it is the elastic joint of the paper.
 
@@ -11,7 +11,7 @@ for lanes. One column may also be held in a regime (regimes.py).
 from ..jit import by_width, kernel, leaf
 from ..lanes import LanesType, greater, where
 from .regimes import ANY, OPEN, open_margin, side_margin, sides
-from .section import forces_over
+from .section import contact_of, energy_over, forces_over, rectangle_forces
 
 
 @leaf
@@ -29,34 +29,37 @@ def positive_part(value, slope, lo, hi):
 
 
 @leaf
-def loaded_part(width, damping, opening, slope, opening_rate, slope_rate):
-    """The part (lo, hi) of the joint's width that carries pressure, m from its centre; lo >= hi when there is none."""
-    lo, hi = positive_part(-opening, slope, -0.5 * width, 0.5 * width)
+def loaded_part(left, right, damping, opening, slope, opening_rate, slope_rate):
+    """The part (lo, hi) of the contact that carries pressure, m from the middle of the block; lo >= hi: there is none.
+
+    left, right: the ends of the contact, m.
+    """
+    lo, hi = positive_part(-opening, slope, left, right)
     if damping > 0.0 and lo < hi:
         lo, hi = positive_part(-(opening + damping * opening_rate), slope + damping * slope_rate, lo, hi)
     return lo, hi
 
 
 @leaf
-def joint_forces(stiffness, width, depth, damping, opening, slope, opening_rate, slope_rate):
+def joint_forces(contact, stiffness, damping, opening, slope, opening_rate, slope_rate):
     """Normal force N (N, compression positive), moment M (N m, restoring) and loaded length (m) of a joint.
 
-    opening, slope: m and rad, their rates per s; stiffness N/m3; width, depth m; damping s.
+    opening, slope: m and rad, their rates per s; stiffness N/m3; damping s.
     N = -dU/d(opening), M = dU/d(slope) of the potential below when damping = 0.
     """
-    lo, hi = loaded_part(width, damping, opening, slope, opening_rate, slope_rate)
+    lo, hi = loaded_part(contact.left, contact.right, damping, opening, slope, opening_rate, slope_rate)
     if not hi > lo:
         return 0.0, 0.0, 0.0
     mean = opening + damping * opening_rate
     gradient = slope + damping * slope_rate
     length = hi - lo
-    force, moment = forces_over(lo, hi, length, stiffness * depth, mean, gradient)
+    force, moment = forces_over(contact, stiffness, lo, hi, length, mean, gradient)
     return force, moment, length
 
 
 @leaf
 def joint_forces_in_lanes(stiffness, width, depth, damping, opening, slope, opening_rate, slope_rate):
-    """The same for lanes, without a branch."""
+    """The same for lanes, without a branch, of a rectangle of width by depth, m."""
     mean = opening + damping * opening_rate
     gradient = slope + damping * slope_rate
     half = 0.5 * width
@@ -70,24 +73,23 @@ def joint_forces_in_lanes(stiffness, width, depth, damping, opening, slope, open
     hi = where(damped & (gradient < 0.0) & (edge < hi), edge, hi)
     lo = where(damped & (gradient == 0.0) & (mean >= 0.0), hi, lo)
     length = greater(hi - lo, 0.0)
-    force, moment = forces_over(lo, hi, length, stiffness * depth, mean, gradient)
+    force, moment = rectangle_forces(lo, hi, length, stiffness * depth, mean, gradient)
     loaded = length > 0.0
     return where(loaded, force, 0.0), where(loaded, moment, 0.0), length
 
 
 @leaf
-def held_forces(regime, stiffness, width, depth, damping, opening, slope, opening_rate, slope_rate):
+def held_forces(regime, contact, stiffness, damping, opening, slope, opening_rate, slope_rate):
     """N, M, loaded length by the formula of a regime, even beyond where it applies, and the margin it has left, m."""
     mean = opening + damping * opening_rate
     gradient = slope + damping * slope_rate
-    half = 0.5 * width
     if regime == OPEN:
-        return 0.0, 0.0, 0.0, open_margin(half, opening, slope, mean, gradient)
+        return 0.0, 0.0, 0.0, open_margin(contact.left, contact.right, opening, slope, mean, gradient)
     left, right = sides(regime)
-    lo, on_left = side_margin(left, -half, damping, opening, slope, mean, gradient)
-    hi, on_right = side_margin(right, half, damping, opening, slope, mean, gradient)
+    lo, on_left = side_margin(left, contact.left, damping, opening, slope, mean, gradient)
+    hi, on_right = side_margin(right, contact.right, damping, opening, slope, mean, gradient)
     length = hi - lo
-    force, moment = forces_over(lo, hi, length, stiffness * depth, mean, gradient)
+    force, moment = forces_over(contact, stiffness, lo, hi, length, mean, gradient)
     return force, moment, length, min(on_left, on_right)
 
 
@@ -98,11 +100,11 @@ def resultants(blocks, hold, i, opening, slope, opening_rate, slope_rate):
 
 def _resultants_of_one(blocks, hold, i, opening, slope, opening_rate, slope_rate):
     regime = hold.held[i]
-    stiffness, width, depth, damping = blocks.stiffness[i], blocks.width[i], blocks.depth[i], blocks.damping[i]
+    contact, stiffness, damping = contact_of(blocks, i), blocks.stiffness[i], blocks.damping[i]
     if regime == ANY:
-        return joint_forces(stiffness, width, depth, damping, opening, slope, opening_rate, slope_rate)
+        return joint_forces(contact, stiffness, damping, opening, slope, opening_rate, slope_rate)
     normal, moment, length, margin = held_forces(
-        regime, stiffness, width, depth, damping, opening, slope, opening_rate, slope_rate
+        regime, contact, stiffness, damping, opening, slope, opening_rate, slope_rate
     )
     if margin < 0.0:
         hold.outside[i] = 1
@@ -128,9 +130,9 @@ def _choose(blocks, hold, i, opening, slope, opening_rate, slope_rate):
 
 
 @kernel
-def joint_peak_pressure(stiffness, width, damping, opening, slope, opening_rate, slope_rate):
+def joint_peak_pressure(left, right, stiffness, damping, opening, slope, opening_rate, slope_rate):
     """Largest pressure on the joint, Pa: at an end of the loaded part, where a linear function has its maximum."""
-    lo, hi = loaded_part(width, damping, opening, slope, opening_rate, slope_rate)
+    lo, hi = loaded_part(left, right, damping, opening, slope, opening_rate, slope_rate)
     if not hi > lo:
         return 0.0
     mean = -(opening + damping * opening_rate)
@@ -138,12 +140,8 @@ def joint_peak_pressure(stiffness, width, damping, opening, slope, opening_rate,
     return max(0.0, stiffness * (mean + gradient * (hi if gradient > 0.0 else lo)))
 
 
-@kernel
-def joint_potential(stiffness, width, depth, opening, slope):
+@leaf
+def joint_potential(contact, stiffness, opening, slope):
     """Elastic energy of the joint, J: the integral of stiffness * pen^2 / 2 over the loaded area."""
-    lo, hi = loaded_part(width, 0.0, opening, slope, 0.0, 0.0)
-    length = hi - lo
-    if not length > 0.0:
-        return 0.0
-    middle = slope * 0.5 * (lo + hi) - opening
-    return 0.5 * stiffness * depth * length * (middle * middle + slope * slope * (length * length) / 12.0)
+    lo, hi = loaded_part(contact.left, contact.right, 0.0, opening, slope, 0.0, 0.0)
+    return energy_over(contact, stiffness, lo, hi, opening, slope) if hi > lo else 0.0

@@ -17,12 +17,12 @@ PULL = 2  # the damper would pull there
 
 
 @leaf
-def contact_regime(width, damping, opening, slope, opening_rate, slope_rate):
-    """The regime of a joint in this motion: m, s, m, rad and their rates per s.
+def contact_regime(left_end, right_end, damping, opening, slope, opening_rate, slope_rate):
+    """The regime of a joint in this motion: ends of its contact m, damping s, m, rad and their rates per s.
 
     As long as it is the same the forces are smooth functions of the joint's motion.
     """
-    lo, hi = -0.5 * width, 0.5 * width
+    lo, hi = left_end, right_end
     left = right = CORNER
     if slope > 0.0:
         edge = opening / slope
@@ -76,29 +76,28 @@ def side_margin(bound, corner, damping, opening, slope, mean, gradient):
 
 
 @leaf
-def open_margin(half, opening, slope, mean, gradient):
-    """How far an open joint of this half width is from closing, m."""
+def open_margin(left_end, right_end, opening, slope, mean, gradient):
+    """How far an open joint with these ends of its contact is from closing, m."""
     # largest over the width of the lesser penetration: at a corner, or in between where they are the same
-    most = min(-opening - half * slope, -mean - half * gradient)
-    most = max(most, min(half * slope - opening, half * gradient - mean))
+    most = min(left_end * slope - opening, left_end * gradient - mean)
+    most = max(most, min(right_end * slope - opening, right_end * gradient - mean))
     same = (mean - opening) / (gradient - slope)
-    if abs(same) < half:
+    if left_end < same < right_end:
         most = max(most, same * slope - opening)
     return -most
 
 
 @leaf
-def regime_margin(regime, width, damping, opening, slope, opening_rate, slope_rate):
+def regime_margin(regime, left_end, right_end, damping, opening, slope, opening_rate, slope_rate):
     """How far the joint is from leaving the regime, m: negative beyond, zero where another one begins.
 
     The least of the penetrations, as they are and as the damper feels them, that have to be positive.
     """
-    half = 0.5 * width
     mean = opening + damping * opening_rate
     gradient = slope + damping * slope_rate
     if regime == OPEN:
-        return open_margin(half, opening, slope, mean, gradient)
+        return open_margin(left_end, right_end, opening, slope, mean, gradient)
     left, right = sides(regime)
-    _, on_left = side_margin(left, -half, damping, opening, slope, mean, gradient)
-    _, on_right = side_margin(right, half, damping, opening, slope, mean, gradient)
+    _, on_left = side_margin(left, left_end, damping, opening, slope, mean, gradient)
+    _, on_right = side_margin(right, right_end, damping, opening, slope, mean, gradient)
     return min(on_left, on_right)

@@ -1,46 +1,176 @@
-"""What the shape of a contact comes to: a rectangle of width (along the motion) by depth.
+"""The shape of a contact, and what a linear pressure over a part of it comes to (theory.md sections 2 and 10).
 
-Nothing else knows that the contact is a rectangle; only its width, over which the faces touch, is known elsewhere.
+A section is a code and a few numbers, kept in `blocks`. Elsewhere only its ends are known, between which the faces of
+a joint can touch. Of a part of it, from lo to hi along the motion, three numbers are needed: area m2 and first and
+second moment m3, m4 about the middle of the part. Mirror images have mirrored moments, to the last bit.
+
+The rectangle comes first and is written out: it is the most frequent section, and lanes know no other.
 """
 
-from ..jit import leaf
+import math
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+from ..jit import kernel, leaf
+from ..layout import MOST_STRIPS, STRIP_NUMBERS
+from .circle import ring_part
+from .strips import COUNT, DEPTHS, PITCH, edge_of, strips_part
+
+# the names that a user writes; the code of a section is its place among them
+SECTIONS = ("rectangle", "circle", "annulus", "strips")
+RECTANGLE, CIRCLE, ANNULUS, STRIPS = range(len(SECTIONS))
+
+NEAR = 1e-4  # of the width of a contact: half of the part over which its depth at a place is taken
+
+
+class Contact(NamedTuple):
+    """Where the faces of a joint can touch; abscissas in m from the middle of the block."""
+
+    section: float  # its code
+    left: float  # ends of the contact
+    right: float
+    depth: float  # m, across the motion; the diameter of a circle or an annulus
+    bore: float  # m, inner diameter of an annulus
+    strips: Any  # row: number and width of the strips, then their depths
 
 
 @leaf
-def part_stiffness(blocks, i, lo, hi):
-    """Stiffness of the part of joint i from lo to hi, m from its centre: (N/m, N, N m), by opening and by slope.
-
-    Derivatives of N by the opening, of N (or M) by the slope (or opening) and of M by the slope, signs aside.
-    """
-    length = hi - lo
-    middle = 0.5 * (lo + hi)
-    along = blocks.stiffness[i] * blocks.depth[i] * length
-    return along, along * middle, along * (middle * middle + length * length / 12.0)
+def contact_of(blocks, i):
+    """The contact of joint i."""
+    strips = blocks.strips[STRIP_NUMBERS * i :]
+    return Contact(blocks.section[i], blocks.left[i], blocks.right[i], blocks.depth[i], blocks.bore[i], strips)
 
 
-@leaf
-def strip_stiffness(blocks, i, place, width):
-    """The same of a narrow strip of this width at this place, m from the centre."""
-    along = blocks.stiffness[i] * blocks.depth[i] * width
-    return along, along * place, along * place * place
+# --- parts of any section but the rectangle
 
 
-@leaf
-def full_stiffness(blocks, i):
-    """Stiffness of joint i in full contact, N/m."""
-    return blocks.stiffness[i] * blocks.width[i] * blocks.depth[i]
+@kernel
+def _part(contact, lo, hi):
+    """Middle of lo and hi, area and moments about it."""
+    if contact.section == STRIPS:
+        return strips_part(contact.strips, lo, hi)
+    return ring_part(0.5 * contact.depth, 0.5 * contact.bore, lo, hi)
+
+
+# --- what the law asks for
 
 
 @leaf
-def full_turning_stiffness(blocks, i):
-    """Stiffness of joint i in full contact against rotation, N m/rad."""
-    return full_stiffness(blocks, i) * (blocks.width[i] * blocks.width[i]) / 12.0
-
-
-@leaf
-def forces_over(lo, hi, length, rigidity, mean, gradient):
+def rectangle_forces(lo, hi, length, rigidity, mean, gradient):
     """N and M of the pressure gradient * s - mean over the part from lo to hi, of this length; rigidity in N/m2."""
     middle = 0.5 * (lo + hi)  # its mirror image is minus it, to the last bit
     area = rigidity * length
     force = area * (gradient * middle - mean)
     return force, middle * force + area * gradient * (length * length) * (1.0 / 12.0)
+
+
+@leaf
+def forces_over(contact, stiffness, lo, hi, length, mean, gradient):
+    """N and M of the pressure stiffness * (gradient * s - mean) over the part from lo to hi, of this length."""
+    if contact.section == RECTANGLE:
+        return rectangle_forces(lo, hi, length, stiffness * contact.depth, mean, gradient)
+    middle, area, first, second = _part(contact, lo, hi)
+    pressure, steep = stiffness * (gradient * middle - mean), stiffness * gradient
+    force = pressure * area + steep * first
+    return force, middle * force + (pressure * first + steep * second)
+
+
+@leaf
+def energy_over(contact, stiffness, lo, hi, opening, slope):
+    """Elastic energy, J, of the penetration slope * s - opening over the part from lo to hi."""
+    length = hi - lo
+    if contact.section == RECTANGLE:
+        middle = slope * 0.5 * (lo + hi) - opening
+        return 0.5 * stiffness * contact.depth * length * (middle * middle + slope * slope * (length * length) / 12.0)
+    about, area, first, second = _part(contact, lo, hi)
+    middle = slope * about - opening
+    return 0.5 * stiffness * (middle * middle * area + slope * (2.0 * middle * first + slope * second))
+
+
+@leaf
+def part_stiffness(contact, stiffness, lo, hi):
+    """Stiffness of the part from lo to hi: (N/m, N, N m), by opening and by slope.
+
+    Derivatives of N by the opening, of N (or M) by the slope (or opening) and of M by the slope, signs aside.
+    """
+    if contact.section != RECTANGLE:
+        about, area, first, second = _part(contact, lo, hi)
+        mixed = about * area + first
+        return stiffness * area, stiffness * mixed, stiffness * (about * mixed + about * first + second)
+    length = hi - lo
+    middle = 0.5 * (lo + hi)
+    along = stiffness * contact.depth * length
+    return along, along * middle, along * (middle * middle + length * length / 12.0)
+
+
+@leaf
+def strip_stiffness(contact, stiffness, place, width):
+    """The same of a narrow strip of this width at this place, m from the middle of the block."""
+    depth = contact.depth
+    if contact.section != RECTANGLE:
+        near = NEAR * (contact.right - contact.left)
+        depth = _part(contact, place - near, place + near)[1] / (2.0 * near)
+    along = stiffness * depth * width
+    return along, along * place, along * place * place
+
+
+# --- the whole section
+
+
+@leaf
+def full_stiffness(blocks, i):
+    """Stiffness of joint i in full contact, N/m."""
+    if blocks.section[i] == RECTANGLE:
+        return blocks.stiffness[i] * blocks.width[i] * blocks.depth[i]
+    return blocks.stiffness[i] * _part(contact_of(blocks, i), blocks.left[i], blocks.right[i])[1]
+
+
+@leaf
+def full_turning_stiffness(blocks, i):
+    """Stiffness of joint i in full contact against rotation about the middle of the block, N m/rad."""
+    if blocks.section[i] == RECTANGLE:
+        return full_stiffness(blocks, i) * (blocks.width[i] * blocks.width[i]) / 12.0
+    about, area, first, second = _part(contact_of(blocks, i), blocks.left[i], blocks.right[i])
+    return blocks.stiffness[i] * (second + about * (2.0 * first + about * area))
+
+
+@kernel
+def lay_out(blocks, i, section, width, depth, bore, given):
+    """Fill in the contact of joint i; given: row of the number of strips, then their depths, over a width in m."""
+    strips = blocks.strips[STRIP_NUMBERS * i :]
+    blocks.section[i] = section
+    blocks.depth[i] = width if section in (CIRCLE, ANNULUS) else depth
+    blocks.bore[i] = bore
+    first, end = 0, int(given[0])
+    strips[COUNT] = given[0]
+    strips[PITCH] = width / max(given[0], 1.0)
+    for k in range(MOST_STRIPS):
+        strips[DEPTHS + k] = given[1 + k] if k < end else 0.0
+    left, right = -0.5 * width, 0.5 * width
+    if section == STRIPS:
+        while first < end - 1 and not given[1 + first] > 0.0:
+            first += 1
+        while end > first + 1 and not given[end] > 0.0:
+            end -= 1
+        left, right = edge_of(strips, first), edge_of(strips, end)
+    blocks.left[i] = left
+    blocks.right[i] = right
+    blocks.width[i] = right - left
+
+
+def whole(section: float, width: float, depth: float, bore: float, strips: Sequence[float]) -> tuple[float, ...]:
+    """Area m2 and first and second moment (m3, m4) about the middle of the block, of a whole section. Plain Python.
+
+    strips: the depths of as many strips of the same width.
+    """
+    if section == STRIPS:
+        pitch, count = width / len(strips), len(strips)
+        area = pitch * math.fsum(strips)
+        places = [pitch * (k + 0.5 - 0.5 * count) for k in range(count)]
+        first = pitch * math.fsum(place * t for place, t in zip(places, strips, strict=True))
+        squares = (place * place + pitch * pitch / 12.0 for place in places)
+        return area, first, pitch * math.fsum(square * t for square, t in zip(squares, strips, strict=True))
+    if section == RECTANGLE:
+        return width * depth, 0.0, width * depth * width * width / 12.0
+    outer, inner = width * width, bore * bore if section == ANNULUS else 0.0
+    return 0.25 * math.pi * (outer - inner), 0.0, math.pi / 64.0 * (outer - inner) * (outer + inner)

@@ -70,7 +70,14 @@ def _edge_pressure(blocks, i, opening, slope, opening_rate, slope_rate):
     """Pressure at the edge of joint i that is pressed most, Pa; there may be none."""
     damping = blocks.damping[i]
     mean, gradient = opening + damping * opening_rate, slope + damping * slope_rate
-    return max(0.0, blocks.stiffness[i] * (0.5 * blocks.width[i] * abs(gradient) - mean))
+    edge = blocks.right[i] if gradient > 0.0 else blocks.left[i]
+    return max(0.0, blocks.stiffness[i] * (gradient * edge - mean))
+
+
+@kernel
+def _resultants(blocks, hold, i, opening, slope, opening_rate, slope_rate):
+    """As the joint law has it, compiled once for both that ask here."""
+    return resultants(blocks, hold, i, opening, slope, opening_rate, slope_rate)
 
 
 @leaf
@@ -111,7 +118,7 @@ def _pressures_beyond(column, h, turn_middle, turn_end):
         turned_m, spun_m = rotation(model, middle.theta, i), rotation(model, middle.theta_rate, i)
         opening, opening_rate = joint_opening(model, middle.opening, i), joint_opening(model, middle.opening_rate, i)
         slope, slope_rate = turned_m - turn_m, spun_m - spin_m
-        normal, moment, length = resultants(blocks, work.hold, i, opening, slope, opening_rate, slope_rate)
+        normal, moment, length = _resultants(blocks, work.hold, i, opening, slope, opening_rate, slope_rate)
         edge = _edge_pressure(blocks, i, opening, slope, opening_rate, slope_rate)
         theta, phi = turned_m + turn_middle, 0.5 * (turned_m + turn_m) + turn_middle
         dip, uz = -0.5 * theta * theta, -middle.opening[i]
@@ -196,7 +203,7 @@ def begin_extremes(column, motion, evaluated):
         slope, slope_rate = turned - turn, spun - spin
         normal, moment, length = joints.normal[i], joints.moment[i], joints.length[i]
         if not evaluated:
-            normal, moment, length = resultants(blocks, work.hold, i, opening, slope, opening_rate, slope_rate)
+            normal, moment, length = _resultants(blocks, work.hold, i, opening, slope, opening_rate, slope_rate)
         notes.N[i], notes.M[i], notes.length[i] = normal, moment, length
         notes.T[i] = joints.tangential[i] if evaluated else 0.0  # what it is, the end of the last step has told
         notes.edge[i] = _edge_pressure(blocks, i, opening, slope, opening_rate, slope_rate)

@@ -33,7 +33,9 @@ def hold(column, h):
         opening_rate = start.opening_rate[i] + ahead * start.opening_acceleration[i]
         sine, cosine = sine_cosine(0.5 * (turn - turn_below))
         slope_rate = cosine * (spin - spin_below)
-        regime = contact_regime(blocks.width[i], blocks.damping[i], opening, 2.0 * sine, opening_rate, slope_rate)
+        regime = contact_regime(
+            blocks.left[i], blocks.right[i], blocks.damping[i], opening, 2.0 * sine, opening_rate, slope_rate
+        )
         rows.held[i] = regime
         rows.regime[i] = regime
         rows.outside[i] = 0
@@ -52,8 +54,9 @@ def release(column):
 def _margin(model, i, regime, turn, opening, spin, opening_rate):
     """How far joint i, turned by so much, is from leaving a regime, m."""
     sine, cosine = sine_cosine(0.5 * turn)
+    blocks = model.blocks
     return regime_margin(
-        regime, model.blocks.width[i], model.blocks.damping[i], opening, 2.0 * sine, opening_rate, cosine * spin
+        regime, blocks.left[i], blocks.right[i], blocks.damping[i], opening, 2.0 * sine, opening_rate, cosine * spin
     )
 
 

@@ -1,0 +1,255 @@
+"""Many runs: `simulate_many` beside `simulate` in a loop, in a process pool, and beside OpenSees.
+
+Ratios of times measured in turn, the shortest of some rounds: seconds of the processor for one thread, seconds of the
+clock where several work. Every scene is many columns of which no two are alike.
+"""
+
+from __future__ import annotations
+
+import math
+import resource
+import subprocess
+import sys
+import time as clock
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import replace
+from functools import partial
+from multiprocessing import get_context
+from typing import Any
+
+import numpy as np
+
+from solver import Column, Motion, Response, SolverError, simulate, simulate_many
+
+from . import opensees
+from .scenes import RECORDS, ROOT, G, forced, shaft
+
+ROUNDS = 3
+ERROR = 1e-3  # of the peak, within which both are to be
+TOLERANCES = (1e-1, 3e-2, 1e-2, 3e-3, 1e-3, 3e-4, 1e-4)
+TIGHT = 1e-7
+DURATION = 20.0  # s
+SPREAD = 0.1  # of the logarithm of stiffnesses
+ROCKING, RESTING = (0.05, 0.08), (0.002, 0.004)  # g: of the motions that make Phocas rock, and not
+DRUMS, LEVELS = 6, 20
+FILES = (
+    "elcentro-1940-ns.AT2",
+    "northridge-1994-arleta-360.AT2",
+    "kobe-1995-nishi-akashi-090.AT2",
+    "cape-mendocino-1992-cpm000.AT2",
+    "chi-chi-1999-tcu052-n.AT2",
+)
+FREQUENCIES = 160
+FIGURE = (0.25, 10.0)  # Hz
+AMPLITUDES = (0.05, 0.1)  # g
+MANY, SOME = 1_000_000, 50_000  # runs of the memory
+Runs = tuple[list[Column], list[Motion], float]
+Rows = list[dict[str, Any]]
+
+
+# --- what is run
+
+
+def varied(column: Column, rng: np.random.Generator) -> Column:
+    """The column with other stiffnesses."""
+    factors = np.exp(SPREAD * rng.standard_normal(column.n)).tolist()
+    blocks = tuple(
+        replace(block, joint=replace(block.joint, stiffness=block.joint.stiffness * factor))
+        for block, factor in zip(column.blocks, factors, strict=True)
+    )
+    return replace(column, blocks=blocks)
+
+
+def phocas_runs(count: int, amplitudes: tuple[float, float], duration: float = DURATION) -> Runs:
+    """Damped Phocas under harmonic motions of so many g."""
+    rng = np.random.default_rng(1)
+    columns = [varied(shaft(3), rng) for _ in range(count)]
+    motions = [Motion.harmonic(rng.uniform(*amplitudes) * G, rng.uniform(1.2, 2.5), duration) for _ in range(count)]
+    return columns, motions, duration
+
+
+def drums(levels: int = LEVELS, duration: float = DURATION) -> Runs:
+    """The shaft of Phocas in six drums under five records, or harmonic motions without them, at so many intensities."""
+    column = shaft(DRUMS)
+    records = [Motion.from_at2(RECORDS / name) for name in FILES if (RECORDS / name).is_file()]
+    records = records or [Motion.harmonic(1.0, frequency, duration) for frequency in (1.0, 1.4, 1.8, 2.4, 3.0)]
+    motions = [record.scaled_to(pga) for record in records for pga in np.linspace(0.05, 0.8, levels) * G]
+    return [column] * len(motions), motions, min(duration, *(record.duration for record in records))
+
+
+def figure_runs(count: int, column: Column, duration: float = DURATION) -> Runs:
+    """Figure 3: a column under harmonic motions of two amplitudes and so many frequencies."""
+    motions = [
+        Motion.harmonic(amplitude * G, frequency, duration)
+        for amplitude in AMPLITUDES
+        for frequency in np.geomspace(*FIGURE, count).tolist()
+    ]
+    return [column] * len(motions), motions, duration
+
+
+# --- how
+
+
+def one_by_one(runs: Runs, tolerance: float | None) -> np.ndarray[Any, Any]:
+    """The peaks m (runs, n) by `simulate`."""
+    columns, motions, duration = runs
+    peaks = [alone((column, motion, duration, tolerance)) for column, motion in zip(columns, motions, strict=True)]
+    return np.array(peaks)
+
+
+def alone(run: tuple[Column, Motion, float, float | None]) -> Any:
+    """The peaks of one run by `simulate`, NaN where it fails."""
+    column, motion, duration, tolerance = run
+    try:
+        response: Response = simulate(column, motion, duration, tolerance=tolerance)
+    except SolverError:
+        return np.full(column.n, math.nan)
+    return response.peak_ux
+
+
+def together(runs: Runs, tolerance: float | None, **options: Any) -> np.ndarray[Any, Any]:
+    """The peaks by `simulate_many`."""
+    columns, motions, duration = runs
+    found: np.ndarray[Any, Any] = simulate_many(columns, motions, duration=duration, tolerance=tolerance, **options)[
+        "peak_ux"
+    ]
+    return found
+
+
+def in_processes(runs: Runs, pool: ProcessPoolExecutor, tolerance: float | None = None) -> np.ndarray[Any, Any]:
+    """The peaks by `simulate` in a pool of processes, as a study was written so far."""
+    columns, motions, duration = runs
+    given = [(column, motion, duration, tolerance) for column, motion in zip(columns, motions, strict=True)]
+    return np.array(list(pool.map(alone, given, chunksize=4)))
+
+
+def alternating(works: Sequence[Callable[[], object]], timer: Callable[[], float], rounds: int = ROUNDS) -> list[float]:
+    """The shortest times, s, of some rounds of all."""
+    best = [math.inf] * len(works)
+    for _ in range(rounds):
+        for k, work in enumerate(works):
+            begin = timer()
+            work()
+            best[k] = min(best[k], timer() - begin)
+    return best
+
+
+# --- what is measured
+
+
+def at_equal_error(name: str, runs: Runs) -> dict[str, Any]:
+    """Column-seconds a second of one core by `simulate` and by `simulate_many`, each at its loosest good tolerance."""
+    truth = one_by_one(runs, TIGHT)
+    chosen: dict[str, tuple[float, float]] = {}
+    ways: dict[str, Callable[[Runs, float | None], np.ndarray[Any, Any]]] = {
+        "simulate": one_by_one,
+        "many": partial(together, threads=1),
+    }
+    for way, work in ways.items():
+        for tolerance in TOLERANCES:
+            error = float(np.max(np.abs(work(runs, tolerance) - truth) / truth))
+            chosen[way] = tolerance, error
+            if error <= ERROR:
+                break
+    seconds = alternating([partial(work, runs, chosen[way][0]) for way, work in ways.items()], clock.process_time)
+    spans = len(runs[0]) * runs[2]
+    row: dict[str, Any] = {"scene": name, "runs": len(runs[0]), "duration": runs[2]}
+    for way, lasted in zip(ways, seconds, strict=True):
+        row[way] = {"tolerance": chosen[way][0], "error": chosen[way][1], "throughput": spans / lasted}
+    return row | {"ratio": seconds[0] / seconds[1]}
+
+
+def beside_opensees(throughput: float) -> dict[str, Any]:
+    """How many times the throughput of OpenSees' tuned runs that is, on damped Phocas in rocking."""
+    found = opensees.measure({"damped": forced(0.05, 2.0)})
+    if "absent" in found:
+        return {"absent": found["absent"]}
+    best = min(row["seconds"] for row in found["rows"] if row["tuned"] and row["reached"] >= 0.99 * DURATION)
+    return {"throughput": DURATION / best, "ratio": throughput / (DURATION / best)}
+
+
+def cores(runs: Runs) -> dict[str, Any]:
+    """Seconds of the clock by one thread, by two, and by two processes."""
+    with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool:
+        together((runs[0][:64], runs[1][:64], runs[2]), 1e-2, executor=pool)  # they start and load the kernels
+        one, two, processes = alternating(
+            [
+                partial(together, runs, 1e-2, threads=1),
+                partial(together, runs, 1e-2, threads=2),
+                partial(together, runs, 1e-2, executor=pool),
+            ],
+            clock.perf_counter,
+        )
+    return {"runs": len(runs[0]), "one": one, "two": two, "processes": processes}
+
+
+def ida(runs: Runs, workers: int = 2) -> dict[str, Any]:
+    """Seconds of the clock of a study by processes that call `simulate`, and by `simulate_many`."""
+    with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
+        in_processes((runs[0][:8], runs[1][:8], 0.5), pool)
+        seconds = alternating(
+            [
+                partial(in_processes, runs, pool),
+                partial(together, runs, None, threads=workers),
+                partial(in_processes, runs, pool, ERROR),
+                partial(together, runs, ERROR, threads=workers),
+            ],
+            clock.perf_counter,
+        )
+    names = ("processes", "many", "processes_loose", "many_loose")
+    return {"runs": len(runs[0]), **dict(zip(names, seconds, strict=True))}
+
+
+def figure(count: int) -> dict[str, Any]:
+    """Seconds of the clock of Figure 3 by the exact model, and of a run by the paper's scheme."""
+    exact = figure_runs(count, shaft(3))
+    paper = figure_runs(max(2, count // 20), Column.from_toml(ROOT / "examples" / "columns" / "phocas.toml"))
+    lasted = alternating([partial(together, exact, ERROR)], clock.perf_counter, 1)[0]
+    before, now = alternating(
+        [partial(one_by_one, paper, None), partial(together, paper, None, threads=1)], clock.process_time, 1
+    )
+    return {"runs": len(exact[0]), "seconds": lasted, "paper_runs": len(paper[0]), "paper": before, "paper_many": now}
+
+
+def memory(count: int) -> dict[str, Any]:
+    """Most memory, MB, of a process that makes so many runs, with motions that are made as they are needed."""
+    done = subprocess.run(
+        [sys.executable, "-m", "benchmarks.studies", str(count)], cwd=ROOT, capture_output=True, text=True, check=True
+    )
+    return {"runs": count, "megabytes": float(done.stdout.split()[-1])}
+
+
+def fill_memory(count: int) -> float:
+    """So many short runs; the most memory of this process, MB."""
+    rng = np.random.default_rng(1)
+    column = shaft(3)
+    motion = Motion.harmonic(0.02 * G, 2.0, 0.02)
+    table = simulate_many(column, (motion.scaled(rng.uniform(0.5, 1.5)) for _ in range(count)), tolerance=1e-3)
+    assert len(table) == count
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
+
+
+def measure(quick: bool) -> Iterator[dict[str, Any]]:
+    """All of it, as it is known."""
+    found: dict[str, Any] = {}
+    count = 16 if quick else 64
+    together(phocas_runs(16, ROCKING, 0.5), 1e-2, threads=1)  # compiles
+    found["throughput"] = [at_equal_error("Phocas rocking", phocas_runs(count, ROCKING))]
+    yield found
+    found["throughput"].append(at_equal_error("Phocas, all joints in contact", phocas_runs(count, RESTING)))
+    yield found
+    found["opensees"] = beside_opensees(found["throughput"][0]["many"]["throughput"])
+    yield found
+    found["cores"] = cores(phocas_runs(200 if quick else 5000, ROCKING))
+    yield found
+    found["ida"] = ida(drums(4 if quick else LEVELS))
+    yield found
+    found["figure"] = figure(20 if quick else FREQUENCIES)
+    yield found
+    found["memory"] = memory(SOME if quick else MANY)
+    yield found
+
+
+if __name__ == "__main__":
+    print(fill_memory(int(sys.argv[1])))
