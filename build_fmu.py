@@ -1,6 +1,6 @@
-"""Build an FMI 2.0 co-simulation FMU from the TOML file of a column.
+"""Build a co-simulation FMU from the TOML file of a column.
 
-    multiblock build-fmu [COLUMN.toml] [-o FILE.fmu] [--record RECORD] [--native [--platforms NAME,...]]
+    multiblock build-fmu [COLUMN.toml] [-o FILE.fmu] [--record RECORD] [--native [--fmi 3] [--platforms NAME,...]]
     python build_fmu.py ...
 
 Packaging only. Inside the FMU the two packages carry the hash of their content in their names, so that two FMUs in one
@@ -67,6 +67,7 @@ LEFT_AT_HOME = {
     "statics.py",
     "__main__.py",
     "documentation.py",
+    "model_description3.py",
     "native",
     "pointers.py",
     "studies",
@@ -122,13 +123,17 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("-o", "--output", type=Path, help="FMU file (default: NAME.fmu in the current folder)")
     parser.add_argument("--record", type=Path, metavar="FILE", help="record to put inside, added to the inputs")
     parser.add_argument("--native", action="store_true", help="compiled libraries instead of Python")
-    known = ",".join(PLATFORMS)
-    parser.add_argument("--platforms", default=known, help="of the native FMU, with commas (default: %(default)s)")
+    parser.add_argument("--fmi", type=int, choices=(2, 3), default=2, help="version of FMI; 3: native only")
+    known = "; ".join(f"FMI {version}: {','.join(names)}" for version, names in PLATFORMS.items())
+    parser.add_argument("--platforms", help=f"of the native FMU, with commas (default: all; {known})")
 
 
 def _build(options: argparse.Namespace) -> None:
     if options.native:
-        path = build_native_fmu(options.column, options.output, options.record, options.platforms.split(","))
+        platforms = options.platforms.split(",") if options.platforms else None
+        path = build_native_fmu(options.column, options.output, options.record, platforms, options.fmi)
+    elif options.fmi != 2:
+        raise InputError(f"--fmi {options.fmi}: with --native only, PythonFMU knows FMI 2.0")
     else:
         path = build_fmu(options.column, options.output, options.record)
     print(path)
@@ -145,20 +150,26 @@ DEFAULT_COLUMN = _default_column()
 
 
 def build_native_fmu(
-    column_file: Path, output: Path | None = None, record: Path | None = None, platforms: Sequence[str] = (*PLATFORMS,)
+    column_file: Path,
+    output: Path | None = None,
+    record: Path | None = None,
+    platforms: Sequence[str] | None = None,
+    fmi: int = 2,
 ) -> Path:
     """Build the FMU that needs no Python and return its path; prints what its libraries need from outside.
 
-    Raises InputError, OSError.
+    platforms: of PLATFORMS[fmi], all unless told otherwise. Raises InputError, OSError.
     """
     with needing("native", *BUILDER_PACKAGES):
         from fmu_src.native.package import native_files, told
     column, output = _column_and_output(column_file, output)
+    known = PLATFORMS[fmi]
+    platforms = [*known] if platforms is None else platforms
     for platform in platforms:
-        if platform not in PLATFORMS:
-            raise InputError(f"--platforms {platform}: must be of {', '.join(PLATFORMS)}")
+        if platform not in known:
+            raise InputError(f"--platforms {platform}: must be of {', '.join(known)}")
     motion = None if record is None else read_motion(record)
-    files, needs = native_files(column, list(dict.fromkeys(platforms)), motion, record.name if record else "")
+    files, needs = native_files(column, list(dict.fromkeys(platforms)), motion, record.name if record else "", fmi)
     print(told(needs), file=sys.stderr)
     output.parent.mkdir(parents=True, exist_ok=True)
     write_archive(output, files)

@@ -114,12 +114,12 @@ def model_description(
         version=version,
         author=AUTHOR,
         license=LICENCE,
-        generationDateAndTime=_date(),
+        generationDateAndTime=date(),
         generationTool=tool,
         variableNamingConvention="structured",
         numberOfEventIndicators="0",
     )
-    SubElement(root, "CoSimulation", {"modelIdentifier": name, **{key: _text(flag) for key, flag in flags.items()}})
+    SubElement(root, "CoSimulation", {"modelIdentifier": name, **{key: shown(flag) for key, flag in flags.items()}})
     units = SubElement(root, "UnitDefinitions")
     for unit in sorted({variable.unit for variable in table if variable.unit}):
         exponents = {base: str(power) for base, power in UNITS[unit].items()}
@@ -127,23 +127,23 @@ def model_description(
         SubElement(element, "BaseUnit", exponents)
         if unit in DISPLAY_UNITS:
             display, factor = DISPLAY_UNITS[unit]
-            SubElement(element, "DisplayUnit", name=display, factor=_text(factor))
+            SubElement(element, "DisplayUnit", name=display, factor=shown(factor))
     choices = {variable.choice.name: variable.choice for variable in table if variable.choice}
     types = SubElement(root, "TypeDefinitions") if choices else None
     for choice in choices.values():
         assert types is not None
         enumeration = SubElement(SubElement(types, "SimpleType", name=choice.name), "Enumeration")
         for word, number in choice.items.items():
-            SubElement(enumeration, "Item", name=word, value=_text(number), description=choice.meanings[word])
+            SubElement(enumeration, "Item", name=word, value=shown(number), description=choice.meanings[word])
     categories = SubElement(root, "LogCategories")
     for category, text in LOG_CATEGORIES.items():
         SubElement(categories, "Category", name=category, description=text)
     SubElement(
         root,
         "DefaultExperiment",
-        startTime=_text(experiment.start),
-        stopTime=_text(experiment.stop),
-        stepSize=_text(experiment.step),
+        startTime=shown(experiment.start),
+        stopTime=shown(experiment.stop),
+        stepSize=shown(experiment.step),
     )
     listed = SubElement(root, "ModelVariables")
     for variable in table:
@@ -174,7 +174,7 @@ def _scalar_variable(variable: Variable) -> Element:
         "nominal": variable.nominal,
         "start": variable.start,
     }
-    SubElement(element, variable.kind, {key: _text(value) for key, value in attributes.items() if value is not None})
+    SubElement(element, variable.kind, {key: shown(value) for key, value in attributes.items() if value is not None})
     return element
 
 
@@ -198,13 +198,13 @@ def _structure(table: list[Variable]) -> Element:
     return structure
 
 
-def _date() -> str:
+def date() -> str:
     """When the FMU was made: now, unless the environment says otherwise as reproducible builds have it."""
     seconds = os.environ.get("SOURCE_DATE_EPOCH")
     return time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime(None if seconds is None else int(seconds)))
 
 
-def _text(value: float | int | bool | str) -> str:
+def shown(value: float | int | bool | str) -> str:
     """A value as XML Schema writes it; every digit of a float64."""
     if isinstance(value, bool):
         return "true" if value else "false"

@@ -78,6 +78,7 @@ FAMILIES = {
     "joint.contact": 16,
     "joint.sigma_max": 17,
     "joint.T": 18,
+    "joint.slip": 19,
     "block.ux_peak": 20,
     "block.uz_peak": 21,
     "block.theta_peak": 22,
@@ -88,6 +89,7 @@ FAMILIES = {
     "joint.sigma_max_peak": 27,
     "joint.T_peak": 28,
     "joint.friction_peak": 29,
+    "joint.slip_peak": 30,
     "block.height": 50,
     "block.width": 51,
     "block.depth": 52,
@@ -98,6 +100,8 @@ FAMILIES = {
     "joint.damping": 57,
     "joint.width": 58,
     "joint.depth": 59,
+    "joint.friction": 60,
+    "joint.dowel": 61,
 }
 assert MAX_BLOCKS <= FAMILY
 
@@ -154,6 +158,12 @@ def reference_of(name: str) -> int:
         return REFERENCES[name]
     owner, number, quantity = parts.groups()
     return FAMILY * FAMILIES[f"{owner}.{quantity}"] + int(number)
+
+
+def array_of(name: str) -> str:
+    """The array that a variable of one block or joint belongs to, block[3].ux to block.ux; "" for other variables."""
+    parts = re.fullmatch(r"(\w+)\[\d+\]\.(\w+)", name)
+    return f"{parts[1]}.{parts[2]}" if parts else ""
 
 
 @dataclass(frozen=True)
@@ -215,6 +225,7 @@ _BLOCK_OUTPUTS: dict[str, tuple[str, str, float | None, float | None, tuple[str,
     "T": ("N", "Force along joint {i} on what is under it, positive to +x", None, None, _ALL),
     "contact": ("", "Part of the width of joint {i} in contact", 0.0, 1.0, _TURNING),
     "sigma_max": ("Pa", "Largest pressure on joint {i}", 0.0, None, _TURNING),
+    "slip": ("m", "Slip of block {i} over what is under it, positive to +x", None, None, ()),
 }
 _BASE_OUTPUTS = {
     "Fx": ("N", "Force of the column on the base, horizontal, positive to +x"),
@@ -274,6 +285,8 @@ _JOINT_PARAMETERS = {
     "damping": ("s", "Damping eta of the joint under block {i}", False),
     "width": ("m", "Contact width of the joint under block {i}; 0: that of the block", True),
     "depth": ("m", "Contact depth of the joint under block {i}; 0: that of the block", True),
+    "friction": ("", "Coefficient of friction of the joint under block {i}; 0: it never slides", True),
+    "dowel": ("N", "Shear that the joint under block {i} bears beside friction", True),
 }
 # what may change during a run: no length, no mass, nothing of the solver's
 TUNABLE = ("g", "joint.damping")
@@ -375,6 +388,7 @@ def _sizes(column: Column) -> dict[str, list[float]]:
         "T": weights,
         "contact": [1.0] * column.n,
         "friction": [1.0] * column.n,
+        "slip": [1e-3 * height] * column.n,
         "sigma_max": [weight / block.joint_moments[0] for weight, block in zip(weights, blocks, strict=True)],
     }
 

@@ -67,6 +67,8 @@ def why_not_in_lanes(column: Column) -> str:
         return f"integrator {settings.integrator}"
     if set(settings.without) - {"peaks"}:
         return "short cuts left out"
+    if column.slides:
+        return "joints that may slide"
     if column.n > MOST_BLOCKS:
         return f"more than {MOST_BLOCKS} blocks"
     if settings.tolerance < TIGHTEST:
@@ -103,8 +105,8 @@ def run_batch(
     """Run column k under motion k, from rest, for duration k, s (None: that of the motion).
 
     tolerance: relative to the peak; None: each column's. times: s after the start of a run, at which its phase is kept.
-    Raises InputError for columns of another number of blocks or formulation, for sections that are no rectangles, and
-    for held samples.
+    Raises InputError for columns of another number of blocks or formulation, for friction, for sections that are no
+    rectangles, and for held samples.
     """
     n = columns[0].n
     durations = [motion.duration for motion in motions] if durations is None else list(durations)
@@ -113,6 +115,8 @@ def run_batch(
     for k, (column, motion) in enumerate(zip(columns, motions, strict=True)):
         if column.n != n or column.settings.formulation != "exact":
             raise InputError(f"columns[{k}]: must have {n} blocks and the formulation exact, as the others of a batch")
+        if column.slides:
+            raise InputError(f"columns[{k}]: has joints that may slide, which a batch does not know; simulate does")
         if not column.has_rectangles_only:
             names = ", ".join(sorted({SECTIONS[block.joint_section] for block in column.blocks}))
             raise InputError(f"columns[{k}]: its joints are of the sections {names}, must be rectangles in a batch")
@@ -184,7 +188,7 @@ class _Batch:
         self._phases = np.zeros((count, 4 * n))
         self._runs = np.zeros((count, RUN.beside))
         self._outcomes = np.zeros((count, OUTCOME.size(n)))
-        self._snapshots = np.zeros((count, rows.size, 6 * n))
+        self._snapshots = np.zeros((count, rows.size, at.PHASE.size(n)))
         self._evaluations = np.zeros(count, dtype=np.int64)
         self._waiting: list[int] = []
         self._column: Column | None = None
@@ -211,7 +215,7 @@ class _Batch:
         self._outcomes[k] = np.concatenate([[code, math.nan, 0.0, counts.steps, counts.rejected], peaks, phase])
         self._evaluations[k] = counts.evaluations
         if self._rows.size:
-            self._snapshots[k] = kept[:, : 6 * n]
+            self._snapshots[k] = kept[:, : at.PHASE.size(n)]
         if code == at.OK and control.reached < stop:
             self._waiting.append(k)
             self._models[k] = arrays.model[: self._models.shape[1]]

@@ -1,6 +1,7 @@
 """A column as a chain of rigid bodies, in numpy: where its blocks are, and what energy they have (theory.md section 4).
 
-A phase is coordinates and rates as the stepper keeps them, (4 n,) or (rows, 4 n).
+A phase is coordinates and rates as the stepper keeps them, (4 n,) or (rows, 4 n); slips and their rates follow in that
+of a column whose joints may slide, (6 n,) or (rows, 6 n).
 """
 
 from __future__ import annotations
@@ -21,12 +22,14 @@ PARALLEL = 1e-30  # rad: faces that are as good as parallel
 
 
 class Places(NamedTuple):
-    """Rotations rad and openings m of the blocks and the joints under them, and their rates: (..., n) each."""
+    """Rotations rad, openings m and slips m of the blocks and the joints under them, and their rates: (..., n) each."""
 
     theta: FloatArray
     opening: FloatArray
     spin: FloatArray
     opening_rate: FloatArray
+    slip: FloatArray | float = 0.0
+    slip_rate: FloatArray | float = 0.0
 
 
 class Chain:
@@ -70,9 +73,9 @@ class Chain:
 
     def places(self, phase: FloatArray) -> Places:
         """Rotations and openings of a phase of either formulation."""
-        first, last, first_rate, last_rate = np.split(phase, 4, axis=-1)
+        first, last, first_rate, last_rate, *slips = np.split(phase, phase.shape[-1] // self.n, axis=-1)
         if self.exact:
-            return Places(first, last, first_rate, last_rate)
+            return Places(first, last, first_rate, last_rate, *slips)
         return Places(
             _over_below(first) / self.height, -_over_below(last), _over_below(first_rate) / self.height,
             -_over_below(last_rate),
@@ -82,33 +85,43 @@ class Chain:
         """Horizontal displacements of the top faces relative to the base, m, (..., n)."""
         if not self.exact:
             return phase[..., : self.n].copy()
-        theta, opening, _, _ = self.places(phase)
+        theta, opening, _, _, slip, _ = self.places(phase)
         mean = theta - 0.5 * _over_below(theta)
-        return _from_base(opening * np.sin(mean) + self.height * np.sin(theta))
+        return _from_base(opening * np.sin(mean) + slip * np.cos(mean) + self.height * np.sin(theta))
 
     def energy(self, phase: FloatArray) -> float:
-        """Kinetic, elastic and gravitational energy of a phase (4 n,) above that of the rest under gravity, J."""
+        """Kinetic, elastic and gravitational energy of one phase above that of the rest under gravity, J."""
         return float(self.energies(phase))
 
     def energies(self, phase: FloatArray) -> FloatArray:
-        """The same of phases (..., 4 n)."""
-        theta, opening, spin, opening_rate = self.places(phase)
+        """The same of phases, one a row."""
+        theta, opening, spin, opening_rate, slip, slip_rate = self.places(phase)
         mean, mean_spin = theta - 0.5 * _over_below(theta), spin - 0.5 * _over_below(spin)
         sine, cosine = np.sin(mean), np.cos(mean)
         x_rate = (
-            _from_base(opening_rate * sine + opening * cosine * mean_spin + self.height * np.cos(theta) * spin)
+            _from_base(
+                (opening_rate - slip * mean_spin) * sine
+                + (opening * mean_spin + slip_rate) * cosine
+                + self.height * np.cos(theta) * spin
+            )
             - (self.height - self.centroid) * np.cos(theta) * spin
         )
         z_rate = (
-            _from_base(opening_rate * cosine - opening * sine * mean_spin - self.height * np.sin(theta) * spin)
+            _from_base(
+                (opening_rate - slip * mean_spin) * cosine
+                - (opening * mean_spin + slip_rate) * sine
+                - self.height * np.sin(theta) * spin
+            )
             + (self.height - self.centroid) * np.sin(theta) * spin
         )
         moving = 0.5 * (self.mass * (x_rate**2 + z_rate**2) + self.inertia * spin**2)
         dip = -2.0 * np.sin(0.5 * theta) ** 2  # cos(theta) - 1
-        raised = _from_base(opening * cosine + self.settled + self.height * dip) - (self.height - self.centroid) * dip
+        lifted = opening * cosine - slip * sine + self.settled
+        raised = _from_base(lifted + self.height * dip) - (self.height - self.centroid) * dip
         slope = 2.0 * np.sin(0.5 * _over_below(theta))
+        felt = opening - 0.5 * slip * slope  # in the middle of the contact
         at_rest = 0.5 * self.carried * self.g * self.settled
-        strained = self.elastic(opening, slope) - at_rest
+        strained = self.elastic(felt, slope) - at_rest
         found: FloatArray = np.sum(moving + self.g * self.mass * raised + strained, axis=-1)
         return found
 

@@ -45,6 +45,8 @@ NUMBERS: dict[str, tuple[tuple[float, float], str]] = {
     "inertia": ((1e-21, 1e27), "a positive moment of inertia in kg m2, from 1e-21 to 1e27"),
     "stiffness": ((1e-3, 1e20), "a positive Winkler modulus in N/m3, from 1e-3 to 1e20"),
     "damping": ((0.0, 1e6), "a time in s, zero or positive, at most 1e6"),
+    "friction": ((1e-6, 1e3), "a positive coefficient of friction, at most 1e3; without it the joint never slides"),
+    "dowel": ((0.0, 1e15), "a force in N, zero or positive, at most 1e15"),
     "step": ((1e-9, 1e6), "a positive time in s, from 1e-9 to 1e6"),
     "tolerance": ((1e-13, 0.1), "a number from 1e-13 to 0.1"),
 }
@@ -65,6 +67,8 @@ class Joint:
     section: str | None = None  # of the contact, one of SECTIONS; None: the block's
     bore: float | None = None  # m, inner diameter of an annulus; None: the block's
     strips: tuple[float, ...] | None = None  # m, depths of equal strips from -x to +x, 0 where nothing touches
+    friction: float | None = None  # Coulomb's coefficient; None: the joint never slides
+    dowel: float | None = None  # N, shear that the joint bears beside friction, and goes on bearing as it slides
 
     def __post_init__(self) -> None:
         if isinstance(self.strips, list):  # as TOML and JSON have it
@@ -204,7 +208,10 @@ class Column:
             raise InputError(f"block: {len(self.blocks)} blocks, must be 1 to {MAX_BLOCKS}")
         for number, block in enumerate(self.blocks, start=1):
             _check_block(f"block[{number}]", block)
+            _check_friction(f"block[{number}].joint", block.joint)
         _check_settings("solver", self.settings)
+        if self.slides:
+            _check_sliding(self)
 
     @property
     def n(self) -> int:
@@ -235,6 +242,11 @@ class Column:
         }
         changes: dict[str, Any] = {key: value for key, value in given.items() if value is not None}
         return replace(self, settings=replace(self.settings, **changes))
+
+    @property
+    def slides(self) -> bool:
+        """Whether some joint may slide."""
+        return any(block.joint.friction is not None for block in self.blocks)
 
     @classmethod
     def from_toml(cls, path: str | os.PathLike[str]) -> Column:
@@ -388,6 +400,24 @@ def _resolved(block: Block, rule: Rule) -> object:
     if rule.of_joint:
         return getattr(block, f"joint_{rule.key}") if rule.optional else getattr(block.joint, rule.key)
     return getattr(block, f"resolved_{rule.key}" if rule.optional else rule.key)
+
+
+def _check_friction(key: str, joint: Joint) -> None:
+    for name in ("friction", "dowel"):
+        if getattr(joint, name) is not None:
+            _check(f"{key}.{name}", getattr(joint, name))
+    if joint.dowel is not None and joint.friction is None:
+        raise InputError(f"{key}.dowel = {joint.dowel:g}: needs friction; a joint without friction never slides")
+
+
+def _check_sliding(column: Column) -> None:
+    """What cannot be had of a column whose joints slide."""
+    number = 1 + next(i for i, block in enumerate(column.blocks) if block.joint.friction is not None)
+    key = f"block[{number}].joint.friction = {column.blocks[number - 1].joint.friction:g}"
+    if column.settings.formulation == "paper":
+        raise InputError(f'{key}: the formulation "paper" knows no joint that slides, must be "exact"')
+    if column.settings.integrator != "auto":
+        raise InputError(f'{key}: steps of a fixed length miss where a joint slides, solver.integrator must be "auto"')
 
 
 def _check_settings(key: str, settings: object) -> None:

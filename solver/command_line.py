@@ -255,6 +255,9 @@ def _summary(response: Response) -> str:
     ]
     if "N" in response.peaks:
         lines += _peaks(response)
+    if column.slides:
+        left = ", ".join(f"{1e3 * slip:.5g}" for slip in response.slip[-1])
+        lines.append(f"slip of each block at the end (mm): {left}; friction took {stats['friction_work']:.4g} J")
     lines.append(_verdict(response))
     if response.estimated_error is not None and response.horizon is not None:
         error = response.estimated_error

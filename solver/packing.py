@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -46,13 +47,16 @@ class InitialState:
     """Where a run starts; None is rest, and for the openings static equilibrium under gravity.
 
     Sequences of n numbers, block 1 (the top) first: `rotation` rad clockwise, `rotation_rate` rad/s, `opening` m of
-    the joint under each block along its normal (negative: compressed), `opening_rate` m/s.
+    the joint under each block along its normal (negative: compressed), `opening_rate` m/s, `slip` m of the block
+    over what is under it, to +x, `slip_rate` m/s.
     """
 
     rotation: Sequence[float] | FloatArray | None = None
     rotation_rate: Sequence[float] | FloatArray | None = None
     opening: Sequence[float] | FloatArray | None = None
     opening_rate: Sequence[float] | FloatArray | None = None
+    slip: Sequence[float] | FloatArray | None = None
+    slip_rate: Sequence[float] | FloatArray | None = None
 
 
 class Arrays(NamedTuple):
@@ -192,6 +196,12 @@ def set_initial(column: Column, state: FloatArray, initial: InitialState) -> Non
     _within("opening", np.minimum(opening, 0.0), heights, "no deeper than the block is high, in m")
     opening_rate = _given("opening_rate", initial.opening_rate, np.zeros(n))
     phase = at.STATE.see(state, n).phase
+    for key in ("slip", "slip_rate"):
+        given = _given(key, getattr(initial, key), np.zeros(n))
+        free = [math.inf if block.joint.friction is not None else 0.0 for block in column.blocks]
+        _within(key, given, np.array(free), "zero where the joint has no friction: it never slides")
+        getattr(phase, key)[:] = given
+    phase.sliding[:] = np.sign(phase.slip_rate)
     if column.settings.formulation == "exact":
         phase.theta[:], phase.opening[:] = rotation, opening
         phase.theta_rate[:], phase.opening_rate[:] = spin, opening_rate

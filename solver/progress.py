@@ -54,6 +54,36 @@ class ProgressLine:
             self._bar.close()
 
 
+class RunsLine:
+    """A callback of `simulate_many` that draws a line of tqdm, if that is installed, for what takes longer than 2 s."""
+
+    def __init__(self) -> None:
+        self._begin = clock.monotonic()
+        self._bar: Any = None
+
+    def __call__(self, done: int, total: int | None) -> None:
+        """Show that so many runs are done."""
+        if self._bar is None and clock.monotonic() - self._begin > PATIENCE:
+            try:
+                from tqdm import tqdm
+            except ModuleNotFoundError:
+                self._begin = float("inf")
+                return
+            self._bar = tqdm(total=total, unit="run", leave=False, file=sys.stderr)
+        if self._bar is not None:
+            self._bar.update(done - self._bar.n)
+
+    def __enter__(self) -> RunsLine:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Wipe the line."""
+        if self._bar is not None:
+            self._bar.close()
+
+
 def compile_kernels(column: Column) -> None:
     """Have the kernels that a run of this column needs, and say so if they have to be compiled, which takes a while.
 

@@ -38,15 +38,15 @@ class Response:
     time s; ux m, top face relative to the base, +x; uz m, centroid, up, from the unloaded geometry; theta rad,
     clockwise; N N, compression; M N m, restoring; S N, horizontal, and T N, along the joint, of the part
     above on the part below; contact 0..1
-    of the joint's width; sigma_max Pa; Fx, Fz N and My N m (clockwise), of the column on the base at the centre of
-    joint n. peaks: largest absolute values of the continuous motion by these names, (n,), or (1,) of the base reaction;
-    the least of contact; friction: |T| / N where N is above 0.05 of the weight carried at rest. They do not depend on
-    the rows. Of ux only in a column that is run without "peaks". peak_ux: peaks["ux"]. overturned, overturn_time s
-    (NaN if not), overturned_joint (0 if not). stats: steps, implicit_steps and elastic_steps (of these), rejected,
-    events (steps cut off where the contact of a joint changes), evaluations, sweeps, looks (evaluations for what is
-    watched, beside these); full_contact, rocking, flight: parts of the time, at_rest: part that was not stepped;
-    undamped_joints; observed_rows; wall_time s; settled_for s: how long
-    the column was followed after the histories' end.
+    of the joint's width; sigma_max Pa; slip m, of the block over what is under it, to +x; Fx, Fz N and
+    My N m (clockwise), of the column on the base at the centre of joint n. peaks: largest absolute values of the
+    continuous motion by these names, (n,), or (1,) of the base reaction; the least of contact; friction: |T| / N where
+    N is above 0.05 of the weight carried at rest. They do not depend on the rows. Of ux only in a column that is run
+    without "peaks". peak_ux: peaks["ux"]. overturned, overturn_time s (NaN if not), overturned_joint (0 if not). stats:
+    steps, implicit_steps and elastic_steps (of these), rejected, events (steps cut off where the contact of a joint
+    changes), evaluations, sweeps, looks (evaluations for what is watched, beside these); full_contact, rocking, flight:
+    parts of the time, at_rest: part that was not stepped; undamped_joints; observed_rows; wall_time s; settled_for s:
+    how long the column was followed after the histories' end.
 
     verdict: "overturned", "standing" (it cannot fall any more) or "undecided"; reason: why, in words. It looks beyond
     the end of the histories: a column that falls later has `overturned` and an `overturn_time` after the last row.
@@ -68,7 +68,7 @@ class Response:
         verdict: str = "undecided",
         reason: str = "",
     ) -> None:
-        """`observe` returns the output rows (nt, 9 n + 3)."""
+        """`observe` returns the output rows (nt, 10 n + 3)."""
         self.column = column
         self.time = time
         self._observe = observe
@@ -114,6 +114,7 @@ class Response:
     M = property(lambda self: self._joints("M"))
     S = property(lambda self: self._joints("S"))
     T = property(lambda self: self._joints("T"))
+    slip = property(lambda self: self._joints("slip"))
     contact = property(lambda self: self._joints("contact"))
     sigma_max = property(lambda self: self._joints("sigma_max"))
     Fx = property(lambda self: self._base("Fx"))

@@ -49,7 +49,7 @@ def single_run(
     settle: float,
     callback: Callback | None = None,
 ) -> tuple[Response, FloatArray]:
-    """A run of `duration` s with rows at `times`, s; and the phases at these times, (rows, 4 n). Raises SolverError."""
+    """A run of `duration` s with rows at `times`, s; and the phases at these times (chain.py). Raises SolverError."""
     stepper = Stepper(column, initial)
     chain = Chain(column)
     stop = motion.start + duration
@@ -80,13 +80,21 @@ def single_run(
     )
     if "resultants" in column.settings.without:
         response.observe()
-    return response, snapshots[:, : 4 * column.n]
+    return response, _of_chain(snapshots, column)
 
 
 def phase_of(stepper: Stepper) -> FloatArray:
-    """Coordinates and rates of a stepper, (4 n,), a copy."""
-    found: FloatArray = stepper.arrays.state[at.CONTROL.beside :][: 4 * stepper.n].copy()
-    return found
+    """Coordinates and rates of a stepper as chain.py has them, a copy."""
+    return _of_chain(stepper.arrays.state[at.CONTROL.beside :], stepper.column).copy()
+
+
+def _of_chain(phases: FloatArray, column: Column) -> FloatArray:
+    """The phase of chain.py in what begins with one of the stepper's."""
+    rigid: FloatArray = phases[..., : 4 * column.n]
+    if not column.slides:
+        return rigid
+    places = [at.PHASE.fields.index(name) * column.n for name in ("slip", "slip_rate")]
+    return np.concatenate([rigid, *(phases[..., k : k + column.n] for k in places)], axis=-1)
 
 
 def settled_verdict(stepper: Stepper, stop: float, settle: float) -> tuple[Verdict, float]:
@@ -135,6 +143,7 @@ def _stats(stepper: Stepper, wall_time: float) -> dict[str, float | int]:
         "rocking": float(control.time_rocking / spent),
         "flight": float(control.time_flight / spent),
         "at_rest": float(control.time_at_rest / spent),
+        "friction_work": float(np.sum(stepper.state.phase.friction_work)),
         "undamped_joints": sum(block.joint.damping == 0.0 for block in stepper.column.blocks),
         "observed_rows": 0,
         "wall_time": wall_time,

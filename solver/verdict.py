@@ -50,6 +50,8 @@ class Barrier(NamedTuple):
 
 def cannot_fall(column: Column, phase: FloatArray) -> bool:
     """Whether a column with this phase, (4 n,), stands for ever upon a base that stays still."""
+    if column.slides:  # what slides has less to overcome, and may slide on
+        return False
     chain = Chain(column)
     return is_held(column, chain.energy(phase), np.abs(chain.places(phase).theta))
 

@@ -69,6 +69,25 @@ def _compiled() -> None:
     simulate(phocas(1e-3), Motion.harmonic(1.0, 1.0, 0.1), check=True, ensemble=2).observe()
 
 
+MANY = """
+import sys
+from solver import Column, Motion, simulate_many
+
+column = Column.from_toml("tall.toml")
+motions = [Motion.from_csv("motion.csv").scaled(1.0 + 0.01 * k) for k in range(40)]
+simulate_many(column, motions, tolerance=float(sys.argv[1]))
+"""
+
+
+@pytest.mark.parametrize("tolerance", ["1e-4", "1e-8"])  # in lanes, and one by one
+def test_ctrl_c_ends_many_runs_at_once(tall: Path, tolerance: str) -> None:
+    (tall / "many.py").write_text(MANY)
+    process, took, _, err = interrupted(tall, "many.py", tolerance)
+    assert process.returncode == -signal.SIGINT, err
+    assert err.rstrip().endswith("KeyboardInterrupt")
+    assert took < 5.0
+
+
 @pytest.mark.parametrize("options", [(), ("--ensemble", "8"), ("--formulation", "paper", "--no-check")])
 def test_ctrl_c_ends_a_run_at_once(tall: Path, options: tuple[str, ...]) -> None:
     before = sorted(tall.iterdir())

@@ -63,6 +63,23 @@ def test_runs_are_those_of_simulate() -> None:
     assert table.stats["lanes"] + table.stats["scalar"] == table.stats["runs"] == 20
 
 
+def test_motions_that_end_before_the_run_does() -> None:
+    """The base falls silent at once, from a sample or a harmonic that is not zero, while the column rocks in a lane."""
+    time = 0.01 * np.arange(101)
+    record = Motion.from_samples(0.01, 1.2 * np.sin(11.0 * time) + 0.8 * np.cos(5.0 * time), 0.3 * np.sin(7.0 * time))
+    motions = [record, Motion.harmonic(0.1 * G, 1.7, 0.8), record.mirrored(), record.scaled(0.5)]
+    columns = [phocas(1e-3), phocas(2e-3), monolith(eta=1e-3), phocas(1e-3)]
+    table = simulate_many(columns, motions, duration=1.5, tolerance=1e-5, keep=(*KEEP, "path"))
+    assert list(table["path"]) == ["lanes"] * 4
+    for k, (column, motion) in enumerate(zip(columns, motions, strict=True)):
+        single = simulate(column, motion, 1.5, tolerance=1e-9, output_step=1.5)
+        largest = float(np.max(single.peak_ux))
+        assert single.stats["full_contact"] < 0.5
+        # measured 4e-5
+        assert table["peak_ux"][k, : column.n] == pytest.approx(single.peak_ux, abs=2e-4 * largest)
+        assert table["residual_ux"][k, : column.n] == pytest.approx(single.ux[-1], abs=2e-4 * largest)
+
+
 def test_single_ones_stand_for_all_and_what_is_iterated_is_taken_as_needed() -> None:
     one, motion = phocas(1e-3), Motion.harmonic(0.05 * G, 2.0, 0.5)
     assert len(simulate_many(one, motion)) == 1

@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib.util
 import inspect
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -32,8 +33,13 @@ if importlib.util.find_spec("ziglang") is None:
     pytest.skip("needs ziglang, the extra native", allow_module_level=True)
 
 DAMPED = ROOT / "examples/columns/phocas-damped.toml"
-MATHEMATICS = {"atan2", "cos", "exp", "expm1", "hypot", "log", "pow", "sin", "sincos"}
-FORMATS = {"linux64": ["ELF x86-64"], "win64": ["PE x86-64"], "darwin64": ["Mach-O x86_64", "Mach-O arm64"]}
+MATHEMATICS = {"asin", "atan2", "cos", "exp", "expm1", "hypot", "log", "pow", "sin", "sincos"}
+FORMATS = {
+    "linux64": ["ELF x86-64"],
+    "win64": ["PE x86-64"],
+    "darwin64": ["Mach-O x86_64", "Mach-O arm64"],
+    "aarch64-linux": ["ELF aarch64"],
+}
 
 
 @pytest.fixture(scope="module")
@@ -98,6 +104,19 @@ def test_a_host_in_c_runs_it(fmu: Path, tmp_path: Path) -> None:
     assert once == again == call(inputs.pushed, fmu)
 
 
+def test_the_library_for_arm_gives_the_digits_of_x86(fmu: Path, tmp_path: Path) -> None:
+    emulator, system = shutil.which("qemu-aarch64"), Path("/usr/aarch64-linux-gnu")
+    if emulator is None or not system.is_dir():
+        pytest.skip("needs qemu-aarch64 and the C library for ARM: apt install qemu-user libc6-arm64-cross")
+    host = tmp_path / "host"
+    target = ("-target", "aarch64-linux-gnu.2.17", "-O1")
+    run(sys.executable, "-m", "ziglang", "cc", *target, ROOT / "tests/masters/host.c", "-o", host, "-ldl")
+    binary = Path(extract(str(fmu), unzipdir=tmp_path / "fmu")) / "binaries/aarch64-linux/phocas_damped.so"
+    guid = read_model_description(str(fmu)).guid
+    once, again = map(float, run(emulator, "-L", system, host, binary, "file:///nowhere", guid, "1", "10001").split())
+    assert once == again == pytest.approx(call(inputs.pushed, fmu), rel=1e-12)
+
+
 def test_what_is_needed_is_printed_and_the_same_input_builds_the_same_bytes(tmp_path: Path) -> None:
     built = []
     for k in range(2):
@@ -114,7 +133,10 @@ def test_what_is_needed_is_printed_and_the_same_input_builds_the_same_bytes(tmp_
 
 def test_a_wrong_platform_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
     assert main([str(DAMPED), "--native", "--platforms", "linux64,amiga"]) == 2
-    assert capsys.readouterr().err == "build_fmu.py: --platforms amiga: must be of linux64, win64, darwin64\n"
+    assert (
+        capsys.readouterr().err
+        == "build_fmu.py: --platforms amiga: must be of linux64, win64, darwin64, aarch64-linux\n"
+    )
 
 
 def test_without_ziglang_the_build_says_so(
@@ -141,19 +163,19 @@ def written(folder: Path) -> Path:
 
 def compile_core(folder: Path) -> str:
     """What the compiler says to core.c with the headers in a folder; nothing if it is content."""
-    core = library.SOURCES[0]
+    core = library.sources(2)[0]
     options = ("-std=c11", "-Wall", "-Wextra", "-Werror", "-c", f"-I{folder}", core, "-o", folder / "core.o")
     return finish(sys.executable, "-m", "ziglang", "cc", *options).stderr
 
 
 def test_the_core_knows_no_names_of_a_standard() -> None:
-    core = "".join(path.read_text(encoding="utf-8") for path in (library.SOURCES[0], *library.OWN_HEADERS))
+    core = "".join(path.read_text(encoding="utf-8") for path in (library.sources(2)[0], *library.OWN_HEADERS))
     assert not re.search(r"\bfmi\d", re.sub(r"/\*.*?\*/", "", core, flags=re.DOTALL), re.IGNORECASE)
 
 
 def test_every_kernel_is_given_all_its_arguments_by_name() -> None:
     """What a list of named initializers leaves out would be zero, and no compiler says so."""
-    core = library.SOURCES[0].read_text(encoding="utf-8")
+    core = library.sources(2)[0].read_text(encoding="utf-8")
     groups = {
         name: re.findall(r"\.(\w+) = ", text)
         for name, text in re.findall(r"#define (COLUMN|RECORD)\(i\)((?:.*\\\n)+.*\n)", core)
@@ -185,7 +207,7 @@ def test_one_more_short_cut_is_one_more_row(tmp_path: Path, monkeypatch: pytest.
 
 
 def test_both_fmus_speak_by_the_same_rules() -> None:
-    core = library.SOURCES[0].read_text(encoding="utf-8")
+    core = library.sources(2)[0].read_text(encoding="utf-8")
     slave = (ROOT / "fmu_src/slave.py").read_text(encoding="utf-8")
     for name, text in vars(rules).items():
         if name.isupper() and isinstance(text, str):

@@ -8,6 +8,7 @@ from probe import G, monolith, phocas
 
 from solver import Block, Column, InitialState, Joint, Motion, Response, simulate
 from solver.friction import friction_history
+from solver.kernels import layout as at
 from solver.packing import carried_weights
 from solver.response import PEAKS
 from solver.stepper import Stepper
@@ -95,10 +96,8 @@ def test_peaks_of_a_run_in_short_calls_cover_what_is_seen_between_them() -> None
         stepper.drive(t, ax=0.2 * G * np.sin(6.0 * t), jx=0.2 * G * (np.sin(6.0 * (t + h)) - np.sin(6.0 * t)) / h)
         stepper.advance(t, h)
         row = stepper.observe(t + h)
-        names = ("ux", "uz", "theta", "N", "M", "S", "contact", "sigma_max", "T")
-        shown = dict(zip(names, row[:27].reshape(9, 3), strict=True)) | dict(
-            zip(("Fx", "Fz", "My"), row[27:], strict=True)
-        )
+        parts = at.ROW.see(row, 3)
+        shown = vars(parts.joints) | {name: getattr(parts.base, name) for name in at.REACTION.fields}
         for name in seen:
             seen[name] = np.maximum(seen[name], np.abs(shown[name]))
     peaks = stepper.peaks

@@ -85,7 +85,7 @@ def subject(law: ModuleType) -> Subject:
         inputs=names["input"],
         slopes=slopes,
         split=next(name for name in after if name in numbers or name in names["output"]),
-        given=given,
+        given=[*given],
         choices=[
             Chosen(port.name, "ONE_WORD", [(0, code, word) for code, word in enumerate(port.words)])
             for port in ports
@@ -108,7 +108,7 @@ def native_partner(
     motion = None if record is None else read_motion(record)
     kernels = Kernels(f"partner_kernels:{name}", sources(name))
     table = variables(law, record.name if record else "")
-    contents = identified(Contents(subject(law), table, "", record.name if record else "", motion), kernels)
+    contents = identified(Contents(subject(law), table, "", record.name if record else "", motion), kernels, 2)
     experiment = Experiment(motion.start, motion.end, Record(motion).dt) if motion else Experiment()
     root = description(law, contents.guid, table, experiment, NATIVE_FLAGS, "build.py --native")
     return compiled(law.TITLE, contents, kernels, platforms, root)[0], contents.guid

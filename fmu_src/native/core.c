@@ -15,7 +15,8 @@
 #include "contract.h"
 
 typedef struct { const char *name, *unit; Kind kind; Role role; int tunable, place; } Variable;
-typedef struct { int count; const int *rows; } Family; /* rows of variables by their numbers within the family */
+typedef struct { int count; const int *rows; int is_array; } Family; /* rows of variables by their numbers within it */
+typedef struct { Reference input, slope; } Line;
 typedef struct { int number, code; const char *word; } Item;
 typedef enum { NUMBERED, ONE_WORD, ANY_WORDS } Way; /* how a choice is made: by an enumeration's number or in words */
 typedef struct { int row, place; Way way; int count; const Item *items; } Choice; /* place: among what is given */
@@ -41,6 +42,7 @@ _Static_assert(AT_ROW + ROW == AT_SPLIT && AT_SPLIT + SPLIT <= REALS, "outputs b
 _Static_assert(!IS_COLUMN || (AT_SPLIT + SPLIT == AT_PEAKS && AT_PEAKS + PEAKS <= REALS), "then peaks");
 
 const char *const core_identity = IDENTITY;
+const double core_usual_step = USUAL_STEP;
 
 /* --- an instance: one block of memory */
 
@@ -410,6 +412,21 @@ static const Variable *find(Reference reference) {
     if (family >= COUNT(family_index) || number >= (Reference)family_index[family].count) return NULL;
     int row = family_index[family].rows[number];
     return row < 0 ? NULL : &variables[row];
+}
+
+size_t core_extent(Reference reference) {
+    Reference family = (reference - 1u) / FAMILY, number = (reference - 1u) % FAMILY;
+    if (!find(reference)) return 0;
+    if (!family_index[family].is_array) return 1;
+    return number ? 0 : (size_t)family_index[family].count;
+}
+
+size_t core_most(void) { return COUNT(variables); }
+
+int core_line(Reference input, Reference *slope) {
+    for (int k = 0; k < LINES; k++)
+        if (lines[k].input == input) return *slope = lines[k].slope, 1;
+    return 0;
 }
 
 Status core_readable(Instance *instance, const Reference references[], size_t count, Kind kind) {

@@ -20,6 +20,7 @@ typedef struct Saved Saved;
 typedef void Teller(void *host, Status status, const char *text);
 
 extern const char *const core_identity; /* what binary and model description have to have in common */
+extern const double core_usual_step; /* s, of the samples of a motion: what a face may divide longer steps into */
 
 Instance *core_new(Teller *teller, void *host); /* NULL: out of memory */
 void core_free(Instance *instance);
@@ -53,6 +54,11 @@ const char *core_text(const Instance *instance, Reference reference);
 Status core_settable(Instance *instance, const Reference references[], size_t count, Kind kind);
 void core_put_whole(Instance *instance, Reference reference, int64_t value);
 void core_has_changed(Instance *instance, int parameters);
+
+/* How many variables a reference stands for, itself and those that follow it: one, all of an array by its first, or 0. */
+size_t core_extent(Reference reference);
+size_t core_most(void); /* variables in all */
+int core_line(Reference input, Reference *slope); /* whether the input has a slope of its own within a step */
 
 /* --- steps */
 

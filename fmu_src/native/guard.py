@@ -34,7 +34,7 @@ def guarded(files: dict[str, bytes]) -> dict[str, bytes]:
 
 def _library() -> bytes:
     """The guard as a library; it does not depend on the column and is kept in the user's cache."""
-    (target,) = PLATFORMS["linux64"].targets
+    (target,) = PLATFORMS[2]["linux64"].targets
     made_with = SOURCE.read_text(encoding="utf-8") + importlib.metadata.version("ziglang") + " ".join(OPTIONS)
     kept = user_cache() / CACHE_FOLDER / "guard" / hashlib.sha256(made_with.encode()).hexdigest()[:16]
     if kept.is_file():

@@ -14,12 +14,17 @@ from . import symbols
 from .machine_code import COLUMN, Kernels, object_code
 from .platforms import PLATFORMS, Target
 
-SOURCES = tuple(Path(__file__).with_name(name) for name in ("core.c", "fmi2.c"))
+FACES = {2: "fmi2.c", 3: "fmi3.c"}  # version of FMI -> the face around the core
 OWN_HEADERS = (Path(__file__).with_name("core.h"),)
 OPTIONS = (
     *("-std=c11", "-O2", "-shared", "-fPIC", "-fvisibility=hidden", "-ffp-contract=off", "-s"),
     *("-Wall", "-Wextra", "-Werror"),
 )
+
+
+def sources(fmi: int) -> tuple[Path, ...]:
+    """What is compiled for a version of FMI."""
+    return tuple(Path(__file__).with_name(name) for name in ("core.c", FACES[fmi]))
 
 
 TOOLS = ("ziglang", "fmpy")  # the compiler, and the header files of FMI
@@ -56,14 +61,16 @@ def compile_c(target: Target, sources: list[Path | str], output: Path) -> None:
 
 
 def libraries(
-    name: str, platforms: list[str], generated: dict[str, str], kernels: Kernels = COLUMN
+    name: str, platforms: list[str], generated: dict[str, str], kernels: Kernels = COLUMN, fmi: int = 2
 ) -> dict[str, tuple[bytes, list[symbols.Symbols]]]:
     """Platform -> library of that name, and what each of its parts needs. Raises InputError if that is Python's.
 
+    platforms: of PLATFORMS[fmi].
     generated: header files that the sources are compiled with, name -> text.
     """
     check_tools()
-    targets = [target for platform in platforms for target in PLATFORMS[platform].targets]
+    known = PLATFORMS[fmi]
+    targets = list(dict.fromkeys(target for platform in platforms for target in known[platform].targets))
     codes = dict(zip(targets, object_code(targets, kernels), strict=True))
     made = {}
     with tempfile.TemporaryDirectory(prefix="native_") as temporary:
@@ -72,10 +79,10 @@ def libraries(
             (folder / file).write_text(text, encoding="utf-8")
         for platform in platforms:
             parts = []
-            for target in PLATFORMS[platform].targets:
+            for target in known[platform].targets:
                 (folder / "kernels.o").write_bytes(codes[target])
-                output = folder / f"library{PLATFORMS[platform].suffix}"
-                options: list[Path | str] = [f"-I{folder}", *SOURCES, folder / "kernels.o", "-lm"]
+                output = folder / f"library{known[platform].suffix}"
+                options: list[Path | str] = [f"-I{folder}", *sources(fmi), folder / "kernels.o", "-lm"]
                 if output.suffix == ".dylib":  # else the path that it was linked at
                     options.append(f"-Wl,-install_name,@rpath/{name}.dylib")
                 compile_c(target, options, output)

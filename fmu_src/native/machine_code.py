@@ -53,16 +53,16 @@ def made_with(kernels: Kernels) -> str:
     return versions if kernels == COLUMN else f"{versions}, {kernels.entries} {kernels.beside}"
 
 
-def object_code(targets: list[Target], kernels: Kernels) -> list[bytes]:
-    """The object code of every target. Raises OSError, subprocess.CalledProcessError."""
+def object_code(targets: list[Target], kernels: Kernels, suffix: str = ".o") -> list[bytes]:
+    """The object code of every target, or its assembly (".s"). Raises OSError, subprocess.CalledProcessError."""
     key = hashlib.sha256(made_with(kernels).encode()).hexdigest()[:16]
     kept = user_cache() / CACHE_FOLDER / "native" / key
     with tempfile.TemporaryDirectory(prefix="machine_code_") as temporary:
         folder = Path(temporary)
         missing = []
         for target in targets:
-            if not (kept / _file(target)).is_file():
-                missing.append(f"{target.triple}={target.cpu}")
+            if not (kept / _file(target, suffix)).is_file():
+                missing.append(f"{target.triple}={target.cpu}={suffix}")
         if missing:
             environment = {key: value for key, value in os.environ.items() if not key.startswith("NUMBA_")}
             settings = {"NUMBA_CPU_NAME": BASELINE, "NUMBA_CPU_FEATURES": "", "PYTHONHASHSEED": "0"}
@@ -75,12 +75,12 @@ def object_code(targets: list[Target], kernels: Kernels) -> list[bytes]:
                     partial = kept / f"{file.name}.{os.getpid()}"
                     partial.write_bytes(file.read_bytes())
                     partial.replace(kept / file.name)
-        made = [folder / _file(target) for target in targets]
+        made = [folder / _file(target, suffix) for target in targets]
         return [(file if file.is_file() else kept / file.name).read_bytes() for file in made]
 
 
-def _file(target: Target) -> str:
-    return f"{target.triple}-{target.cpu}.o"
+def _file(target: Target, suffix: str) -> str:
+    return f"{target.triple}-{target.cpu}{suffix}"
 
 
 def module(entries: str) -> llvm.ModuleRef:
@@ -106,8 +106,8 @@ def module(entries: str) -> llvm.ModuleRef:
     return whole
 
 
-def emit(whole: llvm.ModuleRef, triple: str, cpu: str) -> bytes:
-    """Object code of the module for one target, rid of what nobody calls."""
+def emit(whole: llvm.ModuleRef, triple: str, cpu: str, suffix: str) -> bytes:
+    """Object code (.o) or assembly (.s) of the module for one target, rid of what nobody calls."""
     copy = whole.clone()
     copy.triple = triple
     machine = llvm.Target.from_triple(triple).create_target_machine(cpu=cpu, opt=3, reloc="pic", codemodel="default")
@@ -115,18 +115,18 @@ def emit(whole: llvm.ModuleRef, triple: str, cpu: str) -> bytes:
     options = llvm.create_pipeline_tuning_options(speed_level=3)
     builder = llvm.create_pass_builder(machine, options)
     builder.getModulePassManager().run(copy, builder)
-    code: bytes = machine.emit_object(copy)
+    code: bytes = machine.emit_object(copy) if suffix == ".o" else machine.emit_assembly(copy).encode()
     return code
 
 
 def main(arguments: list[str]) -> int:
-    """FOLDER ENTRIES TRIPLE=CPU ...: write the object code of each target to the folder."""
+    """FOLDER ENTRIES TRIPLE=CPU=SUFFIX ...: write the code of each target to the folder."""
     llvm.initialize_all_targets()
     llvm.initialize_all_asmprinters()
     whole = module(arguments[1])
     for word in arguments[2:]:
-        triple, cpu = word.split("=")
-        (Path(arguments[0]) / f"{triple}-{cpu}.o").write_bytes(emit(whole, triple, cpu))
+        triple, cpu, suffix = word.split("=")
+        (Path(arguments[0]) / f"{triple}-{cpu}{suffix}").write_bytes(emit(whole, triple, cpu, suffix))
     return 0
 
 

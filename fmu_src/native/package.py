@@ -14,10 +14,11 @@ from solver.motion import Motion
 
 from .. import documentation
 from ..model_description import FLAGS, Experiment, column_description, model_description
+from ..model_description3 import model_description3, terminals
 from ..record import Record
 from ..variables import variables
 from .column_subject import column_subject
-from .library import OWN_HEADERS, SOURCES, libraries
+from .library import OWN_HEADERS, libraries, sources
 from .machine_code import COLUMN, Kernels, made_with
 from .platforms import PLATFORMS
 from .symbols import Symbols
@@ -31,62 +32,81 @@ NATIVE_FLAGS = FLAGS | {
 NEEDS = "It needs nothing but the mathematical functions of the system's C library."
 
 
-def contents_of(column: Column, record: Motion | None = None, record_name: str = "") -> Contents:
+# the capabilities by their names in FMI 3.0
+FLAGS_3 = {
+    "needsExecutionTool": False,
+    "canBeInstantiatedOnlyOncePerProcess": False,
+    "canGetAndSetFMUState": True,
+    "canSerializeFMUState": True,
+    "providesDirectionalDerivatives": True,
+    "canHandleVariableCommunicationStepSize": True,
+    "maxOutputDerivativeOrder": 1,
+    "providesIntermediateUpdate": True,
+    "mightReturnEarlyFromDoStep": False,
+    "canReturnEarlyAfterIntermediateUpdate": False,
+    "hasEventMode": False,
+}
+XML = b'<?xml version="1.0" encoding="UTF-8"?>\n'
+
+
+def contents_of(column: Column, record: Motion | None = None, record_name: str = "", fmi: int = 2) -> Contents:
     """What the FMU of a column is made for, under a GUID that follows from all that its libraries are made of."""
     contents = Contents(column_subject(column), variables(column, record_name), "", record_name, record)
-    return identified(contents, COLUMN, json.dumps(column.to_dict()))
+    return identified(contents, COLUMN, fmi, json.dumps(column.to_dict()))
 
 
-def identified(contents: Contents, kernels: Kernels, *sources: str) -> Contents:
+def identified(contents: Contents, kernels: Kernels, fmi: int, *texts: str) -> Contents:
     """The same under a GUID that follows from all that its libraries are made of."""
-    parts = [*sources, made_with(kernels), *headers(contents).values()]
-    identity = "".join([*parts, *(file.read_text(encoding="utf-8") for file in (*SOURCES, *OWN_HEADERS))])
+    parts = [*texts, made_with(kernels), *headers(contents).values()]
+    identity = "".join([*parts, *(file.read_text(encoding="utf-8") for file in (*sources(fmi), *OWN_HEADERS))])
     guid = uuid.uuid5(uuid.NAMESPACE_OID, hashlib.sha256(identity.encode()).hexdigest())
     return replace(contents, guid=f"{{{guid}}}")
 
 
 def native_files(
-    column: Column, platforms: list[str], record: Motion | None = None, record_name: str = ""
+    column: Column, platforms: list[str], record: Motion | None = None, record_name: str = "", fmi: int = 2
 ) -> tuple[dict[str, bytes], dict[str, list[Symbols]]]:
-    """The files of the FMU by their names, and what the libraries need. Raises InputError, OSError."""
-    contents = contents_of(column, record, record_name)
+    """The files of the FMU by their names, and what the libraries need; fmi: version. Raises InputError, OSError."""
+    contents = contents_of(column, record, record_name, fmi)
     experiment = Experiment(record.start, record.end, Record(record).dt) if record else Experiment()
-    description = model_description(
-        *(column.name, contents.guid, column_description(column), __version__, contents.table, experiment),
-        flags=NATIVE_FLAGS,
-        tool="build_fmu.py --native",
-    )
+    told = (column.name, contents.guid, column_description(column), __version__, contents.table, experiment)
+    tool = "build_fmu.py --native"
+    if fmi == 3:
+        description = model_description3(*told, FLAGS_3, tool, contents.subject.lines)
+    else:
+        description = model_description(*told, flags=NATIVE_FLAGS, tool=tool)
     picture = documentation.drawing(column)
     pages = {
         "model.png": picture,
         "documentation/index.html": documentation.page(column, contents.table, NEEDS).encode(),
         "documentation/model.png": picture,
         "documentation/signs.png": documentation.sign_conventions(),
+        "terminalsAndIcons/terminalsAndIcons.xml": XML + tostring(terminals(contents.table)),
     }
-    files, needs = compiled(column.name, contents, COLUMN, platforms, description)
+    files, needs = compiled(column.name, contents, COLUMN, platforms, description, fmi)
     return files | pages, needs
 
 
 def compiled(
-    name: str, contents: Contents, kernels: Kernels, platforms: list[str], description: Element
+    name: str, contents: Contents, kernels: Kernels, platforms: list[str], description: Element, fmi: int = 2
 ) -> tuple[dict[str, bytes], dict[str, list[Symbols]]]:
     """Model description, libraries and their account; and what the libraries need. Raises InputError, OSError."""
-    made = libraries(name, platforms, headers(contents), kernels)
+    made = libraries(name, platforms, headers(contents), kernels, fmi)
     needs = {platform: needed for platform, (_, needed) in made.items()}
     files = {
-        "modelDescription.xml": b'<?xml version="1.0" encoding="UTF-8"?>\n' + tostring(description),
-        "documentation/binaries.txt": _account(needs, kernels).encode(),
+        "modelDescription.xml": XML + tostring(description),
+        "documentation/binaries.txt": _account(needs, kernels, fmi).encode(),
     }
     for platform, (content, _) in made.items():
-        files[f"binaries/{platform}/{name}{PLATFORMS[platform].suffix}"] = content
+        files[f"binaries/{platform}/{name}{PLATFORMS[fmi][platform].suffix}"] = content
     return files, needs
 
 
-def _account(needs: dict[str, list[Symbols]], kernels: Kernels) -> str:
+def _account(needs: dict[str, list[Symbols]], kernels: Kernels, fmi: int) -> str:
     """How the libraries were made and what they need from outside."""
     lines = [f"multiblock-fmu {__version__}; {made_with(kernels)}"]
     for platform, parts in needs.items():
-        for part, target in zip(parts, PLATFORMS[platform].targets, strict=True):
+        for part, target in zip(parts, PLATFORMS[fmi][platform].targets, strict=True):
             lines.append(f"{platform}: {part.format} for {target.linker}, {target.cpu} and newer")
             lines.append(f"  from {', '.join(part.libraries)}: {' '.join(part.needed)}")
     return "\n".join(lines) + "\n"

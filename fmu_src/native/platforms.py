@@ -22,15 +22,26 @@ class Platform:
     targets: tuple[Target, ...]
 
 
-# x86-64-v2: every x86-64 processor of the last twelve years (SSE4.2, POPCNT), those without AVX2 included.
+# x86-64-v2: every x86-64 processor of the last twelve years (SSE4.2, POPCNT), those without AVX2 included; of ARM the
+# first of 64 bits.
+LINUX = Target("x86_64-pc-linux-gnu", "x86-64-v2", "x86_64-linux-gnu.2.17")
+LINUX_ARM = Target("aarch64-unknown-linux-gnu", "cortex-a53", "aarch64-linux-gnu.2.17")
+WINDOWS = Target("x86_64-w64-windows-gnu", "x86-64-v2", "x86_64-windows-gnu")
+MACOS = Target("x86_64-apple-macosx11", "x86-64-v2", "x86_64-macos.11.0")
+MACOS_ARM = Target("arm64-apple-macosx11", "apple-m1", "aarch64-macos.11.0")
+# version of FMI -> folder -> what is in it. For processors that FMI 2.0 has no name for it refers to those of 3.0.
 PLATFORMS = {
-    "linux64": Platform(".so", (Target("x86_64-pc-linux-gnu", "x86-64-v2", "x86_64-linux-gnu.2.17"),)),
-    "win64": Platform(".dll", (Target("x86_64-w64-windows-gnu", "x86-64-v2", "x86_64-windows-gnu"),)),
-    "darwin64": Platform(
-        ".dylib",
-        (
-            Target("x86_64-apple-macosx11", "x86-64-v2", "x86_64-macos.11.0"),
-            Target("arm64-apple-macosx11", "apple-m1", "aarch64-macos.11.0"),
-        ),
-    ),
+    2: {
+        "linux64": Platform(".so", (LINUX,)),
+        "win64": Platform(".dll", (WINDOWS,)),
+        "darwin64": Platform(".dylib", (MACOS, MACOS_ARM)),
+        "aarch64-linux": Platform(".so", (LINUX_ARM,)),
+    },
+    3: {
+        "x86_64-linux": Platform(".so", (LINUX,)),
+        "x86_64-windows": Platform(".dll", (WINDOWS,)),
+        "x86_64-darwin": Platform(".dylib", (MACOS,)),
+        "aarch64-darwin": Platform(".dylib", (MACOS_ARM,)),
+        "aarch64-linux": Platform(".so", (LINUX_ARM,)),
+    },
 }

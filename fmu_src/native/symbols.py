@@ -10,6 +10,7 @@ PYTHON = re.compile(r"_*(py|numba|nrt_|llvmlite)", re.IGNORECASE)
 
 _FAT = 0xCAFEBABE
 _SYMTAB, _DYLIB = 0x2, 0xC
+_MACHINES = {62: "x86-64", 183: "aarch64"}  # of ELF
 _ARCHITECTURES = {0x01000007: "x86_64", 0x0100000C: "arm64"}
 
 
@@ -81,7 +82,9 @@ def _elf(content: bytes) -> Symbols:
                 tag, value = struct.unpack_from("<2Q", content, place)
                 if tag == 1:
                     libraries.append(_text(content, strings + value))
-    return Symbols("ELF x86-64", tuple(sorted(needed)), tuple(sorted(offered)), tuple(libraries))
+    (machine,) = struct.unpack_from("<H", content, 0x12)
+    name = _MACHINES.get(machine, f"machine {machine}")
+    return Symbols(f"ELF {name}", tuple(sorted(needed)), tuple(sorted(offered)), tuple(libraries))
 
 
 def _pe(content: bytes) -> Symbols:

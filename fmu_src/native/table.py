@@ -18,7 +18,7 @@ from solver.motion import Motion
 
 from .. import rules
 from ..record import Record
-from ..variables import FAMILY, Variable
+from ..variables import FAMILY, STEP_SIZE, Variable, array_of
 from .machine_code import PREFIX
 
 TEXT = 256  # bytes of a String, its end included
@@ -61,6 +61,12 @@ class Subject:
     choices: list[Chosen]
     checks: list[Check]
     reasons: dict[int, str]
+
+    @property
+    def lines(self) -> dict[str, str]:
+        """Inputs that follow a straight line within a step, and their slopes."""
+        ends = {name: slope for name, slope in self.slopes.items() if slope not in self.slopes}
+        return {name: slope for name, slope in ends.items() if name not in self.slopes.values()}
 
 
 @dataclass(frozen=True)
@@ -159,6 +165,7 @@ def declarations(contents: Contents) -> str:
         "FAMILY": FAMILY,
         "AT_ROW": len(subject.inputs),
         "AT_SPLIT": places[subject.split],
+        "LINES": len(subject.lines),
         "CHOICES": len(subject.choices),
         "CHECKS": len(subject.checks),
         "HAS_RECORD": int("RECORD" in subject.places),
@@ -174,6 +181,9 @@ def declarations(contents: Contents) -> str:
     lines += _array("char *const", "text_starts", [_quoted(str(variable.start)) for variable in texts])
     lines += _families(table)
     lines += _array("int", "slope_of", [str(places.get(subject.slopes.get(name, ""), -1)) for name in subject.inputs])
+    references = {variable.name: variable.reference for variable in table}
+    listed = [f"{{{references[name]}, {references[slope]}}}" for name, slope in subject.lines.items()]
+    lines += _array("Line", "lines", listed or ["{0, 0}"])
     chosen = {choice.name for choice in subject.choices}  # given as a code
     fixed = [isinstance(name, float) or name in chosen for name in subject.given]
     found = ["-1" if own else str(places[str(name)]) for name, own in zip(subject.given, fixed, strict=True)]
@@ -232,7 +242,8 @@ def _families(table: list[Variable]) -> list[str]:
         count = max(rows) + 1 if rows else 0
         if count:
             lines += _array("int", f"family_{family}", [str(rows.get(number, -1)) for number in range(count)])
-        listed.append(f"{{{count}, {f'family_{family}' if count else 'NULL'}}}")
+        is_array = int(any(array_of(table[row].name) for row in rows.values()))
+        listed.append(f"{{{count}, {f'family_{family}' if count else 'NULL'}, {is_array}}}")
     return [*lines, *_array("Family", "family_index", listed)]
 
 
@@ -272,6 +283,7 @@ def _record(contents: Contents) -> list[str]:
     dt = 0.0 if motion is None else Record(motion).dt
     pga = 0.0 if motion is None else motion.pga
     lines = _enum({"SAMPLES": count})
+    lines.append(f"#define USUAL_STEP {_number(dt or STEP_SIZE)}")
     lines += [f"#define RECORD_DT {_number(dt)}", f"#define RECORD_LARGEST {_number(pga)}"]
     lines.append(f"#define RECORD_NAME {_quoted(contents.record_name)}")
     for name in ("time", "ax", "az"):

@@ -16,8 +16,10 @@ from .formulations.either import Column, is_exact
 from .formulations.exact import Motion
 from .formulations.feedthrough import base_direction, effective_mass, split_reaction, tangential_gains
 from .formulations.outputs import observe
+from .formulations.slips import begin_slips, phase_size
 from .jit import kernel, leaf
 from .joint.section import lay_out
+from .joint.sliding import RIGID
 from .layout import (
     AUTO,
     BASE,
@@ -41,7 +43,7 @@ from .views import Record
 # what describes a column: settings, then a record for each block; 0 for an optional value that is not given
 GIVEN_SETTINGS = Record("g", "step", "tolerance", "formulation", "integrator", "without")
 GIVEN_BLOCK = ("height", "width", "depth", "mass", "centroid", "inertia")
-GIVEN_JOINT = ("stiffness", "damping", "width", "depth")
+GIVEN_JOINT = ("stiffness", "damping", "width", "depth", "friction", "dowel")
 # of its section, which no parameter of an FMU changes: code, inner diameter m, number of strips and their depths m
 GIVEN_SECTION = ("section", "bore", "strips", *(f"strip_{k}" for k in range(MOST_STRIPS)))
 GIVEN = Record(*GIVEN_BLOCK, *(f"joint_{name}" for name in (*GIVEN_JOINT, *GIVEN_SECTION)))
@@ -87,7 +89,9 @@ def scratch_room(n: int, fixed_step: bool) -> int:
 @leaf
 def column_over(n, model, state, counts, base, samples, work):
     """The column of n blocks over its rows."""
-    return Column(_model(model, n), _state(state, n), _counts(counts, 0), _base(base, 0), samples, _work(work, n))
+    column = Column(_model(model, n), _state(state, n), _counts(counts, 0), _base(base, 0), samples, _work(work, n))
+    begin_slips(column.model, column.work)
+    return column
 
 
 # --- from parameters to a model
@@ -111,6 +115,7 @@ def assemble(column, given, afresh, scratch, detail):
     settings.integrator = described.integrator
     settings.without = described.without
     settings.has_modes = 0.0
+    settings.slides = 0.0
     for i in range(n):
         row = given[_SETTINGS_FIELDS + _BLOCK_FIELDS * i :]
         block = _given_block(row, 0)
@@ -124,6 +129,9 @@ def assemble(column, given, afresh, scratch, detail):
         width = block.width if block.joint_width == 0.0 else block.joint_width
         depth = block.depth if block.joint_depth == 0.0 else block.joint_depth
         lay_out(blocks, i, block.joint_section, width, depth, block.joint_bore, row[_STRIPS_GIVEN:])
+        blocks.friction[i] = block.joint_friction
+        blocks.dowel[i] = block.joint_dowel if block.joint_friction > 0.0 else RIGID
+        settings.slides = 1.0 if block.joint_friction > 0.0 else settings.slides
         if not math.isfinite(blocks.inertia[i]):
             detail[0] = i + 1.0
             return TOO_LARGE
@@ -134,7 +142,8 @@ def assemble(column, given, afresh, scratch, detail):
             return NOT_STABLE
     for i in range(_WORK_PER_N * n + _WORK_BESIDE):  # responses of the modes of another model
         work.row[i] = 0.0
-    if settings.formulation == EXACT and settings.integrator == AUTO and n <= MODAL_MOST:
+    begin_slips(model, work)
+    if settings.formulation == EXACT and settings.integrator == AUTO and n <= MODAL_MOST and settings.slides == 0.0:
         settings.has_modes = 1.0 if normal_modes(model, scratch) else 0.0
     if afresh != 0:
         for i in range(_STATE_PER_N * n + _CONTROL_FIELDS):
@@ -299,21 +308,30 @@ def rates(column, t, row, split, other, other_split):
         return OK
     code = see(column, base_motion(column.base, column.samples, t), other, other_split)
     between, kept = work.between.row, work.end.row
-    for i in range(6 * n):
+    for i in range(phase_size(work)):
         kept[i] = between[i]
     past = RATE_PART * model.settings.first_step
     for _ in range(2):
         for i in range(2 * n):
-            q, v, a = kept[i], kept[2 * n + i], kept[4 * n + i]
-            between[i] = q + past * (v + 0.5 * past * a)
-            between[2 * n + i] = v + past * a
-            between[4 * n + i] = a
+            _go_on(kept, between, i, n, past)
+        for i in range(6 * n, 6 * n + int(work.slips.count)):
+            _go_on(kept, between, i, n, past)
+            between[5 * n + i] = kept[5 * n + i]  # the way that it slides
         then = base_motion(column.base, column.samples, t + past)
         code = min(code, observe(column, work.between, then, other))
         code = min(code, split_reaction(column, work.between, then, other, other_split))
         _add(row, split, other, other_split, 0.5 / past, n)
         past = -past
     return code
+
+
+@leaf
+def _go_on(kept, to, i, n, past):
+    """The coordinate at place i of a phase so many s later, its rate and acceleration."""
+    q, v, a = kept[i], kept[2 * n + i], kept[4 * n + i]
+    to[i] = q + past * (v + 0.5 * past * a)
+    to[2 * n + i] = v + past * a
+    to[4 * n + i] = a
 
 
 @kernel

@@ -4,6 +4,7 @@ from .engine import assemble, base_of, column_over, see
 from .formulations.base import Samples, enter
 from .formulations.exact import Motion
 from .formulations.outputs import observe
+from .formulations.slips import phase_size
 from .jit import entry
 from .joint.energy import least_energy
 from .joint.law import joint_potential
@@ -58,7 +59,7 @@ def observe_snapshots(n, model, state, counts, base, work, snapshots, rows, coun
     kept, filled = row_of(snapshots), row_of(rows)
     for k in range(count):
         snapshot = _snapshot(kept[k * (_SNAPSHOT_FIELDS * n + _SNAPSHOT_BESIDE) :], n)
-        for i in range(6 * n):
+        for i in range(phase_size(column.work)):
             between.row[i] = snapshot.phase.row[i]
         motion = Motion(snapshot.base.ax, snapshot.base.az, 0.0, 0.0, 0.0)
         code = observe(column, between, motion, _row(filled[k * (_ROW_FIELDS * n + _ROW_BESIDE) :], n))

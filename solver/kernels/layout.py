@@ -8,7 +8,8 @@
 
 Block 1 is the top block, joint i lies under block i. A *phase* is coordinates, rates, accelerations: the coordinates
 are the rotations theta relative to the base and the joint openings (formulation exact), or in their places the
-displacements v and the settlements w (paper).
+displacements v and the settlements w (paper). Where joints may slide, a second part of the phase follows, with the
+slips as coordinates; elsewhere nobody touches it.
 """
 
 from numba.extending import register_jitable
@@ -42,6 +43,8 @@ SETTINGS = Record(
     "without",  # sum of the short cuts that are not to be taken
     "has_modes",  # 1 where there are modal data
     "explicit_order",  # 5 or 8, of the explicit method of `auto`
+    "slides",  # 1 where some joint may slide
+    "per_slip",  # 1/m, rotation of the column that moves its top as far as a slip
 )
 MOST_STRIPS = 32  # of a section made of strips
 STRIP_NUMBERS = 2 + MOST_STRIPS  # how many strips, their width in m, their depths in m
@@ -61,6 +64,8 @@ BLOCKS = Table(
     "depth",  # m
     "bore",  # m
     "damping",  # s
+    "friction",  # of the joint; 0: it never slides
+    "dowel",  # N, what the joint bears along itself without friction
     "turn_size",  # first coordinate when the column turns by 1 rad: 1 (exact), height of the top face (paper)
     "open_size",  # m, opening with the elastic energy of a joint rotation of 1 rad: radius of gyration of the contact
     "per_turn_size",
@@ -90,10 +95,20 @@ INTERPOLATION_BOUND = 46080.0  # the quintic between two steps h misses a motion
 INTERPOLATION_PART = 5.0  # tolerances of a step that it may miss: these errors do not add up
 
 # --- state
-PHASE = Table("theta", "opening", "theta_rate", "opening_rate", "theta_acceleration", "opening_acceleration")
-PHASE_FIELDS = 6
+# In either part a rate lies 2 n numbers behind its coordinate, so that the same sums serve both.
+PHASE = Table(
+    *("theta", "opening", "theta_rate", "opening_rate", "theta_acceleration", "opening_acceleration"),
+    "slip",  # m, of the upper face of the joint along its tangent
+    "friction_work",  # J, that friction has taken out
+    "slip_rate",
+    "friction_power",
+    "slip_acceleration",
+    "sliding",  # 1 or -1: slides that way, 0: sticks
+)
+PHASE_FIELDS = PHASE.per_n
+RIGID_FIELDS = 6  # of the first part
 # all that is visible of a column at one instant (ROW below), and T / N
-OUTPUTS = Table("ux", "uz", "theta", "N", "M", "S", "contact", "sigma_max", "T")
+OUTPUTS = Table("ux", "uz", "theta", "N", "M", "S", "contact", "sigma_max", "T", "slip")
 REACTION = Record("Fx", "Fz", "My")  # of the base: N, N, N m
 # largest absolute values so far; in the place of the contact the largest part of the width that was out of it, and
 # |T| / N where N is more than COUNTS_FROM of the weight that the joint carries at rest
@@ -181,12 +196,16 @@ JOINTS = Table(
     "moment",  # N m
     "length",  # m in contact
     "tangential",  # N, along the joint, on the block above in the direction of its tangent
+    "drift",  # N, what of it is no friction: the pressure acts along the normal of a face
+    "bearable",  # N, by friction and dowel; the joint slides beyond
 )
-ROOM = Table("a", "b", "c", "d", "e", "f", "g", "h", "i")  # of one evaluation; each formulation names its own
+ROOM = Table("a", "b", "c", "d", "e", "f", "g", "h", "i", "j")  # of one evaluation; each formulation names its own
 HOLD = Table(
     "held",  # regime that the joint is held in; 0 is whichever applies
     "regime",  # that it was last held in
     "outside",  # 1 if an evaluation found it outside
+    "sliding",  # 1 or -1: the joint slides that way, 0: it sticks
+    "overcome",  # 1 if an evaluation found a joint that sticks beyond what it bears
     whole=True,
 )
 TOPS = Table("start_ux", "start_rate", "end_ux", "end_rate", "between_ux", "between_rate")  # of the top faces
@@ -204,16 +223,21 @@ RESPONSE_FIELDS = 21  # of a mode over a step, 2 n modes
 RESPONSE_HEADER = 2
 RESPONSES = 2  # steps whose responses are kept
 TREND = Record("known")
+SLIPS = Record(
+    "count",  # slip coordinates: n where joints may slide, else 0
+    "change",  # 1 where a joint begins or ceases to slide at the end of the step
+)
 
 WORK = Space(
     start=PHASE,
     stages=Numbers(per_n=PHASE_FIELDS * (STAGES - 1)),
     end=PHASE,
     between=PHASE,
-    bump=Numbers(per_n=2),
+    bump=Numbers(per_n=3, beside=8),  # what is summed up in eights may reach beyond `between`
     interpolation=INTERPOLATION,
     joints=JOINTS,
     hold=HOLD,
+    slips=SLIPS,
     room=ROOM,
     tops=TOPS,
     notes=NOTES,

@@ -24,8 +24,11 @@ def followers(fmu: str) -> dict[str, list[str]]:
         for name, item in variables.items():
             if item.causality == "output" or item.type == "String" or name in left_out:
                 continue
+            key = name.rpartition(".")[2]
+            if key == "dowel" or (key == "friction" and formulation == "paper"):  # not by itself, not there
+                continue
             (value,) = column.get(name)
-            given = {"centroid": 2.0, "inertia": 1e5}.get(name.rpartition(".")[2])
+            given = {"centroid": 2.0, "inertia": 1e5}.get(key)
             other = 3 - value if item.type == "Enumeration" else given or (1.01 * value if value else 1.0)
             column.set({name: other})
             found.setdefault(name, set()).update(

@@ -48,11 +48,11 @@ def _sanitized(column: Path, fmu: Path, folder: Path) -> int:
         return 0
     for name, text in headers(contents_of(Column.from_toml(column))).items():
         (folder / name).write_text(text, encoding="utf-8")
-    (folder / "kernels.o").write_bytes(object_code(list(PLATFORMS["linux64"].targets), COLUMN)[0])
+    (folder / "kernels.o").write_bytes(object_code(list(PLATFORMS[2]["linux64"].targets), COLUMN)[0])
     output = folder / "sanitized.so"
     command = ["gcc", "-std=c11", "-g", "-O1", "-shared", "-fPIC", *SANITIZERS, f"-I{folder}", f"-I{library.headers()}"]
     subprocess.run(
-        [*command, "-Wall", "-Wextra", "-Werror", *library.SOURCES, folder / "kernels.o", "-lm", "-o", output],
+        [*command, "-Wall", "-Wextra", "-Werror", *library.sources(2), folder / "kernels.o", "-lm", "-o", output],
         check=True,
     )
     changed = folder / "sanitized.fmu"

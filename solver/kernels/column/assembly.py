@@ -73,6 +73,7 @@ def derive(model):
         carried += blocks.mass[i]
         opening_rotation = min(opening_rotation, 2.0 * (settings.gravity * carried / spring) / blocks.width[i])
     fastest = math.sqrt(2.0 * fastest)  # rad/s
+    settings.per_slip = 1.0 / height
     settings.first_step = 0.1 / fastest
     ringing = 0.5 * damping * fastest < LIGHTLY_DAMPED
     settings.explicit_order = 8.0 if tight or ringing else 5.0

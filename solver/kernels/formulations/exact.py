@@ -9,6 +9,9 @@ Frames are those of the joints, turned by phi_i = (theta_i + theta_(i+1)) / 2, s
 enter until the base. The base is the lowest body of the chain, with prescribed motion: coordinates are rotations
 relative to it, spins in here are absolute.
 
+A joint that slides (section 9) has its T given by friction: its row leaves the system, and the acceleration of its slip
+follows. Which joints slide, and which way, stands in `hold`.
+
 The one function serves one column and lanes of eight.
 """
 
@@ -16,6 +19,8 @@ from typing import NamedTuple
 
 from ..jit import kernel, leaf
 from ..joint.law import resultants
+from ..joint.sliding import bearable, can_slide, drift, opening_felt, opening_rate_felt
+from ..lanes import any_of, magnitude
 from ..numbers import sine_cosine
 
 
@@ -44,12 +49,13 @@ class Elimination(NamedTuple):
     turn_above: object  # for a unit T_(i-1)
     sine_beta: object  # over the mass: between the normals of joints i - 1 and i
     sine: object  # of half the relative rotation of joint i
+    given: object  # N, T of a joint that slides
 
 
 @leaf
 def elimination(room):
     """The fields of `room` as this formulation uses them."""
-    return Elimination(room.a, room.b, room.c, room.d, room.e, room.f, room.g, room.h, room.i)
+    return Elimination(room.a, room.b, room.c, room.d, room.e, room.f, room.g, room.h, room.i, room.j)
 
 
 @leaf
@@ -58,12 +64,14 @@ def exact_accelerations(model, phase, motion, joints, hold, room):
     n = model.n
     blocks = model.blocks
     row = elimination(room)
+    slides = can_slide(model)
     # --- downwards: evaluate joint i, finish the row of the joint above it, eliminate
     normal_above = 0.0
     turned_above = 0.0  # M cos sigma
     sine_above = 0.0  # of half the relative rotation of joint i - 1
     cosine_above = 1.0
     half_above = 0.0  # of its opening
+    across_above = 0.0  # couple of N across half of its slip
     diagonal = 0.0
     right = 0.0
     opens = 0.0  # acceleration of the opening without the T
@@ -78,11 +86,19 @@ def exact_accelerations(model, phase, motion, joints, hold, room):
             turn_below = phase.theta[i + 1]
             spin_below = phase.theta_rate[i + 1] + motion.omega
         sine, cosine = sine_cosine(0.5 * (turn - turn_below))
-        normal, moment, length = resultants(
-            blocks, hold, i, opening, 2.0 * sine, opening_rate, cosine * (spin - spin_below)
-        )
+        slope, slope_rate = 2.0 * sine, cosine * (spin - spin_below)
+        felt, felt_rate = opening, opening_rate
+        if slides:
+            slip, slip_rate = phase.slip[i], phase.slip_rate[i]
+            felt = opening_felt(opening, slip, slope)
+            felt_rate = opening_rate_felt(opening_rate, slip, slip_rate, slope, slope_rate)
+        normal, moment, length = resultants(blocks, hold, i, felt, slope, felt_rate, slope_rate)
         lower, upper = blocks.centroid[i], blocks.upper[i]
         per_mass, per_inertia = blocks.per_mass[i], blocks.per_inertia[i]
+        across = 0.0
+        if slides:
+            across = 0.5 * phase.slip[i] * normal
+            moment += across
         turned = moment * cosine
         mean_spin = 0.5 * (spin + spin_below)
         square = spin * spin
@@ -95,9 +111,17 @@ def exact_accelerations(model, phase, motion, joints, hold, room):
         free_alpha = per_inertia * (
             (lower * normal * sine - upper * normal_above * sine_above) + (turned_above - turned)
         )
+        if slides:
+            free_alpha += per_inertia * (across + across_above)
         opens_below = normal * per_mass + (lower * cosine * square + opening * mean_spin * mean_spin)
         right_below = 2.0 * opening_rate * mean_spin + (p * free_alpha - lower * sine * square)
         diagonal_below = per_mass + p * p_turns
+        if slides:
+            opens_below += 2.0 * phase.slip_rate[i] * mean_spin
+            right_below -= phase.slip[i] * mean_spin * mean_spin
+            joints.drift[i] = drift(normal, sine)
+            joints.bearable[i] = bearable(blocks, i, normal)
+            row.given[i] = joints.drift[i] - hold.sliding[i] * joints.bearable[i]
         if i > 0:
             right += (upper * sine_above * square - normal * sine_beta) + q * free_alpha
             opens += (upper * cosine_above * square - normal * cosine_beta) + normal_above * per_mass
@@ -108,8 +132,11 @@ def exact_accelerations(model, phase, motion, joints, hold, room):
             row.free_opening[i - 1] = opens
             row.coupling[i] = coupling
             part = coupling * pivot
-            diagonal_below -= part * coupling
-            right_below += normal_above * sine_beta - part * right
+            if slides and hold.sliding[i - 1] != 0:
+                right_below += normal_above * sine_beta - coupling * row.given[i - 1]
+            else:
+                diagonal_below -= part * coupling
+                right_below += normal_above * sine_beta - part * right
             opens_below -= normal_above * cosine_beta
         diagonal, right, opens = diagonal_below, right_below, opens_below
         row.free_alpha[i] = free_alpha
@@ -121,7 +148,7 @@ def exact_accelerations(model, phase, motion, joints, hold, room):
         joints.moment[i] = moment
         joints.length[i] = length
         normal_above, turned_above = normal, turned
-        sine_above, cosine_above, half_above = sine, cosine, half
+        sine_above, cosine_above, half_above, across_above = sine, cosine, half, across
         turn, spin = turn_below, spin_below
 
     # --- the base: gravity is an upward acceleration; joint n is turned against it by theta_n / 2
@@ -134,14 +161,19 @@ def exact_accelerations(model, phase, motion, joints, hold, room):
     pivot = 1.0 / diagonal
     row.pivot[n - 1] = pivot
     force = right * pivot
+    if slides:
+        force = _slide(phase, hold, row, joints, n - 1, force)
 
     # --- upwards
     drawn_below = 0.0  # what T of the joint below does to the opening
     swung_below = 0.0  # alpha of the block below times the height of its top face above its centroid
+    alpha_below = motion.alpha
     for i in range(n - 1, -1, -1):
         force_above = 0.0
         if i > 0:
             force_above = (row.right[i - 1] - row.coupling[i] * force) * row.pivot[i - 1]
+            if slides:
+                force_above = _slide(phase, hold, row, joints, i - 1, force_above)
         if i + 1 < n:
             opens = row.free_opening[i]
         alpha = row.free_alpha[i] - (row.turn_below[i] * force + row.turn_above[i] * force_above)
@@ -150,10 +182,27 @@ def exact_accelerations(model, phase, motion, joints, hold, room):
         phase.opening_acceleration[i] = opens + (
             (drawn * force_above - drawn_below) + row.sine[i] * (blocks.centroid[i] * alpha - swung_below)
         )
+        if slides:
+            phase.opening_acceleration[i] += 0.5 * phase.slip[i] * (alpha + alpha_below)
+            alpha_below = alpha
         joints.tangential[i] = force
         drawn_below = drawn * force
         swung_below = blocks.upper[i] * alpha
         force = force_above
+
+
+@leaf
+def _slide(phase, hold, row, joints, i, needed):
+    """T of joint i, for which the force that keeps it from sliding is `needed`; how its slip accelerates."""
+    if hold.sliding[i] == 0:
+        phase.slip_acceleration[i] = 0.0
+        phase.friction_power[i] = 0.0
+        if any_of(magnitude(needed - joints.drift[i]) > joints.bearable[i]):
+            hold.overcome[i] = 1
+        return needed
+    phase.slip_acceleration[i] = (row.given[i] - needed) / row.pivot[i]
+    phase.friction_power[i] = hold.sliding[i] * phase.slip_rate[i] * joints.bearable[i]
+    return row.given[i]
 
 
 @kernel
@@ -165,6 +214,7 @@ def exact_top_motion(model, phase, ux, rate, turn=0.0, spin=0.0):
     displacement = 0.0
     velocity = 0.0
     turn_below, spin_below = turn, spin
+    slides = can_slide(model)
     for i in range(model.n - 1, -1, -1):
         height = model.blocks.height[i]
         theta = phase.theta[i] + turn
@@ -175,6 +225,9 @@ def exact_top_motion(model, phase, ux, rate, turn=0.0, spin=0.0):
         displacement += opening * sine_phi + height * sine
         velocity += phase.opening_rate[i] * sine_phi + opening * 0.5 * (omega + spin_below) * cosine_phi
         velocity += height * omega * cosine
+        if slides:
+            displacement += phase.slip[i] * cosine_phi
+            velocity += phase.slip_rate[i] * cosine_phi - phase.slip[i] * 0.5 * (omega + spin_below) * sine_phi
         ux[i] = displacement
         rate[i] = velocity
         turn_below, spin_below = theta, omega

@@ -11,6 +11,7 @@ has left in `work` and evaluate nothing in the exact formulation.
 """
 
 from ..jit import kernel
+from ..joint.sliding import can_slide
 from ..layout import OK
 from ..numbers import sine_cosine
 from .either import evaluate, is_exact
@@ -31,7 +32,12 @@ def base_direction(model, phase, base_turn):
 
 @kernel
 def effective_mass(model, work):
-    """mu, kg: what the column opposes to that acceleration, from the last evaluation; exact formulation."""
+    """mu, kg: what the column opposes to that acceleration, from the last evaluation; exact formulation.
+
+    None where the base joint slides: friction does not follow the acceleration at once.
+    """
+    if can_slide(model) and work.hold.sliding[model.n - 1] != 0:
+        return 0.0
     return elimination(work.room).pivot[model.n - 1]
 
 
@@ -45,6 +51,8 @@ def tangential_gains(model, work, gains):
     n = model.n
     gain = row.pivot[n - 1]
     for i in range(n - 1, -1, -1):
+        if can_slide(model) and work.hold.sliding[i] != 0:
+            gain = 0.0
         gains[i] = gain
         if i > 0:
             gain = -row.coupling[i] * gain * row.pivot[i - 1]

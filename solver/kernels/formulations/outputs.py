@@ -4,14 +4,16 @@ import math
 
 from ..jit import kernel
 from ..joint.law import joint_peak_pressure
+from ..joint.sliding import opening_felt, opening_rate_felt, slip_of
 from ..layout import OK
-from .either import evaluate, is_exact, joint_opening, joint_slope, rotation, top_motion
+from .either import is_exact, joint_opening, joint_slope, rotation, top_motion
+from .slips import evaluate_anew
 
 
 @kernel
 def observe(column, phase, motion, row):
     """Fill an output row with everything visible of a phase, and its accelerations. Returns a code."""
-    code = evaluate(column, phase, motion)
+    code = evaluate_anew(column, phase, motion)
     if code != OK:
         return code
     model, work, joints, base = column.model, column.work, row.joints, row.base
@@ -23,8 +25,9 @@ def observe(column, phase, motion, row):
     for i in range(n - 1, -1, -1):
         turn = rotation(model, phase.theta, i)
         turn_below = rotation(model, phase.theta, i + 1)
-        opening = joint_opening(model, phase.opening, i)
+        opening, opening_rate = joint_opening(model, phase.opening, i), joint_opening(model, phase.opening_rate, i)
         slope, slope_rate = joint_slope(model, phase, i)
+        slip, slip_rate = slip_of(model, phase, i)
         phi = 0.5 * (turn + turn_below) + motion.theta
         sine, cosine = phi, 1.0  # in the first-order model
         if exact:
@@ -33,7 +36,7 @@ def observe(column, phase, motion, row):
         joints.theta[i] = turn + motion.theta
         if exact:
             dip = -2.0 * math.sin(0.5 * (turn + motion.theta)) ** 2  # cos(turn) - 1
-            rise += opening * cosine
+            rise += opening * cosine - slip * sine
             joints.uz[i] = rise + blocks.centroid[i] * dip
             rise += blocks.height[i] * dip
         else:
@@ -48,17 +51,19 @@ def observe(column, phase, motion, row):
             blocks.right[i],
             blocks.stiffness[i],
             blocks.damping[i],
-            opening,
+            opening_felt(opening, slip, slope),
             slope,
-            joint_opening(model, phase.opening_rate, i),
+            opening_rate_felt(opening_rate, slip, slip_rate, slope, slope_rate),
             slope_rate,
         )
+        joints.slip[i] = slip
         if i == n - 1:
             base.Fx = joints.S[i]
             base.Fz = -(normal * cosine - tangential * sine)
             base.My = work.joints.moment[i]
             if exact:
                 base.My = base.My * math.cos(0.5 * (turn - turn_below)) - 0.5 * opening * tangential
+                base.My += 0.5 * slip * normal
     if not exact:
         weight = 0.0
         for i in range(n):

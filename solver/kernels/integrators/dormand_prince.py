@@ -11,7 +11,7 @@ from ..jit import kernel
 from ..layout import OK
 from ..views import packs, packs_of
 from .error import error_in_tolerances
-from .stage import stage
+from .stage import stage, summed
 
 ORDER = 5
 
@@ -39,7 +39,7 @@ def attempt(column, t, h):
     work = column.work
     n = work.n
     one, two, three, four, five = stage(work, 1), stage(work, 2), stage(work, 3), stage(work, 4), stage(work, 5)
-    count = packs(work.start.row, 4 * n)  # coordinates and rates, whose slopes are rates and accelerations
+    count = packs(work.start.row, summed(work))  # coordinates and rates, whose slopes are rates and accelerations
     y, f0 = packs_of(work.start.row), packs_of(work.start.row[2 * n :])
     y1, f1 = packs_of(one.row), packs_of(one.row[2 * n :])
     y2, f2 = packs_of(two.row), packs_of(two.row[2 * n :])

@@ -1,6 +1,7 @@
 """The size of an error: what the step control of every integrator goes by."""
 
 from ..jit import leaf
+from ..joint.sliding import can_slide
 from ..lanes import magnitude, where
 
 
@@ -12,7 +13,7 @@ def _larger(error, part):
 
 @leaf
 def error_in_tolerances(column, difference):
-    """Largest of the 4 n errors of coordinates and rates in a phase, in parts of what is tolerated.
+    """Largest of the errors of coordinates and rates in a phase, in parts of what is tolerated.
 
     Tolerated is the tolerance times the largest rotation so far, or the largest rate, times the size that a coordinate
     has for a unit rotation.
@@ -27,4 +28,8 @@ def error_in_tolerances(column, difference):
         error = _larger(error, magnitude(difference.opening[i]) * open_)
         rate_error = _larger(rate_error, magnitude(difference.theta_rate[i]) * turn)
         rate_error = _larger(rate_error, magnitude(difference.opening_rate[i]) * open_)
+        if can_slide(column.model):
+            slip = column.model.settings.per_slip
+            error = _larger(error, magnitude(difference.slip[i]) * slip)
+            rate_error = _larger(rate_error, magnitude(difference.slip_rate[i]) * slip)
     return _larger(error / (tolerance * control.rotation_scale), rate_error / (tolerance * control.rate_scale))

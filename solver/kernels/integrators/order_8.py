@@ -12,7 +12,7 @@ from ..jit import kernel
 from ..layout import OK
 from ..views import packs, packs_of
 from .error import error_in_tolerances
-from .stage import stage
+from .stage import stage, summed
 
 ORDER = 8
 LEEWAY = 2.0  # the estimate is that of a lower order: how much more than a step's share it may be
@@ -119,7 +119,7 @@ def attempt(column, t, h):
     """One step of h seconds from work.start to work.end; returns (code, error in tolerances)."""
     work = column.work
     n = work.n
-    count = packs(work.start.row, 4 * n)  # coordinates and rates, whose slopes are rates and accelerations
+    count = packs(work.start.row, summed(work))  # coordinates and rates, whose slopes are rates and accelerations
     y, f0 = packs_of(work.start.row), packs_of(work.start.row[2 * n :])
     y1, f1 = packs_of(stage(work, 1).row), packs_of(stage(work, 1).row[2 * n :])
     y2, f2 = packs_of(stage(work, 2).row), packs_of(stage(work, 2).row[2 * n :])

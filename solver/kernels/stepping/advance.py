@@ -8,22 +8,26 @@ import math
 from typing import NamedTuple
 
 from ..formulations.base import anchor_wave, base_motion, ends_soon, enter, smooth_reach, to_next_sample
-from ..formulations.either import evaluate, evaluate_at, is_exact
+from ..formulations.either import evaluate_at, is_exact
 from ..formulations.exact import STILL
+from ..formulations.slips import evaluate_anew, note_directions, phase_size, take_directions
 from ..integrators import modal
 from ..integrators.error import error_in_tolerances
 from ..integrators.stage import stage
 from ..integrators.traits import FIXED, MODES, NONE, UNKNOWN, attempt_by, traits_of
 from ..jit import kernel, leaf, part
+from ..joint.sliding import can_slide
 from ..layout import AUTO, CENTRAL_DIFFERENCE, HAS_OVERTURNED, OK, SLACK, STEP_TOO_SMALL
 from .condition import has_fallen, is_quiet, moment_of_overturning, rests, take_stock, widest_joint
 from .control import accepts, accepts_elastic, elastic_step, general_step
 from .holding import NO_CHANGE, expected_change, first_change, hold, release
 from .interpolation import begin, interpolate_phase, refinement
+from .sliding import NEAR, begin_step, first_slip_change
 from .watch import begin_watching, end_watching, take_held_snapshots, watch_step
 
 WELL_ENOUGH = 1.0  # tolerances: what `refine` adds to an interpolation that will do for the end of a step
 BEYOND = 1e-5  # of a step: so far a step made again ends beyond the change, of which it costs the square
+JUST_BEFORE, JUST_AFTER = 0.98, 1.02  # where a joint is expected to begin or to cease to slide
 LEAST_CUT = 1e-4  # of a step: regimes that change sooner are not held
 LEAST_STEP = 1e-13  # of the time scale: below this the error control has failed
 # what a step may miss of the kinks of a record, in tolerances of a rate times the height of the lowest centroid
@@ -59,7 +63,7 @@ def take_phase(column, motion, phase):
     """
     state = column.state
     n = column.model.n
-    for i in range(6 * n):
+    for i in range(phase_size(column.work)):
         phase.row[i] = state.phase.row[i]
     turn, spin = motion.theta - state.control.base_theta, motion.omega - state.control.base_omega
     if turn != 0.0 or spin != 0.0:
@@ -121,6 +125,8 @@ def plan_general(column, t, left):
     if held:
         hold(column, step)
         step = min(step, expected_change(column, step))
+    if can_slide(column.model):
+        step = min(step, JUST_AFTER * begin_step(column, step))
     begin(column.work, traits.long)
     return Plan(method, step, held)
 
@@ -158,19 +164,29 @@ def judge_step(column, plan, t, code, error):
     counts.unheld = 0
     if counts.elastic_wait > 0:
         counts.elastic_wait -= 1
-    if not held:
+    if not held and not can_slide(column.model):
         return OK, step, False
-    return _end_at_change(column, method, t, step)
+    return _end_at_change(column, plan, t, step)
 
 
 @kernel
-def _end_at_change(column, method, t, step):
-    """Let a held step end where the first joint has left its regime; the joints are let go. Returns as `judge_step`."""
+def _end_at_change(column, plan, t, step):
+    """Let a step end where the first joint leaves its regime, begins or ceases to slide. Returns as `judge_step`.
+
+    The joints are let go.
+    """
     work, counts = column.work, column.counts
-    traits = traits_of(method)
+    traits = traits_of(plan.method)
     first, second, third = traits.inside
     looked_at = (stage(work, first), stage(work, second), stage(work, third))
-    cut = first_change(column, looked_at, traits.nodes, t, step)
+    cut = NO_CHANGE
+    if plan.held:
+        cut = first_change(column, looked_at, traits.nodes, t, step)
+    if can_slide(column.model):
+        slides_at = first_slip_change(column, looked_at, traits.nodes, t, step)
+        if slides_at <= min(cut, 1.0):
+            release(column)
+            return _end_at_slip(column, t, step, max(NEAR, slides_at), traits.long)
     release(column)
     if cut == NO_CHANGE:
         return OK, step, False
@@ -188,6 +204,21 @@ def _end_at_change(column, method, t, step):
 
 
 @kernel
+def _end_at_slip(column, t, step, cut, fine):
+    """Let a step end where a joint begins or ceases to slide. Returns as `judge_step`."""
+    work = column.work
+    if work.interpolation.has_bump == 0.0 or _interpolates_well(column, step, cut):
+        column.counts.events += 1
+        work.slips.change = 1.0
+        return end_within(column, t, step, cut, fine), cut * step, False
+    # a step of its own up to just before: the next one interpolates well at its beginning
+    step *= JUST_BEFORE * cut
+    hold(column, step)
+    begin(work, fine)
+    return OK, step, True
+
+
+@kernel
 def _interpolates_well(column, h, fraction):
     """Whether the interpolation at this fraction of a step of h seconds is as accurate as the step."""
     refinement(column.work, h, fraction)
@@ -199,7 +230,7 @@ def end_within(column, t, h, fraction, fine):
     """Let the step of h seconds end at this fraction of it. Returns a code."""
     work = column.work
     interpolate_phase(work, h, fraction)
-    for i in range(6 * work.n):
+    for i in range(phase_size(work)):
         work.end.row[i] = work.between.row[i]
     begin(work, fine)
     return evaluate_at(column, work.end, t + fraction * h)
@@ -229,9 +260,19 @@ def finish_step(column, watch, t, step):
         step *= fraction
         state.control.overturn_time = t + step
         counts.overturned = widest_joint(model, work.end)
+    note_directions(work, work.end)
     watch_step(column, watch, t, step)
-    for i in range(6 * model.n):
+    for i in range(phase_size(work)):
         work.start.row[i] = work.end.row[i]
+    take_directions(work, work.start)
+    if work.slips.change != 0.0:
+        work.slips.change = 0.0
+        motion = base_motion(column.base, column.samples, t + step)
+        end_watching(column, watch, motion)
+        code = evaluate_anew(column, work.start, motion)
+        if code == OK:
+            begin_watching(column, watch, motion, True)
+        return code, step
     return OK, step
 
 
@@ -257,7 +298,7 @@ def _rest_until(column, watch, t, left):
     """Let a column that rests be, for `left` s."""
     control = column.state.control
     column.counts.resting = 1
-    for i in range(6 * column.model.n):
+    for i in range(phase_size(column.work)):
         column.state.phase.row[i] = column.work.start.row[i]
     keep_base(control, STILL)
     control.time_full += left
@@ -272,17 +313,17 @@ def advance(column, t, h, watch):
     Inputs of the base hold within the call; snapshots take it that the base does not rotate. Snapshots inside are taken
     by interpolation. A column that has overturned keeps its state. On an error the phase in the state is that at t.
     """
-    model, state, counts, base, samples, work = column
-    n = model.n
+    _, state, counts, base, samples, work = column
     if counts.overturned > 0:
         take_held_snapshots(column, watch, t, h)
         return HAS_OVERTURNED
     enter(base, samples, t)
     motion = base_motion(base, samples, t)
     take_phase(column, motion, work.start)
+    take_directions(work, work.start)
     stale = counts.started == 0 or not belongs_to(state.control, motion)
     if stale:
-        code = evaluate(column, work.start, motion)
+        code = evaluate_anew(column, work.start, motion)
         if code != OK:
             return code
         if counts.started == 0:
@@ -325,7 +366,7 @@ def advance(column, t, h, watch):
             if code != OK:
                 return code
 
-    for i in range(6 * n):
+    for i in range(phase_size(work)):
         state.phase.row[i] = work.start.row[i]
     motion = base_motion(base, samples, t + elapsed)
     end_watching(column, watch, motion)
@@ -351,7 +392,7 @@ def _pass_samples(column, watch, t):
     if jump <= ROUNDING * max(abs(motion.ax), abs(motion.az)):
         return OK
     end_watching(column, watch, before)
-    code = evaluate(column, column.work.start, motion)
+    code = evaluate_anew(column, column.work.start, motion)
     if code == OK:
         begin_watching(column, watch, motion, True)
     return code

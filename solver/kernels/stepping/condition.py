@@ -6,6 +6,7 @@ from ..formulations.base import base_rotates, is_silent
 from ..formulations.either import is_exact, rotation
 from ..jit import kernel, leaf
 from ..joint.section import full_stiffness
+from ..joint.sliding import can_slide
 from ..layout import AUTO, NOT_FINITE, OK, REST
 from .interpolation import interpolate_phase
 
@@ -72,6 +73,11 @@ def take_stock(column, phase, h):
             half_width = 0.5 * blocks.width[i]
             turned = max(turned, FLIGHT_PART * opening / half_width)
             spun = max(spun, abs(phase.opening_rate[i]) / half_width)
+        if can_slide(column.model):
+            per_slip = column.model.settings.per_slip
+            turned = max(turned, abs(phase.slip[i]) * per_slip)
+            spun = max(spun, abs(phase.slip_rate[i]) * per_slip)
+            sum_all += phase.slip_acceleration[i]
         length = joints.length[i]
         full = full and length >= blocks.width[i]
         flight = flight or not length > 0.0
@@ -117,6 +123,8 @@ def rests(column, phase):
         weight += settings.gravity * blocks.mass[i]
         settled = -weight / full_stiffness(blocks, i)
         size = blocks.open_size[i]
+        if can_slide(column.model) and (phase.sliding[i] != 0.0 or phase.slip[i] != 0.0):
+            return False  # after a slip the rest is another one
         if abs(phase.theta[i]) > turn or abs(phase.opening[i] - settled) > turn * size:
             return False
         if abs(phase.theta_rate[i]) > spin or abs(phase.opening_rate[i]) > spin * size:

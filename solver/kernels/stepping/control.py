@@ -7,6 +7,7 @@ from ..formulations.either import is_exact
 from ..integrators import modal
 from ..integrators.traits import LINEARLY_IMPLICIT, ORDER_5, ORDER_8, traits_of
 from ..jit import kernel, leaf
+from ..joint.sliding import can_slide
 from ..layout import IMPLICIT, OK, SLACK
 
 SAFETY = 0.9
@@ -67,7 +68,7 @@ def general_step(column, left):
     if not is_exact(column.model):
         return ORDER_5, step
     explicit = ORDER_8 if column.model.settings.explicit_order == 8.0 else ORDER_5
-    if int(column.model.settings.without) & IMPLICIT:
+    if int(column.model.settings.without) & IMPLICIT or can_slide(column.model):
         return explicit, step
     worth = 0.5 if explicit == ORDER_8 else 1.0
     if counts.implicit == 1:

@@ -6,14 +6,17 @@ joints cannot be had that cheaply; how far they stray from their ends follows fr
 lie, the step is evaluated at the ends of its pieces, and parabolas lead to the extremes of each quantity: until they
 promise no more than a part of the tolerance.
 
-Rotations count as small in what is estimated, never in what is kept.
+Rotations count as small in what is estimated, never in what is kept. Where joints can slide nothing is estimated: all
+steps are looked into.
 """
 
 from ..formulations.base import base_motion, base_turn
 from ..formulations.either import is_exact, joint_opening, rotation
 from ..formulations.outputs import observe
+from ..formulations.slips import phase_size
 from ..jit import kernel, leaf
 from ..joint.law import resultants
+from ..joint.sliding import can_slide
 from ..layout import COUNTS_FROM, OK, PEAKS, PIECES, ROW
 from .interpolation import interpolate_phase, refine
 
@@ -187,6 +190,15 @@ def _shears_beyond(column, stray):
 
 
 @kernel
+def _beyond_peaks(column, turn_middle, turn_end, h):
+    """How anything visible passes its peak in the step of h seconds."""
+    found, stray = _pressures_beyond(column, h, turn_middle, turn_end)
+    found |= _shears_beyond(column, stray)
+    column.work.watched.rises = 1.0 if found & RISES else 0.0
+    return found
+
+
+@kernel
 def begin_extremes(column, motion, evaluated):
     """Note the start of a step that does not begin where the last one has ended, and raise the peaks by it.
 
@@ -214,7 +226,7 @@ def begin_extremes(column, motion, evaluated):
         rise += opening + blocks.height[i] * dip
         turn, spin = turned, spun
     carried = 0.0
-    new = peaks.joints.N[n - 1] == 0.0  # the first of all
+    new = peaks.joints.N[n - 1] == 0.0 or (evaluated and can_slide(model))  # the first of all, or not noted
     for i in range(n):
         carried += model.settings.gravity * blocks.mass[i]
         notes.counts[i] = COUNTS_FROM * carried
@@ -241,7 +253,7 @@ def end_extremes(column, motion):
 @kernel
 def _take_start(column, motion):
     work = column.work
-    for i in range(6 * work.n):
+    for i in range(phase_size(work)):
         work.between.row[i] = work.start.row[i]
     _take(column, motion, work.seen)
 
@@ -268,7 +280,10 @@ def _take(column, motion, seen):
 @kernel
 def _look(column, t, h, s, seen):
     """`_take` at fraction s of the step from t to t + h."""
-    interpolate_phase(column.work, h, s)
+    work = column.work
+    interpolate_phase(work, h, s)
+    for i in range(int(work.slips.count)):  # the joints slide as they did in the step
+        work.between.sliding[i] = work.end.sliding[i]
     _take(column, base_motion(column.base, column.samples, t + s * h), seen)
 
 
@@ -339,9 +354,10 @@ def _cross(column, t, h, i, weight, lo, f_lo, hi, f_hi):
 def track_extremes(column, t, h):
     """Raise the peaks by the step just made from t to t + h; work.joints holds the resultants of its end."""
     base = column.base
-    found, stray = _pressures_beyond(column, h, base_turn(base, t + 0.5 * h), base_turn(base, t + h))
-    found |= _shears_beyond(column, stray)
-    column.work.watched.rises = 1.0 if found & RISES else 0.0
+    if can_slide(column.model):  # the estimates know nothing of slips
+        found, column.work.watched.rises = TURNS, 0.0
+    else:
+        found = _beyond_peaks(column, base_turn(base, t + 0.5 * h), base_turn(base, t + h), h)
     if not found & TURNS:
         return
     model, work, peaks = column.model, column.work, column.state.peaks

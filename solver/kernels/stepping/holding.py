@@ -5,10 +5,13 @@ comes down. A step that is held in the regimes of its start has smooth equations
 the integrator and the interpolation inside the step hold up to the moment of the change, where it is cut off.
 """
 
+from typing import NamedTuple
+
 from ..jit import kernel, leaf
 from ..joint.regimes import ANY, contact_regime, regime_margin
+from ..joint.sliding import can_slide, opening_felt, opening_rate_felt, slip_of
 from ..numbers import sine_cosine
-from .interpolation import quintic_of, refine, value_of
+from .interpolation import Quintic, quintic_of, quintic_through, refine, slips_of, value_of
 
 NO_CHANGE = 2.0  # a fraction of the step that is never reached
 AHEAD = 1e-7  # of the step: at the very moment of a change the regime is that of so much later
@@ -23,6 +26,7 @@ AFTER = 0.01  # and by this part of the one proposed
 def hold(column, h):
     """Hold every joint in the regime in which a step of h seconds begins."""
     blocks, start, rows = column.model.blocks, column.work.start, column.work.hold
+    slides = can_slide(column.model)
     ahead = AHEAD * h
     turn_below = 0.0
     spin_below = 0.0
@@ -33,6 +37,11 @@ def hold(column, h):
         opening_rate = start.opening_rate[i] + ahead * start.opening_acceleration[i]
         sine, cosine = sine_cosine(0.5 * (turn - turn_below))
         slope_rate = cosine * (spin - spin_below)
+        if slides:
+            slip = start.slip[i] + ahead * start.slip_rate[i]
+            slip_rate = start.slip_rate[i] + ahead * start.slip_acceleration[i]
+            opening = opening_felt(opening, slip, 2.0 * sine)
+            opening_rate = opening_rate_felt(opening_rate, slip, slip_rate, 2.0 * sine, slope_rate)
         regime = contact_regime(
             blocks.left[i], blocks.right[i], blocks.damping[i], opening, 2.0 * sine, opening_rate, slope_rate
         )
@@ -51,13 +60,14 @@ def release(column):
 
 
 @leaf
-def _margin(model, i, regime, turn, opening, spin, opening_rate):
+def _margin(model, i, regime, turn, opening, slip, spin, opening_rate, slip_rate):
     """How far joint i, turned by so much, is from leaving a regime, m."""
     sine, cosine = sine_cosine(0.5 * turn)
+    slope, slope_rate = 2.0 * sine, cosine * spin
+    felt = opening_felt(opening, slip, slope)
+    felt_rate = opening_rate_felt(opening_rate, slip, slip_rate, slope, slope_rate)
     blocks = model.blocks
-    return regime_margin(
-        regime, blocks.left[i], blocks.right[i], blocks.damping[i], opening, 2.0 * sine, opening_rate, cosine * spin
-    )
+    return regime_margin(regime, blocks.left[i], blocks.right[i], blocks.damping[i], felt, slope, felt_rate, slope_rate)
 
 
 @leaf
@@ -70,7 +80,8 @@ def _stays(model, phase, i, regime):
     """Whether joint i is in this regime at a phase."""
     turn = _less_below(phase.theta, i, model.n)
     spin = _less_below(phase.theta_rate, i, model.n)
-    return _margin(model, i, regime, turn, phase.opening[i], spin, phase.opening_rate[i]) >= 0.0
+    slip, slip_rate = slip_of(model, phase, i)
+    return _margin(model, i, regime, turn, phase.opening[i], slip, spin, phase.opening_rate[i], slip_rate) >= 0.0
 
 
 @kernel
@@ -82,7 +93,12 @@ def _margin_ahead(model, start, i, regime, s):
     opening, opening_rate, rate_of_rate = start.opening[i], start.opening_rate[i], start.opening_acceleration[i]
     turn += s * (spin + 0.5 * s * spin_rate)
     opening += s * (opening_rate + 0.5 * s * rate_of_rate)
-    return _margin(model, i, regime, turn, opening, spin + s * spin_rate, opening_rate + s * rate_of_rate)
+    slip, slip_rate = slip_of(model, start, i)
+    if can_slide(model):
+        slip += s * (slip_rate + 0.5 * s * start.slip_acceleration[i])
+        slip_rate += s * start.slip_acceleration[i]
+    spin += s * spin_rate
+    return _margin(model, i, regime, turn, opening, slip, spin, opening_rate + s * rate_of_rate, slip_rate)
 
 
 @kernel
@@ -117,25 +133,44 @@ def expected_change(column, h):
     return min(h, OVERSHOOT * first + AFTER * h)
 
 
+class Course(NamedTuple):
+    """How a joint moves within a step."""
+
+    turn: Quintic
+    opening: Quintic
+    slip: Quintic
+
+
 @leaf
-def _margin_within(model, i, regime, turn, opening, s):
-    """The margin of joint i at fraction s of the step, from the courses of its rotation and opening."""
-    q, v = value_of(turn, s)
-    o, o_rate = value_of(opening, s)
-    return _margin(model, i, regime, q, o, v, o_rate)
+def _course_of(column, i, h):
+    """The course of joint i."""
+    work, n = column.work, column.model.n
+    slip = quintic_through(h, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    if can_slide(column.model):
+        slip = quintic_of(work, slips_of(work)[0] + i, -1, h)
+    return Course(quintic_of(work, i, i + 1 if i + 1 < n else -1, h), quintic_of(work, n + i, -1, h), slip)
+
+
+@leaf
+def _margin_within(model, i, regime, course, s):
+    """The margin of joint i at fraction s of the step."""
+    q, v = value_of(course.turn, s)
+    o, o_rate = value_of(course.opening, s)
+    slip, slip_rate = value_of(course.slip, s)
+    return _margin(model, i, regime, q, o, slip, v, o_rate, slip_rate)
 
 
 @kernel
-def _end_of_regime(model, i, regime, turn, opening, lo, hi):
+def _end_of_regime(model, i, regime, course, lo, hi):
     """Fraction of the step, after lo, where the margin of joint i is spent; it is at hi.
 
     The false position with halved weights (M. Dowell, P. Jarratt, BIT 11 (1971) 168-174, the Illinois algorithm).
     """
-    at_lo = _margin_within(model, i, regime, turn, opening, lo)
+    at_lo = _margin_within(model, i, regime, course, lo)
     if at_lo < 0.0:
         lo = 0.0
-        at_lo = max(0.0, _margin_within(model, i, regime, turn, opening, lo))
-    at_hi = _margin_within(model, i, regime, turn, opening, hi)
+        at_lo = max(0.0, _margin_within(model, i, regime, course, lo))
+    at_hi = _margin_within(model, i, regime, course, hi)
     side = 0
     for _ in range(MOST_TRIALS):
         if hi - lo <= CLOSE_ENOUGH:
@@ -143,7 +178,7 @@ def _end_of_regime(model, i, regime, turn, opening, lo, hi):
         trial = (lo * at_hi - hi * at_lo) / (at_hi - at_lo)
         if not lo < trial < hi:
             trial = 0.5 * (lo + hi)
-        at_trial = _margin_within(model, i, regime, turn, opening, trial)
+        at_trial = _margin_within(model, i, regime, course, trial)
         if at_trial < 0.0:
             hi, at_hi = trial, at_trial
             if side == 1:
@@ -176,10 +211,9 @@ def first_change(column, looked_at, nodes, t, h):
 
     looked_at: three phases inside the step, at the fractions `nodes`, for joints that leave and come back.
     """
-    model, work, rows = column.model, column.work, column.work.hold
-    n = model.n
+    model, rows = column.model, column.work.hold
     first = NO_CHANGE
-    for i in range(n):
+    for i in range(model.n):
         if rows.outside[i] == 0:
             continue
         regime = rows.regime[i]
@@ -187,12 +221,11 @@ def first_change(column, looked_at, nodes, t, h):
         if hi == NO_CHANGE or lo >= first:
             continue
         refine(column, t, h)
-        turn = quintic_of(work, i, i + 1 if i + 1 < n else -1, h)
-        opening = quintic_of(work, n + i, -1, h)
-        if hi < 1.0 and _margin_within(model, i, regime, turn, opening, hi) >= 0.0:
+        course = _course_of(column, i, h)
+        if hi < 1.0 and _margin_within(model, i, regime, course, hi) >= 0.0:
             # a stage is less accurate than the step
-            if _margin_within(model, i, regime, turn, opening, 1.0) >= 0.0:
+            if _margin_within(model, i, regime, course, 1.0) >= 0.0:
                 continue
             lo, hi = hi, 1.0
-        first = min(first, _end_of_regime(model, i, regime, turn, opening, lo, hi))
+        first = min(first, _end_of_regime(model, i, regime, course, lo, hi))
     return first

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from ..formulations.either import evaluate_at
 from ..jit import kernel, leaf
-from ..layout import OK
+from ..layout import OK, RIGID_FIELDS
 
 
 class Quintic(NamedTuple):
@@ -60,11 +60,24 @@ def _difference(row, i, less):
 
 
 @leaf
+def slips_of(work):
+    """The places in a phase of the slips that move: (first, behind the last)."""
+    first = RIGID_FIELDS * work.n
+    return first, first + int(work.slips.count)
+
+
+@leaf
+def bump_of(work, i):
+    """The place of the bump of the coordinate at place i of a phase."""
+    return i if i < 2 * work.n else i - 4 * work.n
+
+
+@leaf
 def quintic_of(work, i, less, h):
-    """The course of coordinate i (of 2 n) in the step of h seconds, less that of coordinate `less`, -1: of none."""
+    """The course of the coordinate at place i in the step of h seconds, less that at place `less`, -1: of none."""
     size = 2 * work.n
     start, end = work.start.row, work.end.row
-    bump = _difference(work.bump, i, less) if work.interpolation.has_bump != 0.0 else 0.0
+    bump = _difference(work.bump, bump_of(work, i), less) if work.interpolation.has_bump != 0.0 else 0.0
     return quintic_through(
         h,
         _difference(start, i, less),
@@ -79,13 +92,13 @@ def quintic_of(work, i, less, h):
 
 @leaf
 def interpolate_one(work, i, h, s):
-    """Coordinate i (of 2 n) and its rate at fraction s of the step of h seconds."""
+    """The coordinate at place i and its rate at fraction s of the step of h seconds."""
     return value_of(quintic_of(work, i, -1, h), s)
 
 
 @leaf
 def interpolate_acceleration(work, i, s):
-    """A guess of acceleration i at fraction s of the step: on the line between its ends."""
+    """A guess of the acceleration of the coordinate at place i at fraction s of the step: on a line from end to end."""
     place = 4 * work.n + i
     return (1.0 - s) * work.start.row[place] + s * work.end.row[place]
 
@@ -98,6 +111,19 @@ def interpolate_phase(work, h, fraction):
     for i in range(size):
         between[i], between[size + i] = interpolate_one(work, i, h, fraction)
         between[2 * size + i] = interpolate_acceleration(work, i, fraction)
+    first, end = slips_of(work)
+    for i in range(first, end):
+        between[i], between[size + i] = interpolate_one(work, i, h, fraction)
+        between[work.n + i] = _spent(work, i + work.n, h, fraction)
+
+
+@leaf
+def _spent(work, i, h, s):
+    """The friction work at place i at fraction s of the step: the cubic through it and its rates at both ends."""
+    size = 2 * work.n
+    start, end = work.start.row, work.end.row
+    rise, p0, p1 = end[i] - start[i], h * start[size + i], h * end[size + i]
+    return start[i] + s * (p0 + s * ((3.0 * rise - 2.0 * p0 - p1) + s * (p0 + p1 - 2.0 * rise)))
 
 
 @leaf
@@ -105,6 +131,16 @@ def begin(work, fine):
     """Begin with the quintic alone; `fine` says whether `refine` shall improve on it where the step is looked into."""
     work.interpolation.has_bump = 0.0
     work.interpolation.wants_bump = 1.0 if fine else 0.0
+
+
+@leaf
+def _add_bump(work, i, h):
+    """The bump of the coordinate at place i; its acceleration half-way is in work.between."""
+    size = 2 * work.n
+    v0, a0 = work.start.row[size + i], work.start.row[2 * size + i]
+    v1, a1 = work.end.row[size + i], work.end.row[2 * size + i]
+    quintic = 1.5 * h * (v1 - v0) - 0.25 * h * h * (a0 + a1)  # its second derivative half-way, times h^2
+    work.bump[bump_of(work, i)] = -8.0 / 3.0 * (h * h * work.between.row[2 * size + i] - quintic)
 
 
 @kernel
@@ -115,14 +151,13 @@ def refine(column, t, h):
         return OK
     work.interpolation.wants_bump = 0.0
     size = 2 * work.n
-    start, end, between = work.start.row, work.end.row, work.between.row
     interpolate_phase(work, h, 0.5)
     code = evaluate_at(column, work.between, t + 0.5 * h)
     for i in range(size):
-        v0, a0 = start[size + i], start[2 * size + i]
-        v1, a1 = end[size + i], end[2 * size + i]
-        quintic = 1.5 * h * (v1 - v0) - 0.25 * h * h * (a0 + a1)  # its second derivative half-way, times h^2
-        work.bump[i] = -8.0 / 3.0 * (h * h * between[2 * size + i] - quintic)
+        _add_bump(work, i, h)
+    first, behind = slips_of(work)
+    for i in range(first, behind):
+        _add_bump(work, i, h)
     work.interpolation.has_bump = 1.0
     return code
 
@@ -133,10 +168,12 @@ def refinement(work, h, s):
     size = 2 * work.n
     between = work.between.row
     hill = s * (1.0 - s)
-    for i in range(size):
+    first, behind = slips_of(work)
+    for i in range(size + behind - first):
+        place = i if i < size else first + i - size
         bump = work.bump[i] if work.interpolation.has_bump != 0.0 else 0.0
-        between[i] = bump * hill * hill * hill
-        between[size + i] = bump * 3.0 * hill * hill * (1.0 - 2.0 * s) / h
+        between[place] = bump * hill * hill * hill
+        between[size + place] = bump * 3.0 * hill * hill * (1.0 - 2.0 * s) / h
 
 
 @kernel

@@ -7,10 +7,12 @@ from typing import NamedTuple
 
 from ..formulations.base import base_motion, base_rotates, base_spin, base_turn
 from ..formulations.either import is_exact, reach_of, top_motion
+from ..formulations.slips import note_directions, phase_size, take_directions
 from ..jit import kernel, leaf
+from ..joint.sliding import can_slide
 from ..layout import EXTREMES, SLACK, SNAPSHOT
 from .extremes import begin_extremes, end_extremes, track_extremes
-from .interpolation import interpolate_acceleration, interpolate_one, interpolate_phase, refine, turning_point
+from .interpolation import interpolate_acceleration, interpolate_one, interpolate_phase, refine, slips_of, turning_point
 
 _snapshot = SNAPSHOT.over
 SNAPSHOT_SIZE = SNAPSHOT.per_n
@@ -44,6 +46,7 @@ def begin_watching(column, watch, motion, evaluated):
     if _keeps_all(column, watch):
         evaluations, sweeps = column.counts.evaluations, column.counts.sweeps
         begin_extremes(column, motion, evaluated)
+        take_directions(work, work.start)
         _count_looks(column.counts, evaluations, sweeps)
 
 
@@ -53,6 +56,7 @@ def end_watching(column, watch, motion):
     if _keeps_all(column, watch):
         evaluations, sweeps = column.counts.evaluations, column.counts.sweeps
         end_extremes(column, motion)
+        take_directions(column.work, column.work.start)
         _count_looks(column.counts, evaluations, sweeps)
 
 
@@ -64,6 +68,7 @@ def watch_step(column, watch, t, h):
     evaluations, sweeps = column.counts.evaluations, column.counts.sweeps
     if _keeps_all(column, watch):  # first: it needs the resultants of the end of the step
         track_extremes(column, t, h)
+        take_directions(column.work, column.work.end)
     if watch.peaks:
         track_peaks(column, t, h)
     take_snapshots(column, watch, t, h)
@@ -89,6 +94,8 @@ def track_peaks(column, t, h):
     for i in range(n - 1, -1, -1):
         reach += reach_of(model, end.theta, end.opening, i)
         reach += h * reach_of(model, end.theta_rate, end.opening_rate, i)
+        if can_slide(model):
+            reach += abs(end.slip[i]) + h * abs(end.slip_rate[i])
         passed = passed or reach > peaks[i]
     if not passed:
         return
@@ -137,6 +144,10 @@ def take_snapshots(column, watch, t, h):
             kept[i], kept[2 * n + i] = interpolate_one(work, i, h, fraction)
             if guess:
                 kept[4 * n + i] = interpolate_acceleration(work, i, fraction)
+        first, behind = slips_of(work)
+        for i in range(first, behind):
+            kept[i], kept[2 * n + i] = interpolate_one(work, i, h, fraction)
+        note_directions(work, snapshot.phase)
         motion = base_motion(column.base, column.samples, t + fraction * h)
         snapshot.base.ax = motion.ax
         snapshot.base.az = motion.az
@@ -150,7 +161,7 @@ def take_held_snapshots(column, watch, t, h):
     n = column.model.n
     while row_due(counts, watch, t, h):
         snapshot = _next_snapshot(counts, watch, n)
-        for i in range(6 * n):
+        for i in range(phase_size(column.work)):
             snapshot.phase.row[i] = state.phase.row[i]
         snapshot.base.ax = state.control.base_ax
         snapshot.base.az = state.control.base_az

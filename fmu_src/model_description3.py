@@ -1,0 +1,172 @@
+"""From the table of variables to the XML of an FMI 3.0 model description, and the terminals of either standard.
+
+What every block or joint has is one array here: block[1].ux, block[2].ux ... are block.ux, under the value reference of
+the first.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Mapping
+from xml.etree.ElementTree import Element, SubElement
+
+from .model_description import (
+    AUTHOR,
+    DISPLAY_UNITS,
+    LICENCE,
+    LOG_CATEGORIES,
+    UNITS,
+    Experiment,
+    date,
+    shown,
+)
+from .variables import ROLES, Variable, array_of
+
+TIME_REFERENCE = 0
+KINDS = {
+    "Real": "Float64",
+    "Integer": "Int64",
+    "Boolean": "Boolean",
+    "String": "String",
+    "Enumeration": "Enumeration",
+}
+TERMINAL = "base"  # motion in, reaction and effective mass out
+
+
+def model_description3(
+    name: str,
+    token: str,
+    description: str,
+    version: str,
+    table: list[Variable],
+    experiment: Experiment,
+    flags: Mapping[str, bool | int],
+    tool: str,
+    followed: Collection[str] = (),
+) -> Element:
+    """The root element; followed: inputs that may be given within a step (intermediate update)."""
+    arrays = grouped(table)
+    root = Element(
+        "fmiModelDescription",
+        fmiVersion="3.0",
+        modelName=name,
+        instantiationToken=token,
+        description=description,
+        version=version,
+        author=AUTHOR,
+        license=LICENCE,
+        generationDateAndTime=date(),
+        generationTool=tool,
+        variableNamingConvention="structured",
+    )
+    SubElement(root, "CoSimulation", {"modelIdentifier": name, **{key: shown(flag) for key, flag in flags.items()}})
+    _units(root, table)
+    choices = {variable.choice.name: variable.choice for variable in table if variable.choice}
+    if choices:
+        types = SubElement(root, "TypeDefinitions")
+        for choice in choices.values():
+            enumeration = SubElement(types, "EnumerationType", name=choice.name)
+            for word, number in choice.items.items():
+                SubElement(enumeration, "Item", name=word, value=shown(number), description=choice.meanings[word])
+    categories = SubElement(root, "LogCategories")
+    for category, text in LOG_CATEGORIES.items():
+        SubElement(categories, "Category", name=category, description=text)
+    limits = {"startTime": experiment.start, "stopTime": experiment.stop, "stepSize": experiment.step}
+    SubElement(root, "DefaultExperiment", {key: shown(value) for key, value in limits.items()})
+    listed = SubElement(root, "ModelVariables")
+    time = {"name": "time", "valueReference": str(TIME_REFERENCE), "causality": "independent"}
+    SubElement(listed, "Float64", {**time, "variability": "continuous", "description": "Time", "unit": "s"})
+    for own, elements in arrays.items():
+        listed.append(_variable(own, elements, own in followed))
+    root.append(_structure(arrays))
+    return root
+
+
+def grouped(table: list[Variable]) -> dict[str, list[Variable]]:
+    """Name in FMI 3.0 -> the variable, or the elements of the array in their order. Inputs, outputs, parameters."""
+    arrays: dict[str, list[Variable]] = {}
+    for variable in sorted(table, key=lambda variable: ROLES.index(variable.causality)):
+        arrays.setdefault(array_of(variable.name) or variable.name, []).append(variable)
+    return arrays
+
+
+def _units(root: Element, table: list[Variable]) -> None:
+    units = SubElement(root, "UnitDefinitions")
+    for unit in sorted({variable.unit for variable in table if variable.unit} | {"s"}):
+        element = SubElement(units, "Unit", name=unit)
+        SubElement(element, "BaseUnit", {base: str(power) for base, power in UNITS[unit].items()})
+        if unit in DISPLAY_UNITS:
+            display, factor = DISPLAY_UNITS[unit]
+            SubElement(element, "DisplayUnit", name=display, factor=shown(factor))
+
+
+def _variable(name: str, elements: list[Variable], followed: bool) -> Element:
+    """One variable; an array has the limits that all its elements have."""
+    first = elements[0]
+    is_array = bool(array_of(first.name))
+    words = {
+        "name": name,
+        "valueReference": str(first.reference),
+        "description": re.sub(r"\b(block|joint) 1\b", r"\1 i", first.description) if is_array else first.description,
+        "causality": first.causality,
+        "variability": first.variability,
+    }
+    initial = {"parameter": "exact", "output": "calculated"}.get(first.causality)
+    if initial:
+        words["initial"] = initial
+    if followed:
+        words["intermediateUpdate"] = "true"
+    element = Element(KINDS[first.kind], words)
+    nominals = [item.nominal for item in elements if item.nominal is not None]
+    attributes = {
+        "declaredType": first.choice.name if first.choice else None,
+        "unit": first.unit or None,
+        "displayUnit": DISPLAY_UNITS[first.unit][0] if first.unit in DISPLAY_UNITS else None,
+        "min": first.minimum,
+        "max": first.maximum,
+        "nominal": max(nominals) if nominals else None,
+    }
+    element.attrib |= {key: shown(value) for key, value in attributes.items() if value is not None}
+    if is_array:
+        SubElement(element, "Dimension", start=str(len(elements)))
+    if first.kind == "String":
+        for item in elements:
+            SubElement(element, "Start", value=str(item.start or ""))
+    elif first.start is not None:
+        element.set("start", " ".join(shown(item.start) for item in elements if item.start is not None))
+    return element
+
+
+def _structure(arrays: dict[str, list[Variable]]) -> Element:
+    """Outputs and what initialization calculates, with what their elements follow."""
+    references = {item.name: elements[0].reference for elements in arrays.values() for item in elements}
+
+    def listed(names: Collection[str]) -> str:
+        return " ".join(map(str, dict.fromkeys(references[name] for name in names)))
+
+    structure = Element("ModelStructure")
+    outputs = [elements for elements in arrays.values() if elements[0].causality == "output"]
+    for elements in outputs:
+        direct = [name for item in elements for name in item.depends_on]
+        reference = str(elements[0].reference)
+        SubElement(structure, "Output", valueReference=reference, dependencies=listed(direct))
+    for elements in outputs:
+        initial = {}
+        if all(item.initially is not None for item in elements):
+            initial["dependencies"] = listed([name for item in elements for name in item.initially or ()])
+        SubElement(structure, "InitialUnknown", {"valueReference": str(elements[0].reference), **initial})
+    return structure
+
+
+def terminals(table: list[Variable]) -> Element:
+    """The port at the base, so that its signals connect as one: motion in, reaction and effective mass out."""
+    root = Element("fmiTerminalsAndIcons", fmiVersion="3.0")
+    words = {"name": TERMINAL, "matchingRule": "plug", "terminalKind": "org.multiblock-fmu.base"}
+    words["description"] = "Motion of the base in; split reaction R0 and effective mass of the column out"
+    terminal = SubElement(SubElement(root, "Terminals"), "Terminal", words)
+    for variable in table:
+        owner, _, member = variable.name.partition(".")
+        if owner == TERMINAL and (variable.causality == "input" or re.fullmatch("R0[xzm]|m[xzt][xzt]", member)):
+            kind = {"variableName": variable.name, "memberName": member, "variableKind": "signal"}
+            SubElement(terminal, "TerminalMemberVariable", kind)
+    return root

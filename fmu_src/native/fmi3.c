@@ -1,0 +1,436 @@
+/* The face of FMI 3.0 for co-simulation: its calls, names and statuses around core.h. Nothing is decided here but what
+   the standard alone asks for: arrays, the time as a variable, and inputs that are followed within a step. */
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "core.h"
+#include "fmi3Functions.h"
+
+enum { TIME = 0 }; /* TIME: the value reference of the independent variable */
+enum { MOST_FOLLOWED = 8 };
+
+typedef struct {
+    Instance *column;
+    fmi3LogMessageCallback logger;
+    fmi3IntermediateUpdateCallback update;
+    fmi3InstanceEnvironment environment;
+    int logging;
+    size_t followed; /* inputs that the importer gives within a step, and their slopes */
+    Reference inputs[MOST_FOLLOWED], slopes[MOST_FOLLOWED];
+    Reference list[]; /* core_most() of them: a list of references with arrays written out */
+} Face;
+
+_Static_assert(sizeof(fmi3ValueReference) == sizeof(Reference) && sizeof(fmi3Float64) == sizeof(double) &&
+                   sizeof(fmi3Int32) == sizeof(int),
+               "the types of FMI 3.0 are those of the core");
+_Static_assert((int)ST_OK == fmi3OK && (int)ST_WARNING == fmi3Warning && (int)ST_DISCARD == fmi3Discard &&
+                   (int)ST_ERROR == fmi3Error,
+               "the statuses of FMI 3.0 are those of the core");
+
+static void tell(void *host, Status status, const char *text) {
+    static const char *const categories[] = {[ST_OK] = "logAll", [ST_WARNING] = "logStatusWarning",
+                                             [ST_DISCARD] = "logStatusDiscard", [ST_ERROR] = "logStatusError"};
+    const Face *face = host;
+    if (face->logger && (status != ST_OK || face->logging))
+        face->logger(face->environment, (fmi3Status)status, categories[status], text);
+}
+
+static fmi3Status refuse(const Face *face, const char *format, unsigned number) {
+    if (face) core_say(face->column, ST_ERROR, format, number);
+    return fmi3Error;
+}
+
+/* What a call answers: the instance is there, and the core does what it is asked. */
+#define ANSWER(call)                                                                                                   \
+    Face *face = instance;                                                                                             \
+    return face ? (fmi3Status)(call) : fmi3Error
+
+/* --- life */
+
+FMI3_Export const char *fmi3GetVersion(void) { return fmi3Version; }
+
+static const char *follow(Face *face, const fmi3ValueReference references[], size_t count) {
+    if (count > MOST_FOLLOWED) return "too many variables are to be given within a step";
+    for (size_t k = 0; k < count; k++) {
+        face->inputs[k] = references[k];
+        if (!core_line(references[k], &face->slopes[k])) return "a variable cannot be given within a step";
+    }
+    face->followed = count;
+    return NULL;
+}
+
+FMI3_Export fmi3Instance fmi3InstantiateCoSimulation(
+    fmi3String name, fmi3String token, fmi3String resources, fmi3Boolean visible, fmi3Boolean logging,
+    fmi3Boolean event_mode, fmi3Boolean early_return, const fmi3ValueReference required[], size_t required_count,
+    fmi3InstanceEnvironment environment, fmi3LogMessageCallback logger, fmi3IntermediateUpdateCallback update) {
+    (void)resources, (void)visible, (void)early_return;
+    Face *face = calloc(1, sizeof *face + core_most() * sizeof *face->list);
+    if (!face) return NULL;
+    face->logger = logger;
+    face->update = update;
+    face->environment = environment;
+    face->logging = logging;
+    const char *fault = NULL;
+    if (!name || !*name) fault = "the instance needs a name";
+    else if (!token || strcmp(token, core_identity))
+        fault = "the instantiation token is not that of this FMU: binary and model description differ";
+    else if (event_mode) fault = "has no event mode";
+    else if (update && (fault = follow(face, required, required_count))) (void)fault;
+    else if (!(face->column = core_new(tell, face))) fault = "out of memory";
+    if (!fault) return face;
+    tell(face, ST_ERROR, fault);
+    free(face);
+    return NULL;
+}
+
+FMI3_Export void fmi3FreeInstance(fmi3Instance instance) {
+    Face *face = instance;
+    if (face) core_free(face->column);
+    free(face);
+}
+
+FMI3_Export fmi3Status fmi3SetDebugLogging(fmi3Instance instance, fmi3Boolean on, size_t count,
+                                           const fmi3String categories[]) {
+    Face *face = instance;
+    (void)count, (void)categories;
+    if (!face) return fmi3Error;
+    face->logging = on;
+    return fmi3OK;
+}
+
+FMI3_Export fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Boolean has_tolerance,
+                                                   fmi3Float64 tolerance, fmi3Float64 start, fmi3Boolean has_stop,
+                                                   fmi3Float64 stop) {
+    Face *face = instance;
+    (void)has_stop, (void)stop;
+    if (!face || core_set_up(face->column, start) != ST_OK) return fmi3Error;
+    if (has_tolerance) core_note_tolerance(face->column, tolerance);
+    return (fmi3Status)core_enter_initialization(face->column);
+}
+
+FMI3_Export fmi3Status fmi3ExitInitializationMode(fmi3Instance instance) {
+    ANSWER(core_exit_initialization(face->column));
+}
+
+FMI3_Export fmi3Status fmi3Terminate(fmi3Instance instance) { ANSWER(core_terminate(face->column)); }
+
+FMI3_Export fmi3Status fmi3Reset(fmi3Instance instance) { ANSWER((core_reset(face->column), ST_OK)); }
+
+/* --- variables: an array stands for its elements, which the core knows one by one */
+
+/* Write out arrays into the face's list: how many elements, or 0 and a reason. They are no more than `room`. */
+static size_t written_out(Face *face, const fmi3ValueReference references[], size_t count, size_t room) {
+    size_t elements = 0;
+    for (size_t k = 0; k < count; k++) {
+        size_t extent = core_extent(references[k]);
+        if (!extent) return refuse(face, "value reference %u: is not that of a variable", references[k]), 0;
+        if (elements + extent > room || elements + extent > core_most())
+            return refuse(face, "value reference %u: there are not enough values", references[k]), 0;
+        for (size_t i = 0; i < extent; i++) face->list[elements++] = references[k] + (Reference)i;
+    }
+    if (elements != room) return refuse(face, "%u values are too many", (unsigned)room), 0;
+    return elements;
+}
+
+FMI3_Export fmi3Status fmi3GetFloat64(fmi3Instance instance, const fmi3ValueReference references[], size_t count,
+                                      fmi3Float64 values[], size_t value_count) {
+    Face *face = instance;
+    if (!face) return fmi3Error;
+    if (!count) return fmi3OK;
+    if (references[0] == TIME) { /* importers ask for it by itself or first */
+        if (!value_count) return refuse(face, "value reference %u: there are not enough values", TIME);
+        values[0] = core_time(face->column);
+        return fmi3GetFloat64(instance, references + 1, count - 1, values + 1, value_count - 1);
+    }
+    size_t elements = written_out(face, references, count, value_count);
+    return elements ? (fmi3Status)core_get_reals(face->column, face->list, elements, values) : fmi3Error;
+}
+
+FMI3_Export fmi3Status fmi3SetFloat64(fmi3Instance instance, const fmi3ValueReference references[], size_t count,
+                                      const fmi3Float64 values[], size_t value_count) {
+    Face *face = instance;
+    if (!face) return fmi3Error;
+    if (!count) return fmi3OK;
+    size_t elements = written_out(face, references, count, value_count);
+    return elements ? (fmi3Status)core_set_reals(face->column, face->list, elements, values) : fmi3Error;
+}
+
+/* Integers and enumerations. */
+FMI3_Export fmi3Status fmi3GetInt64(fmi3Instance instance, const fmi3ValueReference references[], size_t count,
+                                    fmi3Int64 values[], size_t value_count) {
+    Face *face = instance;
+    if (!face) return fmi3Error;
+    if (!count) return fmi3OK;
+    size_t elements = written_out(face, references, count, value_count);
+    if (!elements || core_readable(face->column, face->list, elements, INTEGER) != ST_OK) return fmi3Error;
+    for (size_t k = 0; k < elements; k++) values[k] = core_whole(face->column, face->list[k]);
+    return fmi3OK;
+}
+
+FMI3_Export fmi3Status fmi3SetInt64(fmi3Instance instance, const fmi3ValueReference references[], size_t count,
+                                    const fmi3Int64 values[], size_t value_count) {
+    Face *face = instance;
+    if (!face) return fmi3Error;
+    if (!count) return fmi3OK;
+    size_t elements = written_out(face, references, count, value_count);
+    if (!elements || core_settable(face->column, face->list, elements, INTEGER) != ST_OK) return fmi3Error;
+    for (size_t k = 0; k < elements; k++) core_put_whole(face->column, face->list[k], values[k]);
+    core_has_changed(face->column, 1); /* no input is whole */
+    return fmi3OK;
+}
+
+FMI3_Export fmi3Status fmi3GetBoolean(fmi3Instance instance, const fmi3ValueReference references[], size_t count,
+                                      fmi3Boolean values[], size_t value_count) {
+    Face *face = instance;
+    if (!face) return fmi3Error;
+    if (!count) return fmi3OK;
+    size_t elements = written_out(face, references, count, value_count);
+    if (!elements || core_readable(face->column, face->list, elements, BOOLEAN) != ST_OK) return fmi3Error;
+    for (size_t k = 0; k < elements; k++) values[k] = core_whole(face->column, face->list[k]) != 0;
+    return fmi3OK;
+}
+
+FMI3_Export fmi3Status fmi3SetBoolean(fmi3Instance instance, const fmi3ValueReference references[], size_t count,
+                                      const fmi3Boolean values[], size_t value_count) {
+    (void)values, (void)value_count; /* no Boolean can be set */
+    ANSWER(core_settable(face->column, references, count, BOOLEAN));
+}
+
+FMI3_Export fmi3Status fmi3GetString(fmi3Instance instance, const fmi3ValueReference references[], size_t count,
+                                     fmi3String values[], size_t value_count) {
+    Face *face = instance;
+    if (!face) return fmi3Error;
+    if (!count) return fmi3OK;
+    size_t elements = written_out(face, references, count, value_count);
+    if (!elements || core_readable(face->column, face->list, elements, STRING) != ST_OK) return fmi3Error;
+    for (size_t k = 0; k < elements; k++) values[k] = core_text(face->column, face->list[k]);
+    return fmi3OK;
+}
+
+FMI3_Export fmi3Status fmi3SetString(fmi3Instance instance, const fmi3ValueReference references[], size_t count,
+                                     const fmi3String values[], size_t value_count) {
+    Face *face = instance;
+    if (!face) return fmi3Error;
+    if (!count) return fmi3OK;
+    size_t elements = written_out(face, references, count, value_count);
+    return elements ? (fmi3Status)core_set_texts(face->column, face->list, elements, values) : fmi3Error;
+}
+
+/* --- steps */
+
+/* One piece of a step, up to `end`: the importer is asked for the inputs at its end, and a line leads there. */
+static Status piece(Face *face, double start, double width, double end) {
+    double first[MOST_FOLLOWED], last[MOST_FOLLOWED], line[MOST_FOLLOWED];
+    bool early = false;
+    double when = end;
+    if (core_get_reals(face->column, face->inputs, face->followed, first) != ST_OK) return ST_ERROR;
+    face->update(face->environment, end, true, false, false, false, &early, &when);
+    if (core_get_reals(face->column, face->inputs, face->followed, last) != ST_OK) return ST_ERROR;
+    for (size_t k = 0; k < face->followed; k++) line[k] = (last[k] - first[k]) / width;
+    if (core_set_reals(face->column, face->inputs, face->followed, first) != ST_OK ||
+        core_set_reals(face->column, face->slopes, face->followed, line) != ST_OK)
+        return ST_ERROR;
+    Status status = core_step(face->column, start, width);
+    if (status != ST_OK) return status;
+    face->update(face->environment, end, false, true, true, false, &early, &when);
+    return ST_OK;
+}
+
+/* The inputs at the end of a piece are those at the beginning of the next. */
+static Status go_on(Face *face, double width) {
+    double values[MOST_FOLLOWED], line[MOST_FOLLOWED];
+    if (core_get_reals(face->column, face->inputs, face->followed, values) != ST_OK ||
+        core_get_reals(face->column, face->slopes, face->followed, line) != ST_OK)
+        return ST_ERROR;
+    for (size_t k = 0; k < face->followed; k++) values[k] += line[k] * width;
+    return core_set_reals(face->column, face->inputs, face->followed, values);
+}
+
+/* A step in pieces no longer than the samples of a motion usually are. On a fault the column is as before. */
+static Status followed_step(Face *face, double start, double step) {
+    if (!(isfinite(step) && step > 0.0 && isfinite(start))) return core_step(face->column, start, step);
+    double pieces = fmax(1.0, ceil(step / core_usual_step - 1e-6));
+    Saved *before = NULL;
+    Status status = core_save(face->column, &before);
+    for (double k = 0.0; k < pieces && status == ST_OK; k += 1.0) {
+        double begin = start + k / pieces * step;
+        double end = k + 1.0 < pieces ? start + (k + 1.0) / pieces * step : start + step;
+        if (k > 0.0) status = go_on(face, step / pieces);
+        if (status == ST_OK) status = piece(face, begin, pieces > 1.0 ? end - begin : step, end);
+    }
+    if (status != ST_OK && before) core_restore(face->column, before);
+    core_release(before);
+    return status;
+}
+
+FMI3_Export fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 start, fmi3Float64 step, fmi3Boolean no_return,
+                                  fmi3Boolean *event, fmi3Boolean *terminate, fmi3Boolean *early,
+                                  fmi3Float64 *last_time) {
+    Face *face = instance;
+    (void)no_return;
+    if (!face) return fmi3Error;
+    Status status = face->followed ? followed_step(face, start, step) : core_step(face->column, start, step);
+    if (event) *event = false;
+    if (terminate) *terminate = false;
+    if (early) *early = false;
+    if (last_time) *last_time = core_time(face->column);
+    return (fmi3Status)status;
+}
+
+/* --- derivatives */
+
+FMI3_Export fmi3Status fmi3GetOutputDerivatives(fmi3Instance instance, const fmi3ValueReference references[],
+                                                size_t count, const fmi3Int32 orders[], fmi3Float64 values[],
+                                                size_t value_count) {
+    Face *face = instance;
+    if (!face) return fmi3Error;
+    for (size_t k = 0, at = 0; k < count; k++) { /* one order for each variable, whatever its size */
+        size_t extent = core_extent(references[k]);
+        if (!extent || at + extent > value_count)
+            return refuse(face, "value reference %u: is none, or there are not enough values", references[k]);
+        for (size_t i = 0; i < extent; i++, at++) {
+            Reference element = references[k] + (Reference)i;
+            if (core_rates(face->column, &element, 1, &orders[k], &values[at]) != ST_OK) return fmi3Error;
+        }
+    }
+    return fmi3OK;
+}
+
+FMI3_Export fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance, const fmi3ValueReference unknowns[],
+                                                    size_t unknown_count, const fmi3ValueReference knowns[],
+                                                    size_t known_count, const fmi3Float64 seeds[], size_t seed_count,
+                                                    fmi3Float64 values[], size_t value_count) {
+    Face *face = instance;
+    if (!face) return fmi3Error;
+    if (seed_count != known_count) return refuse(face, "%u seeds: inputs are no arrays", (unsigned)seed_count);
+    size_t elements = written_out(face, unknowns, unknown_count, value_count);
+    if (!elements) return fmi3Error;
+    return (fmi3Status)core_directional(face->column, face->list, elements, knowns, known_count, seeds, values);
+}
+
+/* --- state */
+
+FMI3_Export fmi3Status fmi3GetFMUState(fmi3Instance instance, fmi3FMUState *state) {
+    Face *face = instance;
+    Saved *saved = state ? *state : NULL;
+    if (!face || !state || core_save(face->column, &saved) != ST_OK) return fmi3Error;
+    *state = saved;
+    return fmi3OK;
+}
+
+FMI3_Export fmi3Status fmi3SetFMUState(fmi3Instance instance, fmi3FMUState state) {
+    ANSWER(core_restore(face->column, state));
+}
+
+FMI3_Export fmi3Status fmi3FreeFMUState(fmi3Instance instance, fmi3FMUState *state) {
+    if (!instance) return fmi3Error;
+    if (state) {
+        core_release(*state);
+        *state = NULL;
+    }
+    return fmi3OK;
+}
+
+FMI3_Export fmi3Status fmi3SerializedFMUStateSize(fmi3Instance instance, fmi3FMUState state, size_t *size) {
+    if (!instance || !state) return fmi3Error;
+    *size = core_bytes();
+    return fmi3OK;
+}
+
+FMI3_Export fmi3Status fmi3SerializeFMUState(fmi3Instance instance, fmi3FMUState state, fmi3Byte bytes[], size_t size) {
+    return instance && state ? (fmi3Status)core_to_bytes(state, bytes, size) : fmi3Error;
+}
+
+FMI3_Export fmi3Status fmi3DeserializeFMUState(fmi3Instance instance, const fmi3Byte bytes[], size_t size,
+                                               fmi3FMUState *state) {
+    Face *face = instance;
+    Saved *saved = NULL;
+    if (!face || !state || !bytes || core_from_bytes(face->column, bytes, size, &saved) != ST_OK) return fmi3Error;
+    *state = saved;
+    return fmi3OK;
+}
+
+/* --- what the standard has and this FMU does not: calls that the model description rules out */
+
+#pragma GCC diagnostic ignored "-Wunused-parameter"
+
+static fmi3Status not_offered(fmi3Instance instance, const char *call) {
+    const Face *face = instance;
+    if (face) core_say(face->column, ST_ERROR, "%s: is not offered", call);
+    return fmi3Error;
+}
+
+#define NOT_OFFERED(name, ...)                                                                                         \
+    FMI3_Export fmi3Status name(fmi3Instance instance, __VA_ARGS__) { return not_offered(instance, #name); }
+#define NO_MODE(name)                                                                                                  \
+    FMI3_Export fmi3Status name(fmi3Instance instance) { return not_offered(instance, #name); }
+#define REFERENCES const fmi3ValueReference references[], size_t count
+#define NO_KIND(kind, type)                                                                                            \
+    NOT_OFFERED(fmi3Get##kind, REFERENCES, type values[], size_t value_count)                                          \
+    NOT_OFFERED(fmi3Set##kind, REFERENCES, const type values[], size_t value_count)
+
+NO_KIND(Float32, fmi3Float32)
+NO_KIND(Int8, fmi3Int8)
+NO_KIND(UInt8, fmi3UInt8)
+NO_KIND(Int16, fmi3Int16)
+NO_KIND(UInt16, fmi3UInt16)
+NO_KIND(Int32, fmi3Int32)
+NO_KIND(UInt32, fmi3UInt32)
+NO_KIND(UInt64, fmi3UInt64)
+NOT_OFFERED(fmi3GetBinary, REFERENCES, size_t sizes[], fmi3Binary values[], size_t value_count)
+NOT_OFFERED(fmi3SetBinary, REFERENCES, const size_t sizes[], const fmi3Binary values[], size_t value_count)
+NOT_OFFERED(fmi3GetClock, REFERENCES, fmi3Clock values[])
+NOT_OFFERED(fmi3SetClock, REFERENCES, const fmi3Clock values[])
+
+NOT_OFFERED(fmi3GetNumberOfVariableDependencies, fmi3ValueReference reference, size_t *count)
+NOT_OFFERED(fmi3GetVariableDependencies, fmi3ValueReference dependent, size_t elements[], fmi3ValueReference others[],
+            size_t other_elements[], fmi3DependencyKind kinds[], size_t count)
+NOT_OFFERED(fmi3GetAdjointDerivative, REFERENCES, const fmi3ValueReference knowns[], size_t known_count,
+            const fmi3Float64 seeds[], size_t seed_count, fmi3Float64 values[], size_t value_count)
+
+NO_MODE(fmi3EnterEventMode)
+NO_MODE(fmi3EnterConfigurationMode)
+NO_MODE(fmi3ExitConfigurationMode)
+NO_MODE(fmi3EvaluateDiscreteStates)
+NO_MODE(fmi3EnterContinuousTimeMode)
+NO_MODE(fmi3EnterStepMode)
+NOT_OFFERED(fmi3GetIntervalDecimal, REFERENCES, fmi3Float64 intervals[], fmi3IntervalQualifier qualifiers[])
+NOT_OFFERED(fmi3GetIntervalFraction, REFERENCES, fmi3UInt64 counters[], fmi3UInt64 resolutions[],
+            fmi3IntervalQualifier qualifiers[])
+NOT_OFFERED(fmi3GetShiftDecimal, REFERENCES, fmi3Float64 shifts[])
+NOT_OFFERED(fmi3GetShiftFraction, REFERENCES, fmi3UInt64 counters[], fmi3UInt64 resolutions[])
+NOT_OFFERED(fmi3SetIntervalDecimal, REFERENCES, const fmi3Float64 intervals[])
+NOT_OFFERED(fmi3SetIntervalFraction, REFERENCES, const fmi3UInt64 counters[], const fmi3UInt64 resolutions[])
+NOT_OFFERED(fmi3SetShiftDecimal, REFERENCES, const fmi3Float64 shifts[])
+NOT_OFFERED(fmi3SetShiftFraction, REFERENCES, const fmi3UInt64 counters[], const fmi3UInt64 resolutions[])
+NOT_OFFERED(fmi3UpdateDiscreteStates, fmi3Boolean *again, fmi3Boolean *terminate, fmi3Boolean *nominals_changed,
+            fmi3Boolean *values_changed, fmi3Boolean *event_defined, fmi3Float64 *event_time)
+NOT_OFFERED(fmi3CompletedIntegratorStep, fmi3Boolean no_return, fmi3Boolean *event, fmi3Boolean *terminate)
+NOT_OFFERED(fmi3SetTime, fmi3Float64 time)
+NOT_OFFERED(fmi3SetContinuousStates, const fmi3Float64 states[], size_t count)
+NOT_OFFERED(fmi3GetContinuousStateDerivatives, fmi3Float64 derivatives[], size_t count)
+NOT_OFFERED(fmi3GetEventIndicators, fmi3Float64 indicators[], size_t count)
+NOT_OFFERED(fmi3GetContinuousStates, fmi3Float64 states[], size_t count)
+NOT_OFFERED(fmi3GetNominalsOfContinuousStates, fmi3Float64 nominals[], size_t count)
+NOT_OFFERED(fmi3GetNumberOfEventIndicators, size_t *count)
+NOT_OFFERED(fmi3GetNumberOfContinuousStates, size_t *count)
+NOT_OFFERED(fmi3ActivateModelPartition, fmi3ValueReference clock, fmi3Float64 time)
+
+FMI3_Export fmi3Instance fmi3InstantiateModelExchange(fmi3String name, fmi3String token, fmi3String resources,
+                                                      fmi3Boolean visible, fmi3Boolean logging,
+                                                      fmi3InstanceEnvironment environment,
+                                                      fmi3LogMessageCallback logger) {
+    if (logger) logger(environment, fmi3Error, "logStatusError", "is for co-simulation only");
+    return NULL;
+}
+
+FMI3_Export fmi3Instance fmi3InstantiateScheduledExecution(
+    fmi3String name, fmi3String token, fmi3String resources, fmi3Boolean visible, fmi3Boolean logging,
+    fmi3InstanceEnvironment environment, fmi3LogMessageCallback logger, fmi3ClockUpdateCallback clock,
+    fmi3LockPreemptionCallback lock, fmi3UnlockPreemptionCallback unlock) {
+    if (logger) logger(environment, fmi3Error, "logStatusError", "is for co-simulation only");
+    return NULL;
+}

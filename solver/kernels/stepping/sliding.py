@@ -1,0 +1,138 @@
+"""Where joints begin or cease to slide within a step.
+
+Within a step each joint sticks, or slides one way; so the equations are smooth. A joint ceases where the rate of its
+slip passes zero, which the interpolation shows. It begins where sticking would take more than it bears, which takes an
+evaluation at every trial. The step is cut off there, and `evaluate_anew` decides how it goes on.
+"""
+
+from ..formulations.either import evaluate_at
+from ..formulations.slips import spare
+from ..jit import kernel, leaf
+from .interpolation import interpolate_phase, quintic_of, refine, slips_of, value_of
+
+NEVER = 2.0  # a fraction of the step that is not reached
+CLOSE_ENOUGH = 1e-12  # of the step: what is left of the rate there is taken for zero
+NEAR = 1e-9  # of the step, for the beginning, at which no force jumps; and the least part that a step is cut to
+MOST_TRIALS = 60
+
+
+@kernel
+def begin_step(column, h):
+    """Forget what was found of the last step; seconds until just after a joint is expected to stop, at most h."""
+    work = column.work
+    start, rows = work.start, work.hold
+    first = h
+    for i in range(int(work.slips.count)):
+        rows.overcome[i] = 0
+        rate, slows = start.slip_rate[i], start.slip_acceleration[i]
+        if rate * slows < 0.0 and -rate / slows < first:
+            first = -rate / slows
+    return first
+
+
+@kernel
+def first_slip_change(column, looked_at, nodes, t, h):
+    """Fraction of the step at which a joint first begins or ceases to slide; NEVER if none does.
+
+    looked_at: three phases inside the step, at the fractions `nodes`, for joints that turn twice.
+    """
+    work, rows = column.work, column.work.hold
+    first = NEVER
+    for i in range(work.n):
+        if rows.sliding[i] != 0:
+            lo, hi = 0.0, NEVER
+            for k in range(3):
+                if rows.sliding[i] * looked_at[k].slip_rate[i] < 0.0:
+                    hi = nodes[k]
+                    break
+                lo = nodes[k]
+            if hi == NEVER and rows.sliding[i] * work.end.slip_rate[i] < 0.0:
+                hi = 1.0
+            if hi != NEVER and lo < first:
+                first = min(first, _stop(column, i, lo, hi, t, h))
+    for i in range(work.n):
+        if rows.sliding[i] == 0 and rows.overcome[i] != 0:
+            first = min(first, _beginning(column, i, nodes, t, h, first))
+    return first
+
+
+@kernel
+def _stop(column, i, lo, hi, t, h):
+    """Fraction of the step, between lo and hi, where the rate of slip i passes zero; NEVER if it does not after all."""
+    work = column.work
+    refine(column, t, h)
+    course = quintic_of(work, slips_of(work)[0] + i, -1, h)
+    way = work.hold.sliding[i]
+    at_hi = way * value_of(course, hi)[1]
+    if at_hi >= 0.0:  # a stage is less accurate than the step
+        lo, hi = hi, 1.0
+        at_hi = way * value_of(course, hi)[1]
+        if at_hi >= 0.0:
+            return NEVER
+    at_lo = way * value_of(course, lo)[1]
+    if at_lo < 0.0:
+        lo, at_lo = 0.0, max(0.0, way * value_of(course, 0.0)[1])
+    side = 0
+    for _ in range(MOST_TRIALS):
+        if hi - lo <= CLOSE_ENOUGH:
+            break
+        trial = _between(lo, hi, at_lo, at_hi)
+        at_trial = way * value_of(course, trial)[1]
+        if at_trial < 0.0:
+            hi, at_hi = trial, at_trial
+            at_lo *= 0.5 if side == 1 else 1.0
+            side = 1
+        else:
+            lo, at_lo = trial, at_trial
+            at_hi *= 0.5 if side == -1 else 1.0
+            side = -1
+    return hi
+
+
+@kernel
+def _beginning(column, i, nodes, t, h, before):
+    """Fraction of the step, before another one, where joint i first bears too little; NEVER if it does there."""
+    refine(column, t, h)
+    lo, at_lo = 0.0, max(0.0, _spare_within(column, i, t, h, 0.0))
+    hi, at_hi = NEVER, 0.0
+    for k in range(4):
+        place = min(before, nodes[k] if k < 3 else 1.0)
+        value = _spare_within(column, i, t, h, place)
+        if value < 0.0:
+            hi, at_hi = place, value
+            break
+        lo, at_lo = place, value
+        if place == before:
+            break
+    if hi == NEVER:
+        return NEVER
+    side = 0
+    for _ in range(MOST_TRIALS):
+        if hi - lo <= NEAR:
+            break
+        trial = _between(lo, hi, at_lo, at_hi)
+        at_trial = _spare_within(column, i, t, h, trial)
+        if at_trial < 0.0:
+            hi, at_hi = trial, at_trial
+            at_lo *= 0.5 if side == 1 else 1.0
+            side = 1
+        else:
+            lo, at_lo = trial, at_trial
+            at_hi *= 0.5 if side == -1 else 1.0
+            side = -1
+    return hi
+
+
+@leaf
+def _between(lo, hi, at_lo, at_hi):
+    """The next trial of a false position with halved weights (as in holding.py)."""
+    trial = (lo * at_hi - hi * at_lo) / (at_hi - at_lo)
+    return trial if lo < trial < hi else 0.5 * (lo + hi)
+
+
+@kernel
+def _spare_within(column, i, t, h, s):
+    """What joint i bears beyond what it has to at fraction s of the step, N."""
+    interpolate_phase(column.work, h, s)
+    evaluate_at(column, column.work.between, t + s * h)
+    return spare(column.work.joints, i)

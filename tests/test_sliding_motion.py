@@ -1,0 +1,258 @@
+"""Columns whose joints slide, in motion: closed forms, energy, another integrator, Shenton's map of modes."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import cos, sin
+
+import numpy as np
+import pytest
+from lagrange import Array
+from probe import G, phocas, put_back
+from scipy.integrate import solve_ivp
+from sliding import SlidingReference, follow
+
+from solver import Block, Column, InitialState, InputError, Joint, Motion, Settings, simulate
+from solver.batch import run_batch
+from solver.stepper import Stepper
+
+MU = 0.3
+
+
+def flat_block(mu: float = MU, dowel: float | None = None, tolerance: float = 1e-8) -> Column:
+    """One block that is too flat to rock."""
+    return Column(
+        "flat",
+        (Block(0.5, 2.0, 1.0, 2000.0, Joint(5e8, 1e-3, friction=mu, dowel=dowel)),),
+        Settings(tolerance=tolerance),
+    )
+
+
+def two_blocks(eta: float, tolerance: float) -> Column:
+    """Two blocks that rock and slide."""
+    top = Block(1.2, 0.8, 0.8, 1800.0, Joint(4e8, eta, friction=0.25))
+    low = Block(1.5, 1.0, 1.0, 3500.0, Joint(6e8, eta, friction=0.3))
+    return Column("two", (top, low), Settings(tolerance=tolerance))
+
+
+def pulse(acceleration: float, duration: float, total: float) -> Motion:
+    """A rectangular pulse of the base towards -x."""
+    time = 0.01 * np.arange(round(total / 0.01))
+    return Motion.from_samples(0.01, np.where(time < duration - 1e-9, -acceleration, 0.0), hold=True)
+
+
+@pytest.mark.parametrize("ratio", [1.2, 2.0, 5.0])
+@pytest.mark.parametrize("dowel", [None, 1500.0])
+def test_newmarks_sliding_block_under_a_rectangular_pulse(ratio: float, dowel: float | None) -> None:
+    mu = MU + (dowel or 0.0) / (2000.0 * G)  # the weight is constant: a dowel is as more friction
+    a, duration = ratio * mu * G, 0.2
+    speed = a * duration
+    expected = speed**2 / (2.0 * mu * G) * (1.0 - mu * G / a)
+    stop = speed / (mu * G)
+    response = simulate(flat_block(dowel=dowel), pulse(a, duration, stop + 0.3), settle=0.0)
+    assert response.slip[-1, 0] == pytest.approx(expected, rel=2e-4)  # measured 1e-6 to 7e-5, of the elastic bed
+    assert response.slip[-1, 0] == pytest.approx(response.ux[-1, 0], rel=1e-4)
+    assert np.all(response.slip[response.time > stop + 0.01] == response.slip[-1])
+
+
+def test_below_its_friction_a_block_does_not_slide() -> None:
+    response = simulate(flat_block(), pulse(0.9 * MU * G, 0.3, 0.5), settle=0.0)
+    assert np.all(response.slip == 0.0)
+
+
+@pytest.mark.parametrize("tangent", [0.8 * MU, 1.02 * MU, 2.0 * MU])
+def test_on_a_tilted_plane(tangent: float) -> None:
+    tilt = float(np.arctan(tangent))
+    stepper = Stepper(flat_block())
+    stepper.drive(0.0, theta=tilt)
+    stepper.stand_on_base()
+    stepper.advance(0.0, 1.0)
+    slip = float(stepper.state.phase.slip[0])
+    if tangent < MU:
+        assert slip == 0.0
+    else:
+        # measured 1.1e-5 at 1.02 MU: the weight is put on at once
+        assert slip == pytest.approx(0.5 * G * (sin(tilt) - MU * cos(tilt)), abs=1e-3 * 0.5 * G * MU)
+
+
+@pytest.mark.parametrize("largest", [0.01, 0.06])
+def test_energy_falls_by_the_work_of_friction(largest: float) -> None:
+    column = two_blocks(0.0, 1e-11)
+    reference = SlidingReference.of(column)
+    stepper = Stepper(column, InitialState(rotation=[largest, 0.8 * largest], slip_rate=[0.8, -0.3]))
+
+    def energy() -> float:
+        phase = stepper.state.phase
+        q = np.concatenate([phase.theta, phase.opening, phase.slip])
+        rate = np.concatenate([phase.theta_rate, phase.opening_rate, phase.slip_rate])
+        potential = reference.g * reference.mass @ reference.centroids(q)[1] + reference.elastic(q)
+        return float(0.5 * rate @ reference.mass_matrix(q) @ rate + potential)
+
+    before = energy()
+    for k in range(80):
+        stepper.advance(0.005 * k, 0.005)
+        spent = float(np.sum(stepper.state.phase.friction_work))
+        assert energy() + spent == pytest.approx(before, abs=1e-9 * spent)  # measured 4e-12
+    assert spent > 500.0
+    assert stepper.counts.events >= 5
+
+
+def test_two_blocks_that_rock_and_slide_against_another_integrator() -> None:
+    """DOP853 of scipy on Lagrange's equations, stopped where a joint sticks or slides."""
+    column = two_blocks(1e-3, 1e-10)
+    stepper = Stepper(column, InitialState(rotation=[0.02, 0.012], slip_rate=[0.5, -0.2]))
+    phase = stepper.state.phase
+    q = np.concatenate([phase.theta, phase.opening, phase.slip])
+    rate = np.concatenate([phase.theta_rate, phase.opening_rate, phase.slip_rate])
+    stepper.drive(0.0, ax=2.0)
+    stepper.advance(0.0, 0.2)
+    found = np.concatenate([phase.theta, phase.opening, phase.slip])
+    expected, changes = follow(SlidingReference.of(column), q, rate, 2.0, 0.2, 1e-10)
+    assert changes >= 3
+    assert found == pytest.approx(expected[:6], abs=1e-8 * np.max(np.abs(expected)))
+
+
+def test_friction_that_is_regularized_less_and_less_comes_to_it() -> None:
+    column = flat_block(tolerance=1e-10)
+    reference = SlidingReference.of(column)
+    stepper = Stepper(column, InitialState(slip_rate=[1.0]))
+    phase = stepper.state.phase
+    start = np.concatenate(
+        [phase.theta, phase.opening, phase.slip, phase.theta_rate, phase.opening_rate, phase.slip_rate]
+    )
+    stepper.drive(0.0)
+    stepper.advance(0.0, 0.5)
+    errors = []
+    for width in (1e-2, 1e-3, 1e-4):  # m/s, over which friction rises
+
+        def slope(t: float, y: Array, width: float = width) -> Array:
+            return np.concatenate([y[3:], reference.solve(y[:3], y[3:], np.tanh(y[5:] / width) + 1e-300)[0]])
+
+        run = solve_ivp(slope, (0.0, 0.5), start, method="LSODA", rtol=1e-9, atol=1e-12)
+        errors.append(abs(run.y[2, -1] - float(phase.slip[0])))
+    assert errors[0] > 5.0 * errors[1] > 25.0 * errors[2]
+    assert errors[2] < 1e-5
+
+
+@pytest.mark.parametrize("eta", [0.0, 1e-3])
+def test_the_tolerance_is_kept(eta: float) -> None:
+    motion = Motion.harmonic(4.5, 2.0, 1.0)
+    closest = simulate(two_blocks(eta, 1e-11), motion, settle=0.0)
+    assert np.max(np.abs(closest.slip)) > 1e-3
+    for tolerance in (1e-4, 1e-5, 1e-6, 1e-8):
+        response = simulate(two_blocks(eta, tolerance), motion, settle=0.0)
+        for name in ("ux", "slip"):
+            wanted = getattr(closest, name)
+            error = np.max(np.abs(getattr(response, name) - wanted)) / np.max(np.abs(wanted))
+            assert error < 10.0 * tolerance, name  # measured 0.05 with damping
+
+
+def test_a_column_that_bears_all_moves_as_one_that_cannot_slide() -> None:
+    """The same bits, where the same short cuts are taken."""
+    rigid = phocas(1e-3, without=("elastic", "implicit", "rest"))
+    blocks = tuple(replace(block, joint=replace(block.joint, friction=100.0, dowel=1e12)) for block in rigid.blocks)
+    motion = Motion.harmonic(0.05 * G, 2.0, 2.0)
+    one, other = (simulate(column, motion, settle=0.0) for column in (rigid, replace(rigid, blocks=blocks)))
+    for name in ("ux", "theta", "N", "T", "Fx"):
+        assert np.array_equal(getattr(one, name), getattr(other, name)), name
+    assert np.array_equal(one.peak_ux, other.peak_ux)
+
+
+def test_a_motion_to_the_other_side_is_mirrored_to_the_last_bit() -> None:
+    motion = Motion.harmonic(4.5, 2.0, 1.0)
+    column = two_blocks(1e-3, 1e-6)
+    one, other = simulate(column, motion, settle=0.0), simulate(column, motion.scaled(-1.0), settle=0.0)
+    assert np.array_equal(one.slip, -other.slip)
+    assert np.array_equal(one.ux, -other.ux)
+    assert np.array_equal(one.N, other.N)
+
+
+def test_a_state_put_back_goes_on_with_the_same_bits() -> None:
+    column = two_blocks(1e-3, 1e-6)
+    kept, other = Stepper(column, InitialState(slip_rate=[0.5, -0.2])), Stepper(column)
+    for k in range(10):
+        kept.drive(0.01 * k, ax=4.0 * (-1) ** k)
+        kept.advance(0.01 * k, 0.01)
+    put_back(kept, other)
+    for stepper in (kept, other):
+        stepper.drive(0.1, ax=5.0)
+        stepper.advance(0.1, 0.05)
+    assert np.array_equal(kept.arrays.state, other.arrays.state)
+    assert np.array_equal(kept.observe(0.15), other.observe(0.15))
+
+
+# --- Shenton's map
+
+
+def needed_to_rock(push: float, width: float, height: float) -> float:
+    """Friction without which a block slides as it begins to rock under a base acceleration of push g."""
+    b, h = 0.5 * width, 0.5 * height
+    turns = (push * h - b) / (4.0 / 3.0 * (b * b + h * h))  # angular acceleration over g
+    return (push - h * turns) / (1.0 + b * turns)
+
+
+def mode_of(push: float, mu: float, slenderness: float) -> str:
+    """H. W. Shenton, J. Eng. Mech. 122 (1996) 690-693: how a block upon rigid ground begins to move."""
+    width = 1.0
+    edge = 1.0 / slenderness
+    if push < min(mu, edge):
+        return "rest"
+    if mu < edge:
+        return "slide"
+    return "rock" if mu > needed_to_rock(push, width, slenderness * width) else "slide-rock"
+
+
+def mode_found(push: float, mu: float, slenderness: float) -> str:
+    """How a block upon a stiff bed moves under a base acceleration that rises to push g within 0.05 s and stays."""
+    joint = Joint(5e10, 1e-3, friction=mu)
+    column = Column("block", (Block(slenderness, 1.0, 1.0, 2000.0 * slenderness, joint),), Settings(tolerance=1e-5))
+    motion = Motion.from_samples(0.05, np.array([0.0, *[push * G] * 4]))
+    response = simulate(column, motion, duration=0.2, settle=0.0)
+    slides, rocks = np.max(np.abs(response.slip)) > 2e-4, np.min(response.contact) < 0.1
+    return {(False, False): "rest", (True, False): "slide", (False, True): "rock", (True, True): "slide-rock"}[
+        bool(slides), bool(rocks)
+    ]
+
+
+@pytest.mark.parametrize("slenderness", [1.25, 2.0, 4.0])
+def test_shentons_map_of_modes(slenderness: float) -> None:
+    edge = 1.0 / slenderness
+    points = {(0.85 * edge, 2.0 * edge), (0.4 * edge, 0.5 * edge), (0.85 * edge, 0.5 * edge), (1.5 * edge, 0.7 * edge)}
+    for push in (1.3 * edge, 2.0 * edge):
+        needed = needed_to_rock(push, 1.0, slenderness)
+        points |= {(push, 1.15 * needed), (push, 0.5 * (edge + needed))}
+    expected = {point: mode_of(*point, slenderness) for point in points}
+    assert set(expected.values()) == {"rest", "slide", "rock", "slide-rock"}
+    assert {point: mode_found(*point, slenderness) for point in points} == expected
+
+
+# --- what cannot be had
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        ({"formulation": "paper"}, r'block\[1\].joint.friction = 0.3: the formulation "paper" knows no joint'),
+        ({"integrator": "central-difference"}, "solver.integrator must be"),
+    ],
+)
+def test_what_knows_no_sliding_says_so(change: dict[str, str], told: str) -> None:
+    with pytest.raises(InputError, match=told):
+        flat_block().with_settings(**change)  # type: ignore[arg-type]
+
+
+def test_wrong_values_are_told() -> None:
+    with pytest.raises(InputError, match=r"block\[1\].joint.dowel = 5: needs friction"):
+        Column("one", (Block(1.0, 1.0, 1.0, 2000.0, Joint(1e9, 0.0, dowel=5.0)),))
+    with pytest.raises(InputError, match=r"block\[1\].joint.friction = 0.0: must be a positive coefficient"):
+        flat_block(mu=0.0)
+    with pytest.raises(InputError, match=r"initial.slip\[0\] = 0.1: must be zero where the joint has no friction"):
+        simulate(phocas(1e-3), Motion.harmonic(1.0, 2.0, 0.1), initial=InitialState(slip=[0.1, 0.0, 0.0]))
+    with pytest.raises(InputError, match=r"columns\[0\]: has joints that may slide"):
+        run_batch([flat_block()], [Motion.harmonic(1.0, 2.0, 0.1)])
+
+
+def test_toml_has_friction_and_dowel() -> None:
+    column = flat_block(dowel=100.0)
+    assert Column.from_dict(column.to_dict()) == column
+    assert "friction" not in phocas(1e-3).to_dict()["block"][0]["joint"]
