@@ -22,6 +22,7 @@ from . import (
     report,
     scaling,
     studies,
+    trust,
     verdicts,
     work_precision,
 )
@@ -155,6 +156,13 @@ def measure_studies(wanted: Scenes, quick: bool, results: Results) -> Iterator[N
         yield
 
 
+def measure_trust(wanted: Scenes, quick: bool, results: Results) -> Iterator[None]:
+    """Peaks beside rows, pulses after their end, shares that fall near the edge."""
+    for found in trust.measure(quick):
+        results["trust"] = found
+        yield
+
+
 # each yields whenever there is something new to be written
 PARTS: dict[str, Callable[[Scenes, bool, Results], Iterator[None]]] = {
     "work-precision": measure_work_precision,
@@ -166,6 +174,7 @@ PARTS: dict[str, Callable[[Scenes, bool, Results], Iterator[None]]] = {
     "ablation": measure_ablation,
     "energy": measure_energy,
     "studies": measure_studies,
+    "trust": measure_trust,
 }
 
 

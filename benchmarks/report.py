@@ -28,6 +28,7 @@ def report(results: Results) -> str:
         ablation_table(results),
         energy_table(results),
         studies_table(results),
+        trust_tables(results),
         failures(results),
     ]
     return "\n\n".join(part for part in parts if part) + "\n"
@@ -260,6 +261,41 @@ def damped_table(results: Results) -> str:
         "## Well-damped columns\n\nError over tolerance, against a run at 1e-9 without implicit steps; beside it by "
         "how much the motion amplifies a small change of its data.\n\n" + table(head, rows)
     )
+
+
+def trust_tables(results: Results) -> str:
+    """What may be believed of a run."""
+    found = results.get("trust")
+    if not found:
+        return ""
+    parts = ["## Peaks, pulses, shares that fall"]
+    head = ["scene", "peaks at rows of 0.1 and 5 ms", "rows of 5 ms see of N, S, T", "evaluations more"]
+    rows = [
+        [
+            row["scene"],
+            "same" if row["same"] else "differ",
+            ", ".join(f"{part:.2f}" for part in row["seen"].values()),
+            f"{row['looks']:.1%}",
+        ]
+        for row in found["peaks"]
+    ]
+    parts.append(table(head, rows))
+    rows = [
+        [row["scene"], ", ".join(f"{count} {word}" for word, count in sorted(row["counts"].items()))]
+        for row in found["pulses"]
+    ]
+    if rows:
+        parts.append(table(["pulses", "what comes of them"], rows))
+    if found["shares"]:
+        sizes = [row["size"] for row in found["shares"][0]["rows"]]
+        rows = [[row["scene"], *map(_share, row["rows"])] for row in found["shares"]]
+        parts.append(table(["motion x scale", *(f"{size} runs" for size in sizes)], rows))
+    return "\n\n".join(parts)
+
+
+def _share(row: dict[str, Any]) -> str:
+    low, high = row["bounds"]
+    return f"{row['share']:.3f} ({low:.2f} to {high:.2f}{'' if row['contains'] else ', does not contain it'})"
 
 
 def ablation_table(results: Results) -> str:

@@ -43,6 +43,8 @@ from .variables import (
     RECORD,
     RECORD_PGA,
     RECORD_SCALE,
+    VERDICT,
+    VERDICT_NOW,
     Variable,
     column_from,
     parameter_names,
@@ -112,9 +114,10 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
         self._values: list[Any] = [0.0 if variable.start is None else variable.start for variable in self._table]
         self._row = slice(len(INPUTS), len(INPUTS) + at.ROW.size(self._column.n))
         self._split = slice(self._row.stop, self._row.stop + at.SPLIT.beside)
+        self._peaks = slice(self._split.stop, self._split.stop + at.PEAKS.size(self._column.n))
         self._parameters = slice(self._place["g"], len(self._table))
-        self._verdict = [self._place[item.name] for item in (OVERTURN_TIME, OVERTURN_JOINT, OVERTURNED)]
-        self._tell_verdict(-1.0, 0, False)
+        self._verdict = [self._place[item.name] for item in (OVERTURN_TIME, OVERTURN_JOINT, OVERTURNED, VERDICT_NOW)]
+        self._tell_verdict(-1.0, 0, False, VERDICT.items["undecided"])
         self._requests = {kind: Request([], self._table, self._place_of, kind) for kind in ACCESS}
         self._mode = Mode.INSTANTIATED
         self._time = 0.0
@@ -378,9 +381,10 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
             stepper.stand_on_base()
         self._values[self._row] = stepper.observe(self._time).tolist()
         self._values[self._split] = stepper.split.tolist()
+        self._values[self._peaks] = stepper.visible_peaks.tolist()
         joint = stepper.overturned_joint
-        if joint != self._values[self._verdict[1]]:
-            self._tell_verdict(stepper.overturn_time if joint else -1.0, joint, joint > 0)
+        word = "overturned" if joint else "standing" if stepper.counts.resting else "undecided"
+        self._tell_verdict(stepper.overturn_time if joint else -1.0, joint, joint > 0, VERDICT.items[word])
         self._outdated = False
 
     def _drive(self, stepper: Stepper, t: float) -> None:

@@ -17,7 +17,7 @@ from typing import Any
 from solver.column import MAX_BLOCKS, NUMBERS, SKIPS, Column, Settings
 from solver.errors import InputError
 from solver.motion import STANDARD_GRAVITY
-from solver.response import BASE_HISTORIES, BLOCK_HISTORIES
+from solver.response import BASE_HISTORIES, BLOCK_HISTORIES, PEAKS
 
 # places of the inputs in the table
 AX = 0
@@ -51,8 +51,11 @@ REFERENCES = {
     "overturn_time": 1013,
     "overturn_joint": 1014,
     "overturned": 1015,
-    "verdict": 1016,  # kept for an output of the enumeration Verdict
+    "verdict": 1016,
     "base.record_pga": 1017,
+    "base.Fx_peak": 1018,
+    "base.Fz_peak": 1019,
+    "base.My_peak": 1020,
     # parameters of the column as a whole: from 2001
     "g": 2001,
     "solver.formulation": 2002,
@@ -76,6 +79,17 @@ FAMILIES = {
     "joint.sigma_max": 17,
     "joint.T": 18,
     "joint.slip": 19,
+    "block.ux_peak": 20,
+    "block.uz_peak": 21,
+    "block.theta_peak": 22,
+    "joint.N_peak": 23,
+    "joint.M_peak": 24,
+    "joint.S_peak": 25,
+    "joint.contact_least": 26,
+    "joint.sigma_max_peak": 27,
+    "joint.T_peak": 28,
+    "joint.friction_peak": 29,
+    "joint.slip_peak": 30,
     "block.height": 50,
     "block.width": 51,
     "block.depth": 52,
@@ -124,6 +138,15 @@ INTEGRATOR = Choice(
     "Integrator",
     {"auto": 1, "central-difference": 2},
     {"auto": "Chooses its methods and steps by solver.tolerance", "central-difference": "Steps of solver.step"},
+)
+VERDICT = Choice(
+    "Verdict",
+    {"overturned": 1, "standing": 2, "undecided": 3},
+    {
+        "overturned": "It has fallen, and is held",
+        "standing": "At the end of the last step it rests upon a base that is still",
+        "undecided": "It moves, or its base does",
+    },
 )
 CHOICES = {"solver.formulation": FORMULATION, "solver.integrator": INTEGRATOR}
 
@@ -209,6 +232,8 @@ _BASE_OUTPUTS = {
     "Fz": ("N", "Force of the column on the base, vertical, positive up"),
     "My": ("N.m", "Moment of the column on the base about the centre of its joint, clockwise"),
 }
+_LARGEST = "Largest absolute value of the motion so far"
+_FRICTION = ("", "|T| / N of joint {i}, where N is above 0.05 of the weight carried at rest", None, None, ())
 _SPLIT = "of the base reaction (Fx, Fz, My) = R0 - m (ax, az, alpha)"
 _MASS = "Effective mass met by the base, {} " + _SPLIT
 # the split of the reaction in the order of the kernels (layout.py, SPLIT): unit, description, inputs it depends on
@@ -233,6 +258,12 @@ OVERTURN_JOINT = _output(
 )
 OVERTURNED = _output(
     *("overturned", "", "Whether the column has overturned; then it is held"), *("Boolean", "discrete"), initially=()
+)
+VERDICT_NOW = _output(
+    *("verdict", "", "Whether it has fallen, rests upon a still base, or may go either way"),
+    *("Enumeration", "discrete"),
+    choice=VERDICT,
+    initially=(),
 )
 RECORD_PGA = _output(
     *("base.record_pga", "m/s2", "Largest |ax| of the record inside the FMU, 0 without one"),
@@ -268,7 +299,7 @@ _SETTINGS_PARAMETERS = {
     "tolerance": ("", "Error, relative to the peak, of an integrator that chooses its steps"),
     "formulation": ("", "How the equations are written"),
     "integrator": ("", "How they are integrated"),
-    "without": ("", f"Short cuts not to be taken, with commas between: {', '.join(SKIPS)}"),
+    "without": ("", f"What is not to be done, with commas between: {', '.join(SKIPS)}"),
 }
 
 
@@ -278,7 +309,8 @@ def variables(column: Column, record: str = "") -> list[Variable]:
     record: name of the record inside the FMU, empty without one.
     """
     parameters = _parameters(column, record)
-    outputs = [*_row_outputs(column), *_split_outputs(column), OVERTURN_TIME, OVERTURN_JOINT, OVERTURNED, RECORD_PGA]
+    outputs = [*_row_outputs(column), *_split_outputs(column), *_peak_outputs(column)]
+    outputs += [OVERTURN_TIME, OVERTURN_JOINT, OVERTURNED, VERDICT_NOW, RECORD_PGA]
     numerical = ("solver.integrator", "solver.step", "solver.tolerance", "solver.without")
     described = tuple(item.name for item in parameters if item.name not in (*numerical, RECORD, RECORD_SCALE))
     return [*INPUTS, *(_with_initial(output, column.n, described) for output in outputs), *parameters]
@@ -321,6 +353,26 @@ def _split_outputs(column: Column) -> list[Variable]:
     ]
 
 
+def _peak_outputs(column: Column) -> list[Variable]:
+    """Extremes since the last reset, in the order of the kernels (layout.py, PEAKS)."""
+    sizes = _sizes(column)
+    common: dict[str, Any] = {"variability": "discrete", "minimum": 0.0, "initially": ()}
+    rows = []
+    for name, output in PEAKS.items():
+        if name in BASE_HISTORIES:
+            unit, text = _BASE_OUTPUTS[name]
+            size = sizes["M" if name == "My" else "N"][-1]
+            rows.append(_output(output, unit, f"{_LARGEST}: {text}", nominal=size, **common))
+            continue
+        unit, text, _, most, _ = _BLOCK_OUTPUTS.get(name, _FRICTION)
+        text = f"{'Least value of the motion so far' if name == 'contact' else _LARGEST}: {text}"
+        for i in range(1, column.n + 1):
+            rows.append(
+                _output(output.format(i=i), unit, text.format(i=i), nominal=sizes[name][i - 1], maximum=most, **common)
+            )
+    return rows
+
+
 def _sizes(column: Column) -> dict[str, list[float]]:
     """How large each output of a block or joint typically is, from the top down: what solvers of a system scale by."""
     blocks = column.blocks
@@ -335,6 +387,7 @@ def _sizes(column: Column) -> dict[str, list[float]]:
         "S": weights,
         "T": weights,
         "contact": [1.0] * column.n,
+        "friction": [1.0] * column.n,
         "slip": [1e-3 * height] * column.n,
         "sigma_max": [weight / block.joint_moments[0] for weight, block in zip(weights, blocks, strict=True)],
     }

@@ -65,7 +65,7 @@ def why_not_in_lanes(column: Column) -> str:
         return f"formulation {settings.formulation}"
     if settings.integrator != "auto":
         return f"integrator {settings.integrator}"
-    if settings.without:
+    if set(settings.without) - {"peaks"}:
         return "short cuts left out"
     if column.slides:
         return "joints that may slide"
@@ -197,7 +197,9 @@ class _Batch:
         """Take run k from rest by modes as far as its joints stay closed, or to its end."""
         n, start, stop = self.n, motion.start, motion.start + duration
         if column is not self._column:
-            self._fresh = arrays_at(column, TOLERANCE_PART * column.settings.tolerance)
+            self._fresh = arrays_at(
+                column.with_settings(without=("peaks",)), TOLERANCE_PART * column.settings.tolerance
+            )
             self._column = column
         arrays = copied(self._fresh)
         control, counts, base = at.CONTROL.see(arrays.state), at.COUNTS.see(arrays.counts), at.BASE.see(arrays.base)
@@ -208,7 +210,7 @@ class _Batch:
         record = (row[first : first + size] for row in self._records.rows)
         times = start + self._rows if self._rows.size else np.array([stop])
         kept = np.zeros((times.size, at.SNAPSHOT.size(n)))
-        code = run(n, *arrays, *record, 1.0, False, start, duration, times, kept.reshape(-1))
+        code = run(n, *arrays, *record, 1.0, False, start, duration, times, kept.reshape(-1), True)
         phase, peaks = arrays.state[at.CONTROL.beside :][: 4 * n], at.STATE.see(arrays.state, n).peaks[:n]
         self._outcomes[k] = np.concatenate([[code, math.nan, 0.0, counts.steps, counts.rejected], peaks, phase])
         self._evaluations[k] = counts.evaluations

@@ -19,8 +19,8 @@ from .solids import Solid, solid_between, with_load
 
 FORMULATIONS = ("exact", "paper")
 INTEGRATORS = ("auto", "central-difference")
-# short cuts that can be left out, to check or to measure them
-SKIPS = ("elastic", "rest", "dashpots", "resultants", "implicit")
+# what can be left out: short cuts, to check or to measure them, and the peaks of all but ux
+SKIPS = ("elastic", "rest", "dashpots", "resultants", "implicit", "peaks")
 MAX_BLOCKS = 1000
 BLOCK_SECTIONS = tuple(name for name in SECTIONS if name != "strips")  # strips are of contacts only
 ROUND = ("circle", "annulus")
@@ -168,7 +168,7 @@ class Settings:
     integrator: str = "auto"  # one of INTEGRATORS
     step: float = 1e-4  # s, of an integrator with a fixed step
     tolerance: float = 1e-5  # relative error of an integrator that chooses its steps
-    without: tuple[str, ...] = ()  # short cuts not to be taken, of SKIPS: a check of what they leave out
+    without: tuple[str, ...] = ()  # of SKIPS: what is not to be done
 
     def __post_init__(self) -> None:
         if isinstance(self.without, list):  # as TOML and JSON have it

@@ -37,6 +37,7 @@ from .static_commands import add_static_commands
 from .studies.command import add_command as add_study
 from .uncertainty import PERCENTILES, Ensemble, Spread
 
+BASE_PEAKS = ("Fx", "Fz", "My"), ("kN", "kN", "kN m")
 PROGRAM = "python -m solver"
 INTERRUPTED = 130  # exit code, as of shells
 
@@ -252,6 +253,8 @@ def _summary(response: Response) -> str:
         "block  peak |ux| (mm)",
         *(f"{i:5d}  {1e3 * peak:14.5g}" for i, peak in enumerate(response.peak_ux, start=1)),
     ]
+    if "N" in response.peaks:
+        lines += _peaks(response)
     if column.slides:
         left = ", ".join(f"{1e3 * slip:.5g}" for slip in response.slip[-1])
         lines.append(f"slip of each block at the end (mm): {left}; friction took {stats['friction_work']:.4g} J")
@@ -268,6 +271,22 @@ def _summary(response: Response) -> str:
     lines.append("time in " + ", ".join(f"{name.replace('_', ' ')} {stats[name]:.1%}" for name in regimes))
     lines.append(f"{stats['steps']} steps in {stats['wall_time']:.2f} s")
     return "\n".join(lines)
+
+
+def _peaks(response: Response) -> list[str]:
+    """What the joints and the base had to bear, in a table."""
+    peaks = response.peaks
+    columns = {"N": 1e-3, "|M|": 1e-3, "|T|": 1e-3, "sigma_max": 1e-6, "contact": 1.0, "friction": 1.0}
+    rows = zip(*(scale * peaks[name.strip("|")] for name, scale in columns.items()), strict=True)
+    base = ", ".join(f"|{name}| {1e-3 * peaks[name][0]:.5g} {unit}" for name, unit in zip(*BASE_PEAKS, strict=True))
+    return [
+        "joint  peak N (kN)  |M| (kN m)    |T| (kN)  pressure (MPa)  least contact     |T| / N",
+        *(
+            f"{i:5d}  {n:11.5g}  {m:10.5g}  {t:10.5g}  {sigma:14.5g}  {contact:13.5g}  {friction:10.4g}"
+            for i, (n, m, t, sigma, contact, friction) in enumerate(rows, start=1)
+        ),
+        f"peaks of the base reaction: {base}",
+    ]
 
 
 def _verdict(response: Response) -> str:

@@ -90,7 +90,7 @@ def vary(column: Column, motion: Motion, spread: Spread, rng: np.random.Generato
 def runs_in_lanes(response: Response, motion: Motion, initial: InitialState | None) -> bool:
     """Whether eight can run at once, and gain by it."""
     settings = response.column.settings
-    fits = settings.formulation == "exact" and settings.integrator == "auto" and not settings.without
+    fits = settings.formulation == "exact" and settings.integrator == "auto" and set(settings.without) <= {"peaks"}
     fits = fits and not response.column.slides
     explicit = response.stats["implicit_steps"] <= MOST_DAMPED * response.stats["steps"]
     return fits and explicit and response.column.has_rectangles_only and not motion.hold and initial is None
@@ -109,6 +109,7 @@ def _alone(
     callback: Callback | None,
 ) -> Made:
     try:
+        column = column.with_settings(without=(*column.settings.without, "peaks"))
         response, phases = single_run(column, motion, duration, times, initial, settle, callback)
     except SolverError:
         nothing = np.full((len(times), column.n), math.nan)

@@ -38,6 +38,7 @@ SKIP_CODES = {
     "dashpots": at.DASHPOTS,
     "resultants": at.RESULTANTS,
     "implicit": at.IMPLICIT,
+    "peaks": at.EXTREMES,
 }
 
 

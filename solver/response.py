@@ -27,6 +27,9 @@ BLOCK_HISTORIES = {
     name: f"{'block' if name in ('ux', 'uz', 'theta') else 'joint'}[{{i}}].{name}" for name in at.OUTPUTS.fields
 }
 BASE_HISTORIES = {name: f"base.{name}" for name in at.REACTION.fields}
+# names of `Response.peaks` -> names among the outputs of the FMU, in the order of the kernels (layout.py, PEAKS)
+PEAKS = {name: f"{output}_{'least' if name == 'contact' else 'peak'}" for name, output in BLOCK_HISTORIES.items()}
+PEAKS |= {name: f"{output}_peak" for name, output in BASE_HISTORIES.items()} | {"friction": "joint[{i}].friction_peak"}
 
 
 class Response:
@@ -36,12 +39,14 @@ class Response:
     clockwise; N N, compression; M N m, restoring; S N, horizontal, and T N, along the joint, of the part
     above on the part below; contact 0..1
     of the joint's width; sigma_max Pa; slip m, of the block over what is under it, to +x; Fx, Fz N and
-    My N m (clockwise), of the column on the base at the centre of joint n. peak_ux m (n,): largest |ux| of the
-    continuous motion. overturned, overturn_time s (NaN if not), overturned_joint (0 if not). stats: steps,
-    implicit_steps and elastic_steps (of these), rejected, events (steps cut off where the contact of a joint
-    changes), evaluations, sweeps; full_contact, rocking, flight: parts of the time, at_rest: part that was not
-    stepped; undamped_joints; observed_rows; wall_time s; settled_for s: how long the column was followed after the
-    histories' end.
+    My N m (clockwise), of the column on the base at the centre of joint n. peaks: largest absolute values of the
+    continuous motion by these names, (n,), or (1,) of the base reaction; the least of contact; friction: |T| / N where
+    N is above 0.05 of the weight carried at rest. They do not depend on the rows. Of ux only in a column that is run
+    without "peaks". peak_ux: peaks["ux"]. overturned, overturn_time s (NaN if not), overturned_joint (0 if not). stats:
+    steps, implicit_steps and elastic_steps (of these), rejected, events (steps cut off where the contact of a joint
+    changes), evaluations, sweeps, looks (evaluations for what is watched, beside these); full_contact, rocking, flight:
+    parts of the time, at_rest: part that was not stepped; undamped_joints; observed_rows; wall_time s; settled_for s:
+    how long the column was followed after the histories' end.
 
     verdict: "overturned", "standing" (it cannot fall any more) or "undecided"; reason: why, in words. It looks beyond
     the end of the histories: a column that falls later has `overturned` and an `overturn_time` after the last row.
@@ -56,7 +61,7 @@ class Response:
         column: Column,
         time: FloatArray,
         observe: Callable[[], FloatArray],
-        peak_ux: FloatArray,
+        peaks: dict[str, FloatArray],
         overturned_joint: int,
         overturn_time: float,
         stats: dict[str, Any],
@@ -67,7 +72,7 @@ class Response:
         self.column = column
         self.time = time
         self._observe = observe
-        self.peak_ux = peak_ux
+        self.peaks = peaks
         self.overturned = overturned_joint > 0
         self.overturned_joint = overturned_joint
         self.overturn_time = overturn_time
@@ -115,6 +120,11 @@ class Response:
     Fx = property(lambda self: self._base("Fx"))
     Fz = property(lambda self: self._base("Fz"))
     My = property(lambda self: self._base("My"))
+
+    @property
+    def peak_ux(self) -> FloatArray:
+        """The peaks of ux, m (n,)."""
+        return self.peaks["ux"]
 
     def friction_demand(self, part: float = LEAST_PART) -> FloatArray:
         """Largest |T| / N of each joint over the rows, (n,), where N is above `part` of the weight carried."""

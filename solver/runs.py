@@ -226,8 +226,9 @@ def _response(run: Run, settle: float, look: Callback) -> Response:
 def _alone(run: Run, chunk: Chunk, columns: Columns, place: int, look: Callback) -> str:
     """Make one run by itself into the columns. Returns what went wrong, or nothing."""
     end = np.array([run.motion.start + run.duration])
+    column = run.column.with_settings(without=(*run.column.settings.without, "peaks"))  # but those of ux
     try:
-        response, phases = single_run(run.column, run.motion, run.duration, end, None, chunk.settle, look)
+        response, phases = single_run(column, run.motion, run.duration, end, None, chunk.settle, look)
     except SolverError as failure:
         return str(failure)
     stands = not response.overturn_time <= end[0]

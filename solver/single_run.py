@@ -58,20 +58,20 @@ def single_run(
         if callback is not None:
             phase = phase_of(stepper)
             places = chain.places(phase)
-            callback(t, Glance(chain.top_displacements(phase), places.theta.copy(), stepper.peaks.copy()))
+            callback(t, Glance(chain.top_displacements(phase), places.theta.copy(), stepper.peak_ux.copy()))
 
     begin = clock.perf_counter()
     snapshots = stepper.run(motion, stop, times, after_chunk)
     wall_time = clock.perf_counter() - begin
     stats = _stats(stepper, wall_time)
-    peaks = stepper.peaks.copy()
+    peaks = {name: peak.copy() for name, peak in stepper.peaks.items()}
     verdict, end = settled_verdict(stepper, stop, settle)
     stats["settled_for"] = end - stop
     response = Response(
         column,
         times,
         lambda: stepper.rows_of(snapshots),
-        peak_ux=peaks,
+        peaks=peaks,
         overturned_joint=stepper.overturned_joint,
         overturn_time=stepper.overturn_time,
         stats=stats,
@@ -138,6 +138,7 @@ def _stats(stepper: Stepper, wall_time: float) -> dict[str, float | int]:
         "events": int(counts.events),
         "evaluations": int(counts.evaluations),
         "sweeps": int(counts.sweeps),
+        "looks": int(counts.looks),
         "full_contact": float(control.time_full / spent),
         "rocking": float(control.time_rocking / spent),
         "flight": float(control.time_flight / spent),

@@ -89,8 +89,8 @@ class Stepper:
         base[_ROTATION], base[_ROTATION + 1], base[_ROTATION + 2] = theta, omega, alpha
 
     def advance(self, t: float, h: float) -> None:
-        """Go from t to t + h, s, under `base` and `record`. Raises SolverError."""
-        self._check(self._run(t, h, self.record, _NONE, _NONE), t)
+        """Go from t to t + h, s, under `base` and `record`; all peaks are kept. Raises SolverError."""
+        self._check(self._run(t, h, self.record, _NONE, _NONE, True), t)
 
     def observe(self, t: float) -> FloatArray:
         """The output row at time t (kernels/layout.py, ROW); overwritten by the next call. Raises SolverError."""
@@ -109,7 +109,11 @@ class Stepper:
         self.state.control.base_omega = self.base.omega
 
     def run(
-        self, motion: Motion, stop: float, times: FloatArray, after_chunk: Callable[[float], None] | None = None
+        self,
+        motion: Motion,
+        stop: float,
+        times: FloatArray,
+        after_chunk: Callable[[float], None] | None = None,
     ) -> FloatArray:
         """Follow a motion from its start to time `stop`, s; a snapshot for each of `times`. Raises SolverError.
 
@@ -123,14 +127,14 @@ class Stepper:
         self.base.wave_omega = 2.0 * math.pi * motion.frequency
         self.base.wave_phase = -2.0 * math.pi * motion.frequency * motion.start
         record = Record(time, ax, az, held=motion.hold)
-        self._follow(float(motion.time[0]), stop, record, times, snapshots.reshape(-1), after_chunk)
+        self._follow(float(motion.time[0]), stop, record, times, snapshots.reshape(-1), True, after_chunk)
         return snapshots
 
     def rest_until(self, t: float, stop: float, after_chunk: Callable[[float], None] | None = None) -> None:
         """Go from t to time `stop`, s, upon a base that does not accelerate. Raises SolverError."""
         self.drive(t)
         self.base.wave_amplitude = 0.0
-        self._follow(t, stop, SILENCE, _NONE, _NONE, after_chunk)
+        self._follow(t, stop, SILENCE, _NONE, _NONE, False, after_chunk)
 
     def _follow(
         self,
@@ -139,6 +143,7 @@ class Stepper:
         record: Record,
         times: FloatArray,
         snapshots: FloatArray,
+        peaks: bool,
         after_chunk: Callable[[float], None] | None,
     ) -> None:
         settings = self.model.settings
@@ -149,7 +154,7 @@ class Stepper:
             pieces = math.ceil(left / chunk)
             end = stop if pieces <= 1 else t + (left / pieces if pieces <= 4 else chunk)  # no sliver at the end
             before = self._work_done
-            self._check(self._run(t, end - t, record, times, snapshots), None)
+            self._check(self._run(t, end - t, record, times, snapshots, peaks), None)
             t = end
             if after_chunk is not None:
                 after_chunk(t)
@@ -197,14 +202,37 @@ class Stepper:
         return float(self.state.control.overturn_time) if self.overturned_joint else math.nan
 
     @property
-    def peaks(self) -> NDArray[np.float64]:
-        """Largest |u_x| of each top face so far, m (n,); kept by `run` only."""
-        peaks: FloatArray = self.state.peaks
+    def peak_ux(self) -> NDArray[np.float64]:
+        """Largest |u_x| of each top face so far, m (n,)."""
+        peaks: FloatArray = self.state.peaks[: self.n]
         return peaks
 
-    def _run(self, t: float, h: float, record: Record, times: FloatArray, snapshots: FloatArray) -> int:
+    @property
+    def peaks(self) -> dict[str, FloatArray]:
+        """Largest absolute values so far by name, copies: (n,) of blocks and joints, (1,) of the base.
+
+        The least of `contact`; `friction` is |T| / N while N counts (kernels/layout.py, PEAKS). Those of ux alone with
+        `without = ["peaks"]`.
+        """
+        if "peaks" in self.column.settings.without:
+            return {"ux": self.peak_ux.copy()}
+        n, joints = self.n, at.OUTPUTS.size(self.n)
+        visible = self.visible_peaks
+        names = (*at.OUTPUTS.fields, *at.REACTION.fields, "friction")
+        parts = np.split(visible, [*range(n, joints + 1, n), *range(joints + 1, joints + at.REACTION.beside + 1)])
+        return dict(zip(names, parts, strict=True))
+
+    @property
+    def visible_peaks(self) -> FloatArray:
+        """The same in the order of kernels/layout.py, PEAKS."""
+        visible: FloatArray = self.state.peaks.copy()
+        contact = self.n * at.OUTPUTS.fields.index("contact")
+        visible[contact : contact + self.n] = 1.0 - visible[contact : contact + self.n]
+        return visible
+
+    def _run(self, t: float, h: float, record: Record, times: FloatArray, snapshots: FloatArray, peaks: bool) -> int:
         """The kernel, compiled once: its numbers are float64 and its arrays contiguous, whatever the caller has."""
-        code: int = run(self.n, *self.arrays, *record.arguments, float(t), float(h), _plain(times), snapshots)
+        code: int = run(self.n, *self.arrays, *record.arguments, float(t), float(h), _plain(times), snapshots, peaks)
         return code
 
     def _check(self, code: int, t: float | None) -> None:

@@ -43,10 +43,15 @@ def judge(response: Response, closer: Response | SolverError, ux: FloatArray, cl
     rows = int(np.searchsorted(time, fall - BEFORE_FALL)) or int(np.searchsorted(time, fall))
     difference = factor * np.max(np.abs(ux - closer_ux), axis=1)
     size = float(np.max(np.abs(closer_ux[:rows]), initial=0.0)) or 1.0
-    peaks = np.where(closer.peak_ux > 0.0, closer.peak_ux, 1.0)
+    peaks = {
+        name: factor
+        * np.abs(response.peaks[name] - other)
+        / (1.0 if name == "contact" else np.where(other, other, 1.0))
+        for name, other in closer.peaks.items()
+    }
     response.estimated_error = ErrorEstimate(
         ux=float(np.max(difference[:rows], initial=0.0)) / size,
-        peak_ux=factor * np.abs(response.peak_ux - closer.peak_ux) / peaks,
+        peaks=peaks,
         overturn_time=abs(response.overturn_time - closer.overturn_time),
     )
     apart = np.flatnonzero(difference > allowed * size)

@@ -22,12 +22,18 @@ class ErrorEstimate:
     """By how much a run differs from the closer one: an estimate of its error.
 
     ux: largest difference of any ux at the rows while both stand, up to 0.1 s before a fall, in parts of the largest
-    |ux| until then. peak_ux (n,): of each peak, in parts of itself. overturn_time s: NaN unless both fall.
+    |ux| until then. peaks: of each of `Response.peaks`, in parts of itself; of the least contact as it is.
+    overturn_time s: NaN unless both fall.
     """
 
     ux: float
-    peak_ux: FloatArray
+    peaks: dict[str, FloatArray]
     overturn_time: float
+
+    @property
+    def peak_ux(self) -> FloatArray:
+        """That of the peaks of ux, (n,)."""
+        return self.peaks["ux"]
 
 
 @dataclass(frozen=True)

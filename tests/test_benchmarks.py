@@ -19,10 +19,10 @@ from probe import coordinates, look, phocas, random_column, random_state
 
 sys.path.insert(0, str(ROOT))  # the benchmarks are not installed
 
-from benchmarks import articulated, damped_columns, energy, evaluation, opensees, references, targets
+from benchmarks import articulated, damped_columns, energy, evaluation, opensees, references, report, targets, trust
 from benchmarks.competitors import MeasurementError, competitors, grid, steps, tolerances
 from benchmarks.right_hand_side import DATA, KNOWN, Problem, base_acceleration
-from benchmarks.scenes import RECORDS, Scene, forced, harmonic, scenes, shaft
+from benchmarks.scenes import RECORDS, G, Scene, forced, harmonic, scenes, shaft
 from benchmarks.work_precision import cost_at, envelope, equal_error
 from solver import Motion, simulate
 from solver.kernels import layout as at
@@ -371,3 +371,18 @@ def test_errors_and_verdicts_of_damped_columns_are_judged_where_they_can_be_pred
         1,
     ]
     assert damped_columns.failures(found | {"amplification": 101.0}) == []
+
+
+def test_what_may_be_believed_is_measured():
+    peaks = trust.peaks(forced(0.15, 1.0, 1.0))
+    assert peaks["same"]
+    assert 0.3 < min(peaks["seen"].values()) < 0.999  # rows of 5 ms miss impacts
+    pulses = trust.pulses(shaft(1), "1 block", 0.5, np.array([0.05, 0.3]) * G)
+    assert pulses["counts"] == {"standing": 1, "overturned later": 1}
+    shares = [
+        {"scene": "any", "rows": [{"size": 8, "share": 0.5, "bounds": (0.2, 0.8), "contains": True}]},
+        {"scene": "other", "rows": [{"size": 8, "share": 0.0, "bounds": (0.0, 0.37), "contains": False}]},
+    ]
+    text = report.trust_tables({"trust": {"peaks": [peaks], "pulses": [pulses], "shares": shares}})
+    assert "1 overturned later, 1 standing" in text
+    assert "0.000 (0.00 to 0.37, does not contain it)" in text

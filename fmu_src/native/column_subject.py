@@ -19,6 +19,8 @@ from ..variables import (
     RECORD,
     RECORD_PGA,
     RECORD_SCALE,
+    VERDICT,
+    VERDICT_NOW,
     Choice,
 )
 from .table import Check, Chosen, Subject
@@ -49,12 +51,19 @@ def column_subject(column: Column) -> Subject:
         codes={f"GIVEN_{name.upper()}": place for place, name in enumerate(pointers.GIVEN_SETTINGS)}
         | {f"STATE_{name.upper()}": place for place, name in enumerate(at.CONTROL.fields)}
         | {
+            "PEAKS": at.PEAKS.size(n),
+            "STATE_PEAKS": at.STATE.size(n) - at.PEAKS.size(n),
+            "PEAK_CONTACT": n * at.OUTPUTS.fields.index("contact"),
+            "COUNT_RESTING": at.COUNTS.fields.index("resting"),
             "COUNT_OVERTURNED": at.COUNTS.fields.index("overturned"),
             "CENTRAL_DIFFERENCE": at.CENTRAL_DIFFERENCE,
             "NOT_STABLE": pointers.NOT_STABLE,
             "TOO_LARGE": pointers.TOO_LARGE,
-        },
+        }
+        | {f"VERDICT_{word.upper()}": number for word, number in VERDICT.items.items()},
         places={
+            "PEAKS": "block[1].ux_peak",
+            "VERDICT": VERDICT_NOW.name,
             "OVERTURN_TIME": OVERTURN_TIME.name,
             "OVERTURN_JOINT": OVERTURN_JOINT.name,
             "OVERTURNED": OVERTURNED.name,

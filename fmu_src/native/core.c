@@ -39,6 +39,7 @@ _Static_assert(sizeof STATE_FORMAT + sizeof IDENTITY + 17 <= HEADER, "the head o
 _Static_assert(COUNT(given) == GIVEN && COUNT(slope_of) == INPUT_ROOM, "what the kernels are given");
 _Static_assert(COUNT(real_starts) == REALS && COUNT(whole_starts) == WHOLES && COUNT(text_starts) == TEXTS, "starts");
 _Static_assert(AT_ROW + ROW == AT_SPLIT && AT_SPLIT + SPLIT <= REALS, "outputs begin with row and split");
+_Static_assert(!IS_COLUMN || (AT_SPLIT + SPLIT == AT_PEAKS && AT_PEAKS + PEAKS <= REALS), "then peaks");
 
 const char *const core_identity = IDENTITY;
 const double core_usual_step = USUAL_STEP;
@@ -291,6 +292,7 @@ static int build(Instance *instance, int afresh, char *reason) {
         if (IS_COLUMN) {
             now->reals[AT_OVERTURN_TIME] = -1.0;
             now->wholes[AT_OVERTURN_JOINT] = now->wholes[AT_OVERTURNED] = 0;
+            now->wholes[AT_VERDICT] = VERDICT_UNDECIDED;
         }
         now->inputs_stand = 0;
     }
@@ -310,7 +312,11 @@ static int update(Instance *instance, char *reason) {
                                .t = now->time, .row = &now->reals[AT_ROW], .split = &now->reals[AT_SPLIT]});
     if (code < 0) return snprintf(reason, MESSAGE, "at t = %.6g s: %s", now->time, reason_of(code)), 0;
     if (IS_COLUMN) {
-        int64_t joint = now->counts[COUNT_OVERTURNED];
+        double *peaks = &now->reals[AT_PEAKS];
+        for (int k = 0; k < PEAKS; k++) peaks[k] = now->state[STATE_PEAKS + k];
+        for (int k = PEAK_CONTACT; k < PEAK_CONTACT + N; k++) peaks[k] = 1.0 - peaks[k];
+        int64_t joint = now->counts[COUNT_OVERTURNED], resting = now->counts[COUNT_RESTING];
+        now->wholes[AT_VERDICT] = joint ? VERDICT_OVERTURNED : resting ? VERDICT_STANDING : VERDICT_UNDECIDED;
         now->wholes[AT_OVERTURN_JOINT] = joint;
         now->wholes[AT_OVERTURNED] = joint > 0;
         now->reals[AT_OVERTURN_TIME] = joint ? now->state[STATE_OVERTURN_TIME] : -1.0;
@@ -345,6 +351,7 @@ void core_reset(Instance *instance) {
     memcpy(now->reals, real_starts, sizeof now->reals);
     if (IS_COLUMN) now->reals[AT_OVERTURN_TIME] = -1.0;
     for (int k = 0; k < WHOLES; k++) now->wholes[k] = whole_starts[k];
+    if (IS_COLUMN) now->wholes[AT_VERDICT] = VERDICT_UNDECIDED;
     for (int k = 0; k < TEXTS; k++) snprintf(now->texts[k], TEXT, "%s", text_starts[k]);
     instance->outdated = 1;
     instance->coarse_told = 0;

@@ -22,7 +22,7 @@ from ..variables import FAMILY, STEP_SIZE, Variable, array_of
 from .machine_code import PREFIX
 
 TEXT = 256  # bytes of a String, its end included
-STATE_FORMAT = "multiblock-fmu native state 3"
+STATE_FORMAT = "multiblock-fmu native state 4"
 READ_ONLY = ("given", "inputs", "times", "ax", "az", "seeds")  # arguments behind which kernels write nothing
 C_TYPES = {"float64": "double ", "int64": "int64_t ", "float64*": "double *", "int64*": "int64_t *"}
 STORED = {"Real": "REAL", "Integer": "INTEGER", "Enumeration": "INTEGER", "Boolean": "BOOLEAN", "String": "STRING"}
@@ -31,8 +31,10 @@ SIZES = ("N", "MODEL", "STATE", "COUNTS", "BASE", "WORK", "ROW", "SPLIT", "ROOM"
 COLUMN_CODES = (
     *("GIVEN_INTEGRATOR", "GIVEN_STEP", "CENTRAL_DIFFERENCE", "NOT_STABLE", "TOO_LARGE", "COUNT_OVERTURNED"),
     *("STATE_OVERTURN_TIME", "STATE_TIME_FULL", "STATE_TIME_ROCKING", "STATE_TIME_FLIGHT"),
+    *("PEAKS", "STATE_PEAKS", "PEAK_CONTACT", "COUNT_RESTING"),
+    *("VERDICT_OVERTURNED", "VERDICT_STANDING", "VERDICT_UNDECIDED"),
 )
-PLACES = ("OVERTURN_TIME", "OVERTURN_JOINT", "OVERTURNED", "RECORD", "RECORD_PGA", "RECORD_SCALE")
+PLACES = ("PEAKS", "OVERTURN_TIME", "OVERTURN_JOINT", "OVERTURNED", "VERDICT", "RECORD", "RECORD_PGA", "RECORD_SCALE")
 
 
 @dataclass(frozen=True)

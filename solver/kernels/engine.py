@@ -173,6 +173,8 @@ def reset(counts, base):
     counts.elastic_steps = 0
     counts.elastic_wait = 0
     counts.in_flight = 0
+    counts.resting = 0
+    counts.looks = 0
     counts.until_opening = 0
     base.t0 = 0.0
     base.ax = 0.0

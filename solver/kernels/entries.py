@@ -31,11 +31,14 @@ def assemble_column(n, model, state, counts, base, work, given, afresh, scratch,
 
 
 @entry
-def run(n, model, state, counts, base, work, times, ax, az, scale, held, t, h, at, snapshots):
-    """Take the column from t to t + h over the record; a snapshot for each of the times `at`. Returns a code."""
+def run(n, model, state, counts, base, work, times, ax, az, scale, held, t, h, at, snapshots, peaks):
+    """Take the column from t to t + h over the record; a snapshot for each of the times `at`. Returns a code.
+
+    peaks: whether they are kept.
+    """
     samples = Samples(times.size, row_of(times), row_of(ax), row_of(az), scale, held)
     column = column_over(n, row_of(model), row_of(state), row_of(counts), row_of(base), samples, row_of(work))
-    return advance(column, t, h, Watch(at.size, row_of(at), row_of(snapshots)))
+    return advance(column, t, h, Watch(at.size, row_of(at), row_of(snapshots), peaks))
 
 
 @entry

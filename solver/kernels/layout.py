@@ -27,6 +27,7 @@ REST = 2  # no steps while the column rests on a base that does not accelerate
 DASHPOTS = 4  # no dashpot in a joint without damping
 RESULTANTS = 8  # output rows only where they are asked for
 IMPLICIT = 16  # the implicit method where it goes further than the explicit one
+EXTREMES = 32  # no short cut: peaks of more than u_x
 
 # --- model
 SETTINGS = Record(
@@ -106,6 +107,13 @@ PHASE = Table(
 )
 PHASE_FIELDS = PHASE.per_n
 RIGID_FIELDS = 6  # of the first part
+# all that is visible of a column at one instant (ROW below), and T / N
+OUTPUTS = Table("ux", "uz", "theta", "N", "M", "S", "contact", "sigma_max", "T", "slip")
+REACTION = Record("Fx", "Fz", "My")  # of the base: N, N, N m
+# largest absolute values so far; in the place of the contact the largest part of the width that was out of it, and
+# |T| / N where N is more than COUNTS_FROM of the weight that the joint carries at rest
+PEAKS = Space(joints=OUTPUTS, base=REACTION, friction=Numbers(per_n=1))
+COUNTS_FROM = 0.05
 CONTROL = Record(
     "next_step",  # s, what the error control proposes
     "rotation_scale",  # rad, largest rotation so far
@@ -125,7 +133,7 @@ CONTROL = Record(
     "time_at_rest",  # s that were skipped
     "reached",  # s, the instant at which the last call ended
 )
-STATE = Space(control=CONTROL, phase=PHASE, peaks=Numbers(per_n=1))
+STATE = Space(control=CONTROL, phase=PHASE, peaks=Numbers(PEAKS.per_n, PEAKS.beside))
 COUNTS = Record(
     "steps",
     "rejected",
@@ -142,6 +150,8 @@ COUNTS = Record(
     "elastic_steps",  # of steps
     "elastic_wait",  # steps to be made by other methods before the modal one is tried again
     "in_flight",  # 1 while a joint is fully open
+    "resting",  # 1 while it rests upon a base that is still
+    "looks",  # evaluations for what is watched; the steps do not depend on them
     "until_opening",  # 1 where `advance` is to end once the modal method does not go on
 )
 
@@ -175,8 +185,6 @@ BASE = Record(
 SNAPSHOT = Space(phase=PHASE, base=Record("ax", "az"))
 
 # --- one output row: fields of n numbers each, then the base reaction
-OUTPUTS = Table("ux", "uz", "theta", "N", "M", "S", "contact", "sigma_max", "T", "slip")
-REACTION = Record("Fx", "Fz", "My")  # N, N, N m
 ROW = Space(joints=OUTPUTS, base=REACTION)
 
 # --- the base reaction split: R = R0 - M a with R = (Fx, Fz, My), a = (a_x, a_z, alpha) of the base
@@ -201,6 +209,10 @@ HOLD = Table(
     whole=True,
 )
 TOPS = Table("start_ux", "start_rate", "end_ux", "end_rate", "between_ux", "between_rate")  # of the top faces
+# what is visible at the start of a step, nearly, "edge" the pressure at the edge; N in the middle and the
+# inclination of the joint at the end; from which N on T / N counts
+NOTES = Table("N", "M", "T", "phi", "length", "edge", "theta", "uz", "N_middle", "phi_end", "counts")
+PIECES = 4  # of a step that is searched for peaks
 TANGENT_FIELDS = 22  # of the implicit solution
 STAGES = 12  # the start of a step and the inner stages of a Runge-Kutta step
 INTERPOLATION = Record(
@@ -228,6 +240,9 @@ WORK = Space(
     slips=SLIPS,
     room=ROOM,
     tops=TOPS,
+    notes=NOTES,
+    watched=Record("rises"),  # whether something visible is beyond its peak there
+    seen=Numbers(PEAKS.per_n * (PIECES + 2), PEAKS.beside * (PIECES + 2)),  # at the ends of the pieces, and once more
     tangent=Numbers(per_n=TANGENT_FIELDS),
     trend=TREND,
     slopes=Numbers(per_n=2),

@@ -59,7 +59,7 @@ def assemble(n, given, afresh, model, state, counts, base, work, scratch, detail
 def follow(n, model, state, counts, base, work, inputs, start, h, count, times, ax, az, scale):
     """`engine.follow`."""
     column = _column(n, model, state, counts, base, work, _samples(count, times, ax, az, scale))
-    return engine.follow(column, row_at(inputs), start, h, Watch(0, row_at(work), row_at(work)))
+    return engine.follow(column, row_at(inputs), start, h, Watch(0, row_at(work), row_at(work), True))
 
 
 def look(

@@ -154,6 +154,19 @@ def base_motion(base, samples, t):
 
 
 @leaf
+def base_turn(base, t):
+    """Rotation of the base at time t, rad clockwise."""
+    past = t - base.t0
+    return base.theta + past * (base.omega + 0.5 * past * base.alpha)
+
+
+@leaf
+def base_spin(base, t):
+    """Rate of that, rad/s."""
+    return base.omega + (t - base.t0) * base.alpha
+
+
+@leaf
 def base_rotates(base):
     """Whether the base is turned or turning."""
     return base.theta != 0.0 or base.omega != 0.0 or base.alpha != 0.0

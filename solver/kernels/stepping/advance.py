@@ -8,7 +8,7 @@ import math
 from typing import NamedTuple
 
 from ..formulations.base import anchor_wave, base_motion, ends_soon, enter, smooth_reach, to_next_sample
-from ..formulations.either import evaluate_at, is_exact, top_motion
+from ..formulations.either import evaluate_at, is_exact
 from ..formulations.exact import STILL
 from ..formulations.slips import evaluate_anew, note_directions, phase_size, take_directions
 from ..integrators import modal
@@ -23,7 +23,7 @@ from .control import accepts, accepts_elastic, elastic_step, general_step
 from .holding import NO_CHANGE, expected_change, first_change, hold, release
 from .interpolation import begin, interpolate_phase, refinement
 from .sliding import NEAR, begin_step, first_slip_change
-from .watch import take_held_snapshots, take_snapshots, track_peaks
+from .watch import begin_watching, end_watching, take_held_snapshots, watch_step
 
 WELL_ENOUGH = 1.0  # tolerances: what `refine` adds to an interpolation that will do for the end of a step
 BEYOND = 1e-5  # of a step: so far a step made again ends beyond the change, of which it costs the square
@@ -248,6 +248,7 @@ def finish_step(column, watch, t, step):
     """Take stock of a step just made, keep what is watched, go on from its end. Returns (code, s made)."""
     model, state, counts, work = column.model, column.state, column.counts, column.work
     counts.steps += 1
+    counts.resting = 0
     code = take_stock(column, work.end, step)
     if code != OK:
         return code, step
@@ -260,15 +261,18 @@ def finish_step(column, watch, t, step):
         state.control.overturn_time = t + step
         counts.overturned = widest_joint(model, work.end)
     note_directions(work, work.end)
-    if watch.size > 0:
-        track_peaks(column, t, step)
-        take_snapshots(column, watch, t, step)
+    watch_step(column, watch, t, step)
     for i in range(phase_size(work)):
         work.start.row[i] = work.end.row[i]
     take_directions(work, work.start)
     if work.slips.change != 0.0:
         work.slips.change = 0.0
-        return evaluate_anew(column, work.start, base_motion(column.base, column.samples, t + step)), step
+        motion = base_motion(column.base, column.samples, t + step)
+        end_watching(column, watch, motion)
+        code = evaluate_anew(column, work.start, motion)
+        if code == OK:
+            begin_watching(column, watch, motion, True)
+        return code, step
     return OK, step
 
 
@@ -293,6 +297,7 @@ def _start(column, motion, t):
 def _rest_until(column, watch, t, left):
     """Let a column that rests be, for `left` s."""
     control = column.state.control
+    column.counts.resting = 1
     for i in range(phase_size(column.work)):
         column.state.phase.row[i] = column.work.start.row[i]
     keep_base(control, STILL)
@@ -305,12 +310,10 @@ def _rest_until(column, watch, t, left):
 def advance(column, t, h, watch):
     """Take the column from t to t + h, landing there exactly; no further than `until_opening`. Returns a code.
 
-    Inputs of the base hold within the call; snapshots and peaks take it that the base does not rotate. Snapshots inside
-    are taken by interpolation. A column that has overturned keeps its state. On an error the phase in the state is that
-    at t.
+    Inputs of the base hold within the call; snapshots take it that the base does not rotate. Snapshots inside are taken
+    by interpolation. A column that has overturned keeps its state. On an error the phase in the state is that at t.
     """
-    model, state, counts, base, samples, work = column
-    n = model.n
+    _, state, counts, base, samples, work = column
     if counts.overturned > 0:
         take_held_snapshots(column, watch, t, h)
         return HAS_OVERTURNED
@@ -318,7 +321,8 @@ def advance(column, t, h, watch):
     motion = base_motion(base, samples, t)
     take_phase(column, motion, work.start)
     take_directions(work, work.start)
-    if counts.started == 0 or not belongs_to(state.control, motion):
+    stale = counts.started == 0 or not belongs_to(state.control, motion)
+    if stale:
         code = evaluate_anew(column, work.start, motion)
         if code != OK:
             return code
@@ -326,11 +330,7 @@ def advance(column, t, h, watch):
             code = _start(column, motion, t)
             if code != OK:
                 return code
-    if watch.size > 0:
-        tops = work.tops
-        top_motion(model, work.start, tops.start_ux, tops.start_rate)
-        for i in range(n):
-            state.peaks[i] = max(state.peaks[i], abs(tops.start_ux[i]))
+    begin_watching(column, watch, motion, stale)
     modal.forget(work)
     elapsed = 0.0
     while elapsed < h:
@@ -362,14 +362,16 @@ def advance(column, t, h, watch):
             elapsed = h
         else:
             elapsed += made
-            code = _pass_samples(column, t + elapsed)
+            code = _pass_samples(column, watch, t + elapsed)
             if code != OK:
                 return code
 
     for i in range(phase_size(work)):
         state.phase.row[i] = work.start.row[i]
+    motion = base_motion(base, samples, t + elapsed)
+    end_watching(column, watch, motion)
     state.control.reached = t + elapsed
-    keep_base(state.control, base_motion(base, samples, t + elapsed))
+    keep_base(state.control, motion)
     if counts.overturned > 0:
         take_held_snapshots(column, watch, t, h)
         return HAS_OVERTURNED
@@ -377,7 +379,7 @@ def advance(column, t, h, watch):
 
 
 @kernel
-def _pass_samples(column, t):
+def _pass_samples(column, watch, t):
     """Let the base follow the segment of the record at time t; accelerations jump where it does. Returns a code."""
     base, samples = column.base, column.samples
     if samples.size == 0 or not ends_soon(base, t):
@@ -389,4 +391,8 @@ def _pass_samples(column, t):
     jump = max(abs(motion.ax - before.ax), abs(motion.az - before.az))
     if jump <= ROUNDING * max(abs(motion.ax), abs(motion.az)):
         return OK
-    return evaluate_anew(column, column.work.start, motion)
+    end_watching(column, watch, before)
+    code = evaluate_anew(column, column.work.start, motion)
+    if code == OK:
+        begin_watching(column, watch, motion, True)
+    return code

@@ -1,13 +1,17 @@
-"""What is kept of a run: the peaks of the displacements, and snapshots at the times that are asked for."""
+"""What is kept of a run: peaks, and snapshots at the times that are asked for.
+
+What is watched never changes the steps. It costs evaluations of its own (`counts.looks`).
+"""
 
 from typing import NamedTuple
 
-from ..formulations.base import base_motion
+from ..formulations.base import base_motion, base_rotates, base_spin, base_turn
 from ..formulations.either import is_exact, reach_of, top_motion
-from ..formulations.slips import note_directions, phase_size
+from ..formulations.slips import note_directions, phase_size, take_directions
 from ..jit import kernel, leaf
 from ..joint.sliding import can_slide
-from ..layout import SLACK, SNAPSHOT
+from ..layout import EXTREMES, SLACK, SNAPSHOT
+from .extremes import begin_extremes, end_extremes, track_extremes
 from .interpolation import interpolate_acceleration, interpolate_one, interpolate_phase, refine, slips_of, turning_point
 
 _snapshot = SNAPSHOT.over
@@ -16,11 +20,67 @@ SNAPSHOT_BESIDE = SNAPSHOT.beside
 
 
 class Watch(NamedTuple):
-    """Rows of `size` times, s, and of as many snapshots; without times neither snapshots nor peaks are kept."""
+    """Rows of `size` times, s, and of as many snapshots; and whether peaks are kept."""
 
     size: int
     times: object
     snapshots: object
+    peaks: bool
+
+
+@leaf
+def _keeps_all(column, watch):
+    return watch.peaks and not int(column.model.settings.without) & EXTREMES
+
+
+@kernel
+def begin_watching(column, watch, motion, evaluated):
+    """The start of what follows, upon a base that moves like that; `evaluated`: work.joints belongs to it."""
+    if not watch.peaks:
+        return
+    work, peaks = column.work, column.state.peaks
+    tops = work.tops
+    top_motion(column.model, work.start, tops.start_ux, tops.start_rate, motion.theta, motion.omega)
+    for i in range(column.model.n):
+        peaks[i] = max(peaks[i], abs(tops.start_ux[i]))
+    if _keeps_all(column, watch):
+        evaluations, sweeps = column.counts.evaluations, column.counts.sweeps
+        begin_extremes(column, motion, evaluated)
+        take_directions(work, work.start)
+        _count_looks(column.counts, evaluations, sweeps)
+
+
+@kernel
+def end_watching(column, watch, motion):
+    """What followed ends here, upon a base that moves like that, or something jumps."""
+    if _keeps_all(column, watch):
+        evaluations, sweeps = column.counts.evaluations, column.counts.sweeps
+        end_extremes(column, motion)
+        take_directions(column.work, column.work.start)
+        _count_looks(column.counts, evaluations, sweeps)
+
+
+@kernel
+def watch_step(column, watch, t, h):
+    """Keep what is asked for of the step just made from t to t + h."""
+    if not watch.peaks and watch.size == 0:
+        return
+    evaluations, sweeps = column.counts.evaluations, column.counts.sweeps
+    if _keeps_all(column, watch):  # first: it needs the resultants of the end of the step
+        track_extremes(column, t, h)
+        take_directions(column.work, column.work.end)
+    if watch.peaks:
+        track_peaks(column, t, h)
+    take_snapshots(column, watch, t, h)
+    _count_looks(column.counts, evaluations, sweeps)
+
+
+@leaf
+def _count_looks(counts, evaluations, sweeps):
+    """What was evaluated since there were so many evaluations and sweeps was for what is watched."""
+    counts.looks += counts.evaluations - evaluations
+    counts.evaluations = evaluations
+    counts.sweeps = sweeps
 
 
 @kernel
@@ -30,7 +90,7 @@ def track_peaks(column, t, h):
     n, end = model.n, work.end
     # nobody can have moved by more than this in the step: leave it there unless it reaches a peak
     reach = 0.0
-    passed = False
+    passed = base_rotates(column.base)
     for i in range(n - 1, -1, -1):
         reach += reach_of(model, end.theta, end.opening, i)
         reach += h * reach_of(model, end.theta_rate, end.opening_rate, i)
@@ -40,8 +100,9 @@ def track_peaks(column, t, h):
     if not passed:
         return
     tops = work.tops
-    top_motion(model, work.start, tops.start_ux, tops.start_rate)
-    top_motion(model, end, tops.end_ux, tops.end_rate)
+    base = column.base
+    top_motion(model, work.start, tops.start_ux, tops.start_rate, base_turn(base, t), base_spin(base, t))
+    top_motion(model, end, tops.end_ux, tops.end_rate, base_turn(base, t + h), base_spin(base, t + h))
     for i in range(n):
         d0, d1 = tops.start_ux[i], tops.end_ux[i]
         v0, v1 = tops.start_rate[i], tops.end_rate[i]
@@ -49,8 +110,10 @@ def track_peaks(column, t, h):
         # beyond its ends the step can only add a turning point, and no more than a quarter of speed times step
         if v0 * v1 < 0.0 and max(abs(d0), abs(d1)) + h * min(abs(v0), abs(v1)) > peaks[i]:
             refine(column, t, h)
-            interpolate_phase(work, h, turning_point(d0, v0, d1, v1, h))
-            top_motion(model, work.between, tops.between_ux, tops.between_rate)
+            s = turning_point(d0, v0, d1, v1, h)
+            interpolate_phase(work, h, s)
+            turn, spin = base_turn(base, t + s * h), base_spin(base, t + s * h)
+            top_motion(model, work.between, tops.between_ux, tops.between_rate, turn, spin)
             peaks[i] = max(peaks[i], abs(tops.between_ux[i]))
 
 

@@ -1,0 +1,392 @@
+"""Peaks of everything visible, of the motion between the output rows too.
+
+A step is looked into only where a new peak may lie inside. Whether it may follows from three instants: the resultants
+at its start and its end are known, and half-way the joint law alone is evaluated on the quintic. Forces along the
+joints cannot be had that cheaply; how far they stray from their ends follows from how far N and M do. Where a peak may
+lie, the step is evaluated at the ends of its pieces, and parabolas lead to the extremes of each quantity: until they
+promise no more than a part of the tolerance.
+
+Rotations count as small in what is estimated, never in what is kept. Where joints can slide nothing is estimated: all
+steps are looked into.
+"""
+
+from ..formulations.base import base_motion, base_turn
+from ..formulations.either import is_exact, joint_opening, rotation
+from ..formulations.outputs import observe
+from ..formulations.slips import phase_size
+from ..jit import kernel, leaf
+from ..joint.law import resultants
+from ..joint.sliding import can_slide
+from ..layout import COUNTS_FROM, OK, PEAKS, PIECES, ROW
+from .interpolation import interpolate_phase, refine
+
+_peaks, _row = PEAKS.over, ROW.over
+_PER_N, _BESIDE = PEAKS.per_n, PEAKS.beside
+_FRICTION = (PEAKS.per_n - 1, PEAKS.beside)  # where it begins
+
+TURNS, RISES = 1, 2  # within the step; beyond its end
+MARGIN = 0.1  # of the bend of a parabola through three values: how far beyond it the curve may go
+NEAR = 2.6  # of the bend: a rise that turns within the step, 2 on a parabola; 2.4 on a sine over 1.5 rad
+PROMISE = 0.1  # of the tolerance: a peak that is expected to rise by less has been found
+# Of the bend of N times the inclination, and of the bend of M over the height of the centroid: what T may bend by. One
+# slender block upon its joint has less than 0.75 of both
+NORMAL_STRAY = 1.0
+MOMENT_STRAY = 1.0
+BASE_STRAY = 2e-3  # of T: what the curvature of the base acceleration may add to these
+STEEP = 6.0  # times that: ends that differ by more have no extreme between them
+MOST_TRIALS = 8
+CLOSE = 1e-4  # of a step: no two evaluations are closer
+
+
+# --- where a peak may lie
+
+
+@leaf
+def _beyond(start, middle, end, peak):
+    """How |f| passes a peak within a step, by f(0), f(1/2) and f(1): 0, or a sum of TURNS and RISES."""
+    bend = 2.0 * middle - start - end
+    if max(abs(start), abs(middle), abs(end)) + (0.5 + MARGIN) * abs(bend) <= peak:
+        return 0
+    found = RISES if abs(end) > peak else 0
+    if abs(start) > peak and abs(start) >= abs(end):
+        return found | TURNS
+    sign = -1.0 if middle < 0.0 else 1.0
+    bend, rise = sign * bend, end - start
+    beyond = peak - sign * middle - MARGIN * bend
+    if bend > 0.0 and abs(rise) < NEAR * bend and rise * rise > 8.0 * bend * beyond:
+        return found | TURNS
+    return found
+
+
+@leaf
+def _beyond_with(start, end, stray, peak):
+    """The same of what is known at both ends only and strays by so much from the straight line between them."""
+    here, there = abs(start), abs(end)
+    if max(here, there) + stray <= peak:
+        return 0
+    found = RISES if there > peak else 0
+    return found | TURNS if abs(end - start) < STEEP * stray or (here > peak and here >= there) else found
+
+
+@leaf
+def _edge_pressure(blocks, i, opening, slope, opening_rate, slope_rate):
+    """Pressure at the edge of joint i that is pressed most, Pa; there may be none."""
+    damping = blocks.damping[i]
+    mean, gradient = opening + damping * opening_rate, slope + damping * slope_rate
+    edge = blocks.right[i] if gradient > 0.0 else blocks.left[i]
+    return max(0.0, blocks.stiffness[i] * (gradient * edge - mean))
+
+
+@kernel
+def _resultants(blocks, hold, i, opening, slope, opening_rate, slope_rate):
+    """As the joint law has it, compiled once for both that ask here."""
+    return resultants(blocks, hold, i, opening, slope, opening_rate, slope_rate)
+
+
+@leaf
+def _curved(phi, normal, along):
+    """What is neglected of S where the sine of the inclination is phi and its cosine 1."""
+    return phi * phi * (0.2 * abs(phi) * normal + 0.5 * along)
+
+
+@kernel
+def _go_half_way(work, h):
+    """Coordinates and rates in the middle of the step, on the quintic: left in work.between."""
+    size = 2 * work.n
+    start, end, middle = work.start.row, work.end.row, work.between.row
+    per_step = 1.875 / h
+    for i in range(size):
+        v0, a0, v1, a1 = start[size + i], start[2 * size + i], end[size + i], end[2 * size + i]
+        middle[i] = 0.5 * (start[i] + end[i]) + h * (0.15625 * (v0 - v1) + h * (0.015625 * (a0 + a1)))
+        middle[size + i] = per_step * (end[i] - start[i]) - 0.4375 * (v0 + v1) + h * (0.03125 * (a1 - a0))
+
+
+@kernel
+def _pressures_beyond(column, h, turn_middle, turn_end):
+    """How what follows from positions and rates passes its peaks; and how T may stray from a straight line, N.
+
+    Notes the end of the step, but for T, and N in the middle; turn: rotation of the base.
+    """
+    model, work = column.model, column.work
+    n, blocks, joints, notes = model.n, model.blocks, work.joints, work.notes
+    middle, end = work.between, work.end
+    space = _peaks(column.state.peaks, n)
+    peaks, base = space.joints, space.base
+    exact = is_exact(model)
+    _go_half_way(work, h)
+    found, stray = 0, 0.0
+    rise_m, turn_m, spin_m = 0.0, 0.0, 0.0  # of what is below, in the middle of the step
+    rise_e, turn_e, spin_e = 0.0, 0.0, 0.0  # and at its end
+    for i in range(n - 1, -1, -1):
+        turned_m, spun_m = rotation(model, middle.theta, i), rotation(model, middle.theta_rate, i)
+        opening, opening_rate = joint_opening(model, middle.opening, i), joint_opening(model, middle.opening_rate, i)
+        slope, slope_rate = turned_m - turn_m, spun_m - spin_m
+        normal, moment, length = _resultants(blocks, work.hold, i, opening, slope, opening_rate, slope_rate)
+        edge = _edge_pressure(blocks, i, opening, slope, opening_rate, slope_rate)
+        theta, phi = turned_m + turn_middle, 0.5 * (turned_m + turn_m) + turn_middle
+        dip, uz = -0.5 * theta * theta, -middle.opening[i]
+        if exact:
+            uz = rise_m + opening + blocks.centroid[i] * dip
+        rise_m += opening + blocks.height[i] * dip
+        turn_m, spin_m = turned_m, spun_m
+
+        turned_e, spun_e = rotation(model, end.theta, i), rotation(model, end.theta_rate, i)
+        opening, opening_rate = joint_opening(model, end.opening, i), joint_opening(model, end.opening_rate, i)
+        edge_e = _edge_pressure(blocks, i, opening, turned_e - turn_e, opening_rate, spun_e - spin_e)
+        theta_e = turned_e + turn_end
+        dip, uz_e = -0.5 * theta_e * theta_e, -end.opening[i]
+        if exact:
+            uz_e = rise_e + opening + blocks.centroid[i] * dip
+        rise_e += opening + blocks.height[i] * dip
+        notes.phi_end[i] = 0.5 * (turned_e + turn_e) + turn_end
+        turn_e, spin_e = turned_e, spun_e
+
+        normal_e, moment_e, length_e = joints.normal[i], joints.moment[i], joints.length[i]
+        whole = blocks.width[i]
+        found |= _beyond(notes.N[i], normal, normal_e, peaks.N[i])
+        found |= _beyond(notes.M[i], moment, moment_e, peaks.M[i])
+        found |= _beyond(notes.edge[i], edge, edge_e, peaks.sigma_max[i])
+        found |= _beyond(whole - notes.length[i], whole - length, whole - length_e, whole * peaks.contact[i])
+        found |= _beyond(notes.uz[i], uz, uz_e, peaks.uz[i])
+        found |= _beyond(notes.theta[i], theta, theta_e, peaks.theta[i])
+        if i == n - 1:
+            found |= _beyond(notes.M[i], moment, moment_e, base.My - 0.5 * abs(opening * joints.tangential[i]))
+        stray += NORMAL_STRAY * abs(notes.N[i] - 2.0 * normal + normal_e) * abs(phi)
+        stray += MOMENT_STRAY * abs(notes.M[i] - 2.0 * moment + moment_e) / blocks.centroid[i]
+        notes.N_middle[i] = normal
+        notes.M[i], notes.edge[i], notes.length[i] = moment_e, edge_e, length_e
+        notes.uz[i], notes.theta[i] = uz_e, theta_e
+    return found, stray
+
+
+@kernel
+def _shears_beyond(column, stray):
+    """How what follows from the forces along the joints passes its peaks; notes the end of the step."""
+    model, work = column.model, column.work
+    n, notes, joints = model.n, work.notes, work.joints
+    peaks = _peaks(column.state.peaks, n)
+    found = 0
+    for i in range(n):
+        normal, normal_m, normal_e = notes.N[i], notes.N_middle[i], joints.normal[i]
+        along, along_e = notes.T[i], joints.tangential[i]
+        phi, phi_e = notes.phi[i], notes.phi_end[i]
+        across, across_e = normal * phi + along, normal_e * phi_e + along_e
+        most, bend = max(abs(along), abs(along_e)) + stray, abs(normal - 2.0 * normal_m + normal_e)
+        neglected = _curved(phi_e, max(normal, normal_m, normal_e), most)
+        strays = stray + BASE_STRAY * most
+        found |= _beyond_with(along, along_e, strays, peaks.joints.T[i])
+        found |= _beyond_with(across, across_e, strays + abs(phi_e) * bend, peaks.joints.S[i] - neglected)
+        counts, least = notes.counts[i], min(normal, normal_m, normal_e)
+        if max(normal, normal_m, normal_e) > counts and most > peaks.friction[i] * max(least, counts):
+            here, there = abs(along) * normal_e, abs(along_e) * normal  # over both N
+            turns = normal_m < min(normal, normal_e) or least < counts or abs(along_e - along) < STEEP * strays
+            found |= TURNS if turns or here >= there else RISES
+        if i == n - 1:
+            lifted, lifted_e = normal - along * phi, normal_e - along_e * phi_e
+            lifted_m = normal_m - 0.5 * (along * phi + along_e * phi_e)
+            found |= _beyond(lifted, lifted_m, lifted_e, peaks.base.Fz - abs(phi_e) * stray)
+        notes.N[i], notes.T[i], notes.phi[i] = normal_e, along_e, phi_e
+    return found
+
+
+@kernel
+def _beyond_peaks(column, turn_middle, turn_end, h):
+    """How anything visible passes its peak in the step of h seconds."""
+    found, stray = _pressures_beyond(column, h, turn_middle, turn_end)
+    found |= _shears_beyond(column, stray)
+    column.work.watched.rises = 1.0 if found & RISES else 0.0
+    return found
+
+
+@kernel
+def begin_extremes(column, motion, evaluated):
+    """Note the start of a step that does not begin where the last one has ended, and raise the peaks by it.
+
+    evaluated: work.joints belongs to the start.
+    """
+    model, work = column.model, column.work
+    n, blocks, start, joints, notes = model.n, model.blocks, work.start, work.joints, work.notes
+    peaks = _peaks(column.state.peaks, n)
+    work.watched.rises = 0.0
+    rise, turn, spin = 0.0, 0.0, 0.0
+    for i in range(n - 1, -1, -1):
+        turned, spun = rotation(model, start.theta, i), rotation(model, start.theta_rate, i)
+        opening, opening_rate = joint_opening(model, start.opening, i), joint_opening(model, start.opening_rate, i)
+        slope, slope_rate = turned - turn, spun - spin
+        normal, moment, length = joints.normal[i], joints.moment[i], joints.length[i]
+        if not evaluated:
+            normal, moment, length = _resultants(blocks, work.hold, i, opening, slope, opening_rate, slope_rate)
+        notes.N[i], notes.M[i], notes.length[i] = normal, moment, length
+        notes.T[i] = joints.tangential[i] if evaluated else 0.0  # what it is, the end of the last step has told
+        notes.edge[i] = _edge_pressure(blocks, i, opening, slope, opening_rate, slope_rate)
+        notes.theta[i] = turned + motion.theta
+        notes.phi[i] = 0.5 * (turned + turn) + motion.theta
+        dip = -0.5 * notes.theta[i] * notes.theta[i]
+        notes.uz[i] = rise + opening + blocks.centroid[i] * dip if is_exact(model) else -start.opening[i]
+        rise += opening + blocks.height[i] * dip
+        turn, spin = turned, spun
+    carried = 0.0
+    new = peaks.joints.N[n - 1] == 0.0 or (evaluated and can_slide(model))  # the first of all, or not noted
+    for i in range(n):
+        carried += model.settings.gravity * blocks.mass[i]
+        notes.counts[i] = COUNTS_FROM * carried
+        if evaluated:  # what follows the base at once
+            normal, along, phi = notes.N[i], notes.T[i], notes.phi[i]
+            across = abs(normal * phi + along) + _curved(phi, normal, abs(along))
+            new = new or abs(along) > peaks.joints.T[i] or across > peaks.joints.S[i]
+            new = new or (normal > notes.counts[i] and abs(along) > peaks.friction[i] * normal)
+    if new:
+        _take_start(column, motion)
+
+
+@kernel
+def end_extremes(column, motion):
+    """Raise the peaks by what still rises where the last step has ended, upon a base that moves like that there."""
+    if column.work.watched.rises != 0.0:
+        column.work.watched.rises = 0.0
+        _take_start(column, motion)
+
+
+# --- looking into a step
+
+
+@kernel
+def _take_start(column, motion):
+    work = column.work
+    for i in range(phase_size(work)):
+        work.between.row[i] = work.start.row[i]
+    _take(column, motion, work.seen)
+
+
+@kernel
+def _take(column, motion, seen):
+    """Fill `seen` with all that is visible of work.between, on such a base, and raise the peaks by it."""
+    model, work = column.model, column.work
+    n = model.n
+    if observe(column, work.between, motion, _row(seen, n)) != OK:
+        return
+    visible, peaks = _peaks(seen, n), column.state.peaks
+    carried = 0.0
+    for i in range(n):
+        carried += model.settings.gravity * model.blocks.mass[i]
+        normal = visible.joints.N[i]
+        counts = normal > COUNTS_FROM * carried
+        visible.friction[i] = abs(visible.joints.T[i]) / normal if counts else 0.0
+        visible.joints.contact[i] = 1.0 - visible.joints.contact[i]
+    for j in range(n, _PER_N * n + _BESIDE):  # u_x upon a base that turns counts relative to it
+        peaks[j] = max(peaks[j], abs(seen[j]))
+
+
+@kernel
+def _look(column, t, h, s, seen):
+    """`_take` at fraction s of the step from t to t + h."""
+    work = column.work
+    interpolate_phase(work, h, s)
+    for i in range(int(work.slips.count)):  # the joints slide as they did in the step
+        work.between.sliding[i] = work.end.sliding[i]
+    _take(column, base_motion(column.base, column.samples, t + s * h), seen)
+
+
+@leaf
+def _vertex(a, f_a, b, f_b, c, f_c):
+    """(place, height) of the top of the parabola through three points; the best of them where it has none inside."""
+    left, right = (f_b - f_a) / (b - a), (f_c - f_b) / (c - b)
+    bend = (left - right) / (c - a)
+    if bend > 0.0:
+        slope = left - bend * (b - a)  # at b
+        place = b + 0.5 * slope / bend
+        if a < place < c:
+            return place, f_b + 0.25 * slope * slope / bend
+    return b, max(f_a, f_b, f_c)
+
+
+@kernel
+def _climb(column, t, h, j, a, f_a, b, f_b, c, f_c, sign):
+    """Go up to the extreme of quantity j between the fractions a and c of the step."""
+    n, work, peaks = column.model.n, column.work, column.state.peaks
+    trial = work.seen[(PIECES + 1) * (_PER_N * n + _BESIDE) :]
+    enough = 1.0 + PROMISE * column.model.settings.tolerance
+    for _ in range(MOST_TRIALS):
+        s, height = _vertex(a, f_a, b, f_b, c, f_c)
+        if not height > peaks[j] * enough:
+            return
+        if abs(s - b) < CLOSE:
+            s = b + CLOSE if c - b > b - a else b - CLOSE
+        if not a < s < c:
+            return
+        _look(column, t, h, s, trial)
+        f_s = sign * trial[j]
+        if s < b:
+            if f_s >= f_b:
+                b, f_b, c, f_c = s, f_s, b, f_b
+            else:
+                a, f_a = s, f_s
+        elif f_s >= f_b:
+            a, f_a, b, f_b = b, f_b, s, f_s
+        else:
+            c, f_c = s, f_s
+
+
+@kernel
+def _cross(column, t, h, i, weight, lo, f_lo, hi, f_hi):
+    """Look at the moment at which N of joint i passes `weight` in a piece of the step, where T / N begins to count."""
+    n, work = column.model.n, column.work
+    trial = work.seen[(PIECES + 1) * (_PER_N * n + _BESIDE) :]
+    enough = column.model.settings.tolerance * weight
+    side = 0
+    for _ in range(2 * MOST_TRIALS):
+        s = (lo * f_hi - hi * f_lo) / (f_hi - f_lo)
+        _look(column, t, h, s, trial)
+        f_s = _peaks(trial, n).joints.N[i] - weight
+        if 0.0 <= f_s <= enough:
+            return
+        if f_s * f_hi > 0.0:
+            hi, f_hi = s, f_s
+            f_lo *= 0.5 if side == 1 else 1.0
+            side = 1
+        else:
+            lo, f_lo = s, f_s
+            f_hi *= 0.5 if side == -1 else 1.0
+            side = -1
+
+
+@kernel
+def track_extremes(column, t, h):
+    """Raise the peaks by the step just made from t to t + h; work.joints holds the resultants of its end."""
+    base = column.base
+    if can_slide(column.model):  # the estimates know nothing of slips
+        found, column.work.watched.rises = TURNS, 0.0
+    else:
+        found = _beyond_peaks(column, base_turn(base, t + 0.5 * h), base_turn(base, t + h), h)
+    if not found & TURNS:
+        return
+    model, work, peaks = column.model, column.work, column.state.peaks
+    n, seen = model.n, work.seen
+    size = _PER_N * n + _BESIDE
+    refine(column, t, h)
+    for k in range(PIECES + 1):
+        _look(column, t, h, k / PIECES, seen[k * size :])
+    enough = 1.0 + PROMISE * model.settings.tolerance
+    first = _FRICTION[0] * n + _FRICTION[1]
+    for j in range(n, size):
+        best, at, way = 0.0, 0, 1.0
+        for k in range(1, PIECES):
+            sign = -1.0 if seen[k * size + j] < 0.0 else 1.0
+            f_a, f_b, f_c = sign * seen[(k - 1) * size + j], sign * seen[k * size + j], sign * seen[(k + 1) * size + j]
+            _, height = _vertex(-1.0, f_a, 0.0, f_b, 1.0, f_c)
+            if height > best:
+                best, at, way = height, k, sign
+        if best > peaks[j] * enough:
+            a, b, c = (at - 1) / PIECES, at / PIECES, (at + 1) / PIECES
+            f_a, f_b, f_c = way * seen[(at - 1) * size + j], way * seen[at * size + j], way * seen[(at + 1) * size + j]
+            _climb(column, t, h, j, a, f_a, b, f_b, c, f_c, way)
+    carried = 0.0
+    for i in range(n):
+        carried += model.settings.gravity * model.blocks.mass[i]
+        weight = COUNTS_FROM * carried
+        for k in range(PIECES):
+            here, there = _peaks(seen[k * size :], n).joints, _peaks(seen[(k + 1) * size :], n).joints
+            f_lo, f_hi = here.N[i] - weight, there.N[i] - weight
+            along = max(abs(here.T[i]), abs(there.T[i]))
+            if f_lo * f_hi < 0.0 and along > peaks[first + i] * weight * enough:
+                _cross(column, t, h, i, weight, k / PIECES, f_lo, (k + 1) / PIECES, f_hi)
