@@ -122,16 +122,19 @@ class BalanceCurve:
         return self._onto(last.q + change[:-1], last.push + float(change[-1]), last, step)
 
     def _first(self, last: Balanced, step: float, passed: Callable[[Balanced], bool]) -> tuple[float, Balanced]:
-        """How far beyond `last`, within the step, and the first place at which something has passed."""
+        """How far beyond `last`, within the step, and the first place at which something has passed. Raises SolverError."""
         low, high = 0.0, step
-        while high - low > NARROWED * step:
-            middle = 0.5 * (low + high)
-            q, push, _ = self._beside(last, middle)
-            if passed(Balanced(q, push, last.along, _NONE)):
-                high = middle
-            else:
-                low = middle
-        return high, self._step(last, high)[0]
+        try:
+            while high - low > NARROWED * step:
+                middle = 0.5 * (low + high)
+                q, push, _ = self._beside(last, middle)
+                if passed(Balanced(q, push, last.along, _NONE)):
+                    high = middle
+                else:
+                    low = middle
+            return high, self._step(last, high)[0]
+        except _LostError:
+            raise SolverError(f"the balance is lost beyond a push of {last.push:.6g} m/s2") from None
 
     def _onto(self, q: FloatArray, push: float, last: Balanced, most: float) -> tuple[FloatArray, float, int]:
         """Newton's method onto the curve, across the direction at `last`, by at most so much.
