@@ -122,7 +122,10 @@ class BalanceCurve:
         return self._onto(last.q + change[:-1], last.push + float(change[-1]), last, step)
 
     def _first(self, last: Balanced, step: float, passed: Callable[[Balanced], bool]) -> tuple[float, Balanced]:
-        """How far beyond `last`, within the step, and the first place at which something has passed. Raises SolverError."""
+        """How far beyond `last`, within the step, and the first place at which something has passed.
+
+        Raises SolverError where the curve is lost on the way.
+        """
         low, high = 0.0, step
         try:
             while high - low > NARROWED * step:
