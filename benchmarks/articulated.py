@@ -16,6 +16,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from solver import Column
+from solver.kernels.layout import PHASE_FIELDS
 
 Array = NDArray[np.float64]
 OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": False, "nogil": True, "_nrt": False}
@@ -225,7 +226,7 @@ def accelerations(rows, n, gravity, x, o, base, work):
 
 @njit(**OPTIONS)
 def repeat(rows, n, gravity, phases, rounds, base, work):
-    """`rounds` times the accelerations of the phases (count, 6 n), flat, one after the other."""
+    """`rounds` times the accelerations of the phases, flat, one after the other."""
     for _ in range(rounds):
-        for k in range(phases.size // (6 * n)):
-            accelerations(rows, n, gravity, phases, k * 6 * n, base, work)
+        for k in range(phases.size // (PHASE_FIELDS * n)):
+            accelerations(rows, n, gravity, phases, k * PHASE_FIELDS * n, base, work)

@@ -69,7 +69,7 @@ def _repeat(n, model, phases, count, rounds, scratch, motion):
 
 @njit(**OPTIONS)
 def repeat(n, model, phases, rounds, base, scratch):
-    """`rounds` times the accelerations of the phases (count, 6n), flat, one after the other."""
+    """`rounds` times the accelerations of the phases, flat, one after the other."""
     motion = Motion(base[0], base[1], base[2], base[3], base[4])
     count = phases.size // (PHASE_FIELDS * n)
     _repeat(n, row_of(model), row_of(phases), count, rounds, row_of(scratch), motion)
@@ -77,7 +77,7 @@ def repeat(n, model, phases, rounds, base, scratch):
 
 @njit(**OPTIONS)
 def repeat_in_lanes(n, model, phases, rounds, base, scratch):
-    """The same for phases (count, 6n, 8), flat, of eight columns at once, and models, scratch and base (..., 8)."""
+    """The same for phases (..., 8), flat, of eight columns at once, and models, scratch and base (..., 8)."""
     lanes = lanes_of(base)
     motion = Motion(lanes[0], lanes[1], lanes[2], lanes[3], lanes[4])
     count = phases.size // (PHASE_FIELDS * n * WIDTH)
@@ -87,6 +87,11 @@ def repeat_in_lanes(n, model, phases, rounds, base, scratch):
 def scratch(n: int) -> Array:
     """The scratch of one evaluation."""
     return np.zeros(SCRATCH.size(n))
+
+
+def phase_of(q: Array, rate: Array) -> Array:
+    """The phase of a column with these coordinates and rates (2n,); accelerations and slips are zero."""
+    return np.concatenate([q, rate, np.zeros(at.PHASE.size(len(q) // 2) - 2 * len(q))])
 
 
 def in_lanes(rows: Array, size: int) -> Array:
@@ -100,7 +105,7 @@ def out_of_lanes(lanes: Array, size: int) -> Array:
 
 
 def states_of_a_run(column: Column, count: int = STATES, spacing: float = SPACING) -> Array:
-    """Phases (count * 6n,) that a rocking column passes through, `spacing` s apart: branches as in a run."""
+    """Phases, flat, that a rocking column passes through, `spacing` s apart: branches as in a run."""
     stepper = Stepper(column)
     stepper.base.wave_amplitude = 0.1 * G
     stepper.base.wave_omega = 2.0 * math.pi
@@ -197,7 +202,7 @@ def compiled_c(folder: Path) -> Any:
 
 def difference(one: Array, other: Array, n: int) -> float:
     """Largest difference of the accelerations in two arrays of phases, in parts of the largest of each phase."""
-    mine, others = (phases.reshape(-1, PHASE_FIELDS * n)[:, 4 * n :] for phases in (one, other))
+    mine, others = (phases.reshape(-1, PHASE_FIELDS * n)[:, 4 * n : 6 * n] for phases in (one, other))
     return float(np.max(np.abs(mine - others) / np.max(np.abs(mine), axis=1, keepdims=True)))
 
 

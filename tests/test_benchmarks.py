@@ -90,12 +90,12 @@ def test_evaluation_in_c_agrees_to_rounding(n, tmp_path):
     for _ in range(20):
         column = random_column(rng, n)
         q, rate = random_state(rng, column, 10.0 ** rng.uniform(-4.0, 0.0))
-        phase = np.concatenate([q, rate, np.zeros(2 * n)])
+        phase = evaluation.phase_of(q, rate)
         ax, az = rng.normal(size=2)
         model = pack_model(column).copy()
         library.accelerations(model, phase, np.array([ax, az, 0.0, 0.0, 0.0]), evaluation.scratch(n))
         expected, _ = look(column, q, rate, ax, az)
-        np.testing.assert_allclose(phase[4 * n :], expected, rtol=1e-9, atol=1e-11 * np.max(np.abs(expected)))
+        np.testing.assert_allclose(phase[4 * n : 6 * n], expected, rtol=1e-9, atol=1e-11 * np.max(np.abs(expected)))
 
 
 @pytest.mark.parametrize("n", [1, 3, 8])
@@ -110,7 +110,7 @@ def test_evaluation_in_c_in_held_regimes(n, tmp_path):
     for _ in range(200):
         column = random_column(rng, n)
         q, rate = random_state(rng, column, 10.0 ** rng.uniform(-4.0, -1.0))
-        mine = np.concatenate([q, rate, np.zeros(2 * n)])
+        mine = evaluation.phase_of(q, rate)
         other = mine.copy()
         rooms = [evaluation.scratch(n), evaluation.scratch(n)]
         held = rng.choice(
@@ -134,7 +134,7 @@ def test_recursion_of_before_agrees_to_rounding(n):
     for _ in range(20):
         column = random_column(rng, n)
         q, rate = random_state(rng, column, 10.0 ** rng.uniform(-4.0, 0.0))
-        mine = np.concatenate([q, rate, np.zeros(2 * n)])
+        mine = evaluation.phase_of(q, rate)
         other = mine.copy()
         base = rng.normal(size=5)
         evaluation.repeat(n, pack_model(column).copy(), mine, 1, base, evaluation.scratch(n))
@@ -148,16 +148,17 @@ def test_evaluation_in_lanes_is_that_of_one_column():
     n = 3
     rng = np.random.default_rng(1)
     columns = [random_column(rng, n) for _ in range(WIDTH)]
-    states = [np.concatenate([*random_state(rng, column, 0.1), np.zeros(2 * n)]) for column in columns]
+    states = [evaluation.phase_of(*random_state(rng, column, 0.1)) for column in columns]
     bases = rng.normal(size=(WIDTH, 5))
     size = at.MODEL.size(n)
     models = [pack_model(column)[:size] for column in columns]
-    lanes = evaluation.in_lanes(np.array(states), 6 * n)
+    lanes = evaluation.in_lanes(np.array(states), at.PHASE.size(n))
     packed, base = evaluation.in_lanes(np.array(models), size), evaluation.in_lanes(bases, 5)
     evaluation.repeat_in_lanes(n, packed, lanes, 1, base, np.repeat(evaluation.scratch(n), WIDTH))
-    found = evaluation.out_of_lanes(lanes, 6 * n)
+    found = evaluation.out_of_lanes(lanes, at.PHASE.size(n))
     for k in range(WIDTH):
         evaluation.repeat(n, models[k].copy(), states[k], 1, bases[k], evaluation.scratch(n))
+        assert np.any(states[k][4 * n :])
     assert evaluation.difference(np.concatenate(states), found, n) < 1e-14  # measured 4e-17
 
 

@@ -16,6 +16,8 @@ from fmpy import read_model_description
 from fmus import REFUSED, ROOT, environment, run
 from inside import coupled
 
+pytestmark = pytest.mark.long  # builds native FMUs
+
 EXAMPLE = ROOT / "examples" / "coupling"
 
 
@@ -54,7 +56,7 @@ def test_initialization_has_no_algebraic_loop(built: Path, partner: str) -> None
     TopologicalSorter(follows).prepare()  # raises CycleError
 
 
-@pytest.mark.parametrize("damping", [1e-3, pytest.param(0.0, marks=pytest.mark.long)])
+@pytest.mark.parametrize("damping", [1e-3, 0.0])
 def test_the_split_reaction_couples_what_the_plain_one_blows_up(built: Path, damping: float) -> None:
     ways = [(1e-3, "plain"), (2e-3, "line"), (1e-3, "line"), (5e-4, "line"), (1e-3, "iterated"), (1e-3, "parabola")]
     window, agreement, (plain, coarse, middle, fine, iterated, parabola) = example(
@@ -72,7 +74,6 @@ def test_the_split_reaction_couples_what_the_plain_one_blows_up(built: Path, dam
     assert iterated[2] == pytest.approx(iterated[3], rel=1e-4)
 
 
-@pytest.mark.long
 def test_a_heavy_slab_bears_the_plain_reaction(built: Path) -> None:
     _, _, (plain, split) = example(coupled.on_linear_isolators, built, 1e-3, 100.0, [(1e-3, "plain"), (1e-3, "")])
     assert plain[0] < 1.0  # stable

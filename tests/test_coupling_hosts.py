@@ -22,6 +22,8 @@ from fmpy.ssp.ssd import read_ssd
 from fmus import ROOT, environment, run
 from inside import coupled, systems
 
+pytestmark = pytest.mark.long  # builds native FMUs
+
 if importlib.util.find_spec("ziglang") is None:
     pytest.skip("needs ziglang, the extra native", allow_module_level=True)
 if not sys.platform.startswith("linux"):

@@ -21,6 +21,8 @@ from build_fmu import main
 from fmu_src.native import library, symbols
 from fmu_src.native.platforms import PLATFORMS
 
+pytestmark = pytest.mark.long  # builds native FMUs
+
 if importlib.util.find_spec("ziglang") is None:
     pytest.skip("needs ziglang, the extra native", allow_module_level=True)
 if not sys.platform.startswith("linux"):

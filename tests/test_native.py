@@ -17,6 +17,8 @@ from inside import native as inside
 from solver import Column, Motion
 from solver.packing import longest_stable_step
 
+pytestmark = pytest.mark.long  # builds native FMUs
+
 if importlib.util.find_spec("ziglang") is None:
     pytest.skip("needs ziglang, the extra native", allow_module_level=True)
 

@@ -29,6 +29,8 @@ from solver.column import SKIPS
 from solver.kernels import pointers
 from solver.packing import SKIP_CODES
 
+pytestmark = pytest.mark.long  # builds native FMUs
+
 if importlib.util.find_spec("ziglang") is None:
     pytest.skip("needs ziglang, the extra native", allow_module_level=True)
 
