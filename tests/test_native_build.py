@@ -51,7 +51,7 @@ def fmu(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_libraries_for_three_systems_need_no_python(fmu: Path) -> None:
-    assert fmu.stat().st_size < 1e6
+    assert fmu.stat().st_size < 1.3e6  # measured 1.09e6, five processors
     with zipfile.ZipFile(fmu) as archive:
         names = [name for name in archive.namelist() if name.startswith("binaries/")]
         parts = {name.split("/")[1]: symbols.read(archive.read(name)) for name in names}
