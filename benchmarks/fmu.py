@@ -1,7 +1,7 @@
 """What the FMU costs and how it behaves in a master: `python -m benchmarks.fmu [PART ...]`.
 
 state       us to get and set the state of a column of three blocks
-getters     8000 steps with all outputs of seven blocks against an FMU of the same variables and getters that does nothing
+getters     8000 steps with all outputs of seven blocks against an FMU of the same table that does nothing
 cold        a whole `fmpy simulate` process on a fresh user account
 threads     two instances in two threads against one after the other
 exits       exit status of 200 `fmpy simulate` processes
