@@ -21,7 +21,7 @@ def test_nothing_of_numbas_runtime_is_called(formulation: str) -> None:
     stepper = Stepper(phocas(formulation=formulation))
     run: Any = entries.run
     compiled = njit(**OPTIONS)(run.py_func)  # made here: the cached one keeps no listing
-    assert compiled(3, *stepper.arrays, *SILENCE.arguments, 0.0, 1e-3, np.zeros(0), np.zeros(0)) == at.OK
+    assert compiled(3, *stepper.arrays, *SILENCE.arguments, 0.0, 1e-3, np.zeros(0), np.zeros(0), True) == at.OK
     (signature,) = compiled.signatures
     listing = compiled.inspect_llvm(signature)
     bodies = dict(re.findall(r"define [^\n]*@(_ZN[^(]*)\((.*?)\n}", listing, re.DOTALL))
