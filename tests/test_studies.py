@@ -373,6 +373,7 @@ def test_an_executor_that_goes_away_leaves_what_was_finished(
 
 def test_a_mistake_in_a_chunk_ends_the_study(study: Study, monkeypatch: pytest.MonkeyPatch) -> None:
     """The first 16 runs, sample by sample, have numbers up to 19."""
+
     def wrong(*_: object) -> None:
         raise ZeroDivisionError("division by zero")
 
