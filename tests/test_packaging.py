@@ -51,6 +51,7 @@ def from_wheel(installed: Path, folder: Path, *command: object) -> subprocess.Co
     )
 
 
+@pytest.mark.long
 @pytest.mark.long  # compiles the kernels at a place of their own, as the next
 def test_the_wheel_works_from_any_folder(installed: Path, tmp_path: Path) -> None:
     command = installed / "bin" / "multiblock"

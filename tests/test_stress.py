@@ -51,6 +51,7 @@ def test_energy_is_that_of_the_reference() -> None:
     assert np.diff(found) == pytest.approx(np.diff(energies), rel=1e-9)  # the height that gravity counts from differs
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("number", [(2, 86, 10), (1, 63), (7, 9, 10), (2, 193, 10)])
 def test_landings_that_once_failed(number: tuple[int, ...]) -> None:
     """Energy from nowhere, 122 J over the base's 110, in the first; errors of 134, 22 and 130 tolerances in the others.
@@ -98,6 +99,7 @@ def test_what_leaves_its_bounds_is_noticed() -> None:
         assert any(said in failure for failure in failures)
 
 
+@pytest.mark.long
 @pytest.mark.long
 def test_short_campaign(tmp_path: Path) -> None:
     options = ["--short", "--seed", "7", "--cases", str(CASES), "--output-folder", str(tmp_path)]

@@ -408,6 +408,7 @@ def finished(folder: Path) -> int:
     return max(0, path.read_bytes().count(b"\n") - 1) if path.exists() else 0
 
 
+@pytest.mark.long
 @pytest.mark.skipif(sys.platform == "win32", reason="no SIGKILL on Windows")
 def test_killed_at_any_moment_it_loses_nothing_and_repeats_nothing(folder: Path) -> None:
     """Killed some times at random moments while it works, then left alone: each run is there, once, to the bit."""

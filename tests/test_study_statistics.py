@@ -93,6 +93,7 @@ def test_fallen_columns_are_censored(known: Results) -> None:
     assert np.ptp(found.median_bounds) < np.ptp(by_failures.median_bounds)
 
 
+@pytest.mark.long
 def test_bounds_hold_as_often_as_they_say() -> None:
     """Of 60 small studies the truth lies within the bounds of some 57."""
     rng = np.random.default_rng(11)
