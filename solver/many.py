@@ -18,6 +18,7 @@ from .column import Column
 from .errors import POSITIVE, InputError, InputWarning, SolverError, check_number, shown
 from .executors import TRIES, cores, said, sent_out, workers_of
 from .kept import KEPT
+from .kernels.lanes import WIDTH
 from .motion import Motion
 from .runs import Chunk, Made, Run, make_runs, why_alone
 from .table import Table, joined
@@ -236,6 +237,8 @@ class Pace:
 
     def enough(self, count: int, weight: float) -> bool:
         """Whether so many runs of this weight make a chunk. Towards the end all workers shall have some."""
+        if count % WIDTH:  # lanes would be left empty
+            return False
         if self._left is not None:
             share = self._left / (self._workers if self._per_run == math.inf else 2 * self._workers)
             if count >= max(LEAST_RUNS, FIRST_SECONDS / self._per_run, share):
