@@ -14,12 +14,13 @@ from typing import Any
 
 import numpy as np
 
-from .batch import why_not_in_lanes
 from .column import Column
 from .errors import POSITIVE, InputError, InputWarning, SolverError, check_number, shown
 from .executors import TRIES, cores, said, sent_out, workers_of
+from .kept import KEPT
+from .kernels.lanes import WIDTH
 from .motion import Motion
-from .runs import KEPT, Chunk, Made, Run, make_runs
+from .runs import Chunk, Made, Run, make_runs, why_alone
 from .table import Table, joined
 
 SETTLE = 10.0  # s, where none is asked for
@@ -59,7 +60,7 @@ def simulate_many(
     columns, motions, duration (s; None: that of the motion), tolerance (relative to the peak; None: that of the
     column): one for all runs, or one for each run. They may differ in everything. What is iterated is taken as it is
     needed, so that memory does not grow with the number of runs, but for the table.
-    keep: what the table shall hold, names of runs.KEPT.
+    keep: what the table shall hold, names of kept.KEPT.
     executor: anything with `submit`, such as a process pool or a client of Dask; None: threads of this process, as many
     as `threads` or as it has cores.
     settle: as in `simulate`. responses: numbers of runs of which the whole Response is kept, in `table.responses`.
@@ -236,6 +237,8 @@ class Pace:
 
     def enough(self, count: int, weight: float) -> bool:
         """Whether so many runs of this weight make a chunk. Towards the end all workers shall have some."""
+        if count % WIDTH:  # lanes would be left empty
+            return False
         if self._left is not None:
             share = self._left / (self._workers if self._per_run == math.inf else 2 * self._workers)
             if count >= max(LEAST_RUNS, FIRST_SECONDS / self._per_run, share):
@@ -243,9 +246,9 @@ class Pace:
         return count >= MOST_RUNS or (count >= LEAST_RUNS and weight * self._cost >= self._seconds)
 
 
-def _dearness(column: Column) -> float:
+def _dearness(column: Column, keep: tuple[str, ...]) -> float:
     """What a run costs, roughly, in those of lanes."""
-    if not why_not_in_lanes(column):
+    if not why_alone(column, keep):
         return 1.0
     return ALONE if column.settings.formulation == "exact" else SWEPT
 
@@ -265,7 +268,7 @@ def _chunks(
     for run in runs:
         taken.append(run)
         if run.column is not column:
-            column, dear = run.column, _dearness(run.column)
+            column, dear = run.column, _dearness(run.column, keep)
         weight += run.column.n * run.duration * dear
         if id(run.motion) not in records:
             records.add(id(run.motion))

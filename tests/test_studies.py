@@ -332,6 +332,23 @@ def test_csv_and_netcdf_hold_the_same(study: Study, folder: Path) -> None:
         assert data["peak_ux"].attrs["units"] == "m"
 
 
+def test_a_study_keeps_any_peak(study: Study, folder: Path) -> None:
+    import xarray
+
+    keep = ("peak_ux", "verdict", "peak_N", "least_contact", "peak_Fx")
+    asked = Study(**{**vars(study), "samples": 2, "keep": keep})
+    results = run_study(asked, folder)
+    for number in range(4):
+        single = simulate(*asked.run(number).run)
+        assert results["peak_N"][number] == single.peaks["N"]
+        assert results["least_contact"][number] == single.peaks["contact"]
+        assert results["peak_Fx"][number] == single.peaks["Fx"][0]
+    with xarray.open_dataset(folder / "small.nc") as data:
+        assert [data[name].attrs.get("units") for name in ("peak_N", "least_contact", "peak_Fx")] == ["N", None, "N"]
+        assert data["peak_Fx"].dims == ("run",)
+        np.testing.assert_array_equal(data["peak_N"], results["peak_N"])
+
+
 class Dies:
     """An executor of which the third chunk, and all after it, never come back."""
 

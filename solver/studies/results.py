@@ -15,20 +15,12 @@ from numpy.typing import NDArray
 
 from ..errors import InputError, needing, reading
 from ..files import whole_file
+from ..kept import KEPT
 from .chunks import FAILED
 from .journal import read_journal
 
 # units by the name of a column of the table; what is varied has those of the column file and the study file
-UNITS = {
-    "pga": "g",
-    "pgv": "m/s",
-    "sa": "g",
-    "peak_ux": "m",
-    "residual_ux": "m",
-    "residual_theta": "rad",
-    "energy": "J",
-    "overturn_time": "s",
-}
+UNITS = {"pga": "g", "pgv": "m/s", "sa": "g"} | {name: kept.unit for name, kept in KEPT.items() if kept.unit}
 
 
 class Results:
