@@ -140,7 +140,8 @@ def follow_swept(n, buffer, queue):
             one = single(batch, k)
             if waiting < queue.size and one.lane.run < 0.0:
                 load(batch, k, waiting)
-                one.base.anchor = math.nan
+                if one.base.wave_amplitude != 0.0:
+                    one.base.anchor = math.nan  # nowhere yet
                 divide(one)
                 waiting += 1
                 running += 1
