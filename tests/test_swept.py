@@ -12,15 +12,18 @@ from solver import Column, Motion, simulate, simulate_many
 
 pytestmark = pytest.mark.long  # compiles the lanes
 
-PAPER = {"formulation": "paper", "integrator": "central-difference", "step": 2e-4}
 KEEP = ("peak_ux", "residual_ux", "residual_theta", "energy", "verdict", "overturn_time", "overturned_joint", "steps",
         "path")  # fmt: skip
 
 
+def swept(column: Column, step: float = 2e-4) -> Column:
+    return column.with_settings(formulation="paper", integrator="central-difference", step=step)
+
+
 def eleven() -> tuple[list[Column], list[Motion], list[float]]:
     """More runs than lanes: damped and not, other steps, harmonics and records, one that falls."""
-    columns = [phocas(eta, **PAPER | {"step": step}) for eta in (0.0, 1e-4, 1e-3) for step in (1e-4, 2e-4, 1.7e-4)]
-    columns += [phocas(1e-3, **PAPER)] * 2
+    columns = [swept(phocas(eta), step) for eta in (0.0, 1e-4, 1e-3) for step in (1e-4, 2e-4, 1.7e-4)]
+    columns += [swept(phocas(1e-3))] * 2
     time = 0.01 * np.arange(51)
     ax = 0.1 * G * np.sin(9.0 * time) * np.sin(math.pi * time / 0.5)
     records = [Motion.from_samples(0.01, ax), Motion.from_samples(0.01, 0.5 * ax, 0.3 * ax)]
@@ -66,8 +69,8 @@ def test_what_comes_of_a_run_depends_on_no_other_nor_on_order_and_threads() -> N
 def test_one_block_and_a_run_that_cannot_go_on() -> None:
     """The sweeps of a motion beyond any first-order model do not settle; the run beside it does not notice."""
     motions = [Motion.harmonic(0.1 * G, 2.0, 0.2), Motion.harmonic(1e6 * G, 50.0, 0.2)]
-    table = simulate_many(monolith(eta=1e-3, **PAPER), motions, keep=("peak_ux", "verdict"))
-    single = simulate(monolith(eta=1e-3, **PAPER), motions[0])
+    table = simulate_many(swept(monolith(eta=1e-3)), motions, keep=("peak_ux", "verdict"))
+    single = simulate(swept(monolith(eta=1e-3)), motions[0])
     assert table["peak_ux"][0] == pytest.approx(single.peak_ux, rel=1e-6)
     assert table["verdict"][0] == single.verdict
 

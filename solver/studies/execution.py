@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 import time as clock
 from collections.abc import Callable, Iterator, Sequence
@@ -51,16 +52,12 @@ def run_study(
     finished run.
     """
     if folder is None:
-        rows: list[list[Any]] = []
-        done: set[int] = set()
-        for made in _made(study, done, executor, threads, callback, chunk_seconds):
-            rows += made
-        rows.sort(key=lambda row: row[0])
-        return Results(head_of(study), rows)
+        made = _made(study, set(), executor, threads, callback, chunk_seconds)
+        return Results(head_of(study), itertools.chain.from_iterable(made))
     with Journal(Path(folder) / f"{study.name}{SUFFIX}", head_of(study)) as journal:
         saver = Saver(journal.path)
-        for made in _made(study, journal.finished, executor, threads, callback, chunk_seconds):
-            journal.add(made)
+        for rows in _made(study, journal.finished, executor, threads, callback, chunk_seconds):
+            journal.add(rows)
             saver.look()
         return saver.save()
 
