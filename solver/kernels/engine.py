@@ -373,7 +373,7 @@ def feedthrough(column, seeds, elapsed, t, row, split, other, other_split):
         tangential_gains(model, work, gains)
         turn_below = 0.0
         for i in range(n - 1, -1, -1):
-            _, cosine = sine_cosine(0.5 * (phase.theta[i] + turn_below) + motion.theta)
+            _, cosine = sine_cosine(0.5 * (phase.theta[i] + turn_below) + motion.theta + model.blocks.lean[i])
             row.joints.T[i] = -gains[i] * met
             row.joints.S[i] = -cosine * gains[i] * met
             turn_below = phase.theta[i]
