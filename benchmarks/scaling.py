@@ -11,8 +11,7 @@ from contextlib import contextmanager
 from functools import partial
 from typing import Any
 
-import solver.column as columns
-from solver import Block, Column, InputError, Joint, Motion, simulate
+from solver import Block, Column, InputError, Joint, Motion, ranges, simulate
 
 from . import timing
 from .evaluation import PASSES, STATES, kernel_loop, states_of_a_run
@@ -36,12 +35,12 @@ def tower(n: int) -> Column:
 @contextmanager
 def limit_lifted(n: int) -> Iterator[None]:
     """Let columns have up to n blocks, whatever the solver's limit: the kernels have none."""
-    limit = columns.MAX_BLOCKS
-    columns.MAX_BLOCKS = max(n, limit)
+    limit = ranges.MAX_BLOCKS
+    ranges.MAX_BLOCKS = max(n, limit)
     try:
         yield
     finally:
-        columns.MAX_BLOCKS = limit
+        ranges.MAX_BLOCKS = limit
 
 
 def refusal(n: int) -> str:

@@ -14,10 +14,12 @@ from dataclasses import dataclass, replace
 from itertools import accumulate
 from typing import Any
 
-from solver.column import MAX_BLOCKS, NUMBERS, SKIPS, Column, Settings
+from solver.column import Column
 from solver.errors import InputError
 from solver.motion import STANDARD_GRAVITY
+from solver.ranges import MAX_BLOCKS, NUMBERS
 from solver.response import BASE_HISTORIES, BLOCK_HISTORIES, PEAKS
+from solver.settings import SKIPS, Settings
 
 # places of the inputs in the table
 AX = 0

@@ -12,7 +12,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .column import Block, Column
+from .block import Block
+from .column import Column
 from .kernels import layout as at
 from .kernels.entries import joint_energies, joint_potentials
 from .kernels.joint.section import RECTANGLE

@@ -15,7 +15,7 @@ import numpy as np
 
 from . import __version__, column_report
 from .calibrate_command import add_calibrate_command
-from .column import FORMULATIONS, INTEGRATORS, Column
+from .column import Column
 from .command_files import PICTURES, check_picture, check_suffix, read_column
 from .errors import InputError, InputWarning, SolverError, needing, reading
 from .files import check_outputs
@@ -32,6 +32,7 @@ from .motion_options import (
 from .progress import ProgressLine, compile_kernels
 from .record_report import report
 from .response import Response
+from .settings import FORMULATIONS, INTEGRATORS
 from .simulate import OUTPUT_STEP, SETTLE, simulate
 from .static_commands import add_static_commands
 from .studies.command import add_command as add_study

@@ -11,7 +11,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .column import Block, Column
+from .block import Block
+from .column import Column
 from .errors import InputError, shown
 from .kernels import layout as at
 from .kernels.engine import (

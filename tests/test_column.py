@@ -10,8 +10,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from solver.column import FORMULATIONS, INTEGRATORS, MAX_BLOCKS, Block, Column, Joint, Settings
+from solver.block import Block, Joint
+from solver.column import Column
 from solver.errors import InputError
+from solver.ranges import MAX_BLOCKS
+from solver.settings import FORMULATIONS, INTEGRATORS, Settings
 
 EXAMPLES = Path(__file__).resolve().parents[1] / "examples" / "columns"
 

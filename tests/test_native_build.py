@@ -25,9 +25,9 @@ from fmu_src import rules
 from fmu_src.native import column_subject, library, symbols, table
 from fmu_src.native.package import contents_of
 from solver import Column
-from solver.column import SKIPS
 from solver.kernels import pointers
 from solver.packing import SKIP_CODES
+from solver.settings import SKIPS
 
 pytestmark = pytest.mark.long  # builds native FMUs
 

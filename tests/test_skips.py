@@ -10,7 +10,7 @@ import pytest
 from probe import G, coordinates, phocas
 
 from solver import Column, InitialState, Motion, Response, simulate
-from solver.column import SKIPS
+from solver.settings import SKIPS
 from solver.stepper import Stepper
 
 TOLERANCE = 1e-5

@@ -11,7 +11,8 @@ from fmus import ROOT
 from fmu_src.model_description import Experiment, model_description
 from fmu_src.variables import CHOICES, FAMILIES, FAMILY, REFERENCES, ROLES, column_from, variables
 from solver import Block, Column, InputError, Joint
-from solver.column import FORMULATIONS, INTEGRATORS, MAX_BLOCKS, NUMBERS
+from solver.ranges import MAX_BLOCKS, NUMBERS
+from solver.settings import FORMULATIONS, INTEGRATORS
 
 KEPT = Path(__file__).with_name("value_references.txt")
 DAMPED = ROOT / "examples/columns/phocas-damped.toml"

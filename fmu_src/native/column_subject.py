@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from solver.column import BLOCK_RULES, NUMBERS, SKIPS, Column
+from solver.block import BLOCK_RULES
+from solver.column import Column
 from solver.kernels import engine, pointers
 from solver.kernels import layout as at
 from solver.packing import FORMULATION_CODES, INTEGRATOR_CODES, SKIP_CODES, section_of
+from solver.ranges import NUMBERS
+from solver.settings import SKIPS
 from solver.stepper import REASONS
 
 from .. import rules

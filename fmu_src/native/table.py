@@ -12,9 +12,9 @@ from typing import Any
 
 import numpy as np
 
-from solver.column import NUMBERS
 from solver.kernels import pointers
 from solver.motion import Motion
+from solver.ranges import NUMBERS
 
 from .. import rules
 from ..record import Record

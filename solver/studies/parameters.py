@@ -15,8 +15,9 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
-from ..column import NUMBERS, Column
+from ..column import Column
 from ..errors import POSITIVE, InputError, check_number
+from ..ranges import NUMBERS
 
 _PARTS = re.compile(r"(block|joint)(?:\[([1-9]\d*)\])?\.([a-z_]+)")
 _WHOLE = ("g", "solver.step", "solver.tolerance")

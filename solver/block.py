@@ -1,0 +1,219 @@
+"""Blocks, the joints under them, and what both are held to."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from .errors import InputError, check_number, shown
+from .kernels.joint.section import ANNULUS, RECTANGLE, SECTIONS, STRIPS, whole
+from .kernels.layout import MOST_STRIPS
+from .ranges import NUMBERS, check, check_choice
+from .solids import Solid, solid_between
+
+BLOCK_SECTIONS = tuple(name for name in SECTIONS if name != "strips")  # strips are of contacts only
+
+
+@dataclass(frozen=True)
+class Joint:
+    """The no-tension elastic joint under a block."""
+
+    stiffness: float  # N/m3, Winkler modulus: pressure per penetration
+    damping: float  # s, eta of the Kelvin-Voigt law; 0 is none, which makes a rocking column chaotic
+    width: float | None = None  # m, contact along the motion, the diameter of a round one; None: the block's
+    depth: float | None = None  # m, contact across the motion, not of a round one; None: the block's
+    section: str | None = None  # of the contact, one of SECTIONS; None: the block's
+    bore: float | None = None  # m, inner diameter of an annulus; None: the block's
+    strips: tuple[float, ...] | None = None  # m, depths of equal strips from -x to +x, 0 where nothing touches
+    friction: float | None = None  # Coulomb's coefficient; None: the joint never slides
+    dowel: float | None = None  # N, shear that the joint bears beside friction, and goes on bearing as it slides
+
+    def __post_init__(self) -> None:
+        if isinstance(self.strips, list):  # as TOML and JSON have it
+            object.__setattr__(self, "strips", tuple(self.strips))
+
+
+@dataclass(frozen=True)
+class Block:
+    """A rigid block and the joint under it."""
+
+    height: float  # m
+    width: float  # m, along the motion, of the bottom face; the diameter of a round block
+    depth: float  # m, across the motion
+    mass: float  # kg
+    joint: Joint
+    centroid: float | None = None  # m above the bottom face; None: that of a homogeneous block
+    inertia: float | None = None  # kg m2 about the centroid; None: that of a homogeneous block
+    section: str = "rectangle"  # one of BLOCK_SECTIONS
+    top_width: float | None = None  # m, of the top face of a block that tapers; None: that of the bottom face
+    top_depth: float | None = None
+    bore: float | None = None  # m, inner diameter of a hollow drum, section annulus
+
+    @property
+    def solid(self) -> Solid:
+        """Volume, centroid and inertia of the block if it is homogeneous and of density 1 kg/m3."""
+        bottom = (self.width, self.depth)
+        top = (self.top_width or self.width, self.top_depth or self.depth)
+        return solid_between(SECTIONS.index(self.section), self.height, bottom, top, self.bore or 0.0)
+
+    @property
+    def is_cuboid(self) -> bool:
+        """Whether the block is a rectangle all the way up."""
+        return self.section == "rectangle" and self.top_width is None and self.top_depth is None
+
+    @property
+    def resolved_centroid(self) -> float:
+        """Height of the centroid above the bottom face, m."""
+        if self.centroid is None:
+            return 0.5 * self.height if self.is_cuboid else self.solid.centroid
+        return self.centroid
+
+    @property
+    def resolved_inertia(self) -> float:
+        """Moment of inertia about the centroid, kg m2."""
+        if self.inertia is not None:
+            return self.inertia
+        if self.is_cuboid:
+            return self.mass * (self.height * self.height + self.width * self.width) / 12.0
+        solid = self.solid
+        return self.mass / solid.volume * solid.inertia
+
+    def written_out(self) -> Block:
+        """The block with its centroid and inertia as numbers, where they are not those of a cuboid."""
+        if self.is_cuboid:
+            return self
+        return replace(self, centroid=self.resolved_centroid, inertia=self.resolved_inertia)
+
+    @property
+    def joint_section(self) -> int:
+        """Code of the section of the contact under the block."""
+        return SECTIONS.index(self.joint.section or self.section)
+
+    @property
+    def joint_bore(self) -> float:
+        """Inner diameter of the contact under the block, m; 0 where it is not an annulus."""
+        return (self.joint.bore or self.bore or 0.0) if self.joint_section == ANNULUS else 0.0
+
+    @property
+    def joint_moments(self) -> tuple[float, ...]:
+        """Area m2 and first and second moment (m3, m4), about the middle of the block, of the contact under it."""
+        strips = self.joint.strips or ()
+        return whole(self.joint_section, self.joint_width, self.joint_depth, self.joint_bore, strips)
+
+    @property
+    def joint_stiffness(self) -> float:
+        """Stiffness of the joint under the block in full contact, N/m."""
+        if self.joint_section == RECTANGLE:
+            return self.joint.stiffness * self.joint_width * self.joint_depth
+        return self.joint.stiffness * self.joint_moments[0]
+
+    @property
+    def joint_width(self) -> float:
+        """Width of the contact under the block, m."""
+        return self.width if self.joint.width is None else self.joint.width
+
+    @property
+    def joint_depth(self) -> float:
+        """Depth of the contact under the block, m."""
+        return self.depth if self.joint.depth is None else self.joint.depth
+
+
+@dataclass(frozen=True)
+class Rule:
+    """What a number of a block, or of its joint, is held to beside the range of its key in NUMBERS."""
+
+    key: str
+    of_joint: bool = False
+    optional: bool = False  # follows from others where it is not given
+    bound: str = ""  # key of the block that it may not exceed, or with `strict` not reach
+    strict: bool = False
+    relation: str = ""
+
+
+# in the order in which they are checked
+BLOCK_RULES = (
+    *(Rule(key) for key in ("height", "width", "depth", "mass")),
+    Rule("centroid", False, True, "height", True, "must lie below the top face, height"),
+    Rule("inertia", optional=True),
+    Rule("stiffness", True),
+    Rule("damping", True),
+    *(Rule(key, True, True, key, False, f"must not exceed the block's {key}") for key in ("width", "depth")),
+)
+
+
+def check_block(key: str, block: object) -> None:
+    if not isinstance(block, Block):
+        raise InputError(f"{key} = {shown(block)}: must be a Block")
+    if not isinstance(block.joint, Joint):
+        raise InputError(f"{key}.joint = {shown(block.joint)}: must be a Joint")
+    _check_section(key, block)
+    sizes = tuple(rule for rule in BLOCK_RULES if not (rule.of_joint or rule.optional))
+    _check_rules(key, block, sizes)
+    if block.section == "annulus" and block.bore is None:
+        raise InputError(f"{key}.bore: missing, must be {NUMBERS['bore'][1]}: the inner diameter")
+    narrowest = min(block.width, block.top_width or block.width)
+    _check_bore(key, block.bore, block.section, narrowest)
+    _check_rules(key, block, tuple(rule for rule in BLOCK_RULES if rule not in sizes))
+    _check_bore(f"{key}.joint", block.joint.bore, SECTIONS[block.joint_section], block.joint_width)
+    if block.joint_section == ANNULUS and not 0.0 < block.joint_bore < block.joint_width:
+        raise InputError(f"{key}.joint.bore: must be an inner diameter in m, less than {shown(block.joint_width)} m")
+    _check_strips(f"{key}.joint.strips", block)
+
+
+def _check_rules(key: str, block: Block, rules: Sequence[Rule]) -> None:
+    for rule in rules:
+        name = f"{key}.joint.{rule.key}" if rule.of_joint else f"{key}.{rule.key}"
+        value = check(name, _resolved(block, rule))
+        bound = getattr(block, rule.bound) if rule.bound else None
+        if bound is not None and (value >= bound if rule.strict else value > bound):
+            raise InputError(f"{name} = {shown(value)}: {rule.relation} = {shown(bound)} m")
+
+
+def _check_bore(owner: str, bore: float | None, section: str, width: float) -> None:
+    if bore is not None and section != "annulus":
+        raise InputError(f'{owner}.bore = {shown(bore)}: must be left out, or section = "annulus"')
+    if bore is not None and bore >= width:
+        raise InputError(f"{owner}.bore = {shown(bore)}: must be less than the outer diameter = {shown(width)} m")
+
+
+def _check_section(key: str, block: Block) -> None:
+    """That names of sections are known, and that what goes with them are numbers."""
+    check_choice(f"{key}.section", block.section, BLOCK_SECTIONS)
+    if block.joint.section is not None:
+        check_choice(f"{key}.joint.section", block.joint.section, SECTIONS)
+    numbers = {f"{key}.{name}": getattr(block, name) for name in ("top_width", "top_depth", "bore")}
+    for name, value in (numbers | {f"{key}.joint.bore": block.joint.bore}).items():
+        if value is not None:
+            check(name, value)
+
+
+def _check_strips(key: str, block: Block) -> None:
+    strips = block.joint.strips
+    if block.joint_section != STRIPS:
+        if strips is not None:
+            raise InputError(f'{key} = {shown(strips)}: must be left out, or section = "strips"')
+        return
+    if not isinstance(strips, tuple) or not 1 <= len(strips) <= MOST_STRIPS:
+        raise InputError(f"{key} = {shown(strips)}: must be a list of 1 to {MOST_STRIPS} depths in m")
+    meaning = f"a depth in m, from 0 to that of the block, {shown(block.depth)}"
+    for k, depth in enumerate(strips):
+        check_number(f"{key}[{k}]", depth, (0.0, block.depth), meaning)
+    if not any(strips):
+        raise InputError(f"{key}: all zero, must have a depth somewhere")
+    if strips != strips[::-1]:
+        raise InputError(f"{key}: must be the same read backwards: the rest of a column is upright")
+
+
+def _resolved(block: Block, rule: Rule) -> object:
+    """The value that a rule is about, as the block has it or as it follows from others."""
+    if rule.of_joint:
+        return getattr(block, f"joint_{rule.key}") if rule.optional else getattr(block.joint, rule.key)
+    return getattr(block, f"resolved_{rule.key}" if rule.optional else rule.key)
+
+
+def check_friction(key: str, joint: Joint) -> None:
+    for name in ("friction", "dowel"):
+        if getattr(joint, name) is not None:
+            check(f"{key}.{name}", getattr(joint, name))
+    if joint.dowel is not None and joint.friction is None:
+        raise InputError(f"{key}.dowel = {joint.dowel:g}: needs friction; a joint without friction never slides")

@@ -1,0 +1,54 @@
+"""What the numbers and the words of a column may be, by key; how a wrong one is answered."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Collection
+
+from .errors import InputError, check_number, shown
+
+MAX_BLOCKS = 1000
+
+# What each numeric key may hold, whichever table it stands in: far beyond anything built, but so that nothing that is
+# worked out of it leaves the range of float64.
+LENGTH = ((1e-6, 1e6), "a positive length in m, from 1e-6 to 1e6")
+NUMBERS: dict[str, tuple[tuple[float, float], str]] = {
+    "g": ((0.0, 1e6), "an acceleration in m/s2, zero or positive, at most 1e6"),
+    "height": LENGTH,
+    "width": LENGTH,
+    "depth": LENGTH,
+    "top_width": LENGTH,
+    "top_depth": LENGTH,
+    "diameter": LENGTH,
+    "top_diameter": LENGTH,
+    "bore": LENGTH,
+    "above": ((0.0, 1e6), "a height in m, zero or positive, at most 1e6"),
+    "mass": ((1e-9, 1e15), "a positive mass in kg, from 1e-9 to 1e15"),
+    "density": ((1e-6, 1e9), "a positive density in kg/m3, from 1e-6 to 1e9"),
+    "centroid": LENGTH,
+    "inertia": ((1e-21, 1e27), "a positive moment of inertia in kg m2, from 1e-21 to 1e27"),
+    "stiffness": ((1e-3, 1e20), "a positive Winkler modulus in N/m3, from 1e-3 to 1e20"),
+    "damping": ((0.0, 1e6), "a time in s, zero or positive, at most 1e6"),
+    "friction": ((1e-6, 1e3), "a positive coefficient of friction, at most 1e3; without it the joint never slides"),
+    "dowel": ((0.0, 1e15), "a force in N, zero or positive, at most 1e15"),
+    "step": ((1e-9, 1e6), "a positive time in s, from 1e-9 to 1e6"),
+    "tolerance": ((1e-13, 0.1), "a number from 1e-13 to 0.1"),
+}
+
+
+def check(key: str, value: object) -> float:
+    """Return `value` as a float if it suits the last part of `key`. Raises InputError."""
+    limits, meaning = NUMBERS[key.rpartition(".")[2]]
+    return check_number(key, value, limits, meaning)
+
+
+def check_choice(key: str, value: object, known: Collection[str]) -> None:
+    """Raise InputError if `value` is none of the `known` names."""
+    if not isinstance(value, str) or value not in known:
+        raise InputError(f"{key} = {shown(value)}: must be one of {listed(known, value)}")
+
+
+def listed(known: Collection[str], value: object) -> str:
+    """Return the known names and, if one is near enough to `value`, which one is probably meant."""
+    near = difflib.get_close_matches(str(value).lower(), known, n=1, cutoff=0.5)
+    return ", ".join(known) + (f"; did you mean {near[0]}?" if near else "")
