@@ -151,6 +151,15 @@ def full_turning_stiffness(blocks, i):
     return blocks.stiffness[i] * (second + about * (2.0 * first + about * area))
 
 
+@leaf
+def is_off_centre(blocks, i):
+    """Whether the contact of joint i is not symmetric about the middle of the block, as strips may be."""
+    if blocks.section[i] != STRIPS:
+        return False
+    about, area, first, _ = _part(contact_of(blocks, i), blocks.left[i], blocks.right[i])
+    return about * area + first != 0.0
+
+
 @kernel
 def lay_out(blocks, i, section, width, depth, bore, given):
     """Fill in the contact of joint i; given: row of the number of strips, then their depths, over a width in m."""
