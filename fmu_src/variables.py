@@ -412,8 +412,12 @@ def _parameters(column: Column, record: str) -> list[Variable]:
             return Variable(name, reference, "Enumeration", *common, choice.items[str(start)], choice=choice)
         if isinstance(start, str):
             return Variable(name, reference, "String", *common, start)
-        least, most = (None, None) if name == RECORD_SCALE else NUMBERS[key][0]
-        return Variable(name, reference, "Real", *common, start or 0.0, min(least, 0.0) if optional else least, most)
+        if name == RECORD_SCALE:
+            return Variable(name, reference, "Real", *common, start)
+        least, most = NUMBERS[key][0]
+        return Variable(
+            name, reference, "Real", *common, start or 0.0, 0.0 if optional and least > 0.0 else least, most
+        )
 
     rows = [parameter("g", "m/s2", "Acceleration of gravity", column.g)]
     for i, block in enumerate((block.written_out() for block in column.blocks), start=1):

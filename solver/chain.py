@@ -61,8 +61,8 @@ class Chain:
             if self.off_axis:
                 self.lean, self.tilt, self.built_x = seen.lean, seen.tilt, seen.built_x
                 self.offset = seen.offset
-                rest = at.STATE.see(arrays_of(column).state, column.n).phase
-                self.rest = np.concatenate([rest.theta, rest.opening, np.zeros(2 * self.n), rest.slip, np.zeros(self.n)])
+                rest, zeros = at.STATE.see(arrays_of(column).state, column.n).phase, np.zeros(self.n)
+                self.rest = np.concatenate([rest.theta, rest.opening, zeros, zeros, rest.slip, zeros])
         # N/m2: of a metre of the joint's width, where it is a rectangle
         self.rigidity = np.array([block.joint.stiffness * block.joint_depth for block in blocks])
         self.carried = np.cumsum(self.mass)  # kg, by the joint under each block

@@ -138,9 +138,6 @@ def _check_general(column: Column) -> None:
     given |= {f"block[{number}].tilt": block.tilt, f"{key}.strips": block.joint.strips}
     name, value = next((name, value) for name, value in given.items() if value)
     if column.settings.formulation == "paper":
-        raise InputError(
-            f'{name} = {shown(value)}: the formulation "paper" knows upright columns that do not slide, solver.formulation '
-            'must be "exact"'
-        )
+        raise InputError(f'{name} = {shown(value)}: solver.formulation must be "exact", which "paper" has nothing of')
     if column.settings.integrator != "auto":
-        raise InputError(f'{name} = {shown(value)}: is not for steps of a fixed length, solver.integrator must be "auto"')
+        raise InputError(f'{name} = {shown(value)}: solver.integrator must be "auto", steps of a fixed length miss it')

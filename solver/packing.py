@@ -46,11 +46,11 @@ SKIP_CODES = {
 
 @dataclass(frozen=True)
 class InitialState:
-    """Where a run starts; None is rest, and for the openings static equilibrium under gravity.
+    """Where a run starts; None is rest, static equilibrium under gravity.
 
-    Sequences of n numbers, block 1 (the top) first, from the column as built: `rotation` rad clockwise, `rotation_rate` rad/s, `opening` m of
-    the joint under each block along its normal (negative: compressed), `opening_rate` m/s, `slip` m of the block
-    over what is under it, to +x, `slip_rate` m/s.
+    Sequences of n numbers, block 1 (the top) first, counted from the column as built: `rotation` rad clockwise,
+    `rotation_rate` rad/s, `opening` m of the joint under each block along its normal (negative: compressed),
+    `opening_rate` m/s, `slip` m of the block over what is under it, to +x, `slip_rate` m/s.
     """
 
     rotation: Sequence[float] | FloatArray | None = None
@@ -132,7 +132,8 @@ def _assemble(column: Column, given: FloatArray) -> Arrays:
         )
     if code == NO_REST:
         raise InputError(
-            f"{column.name} cannot stand: its blocks, offset or inclined as they are, have no stable rest under their weight"
+            f"{column.name} cannot stand: its blocks, offset or inclined as they are, have no stable rest under their "
+            "weight"
         )
     if code != at.OK:  # the other checks are those of the column
         raise InputError(f"block[{int(detail[0])}].inertia: beyond the range of float64")

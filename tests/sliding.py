@@ -1,4 +1,4 @@
-"""Reference for joints that slide and columns off their axis: Lagrange's equations of theory.md sections 9, 12 in numpy.
+"""Reference for joints that slide and columns off their axis: Lagrange's equations, theory.md sections 9 and 12.
 
 q = (theta (n,) rad, delta (n,) m, slip (n,) m), rotations from the column as built, slips with the offsets. The contact
 belongs to the block above, as far as the face below reaches. A joint of a direction 1 or -1 slides that way, one of

@@ -170,9 +170,13 @@ def assemble(column, given, afresh, scratch, detail):
                 state.phase.slip[i] = blocks.offset[i]
             if settings.gravity > 0.0 and not find_rest(model, state.phase, work.room):
                 return NO_REST
+            for i in range(n):
+                blocks.rest_turn[i], blocks.rest_opening[i] = state.phase.theta[i], state.phase.opening[i]
         reset(counts, base)
     elif counts.overturned == 0:
         state.control.base_ax = math.nan  # belongs to no input: the accelerations are to be computed anew
+        for i in range(n):
+            blocks.rest_turn[i] = math.inf  # nowhere: it may be another one now
     return OK
 
 

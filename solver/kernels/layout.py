@@ -71,6 +71,8 @@ BLOCKS = Table(
     "lean",  # rad, of the joint against the horizontal, as built, clockwise
     "tilt",  # rad, of the block against the vertical, as built, clockwise
     "built_x",  # m, middle of the top face, as built
+    "rest_turn",  # rad and
+    "rest_opening",  # m, of a column that is off its axis, under its weight
     "rim_left",  # m from the middle of what is under the joint: ends of its face, or of the contact if that is wider
     "rim_right",
     "turn_size",  # first coordinate when the column turns by 1 rad: 1 (exact), height of the top face (paper)

@@ -7,7 +7,7 @@ from there on they only become softer, so that no step goes too far.
 """
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from ..jit import kernel
 from ..joint.law import loaded_part
@@ -21,13 +21,13 @@ CLOSE = 1e-7  # of the rotation floor: the last correction, after which the next
 class _Row(NamedTuple):
     """What the way down leaves for the way up, rows of n."""
 
-    pivot: object
-    right: object
-    side: object  # element beside the pivot
-    along: object  # N/m, by the opening
-    unbalanced: object  # N, on the opening
-    over: object  # N, of the latter by the rotation of the block, and
-    under: object  # by that of the body below
+    pivot: Any
+    right: Any
+    side: Any  # element beside the pivot
+    along: Any  # N/m, by the opening
+    unbalanced: Any  # N, on the opening
+    over: Any  # N, of the latter by the rotation of the block, and
+    under: Any  # by that of the body below
 
 
 @kernel
@@ -84,7 +84,8 @@ def _eliminate(model, phase, row):
         diagonal -= lever * math.cos(turn + blocks.tilt[i])
         right += lever * math.sin(turn + blocks.tilt[i])
         # the joint and the weight upon it
-        down, across = model.settings.gravity * carried * math.cos(phi), model.settings.gravity * carried * math.sin(phi)
+        weight = model.settings.gravity * carried
+        down, across = weight * math.cos(phi), weight * math.sin(phi)
         unbalanced = down - normal
         couple, fall = moment * cosine, -0.5 * (opening * across + slip * down)
         spread = -0.25 * (opening * down - slip * across)

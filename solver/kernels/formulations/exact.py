@@ -10,8 +10,8 @@ enter until the base. The base is the lowest body of the chain, with prescribed 
 relative to it, spins in here are absolute.
 
 A joint that slides (section 9) has its T given by friction: its row leaves the system, and the acceleration of its slip
-follows. Which joints slide, and which way, stands in `hold`. An offset of a block is a slip that it is built with; where
-joints are inclined as built, blocks stand at other angles to them than by half of the joint's rotation.
+follows. Which joints slide, and which way, stands in `hold`. An offset of a block is a slip that it is built with; to
+joints inclined as built, blocks stand at other angles than half of the joint's rotation (section 12).
 
 The one function serves one column and lanes of eight.
 """

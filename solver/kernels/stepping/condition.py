@@ -125,11 +125,13 @@ def rests(column, phase):
     weight = 0.0
     for i in range(column.model.n):
         weight += settings.gravity * blocks.mass[i]
-        settled = -weight / full_stiffness(blocks, i)
+        turned, settled = phase.theta[i], -weight / full_stiffness(blocks, i)
+        if settings.off_axis != 0.0:
+            turned, settled = turned - blocks.rest_turn[i], blocks.rest_opening[i]
         size = blocks.open_size[i]
-        if can_slide(column.model) and (settings.off_axis != 0.0 or phase.sliding[i] != 0.0 or phase.slip[i] != 0.0):
+        if can_slide(column.model) and (phase.sliding[i] != 0.0 or phase.slip[i] != blocks.offset[i]):
             return False  # after a slip the rest is another one
-        if abs(phase.theta[i]) > turn or abs(phase.opening[i] - settled) > turn * size:
+        if abs(turned) > turn or abs(phase.opening[i] - settled) > turn * size:
             return False
         if abs(phase.theta_rate[i]) > spin or abs(phase.opening_rate[i]) > spin * size:
             return False
