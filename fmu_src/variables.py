@@ -328,8 +328,8 @@ def _with_initial(output: Variable, n: int, described: tuple[str, ...]) -> Varia
     """The output with what it follows in initialization; `described`: the parameters that the column at rest has."""
     if output.initially is not None or ("[" in output.name and n > LISTED_BLOCKS):
         return output
-    if output.name.endswith("].theta"):  # that of the base, to the last bit
-        return replace(output, initially=_TURNED)
+    if output.name.endswith("].theta"):
+        return replace(output, initially=(*_TURNED, *described))
     record = (RECORD, RECORD_SCALE) if "base.ax" in output.depends_on else ()
     return replace(output, initially=(*output.depends_on, *described, *record))
 

@@ -223,9 +223,12 @@ def test_statics_begin_at_the_rest() -> None:
 # --- faces that end
 
 
-def slider(mu: float, eta: float = 1e-3, offset: float | None = None, tolerance: float = 1e-8) -> Column:
+def slider(
+    mu: float, eta: float = 1e-3, offset: float | None = None, tolerance: float = 1e-8, section: str = "rectangle"
+) -> Column:
     """A flat block upon a heavy one of the same width."""
-    top = Block(0.3, 1.0, 1.0, 800.0, Joint(2e9, eta, friction=mu, offset=offset))
+    bore = 0.5 if section == "annulus" else None
+    top = Block(0.3, 1.0, 1.0, 800.0, Joint(2e9, eta, friction=mu, offset=offset), section=section, bore=bore)
     low = Block(0.4, 1.0, 1.0, 100000.0, Joint(2e11, eta))
     return Column("slider", (top, low), Settings(tolerance=tolerance))
 
@@ -243,11 +246,12 @@ def test_a_block_that_slides_over_the_rim_tips_when_its_centroid_passes_it(reach
         assert response.contact[-1, 0] < 1.0  # the overlap itself has opened
 
 
-def test_a_block_pushed_off_slides_as_on_an_endless_face_until_it_tips() -> None:
-    """Friction is that of the weight, however small the contact."""
+@pytest.mark.parametrize("section", ["rectangle", "circle", "annulus"])
+def test_a_block_pushed_off_slides_as_on_an_endless_face_until_it_tips(section: str) -> None:
+    """Friction is that of the weight, however small the contact and whatever its shape."""
     mu, reach = 0.2, 0.25
     speed = sqrt(2.0 * mu * G * reach)
-    column = slider(mu)
+    column = slider(mu, section=section)
     motion = Motion.from_samples(0.01, np.zeros(201))
     found = simulate(column, motion, initial=InitialState(slip_rate=[speed, 0.0]), settle=0.0)
     assert found.slip[-1, 0] == pytest.approx(reach, rel=2e-3)
@@ -255,8 +259,9 @@ def test_a_block_pushed_off_slides_as_on_an_endless_face_until_it_tips() -> None
     assert np.array_equal(back.slip[:, 0], -found.slip[:, 0])
 
 
-def test_at_a_rim_energy_falls_by_the_work_of_friction_alone() -> None:
-    column = slider(0.2, eta=0.0, tolerance=1e-10)
+@pytest.mark.parametrize("section", ["rectangle", "circle", "annulus"])
+def test_at_a_rim_energy_falls_by_the_work_of_friction_alone(section: str) -> None:
+    column = slider(0.2, eta=0.0, tolerance=1e-10, section=section)
     chain = Chain(column)
     stepper = Stepper(column, InitialState(slip_rate=[1.1, 0.0]))
     first = chain.energy(phase_of(stepper))
