@@ -92,10 +92,12 @@ SCRIPT = '''"""Entry of the FMU: brings in the solver and offers the slave."""
 import sys
 from pathlib import Path
 
-from {fmu_src}.host import import_solver
+from {fmu_src}.host import finalize_at_exit, import_solver
 
+RESOURCES = Path(__file__).resolve().parent
+finalize_at_exit(RESOURCES)  # also where there will be no slave to see to it
 try:
-    import_solver("{solver}", Path(__file__).resolve().parent)
+    import_solver("{solver}", RESOURCES)
     from {fmu_src}.slave import ColumnSlave
 except ImportError as error:
     print(f"{name}: needs Python 3.11 or newer with numpy and numba: {{error}}", file=sys.stderr)

@@ -225,7 +225,7 @@ def square_and_round() -> None:
         axes.set_ylabel("top, mm")
         axes.grid(color="0.9", linewidth=0.6)
         axes.spines[["top", "right"]].set_visible(False)
-        axes.legend(frameon=False, fontsize=8, loc="upper right")
+        axes.legend(frameon=False, fontsize=8, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, borderpad=0.0)
     lower.set_xlabel("time (s)")
     figure.savefig(HERE / "images" / "square-and-round.png", dpi=110)
 

@@ -95,8 +95,9 @@ def finalize_at_exit(resources: Path) -> None:
     """Let the wrapper library of this FMU drop its Python state before the process ends.
 
     The wrapper drops it twice, once by the destructor of its pointer and once by that of the library, and the second
-    time frees what is freed: the process aborts more often than not once numba is loaded. Dropped here, the pointer
-    is empty by then; also where the wrapper itself started Python, which ends within the first of the two.
+    time writes into what is freed: the process aborts more often than not once numba is loaded, and now and then where
+    no instance came about. Dropped here, the pointer is empty by then; also where the wrapper itself started Python,
+    which ends within the first of the two.
     """
     if not hasattr(os, "RTLD_NOLOAD"):
         return

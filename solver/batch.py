@@ -1,7 +1,8 @@
 """Many runs at once: eight columns in the lanes of one core, and threads on top.
 
-Each run begins by itself, by modes, until a joint opens; then it enters a lane, with its own column, motion, time and
-step (kernels/batch/). What comes of a run does not depend on which others pass beside it, nor on their order.
+Each run enters a lane, with its own column, motion, time and step (kernels/batch/): at once, or after a beginning by
+modes that ends when a joint opens, by itself, where that is likely to be cheaper. What comes of a run does not depend
+on which others pass beside it, nor on their order.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from .kernels import layout as at
 from .kernels.batch.entries import run_lanes
 from .kernels.batch.runs import OUTCOME, RUN, SPACE
 from .kernels.entries import run
+from .kernels.integrators import dormand_prince
 from .kernels.joint.section import SECTIONS
 from .kernels.lanes import WIDTH
 from .motion import Motion
@@ -37,6 +39,10 @@ TIGHTEST = 1e-7  # tolerance: beyond, the explicit method of order 8 by itself i
 # Measured (Phocas, eta 1e-3 to 5e-2 s): as fast as `simulate` at 5000 of them (1e-3) and 15000 (1e-5).
 MOST_STEPS = 2500.0  # 1/s
 CRITICAL = 2.0  # damping times frequency
+# A modal step ends at every sample of a record, and costs as much as six in lanes: with so many samples a second modes
+# are the slower beginning, unless explicit steps are short. Measured (the shaft of Phocas in six drums, five records of
+# 50 to 200 samples a second): twice as slow, and five times where joints stay closed.
+SAMPLES, AT_ONCE = 20.0, 1500.0  # 1/s: of a record; explicit steps
 HELD = "held samples"  # why a run is not made in lanes
 STAGES = 6  # evaluations of a step
 LINE = 64  # bytes that the processor reads at once: lanes that lie across two of them cost a tenth more
@@ -84,15 +90,41 @@ def why_not_in_lanes(column: Column) -> str:
 
 def _is_stiff(column: Column) -> bool:
     """Whether dampers make explicit steps so short that implicit ones, one by one, are no slower."""
-    damping = max(block.joint.damping for block in column.blocks)
-    squares, above = 0.0, 0.0  # of the frequency of each block between its two joints, as kernels/column/assembly.py
-    for block in column.blocks:
-        spring = block.joint_stiffness
-        squares, above = max(squares, (spring + above) / block.mass), spring
+    damping, squares = _dampers(column)
     if damping * math.sqrt(2.0 * squares) <= CRITICAL:
         return False
     most: float = MOST_STEPS * (1e-3 / column.settings.tolerance) ** 0.25
     return 0.5 * damping * squares > most
+
+
+def _dampers(column: Column) -> tuple[float, float]:
+    """The largest damping, s, and half the square of a bound of the frequencies, 1/s2 (kernels/column/assembly.py)."""
+    squares, above = 0.0, 0.0
+    for block in column.blocks:
+        spring = block.joint_stiffness
+        squares, above = max(squares, (spring + above) / block.mass), spring
+    return max(block.joint.damping for block in column.blocks), squares
+
+
+def _enters_at_once(column: Column, order: float, motion: Motion, samples: int) -> bool:
+    """Whether a run does without a beginning by modes, which spare columns that ring what they would ring by."""
+    if order != dormand_prince.ORDER:
+        return False
+    if samples:
+        damping, squares = _dampers(column)
+        steps = max(0.3 * math.sqrt(2.0 * squares), 0.5 * damping * squares)
+        return samples > SAMPLES * (motion.time[-1] - motion.time[0]) and steps < AT_ONCE
+    return motion.amplitude > _opening_acceleration(column)
+
+
+def _opening_acceleration(column: Column) -> float:
+    """Steady base acceleration, m/s2, at which the first joint opens."""
+    least, carried, moment = math.inf, 0.0, 0.0  # kg above the joint; kg m of them about it
+    for block in column.blocks:
+        moment += carried * block.height + block.mass * block.resolved_centroid
+        carried += block.mass
+        least = min(least, column.g * carried * block.joint_width / (6.0 * moment))
+    return least
 
 
 def run_batch(
@@ -198,19 +230,23 @@ class _Batch:
         self._column: Column | None = None
 
     def begin(self, k: int, column: Column, motion: Motion, duration: float) -> None:
-        """Take run k from rest by modes as far as its joints stay closed, or to its end."""
+        """Let run k wait for a lane, from rest or as it is when a joint opens; or take it to its end."""
         n, start, stop = self.n, motion.start, motion.start + duration
         if column is not self._column:
-            self._fresh = arrays_at(
-                column.with_settings(without=("peaks",)), TOLERANCE_PART * column.settings.tolerance
-            )
+            self._fresh = arrays_at(column, TOLERANCE_PART * column.settings.tolerance, at.EXTREMES)
             self._column = column
+        omega = 2.0 * math.pi * motion.frequency
+        wave = (motion.amplitude, omega, -omega * start)
+        first, size = self._records.place(motion)
+        if _enters_at_once(column, at.SETTINGS.see(self._fresh.model).explicit_order, motion, size):
+            phase = self._fresh.state[at.CONTROL.beside :][: 4 * n]
+            self._outcomes[k] = np.concatenate([[at.OK, math.nan, 0.0, 0.0, 0.0], np.zeros(n), phase])
+            self._waits(k, self._fresh.model, phase, (start, start, stop, 1.0, *wave, first, size, 0, 0.0, 0.0))
+            return
         arrays = copied(self._fresh)
         control, counts, base = at.CONTROL.see(arrays.state), at.COUNTS.see(arrays.counts), at.BASE.see(arrays.base)
-        omega = 2.0 * math.pi * motion.frequency
-        base.wave_amplitude, base.wave_omega, base.wave_phase = motion.amplitude, omega, -omega * start
+        base.wave_amplitude, base.wave_omega, base.wave_phase = wave
         counts.until_opening = 1
-        first, size = self._records.place(motion)
         record = (row[first : first + size] for row in self._records.rows)
         times = start + self._rows if self._rows.size else np.array([stop])
         kept = np.zeros((times.size, at.SNAPSHOT.size(n)))
@@ -221,18 +257,22 @@ class _Batch:
         if self._rows.size:
             self._snapshots[k] = kept[:, : at.PHASE.size(n)]
         if code == at.OK and control.reached < stop:
-            self._waiting.append(k)
-            self._models[k] = arrays.model[: self._models.shape[1]]
-            self._phases[k] = phase
             scales = (control.rotation_scale, control.rate_scale)
-            wave = (motion.amplitude, omega, -omega * start)
-            self._runs[k] = (start, control.reached, stop, 1.0, *wave, first, size, counts.next_row, *scales)
+            entering = (start, control.reached, stop, 1.0, *wave, first, size, counts.next_row, *scales)
+            self._waits(k, arrays.model, phase, entering)
+
+    def _waits(self, k: int, model: FloatArray, phase: FloatArray, entering: tuple[float, ...]) -> None:
+        """Let run k wait for a lane."""
+        self._waiting.append(k)
+        self._models[k], self._phases[k], self._runs[k] = model[: self._models.shape[1]], phase, entering
 
     def finish(self, flag: FloatArray) -> None:
         """Let the runs that have begun pass through the lanes."""
         some = np.array(self._waiting, dtype=np.int64)
         if not some.size:
             return
+        left = self._runs[some, _STOP] - self._runs[some, _START]
+        some = some[np.argsort(-left, kind="stable")]  # the longest first: lanes end together
         models, phases, runs = (array[some].reshape(-1) for array in (self._models, self._phases, self._runs))
         outcomes, snapshots = self._outcomes[some], self._snapshots[some]
         lanes = _aligned(WIDTH * SPACE.size(self.n))
@@ -261,6 +301,7 @@ class _Batch:
         )
 
 
+_START, _STOP = RUN.fields.index("start"), RUN.fields.index("stop")
 _TRIED = [OUTCOME.parts["record"].fields.index(name) for name in ("steps", "rejected")]  # type: ignore[attr-defined]
 
 

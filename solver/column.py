@@ -6,6 +6,7 @@ import os
 import re
 import tomllib
 from collections.abc import Mapping, Sequence
+from copy import copy
 from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
@@ -38,9 +39,7 @@ class Column:
         for number, block in enumerate(self.blocks, start=1):
             check_block(f"block[{number}]", block)
             check_friction(f"block[{number}].joint", block.joint)
-        check_settings("solver", self.settings)
-        if self.has_slips:
-            _check_general(self)
+        _check_settings(self)
 
     @property
     def n(self) -> int:
@@ -70,7 +69,10 @@ class Column:
             "without": without,
         }
         changes: dict[str, Any] = {key: value for key, value in given.items() if value is not None}
-        return replace(self, settings=replace(self.settings, **changes))
+        changed = copy(self)  # whose blocks have been checked
+        object.__setattr__(changed, "settings", replace(self.settings, **changes))
+        _check_settings(changed)
+        return changed
 
     @property
     def slides(self) -> bool:
@@ -124,6 +126,12 @@ def _check_name(name: object) -> None:
             f"name = {shown(name)}: must be a C identifier (letters, digits and _, no digit first): "
             "it becomes the FMU's model identifier"
         )
+
+
+def _check_settings(column: Column) -> None:
+    check_settings("solver", column.settings)
+    if column.has_slips:
+        _check_general(column)
 
 
 def _check_general(column: Column) -> None:

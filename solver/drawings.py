@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import os
 from pathlib import Path
-from typing import Protocol
 
 import numpy as np
 from matplotlib.animation import AbstractMovieWriter, FFMpegWriter, PillowWriter
@@ -13,10 +12,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
-from .column import Column
+from .drawable import Shaken, Shapes
 from .errors import POSITIVE, InputError, check_number
 from .files import whole_file
-from .motion import Motion
 from .packing import FloatArray
 from .plots import block_colours, draw_ground, save
 
@@ -29,25 +27,8 @@ MOST_FRAMES = 5000
 FILM_DPI = 80
 
 
-class Drawable(Protocol):
-    """What is needed of a Response; its module stands above this one."""
-
-    @property
-    def column(self) -> Column: ...
-    @property
-    def time(self) -> FloatArray: ...
-    @property
-    def motion(self) -> Motion | None: ...
-    @property
-    def ux(self) -> FloatArray: ...
-    @property
-    def uz(self) -> FloatArray: ...
-    @property
-    def theta(self) -> FloatArray: ...
-
-
 def plot_column(
-    response: Drawable,
+    response: Shaken,
     path: str | os.PathLike[str] | None = None,
     at: float | None = None,
     scale: float | None = None,
@@ -74,7 +55,7 @@ def plot_column(
     return figure
 
 
-def draw_column(axes: Axes, response: Drawable, k: int, scale: float) -> list[Polygon]:
+def draw_column(axes: Axes, response: Shapes, k: int, scale: float) -> list[Polygon]:
     """Draw row k of a response, rotations and openings times `scale`, on axes of equal units; returns the blocks."""
     patches = [
         Polygon(corners, facecolor=STONE, edgecolor=INK, linewidth=1.0) for corners in corners_of(response, k, scale)
@@ -96,7 +77,7 @@ def draw_column(axes: Axes, response: Drawable, k: int, scale: float) -> list[Po
     return patches
 
 
-def corners_of(response: Drawable, k: int, scale: float) -> list[FloatArray]:
+def corners_of(response: Shapes, k: int, scale: float) -> list[FloatArray]:
     """Corners (4, 2) of each block at row k, m, the top block first; at a scale of 1 where they are in space.
 
     From the base up: how the faces of a joint have moved apart is taken in the frame of the body below, and multiplied
@@ -129,7 +110,7 @@ def corners_of(response: Drawable, k: int, scale: float) -> list[FloatArray]:
 
 
 def film(
-    response: Drawable,
+    response: Shaken,
     path: str | os.PathLike[str],
     scale: float | None = None,
     fps: int = FRAMES_PER_SECOND,
@@ -199,11 +180,11 @@ def _frame(theta: float) -> tuple[FloatArray, FloatArray]:
     return np.array([sine, cosine]), np.array([cosine, -sine])
 
 
-def _peak(response: Drawable) -> int:
+def _peak(response: Shaken) -> int:
     return int(np.argmax(np.max(np.abs(response.ux), axis=1)))
 
 
-def _row(response: Drawable, at: float) -> int:
+def _row(response: Shaken, at: float) -> int:
     time = response.time
     at = check_number(
         "at", at, (float(time[0]), float(time[-1])), f"a time of the response, {time[0]:g} to {time[-1]:g} s"
@@ -211,7 +192,7 @@ def _row(response: Drawable, at: float) -> int:
     return int(np.argmin(np.abs(time - at)))
 
 
-def _scale(response: Drawable, scale: float | None) -> float:
+def _scale(response: Shaken, scale: float | None) -> float:
     if scale is not None:
         return check_number("scale", scale, POSITIVE, "a positive factor on the deformation")
     largest = float(np.max(np.abs(response.ux)))

@@ -12,9 +12,8 @@ import numpy as np
 
 from .column import Column
 from .errors import NOT_NEGATIVE, InputError, check_number
+from .kernels.layout import COUNTS_FROM
 from .packing import FloatArray, carried_weights
-
-LEAST_PART = 0.05  # of the weight carried at rest, above which N counts
 
 
 class Sheared(Protocol):
@@ -30,7 +29,7 @@ class Sheared(Protocol):
     def N(self) -> FloatArray: ...  # noqa: N802
 
 
-def friction_history(T: FloatArray, N: FloatArray, carried: FloatArray, part: float = LEAST_PART) -> FloatArray:
+def friction_history(T: FloatArray, N: FloatArray, carried: FloatArray, part: float = COUNTS_FROM) -> FloatArray:
     """|T| / N where N > part * carried, else 0, (nt, n).
 
     T, N: forces of the joints, N (nt, n). carried: weight that each joint carries at rest, N (n,).
@@ -44,7 +43,7 @@ def friction_history(T: FloatArray, N: FloatArray, carried: FloatArray, part: fl
     return ratio
 
 
-def friction_demand(response: Sheared, part: float = LEAST_PART) -> FloatArray:
+def friction_demand(response: Sheared, part: float = COUNTS_FROM) -> FloatArray:
     """Largest `friction_history` of each joint over the rows of the response, (n,): what must not slide needs more.
 
     Raises InputError as `friction_history` does.
@@ -53,7 +52,7 @@ def friction_demand(response: Sheared, part: float = LEAST_PART) -> FloatArray:
     return largest
 
 
-def time_exceeded(response: Sheared, mu: float, part: float = LEAST_PART) -> FloatArray:
+def time_exceeded(response: Sheared, mu: float, part: float = COUNTS_FROM) -> FloatArray:
     """For how long each joint asks for more friction than mu, s (n,); the history is linear between rows.
 
     Raises InputError unless mu is zero or positive, and as `friction_history` does.

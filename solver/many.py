@@ -4,9 +4,6 @@ from __future__ import annotations
 
 import itertools
 import math
-import os
-import queue
-import sys
 import time as clock
 import warnings
 from collections import Counter
@@ -17,11 +14,13 @@ from typing import Any
 
 import numpy as np
 
-from .batch import why_not_in_lanes
 from .column import Column
 from .errors import POSITIVE, InputError, InputWarning, SolverError, check_number, shown
+from .executors import TRIES, cores, said, sent_out, workers_of
+from .kept import KEPT
+from .kernels.lanes import WIDTH
 from .motion import Motion
-from .runs import KEPT, Chunk, Made, Run, make_runs
+from .runs import Chunk, Made, Run, make_runs, why_alone
 from .table import Table, joined
 
 SETTLE = 10.0  # s, where none is asked for
@@ -32,8 +31,6 @@ FIRST_COST = 2e-5  # s for a block and a second of motion in lanes, before anyth
 ALONE, SWEPT = 10.0, 300.0  # times that: a run by itself, and in the formulation of the paper
 MOST_SAMPLES = 2**20  # of the records in a chunk, so that memory does not grow with the number of runs
 LEAST_RUNS, MOST_RUNS = 16, 2000  # in a chunk: lanes are refilled; rows of a run take memory
-TRIES = 3  # of a chunk whose worker died
-LISTEN = 0.05  # s between two looks whether somebody interrupts
 MOST_NOTED = 100  # failures that are told one by one
 
 Callback = Callable[[int, int | None], object]
@@ -63,7 +60,7 @@ def simulate_many(
     columns, motions, duration (s; None: that of the motion), tolerance (relative to the peak; None: that of the
     column): one for all runs, or one for each run. They may differ in everything. What is iterated is taken as it is
     needed, so that memory does not grow with the number of runs, but for the table.
-    keep: what the table shall hold, names of runs.KEPT.
+    keep: what the table shall hold, names of kept.KEPT.
     executor: anything with `submit`, such as a process pool or a client of Dask; None: threads of this process, as many
     as `threads` or as it has cores.
     settle: as in `simulate`. responses: numbers of runs of which the whole Response is kept, in `table.responses`.
@@ -122,17 +119,17 @@ def parts_of_many(
         raise InputError(f"threads = {shown(threads)}: must be a number of threads, at least 1")
     total, runs = _runs(columns, motions, duration, tolerance)
     summary = Summary() if summary is None else summary
-    workers = (threads or _cores()) if executor is None else _workers_of(executor)
+    workers = (threads or cores()) if executor is None else workers_of(executor)
     pace = Pace(total, workers)
     chunks = _chunks(runs, pace, tuple(dict.fromkeys(keep)), settle, frozenset(responses))
     if executor is not None:
-        made = _sent_out(chunks, lambda chunk: executor.submit(make_runs, chunk), pace, workers)
+        made = _made(chunks, lambda chunk: executor.submit(make_runs, chunk), pace, workers)
         yield from _noted(made, summary, total, callback)
         return
     flag = np.zeros(1)
     pool = ThreadPoolExecutor(workers, thread_name_prefix="runs")
     try:
-        made = _sent_out(chunks, lambda chunk: pool.submit(make_runs, chunk, flag), pace, workers)
+        made = _made(chunks, lambda chunk: pool.submit(make_runs, chunk, flag), pace, workers)
         yield from _noted(made, summary, total, callback)
     finally:
         flag[0] = 1.0
@@ -240,6 +237,8 @@ class Pace:
 
     def enough(self, count: int, weight: float) -> bool:
         """Whether so many runs of this weight make a chunk. Towards the end all workers shall have some."""
+        if count % WIDTH:  # lanes would be left empty
+            return False
         if self._left is not None:
             share = self._left / (self._workers if self._per_run == math.inf else 2 * self._workers)
             if count >= max(LEAST_RUNS, FIRST_SECONDS / self._per_run, share):
@@ -247,9 +246,9 @@ class Pace:
         return count >= MOST_RUNS or (count >= LEAST_RUNS and weight * self._cost >= self._seconds)
 
 
-def _dearness(column: Column) -> float:
+def _dearness(column: Column, keep: tuple[str, ...]) -> float:
     """What a run costs, roughly, in those of lanes."""
-    if not why_not_in_lanes(column):
+    if not why_alone(column, keep):
         return 1.0
     return ALONE if column.settings.formulation == "exact" else SWEPT
 
@@ -269,7 +268,7 @@ def _chunks(
     for run in runs:
         taken.append(run)
         if run.column is not column:
-            column, dear = run.column, _dearness(run.column)
+            column, dear = run.column, _dearness(run.column, keep)
         weight += run.column.n * run.duration * dear
         if id(run.motion) not in records:
             records.add(id(run.motion))
@@ -283,70 +282,19 @@ def _chunks(
         yield chunk()
 
 
-def _sent_out(
-    chunks: Iterator[Chunk], submit: Callable[[Chunk], Any], pace: Pace, workers: int
-) -> Iterator[tuple[Chunk, Made]]:
-    """What comes of the chunks, as they end; one waits for each worker that has one. Raises what a chunk raises."""
-    ended: queue.SimpleQueue[Any] = queue.SimpleQueue()
-    under_way: dict[Any, tuple[Chunk, int]] = {}
-
-    def send(chunk: Chunk, tries: int) -> None:
-        try:
-            future = submit(chunk)
-        except Exception as error:  # of whatever kind of executor
-            raise ExecutorError(f"the executor takes no more runs: {_said(error)}") from error
-        under_way[future] = chunk, tries
-        future.add_done_callback(ended.put)
-
-    try:
-        more = True
-        while more or under_way:
-            while more and len(under_way) < 2 * workers:
-                chunk = next(chunks, None)
-                more = chunk is not None
-                if chunk is not None:
-                    send(chunk, 1)
-            if not under_way:
-                return
-            try:
-                future = ended.get(timeout=LISTEN)
-            except queue.Empty:
-                continue
-            chunk, tries = under_way.pop(future)
-            try:
-                made = future.result()
-            except (InputError, SolverError):
-                raise
-            except (BrokenExecutor, CancelledError, OSError) as error:  # the worker died, or the way to it
-                if tries >= TRIES:
-                    raise ExecutorError(f"runs from number {chunk.first}: {_said(error)}") from error
-                send(chunk, tries + 1)
-                continue
-            except Exception as error:  # of whatever kind of executor
-                raise ExecutorError(f"runs from number {chunk.first}: {_said(error)}") from error
-            pace.learn(chunk, made[1].seconds)
-            yield chunk, made
-    finally:
-        for future in under_way:
-            future.cancel()
+def _made(chunks: Iterator[Chunk], submit: Callable[[Chunk], Any], pace: Pace, workers: int) -> Iterator[Made]:
+    """What comes of the chunks, as they end. Raises what a chunk raises."""
+    for chunk, made in sent_out(chunks, submit, workers, failed=_failed, error=ExecutorError):
+        pace.learn(chunk, made[1].seconds)
+        yield made
 
 
-def _said(error: BaseException) -> str:
-    return f"{type(error).__name__}: {error}".splitlines()[0]
-
-
-def _cores() -> int:
-    """How many cores this process may use."""
-    return len(os.sched_getaffinity(0)) if sys.platform == "linux" else os.cpu_count() or 1
-
-
-def _workers_of(executor: Any) -> int:
-    """How many chunks an executor works at."""
-    if not hasattr(executor, "submit"):
-        raise InputError(f"executor = {shown(executor)}: must have submit, as those of concurrent.futures")
-    if hasattr(executor, "nthreads"):  # a client of Dask
-        return max(1, int(sum(executor.nthreads().values())))
-    return int(getattr(executor, "_max_workers", 0)) or _cores()
+def _failed(chunk: Chunk, tries: int, error: BaseException) -> None:
+    """Raise what is wrong unless the chunk is to be tried again: its worker died, or the way to it."""
+    if isinstance(error, (InputError, SolverError)):
+        raise error
+    if tries >= TRIES or not isinstance(error, (BrokenExecutor, CancelledError, OSError)):
+        raise ExecutorError(f"runs from number {chunk.first}: {said(error)}") from error
 
 
 # --- what comes of it
@@ -395,10 +343,8 @@ class Summary:
         }
 
 
-def _noted(
-    made: Iterator[tuple[Chunk, Made]], summary: Summary, total: int | None, callback: Callback | None
-) -> Iterator[Table]:
-    for _, (table, tally) in made:
+def _noted(made: Iterator[Made], summary: Summary, total: int | None, callback: Callback | None) -> Iterator[Table]:
+    for table, tally in made:
         summary.add(table, tally)
         if callback is not None:
             callback(summary.runs, total)

@@ -30,7 +30,7 @@ from .kernels.entries import assemble_column
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-_TOLERANCE = GIVEN_SETTINGS.fields.index("tolerance")
+_TOLERANCE, _WITHOUT = GIVEN_SETTINGS.fields.index("tolerance"), GIVEN_SETTINGS.fields.index("without")
 FORMULATION_CODES = {"exact": at.EXACT, "paper": at.PAPER}
 INTEGRATOR_CODES = {"auto": at.AUTO, "central-difference": at.CENTRAL_DIFFERENCE}
 LEAST_STEP = 1e-9  # s, below any limit of stability
@@ -76,10 +76,10 @@ def arrays_of(column: Column) -> Arrays:
     return copied(_assembled(column))
 
 
-def arrays_at(column: Column, tolerance: float) -> Arrays:
-    """The same at another tolerance, which is not checked; nothing is remembered of it."""
+def arrays_at(column: Column, tolerance: float, without: int) -> Arrays:
+    """The same, unchecked, at another tolerance and without other short cuts, a sum of codes; nothing is remembered."""
     given = described(column)
-    given[_TOLERANCE] = tolerance
+    given[_TOLERANCE], given[_WITHOUT] = tolerance, without
     return _assemble(column, given)
 
 

@@ -11,7 +11,7 @@ import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal, Protocol
+from typing import Any, Literal
 
 import numpy as np
 from matplotlib import colormaps
@@ -22,9 +22,11 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from .column import Column
+from .drawable import Shaken
 from .errors import InputError
 from .files import whole_file
-from .friction import LEAST_PART, friction_history
+from .friction import friction_history
+from .kernels.layout import COUNTS_FROM
 from .motion import STANDARD_GRAVITY, Motion
 from .packing import FloatArray, carried_weights
 
@@ -61,20 +63,7 @@ _PANELS = (
 _LABEL_IN_METRES = "$u_x$ (m)"
 
 
-class Drawable(Protocol):
-    """What `plot_response` needs of a Response beside its histories; its module stands above this one."""
-
-    @property
-    def column(self) -> Column: ...
-    @property
-    def time(self) -> FloatArray: ...
-    @property
-    def overturn_time(self) -> float: ...
-    @property
-    def motion(self) -> Motion | None: ...
-
-
-def plot_response(response: Drawable, path: str | os.PathLike[str] | None = None) -> Figure:
+def plot_response(response: Shaken, path: str | os.PathLike[str] | None = None) -> Figure:
     """Draw a Response; saved to `path` if given. Raises InputError, OSError as `plot_histories` does.
 
     Where the response has an ensemble, its 16 % to 84 % of ux are a band, its median a dashed line.
@@ -284,12 +273,12 @@ def _draw_friction(
         return
     N = histories["N"]
     ratio = friction_history(histories["T"], N, carried)
-    _draw_histories(axes, time, np.where(LEAST_PART * carried < N, ratio, math.nan), colours, largest_only=True)
+    _draw_histories(axes, time, np.where(COUNTS_FROM * carried < N, ratio, math.nan), colours, largest_only=True)
     axes.set_ylim(bottom=0.0)
     axes.text(
         0.99,
         0.97,
-        f"where N is above {LEAST_PART:.0%} of the weight",
+        f"where N is above {COUNTS_FROM:.0%} of the weight",
         transform=axes.transAxes,
         ha="right",
         va="top",

@@ -7,7 +7,7 @@ import time as clock
 import warnings
 from pathlib import Path
 from types import TracebackType
-from typing import Any
+from typing import Any, Self
 
 from .column import Column
 from .ensemble import interruptible
@@ -21,67 +21,59 @@ from .single_run import Glance
 PATIENCE = 2.0  # s, for which nothing is shown
 
 
-class ProgressLine:
-    """A callback of `simulate` that draws a line of tqdm, if that is installed, for what takes longer than 2 s."""
+class Line:
+    """A line of tqdm, if that is installed, for what takes longer than 2 s; to be used as a context."""
 
-    def __init__(self, start: float, duration: float) -> None:
-        self._start, self._duration = start, duration
+    def __init__(self, **form: Any) -> None:
+        self._form = form  # as tqdm takes it
         self._begin = clock.monotonic()
         self._bar: Any = None
+
+    def show(self, reached: float, total: float | None) -> None:
+        """Draw how much of the total, if that is known, is reached."""
+        if self._bar is None and clock.monotonic() - self._begin > PATIENCE:
+            try:
+                from tqdm import tqdm
+            except ModuleNotFoundError:
+                self._begin = float("inf")
+                return
+            self._bar = tqdm(total=total, initial=reached, leave=False, file=sys.stderr, **self._form)
+        if self._bar is not None:
+            self._bar.n = reached
+            self._bar.refresh()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Wipe the line."""
+        if self._bar is not None:
+            self._bar.close()
+
+
+class ProgressLine(Line):
+    """A callback of `simulate`: the time reached, of `duration` s from `start` on."""
+
+    def __init__(self, start: float, duration: float) -> None:
+        super().__init__(bar_format="{percentage:3.0f}% |{bar}| {n:.4g} of {total:.4g} s")
+        self._start, self._duration = start, duration
 
     def __call__(self, t: float, seen: Glance) -> None:
         """Show that time t, s, is reached."""
-        if self._bar is None and clock.monotonic() - self._begin > PATIENCE:
-            try:
-                from tqdm import tqdm
-            except ModuleNotFoundError:
-                self._begin = float("inf")
-                return
-            form = "{percentage:3.0f}% |{bar}| {n:.4g} of {total:.4g} s"
-            self._bar = tqdm(total=self._duration, bar_format=form, leave=False, file=sys.stderr)
-        if self._bar is not None:
-            self._bar.n = min(self._duration, t - self._start)
-            self._bar.refresh()
-
-    def __enter__(self) -> ProgressLine:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        """Wipe the line."""
-        if self._bar is not None:
-            self._bar.close()
+        self.show(min(self._duration, t - self._start), self._duration)
 
 
-class RunsLine:
-    """A callback of `simulate_many` that draws a line of tqdm, if that is installed, for what takes longer than 2 s."""
+class RunsLine(Line):
+    """A callback of `simulate_many` and `run_study`: runs done."""
 
     def __init__(self) -> None:
-        self._begin = clock.monotonic()
-        self._bar: Any = None
+        super().__init__(unit="run")
 
     def __call__(self, done: int, total: int | None) -> None:
         """Show that so many runs are done."""
-        if self._bar is None and clock.monotonic() - self._begin > PATIENCE:
-            try:
-                from tqdm import tqdm
-            except ModuleNotFoundError:
-                self._begin = float("inf")
-                return
-            self._bar = tqdm(total=total, unit="run", leave=False, file=sys.stderr)
-        if self._bar is not None:
-            self._bar.update(done - self._bar.n)
-
-    def __enter__(self) -> RunsLine:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        """Wipe the line."""
-        if self._bar is not None:
-            self._bar.close()
+        self.show(done, total)
 
 
 def compile_kernels(column: Column) -> None:

@@ -13,7 +13,7 @@ import numpy as np
 from .column import Column
 from .errors import needing
 from .files import whole_file
-from .friction import LEAST_PART, friction_demand, time_exceeded
+from .friction import friction_demand, time_exceeded
 from .kernels import layout as at
 from .motion import Motion
 from .packing import FloatArray
@@ -126,11 +126,11 @@ class Response:
         """The peaks of ux, m (n,)."""
         return self.peaks["ux"]
 
-    def friction_demand(self, part: float = LEAST_PART) -> FloatArray:
+    def friction_demand(self, part: float = at.COUNTS_FROM) -> FloatArray:
         """Largest |T| / N of each joint over the rows, (n,), where N is above `part` of the weight carried."""
         return friction_demand(self, part)
 
-    def time_exceeded(self, mu: float, part: float = LEAST_PART) -> FloatArray:
+    def time_exceeded(self, mu: float, part: float = at.COUNTS_FROM) -> FloatArray:
         """For how long each joint asks for more friction than mu, s (n,); N as in `friction_demand`."""
         return time_exceeded(self, mu, part)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time as clock
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
@@ -16,6 +16,7 @@ from .batch import HELD, BatchResult, follow_in_lanes, why_not_in_lanes
 from .chain import Chain
 from .column import Column
 from .errors import InputError, SolverError
+from .kept import KEPT, WATCHED, WATCHED_ALL, WATCHED_OF_BASE
 from .motion import Motion
 from .packing import FloatArray, IntArray
 from .response import Response
@@ -24,22 +25,6 @@ from .single_run import Callback, fate, single_run
 from .table import WORDS, Columns, Table
 from .verdict import OVERTURNED, STANDING, UNDECIDED, is_held, surely_stand
 
-# What can be kept of a run: its type, or None for a number of each block or joint. peak_ux: largest |ux| within the
-# duration, m. residual_ux, residual_theta: where a column that has not fallen is at the end of the duration, m, rad.
-# energy: what it has then above its rest, J. verdict, path: numbers of table.WORDS. overturn_time s: as that of a
-# Response, NaN while it stands.
-KEPT: dict[str, Any] = {
-    "peak_ux": None,
-    "residual_ux": None,
-    "residual_theta": None,
-    "energy": np.float64,
-    "verdict": np.uint8,
-    "overturn_time": np.float64,
-    "overturned_joint": np.int64,
-    "steps": np.int64,
-    "evaluations": np.int64,
-    "path": np.uint8,
-}
 SCALAR, LANES = "scalar", "lanes"
 OUTPUT_STEP = 0.005  # s, of a response that is kept
 
@@ -78,6 +63,11 @@ class Tally:
 Made = tuple[Table, Tally]
 
 
+def why_alone(column: Column, keep: Collection[str]) -> str:
+    """Why runs of a column are not made in lanes; empty where they are, unless the motion has HELD samples."""
+    return why_not_in_lanes(column) or ("" if WATCHED_ALL.isdisjoint(keep) else "peaks of more than ux")
+
+
 class Stopped(Exception):  # noqa: N818  nothing went wrong
     """Somebody wants no more of a chunk."""
 
@@ -109,14 +99,17 @@ def make_runs(chunk: Chunk, flag: FloatArray | None = None) -> Made:
 
 
 def check_columns(chunk: Chunk, tally: Tally) -> None:
-    """Note what is probably not meant. Raises InputError for a column that cannot stand."""
+    """Note what is probably not meant. Raises InputError for a column that cannot stand or is not watched."""
     seen: set[int] = set()
+    asked = [name for name in chunk.keep if name in WATCHED_ALL]
     for place, run in enumerate(chunk.runs):
         if id(run.column) in seen:
             continue
         seen.add(id(run.column))
         try:
             check_stable(run.column)
+            if asked and "peaks" in run.column.settings.without:
+                raise InputError(f'solver.without has "peaks", must not where {asked[0]} is kept')
         except InputError as error:
             raise InputError(f"columns[{chunk.first + place}]: {error}") from None
         for doubt in doubts(run.column):
@@ -128,7 +121,7 @@ def empty_columns(chunk: Chunk) -> Columns:
     count, most = len(chunk.runs), max(run.column.n for run in chunk.runs)
     columns: Columns = {}
     for name in chunk.keep:
-        kind = KEPT[name]
+        kind = KEPT[name].kind
         shape = (count, most) if kind is None else (count,)
         columns[name] = np.zeros(shape, dtype=kind or np.float64)
         if columns[name].dtype.kind == "f":
@@ -149,7 +142,7 @@ def _in_lanes(chunk: Chunk, columns: Columns, tally: Tally, flag: FloatArray) ->
     known: dict[int, str] = {}  # of the same column
     for place, (column, motion, _) in enumerate(chunk.runs):
         if id(column) not in known:
-            known[id(column)] = why_not_in_lanes(column)
+            known[id(column)] = why_alone(column, chunk.keep)
         why = known[id(column)] or (HELD if motion.hold else "")
         if why:
             alone[place] = why
@@ -179,6 +172,7 @@ def _fill(columns: Columns, places: IntArray, runs: Sequence[Run], batch: BatchR
         "peak_ux": batch.peak_ux,
         "residual_ux": np.where(fell[:, None], math.nan, chain.top_displacements(batch.ends)),
         "residual_theta": np.where(fell[:, None], math.nan, chain.places(batch.ends).theta),
+        "residual_slip": np.where(fell[:, None], math.nan, np.zeros(n)),  # none that may slide is in lanes
         "energy": np.where(fell, math.nan, chain.energies(batch.ends)),
         "verdict": words,
         "overturn_time": times,
@@ -226,7 +220,9 @@ def _response(run: Run, settle: float, look: Callback) -> Response:
 def _alone(run: Run, chunk: Chunk, columns: Columns, place: int, look: Callback) -> str:
     """Make one run by itself into the columns. Returns what went wrong, or nothing."""
     end = np.array([run.motion.start + run.duration])
-    column = run.column.with_settings(without=(*run.column.settings.without, "peaks"))  # but those of ux
+    column = run.column
+    if WATCHED_ALL.isdisjoint(chunk.keep):
+        column = column.with_settings(without=(*column.settings.without, "peaks"))  # but those of ux
     try:
         response, phases = single_run(column, run.motion, run.duration, end, None, chunk.settle, look)
     except SolverError as failure:
@@ -251,11 +247,19 @@ def _value(name: str, column: Column, response: Response, phase: FloatArray, sta
         return WORDS[name].index(response.verdict)
     if name in ("steps", "evaluations"):
         return response.stats[name]
-    if name in ("residual_ux", "residual_theta", "energy"):
-        if not stands:
-            return math.nan
-        chain = Chain(column)
-        if name == "energy":
-            return chain.energy(phase)
-        return chain.top_displacements(phase) if name == "residual_ux" else chain.places(phase).theta
+    if name in WATCHED:
+        return response.peaks[WATCHED[name]]
+    if name in WATCHED_OF_BASE:
+        return response.peaks[WATCHED_OF_BASE[name]][0]
+    if name == "energy" or name.startswith("residual"):
+        return _at_the_end(name, Chain(column), phase) if stands else math.nan
     return getattr(response, name)
+
+
+def _at_the_end(name: str, chain: Chain, phase: FloatArray) -> Any:
+    if name == "energy":
+        return chain.energy(phase)
+    if name == "residual_ux":
+        return chain.top_displacements(phase)
+    places = chain.places(phase)
+    return places.theta if name == "residual_theta" else np.broadcast_to(places.slip, chain.n)

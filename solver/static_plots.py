@@ -12,8 +12,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from .column import Column
+from .drawable import Shapes
 from .drawings import SHOWN, draw_column
-from .motion import STANDARD_GRAVITY, Motion
+from .motion import STANDARD_GRAVITY
 from .packing import FloatArray
 from .plots import FEW_COLOURS, save
 
@@ -22,11 +23,9 @@ TURNED, RAISED = 0.3, 0.1  # rad, and part of the lowest block's height: most th
 CURVE, MARK = FEW_COLOURS[0], FEW_COLOURS[1]
 
 
-class DrawableModes(Protocol):
-    """What is needed of Modes; its module stands above this one."""
+class DrawableModes(Shapes, Protocol):
+    """What is needed of Modes."""
 
-    @property
-    def column(self) -> Column: ...
     @property
     def frequency(self) -> FloatArray: ...
     @property
@@ -34,34 +33,20 @@ class DrawableModes(Protocol):
     @property
     def sways(self) -> Any: ...
     @property
-    def ux(self) -> FloatArray: ...
-    @property
-    def uz(self) -> FloatArray: ...
-    @property
-    def theta(self) -> FloatArray: ...
-    @property
     def mass_x(self) -> FloatArray: ...
     @property
     def mass_z(self) -> FloatArray: ...
 
 
-class DrawableCurve(Protocol):
-    """What is needed of a CapacityCurve, likewise."""
+class DrawableCurve(Shapes, Protocol):
+    """What is needed of a CapacityCurve."""
 
-    @property
-    def column(self) -> Column: ...
     @property
     def acceleration(self) -> FloatArray: ...
     @property
     def base_shear(self) -> FloatArray: ...
     @property
     def base_moment(self) -> FloatArray: ...
-    @property
-    def ux(self) -> FloatArray: ...
-    @property
-    def uz(self) -> FloatArray: ...
-    @property
-    def theta(self) -> FloatArray: ...
     @property
     def uplift(self) -> FloatArray: ...
     @property
@@ -80,11 +65,6 @@ class _Places:
     ux: FloatArray
     uz: FloatArray
     theta: FloatArray
-    motion: Motion | None = None
-
-    @property
-    def time(self) -> FloatArray:
-        return np.arange(len(self.ux), dtype=np.float64)
 
 
 def plot_modes(modes: DrawableModes, path: str | os.PathLike[str] | None = None, most: int = 6) -> Figure:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 import re
+import shutil
 
 import pytest
-from child import call, ended, returned
-from fmus import REFUSED, Fmus
+from child import call, command, ended, returned
+from fmus import REFUSED, Fmus, finish
 from inside import failures
 
 
@@ -61,6 +62,18 @@ def test_without_numba_the_fmu_says_what_it_needs(fmus: Fmus) -> None:
     first = done.stderr.splitlines()[0]  # the reason depends on which module of numba is wanted first
     assert re.match(r"phocas_damped: needs Python 3\.11 or newer with numpy and numba: .*\bnumba\b", first), first
     assert "Failed to instantiate" in done.stderr
+
+
+@pytest.mark.long
+@pytest.mark.skipif(not shutil.which("valgrind"), reason="valgrind is not installed")
+def test_a_process_without_an_instance_frees_the_wrapper_once(fmus: Fmus) -> None:
+    """A second time would write into memory of others: the process mostly ends well, and now and then by a signal."""
+    watched = command(failures.without_numba, fmus.damped)
+    done = finish("valgrind", "--error-limit=no", *watched, PYTHONMALLOC="malloc")
+    assert done.returncode == 1
+    assert "Failed to instantiate" in done.stderr
+    assert "ERROR SUMMARY" in done.stderr
+    assert "finalizePythonInterpreter" not in done.stderr
 
 
 def test_tunable_parameters_act_from_the_next_step_on(fmus: Fmus) -> None:

@@ -25,7 +25,7 @@ def test_rows_come_back_to_the_last_bit(tmp_path: Path) -> None:
     path = tmp_path / "first.journal"
     written(path)
     head, rows = read_journal(path)
-    assert rows == ROWS
+    assert list(rows) == ROWS
     assert {key: head[key] for key in HEAD} == HEAD
     with Journal(path, HEAD) as journal:
         assert journal.finished == {0, 1, 2, 3, 4}
@@ -52,7 +52,7 @@ def test_a_spoilt_line_is_made_again(tmp_path: Path) -> None:
     with Journal(path, HEAD) as journal:
         assert (journal.finished, journal.damaged) == ({0, 1, 3, 4}, 1)
         journal.add([ROWS[2]])
-    assert read_journal(path)[1] == ROWS
+    assert sorted(read_journal(path)[1], key=lambda row: row[0]) == ROWS
 
 
 def test_no_run_is_taken_twice(tmp_path: Path) -> None:
@@ -96,7 +96,7 @@ def test_one_at_a_time(tmp_path: Path) -> None:
         with pytest.raises(InputError, match="added to by another process"), Journal(path, HEAD):
             pass
         journal.add(ROWS)
-        assert read_journal(path)[1] == ROWS  # which may be read meanwhile
+        assert list(read_journal(path)[1]) == ROWS  # which may be read meanwhile
 
 
 def test_a_folder_that_is_missing(tmp_path: Path) -> None:

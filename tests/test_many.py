@@ -12,10 +12,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from probe import G, monolith, phocas
+from probe import PHOCAS_STIFFNESS, G, monolith, phocas
 
-from solver import Column, InputError, Motion, Table, simulate, simulate_many
+from solver import Block, Column, InputError, Joint, Motion, Table, simulate, simulate_many
+from solver.kept import KEPT, WATCHED, WATCHED_OF_BASE
 from solver.many import MOST_RUNS, ExecutorError, parts_of_many
+from solver.response import PEAKS
 
 KEEP = ("peak_ux", "residual_ux", "residual_theta", "energy", "verdict", "overturn_time", "overturned_joint", "steps")
 
@@ -61,6 +63,43 @@ def test_runs_are_those_of_simulate() -> None:
     assert list(table.responses) == [4]
     assert np.array_equal(table.responses[4].ux, simulate(columns[4], motions[4], durations[4]).ux)
     assert table.stats["lanes"] + table.stats["scalar"] == table.stats["runs"] == 20
+
+
+def sliding(friction: float = 0.1) -> Column:
+    """Phocas in drums as squat as they are high, whose joints slide before they open."""
+    block = Block(1.0, 1.56, 1.56, 5500.0, Joint(PHOCAS_STIFFNESS, 2e-3, friction=friction))
+    return Column("drums", (block,) * 2)
+
+
+def test_peaks_of_every_output_are_those_of_simulate() -> None:
+    """Bit for bit, as these runs are made one by one: of one, two and three blocks, either formulation, that slide."""
+    columns = [phocas(1e-3), monolith(eta=1e-3), phocas(5e-3, formulation="paper"), sliding(), phocas(1e-3)]
+    motions = [Motion.harmonic(a * G, f, 1.0) for a, f in ((0.1, 2.0), (0.2, 1.5), (0.01, 2.0), (0.3, 1.0), (0.6, 0.4))]
+    durations = [1.0, 1.0, 0.2, 1.0, 3.0]
+    keep = ("peak_ux", *WATCHED, *WATCHED_OF_BASE, "residual_slip", "verdict")
+    table = simulate_many(columns, motions, duration=durations, keep=keep)
+    for k, (column, motion, duration) in enumerate(zip(columns, motions, durations, strict=True)):
+        single = simulate(column, motion, duration)
+        for name, peak in WATCHED.items():
+            assert np.array_equal(table[name][k, : column.n], single.peaks[peak]), name
+            assert np.isnan(table[name][k, column.n :]).all()
+        for name, peak in WATCHED_OF_BASE.items():
+            assert table[name].shape == (5,)
+            assert table[name][k] == single.peaks[peak][0]
+        slip = np.full(column.n, math.nan) if single.overturn_time <= duration else single.slip[-1]
+        assert table["residual_slip"][k, : column.n] == pytest.approx(slip, nan_ok=True, abs=1e-9)
+    assert np.all(np.abs(table["residual_slip"][3, :2]) > 5e-4)  # m: 0.8 and 100 mm
+    assert table["verdict"][4] == "overturned"
+    assert table.stats["scalar"] == 5
+    assert table.stats["why_scalar"]["peaks of more than ux"] == 3
+    with pytest.raises(InputError, match=r'columns\[0\]: solver.without has "peaks", must not where peak_N is kept'):
+        simulate_many(phocas(1e-3, without=("peaks",)), motions[0], keep=("peak_N", "verdict"))
+
+
+def test_what_is_kept_has_a_unit_and_is_what_a_response_has() -> None:
+    assert set(WATCHED.values()) | set(WATCHED_OF_BASE.values()) | {"ux"} == set(PEAKS)
+    without_unit = {"least_contact", "peak_friction", "verdict", "overturned_joint", "steps", "evaluations", "path"}
+    assert {name for name, kept in KEPT.items() if not kept.unit} == without_unit
 
 
 def test_motions_that_end_before_the_run_does() -> None:

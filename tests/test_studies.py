@@ -310,9 +310,28 @@ def test_the_same_bits_whoever_makes_the_runs(study: Study, tmp_path: Path, monk
         other.mkdir()
         assert same(run_study(study, other, executor=Shuffled(seed), chunk_seconds=1e-3), whole)
         _, rows = read_journal(other / "small.journal")
-        assert [row[0] for row in rows] == list(range(24))
+        assert sorted(row[0] for row in rows) == list(range(24))
         lines = (other / "small.journal").read_bytes().count(b"\n")
         assert lines == 25  # a head and each run once
+
+
+def test_a_table_is_put_together_in_parts_of_any_size(
+    study: Study, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    whole = run_study(Study(**{**vars(study), "keep": ("peak_ux", "verdict", "steps", "path")}), tmp_path)
+    head, rows = read_journal(tmp_path / "small.journal")
+    made = list(rows)
+    made[5][3], made[5][4] = None, "could not be made"  # integers become numbers, and NaN here
+    text = (tmp_path / "small.csv").read_text(encoding="utf-8")
+    other = Results(head, made)
+    assert [whole["steps"].dtype.kind, other["steps"].dtype.kind] == ["i", "f"]
+    for size in (1, 7, 24):
+        monkeypatch.setattr("solver.studies.results.ROWS_AT_ONCE", size)
+        assert same(Results.from_journal(tmp_path / "small.journal"), whole)
+        assert same(Results(head, [*reversed(made)]), other)
+        assert same(Results(head, [*made, *reversed(made)]), other)
+        whole.to_csv(tmp_path / "again.csv")
+        assert (tmp_path / "again.csv").read_text(encoding="utf-8") == text
 
 
 def test_csv_and_netcdf_hold_the_same(study: Study, folder: Path) -> None:
@@ -330,6 +349,23 @@ def test_csv_and_netcdf_hold_the_same(study: Study, folder: Path) -> None:
         assert data["verdict"].values.tolist() == results["verdict"].tolist()
         assert data.attrs["fingerprint"] == study.fingerprint
         assert data["peak_ux"].attrs["units"] == "m"
+
+
+def test_a_study_keeps_any_peak(study: Study, folder: Path) -> None:
+    import xarray
+
+    keep = ("peak_ux", "verdict", "peak_N", "least_contact", "peak_Fx")
+    asked = Study(**{**vars(study), "samples": 2, "keep": keep})
+    results = run_study(asked, folder)
+    for number in range(4):
+        single = simulate(*asked.run(number).run)
+        assert results["peak_N"][number] == single.peaks["N"]
+        assert results["least_contact"][number] == single.peaks["contact"]
+        assert results["peak_Fx"][number] == single.peaks["Fx"][0]
+    with xarray.open_dataset(folder / "small.nc") as data:
+        assert [data[name].attrs.get("units") for name in ("peak_N", "least_contact", "peak_Fx")] == ["N", None, "N"]
+        assert data["peak_Fx"].dims == ("run",)
+        np.testing.assert_array_equal(data["peak_N"], results["peak_N"])
 
 
 class Dies:
@@ -434,11 +470,11 @@ def test_killed_at_any_moment_it_loses_nothing_and_repeats_nothing(folder: Path)
     out, errors = process.communicate()
     assert (process.returncode, errors) == (0, "")
     assert "600 of 600 runs" in out
-    head, rows = read_journal(folder / "small.journal")
-    assert [row[0] for row in rows] == list(range(600))
+    _, rows = read_journal(folder / "small.journal")
+    assert sorted(row[0] for row in rows) == list(range(600))
     assert finished(folder) == 600  # none twice
     study = Study.from_toml(folder / "study.toml")
-    assert same(Results(head, rows), run_study(study))
+    assert same(Results.from_journal(folder / "small.journal"), run_study(study))
 
 
 def test_the_command(folder: Path) -> None:

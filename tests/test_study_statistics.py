@@ -148,6 +148,13 @@ def test_curves_of_an_incremental_dynamic_analysis() -> None:
     assert curves.each.shape == (5, 3)
 
 
+def test_runs_that_are_not_made_yet_are_in_no_share() -> None:
+    im = np.repeat([0.1, 0.2], 4)
+    u = np.array([0.1, 0.2, math.nan, math.nan, 0.3, math.inf, math.inf, math.nan])
+    results = made_up(u, im, "ida", 4, {"intensity": [0.1, 0.2]})
+    assert ida_curves(results).overturned == pytest.approx([0.0, 2.0 / 3.0])
+
+
 def test_percentiles_leave_out_what_was_not_made() -> None:
     values = np.array([[1.0, math.nan], [math.inf, math.nan], [2.0, 3.0], [math.nan, 4.0]])
     np.testing.assert_array_equal(percentiles(values), [[1.0, 3.0], [2.0, 4.0], [math.inf, 4.0]])
@@ -163,3 +170,12 @@ def test_the_parameter_that_matters_comes_first() -> None:
     low, high = found[0].displacement
     # medians where the stiffness is 0.08 and 0.92 in the middle of its tails; measured 12.1
     assert low / high == pytest.approx(math.exp(3.0 * 0.84), rel=0.15)
+
+
+def test_what_the_grid_does_is_in_no_rank() -> None:
+    """A stiffness that orders the runs at every level, though the level moves them far more."""
+    levels, samples = [0.1, 0.2, 0.4], 50
+    stiffness = np.tile(np.random.default_rng(3).random(samples), 3)
+    u = np.repeat([1e-3, 1e-1, 1e1], samples) * (1.0 + stiffness)
+    results = made_up(u, np.repeat(levels, samples), "ida", samples, {"intensity": levels}, {"stiffness": stiffness})
+    assert [item.rank for item in influences(results)] == [pytest.approx(1.0)]

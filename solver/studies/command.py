@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import InputError, needing, reading
-from ..progress import compile_kernels
+from ..progress import RunsLine, compile_kernels
 from .definition import Study
 from .execution import CHUNK_SECONDS, run_study
 from .journal import SUFFIX
@@ -75,9 +75,14 @@ def _run(options: argparse.Namespace) -> None:
         folder.mkdir(parents=True, exist_ok=True)
     if options.dask is None:
         compile_kernels(study.columns[0])
-    with _executor(options) as executor, _Progress(study) as progress:
+    with _executor(options) as executor, RunsLine() as line:
         results = run_study(
-            study, folder, executor=executor, threads=options.threads, callback=progress, chunk_seconds=options.chunk
+            study,
+            folder,
+            executor=executor,
+            threads=options.threads,
+            callback=line if sys.stderr.isatty() else None,
+            chunk_seconds=options.chunk,
         )
     print(summary(results))
     for suffix in (SUFFIX, ".csv", *([".nc"] if Results.can_write_netcdf() else [])):
@@ -134,31 +139,6 @@ def _executor(options: argparse.Namespace) -> Iterator[Any]:
             yield pool
     else:
         yield None
-
-
-class _Progress:
-    """A bar on a terminal."""
-
-    def __init__(self, study: Study) -> None:
-        self._study = study
-        self._bar: Any = None
-
-    def __call__(self, done: int, runs: int) -> None:
-        if self._bar is None and sys.stderr.isatty():
-            try:
-                from tqdm import tqdm
-            except ModuleNotFoundError:
-                return
-            self._bar = tqdm(total=runs, initial=done, unit="run", leave=False, file=sys.stderr)
-        if self._bar is not None:
-            self._bar.update(done - self._bar.n)
-
-    def __enter__(self) -> _Progress:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        if self._bar is not None:
-            self._bar.close()
 
 
 def summary(results: Results) -> str:

@@ -24,9 +24,10 @@ from .. import __version__
 from ..column import Column
 from ..errors import FINITE, POSITIVE, InputError, check_number, needing, reading, shown
 from ..intensity import intensity
+from ..kept import KEPT
 from ..kernels.jit import SOURCES
 from ..motion import STANDARD_GRAVITY, Motion
-from ..runs import KEPT, Run
+from ..runs import Run
 from .distributions import Distribution
 from .motions import Measure, Shaking, tilted
 from .parameters import column_with, is_of_column, single_names

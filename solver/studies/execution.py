@@ -1,19 +1,17 @@
-"""Runs of a study, chunk by chunk, wherever an executor takes them; each row is on the disk before the next is asked.
-
-An executor is anything with `submit(function, *arguments)` that returns futures with `result` and `add_done_callback`.
-"""
+"""Runs of a study, chunk by chunk, wherever an executor takes them; each is on disk before more are asked for."""
 
 from __future__ import annotations
 
+import itertools
 import os
-import queue
 import time as clock
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import CancelledError, ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
-from ..errors import InputError, SolverError, shown
+from ..errors import InputError, SolverError
+from ..executors import TRIES, cores, said, sent_out, workers_of
 from . import chunks
 from .definition import Study, versions
 from .journal import SUFFIX, Journal
@@ -23,9 +21,6 @@ CHUNK_SECONDS = 2.0
 FIRST_RUNS = 16  # of the first chunks, whose cost nobody knows
 MOST_RUNS = 4096  # in a chunk
 GROWTH = 4.0  # of a chunk over the one before
-TRIES = 3  # of a chunk whose worker died
-PATIENCE = 120.0  # s for the rows of a chunk that is done to come from the worker
-LISTEN = 0.5  # s between two looks whether the executor is still there
 SAVE_EVERY = 60.0  # s between two NetCDF files
 SAVE_PART = 0.05  # of the time, at most, for writing these
 
@@ -48,8 +43,8 @@ def run_study(
     """Make those runs of a study that are not finished yet, and return all.
 
     folder: NAME.journal there takes each run as it ends, NAME.csv and NAME.nc are written from it, the latter where
-    the extra `studies` is installed; None: nothing is written. executor: see the module; None: threads of this process,
-    `threads` of them or as many as it has cores. callback: called as callback(runs finished, runs in all).
+    the extra `studies` is installed; None: nothing is written. executor: see executors.py; None: threads of this
+    process, `threads` of them or as many as it has cores. callback: called as callback(runs finished, runs in all).
     chunk_seconds: s, how long a worker is to be busy with what it is sent.
 
     The numbers are the same, bit for bit, whatever the executor, its workers and the order. Raises InputError,
@@ -57,16 +52,12 @@ def run_study(
     finished run.
     """
     if folder is None:
-        rows: list[list[Any]] = []
-        done: set[int] = set()
-        for made in _made(study, done, executor, threads, callback, chunk_seconds):
-            rows += made
-        rows.sort(key=lambda row: row[0])
-        return Results(head_of(study), rows)
+        made = _made(study, set(), executor, threads, callback, chunk_seconds)
+        return Results(head_of(study), itertools.chain.from_iterable(made))
     with Journal(Path(folder) / f"{study.name}{SUFFIX}", head_of(study)) as journal:
         saver = Saver(journal.path)
-        for made in _made(study, journal.finished, executor, threads, callback, chunk_seconds):
-            journal.add(made)
+        for rows in _made(study, journal.finished, executor, threads, callback, chunk_seconds):
+            journal.add(rows)
             saver.look()
         return saver.save()
 
@@ -129,7 +120,7 @@ def _made(
     workers = (threads or cores()) if own else workers_of(executor)
     executor = ThreadPoolExecutor(workers, thread_name_prefix="runs") if own else executor
     try:
-        for rows in Dispatch(study, left, executor, workers, chunk_seconds):
+        for rows in _dispatched(study, left, executor, workers, chunk_seconds):
             done += len(rows)
             yield rows
             if callback is not None:
@@ -139,89 +130,57 @@ def _made(
             executor.shutdown(wait=False, cancel_futures=True)
 
 
-class Dispatch:
-    """Chunks sent to an executor, two for each worker, and their rows as they come back."""
+class Portions:
+    """Numbers of runs, as many at once as take the seconds asked for, going by what the last ones took."""
 
-    def __init__(self, study: Study, left: Sequence[int], executor: Any, workers: int, chunk_seconds: float) -> None:
-        self._study, self._left, self._executor = study, left, executor
-        self._workers, self._seconds = workers, chunk_seconds
+    def __init__(self, left: Sequence[int], workers: int, seconds: float) -> None:
+        self._left, self._workers, self._seconds = left, workers, seconds
         self._next = 0
         self._size = FIRST_RUNS
-        self._ended: queue.SimpleQueue[Any] = queue.SimpleQueue()
-        self._under_way: dict[Any, tuple[list[int], int]] = {}
-        # what a cluster keeps for all chunks to come; others are sent the study with each
-        self._sent = executor.carry(study) if hasattr(executor, "carry") else study
 
-    def __iter__(self) -> Iterator[list[list[Any]]]:
-        """Rows of one chunk after the other."""
-        try:
-            while self._next < len(self._left) or self._under_way:
-                while self._next < len(self._left) and len(self._under_way) < 2 * self._workers:
-                    self._send(self._chunk(), 1)
-                made = self._await()
-                if made is not None:
-                    yield made.rows
-        finally:
-            for future in self._under_way:
-                future.cancel()
+    def __iter__(self) -> Iterator[list[int]]:
+        while self._next < len(self._left):
+            # towards the end all workers shall have some
+            fair = -(-(len(self._left) - self._next) // (2 * self._workers))
+            size = max(1, min(self._size, max(fair, FIRST_RUNS)))
+            numbers = list(self._left[self._next : self._next + size])
+            self._next += len(numbers)
+            yield numbers
 
-    def _chunk(self) -> list[int]:
-        # towards the end all workers shall have some
-        fair = -(-(len(self._left) - self._next) // (2 * self._workers))
-        size = max(1, min(self._size, max(fair, FIRST_RUNS)))
-        numbers = list(self._left[self._next : self._next + size])
-        self._next += len(numbers)
-        return numbers
-
-    def _send(self, numbers: list[int], tries: int) -> None:
-        try:
-            future = self._executor.submit(chunks.make, self._sent, numbers)
-        except Exception as error:  # of whatever kind of executor
-            raise StudyError(f"the executor takes no more runs: {_said(error)}; finished runs are kept") from error
-        self._under_way[future] = numbers, tries
-        future.add_done_callback(self._ended.put)
-
-    def _await(self) -> chunks.Made | None:
-        try:
-            future = self._ended.get(timeout=LISTEN)
-        except queue.Empty:
-            self._check_executor()
-            return None
-        numbers, tries = self._under_way.pop(future)
-        try:
-            made: chunks.Made = future.result(timeout=PATIENCE)
-        except InputError:
-            raise
-        except (Exception, CancelledError) as error:  # of whatever kind: its worker died, or the program is wrong
-            self._check_executor()
-            if tries >= TRIES:
-                raise StudyError(
-                    f"runs {numbers[0]} to {numbers[-1]}: {_said(error)}; finished runs are kept"
-                ) from error
-            self._send(numbers, tries + 1)
-            return None
-        each = max(made.seconds, 1e-6) / len(numbers)
+    def learn(self, count: int, seconds: float) -> None:
+        """Go by what so many runs took."""
+        each = max(seconds, 1e-6) / count
         self._size = max(1, min(MOST_RUNS, int(GROWTH * self._size), int(self._seconds / each)))
-        return made
 
-    def _check_executor(self) -> None:
+
+def _dispatched(
+    study: Study, left: Sequence[int], executor: Any, workers: int, chunk_seconds: float
+) -> Iterator[list[list[Any]]]:
+    """Rows of one chunk after the other as they come back from an executor."""
+    # what a cluster keeps for all chunks to come; others are sent the study with each
+    sent = executor.carry(study) if hasattr(executor, "carry") else study
+    portions = Portions(left, workers, chunk_seconds)
+
+    def check_executor() -> None:
         """Raise StudyError if the executor, one as of cluster.py, says that it is lost."""
-        lost = self._executor.lost() if hasattr(self._executor, "lost") else ""
+        lost = executor.lost() if hasattr(executor, "lost") else ""
         if lost:
             raise StudyError(f"{lost}; finished runs are kept, run the study again to go on")
 
+    def failed(numbers: list[int], tries: int, error: BaseException) -> None:
+        if isinstance(error, InputError):
+            raise error
+        check_executor()
+        if tries >= TRIES:
+            raise StudyError(f"runs {numbers[0]} to {numbers[-1]}: {said(error)}; finished runs are kept") from error
 
-def cores() -> int:
-    """Cores that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
-def workers_of(executor: Any) -> int:
-    """How many chunks an executor works at."""
-    if not hasattr(executor, "submit"):
-        raise InputError(f"executor = {shown(executor)}: must have submit, as those of concurrent.futures")
-    return int(getattr(executor, "workers", 0) or getattr(executor, "_max_workers", 0)) or cores()
-
-
-def _said(error: BaseException) -> str:
-    return f"{type(error).__name__}: {error}".splitlines()[0]
+    for numbers, made in sent_out(
+        iter(portions),
+        lambda numbers: executor.submit(chunks.make, sent, numbers),
+        workers,
+        failed=failed,
+        error=lambda message: StudyError(f"{message}; finished runs are kept"),
+        idle=check_executor,
+    ):
+        portions.learn(len(numbers), made.seconds)
+        yield made.rows

@@ -11,7 +11,7 @@ import json
 import os
 import re
 import zlib
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from types import TracebackType
 from typing import IO, Any
@@ -94,23 +94,25 @@ class Journal:
         self._file.close()
 
 
-def read_journal(path: str | os.PathLike[str]) -> tuple[dict[str, Any], list[list[Any]]]:
-    """What a journal says of its study, and its runs sorted by their number, each once; it may be in use.
+def read_journal(path: str | os.PathLike[str]) -> tuple[dict[str, Any], Iterator[list[Any]]]:
+    """What a journal says of its study, and its runs one by one, in any order; it may be in use.
 
     Raises InputError that begins with `path` if it cannot be read or is no journal.
     """
-    rows: dict[int, list[Any]] = {}
-    head: dict[str, Any] | None = None
     with reading(path), open(path, "rb") as file:
+        first = file.readline()
+        if not first:
+            raise InputError("is empty, must be the journal of a study")
+        return _head(_content(first)), _rows(path, len(first))
+
+
+def _rows(path: str | os.PathLike[str], start: int) -> Iterator[list[Any]]:
+    with reading(path), open(path, "rb") as file:
+        file.seek(start)
         for line in file:
             content = _content(line)
-            if head is None:
-                head = _head(content)
-            elif content is not None:
-                rows.setdefault(content[0], content)
-        if head is None:
-            raise InputError("is empty, must be the journal of a study")
-    return head, [rows[number] for number in sorted(rows)]
+            if content is not None:
+                yield content
 
 
 def _line(content: Any) -> bytes:

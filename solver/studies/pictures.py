@@ -147,7 +147,9 @@ def draw_ida(results: Results) -> Figure:
             last = int(np.flatnonzero(stands)[-1])
             axes.plot(1e3 * points[last], curves.levels[last], ">", color=colour, markersize=8.0)
     axes.set_xscale("log")
-    axes.set(title="of the runs, largest displacement", xlabel="largest displacement of any block (mm)")
+    axes.set(
+        title="grey: one column under one motion; thick: of all runs", xlabel="largest displacement of any block (mm)"
+    )
     axes.set_ylabel(_measure(results))
     axes.legend(frameon=False, title="an arrow: beyond it they overturn", loc="upper left")
     fallen.plot(curves.overturned, curves.levels, "o-", color="black", markersize=3.0)

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import csv
 import importlib.util
+import itertools
 import json
 import math
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -15,20 +16,14 @@ from numpy.typing import NDArray
 
 from ..errors import InputError, needing, reading
 from ..files import whole_file
+from ..kept import KEPT
+from ..table import WORDS, Columns
 from .chunks import FAILED
 from .journal import read_journal
 
 # units by the name of a column of the table; what is varied has those of the column file and the study file
-UNITS = {
-    "pga": "g",
-    "pgv": "m/s",
-    "sa": "g",
-    "peak_ux": "m",
-    "residual_ux": "m",
-    "residual_theta": "rad",
-    "energy": "J",
-    "overturn_time": "s",
-}
+UNITS = {"pga": "g", "pgv": "m/s", "sa": "g"} | {name: kept.unit for name, kept in KEPT.items() if kept.unit}
+ROWS_AT_ONCE = 4096
 
 
 class Results:
@@ -37,20 +32,20 @@ class Results:
     Names: `run`; what is varied (`column`, `motion`, `joint.stiffness` ...); measures of the motion as it was run: pga
     and sa in g, pgv in m/s; outputs as of `simulate_many`; `failure`, a text. head: the study and the versions.
     A run that the solver could not make has the verdict "failed", and NaN.
+    rows: as of chunks.Made, in any order; of a run that is there twice the first one counts.
     """
 
-    def __init__(self, head: Mapping[str, Any], rows: list[list[Any]]) -> None:
+    def __init__(self, head: Mapping[str, Any], rows: Iterable[list[Any]]) -> None:
         self.head = dict(head)
-        self.columns: dict[str, NDArray[Any]] = {"run": np.array([row[0] for row in rows], dtype=np.int64)}
-        for place, key in ((1, "varied"), (2, "measured")):
-            for k, name in enumerate(head[key]):
-                values = [math.nan if row[place][k] is None else row[place][k] for row in rows]
-                self.columns[name] = np.array(values, dtype=np.float64)
-        for name in ("column", "motion"):
-            self.columns[name] = self.columns[name].astype(np.int64)
-        for name in self.study["keep"]:
-            self.columns[name] = _output(name, [row[3] for row in rows], head["blocks"])
-        self.columns["failure"] = np.array([row[4] for row in rows], dtype=np.str_)
+        rest = iter(rows)
+        # a part at a time: lists take many times the memory of arrays
+        parts = [_columns(head, list(itertools.islice(rest, ROWS_AT_ONCE)))]
+        while part := list(itertools.islice(rest, ROWS_AT_ONCE)):
+            parts.append(_columns(head, part))
+        _, order = np.unique(np.concatenate([part["run"] for part in parts]), return_index=True)
+        self.columns: Columns = {}
+        for name in tuple(parts[0]):
+            self.columns[name] = np.concatenate([part.pop(name) for part in parts])[order]
 
     @classmethod
     def from_journal(cls, path: str | os.PathLike[str]) -> Results:
@@ -108,11 +103,12 @@ class Results:
             else:
                 names += [f"{name}[{i}]" for i in range(1, values.shape[1] + 1)]
                 columns += list(values.T)
-        texts = [[_text(value) for value in column.tolist()] for column in columns]
         with reading(path), whole_file(path) as partial, open(partial, "w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file)
             writer.writerow(names)
-            writer.writerows(zip(*texts, strict=True))
+            for first in range(0, len(self), ROWS_AT_ONCE):
+                some = (column[first : first + ROWS_AT_ONCE].tolist() for column in columns)
+                writer.writerows(zip(*([_text(value) for value in values] for values in some), strict=True))
 
     @staticmethod
     def can_write_netcdf() -> bool:
@@ -128,8 +124,7 @@ class Results:
             if name != "run":
                 dimensions = ("run",) if values.ndim == 1 else ("run", "block")
                 attributes = {"units": UNITS[name]} if name in UNITS else {}
-                kept = values.astype(object) if values.dtype.kind == "U" else values
-                data[name] = (dimensions, kept, attributes)
+                data[name] = (dimensions, _words(values) if values.dtype.kind == "U" else values, attributes)
         attributes = {
             "title": self.study["name"],
             "study": json.dumps(self.study),
@@ -149,19 +144,40 @@ class Results:
             self.to_xarray().to_netcdf(partial, engine="h5netcdf")
 
 
+def _columns(head: Mapping[str, Any], rows: list[list[Any]]) -> Columns:
+    """Rows as arrays."""
+    columns: Columns = {"run": np.array([row[0] for row in rows], dtype=np.int64)}
+    for place, key in ((1, "varied"), (2, "measured")):
+        for k, name in enumerate(head[key]):
+            values = [math.nan if row[place][k] is None else row[place][k] for row in rows]
+            columns[name] = np.array(values, dtype=np.float64)
+    for name in ("column", "motion"):
+        columns[name] = columns[name].astype(np.int64)
+    for name in head["study"]["keep"]:
+        columns[name] = _output(name, [row[3] for row in rows], head["blocks"])
+    columns["failure"] = np.array([row[4] for row in rows], dtype=np.str_)
+    return columns
+
+
 def _output(name: str, found: list[dict[str, Any] | None], blocks: int) -> NDArray[Any]:
-    """One output of all runs; of those that were not made what says so."""
-    example = next((outputs[name] for outputs in found if outputs is not None), math.nan)
-    if isinstance(example, str):
+    """One output of runs; of those that were not made what says so."""
+    if name in WORDS:
         absent = FAILED if name == "verdict" else ""
         return np.array([absent if outputs is None else outputs[name] for outputs in found], dtype=np.str_)
-    if not isinstance(example, list):
+    if KEPT[name].kind is not None:
         return np.array([math.nan if outputs is None else outputs[name] for outputs in found])
     table = np.full((len(found), blocks), math.nan)
     for row, outputs in zip(table, found, strict=True):
         if outputs is not None:
             row[: len(outputs[name])] = outputs[name]
     return table
+
+
+def _words(values: NDArray[Any]) -> NDArray[Any]:
+    """Texts as objects, of which equal ones are the same."""
+    different, which = np.unique(values, return_inverse=True)
+    found: NDArray[Any] = different.astype(object)[which]
+    return found
 
 
 def _text(value: Any) -> str:

@@ -295,7 +295,7 @@ def ida_curves(results: Results) -> Curves:
         name=intensity_name(results),
         levels=levels,
         percentiles=percentiles(each),
-        overturned=np.mean(np.isinf(each), axis=0),
+        overturned=np.sum(np.isinf(each), axis=0) / np.maximum(np.sum(~np.isnan(each), axis=0), 1),
         each=each,
     )
 
@@ -313,7 +313,7 @@ class Influence:
     """What a random parameter does: median of the largest displacement, m, and share overturned, where it is low, high.
 
     That is over the 16 % of the runs with its lowest and its highest values. rank: its rank correlation with the
-    largest displacement, fallen columns on top.
+    largest displacement, fallen columns on top, among runs of the same column, motion and point of the grid.
     """
 
     name: str
@@ -331,7 +331,16 @@ def influences(results: Results) -> list[Influence]:
     largest, fell = results.largest[valid], results.overturned[valid]
     fixed = {"column", "motion", *results.study["grid"]}
     found: list[Influence] = []
-    by_size = rankdata(largest)
+    alike = _runs_alike(results, valid)
+
+    def ranks(values: FloatArray) -> FloatArray:
+        """Ranks among the runs that are alike, from -1 to 1."""
+        found = np.zeros(len(values))
+        for runs in alike:
+            found[runs] = (2.0 * rankdata(values[runs]) - 1.0) / len(runs) - 1.0
+        return found
+
+    by_size = ranks(largest)
     if np.ptp(by_size) == 0.0:  # all fell
         return found
     for name in results.head["varied"]:
@@ -346,7 +355,15 @@ def influences(results: Results) -> list[Influence]:
                 (float(np.median(values[low])), float(np.median(values[high]))),
                 (float(np.median(largest[low])), float(np.median(largest[high]))),
                 (float(np.mean(fell[low])), float(np.mean(fell[high]))),
-                float(np.corrcoef(rankdata(values), by_size)[0, 1]),
+                float(np.corrcoef(ranks(values), by_size)[0, 1]),
             )
         )
     return sorted(found, key=lambda item: -abs(item.rank))
+
+
+def _runs_alike(results: Results, valid: NDArray[np.bool_]) -> list[NDArray[np.int64]]:
+    """Places among the valid runs of those that differ in nothing but what is random."""
+    keys = np.column_stack([results[name][valid] for name in ("column", "motion", *results.study["grid"])])
+    _, group = np.unique(keys, axis=0, return_inverse=True)
+    order = np.argsort(group.ravel(), kind="stable")
+    return np.split(order, np.flatnonzero(np.diff(group.ravel()[order])) + 1)
