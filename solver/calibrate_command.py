@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import json
 import math
-from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -146,8 +145,10 @@ def _found(column: Column, release: float, decay: FreeVibration | None) -> dict[
         "release": release,
         "restitution": None,
         "housner_restitution": housner_restitution(column),
-        "free_vibration": None if decay is None else asdict(decay),
+        "free_vibration": None,
     }
+    if decay is not None:
+        found["free_vibration"] = {name: getattr(decay, name) for name in ("frequency", "ratio", "explained")}
     try:
         found["restitution"] = restitution(column, release)
     except SolverError as failure:
