@@ -236,7 +236,8 @@ def build_fmu(column_file: Path, output: Path | None = None, record: Path | None
         finally:
             sys.path[:] = [entry for entry in sys.path if not entry.startswith(str(stage))]
         output.parent.mkdir(parents=True, exist_ok=True)
-        picture, page = documentation.drawing(column), documentation.page(column, variables(column, record_name), NEEDS)
+        needs = NEEDS if has_tools() else f"{NEEDS} {guard.WITHOUT}"
+        picture, page = documentation.drawing(column), documentation.page(column, variables(column, record_name), needs)
         extra = {
             "model.png": picture,
             "documentation/index.html": page.encode(),
@@ -294,8 +295,6 @@ def repack(source: Path, target: Path, extra: dict[str, bytes]) -> None:
     """Write the archive, guarded, and what is added to it compressed, in a fixed order and with a fixed date."""
     with zipfile.ZipFile(source) as old:
         files = {name: old.read(name) for name in old.namelist()}
-    if not has_tools():
-        print(f"build_fmu.py: {guard.WITHOUT}", file=sys.stderr)
     write_archive(target, guard.guarded(files) | extra)
 
 

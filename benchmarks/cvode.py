@@ -13,9 +13,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numba import cfunc, njit, types
+from numba import njit, types
 
-from solver.kernels.jit import OPTIONS
+from solver.kernels.jit import native
 from solver.kernels.views import row_at
 
 from .right_hand_side import Array, Problem, evaluate
@@ -118,10 +118,7 @@ def _rates_of_vectors(library: c.CDLL) -> Any:
     entries = library.N_VGetArrayPointer
     entries.restype, entries.argtypes = c.POINTER(c.c_double), (_handle,)
 
-    @cfunc(
-        types.int32(types.double, types.voidptr, types.voidptr, types.CPointer(types.double)),
-        **OPTIONS,
-    )
+    @native(types.int32(types.double, types.voidptr, types.voidptr, types.CPointer(types.double)))
     def rates_of_vectors(t, y, dydt, data):
         evaluate(t, row_at(entries(y)), row_at(entries(dydt)), row_at(data))
         return 0

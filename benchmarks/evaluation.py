@@ -22,13 +22,12 @@ from typing import Any
 
 import numpy as np
 from llvmlite.binding import get_host_cpu_features
-from numba import njit
 
 from solver import Column
 from solver.kernels import layout as at
 from solver.kernels import numbers
 from solver.kernels.formulations.exact import Elimination, Motion, exact_accelerations
-from solver.kernels.jit import OPTIONS, kernel
+from solver.kernels.jit import from_python, kernel
 from solver.kernels.joint import regimes
 from solver.kernels.lanes import WIDTH
 from solver.kernels.views import Part, Record, Space, Table, lanes_of, row_of
@@ -67,7 +66,7 @@ def _repeat(n, model, phases, count, rounds, scratch, motion):
             exact_accelerations(column, phase, motion, room.joints, room.hold, room.room)
 
 
-@njit(**OPTIONS)
+@from_python
 def repeat(n, model, phases, rounds, base, scratch):
     """`rounds` times the accelerations of the phases, flat, one after the other."""
     motion = Motion(base[0], base[1], base[2], base[3], base[4])
@@ -75,7 +74,7 @@ def repeat(n, model, phases, rounds, base, scratch):
     _repeat(n, row_of(model), row_of(phases), count, rounds, row_of(scratch), motion)
 
 
-@njit(**OPTIONS)
+@from_python
 def repeat_in_lanes(n, model, phases, rounds, base, scratch):
     """The same for phases (..., 8), flat, of eight columns at once, and models, scratch and base (..., 8)."""
     lanes = lanes_of(base)

@@ -10,12 +10,12 @@ import math
 from typing import Any
 
 import numpy as np
-from numba import cfunc, njit, types
+from numba import types
 from numpy.typing import NDArray
 
 from solver.kernels import layout as at
 from solver.kernels.formulations.exact import Motion, exact_accelerations
-from solver.kernels.jit import OPTIONS, kernel
+from solver.kernels.jit import from_python, kernel, native
 from solver.kernels.views import Numbers, Record, Space, row_at, row_of
 from solver.packing import arrays_of
 
@@ -79,7 +79,7 @@ def evaluate(t, y, dydt, data):
         dydt[i] = phase.row[2 * n + i] / sizes[i]
 
 
-@njit(**OPTIONS)
+@from_python
 def rates(t, y, dydt, data):
     """The right-hand side as called from Python, over arrays."""
     evaluate(t, row_of(y), row_of(dydt), row_of(data))
@@ -88,7 +88,7 @@ def rates(t, y, dydt, data):
 _POINTER = types.CPointer(types.double)
 
 
-@cfunc(types.void(types.double, _POINTER, _POINTER, _POINTER), **OPTIONS)
+@native(types.void(types.double, _POINTER, _POINTER, _POINTER))
 def rates_in_c(t, y, dydt, data):
     """The right-hand side as called from C: void f(double t, double *y, double *dydt, double *data)."""
     evaluate(t, row_at(y), row_at(dydt), row_at(data))

@@ -10,18 +10,10 @@ import re
 from collections.abc import Collection, Mapping
 from xml.etree.ElementTree import Element, SubElement
 
-from .model_description import (
-    AUTHOR,
-    DISPLAY_UNITS,
-    LICENCE,
-    LOG_CATEGORIES,
-    UNITS,
-    Experiment,
-    date,
-    shown,
-)
-from .variables import ROLES, Variable, array_of
+from .description_parts import INITIAL, Experiment, Standard, attributes, beginning, by_role, shown
+from .variables import Variable, array_of
 
+FMI_3 = Standard("3.0", "instantiationToken", ("EnumerationType",), units=frozenset({"s"}))
 TIME_REFERENCE = 0
 KINDS = {
     "Real": "Float64",
@@ -46,33 +38,7 @@ def model_description3(
 ) -> Element:
     """The root element; followed: inputs that may be given within a step (intermediate update)."""
     arrays = grouped(table)
-    root = Element(
-        "fmiModelDescription",
-        fmiVersion="3.0",
-        modelName=name,
-        instantiationToken=token,
-        description=description,
-        version=version,
-        author=AUTHOR,
-        license=LICENCE,
-        generationDateAndTime=date(),
-        generationTool=tool,
-        variableNamingConvention="structured",
-    )
-    SubElement(root, "CoSimulation", {"modelIdentifier": name, **{key: shown(flag) for key, flag in flags.items()}})
-    _units(root, table)
-    choices = {variable.choice.name: variable.choice for variable in table if variable.choice}
-    if choices:
-        types = SubElement(root, "TypeDefinitions")
-        for choice in choices.values():
-            enumeration = SubElement(types, "EnumerationType", name=choice.name)
-            for word, number in choice.items.items():
-                SubElement(enumeration, "Item", name=word, value=shown(number), description=choice.meanings[word])
-    categories = SubElement(root, "LogCategories")
-    for category, text in LOG_CATEGORIES.items():
-        SubElement(categories, "Category", name=category, description=text)
-    limits = {"startTime": experiment.start, "stopTime": experiment.stop, "stepSize": experiment.step}
-    SubElement(root, "DefaultExperiment", {key: shown(value) for key, value in limits.items()})
+    root = beginning(FMI_3, name, token, description, version, table, experiment, flags, tool)
     listed = SubElement(root, "ModelVariables")
     time = {"name": "time", "valueReference": str(TIME_REFERENCE), "causality": "independent"}
     SubElement(listed, "Float64", {**time, "variability": "continuous", "description": "Time", "unit": "s"})
@@ -85,19 +51,9 @@ def model_description3(
 def grouped(table: list[Variable]) -> dict[str, list[Variable]]:
     """Name in FMI 3.0 -> the variable, or the elements of the array in their order. Inputs, outputs, parameters."""
     arrays: dict[str, list[Variable]] = {}
-    for variable in sorted(table, key=lambda variable: ROLES.index(variable.causality)):
+    for variable in by_role(table):
         arrays.setdefault(array_of(variable.name) or variable.name, []).append(variable)
     return arrays
-
-
-def _units(root: Element, table: list[Variable]) -> None:
-    units = SubElement(root, "UnitDefinitions")
-    for unit in sorted({variable.unit for variable in table if variable.unit} | {"s"}):
-        element = SubElement(units, "Unit", name=unit)
-        SubElement(element, "BaseUnit", {base: str(power) for base, power in UNITS[unit].items()})
-        if unit in DISPLAY_UNITS:
-            display, factor = DISPLAY_UNITS[unit]
-            SubElement(element, "DisplayUnit", name=display, factor=shown(factor))
 
 
 def _variable(name: str, elements: list[Variable], followed: bool) -> Element:
@@ -111,22 +67,13 @@ def _variable(name: str, elements: list[Variable], followed: bool) -> Element:
         "causality": first.causality,
         "variability": first.variability,
     }
-    initial = {"parameter": "exact", "output": "calculated"}.get(first.causality)
-    if initial:
-        words["initial"] = initial
+    if first.causality in INITIAL:
+        words["initial"] = INITIAL[first.causality]
     if followed:
         words["intermediateUpdate"] = "true"
     element = Element(KINDS[first.kind], words)
     nominals = [item.nominal for item in elements if item.nominal is not None]
-    attributes = {
-        "declaredType": first.choice.name if first.choice else None,
-        "unit": first.unit or None,
-        "displayUnit": DISPLAY_UNITS[first.unit][0] if first.unit in DISPLAY_UNITS else None,
-        "min": first.minimum,
-        "max": first.maximum,
-        "nominal": max(nominals) if nominals else None,
-    }
-    element.attrib |= {key: shown(value) for key, value in attributes.items() if value is not None}
+    element.attrib |= attributes(first, max(nominals) if nominals else None)
     if is_array:
         SubElement(element, "Dimension", start=str(len(elements)))
     if first.kind == "String":

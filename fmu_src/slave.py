@@ -28,8 +28,9 @@ from solver.kernels import layout as at
 from solver.stepper import SILENCE, Stepper
 
 from . import rules, state
+from .description_parts import LOG_CATEGORIES, Experiment
 from .host import compile_by, finalize_at_exit, leave_search_path, survive_exception
-from .model_description import LOG_CATEGORIES, Experiment, column_description, model_description
+from .model_description import column_description, model_description
 from .record import Record, read_motion
 from .variables import (
     AX,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from solver.kernels.jit import kernel
+from solver.kernels.jit import from_python
 from solver.kernels.joint import law, regimes, section
 from solver.kernels.layout import STRIP_NUMBERS
 from solver.kernels.views import row_of
@@ -15,26 +15,31 @@ Array = NDArray[np.float64]
 NO_STRIPS = np.zeros(STRIP_NUMBERS)
 
 
-@kernel
+@from_python
 def _rectangle(width, depth, strips):
     return section.Contact(section.RECTANGLE, -0.5 * width, 0.5 * width, depth, 0.0, row_of(strips))
 
 
-@kernel
+@from_python
 def _forces(k, width, depth, eta, opening, slope, opening_rate, slope_rate, strips):
     contact = _rectangle(width, depth, strips)
     return law.joint_forces(contact, k, eta, opening, slope, opening_rate, slope_rate)
 
 
-@kernel
+@from_python
 def _held(regime, k, width, depth, eta, opening, slope, opening_rate, slope_rate, strips):
     contact = _rectangle(width, depth, strips)
     return law.held_forces(regime, contact, k, eta, opening, slope, opening_rate, slope_rate)
 
 
-@kernel
+@from_python
 def _potential(k, width, depth, opening, slope, strips):
     return law.joint_potential(_rectangle(width, depth, strips), k, opening, slope)
+
+
+_peak_pressure = from_python(law.joint_peak_pressure)
+_regime = from_python(regimes.contact_regime)
+_margin = from_python(regimes.regime_margin)
 
 
 def joint_forces(*numbers: float) -> tuple[float, float, float]:
@@ -56,14 +61,14 @@ def joint_potential(*numbers: float) -> float:
 
 def joint_peak_pressure(k: float, width: float, *rest: float) -> float:
     """Largest pressure by stiffness, width, damping, opening, slope and their rates."""
-    return float(law.joint_peak_pressure(-0.5 * width, 0.5 * width, k, *rest))
+    return float(_peak_pressure(-0.5 * width, 0.5 * width, k, *rest))
 
 
 def contact_regime(width: float, *rest: float) -> int:
     """Regime by width, damping, opening, slope and their rates."""
-    return int(regimes.contact_regime(-0.5 * width, 0.5 * width, *rest))
+    return int(_regime(-0.5 * width, 0.5 * width, *rest))
 
 
 def regime_margin(regime: int, width: float, *rest: float) -> float:
     """Its margin, by the same."""
-    return float(regimes.regime_margin(regime, -0.5 * width, 0.5 * width, *rest))
+    return float(_margin(regime, -0.5 * width, 0.5 * width, *rest))

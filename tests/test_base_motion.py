@@ -14,7 +14,7 @@ from probe import G, coordinates, field, observed_accelerations, phocas, random_
 from solver import Block, Column, Joint, Settings, SolverError
 from solver.kernels import layout as at
 from solver.kernels.formulations.feedthrough import base_direction, effective_mass, tangential_gains
-from solver.kernels.jit import kernel
+from solver.kernels.jit import from_python
 from solver.kernels.views import row_of
 from solver.packing import InitialState
 from solver.stepper import Stepper
@@ -28,7 +28,7 @@ REACTION = at.REACTION.beside
 _model, _work = at.MODEL.over, at.WORK.over
 
 
-@kernel
+@from_python
 def gains_of(n: int, model: Array, work: Array, turn: float, gains: Array) -> tuple[float, float, float, float]:
     """g (1, 1, m) and the effective mass, kg, of what was last observed; the gains of the tangential forces, kg."""
     spaces = _model(row_of(model), n), _work(row_of(work), n)

@@ -17,7 +17,7 @@ from solver import Block, Column, Joint, Motion, simulate
 from solver.kernels import layout as at
 from solver.kernels.formulations.implicit import TANGENT, WIDEST, factorize, solve
 from solver.kernels.integrators import rosenbrock
-from solver.kernels.jit import kernel
+from solver.kernels.jit import from_python
 from solver.kernels.joint.regimes import OPEN
 from solver.kernels.views import row_of
 from solver.packing import pack_model
@@ -25,13 +25,13 @@ from solver.packing import pack_model
 _model, _phase = at.MODEL.over, at.PHASE.over
 
 
-@kernel
+@from_python
 def factorized(n: int, model: Array, phase: Array, tangent: Array, part: float) -> None:
     """`factorize`, over arrays."""
     factorize(_model(row_of(model), n), _phase(row_of(phase), n), row_of(tangent), part)
 
 
-@kernel
+@from_python
 def add_solution(n: int, model: Array, tangent: Array, a: Array, v: Array, part: float) -> None:
     """`solve`, over arrays."""
     solve(_model(row_of(model), n), row_of(tangent), row_of(a), row_of(v), part)

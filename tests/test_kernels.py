@@ -7,12 +7,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numba import njit
 from probe import phocas
 
 from solver.kernels import entries
 from solver.kernels import layout as at
-from solver.kernels.jit import OPTIONS
+from solver.kernels.jit import from_python
 from solver.stepper import SILENCE, Stepper
 
 
@@ -20,7 +19,7 @@ from solver.stepper import SILENCE, Stepper
 def test_nothing_of_numbas_runtime_is_called(formulation: str) -> None:
     stepper = Stepper(phocas(formulation=formulation))
     run: Any = entries.run
-    compiled = njit(**OPTIONS)(run.py_func)  # made here: the cached one keeps no listing
+    compiled = from_python(run.py_func)  # made here: the cached one keeps no listing
     assert compiled(3, *stepper.arrays, *SILENCE.arguments, 0.0, 1e-3, np.zeros(0), np.zeros(0), True) == at.OK
     (signature,) = compiled.signatures
     listing = compiled.inspect_llvm(signature)

@@ -16,7 +16,7 @@ from test_joint import State, states
 
 from solver.kernels import layout as at
 from solver.kernels.formulations.exact import Motion, exact_accelerations
-from solver.kernels.jit import kernel
+from solver.kernels.jit import from_python
 from solver.kernels.joint.law import joint_forces_in_lanes
 from solver.kernels.lanes import WIDTH, any_of, bits, greater, lane, lesser, magnitude, nearest, square_root, where
 from solver.kernels.numbers import sine, sine_cosine
@@ -31,7 +31,7 @@ examples = settings(deadline=None, max_examples=200, derandomize=True)
 # --- the joint
 
 
-@kernel
+@from_python
 def law_in_lanes(given: Array, found: Array) -> None:
     """`joint_forces_in_lanes` of eight joints, (8 arguments, 8 lanes), to (3, 8); both flat."""
     g, f = lanes_of(given), lanes_of(found)
@@ -71,7 +71,7 @@ def test_law_in_lanes_is_the_law_on_the_boundaries_of_its_regimes() -> None:
 # --- accelerations
 
 
-@kernel
+@from_python
 def accelerate(n: int, model: Array, phase: Array, work: Array, base: Array) -> None:
     """`exact_accelerations` of one column; base: ax, az, theta, omega, alpha."""
     b = row_of(base)
@@ -82,7 +82,7 @@ def accelerate(n: int, model: Array, phase: Array, work: Array, base: Array) -> 
     )
 
 
-@kernel
+@from_python
 def accelerate_lanes(n: int, model: Array, phase: Array, work: Array, base: Array) -> None:
     """`exact_accelerations` of eight columns."""
     b = lanes_of(base)
@@ -154,7 +154,7 @@ def test_a_lane_has_the_same_bits_whatever_is_in_the_others() -> None:
 # --- functions
 
 
-@kernel
+@from_python
 def sines_in_lanes(count: int, x: Array, sines: Array, cosines: Array, only: Array) -> None:
     """`sine_cosine` and `sine` of `count` lanes."""
     xs, s, c, o = lanes_of(x), lanes_of(sines), lanes_of(cosines), lanes_of(only)
@@ -193,7 +193,7 @@ def test_sine_and_cosine_in_lanes_about_the_multiples_of_a_quarter_turn() -> Non
     assert cosines == pytest.approx(np.cos(x), abs=2e-16)
 
 
-@kernel
+@from_python
 def functions_in_lanes(x: Array, y: Array, found: Array) -> int:
     """What lanes.py offers, of eight numbers each."""
     a, b, f = lanes_of(x)[0], lanes_of(y)[0], lanes_of(found)

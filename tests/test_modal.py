@@ -16,7 +16,7 @@ from scipy.linalg import expm
 from solver import Block, Column, InitialState, InputError, Joint, Motion, Settings, natural_frequencies, simulate
 from solver.kernels import layout as at
 from solver.kernels.integrators.modal import HALF, respond
-from solver.kernels.jit import kernel
+from solver.kernels.jit import from_python
 from solver.kernels.views import row_of
 from solver.packing import model_of, pack_model, settlements
 from solver.stepper import Stepper
@@ -47,7 +47,7 @@ class Modes:
 _half = HALF.over
 
 
-@kernel
+@from_python
 def responses(square: float, beta: float, h: float, omega: float, out: Array) -> None:
     """`respond`, to an array."""
     respond(square, beta, h, omega, _half(row_of(out), 0))

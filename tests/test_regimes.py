@@ -18,7 +18,7 @@ from solver import InitialState, Motion, simulate
 from solver.kernels import layout as at
 from solver.kernels.engine import column_over
 from solver.kernels.formulations.base import Samples
-from solver.kernels.jit import kernel
+from solver.kernels.jit import from_python
 from solver.kernels.joint.regimes import FULL, OPEN, RIGHT
 from solver.kernels.stepping.interpolation import begin, interpolate_phase, refine
 from solver.kernels.views import row_of
@@ -107,7 +107,7 @@ def test_order_is_that_of_the_method_across_openings() -> None:
         assert error < tolerance  # measured 0.001 to 0.2 of it
 
 
-@kernel
+@from_python
 def look_inside(
     n: int,
     model: Array,

@@ -18,7 +18,7 @@ from solver.batch import run_batch
 from solver.chain import Chain
 from solver.ensemble import runs_in_lanes
 from solver.kernels import layout as at
-from solver.kernels.jit import kernel
+from solver.kernels.jit import from_python
 from solver.kernels.joint.circle import SMALL, circle_part
 from solver.kernels.joint.law import held_forces, joint_forces, joint_potential
 from solver.kernels.joint.regimes import OPEN, contact_regime
@@ -51,7 +51,10 @@ NAMES = list(JOINTS)
 _model = at.MODEL.over
 
 
-@kernel
+_circle_part = from_python(circle_part)
+
+
+@from_python
 def _ask(model: Array, opening: float, slope: float, opening_rate: float, slope_rate: float, out: Array) -> None:
     """N, M, length; the same held in the regime; energy; stiffness of the part from lo to hi; of all; of a strip."""
     blocks = _model(row_of(model), 1).blocks
@@ -167,7 +170,7 @@ def test_slivers_at_the_rim_of_a_circle_keep_their_digits(depth_of_segment: floa
     """Against a sum of positive terms in the depth: chord 2 sqrt(2 x) sqrt(1 - x / 2), binomially expanded."""
     h = 1.0 - (1.0 - depth_of_segment)  # as it is after rounding
     lo, hi = sorted((side * (1.0 - depth_of_segment), side))
-    middle, area, first, second = circle_part(1.0, lo, hi)
+    middle, area, first, second = _circle_part(1.0, lo, hi)
     x, w = np.polynomial.legendre.leggauss(80)
     y = 0.5 * (x + 1.0)  # depth = h y^2: the integrand is smooth in y
     places, weight = h * y * y, w * h * y * 2.0 * np.sqrt((h * y * y) * (2.0 - h * y * y))
@@ -181,7 +184,7 @@ def test_slivers_at_the_rim_of_a_circle_keep_their_digits(depth_of_segment: floa
 def test_series_and_closed_form_meet() -> None:
     for c in (math.sqrt(1.0 - SMALL**2), 0.7):  # cosine of half the angle under which the part is seen
         s = math.sqrt(1.0 - c * c)
-        found = [circle_part(1.0, -s * (1.0 + near), s * (1.0 + near)) for near in (-1e-13, 1e-13)]
+        found = [_circle_part(1.0, -s * (1.0 + near), s * (1.0 + near)) for near in (-1e-13, 1e-13)]
         assert found[1] == pytest.approx(found[0], rel=1e-11)
 
 

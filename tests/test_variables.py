@@ -8,7 +8,8 @@ from typing import Any
 import pytest
 from fmus import ROOT
 
-from fmu_src.model_description import Experiment, model_description
+from fmu_src.description_parts import Experiment
+from fmu_src.model_description import model_description
 from fmu_src.variables import CHOICES, FAMILIES, FAMILY, REFERENCES, ROLES, column_from, variables
 from solver import Block, Column, InputError, Joint
 from solver.ranges import MAX_BLOCKS, NUMBERS

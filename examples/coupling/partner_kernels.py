@@ -55,9 +55,29 @@ def _compiled(name: str) -> tuple[ModuleType, ModuleType]:
     return law, own
 
 
-def _entries(*functions: Callable[..., Any]) -> Entries:
-    every: tuple[Any, ...] = (*functions, rates, feedthrough)
-    return {function: _types[function.__name__] for function in every}
+def _entries(begin: Callable[..., Any], step: Callable[..., Any], see: Callable[..., Any]) -> Entries:
+    """The entries around what is a partner's own: all that such a thing has no use for is left out.
+
+    begin(given, afresh, model, state), step(inputs, model, state, work, h) -> reason or 0,
+    see(inputs, model, state, work, t, samples, row).
+    """
+
+    def assemble(n, given, afresh, model, state, counts, base, work, scratch, detail):
+        begin(row_at(given), afresh, row_at(model), row_at(state))
+        return 0
+
+    def follow(n, model, state, counts, base, work, inputs, start, h, count, times, ax, az, scale):
+        return step(row_at(inputs), row_at(model), row_at(state), row_at(work), h)
+
+    # fmt: off
+    def look(n, model, state, counts, base, work, inputs, afresh, upright, elapsed, t, count, times, ax, az, scale,
+             row, split):
+        # fmt: on
+        samples = Samples(count, row_at(times), row_at(ax), row_at(az), scale, False)
+        see(row_at(inputs), row_at(model), row_at(state), row_at(work), t, samples, row_at(row))
+        return 0
+
+    return {function: _types[function.__name__] for function in (assemble, follow, look, rates, feedthrough)}
 
 
 def partner_entries(name: str) -> Entries:
@@ -79,19 +99,18 @@ def partner_entries(name: str) -> Entries:
             work[k] = model[k - inputs_count]
         return value_of(work, 0)
 
-    def assemble(n, given, afresh, model, state, counts, base, work, scratch, detail):
+    @kernel
+    def begin(given, afresh, model, state):
         """Parameters into the model; from rest."""
-        source, target, moving = row_at(given), row_at(model), row_at(state)
         for k in range(count - inputs_count):
-            target[k] = source[k]
+            model[k] = given[k]
         if afresh:
             for k in range(work_place + 1):
-                moving[k] = 0.0
-        return 0
+                state[k] = 0.0
 
-    def follow(n, model, state, counts, base, work, inputs, start, h, count, times, ax, az, scale):
-        """A step."""
-        value, motion = given(row_at(inputs), row_at(model), row_at(work)), row_at(state)
+    @kernel
+    def step(inputs, model, motion, work, h):
+        value = given(inputs, model, work)
         before = motion[steps:]
         a = accelerations(value, motion)
         slope = slopes(value.slope, given_slopes(value), a, before)
@@ -104,37 +123,18 @@ def partner_entries(name: str) -> Entries:
         remember(before, a, h)
         return 0
 
-    def look(
-        n,
-        model,
-        state,
-        counts,
-        base,
-        work,
-        inputs,
-        afresh,
-        upright,
-        elapsed,
-        t,
-        count,
-        times,
-        ax,
-        az,
-        scale,
-        row,
-        split,
-    ):
+    @kernel
+    def see(inputs, model, motion, work, t, samples, row):
         """The outputs."""
-        value, motion, seen = given(row_at(inputs), row_at(model), row_at(work)), row_at(state), row_at(row)
+        value = given(inputs, model, work)
         a = accelerations(value, motion)
         slope = slopes(value.slope, given_slopes(value), a, motion[steps:])
         found = outputs(value, motion, a, slope)
         for k in range(len(found)):
-            seen[k] = found[k]
-        seen[len(found)] = motion[work_place]
-        return 0
+            row[k] = found[k]
+        row[len(found)] = motion[work_place]
 
-    return _entries(assemble, follow, look)
+    return _entries(begin, step, see)
 
 
 def ground_entries() -> Entries:
@@ -151,52 +151,30 @@ def ground_entries() -> Entries:
                 return record_line(samples, k + 1, samples.times[k + 1])
         return record_line(samples, k, t)
 
-    def assemble(n, given, afresh, model, state, counts, base, work, scratch, detail):
+    @kernel
+    def begin(given, afresh, model, state):
         """The step that was told, if any."""
-        row_at(model)[0] = row_at(given)[0]
+        model[0] = given[0]
         if afresh:
-            row_at(state)[0] = 0.0
-        return 0
+            state[0] = 0.0
 
-    def follow(n, model, state, counts, base, work, inputs, start, h, count, times, ax, az, scale):
+    @kernel
+    def step(inputs, model, state, work, h):
         """Time goes on."""
-        row_at(state)[0] = h
+        state[0] = h
         return 0
 
-    def look(
-        n,
-        model,
-        state,
-        counts,
-        base,
-        work,
-        inputs,
-        afresh,
-        upright,
-        elapsed,
-        t,
-        count,
-        times,
-        ax,
-        az,
-        scale,
-        row,
-        split,
-    ):
+    @kernel
+    def see(inputs, model, state, work, t, samples, row):
         """The outputs."""
-        samples = Samples(count, row_at(times), row_at(ax), row_at(az), scale, False)
-        seen = row_at(row)
-        step = row_at(model)[0]
-        if step == 0.0:
-            step = row_at(state)[0]
+        step = model[0] if model[0] != 0.0 else state[0]
         now_x, jx, now_z, jz = at(samples, t)
         if step > 0.0:
             then_x, _, then_z, _ = at(samples, t + step)
             jx, jz = (then_x - now_x) / step, (then_z - now_z) / step
-        seen[0], seen[1], seen[2], seen[3] = now_x, now_z, jx, jz
-        return 0
+        row[0], row[1], row[2], row[3] = now_x, now_z, jx, jz
 
-    return _entries(assemble, follow, look)
+    return _entries(begin, step, see)
 
 
 def rates(n, model, state, counts, base, work, t, count, times, ax, az, scale, row, split, other, other_split):

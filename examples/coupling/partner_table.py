@@ -12,7 +12,8 @@ from xml.etree.ElementTree import Element
 
 from partner_kernels import REASONS, law_of, sources
 
-from fmu_src.model_description import FLAGS, Experiment, model_description
+from fmu_src.description_parts import Experiment
+from fmu_src.model_description import FLAGS, model_description
 from fmu_src.native.machine_code import Kernels
 from fmu_src.native.package import compiled, identified
 from fmu_src.native.table import Check, Chosen, Contents, Subject

@@ -11,7 +11,6 @@ import math
 from typing import Any
 
 import numpy as np
-from numba import njit
 
 from solver import Column
 from solver.kernels import layout as at
@@ -21,7 +20,7 @@ from solver.kernels.formulations.either import evaluate
 from solver.kernels.formulations.exact import Motion
 from solver.kernels.formulations.feedthrough import split_reaction
 from solver.kernels.formulations.outputs import observe
-from solver.kernels.jit import OPTIONS, entry
+from solver.kernels.jit import entry, kernel
 from solver.kernels.views import row_of
 from solver.packing import arrays_of
 
@@ -34,7 +33,7 @@ _row, _split = at.ROW.over, at.SPLIT.over
 OWN = 7  # unknowns of a partner: x, v, z; or x, v, z, w, theta, omega, inner rate
 
 
-@njit(**OPTIONS)
+@kernel
 def partner_rates(kind, p, own, ground, split, rates):
     """Rates of the partner's unknowns under the ground acceleration; returns (ax, az, alpha) of the base."""
     x, v, z = own[0], own[1], own[2]
@@ -67,7 +66,7 @@ def partner_rates(kind, p, own, ground, split, rates):
     return a_x, a_z, a_t
 
 
-@njit(**OPTIONS)
+@kernel
 def all_rates(column, kind, p, y, ground, row, split, rates):
     """Rates (4n + OWN,) of y, rotations of the blocks absolute; returns the displacement of the top, m."""
     n, phase = column.model.n, column.state.phase

@@ -16,7 +16,7 @@ from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 from fmpy import read_model_description
 
-from fmu_src.model_description import UNITS
+from fmu_src.description_parts import UNITS
 
 SPACE = "http://ssp-standard.org/SSP1/SystemStructure"
 SPACES = {"xmlns:ssd": f"{SPACE}Description", "xmlns:ssc": f"{SPACE}Common", "xmlns:ssv": f"{SPACE}ParameterValues"}

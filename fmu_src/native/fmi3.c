@@ -135,48 +135,45 @@ static size_t written_out(Face *face, const fmi3ValueReference references[], siz
     return elements;
 }
 
+/* How every call begins that gets or sets: `elements` of them are in the list, one at least. */
+#define WRITE_OUT                                                                                                      \
+    Face *face = instance;                                                                                             \
+    if (!face) return fmi3Error;                                                                                       \
+    if (!count) return fmi3OK;                                                                                         \
+    size_t elements = written_out(face, references, count, value_count);                                               \
+    if (!elements) return fmi3Error
+
 FMI3_Export fmi3Status fmi3GetFloat64(fmi3Instance instance, const fmi3ValueReference references[], size_t count,
                                       fmi3Float64 values[], size_t value_count) {
-    Face *face = instance;
-    if (!face) return fmi3Error;
-    if (!count) return fmi3OK;
-    if (references[0] == TIME) { /* importers ask for it by itself or first */
+    if (instance && count && references[0] == TIME) { /* importers ask for it by itself or first */
+        const Face *face = instance;
         if (!value_count) return refuse(face, "value reference %u: there are not enough values", TIME);
         values[0] = core_time(face->column);
         return fmi3GetFloat64(instance, references + 1, count - 1, values + 1, value_count - 1);
     }
-    size_t elements = written_out(face, references, count, value_count);
-    return elements ? (fmi3Status)core_get_reals(face->column, face->list, elements, values) : fmi3Error;
+    WRITE_OUT;
+    return (fmi3Status)core_get_reals(face->column, face->list, elements, values);
 }
 
 FMI3_Export fmi3Status fmi3SetFloat64(fmi3Instance instance, const fmi3ValueReference references[], size_t count,
                                       const fmi3Float64 values[], size_t value_count) {
-    Face *face = instance;
-    if (!face) return fmi3Error;
-    if (!count) return fmi3OK;
-    size_t elements = written_out(face, references, count, value_count);
-    return elements ? (fmi3Status)core_set_reals(face->column, face->list, elements, values) : fmi3Error;
+    WRITE_OUT;
+    return (fmi3Status)core_set_reals(face->column, face->list, elements, values);
 }
 
 /* Integers and enumerations. */
 FMI3_Export fmi3Status fmi3GetInt64(fmi3Instance instance, const fmi3ValueReference references[], size_t count,
                                     fmi3Int64 values[], size_t value_count) {
-    Face *face = instance;
-    if (!face) return fmi3Error;
-    if (!count) return fmi3OK;
-    size_t elements = written_out(face, references, count, value_count);
-    if (!elements || core_readable(face->column, face->list, elements, INTEGER) != ST_OK) return fmi3Error;
+    WRITE_OUT;
+    if (core_readable(face->column, face->list, elements, INTEGER) != ST_OK) return fmi3Error;
     for (size_t k = 0; k < elements; k++) values[k] = core_whole(face->column, face->list[k]);
     return fmi3OK;
 }
 
 FMI3_Export fmi3Status fmi3SetInt64(fmi3Instance instance, const fmi3ValueReference references[], size_t count,
                                     const fmi3Int64 values[], size_t value_count) {
-    Face *face = instance;
-    if (!face) return fmi3Error;
-    if (!count) return fmi3OK;
-    size_t elements = written_out(face, references, count, value_count);
-    if (!elements || core_settable(face->column, face->list, elements, INTEGER) != ST_OK) return fmi3Error;
+    WRITE_OUT;
+    if (core_settable(face->column, face->list, elements, INTEGER) != ST_OK) return fmi3Error;
     for (size_t k = 0; k < elements; k++) core_put_whole(face->column, face->list[k], values[k]);
     core_has_changed(face->column, 1); /* no input is whole */
     return fmi3OK;
@@ -184,11 +181,8 @@ FMI3_Export fmi3Status fmi3SetInt64(fmi3Instance instance, const fmi3ValueRefere
 
 FMI3_Export fmi3Status fmi3GetBoolean(fmi3Instance instance, const fmi3ValueReference references[], size_t count,
                                       fmi3Boolean values[], size_t value_count) {
-    Face *face = instance;
-    if (!face) return fmi3Error;
-    if (!count) return fmi3OK;
-    size_t elements = written_out(face, references, count, value_count);
-    if (!elements || core_readable(face->column, face->list, elements, BOOLEAN) != ST_OK) return fmi3Error;
+    WRITE_OUT;
+    if (core_readable(face->column, face->list, elements, BOOLEAN) != ST_OK) return fmi3Error;
     for (size_t k = 0; k < elements; k++) values[k] = core_whole(face->column, face->list[k]) != 0;
     return fmi3OK;
 }
@@ -201,22 +195,16 @@ FMI3_Export fmi3Status fmi3SetBoolean(fmi3Instance instance, const fmi3ValueRefe
 
 FMI3_Export fmi3Status fmi3GetString(fmi3Instance instance, const fmi3ValueReference references[], size_t count,
                                      fmi3String values[], size_t value_count) {
-    Face *face = instance;
-    if (!face) return fmi3Error;
-    if (!count) return fmi3OK;
-    size_t elements = written_out(face, references, count, value_count);
-    if (!elements || core_readable(face->column, face->list, elements, STRING) != ST_OK) return fmi3Error;
+    WRITE_OUT;
+    if (core_readable(face->column, face->list, elements, STRING) != ST_OK) return fmi3Error;
     for (size_t k = 0; k < elements; k++) values[k] = core_text(face->column, face->list[k]);
     return fmi3OK;
 }
 
 FMI3_Export fmi3Status fmi3SetString(fmi3Instance instance, const fmi3ValueReference references[], size_t count,
                                      const fmi3String values[], size_t value_count) {
-    Face *face = instance;
-    if (!face) return fmi3Error;
-    if (!count) return fmi3OK;
-    size_t elements = written_out(face, references, count, value_count);
-    return elements ? (fmi3Status)core_set_texts(face->column, face->list, elements, values) : fmi3Error;
+    WRITE_OUT;
+    return (fmi3Status)core_set_texts(face->column, face->list, elements, values);
 }
 
 /* --- steps */

@@ -15,9 +15,9 @@ from .platforms import PLATFORMS
 SOURCE = Path(__file__).with_name("guard.c")
 NEIGHBOUR = "pythonfmu.so"  # what guard.c looks for beside itself
 FOLDER = "binaries/linux64"
-WITHOUT = (
-    "without ziglang the FMU holds PythonFMU's library alone, which ends the process where the FMU is unpacked below a "
-    'folder with a letter beyond ASCII, # or % in its name; pip install "multiblock-fmu[native]"'
+WITHOUT = (  # for the page inside the FMU
+    "It was built without ziglang and has no guard: unpacked below a folder with a letter beyond ASCII, # or % in its "
+    "name it ends the process that loads it."
 )
 
 

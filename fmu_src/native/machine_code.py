@@ -1,8 +1,8 @@
 """The kernels as object code for any platform, made on this one.
 
-numba types and optimizes them for the oldest x86-64 processor in question, whatever the builder's own; LLVM emits that
-module for each target. It is made in a process of its own, since numba takes the processor from the environment, and
-kept in the user's cache: it does not depend on the column.
+numba types them once; LLVM optimizes and emits that module for each target. numba is told the oldest x86-64 processor
+in question, whatever the builder's own. It does so in a process of its own, since numba takes the processor from the
+environment; the code is kept in the user's cache: it does not depend on the column.
 """
 
 from __future__ import annotations
@@ -16,13 +16,12 @@ import sys
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import llvmlite
 import numba
 from llvmlite import binding as llvm
 
-from solver.kernels.jit import OPTIONS, SOURCES
+from solver.kernels.jit import SOURCES, as_written
 
 from ..host import CACHE_FOLDER, user_cache
 from .platforms import Target
@@ -84,37 +83,35 @@ def _file(target: Target, suffix: str) -> str:
 
 
 def module(entries: str) -> llvm.ModuleRef:
-    """The entries and all that they call; nothing else is left."""
+    """The entries and all that they call, each once, as it was written."""
     place, _, attribute = entries.partition(":")
-    whole = None
+    whole, names = llvm.parse_assembly(""), {}
     for function, arguments in getattr(importlib.import_module(place), attribute).items():
-        compile_entry: Any = numba.cfunc(numba.types.int64(*arguments), **OPTIONS)
-        part = llvm.parse_assembly(compile_entry(function).inspect_llvm())
-        native = [item for item in part.functions if not item.is_declaration and function.__name__ in item.name]
-        name = min((item.name for item in native if not item.name.startswith("cfunc.")), key=len)
-        for item in [*part.functions, *part.global_variables]:
-            if not item.is_declaration:
-                item.linkage = "external" if item.name == name else "internal"
-        entry = part.get_function(name)
-        entry.name = PREFIX + function.__name__
-        entry.visibility = "hidden"
-        if whole is None:
-            whole = part
-        else:
-            whole.link_in(part)
-    assert whole is not None
+        part, name = as_written(function, arguments)
+        whole.link_in(part)
+        names[name] = PREFIX + function.__name__
+    for item in [*whole.functions, *whole.global_variables]:
+        if item.name in names:
+            item.name, item.linkage, item.visibility = names[item.name], "external", "hidden"
+        elif not item.is_declaration:
+            item.linkage = "internal"
     return whole
 
 
 def emit(whole: llvm.ModuleRef, triple: str, cpu: str, suffix: str) -> bytes:
-    """Object code (.o) or assembly (.s) of the module for one target, rid of what nobody calls."""
+    """Object code (.o) or assembly (.s) of the module for one target, optimized, rid of what nobody calls."""
     copy = whole.clone()
     copy.triple = triple
     machine = llvm.Target.from_triple(triple).create_target_machine(cpu=cpu, opt=3, reloc="pic", codemodel="default")
     copy.data_layout = str(machine.target_data)
-    options = llvm.create_pipeline_tuning_options(speed_level=3)
-    builder = llvm.create_pass_builder(machine, options)
-    builder.getModulePassManager().run(copy, builder)
+    for level in (0, 3):  # small functions into their callers first, as numba does
+        builder = llvm.create_pass_builder(machine, llvm.create_pipeline_tuning_options(speed_level=level))
+        passes = builder.getModulePassManager()
+        if not level:
+            passes.add_loop_rotate_pass()
+            passes.add_instruction_combine_pass()
+            passes.add_jump_threading_pass()
+        passes.run(copy, builder)
     code: bytes = machine.emit_object(copy) if suffix == ".o" else machine.emit_assembly(copy).encode()
     return code
 

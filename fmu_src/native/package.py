@@ -13,7 +13,8 @@ from solver.column import Column
 from solver.motion import Motion
 
 from .. import documentation
-from ..model_description import FLAGS, Experiment, column_description, model_description
+from ..description_parts import Experiment
+from ..model_description import FLAGS, column_description, model_description
 from ..model_description3 import model_description3, terminals
 from ..record import Record
 from ..variables import variables

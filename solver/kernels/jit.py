@@ -10,25 +10,53 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from numba import njit
-from numba.extending import overload
+from numba import cfunc, njit
+from numba.extending import overload, register_jitable
 
-OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": False, "nogil": True, "_nrt": False}
+from .linking import EntryCompiler, KernelCompiler
 
-# Building block of a kernel: compiled, and cached, as a part of whoever calls it.
-kernel: Callable[..., Any] = njit(**OPTIONS)
+_OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": False, "nogil": True, "_nrt": False}
 
-# A part of the one kernel that calls it: apart to be read, but compiled as if it were written there. Every level of
-# kernels that are compiled by themselves compiles all those below it once more.
-part: Callable[..., Any] = njit(inline="always", **OPTIONS)
+_INSIDE: dict[str, Any] = {**_OPTIONS, "pipeline_class": KernelCompiler}
+_OUTSIDE: dict[str, Any] = {**_OPTIONS, "pipeline_class": EntryCompiler}
+
+# Building block of a kernel: compiled, and cached, as a part of whoever calls it; not to be called from Python.
+kernel: Callable[..., Any] = njit(**_INSIDE)
 
 # A leaf of the innermost loops: never worth a call.
-leaf: Callable[..., Any] = njit(forceinline=True, **OPTIONS)
+leaf: Callable[..., Any] = njit(forceinline=True, **_INSIDE)
+
+# Plain Python, and a leaf where kernels use it.
+in_both: Callable[..., Any] = register_jitable(forceinline=True, **_INSIDE)
+
+
+def from_python(function: Callable[..., Any]) -> Any:
+    """What Python calls to measure or to test a kernel, or a kernel itself: compiled anew in every process."""
+    return njit(**_OUTSIDE)(getattr(function, "py_func", function))
+
+
+def native(*signature: Any) -> Callable[..., Any]:
+    """Decorates what programs without Python call."""
+    compiles: Callable[..., Any] = cfunc(*signature, **_OUTSIDE)
+    return compiles
+
+
+def as_written(function: Callable[..., Any], arguments: tuple[Any, ...]) -> tuple[Any, str]:
+    """LLVM module of a kernel for these types of arguments, with all that it calls, not optimized; its name in there.
+
+    It returns 0 and leaves its result at an address that comes first, as numba's functions do.
+    """
+    typed: Any = kernel(function)
+    typed.compile(arguments)
+    (found,) = typed.overloads.values()
+    module, name = found.library.with_called(), found.fndesc.mangled_name
+    module.get_function(name).linkage = "external"
+    return module, name
 
 
 def by_width(function: Callable[..., Any]) -> Callable[..., Any]:
     """Decorates what chooses the code behind `function` by the types of its arguments: numbers or lanes."""
-    chooses: Callable[..., Any] = overload(function, jit_options={**OPTIONS, "forceinline": True})  # type: ignore
+    chooses: Callable[..., Any] = overload(function, jit_options={**_INSIDE, "forceinline": True})  # type: ignore
     return chooses
 
 
@@ -54,7 +82,7 @@ def entry(function: Callable[..., Any]) -> Callable[..., Any]:
     function.__qualname__ += f"_{SOURCES}"
     compiled: Callable[..., Any]
     try:
-        compiled = njit(cache=True, **OPTIONS)(function)
+        compiled = njit(cache=True, **_OUTSIDE)(function)
     except RuntimeError:  # numba found no folder that it may write to
-        compiled = njit(**OPTIONS)(function)
+        compiled = from_python(function)
     return compiled

@@ -12,9 +12,7 @@ displacements v and the settlements w (paper). Where joints may slide, a second 
 slips as coordinates; elsewhere nobody touches it.
 """
 
-from numba.extending import register_jitable
-
-from .jit import OPTIONS
+from .jit import in_both
 from .views import Numbers, Record, Space, Table
 
 # --- formulations, integrators and short cuts, as stored in the settings
@@ -271,7 +269,7 @@ NOT_FINITE = -3
 ROTATES = -4  # the base, which the formulation does not know
 
 
-@register_jitable(**OPTIONS)  # type: ignore[untyped-decorator]
+@in_both
 def modal_size(n: int) -> int:
     """Length of the modal data of n blocks."""
     return _MODAL_BESIDE + 2 * n * _MODE_FIELDS + 4 * n * n

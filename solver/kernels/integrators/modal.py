@@ -17,7 +17,7 @@ import numpy as np
 
 from ..formulations.base import base_line, base_motion, wave_amplitude
 from ..formulations.either import evaluate_at
-from ..jit import kernel, leaf, part
+from ..jit import kernel, leaf
 from ..layout import (
     ELASTIC,
     INTERPOLATION_BOUND,
@@ -299,7 +299,7 @@ def attempt(column, t, h):
     return code, error
 
 
-@part
+@kernel
 def _sweep(column, t, h, is_first, is_last):
     """As `attempt`; what it finds of the remainder serves the next sweep, that of the last one the next step."""
     model, base, samples, work = column.model, column.base, column.samples, column.work

@@ -15,7 +15,7 @@ from ..integrators import modal
 from ..integrators.error import error_in_tolerances
 from ..integrators.stage import stage
 from ..integrators.traits import FIXED, MODES, NONE, UNKNOWN, attempt_by, traits_of
-from ..jit import kernel, leaf, part
+from ..jit import kernel, leaf
 from ..joint.sliding import can_slide
 from ..layout import AUTO, CENTRAL_DIFFERENCE, HAS_OVERTURNED, OK, SLACK, STEP_TOO_SMALL
 from .condition import has_fallen, is_quiet, moment_of_overturning, rests, take_stock, widest_joint
@@ -306,7 +306,7 @@ def _rest_until(column, watch, t, left):
     take_held_snapshots(column, watch, t, left)
 
 
-@part
+@kernel
 def advance(column, t, h, watch):
     """Take the column from t to t + h, landing there exactly; no further than `until_opening`. Returns a code.
 

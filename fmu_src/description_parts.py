@@ -1,0 +1,169 @@
+"""What the model descriptions of FMI 2.0 and 3.0 have in common: all before the variables, and limits of those."""
+
+from __future__ import annotations
+
+import math
+import os
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from xml.etree.ElementTree import Element, SubElement
+
+from solver.motion import STANDARD_GRAVITY
+
+from .variables import ROLES, START_TIME, STEP_SIZE, STOP_TIME, Choice, Variable
+
+AUTHOR = "The multiblock-fmu authors"
+LICENCE = "MIT"
+
+# unit -> exponents of the base units (FMI 2.0.3 section 2.2.2)
+UNITS = {
+    "m": {"m": 1},
+    "s": {"s": 1},
+    "rad": {"rad": 1},
+    "rad/s": {"rad": 1, "s": -1},
+    "rad/s2": {"rad": 1, "s": -2},
+    "kg": {"kg": 1},
+    "kg.m": {"kg": 1, "m": 1},
+    "kg.m2": {"kg": 1, "m": 2},
+    "rad/s3": {"rad": 1, "s": -3},
+    "m/s": {"m": 1, "s": -1},
+    "m/s2": {"m": 1, "s": -2},
+    "m/s3": {"m": 1, "s": -3},
+    "N": {"kg": 1, "m": 1, "s": -2},
+    "N.m": {"kg": 1, "m": 2, "s": -2},
+    "J": {"kg": 1, "m": 2, "s": -2},
+    "N/m": {"kg": 1, "s": -2},
+    "N.s/m": {"kg": 1, "s": -1},
+    "N/m3": {"kg": 1, "m": -2, "s": -2},
+    "kg/m3": {"kg": 1, "m": -3},
+    "Pa": {"kg": 1, "m": -1, "s": -2},
+}
+
+# unit -> the unit that engineers read, and how many of it make one
+DISPLAY_UNITS = {
+    "m": ("mm", 1e3),
+    "rad": ("deg", 180.0 / math.pi),
+    "kg": ("t", 1e-3),
+    "m/s2": ("g", 1.0 / STANDARD_GRAVITY),
+    "m/s3": ("g/s", 1.0 / STANDARD_GRAVITY),
+    "N": ("kN", 1e-3),
+    "N.m": ("kN.m", 1e-3),
+    "N/m3": ("MPa/mm", 1e-9),
+    "Pa": ("MPa", 1e-6),
+}
+
+LOG_CATEGORIES = {
+    "logStatusWarning": "What may be a mistake",
+    "logStatusDiscard": "Why a step was not made",
+    "logStatusError": "Why the slave cannot go on",
+    "logStatusFatal": "What the wrapper could not handle",
+    "logAll": "Everything else",
+}
+
+INITIAL = {"parameter": "exact", "output": "calculated"}  # causality -> where the value of initialization comes from
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """What a run lasts and how often it communicates unless a master is told otherwise, s."""
+
+    start: float = START_TIME
+    stop: float = STOP_TIME
+    step: float = STEP_SIZE
+
+
+@dataclass(frozen=True)
+class Standard:
+    """What a version of FMI calls things.
+
+    identity: attribute with the text that binary and description share. root: its own attributes of the root.
+    enumeration: elements around the items of an enumeration, the outermost first. units: used in any case.
+    """
+
+    version: str
+    identity: str
+    enumeration: tuple[str, ...]
+    root: Mapping[str, str] = field(default_factory=dict)
+    units: frozenset[str] = frozenset()
+
+
+def beginning(
+    standard: Standard,
+    name: str,
+    identity: str,
+    description: str,
+    version: str,
+    table: list[Variable],
+    experiment: Experiment,
+    flags: Mapping[str, bool | int],
+    tool: str,
+) -> Element:
+    """The root element with all that stands before the variables."""
+    words = {"fmiVersion": standard.version, "modelName": name, standard.identity: identity, "description": description}
+    words |= {"version": version, "author": AUTHOR, "license": LICENCE, "generationDateAndTime": date()}
+    words |= {"generationTool": tool, "variableNamingConvention": "structured"}
+    root = Element("fmiModelDescription", words | dict(standard.root))
+    SubElement(root, "CoSimulation", {"modelIdentifier": name, **{key: shown(flag) for key, flag in flags.items()}})
+    _add_units(root, {variable.unit for variable in table if variable.unit} | standard.units)
+    _add_choices(root, standard, {variable.choice.name: variable.choice for variable in table if variable.choice})
+    categories = SubElement(root, "LogCategories")
+    for category, text in LOG_CATEGORIES.items():
+        SubElement(categories, "Category", name=category, description=text)
+    times = {"startTime": experiment.start, "stopTime": experiment.stop, "stepSize": experiment.step}
+    SubElement(root, "DefaultExperiment", {key: shown(value) for key, value in times.items()})
+    return root
+
+
+def _add_units(root: Element, used: set[str]) -> None:
+    units = SubElement(root, "UnitDefinitions")
+    for unit in sorted(used):
+        element = SubElement(units, "Unit", name=unit)
+        SubElement(element, "BaseUnit", {base: str(power) for base, power in UNITS[unit].items()})
+        if unit in DISPLAY_UNITS:
+            display, factor = DISPLAY_UNITS[unit]
+            SubElement(element, "DisplayUnit", name=display, factor=shown(factor))
+
+
+def _add_choices(root: Element, standard: Standard, choices: Mapping[str, Choice]) -> None:
+    if not choices:
+        return
+    types = SubElement(root, "TypeDefinitions")
+    for choice in choices.values():
+        outer, *inner = standard.enumeration
+        element = SubElement(types, outer, name=choice.name)
+        for tag in inner:
+            element = SubElement(element, tag)
+        for word, number in choice.items.items():
+            SubElement(element, "Item", name=word, value=shown(number), description=choice.meanings[word])
+
+
+def by_role(table: list[Variable]) -> list[Variable]:
+    """Inputs, then outputs, then parameters, otherwise as in the table."""
+    return sorted(table, key=lambda variable: ROLES.index(variable.causality))
+
+
+def attributes(variable: Variable, nominal: float | None, **more: float | int | bool | str | None) -> dict[str, str]:
+    """Type, units and limits of a variable, then more; what is None is left out."""
+    values = {
+        "declaredType": variable.choice.name if variable.choice else None,
+        "unit": variable.unit or None,
+        "displayUnit": DISPLAY_UNITS[variable.unit][0] if variable.unit in DISPLAY_UNITS else None,
+        "min": variable.minimum,
+        "max": variable.maximum,
+        "nominal": nominal,
+    }
+    return {key: shown(value) for key, value in (values | more).items() if value is not None}
+
+
+def date() -> str:
+    """When the FMU was made: now, unless the environment says otherwise as reproducible builds have it."""
+    seconds = os.environ.get("SOURCE_DATE_EPOCH")
+    return time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime(None if seconds is None else int(seconds)))
+
+
+def shown(value: float | int | bool | str) -> str:
+    """A value as XML Schema writes it; every digit of a float64."""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    return value if isinstance(value, str) else repr(value)

@@ -1,0 +1,135 @@
+"""How kernels become machine code: typed one by one, optimized once, in the entry that Python calls.
+
+Left to itself numba optimizes a function with all that it calls and makes machine code of it, then does the same again
+in whoever calls it, and once more in the next: with entries of hundreds of kernels, calling each other ten levels deep,
+that was most of a first run. Here a kernel waits as it was written; the entry takes in each one that it needs, keeps
+them to itself, so that the optimizer knows every caller, and goes through the whole a single time.
+
+This leans on the inside of numba's code generator; the versions in pyproject.toml are those it was tried with.
+"""
+
+from collections.abc import Iterable
+from typing import Any
+
+from llvmlite import binding as llvm
+from numba.core.codegen import JITCodeLibrary
+from numba.core.compiler import Compiler, DefaultPassBuilder
+from numba.core.compiler_machinery import LoweringPass, register_pass
+from numba.core.typed_passes import NativeLowering
+
+_EXTERNAL, _SHARED, _OWN = llvm.Linkage.external, llvm.Linkage.linkonce_odr, llvm.Linkage.internal
+
+
+def _defined(module: llvm.ModuleRef) -> Iterable[Any]:
+    return (function for function in module.functions if not function.is_declaration)
+
+
+def _below(libraries: Iterable[Any], found: dict[Any, None]) -> dict[Any, None]:
+    """The libraries and those of all kernels below them, each once, in an order that is always the same."""
+    for library in libraries:
+        if library not in found:
+            found[library] = None
+            if isinstance(library, WaitingLibrary):
+                _below(library._linking_libraries, found)
+    return found
+
+
+class WaitingLibrary(JITCodeLibrary):  # type: ignore[misc]
+    """A kernel as it was written, and what it calls: neither optimized nor made machine code of."""
+
+    def _optimize_functions(self, module: llvm.ModuleRef) -> None:
+        module.data_layout = self._codegen._data_layout
+
+    def finalize(self) -> None:
+        self._raise_if_finalized()
+        self._finalized = True
+
+    def alone(self) -> llvm.ModuleRef:
+        """A copy to link with, without what it calls."""
+        module = self._final_module.clone()
+        for function in _defined(module):
+            if function.linkage == _EXTERNAL:
+                function.linkage = _SHARED
+        return module
+
+    def with_called(self) -> llvm.ModuleRef:
+        """The same with all that it calls."""
+        whole = self.alone()
+        for library in list(_below([self], {}))[1:]:
+            whole.link_in(_module_of(library), preserve=True)
+        return whole
+
+    def _get_module_for_linking(self) -> llvm.ModuleRef:
+        """For functions that numba compiles in its own way."""
+        if self._shared_module is None:
+            self._shared_module = self.with_called()
+        return self._shared_module
+
+
+def _module_of(library: Any) -> llvm.ModuleRef:
+    return library.alone() if isinstance(library, WaitingLibrary) else library._get_module_for_linking()
+
+
+class WholeLibrary(JITCodeLibrary):  # type: ignore[misc]
+    """An entry with all that it calls, optimized once."""
+
+    def finalize(self) -> None:
+        self._raise_if_finalized()
+        seen_from_outside = {function.name for function in _defined(self._final_module)}
+        for library in _below(self._linking_libraries, {}):
+            self._reload_init.update(library._reload_init)
+            self._final_module.link_in(_module_of(library), preserve=True)
+        for function in _defined(self._final_module):
+            if function.name not in seen_from_outside:
+                function.linkage = _OWN
+        self._optimize_final_module()
+        self._final_module.verify()
+        self._finalize_final_module()
+
+
+def _library(state: Any, kind: Any) -> Any:
+    library = kind(state.targetctx.codegen(), state.func_id.func_qualname)
+    library.enable_object_caching()
+    return library
+
+
+@register_pass(mutates_CFG=False, analysis_only=True)
+class _StandIn(LoweringPass):  # type: ignore[misc]
+    """What numba knows a kernel by, in place of a function that Python could call."""
+
+    _name = "stand_in"
+
+    def __init__(self) -> None:
+        LoweringPass.__init__(self)
+
+    def run_pass(self, state: Any) -> bool:
+        stand_in = object().__format__  # numba takes builtins only; this one is unlike any other, and refuses numbers
+        state.cr = state.cr._replace(cfunc=stand_in)
+        state.targetctx.insert_user_function(stand_in, state.cr.fndesc, [state.library])
+        return True
+
+
+class KernelCompiler(Compiler):  # type: ignore[misc]
+    """Compiles a kernel as far as it is typed; only other kernels and entries can call it."""
+
+    def define_pipelines(self) -> list[Any]:
+        """Numba's own, without machine code at the end."""
+        flags = self.state.flags
+        flags.no_compile = flags.no_cpython_wrapper = flags.no_cfunc_wrapper = True
+        self.state.library = _library(self.state, WaitingLibrary)
+        passes = DefaultPassBuilder.define_nopython_pipeline(self.state)
+        passes.add_pass_after(_StandIn, NativeLowering)
+        passes.finalize()
+        return [passes]
+
+
+class EntryCompiler(Compiler):  # type: ignore[misc]
+    """Compiles what is called from outside, with all kernels below it."""
+
+    def define_pipelines(self) -> list[Any]:
+        """Numba's own."""
+        flags = self.state.flags
+        flags.no_cfunc_wrapper = not flags.no_cpython_wrapper  # either Python calls it or another program
+        self.state.library = _library(self.state, WholeLibrary)
+        passes: list[Any] = super().define_pipelines()
+        return passes
