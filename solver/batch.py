@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from .column import Column
 from .errors import InputError
 from .kernels import layout as at
-from .kernels.batch.entries import run_lanes
+from .kernels.batch.entries import run_lanes, run_swept
 from .kernels.batch.runs import OUTCOME, RUN, SPACE
 from .kernels.entries import run
 from .kernels.integrators import dormand_prince
@@ -67,9 +67,10 @@ class BatchResult:
 def why_not_in_lanes(column: Column) -> str:
     """Why runs of a column are not made in lanes; empty where they are, unless the motion has HELD samples."""
     settings = column.settings
-    if settings.formulation != "exact":
-        return f"formulation {settings.formulation}"
-    if settings.integrator != "auto":
+    swept = settings.formulation == "paper"
+    if swept and settings.integrator != "central-difference":
+        return f"formulation paper with the integrator {settings.integrator}"
+    if not swept and settings.integrator != "auto":
         return f"integrator {settings.integrator}"
     if set(settings.without) - {"peaks"}:
         return "short cuts left out"
@@ -79,13 +80,13 @@ def why_not_in_lanes(column: Column) -> str:
         return "blocks off their axis"
     if column.n > MOST_BLOCKS:
         return f"more than {MOST_BLOCKS} blocks"
-    if settings.tolerance < TIGHTEST:
-        return "tight tolerance"
     if not column.has_rectangles_only:
         return "joints that are no rectangles"
-    if _is_stiff(column):
-        return "stiff joints"
-    return ""
+    if swept:
+        return ""
+    if settings.tolerance < TIGHTEST:
+        return "tight tolerance"
+    return "stiff joints" if _is_stiff(column) else ""
 
 
 def _is_stiff(column: Column) -> bool:
@@ -180,10 +181,14 @@ def follow_in_lanes(
     times: FloatArray | None = None,
     flag: FloatArray | None = None,
 ) -> BatchResult:
-    """As `run_batch`, in one thread and unchecked; once flag[0] is not zero it ends soon, with nothing of use."""
+    """As `run_batch`, in one thread and unchecked; once flag[0] is not zero it ends soon, with nothing of use.
+
+    The formulation is that of all columns; without `times` it may be `paper`, at fixed steps.
+    """
     rows = _NONE if times is None else np.ascontiguousarray(times, dtype=np.float64)
     flag = np.zeros(1) if flag is None else flag
-    batch = _Batch(columns[0].n, len(columns), _Records(motions, durations), rows)
+    swept = columns[0].settings.formulation == "paper"
+    batch = _Batch(columns[0].n, len(columns), _Records(motions, durations), rows, swept)
     for k, (column, motion, duration) in enumerate(zip(columns, motions, durations, strict=True)):
         if not flag[0]:
             batch.begin(k, column, motion, float(duration))
@@ -216,8 +221,9 @@ class _Records:
 class _Batch:
     """Runs as rows that the kernels take (kernels/batch/runs.py), and room for the beginning of one after the other."""
 
-    def __init__(self, n: int, count: int, records: _Records, rows: FloatArray) -> None:
+    def __init__(self, n: int, count: int, records: _Records, rows: FloatArray, swept: bool) -> None:
         self.n = n
+        self._swept = swept  # formulation `paper`, for which lanes keep no rows
         self._records = records
         self._rows = rows
         self._models = np.zeros((count, at.MODEL.size(n)))
@@ -238,7 +244,7 @@ class _Batch:
         omega = 2.0 * math.pi * motion.frequency
         wave = (motion.amplitude, omega, -omega * start)
         first, size = self._records.place(motion)
-        if _enters_at_once(column, at.SETTINGS.see(self._fresh.model).explicit_order, motion, size):
+        if self._swept or _enters_at_once(column, at.SETTINGS.see(self._fresh.model).explicit_order, motion, size):
             phase = self._fresh.state[at.CONTROL.beside :][: 4 * n]
             self._outcomes[k] = np.concatenate([[at.OK, math.nan, 0.0, 0.0, 0.0], np.zeros(n), phase])
             self._waits(k, self._fresh.model, phase, (start, start, stop, 1.0, *wave, first, size, 0, 0.0, 0.0))
@@ -277,12 +283,13 @@ class _Batch:
         outcomes, snapshots = self._outcomes[some], self._snapshots[some]
         lanes = _aligned(WIDTH * SPACE.size(self.n))
         found = outcomes.reshape(-1)
-        run_lanes(
+        follow = run_swept if self._swept else run_lanes
+        follow(
             self.n, lanes, some.size, models, phases, runs, found, *self._records.rows, self._rows,
             snapshots.reshape(-1), flag,
         )  # fmt: skip
         tried = np.sum(outcomes[:, _TRIED] - self._outcomes[some][:, _TRIED], axis=1)
-        self._evaluations[some] += (STAGES * tried).astype(np.int64)
+        self._evaluations[some] += ((1 if self._swept else STAGES) * tried).astype(np.int64)
         self._outcomes[some], self._snapshots[some] = outcomes, snapshots
 
     def result(self) -> BatchResult:

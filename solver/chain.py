@@ -70,7 +70,7 @@ class Chain:
 
     @classmethod
     def of_many(cls, columns: Sequence[Column]) -> Chain:
-        """The data of many columns of n blocks each, formulation `exact`: arrays (columns, n), for as many phases.
+        """The data of many columns of n blocks and one formulation: arrays (columns, n), for as many phases.
 
         All joints are rectangles.
         """
@@ -78,7 +78,7 @@ class Chain:
         chain.rectangles = np.ones(columns[0].n, dtype=np.bool_)
         given = np.array([[_data_of(block) for block in column.blocks] for column in columns], dtype=np.float64)
         chain.height, chain.centroid, chain.mass, chain.inertia, chain.width, chain.rigidity = np.moveaxis(given, -1, 0)
-        chain.n, chain.exact, chain.off_axis = columns[0].n, True, False
+        chain.n, chain.exact, chain.off_axis = columns[0].n, columns[0].settings.formulation == "exact", False
         chain.g = np.array([[column.g] for column in columns])
         chain.carried = np.cumsum(chain.mass, axis=-1)
         chain.settled = chain.g * chain.carried / (chain.rigidity * chain.width)

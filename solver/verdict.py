@@ -78,7 +78,7 @@ def surely_stand(chain: Chain, energy: FloatArray, turned: FloatArray) -> NDArra
     stands = np.zeros(len(energy), dtype=bool)
     for part, grazed in product(SHARES, GRAZED):
         least, limit = least_energies(chain, part, grazed)
-        stands |= (energy <= SAFE["exact"] * least) & (theta < limit)
+        stands |= (energy <= SAFE["exact" if chain.exact else "paper"] * least) & (theta < limit)
     return stands
 
 

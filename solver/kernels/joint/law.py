@@ -9,7 +9,7 @@ for lanes. One column may also be held in a regime (regimes.py).
 """
 
 from ..jit import by_width, kernel, leaf
-from ..lanes import LanesType, greater, where
+from ..lanes import LanesType, greater, lesser, where
 from .regimes import ANY, OPEN, open_margin, side_margin, sides
 from .section import contact_of, energy_over, forces_over, rectangle_forces
 
@@ -58,24 +58,29 @@ def joint_forces(contact, stiffness, damping, opening, slope, opening_rate, slop
 
 
 @leaf
+def _within(x, lo, hi):
+    """The nearest number to x from lo to hi; hi where x is not a number."""
+    return greater(lesser(x, hi), lo)
+
+
+@leaf
 def joint_forces_in_lanes(stiffness, width, depth, damping, opening, slope, opening_rate, slope_rate):
     """The same for lanes, without a branch, of a rectangle of width by depth, m."""
     mean = opening + damping * opening_rate
+    slope = (
+        slope + 0.0
+    )  # minus zero becomes zero: parallel faces that touch nowhere have their edge beyond the right end
     gradient = slope + damping * slope_rate
     half = 0.5 * width
-    edge = opening / slope
-    lo = where((slope > 0.0) & (edge > -half), edge, -half)
-    hi = where((slope < 0.0) & (edge < half), edge, half)
-    lo = where((slope == 0.0) & (opening >= 0.0), hi, lo)
-    damped = (damping > 0.0) & (lo < hi)
-    edge = mean / gradient
-    lo = where(damped & (gradient > 0.0) & (edge > lo), edge, lo)
-    hi = where(damped & (gradient < 0.0) & (edge < hi), edge, hi)
-    lo = where(damped & (gradient == 0.0) & (mean >= 0.0), hi, lo)
-    length = greater(hi - lo, 0.0)
+    edge = _within(opening / slope, -half, half)
+    rises = slope >= 0.0
+    lo, hi = where(rises, edge, -half), where(rises, half, edge)
+    edge = _within(mean / gradient, lo, hi)  # the same edge again where there is no damping
+    rises = gradient >= 0.0
+    lo, hi = where(rises, edge, lo), where(rises, hi, edge)
+    length = hi - lo
     force, moment = rectangle_forces(lo, hi, length, stiffness * depth, mean, gradient)
-    loaded = length > 0.0
-    return where(loaded, force, 0.0), where(loaded, moment, 0.0), length
+    return force, moment, length
 
 
 @leaf
