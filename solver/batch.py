@@ -76,6 +76,8 @@ def why_not_in_lanes(column: Column) -> str:
         return "short cuts left out"
     if column.slides:
         return "joints that may slide"
+    if column.off_axis:
+        return "blocks off their axis"
     if column.n > MOST_BLOCKS:
         return f"more than {MOST_BLOCKS} blocks"
     if not column.has_rectangles_only:
@@ -138,8 +140,8 @@ def run_batch(
     """Run column k under motion k, from rest, for duration k, s (None: that of the motion).
 
     tolerance: relative to the peak; None: each column's. times: s after the start of a run, at which its phase is kept.
-    Raises InputError for columns of another number of blocks or formulation, for friction, for sections that are no
-    rectangles, and for held samples.
+    Raises InputError for columns of another number of blocks or formulation, for friction, for blocks off their
+    axis, for sections that are no rectangles, and for held samples.
     """
     n = columns[0].n
     durations = [motion.duration for motion in motions] if durations is None else list(durations)
@@ -150,6 +152,8 @@ def run_batch(
             raise InputError(f"columns[{k}]: must have {n} blocks and the formulation exact, as the others of a batch")
         if column.slides:
             raise InputError(f"columns[{k}]: has joints that may slide, which a batch does not know; simulate does")
+        if column.off_axis:
+            raise InputError(f"columns[{k}]: has blocks off their axis, which a batch does not know; simulate does")
         if not column.has_rectangles_only:
             names = ", ".join(sorted({SECTIONS[block.joint_section] for block in column.blocks}))
             raise InputError(f"columns[{k}]: its joints are of the sections {names}, must be rectangles in a batch")

@@ -91,7 +91,7 @@ def phase_of(stepper: Stepper) -> FloatArray:
 def _of_chain(phases: FloatArray, column: Column) -> FloatArray:
     """The phase of chain.py in what begins with one of the stepper's."""
     rigid: FloatArray = phases[..., : 4 * column.n]
-    if not column.slides:
+    if not column.has_slips:
         return rigid
     places = [at.PHASE.fields.index(name) * column.n for name in ("slip", "slip_rate")]
     return np.concatenate([rigid, *(phases[..., k : k + column.n] for k in places)], axis=-1)

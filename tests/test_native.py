@@ -59,6 +59,7 @@ def test_three_blocks_give_the_numbers_of_the_pythonfmu(fmus: Fmus, native: Path
         {"solver.tolerance": 1e-9, "joint[2].damping": 2e-2},
         {"block[1].mass": 2e4, "block[2].centroid": 2.0, "block[3].inertia": 1e5, "joint[3].width": 1.2, "g": 9.0},
         {"solver.without": "elastic, dashpots", "joint[1].damping": 0.0},
+        {"joint[1].offset": 0.1, "joint[2].inclination": 0.01, "block[1].tilt": -0.01, "joint[1].friction": 0.4},
         UNDAMPED,
         {"solver.formulation": "paper"},
         {"solver.formulation": "paper", "solver.integrator": "central-difference", "solver.step": 5e-5},

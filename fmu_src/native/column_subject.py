@@ -60,6 +60,8 @@ def column_subject(column: Column) -> Subject:
             "COUNT_RESTING": at.COUNTS.fields.index("resting"),
             "COUNT_OVERTURNED": at.COUNTS.fields.index("overturned"),
             "CENTRAL_DIFFERENCE": at.CENTRAL_DIFFERENCE,
+            "NO_REST": pointers.NO_REST,
+            "NOT_GENERAL": pointers.NOT_GENERAL,
             "NOT_STABLE": pointers.NOT_STABLE,
             "TOO_LARGE": pointers.TOO_LARGE,
         }

@@ -98,14 +98,14 @@ def held_forces(regime, contact, stiffness, damping, opening, slope, opening_rat
     return force, moment, length, min(on_left, on_right)
 
 
-def resultants(blocks, hold, i, opening, slope, opening_rate, slope_rate):
+def resultants(blocks, hold, i, opening, slope, opening_rate, slope_rate, slip=0.0):
     """N, M and loaded length of joint i; one column notes in `hold` whether the joint is outside its regime."""
     raise NotImplementedError("for kernels only")
 
 
-def _resultants_of_one(blocks, hold, i, opening, slope, opening_rate, slope_rate):
+def _resultants_of_one(blocks, hold, i, opening, slope, opening_rate, slope_rate, slip=0.0):
     regime = hold.held[i]
-    contact, stiffness, damping = contact_of(blocks, i), blocks.stiffness[i], blocks.damping[i]
+    contact, stiffness, damping = contact_of(blocks, i, slip), blocks.stiffness[i], blocks.damping[i]
     if regime == ANY:
         return joint_forces(contact, stiffness, damping, opening, slope, opening_rate, slope_rate)
     normal, moment, length, margin = held_forces(
@@ -116,7 +116,7 @@ def _resultants_of_one(blocks, hold, i, opening, slope, opening_rate, slope_rate
     return normal, moment, length
 
 
-def _resultants_of_lanes(blocks, hold, i, opening, slope, opening_rate, slope_rate):
+def _resultants_of_lanes(blocks, hold, i, opening, slope, opening_rate, slope_rate, slip=0.0):
     return joint_forces_in_lanes(
         blocks.stiffness[i],
         blocks.width[i],
@@ -130,7 +130,7 @@ def _resultants_of_lanes(blocks, hold, i, opening, slope, opening_rate, slope_ra
 
 
 @by_width(resultants)
-def _choose(blocks, hold, i, opening, slope, opening_rate, slope_rate):
+def _choose(blocks, hold, i, opening, slope, opening_rate, slope_rate, slip=0.0):
     return _resultants_of_lanes if isinstance(opening, LanesType) else _resultants_of_one
 
 
