@@ -90,6 +90,24 @@ def test_round_hollow_and_chipped_joints(tmp_path: Path) -> None:
     assert all(same for same, _ in results), results
 
 
+def test_joints_that_slide(fmus: Fmus, native: Path) -> None:
+    """Friction set as a parameter: outputs, parameters and a state kept while a joint slides, in both FMUs."""
+    results = compare(
+        native,
+        fmus.damped,
+        {"joint[2].friction": 0.08},
+        {"joint[1].friction": 0.1, "joint[1].dowel": 1e4, "joint[3].friction": 0.05, "joint[3].width": 1.3},
+        {"joint[2].friction": 0.2, "push": 4.0},
+    )
+    assert all(same for same, _ in results), results
+    values = {"joint[2].friction": 0.08, "joint[2].damping": 2e-3}
+    found = [call(states.sliding, fmu, values) for fmu in (native, fmus.damped)]
+    assert found[0] == found[1]
+    assert found[0]["slid"] > 1e-3  # m, after the state was kept
+    kept = [found[0][key] for key in ("at once", "further on", "elsewhere", "parameters elsewhere")]
+    assert kept == [True] * 4
+
+
 def test_fmpy_is_content_and_python_is_not_needed(native: Path) -> None:
     assert "No problems found" in run("fmpy", "validate", native)
     with zipfile.ZipFile(native) as archive:
