@@ -88,6 +88,20 @@ def test_round_hollow_and_chipped_joints(tmp_path: Path) -> None:
     python = Fmus.build(column, tmp_path / "python.fmu")
     results = compare(native, python, {}, {"joint[3].width": 1.3, "block[2].mass": 9e3}, {"push": 0.5})
     assert all(same for same, _ in results), results
+    for name, value, reason in (
+        ("block[2].width", 0.35, "block[2].bore = 0.4: must be less than the outer diameter = 0.35 m"),
+        ("joint[1].width", 0.2, "joint[1].bore = 0.3: must be less than the outer diameter = 0.2 m"),
+        ("joint[2].width", 0.4, "joint[2].bore = 0.4: must be less than the outer diameter = 0.4 m"),
+        ("block[3].depth", 1.3, "joint[3].strips[2] = 1.4: must not exceed the block's depth = 1.3 m"),
+    ):
+        for fmu in (native, python):
+            done = ended(failures.wrong_value, fmu, name, value)
+            assert reason in done.stdout + done.stderr, fmu
+            refused, again, goes_on = returned(done.stdout)
+            assert "error" in refused
+            assert (again, goes_on) == ("ok", "ok")
+    done = ended(failures.wrong_value, native, "block[3].inertia", 0.0)  # worked out in the builder's Python alone
+    assert "block[3].inertia = 0.0: must be a positive moment of inertia" in done.stdout + done.stderr
 
 
 def test_joints_that_slide(fmus: Fmus, native: Path) -> None:
