@@ -11,7 +11,6 @@ process, or two builds of one, never run each other's code.
 from __future__ import annotations
 
 import argparse
-import contextlib
 import hashlib
 import importlib
 import json
@@ -27,12 +26,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from types import ModuleType
 
-import llvmlite.binding
-import numba
-
 import fmu_src
 import solver
-from fmu_src.host import CACHE_FOLDER, MACHINE_CODE, lasting_copy, user_cache
+from fmu_src.host import MACHINE_CODE
 from fmu_src.native import guard
 from fmu_src.native.library import has_tools
 from fmu_src.native.platforms import PLATFORMS
@@ -42,6 +38,7 @@ from solver import Column, InputError
 from solver.command_line import program_parser, run_command
 from solver.errors import needing, reading
 from solver.files import whole_file
+from solver.kernels.jit import SOURCES
 from solver.rest import check_rest
 
 COLUMNS_PACKAGE = "multiblock_columns"  # what examples/columns/ is called where the project is installed
@@ -70,20 +67,21 @@ LEFT_AT_HOME = {
     "documentation.py",
     "model_description3.py",
     "native",
-    "pointers.py",
     "studies",
 }  # an FMU has no use for them
-# what the slave calls, as the slave calls it; without the listings with paths and addresses of this very process
+# what the slave calls, as the slave calls it; tells where the machine code went, if anywhere
 COMPILE = """
 import json, sys
-from numba.core.annotations.type_annotations import TypeAnnotation
-TypeAnnotation.__str__ = lambda self: ""
-from {solver} import Column
-from {solver}.stepper import Stepper
+from solver import Column
+from solver.kernels import entries
+from solver.stepper import Stepper
 stepper = Stepper(Column.from_dict(json.loads(sys.stdin.read())))
 stepper.advance(0.0, 1e-6)
 stepper.observe(0.0)
+used = [entries.assemble_column, entries.run, entries.observe_state]
+print(json.dumps({entry.__name__: entry.stats.cache_path for entry in used}))
 """
+KERNELS = "kernels"  # folder of the entries within the solver
 NEEDS = "The machine that runs it needs Python 3.11 or newer with numpy and numba."
 ZIP_DATE = (1980, 1, 1, 0, 0, 0)  # the same input gives the same bytes
 
@@ -220,7 +218,7 @@ def build_fmu(column_file: Path, output: Path | None = None, record: Path | None
         script_file.write_text(script, encoding="utf-8")
         (stage / COLUMN_FILE).write_text(column_text, encoding="utf-8")
         (stage / GUID_FILE).write_text(f"{{{uuid.uuid5(uuid.NAMESPACE_OID, identity)}}}", encoding="utf-8")
-        machine_code = _machine_code(stage / carried_solver, column_text)
+        machine_code = _machine_code(column_text)
         for name, code in machine_code.items():  # where the import of the script finds it, for this very account
             (stage / MACHINE_CODE / name).parent.mkdir(parents=True, exist_ok=True)
             (stage / MACHINE_CODE / name).write_bytes(code)
@@ -249,26 +247,33 @@ def build_fmu(column_file: Path, output: Path | None = None, record: Path | None
     return output
 
 
-def _machine_code(package: Path, column_text: str) -> dict[str, bytes]:
-    """What numba makes of the kernels on this machine: path within the package -> content. Kept for the next time."""
-    made_for = [package.name, sys.implementation.cache_tag, numba.__version__, llvmlite.binding.get_host_cpu_name()]
-    kept = user_cache() / CACHE_FOLDER / "built" / "-".join(map(str, made_for))
-    made = kept
-    if not kept.is_dir():
-        made = lasting_copy(package, package.parent / "compiled" / package.name, package / "nothing")
-        environment = {key: value for key, value in os.environ.items() if not key.startswith(("NUMBA_", "PYTHON"))}
-        subprocess.run(
-            [sys.executable, "-c", COMPILE.format(solver=package.name)],
-            input=column_text.encode(),
-            env=environment | {"PYTHONPATH": str(made.parent), "PYTHONHASHSEED": "0"},
-            check=True,
-        )
-        with contextlib.suppress(OSError):  # no room, or another builder was faster
-            kept.parent.mkdir(parents=True, exist_ok=True)
-            with tempfile.TemporaryDirectory(dir=kept.parent) as staging:
-                shutil.copytree(made, Path(staging) / kept.name).replace(kept)
-    files = sorted(made.glob("**/__pycache__/*.nb?"))
-    return {(file.parent.parent.relative_to(made) / file.name).as_posix(): file.read_bytes() for file in files}
+def _machine_code(column_text: str) -> dict[str, bytes]:
+    """What numba makes of the kernels on this machine: path within the package -> content.
+
+    It is what Python uses too, in numba's cache: numba goes by the content of the sources, so that it holds for the
+    copy in the FMU as well, and is made once for both.
+    """
+    environment = {key: value for key, value in os.environ.items() if not key.startswith(("NUMBA_", "PYTHON"))}
+    environment["PYTHONPATH"] = str(Path(solver.__path__[0]).parent)
+    with tempfile.TemporaryDirectory(prefix="machine_code_") as temporary:
+        for cache in (os.environ.get("NUMBA_CACHE_DIR", ""), temporary):  # there if it cannot be kept elsewhere
+            command = [sys.executable, "-c", COMPILE]
+            told = subprocess.run(
+                command,
+                input=column_text,
+                env=environment | {"NUMBA_CACHE_DIR": cache},
+                check=True,
+                stdout=subprocess.PIPE,
+                text=True,
+            )
+            folders = json.loads(told.stdout)
+            if all(folders.values()):
+                break
+        return {
+            f"{KERNELS}/{file.name}": file.read_bytes()
+            for name, folder in folders.items()
+            for file in sorted(Path(folder).glob(f"*.{name}_{SOURCES}-*.nb?"))
+        }
 
 
 def _carry_package(package: ModuleType, stage: Path, renamed: dict[str, str]) -> str:

@@ -3,8 +3,7 @@
     python figure3.py [--step HZ] [--duration S] [--column COLUMN.toml] [--output-folder FOLDER]
 
 Every run is 20 s with the solver settings of the column file; those of the Column of Phocas, the default, are the
-paper's: first-order model, central differences, 1e-4 s. Writes figure3.csv and figure3.png. Needs tqdm:
-pip install -e ".[studies]".
+paper's: first-order model, central differences, 1e-4 s. Writes figure3.csv and figure3.png.
 """
 
 from __future__ import annotations
@@ -12,12 +11,9 @@ from __future__ import annotations
 import argparse
 import csv
 import math
-import os
 import sys
 import textwrap
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
-from contextlib import suppress
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -27,12 +23,13 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from solver import Column, InputError, Motion, SolverError, simulate
+from solver import Column, InputError, Motion, simulate_many
 from solver.command_line import OneLineParser
 from solver.errors import check_number, reading
 from solver.files import whole_file
 from solver.motion import STANDARD_GRAVITY
 from solver.plots import block_colours, save, show_blocks
+from solver.progress import RunsLine
 
 PROGRAM = "figure3.py"
 PHOCAS = Path(__file__).resolve().parent / "columns" / "phocas.toml"
@@ -77,11 +74,6 @@ def main() -> int:
         runs = sweep(column, AMPLITUDES, frequencies(options.step), options.duration)
         write_csv(runs, folder / "figure3.csv")
         draw(runs, caption(runs, column, options.duration), folder / "figure3.png")
-    except ModuleNotFoundError as error:
-        if error.name != "tqdm":
-            raise
-        print(f'{PROGRAM}: needs tqdm: pip install -e ".[studies]"', file=sys.stderr)
-        return 2
     except (InputError, OSError) as error:
         print(f"{PROGRAM}: {error}", file=sys.stderr)
         return 2
@@ -105,29 +97,22 @@ def sweep(
 ) -> list[Run]:
     """Run the column under every amplitude, g, at every frequency, Hz, for `duration`, s, in that order.
 
-    The runs go side by side in `workers` threads (None: one per processor): the kernels do without the interpreter's
-    lock. A SolverError of one run is recorded in it. Raises InputError on a wrong number.
+    The runs go side by side in `workers` threads (None: one per processor). What is wrong with a run is recorded in it.
+    Raises InputError on a wrong number.
     """
-    from tqdm import tqdm  # type: ignore[import-untyped]
-
-    motions = [
-        (amplitude, frequency, Motion.harmonic(amplitude * STANDARD_GRAVITY, frequency, duration))
-        for amplitude in amplitudes_g
-        for frequency in frequencies
+    points = [(amplitude, frequency) for amplitude in amplitudes_g for frequency in frequencies]
+    motions = [Motion.harmonic(amplitude * STANDARD_GRAVITY, frequency, duration) for amplitude, frequency in points]
+    with RunsLine() as line:
+        table = simulate_many(
+            column, motions, keep=("peak_ux", "overturn_time"), settle=0.0, threads=workers, callback=line
+        )
+    failures = table.stats["failures"]
+    return [
+        Run(*point, peaks, float(overturn_time), failures.get(k, "the solver gave up") if np.isnan(peaks[0]) else "")
+        for k, (point, peaks, overturn_time) in enumerate(
+            zip(points, table["peak_ux"], table["overturn_time"], strict=True)
+        )
     ]
-
-    def run(point: tuple[float, float, Motion]) -> Run:
-        amplitude, frequency, motion = point
-        try:
-            response = simulate(column, motion, output_step=duration, settle=0.0)  # peaks are those between rows too
-        except SolverError as error:
-            return Run(amplitude, frequency, np.full(column.n, math.nan), failure=str(error))
-        return Run(amplitude, frequency, response.peak_ux, response.overturn_time)
-
-    with suppress(SolverError):  # compile once, before the threads start
-        simulate(column, Motion.harmonic(0.0, 1.0, 1e-3))
-    with ThreadPoolExecutor(workers or os.cpu_count()) as pool:
-        return list(tqdm(pool.map(run, motions), total=len(motions), unit="run"))
 
 
 def write_csv(runs: Sequence[Run], path: Path) -> None:

@@ -22,7 +22,6 @@ from typing import Any
 CACHE_FOLDER = "multiblock-fmu"
 MACHINE_CODE = "machine_code"  # folder among the resources
 MOST_KERNELS = 4  # that one first call compiles
-FIXED_TIME = 315532800  # 1980-01-01: numba's cache goes by the time stamp of the source
 
 
 def user_cache() -> Path:
@@ -76,9 +75,7 @@ def lasting_copy(source: Path, target: Path, machine_code: Path) -> Path:
 
 
 def _provide(package: Path, machine_code: Path) -> None:
-    """Put machine code where numba will look for that of a package, and give the sources the time it goes by."""
-    for file in package.rglob("*.py"):
-        os.utime(file, (FIXED_TIME, FIXED_TIME))
+    """Put machine code where numba will look for that of a package; numba goes by the content of the sources."""
     for file in machine_code.rglob("*.nb?"):
         folder = package / file.parent.relative_to(machine_code) / "__pycache__"
         folder.mkdir(exist_ok=True)

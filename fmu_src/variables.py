@@ -104,6 +104,9 @@ FAMILIES = {
     "joint.depth": 59,
     "joint.friction": 60,
     "joint.dowel": 61,
+    "joint.offset": 62,
+    "joint.inclination": 63,
+    "block.tilt": 64,
 }
 assert MAX_BLOCKS <= FAMILY
 
@@ -281,6 +284,7 @@ _BLOCK_PARAMETERS = {
     "mass": ("kg", "Mass of block {i}", False),
     "centroid": ("m", "Centroid of block {i} above its bottom face; 0: half the height", True),
     "inertia": ("kg.m2", "Moment of inertia of block {i} about its centroid; 0: homogeneous block", True),
+    "tilt": ("rad", "Angle of block {i} to the normal of the joint under it, as built, clockwise", True),
 }
 _JOINT_PARAMETERS = {
     "stiffness": ("N/m3", "Winkler modulus of the joint under block {i}", False),
@@ -289,6 +293,8 @@ _JOINT_PARAMETERS = {
     "depth": ("m", "Contact depth of the joint under block {i}; 0: that of the block", True),
     "friction": ("", "Coefficient of friction of the joint under block {i}; 0: it never slides", True),
     "dowel": ("N", "Shear that the joint under block {i} bears beside friction", True),
+    "offset": ("m", "Offset of block {i} over what is under it, as built, positive to +x", True),
+    "inclination": ("rad", "Angle of the joint under block {i} to the base, as built, clockwise", True),
 }
 # what may change during a run: no length, no mass, nothing of the solver's
 TUNABLE = ("g", "joint.damping")
@@ -322,8 +328,8 @@ def _with_initial(output: Variable, n: int, described: tuple[str, ...]) -> Varia
     """The output with what it follows in initialization; `described`: the parameters that the column at rest has."""
     if output.initially is not None or ("[" in output.name and n > LISTED_BLOCKS):
         return output
-    if output.name.endswith("].theta"):  # that of the base, to the last bit
-        return replace(output, initially=_TURNED)
+    if output.name.endswith("].theta"):
+        return replace(output, initially=(*_TURNED, *described))
     record = (RECORD, RECORD_SCALE) if "base.ax" in output.depends_on else ()
     return replace(output, initially=(*output.depends_on, *described, *record))
 
@@ -406,8 +412,12 @@ def _parameters(column: Column, record: str) -> list[Variable]:
             return Variable(name, reference, "Enumeration", *common, choice.items[str(start)], choice=choice)
         if isinstance(start, str):
             return Variable(name, reference, "String", *common, start)
-        least, most = (None, None) if name == RECORD_SCALE else NUMBERS[key][0]
-        return Variable(name, reference, "Real", *common, start or 0.0, 0.0 if optional else least, most)
+        if name == RECORD_SCALE:
+            return Variable(name, reference, "Real", *common, start)
+        least, most = NUMBERS[key][0]
+        return Variable(
+            name, reference, "Real", *common, start or 0.0, 0.0 if optional and least > 0.0 else least, most
+        )
 
     rows = [parameter("g", "m/s2", "Acceleration of gravity", column.g)]
     for i, block in enumerate((block.written_out() for block in column.blocks), start=1):

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from .column import Column
 from .errors import InputError
 from .kernels import layout as at
-from .kernels.batch.entries import run_lanes
+from .kernels.batch.entries import run_lanes, run_swept
 from .kernels.batch.runs import OUTCOME, RUN, SPACE
 from .kernels.entries import run
 from .kernels.integrators import dormand_prince
@@ -67,23 +67,26 @@ class BatchResult:
 def why_not_in_lanes(column: Column) -> str:
     """Why runs of a column are not made in lanes; empty where they are, unless the motion has HELD samples."""
     settings = column.settings
-    if settings.formulation != "exact":
-        return f"formulation {settings.formulation}"
-    if settings.integrator != "auto":
+    swept = settings.formulation == "paper"
+    if swept and settings.integrator != "central-difference":
+        return f"formulation paper with the integrator {settings.integrator}"
+    if not swept and settings.integrator != "auto":
         return f"integrator {settings.integrator}"
     if set(settings.without) - {"peaks"}:
         return "short cuts left out"
     if column.slides:
         return "joints that may slide"
+    if column.off_axis:
+        return "blocks off their axis"
     if column.n > MOST_BLOCKS:
         return f"more than {MOST_BLOCKS} blocks"
-    if settings.tolerance < TIGHTEST:
-        return "tight tolerance"
     if not column.has_rectangles_only:
         return "joints that are no rectangles"
-    if _is_stiff(column):
-        return "stiff joints"
-    return ""
+    if swept:
+        return ""
+    if settings.tolerance < TIGHTEST:
+        return "tight tolerance"
+    return "stiff joints" if _is_stiff(column) else ""
 
 
 def _is_stiff(column: Column) -> bool:
@@ -137,8 +140,8 @@ def run_batch(
     """Run column k under motion k, from rest, for duration k, s (None: that of the motion).
 
     tolerance: relative to the peak; None: each column's. times: s after the start of a run, at which its phase is kept.
-    Raises InputError for columns of another number of blocks or formulation, for friction, for sections that are no
-    rectangles, and for held samples.
+    Raises InputError for columns of another number of blocks or formulation, for friction, for blocks off their
+    axis, for sections that are no rectangles, and for held samples.
     """
     n = columns[0].n
     durations = [motion.duration for motion in motions] if durations is None else list(durations)
@@ -149,6 +152,8 @@ def run_batch(
             raise InputError(f"columns[{k}]: must have {n} blocks and the formulation exact, as the others of a batch")
         if column.slides:
             raise InputError(f"columns[{k}]: has joints that may slide, which a batch does not know; simulate does")
+        if column.off_axis:
+            raise InputError(f"columns[{k}]: has blocks off their axis, which a batch does not know; simulate does")
         if not column.has_rectangles_only:
             names = ", ".join(sorted({SECTIONS[block.joint_section] for block in column.blocks}))
             raise InputError(f"columns[{k}]: its joints are of the sections {names}, must be rectangles in a batch")
@@ -176,10 +181,14 @@ def follow_in_lanes(
     times: FloatArray | None = None,
     flag: FloatArray | None = None,
 ) -> BatchResult:
-    """As `run_batch`, in one thread and unchecked; once flag[0] is not zero it ends soon, with nothing of use."""
+    """As `run_batch`, in one thread and unchecked; once flag[0] is not zero it ends soon, with nothing of use.
+
+    The formulation is that of all columns; without `times` it may be `paper`, at fixed steps.
+    """
     rows = _NONE if times is None else np.ascontiguousarray(times, dtype=np.float64)
     flag = np.zeros(1) if flag is None else flag
-    batch = _Batch(columns[0].n, len(columns), _Records(motions, durations), rows)
+    swept = columns[0].settings.formulation == "paper"
+    batch = _Batch(columns[0].n, len(columns), _Records(motions, durations), rows, swept)
     for k, (column, motion, duration) in enumerate(zip(columns, motions, durations, strict=True)):
         if not flag[0]:
             batch.begin(k, column, motion, float(duration))
@@ -212,8 +221,9 @@ class _Records:
 class _Batch:
     """Runs as rows that the kernels take (kernels/batch/runs.py), and room for the beginning of one after the other."""
 
-    def __init__(self, n: int, count: int, records: _Records, rows: FloatArray) -> None:
+    def __init__(self, n: int, count: int, records: _Records, rows: FloatArray, swept: bool) -> None:
         self.n = n
+        self._swept = swept  # formulation `paper`, for which lanes keep no rows
         self._records = records
         self._rows = rows
         self._models = np.zeros((count, at.MODEL.size(n)))
@@ -234,7 +244,7 @@ class _Batch:
         omega = 2.0 * math.pi * motion.frequency
         wave = (motion.amplitude, omega, -omega * start)
         first, size = self._records.place(motion)
-        if _enters_at_once(column, at.SETTINGS.see(self._fresh.model).explicit_order, motion, size):
+        if self._swept or _enters_at_once(column, at.SETTINGS.see(self._fresh.model).explicit_order, motion, size):
             phase = self._fresh.state[at.CONTROL.beside :][: 4 * n]
             self._outcomes[k] = np.concatenate([[at.OK, math.nan, 0.0, 0.0, 0.0], np.zeros(n), phase])
             self._waits(k, self._fresh.model, phase, (start, start, stop, 1.0, *wave, first, size, 0, 0.0, 0.0))
@@ -273,12 +283,13 @@ class _Batch:
         outcomes, snapshots = self._outcomes[some], self._snapshots[some]
         lanes = _aligned(WIDTH * SPACE.size(self.n))
         found = outcomes.reshape(-1)
-        run_lanes(
+        follow = run_swept if self._swept else run_lanes
+        follow(
             self.n, lanes, some.size, models, phases, runs, found, *self._records.rows, self._rows,
             snapshots.reshape(-1), flag,
         )  # fmt: skip
         tried = np.sum(outcomes[:, _TRIED] - self._outcomes[some][:, _TRIED], axis=1)
-        self._evaluations[some] += (STAGES * tried).astype(np.int64)
+        self._evaluations[some] += ((1 if self._swept else STAGES) * tried).astype(np.int64)
         self._outcomes[some], self._snapshots[some] = outcomes, snapshots
 
     def result(self) -> BatchResult:

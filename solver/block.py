@@ -27,6 +27,8 @@ class Joint:
     strips: tuple[float, ...] | None = None  # m, depths of equal strips from -x to +x, 0 where nothing touches
     friction: float | None = None  # Coulomb's coefficient; None: the joint never slides
     dowel: float | None = None  # N, shear that the joint bears beside friction, and goes on bearing as it slides
+    offset: float | None = None  # m, of the block over what is under it as built, along the joint to +x
+    inclination: float | None = None  # rad, of the joint against the base as built, clockwise
 
     def __post_init__(self) -> None:
         if isinstance(self.strips, list):  # as TOML and JSON have it
@@ -48,6 +50,7 @@ class Block:
     top_width: float | None = None  # m, of the top face of a block that tapers; None: that of the bottom face
     top_depth: float | None = None
     bore: float | None = None  # m, inner diameter of a hollow drum, section annulus
+    tilt: float | None = None  # rad, of the block against the normal of the joint under it as built, clockwise
 
     @property
     def solid(self) -> Solid:
@@ -108,6 +111,12 @@ class Block:
         return self.joint.stiffness * self.joint_moments[0]
 
     @property
+    def is_off_axis(self) -> bool:
+        """Whether the block does not stand upright on the middle of what is under it."""
+        strips = self.joint.strips
+        return bool(self.tilt or self.joint.offset or self.joint.inclination or (strips and strips != strips[::-1]))
+
+    @property
     def joint_width(self) -> float:
         """Width of the contact under the block, m."""
         return self.width if self.joint.width is None else self.joint.width
@@ -163,6 +172,11 @@ def check_block(key: str, block: object) -> None:
             raise InputError(f"{key}.joint.bore: must be an inner diameter in m, less than {width} m")
         _check_bore(f"{key}.joint", block.joint_bore, "annulus", block.joint_width)
     _check_strips(f"{key}.joint.strips", block)
+    for name, value in (("offset", block.joint.offset), ("inclination", block.joint.inclination)):
+        if value is not None:
+            check(f"{key}.joint.{name}", value)
+    if block.tilt is not None:
+        check(f"{key}.tilt", block.tilt)
 
 
 def _check_rules(key: str, block: Block, rules: Sequence[Rule]) -> None:
@@ -206,8 +220,6 @@ def _check_strips(key: str, block: Block) -> None:
             raise InputError(f"{key}[{k}] = {shown(depth)}: {STRIP_RELATION} = {shown(block.depth)} m")
     if not any(strips):
         raise InputError(f"{key}: all zero, must have a depth somewhere")
-    if strips != strips[::-1]:
-        raise InputError(f"{key}: must be the same read backwards: the rest of a column is upright")
 
 
 def _resolved(block: Block, rule: Rule) -> object:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import json
 import math
 from pathlib import Path
 from typing import Any
@@ -10,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from .calibrate import (
+    FreeVibration,
     damping_from_ratio,
     damping_from_restitution,
     free_vibration,
@@ -19,8 +21,9 @@ from .calibrate import (
     with_joints,
 )
 from .column import Column
-from .command_files import read_column
+from .command_files import check_suffix, read_column
 from .errors import InputError, SolverError, reading
+from .files import check_outputs, whole_file
 from .modes import natural_modes
 from .progress import compile_kernels
 from .rocking import RELEASE, housner_restitution, restitution
@@ -51,6 +54,8 @@ def add_calibrate_command(commands: argparse._SubParsersAction[Any]) -> None:
     parser.add_argument("--channel", metavar="NAME", help="column of --free-vibration (default: the second)")
     parser.add_argument("--begin", type=float, metavar="S", help="of the decay in --free-vibration, s")
     parser.add_argument("--end", type=float, metavar="S", help="of the decay, s")
+    parser.add_argument("--json", action="store_true", help="print all that was found as JSON")
+    parser.add_argument("-o", "--output", type=Path, metavar="FILE.json", help="write that to a file")
 
 
 def _calibrate(options: argparse.Namespace) -> None:
@@ -58,8 +63,12 @@ def _calibrate(options: argparse.Namespace) -> None:
         for key in keys:
             if getattr(options, key) is not None and getattr(options, needed) is None:
                 raise InputError(f"--{key.replace('_', '-')}: must be left out, or --{needed.replace('_', '-')} given")
+    if options.output is not None:
+        check_suffix(options.output, ".json")
+    check_outputs((options.output,), (options.column, options.free_vibration))
     column = read_column(options.column)
     compile_kernels(column)
+    decay = None if options.free_vibration is None else _decay_of_record(options)
     if options.young is not None:
         column = with_joints(
             column, modulus_from_elasticity(column, options.young, options.joint_thickness or 0.0, options.joint_young)
@@ -72,10 +81,16 @@ def _calibrate(options: argparse.Namespace) -> None:
         )
     elif options.damping_ratio is not None:
         column = with_joints(column, damping=damping_from_ratio(column, options.damping_ratio))
-    elif options.free_vibration is not None:
-        column = with_joints(column, damping=damping_from_ratio(column, _ratio_of_record(options)))
-    print(_joints(column))
-    print(_meaning(column, options.release))
+    elif decay is not None:
+        column = with_joints(column, damping=damping_from_ratio(column, decay.ratio))
+    found = _found(column, options.release, decay)
+    text = json.dumps(found, indent=2, ensure_ascii=False)
+    print(text if options.json else f"{_decay(options, decay)}{_joints(column)}\n{_meaning(found)}")
+    if options.output is not None:
+        with reading(options.output), whole_file(options.output) as partial:
+            partial.write_text(text + "\n", encoding="utf-8")
+        if not options.json:
+            print(options.output)
 
 
 def _number(text: str) -> float | None:
@@ -88,17 +103,21 @@ def _number(text: str) -> float | None:
         raise InputError(f"--restitution {text}: must be {HOUSNER}, or a number between 0 and 1") from None
 
 
-def _ratio_of_record(options: argparse.Namespace) -> float:
+def _decay_of_record(options: argparse.Namespace) -> FreeVibration:
     time, values = read_history(options.free_vibration, options.channel)
     begin = -math.inf if options.begin is None else options.begin
     within = (time >= begin) & (time <= (math.inf if options.end is None else options.end))
     with reading(options.free_vibration):
-        found = free_vibration(time[within], values[within])
-    print(
-        f"{options.free_vibration}: {found.frequency:.5g} Hz, damping {found.ratio:.3%}; "
-        f"a decaying swing explains {found.explained:.1%}"
+        return free_vibration(time[within], values[within])
+
+
+def _decay(options: argparse.Namespace, decay: FreeVibration | None) -> str:
+    if decay is None:
+        return ""
+    return (
+        f"{options.free_vibration}: {decay.frequency:.5g} Hz, damping {decay.ratio:.3%}; "
+        f"a decaying swing explains {decay.explained:.1%}\n"
     )
-    return found.ratio
 
 
 def _joints(column: Column) -> str:
@@ -114,13 +133,33 @@ def _joints(column: Column) -> str:
     return "\n".join(lines)
 
 
-def _meaning(column: Column, release: float) -> str:
-    """What the values come to: first mode, restitution."""
+def _found(column: Column, release: float, decay: FreeVibration | None) -> dict[str, Any]:
+    """All that is known of the column then, in SI units; a restitution that is not found is None, with the reason."""
     modes = natural_modes(column)
     first = int(np.argmax(modes.sways))
-    lines = [f"first mode {modes.frequency[first]:.5g} Hz, damping {modes.damping_ratio[first]:.3%}, all joints closed"]
+    found: dict[str, Any] = {
+        "column": column.name,
+        "joints": [{"stiffness": block.joint.stiffness, "damping": block.joint.damping} for block in column.blocks],
+        "frequency": float(modes.frequency[first]),
+        "damping_ratio": float(modes.damping_ratio[first]),
+        "release": release,
+        "restitution": None,
+        "housner_restitution": housner_restitution(column),
+        "free_vibration": None,
+    }
+    if decay is not None:
+        found["free_vibration"] = {name: getattr(decay, name) for name in ("frequency", "ratio", "explained")}
     try:
-        found = f"{restitution(column, release):.5f}, let go at {release:g} of the way to the edge"
+        found["restitution"] = restitution(column, release)
     except SolverError as failure:
-        found = f"not found: {failure}"
-    return "\n".join([*lines, f"restitution {found}; Housner's rigid block {housner_restitution(column):.5f}"])
+        found["no_restitution"] = str(failure)
+    return found
+
+
+def _meaning(found: dict[str, Any]) -> str:
+    """What the values come to: first mode, restitution."""
+    first = f"first mode {found['frequency']:.5g} Hz, damping {found['damping_ratio']:.3%}, all joints closed"
+    told = f"not found: {found.get('no_restitution')}"
+    if found["restitution"] is not None:
+        told = f"{found['restitution']:.5f}, let go at {found['release']:g} of the way to the edge"
+    return f"{first}\nrestitution {told}; Housner's rigid block {found['housner_restitution']:.5f}"

@@ -17,7 +17,7 @@ from .column import Column
 from .kernels import layout as at
 from .kernels.entries import joint_energies, joint_potentials
 from .kernels.joint.section import RECTANGLE
-from .packing import FloatArray, pack_model, settlements
+from .packing import FloatArray, arrays_of, pack_model, settlements
 
 PARALLEL = 1e-30  # rad: faces that are as good as parallel
 
@@ -37,6 +37,11 @@ class Chain:
     """The data of a column as rows of n numbers, the top block first."""
 
     g: FloatArray | float  # m/s2
+    # as built, of a column off its axis: joints and blocks turned, rad, offsets and tops to +x, m (layout.py, BLOCKS)
+    lean: FloatArray | float = 0.0
+    tilt: FloatArray | float = 0.0
+    offset: FloatArray | float = 0.0
+    built_x: FloatArray | float = 0.0
 
     def __init__(self, column: Column) -> None:
         blocks = column.blocks
@@ -48,9 +53,16 @@ class Chain:
         self.inertia = np.array([block.resolved_inertia for block in blocks])
         self.rectangles = np.array([block.joint_section == RECTANGLE for block in blocks])
         self.width = np.array([block.joint_width for block in blocks])  # of the contacts
-        if not np.all(self.rectangles):
+        self.off_axis = column.off_axis
+        if column.has_slips or not np.all(self.rectangles):
             self.model = pack_model(column)
-            self.width = np.array(at.MODEL.see(self.model, column.n).blocks.width)
+            seen = at.MODEL.see(self.model, column.n).blocks
+            self.width = np.array(seen.width)
+            if self.off_axis:
+                self.lean, self.tilt, self.built_x = seen.lean, seen.tilt, seen.built_x
+                self.offset = seen.offset
+                rest, zeros = at.STATE.see(arrays_of(column).state, column.n).phase, np.zeros(self.n)
+                self.rest = np.concatenate([rest.theta, rest.opening, zeros, zeros, rest.slip, zeros])
         # N/m2: of a metre of the joint's width, where it is a rectangle
         self.rigidity = np.array([block.joint.stiffness * block.joint_depth for block in blocks])
         self.carried = np.cumsum(self.mass)  # kg, by the joint under each block
@@ -58,7 +70,7 @@ class Chain:
 
     @classmethod
     def of_many(cls, columns: Sequence[Column]) -> Chain:
-        """The data of many columns of n blocks each, formulation `exact`: arrays (columns, n), for as many phases.
+        """The data of many columns of n blocks and one formulation: arrays (columns, n), for as many phases.
 
         All joints are rectangles.
         """
@@ -66,7 +78,7 @@ class Chain:
         chain.rectangles = np.ones(columns[0].n, dtype=np.bool_)
         given = np.array([[_data_of(block) for block in column.blocks] for column in columns], dtype=np.float64)
         chain.height, chain.centroid, chain.mass, chain.inertia, chain.width, chain.rigidity = np.moveaxis(given, -1, 0)
-        chain.n, chain.exact = columns[0].n, True
+        chain.n, chain.exact, chain.off_axis = columns[0].n, columns[0].settings.formulation == "exact", False
         chain.g = np.array([[column.g] for column in columns])
         chain.carried = np.cumsum(chain.mass, axis=-1)
         chain.settled = chain.g * chain.carried / (chain.rigidity * chain.width)
@@ -83,12 +95,13 @@ class Chain:
         )  # fmt: skip
 
     def top_displacements(self, phase: FloatArray) -> FloatArray:
-        """Horizontal displacements of the top faces relative to the base, m, (..., n)."""
+        """Horizontal displacements of the top faces, relative to the base and from as built, m, (..., n)."""
         if not self.exact:
             return phase[..., : self.n].copy()
         theta, opening, _, _, slip, _ = self.places(phase)
-        mean = theta - 0.5 * _over_below(theta)
-        return _from_base(opening * np.sin(mean) + slip * np.cos(mean) + self.height * np.sin(theta))
+        mean = theta - 0.5 * _over_below(theta) + self.lean
+        steps = opening * np.sin(mean) + slip * np.cos(mean) + self.height * np.sin(theta + self.tilt)
+        return _from_base(steps) - self.built_x
 
     def energy(self, phase: FloatArray) -> float:
         """Kinetic, elastic and gravitational energy of one phase above that of the rest under gravity, J."""
@@ -96,50 +109,58 @@ class Chain:
 
     def energies(self, phase: FloatArray) -> FloatArray:
         """The same of phases, one a row."""
+        found = self._energies(phase)
+        return found - self._energies(self.rest) if self.off_axis else found
+
+    def _energies(self, phase: FloatArray) -> FloatArray:
+        """The same above the straight column under its weight."""
         theta, opening, spin, opening_rate, slip, slip_rate = self.places(phase)
-        mean, mean_spin = theta - 0.5 * _over_below(theta), spin - 0.5 * _over_below(spin)
+        mean, mean_spin = theta - 0.5 * _over_below(theta) + self.lean, spin - 0.5 * _over_below(spin)
         sine, cosine = np.sin(mean), np.cos(mean)
+        turned = theta + self.tilt
         x_rate = (
             _from_base(
                 (opening_rate - slip * mean_spin) * sine
                 + (opening * mean_spin + slip_rate) * cosine
-                + self.height * np.cos(theta) * spin
+                + self.height * np.cos(turned) * spin
             )
-            - (self.height - self.centroid) * np.cos(theta) * spin
+            - (self.height - self.centroid) * np.cos(turned) * spin
         )
         z_rate = (
             _from_base(
                 (opening_rate - slip * mean_spin) * cosine
                 - (opening * mean_spin + slip_rate) * sine
-                - self.height * np.sin(theta) * spin
+                - self.height * np.sin(turned) * spin
             )
-            + (self.height - self.centroid) * np.sin(theta) * spin
+            + (self.height - self.centroid) * np.sin(turned) * spin
         )
         moving = 0.5 * (self.mass * (x_rate**2 + z_rate**2) + self.inertia * spin**2)
-        dip = -2.0 * np.sin(0.5 * theta) ** 2  # cos(theta) - 1
-        lifted = opening * cosine - slip * sine + self.settled
+        dip = -2.0 * np.sin(self.tilt + 0.5 * theta) * np.sin(0.5 * theta)  # cosine of the rotation less that as built
+        lifted = opening * cosine - (slip * sine - self.offset * np.sin(self.lean)) + self.settled
         raised = _from_base(lifted + self.height * dip) - (self.height - self.centroid) * dip
         slope = 2.0 * np.sin(0.5 * _over_below(theta))
         felt = opening - 0.5 * slip * slope  # in the middle of the contact
         at_rest = 0.5 * self.carried * self.g * self.settled
-        strained = self.elastic(felt, slope) - at_rest
+        strained = self.elastic(felt, slope, slip) - at_rest
         found: FloatArray = np.sum(moving + self.g * self.mass * raised + strained, axis=-1)
         return found
 
-    def elastic(self, opening: FloatArray, slope: FloatArray) -> FloatArray:
-        """Elastic energy of each joint, J, from its opening m and slope rad."""
-        slope = np.abs(slope)
+    def elastic(self, opening: FloatArray, slope: FloatArray, slip: FloatArray | float = 0.0) -> FloatArray:
+        """Elastic energy of each joint, J, from its opening m, in the middle of the contact, slope rad and slip m."""
+        slipped = np.broadcast_to(slip, opening.shape)
+        simple = self.rectangles & (slipped == 0.0)
+        signed, slope = slope, np.abs(slope)
         deepest, least = 0.5 * self.width * slope - opening, -0.5 * self.width * slope - opening
         full = 0.5 * self.rigidity * self.width * (opening**2 + (slope * self.width) ** 2 / 12.0)
         with np.errstate(divide="ignore", invalid="ignore"):
             part = self.rigidity * deepest**3 / (6.0 * slope)
         found: FloatArray = np.where(least >= 0.0, full, np.where(deepest > 0.0, part, 0.0))
-        if not np.all(self.rectangles):
+        if not np.all(simple):
             others = np.zeros((opening.size // self.n, self.n))
-            rows = (values.reshape(-1, self.n) for values in (opening, slope))
-            for each_opening, each_slope, row in zip(*rows, others, strict=True):
-                joint_potentials(self.n, self.model, each_opening, each_slope, row)
-            found = np.where(self.rectangles, found, others.reshape(opening.shape))
+            rows = (np.ascontiguousarray(values).reshape(-1, self.n) for values in (opening, signed, slipped))
+            for each_opening, each_slope, each_slip, row in zip(*rows, others, strict=True):
+                joint_potentials(self.n, self.model, each_opening, each_slope, each_slip, row)
+            found = np.where(simple, found, others.reshape(opening.shape))
         return found
 
     def joint_energy(self, i: int, turn: FloatArray, turn_below: FloatArray) -> FloatArray:

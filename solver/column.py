@@ -79,6 +79,16 @@ class Column:
         """Whether some joint may slide."""
         return any(block.joint.friction is not None for block in self.blocks)
 
+    @property
+    def off_axis(self) -> bool:
+        """Whether some block stands off its axis as built, so that the rest is not the straight column."""
+        return any(block.is_off_axis for block in self.blocks)
+
+    @property
+    def has_slips(self) -> bool:
+        """Whether slips are among the coordinates: of joints that slide, and of columns that are off their axis."""
+        return self.slides or self.off_axis
+
     @classmethod
     def from_toml(cls, path: str | os.PathLike[str]) -> Column:
         """Read a column from a TOML file; its keys are those of `from_dict`.
@@ -120,15 +130,22 @@ def _check_name(name: object) -> None:
 
 def _check_settings(column: Column) -> None:
     check_settings("solver", column.settings)
-    if column.slides:
-        _check_sliding(column)
+    if column.has_slips:
+        _check_general(column)
 
 
-def _check_sliding(column: Column) -> None:
-    """What cannot be had of a column whose joints slide."""
-    number = 1 + next(i for i, block in enumerate(column.blocks) if block.joint.friction is not None)
-    key = f"block[{number}].joint.friction = {column.blocks[number - 1].joint.friction:g}"
+def _check_general(column: Column) -> None:
+    """What cannot be had of a column whose joints slide, or that is off its axis."""
+    number, block = next(
+        (i, block)
+        for i, block in enumerate(column.blocks, start=1)
+        if block.joint.friction is not None or block.is_off_axis
+    )
+    key = f"block[{number}].joint"
+    given = {f"{key}.{name}": getattr(block.joint, name) for name in ("friction", "offset", "inclination")}
+    given |= {f"block[{number}].tilt": block.tilt, f"{key}.strips": block.joint.strips}
+    name, value = next((name, value) for name, value in given.items() if value)
     if column.settings.formulation == "paper":
-        raise InputError(f'{key}: the formulation "paper" knows no joint that slides, must be "exact"')
+        raise InputError(f'{name} = {shown(value)}: solver.formulation must be "exact", which "paper" has nothing of')
     if column.settings.integrator != "auto":
-        raise InputError(f'{key}: steps of a fixed length miss where a joint slides, solver.integrator must be "auto"')
+        raise InputError(f'{name} = {shown(value)}: solver.integrator must be "auto", steps of a fixed length miss it')

@@ -21,7 +21,7 @@ _COLUMN_KEYS = ("name", "g", "block", "joint", "solver", "profile")
 # of a block: those of `Block`, and those that others follow from
 _BLOCK_KEYS = (
     *("height", "width", "depth", "mass", "density", "centroid", "inertia", "joint", "section", "diameter"),
-    *("top_width", "top_depth", "top_diameter", "bore", "load", "repeat"),
+    *("top_width", "top_depth", "top_diameter", "bore", "tilt", "load", "repeat"),
 )
 _JOINT_KEYS = (*(item.name for item in fields(Joint)), "diameter")
 _WORDS = ("section", "strips")  # keys of a joint that are no number
@@ -135,7 +135,7 @@ def _block_from(key: str, table: Mapping[str, Any], joint_defaults: Mapping[str,
         given = "both given" if "mass" in table else "missing"
         raise InputError(f"{key}.mass, {key}.density: {given}, must be exactly one of mass in kg and density in kg/m3")
     joint = _joint_from(f"{key}.joint", {**joint_defaults, **joint_table}, shape["section"])
-    shape |= {name: _number(key, table, name) for name in ("centroid", "inertia") if name in table}
+    shape |= {name: _number(key, table, name) for name in ("centroid", "inertia", "tilt") if name in table}
     block = Block(mass=_number(key, table, "mass") if "mass" in table else 1.0, joint=joint, **shape)
     if "density" in table:
         if not block.is_cuboid:

@@ -80,26 +80,32 @@ def draw_column(axes: Axes, response: Shapes, k: int, scale: float) -> list[Poly
 def corners_of(response: Shapes, k: int, scale: float) -> list[FloatArray]:
     """Corners (4, 2) of each block at row k, m, the top block first; at a scale of 1 where they are in space.
 
-    From the base up: what separates the faces of a joint is taken in the frame of the lower one, and multiplied there.
+    From the base up: how the faces of a joint have moved apart is taken in the frame of the body below, and multiplied
+    there.
     """
     found: list[FloatArray] = []
-    foot, drawn, turned, turn = np.zeros(2), np.zeros(2), 0.0, 0.0  # middle of the face below: true, drawn; rotations
-    rest = 0.0  # height of the joint without load
+    # middle of the face below: as built, true, drawn; rotations of the body below
+    built, foot, drawn = np.zeros(2), np.zeros(2), np.zeros(2)
+    tilt_below, turned, turn = 0.0, 0.0, 0.0
     for i in range(response.column.n - 1, -1, -1):
         block, theta = response.column.blocks[i], float(response.theta[k, i])
-        rise = block.resolved_centroid
-        up, along = _frame(theta)
-        centroid = np.array([response.ux[k, i] - (block.height - rise) * up[0], rest + rise + response.uz[k, i]])
-        apart = centroid - rise * up - foot
-        below_up, below_along = _frame(turned)
-        drawn_up, drawn_along = _frame(turn)
-        drawn = drawn + scale * ((apart @ below_up) * drawn_up + (apart @ below_along) * drawn_along)
-        foot, turned, turn = centroid + (block.height - rise) * up, theta, scale * theta
+        rise, lean = block.resolved_centroid, block.joint.inclination or 0.0
+        tilt = lean + (block.tilt or 0.0)
+        offset = (block.joint.offset or 0.0) * _frame(lean)[1]
+        built = built + offset + block.height * _frame(tilt)[0]
+        up, along = _frame(tilt + theta)
+        top_x = built[0] + response.ux[k, i]
+        height = built[1] - (block.height - rise) * math.cos(tilt) + response.uz[k, i]
+        centroid = np.array([top_x - (block.height - rise) * up[0], height])
+        apart = np.array(_frame(turned)) @ (centroid - rise * up - foot)
+        apart_built = np.array(_frame(tilt_below)) @ offset
+        drawn = drawn + (apart_built + scale * (apart - apart_built)) @ np.array(_frame(turn))
+        foot = centroid + (block.height - rise) * up
+        tilt_below, turned, turn = tilt, tilt + theta, tilt + scale * theta
         up, along = _frame(turn)
         half, top, tall = 0.5 * block.width * along, 0.5 * (block.top_width or block.width) * along, block.height * up
         found.append(np.array([drawn - half, drawn + half, drawn + top + tall, drawn - top + tall]))
         drawn = drawn + tall
-        rest += block.height
     return found[::-1]
 
 

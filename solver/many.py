@@ -29,6 +29,7 @@ CHUNK_SECONDS = 2.0  # of the clock: what is sent out at once
 FIRST_SECONDS = 0.2  # of the first chunks, whose cost is guessed
 FIRST_COST = 2e-5  # s for a block and a second of motion in lanes, before anything is known
 ALONE, SWEPT = 10.0, 300.0  # times that: a run by itself, and in the formulation of the paper
+SWEPT_IN_LANES = 1.3e-3  # s: and over its fixed step in lanes
 MOST_SAMPLES = 2**20  # of the records in a chunk, so that memory does not grow with the number of runs
 LEAST_RUNS, MOST_RUNS = 16, 2000  # in a chunk: lanes are refilled; rows of a run take memory
 MOST_NOTED = 100  # failures that are told one by one
@@ -248,9 +249,10 @@ class Pace:
 
 def _dearness(column: Column, keep: tuple[str, ...]) -> float:
     """What a run costs, roughly, in those of lanes."""
-    if not why_alone(column, keep):
-        return 1.0
-    return ALONE if column.settings.formulation == "exact" else SWEPT
+    alone, settings = bool(why_alone(column, keep)), column.settings
+    if settings.formulation == "exact":
+        return ALONE if alone else 1.0
+    return SWEPT if alone else SWEPT_IN_LANES / settings.step
 
 
 def _chunks(

@@ -20,6 +20,7 @@ from .kernels.engine import (
     GIVEN_BLOCK,
     GIVEN_JOINT,
     GIVEN_SETTINGS,
+    NO_REST,
     NOT_STABLE,
     model_room,
     scratch_room,
@@ -45,11 +46,11 @@ SKIP_CODES = {
 
 @dataclass(frozen=True)
 class InitialState:
-    """Where a run starts; None is rest, and for the openings static equilibrium under gravity.
+    """Where a run starts; None is rest, static equilibrium under gravity.
 
-    Sequences of n numbers, block 1 (the top) first: `rotation` rad clockwise, `rotation_rate` rad/s, `opening` m of
-    the joint under each block along its normal (negative: compressed), `opening_rate` m/s, `slip` m of the block
-    over what is under it, to +x, `slip_rate` m/s.
+    Sequences of n numbers, block 1 (the top) first, counted from the column as built: `rotation` rad clockwise,
+    `rotation_rate` rad/s, `opening` m of the joint under each block along its normal (negative: compressed),
+    `opening_rate` m/s, `slip` m of the block over what is under it, to +x, `slip_rate` m/s.
     """
 
     rotation: Sequence[float] | FloatArray | None = None
@@ -129,6 +130,11 @@ def _assemble(column: Column, given: FloatArray) -> Arrays:
             f"solver.step = {column.settings.step}: must be at most {detail[0]:.4g} s, where central differences are "
             "stable"
         )
+    if code == NO_REST:
+        raise InputError(
+            f"{column.name} cannot stand: its blocks, offset or inclined as they are, have no stable rest under their "
+            "weight"
+        )
     if code != at.OK:  # the other checks are those of the column
         raise InputError(f"block[{int(detail[0])}].inertia: beyond the range of float64")
     return made
@@ -168,7 +174,8 @@ def section_of(block: Block) -> list[float]:
     """The numbers of the section of the contact under a block (engine.py, GIVEN_SECTION)."""
     strips = block.joint.strips or ()
     unused = [0.0] * (at.MOST_STRIPS - len(strips))
-    return [float(block.joint_section), block.joint_bore, float(len(strips)), *strips, *unused]
+    top = block.top_width or 0.0
+    return [float(block.joint_section), block.joint_bore, top, float(len(strips)), *strips, *unused]
 
 
 def carried_weights(column: Column) -> FloatArray:
@@ -189,19 +196,23 @@ def set_initial(column: Column, state: FloatArray, initial: InitialState) -> Non
     if not isinstance(initial, InitialState):
         raise InputError(f"initial = {shown(initial)}: must be an InitialState")
     n = column.n
-    rotation = _given("rotation", initial.rotation, np.zeros(n))
+    phase = at.STATE.see(state, n).phase
+    at_rest = (np.zeros(n), -settlements(column))
+    if column.off_axis:
+        at_rest = (phase.theta.copy(), phase.opening.copy())
+    rotation = _given("rotation", initial.rotation, at_rest[0])
     _within("rotation", rotation, np.full(n, 0.5 * np.pi), "a quarter turn either way at most, in rad")
     spin = _given("rotation_rate", initial.rotation_rate, np.zeros(n))
-    opening = _given("opening", initial.opening, -settlements(column))
+    opening = _given("opening", initial.opening, at_rest[1])
     heights = np.array([block.height for block in column.blocks])
     _within("opening", np.minimum(opening, 0.0), heights, "no deeper than the block is high, in m")
     opening_rate = _given("opening_rate", initial.opening_rate, np.zeros(n))
-    phase = at.STATE.see(state, n).phase
     for key in ("slip", "slip_rate"):
         given = _given(key, getattr(initial, key), np.zeros(n))
         free = [math.inf if block.joint.friction is not None else 0.0 for block in column.blocks]
         _within(key, given, np.array(free), "zero where the joint has no friction: it never slides")
         getattr(phase, key)[:] = given
+    phase.slip += np.array([block.joint.offset or 0.0 for block in column.blocks])
     phase.sliding[:] = np.sign(phase.slip_rate)
     if column.settings.formulation == "exact":
         phase.theta[:], phase.opening[:] = rotation, opening

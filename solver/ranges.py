@@ -31,6 +31,9 @@ NUMBERS: dict[str, tuple[tuple[float, float], str]] = {
     "damping": ((0.0, 1e6), "a time in s, zero or positive, at most 1e6"),
     "friction": ((1e-6, 1e3), "a positive coefficient of friction, at most 1e3; without it the joint never slides"),
     "dowel": ((0.0, 1e15), "a force in N, zero or positive, at most 1e15"),
+    "offset": ((-1e6, 1e6), "a length in m, positive to +x, at most 1e6 either way"),
+    "inclination": ((-0.5, 0.5), "an angle in rad, clockwise, from -0.5 to 0.5"),
+    "tilt": ((-0.5, 0.5), "an angle in rad, clockwise, from -0.5 to 0.5"),
     "step": ((1e-9, 1e6), "a positive time in s, from 1e-9 to 1e6"),
     "tolerance": ((1e-13, 0.1), "a number from 1e-13 to 0.1"),
 }

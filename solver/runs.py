@@ -138,7 +138,7 @@ def empty_columns(chunk: Chunk) -> Columns:
 def _in_lanes(chunk: Chunk, columns: Columns, tally: Tally, flag: FloatArray) -> dict[int, str]:
     """Make what lanes can into the columns. Returns the places of the others, and why they are not made in lanes."""
     alone: dict[int, str] = {}
-    groups: dict[int, list[int]] = {}
+    groups: dict[tuple[int, str], list[int]] = {}
     known: dict[int, str] = {}  # of the same column
     for place, (column, motion, _) in enumerate(chunk.runs):
         if id(column) not in known:
@@ -147,7 +147,7 @@ def _in_lanes(chunk: Chunk, columns: Columns, tally: Tally, flag: FloatArray) ->
         if why:
             alone[place] = why
         else:
-            groups.setdefault(column.n, []).append(place)
+            groups.setdefault((column.n, column.settings.formulation), []).append(place)
     for places in groups.values():
         runs = [chunk.runs[place] for place in places]
         batch = follow_in_lanes(
@@ -157,13 +157,13 @@ def _in_lanes(chunk: Chunk, columns: Columns, tally: Tally, flag: FloatArray) ->
             raise Stopped
         _fill(columns, np.array(places), runs, batch, chunk.settle)
         alone |= {
-            place: "step too small in lanes" for place, made in zip(places, batch.finished, strict=True) if not made
+            place: "could not go on in lanes" for place, made in zip(places, batch.finished, strict=True) if not made
         }
     return alone
 
 
 def _fill(columns: Columns, places: IntArray, runs: Sequence[Run], batch: BatchResult, settle: float) -> None:
-    """What has come of runs with as many blocks each, into their rows of the columns."""
+    """What has come of runs with as many blocks each and one formulation, into their rows of the columns."""
     n = runs[0].column.n
     chain = Chain.of_many([run.column for run in runs])
     fell = batch.overturned_joint > 0

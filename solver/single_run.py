@@ -91,7 +91,7 @@ def phase_of(stepper: Stepper) -> FloatArray:
 def _of_chain(phases: FloatArray, column: Column) -> FloatArray:
     """The phase of chain.py in what begins with one of the stepper's."""
     rigid: FloatArray = phases[..., : 4 * column.n]
-    if not column.slides:
+    if not column.has_slips:
         return rigid
     places = [at.PHASE.fields.index(name) * column.n for name in ("slip", "slip_rate")]
     return np.concatenate([rigid, *(phases[..., k : k + column.n] for k in places)], axis=-1)
@@ -117,12 +117,12 @@ def settled_verdict(stepper: Stepper, stop: float, settle: float) -> tuple[Verdi
 
 
 def fate(column: Column, phase: FloatArray, stop: float, settle: float) -> tuple[str, float, int]:
-    """What comes of a column, formulation `exact`, that has this phase at time `stop`, s, upon a base then still.
+    """What comes of a column whose joints do not slide that has this phase at time `stop`, s, upon a base then still.
 
     Returns the word, the time of overturning, s, and the joint; NaN and 0 where it stands.
     """
-    rotation, opening, spin, opening_rate = np.split(phase, 4)
-    stepper = Stepper(column, InitialState(rotation, spin, opening, opening_rate))
+    places = Chain(column).places(phase)
+    stepper = Stepper(column, InitialState(places.theta, places.spin, places.opening, places.opening_rate))
     verdict, _ = settled_verdict(stepper, stop, settle)
     return verdict.word, stepper.overturn_time, stepper.overturned_joint
 

@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from .chain import Chain
 from .column import Column
 from .packing import FloatArray, model_of
-from .sticking import sticks_for_good
+from .sticking import stays_closed, sticks_for_good
 
 OVERTURNED, STANDING, UNDECIDED = "overturned", "standing", "undecided"
 
@@ -51,6 +51,8 @@ class Barrier(NamedTuple):
 
 def cannot_fall(column: Column, phase: FloatArray) -> bool:
     """Whether a column with this phase, (4 n,), stands for ever upon a base that stays still."""
+    if column.off_axis:
+        return stays_closed(column, phase)
     if column.slides:  # what slides has less to overcome, and may slide on
         return sticks_for_good(column, phase)
     chain = Chain(column)
@@ -76,7 +78,7 @@ def surely_stand(chain: Chain, energy: FloatArray, turned: FloatArray) -> NDArra
     stands = np.zeros(len(energy), dtype=bool)
     for part, grazed in product(SHARES, GRAZED):
         least, limit = least_energies(chain, part, grazed)
-        stands |= (energy <= SAFE["exact"] * least) & (theta < limit)
+        stands |= (energy <= SAFE["exact" if chain.exact else "paper"] * least) & (theta < limit)
     return stands
 
 

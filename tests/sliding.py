@@ -1,7 +1,8 @@
-"""Reference for joints that slide: Lagrange's equations of theory.md section 9 in plain numpy.
+"""Reference for joints that slide and columns off their axis: Lagrange's equations, theory.md sections 9 and 12.
 
-q = (theta (n,) rad, delta (n,) m, slip (n,) m). The contact belongs to the block above. A joint of a direction 1 or -1
-slides that way, one of direction 0 sticks; nothing of `solver` but the column's data is used.
+q = (theta (n,) rad, delta (n,) m, slip (n,) m), rotations from the column as built, slips with the offsets. The contact
+belongs to the block above, as far as the face below reaches. A joint of a direction 1 or -1 slides that way, one of
+direction 0 sticks; nothing of `solver` but the column's data is used. Sections are rectangles.
 """
 
 from __future__ import annotations
@@ -19,16 +20,38 @@ from solver import Column
 
 @dataclass(frozen=True)
 class SlidingReference(Reference):
-    """The data of a column whose joints all have friction."""
+    """The data of a column; without friction a joint bears everything."""
 
     friction: Array
     dowel: Array
+    offset: Array
+    lean: Array  # rad, of the joints as built
+    tilt: Array  # rad, of the blocks as built
+    rim: Array  # m, half the width of the face below, or of the contact if that is wider
 
     @classmethod
     def of(cls, column: Column) -> SlidingReference:
         joints = [block.joint for block in column.blocks]
-        friction = np.array([joint.friction for joint in joints])
-        return cls(**vars(Reference.of(column)), friction=friction, dowel=np.array([j.dowel or 0.0 for j in joints]))
+        lean = np.array([joint.inclination or 0.0 for joint in joints])
+        faces = np.array([*(0.5 * (block.top_width or block.width) for block in column.blocks[1:]), np.inf])
+        return cls(
+            **vars(Reference.of(column)),
+            friction=np.array([joint.friction or 0.0 for joint in joints]),
+            dowel=np.array([1e300 if joint.friction is None else joint.dowel or 0.0 for joint in joints]),
+            offset=np.array([joint.offset or 0.0 for joint in joints]),
+            lean=lean,
+            tilt=lean + np.array([block.tilt or 0.0 for block in column.blocks]),
+            rim=np.maximum(faces, [0.5 * block.joint_width for block in column.blocks]),
+        )
+
+    @property
+    def built(self) -> Array:
+        """The column as built (3n,)."""
+        return np.concatenate([np.zeros(2 * self.n), self.offset])
+
+    def ends(self, slip: Array) -> tuple[Array, Array]:
+        """Ends of the contacts, m from the middle of the block."""
+        return np.maximum(-0.5 * self.width, -self.rim - slip), np.minimum(0.5 * self.width, self.rim - slip)
 
     def split(self, q: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
         n = self.n
@@ -36,10 +59,10 @@ class SlidingReference(Reference):
 
     def tops(self, q: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
         theta, delta, slip = self.split(q)
-        phi = 0.5 * (theta + below(theta))
+        phi, turned = 0.5 * (theta + below(theta)) + self.lean, theta + self.tilt
         return (
-            from_base(delta * np.sin(phi) + slip * np.cos(phi) + self.height * np.sin(theta)),
-            from_base(delta * np.cos(phi) - slip * np.sin(phi) + self.height * np.cos(theta)),
+            from_base(delta * np.sin(phi) + slip * np.cos(phi) + self.height * np.sin(turned)),
+            from_base(delta * np.cos(phi) - slip * np.sin(phi) + self.height * np.cos(turned)),
         )
 
     def jacobians(self, q: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
@@ -47,7 +70,8 @@ class SlidingReference(Reference):
         n = self.n
         theta, delta, slip = (part[:, None] for part in self.split(q))
         turn, open_, slide = np.eye(3 * n)[:n], np.eye(3 * n)[n : 2 * n], np.eye(3 * n)[2 * n :]
-        phi, mean = 0.5 * (theta + below(theta)), 0.5 * (turn + below(turn))
+        phi, mean = 0.5 * (theta + below(theta)) + self.lean[:, None], 0.5 * (turn + below(turn))
+        theta = theta + self.tilt[:, None]
         low, high = self.height[:, None], (self.height - self.centroid)[:, None]
         sine, cosine = np.sin(phi), np.cos(phi)
         x = from_base(
@@ -59,23 +83,36 @@ class SlidingReference(Reference):
         return x - high * np.cos(theta) * turn, z + high * np.sin(theta) * turn
 
     def pressures(self, q: Array, rate: Array) -> tuple[Array, Array]:
-        """N and its moment about the middle of the contact, which has moved by slip / 2."""
+        """N and its moment about the middle of the block above, which has moved by slip / 2."""
         theta, delta, slip = self.split(q)
         spin, delta_rate, slip_rate = self.split(rate)
         half = 0.5 * (theta - below(theta))
         slope, slope_rate = 2.0 * np.sin(half), np.cos(half) * (spin - below(spin))
+        left, right = self.ends(slip)
+        middle = 0.5 * (left + right)  # of the contact
         states = zip(
-            self.stiffness, self.width, self.depth, self.damping, delta - 0.5 * slip * slope, slope,
-            delta_rate - 0.5 * (slip_rate * slope + slip * slope_rate), slope_rate, strict=True,
+            self.stiffness, right - left, self.depth, self.damping, delta - (0.5 * slip + middle) * slope, slope,
+            delta_rate - 0.5 * (slip_rate * slope + slip * slope_rate) - middle * slope_rate, slope_rate, strict=True,
         )  # fmt: skip
         normal, moment = np.array([pressure_resultants(*state) for state in states]).T
-        return normal, moment
+        return normal, moment + middle * normal
+
+    def at_rims(self, q: Array) -> Array:
+        """What the rims that cut contacts off push the blocks above along the joints by, N: the energy there."""
+        theta, delta, slip = self.split(q)
+        slope = 2.0 * np.sin(0.5 * (theta - below(theta)))
+        found = np.zeros(self.n)
+        for edge, whole, sign in zip(self.ends(slip), (-0.5 * self.width, 0.5 * self.width), (-1.0, 1.0), strict=True):
+            pressed = np.maximum(0.0, slope * edge - delta + 0.5 * slip * slope)
+            found += np.where(edge == whole, 0.0, sign * 0.5 * self.stiffness * self.depth * pressed**2)
+        return found
 
     def elastic(self, q: Array) -> float:
         theta, delta, slip = self.split(q)
         slope = 2.0 * np.sin(0.5 * (theta - below(theta)))
-        apart = Reference(**{name: getattr(self, name) for name in Reference.__dataclass_fields__})
-        return apart.elastic(np.concatenate([theta, delta - 0.5 * slip * slope]))
+        left, right = self.ends(slip)
+        data = {name: getattr(self, name) for name in Reference.__dataclass_fields__} | {"width": right - left}
+        return Reference(**data).elastic(np.concatenate([theta, delta - 0.5 * (slip + left + right) * slope]))
 
     def solve(
         self, q: Array, rate: Array, direction: Array, ax: float = 0.0, az: float = 0.0
@@ -87,7 +124,7 @@ class SlidingReference(Reference):
         normal, moment = self.pressures(q, rate)
         # virtual work of the pressure on d(delta - slip slope / 2) and d(slope)
         turning = (moment + 0.5 * slip * normal) * np.cos(half)
-        drift = -normal * np.sin(half)
+        drift = self.at_rims(q) - normal * np.sin(half)
         bears = self.friction * normal + self.dowel
         joints = np.concatenate([np.concatenate([[0.0], turning[:-1]]) - turning, normal, drift - direction * bears])
         matrix, rest = self.mass_matrix(q), self.inertial(q, rate, ax, az) + joints
@@ -110,7 +147,7 @@ class SlidingReference(Reference):
         return found
 
     def centroids(self, q: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
-        theta = q[: self.n]
+        theta = q[: self.n] + self.tilt
         x, z = self.tops(q)
         high = self.height - self.centroid
         return x - high * np.sin(theta), z - high * np.cos(theta)

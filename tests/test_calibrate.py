@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from pathlib import Path
 
@@ -173,6 +174,19 @@ def test_command_prints_what_to_write_and_what_it_means(tmp_path: Path, capsys: 
     assert read_history(tmp_path / "decay.csv", "top")[1] == pytest.approx(ux)
 
 
+def test_command_gives_what_it_found_as_json(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    column, kept = str(COLUMNS / "phocas-damped.toml"), tmp_path / "found.json"
+    assert main(["calibrate", column, "--damping-ratio", "0.02", "--json", "-o", str(kept)]) == 0
+    text = capsys.readouterr().out
+    assert text == kept.read_text(encoding="utf-8")
+    found = json.loads(text)
+    assert found["damping_ratio"] == pytest.approx(0.02, rel=1e-9)
+    calibrated = damping_from_ratio(Column.from_toml(column), 0.02)
+    assert [joint["damping"] for joint in found["joints"]] == pytest.approx([calibrated] * 3, rel=1e-12)
+    assert found["restitution"] == pytest.approx(found["housner_restitution"], abs=0.1)
+    assert found["free_vibration"] is None
+
+
 @pytest.mark.parametrize(
     ("options", "message"),
     [
@@ -181,6 +195,7 @@ def test_command_prints_what_to_write_and_what_it_means(tmp_path: Path, capsys: 
         (["--channel", "x"], "--channel: must be left out, or --free-vibration given"),
         (["--free-vibration", "none.csv"], "none.csv: No such file"),
         (["--young", "-1"], "young = -1"),
+        (["-o", "found.txt"], "found.txt: must end in .json"),
     ],
 )
 def test_command_says_what_is_wrong(

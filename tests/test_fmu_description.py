@@ -102,6 +102,8 @@ def test_initial_unknowns_follow_what_is_declared_and_nothing_else(fmus: Fmus, r
     assert "joint[3].S" in followed["base.az"]
     assert followed["base.jx"] == followed["solver.tolerance"] == []
     assert "block[1].theta" in followed["base.theta"]
+    for given in ("joint[2].offset", "joint[1].inclination", "block[3].tilt"):
+        assert "block[1].theta" in followed[given], given
 
 
 def direct_inputs(name: str) -> set[str]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -13,7 +12,6 @@ from child import command, returned
 from fmus import ROOT, Fmus, environment
 from inside import starts
 
-from fmu_src.host import user_cache
 from solver import Motion
 
 
@@ -51,11 +49,14 @@ def test_a_record_compiles_nothing_more(fmus: Fmus, tmp_path: Path) -> None:
 def test_the_account_that_builds_compiles_nothing_more(fmus: Fmus, tmp_path: Path) -> None:
     column = ROOT / "examples" / "columns" / "phocas-damped.toml"
     home = environment() | {"HOME": str(tmp_path), "XDG_CACHE_HOME": str(tmp_path / ".cache")}
-    built = tmp_path / ".cache" / "multiblock-fmu" / "built"
-    shutil.copytree(user_cache() / "multiblock-fmu" / "built", built)  # made when the FMUs of the tests were
     build = [sys.executable, str(ROOT / "build_fmu.py"), str(column), "-o", str(tmp_path / "own.fmu")]
     subprocess.run(build, env=home, check=True, capture_output=True)
     assert counts(start(tmp_path / "own.fmu", tmp_path))[:2] == (3, 0)
+
+
+def test_python_finds_what_the_builder_has_compiled(fmus: Fmus) -> None:
+    done = subprocess.run(command(starts.simulate), env=environment(), check=True, capture_output=True, text=True)
+    assert returned(done.stdout) == [0, 0]
 
 
 @pytest.mark.long

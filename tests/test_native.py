@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import math
 import sys
 import zipfile
 from pathlib import Path
@@ -59,6 +60,7 @@ def test_three_blocks_give_the_numbers_of_the_pythonfmu(fmus: Fmus, native: Path
         {"solver.tolerance": 1e-9, "joint[2].damping": 2e-2},
         {"block[1].mass": 2e4, "block[2].centroid": 2.0, "block[3].inertia": 1e5, "joint[3].width": 1.2, "g": 9.0},
         {"solver.without": "elastic, dashpots", "joint[1].damping": 0.0},
+        {"joint[1].offset": 0.1, "joint[2].inclination": 0.01, "block[1].tilt": -0.01, "joint[1].friction": 0.4},
         UNDAMPED,
         {"solver.formulation": "paper"},
         {"solver.formulation": "paper", "solver.integrator": "central-difference", "solver.step": 5e-5},
@@ -92,6 +94,8 @@ def test_round_hollow_and_chipped_joints(tmp_path: Path) -> None:
         ("block[2].width", 0.35, "block[2].bore = 0.4: must be less than the outer diameter = 0.35 m"),
         ("joint[1].width", 0.2, "joint[1].bore = 0.3: must be less than the outer diameter = 0.2 m"),
         ("joint[2].width", 0.4, "joint[2].bore = 0.4: must be less than the outer diameter = 0.4 m"),
+        ("joint[1].friction", -0.5, "joint[1].friction = -0.5: must be a positive coefficient of friction"),
+        ("joint[2].offset", math.nan, "joint[2].offset = nan: must be"),
         ("block[3].depth", 1.3, "joint[3].strips[2] = 1.4: must not exceed the block's depth = 1.3 m"),
     ):
         for fmu in (native, python):

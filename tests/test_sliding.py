@@ -1,7 +1,8 @@
-"""Joints that slide, state by state: against Lagrange's equations (tests/sliding.py)."""
+"""Joints that slide and blocks off their axis, state by state: against Lagrange's equations (tests/sliding.py)."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -12,7 +13,7 @@ from lagrange import Array
 from probe import field, random_column, random_state, reaction
 from sliding import SlidingReference
 
-from solver import Column
+from solver import Column, InputError
 from solver.kernels import layout as at
 from solver.stepper import Stepper
 
@@ -31,13 +32,36 @@ def sliding_column(rng: np.random.Generator, n: int, damped: bool = True) -> Col
     return replace(column, blocks=tuple(blocks))
 
 
+def off_axis_column(rng: np.random.Generator, n: int) -> Column:
+    """The same, some joints without friction, its blocks offset and inclined; as much as it stands by."""
+    column = sliding_column(rng, n)
+    values = rng.uniform(-1.0, 1.0, (n, 3)) * [0.3, 0.2, 0.2]
+    sticks = rng.random(n) < 0.3
+    for part in (0.5**k for k in range(40)):
+        blocks = []
+        for block, (offset, inclination, tilt), stuck in zip(column.blocks, part * values, sticks, strict=True):
+            joint = replace(block.joint, offset=offset * block.joint_width, inclination=inclination)
+            joint = replace(joint, friction=None, dowel=None) if stuck else joint
+            joint = replace(joint, stiffness=1e11 + joint.stiffness)  # upright, all of them stand
+            blocks.append(replace(block, joint=joint, tilt=tilt))
+        made = replace(column, blocks=tuple(blocks))
+        try:
+            Stepper(made)
+        except InputError:
+            continue
+        return made
+    raise AssertionError
+
+
 def sliding_state(rng: np.random.Generator, column: Column, largest: float) -> tuple[Array, Array, Array]:
     """(q, rates, directions): joints moved by up to a fifth of their width, most of them sliding."""
     n = column.n
     q, rate = random_state(rng, column, largest)
+    offset = np.array([block.joint.offset or 0.0 for block in column.blocks])
     width = np.array([block.joint_width for block in column.blocks])
-    slip = rng.uniform(-0.2, 0.2, n) * width
+    slip = rng.uniform(-0.2, 0.2, n) * width + offset
     direction = rng.choice([-1.0, 0.0, 1.0], n, p=[0.4, 0.2, 0.4])
+    direction[[block.joint.friction is None for block in column.blocks]] = 0.0
     speed = direction * rng.uniform(0.01, 1.0, n)
     # openings that the middle of the contact feels are those of the random state
     theta = q[:n]
@@ -56,9 +80,12 @@ def put(stepper: Stepper, q: Array, rate: Array, direction: Array) -> None:
 
 @given(seed=seeds, n=st.integers(1, 5), largest=st.sampled_from([1e-4, 1e-2, 0.5]))
 @examples
-def test_accelerations_and_forces_are_those_of_lagranges_equations(seed: int, n: int, largest: float) -> None:
+@pytest.mark.parametrize("make", [sliding_column, off_axis_column])
+def test_accelerations_and_forces_are_those_of_lagranges_equations(
+    make: Callable[[np.random.Generator, int], Column], seed: int, n: int, largest: float
+) -> None:
     rng = np.random.default_rng(seed)
-    column = sliding_column(rng, n)
+    column = make(rng, n)
     q, rate, direction = sliding_state(rng, column, largest)
     ax, az = rng.uniform(-0.3, 0.3, 2) * column.g
     stepper = Stepper(column)
@@ -81,10 +108,12 @@ def test_accelerations_and_forces_are_those_of_lagranges_equations(seed: int, n:
     assert np.all(np.abs(tangential - drift)[sticks] <= bears[sticks] + 1e-9 * force)
     let_go = ~moving & ~sticks
     assert np.all((decided * expected[2 * n :])[let_go] >= -1e-9 * scale)
-    assert field(row, "slip", n) == pytest.approx(q[2 * n :], abs=0.0)
+    assert field(row, "slip", n) == pytest.approx(q[2 * n :] - reference.offset, abs=0.0)
     size = np.sum(reference.height)
-    assert field(row, "ux", n) == pytest.approx(reference.tops(q)[0], abs=1e-14 * size)
-    rise = reference.centroids(q)[1] - reference.centroids(np.zeros(3 * n))[1]
+    assert field(row, "ux", n) == pytest.approx(
+        reference.tops(q)[0] - reference.tops(reference.built)[0], abs=1e-14 * size
+    )
+    rise = reference.centroids(q)[1] - reference.centroids(reference.built)[1]
     assert field(row, "uz", n) == pytest.approx(rise, abs=1e-14 * size)
     # the reaction is what the blocks take from the base
     x, z = reference.jacobians(q)

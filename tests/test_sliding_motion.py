@@ -264,7 +264,7 @@ def test_shentons_map_of_modes(slenderness: float) -> None:
 @pytest.mark.parametrize(
     ("change", "told"),
     [
-        ({"formulation": "paper"}, r'block\[1\].joint.friction = 0.3: the formulation "paper" knows no joint'),
+        ({"formulation": "paper"}, r'block\[1\].joint.friction = 0.3: solver.formulation must be "exact"'),
         ({"integrator": "central-difference"}, "solver.integrator must be"),
     ],
 )

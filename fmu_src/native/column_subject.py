@@ -60,6 +60,8 @@ def column_subject(column: Column) -> Subject:
             "COUNT_RESTING": at.COUNTS.fields.index("resting"),
             "COUNT_OVERTURNED": at.COUNTS.fields.index("overturned"),
             "CENTRAL_DIFFERENCE": at.CENTRAL_DIFFERENCE,
+            "NO_REST": pointers.NO_REST,
+            "NOT_GENERAL": pointers.NOT_GENERAL,
             "NOT_STABLE": pointers.NOT_STABLE,
             "TOO_LARGE": pointers.TOO_LARGE,
         }
@@ -120,6 +122,8 @@ def _checks(column: Column) -> list[Check]:
         for k, depth in enumerate(block.joint.strips or ()):
             name = f"joint[{i}].strips[{k}]"
             rows.append(Check(name, *FIXED_LENGTH, False, f"block[{i}].depth", False, STRIP_RELATION, depth))
+        others = [f"joint[{i}].{key}" for key in ("offset", "inclination", "friction", "dowel")]
+        rows += [Check(name, *NUMBERS[name.rpartition(".")[2]], True) for name in (*others, f"block[{i}].tilt")]
     rows += [Check(f"solver.{key}", *NUMBERS[key]) for key in ("step", "tolerance")]
     return [*rows, Check(RECORD_SCALE, *rules.SCALE_LIMITS)]
 

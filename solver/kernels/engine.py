@@ -9,6 +9,7 @@ import math
 from .column.assembly import derive, settle
 from .column.normal_modes import normal_modes
 from .column.normal_modes import scratch_size as modes_scratch
+from .column.rest import find_rest
 from .column.stability import longest_stable_step
 from .column.stability import scratch_size as stability_scratch
 from .formulations.base import base_motion, enter
@@ -18,7 +19,7 @@ from .formulations.feedthrough import base_direction, effective_mass, split_reac
 from .formulations.outputs import observe
 from .formulations.slips import begin_slips, phase_size
 from .jit import kernel, leaf
-from .joint.section import lay_out
+from .joint.section import is_off_centre, lay_out
 from .joint.sliding import RIGID
 from .layout import (
     AUTO,
@@ -42,10 +43,11 @@ from .views import Record
 
 # what describes a column: settings, then a record for each block; 0 for an optional value that is not given
 GIVEN_SETTINGS = Record("g", "step", "tolerance", "formulation", "integrator", "without")
-GIVEN_BLOCK = ("height", "width", "depth", "mass", "centroid", "inertia")
-GIVEN_JOINT = ("stiffness", "damping", "width", "depth", "friction", "dowel")
-# of its section, which no parameter of an FMU changes: code, inner diameter m, number of strips and their depths m
-GIVEN_SECTION = ("section", "bore", "strips", *(f"strip_{k}" for k in range(MOST_STRIPS)))
+GIVEN_BLOCK = ("height", "width", "depth", "mass", "centroid", "inertia", "tilt")
+GIVEN_JOINT = ("stiffness", "damping", "width", "depth", "friction", "dowel", "offset", "inclination")
+# what no parameter of an FMU changes: code of the section, inner diameter m, width of the top face of the block m,
+# number of strips and their depths m
+GIVEN_SECTION = ("section", "bore", "top", "strips", *(f"strip_{k}" for k in range(MOST_STRIPS)))
 GIVEN = Record(*GIVEN_BLOCK, *(f"joint_{name}" for name in (*GIVEN_JOINT, *GIVEN_SECTION)))
 # what a caller sets of the base: accelerations, their slopes, rotation
 BASE_INPUTS = Record("ax", "az", "jx", "jz", "theta", "omega", "alpha")
@@ -53,6 +55,9 @@ BASE_INPUTS = Record("ax", "az", "jx", "jz", "theta", "omega", "alpha")
 # codes of `assemble`, beside those of layout.py
 NOT_STABLE = -10  # the fixed step is beyond the limit, which is left in the detail
 TOO_LARGE = -11  # the moment of inertia of a block, whose number is left in the detail, is beyond float64
+NO_REST = -12  # a column that is off its axis does not stand under its own weight
+NOT_GENERAL = -13  # a column that may slide or is off its axis asks for another formulation or integrator
+ENDLESS = 1e300  # m, half the width of the base
 
 STEP_SLACK = 1e-6  # the limit itself is known to so many digits
 PROBE_TURN = 1e-9  # rad, and
@@ -102,7 +107,7 @@ def assemble(column, given, afresh, scratch, detail):
     """The packed model of the column that `given` describes; a column at rest with `afresh`. Returns a code.
 
     Without `afresh` the motion goes on from the present coordinates and rates. On an error nothing else than the model
-    has changed, which may not be used then. given, scratch, detail: rows.
+    has changed, which may not be used then; but NO_REST leaves no motion either. given, scratch, detail: rows.
     """
     model, state, counts, base, _, work = column
     n, settings, blocks = model.n, model.settings, model.blocks
@@ -116,6 +121,7 @@ def assemble(column, given, afresh, scratch, detail):
     settings.without = described.without
     settings.has_modes = 0.0
     settings.slides = 0.0
+    settings.off_axis = 0.0
     for i in range(n):
         row = given[_SETTINGS_FIELDS + _BLOCK_FIELDS * i :]
         block = _given_block(row, 0)
@@ -132,9 +138,19 @@ def assemble(column, given, afresh, scratch, detail):
         blocks.friction[i] = block.joint_friction
         blocks.dowel[i] = block.joint_dowel if block.joint_friction > 0.0 else RIGID
         settings.slides = 1.0 if block.joint_friction > 0.0 else settings.slides
+        blocks.offset[i], blocks.lean[i] = block.joint_offset, block.joint_inclination
+        blocks.tilt[i] = block.joint_inclination + block.tilt
+        if block.joint_offset != 0.0 or blocks.lean[i] != 0.0 or blocks.tilt[i] != 0.0 or is_off_centre(blocks, i):
+            settings.off_axis = 1.0
+        _lay_rims(blocks, i, ENDLESS)
+        if i > 0:
+            _lay_rims(blocks, i - 1, 0.5 * (block.width if block.joint_top == 0.0 else block.joint_top))
         if not math.isfinite(blocks.inertia[i]):
             detail[0] = i + 1.0
             return TOO_LARGE
+    settings.slides = max(settings.slides, settings.off_axis)
+    if settings.slides != 0.0 and (settings.formulation != EXACT or settings.integrator != AUTO):
+        return NOT_GENERAL
     derive(model)
     if settings.integrator == CENTRAL_DIFFERENCE:
         detail[0] = longest_stable_step(column, scratch)
@@ -149,10 +165,25 @@ def assemble(column, given, afresh, scratch, detail):
         for i in range(_STATE_PER_N * n + _CONTROL_FIELDS):
             state.row[i] = 0.0
         settle(model, state.phase, 0.0)
+        if settings.off_axis != 0.0:
+            for i in range(n):
+                state.phase.slip[i] = blocks.offset[i]
+            if settings.gravity > 0.0 and not find_rest(model, state.phase, work.room):
+                return NO_REST
+            for i in range(n):
+                blocks.rest_turn[i], blocks.rest_opening[i] = state.phase.theta[i], state.phase.opening[i]
         reset(counts, base)
     elif counts.overturned == 0:
         state.control.base_ax = math.nan  # belongs to no input: the accelerations are to be computed anew
+        for i in range(n):
+            blocks.rest_turn[i] = math.inf  # nowhere: it may be another one now
     return OK
+
+
+@leaf
+def _lay_rims(blocks, i, half):
+    """Where the face under joint i ends, whose width is twice `half`; at first it bears the whole contact."""
+    blocks.rim_left[i], blocks.rim_right[i] = min(blocks.left[i], -half), max(blocks.right[i], half)
 
 
 @kernel
@@ -373,7 +404,7 @@ def feedthrough(column, seeds, elapsed, t, row, split, other, other_split):
         tangential_gains(model, work, gains)
         turn_below = 0.0
         for i in range(n - 1, -1, -1):
-            _, cosine = sine_cosine(0.5 * (phase.theta[i] + turn_below) + motion.theta)
+            _, cosine = sine_cosine(0.5 * (phase.theta[i] + turn_below) + motion.theta + model.blocks.lean[i])
             row.joints.T[i] = -gains[i] * met
             row.joints.S[i] = -cosine * gains[i] * met
             turn_below = phase.theta[i]

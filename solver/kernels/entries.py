@@ -72,11 +72,11 @@ def observe_snapshots(n, model, state, counts, base, work, snapshots, rows, coun
 
 
 @entry
-def joint_potentials(n, model, openings, slopes, found):
-    """Elastic energy of every joint, J."""
+def joint_potentials(n, model, openings, slopes, slips, found):
+    """Elastic energy of every joint, J; openings in the middle of the contacts."""
     blocks = _model(row_of(model), n).blocks
     for i in range(n):
-        found[i] = joint_potential(contact_of(blocks, i), blocks.stiffness[i], openings[i], slopes[i])
+        found[i] = joint_potential(contact_of(blocks, i, slips[i]), blocks.stiffness[i], openings[i], slopes[i])
 
 
 @entry

@@ -41,7 +41,8 @@ SETTINGS = Record(
     "without",  # sum of the short cuts that are not to be taken
     "has_modes",  # 1 where there are modal data
     "explicit_order",  # 5 or 8, of the explicit method of `auto`
-    "slides",  # 1 where some joint may slide
+    "slides",  # 1 where some joint may slide, or the column is off its axis: slips are coordinates
+    "off_axis",  # 1 where the rest is not the straight column
     "per_slip",  # 1/m, rotation of the column that moves its top as far as a slip
 )
 MOST_STRIPS = 32  # of a section made of strips
@@ -64,6 +65,14 @@ BLOCKS = Table(
     "damping",  # s
     "friction",  # of the joint; 0: it never slides
     "dowel",  # N, what the joint bears along itself without friction
+    "offset",  # m, of the block over what is under it, as built: where its slip begins
+    "lean",  # rad, of the joint against the horizontal, as built, clockwise
+    "tilt",  # rad, of the block against the vertical, as built, clockwise
+    "built_x",  # m, middle of the top face, as built
+    "rest_turn",  # rad and
+    "rest_opening",  # m, of a column that is off its axis, under its weight
+    "rim_left",  # m from the middle of what is under the joint: ends of its face, or of the contact if that is wider
+    "rim_right",
     "turn_size",  # first coordinate when the column turns by 1 rad: 1 (exact), height of the top face (paper)
     "open_size",  # m, opening with the elastic energy of a joint rotation of 1 rad: radius of gyration of the contact
     "per_turn_size",
@@ -197,7 +206,7 @@ JOINTS = Table(
     "drift",  # N, what of it is no friction: the pressure acts along the normal of a face
     "bearable",  # N, by friction and dowel; the joint slides beyond
 )
-ROOM = Table("a", "b", "c", "d", "e", "f", "g", "h", "i", "j")  # of one evaluation; each formulation names its own
+ROOM = Table("a", "b", "c", "d", "e", "f", "g", "h", "i", "j", "k")  # of one evaluation; each formulation names its own
 HOLD = Table(
     "held",  # regime that the joint is held in; 0 is whichever applies
     "regime",  # that it was last held in

@@ -14,8 +14,8 @@ from typing import Any
 from llvmlite import binding as llvm
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler, DefaultPassBuilder
-from numba.core.compiler_machinery import LoweringPass, register_pass
-from numba.core.typed_passes import NativeLowering
+from numba.core.compiler_machinery import AnalysisPass, LoweringPass, register_pass
+from numba.core.typed_passes import AnnotateTypes, NativeLowering
 
 _EXTERNAL, _SHARED, _OWN = llvm.Linkage.external, llvm.Linkage.linkonce_odr, llvm.Linkage.internal
 
@@ -94,6 +94,20 @@ def _library(state: Any, kind: Any) -> Any:
 
 
 @register_pass(mutates_CFG=False, analysis_only=True)
+class _NoListing(AnalysisPass):  # type: ignore[misc]
+    """No listing is kept with the machine code: it names folders and addresses of the process that made it."""
+
+    _name = "no_listing"
+
+    def __init__(self) -> None:
+        AnalysisPass.__init__(self)
+
+    def run_pass(self, state: Any) -> bool:
+        state.type_annotation = ""
+        return False
+
+
+@register_pass(mutates_CFG=False, analysis_only=True)
 class _StandIn(LoweringPass):  # type: ignore[misc]
     """What numba knows a kernel by, in place of a function that Python could call."""
 
@@ -127,9 +141,11 @@ class EntryCompiler(Compiler):  # type: ignore[misc]
     """Compiles what is called from outside, with all kernels below it."""
 
     def define_pipelines(self) -> list[Any]:
-        """Numba's own."""
+        """Numba's own, without a listing."""
         flags = self.state.flags
         flags.no_cfunc_wrapper = not flags.no_cpython_wrapper  # either Python calls it or another program
         self.state.library = _library(self.state, WholeLibrary)
-        passes: list[Any] = super().define_pipelines()
-        return passes
+        passes = DefaultPassBuilder.define_nopython_pipeline(self.state)
+        passes.add_pass_after(_NoListing, AnnotateTypes)
+        passes.finalize()
+        return [passes]

@@ -11,6 +11,8 @@ from . import engine
 from .engine import (
     GIVEN_BLOCK,
     GIVEN_JOINT,
+    NO_REST,
+    NOT_GENERAL,
     NOT_STABLE,
     TOO_LARGE,
     column_over,
@@ -29,7 +31,9 @@ __all__ = [
     "GIVEN_FIELDS",
     "GIVEN_JOINT",
     "GIVEN_SETTINGS",
+    "NOT_GENERAL",
     "NOT_STABLE",
+    "NO_REST",
     "TOO_LARGE",
     "model_room",
     "scratch_room",

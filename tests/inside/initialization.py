@@ -25,10 +25,11 @@ def followers(fmu: str) -> dict[str, list[str]]:
             if item.causality == "output" or item.type == "String" or name in left_out:
                 continue
             key = name.rpartition(".")[2]
-            if key == "dowel" or (key == "friction" and formulation == "paper"):  # not by itself, not there
+            general = ("friction", "offset", "inclination", "tilt")
+            if key == "dowel" or (key in general and formulation == "paper"):  # not by itself, not there
                 continue
             (value,) = column.get(name)
-            given = {"centroid": 2.0, "inertia": 1e5}.get(key)
+            given = {"centroid": 2.0, "inertia": 1e5, "offset": 0.01, "inclination": 1e-3, "tilt": 1e-3}.get(key)
             other = 3 - value if item.type == "Enumeration" else given or (1.01 * value if value else 1.0)
             column.set({name: other})
             found.setdefault(name, set()).update(

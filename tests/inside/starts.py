@@ -38,3 +38,18 @@ def start(fmu: str, hindrance: str = "", record: str = "") -> tuple[int, int, fl
 
 
 ENTRIES = "kernels.entries"  # the module with the kernels that the slave calls
+
+
+def simulate() -> list[int]:
+    """How often each kernel of a Python run, those of its outputs aside, was compiled in this process."""
+    from typing import Any
+
+    from probe import phocas
+
+    from solver import Motion
+    from solver import simulate as run
+    from solver.kernels import entries
+
+    run(phocas(), Motion.harmonic(0.1, 1.0, 0.1))
+    used: list[Any] = [entries.assemble_column, entries.run]
+    return [len(entry.stats.cache_misses) for entry in used]

@@ -1,15 +1,15 @@
-"""The entry that Python calls for many runs."""
+"""The entries that Python calls for many runs."""
 
-from ..jit import entry
+from ..jit import entry, leaf
 from ..views import row_of
 from .follow import follow_queue
 from .runs import Queue
+from .swept import follow_swept
 
 
-@entry
-def run_lanes(n, buffer, count, models, phases, runs, outcomes, times, ax, az, row_times, snapshots, flag):
-    """`follow_queue`: all runs of columns of n blocks, eight at a time. All but n and count are arrays."""
-    queue = Queue(
+@leaf
+def _queue_of(count, models, phases, runs, outcomes, times, ax, az, row_times, snapshots, flag):
+    return Queue(
         count,
         row_of(models),
         row_of(phases),
@@ -23,4 +23,17 @@ def run_lanes(n, buffer, count, models, phases, runs, outcomes, times, ax, az, r
         row_of(snapshots),
         row_of(flag),
     )
+
+
+@entry
+def run_lanes(n, buffer, count, models, phases, runs, outcomes, times, ax, az, row_times, snapshots, flag):
+    """`follow_queue`: all runs of columns of n blocks, eight at a time. All but n and count are arrays."""
+    queue = _queue_of(count, models, phases, runs, outcomes, times, ax, az, row_times, snapshots, flag)
     follow_queue(n, buffer, queue)
+
+
+@entry
+def run_swept(n, buffer, count, models, phases, runs, outcomes, times, ax, az, row_times, snapshots, flag):
+    """`follow_swept`, the same of the first-order formulation; no snapshots."""
+    queue = _queue_of(count, models, phases, runs, outcomes, times, ax, az, row_times, snapshots, flag)
+    follow_swept(n, buffer, queue)

@@ -42,6 +42,17 @@ def anchor_waves(base, t):
 
 
 @leaf
+def anchor_far_waves(base, t):
+    """The same in the lanes where it was not done shortly before; as formulations/base.py, `anchor_wave`."""
+    far = (base.wave_amplitude != 0.0) & ~(magnitude(base.wave_omega * (t - base.anchor)) <= 0.5 * SOON)
+    if any_of(far):
+        sines, cosines = sine_cosine(base.wave_omega * t + base.wave_phase)
+        base.anchor_sine = where(far, sines, base.anchor_sine)
+        base.anchor_cosine = where(far, cosines, base.anchor_cosine)
+        base.anchor = where(far, t, base.anchor)
+
+
+@leaf
 def wave_of_lanes(base, t):
     """As formulations/base.py, `wave`."""
     x = base.wave_omega * (t - base.anchor)

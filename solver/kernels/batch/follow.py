@@ -167,6 +167,17 @@ def fallen(model, phase):
 
 
 @kernel
+def note_falls(batch, fell, step):
+    """Note when within their step the columns in those lanes, bit by bit, overturn."""
+    if fell != 0:
+        for k in range(WIDTH):
+            if (fell >> k) & 1:
+                one = single(batch, k)
+                fraction = moment_of_overturning(one, lane(step, k))
+                one.state.control.overturn_time = one.lane.t + fraction * lane(step, k)
+
+
+@kernel
 def step_lengths(batch):
     """What each lane is to step by, s; 0 where there is no run."""
     base, lanes, control = batch.base, batch.lane, batch.state.control
@@ -208,30 +219,36 @@ def control_steps(batch, step, error):
     return good
 
 
+@leaf
+def peak_over(peak, d0, v0, d1, v1, step, good):
+    """The peak of |d| after a step of the good lanes between displacements and velocities, turning points included."""
+    most = greater(peak, magnitude(d1))
+    turns = good & (v0 * v1 < 0.0)
+    if any_of(turns):
+        # the cubic through both ends: its velocity is v0 + 2 b s + 3 c s^2
+        rise = (d1 - d0) / step
+        b = 3.0 * rise - 2.0 * v0 - v1
+        c = v0 + v1 - 2.0 * rise
+        root = square_root(greater(b * b - 3.0 * c * v0, 0.0))
+        below = where(b > 0.0, -(b + root), root - b)
+        s = v0 / below
+        s = where((s >= 0.0) & (s <= 1.0), s, below / (3.0 * c))
+        s = lesser(greater(s, 0.0), 1.0)
+        turned = d0 + step * (s * (v0 + s * (b + s * c)))
+        most = where(turns, greater(most, magnitude(turned)), most)
+    return where(good, most, peak)
+
+
 @kernel
 def track_peaks(batch, step, good):
-    """Raise the peaks of |u_x| of the good lanes by their step, turning points inside it included."""
+    """Raise the peaks of |u_x| of the good lanes by their step."""
     tops, peaks = batch.work.tops, batch.state.peaks
     exact_top_motion(batch.model, batch.work.end, tops.end_ux, tops.end_rate)
     for i in range(batch.model.n):
         d0, d1, v0, v1 = tops.start_ux[i], tops.end_ux[i], tops.start_rate[i], tops.end_rate[i]
-        most = greater(peaks[i], magnitude(d1))
-        turns = good & (v0 * v1 < 0.0)
-        if any_of(turns):
-            # the cubic through both ends: its velocity is v0 + 2 b s + 3 c s^2
-            rise = (d1 - d0) / step
-            b = 3.0 * rise - 2.0 * v0 - v1
-            c = v0 + v1 - 2.0 * rise
-            root = square_root(greater(b * b - 3.0 * c * v0, 0.0))
-            below = where(b > 0.0, -(b + root), root - b)
-            s = v0 / below
-            s = where((s >= 0.0) & (s <= 1.0), s, below / (3.0 * c))
-            s = lesser(greater(s, 0.0), 1.0)
-            turned = d0 + step * (s * (v0 + s * (b + s * c)))
-            most = where(turns, greater(most, magnitude(turned)), most)
-        peaks[i] = where(good, most, peaks[i])
+        peaks[i] = peak_over(peaks[i], d0, v0, d1, v1, step, good)
         tops.start_ux[i] = where(good, d1, d0)
-        tops.start_rate[i] = where(good, tops.end_rate[i], v0)
+        tops.start_rate[i] = where(good, v1, v0)
 
 
 @kernel
@@ -269,12 +286,7 @@ def step_on(batch):
     take_stock(batch, work.end, good)
     over = good & fallen(batch.model, work.end)
     fell, ended = bits(over), bits(over)
-    if fell != 0:
-        for k in range(WIDTH):
-            if (fell >> k) & 1:
-                one = single(batch, k)
-                fraction = moment_of_overturning(one, lane(step, k))
-                one.state.control.overturn_time = one.lane.t + fraction * lane(step, k)
+    note_falls(batch, fell, step)
     if batch.queue.rows > 0:
         moved = bits(good)
         for k in range(WIDTH):

@@ -39,6 +39,11 @@ LANE = Record(
     "scale",
     "next_row",  # first snapshot not yet taken
     "fresh",  # 1 while the accelerations at its time are missing
+    "begin",  # s, of what is made in steps of a fixed length,
+    "end",
+    "step",  # s,
+    "pieces",  # so many of them,
+    "made",  # of which so many have been made
 )
 SPACE = Space(model=MODEL, state=STATE, base=BASE, lane=LANE, work=WORK)
 

@@ -41,8 +41,11 @@ def derive(model):
     settings.tolerance = max(LEAST_TOLERANCE, STEP_PART * settings.tolerance)
     exact = settings.formulation == EXACT
     height = 0.0  # of the top face of the block
+    built_x = 0.0  # of its middle, as built
     for i in range(n - 1, -1, -1):
         height += blocks.height[i]
+        built_x += blocks.offset[i] * math.cos(blocks.lean[i]) + blocks.height[i] * math.sin(blocks.tilt[i])
+        blocks.built_x[i] = built_x
         if int(settings.without) & DASHPOTS:
             blocks.damping[i] = max(blocks.damping[i], NO_DAMPING)
         blocks.upper[i] = blocks.height[i] - blocks.centroid[i]

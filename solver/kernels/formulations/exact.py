@@ -10,7 +10,8 @@ enter until the base. The base is the lowest body of the chain, with prescribed 
 relative to it, spins in here are absolute.
 
 A joint that slides (section 9) has its T given by friction: its row leaves the system, and the acceleration of its slip
-follows. Which joints slide, and which way, stands in `hold`.
+follows. Which joints slide, and which way, stands in `hold`. An offset of a block is a slip that it is built with; to
+joints inclined as built, blocks stand at other angles than half of the joint's rotation (section 12).
 
 The one function serves one column and lanes of eight.
 """
@@ -19,7 +20,7 @@ from typing import NamedTuple
 
 from ..jit import kernel, leaf
 from ..joint.law import resultants
-from ..joint.sliding import bearable, can_slide, drift, opening_felt, opening_rate_felt
+from ..joint.sliding import bearable, can_slide, drift, opening_felt, opening_rate_felt, rim_force
 from ..lanes import any_of, magnitude
 from ..numbers import sine_cosine
 
@@ -48,14 +49,15 @@ class Elimination(NamedTuple):
     turn_below: object  # rad/s2 for a unit T_i, and
     turn_above: object  # for a unit T_(i-1)
     sine_beta: object  # over the mass: between the normals of joints i - 1 and i
-    sine: object  # of half the relative rotation of joint i
+    sine: object  # of the angle of block i to the normal of joint i
+    sine_less: object  # less that of the angle to the block below
     given: object  # N, T of a joint that slides
 
 
 @leaf
 def elimination(room):
     """The fields of `room` as this formulation uses them."""
-    return Elimination(room.a, room.b, room.c, room.d, room.e, room.f, room.g, room.h, room.i, room.j)
+    return Elimination(room.a, room.b, room.c, room.d, room.e, room.f, room.g, room.h, room.i, room.j, room.k)
 
 
 @leaf
@@ -68,7 +70,7 @@ def exact_accelerations(model, phase, motion, joints, hold, room):
     # --- downwards: evaluate joint i, finish the row of the joint above it, eliminate
     normal_above = 0.0
     turned_above = 0.0  # M cos sigma
-    sine_above = 0.0  # of half the relative rotation of joint i - 1
+    sine_above = 0.0  # of the angle of block i to the normal of joint i - 1
     cosine_above = 1.0
     half_above = 0.0  # of its opening
     across_above = 0.0  # couple of N across half of its slip
@@ -88,38 +90,44 @@ def exact_accelerations(model, phase, motion, joints, hold, room):
         sine, cosine = sine_cosine(0.5 * (turn - turn_below))
         slope, slope_rate = 2.0 * sine, cosine * (spin - spin_below)
         felt, felt_rate = opening, opening_rate
+        slip = 0.0
+        over_sine, over_cosine, under_sine, under_cosine = sine, cosine, sine, cosine
         if slides:
             slip, slip_rate = phase.slip[i], phase.slip_rate[i]
             felt = opening_felt(opening, slip, slope)
             felt_rate = opening_rate_felt(opening_rate, slip, slip_rate, slope, slope_rate)
-        normal, moment, length = resultants(blocks, hold, i, felt, slope, felt_rate, slope_rate)
+            lean, tilt_below = blocks.lean[i], blocks.tilt[i + 1] if i + 1 < n else 0.0
+            over_sine, over_cosine = sine_cosine(0.5 * (turn - turn_below) + (blocks.tilt[i] - lean))
+            under_sine, under_cosine = sine_cosine(0.5 * (turn - turn_below) + (lean - tilt_below))
+            row.sine_less[i] = over_sine - under_sine
+        normal, moment, length = resultants(blocks, hold, i, felt, slope, felt_rate, slope_rate, slip)
         lower, upper = blocks.centroid[i], blocks.upper[i]
         per_mass, per_inertia = blocks.per_mass[i], blocks.per_inertia[i]
         across = 0.0
         if slides:
-            across = 0.5 * phase.slip[i] * normal
+            across = 0.5 * slip * normal
             moment += across
         turned = moment * cosine
         mean_spin = 0.5 * (spin + spin_below)
         square = spin * spin
         half = 0.5 * opening
-        p = lower * cosine + half
+        p = lower * over_cosine + half
         q = upper * cosine_above + half_above
         p_turns, q_turns = p * per_inertia, q * per_inertia
-        sine_beta = (sine_above * cosine + cosine_above * sine) * per_mass
-        cosine_beta = (cosine_above * cosine - sine_above * sine) * per_mass
+        sine_beta = (sine_above * over_cosine + cosine_above * over_sine) * per_mass
+        cosine_beta = (cosine_above * over_cosine - sine_above * over_sine) * per_mass
         free_alpha = per_inertia * (
-            (lower * normal * sine - upper * normal_above * sine_above) + (turned_above - turned)
+            (lower * normal * over_sine - upper * normal_above * sine_above) + (turned_above - turned)
         )
         if slides:
             free_alpha += per_inertia * (across + across_above)
-        opens_below = normal * per_mass + (lower * cosine * square + opening * mean_spin * mean_spin)
-        right_below = 2.0 * opening_rate * mean_spin + (p * free_alpha - lower * sine * square)
+        opens_below = normal * per_mass + (lower * over_cosine * square + opening * mean_spin * mean_spin)
+        right_below = 2.0 * opening_rate * mean_spin + (p * free_alpha - lower * over_sine * square)
         diagonal_below = per_mass + p * p_turns
         if slides:
             opens_below += 2.0 * phase.slip_rate[i] * mean_spin
-            right_below -= phase.slip[i] * mean_spin * mean_spin
-            joints.drift[i] = drift(normal, sine)
+            right_below -= slip * mean_spin * mean_spin
+            joints.drift[i] = drift(normal, sine, rim_force(blocks, i, felt, slope, slip))
             joints.bearable[i] = bearable(blocks, i, normal)
             row.given[i] = joints.drift[i] - hold.sliding[i] * joints.bearable[i]
         if i > 0:
@@ -143,15 +151,15 @@ def exact_accelerations(model, phase, motion, joints, hold, room):
         row.turn_below[i] = p_turns
         row.turn_above[i] = q_turns
         row.sine_beta[i] = sine_beta
-        row.sine[i] = sine
+        row.sine[i] = over_sine
         joints.normal[i] = normal
         joints.moment[i] = moment
         joints.length[i] = length
         normal_above, turned_above = normal, turned
-        sine_above, cosine_above, half_above, across_above = sine, cosine, half, across
+        sine_above, cosine_above, half_above, across_above = under_sine, under_cosine, half, across
         turn, spin = turn_below, spin_below
 
-    # --- the base: gravity is an upward acceleration; joint n is turned against it by theta_n / 2
+    # --- the base: gravity is an upward acceleration; joint n is turned against it, upright by theta_n / 2
     base_sine, base_cosine = sine_cosine(motion.theta)
     lift = motion.az + model.settings.gravity
     along = motion.ax * base_cosine - lift * base_sine
@@ -184,6 +192,7 @@ def exact_accelerations(model, phase, motion, joints, hold, room):
         )
         if slides:
             phase.opening_acceleration[i] += 0.5 * phase.slip[i] * (alpha + alpha_below)
+            phase.opening_acceleration[i] += row.sine_less[i] * swung_below
             alpha_below = alpha
         joints.tangential[i] = force
         drawn_below = drawn * force
@@ -207,7 +216,7 @@ def _slide(phase, hold, row, joints, i, needed):
 
 @kernel
 def exact_top_motion(model, phase, ux, rate, turn=0.0, spin=0.0):
-    """Horizontal displacement (m) and velocity (m/s) of the top faces, relative to the base: rows of n.
+    """Horizontal displacement (m) and velocity (m/s) of the top faces, as built and relative to the base: rows of n.
 
     turn, spin: rotation of the base, rad clockwise, and its rate.
     """
@@ -220,14 +229,18 @@ def exact_top_motion(model, phase, ux, rate, turn=0.0, spin=0.0):
         theta = phase.theta[i] + turn
         omega = phase.theta_rate[i] + spin
         opening = phase.opening[i]
+        phi = 0.5 * (theta + turn_below)
+        turn_below, spin_under = theta, spin_below
+        if slides:
+            theta, phi = theta + model.blocks.tilt[i], phi + model.blocks.lean[i]
         sine, cosine = sine_cosine(theta)
-        sine_phi, cosine_phi = sine_cosine(0.5 * (theta + turn_below))
+        sine_phi, cosine_phi = sine_cosine(phi)
         displacement += opening * sine_phi + height * sine
-        velocity += phase.opening_rate[i] * sine_phi + opening * 0.5 * (omega + spin_below) * cosine_phi
+        velocity += phase.opening_rate[i] * sine_phi + opening * 0.5 * (omega + spin_under) * cosine_phi
         velocity += height * omega * cosine
         if slides:
             displacement += phase.slip[i] * cosine_phi
-            velocity += phase.slip_rate[i] * cosine_phi - phase.slip[i] * 0.5 * (omega + spin_below) * sine_phi
-        ux[i] = displacement
+            velocity += phase.slip_rate[i] * cosine_phi - phase.slip[i] * 0.5 * (omega + spin_under) * sine_phi
+        ux[i] = displacement - model.blocks.built_x[i] if slides else displacement
         rate[i] = velocity
-        turn_below, spin_below = theta, omega
+        spin_below = omega

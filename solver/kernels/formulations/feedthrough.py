@@ -26,7 +26,7 @@ def base_direction(model, phase, base_turn):
     base_turn: rotation of the base, rad.
     """
     last = model.n - 1
-    sine, cosine = sine_cosine(0.5 * phase.theta[last] + base_turn)
+    sine, cosine = sine_cosine(0.5 * phase.theta[last] + base_turn + model.blocks.lean[last])
     return cosine, -sine, 0.5 * phase.opening[last]
 
 

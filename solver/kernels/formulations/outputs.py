@@ -4,6 +4,7 @@ import math
 
 from ..jit import kernel
 from ..joint.law import joint_peak_pressure
+from ..joint.section import ends_of
 from ..joint.sliding import opening_felt, opening_rate_felt, slip_of
 from ..layout import OK
 from .either import is_exact, joint_opening, joint_slope, rotation, top_motion
@@ -28,15 +29,16 @@ def observe(column, phase, motion, row):
         opening, opening_rate = joint_opening(model, phase.opening, i), joint_opening(model, phase.opening_rate, i)
         slope, slope_rate = joint_slope(model, phase, i)
         slip, slip_rate = slip_of(model, phase, i)
-        phi = 0.5 * (turn + turn_below) + motion.theta
+        phi = 0.5 * (turn + turn_below) + motion.theta + blocks.lean[i]
         sine, cosine = phi, 1.0  # in the first-order model
         if exact:
             sine, cosine = math.sin(phi), math.cos(phi)
         normal, tangential = work.joints.normal[i], work.joints.tangential[i]
         joints.theta[i] = turn + motion.theta
         if exact:
-            dip = -2.0 * math.sin(0.5 * (turn + motion.theta)) ** 2  # cos(turn) - 1
-            rise += opening * cosine - slip * sine
+            half = 0.5 * (turn + motion.theta)
+            dip = -2.0 * math.sin(blocks.tilt[i] + half) * math.sin(half)  # cosine of the rotation less that as built
+            rise += opening * cosine - (slip * sine - blocks.offset[i] * math.sin(blocks.lean[i]))
             joints.uz[i] = rise + blocks.centroid[i] * dip
             rise += blocks.height[i] * dip
         else:
@@ -45,10 +47,11 @@ def observe(column, phase, motion, row):
         joints.M[i] = work.joints.moment[i]
         joints.S[i] = -(normal * sine + tangential * cosine)
         joints.T[i] = -tangential
-        joints.contact[i] = work.joints.length[i] / blocks.width[i]
+        left, right = ends_of(blocks, i, slip)
+        joints.contact[i] = work.joints.length[i] / (right - left)
         joints.sigma_max[i] = joint_peak_pressure(
-            blocks.left[i],
-            blocks.right[i],
+            left,
+            right,
             blocks.stiffness[i],
             blocks.damping[i],
             opening_felt(opening, slip, slope),
@@ -56,7 +59,7 @@ def observe(column, phase, motion, row):
             opening_rate_felt(opening_rate, slip, slip_rate, slope, slope_rate),
             slope_rate,
         )
-        joints.slip[i] = slip
+        joints.slip[i] = slip - blocks.offset[i]
         if i == n - 1:
             base.Fx = joints.S[i]
             base.Fz = -(normal * cosine - tangential * sine)

@@ -7,6 +7,8 @@ vertical rows with the latest horizontal ones, everything that depends on the di
 taken from the last iterate: the block form of eqs. 28-31, O(n) a sweep. It is written for the accelerations; with
 central differences in time the displacements of eq. 27 follow from them.
 
+The sweeps serve one column and lanes of eight (batch/swept.py).
+
 In a phase the displacements v stand in the place of the rotations and the settlements w in that of the openings.
 """
 
@@ -14,6 +16,7 @@ from typing import NamedTuple
 
 from ..jit import kernel, leaf
 from ..joint.law import resultants
+from ..lanes import greater, magnitude
 from ..layout import NOT_CONVERGED
 
 MAX_SWEEPS = 100
@@ -55,33 +58,51 @@ def paper_accelerations(model, phase, motion, joints, hold, room):
     NOT_CONVERGED when the sweeps do not settle: the displacements are beyond a first-order model.
     """
     n = model.n
-    blocks = model.blocks
     sweeps = sweep_rows(room)
     lift = model.settings.gravity + motion.az
-    for i in range(n):
-        turn = tilt(blocks, phase.theta, i, n)
-        opening = -difference(phase.opening, i, n)
-        opening_rate = -difference(phase.opening_rate, i, n)
-        slope = turn - tilt(blocks, phase.theta, i + 1, n)
-        slope_rate = tilt(blocks, phase.theta_rate, i, n) - tilt(blocks, phase.theta_rate, i + 1, n)
-        sweeps.theta[i] = turn
-        sweeps.opening[i] = opening
-        joints.normal[i], joints.moment[i], joints.length[i] = resultants(
-            blocks, hold, i, opening, slope, opening_rate, slope_rate
-        )
-
+    bear(model, phase, joints, hold, sweeps)
     for sweep in range(1, MAX_SWEEPS + 1):
-        change = _horizontal_sweep(blocks, phase, motion.ax, lift, joints, sweeps, n)
-        change = max(change, _vertical_sweep(blocks, phase, motion.ax, lift, joints, sweeps, n))
-        largest = 0.0
-        for i in range(n):
-            largest = max(largest, abs(phase.theta_acceleration[i]), abs(phase.opening_acceleration[i]))
-        if change <= SWEEP_TOLERANCE * largest + REST_TOLERANCE * abs(lift):
+        if has_settled(phase, sweep_once(model, phase, motion, joints, sweeps), lift, n):
             for i in range(n):
                 below = sweeps.theta[i + 1] if i + 1 < n else 0.0
                 joints.tangential[i] = sweeps.horizontal[i] - joints.normal[i] * (0.5 * (sweeps.theta[i] + below))
             return sweep
     return NOT_CONVERGED
+
+
+@leaf
+def bear(model, phase, joints, hold, sweeps):
+    """Rotations, openings and resultants of a phase, which no sweep changes."""
+    n, blocks = model.n, model.blocks
+    turn, spin = tilt(blocks, phase.theta, 0, n), tilt(blocks, phase.theta_rate, 0, n)
+    for i in range(n):
+        opening = -difference(phase.opening, i, n)
+        opening_rate = -difference(phase.opening_rate, i, n)
+        turn_below, spin_below = tilt(blocks, phase.theta, i + 1, n), tilt(blocks, phase.theta_rate, i + 1, n)
+        sweeps.theta[i] = turn
+        sweeps.opening[i] = opening
+        joints.normal[i], joints.moment[i], joints.length[i] = resultants(
+            blocks, hold, i, opening, turn - turn_below, opening_rate, spin - spin_below
+        )
+        turn, spin = turn_below, spin_below
+
+
+@leaf
+def sweep_once(model, phase, motion, joints, sweeps):
+    """One sweep over the accelerations of a phase; returns the largest change, m/s2."""
+    blocks, n, lift = model.blocks, model.n, model.settings.gravity + motion.az
+    change = _horizontal_sweep(blocks, phase, motion.ax, lift, joints, sweeps, n)
+    return greater(change, _vertical_sweep(blocks, phase, motion.ax, lift, joints, sweeps, n))
+
+
+@leaf
+def has_settled(phase, change, lift, n):
+    """Whether a sweep that changed accelerations by so much was the last that is needed."""
+    largest = 0.0 * lift
+    for i in range(n):
+        largest = greater(largest, magnitude(phase.theta_acceleration[i]))
+        largest = greater(largest, magnitude(phase.opening_acceleration[i]))
+    return change <= SWEEP_TOLERANCE * largest + REST_TOLERANCE * magnitude(lift)
 
 
 @leaf
@@ -131,7 +152,7 @@ def _horizontal_sweep(blocks, phase, base_ax, lift, joints, sweeps, n):
             here -= blocks.coupling[i + 1] * correction
         correction = here
         phase.theta_acceleration[i] -= correction
-        change = max(change, abs(correction))
+        change = greater(change, magnitude(correction))
     return change
 
 
@@ -149,7 +170,7 @@ def _vertical_sweep(blocks, phase, base_ax, lift, joints, sweeps, n):
         tilted = 0.5 * (sweeps.theta[i] + theta_below) * shear
         normal = joints.normal[i]
         value = lift + ((normal_above - normal) + (tilted - carried)) / blocks.mass[i]
-        change = max(change, abs(value - phase.opening_acceleration[i]))
+        change = greater(change, magnitude(value - phase.opening_acceleration[i]))
         phase.opening_acceleration[i] = value
         carried = tilted
         normal_above = normal

@@ -9,7 +9,7 @@ for lanes. One column may also be held in a regime (regimes.py).
 """
 
 from ..jit import by_width, kernel, leaf
-from ..lanes import LanesType, greater, where
+from ..lanes import LanesType, greater, lesser, where
 from .regimes import ANY, OPEN, open_margin, side_margin, sides
 from .section import contact_of, energy_over, forces_over, rectangle_forces
 
@@ -58,24 +58,29 @@ def joint_forces(contact, stiffness, damping, opening, slope, opening_rate, slop
 
 
 @leaf
+def _within(x, lo, hi):
+    """The nearest number to x from lo to hi; hi where x is not a number."""
+    return greater(lesser(x, hi), lo)
+
+
+@leaf
 def joint_forces_in_lanes(stiffness, width, depth, damping, opening, slope, opening_rate, slope_rate):
     """The same for lanes, without a branch, of a rectangle of width by depth, m."""
     mean = opening + damping * opening_rate
+    slope = (
+        slope + 0.0
+    )  # minus zero becomes zero: parallel faces that touch nowhere have their edge beyond the right end
     gradient = slope + damping * slope_rate
     half = 0.5 * width
-    edge = opening / slope
-    lo = where((slope > 0.0) & (edge > -half), edge, -half)
-    hi = where((slope < 0.0) & (edge < half), edge, half)
-    lo = where((slope == 0.0) & (opening >= 0.0), hi, lo)
-    damped = (damping > 0.0) & (lo < hi)
-    edge = mean / gradient
-    lo = where(damped & (gradient > 0.0) & (edge > lo), edge, lo)
-    hi = where(damped & (gradient < 0.0) & (edge < hi), edge, hi)
-    lo = where(damped & (gradient == 0.0) & (mean >= 0.0), hi, lo)
-    length = greater(hi - lo, 0.0)
+    edge = _within(opening / slope, -half, half)
+    rises = slope >= 0.0
+    lo, hi = where(rises, edge, -half), where(rises, half, edge)
+    edge = _within(mean / gradient, lo, hi)  # the same edge again where there is no damping
+    rises = gradient >= 0.0
+    lo, hi = where(rises, edge, lo), where(rises, hi, edge)
+    length = hi - lo
     force, moment = rectangle_forces(lo, hi, length, stiffness * depth, mean, gradient)
-    loaded = length > 0.0
-    return where(loaded, force, 0.0), where(loaded, moment, 0.0), length
+    return force, moment, length
 
 
 @leaf
@@ -93,14 +98,14 @@ def held_forces(regime, contact, stiffness, damping, opening, slope, opening_rat
     return force, moment, length, min(on_left, on_right)
 
 
-def resultants(blocks, hold, i, opening, slope, opening_rate, slope_rate):
+def resultants(blocks, hold, i, opening, slope, opening_rate, slope_rate, slip=0.0):
     """N, M and loaded length of joint i; one column notes in `hold` whether the joint is outside its regime."""
     raise NotImplementedError("for kernels only")
 
 
-def _resultants_of_one(blocks, hold, i, opening, slope, opening_rate, slope_rate):
+def _resultants_of_one(blocks, hold, i, opening, slope, opening_rate, slope_rate, slip=0.0):
     regime = hold.held[i]
-    contact, stiffness, damping = contact_of(blocks, i), blocks.stiffness[i], blocks.damping[i]
+    contact, stiffness, damping = contact_of(blocks, i, slip), blocks.stiffness[i], blocks.damping[i]
     if regime == ANY:
         return joint_forces(contact, stiffness, damping, opening, slope, opening_rate, slope_rate)
     normal, moment, length, margin = held_forces(
@@ -111,7 +116,7 @@ def _resultants_of_one(blocks, hold, i, opening, slope, opening_rate, slope_rate
     return normal, moment, length
 
 
-def _resultants_of_lanes(blocks, hold, i, opening, slope, opening_rate, slope_rate):
+def _resultants_of_lanes(blocks, hold, i, opening, slope, opening_rate, slope_rate, slip=0.0):
     return joint_forces_in_lanes(
         blocks.stiffness[i],
         blocks.width[i],
@@ -125,7 +130,7 @@ def _resultants_of_lanes(blocks, hold, i, opening, slope, opening_rate, slope_ra
 
 
 @by_width(resultants)
-def _choose(blocks, hold, i, opening, slope, opening_rate, slope_rate):
+def _choose(blocks, hold, i, opening, slope, opening_rate, slope_rate, slip=0.0):
     return _resultants_of_lanes if isinstance(opening, LanesType) else _resultants_of_one
 
 

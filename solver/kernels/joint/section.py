@@ -35,10 +35,20 @@ class Contact(NamedTuple):
 
 
 @leaf
-def contact_of(blocks, i):
+def ends_of(blocks, i, slip):
+    """Ends of the contact of joint i, m from the middle of the block, which has slipped: the rims below cut it off."""
+    left, right = blocks.left[i], blocks.right[i]
+    if slip != 0.0:
+        left, right = max(left, blocks.rim_left[i] - slip), min(right, blocks.rim_right[i] - slip)
+    return left, right
+
+
+@leaf
+def contact_of(blocks, i, slip=0.0):
     """The contact of joint i."""
     strips = blocks.strips[STRIP_NUMBERS * i :]
-    return Contact(blocks.section[i], blocks.left[i], blocks.right[i], blocks.depth[i], blocks.bore[i], strips)
+    left, right = ends_of(blocks, i, slip)
+    return Contact(blocks.section[i], left, right, blocks.depth[i], blocks.bore[i], strips)
 
 
 # --- parts of any section but the rectangle
@@ -106,13 +116,18 @@ def part_stiffness(contact, stiffness, lo, hi):
 
 
 @leaf
+def depth_at(contact, place):
+    """Depth of a contact at a place, m from the middle of the block."""
+    if contact.section == RECTANGLE:
+        return contact.depth
+    near = NEAR * (contact.right - contact.left)
+    return _part(contact, place - near, place + near)[1] / (2.0 * near)
+
+
+@leaf
 def strip_stiffness(contact, stiffness, place, width):
     """The same of a narrow strip of this width at this place, m from the middle of the block."""
-    depth = contact.depth
-    if contact.section != RECTANGLE:
-        near = NEAR * (contact.right - contact.left)
-        depth = _part(contact, place - near, place + near)[1] / (2.0 * near)
-    along = stiffness * depth * width
+    along = stiffness * depth_at(contact, place) * width
     return along, along * place, along * place * place
 
 
@@ -134,6 +149,15 @@ def full_turning_stiffness(blocks, i):
         return full_stiffness(blocks, i) * (blocks.width[i] * blocks.width[i]) / 12.0
     about, area, first, second = _part(contact_of(blocks, i), blocks.left[i], blocks.right[i])
     return blocks.stiffness[i] * (second + about * (2.0 * first + about * area))
+
+
+@leaf
+def is_off_centre(blocks, i):
+    """Whether the contact of joint i is not symmetric about the middle of the block, as strips may be."""
+    if blocks.section[i] != STRIPS:
+        return False
+    about, area, first, _ = _part(contact_of(blocks, i), blocks.left[i], blocks.right[i])
+    return about * area + first != 0.0
 
 
 @kernel

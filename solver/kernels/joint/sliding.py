@@ -1,18 +1,20 @@
-"""A joint that slides (theory.md section 9): where its faces touch, and what it bears along itself.
+"""A joint that slides, or is built off its axis (theory.md section 9): where it touches, what it bears along itself.
 
 The contact belongs to the block above: its middle has moved by half of the slip from the middle of the joint. Pressure
 acts along the normal of the lower face, which is turned by half of the joint's rotation against that of the joint: the
-part of it along the joint is called drift. Friction and dowel bear the rest.
+part of it along the joint is called drift, with what a rim adds that cuts the contact off. Friction and dowel bear the
+rest.
 """
 
 from ..jit import by_width, leaf
-from ..lanes import LANES
+from ..lanes import LANES, LanesType
+from .section import contact_of, depth_at
 
 RIGID = 1e300  # N, as the dowel of a joint that never slides
 
 
 def can_slide(model):
-    """Whether some joint of the column may slide; in lanes none does."""
+    """Whether slips are coordinates of the column: some joint may slide, or it is off its axis. In lanes none is."""
     raise NotImplementedError("for kernels only")
 
 
@@ -44,9 +46,34 @@ def opening_rate_felt(opening_rate, slip, slip_rate, slope, slope_rate):
 
 
 @leaf
-def drift(normal, sine):
+def drift(normal, sine, at_rim):
     """Part of the pressure along the joint, N, on the block above; sine of half the joint's rotation."""
-    return -normal * sine
+    return at_rim - normal * sine
+
+
+def rim_force(blocks, i, opening, slope, slip):
+    """What the rim that cuts the contact of joint i off pushes the block above outwards by, N, towards +x.
+
+    The elastic energy that a slip of a metre takes off the contact: else energy would be lost or won by it.
+    """
+    raise NotImplementedError("for kernels only")
+
+
+@by_width(rim_force)
+def _choose_rim_force(blocks, i, opening, slope, slip):
+    if isinstance(slip, LanesType):
+        return lambda blocks, i, opening, slope, slip: 0.0 * slip
+    return _rim_force_of_one
+
+
+def _rim_force_of_one(blocks, i, opening, slope, slip):
+    contact = contact_of(blocks, i, slip)
+    edge, whole = (contact.right, blocks.right[i]) if slip > 0.0 else (contact.left, blocks.left[i])
+    if edge == whole or not contact.left < contact.right:
+        return 0.0
+    pressed = max(0.0, slope * edge - opening)
+    force = 0.5 * blocks.stiffness[i] * pressed * pressed * depth_at(contact, edge)
+    return force if slip > 0.0 else -force
 
 
 @leaf

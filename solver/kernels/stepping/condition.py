@@ -5,8 +5,8 @@ import math
 from ..formulations.base import base_rotates, is_silent
 from ..formulations.either import is_exact, rotation
 from ..jit import kernel, leaf
-from ..joint.section import full_stiffness
-from ..joint.sliding import can_slide
+from ..joint.section import ends_of, full_stiffness
+from ..joint.sliding import can_slide, slip_of
 from ..layout import AUTO, NOT_FINITE, OK, REST
 from .interpolation import interpolate_phase
 
@@ -17,13 +17,16 @@ HALVINGS = 40  # of a step, in which the moment of overturning is found
 
 @kernel
 def has_fallen(model, phase):
-    """Whether a block, or the joint under it, has turned beyond its angle of no return."""
+    """Whether a block, or the joint under it, has turned beyond its angle of no return, or slid off its seat."""
     fallen = False
     below = 0.0
     for i in range(model.n - 1, -1, -1):
         turn = rotation(model, phase.theta, i)
         limit = model.blocks.fall_angle[i]
         fallen = fallen or abs(turn - below) > limit or abs(turn) > limit
+        if can_slide(model):
+            left, right = ends_of(model.blocks, i, phase.slip[i])
+            fallen = fallen or not left < right
         below = turn
     return fallen
 
@@ -75,11 +78,12 @@ def take_stock(column, phase, h):
             spun = max(spun, abs(phase.opening_rate[i]) / half_width)
         if can_slide(column.model):
             per_slip = column.model.settings.per_slip
-            turned = max(turned, abs(phase.slip[i]) * per_slip)
+            turned = max(turned, abs(phase.slip[i] - blocks.offset[i]) * per_slip)
             spun = max(spun, abs(phase.slip_rate[i]) * per_slip)
             sum_all += phase.slip_acceleration[i]
         length = joints.length[i]
-        full = full and length >= blocks.width[i]
+        left, right = ends_of(blocks, i, slip_of(column.model, phase, i)[0])
+        full = full and length >= right - left
         flight = flight or not length > 0.0
         sum_all += phase.theta_acceleration[i] + phase.opening_acceleration[i]
     control.rotation_scale = turned
@@ -121,11 +125,13 @@ def rests(column, phase):
     weight = 0.0
     for i in range(column.model.n):
         weight += settings.gravity * blocks.mass[i]
-        settled = -weight / full_stiffness(blocks, i)
+        turned, settled = phase.theta[i], -weight / full_stiffness(blocks, i)
+        if settings.off_axis != 0.0:
+            turned, settled = turned - blocks.rest_turn[i], blocks.rest_opening[i]
         size = blocks.open_size[i]
-        if can_slide(column.model) and (phase.sliding[i] != 0.0 or phase.slip[i] != 0.0):
+        if can_slide(column.model) and (phase.sliding[i] != 0.0 or phase.slip[i] != blocks.offset[i]):
             return False  # after a slip the rest is another one
-        if abs(phase.theta[i]) > turn or abs(phase.opening[i] - settled) > turn * size:
+        if abs(turned) > turn or abs(phase.opening[i] - settled) > turn * size:
             return False
         if abs(phase.theta_rate[i]) > spin or abs(phase.opening_rate[i]) > spin * size:
             return False

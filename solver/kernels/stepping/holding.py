@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 from ..jit import kernel, leaf
 from ..joint.regimes import ANY, contact_regime, regime_margin
+from ..joint.section import ends_of
 from ..joint.sliding import can_slide, opening_felt, opening_rate_felt, slip_of
 from ..numbers import sine_cosine
 from .interpolation import Quintic, quintic_of, quintic_through, refine, slips_of, value_of
@@ -37,14 +38,14 @@ def hold(column, h):
         opening_rate = start.opening_rate[i] + ahead * start.opening_acceleration[i]
         sine, cosine = sine_cosine(0.5 * (turn - turn_below))
         slope_rate = cosine * (spin - spin_below)
+        slip = 0.0
         if slides:
             slip = start.slip[i] + ahead * start.slip_rate[i]
             slip_rate = start.slip_rate[i] + ahead * start.slip_acceleration[i]
             opening = opening_felt(opening, slip, 2.0 * sine)
             opening_rate = opening_rate_felt(opening_rate, slip, slip_rate, 2.0 * sine, slope_rate)
-        regime = contact_regime(
-            blocks.left[i], blocks.right[i], blocks.damping[i], opening, 2.0 * sine, opening_rate, slope_rate
-        )
+        left, right = ends_of(blocks, i, slip)
+        regime = contact_regime(left, right, blocks.damping[i], opening, 2.0 * sine, opening_rate, slope_rate)
         rows.held[i] = regime
         rows.regime[i] = regime
         rows.outside[i] = 0
@@ -66,8 +67,8 @@ def _margin(model, i, regime, turn, opening, slip, spin, opening_rate, slip_rate
     slope, slope_rate = 2.0 * sine, cosine * spin
     felt = opening_felt(opening, slip, slope)
     felt_rate = opening_rate_felt(opening_rate, slip, slip_rate, slope, slope_rate)
-    blocks = model.blocks
-    return regime_margin(regime, blocks.left[i], blocks.right[i], blocks.damping[i], felt, slope, felt_rate, slope_rate)
+    left, right = ends_of(model.blocks, i, slip)
+    return regime_margin(regime, left, right, model.blocks.damping[i], felt, slope, felt_rate, slope_rate)
 
 
 @leaf

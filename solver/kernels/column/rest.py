@@ -1,0 +1,108 @@
+"""The rest of a column that is off its axis: the least potential energy, by Newton's method.
+
+Only the two blocks at a joint and its opening enter the energy of that joint and of the weight upon it (theory.md
+section 12): with the openings eliminated, the second derivatives by the rotations are a symmetric tridiagonal matrix. A
+rest is stable where its pivots are positive. Newton's method begins at the straight column, the joints in full contact;
+from there on they only become softer, so that no step goes too far.
+"""
+
+import math
+from typing import Any, NamedTuple
+
+from ..jit import kernel
+from ..joint.law import loaded_part
+from ..joint.section import contact_of, forces_over, part_stiffness
+from ..joint.sliding import opening_felt
+
+MOST_STEPS = 100
+CLOSE = 1e-7  # of the rotation floor: the last correction, after which the next one is below rounding
+
+
+class _Row(NamedTuple):
+    """What the way down leaves for the way up, rows of n."""
+
+    pivot: Any
+    right: Any
+    side: Any  # element beside the pivot
+    along: Any  # N/m, by the opening
+    unbalanced: Any  # N, on the opening
+    over: Any  # N, of the latter by the rotation of the block, and
+    under: Any  # by that of the body below
+
+
+@kernel
+def find_rest(model, phase, room):
+    """Take a phase from the straight column to its rest; whether there is one that is stable. Slips stay."""
+    enough = CLOSE * model.settings.rotation_floor
+    row = _Row(room.a, room.b, room.c, room.d, room.e, room.f, room.g)
+    for _ in range(MOST_STEPS):
+        if not _eliminate(model, phase, row):
+            return False
+        size, below = 0.0, 0.0
+        for i in range(model.n - 1, -1, -1):
+            change = (row.right[i] - row.side[i] * below) / row.pivot[i]
+            opened = -(row.unbalanced[i] + row.over[i] * change + row.under[i] * below) / row.along[i]
+            phase.theta[i] += change
+            phase.opening[i] += opened
+            size = max(size, abs(change), abs(opened) * model.blocks.per_open_size[i])
+            below = change
+        if not math.isfinite(size):
+            return False
+        if size <= enough:
+            return True
+    return False
+
+
+@kernel
+def _eliminate(model, phase, row):
+    """From the top down: gradient and second derivatives of the energy; whether all pivots are positive."""
+    n, blocks = model.n, model.blocks
+    carried = 0.0
+    diagonal, right = 0.0, 0.0  # what the joint above adds to the row of the block
+    side, pivot, last = 0.0, 1.0, 0.0
+    for i in range(n):
+        turn, slip, opening = phase.theta[i], phase.slip[i], phase.opening[i]
+        below = phase.theta[i + 1] if i + 1 < n else 0.0
+        sine, cosine = math.sin(0.5 * (turn - below)), math.cos(0.5 * (turn - below))
+        slope = 2.0 * sine
+        phi = 0.5 * (turn + below) + blocks.lean[i]
+        contact, stiffness = contact_of(blocks, i, slip), blocks.stiffness[i]
+        if not contact.left < contact.right:
+            return False
+        felt = opening_felt(opening, slip, slope)
+        lo, hi = loaded_part(contact.left, contact.right, 0.0, felt, slope, 0.0, 0.0)
+        normal, moment = 0.0, 0.0
+        if lo < hi:
+            normal, moment = forces_over(contact, stiffness, lo, hi, hi - lo, felt, slope)
+        else:
+            lo, hi = contact.left, contact.right
+        along, mixed, second = part_stiffness(contact, stiffness, lo, hi)
+        moment += 0.5 * slip * normal
+        # the block
+        lever = model.settings.gravity * (carried * blocks.height[i] + blocks.mass[i] * blocks.centroid[i])
+        carried += blocks.mass[i]
+        diagonal -= lever * math.cos(turn + blocks.tilt[i])
+        right += lever * math.sin(turn + blocks.tilt[i])
+        # the joint and the weight upon it
+        weight = model.settings.gravity * carried
+        down, across = weight * math.cos(phi), weight * math.sin(phi)
+        unbalanced = down - normal
+        couple, fall = moment * cosine, -0.5 * (opening * across + slip * down)
+        spread = -0.25 * (opening * down - slip * across)
+        turning = (second + slip * (mixed + 0.25 * slip * along)) * cosine * cosine - 0.5 * moment * sine
+        twist = -(mixed + 0.5 * slip * along) * cosine
+        over, under = twist - 0.5 * across, -twist - 0.5 * across
+        diagonal += turning + spread - over * over / along
+        right += over * unbalanced / along - (fall + couple)
+        # without the block above
+        part = side / pivot
+        diagonal -= part * side
+        right -= part * last
+        if not diagonal > 0.0:
+            return False
+        side, pivot, last = spread - turning - over * under / along, diagonal, right
+        row.pivot[i], row.right[i], row.side[i] = pivot, right, side
+        row.along[i], row.unbalanced[i], row.over[i], row.under[i] = along, unbalanced, over, under
+        diagonal = turning + spread - under * under / along
+        right = under * unbalanced / along - (fall - couple)
+    return True
