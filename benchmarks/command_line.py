@@ -94,9 +94,15 @@ def measure_opensees(wanted: Scenes, quick: bool, results: Results) -> Iterator[
 
 def measure_evaluation(wanted: Scenes, quick: bool, results: Results) -> Iterator[None]:
     """One evaluation, alone and in lanes, against C and the recursion of before."""
-    results["evaluation"] = evaluation.measure(evaluation.SIZES[:2] if quick else evaluation.SIZES, not quick)
+    results["evaluation"] = evaluation.measure(evaluation.SIZES[:2] if quick else evaluation.SIZES)
     if "absent" in results["evaluation"]:
         results["absent"]["evaluation in C"] = results["evaluation"]["absent"]
+    yield
+
+
+def measure_lanes(wanted: Scenes, quick: bool, results: Results) -> Iterator[None]:
+    """One evaluation in lanes by instruction set."""
+    results["lanes"] = evaluation.measure_lanes(evaluation.SIZES[:1] if quick else evaluation.SIZES[:2])
     yield
 
 
@@ -168,6 +174,7 @@ PARTS: dict[str, Callable[[Scenes, bool, Results], Iterator[None]]] = {
     "work-precision": measure_work_precision,
     "opensees": measure_opensees,
     "evaluation": measure_evaluation,
+    "lanes": measure_lanes,
     "scaling": measure_scaling,
     "verdicts": measure_verdicts,
     "damped-columns": measure_damped_columns,

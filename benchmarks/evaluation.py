@@ -1,8 +1,8 @@
 """One evaluation of the accelerations: the solver's kernel, for one column and for eight at once, against others.
 
 Against the same arithmetic in C, and against the recursion of before (articulated.py), on the same states.
-`python -m benchmarks.evaluation` prints the times of the kernel alone, which is how they are measured for other
-instruction sets.
+`python -m benchmarks.evaluation 3` prints the times of the kernel for 3 blocks, alone and in lanes, which is how they
+are measured for other instruction sets.
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ import numpy as np
 from llvmlite.binding import get_host_cpu_features
 
 from solver import Column
+from solver.batch import aligned
 from solver.kernels import layout as at
 from solver.kernels import numbers
 from solver.kernels.formulations.exact import Elimination, Motion, exact_accelerations
@@ -41,9 +42,10 @@ from .scenes import ROOT, G, shaft
 SOURCE = Path(__file__).with_name("evaluation.c")
 FLAGS = ("-O3", "-march=native", "-ffp-contract=off", "-shared", "-fPIC")
 SIZES = (3, 10, 50)  # blocks
-STATES = 400  # evaluated in turn, from a run
-SPACING = 5e-3  # s between them
-PASSES = 25  # over the states in one call, which costs more from Python into C than a pass
+STATES = 64  # evaluated in turn, from a run: as few as stay in the fast memory, as those of a run do
+SPACING = 0.03  # s between them
+PASSES = 50  # over the states in one call, which costs more from Python into C than a pass
+SHORT, ROUNDS = 1e-3, 500  # s: rounds with lanes, which whoever else works on the same core slows down more
 BASE = np.array([0.3, 0.0, 0.0, 0.0, 0.0])  # motion of the base: ax, az, theta, omega, alpha
 
 # instruction sets that lanes are compiled for beside those of this processor, as LLVM names processors that have them
@@ -98,6 +100,13 @@ def in_lanes(rows: Array, size: int) -> Array:
     return np.ascontiguousarray(rows.reshape(-1, WIDTH, size).swapaxes(1, 2)).ravel()
 
 
+def lined_up(lanes: Array) -> Array:
+    """A copy in memory as runs have their lanes."""
+    copy = aligned(lanes.size)
+    copy[:] = lanes
+    return copy
+
+
 def out_of_lanes(lanes: Array, size: int) -> Array:
     """The rows again."""
     return np.ascontiguousarray(lanes.reshape(-1, size, WIDTH).swapaxes(1, 2)).ravel()
@@ -129,9 +138,9 @@ def kernel_loop(column: Column, phases: Array) -> Callable[[], None]:
 def lanes_loop(column: Column, phases: Array) -> Callable[[], None]:
     """The same kernel, where eight columns of one kind are in eight of the phases; these are left as they are."""
     n = column.n
-    model = np.repeat(pack_model(column), WIDTH)
-    base, room = np.repeat(BASE, WIDTH), np.repeat(scratch(n), WIDTH)
-    lanes = in_lanes(phases, at.PHASE.size(n))
+    model = lined_up(np.repeat(pack_model(column), WIDTH))
+    base, room = lined_up(np.repeat(BASE, WIDTH)), lined_up(np.repeat(scratch(n), WIDTH))
+    lanes = lined_up(in_lanes(phases, at.PHASE.size(n)))
     repeat_in_lanes(n, model, lanes, 1, base, room)
     return lambda: repeat_in_lanes(n, model, lanes, PASSES, base, room)
 
@@ -218,18 +227,20 @@ def measure_kernel(sizes: tuple[int, ...] = SIZES) -> list[dict[str, Any]]:
     for n in sizes:
         column = shaft(n)
         phases = states_of_a_run(column)
-        times = timing.loops([kernel_loop(column, phases), lanes_loop(column, phases)])
+        times = timing.loops([kernel_loop(column, phases), lanes_loop(column, phases)], SHORT, ROUNDS)
         one, lanes = (seconds / (PASSES * STATES) for seconds in times)
         rows.append({"n": n, "seconds": one, "lanes_seconds": lanes})
     return rows
 
 
-def measure_restricted(sizes: tuple[int, ...]) -> dict[str, Any]:
-    """The same by processes that compile for fewer instructions than this processor has."""
+def measure_lanes(sizes: tuple[int, ...]) -> dict[str, list[dict[str, Any]]]:
+    """The same by instruction set: that of this processor, and others by processes that compile for fewer of them."""
+    found = {instructions(): measure_kernel(sizes)}
     if platform.machine() not in ("x86_64", "AMD64"):
-        return {}
-    found = {}
+        return found
     for name, processor in INSTRUCTION_SETS.items():
+        if name in found:
+            continue
         with tempfile.TemporaryDirectory() as cache:
             changed = {"NUMBA_CPU_NAME": processor, "NUMBA_CPU_FEATURES": "", "NUMBA_CACHE_DIR": cache}
             command = [sys.executable, "-m", "benchmarks.evaluation", *map(str, sizes)]
@@ -240,8 +251,8 @@ def measure_restricted(sizes: tuple[int, ...]) -> dict[str, Any]:
     return found
 
 
-def measure(sizes: tuple[int, ...] = SIZES, restricted: bool = True) -> dict[str, Any]:
-    """Time of one evaluation by all of them, by number of blocks; lanes for other instruction sets with `restricted`.
+def measure(sizes: tuple[int, ...] = SIZES) -> dict[str, Any]:
+    """Time of one evaluation by all of them, by number of blocks.
 
     Where C cannot be compiled, `absent` says why.
     """
@@ -265,8 +276,6 @@ def measure(sizes: tuple[int, ...] = SIZES, restricted: bool = True) -> dict[str
             if library is not None:
                 row |= {"c_seconds": times[3], "ratio": times[0] / times[3], "difference": difference(mine, other, n)}
             results["rows"].append(row)
-    if restricted:
-        results["restricted"] = measure_restricted(sizes[:1])
     return results
 
 

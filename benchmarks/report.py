@@ -21,6 +21,7 @@ def report(results: Results) -> str:
         equal_error_table(results),
         opensees_table(results),
         evaluation_table(results),
+        lanes_table(results),
         scaling_table(results),
         tolerance_table(results),
         verdict_table(results),
@@ -167,10 +168,23 @@ def evaluation_table(results: Results) -> str:
         ]
 
     rows = [times(part["instructions"], row) for row in part["rows"]]
-    rows += [times(name, row) for name, found in part.get("restricted", {}).items() for row in found]
     head = ["instructions", "blocks", "kernel, ns", "in lanes, ns a column", "recursion of before, ns", "C, ns"]
     head += ["kernel to C", "largest difference of kernel and C"]
     return f"## One evaluation\n\n`evaluation.c`, compiled with `cc {part['flags']}`.\n\n" + table(head, rows)
+
+
+def lanes_table(results: Results) -> str:
+    """One evaluation alone and in lanes, by instruction set."""
+    if "lanes" not in results:
+        return ""
+    rows = [
+        [name, str(row["n"]), f"{1e9 * row['seconds']:.1f}", f"{1e9 * row['lanes_seconds']:.1f}",
+         f"{row['seconds'] / row['lanes_seconds']:.2f}"]
+        for name, found in results["lanes"].items()
+        for row in found
+    ]  # fmt: skip
+    head = ["instructions", "blocks", "alone, ns", "in lanes, ns a column", "alone to lanes"]
+    return "## One evaluation in lanes\n\n" + table(head, rows)
 
 
 def scaling_table(results: Results) -> str:

@@ -131,12 +131,13 @@ def evaluation(results: Results) -> list[Target]:
     else:
         ratio = three["seconds"] / three["articulated_seconds"]
         found.append(Target("3b", aim, f"{ratio:.2f}x", ratio <= RECURSION_RATIO))
-    return found + lanes(part)
+    return found + lanes(results)
 
 
-def lanes(part: Results) -> list[Target]:
+def lanes(results: Results) -> list[Target]:
     """3c to 3e: an evaluation in lanes, a column, against one alone that is compiled for the same instructions."""
-    measured = {**part.get("restricted", {}), part.get("instructions", ""): part.get("rows", [])}
+    alone = results.get("evaluation", {})
+    measured = {alone.get("instructions", ""): alone.get("rows", [])} | results.get("lanes", {})
     found = []
     for number, (name, part_of) in zip("cde", LANES_RATIO.items(), strict=True):
         aim = f"one evaluation in lanes with {name}, 3 blocks: at most 1/{part_of:g} of one alone"

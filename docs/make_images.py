@@ -1,6 +1,9 @@
 """Draw the pictures of the README and the docs: `python docs/make_images.py`."""
 
+from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -9,13 +12,14 @@ from matplotlib.patches import Polygon
 
 from solver import Block, Column, Joint, Motion, simulate, wavelets
 from solver.calibrate import with_joints
-from solver.drawings import draw_column
+from solver.drawings import corners_of, draw_column
 from solver.modes import natural_modes
 from solver.motion import STANDARD_GRAVITY
 from solver.plots import draw_ground
 from solver.record_plots import plot_records
 from solver.rocking import housner_restitution, pulled_aside, restitution_from
 from solver.statics import capacity_curve
+from solver.still import StillColumn
 
 HERE = Path(__file__).resolve().parent
 EXAGGERATION = 50.0
@@ -159,7 +163,7 @@ def restitutions() -> None:
 
 def columns() -> None:
     """columns.png: the columns of examples/columns, to one scale; the small ones once more, larger."""
-    names = ("phocas", "phocas-round", "doric", "aurelian", "statue", "storage")
+    names = ("phocas", "phocas-round", "doric", "pronaos", "aurelian", "statue", "storage")
     figure = Figure(figsize=(9.0, 4.6), layout="constrained")
     left, right = figure.subplots(1, 2, width_ratios=(3.0, 1.0))
     for axes, shown, gap in ((left, names, 4.0), (right, names[-2:], 0.6)):
@@ -183,6 +187,46 @@ def columns() -> None:
         axes.spines[["top", "right", "bottom"]].set_visible(False)
         axes.set_xticks([])
     figure.savefig(HERE / "images" / "columns.png", dpi=110)
+
+
+def off_axis() -> None:
+    """off-axis.png: ways in which a column can be off its axis, as built and at rest."""
+    upright = Column.from_toml(HERE.parent / "examples" / "columns" / "phocas-damped.toml")
+
+    def changed(tilt: tuple[float, ...] = (0.0,) * 3, **joint: tuple[Any, ...]) -> Column:
+        parts = [{name: values[i] for name, values in joint.items()} for i in range(3)]
+        blocks = zip(upright.blocks, parts, tilt, strict=True)
+        made = (replace(own, joint=replace(own.joint, **part), tilt=lean) for own, part, lean in blocks)
+        return replace(upright, blocks=tuple(made))
+
+    shown = {
+        "a block that is offset\noffset = 0.4": changed(offset=(0.4, None, None)),
+        "a leaning column\ninclination = 0.04": changed(inclination=(0.04,) * 3),
+        "one block that leans\ninclination = 0.04": changed(inclination=(None, 0.04, None)),
+        "an oblique joint\ninclination = 0.15\ntilt = -0.15": changed(
+            (0.0, -0.15, 0.0), inclination=(None, 0.15, None)
+        ),
+        "an edge that is gone\nstrips = [1.5, 1.5, 0]": changed(
+            section=(None, "strips", None), strips=(None, (1.5, 1.5, 0.0), None)
+        ),
+    }
+    figure = Figure(figsize=(9.0, 5.2), layout="constrained")
+    for axes, (title, column) in zip(figure.subplots(1, len(shown)), shown.items(), strict=True):
+        still = StillColumn(column)
+        joints = still.row(still.rest).joints
+        rest = {name: getattr(joints, name)[None] for name in ("ux", "uz", "theta")}
+        built = {name: 0.0 * values for name, values in rest.items()}
+        for outlines, scale, style in (
+            (corners_of(SimpleNamespace(column=column, **rest), 0, 200.0), 200.0, {"facecolor": STONE}),
+            (corners_of(SimpleNamespace(column=column, **built), 0, 1.0), 1.0, {"fill": False, "linestyle": ":"}),
+        ):
+            for outline in outlines:
+                axes.add_patch(Polygon(outline, edgecolor=INK if scale > 1.0 else BLUE, linewidth=0.9, **style))
+        axes.axhline(0.0, color=INK, linewidth=2.0)
+        axes.set(xlim=(-2.2, 2.6), ylim=(-0.5, 14.8), aspect="equal")
+        axes.set_title(title, fontsize=8)
+        axes.set_axis_off()
+    figure.savefig(HERE / "images" / "off-axis.png", dpi=110)
 
 
 def axes_height(all_of_them: bool) -> float:
@@ -237,4 +281,5 @@ if __name__ == "__main__":
     statics()
     restitutions()
     columns()
+    off_axis()
     square_and_round()

@@ -281,7 +281,7 @@ class _Batch:
         some = some[np.argsort(-left, kind="stable")]  # the longest first: lanes end together
         models, phases, runs = (array[some].reshape(-1) for array in (self._models, self._phases, self._runs))
         outcomes, snapshots = self._outcomes[some], self._snapshots[some]
-        lanes = _aligned(WIDTH * SPACE.size(self.n))
+        lanes = aligned(WIDTH * SPACE.size(self.n))
         found = outcomes.reshape(-1)
         follow = run_swept if self._swept else run_lanes
         follow(
@@ -312,7 +312,7 @@ _START, _STOP = RUN.fields.index("start"), RUN.fields.index("stop")
 _TRIED = [OUTCOME.parts["record"].fields.index(name) for name in ("steps", "rejected")]  # type: ignore[attr-defined]
 
 
-def _aligned(size: int) -> FloatArray:
+def aligned(size: int) -> FloatArray:
     """Zeros that begin where a line of memory does."""
     room = np.zeros(size + LINE // 8)
     first = (-room.ctypes.data % LINE) // 8

@@ -93,7 +93,7 @@ def corners_of(response: Shapes, k: int, scale: float) -> list[FloatArray]:
         tilt = lean + (block.tilt or 0.0)
         offset = (block.joint.offset or 0.0) * _frame(lean)[1]
         built = built + offset + block.height * _frame(tilt)[0]
-        up, along = _frame(tilt + theta)
+        up = _frame(tilt + theta)[0]
         top_x = built[0] + response.ux[k, i]
         height = built[1] - (block.height - rise) * math.cos(tilt) + response.uz[k, i]
         centroid = np.array([top_x - (block.height - rise) * up[0], height])
@@ -102,8 +102,10 @@ def corners_of(response: Shapes, k: int, scale: float) -> list[FloatArray]:
         drawn = drawn + (apart_built + scale * (apart - apart_built)) @ np.array(_frame(turn))
         foot = centroid + (block.height - rise) * up
         tilt_below, turned, turn = tilt, tilt + theta, tilt + scale * theta
-        up, along = _frame(turn)
-        half, top, tall = 0.5 * block.width * along, 0.5 * (block.top_width or block.width) * along, block.height * up
+        lean_above = (response.column.blocks[i - 1].joint.inclination or 0.0) if i > 0 else tilt
+        half = _across(0.5 * block.width, turn, lean - tilt)
+        top = _across(0.5 * (block.top_width or block.width), turn, lean_above - tilt)
+        tall = block.height * _frame(turn)[0]
         found.append(np.array([drawn - half, drawn + half, drawn + top + tall, drawn - top + tall]))
         drawn = drawn + tall
     return found[::-1]
@@ -178,6 +180,11 @@ def _frame(theta: float) -> tuple[FloatArray, FloatArray]:
     """Unit vectors of a body turned clockwise by theta: up, and along its faces to the right."""
     sine, cosine = math.sin(theta), math.cos(theta)
     return np.array([sine, cosine]), np.array([cosine, -sine])
+
+
+def _across(half: float, turn: float, oblique: float) -> FloatArray:
+    """From the middle to the end of a face of this half width, oblique to a body turned by so much."""
+    return half / math.cos(oblique) * _frame(turn + oblique)[1]
 
 
 def _peak(response: Shaken) -> int:

@@ -265,8 +265,8 @@ def test_targets_are_computed():
                         {"n": 3, "ratio": 1.4, "seconds": 6e-8, "articulated_seconds": 1e-7, "lanes_seconds": 9e-9},
                         {"n": 10, "ratio": 1.6},
                     ],
-                    "restricted": {"AVX2": [{"n": 3, "seconds": 6e-8, "lanes_seconds": 2e-8}]},
                 },
+                "lanes": {"AVX2": [{"n": 3, "seconds": 6e-8, "lanes_seconds": 2e-8}]},
                 "scaling": {
                     "rows": [
                         {"n": 10, "evaluation": 1e-8, "simulated": 1e-3},

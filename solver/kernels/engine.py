@@ -68,13 +68,8 @@ _model, _state, _counts, _base, _work = MODEL.over, STATE.over, COUNTS.over, BAS
 _STRIPS_GIVEN = GIVEN.fields.index("joint_strips")
 _row, _split = ROW.over, SPLIT.over
 _given_settings, _given_block, _base_inputs = GIVEN_SETTINGS.over, GIVEN.over, BASE_INPUTS.over
-_SETTINGS_FIELDS, _BLOCK_FIELDS, _COUNTS_FIELDS, _BASE_FIELDS = (
-    GIVEN_SETTINGS.beside,
-    GIVEN.beside,
-    COUNTS.beside,
-    BASE.beside,
-)
-_ROW_FIELDS, _ROW_BESIDE, _SPLIT_FIELDS = ROW.per_n, ROW.beside, SPLIT.beside
+_SETTINGS_FIELDS, _BLOCK_FIELDS = GIVEN_SETTINGS.beside, GIVEN.beside
+_ROW_FIELDS, _ROW_BESIDE = ROW.per_n, ROW.beside
 _WORK_PER_N, _WORK_BESIDE = WORK.per_n, WORK.beside
 _CONTROL_FIELDS, _STATE_PER_N = STATE.beside, STATE.per_n
 

@@ -18,6 +18,7 @@ from ..jit import kernel, leaf
 from ..joint.law import resultants
 from ..joint.sliding import can_slide
 from ..layout import COUNTS_FROM, OK, PEAKS, PIECES, ROW
+from .bracket import bracket, narrowed, trial_within
 from .interpolation import interpolate_phase, refine
 
 _peaks, _row = PEAKS.over, ROW.over
@@ -266,12 +267,9 @@ def _take(column, motion, seen):
     if observe(column, work.between, motion, _row(seen, n)) != OK:
         return
     visible, peaks = _peaks(seen, n), column.state.peaks
-    carried = 0.0
     for i in range(n):
-        carried += model.settings.gravity * model.blocks.mass[i]
         normal = visible.joints.N[i]
-        counts = normal > COUNTS_FROM * carried
-        visible.friction[i] = abs(visible.joints.T[i]) / normal if counts else 0.0
+        visible.friction[i] = abs(visible.joints.T[i]) / normal if normal > work.notes.counts[i] else 0.0
         visible.joints.contact[i] = 1.0 - visible.joints.contact[i]
     for j in range(n, _PER_N * n + _BESIDE):  # u_x upon a base that turns counts relative to it
         peaks[j] = max(peaks[j], abs(seen[j]))
@@ -333,21 +331,15 @@ def _cross(column, t, h, i, weight, lo, f_lo, hi, f_hi):
     n, work = column.model.n, column.work
     trial = work.seen[(PIECES + 1) * (_PER_N * n + _BESIDE) :]
     enough = column.model.settings.tolerance * weight
-    side = 0
+    way = 1.0 if f_lo > 0.0 else -1.0
+    known = bracket(lo, hi, way * f_lo, way * f_hi)
     for _ in range(2 * MOST_TRIALS):
-        s = (lo * f_hi - hi * f_lo) / (f_hi - f_lo)
+        s = trial_within(known)
         _look(column, t, h, s, trial)
         f_s = _peaks(trial, n).joints.N[i] - weight
         if 0.0 <= f_s <= enough:
             return
-        if f_s * f_hi > 0.0:
-            hi, f_hi = s, f_s
-            f_lo *= 0.5 if side == 1 else 1.0
-            side = 1
-        else:
-            lo, f_lo = s, f_s
-            f_hi *= 0.5 if side == -1 else 1.0
-            side = -1
+        known = narrowed(known, s, way * f_s)
 
 
 @kernel
@@ -380,10 +372,8 @@ def track_extremes(column, t, h):
             a, b, c = (at - 1) / PIECES, at / PIECES, (at + 1) / PIECES
             f_a, f_b, f_c = way * seen[(at - 1) * size + j], way * seen[at * size + j], way * seen[(at + 1) * size + j]
             _climb(column, t, h, j, a, f_a, b, f_b, c, f_c, way)
-    carried = 0.0
     for i in range(n):
-        carried += model.settings.gravity * model.blocks.mass[i]
-        weight = COUNTS_FROM * carried
+        weight = work.notes.counts[i]
         for k in range(PIECES):
             here, there = _peaks(seen[k * size :], n).joints, _peaks(seen[(k + 1) * size :], n).joints
             f_lo, f_hi = here.N[i] - weight, there.N[i] - weight

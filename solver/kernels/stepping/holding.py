@@ -12,6 +12,7 @@ from ..joint.regimes import ANY, contact_regime, regime_margin
 from ..joint.section import ends_of
 from ..joint.sliding import can_slide, opening_felt, opening_rate_felt, slip_of
 from ..numbers import sine_cosine
+from .bracket import bracket, narrowed, trial_within
 from .interpolation import Quintic, quintic_of, quintic_through, refine, slips_of, value_of
 
 NO_CHANGE = 2.0  # a fraction of the step that is never reached
@@ -163,34 +164,19 @@ def _margin_within(model, i, regime, course, s):
 
 @kernel
 def _end_of_regime(model, i, regime, course, lo, hi):
-    """Fraction of the step, after lo, where the margin of joint i is spent; it is at hi.
-
-    The false position with halved weights (M. Dowell, P. Jarratt, BIT 11 (1971) 168-174, the Illinois algorithm).
-    """
+    """Fraction of the step, after lo, where the margin of joint i is spent; it is at hi."""
     at_lo = _margin_within(model, i, regime, course, lo)
     if at_lo < 0.0:
         lo = 0.0
         at_lo = max(0.0, _margin_within(model, i, regime, course, lo))
     at_hi = _margin_within(model, i, regime, course, hi)
-    side = 0
+    known = bracket(lo, hi, at_lo, at_hi)
     for _ in range(MOST_TRIALS):
-        if hi - lo <= CLOSE_ENOUGH:
+        if known.hi - known.lo <= CLOSE_ENOUGH:
             break
-        trial = (lo * at_hi - hi * at_lo) / (at_hi - at_lo)
-        if not lo < trial < hi:
-            trial = 0.5 * (lo + hi)
-        at_trial = _margin_within(model, i, regime, course, trial)
-        if at_trial < 0.0:
-            hi, at_hi = trial, at_trial
-            if side == 1:
-                at_lo *= 0.5
-            side = 1
-        else:
-            lo, at_lo = trial, at_trial
-            if side == -1:
-                at_hi *= 0.5
-            side = -1
-    return hi
+        trial = trial_within(known)
+        known = narrowed(known, trial, _margin_within(model, i, regime, course, trial))
+    return known.hi
 
 
 @kernel

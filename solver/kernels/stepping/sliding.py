@@ -7,7 +7,8 @@ evaluation at every trial. The step is cut off there, and `evaluate_anew` decide
 
 from ..formulations.either import evaluate_at
 from ..formulations.slips import spare
-from ..jit import kernel, leaf
+from ..jit import kernel
+from .bracket import bracket, narrowed, trial_within
 from .interpolation import interpolate_phase, quintic_of, refine, slips_of, value_of
 
 NEVER = 2.0  # a fraction of the step that is not reached
@@ -72,21 +73,13 @@ def _stop(column, i, lo, hi, t, h):
     at_lo = way * value_of(course, lo)[1]
     if at_lo < 0.0:
         lo, at_lo = 0.0, max(0.0, way * value_of(course, 0.0)[1])
-    side = 0
+    known = bracket(lo, hi, at_lo, at_hi)
     for _ in range(MOST_TRIALS):
-        if hi - lo <= CLOSE_ENOUGH:
+        if known.hi - known.lo <= CLOSE_ENOUGH:
             break
-        trial = _between(lo, hi, at_lo, at_hi)
-        at_trial = way * value_of(course, trial)[1]
-        if at_trial < 0.0:
-            hi, at_hi = trial, at_trial
-            at_lo *= 0.5 if side == 1 else 1.0
-            side = 1
-        else:
-            lo, at_lo = trial, at_trial
-            at_hi *= 0.5 if side == -1 else 1.0
-            side = -1
-    return hi
+        trial = trial_within(known)
+        known = narrowed(known, trial, way * value_of(course, trial)[1])
+    return known.hi
 
 
 @kernel
@@ -106,28 +99,13 @@ def _beginning(column, i, nodes, t, h, before):
             break
     if hi == NEVER:
         return NEVER
-    side = 0
+    known = bracket(lo, hi, at_lo, at_hi)
     for _ in range(MOST_TRIALS):
-        if hi - lo <= NEAR:
+        if known.hi - known.lo <= NEAR:
             break
-        trial = _between(lo, hi, at_lo, at_hi)
-        at_trial = _spare_within(column, i, t, h, trial)
-        if at_trial < 0.0:
-            hi, at_hi = trial, at_trial
-            at_lo *= 0.5 if side == 1 else 1.0
-            side = 1
-        else:
-            lo, at_lo = trial, at_trial
-            at_hi *= 0.5 if side == -1 else 1.0
-            side = -1
-    return hi
-
-
-@leaf
-def _between(lo, hi, at_lo, at_hi):
-    """The next trial of a false position with halved weights (as in holding.py)."""
-    trial = (lo * at_hi - hi * at_lo) / (at_hi - at_lo)
-    return trial if lo < trial < hi else 0.5 * (lo + hi)
+        trial = trial_within(known)
+        known = narrowed(known, trial, _spare_within(column, i, t, h, trial))
+    return known.hi
 
 
 @kernel
