@@ -13,6 +13,7 @@ import hashlib
 import importlib
 import multiprocessing
 import os
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -32,6 +33,7 @@ from .platforms import LINUX, Target
 
 BASELINE = "x86-64-v2"
 PREFIX = "kernel_"  # of the entries in the object code
+OPTIMIZED = "kernels.bc"  # the module that the code of every target is made of
 
 
 @dataclass(frozen=True)
@@ -69,6 +71,8 @@ def object_code(targets: list[Target], kernels: Kernels, suffix: str = ".o") -> 
         if missing:
             environment = {key: value for key, value in os.environ.items() if not key.startswith("NUMBA_")}
             settings = {"NUMBA_CPU_NAME": BASELINE, "NUMBA_CPU_FEATURES": "", "PYTHONHASHSEED": "0"}
+            if (kept / OPTIMIZED).is_file():  # for other targets
+                shutil.copyfile(kept / OPTIMIZED, folder / OPTIMIZED)
             command = [sys.executable, "-m", __spec__.name, str(folder), kernels.entries, *missing]
             path = os.pathsep.join(entry for entry in sys.path if entry)
             subprocess.run(command, check=True, env=environment | settings | {"PYTHONPATH": path})
@@ -142,14 +146,21 @@ def tell(text: str) -> None:
     print(f"{text} ({time.process_time():.0f} s)", file=sys.stderr, flush=True)
 
 
+def _optimized(file: Path, entries: str) -> bytes:
+    """The bitcode in this file; made, if it is not there."""
+    if not file.is_file():
+        _initialize()
+        whole = module(entries)
+        optimize(whole)
+        tell("kernels optimized")
+        file.write_bytes(whole.as_bitcode())
+    return file.read_bytes()
+
+
 def main(arguments: list[str]) -> int:
-    """FOLDER ENTRIES TRIPLE=CPU=SUFFIX ...: write the code of each target to the folder."""
+    """FOLDER ENTRIES TRIPLE=CPU=SUFFIX ...: write the code of each target to the folder, and what it is made of."""
     folder, entries, *words = arguments
-    _initialize()
-    whole = module(entries)
-    optimize(whole)
-    tell("kernels optimized")
-    bitcode = whole.as_bitcode()
+    bitcode = _optimized(Path(folder) / OPTIMIZED, entries)
     with ProcessPoolExecutor(os.cpu_count(), multiprocessing.get_context("spawn")) as workers:
         begun = {workers.submit(emit, bitcode, *word.split("=")): word.split("=") for word in words}
         for done in as_completed(begun):
