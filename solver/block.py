@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from .errors import InputError, check_number, shown
 from .kernels.joint.section import ANNULUS, RECTANGLE, SECTIONS, STRIPS, whole
 from .kernels.layout import MOST_STRIPS
-from .ranges import NUMBERS, check, check_choice
+from .ranges import LENGTH, NUMBERS, check, check_choice
 from .solids import Solid, solid_between
 
 BLOCK_SECTIONS = tuple(name for name in SECTIONS if name != "strips")  # strips are of contacts only
@@ -139,6 +139,8 @@ class Rule:
     relation: str = ""
 
 
+BORE_RELATION = "must be less than the outer diameter"
+STRIP_RELATION = "must not exceed the block's depth"
 # in the order in which they are checked
 BLOCK_RULES = (
     *(Rule(key) for key in ("height", "width", "depth", "mass")),
@@ -164,8 +166,11 @@ def check_block(key: str, block: object) -> None:
     _check_bore(key, block.bore, block.section, narrowest)
     _check_rules(key, block, tuple(rule for rule in BLOCK_RULES if rule not in sizes))
     _check_bore(f"{key}.joint", block.joint.bore, SECTIONS[block.joint_section], block.joint_width)
-    if block.joint_section == ANNULUS and not 0.0 < block.joint_bore < block.joint_width:
-        raise InputError(f"{key}.joint.bore: must be an inner diameter in m, less than {shown(block.joint_width)} m")
+    if block.joint_section == ANNULUS:
+        if not block.joint_bore:
+            width = shown(block.joint_width)
+            raise InputError(f"{key}.joint.bore: must be an inner diameter in m, less than {width} m")
+        _check_bore(f"{key}.joint", block.joint_bore, "annulus", block.joint_width)
     _check_strips(f"{key}.joint.strips", block)
     for name, value in (("offset", block.joint.offset), ("inclination", block.joint.inclination)):
         if value is not None:
@@ -187,7 +192,7 @@ def _check_bore(owner: str, bore: float | None, section: str, width: float) -> N
     if bore is not None and section != "annulus":
         raise InputError(f'{owner}.bore = {shown(bore)}: must be left out, or section = "annulus"')
     if bore is not None and bore >= width:
-        raise InputError(f"{owner}.bore = {shown(bore)}: must be less than the outer diameter = {shown(width)} m")
+        raise InputError(f"{owner}.bore = {shown(bore)}: {BORE_RELATION} = {shown(width)} m")
 
 
 def _check_section(key: str, block: Block) -> None:
@@ -209,9 +214,10 @@ def _check_strips(key: str, block: Block) -> None:
         return
     if not isinstance(strips, tuple) or not 1 <= len(strips) <= MOST_STRIPS:
         raise InputError(f"{key} = {shown(strips)}: must be a list of 1 to {MOST_STRIPS} depths in m")
-    meaning = f"a depth in m, from 0 to that of the block, {shown(block.depth)}"
     for k, depth in enumerate(strips):
-        check_number(f"{key}[{k}]", depth, (0.0, block.depth), meaning)
+        check_number(f"{key}[{k}]", depth, (0.0, LENGTH[0][1]), "a depth in m, from 0 to that of the block")
+        if depth > block.depth:
+            raise InputError(f"{key}[{k}] = {shown(depth)}: {STRIP_RELATION} = {shown(block.depth)} m")
     if not any(strips):
         raise InputError(f"{key}: all zero, must have a depth somewhere")
 

@@ -15,6 +15,7 @@ from typing import Any
 
 from fmus import finish, run
 
+CHILD_FILE = __file__
 MARK = "returned: "  # before the result, among whatever else the process prints
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import math
 import sys
 import zipfile
 from pathlib import Path
@@ -89,6 +90,40 @@ def test_round_hollow_and_chipped_joints(tmp_path: Path) -> None:
     python = Fmus.build(column, tmp_path / "python.fmu")
     results = compare(native, python, {}, {"joint[3].width": 1.3, "block[2].mass": 9e3}, {"push": 0.5})
     assert all(same for same, _ in results), results
+    for name, value, reason in (
+        ("block[2].width", 0.35, "block[2].bore = 0.4: must be less than the outer diameter = 0.35 m"),
+        ("joint[1].width", 0.2, "joint[1].bore = 0.3: must be less than the outer diameter = 0.2 m"),
+        ("joint[2].width", 0.4, "joint[2].bore = 0.4: must be less than the outer diameter = 0.4 m"),
+        ("joint[1].friction", -0.5, "joint[1].friction = -0.5: must be a positive coefficient of friction"),
+        ("joint[2].offset", math.nan, "joint[2].offset = nan: must be"),
+        ("block[3].depth", 1.3, "joint[3].strips[2] = 1.4: must not exceed the block's depth = 1.3 m"),
+    ):
+        for fmu in (native, python):
+            done = ended(failures.wrong_value, fmu, name, value)
+            assert reason in done.stdout + done.stderr, fmu
+            refused, again, goes_on = returned(done.stdout)
+            assert "error" in refused
+            assert (again, goes_on) == ("ok", "ok")
+    done = ended(failures.wrong_value, native, "block[3].inertia", 0.0)  # worked out in the builder's Python alone
+    assert "block[3].inertia = 0.0: must be a positive moment of inertia" in done.stdout + done.stderr
+
+
+def test_joints_that_slide(fmus: Fmus, native: Path) -> None:
+    """Friction set as a parameter: outputs, parameters and a state kept while a joint slides, in both FMUs."""
+    results = compare(
+        native,
+        fmus.damped,
+        {"joint[2].friction": 0.08},
+        {"joint[1].friction": 0.1, "joint[1].dowel": 1e4, "joint[3].friction": 0.05, "joint[3].width": 1.3},
+        {"joint[2].friction": 0.2, "push": 4.0},
+    )
+    assert all(same for same, _ in results), results
+    values = {"joint[2].friction": 0.08, "joint[2].damping": 2e-3}
+    found = [call(states.sliding, fmu, values) for fmu in (native, fmus.damped)]
+    assert found[0] == found[1]
+    assert found[0]["slid"] > 1e-3  # m, after the state was kept
+    kept = [found[0][key] for key in ("at once", "further on", "elsewhere", "parameters elsewhere")]
+    assert kept == [True] * 4
 
 
 def test_fmpy_is_content_and_python_is_not_needed(native: Path) -> None:

@@ -129,6 +129,7 @@ def test_what_is_needed_is_printed_and_the_same_input_builds_the_same_bytes(tmp_
         )
         assert done.returncode == 0
         assert "linux64 (ELF x86-64) needs: " in done.stderr
+        assert "library linked: linux64, " in done.stderr
         built.append(output.read_bytes())
     assert built[0] == built[1]
 

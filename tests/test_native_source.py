@@ -13,7 +13,7 @@ import pytest
 from child import call
 from fmpy import extract, read_model_description
 from fmus import ROOT, Fmus, finish, run
-from inside import inputs
+from inside import inputs, masters
 
 from build_fmu import main
 from fmu_src.native import symbols
@@ -88,19 +88,35 @@ def test_it_compiles_for_the_other_targets(files: list[Path], tmp_path: Path, ta
     run(*ZIG, target, *OPTIONS, *files, "-lm", "-o", tmp_path / "column.so")
 
 
-def test_fmi_3_describes_its_build(tmp_path: Path) -> None:
-    options = ("--native", "--source", "--fmi", "3", "--platforms", "x86_64-linux")
-    fmu = Fmus.build(DAMPED, tmp_path / "damped.fmu", *options)
-    assert "No problems found" in run("fmpy", "validate", fmu)
-    with zipfile.ZipFile(fmu) as archive:
-        archive.extractall(tmp_path / "unpacked")
-    sources = tmp_path / "unpacked" / "sources"
-    root = ElementTree.parse(sources / "buildDescription.xml").getroot()
-    listed = [sources / str(file.get("name")) for file in root.iter("SourceFile")]
-    library = tmp_path / "column.so"
-    run(*ZIG, "x86_64-linux-gnu", *OPTIONS, "-DFMI3_OVERRIDE_FUNCTION_PREFIX", *listed, "-lm", "-o", library)
+@pytest.fixture(scope="module")
+def fmu3(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    output = tmp_path_factory.mktemp("source3") / "damped.fmu"
+    return Fmus.build(DAMPED, output, "--native", "--source", "--fmi", "3", "--platforms", "x86_64-linux")
+
+
+@pytest.mark.parametrize("compiler", ["gcc", "zig"])
+def test_fmi_3_describes_its_build_and_runs_as_compiled(fmu3: Path, tmp_path: Path, compiler: str) -> None:
+    if compiler == "gcc" and shutil.which("gcc") is None:
+        pytest.skip("gcc is not installed")
+    assert "No problems found" in run("fmpy", "validate", fmu3)
+    folder = Path(extract(str(fmu3), unzipdir=tmp_path / "unpacked"))
+    root = ElementTree.parse(folder / "sources" / "buildDescription.xml").getroot()
+    listed = [folder / "sources" / str(file.get("name")) for file in root.iter("SourceFile")]
+    library = folder / "binaries" / "x86_64-linux" / "phocas_damped.so"
+    names = ("base.Fx", "block.ux", "joint.N")
+    expected = call(masters.alone3, fmu3, names)
+    shipped = library.read_bytes()
+    command = ("gcc",) if compiler == "gcc" else (*ZIG, "x86_64-linux-gnu")
+    run(*command, *OPTIONS, "-DFMI3_OVERRIDE_FUNCTION_PREFIX", *listed, "-lm", "-o", library)
+    assert library.read_bytes() != shipped
     (part,) = symbols.read(library.read_bytes())
     assert len([name for name in part.offered if name.startswith("fmi3")]) > 70
+    changed = tmp_path / "compiled.fmu"
+    with zipfile.ZipFile(changed, "w") as archive:
+        for file in sorted(folder.rglob("*")):
+            archive.write(file, file.relative_to(folder))
+    assert call(masters.alone3, changed, names) == expected
+    assert abs(expected[1]) > 1e-3  # m, it moves
 
 
 def test_a_pythonfmu_has_no_such_source(capsys: pytest.CaptureFixture[str]) -> None:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from solver.block import BLOCK_RULES
+from solver.block import BLOCK_RULES, BORE_RELATION, STRIP_RELATION
 from solver.column import Column
 from solver.kernels import engine, pointers
 from solver.kernels import layout as at
 from solver.packing import FORMULATION_CODES, INTEGRATOR_CODES, SKIP_CODES, section_of
-from solver.ranges import NUMBERS
+from solver.ranges import LENGTH, NUMBERS
 from solver.settings import SKIPS
 from solver.stepper import REASONS
 
@@ -84,7 +84,7 @@ def column_subject(column: Column) -> Subject:
             *(Chosen(name, "NUMBERED", _items(choice)) for name, choice in CHOICES.items()),
             Chosen("solver.without", "ANY_WORDS", [(0, SKIP_CODES[word], word) for word in SKIPS]),
         ],
-        checks=_checks(n),
+        checks=_checks(column),
         reasons=REASONS,
     )
 
@@ -102,13 +102,35 @@ def _given(column: Column) -> list[str | float]:
     return names
 
 
-def _checks(n: int) -> list[Check]:
-    """The limits of every Real parameter in the order in which the Python slave finds fault with them."""
+def _checks(column: Column) -> list[Check]:
+    """The limits of every Real parameter in the order in which the Python slave finds fault with them.
+
+    What a section is made of is no parameter, but has to suit those that are.
+    """
     rows = [Check("g", *NUMBERS["g"])]
-    for i in range(1, n + 1):
+    for i, block in enumerate(column.blocks, start=1):
         for rule in BLOCK_RULES:
             name = f"joint[{i}].{rule.key}" if rule.of_joint else f"block[{i}].{rule.key}"
             bound = f"block[{i}].{rule.bound}" if rule.bound else ""
-            rows.append(Check(name, *NUMBERS[rule.key], rule.optional, bound, rule.strict, rule.relation))
+            # a homogeneous block is worked out here only where it is a cuboid
+            optional = rule.optional and (rule.of_joint or block.is_cuboid)
+            rows.append(Check(name, *NUMBERS[rule.key], optional, bound, rule.strict, rule.relation))
+            if rule.key == "mass" and block.bore is not None:
+                rows.append(_bore(f"block[{i}].bore", block.bore, f"block[{i}].width"))
+        if block.joint_bore:
+            rows.append(_bore(f"joint[{i}].bore", block.joint_bore, f"joint[{i}].width", f"block[{i}].width"))
+        for k, depth in enumerate(block.joint.strips or ()):
+            name = f"joint[{i}].strips[{k}]"
+            rows.append(Check(name, *FIXED_LENGTH, False, f"block[{i}].depth", False, STRIP_RELATION, depth))
+        others = [f"joint[{i}].{key}" for key in ("offset", "inclination", "friction", "dowel")]
+        rows += [Check(name, *NUMBERS[name.rpartition(".")[2]], True) for name in (*others, f"block[{i}].tilt")]
     rows += [Check(f"solver.{key}", *NUMBERS[key]) for key in ("step", "tolerance")]
     return [*rows, Check(RECORD_SCALE, *rules.SCALE_LIMITS)]
+
+
+FIXED_LENGTH = ((0.0, LENGTH[0][1]), LENGTH[1])
+
+
+def _bore(name: str, bore: float, bound: str, otherwise: str = "") -> Check:
+    """An inner diameter, which is less than the outer one."""
+    return Check(name, *FIXED_LENGTH, False, bound, True, BORE_RELATION, bore, otherwise)

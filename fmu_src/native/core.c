@@ -21,11 +21,12 @@ typedef struct { int number, code; const char *word; } Item;
 typedef enum { NUMBERED, ONE_WORD, ANY_WORDS } Way; /* how a choice is made: by an enumeration's number or in words */
 typedef struct { int row, place; Way way; int count; const Item *items; } Choice; /* place: among what is given */
 typedef struct {
-    int row;
-    double low, high;
+    int row; /* of the parameter; -1: of a number that never changes */
+    const char *name;
+    double fixed, low, high;
     int optional; /* 0 stands for "not given" */
     const char *meaning;
-    int bound, strict; /* another variable that is not to be exceeded, or has to be larger */
+    int bound, otherwise, strict; /* another variable that is not to be exceeded, or has to be larger; where it is 0 */
     const char *relation;
 } Check;
 typedef struct { int64_t code; const char *text; } Reason;
@@ -216,17 +217,17 @@ static int find_fault(const Moment *moment, char *reason) {
     char value[NUMBER], bound[NUMBER];
     for (int k = 0; k < CHECKS; k++) {
         const Check *check = &checks[k];
-        double given_value = real_at(moment, check->row);
-        const char *name = variables[check->row].name;
+        double given_value = check->row < 0 ? check->fixed : real_at(moment, check->row);
         if (check->optional && given_value == 0.0) continue;
         if (!(check->low <= given_value && given_value <= check->high)) {
-            snprintf(reason, MESSAGE, "%s = %s: %s", name, shown(given_value, value), check->meaning);
+            snprintf(reason, MESSAGE, "%s = %s: %s", check->name, shown(given_value, value), check->meaning);
             return 1;
         }
         if (check->bound < 0) continue;
         double most = real_at(moment, check->bound);
+        if (most == 0.0 && check->otherwise >= 0) most = real_at(moment, check->otherwise);
         if (check->strict ? !(given_value < most) : given_value > most) {
-            snprintf(reason, MESSAGE, "%s = %s: %s = %s m", name, shown(given_value, value), check->relation,
+            snprintf(reason, MESSAGE, "%s = %s: %s = %s m", check->name, shown(given_value, value), check->relation,
                      shown(most, bound));
             return 1;
         }

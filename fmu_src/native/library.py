@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import importlib.util
+import os
 import subprocess
 import sys
 import tempfile
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from solver.errors import InputError
@@ -72,25 +74,38 @@ def libraries(
     known = PLATFORMS[fmi]
     targets = list(dict.fromkeys(target for platform in platforms for target in known[platform].targets))
     codes = dict(zip(targets, object_code(targets, kernels), strict=True))
-    made = {}
     with tempfile.TemporaryDirectory(prefix="native_") as temporary:
         folder = Path(temporary)
         for file, text in generated.items():
             (folder / file).write_text(text, encoding="utf-8")
-        for platform in platforms:
-            parts = []
-            for target in known[platform].targets:
-                (folder / "kernels.o").write_bytes(codes[target])
-                output = folder / f"library{known[platform].suffix}"
-                options: list[Path | str] = [f"-I{folder}", *sources(fmi), folder / "kernels.o", "-lm"]
-                if output.suffix == ".dylib":  # else the path that it was linked at
-                    options.append(f"-Wl,-install_name,@rpath/{name}.dylib")
-                compile_c(target, options, output)
-                parts.append(output.read_bytes())
-            content = symbols.universal(parts)
-            needs = symbols.read(content)
-            for part in needs:
-                if part.foreign:
-                    raise InputError(f"{platform}: {part.format} needs {', '.join(part.foreign)} of Python's")
-            made[platform] = content, needs
-    return made
+
+        def made(platform: str) -> bytes:
+            suffix, parts = known[platform].suffix, known[platform].targets
+            content = symbols.universal([_linked(name, part, suffix, folder, codes[part], fmi) for part in parts])
+            print(f"library linked: {platform}, {len(content) / 1e3:.0f} kB", file=sys.stderr, flush=True)
+            return content
+
+        with ThreadPoolExecutor(os.cpu_count()) as several:
+            contents = dict(zip(platforms, several.map(made, platforms), strict=True))
+    return {platform: (content, _checked(platform, content)) for platform, content in contents.items()}
+
+
+def _linked(name: str, target: Target, suffix: str, headers: Path, code: bytes, fmi: int) -> bytes:
+    """The library of one target."""
+    with tempfile.TemporaryDirectory(dir=headers) as temporary:
+        kernels, output = Path(temporary) / "kernels.o", Path(temporary) / f"library{suffix}"
+        kernels.write_bytes(code)
+        options: list[Path | str] = [f"-I{headers}", *sources(fmi), kernels, "-lm"]
+        if suffix == ".dylib":  # else the path that it was linked at
+            options.append(f"-Wl,-install_name,@rpath/{name}.dylib")
+        compile_c(target, options, output)
+        return output.read_bytes()
+
+
+def _checked(platform: str, content: bytes) -> list[symbols.Symbols]:
+    """What each part of a library needs, none of it Python's."""
+    needs = symbols.read(content)
+    for part in needs:
+        if part.foreign:
+            raise InputError(f"{platform}: {part.format} needs {', '.join(part.foreign)} of Python's")
+    return needs

@@ -1,8 +1,9 @@
 """The kernels as object code for any platform, made on this one.
 
-numba types them once; LLVM optimizes and emits that module for each target. numba is told the oldest x86-64 processor
-in question, whatever the builder's own. It does so in a process of its own, since numba takes the processor from the
-environment; the code is kept in the user's cache: it does not depend on the column.
+numba types them once, LLVM optimizes them once, and emits that module for each target. Both are told the oldest x86-64
+processor in question, whatever the builder's own; its vectors of two numbers are what the other targets have too. They
+work in processes of their own, since numba takes the processor from the environment, and say what they have done. The
+code is kept in the user's cache: it does not depend on the column.
 """
 
 from __future__ import annotations
@@ -10,10 +11,14 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import importlib
+import multiprocessing
 import os
+import shutil
 import subprocess
 import sys
 import tempfile
+import time
+from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -24,10 +29,11 @@ from llvmlite import binding as llvm
 from solver.kernels.jit import SOURCES, as_written
 
 from ..host import CACHE_FOLDER, user_cache
-from .platforms import Target
+from .platforms import LINUX, Target
 
 BASELINE = "x86-64-v2"
 PREFIX = "kernel_"  # of the entries in the object code
+OPTIMIZED = "kernels.bc"  # the module that the code of every target is made of
 
 
 @dataclass(frozen=True)
@@ -65,6 +71,8 @@ def object_code(targets: list[Target], kernels: Kernels, suffix: str = ".o") -> 
         if missing:
             environment = {key: value for key, value in os.environ.items() if not key.startswith("NUMBA_")}
             settings = {"NUMBA_CPU_NAME": BASELINE, "NUMBA_CPU_FEATURES": "", "PYTHONHASHSEED": "0"}
+            if (kept / OPTIMIZED).is_file():  # for other targets
+                shutil.copyfile(kept / OPTIMIZED, folder / OPTIMIZED)
             command = [sys.executable, "-m", __spec__.name, str(folder), kernels.entries, *missing]
             path = os.pathsep.join(entry for entry in sys.path if entry)
             subprocess.run(command, check=True, env=environment | settings | {"PYTHONPATH": path})
@@ -90,6 +98,7 @@ def module(entries: str) -> llvm.ModuleRef:
         part, name = as_written(function, arguments)
         whole.link_in(part)
         names[name] = PREFIX + function.__name__
+        tell(f"kernels typed: {function.__name__}")
     for item in [*whole.functions, *whole.global_variables]:
         if item.name in names:
             item.name, item.linkage, item.visibility = names[item.name], "external", "hidden"
@@ -98,12 +107,9 @@ def module(entries: str) -> llvm.ModuleRef:
     return whole
 
 
-def emit(whole: llvm.ModuleRef, triple: str, cpu: str, suffix: str) -> bytes:
-    """Object code (.o) or assembly (.s) of the module for one target, optimized, rid of what nobody calls."""
-    copy = whole.clone()
-    copy.triple = triple
-    machine = llvm.Target.from_triple(triple).create_target_machine(cpu=cpu, opt=3, reloc="pic", codemodel="default")
-    copy.data_layout = str(machine.target_data)
+def optimize(whole: llvm.ModuleRef) -> None:
+    """For all targets at once, rid of what nobody calls."""
+    machine = _machine_for(whole, LINUX.triple, BASELINE)
     for level in (0, 3):  # small functions into their callers first, as numba does
         builder = llvm.create_pass_builder(machine, llvm.create_pipeline_tuning_options(speed_level=level))
         passes = builder.getModulePassManager()
@@ -111,19 +117,56 @@ def emit(whole: llvm.ModuleRef, triple: str, cpu: str, suffix: str) -> bytes:
             passes.add_loop_rotate_pass()
             passes.add_instruction_combine_pass()
             passes.add_jump_threading_pass()
-        passes.run(copy, builder)
-    code: bytes = machine.emit_object(copy) if suffix == ".o" else machine.emit_assembly(copy).encode()
+        passes.run(whole, builder)
+
+
+def emit(bitcode: bytes, triple: str, cpu: str, suffix: str) -> bytes:
+    """Object code (.o) or assembly (.s) of the optimized module for one target."""
+    _initialize()
+    whole = llvm.parse_bitcode(bitcode)
+    machine = _machine_for(whole, triple, cpu)
+    code: bytes = machine.emit_object(whole) if suffix == ".o" else machine.emit_assembly(whole).encode()
     return code
 
 
-def main(arguments: list[str]) -> int:
-    """FOLDER ENTRIES TRIPLE=CPU=SUFFIX ...: write the code of each target to the folder."""
+def _initialize() -> None:
     llvm.initialize_all_targets()
     llvm.initialize_all_asmprinters()
-    whole = module(arguments[1])
-    for word in arguments[2:]:
-        triple, cpu, suffix = word.split("=")
-        (Path(arguments[0]) / f"{triple}-{cpu}{suffix}").write_bytes(emit(whole, triple, cpu, suffix))
+
+
+def _machine_for(whole: llvm.ModuleRef, triple: str, cpu: str) -> llvm.TargetMachine:
+    """The target, which the module is made to be for."""
+    machine = llvm.Target.from_triple(triple).create_target_machine(cpu=cpu, opt=3, reloc="pic", codemodel="default")
+    whole.triple, whole.data_layout = triple, str(machine.target_data)
+    return machine
+
+
+def tell(text: str) -> None:
+    """A line on what is done, with the processor time that this process has taken so far."""
+    print(f"{text} ({time.process_time():.0f} s)", file=sys.stderr, flush=True)
+
+
+def _optimized(file: Path, entries: str) -> bytes:
+    """The bitcode in this file; made, if it is not there."""
+    if not file.is_file():
+        _initialize()
+        whole = module(entries)
+        optimize(whole)
+        tell("kernels optimized")
+        file.write_bytes(whole.as_bitcode())
+    return file.read_bytes()
+
+
+def main(arguments: list[str]) -> int:
+    """FOLDER ENTRIES TRIPLE=CPU=SUFFIX ...: write the code of each target to the folder, and what it is made of."""
+    folder, entries, *words = arguments
+    bitcode = _optimized(Path(folder) / OPTIMIZED, entries)
+    with ProcessPoolExecutor(os.cpu_count(), multiprocessing.get_context("spawn")) as workers:
+        begun = {workers.submit(emit, bitcode, *word.split("=")): word.split("=") for word in words}
+        for done in as_completed(begun):
+            triple, cpu, suffix = begun[done]
+            (Path(folder) / f"{triple}-{cpu}{suffix}").write_bytes(done.result())
+            tell(f"machine code: {triple}")
     return 0
 
 

@@ -72,7 +72,11 @@ class Subject:
 
 @dataclass(frozen=True)
 class Check:
-    """Limits of a Real parameter; another variable that bounds it."""
+    """Limits of a Real parameter; another variable that bounds it.
+
+    fixed: a number of that name that is no parameter, and is held to the bound alone. otherwise: the variable that
+    bounds where the first is 0.
+    """
 
     name: str
     limits: tuple[float, float]
@@ -81,6 +85,8 @@ class Check:
     bound: str = ""
     strict: bool = False
     relation: str = ""
+    fixed: float | None = None
+    otherwise: str = ""
 
 
 @dataclass(frozen=True)
@@ -266,11 +272,13 @@ def _choices(subject: Subject, index: dict[str, int]) -> list[str]:
 
 def _check(check: Check, index: dict[str, int]) -> str:
     parts = [
-        str(index[check.name]),
+        "-1" if check.fixed is not None else str(index[check.name]),
+        _quoted(check.name),
+        _number(check.fixed or 0.0),
         *map(_number, check.limits),
         str(int(check.optional)),
         _quoted(f"must be {check.meaning}"),
-        str(index[check.bound]) if check.bound else "-1",
+        *(str(index[bound]) if bound else "-1" for bound in (check.bound, check.otherwise)),
         str(int(check.strict)),
         _quoted(check.relation),
     ]

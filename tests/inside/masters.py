@@ -2,22 +2,36 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from fmpy import read_model_description, simulate_fmu
 from instance import Instance
 
+from inside.fmi3 import Instance3
+
 OUTPUTS = ("block[1].ux", "joint[1].N")
 
 
-def alone(fmu: str) -> list[float]:
-    """Displacement of the top block and the force under it, under FMPy."""
+def alone(fmu: str, outputs: Sequence[str] = OUTPUTS) -> list[float]:
+    """Displacement of the top block and the force under it, or other outputs, under FMPy."""
     column = Instance(fmu, {"base.ax": 0.5})
     for k in range(200):
         column.step(0.01 * k, 0.01)
-    return column.get(*OUTPUTS)
+    return column.get(*outputs)
 
 
-def libcosim(fmu: str) -> list[float]:
+def alone3(fmu: str, outputs: Sequence[str]) -> list[float]:
+    """The same of an FMU of FMI 3.0."""
+    column = Instance3(fmu)
+    column.set(base__ax=0.5)
+    column.initialize()
+    for k in range(200):
+        column.step(0.01 * k, 0.01)
+    return column.get(*outputs)
+
+
+def libcosim(fmu: str, outputs: Sequence[str] = OUTPUTS) -> list[float]:
     """The same under libcosim."""
     from libcosimpy.CosimExecution import CosimExecution
     from libcosimpy.CosimObserver import CosimObserver
@@ -30,10 +44,10 @@ def libcosim(fmu: str) -> list[float]:
     execution.add_observer(observer)
     assert execution.real_initial_value(index, references["base.ax"], 0.5)
     assert execution.simulate_until(2_000_000_000)
-    return list(observer.last_real_values(index, [references[name] for name in OUTPUTS]))
+    return list(observer.last_real_values(index, [references[name] for name in outputs]))
 
 
-def ecos(fmu: str) -> list[float]:
+def ecos(fmu: str, outputs: Sequence[str] = OUTPUTS) -> list[float]:
     """The same under Ecos."""
     from ecospy import EcosSimulation, EcosSimulationStructure
     from ecospy.EcosParameterSet import EcosParameterSet
@@ -46,7 +60,7 @@ def ecos(fmu: str) -> list[float]:
     simulation = EcosSimulation(structure=structure, step_size=0.01)
     simulation.init(parameter_set="initial")
     simulation.step(200)
-    found = [simulation.get_real(f"column::{name}") for name in OUTPUTS]
+    found = [simulation.get_real(f"column::{name}") for name in outputs]
     simulation.terminate()
     return found
 

@@ -144,3 +144,30 @@ def refused(fmu: str, state: str) -> str:
 def unreadable(fmu: str, state: str) -> str:
     """What is said to bytes that are no state."""
     return Instance(fmu).attempt("deSerializeFMUstate", Path(state).read_bytes())
+
+
+def sliding(fmu: str, values: dict[str, float]) -> dict[str, Any]:
+    """A state taken while a joint slides, set again and, as bytes, in another instance: the same bits from there on."""
+    column = Instance(fmu, values)
+    slip, rate, k = 0.0, 0.0, 0
+    while not (k > 20 and abs(rate) > 1e-5):  # m in a step: it slides, and not for the first time perhaps
+        drive(column, k, k + 1)
+        k += 1
+        now = column.get("joint[2].slip")[0]
+        slip, rate = now, now - slip
+    at_save = bits(column.get())
+    saved = column.fmi.getFMUState()
+    stored = column.fmi.serializeFMUstate(saved)
+    first = bits(drive(column, k, k + 150))
+    goes_on = abs(column.get("joint[2].slip")[0] - slip)
+    column.fmi.setFMUState(saved)
+    found: dict[str, Any] = {"at once": bits(column.get()) == at_save}
+    found["further on"] = bits(drive(column, k, k + 150)) == first
+    other = Instance(fmu)
+    other.fmi.setFMUState(other.fmi.deSerializeFMUstate(stored))
+    found["elsewhere"] = bits(drive(other, k, k + 150)) == first
+    found["parameters elsewhere"] = other.get(*values) == [*values.values()]
+    column.fmi.freeFMUState(saved)
+    column.close()
+    other.close()
+    return found | {"step": k, "slid": goes_on, "end": first}

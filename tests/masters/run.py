@@ -1,17 +1,17 @@
-"""Try an FMU of this project in masters that pip does not install: `python tests/masters/run.py FILE.fmu [...]`.
+"""The FMUs of this project in the masters of this machine, as a table: `python tests/masters/run.py`.
 
-Fetches nothing; a master that is absent is skipped with a reason. Exit code 1 if one that is there complains.
+    --folder FOLDER   where the FMUs are built, or were before (default: a temporary one)
+    --master NAME     one row alone; may be repeated
 
-    C host          host.c of this folder, compiled with cc, with libpython preloaded
-    PyFMI           imported
-    fmusim          of the Reference-FMUs, on the PATH; once more with its state saved and restored
-    fmuCheck        the FMU Compliance Checker, on the PATH as fmuCheck.linux64
-    VDMCheck        on the PATH as VDMCheck2.sh
-    OMSimulator     on the PATH
+One column is run as PythonFMU, native with FMI 2.0 and native with FMI 3.0: 2 s under a held 0.5 m/s2, in steps of
+0.01 s; a number is the largest deviation of the base's forces from those of the PythonFMU under FMPy, in parts of them.
+The SSP is examples/coupling's column on isolators, native: 0.3 s; the deviation is that from the same calls made one by
+one in Python. Where a master was not run the cell says why. Fetches nothing. Exit code 1 if one that is there fails.
 """
 
 from __future__ import annotations
 
+import argparse
 import importlib.util
 import json
 import os
@@ -20,34 +20,106 @@ import subprocess
 import sys
 import sysconfig
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 from fmpy import extract, read_model_description
 
-CHILD = Path(__file__).resolve().parents[1] / "child.py"
-
 HERE = Path(__file__).resolve().parent
+ROOT = HERE.parent.parent
+EXAMPLE = ROOT / "examples" / "coupling"
+sys.path.insert(0, str(HERE.parent))
+
+from child import CHILD_FILE, command, returned  # noqa: E402
+from inside import masters, systems  # noqa: E402
+
+PYTHON, NATIVE, FMI_3, SSP = KINDS = ("PythonFMU", "native, FMI 2.0", "native, FMI 3.0", "SSP, native")
+BUILT = {PYTHON: "python.fmu", NATIVE: "native.fmu", FMI_3: "fmi3.fmu", SSP: "coupled"}
+OPTIONS = {
+    PYTHON: (),
+    NATIVE: ("--native", "--platforms", "linux64"),
+    FMI_3: ("--native", "--fmi", "3", "--platforms", "x86_64-linux"),
+}
+FORCES = ["base.Fx", "base.Fz"]
+STEPS = 300  # of the coupled system
+AGREEMENT = 1e-9
+ONLY_2 = "knows FMI 1.0 and 2.0"
+NO_SSP = "opens no SSP"
 
 
 class AbsentError(Exception):
     """Why a master cannot be tried here."""
 
 
-def main(fmus: list[str]) -> int:
-    """Try every FMU in every master; returns the exit code."""
+class ComplaintError(Exception):
+    """What a master did that it should not have done."""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Print the table; returns the exit code."""
+    parser = argparse.ArgumentParser(description="Run the FMUs of this project in the masters of this machine.")
+    parser.add_argument("--folder", type=Path, help="where the FMUs are built, or were before")
+    parser.add_argument("--master", action="append", choices=[*MASTERS], help="one row alone; may be repeated")
+    options = parser.parse_args(arguments)
     complaints = 0
-    for fmu in fmus:
-        for name, master in MASTERS.items():
-            try:
-                verdict = master(Path(fmu).resolve())
-            except AbsentError as reason:
-                verdict = f"skipped: {reason}"
-            except subprocess.CalledProcessError as error:
-                verdict = f"COMPLAINS: exit code {error.returncode}: {(error.stderr or error.stdout).strip()}"
-                complaints += 1
-            print(f"{Path(fmu).name}: {name}: {verdict}")
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = (options.folder or Path(temporary)).resolve()
+        build(folder)
+        print(f"| master | {' | '.join(KINDS)} |\n|---|{'---|' * len(KINDS)}")
+        for name in options.master or MASTERS:
+            cells = []
+            for kind in KINDS:
+                try:
+                    cells.append(MASTERS[name](kind, folder / BUILT[kind]))
+                except AbsentError as reason:
+                    cells.append(f"not run: {reason}")
+                except ComplaintError as complaint:
+                    cells.append(f"COMPLAINS: {complaint}")
+                    complaints += 1
+            print(f"| {name} | {' | '.join(' '.join(cell.split()) for cell in cells)} |", flush=True)
     return 1 if complaints else 0
+
+
+def build(folder: Path) -> None:
+    """Build what is not there yet."""
+    for kind, options in OPTIONS.items():
+        if not (folder / BUILT[kind]).exists():
+            _run(sys.executable, ROOT / "build_fmu.py", "-o", folder / BUILT[kind], *options)
+    if not (folder / BUILT[SSP]).exists():
+        _run(
+            *(sys.executable, EXAMPLE / "build.py", "-o", folder / BUILT[SSP]),
+            *("--native", "--platforms", "linux64"),
+            environment=_with_example(),
+        )
+
+
+# --- processes
+
+
+def _run(*command: object, environment: dict[str, str] | None = None, cwd: str | None = None, bad: str = "") -> str:
+    """What a process prints. Raises ComplaintError unless it ends with 0 and says none of the words in `bad`."""
+    words = [str(word) for word in command]
+    done = subprocess.run(words, capture_output=True, text=True, env=environment, cwd=cwd, check=False)
+    text = (done.stdout + done.stderr).strip()
+    if done.returncode or any(word in text.lower() for word in bad.split()):
+        raise ComplaintError(f"exit code {done.returncode}: {text[-400:]}")
+    return text
+
+
+COMPLAINTS = "[error] [warning] [fatal] traceback"
+
+
+def _called(function: Callable[..., object], *arguments: object) -> Any:
+    """What a function of tests/inside/ returns in a process that has the example's modules and pip's libraries."""
+    return returned(_run(*command(function, *arguments), environment=_with_example()))
+
+
+def _with_example() -> dict[str, str]:
+    libraries = os.pathsep.join((str(Path(sys.prefix) / "lib"), os.environ.get("LD_LIBRARY_PATH", "")))
+    modules = os.pathsep.join(map(str, (EXAMPLE, ROOT, HERE.parent)))
+    return os.environ | {"PYTHONPATH": modules, "LD_LIBRARY_PATH": libraries}
 
 
 def _libpython() -> Path:
@@ -57,104 +129,199 @@ def _libpython() -> Path:
     return library
 
 
-def _outside_python() -> dict[str, str]:
-    """The environment in which a host that is not Python finds Python, numpy and numba."""
+def _outside_python(kind: str) -> dict[str, str]:
+    """The environment in which a host that is not Python finds Python, numpy and numba, where the FMU needs them."""
+    if kind != PYTHON:
+        return dict(os.environ)
     site = os.pathsep.join(path for path in sys.path if path.endswith("site-packages"))
     return os.environ | {"LD_PRELOAD": str(_libpython()), "PYTHONPATH": site}
 
 
-def _run(*command: object, environment: dict[str, str] | None = None, cwd: str | None = None) -> str:
-    words = [str(word) for word in command]
-    done = subprocess.run(words, capture_output=True, text=True, env=environment, cwd=cwd, check=False)
-    text = done.stdout + done.stderr
-    if done.returncode or any(word in text.lower() for word in ("[error]", "[warning]", "[fatal]", "traceback")):
-        raise subprocess.CalledProcessError(done.returncode, words, done.stdout, text)
-    return text.strip()
-
-
 def _found(name: str) -> str:
-    path = shutil.which(name)
+    path = shutil.which(name, path=os.pathsep.join((str(Path(sys.executable).parent), os.environ.get("PATH", ""))))
     if path is None:
         raise AbsentError(f"no {name} on the PATH")
     return path
 
 
-def c_host(fmu: Path) -> str:
-    """Status, state and exit of a process that starts Python by itself."""
+def _needs(package: str) -> None:
+    if importlib.util.find_spec(package) is None:
+        raise AbsentError(f"{package} is not installed")
+
+
+def _knows(kind: str, **reasons: str) -> None:
+    """Raise AbsentError where there is a reason not to run this kind: `fmi_3` or `ssp`."""
+    reason = {FMI_3: reasons.get("fmi_3"), SSP: reasons.get("ssp")}.get(kind)
+    if reason:
+        raise AbsentError(reason)
+
+
+# --- agreement
+
+
+def _agreement(seen: Any, expected: Any) -> str:
+    seen, expected = np.atleast_2d(np.array(seen)), np.atleast_2d(np.array(expected))
+    size = np.max(np.abs(expected), axis=0)
+    apart = float(np.max(np.abs(seen - expected) / size))
+    if not apart < AGREEMENT:
+        raise ComplaintError(f"differs by {apart:.1e}")
+    return f"{apart:.0e}" if apart else "the same bits"
+
+
+def _forces(fmu: Path) -> Any:
+    return _called(masters.alone, fmu.with_name(BUILT[PYTHON]), FORCES)
+
+
+def _system(way: Callable[..., object], folder: Path, *as_fmpy: bool) -> str:
+    """A master that hands every value over once a step, and the same calls made one by one."""
+    seen = _called(way, folder, "isolator", STEPS)
+    return _agreement(seen, _called(systems.one_pass, folder, "isolator", STEPS, *as_fmpy))
+
+
+# --- masters
+
+
+def fmpy(kind: str, fmu: Path) -> str:
+    if kind == SSP:
+        return _system(systems.fmpy, fmu, True)
+    way = masters.alone3 if kind == FMI_3 else masters.alone
+    return _agreement(_called(way, fmu, FORCES), _forces(fmu))
+
+
+def validation(kind: str, fmu: Path) -> str:
+    _knows(kind, ssp="validates FMUs; the SSP is held to its schema in tests/test_coupling_hosts.py")
+    return _run(_found("fmpy"), "validate", fmu)
+
+
+def c_host(kind: str, fmu: Path) -> str:
+    """Status, state and exit of a process that starts Python by itself, or has none; coupled: master.c."""
+    _knows(kind, fmi_3="tests/masters/host.c speaks FMI 2.0")
     compiler = _found("cc")
-    description = read_model_description(str(fmu))
-    references = {variable.name: variable.valueReference for variable in description.modelVariables}
-    identifier = description.coSimulation.modelIdentifier
     with tempfile.TemporaryDirectory() as folder:
         host = Path(folder) / "host"
+        if kind == SSP:
+            _run(compiler, "-O1", "-Wall", "-o", host, EXAMPLE / "master.c", "-ldl")
+            text = _run(host, fmu / "in_c" / "isolated.txt", systems.STEP, STEPS * systems.STEP)
+            rows = np.array([[float(word) for word in line.split(",")] for line in text.splitlines()])[1:, 1:]
+            expected = np.array(_called(systems.sorted_master, fmu, "isolator", STEPS))[:, :2]
+            return f"master.c, from the list beside it: {_agreement(rows, expected)}"
         _run(compiler, "-O1", "-Wall", "-o", host, HERE / "host.c", "-ldl")
+        description = read_model_description(str(fmu))
+        references = {variable.name: variable.valueReference for variable in description.modelVariables}
         unpacked = Path(extract(str(fmu), Path(folder) / "fmu"))
-        library = unpacked / "binaries" / "linux64" / f"{identifier}.so"
-        said = _run(
+        library = unpacked / "binaries" / "linux64" / f"{description.coSimulation.modelIdentifier}.so"
+        _run(
             *(host, library, f"file://{unpacked}/resources", description.guid),
             *(references["base.ax"], references["block[1].ux"]),
-            environment=_outside_python(),
+            environment=_outside_python(kind),
+            bad=COMPLAINTS,
         )
-        return f"the same twice: {said}"
+    return "runs; the same bits from a restored state"
 
 
-def pyfmi(fmu: Path) -> str:
+def libcosim(kind: str, fmu: Path) -> str:
+    _knows(kind, fmi_3=f"{ONLY_2}; 0.0.6 ends with a signal")
+    _needs("libcosimpy")
+    if kind == SSP:
+        return _system(systems.libcosim, fmu)
+    return _agreement(_called(masters.libcosim, fmu, FORCES), _forces(fmu))
+
+
+def ecos(kind: str, fmu: Path) -> str:
+    _needs("ecospy")
+    if not list((Path(sys.prefix) / "lib").glob("libtbb.so.12")):
+        raise AbsentError("needs libtbb.so.12, which pip install tbb brings")
+    if kind == SSP:
+        return _system(systems.ecos, fmu)
+    agreement = _agreement(_called(masters.ecos, fmu, FORCES), _forces(fmu))
+    return f"{agreement}; knows no arrays" if kind == FMI_3 else agreement
+
+
+def toolbox(kind: str, fmu: Path) -> str:
+    _knows(kind, ssp="the container that it makes gives another motion; not looked into")
+    _needs("fmu_manipulation_toolbox")
+    text = _run(_found("fmutool"), "-input", fmu, "-check", bad="error: warning:")
+    if "seems to be compliant" not in text or "No semantic error" not in text:
+        raise ComplaintError(text)
+    return "compliant, no semantic error"
+
+
+def pyfmi(kind: str, fmu: Path) -> str:
     """Loading and 20 s with PyFMI's own master."""
-    if importlib.util.find_spec("pyfmi") is None:
-        raise AbsentError("pyfmi is not installed")
+    _needs("pyfmi")
+    _knows(kind, fmi_3="co-simulation of FMI 2.0 only", ssp=NO_SSP)
     with tempfile.TemporaryDirectory() as folder:
-        return _run(sys.executable, CHILD, "inside.masters", "pyfmi", json.dumps([[str(fmu)], {}]), cwd=folder)
+        words = (sys.executable, CHILD_FILE, "inside.masters", "pyfmi", json.dumps([[str(fmu)], {}]))
+        return _run(*words, cwd=folder, environment=_with_example(), bad=COMPLAINTS)
 
 
-def fmusim(fmu: Path) -> str:
+def fmusim(kind: str, fmu: Path) -> str:
     """A run, and one in two parts through a state file."""
     program = _found("fmusim")
+    _knows(kind, ssp=NO_SSP)
     with tempfile.TemporaryDirectory() as folder:
         common = ["--interface-type", "cs", "--output-interval", "0.01"]
-        environment = _outside_python()
-        _run(program, *common, "--stop-time", "2", "--output-file", "a.csv", fmu, environment=environment, cwd=folder)
+        settings: dict[str, Any] = {"environment": _outside_python(kind), "cwd": folder, "bad": COMPLAINTS}
+        _run(program, *common, "--stop-time", "2", "--output-file", "a.csv", fmu, **settings)
         half = ["--stop-time", "1", "--final-fmu-state-file", "half.bin", "--output-file", "b.csv"]
-        _run(program, *common, *half, fmu, environment=environment, cwd=folder)
+        _run(program, *common, *half, fmu, **settings)
         rest = ["--start-time", "1", "--stop-time", "2", "--initial-fmu-state-file", "half.bin"]
-        _run(program, *common, *rest, "--output-file", "c.csv", fmu, environment=environment, cwd=folder)
+        _run(program, *common, *rest, "--output-file", "c.csv", fmu, **settings)
         whole, second = (Path(folder, name).read_text().splitlines()[-1] for name in ("a.csv", "c.csv"))
         if whole != second:
-            raise subprocess.CalledProcessError(0, [program], f"{whole} is not {second} after a restored state")
-        return "runs, and goes on from its state"
+            raise ComplaintError(f"{whole} is not {second} after a restored state")
+    return "runs, and goes on from its state"
 
 
-def fmu_check(fmu: Path) -> str:
+def fmu_check(kind: str, fmu: Path) -> str:
     """The FMU Compliance Checker."""
     program = _found("fmuCheck.linux64")
-    _run(program, "-l", "4", "-h", "0.01", "-s", "1", "-o", os.devnull, fmu, environment=_outside_python())
+    _knows(kind, fmi_3=ONLY_2, ssp=NO_SSP)
+    options = ("-l", "4", "-h", "0.01", "-s", "1", "-o", os.devnull)
+    _run(program, *options, fmu, environment=_outside_python(kind), bad=COMPLAINTS)
     return "no complaint"
 
 
-def vdm_check(fmu: Path) -> str:
+def vdm_check(kind: str, fmu: Path) -> str:
     """The formal model of the FMI rules."""
-    text = _run(_found("VDMCheck2.sh"), fmu)
+    program = _found("VDMCheck2.sh")
+    _knows(kind, fmi_3="checks FMI 2.0", ssp=NO_SSP)
+    text = _run(program, fmu)
     if "No errors found" not in text:
-        raise subprocess.CalledProcessError(1, ["VDMCheck2.sh"], text)
+        raise ComplaintError(text)
     return "no errors found"
 
 
-def omsimulator(fmu: Path) -> str:
-    """OMSimulator from the command line."""
+def omsimulator(kind: str, fmu: Path) -> str:
+    """OMSimulator from the command line; coupled, tests/test_coupling_hosts.py compares its results."""
+    program = _found("OMSimulator")
+    _knows(kind, fmi_3="not tried")
     with tempfile.TemporaryDirectory() as folder:
-        program, environment = _found("OMSimulator"), _outside_python()
-        _run(program, "--stopTime=2", "--stepSize=0.01", fmu, environment=environment, cwd=folder)
+        what = ("--mode=cs", fmu / "isolated.ssp") if kind == SSP else ("--stopTime=2", "--stepSize=0.01", fmu)
+        _run(program, *what, environment=_outside_python(kind), cwd=folder, bad=COMPLAINTS)
     return "runs"
 
 
-MASTERS: dict[str, Callable[[Path], str]] = {
+def openmodelica(kind: str, fmu: Path) -> str:
+    _found("omc")
+    raise AbsentError("examples/modelica/ was never tried with it")
+
+
+MASTERS: dict[str, Callable[[str, Path], str]] = {
+    "FMPy": fmpy,
+    "FMPy validate": validation,
     "C host": c_host,
+    "libcosim": libcosim,
+    "ecos": ecos,
+    "FMU Manipulation Toolbox": toolbox,
     "PyFMI": pyfmi,
     "fmusim": fmusim,
     "fmuCheck": fmu_check,
     "VDMCheck": vdm_check,
     "OMSimulator": omsimulator,
+    "OpenModelica": openmodelica,
 }
 
 
 if __name__ == "__main__":
-    raise SystemExit(main(sys.argv[1:]))
+    raise SystemExit(main())

@@ -172,7 +172,17 @@ def exact_accelerations(model, phase, motion, joints, hold, room):
     if slides:
         force = _slide(phase, hold, row, joints, n - 1, force)
 
-    # --- upwards
+    _upwards(model, phase, motion, joints, hold, row, force, opens)
+
+
+@leaf
+def _upwards(model, phase, motion, joints, hold, row, force, opens):
+    """The forces along the joints above the base joint, which has `force`, and what follows from them.
+
+    opens: acceleration of the opening of the base joint without the T.
+    """
+    n, blocks = model.n, model.blocks
+    slides = can_slide(model)
     drawn_below = 0.0  # what T of the joint below does to the opening
     swung_below = 0.0  # alpha of the block below times the height of its top face above its centroid
     alpha_below = motion.alpha
