@@ -376,9 +376,9 @@ def studies_table(results: Results) -> str:
     if "ida" in part:
         ida = part["ida"]
         lines.append(
-            f"Six drums, five records, {ida['runs']} runs on two cores: {ida['processes']:.3g} s by processes that "
-            f"call `simulate`, {ida['many']:.3g} s by `simulate_many`; at a tolerance of 1e-3 "
-            f"{ida['processes_loose']:.3g} s and {ida['many_loose']:.3g} s."
+            f"Six drums, five records, {ida['runs']} runs, seconds of one core: {ida['simulate']:.3g} by `simulate`, "
+            f"{ida['many']:.3g} by `simulate_many`; at a tolerance of 1e-3 {ida['simulate_loose']:.3g} and "
+            f"{ida['many_loose']:.3g}."
         )
     if "figure" in part:
         figure = part["figure"]

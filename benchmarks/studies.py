@@ -1,4 +1,4 @@
-"""Many runs: `simulate_many` beside `simulate` in a loop, in a process pool, and beside OpenSees.
+"""Many runs: `simulate_many` beside `simulate` in a loop, in threads, in processes, and beside OpenSees.
 
 Ratios of times measured in turn, the shortest of some rounds: seconds of the processor for one thread, seconds of the
 clock where several work. Every scene is many columns of which no two are alike.
@@ -117,13 +117,6 @@ def together(runs: Runs, tolerance: float | None, **options: Any) -> np.ndarray[
     return found
 
 
-def in_processes(runs: Runs, pool: ProcessPoolExecutor, tolerance: float | None = None) -> np.ndarray[Any, Any]:
-    """The peaks by `simulate` in a pool of processes, as a study was written so far."""
-    columns, motions, duration = runs
-    given = [(column, motion, duration, tolerance) for column, motion in zip(columns, motions, strict=True)]
-    return np.array(list(pool.map(alone, given, chunksize=4)))
-
-
 def alternating(works: Sequence[Callable[[], object]], timer: Callable[[], float], rounds: int = ROUNDS) -> list[float]:
     """The shortest times, s, of some rounds of all."""
     best = [math.inf] * len(works)
@@ -184,20 +177,18 @@ def cores(runs: Runs) -> dict[str, Any]:
     return {"runs": len(runs[0]), "one": one, "two": two, "processes": processes}
 
 
-def ida(runs: Runs, workers: int = 2) -> dict[str, Any]:
-    """Seconds of the clock of a study by processes that call `simulate`, and by `simulate_many`."""
-    with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
-        in_processes((runs[0][:8], runs[1][:8], 0.5), pool)
-        seconds = alternating(
-            [
-                partial(in_processes, runs, pool),
-                partial(together, runs, None, threads=workers),
-                partial(in_processes, runs, pool, ERROR),
-                partial(together, runs, ERROR, threads=workers),
-            ],
-            clock.perf_counter,
-        )
-    names = ("processes", "many", "processes_loose", "many_loose")
+def ida(runs: Runs) -> dict[str, Any]:
+    """Seconds of the processor of a study by `simulate`, and by `simulate_many` in one thread."""
+    seconds = alternating(
+        [
+            partial(one_by_one, runs, None),
+            partial(together, runs, None, threads=1),
+            partial(one_by_one, runs, ERROR),
+            partial(together, runs, ERROR, threads=1),
+        ],
+        clock.process_time,
+    )
+    names = ("simulate", "many", "simulate_loose", "many_loose")
     return {"runs": len(runs[0]), **dict(zip(names, seconds, strict=True))}
 
 

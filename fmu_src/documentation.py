@@ -37,10 +37,10 @@ Block 1 is the top block; joint i lies under block i; the last joint rests on th
 <p><img src="model.png" alt="The column" height="360"></p>
 <h2>Signs</h2>
 <p><img src="signs.png" alt="Sign conventions: x to the right, z up, rotations clockwise"></p>
-<p>ux and uz are relative to the base. N is positive in compression and M rights a block that leans to +x. S is
-what the part above does to the part below, horizontally; T is the same along the joint: a joint without friction never
-slides, and T is to be compared with the friction that it has times N. base.Fx, base.Fz and base.My are what the column
-does to the base, at the centre of its joint.</p>
+<p>ux and uz are relative to the base, and like theta count from the column as built, without load. N is positive in
+compression and M rights a block that leans to +x. S is what the part above does to the part below, horizontally; T is
+the same along the joint: a joint without friction never slides, and T is to be compared with the friction that it has
+times N. base.Fx, base.Fz and base.My are what the column does to the base, at the centre of its joint.</p>
 <h2>Inputs within a communication step</h2>
 <p>From the start t0 of a step to its end the base acceleration is base.ax + base.jx (t - t0), and likewise in z: with
 base.jx = 0 it is held, with the slope of the signal it is linear. To this is added the record that base.record names,

@@ -21,6 +21,7 @@ from solver.single_run import phase_of
 from solver.statics import capacity_curve, rest_of
 from solver.stepper import Stepper
 from solver.still import StillColumn
+from solver.studies.parameters import column_with
 
 
 def shaft(eta: float = 0.0, tolerance: float = 1e-8, **settings: Any) -> Column:
@@ -308,6 +309,17 @@ def test_what_knows_upright_columns_only_says_so() -> None:
         run_batch([changed(shaft(), 1, offset=0.1)], [wave(0.05)])
     with pytest.raises(InputError, match=r"block\[1\]\.tilt = 1.0: must be an angle"):
         changed(shaft(), 1, tilt=1.0)
+
+
+def test_a_column_of_another_size_is_offset_by_as_much_more() -> None:
+    column = changed(changed(shaft(), 1, offset=0.1, inclination=0.02), 3, section="strips", strips=(1.5, 1.2, 0.0))
+    twice = column_with(column, {"column.size": (2.0, True)})
+    joints = [block.joint for block in twice.blocks]
+    assert joints[0].offset == 0.2
+    assert joints[0].inclination == 0.02
+    assert joints[2].strips == (3.0, 2.4, 0.0)
+    moved = column_with(column, {"joint[2].offset": (-0.05, False)})
+    assert moved.blocks[1].joint.offset == -0.05
 
 
 def test_toml_has_offset_inclination_and_tilt() -> None:

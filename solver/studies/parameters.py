@@ -79,13 +79,15 @@ def _put(table: dict[str, Any], name: str, key: str, number: float, relative: bo
 
 
 def _is_length(key: str) -> bool:
-    return key in NUMBERS and NUMBERS[key][1].startswith("a positive length")
+    return key in NUMBERS and NUMBERS[key][1].startswith(("a positive length", "a length"))
 
 
 def _scale(table: dict[str, Any], factor: float, skip: tuple[str, ...] = ()) -> None:
     for key, value in table.items():
         if _is_length(key) and key not in skip and value is not None:
             table[key] = factor * value
+        if key == "strips":
+            table[key] = [factor * depth for depth in value]
 
 
 def _resize(data: dict[str, Any], factor: float) -> None:
