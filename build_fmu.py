@@ -69,13 +69,13 @@ LEFT_AT_HOME = {
     "native",
     "studies",
 }  # an FMU has no use for them
-# what the slave calls, as the slave calls it; tells where the machine code went, if anywhere
+# what the slave calls, as the slave calls it, for any column; tells where the machine code went, if anywhere
 COMPILE = """
-import json, sys
-from solver import Column
+import json
+from solver import Block, Column, Joint
 from solver.kernels import entries
 from solver.stepper import Stepper
-stepper = Stepper(Column.from_dict(json.loads(sys.stdin.read())))
+stepper = Stepper(Column("any", (Block(1.0, 0.5, 0.5, 500.0, Joint(1e8, 0.01)),)))
 stepper.advance(0.0, 1e-6)
 stepper.observe(0.0)
 used = [entries.assemble_column, entries.run, entries.observe_state]
@@ -218,7 +218,7 @@ def build_fmu(column_file: Path, output: Path | None = None, record: Path | None
         script_file.write_text(script, encoding="utf-8")
         (stage / COLUMN_FILE).write_text(column_text, encoding="utf-8")
         (stage / GUID_FILE).write_text(f"{{{uuid.uuid5(uuid.NAMESPACE_OID, identity)}}}", encoding="utf-8")
-        machine_code = _machine_code(column_text)
+        machine_code = _machine_code()
         for name, code in machine_code.items():  # where the import of the script finds it, for this very account
             (stage / MACHINE_CODE / name).parent.mkdir(parents=True, exist_ok=True)
             (stage / MACHINE_CODE / name).write_bytes(code)
@@ -247,7 +247,7 @@ def build_fmu(column_file: Path, output: Path | None = None, record: Path | None
     return output
 
 
-def _machine_code(column_text: str) -> dict[str, bytes]:
+def _machine_code() -> dict[str, bytes]:
     """What numba makes of the kernels on this machine: path within the package -> content.
 
     It is what Python uses too, in numba's cache: numba goes by the content of the sources, so that it holds for the
@@ -260,7 +260,6 @@ def _machine_code(column_text: str) -> dict[str, bytes]:
             command = [sys.executable, "-c", COMPILE]
             told = subprocess.run(
                 command,
-                input=column_text,
                 env=environment | {"NUMBA_CACHE_DIR": cache},
                 check=True,
                 stdout=subprocess.PIPE,

@@ -15,6 +15,8 @@ from llvmlite import binding as llvm
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler, DefaultPassBuilder
 from numba.core.compiler_machinery import AnalysisPass, LoweringPass, register_pass
+from numba.core.environment import Environment
+from numba.core.funcdesc import _dynamic_modname
 from numba.core.typed_passes import AnnotateTypes, NativeLowering
 
 _EXTERNAL, _SHARED, _OWN = llvm.Linkage.external, llvm.Linkage.linkonce_odr, llvm.Linkage.internal
@@ -75,13 +77,15 @@ class WholeLibrary(JITCodeLibrary):  # type: ignore[misc]
 
     def finalize(self) -> None:
         self._raise_if_finalized()
-        seen_from_outside = {function.name for function in _defined(self._final_module)}
+        module = self._final_module
+        seen_from_outside = {item.name for item in (*_defined(module), *module.global_variables)}
         for library in _below(self._linking_libraries, {}):
             self._reload_init.update(library._reload_init)
             self._final_module.link_in(_module_of(library), preserve=True)
-        for function in _defined(self._final_module):
-            if function.name not in seen_from_outside:
-                function.linkage = _OWN
+        module = self._final_module
+        for item in (*_defined(module), *module.global_variables):
+            if not item.is_declaration and item.name not in seen_from_outside:
+                item.linkage = _OWN
         self._optimize_final_module()
         self._final_module.verify()
         self._finalize_final_module()
@@ -105,6 +109,26 @@ class _NoListing(AnalysisPass):  # type: ignore[misc]
     def run_pass(self, state: Any) -> bool:
         state.type_annotation = ""
         return False
+
+
+@register_pass(mutates_CFG=False, analysis_only=True)
+class _NoModule(LoweringPass):  # type: ignore[misc]
+    """Machine code that is kept does not name the module it was written in: another copy of the solver may load it."""
+
+    _name = "no_module"
+
+    def __init__(self) -> None:
+        LoweringPass.__init__(self)
+
+    def run_pass(self, state: Any) -> bool:
+        written_in = state.cr.env
+        nowhere = Environment({"__name__": "math"})  # what kernels never look at has to be some module
+        nowhere.env_name = written_in.env_name
+        nowhere.consts[:] = written_in.consts
+        Environment._memo[nowhere.env_name] = nowhere
+        state.cr = state.cr._replace(env=nowhere)
+        state.cr.fndesc.modname = _dynamic_modname
+        return True
 
 
 @register_pass(mutates_CFG=False, analysis_only=True)
@@ -141,11 +165,12 @@ class EntryCompiler(Compiler):  # type: ignore[misc]
     """Compiles what is called from outside, with all kernels below it."""
 
     def define_pipelines(self) -> list[Any]:
-        """Numba's own, without a listing."""
+        """Numba's own, without what belongs to this process or this copy of the sources."""
         flags = self.state.flags
         flags.no_cfunc_wrapper = not flags.no_cpython_wrapper  # either Python calls it or another program
         self.state.library = _library(self.state, WholeLibrary)
         passes = DefaultPassBuilder.define_nopython_pipeline(self.state)
         passes.add_pass_after(_NoListing, AnnotateTypes)
+        passes.add_pass_after(_NoModule, NativeLowering)
         passes.finalize()
         return [passes]
