@@ -81,8 +81,7 @@ class WholeLibrary(JITCodeLibrary):  # type: ignore[misc]
         seen_from_outside = {item.name for item in (*_defined(module), *module.global_variables)}
         for library in _below(self._linking_libraries, {}):
             self._reload_init.update(library._reload_init)
-            self._final_module.link_in(_module_of(library), preserve=True)
-        module = self._final_module
+            module.link_in(_module_of(library), preserve=True)
         for item in (*_defined(module), *module.global_variables):
             if not item.is_declaration and item.name not in seen_from_outside:
                 item.linkage = _OWN
