@@ -1,4 +1,4 @@
-"""The friction that a response asks of its joints; the model itself never slides.
+"""The friction that a response asks of its joints; one without a `friction` never slides.
 
 Where a joint is about to open N vanishes, and in flight the model still keeps the blocks in line: T / N says nothing
 there. So it counts only where N is more than a part of the weight that the joint carries at rest.

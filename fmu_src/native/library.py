@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import importlib.util
-import os
 import subprocess
 import sys
 import tempfile
@@ -11,6 +10,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from solver.errors import InputError
+from solver.executors import cores
 
 from . import symbols
 from .machine_code import COLUMN, Kernels, object_code
@@ -85,7 +85,7 @@ def libraries(
             print(f"library linked: {platform}, {len(content) / 1e3:.0f} kB", file=sys.stderr, flush=True)
             return content
 
-        with ThreadPoolExecutor(os.cpu_count()) as several:
+        with ThreadPoolExecutor(cores()) as several:
             contents = dict(zip(platforms, several.map(made, platforms), strict=True))
     return {platform: (content, _checked(platform, content)) for platform, content in contents.items()}
 

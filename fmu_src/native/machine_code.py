@@ -26,6 +26,7 @@ import llvmlite
 import numba
 from llvmlite import binding as llvm
 
+from solver.executors import cores
 from solver.kernels.jit import SOURCES, as_written
 
 from ..host import CACHE_FOLDER, user_cache
@@ -161,7 +162,7 @@ def main(arguments: list[str]) -> int:
     """FOLDER ENTRIES TRIPLE=CPU=SUFFIX ...: write the code of each target to the folder, and what it is made of."""
     folder, entries, *words = arguments
     bitcode = _optimized(Path(folder) / OPTIMIZED, entries)
-    with ProcessPoolExecutor(os.cpu_count(), multiprocessing.get_context("spawn")) as workers:
+    with ProcessPoolExecutor(cores(), multiprocessing.get_context("spawn")) as workers:
         begun = {workers.submit(emit, bitcode, *word.split("=")): word.split("=") for word in words}
         for done in as_completed(begun):
             triple, cpu, suffix = begun[done]

@@ -14,10 +14,10 @@ from typing import Any
 from llvmlite import binding as llvm
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler, DefaultPassBuilder
-from numba.core.compiler_machinery import AnalysisPass, LoweringPass, register_pass
+from numba.core.compiler_machinery import LoweringPass, register_pass
 from numba.core.environment import Environment
 from numba.core.funcdesc import _dynamic_modname
-from numba.core.typed_passes import AnnotateTypes, NativeLowering
+from numba.core.typed_passes import NativeLowering
 
 _EXTERNAL, _SHARED, _OWN = llvm.Linkage.external, llvm.Linkage.linkonce_odr, llvm.Linkage.internal
 
@@ -97,24 +97,13 @@ def _library(state: Any, kind: Any) -> Any:
 
 
 @register_pass(mutates_CFG=False, analysis_only=True)
-class _NoListing(AnalysisPass):  # type: ignore[misc]
-    """No listing is kept with the machine code: it names folders and addresses of the process that made it."""
+class _Anonymous(LoweringPass):  # type: ignore[misc]
+    """Machine code that is kept names neither this process, as a listing would, nor the module it was written in.
 
-    _name = "no_listing"
+    So another copy of the solver may load it.
+    """
 
-    def __init__(self) -> None:
-        AnalysisPass.__init__(self)
-
-    def run_pass(self, state: Any) -> bool:
-        state.type_annotation = ""
-        return False
-
-
-@register_pass(mutates_CFG=False, analysis_only=True)
-class _NoModule(LoweringPass):  # type: ignore[misc]
-    """Machine code that is kept does not name the module it was written in: another copy of the solver may load it."""
-
-    _name = "no_module"
+    _name = "anonymous"
 
     def __init__(self) -> None:
         LoweringPass.__init__(self)
@@ -127,6 +116,7 @@ class _NoModule(LoweringPass):  # type: ignore[misc]
         Environment._memo[nowhere.env_name] = nowhere
         state.cr = state.cr._replace(env=nowhere)
         state.cr.fndesc.modname = _dynamic_modname
+        state.type_annotation = ""
         return True
 
 
@@ -169,7 +159,6 @@ class EntryCompiler(Compiler):  # type: ignore[misc]
         flags.no_cfunc_wrapper = not flags.no_cpython_wrapper  # either Python calls it or another program
         self.state.library = _library(self.state, WholeLibrary)
         passes = DefaultPassBuilder.define_nopython_pipeline(self.state)
-        passes.add_pass_after(_NoListing, AnnotateTypes)
-        passes.add_pass_after(_NoModule, NativeLowering)
+        passes.add_pass_after(_Anonymous, NativeLowering)
         passes.finalize()
         return [passes]
