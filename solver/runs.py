@@ -48,6 +48,7 @@ class Chunk:
     settle: float  # s, the longest that a column is followed after the duration
     whole: tuple[int, ...] = ()
     weight: float = 0.0  # roughly what the runs cost, in those of a block for a second in lanes
+    checked: bool = False  # whether somebody has seen to it that all the columns can stand
 
 
 @dataclass
@@ -78,7 +79,8 @@ def make_runs(chunk: Chunk, flag: FloatArray | None = None) -> Made:
     begin = clock.perf_counter()
     flag = np.zeros(1) if flag is None else flag
     tally = Tally()
-    check_columns(chunk, tally)
+    if not chunk.checked:
+        check_columns(chunk, tally)
     columns = empty_columns(chunk)
     alone = _in_lanes(chunk, columns, tally, flag)
 
