@@ -37,7 +37,7 @@ def make(study: Study, numbers: Sequence[int]) -> Made:
             continue
         ready.append((number, planned))
     if ready:
-        table, tally = make_runs(Chunk(0, [planned.run for _, planned in ready], study.keep, SETTLE))
+        table, tally = make_runs(Chunk(0, [planned.run for _, planned in ready], study.keep, SETTLE, checked=True))
         outputs = {name: table[name].tolist() for name in study.keep}
         for place, (number, (run, values, measures)) in enumerate(ready):
             found = {name: _own(column[place], run.column.n) for name, column in outputs.items()}
