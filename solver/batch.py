@@ -26,6 +26,7 @@ from .kernels.joint.section import SECTIONS
 from .kernels.lanes import WIDTH
 from .motion import Motion
 from .packing import Arrays, FloatArray, arrays_at, copied
+from .turns import others_turn
 
 # Steps across changes of regime err by more than their estimate says: they are given so much less of the tolerance.
 # Measured on columns of 1 and 3 blocks (eta 1e-3 and 5e-3 s; harmonics, three records at half scale; tolerances of 1e-3
@@ -281,7 +282,8 @@ class _Batch:
         record = (row[first : first + size] for row in self._records.rows)
         times = start + self._rows if self._rows.size else np.array([stop])
         kept = np.zeros((times.size, at.SNAPSHOT.size(n)))
-        code = run(n, *arrays, *record, 1.0, False, start, duration, times, kept.reshape(-1), True)
+        with others_turn():
+            code = run(n, *arrays, *record, 1.0, False, start, duration, times, kept.reshape(-1), True)
         phase, peaks = arrays.state[at.CONTROL.beside :][: 4 * n], at.STATE.see(arrays.state, n).peaks[:n]
         self._outcomes[k] = np.concatenate([[code, math.nan, 0.0, counts.steps, counts.rejected], peaks, phase])
         self._evaluations[k] = counts.evaluations
@@ -318,10 +320,11 @@ class _Batch:
         lanes = aligned(WIDTH * SPACE.size(self.n))
         found = outcomes.reshape(-1)
         follow = run_swept if self._swept else run_lanes
-        follow(
-            self.n, lanes, some.size, models, phases, runs, found, *self._records.rows, self._rows,
-            snapshots.reshape(-1), flag,
-        )  # fmt: skip
+        with others_turn():
+            follow(
+                self.n, lanes, some.size, models, phases, runs, found, *self._records.rows, self._rows,
+                snapshots.reshape(-1), flag,
+            )  # fmt: skip
         tried = np.sum(outcomes[:, _TRIED] - self._outcomes[some][:, _TRIED], axis=1)
         self._evaluations[some] += ((1 if self._swept else STAGES) * tried).astype(np.int64)
         self._outcomes[some], self._snapshots[some] = outcomes, snapshots

@@ -7,12 +7,14 @@ import time as clock
 from collections import Counter
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .batch import HELD, BatchResult, follow_in_lanes, why_not_in_lanes
+from .block import Block, Joint
 from .chain import Chain
 from .column import Column
 from .errors import InputError, SolverError
@@ -21,9 +23,11 @@ from .motion import Motion
 from .packing import FloatArray, IntArray
 from .response import Response
 from .rest import check_stable, doubts
+from .settings import FORMULATIONS, Settings
 from .settling import fates_of
 from .single_run import Callback, single_run
 from .table import WORDS, Columns, Table
+from .turns import my_turn, others_turn
 from .verdict import OVERTURNED, UNDECIDED
 
 SCALAR, LANES = "scalar", "lanes"
@@ -76,8 +80,15 @@ class Stopped(Exception):  # noqa: N818  nothing went wrong
 
 def make_runs(chunk: Chunk, flag: FloatArray | None = None) -> Made:
     """Make the runs of a chunk, in one thread. Raises InputError, and Stopped soon after flag[0] is not zero."""
-    begin = clock.perf_counter()
-    flag = np.zeros(1) if flag is None else flag
+    with my_turn():
+        load_kernels(chunk.runs[0].column.settings.formulation)
+        begin = clock.perf_counter()
+        table, tally = _made(chunk, np.zeros(1) if flag is None else flag)
+        tally.seconds = clock.perf_counter() - begin
+        return table, tally
+
+
+def _made(chunk: Chunk, flag: FloatArray) -> Made:
     tally = Tally()
     if not chunk.checked:
         check_columns(chunk, tally)
@@ -90,15 +101,26 @@ def make_runs(chunk: Chunk, flag: FloatArray | None = None) -> Made:
 
     for place, why in sorted(alone.items()):
         look()
-        failure = _alone(chunk.runs[place], chunk, columns, place, look)
+        with others_turn():
+            failure = _alone(chunk.runs[place], chunk, columns, place, look)
         if failure:
             tally.failures[chunk.first + place] = failure
         tally.why_scalar[why] += 1
     tally.paths.update({SCALAR: len(alone), LANES: len(chunk.runs) - len(alone)})
     wanted = [place for place in chunk.whole if chunk.first + place not in tally.failures]
-    responses = {chunk.first + place: _response(chunk.runs[place], chunk.settle, look) for place in wanted}
-    tally.seconds = clock.perf_counter() - begin
+    with others_turn():
+        responses = {chunk.first + place: _response(chunk.runs[place], chunk.settle, look) for place in wanted}
     return Table(columns, responses=responses, first=chunk.first), tally
+
+
+@lru_cache(maxsize=len(FORMULATIONS))
+def load_kernels(formulation: str) -> None:
+    """Have the kernels in this process, which takes as long as thousands of runs: nobody is to go by that."""
+    block = Block(1.0, 1.0, 1.0, 1e3, Joint(1e9, 1e-3))
+    integrator = "central-difference" if formulation == "paper" else "auto"
+    column = Column("block", (block,), Settings(formulation, integrator))
+    gentle, strong = (Motion.harmonic(amplitude, 1.0, 1e-3) for amplitude in (1e-3, 100.0))
+    follow_in_lanes([column, column], [gentle, strong], [1e-3, 1e-3])
 
 
 def check_columns(chunk: Chunk, tally: Tally) -> None:
