@@ -69,15 +69,12 @@ LEFT_AT_HOME = {
     "native",
     "studies",
 }  # an FMU has no use for them
-# what the slave calls, as the slave calls it, for any column; tells where the machine code went, if anywhere
+# makes what the slave calls; tells where the machine code went, if anywhere
 COMPILE = """
 import json
-from solver import Block, Column, Joint
+from solver.first_run import make_kernels
 from solver.kernels import entries
-from solver.stepper import Stepper
-stepper = Stepper(Column("any", (Block(1.0, 0.5, 0.5, 500.0, Joint(1e8, 0.01)),)))
-stepper.advance(0.0, 1e-6)
-stepper.observe(0.0)
+make_kernels()
 used = [entries.assemble_column, entries.run, entries.observe_state]
 print(json.dumps({entry.__name__: entry.stats.cache_path for entry in used}))
 """

@@ -67,7 +67,7 @@ def _calibrate(options: argparse.Namespace) -> None:
         check_suffix(options.output, ".json")
     check_outputs((options.output,), (options.column, options.free_vibration))
     column = read_column(options.column)
-    compile_kernels(column)
+    compile_kernels()
     decay = None if options.free_vibration is None else _decay_of_record(options)
     if options.young is not None:
         column = with_joints(

@@ -171,7 +171,7 @@ def _simulate(options: argparse.Namespace) -> None:
     check_outputs(outputs, (options.column, options.motion, options.vertical))
     column = read_column(options.column)
     motion, lines = motion_of(options)
-    compile_kernels(column)  # the report needs them too
+    compile_kernels()  # the report needs them too
     print(*lines, column_report.report(column, motion), sep="\n", flush=True)
     stiffness, damping, shaking = options.spread
     spread = Spread(stiffness, damping, shaking, options.spread_seed)

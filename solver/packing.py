@@ -100,7 +100,7 @@ def model_of(column: Column) -> Any:
     return at.MODEL.see(pack_model(column), column.n)
 
 
-def _empty(n: int) -> Arrays:
+def unwritten(n: int) -> Arrays:
     """Arrays for n blocks that nothing has been written to."""
     return Arrays(
         np.zeros(model_room(n)),
@@ -122,7 +122,7 @@ def _assembled(column: Column) -> Arrays:
 def _assemble(column: Column, given: FloatArray) -> Arrays:
     n = column.n
     fixed = column.settings.integrator == "central-difference"
-    made = _empty(n)
+    made = unwritten(n)
     detail = np.zeros(1)
     code = assemble_column(n, *made, given, 1, np.zeros(scratch_room(n, fixed)), detail)
     if code == NOT_STABLE:
@@ -145,7 +145,7 @@ def longest_stable_step(column: Column) -> float:
     n = column.n
     column = column.with_settings(integrator="central-difference", step=LEAST_STEP)
     detail = np.zeros(1)
-    made = _empty(n)
+    made = unwritten(n)
     assemble_column(n, *made, described(column), 1, np.zeros(scratch_room(n, True)), detail)
     return float(detail[0])
 

@@ -4,18 +4,11 @@ from __future__ import annotations
 
 import sys
 import time as clock
-import warnings
-from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
-from .column import Column
 from .ensemble import interruptible
-from .errors import InputWarning
-from .kernels import entries
-from .kernels.jit import SOURCES
-from .motion import Motion
-from .simulate import simulate
+from .first_run import are_kept, make_kernels
 from .single_run import Glance
 
 PATIENCE = 2.0  # s, for which nothing is shown
@@ -76,24 +69,11 @@ class RunsLine(Line):
         self.show(done, total)
 
 
-def compile_kernels(column: Column) -> None:
-    """Have the kernels that a run of this column needs, and say so if they have to be compiled, which takes a while.
+def compile_kernels() -> None:
+    """Have the kernels that every run needs, and say so if they have to be compiled, which takes a while.
 
     They are made in a thread beside: an interruption is heard at once.
     """
-    if _kept():
-        return
-    print("compiling the kernels, once", flush=True)
-    instant = Motion.harmonic(1e-3, 1.0, 1e-6)
-    column = column.with_settings(formulation="exact", integrator="auto")
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", InputWarning)  # the run itself says it
-        interruptible(lambda: simulate(column, instant, settle=0.0).observe())
-
-
-def _kept() -> bool:
-    """Whether the machine code of the kernels is on the disk (or in this process)."""
-    if entries.run.signatures:  # type: ignore[attr-defined]
-        return True
-    folder = entries.run.stats.cache_path  # type: ignore[attr-defined]
-    return folder is not None and any(Path(folder).glob(f"*run_{SOURCES}*.nbc"))
+    if not are_kept():
+        print("compiling the kernels, once", flush=True)
+        interruptible(make_kernels)

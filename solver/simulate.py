@@ -11,6 +11,7 @@ from .chain import Chain
 from .column import Column
 from .ensemble import ensemble_of
 from .errors import POSITIVE, InputError, SolverError, check_number
+from .first_run import make_kernels
 from .motion import Motion
 from .packing import InitialState
 from .response import Response
@@ -72,6 +73,7 @@ def simulate(
     settle = 0.0 if settle == 0 else _positive("settle", settle)
     if isinstance(ensemble, bool) or not isinstance(ensemble, (int, np.integer)) or not 0 <= ensemble <= MOST_RUNS:
         raise InputError(f"ensemble = {ensemble!r}: must be a number of runs, at most {MOST_RUNS}")
+    make_kernels()
     check_rest(column, from_rest=initial is None)
     times = motion.start + output_step * np.arange(math.floor(duration / output_step + 1e-9) + 1, dtype=np.float64)
     response, phases = single_run(column, motion, duration, times, initial, settle, callback)

@@ -32,7 +32,7 @@ def add_static_commands(commands: argparse._SubParsersAction[Any]) -> None:
 def _modes(options: argparse.Namespace) -> None:
     _check(options)
     column = read_column(options.column)
-    compile_kernels(column)
+    compile_kernels()
     modes = natural_modes(column)
     print(modes_report(modes))
     _write(options, modes)
@@ -41,7 +41,7 @@ def _modes(options: argparse.Namespace) -> None:
 def _statics(options: argparse.Namespace) -> None:
     _check(options)
     column = read_column(options.column)
-    compile_kernels(column)
+    compile_kernels()
     curve = capacity_curve(column)
     print(statics_report(rest_of(column), curve))
     _write(options, curve)

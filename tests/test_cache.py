@@ -40,3 +40,14 @@ def test_a_change_in_any_kernel_file_is_compiled_anew(tmp_path: Path) -> None:
     assert changed != text
     joint.write_text(changed)  # the entry's own file stays as it was
     assert loaded_kernel_says(tmp_path) == 2.0 * first
+
+
+@pytest.mark.long  # compiles the kernels
+def test_the_first_run_compiles_one_entry_and_finds_the_others_on_the_disk(tmp_path: Path) -> None:
+    variables = os.environ | {"PYTHONPATH": str(ROOT), "NUMBA_CACHE_DIR": str(tmp_path)}
+    done = subprocess.run(
+        command(loads.entries_compiled_here), cwd=tmp_path, capture_output=True, text=True, env=variables, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    compiled = returned(done.stdout)
+    assert compiled == {"run": 1, "assemble_column": 0, "observe_snapshots": 0, "observe_state": 0}

@@ -75,7 +75,7 @@ def _run(options: argparse.Namespace) -> None:
     with reading(folder):
         folder.mkdir(parents=True, exist_ok=True)
     if options.dask is None:
-        compile_kernels(study.columns[0])
+        compile_kernels()
     with _executor(options) as executor, RunsLine() as line:
         results = run_study(
             study,

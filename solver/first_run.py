@@ -1,0 +1,77 @@
+"""The machine code of the kernels, made by two processes at once where there is none yet.
+
+Nearly all of it is that of two entries. One is compiled here, the other in a process beside, which leaves it in numba's
+cache: two thirds of the time where there are two cores.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numba import typeof
+
+from .kernels.entries import assemble_column, observe_snapshots, observe_state, run
+from .kernels.jit import SOURCES
+from .packing import unwritten
+from .stepper import SILENCE
+
+
+def are_kept() -> bool:
+    """Whether the machine code of the kernels is on the disk, or in this process."""
+    if run.signatures:  # type: ignore[attr-defined]
+        return True
+    folder = run.stats.cache_path  # type: ignore[attr-defined]
+    return folder is not None and any(Path(folder).glob(f"*run_{SOURCES}*.nbc"))
+
+
+def make_kernels() -> None:
+    """Compile what every run needs, unless it is kept."""
+    if are_kept():
+        return
+    beside = _process_beside()
+    try:
+        _compile(run, *_column(), *SILENCE.arguments, 0.0, 0.0, np.empty(0), np.empty(0), True)
+        if beside is not None:
+            beside.wait()
+    finally:
+        if beside is not None:
+            beside.kill()
+    compile_the_rest()  # read from the disk where the other process has left it
+
+
+def _process_beside() -> subprocess.Popen[bytes] | None:
+    """A process that compiles the rest; not from a worker of a pool, nor where Python is a part of another program."""
+    kept = run.stats.cache_path is not None  # type: ignore[attr-defined]
+    is_python = Path(sys.executable or "").stem.lower().startswith("python")
+    if not kept or not is_python or multiprocessing.parent_process() is not None:
+        return None
+    command = [sys.executable, "-P", "-c", f"from {__name__} import compile_the_rest; compile_the_rest()"]
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+    quiet: dict[str, Any] = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.DEVNULL)
+    try:
+        return subprocess.Popen(command, env=environment, **quiet)
+    except OSError:
+        return None
+
+
+def compile_the_rest() -> None:
+    """Compile, or read from the disk, what a run needs beside the entry that follows it."""
+    row = np.empty(0)
+    _compile(assemble_column, *_column(), row, 1, row, row)
+    _compile(observe_snapshots, *_column(), row, row, 1)
+    _compile(observe_state, *_column(), *SILENCE.arguments, 0.0, row, row)
+
+
+def _column() -> tuple[Any, ...]:
+    return 1, *unwritten(1)
+
+
+def _compile(entry: Any, *arguments: Any) -> None:
+    """Compile for arguments of these types."""
+    entry.compile(tuple(map(typeof, arguments)))
