@@ -14,14 +14,22 @@ from solver.executors import cores
 
 from . import symbols
 from .machine_code import COLUMN, Kernels, object_code
-from .platforms import PLATFORMS, Target
+from .platforms import PLATFORMS, WINDOWS, Target
 
 FACES = {2: "fmi2.c", 3: "fmi3.c"}  # version of FMI -> the face around the core
 OWN_HEADERS = (Path(__file__).with_name("core.h"),)
+LINKING = ("-shared", "-s")
 OPTIONS = (
-    *("-std=c11", "-O2", "-shared", "-fPIC", "-fvisibility=hidden", "-ffp-contract=off", "-s"),
+    *("-std=c11", "-O2", "-fPIC", "-fvisibility=hidden", "-ffp-contract=off"),
     *("-Wall", "-Wextra", "-Werror"),
 )
+# what a library for Windows takes from the system's C library; what is missing here fails to link
+OF_WINDOWS = (
+    *("atan2", "expm1", "hypot", "pow", "asin", "log"),
+    *("calloc", "malloc", "free", "strtod", "atoi", "__stdio_common_vsprintf"),
+    *("memcmp", "memcpy", "memset", "strchr", "strcmp", "strcpy", "strlen"),
+)
+BESIDE_WINDOWS = Path(__file__).with_name("windows.c")
 
 
 def sources(fmi: int) -> tuple[Path, ...]:
@@ -54,12 +62,37 @@ def headers() -> Path:
 
 def compile_c(target: Target, sources: list[Path | str], output: Path) -> None:
     """Compile and link a shared library. Raises OSError."""
-    command = [sys.executable, "-m", "ziglang", "cc", "-target", target.linker, *OPTIONS, f"-I{headers()}"]
-    done = subprocess.run(
-        [*command, *map(str, sources), "-o", str(output)], capture_output=True, text=True, check=False
-    )
+    if target == WINDOWS:
+        sources = _for_windows(sources, output.parent)
+    _zig("cc", "-target", target.linker, *LINKING, *OPTIONS, f"-I{headers()}", *sources, "-o", output)
+
+
+def _for_windows(sources: list[Path | str], folder: Path) -> list[Path | str]:
+    """What to link for Windows, with objects for sources.
+
+    Upon the system's own C library alone: what else zig links by itself it would have to build first, for a minute.
+    """
+    definition, imports = folder / "imports.def", folder / "imports.lib"
+    definition.write_text("\n".join(("LIBRARY ucrtbase.dll", "EXPORTS", *OF_WINDOWS)), encoding="utf-8")
+    _zig("dlltool", "-m", "i386:x86-64", "-d", definition, "-l", imports)
+    options = [source for source in sources if str(source).startswith("-I")]
+    linked: list[Path | str] = ["-nostdlib", imports, "-lcompiler_rt"]
+    for k, source in enumerate((*sources, BESIDE_WINDOWS)):
+        if isinstance(source, Path) and source.suffix == ".c":
+            made = folder / f"{k}.o"
+            _zig("cc", "-target", WINDOWS.linker, *OPTIONS, f"-I{headers()}", *options, "-c", source, "-o", made)
+            linked.append(made)
+        elif isinstance(source, Path):
+            linked.append(source)
+    return linked
+
+
+def _zig(*arguments: Path | str) -> None:
+    """Run the compiler, or a tool that comes with it. Raises OSError."""
+    command = [sys.executable, "-m", "ziglang", *map(str, arguments)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode:
-        raise OSError(f"{target.linker}: the compiler failed\n{done.stderr}")
+        raise OSError(f"{' '.join(command[3:])}: failed\n{done.stderr}")
 
 
 def libraries(
