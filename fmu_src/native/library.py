@@ -6,6 +6,8 @@ import importlib.util
 import subprocess
 import sys
 import tempfile
+import time
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -18,7 +20,6 @@ from .platforms import PLATFORMS, WINDOWS, Target
 
 FACES = {2: "fmi2.c", 3: "fmi3.c"}  # version of FMI -> the face around the core
 OWN_HEADERS = (Path(__file__).with_name("core.h"),)
-LINKING = ("-shared", "-s")
 OPTIONS = (
     *("-std=c11", "-O2", "-fPIC", "-fvisibility=hidden", "-ffp-contract=off"),
     *("-Wall", "-Wextra", "-Werror"),
@@ -60,31 +61,32 @@ def headers() -> Path:
     return Path(spec.origin).parent / "c-code"
 
 
-def compile_c(target: Target, sources: list[Path | str], output: Path) -> None:
-    """Compile and link a shared library. Raises OSError."""
-    if target == WINDOWS:
-        sources = _for_windows(sources, output.parent)
-    _zig("cc", "-target", target.linker, *LINKING, *OPTIONS, f"-I{headers()}", *sources, "-o", output)
+def compile_c(
+    target: Target, sources: Sequence[Path], output: Path, includes: Sequence[Path] = (), options: Sequence[str] = ()
+) -> None:
+    """Compile what is C and link all to a shared library. Raises OSError.
 
-
-def _for_windows(sources: list[Path | str], folder: Path) -> list[Path | str]:
-    """What to link for Windows, with objects for sources.
-
-    Upon the system's own C library alone: what else zig links by itself it would have to build first, for a minute.
+    It is linked upon the system's own C library alone: whatever else zig links by itself, it would have to build first.
     """
-    definition, imports = folder / "imports.def", folder / "imports.lib"
+    folder, compiler = output.parent, ("cc", "-target", target.linker)
+    searched = [f"-I{place}" for place in (headers(), *includes)]
+    beside = [BESIDE_WINDOWS] if target == WINDOWS else []
+    linked = []
+    for source in (*sources, *beside):
+        linked.append(folder / f"{source.stem}.o" if source.suffix == ".c" else source)
+        if source.suffix == ".c":
+            _zig(*compiler, *OPTIONS, *searched, "-c", source, "-o", linked[-1])
+    if target == WINDOWS:
+        linked.append(_imports(folder))
+    _zig(*compiler, "-shared", "-s", "-nostdlib", *linked, *target.system, *options, "-o", output)
+
+
+def _imports(folder: Path) -> Path:
+    """The import library of what comes from the C library of Windows."""
+    definition, made = folder / "imports.def", folder / "imports.lib"
     definition.write_text("\n".join(("LIBRARY ucrtbase.dll", "EXPORTS", *OF_WINDOWS)), encoding="utf-8")
-    _zig("dlltool", "-m", "i386:x86-64", "-d", definition, "-l", imports)
-    options = [source for source in sources if str(source).startswith("-I")]
-    linked: list[Path | str] = ["-nostdlib", imports, "-lcompiler_rt"]
-    for k, source in enumerate((*sources, BESIDE_WINDOWS)):
-        if isinstance(source, Path) and source.suffix == ".c":
-            made = folder / f"{k}.o"
-            _zig("cc", "-target", WINDOWS.linker, *OPTIONS, f"-I{headers()}", *options, "-c", source, "-o", made)
-            linked.append(made)
-        elif isinstance(source, Path):
-            linked.append(source)
-    return linked
+    _zig("dlltool", "-m", "i386:x86-64", "-d", definition, "-l", made)
+    return made
 
 
 def _zig(*arguments: Path | str) -> None:
@@ -113,9 +115,11 @@ def libraries(
             (folder / file).write_text(text, encoding="utf-8")
 
         def made(platform: str) -> bytes:
+            begun = time.perf_counter()
             suffix, parts = known[platform].suffix, known[platform].targets
             content = symbols.universal([_linked(name, part, suffix, folder, codes[part], fmi) for part in parts])
-            print(f"library linked: {platform}, {len(content) / 1e3:.0f} kB", file=sys.stderr, flush=True)
+            size, taken = len(content) / 1e3, time.perf_counter() - begun
+            print(f"library linked: {platform}, {size:.0f} kB, in {taken:.1f} s", file=sys.stderr, flush=True)
             return content
 
         with ThreadPoolExecutor(cores()) as several:
@@ -128,10 +132,9 @@ def _linked(name: str, target: Target, suffix: str, headers: Path, code: bytes, 
     with tempfile.TemporaryDirectory(dir=headers) as temporary:
         kernels, output = Path(temporary) / "kernels.o", Path(temporary) / f"library{suffix}"
         kernels.write_bytes(code)
-        options: list[Path | str] = [f"-I{headers}", *sources(fmi), kernels, "-lm"]
-        if suffix == ".dylib":  # else the path that it was linked at
-            options.append(f"-Wl,-install_name,@rpath/{name}.dylib")
-        compile_c(target, options, output)
+        # else the path that it was linked at
+        options = [f"-Wl,-install_name,@rpath/{name}.dylib"] if suffix == ".dylib" else []
+        compile_c(target, [*sources(fmi), kernels], output, [headers], options)
         return output.read_bytes()
 
 
