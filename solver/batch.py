@@ -25,7 +25,8 @@ from .kernels.integrators import dormand_prince
 from .kernels.joint.section import SECTIONS
 from .kernels.lanes import WIDTH
 from .motion import Motion
-from .packing import FloatArray, arrays_at, copied
+from .packing import Arrays, FloatArray, arrays_at, copied
+from .turns import others_turn
 
 # Steps across changes of regime err by more than their estimate says: they are given so much less of the tolerance.
 # Measured on columns of 1 and 3 blocks (eta 1e-3 and 5e-3 s; harmonics, three records at half scale; tolerances of 1e-3
@@ -196,6 +197,31 @@ def follow_in_lanes(
     return batch.result()
 
 
+def rest_in_lanes(
+    models: FloatArray, n: int, swept: bool, phases: FloatArray, begin: FloatArray, end: FloatArray, flag: FloatArray
+) -> BatchResult:
+    """Columns of n blocks upon a still base, in one thread and unchecked; ended by the flag as `follow_in_lanes` is.
+
+    models: rows of `models_of`. swept: of the formulation `paper`. phases: (columns, 4 n) at the times `begin`, s.
+    """
+    batch = _Batch(n, len(phases), _Records((), ()), _NONE, swept)
+    batch.go_on(models, phases, begin, end)
+    batch.finish(flag)
+    return batch.result()
+
+
+def models_of(columns: Sequence[Column]) -> FloatArray:
+    """Packed models of columns of as many blocks each, a row for each, as lanes take them."""
+    return np.array([_arrays_of(column).model[: at.MODEL.size(column.n)] for column in columns])
+
+
+def fall_angles(models: FloatArray, n: int) -> FloatArray:
+    """Rotations, rad (columns, n), from which nothing comes back."""
+    numbers = at.MODEL.see(np.arange(models.shape[1], dtype=np.float64), n)
+    angles: FloatArray = models[:, numbers.blocks.fall_angle.astype(np.int64)]
+    return angles
+
+
 class _Records:
     """The samples of all motions, each of them once, one after the other."""
 
@@ -239,7 +265,7 @@ class _Batch:
         """Let run k wait for a lane, from rest or as it is when a joint opens; or take it to its end."""
         n, start, stop = self.n, motion.start, motion.start + duration
         if column is not self._column:
-            self._fresh = arrays_at(column, TOLERANCE_PART * column.settings.tolerance, at.EXTREMES)
+            self._fresh = _arrays_of(column)
             self._column = column
         omega = 2.0 * math.pi * motion.frequency
         wave = (motion.amplitude, omega, -omega * start)
@@ -256,7 +282,8 @@ class _Batch:
         record = (row[first : first + size] for row in self._records.rows)
         times = start + self._rows if self._rows.size else np.array([stop])
         kept = np.zeros((times.size, at.SNAPSHOT.size(n)))
-        code = run(n, *arrays, *record, 1.0, False, start, duration, times, kept.reshape(-1), True)
+        with others_turn():
+            code = run(n, *arrays, *record, 1.0, False, start, duration, times, kept.reshape(-1), True)
         phase, peaks = arrays.state[at.CONTROL.beside :][: 4 * n], at.STATE.see(arrays.state, n).peaks[:n]
         self._outcomes[k] = np.concatenate([[code, math.nan, 0.0, counts.steps, counts.rejected], peaks, phase])
         self._evaluations[k] = counts.evaluations
@@ -266,6 +293,15 @@ class _Batch:
             scales = (control.rotation_scale, control.rate_scale)
             entering = (start, control.reached, stop, 1.0, *wave, first, size, counts.next_row, *scales)
             self._waits(k, arrays.model, phase, entering)
+
+    def go_on(self, models: FloatArray, phases: FloatArray, begin: FloatArray, end: FloatArray) -> None:
+        """Let all runs wait for a lane, with these phases, upon a base that is still."""
+        self._waiting = list(range(len(models)))
+        self._models, self._phases = models, phases
+        for name, values in (("origin", begin), ("start", begin), ("stop", end), ("scale", 1.0)):
+            self._runs[:, RUN.fields.index(name)] = values
+        self._outcomes[:, 1] = math.nan
+        self._outcomes[:, OUTCOME.beside + self.n :] = phases
 
     def _waits(self, k: int, model: FloatArray, phase: FloatArray, entering: tuple[float, ...]) -> None:
         """Let run k wait for a lane."""
@@ -284,10 +320,11 @@ class _Batch:
         lanes = aligned(WIDTH * SPACE.size(self.n))
         found = outcomes.reshape(-1)
         follow = run_swept if self._swept else run_lanes
-        follow(
-            self.n, lanes, some.size, models, phases, runs, found, *self._records.rows, self._rows,
-            snapshots.reshape(-1), flag,
-        )  # fmt: skip
+        with others_turn():
+            follow(
+                self.n, lanes, some.size, models, phases, runs, found, *self._records.rows, self._rows,
+                snapshots.reshape(-1), flag,
+            )  # fmt: skip
         tried = np.sum(outcomes[:, _TRIED] - self._outcomes[some][:, _TRIED], axis=1)
         self._evaluations[some] += ((1 if self._swept else STAGES) * tried).astype(np.int64)
         self._outcomes[some], self._snapshots[some] = outcomes, snapshots
@@ -306,6 +343,11 @@ class _Batch:
             ends=self._outcomes[:, OUTCOME.beside + n :],
             phases=self._snapshots[:, :, : 4 * n],
         )
+
+
+def _arrays_of(column: Column) -> Arrays:
+    """The arrays of a column at rest as lanes have them."""
+    return arrays_at(column, TOLERANCE_PART * column.settings.tolerance, at.EXTREMES)
 
 
 _START, _STOP = RUN.fields.index("start"), RUN.fields.index("stop")

@@ -63,10 +63,18 @@ def elimination(room):
 @leaf
 def exact_accelerations(model, phase, motion, joints, hold, room):
     """Accelerations of a phase from its coordinates and rates, and the resultants of its joints; returns nothing."""
+    if can_slide(model):  # compiled twice: the other takes a sixth less
+        _accelerations(model, phase, motion, joints, hold, room, True)
+    else:
+        _accelerations(model, phase, motion, joints, hold, room, False)
+
+
+@leaf
+def _accelerations(model, phase, motion, joints, hold, room, slides):
+    """The same; slides: whether slips are coordinates."""
     n = model.n
     blocks = model.blocks
     row = elimination(room)
-    slides = can_slide(model)
     # --- downwards: evaluate joint i, finish the row of the joint above it, eliminate
     normal_above = 0.0
     turned_above = 0.0  # M cos sigma
@@ -172,17 +180,16 @@ def exact_accelerations(model, phase, motion, joints, hold, room):
     if slides:
         force = _slide(phase, hold, row, joints, n - 1, force)
 
-    _upwards(model, phase, motion, joints, hold, row, force, opens)
+    _upwards(model, phase, motion, joints, hold, row, force, opens, slides)
 
 
 @leaf
-def _upwards(model, phase, motion, joints, hold, row, force, opens):
+def _upwards(model, phase, motion, joints, hold, row, force, opens, slides):
     """The forces along the joints above the base joint, which has `force`, and what follows from them.
 
     opens: acceleration of the opening of the base joint without the T.
     """
     n, blocks = model.n, model.blocks
-    slides = can_slide(model)
     drawn_below = 0.0  # what T of the joint below does to the opening
     swung_below = 0.0  # alpha of the block below times the height of its top face above its centroid
     alpha_below = motion.alpha
