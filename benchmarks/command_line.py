@@ -21,6 +21,7 @@ from . import (
     plots,
     report,
     scaling,
+    sliding,
     studies,
     trust,
     verdicts,
@@ -134,6 +135,15 @@ def measure_damped_columns(wanted: Scenes, quick: bool, results: Results) -> Ite
         yield
 
 
+def measure_sliding(wanted: Scenes, quick: bool, results: Results) -> Iterator[None]:
+    """Error against evaluations where joints slide, against friction that is regularized less and less."""
+    results["sliding"] = []
+    for row in sliding.measured(quick):
+        results["sliding"].append(row)
+        say(sliding.told(row))
+        yield
+
+
 def measure_ablation(wanted: Scenes, quick: bool, results: Results) -> Iterator[None]:
     """Time and error without each short cut."""
     results["ablation"] = []
@@ -178,6 +188,7 @@ PARTS: dict[str, Callable[[Scenes, bool, Results], Iterator[None]]] = {
     "scaling": measure_scaling,
     "verdicts": measure_verdicts,
     "damped-columns": measure_damped_columns,
+    "sliding": measure_sliding,
     "ablation": measure_ablation,
     "energy": measure_energy,
     "studies": measure_studies,
@@ -209,6 +220,8 @@ def draw(results: Results, folder: Path) -> None:
         shown = [scene for scene in drawn if scene["title"] in plots.README_SCENES]
         if shown:
             plots.work_precision(shown, folder / "work-precision-two.png")
+    if results.get("sliding"):
+        plots.work_precision(results["sliding"], folder / "work-precision-sliding.png", "evaluations")
     if "scaling" in results:
         plots.scaling(results["scaling"]["rows"], folder / "scaling.png")
 

@@ -12,6 +12,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 from matplotlib.axes import Axes
 from matplotlib.patches import Patch
+from matplotlib.ticker import LogLocator
 
 from .work_precision import EQUAL_ERRORS, pairs
 
@@ -25,6 +26,7 @@ STYLES: dict[str, tuple[str, str, str]] = {
     "CVODE Adams (SUNDIALS)": ("#8bbf5a", "P", "-"),
     "DOP853 (scipy)": ("#777777", "v", ":"),
     "LSODA (scipy)": ("#999999", "^", ":"),
+    "regularized friction, LSODA (scipy)": ("#3a8fb7", "^", "-"),
     "Radau (scipy)": ("#bbbbbb", "x", ":"),
 }
 OTHER_STYLE = ("#555555", ".", "--")
@@ -49,6 +51,10 @@ def work_precision(scenes: list[dict[str, Any]], path: Path, cost: str = "second
             if found:
                 handles.setdefault(name, _draw(axis, name, found, 1e3 if cost == "seconds" else 1.0))
         _label(axis, scene)
+        if cost == "evaluations":
+            axis.xaxis.set_minor_locator(LogLocator(subs=(2.0, 5.0)))
+            axis.xaxis.set_major_formatter("{x:.0f}")
+            axis.xaxis.set_minor_formatter("{x:.0f}")
     for axis in list(axes.flat)[len(drawn) :]:
         axis.set_visible(False)
     label = "time, ms" if cost == "seconds" else "evaluations of the accelerations"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from . import sliding
 from .targets import Target, ratios, targets
 
 Results = dict[str, Any]
@@ -26,6 +27,7 @@ def report(results: Results) -> str:
         tolerance_table(results),
         verdict_table(results),
         damped_table(results),
+        sliding_table(results),
         ablation_table(results),
         energy_table(results),
         studies_table(results),
@@ -274,6 +276,27 @@ def damped_table(results: Results) -> str:
     return (
         "## Well-damped columns\n\nError over tolerance, against a run at 1e-9 without implicit steps; beside it by "
         "how much the motion amplifies a small change of its data.\n\n" + table(head, rows)
+    )
+
+
+def sliding_table(results: Results) -> str:
+    """Errors where joints slide."""
+    found = results.get("sliding", [])
+    if not found:
+        return ""
+    rows: Rows = []
+    for scene in found:
+        points = sliding.of_table(scene)
+        cells = [
+            "gave up" if "failure" in point else f"{point['error'] / point['value']:.2g} ({point['evaluations']})"
+            for point in points
+        ]
+        rows.append([scene["title"], str(scene["events"]), f"{scene['disagreement']:.1e}", *cells])
+    values = [f"{point['value']:.0e}" for point in sliding.of_table(found[0])]
+    head = ["scene", "events", "references differ by", *values]
+    return (
+        "## Joints that slide\n\nError over tolerance of `auto`, and evaluations, against friction that is regularized "
+        "less and less; beside it by how much that and `auto` at 1e-11 differ.\n\n" + table(head, rows)
     )
 
 

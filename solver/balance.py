@@ -69,11 +69,11 @@ class BalanceCurve:
         self._converged = CONVERGED
         self._weight = np.concatenate([np.full(self.n, 1.0 / self.n), np.zeros(self.n), [1.0]])
 
-    def follow(self) -> tuple[list[Balanced], FloatArray]:
-        """Places from rest to where the push is zero again, and the push at which each joint opens, (n,).
+    def follow(self) -> list[Balanced]:
+        """Places from rest to where the push is zero again.
 
-        NaN for a joint that never does. Among the places are those of the openings and of the largest push. Raises
-        SolverError if the curve cannot be followed.
+        Among them are the first of each joint's opening, and that of the largest push. Raises SolverError if the curve
+        cannot be followed.
         """
         upwards = np.append(np.zeros(2 * self.n), 1.0)
         q = self.still.rest
@@ -82,7 +82,7 @@ class BalanceCurve:
             places, step = [self._pointed(*self._onto(q, 0.0, start, math.inf)[:2], upwards)], LONGEST
         except _LostError:
             raise SolverError("no balance was found at rest") from None
-        uplift = np.where(self._opened(places[0]), 0.0, math.nan)
+        opened = self._opened(places[0])
         while len(places) < MOST_POINTS:
             last = places[-1]
             try:
@@ -94,16 +94,17 @@ class BalanceCurve:
                 continue
             places[-1] = last._replace(inverse=_NONE)
             between = []
-            for i in np.flatnonzero(self._opened(place) & np.isnan(uplift)):
+            for i in np.flatnonzero(self._opened(place) & ~opened):
                 between.append(self._first(last, step, partial(self._joint_opened, int(i))))
-                uplift[i] = between[-1][1].push
+                opened[i] = True
             if last.along[-1] > 0.0 >= place.along[-1]:
                 between.append(self._first(last, step, lambda there: self._pointed(*there[:3]).along[-1] <= 0.0))
             if place.push <= 0.0:
                 between.append(self._first(last, step, lambda there: there.push <= 0.0))
-            places += [there._replace(inverse=_NONE) for _, there in sorted(between, key=lambda found: found[0])]
-            if place.push <= 0.0:
-                return places, uplift
+            for _, there in sorted(between, key=lambda found: found[0]):
+                places.append(there._replace(inverse=_NONE))
+                if there.push <= 0.0:
+                    return places
             places.append(place)
             if renewals <= FEW:
                 step = min(LONGEST, 2.0 * step)

@@ -25,7 +25,8 @@ from .kernels.integrators import dormand_prince
 from .kernels.joint.section import SECTIONS
 from .kernels.lanes import WIDTH
 from .motion import Motion
-from .packing import FloatArray, arrays_at, copied
+from .packing import Arrays, FloatArray, arrays_at, copied
+from .turns import others_turn
 
 # Steps across changes of regime err by more than their estimate says: they are given so much less of the tolerance.
 # Measured on columns of 1 and 3 blocks (eta 1e-3 and 5e-3 s; harmonics, three records at half scale; tolerances of 1e-3
@@ -181,12 +182,39 @@ def follow_in_lanes(
     """
     rows = _NONE if times is None else np.ascontiguousarray(times, dtype=np.float64)
     flag = np.zeros(1) if flag is None else flag
-    batch = _Batch(columns[0], len(columns), _Records(motions, durations), rows)
+    like = columns[0]
+    swept = like.settings.formulation == "paper"
+    batch = _Batch(like.n, len(columns), _Records(motions, durations), rows, swept, like.has_slips)
     for k, (column, motion, duration) in enumerate(zip(columns, motions, durations, strict=True)):
         if not flag[0]:
             batch.begin(k, column, motion, float(duration))
     batch.finish(flag)
     return batch.result()
+
+
+def rest_in_lanes(
+    models: FloatArray, n: int, swept: bool, phases: FloatArray, begin: FloatArray, end: FloatArray, flag: FloatArray
+) -> BatchResult:
+    """Columns of n blocks upon a still base, in one thread and unchecked; ended by the flag as `follow_in_lanes` is.
+
+    models: rows of `models_of`. swept: of the formulation `paper`. phases: (columns, 4 n) at the times `begin`, s.
+    """
+    batch = _Batch(n, len(phases), _Records((), ()), _NONE, swept)
+    batch.go_on(models, phases, begin, end)
+    batch.finish(flag)
+    return batch.result()
+
+
+def models_of(columns: Sequence[Column]) -> FloatArray:
+    """Packed models of columns of as many blocks each, a row for each, as lanes take them."""
+    return np.array([_arrays_of(column).model[: at.MODEL.size(column.n)] for column in columns])
+
+
+def fall_angles(models: FloatArray, n: int) -> FloatArray:
+    """Rotations, rad (columns, n), from which nothing comes back."""
+    numbers = at.MODEL.see(np.arange(models.shape[1], dtype=np.float64), n)
+    angles: FloatArray = models[:, numbers.blocks.fall_angle.astype(np.int64)]
+    return angles
 
 
 class _Records:
@@ -214,10 +242,12 @@ class _Records:
 class _Batch:
     """Runs as rows that the kernels take (kernels/batch/runs.py), and room for the beginning of one after the other."""
 
-    def __init__(self, like: Column, count: int, records: _Records, rows: FloatArray) -> None:
-        self.n = n = like.n
-        self._swept = like.settings.formulation == "paper"  # for which lanes keep no rows
-        self._slipping = like.has_slips
+    def __init__(
+        self, n: int, count: int, records: _Records, rows: FloatArray, swept: bool, slipping: bool = False
+    ) -> None:
+        self.n = n
+        self._swept = swept  # formulation `paper`, for which lanes keep no rows
+        self._slipping = slipping  # whether the columns have slips
         self._follow = run_swept if self._swept else run_slipping if self._slipping else run_lanes
         self._slips = np.zeros((count, SLIP_FIELDS * n if self._slipping else 0))
         self._records = records
@@ -235,7 +265,7 @@ class _Batch:
         """Let run k wait for a lane, from rest or as it is when a joint opens; or take it to its end."""
         n, start, stop = self.n, motion.start, motion.start + duration
         if column is not self._column:
-            self._fresh = arrays_at(column, TOLERANCE_PART * column.settings.tolerance, at.EXTREMES)
+            self._fresh = _arrays_of(column)
             self._column = column
         omega = 2.0 * math.pi * motion.frequency
         wave = (motion.amplitude, omega, -omega * start)
@@ -258,7 +288,8 @@ class _Batch:
         record = (row[first : first + size] for row in self._records.rows)
         times = start + self._rows if self._rows.size else np.array([stop])
         kept = np.zeros((times.size, at.SNAPSHOT.size(n)))
-        code = run(n, *arrays, *record, 1.0, False, start, duration, times, kept.reshape(-1), True)
+        with others_turn():
+            code = run(n, *arrays, *record, 1.0, False, start, duration, times, kept.reshape(-1), True)
         phase, peaks = arrays.state[at.CONTROL.beside :][: 4 * n], at.STATE.see(arrays.state, n).peaks[:n]
         self._outcomes[k] = np.concatenate([[code, math.nan, 0.0, counts.steps, counts.rejected], peaks, phase])
         self._evaluations[k] = counts.evaluations
@@ -268,6 +299,15 @@ class _Batch:
             scales = (control.rotation_scale, control.rate_scale)
             entering = (start, control.reached, stop, 1.0, *wave, first, size, counts.next_row, *scales)
             self._waits(k, arrays.model, phase, entering)
+
+    def go_on(self, models: FloatArray, phases: FloatArray, begin: FloatArray, end: FloatArray) -> None:
+        """Let all runs wait for a lane, with these phases, upon a base that is still."""
+        self._waiting = list(range(len(models)))
+        self._models, self._phases = models, phases
+        for name, values in (("origin", begin), ("start", begin), ("stop", end), ("scale", 1.0)):
+            self._runs[:, RUN.fields.index(name)] = values
+        self._outcomes[:, 1] = math.nan
+        self._outcomes[:, OUTCOME.beside + self.n :] = phases
 
     def _waits(self, k: int, model: FloatArray, phase: FloatArray, entering: tuple[float, ...]) -> None:
         """Let run k wait for a lane."""
@@ -285,10 +325,11 @@ class _Batch:
         outcomes, snapshots, slips = self._outcomes[some], self._snapshots[some], self._slips[some]
         lanes = aligned(WIDTH * SPACE.size(self.n))
         found = outcomes.reshape(-1)
-        self._follow(
-            self.n, lanes, some.size, models, phases, slips.reshape(-1), runs, found, *self._records.rows, self._rows,
-            snapshots.reshape(-1), flag,
-        )  # fmt: skip
+        with others_turn():
+            self._follow(
+                self.n, lanes, some.size, models, phases, slips.reshape(-1), runs, found, *self._records.rows,
+                self._rows, snapshots.reshape(-1), flag,
+            )  # fmt: skip
         tried = np.sum(outcomes[:, _TRIED] - self._outcomes[some][:, _TRIED], axis=1)
         self._evaluations[some] += ((1 if self._swept else STAGES) * tried).astype(np.int64)
         self._outcomes[some], self._snapshots[some], self._slips[some] = outcomes, snapshots, slips
@@ -314,6 +355,11 @@ class _Batch:
             return rigid
         places = [(at.PHASE.fields.index(name) - at.RIGID_FIELDS) * self.n for name in ("slip", "slip_rate")]
         return np.concatenate([rigid, *(slips[..., k : k + self.n] for k in places)], axis=-1)
+
+
+def _arrays_of(column: Column) -> Arrays:
+    """The arrays of a column at rest as lanes have them."""
+    return arrays_at(column, TOLERANCE_PART * column.settings.tolerance, at.EXTREMES)
 
 
 _START, _STOP = RUN.fields.index("start"), RUN.fields.index("stop")

@@ -7,6 +7,7 @@ of a column whose joints may slide, (6 n,) or (rows, 6 n).
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import copy
 from functools import cached_property
 from typing import NamedTuple
 
@@ -17,7 +18,7 @@ from .column import Column
 from .kernels import layout as at
 from .kernels.entries import joint_energies, joint_potentials
 from .kernels.joint.section import RECTANGLE
-from .packing import FloatArray, arrays_of, pack_model, settlements
+from .packing import FloatArray, IntArray, arrays_of, pack_model, settlements
 
 PARALLEL = 1e-30  # rad: faces that are as good as parallel
 
@@ -82,6 +83,14 @@ class Chain:
         chain.g = np.array([[column.g] for column in columns])
         chain.carried = np.cumsum(chain.mass, axis=-1)
         chain.settled = chain.g * chain.carried / (chain.rigidity * chain.width)
+        return chain
+
+    def some(self, which: IntArray) -> Chain:
+        """Of the data of many columns those of some."""
+        chain = copy(self)
+        chain.__dict__.pop("toppling", None)
+        for name in ("height", "centroid", "mass", "inertia", "width", "rigidity", "g", "carried", "settled"):
+            setattr(chain, name, getattr(self, name)[which])
         return chain
 
     def places(self, phase: FloatArray) -> Places:
@@ -167,13 +176,15 @@ class Chain:
         """Least energy, J above rest, that joint i and the weight it carries have when the bodies at it are turned.
 
         It includes the rise of that weight by the opening; the opening is the one at which the energy is least.
+        Rotations, rad: grids of two axes, of many columns one for each.
         """
         slope = 2.0 * np.abs(np.sin(0.5 * (turn - turn_below)))
-        full_weight = self.carried[i] * self.g
+        full_weight, width, rigidity = (
+            values[..., i, None, None] for values in (self.carried * self.g, self.width, self.rigidity)
+        )
         weight = full_weight * np.cos(0.5 * (turn + turn_below))
         if not self.rectangles[i]:
-            return self._other_energy(i, slope, weight) - self._other_energy(i, np.zeros(1), np.full(1, full_weight))
-        width, rigidity = self.width[i], self.rigidity[i]
+            return self._other_energy(i, slope, weight) - self._other_energy(i, np.zeros((1, 1)), full_weight)
         length = np.sqrt(2.0 * weight / (rigidity * np.maximum(slope, PARALLEL)))  # in contact
         partly = weight * slope * (0.5 * width - 2.0 / 3.0 * length)
         full = rigidity * width**3 * slope**2 / 24.0 - weight**2 / (2.0 * rigidity * width)

@@ -6,12 +6,11 @@ import os
 import re
 import tomllib
 from collections.abc import Mapping, Sequence
-from copy import copy
 from dataclasses import asdict, dataclass, field, replace
-from typing import Any
+from typing import Any, TypeVar
 
 from . import ranges
-from .block import Block, check_block, check_friction
+from .block import Block, Joint, check_block, check_friction
 from .column_file import parts_from, plain
 from .errors import InputError, reading, shown
 from .kernels.joint.section import RECTANGLE
@@ -69,10 +68,21 @@ class Column:
             "without": without,
         }
         changes: dict[str, Any] = {key: value for key, value in given.items() if value is not None}
-        changed = copy(self)  # whose blocks have been checked
-        object.__setattr__(changed, "settings", replace(self.settings, **changes))
+        changed = _changed(self, settings=replace(self.settings, **changes))
         _check_settings(changed)
         return changed
+
+    def with_joints(self, stiffness: Sequence[float], damping: Sequence[float]) -> Column:
+        """Return a copy whose joints have these moduli, N/m3, and dampings, s, a number each from the top joint down.
+
+        Raises InputError as `Column` does.
+        """
+        blocks = []
+        for number, (block, modulus, eta) in enumerate(zip(self.blocks, stiffness, damping, strict=True), start=1):
+            modulus = ranges.check(f"block[{number}].joint.stiffness", modulus)
+            eta = ranges.check(f"block[{number}].joint.damping", eta)
+            blocks.append(_changed(block, joint=_changed(block.joint, stiffness=modulus, damping=eta)))
+        return _changed(self, blocks=tuple(blocks))
 
     @property
     def slides(self) -> bool:
@@ -118,6 +128,16 @@ class Column:
         """
         data = asdict(self, dict_factory=plain)
         return {"name": data["name"], "g": data["g"], "block": list(data["blocks"]), "solver": data["settings"]}
+
+
+Part = TypeVar("Part", "Column", Block, Joint)
+
+
+def _changed(part: Part, **values: Any) -> Part:
+    """A copy with other values; the rest of it has been checked."""
+    made = object.__new__(type(part))
+    made.__dict__.update(part.__dict__, **values)
+    return made
 
 
 def _check_name(name: object) -> None:

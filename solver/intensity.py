@@ -119,25 +119,40 @@ def histories(motion: Motion, component: Component = "ax") -> Histories:
     """Return velocity, displacement and Arias intensity over time; exact for samples."""
     lines = lines_of(motion, component)
     h, a, b = lines.steps, lines.before, lines.after
-    velocity = _running(h * (a + b) / 2.0)
+    velocity = _velocity(lines)
     displacement = _running(h * velocity[:-1] + h * h * (2.0 * a + b) / 6.0)
     husid = np.pi / (2.0 * STANDARD_GRAVITY) * _running(h * (a * a + a * b + b * b) / 3.0)
     return Histories(lines.time, velocity, displacement, husid)
 
 
+def pgv(motion: Motion) -> float:
+    """Return the peak ground velocity of ax as `intensity` has it, m/s, and nothing else."""
+    lines = lines_of(motion)
+    return _largest(lines, _velocity(lines))
+
+
+def _velocity(lines: Lines) -> FloatArray:
+    return _running(lines.steps * (lines.before + lines.after) / 2.0)
+
+
+def _largest(lines: Lines, velocity: FloatArray) -> float:
+    """The largest velocity either way, also between two instants."""
+    return float(oscillator.peaks(lines.steps, velocity[:, None], lines.before[:, None], lines.after[:, None])[0])
+
+
 def intensity(motion: Motion, component: Component = "ax") -> Intensity:
     """Return the measures of a component. Raises InputError if it is zero throughout."""
     lines, base = lines_of(motion, component), histories(motion, component)
-    h, v, u = lines.steps, base.velocity[:, None], base.displacement[:, None]
+    h, u = lines.steps, base.displacement[:, None]
     arias = float(base.husid[-1])
     if not arias > 0.0:
         raise InputError(f"{component}: is zero throughout, must be an acceleration")
     start, end = (float(np.interp(part * arias, base.husid, base.time)) for part in (0.05, 0.95))
     return Intensity(
         pga=motion.pga if component == "ax" else float(np.max(np.abs(motion.az))),
-        pgv=float(oscillator.peaks(h, v, lines.before[:, None], lines.after[:, None])[0]),
-        pgd=float(oscillator.peaks(h, u, v[:-1], v[1:])[0]),
-        final_velocity=float(v[-1, 0]),
+        pgv=_largest(lines, base.velocity),
+        pgd=float(oscillator.peaks(h, u, base.velocity[:-1, None], base.velocity[1:, None])[0]),
+        final_velocity=float(base.velocity[-1]),
         final_displacement=float(u[-1, 0]),
         arias=arias,
         start=start,

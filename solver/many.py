@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import math
 import time as clock
 import warnings
 from collections import Counter
@@ -18,20 +17,17 @@ from .column import Column
 from .errors import POSITIVE, InputError, InputWarning, SolverError, check_number, shown
 from .executors import TRIES, cores, said, sent_out, workers_of
 from .kept import KEPT
-from .kernels.lanes import WIDTH
 from .motion import Motion
+from .pace import Pace
 from .runs import Chunk, Made, Run, make_runs, why_alone
 from .table import Table, joined
 
 SETTLE = 10.0  # s, where none is asked for
 
-CHUNK_SECONDS = 2.0  # of the clock: what is sent out at once
-FIRST_SECONDS = 0.2  # of the first chunks, whose cost is guessed
 FIRST_COST = 2e-5  # s for a block and a second of motion in lanes, before anything is known
 ALONE, SWEPT = 10.0, 300.0  # times that: a run by itself, and in the formulation of the paper
 SWEPT_IN_LANES = 1.3e-3  # s: and over its fixed step in lanes
 MOST_SAMPLES = 2**20  # of the records in a chunk, so that memory does not grow with the number of runs
-LEAST_RUNS, MOST_RUNS = 16, 2000  # in a chunk: lanes are refilled; rows of a run take memory
 MOST_NOTED = 100  # failures that are told one by one
 
 Callback = Callable[[int, int | None], object]
@@ -121,7 +117,7 @@ def parts_of_many(
     total, runs = _runs(columns, motions, duration, tolerance)
     summary = Summary() if summary is None else summary
     workers = (threads or cores()) if executor is None else workers_of(executor)
-    pace = Pace(total, workers)
+    pace = Pace(total, workers, FIRST_COST)
     chunks = _chunks(runs, pace, tuple(dict.fromkeys(keep)), settle, frozenset(responses))
     if executor is not None:
         made = _made(chunks, lambda chunk: executor.submit(make_runs, chunk), pace, workers)
@@ -218,35 +214,6 @@ def _with_tolerance(k: int, column: Any, tolerance: Any) -> Column:
 # --- in chunks
 
 
-class Pace:
-    """How many runs make a chunk of about two seconds."""
-
-    def __init__(self, total: int | None, workers: int) -> None:
-        self._left, self._workers = total, workers
-        self._cost, self._seconds, self._per_run = FIRST_COST, FIRST_SECONDS, math.inf
-
-    def learn(self, chunk: Chunk, seconds: float) -> None:
-        """Go by what the last chunk took."""
-        self._cost = max(seconds, 1e-6) / chunk.weight
-        self._per_run = max(seconds, 1e-6) / len(chunk.runs)
-        self._seconds = CHUNK_SECONDS
-
-    def sent(self, count: int) -> None:
-        """Note that so many runs have gone out."""
-        if self._left is not None:
-            self._left -= count
-
-    def enough(self, count: int, weight: float) -> bool:
-        """Whether so many runs of this weight make a chunk. Towards the end all workers shall have some."""
-        if count % WIDTH:  # lanes would be left empty
-            return False
-        if self._left is not None:
-            share = self._left / (self._workers if self._per_run == math.inf else 2 * self._workers)
-            if count >= max(LEAST_RUNS, FIRST_SECONDS / self._per_run, share):
-                return True
-        return count >= MOST_RUNS or (count >= LEAST_RUNS and weight * self._cost >= self._seconds)
-
-
 def _dearness(column: Column, keep: tuple[str, ...]) -> float:
     """What a run costs, roughly, in those of lanes."""
     alone, settings = bool(why_alone(column, keep)), column.settings
@@ -287,7 +254,7 @@ def _chunks(
 def _made(chunks: Iterator[Chunk], submit: Callable[[Chunk], Any], pace: Pace, workers: int) -> Iterator[Made]:
     """What comes of the chunks, as they end. Raises what a chunk raises."""
     for chunk, made in sent_out(chunks, submit, workers, failed=_failed, error=ExecutorError):
-        pace.learn(chunk, made[1].seconds)
+        pace.learn(len(chunk.runs), chunk.weight, made[1].seconds)
         yield made
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+from copy import copy
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -45,9 +46,9 @@ class Motion:
                 raise InputError(f"{key}: {count} samples, must be {len(self.time)}, one for each time")
         if not self.hold and len(self.time) < 2:
             raise InputError("time: 1 sample, must be at least 2 unless samples are held")
-        late = np.flatnonzero(np.diff(self.time) <= 0.0)
-        if late.size:
-            k = int(late[0])
+        late = self.time[1:] <= self.time[:-1]
+        if late.any():
+            k = int(np.argmax(late))
             raise InputError(
                 f"time[{k + 1}] = {self.time[k + 1]}: must be later than the sample before, {self.time[k]} s"
             )
@@ -76,10 +77,10 @@ class Motion:
     @property
     def pga(self) -> float:
         """Largest |ax| over the samples and the crests of the harmonic, m/s2."""
-        instants = self.time
-        if self.amplitude:
-            crests = self.start + np.arange(0.25, self.frequency * self.duration, 0.5) / self.frequency
-            instants = np.concatenate([self.time, crests, [self.end]])
+        if not self.amplitude:
+            return float(np.max(np.abs(self.ax)))
+        crests = self.start + np.arange(0.25, self.frequency * self.duration, 0.5) / self.frequency
+        instants = np.concatenate([self.time, crests, [self.end]])
         return float(np.max(np.abs(self.acceleration(instants)[0])))
 
     def acceleration(self, t: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -97,7 +98,15 @@ class Motion:
     def scaled(self, factor: float) -> Motion:
         """Return the motion with every acceleration multiplied by `factor`. Raises InputError if it is not finite."""
         factor = check_number("factor", factor, FINITE, "a finite number")
-        return replace(self, ax=factor * self.ax, az=factor * self.az, amplitude=factor * self.amplitude)
+        ax, az, amplitude = factor * self.ax, factor * self.az, factor * self.amplitude
+        if not (np.isfinite(ax).all() and np.isfinite(az).all() and math.isfinite(amplitude)):
+            return replace(self, ax=ax, az=az, amplitude=amplitude)  # which says what is wrong
+        scaled = copy(self)  # whose times have been checked
+        for key, samples in (("ax", ax), ("az", az)):
+            samples.setflags(write=False)
+            object.__setattr__(scaled, key, samples)
+        object.__setattr__(scaled, "amplitude", amplitude)
+        return scaled
 
     def scaled_to(self, pga: float) -> Motion:
         """Return the motion scaled so that `pga` (m/s2) is its largest |ax|; az is scaled by the same factor.
@@ -263,8 +272,9 @@ def _checked_samples(key: str, values: ArrayLike, unit: str) -> NDArray[np.float
     if given.ndim != 1 or given.size == 0 or given.dtype.kind not in "iuf":
         raise InputError(f"{key}: must be a one-dimensional array of numbers in {unit}, at least one")
     samples = np.array(given, dtype=np.float64)
-    bad = np.flatnonzero(~np.isfinite(samples))
-    if bad.size:
-        raise InputError(f"{key}[{bad[0]}] = {samples[bad[0]]}: must be a finite number in {unit}")
+    finite = np.isfinite(samples)
+    if not finite.all():
+        k = int(np.argmin(finite))
+        raise InputError(f"{key}[{k}] = {samples[k]}: must be a finite number in {unit}")
     samples.setflags(write=False)
     return samples

@@ -68,19 +68,19 @@ def is_stable(column: Column) -> bool:
     With the openings of theory.md, section 4, its second derivatives with respect to the rotations form a symmetric
     tridiagonal matrix; the openings are stable by themselves. Elimination leaves pivots that are all positive, or not.
     """
-    weight, settled = carried_weights(column), settlements(column)
     if column.off_axis:  # its rest is looked for, and its stability with it, as the model is made (packing.py)
         return True
     pivot, coupling = np.inf, 0.0
-    turned_above = spread_above = 0.0
-    for block, carried, compression in zip(column.blocks, weight, settled, strict=True):
-        joint = block.joint
-        turning = joint.stiffness * block.joint_moments[2]
-        spread = 0.25 * compression * carried  # the compressed joint is shortened along its mean normal
-        own = column.g * block.mass
-        falling = (carried - own) * block.height + own * block.resolved_centroid
+    turned_above = spread_above = weight_above = 0.0
+    for block in column.blocks:
+        area, _, second_moment = block.joint_moments
+        stiffness, own = block.joint.stiffness, column.g * block.mass
+        weight = weight_above + own
+        turning = stiffness * second_moment
+        spread = 0.25 * weight * weight / (stiffness * area)  # the compressed joint is shortened along its mean normal
+        falling = weight_above * block.height + own * block.resolved_centroid
         pivot = turning + turned_above + spread + spread_above - falling - coupling * coupling / pivot
         if not pivot > 0.0:
             return False
-        coupling, turned_above, spread_above = spread - turning, turning, spread
+        coupling, turned_above, spread_above, weight_above = spread - turning, turning, spread, weight
     return True

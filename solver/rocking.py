@@ -59,7 +59,7 @@ def pulled_aside(column: Column, release: float = RELEASE) -> tuple[InitialState
     if column.g > 0.0 and not is_stable(column):
         raise SolverError("the rest state is not stable: the joints are too soft for the weight above them")
     curve = BalanceCurve(undamped(column))
-    places, _ = curve.follow()
+    places = curve.follow()
     n = column.n
     tops = np.array([curve.still.row(place.q).joints.ux[0] for place in places])
     k = int(np.argmin(np.abs(tops - release * tops[-1])))

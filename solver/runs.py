@@ -7,12 +7,14 @@ import time as clock
 from collections import Counter
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .batch import HELD, BatchResult, follow_in_lanes, why_not_in_lanes
+from .block import Block, Joint
 from .chain import Chain
 from .column import Column
 from .errors import InputError, SolverError
@@ -21,9 +23,12 @@ from .motion import Motion
 from .packing import FloatArray, IntArray
 from .response import Response
 from .rest import check_stable, doubts
-from .single_run import Callback, fate, single_run
+from .settings import FORMULATIONS, Settings
+from .settling import fates_of
+from .single_run import Callback, single_run
 from .table import WORDS, Columns, Table
-from .verdict import OVERTURNED, STANDING, UNDECIDED, is_held, surely_stand
+from .turns import my_turn, others_turn
+from .verdict import OVERTURNED, UNDECIDED
 
 SCALAR, LANES = "scalar", "lanes"
 OUTPUT_STEP = 0.005  # s, of a response that is kept
@@ -47,6 +52,7 @@ class Chunk:
     settle: float  # s, the longest that a column is followed after the duration
     whole: tuple[int, ...] = ()
     weight: float = 0.0  # roughly what the runs cost, in those of a block for a second in lanes
+    checked: bool = False  # whether somebody has seen to it that all the columns can stand
 
 
 @dataclass
@@ -74,10 +80,18 @@ class Stopped(Exception):  # noqa: N818  nothing went wrong
 
 def make_runs(chunk: Chunk, flag: FloatArray | None = None) -> Made:
     """Make the runs of a chunk, in one thread. Raises InputError, and Stopped soon after flag[0] is not zero."""
-    begin = clock.perf_counter()
-    flag = np.zeros(1) if flag is None else flag
+    with my_turn():
+        load_kernels(chunk.runs[0].column.settings.formulation)
+        begin = clock.perf_counter()
+        table, tally = _made(chunk, np.zeros(1) if flag is None else flag)
+        tally.seconds = clock.perf_counter() - begin
+        return table, tally
+
+
+def _made(chunk: Chunk, flag: FloatArray) -> Made:
     tally = Tally()
-    check_columns(chunk, tally)
+    if not chunk.checked:
+        check_columns(chunk, tally)
     columns = empty_columns(chunk)
     alone = _in_lanes(chunk, columns, tally, flag)
 
@@ -87,15 +101,26 @@ def make_runs(chunk: Chunk, flag: FloatArray | None = None) -> Made:
 
     for place, why in sorted(alone.items()):
         look()
-        failure = _alone(chunk.runs[place], chunk, columns, place, look)
+        with others_turn():
+            failure = _alone(chunk.runs[place], chunk, columns, place, look)
         if failure:
             tally.failures[chunk.first + place] = failure
         tally.why_scalar[why] += 1
     tally.paths.update({SCALAR: len(alone), LANES: len(chunk.runs) - len(alone)})
     wanted = [place for place in chunk.whole if chunk.first + place not in tally.failures]
-    responses = {chunk.first + place: _response(chunk.runs[place], chunk.settle, look) for place in wanted}
-    tally.seconds = clock.perf_counter() - begin
+    with others_turn():
+        responses = {chunk.first + place: _response(chunk.runs[place], chunk.settle, look) for place in wanted}
     return Table(columns, responses=responses, first=chunk.first), tally
+
+
+@lru_cache(maxsize=len(FORMULATIONS))
+def load_kernels(formulation: str) -> None:
+    """Have the kernels in this process, which takes as long as thousands of runs: nobody is to go by that."""
+    block = Block(1.0, 1.0, 1.0, 1e3, Joint(1e9, 1e-3))
+    integrator = "central-difference" if formulation == "paper" else "auto"
+    column = Column("block", (block,), Settings(formulation, integrator))
+    gentle, strong = (Motion.harmonic(amplitude, 1.0, 1e-3) for amplitude in (1e-3, 100.0))
+    follow_in_lanes([column, column], [gentle, strong], [1e-3, 1e-3])
 
 
 def check_columns(chunk: Chunk, tally: Tally) -> None:
@@ -155,23 +180,27 @@ def _in_lanes(chunk: Chunk, columns: Columns, tally: Tally, flag: FloatArray) ->
         )
         if flag[0]:
             raise Stopped
-        _fill(columns, np.array(places), runs, batch, chunk.settle)
+        _fill(columns, np.array(places), runs, batch, chunk.settle, flag)
+        if flag[0]:
+            raise Stopped
         alone |= {
             place: "could not go on in lanes" for place, made in zip(places, batch.finished, strict=True) if not made
         }
     return alone
 
 
-def _fill(columns: Columns, places: IntArray, runs: Sequence[Run], batch: BatchResult, settle: float) -> None:
+def _fill(
+    columns: Columns, places: IntArray, runs: Sequence[Run], batch: BatchResult, settle: float, flag: FloatArray
+) -> None:
     """What has come of runs with as many blocks each, one formulation and slips or none, into the columns."""
     n = runs[0].column.n
     fell = batch.overturned_joint > 0
     if runs[0].column.has_slips:
-        words, times, joints = _verdicts_one_by_one(runs, batch, settle)
+        words, times, joints = _verdicts_one_by_one(runs, batch, settle, flag)
         left = _left_one_by_one(runs, batch)
     else:
         chain = Chain.of_many([run.column for run in runs])
-        words, times, joints = _verdicts(runs, batch, chain, settle)
+        words, times, joints = _verdicts(runs, batch, chain, settle, flag)
         left = {
             "residual_ux": chain.top_displacements(batch.ends),
             "residual_theta": chain.places(batch.ends).theta,
@@ -208,13 +237,15 @@ def _left_one_by_one(runs: Sequence[Run], batch: BatchResult) -> dict[str, Float
 
 
 def _verdicts_one_by_one(
-    runs: Sequence[Run], batch: BatchResult, settle: float
+    runs: Sequence[Run], batch: BatchResult, settle: float, flag: FloatArray
 ) -> tuple[IntArray, FloatArray, IntArray]:
     """As `_verdicts`, of columns that have slips."""
     joints, times = batch.overturned_joint.copy(), batch.overturn_time.copy()
     code = WORDS["verdict"].index
     words = np.where(joints > 0, code(OVERTURNED), code(STANDING))
     for k in np.flatnonzero(batch.finished & (joints == 0)).tolist():
+        if flag[0]:
+            break
         column, motion, duration = runs[k]
         word, times[k], joints[k] = fate(column, batch.ends[k], motion.start + duration, settle)
         words[k] = code(word)
@@ -222,19 +253,17 @@ def _verdicts_one_by_one(
 
 
 def _verdicts(
-    runs: Sequence[Run], batch: BatchResult, chain: Chain, settle: float
+    runs: Sequence[Run], batch: BatchResult, chain: Chain, settle: float, flag: FloatArray
 ) -> tuple[IntArray, FloatArray, IntArray]:
     """Numbers of the words, times of overturning (NaN: it stands) and joints; followed on where that is needed."""
     joints, times = batch.overturned_joint.copy(), batch.overturn_time.copy()
-    code = WORDS["verdict"].index
-    words = np.where(joints > 0, code(OVERTURNED), code(STANDING))
-    energy, turned = chain.energies(batch.ends), np.abs(chain.places(batch.ends).theta)
-    undecided = batch.finished & (joints == 0) & ~surely_stand(chain, energy, turned)
-    for k in np.flatnonzero(undecided).tolist():
-        column, motion, duration = runs[k]
-        if not is_held(column, float(energy[k]), turned[k]):
-            word, times[k], joints[k] = fate(column, batch.ends[k], motion.start + duration, settle)
-            words[k] = code(word)
+    words = np.full(len(runs), WORDS["verdict"].index(OVERTURNED))  # or not finished, and made again by itself
+    ended = np.flatnonzero(batch.finished & (joints == 0))
+    if ended.size:
+        some = [runs[k] for k in ended.tolist()]
+        stops = np.array([run.motion.start + run.duration for run in some])
+        columns = [run.column for run in some]
+        words[ended], times[ended], joints[ended] = fates_of(columns, batch.ends[ended], stops, settle, flag)
     return words, times, joints
 
 

@@ -38,7 +38,9 @@ def statics_report(rest: Rest, curve: CapacityCurve) -> str:
         "joint  settlement (mm)  N (kN)      stress (MPa)  opens at (g)",
     ]
     for i in range(rest.column.n):
-        opens = "never" if math.isnan(curve.uplift[i]) else f"{curve.uplift[i] / g:.5g}"
+        opens = f"{curve.uplift[i] / g:.5g}"
+        if math.isnan(curve.uplift[i]):
+            opens = "as it topples" if np.any(curve.contact[:, i] < 1.0) else "never"
         lines.append(
             f"{i + 1:5d}  {1e3 * rest.settlement[i]:15.5g}  {1e-3 * rest.N[i]:10.5g}  {1e-6 * rest.stress[i]:12.5g}  "
             f"{opens}"

@@ -56,7 +56,7 @@ class CapacityCurve:
     T: FloatArray  # N, along the joint
     contact: FloatArray  # part of the width
     sigma_max: FloatArray  # Pa
-    uplift: FloatArray  # (n,) m/s2, at which each joint begins to open; NaN if it never does
+    uplift: FloatArray  # (n,) m/s2, at which each joint begins to open; NaN if the column topples before
     direction: int  # 1, or -1 for the curve of pushes towards -x
 
     @property
@@ -128,18 +128,20 @@ def capacity_curve(column: Column, direction: int = 1) -> CapacityCurve:
     if not column.g == 0.0 and not is_stable(column):
         raise SolverError("the rest state is not stable: the joints are too soft for the weight above them")
     curve = BalanceCurve(undamped(column.with_settings(formulation="exact")), direction)
-    points, uplift = curve.follow()
+    points = curve.follow()
     rows = [curve.still.row(point.q, -direction * point.push) for point in points]
     joints = {
         name: np.array([getattr(row.joints, name) for row in rows])
         for name in ("ux", "uz", "theta", "N", "M", "T", "contact", "sigma_max")
     }
+    pushes = np.array([point.push for point in points])
+    opened = joints["contact"][: int(np.argmax(pushes)) + 1] < 1.0  # beyond the largest push nothing is at rest
     return CapacityCurve(
         column,
-        np.array([point.push for point in points]),
+        pushes,
         np.array([direction * row.base.Fx for row in rows]),
         np.array([direction * row.base.My for row in rows]),
         **joints,
-        uplift=uplift,
+        uplift=np.where(np.any(opened, axis=0), pushes[np.argmax(opened, axis=0)], np.nan),
         direction=direction,
     )

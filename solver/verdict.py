@@ -17,14 +17,14 @@ from __future__ import annotations
 
 from functools import lru_cache
 from itertools import product
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .chain import Chain
 from .column import Column
-from .packing import FloatArray, model_of
+from .packing import FloatArray, IntArray, model_of
 from .sticking import stays_closed, sticks_for_good
 
 OVERTURNED, STANDING, UNDECIDED = "overturned", "standing", "undecided"
@@ -39,13 +39,14 @@ SAFE = {"exact": 0.97, "paper": 0.9}
 SHARES = (0.25, 1.0)  # limits that are tried for many columns, as `least_energies` counts them
 GRAZED = (0.2, 0.7)  # and lengths of the contact
 MOST_TURNED = 0.25  # rad, less than half of any angle of no return (kernels/column/assembly.py, LEAST_FALL)
+TOGETHER = 32  # columns whose barriers are found at once: what that takes stays in the fast memory
 REST = 1e-12  # of the energy that would lift the column by a width: rounding
 
 
 class Barrier(NamedTuple):
-    """Least energy J that a column has in which some block is turned as far as its limit, rad (n,)."""
+    """Least energy J that a column has in which some block is turned as far as its limit, rad (n,); or many have."""
 
-    energy: float
+    energy: Any
     limits: FloatArray
 
 
@@ -65,7 +66,7 @@ def is_held(column: Column, energy: float, turned: FloatArray) -> bool:
     safe = SAFE[column.settings.formulation]
     return any(
         energy <= safe * energy_to_fall + rounding and bool(np.all(turned < limits))
-        for energy_to_fall, limits in (_barrier_at(column, part) for part in PARTS)
+        for energy_to_fall, limits in (_barrier_of(column, part) for part in PARTS)
     )
 
 
@@ -102,39 +103,105 @@ def least_energies(chain: Chain, part: float, grazed: float) -> tuple[FloatArray
     return np.sin(alpha) * slope - missed - 2.0 * np.sin(0.5 * alpha) ** 2 * toppling, alpha
 
 
+class Barriers:
+    """What is held of many columns, which `chain` has (Chain.of_many); what that takes is found when it is needed.
+
+    fall_angles: rad (columns, n), of the blocks (kernels/layout.py, BLOCKS).
+    """
+
+    def __init__(self, chain: Chain, fall_angles: FloatArray) -> None:
+        self._chain, self._fall_angles = chain, fall_angles
+        self._rounding = REST * chain.g[:, 0] * np.sum(chain.mass * chain.width, axis=-1)  # type: ignore[index]
+        self._limits = np.array([limits_at(chain, fall_angles, part) for part in PARTS])
+        self._ceilings = np.array([turned_together(chain, limits) for limits in self._limits])
+        self._energies = np.full(self._ceilings.shape, np.nan)
+
+    def hold(self, some: IntArray, energy: FloatArray, turned: FloatArray) -> NDArray[np.bool_]:
+        """`is_held` of some of the columns, each with its energy, J, and rotations either way, rad (n,)."""
+        held = np.zeros(len(some), dtype=bool)
+        safe = SAFE["exact" if self._chain.exact else "paper"]
+        for k in range(len(PARTS)):
+            left = np.flatnonzero(~held)
+            left = left[energy[left] <= safe * self._ceilings[k, some[left]] + self._rounding[some[left]]]
+            places = some[left]
+            self._find(k, places[np.isnan(self._energies[k, places])])
+            enough = safe * self._energies[k, places] + self._rounding[places]
+            held[left] = (energy[left] <= enough) & np.all(turned[left] < self._limits[k, places], axis=-1)
+        return held
+
+    def _find(self, k: int, missing: IntArray) -> None:
+        for first in range(0, len(missing), TOGETHER):
+            few = missing[first : first + TOGETHER]
+            found = least_energy(self._chain.some(few), self._limits[k, few])
+            self._energies[k, few] = np.maximum(0.0, found.energy)
+            self._limits[k, few] = found.limits
+
+
 def barrier(column: Column) -> Barrier:
     """The energy that a column needs to fall, from rest; zero where its rest is not stable."""
-    return max((_barrier_at(column, part) for part in PARTS), key=lambda found: found.energy)
+    return max((_barrier_of(column, part) for part in PARTS), key=lambda found: float(found.energy))
 
 
 @lru_cache(maxsize=256)
-def _barrier_at(column: Column, part: float) -> Barrier:
+def _barrier_of(column: Column, part: float) -> Barrier:
     """The barrier of limits that are this part of the angles on edge; no less than zero."""
-    chain = Chain(column)
-    most = np.asarray(model_of(column).blocks.fall_angle, dtype=np.float64).copy()
+    chain, fall_angles = Chain(column), np.asarray(model_of(column).blocks.fall_angle, dtype=np.float64)
+    energy, limits = least_energy(chain, limits_at(chain, fall_angles, part))
+    return Barrier(max(0.0, float(energy)), limits)
+
+
+def limits_at(chain: Chain, fall_angles: FloatArray, part: float) -> FloatArray:
+    """Limits of the blocks that are this part of the angles on edge, rad (..., n), of one column or of many."""
+    most = fall_angles.copy()
     # a joint has turned too far only if one of its two blocks has turned by half of that
-    half = 0.5 * most[:-1]
-    most[:-1] = np.minimum(most[:-1], half)
-    most[1:] = np.minimum(most[1:], half)
-    on_edge = chain.carried * chain.g * 0.5 * chain.width / np.maximum(np.cumsum(chain.toppling), np.finfo(float).tiny)
-    energy, limits = least_energy(chain, np.minimum(part * on_edge, most))
-    return Barrier(max(0.0, energy), limits)
+    half = 0.5 * most[..., :-1]
+    most[..., :-1] = np.minimum(most[..., :-1], half)
+    most[..., 1:] = np.minimum(most[..., 1:], half)
+    toppling = np.maximum(np.cumsum(chain.toppling, axis=-1), np.finfo(float).tiny)
+    on_edge = chain.carried * chain.g * 0.5 * chain.width / toppling
+    limits: FloatArray = np.minimum(part * on_edge, most)
+    return limits
+
+
+def turned_together(chain: Chain, limits: FloatArray) -> FloatArray:
+    """Energy, J (columns,), of many columns all of whose blocks are turned by their least limit: the barrier is less.
+
+    Soon worked out where `least_energy` takes its time.
+    """
+    angles, last = _grid(limits)
+    angle = np.take_along_axis(angles, np.min(last, axis=-1, keepdims=True), axis=-1)[..., None]
+    turns = [*(angle for _ in range(chain.n)), np.zeros(1)]
+    joints = [chain.joint_energy(i, turns[i], turns[i + 1])[..., 0, 0] for i in range(chain.n)]
+    released = 2.0 * np.sin(0.5 * angle[..., 0, 0]) ** 2 * np.sum(chain.toppling, axis=-1)
+    energy: FloatArray = np.sum(joints, axis=0) - released
+    return np.maximum(0.0, energy)
+
+
+def _grid(limits: FloatArray) -> tuple[FloatArray, IntArray]:
+    """Rotations that are looked at, rad (..., GRID + 1), and the number of the largest of each block, (..., n)."""
+    angles = np.max(limits, axis=-1, keepdims=True) * np.linspace(0.0, 1.0, GRID + 1) ** 2
+    within_limit = angles[..., None, :] <= limits[..., None] * (1.0 + 1e-12)
+    return angles, np.maximum(1, np.count_nonzero(within_limit, axis=-1) - 1)
 
 
 def least_energy(chain: Chain, limits: FloatArray) -> Barrier:
-    """Least energy, J above rest, with a block at its limit and the others within theirs, which a grid rounds off."""
-    angles = float(np.max(limits)) * np.linspace(0.0, 1.0, GRID + 1) ** 2
-    last = np.maximum(1, np.searchsorted(angles, limits * (1.0 + 1e-12), side="right") - 1)  # of each block's rotations
+    """Least energy, J above rest, with a block at its limit and the others within theirs, which a grid rounds off.
+
+    Of one column, or of many: limits rad, (..., n).
+    """
+    angles, last = _grid(limits)
+    number = np.arange(GRID + 1)
     own = -2.0 * np.sin(0.5 * angles) ** 2
     # least energy of all above by the rotation of a block: with everybody within the limits, and with somebody at them
-    within, reached = np.zeros(GRID + 1), np.full(GRID + 1, np.inf)
-    for i, end in enumerate(last):
+    within, reached = np.zeros_like(angles), np.full_like(angles, np.inf)
+    for i in range(chain.n):
         if i > 0:
-            between = chain.joint_energy(i - 1, angles[:, None], angles[None, :])
-            within, reached = (np.min(least[:, None] + between, axis=0) for least in (within, reached))
-        within, reached = within + chain.toppling[i] * own, reached + chain.toppling[i] * own
-        reached[end] = min(within[end], reached[end])
-        within[end:] = np.inf
-        reached[end + 1 :] = np.inf
-    on_base = chain.joint_energy(chain.n - 1, angles, np.zeros(GRID + 1))
-    return Barrier(float(np.min(reached + on_base)), angles[last])
+            between = chain.joint_energy(i - 1, angles[..., :, None], angles[..., None, :])
+            within, reached = (np.min(least[..., :, None] + between, axis=-2) for least in (within, reached))
+        released, end = chain.toppling[..., i, None] * own, last[..., i, None]
+        within, reached = within + released, reached + released
+        reached = np.where(number == end, np.minimum(within, reached), reached)
+        within[number >= end] = np.inf
+        reached[number > end] = np.inf
+    on_base = chain.joint_energy(chain.n - 1, angles[..., :, None], np.zeros(1))[..., 0]
+    return Barrier(np.min(reached + on_base, axis=-1), np.take_along_axis(angles, last, axis=-1))

@@ -19,8 +19,20 @@ from probe import coordinates, look, phocas, random_column, random_state
 
 sys.path.insert(0, str(ROOT))  # the benchmarks are not installed
 
-from benchmarks import articulated, damped_columns, energy, evaluation, opensees, references, report, targets, trust
+from benchmarks import (
+    articulated,
+    damped_columns,
+    energy,
+    evaluation,
+    opensees,
+    references,
+    report,
+    sliding,
+    targets,
+    trust,
+)
 from benchmarks.competitors import MeasurementError, competitors, grid, steps, tolerances
+from benchmarks.regularized import solve
 from benchmarks.right_hand_side import DATA, KNOWN, Problem, base_acceleration
 from benchmarks.scenes import RECORDS, G, Scene, forced, harmonic, scenes, shaft
 from benchmarks.work_precision import cost_at, envelope, equal_error
@@ -387,3 +399,21 @@ def test_what_may_be_believed_is_measured():
     text = report.trust_tables({"trust": {"peaks": [peaks], "pulses": [pulses], "shares": shares}})
     assert "1 overturned later, 1 standing" in text
     assert "0.000 (0.00 to 0.37, does not contain it)" in text
+
+
+# --- joints that slide
+
+
+@pytest.mark.parametrize("scene", sliding.scenes()[1:], ids=lambda scene: scene.name)
+def test_regularized_friction_comes_to_that_of_the_solver_as_its_width(scene):
+    """Another formulation without any decision: free bodies in the plane, friction that is a smooth function."""
+    times = grid(scene.duration)
+    closest = simulate(scene.column, scene.motion, scene.duration, tolerance=1e-10, settle=0.0)
+    assert np.max(np.abs(closest.slip)) > 1e-3
+    wanted = closest.ux, closest.slip
+    wide, narrow = (solve(scene, times, width, 1e-10) for width in (1e-4, 1e-6))
+    errors = [sliding.error((run.ux, run.slip), wanted) for run in (wide, narrow)]
+    assert errors[0] < 0.02
+    assert errors[1] < 0.02 * errors[0]  # measured 0.0105 to 0.0113: a hundredth of the width
+    both = sliding.error(sliding.limit(scene, times), wanted)
+    assert both < 1e-7  # measured 2e-9 to 9e-9

@@ -60,3 +60,10 @@ def test_what_a_page_refers_to_exists(page: Path) -> None:
         assert (ROOT / name).exists(), name
     for name in re.findall(r"`(test_\w+\.py)`", text):
         assert (ROOT / "tests" / name).is_file(), name
+
+
+def test_every_example_has_its_picture() -> None:
+    shown = (ROOT / "docs" / "columns.md").read_text(encoding="utf-8")
+    names = [path.stem for path in (ROOT / "examples" / "columns").glob("*.toml")]
+    assert names
+    assert [name for name in names if f"(images/column-{name}.png)" not in shown or f"`{name}.toml`" not in shown] == []

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import math
+import threading
 from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
 from dataclasses import replace
 from multiprocessing import get_context
@@ -16,8 +17,10 @@ from probe import PHOCAS_STIFFNESS, G, monolith, phocas
 
 from solver import Block, Column, InputError, Joint, Motion, Table, simulate, simulate_many
 from solver.kept import KEPT, WATCHED, WATCHED_OF_BASE
-from solver.many import MOST_RUNS, ExecutorError, parts_of_many
+from solver.many import ExecutorError, parts_of_many
+from solver.pace import MOST_RUNS
 from solver.response import PEAKS
+from solver.turns import my_turn, others_turn
 
 KEEP = ("peak_ux", "residual_ux", "residual_theta", "energy", "verdict", "overturn_time", "overturned_joint", "steps")
 
@@ -228,3 +231,24 @@ def test_a_table_as_csv(tmp_path: Path) -> None:
     assert np.array_equal(found, table["peak_ux"], equal_nan=True)
     with pytest.raises(KeyError, match="energy: not kept, only peak_ux, verdict"):
         table["energy"]
+
+
+def test_threads_have_their_turns_one_after_the_other_and_lose_none_by_a_mistake() -> None:
+    within, most = [0], [0]
+    rest = threading.Event()
+
+    def work(k: int) -> None:
+        with my_turn(), my_turn():
+            within[0] += 1
+            most[0] = max(most[0], within[0])
+            rest.wait(1e-3)
+            within[0] -= 1
+            with others_turn(), others_turn():
+                rest.wait(1e-3)
+            if k == 3:
+                raise ZeroDivisionError
+
+    with ThreadPoolExecutor(4) as pool:
+        ended = [pool.submit(work, k) for k in range(20)]
+    assert [k for k, future in enumerate(ended) if future.exception() is not None] == [3]
+    assert most == [1]

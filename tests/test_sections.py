@@ -356,7 +356,7 @@ def test_least_energy_of_a_joint_is_the_least_over_its_openings(joint: dict[str,
         )
         expected = float(found.fun) + 0.5 * 36000.0 * column.g * settled
         scale = 36000.0 * column.g * (settled + slope)
-        assert float(chain.joint_energy(1, np.array([turn]), np.zeros(1))[0]) == pytest.approx(
+        assert float(chain.joint_energy(1, np.array([[turn]]), np.zeros(1))[0, 0]) == pytest.approx(
             expected, abs=1e-9 * scale
         )
 

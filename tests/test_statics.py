@@ -12,10 +12,22 @@ import pytest
 from probe import PHOCAS_STIFFNESS, G, monolith, phocas, random_column, settled
 from scipy.optimize import brentq, minimize_scalar
 
-from solver import Column, InitialState, InputError, Motion, Response, SolverError, natural_frequencies, simulate
+from solver import (
+    Block,
+    Column,
+    InitialState,
+    InputError,
+    Joint,
+    Motion,
+    Response,
+    SolverError,
+    natural_frequencies,
+    simulate,
+)
 from solver.command_line import main
 from solver.modes import natural_modes
 from solver.rest import is_stable
+from solver.static_report import statics_report
 from solver.statics import CapacityCurve, capacity_curve, rest_of, uplift_accelerations
 from solver.stepper import Stepper
 
@@ -102,11 +114,29 @@ def test_curve_is_of_balance_from_rest_over_the_largest_push_to_none(column: Col
     assert np.all(np.diff(curve.acceleration[curve.strongest :]) < 0.0)
     for i, push in enumerate(curve.uplift):  # joints open where N times the kern is the moment
         if math.isnan(push):
-            assert np.all(curve.contact[:, i] == 1.0)
+            assert np.all(curve.contact[: curve.strongest + 1, i] == 1.0)
             continue
         k = int(np.argmin(np.abs(curve.acceleration - push)))
         kern = curve.N[k, i] * column.blocks[i].joint_width / 6.0
         assert curve.M[k, i] == pytest.approx(kern, rel=1e-8)  # measured 5e-11
+
+
+def test_a_joint_that_opens_as_the_column_topples_has_no_uplift() -> None:
+    """Forty blocks as high as Phocas, softer: upper joints open on the falling branch only, one beyond its end."""
+    n = 40
+    block = Block(14.07 / n, 1.56, 1.56, 81000.0 / n, Joint(0.4 * PHOCAS_STIFFNESS, 1e-3))
+    column = Column("slices", (block,) * n)
+    curve = capacity_curve(column)
+    ever = np.any(curve.contact < 1.0, axis=0)
+    before = np.any(curve.contact[: curve.strongest + 1] < 1.0, axis=0)
+    assert np.any(ever & ~before)
+    assert np.array_equal(np.isfinite(curve.uplift), before)
+    assert np.all(np.diff(curve.uplift[before]) < 0.0)  # the lower a joint, the sooner
+    assert curve.acceleration[-1] == pytest.approx(0.0, abs=1e-9)
+    assert np.all(curve.acceleration[:-1] >= 0.0)
+    told = statics_report(rest_of(column), curve)
+    assert told.count("as it topples") == int(np.sum(ever & ~before))
+    assert told.count("never") == int(np.sum(~ever))
 
 
 def test_round_drums_open_where_the_push_leaves_their_kern() -> None:

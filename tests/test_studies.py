@@ -303,7 +303,7 @@ def test_the_same_bits_whoever_makes_the_runs(study: Study, tmp_path: Path, monk
     whole = run_study(study, threads=1)
     for workers in (3, 8):
         assert same(run_study(study, threads=workers), whole)
-    monkeypatch.setattr("solver.studies.execution.FIRST_RUNS", 1)
+    monkeypatch.setattr("solver.pace.WIDTH", 1)
     monkeypatch.setattr("solver.studies.execution.TRIES", 9)
     for seed in range(3):
         other = tmp_path / str(seed)
@@ -389,7 +389,7 @@ class Dies:
 def test_an_executor_that_goes_away_leaves_what_was_finished(
     study: Study, folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("solver.studies.execution.FIRST_RUNS", 4)
+    monkeypatch.setattr("solver.pace.WIDTH", 4)
     with pytest.raises(StudyError, match="it has gone; finished runs are kept, run the study again to go on"):
         run_study(study, folder, executor=Dies(), chunk_seconds=1e-3)
     kept = len(Results.from_journal(folder / "small.journal"))

@@ -12,10 +12,14 @@ from probe import G, monolith, phocas, random_column, random_state, settled
 from scipy.optimize import minimize
 
 from solver import Column, InitialState, InputError, Motion, simulate
+from solver.batch import fall_angles, models_of
 from solver.chain import Chain
 from solver.rest import is_stable
+from solver.settling import fates_of
+from solver.single_run import fate
 from solver.stepper import Stepper
-from solver.verdict import GRAZED, SAFE, SHARES, barrier, cannot_fall, least_energies, least_energy
+from solver.table import WORDS
+from solver.verdict import GRAZED, SAFE, SHARES, Barriers, barrier, cannot_fall, is_held, least_energies, least_energy
 
 
 def half_sine(amplitude: float, length: float) -> Motion:
@@ -217,3 +221,39 @@ def test_the_quick_bound_for_many_columns_is_never_above_the_barrier(n: int) -> 
     states = [np.concatenate(random_state(rng, column, 1e-3)) for column in columns]
     energies = chain.energies(np.array(states))
     assert energies == pytest.approx([Chain(c).energy(x) for c, x in zip(columns, states, strict=True)], rel=1e-9)
+
+
+# --- many columns at once
+
+
+@pytest.mark.parametrize("n", [1, 3, 6])
+def test_what_is_held_of_many_columns_is_what_is_held_of_each(n: int) -> None:
+    """Whichever are asked for together, and of columns that have up to four times the energy of the barrier."""
+    rng = np.random.default_rng(n)
+    columns = [column for column in (random_column(rng, n, softest=1e7) for _ in range(70)) if is_stable(column)]
+    chain = Chain.of_many(columns)
+    energy = np.array([barrier(column).energy for column in columns]) * rng.uniform(0.0, 4.0, len(columns)) ** 2
+    turned = rng.uniform(0.0, 0.1, (len(columns), n))
+    wanted = [is_held(column, e, t) for column, e, t in zip(columns, energy.tolist(), turned, strict=True)]
+    barriers = Barriers(chain, fall_angles(models_of(columns), n))
+    some = rng.permutation(len(columns))
+    for part in (some[:5], some):
+        assert barriers.hold(part, energy[part], turned[part]).tolist() == [wanted[k] for k in part]
+    assert 0 < sum(wanted) < len(wanted)
+
+
+def test_columns_settle_in_lanes_as_they_do_by_themselves() -> None:
+    """Blocks that rock when their base comes to rest: most fall then, some stand, two are not known in time."""
+    column, settle = phocas(2e-3), 3.0
+    spins = np.linspace(0.02, 0.4, 24)
+    phases = np.concatenate([np.zeros(3), -settled(column), np.zeros(6)]) + np.zeros((24, 1))
+    phases[:, 6:9] = spins[:, None]
+    stops = np.linspace(0.0, 5.0, 24)
+    words, times, joints = fates_of([column] * 24, phases, stops, settle, np.zeros(1))
+    for k in range(24):
+        word, time, joint = fate(column, phases[k], float(stops[k]), settle)
+        assert (WORDS["verdict"][words[k]], joints[k]) == (word, joint)
+        assert times[k] == pytest.approx(time, abs=1e-3, nan_ok=True)
+    assert len(set(words.tolist())) == 3
+    alone = fates_of([column], phases[7:8], stops[7:8], settle, np.zeros(1))
+    assert [part[0] for part in alone] == pytest.approx([words[7], times[7], joints[7]], rel=0.0, nan_ok=True)

@@ -8,7 +8,8 @@ from typing import Any, NamedTuple
 
 from ..errors import InputError
 from ..rest import check_stable
-from ..runs import Chunk, make_runs
+from ..runs import Chunk, load_kernels, make_runs
+from ..turns import my_turn
 from .definition import Planned, Study
 
 SETTLE = 10.0  # s, as `simulate`
@@ -24,7 +25,13 @@ class Made(NamedTuple):
 
 def make(study: Study, numbers: Sequence[int]) -> Made:
     """Make the runs of these numbers, in one thread. What comes of a run does not depend on the others."""
-    begin = clock.perf_counter()
+    with my_turn():
+        load_kernels(study.columns[0].settings.formulation)
+        begin = clock.perf_counter()
+        return Made(_rows(study, numbers), clock.perf_counter() - begin)
+
+
+def _rows(study: Study, numbers: Sequence[int]) -> list[list[Any]]:
     ready: list[tuple[int, Planned]] = []
     rows: list[list[Any]] = []
     for number in numbers:
@@ -37,14 +44,14 @@ def make(study: Study, numbers: Sequence[int]) -> Made:
             continue
         ready.append((number, planned))
     if ready:
-        table, tally = make_runs(Chunk(0, [planned.run for _, planned in ready], study.keep, SETTLE))
+        table, tally = make_runs(Chunk(0, [planned.run for _, planned in ready], study.keep, SETTLE, checked=True))
         outputs = {name: table[name].tolist() for name in study.keep}
         for place, (number, (run, values, measures)) in enumerate(ready):
             found = {name: _own(column[place], run.column.n) for name, column in outputs.items()}
             failure = tally.failures.get(place, "")
             rows.append([number, list(values.values()), list(measures.values()), found, failure])
     rows.sort(key=lambda row: row[0])
-    return Made(rows, clock.perf_counter() - begin)
+    return rows
 
 
 def _own(value: Any, blocks: int) -> Any:

@@ -14,9 +14,10 @@ from typing import Any
 import numpy as np
 
 from ..errors import InputError, needing, reading
+from ..pace import CHUNK_SECONDS
 from ..progress import RunsLine, compile_kernels
 from .definition import Study
-from .execution import CHUNK_SECONDS, run_study
+from .execution import run_study
 from .journal import SUFFIX
 from .results import Results, results_of
 from .statistics import fit_fragility, ida_curves, influences

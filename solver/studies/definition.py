@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from .. import __version__
 from ..column import Column
 from ..errors import FINITE, POSITIVE, InputError, check_number, needing, reading, shown
-from ..intensity import intensity
+from ..intensity import pgv
 from ..kept import KEPT
 from ..kernels.jit import SOURCES
 from ..motion import STANDARD_GRAVITY, Motion
@@ -381,8 +381,7 @@ def _base(
     made = study.motions[motion].base(dict(numbers), unit)
     if not np.any(made.ax) and not made.amplitude:
         return made, dict.fromkeys(study.measured, 0.0)
-    strength = intensity(made)
-    measures = {"pga": strength.pga / STANDARD_GRAVITY, "pgv": strength.pgv}
+    measures = {"pga": made.pga / STANDARD_GRAVITY, "pgv": pgv(made)}
     if study.measure is not None and study.measure.name == "sa":
         measures["sa"] = study.measure.of(made)
     return made, measures

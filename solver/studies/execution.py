@@ -12,15 +12,13 @@ from typing import Any
 
 from ..errors import InputError, SolverError
 from ..executors import TRIES, cores, said, sent_out, workers_of
+from ..pace import CHUNK_SECONDS, Pace
 from . import chunks
 from .definition import Study, versions
 from .journal import SUFFIX, Journal
 from .results import Results
 
-CHUNK_SECONDS = 2.0
-FIRST_RUNS = 16  # of the first chunks, whose cost nobody knows
-MOST_RUNS = 4096  # in a chunk
-GROWTH = 4.0  # of a chunk over the one before
+FIRST_COST = 0.02  # s for a run, before anything is known
 SAVE_EVERY = 60.0  # s between two NetCDF files
 SAVE_PART = 0.05  # of the time, at most, for writing these
 
@@ -130,27 +128,17 @@ def _made(
             executor.shutdown(wait=False, cancel_futures=True)
 
 
-class Portions:
-    """Numbers of runs, as many at once as take the seconds asked for, going by what the last ones took."""
-
-    def __init__(self, left: Sequence[int], workers: int, seconds: float) -> None:
-        self._left, self._workers, self._seconds = left, workers, seconds
-        self._next = 0
-        self._size = FIRST_RUNS
-
-    def __iter__(self) -> Iterator[list[int]]:
-        while self._next < len(self._left):
-            # towards the end all workers shall have some
-            fair = -(-(len(self._left) - self._next) // (2 * self._workers))
-            size = max(1, min(self._size, max(fair, FIRST_RUNS)))
-            numbers = list(self._left[self._next : self._next + size])
-            self._next += len(numbers)
-            yield numbers
-
-    def learn(self, count: int, seconds: float) -> None:
-        """Go by what so many runs took."""
-        each = max(seconds, 1e-6) / count
-        self._size = max(1, min(MOST_RUNS, int(GROWTH * self._size), int(self._seconds / each)))
+def _portions(left: Sequence[int], pace: Pace) -> Iterator[list[int]]:
+    """Numbers of runs, as many at once as `pace` has enough of."""
+    portion: list[int] = []
+    for number in left:
+        portion.append(number)
+        if pace.enough(len(portion), len(portion)):
+            pace.sent(len(portion))
+            yield portion
+            portion = []
+    if portion:
+        yield portion
 
 
 def _dispatched(
@@ -159,7 +147,7 @@ def _dispatched(
     """Rows of one chunk after the other as they come back from an executor."""
     # what a cluster keeps for all chunks to come; others are sent the study with each
     sent = executor.carry(study) if hasattr(executor, "carry") else study
-    portions = Portions(left, workers, chunk_seconds)
+    pace = Pace(len(left), workers, FIRST_COST, chunk_seconds)
 
     def check_executor() -> None:
         """Raise StudyError if the executor, one as of cluster.py, says that it is lost."""
@@ -175,12 +163,12 @@ def _dispatched(
             raise StudyError(f"runs {numbers[0]} to {numbers[-1]}: {said(error)}; finished runs are kept") from error
 
     for numbers, made in sent_out(
-        iter(portions),
+        _portions(left, pace),
         lambda numbers: executor.submit(chunks.make, sent, numbers),
         workers,
         failed=failed,
         error=lambda message: StudyError(f"{message}; finished runs are kept"),
         idle=check_executor,
     ):
-        portions.learn(len(numbers), made.seconds)
+        pace.learn(len(numbers), len(numbers), made.seconds)
         yield made.rows

@@ -13,7 +13,7 @@ import numpy as np
 
 from .. import wavelets
 from ..errors import FINITE, POSITIVE, InputError, check_number, shown
-from ..intensity import intensity, spectrum
+from ..intensity import pgv, spectrum
 from ..motion import STANDARD_GRAVITY, Motion
 from . import near_fault
 
@@ -75,7 +75,7 @@ class Measure:
         if self.name == "pga":
             return motion.pga / STANDARD_GRAVITY
         if self.name == "pgv":
-            return intensity(motion).pgv
+            return pgv(motion)
         return float(spectrum(motion, [self.period], self.damping).psa[0]) / STANDARD_GRAVITY
 
     @property

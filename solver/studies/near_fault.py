@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import lru_cache
 
 import numpy as np
 
@@ -81,17 +82,23 @@ def motion(
     for key, factor in (("pga_factor", pga_factor), ("pgv_factor", pgv_factor), ("period_factor", period_factor)):
         check_number(f"motion.{key}", factor, POSITIVE, "a positive number")
     length = significant_duration(magnitude) / SIGNIFICANT
-    noise = filtered_noise(pga_factor * pga(magnitude, distance), ground, length, seed)
+    noise = _noise(ground, length, seed)
     pulse = mavroeidis_papageorgiou(1.0, 1.0 / (period_factor * pulse_period(magnitude)), cycles, math.radians(phase))
     largest = _largest_velocity(pulse)
     before = max(0.0, 0.5 * pulse.duration - STRONGEST * noise.duration)  # noise begins so much later than the motion
     begin = before + STRONGEST * noise.duration - 0.5 * pulse.duration
     count = math.ceil(max(before + noise.duration, begin + pulse.duration) / NOISE_STEP)
     time = NOISE_STEP * np.arange(count + 1, dtype=np.float64)
-    ax = np.interp(time - before, noise.time, noise.ax, left=0.0, right=0.0)
+    ax = pga_factor * pga(magnitude, distance) * np.interp(time - before, noise.time, noise.ax, left=0.0, right=0.0)
     factor = pgv_factor * velocity(magnitude, distance) / largest
     ax += factor * np.interp(time - begin, pulse.time, pulse.ax, left=0.0, right=0.0)
     return Motion(time, ax, np.zeros(count + 1), float(time[-1]))
+
+
+@lru_cache(maxsize=16)
+def _noise(ground: float, length: float, seed: int) -> Motion:
+    """Noise of 1 m/s2, which takes longer than all else: a study has the same at several distances, one by one."""
+    return filtered_noise(1.0, ground, length, seed)
 
 
 def _largest_velocity(pulse: Motion) -> float:

@@ -22,6 +22,8 @@ from ..ranges import NUMBERS
 _PARTS = re.compile(r"(block|joint)(?:\[([1-9]\d*)\])?\.([a-z_]+)")
 _WHOLE = ("g", "solver.step", "solver.tolerance")
 SHAPES = ("column.size", "column.slenderness")
+_OWN = ("stiffness", "damping")  # numbers of a joint that nothing else of a column hangs on
+_TOLERANCE = "solver.tolerance"
 _UPRIGHT = ("height", "centroid")  # lengths along the axis of the column
 _EITHER = {"mass": "density", "density": "mass"}  # one takes the place of the other
 
@@ -46,11 +48,42 @@ def column_with(column: Column, values: Mapping[str, tuple[float, bool]]) -> Col
     """
     if not values:
         return column
+    if all(name == _TOLERANCE or _joint_number(name) in _OWN for name in values):
+        return _with_own(column, values)
     data = column.to_dict()
     for name in sorted(values, key=lambda name: name not in SHAPES):
         number, relative = values[name]
         _set(data, name, number, relative)
     return Column.from_dict(data)
+
+
+def _joint_number(name: str) -> str:
+    found = _PARTS.fullmatch(name)
+    return found[3] if found is not None and found[1] == "joint" else ""
+
+
+def _with_own(column: Column, values: Mapping[str, tuple[float, bool]]) -> Column:
+    """The same where all of them are numbers by themselves, without writing the column out and reading it again."""
+    own = {key: [getattr(block.joint, key) for block in column.blocks] for key in _OWN}
+    for name, (number, relative) in values.items():
+        if name == _TOLERANCE:
+            column = column.with_settings(tolerance=number * column.settings.tolerance if relative else number)
+            continue
+        numbers = own[_joint_number(name)]
+        for i in _which(name, column.n):
+            numbers[i] = number * numbers[i] if relative else number
+    return column.with_joints(**own)
+
+
+def _which(name: str, blocks: int) -> range:
+    """Places of the blocks that a name speaks of. Raises InputError where there are not so many."""
+    found = _PARTS.fullmatch(name)
+    if found is None or found[2] is None:
+        return range(blocks)
+    number = int(found[2])
+    if number > blocks:
+        raise InputError(f"{name}: there are {blocks} blocks")
+    return range(number - 1, number)
 
 
 def _set(data: dict[str, Any], name: str, number: float, relative: bool) -> None:
@@ -64,9 +97,7 @@ def _set(data: dict[str, Any], name: str, number: float, relative: bool) -> None
         _put(data["solver"], name, name.removeprefix("solver."), number, relative)
     else:
         blocks = data["block"]
-        if found[2] is not None and int(found[2]) > len(blocks):
-            raise InputError(f"{name}: there are {len(blocks)} blocks")
-        for block in blocks if found[2] is None else [blocks[int(found[2]) - 1]]:
+        for block in (blocks[i] for i in _which(name, len(blocks))):
             _put(block if found[1] == "block" else block["joint"], name, found[3], number, relative)
 
 

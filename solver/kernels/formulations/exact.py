@@ -20,7 +20,7 @@ from typing import NamedTuple
 
 from ..jit import kernel, leaf
 from ..joint.law import resultants
-from ..joint.sliding import bearable, can_slide, drift, opening_felt, opening_rate_felt, rim_force, slip_of
+from ..joint.sliding import bearable, can_slide, drift, opening_felt, opening_rate_felt, rim_force, slip_if
 from ..lanes import any_of, magnitude, where
 from ..numbers import sine_cosine
 
@@ -63,10 +63,18 @@ def elimination(room):
 @leaf
 def exact_accelerations(model, phase, motion, joints, hold, room):
     """Accelerations of a phase from its coordinates and rates, and the resultants of its joints; returns nothing."""
+    if can_slide(model):  # compiled twice: the other takes a sixth less
+        _accelerations(model, phase, motion, joints, hold, room, True)
+    else:
+        _accelerations(model, phase, motion, joints, hold, room, False)
+
+
+@leaf
+def _accelerations(model, phase, motion, joints, hold, room, slides):
+    """The same; slides: whether slips are coordinates."""
     n = model.n
     blocks = model.blocks
     row = elimination(room)
-    slides = can_slide(model)
     off_axis = slides and any_of(model.settings.off_axis != 0.0)
     # --- downwards: evaluate joint i, finish the row of the joint above it, eliminate
     normal_above = 0.0
@@ -91,7 +99,7 @@ def exact_accelerations(model, phase, motion, joints, hold, room):
         sine, cosine = sine_cosine(0.5 * (turn - turn_below))
         slope, slope_rate = 2.0 * sine, cosine * (spin - spin_below)
         felt, felt_rate = opening, opening_rate
-        slip, slip_rate = slip_of(model, phase, i)
+        slip, slip_rate = slip_if(slides, model, phase, i)
         over_sine, over_cosine, under_sine, under_cosine = sine, cosine, sine, cosine
         if slides:
             felt = opening_felt(opening, slip, slope)
@@ -175,17 +183,16 @@ def exact_accelerations(model, phase, motion, joints, hold, room):
     if slides:
         force = _slide(phase, row, joints, n - 1, force)
 
-    _upwards(model, phase, motion, joints, row, force, opens)
+    _upwards(model, phase, motion, joints, row, force, opens, slides)
 
 
 @leaf
-def _upwards(model, phase, motion, joints, row, force, opens):
+def _upwards(model, phase, motion, joints, row, force, opens, slides):
     """The forces along the joints above the base joint, which has `force`, and what follows from them.
 
     opens: acceleration of the opening of the base joint without the T.
     """
     n, blocks = model.n, model.blocks
-    slides = can_slide(model)
     drawn_below = 0.0  # what T of the joint below does to the opening
     swung_below = 0.0  # alpha of the block below times the height of its top face above its centroid
     alpha_below = motion.alpha

@@ -36,18 +36,24 @@ def _choose(model):
     return lambda model: model.settings.slides != 0.0
 
 
-def slip_of(model, phase, i):
-    """Slip of joint i and its rate."""
+def slip_if(slides, model, phase, i):
+    """Slip of joint i and its rate, where slips are coordinates."""
     raise NotImplementedError("for kernels only")
 
 
-@by_width(slip_of)
-def _choose_slip(model, phase, i):
+@by_width(slip_if)
+def _choose_slip(slides, model, phase, i):
     if has_no_slips(model):
-        return lambda model, phase, i: (0.0, 0.0)
+        return lambda slides, model, phase, i: (0.0, 0.0)
     if model.kind is LANES:
-        return lambda model, phase, i: (phase.slip[i], phase.slip_rate[i])
-    return lambda model, phase, i: (phase.slip[i], phase.slip_rate[i]) if can_slide(model) else (0.0, 0.0)
+        return lambda slides, model, phase, i: (phase.slip[i], phase.slip_rate[i])
+    return lambda slides, model, phase, i: (phase.slip[i], phase.slip_rate[i]) if slides else (0.0, 0.0)
+
+
+@leaf
+def slip_of(model, phase, i):
+    """Slip of joint i and its rate."""
+    return slip_if(can_slide(model), model, phase, i)
 
 
 @leaf

@@ -1,0 +1,76 @@
+"""What comes of many columns once their base is still: they pass through lanes until each stands for good or falls."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from .batch import fall_angles, models_of, rest_in_lanes
+from .chain import Chain
+from .column import Column
+from .packing import FloatArray, IntArray
+from .single_run import BETWEEN_LOOKS, fate
+from .table import WORDS
+from .verdict import OVERTURNED, STANDING, UNDECIDED, Barriers, surely_stand
+
+
+class Fates(NamedTuple):
+    """Numbers of the words of verdict.py, times of overturning s, joints; NaN and 0 where a column stands."""
+
+    words: IntArray
+    times: FloatArray
+    joints: IntArray
+
+
+def fates_of(
+    columns: Sequence[Column], phases: FloatArray, stops: FloatArray, settle: float, flag: FloatArray
+) -> Fates:
+    """What comes of columns of n blocks and one formulation that lanes can take, upon a base that is still from now on.
+
+    phases: (columns, 4 n) at the times `stops`, s. settle: s, how long to look at most. Once flag[0] is not zero it
+    ends soon, with nothing of use. What comes of a column depends on no other.
+    """
+    count, code = len(columns), WORDS["verdict"].index
+    found = Fates(np.full(count, code(UNDECIDED)), np.full(count, math.nan), np.zeros(count, dtype=np.int64))
+    chain = Chain.of_many(columns)
+    left = _not_standing(chain, phases)
+    found.words[:] = code(STANDING)
+    if not left.size:
+        return found
+    columns, chain, phases, stops = [columns[k] for k in left], chain.some(left), phases[left], stops[left]
+    models = models_of(columns)
+    barriers = Barriers(chain, fall_angles(models, chain.n))
+    numbers, some = left, np.arange(len(left))  # of what is left, in what was given and in the rows here
+    looks = 0
+    while some.size and not flag[0]:
+        part = chain.some(some)
+        held = barriers.hold(some, part.energies(phases[some]), np.abs(part.places(phases[some]).theta))
+        some = some[~held]
+        begin, end = (min(settle, BETWEEN_LOOKS * k) for k in (looks, looks + 1))
+        if begin == settle:
+            found.words[numbers[some]] = code(UNDECIDED)
+            break
+        made = rest_in_lanes(
+            models[some], chain.n, not chain.exact, phases[some], stops[some] + begin, stops[some] + end, flag
+        )
+        fell = made.overturned_joint > 0
+        which = numbers[some[fell]]
+        found.words[which] = code(OVERTURNED)
+        found.times[which], found.joints[which] = made.overturn_time[fell], made.overturned_joint[fell]
+        for k in some[~made.finished]:  # by itself, as it was
+            word, time, joint = fate(columns[k], phases[k], float(stops[k] + begin), settle - begin)
+            number = numbers[k]
+            found.words[number], found.times[number], found.joints[number] = code(word), time, joint
+        phases[some] = made.ends
+        some = some[made.finished & ~fell]
+        looks += 1
+    return found
+
+
+def _not_standing(chain: Chain, phases: FloatArray) -> IntArray:
+    """Those that are not soon seen to stand."""
+    turned = np.abs(chain.places(phases).theta)
+    return np.flatnonzero(~surely_stand(chain, chain.energies(phases), turned))
