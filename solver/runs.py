@@ -25,10 +25,10 @@ from .response import Response
 from .rest import check_stable, doubts
 from .settings import FORMULATIONS, Settings
 from .settling import fates_of
-from .single_run import Callback, single_run
+from .single_run import Callback, fate, single_run
 from .table import WORDS, Columns, Table
 from .turns import my_turn, others_turn
-from .verdict import OVERTURNED, UNDECIDED
+from .verdict import OVERTURNED, STANDING, UNDECIDED
 
 SCALAR, LANES = "scalar", "lanes"
 OUTPUT_STEP = 0.005  # s, of a response that is kept
