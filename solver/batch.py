@@ -25,7 +25,7 @@ from .kernels.integrators import dormand_prince
 from .kernels.joint.section import SECTIONS
 from .kernels.lanes import WIDTH
 from .motion import Motion
-from .packing import Arrays, FloatArray, arrays_at, copied
+from .packing import FloatArray, arrays_at, copied
 from .turns import others_turn
 
 # Steps across changes of regime err by more than their estimate says: they are given so much less of the tolerance.
@@ -63,6 +63,7 @@ class BatchResult:
     evaluations: NDArray[np.int64]
     ends: FloatArray  # (runs, 4 n or 6 n) coordinates and rates at the end, as chain.py has them
     phases: FloatArray  # (runs, rows, 4 n or 6 n) the same at the times asked for
+    models: FloatArray  # packed models, a row for each run
 
 
 def why_not_in_lanes(column: Column) -> str:
@@ -197,17 +198,12 @@ def rest_in_lanes(
 ) -> BatchResult:
     """Columns of n blocks upon a still base, in one thread and unchecked; ended by the flag as `follow_in_lanes` is.
 
-    models: rows of `models_of`. swept: of the formulation `paper`. phases: (columns, 4 n) at the times `begin`, s.
+    models: as of BatchResult. swept: of the formulation `paper`. phases: (columns, 4 n) at the times `begin`, s.
     """
     batch = _Batch(n, len(phases), _Records((), ()), _NONE, swept)
     batch.go_on(models, phases, begin, end)
     batch.finish(flag)
     return batch.result()
-
-
-def models_of(columns: Sequence[Column]) -> FloatArray:
-    """Packed models of columns of as many blocks each, a row for each, as lanes take them."""
-    return np.array([_arrays_of(column).model[: at.MODEL.size(column.n)] for column in columns])
 
 
 def fall_angles(models: FloatArray, n: int) -> FloatArray:
@@ -265,8 +261,9 @@ class _Batch:
         """Let run k wait for a lane, from rest or as it is when a joint opens; or take it to its end."""
         n, start, stop = self.n, motion.start, motion.start + duration
         if column is not self._column:
-            self._fresh = _arrays_of(column)
+            self._fresh = arrays_at(column, TOLERANCE_PART * column.settings.tolerance, at.EXTREMES)
             self._column = column
+        self._models[k] = self._fresh.model[: self._models.shape[1]]
         omega = 2.0 * math.pi * motion.frequency
         wave = (motion.amplitude, omega, -omega * start)
         first, size = self._records.place(motion)
@@ -279,7 +276,7 @@ class _Batch:
         ):
             phase = self._fresh.state[at.CONTROL.beside :][: 4 * n]
             self._outcomes[k] = np.concatenate([[at.OK, math.nan, 0.0, 0.0, 0.0], np.zeros(n), phase])
-            self._waits(k, self._fresh.model, phase, (start, start, stop, 1.0, *wave, first, size, 0, 0.0, 0.0))
+            self._waits(k, phase, (start, start, stop, 1.0, *wave, first, size, 0, 0.0, 0.0))
             return
         arrays = copied(self._fresh)
         control, counts, base = at.CONTROL.see(arrays.state), at.COUNTS.see(arrays.counts), at.BASE.see(arrays.base)
@@ -298,7 +295,7 @@ class _Batch:
         if code == at.OK and control.reached < stop:
             scales = (control.rotation_scale, control.rate_scale)
             entering = (start, control.reached, stop, 1.0, *wave, first, size, counts.next_row, *scales)
-            self._waits(k, arrays.model, phase, entering)
+            self._waits(k, phase, entering)
 
     def go_on(self, models: FloatArray, phases: FloatArray, begin: FloatArray, end: FloatArray) -> None:
         """Let all runs wait for a lane, with these phases, upon a base that is still."""
@@ -309,10 +306,10 @@ class _Batch:
         self._outcomes[:, 1] = math.nan
         self._outcomes[:, OUTCOME.beside + self.n :] = phases
 
-    def _waits(self, k: int, model: FloatArray, phase: FloatArray, entering: tuple[float, ...]) -> None:
+    def _waits(self, k: int, phase: FloatArray, entering: tuple[float, ...]) -> None:
         """Let run k wait for a lane."""
         self._waiting.append(k)
-        self._models[k], self._phases[k], self._runs[k] = model[: self._models.shape[1]], phase, entering
+        self._phases[k], self._runs[k] = phase, entering
 
     def finish(self, flag: FloatArray) -> None:
         """Let the runs that have begun pass through the lanes."""
@@ -347,6 +344,7 @@ class _Batch:
             evaluations=self._evaluations,
             ends=self._of_chain(self._outcomes[:, OUTCOME.beside + n :], self._slips),
             phases=self._of_chain(self._snapshots[:, :, : 4 * n], self._snapshots[:, :, at.RIGID_FIELDS * n :]),
+            models=self._models,
         )
 
     def _of_chain(self, rigid: FloatArray, slips: FloatArray) -> FloatArray:
@@ -355,11 +353,6 @@ class _Batch:
             return rigid
         places = [(at.PHASE.fields.index(name) - at.RIGID_FIELDS) * self.n for name in ("slip", "slip_rate")]
         return np.concatenate([rigid, *(slips[..., k : k + self.n] for k in places)], axis=-1)
-
-
-def _arrays_of(column: Column) -> Arrays:
-    """The arrays of a column at rest as lanes have them."""
-    return arrays_at(column, TOLERANCE_PART * column.settings.tolerance, at.EXTREMES)
 
 
 _START, _STOP = RUN.fields.index("start"), RUN.fields.index("stop")

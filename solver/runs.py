@@ -263,7 +263,9 @@ def _verdicts(
         some = [runs[k] for k in ended.tolist()]
         stops = np.array([run.motion.start + run.duration for run in some])
         columns = [run.column for run in some]
-        words[ended], times[ended], joints[ended] = fates_of(columns, batch.ends[ended], stops, settle, flag)
+        words[ended], times[ended], joints[ended] = fates_of(
+            columns, batch.models[ended], batch.ends[ended], stops, settle, flag
+        )
     return words, times, joints
 
 
