@@ -394,7 +394,8 @@ def studies_table(results: Results) -> str:
         cores = part["cores"]
         lines.append(
             f"{cores['runs']} rocking runs: {cores['one']:.3g} s by one thread, {cores['two']:.3g} s by two, "
-            f"{cores['processes']:.3g} s by two processes."
+            f"{cores['processes']:.3g} s by two processes. Two threads make {cores['one'] / cores['two']:.2f} times "
+            f"the runs of one; of plain arithmetic, which is what the machine has to give, {cores['bound']:.2f} times."
         )
     if "ida" in part:
         ida = part["ida"]

@@ -12,13 +12,14 @@ import subprocess
 import sys
 import time as clock
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from dataclasses import replace
 from functools import partial
 from multiprocessing import get_context
 from typing import Any
 
 import numpy as np
+from numba import njit
 
 from solver import Column, Motion, Response, SolverError, simulate, simulate_many
 
@@ -32,6 +33,7 @@ TIGHT = 1e-7
 DURATION = 20.0  # s
 SPREAD = 0.1  # of the logarithm of stiffnesses
 ROCKING, RESTING = (0.05, 0.08), (0.002, 0.004)  # g: of the motions that make Phocas rock, and not
+FRICTION = 0.12
 DRUMS, LEVELS = 6, 20
 FILES = (
     "elcentro-1940-ns.AT2",
@@ -43,6 +45,7 @@ FILES = (
 FREQUENCIES = 160
 FIGURE = (0.25, 10.0)  # Hz
 AMPLITUDES = (0.05, 0.1)  # g
+ARITHMETIC = 200_000_000  # rounds, half a second
 MANY, SOME = 1_000_000, 50_000  # runs of the memory
 Runs = tuple[list[Column], list[Motion], float]
 Rows = list[dict[str, Any]]
@@ -67,6 +70,19 @@ def phocas_runs(count: int, amplitudes: tuple[float, float], duration: float = D
     columns = [varied(shaft(3), rng) for _ in range(count)]
     motions = [Motion.harmonic(rng.uniform(*amplitudes) * G, rng.uniform(1.2, 2.5), duration) for _ in range(count)]
     return columns, motions, duration
+
+
+def sliding_runs(count: int, amplitudes: tuple[float, float]) -> Runs:
+    """The same with so little friction that joints slide."""
+    columns, motions, duration = phocas_runs(count, amplitudes)
+    joints = [[replace(block.joint, friction=FRICTION) for block in column.blocks] for column in columns]
+    slippery = [
+        replace(
+            column, blocks=tuple(replace(block, joint=joint) for block, joint in zip(column.blocks, own, strict=True))
+        )
+        for column, own in zip(columns, joints, strict=True)
+    ]
+    return slippery, motions, duration
 
 
 def drums(levels: int = LEVELS, duration: float = DURATION) -> Runs:
@@ -162,8 +178,30 @@ def beside_opensees(throughput: float) -> dict[str, Any]:
     return {"throughput": DURATION / best, "ratio": throughput / (DURATION / best)}
 
 
+@njit(nogil=True)
+def arithmetic(count: int) -> float:
+    """Four sums that need no memory and do not wait for each other."""
+    a, b, c, d = 1.0, 1.1, 1.2, 1.3
+    for _ in range(count):
+        a, b, c, d = 0.999 * a + 0.1, 0.998 * b + 0.1, 0.997 * c + 0.1, 0.996 * d + 0.1
+    return a + b + c + d
+
+
+def two_cores() -> float:
+    """How many times as much two threads calculate as one: what the machine has to give, beside its other work."""
+
+    def twice() -> None:
+        with ThreadPoolExecutor(2) as pool:
+            list(pool.map(arithmetic, [ARITHMETIC] * 2))
+
+    arithmetic(1)  # compiles
+    alone, both = alternating([partial(arithmetic, ARITHMETIC), twice], clock.perf_counter)
+    return 2.0 * alone / both
+
+
 def cores(runs: Runs) -> dict[str, Any]:
-    """Seconds of the clock by one thread, by two, and by two processes."""
+    """Seconds of the clock by one thread, by two, and by two processes; what two threads of arithmetic gain."""
+    bound = two_cores()
     with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool:
         together((runs[0][:64], runs[1][:64], runs[2]), 1e-2, executor=pool)  # they start and load the kernels
         one, two, processes = alternating(
@@ -174,7 +212,7 @@ def cores(runs: Runs) -> dict[str, Any]:
             ],
             clock.perf_counter,
         )
-    return {"runs": len(runs[0]), "one": one, "two": two, "processes": processes}
+    return {"runs": len(runs[0]), "one": one, "two": two, "processes": processes, "bound": bound}
 
 
 def ida(runs: Runs) -> dict[str, Any]:
@@ -231,6 +269,8 @@ def measure(quick: bool) -> Iterator[dict[str, Any]]:
     found["throughput"] = [at_equal_error("Phocas rocking", phocas_runs(count, ROCKING))]
     yield found
     found["throughput"].append(at_equal_error("Phocas, all joints in contact", phocas_runs(count, RESTING)))
+    yield found
+    found["throughput"].append(at_equal_error("Phocas rocking and sliding", sliding_runs(count, ROCKING)))
     yield found
     found["opensees"] = beside_opensees(found["throughput"][0]["many"]["throughput"])
     yield found

@@ -1,5 +1,6 @@
 """Draw the pictures of the README and the docs: `python docs/make_images.py`."""
 
+import sys
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -274,6 +275,73 @@ def square_and_round() -> None:
     figure.savefig(HERE / "images" / "square-and-round.png", dpi=110)
 
 
+def stuck_and_sliding() -> None:
+    """stuck-and-sliding.png: the square and the round Phocas under one record, joints that never slide and that do."""
+    record = HERE.parent.parent / "shared" / "records" / "elcentro-1940-ns.AT2"
+    if not record.is_file():
+        print(f"stuck-and-sliding.png is left as it is: {record} is not there")
+        return
+    motion = Motion.from_at2(record)
+    figure = Figure(figsize=(10.0, 6.0), layout="constrained")
+    panels = figure.subplots(2, 2, sharex=True, sharey="row", height_ratios=(1.5, 1.0))
+    for k, (name, title) in enumerate(
+        (("phocas-damped", "square, three blocks"), ("phocas-round", "round, six drums"))
+    ):
+        column = Column.from_toml(HERE.parent / "examples" / "columns" / f"{name}.toml")
+        top, slips = panels[0, k], panels[1, k]
+        for friction, colour in ((None, INK), (0.7, BLUE), (0.2, RED)):
+            joints = tuple(replace(own, joint=replace(own.joint, friction=friction)) for own in column.blocks)
+            response = simulate(replace(column, blocks=joints), motion, tolerance=1e-6, settle=0.0)
+            peak, told = 1e3 * response.peak_ux[0], "stuck" if friction is None else f"friction {friction:g}"
+            print(f"{name}, {told}: {peak:.0f} mm, slips left (mm)", np.round(1e3 * response.slip[-1], 2))
+            top.plot(
+                response.time, 1e3 * response.ux[:, 0], color=colour, label=f"{told}: {peak:.0f} mm", linewidth=0.8
+            )
+            if friction == 0.2:
+                slips.plot(response.time, 1e3 * response.slip, linewidth=0.9)
+                slips.legend([f"joint {i + 1}" for i in range(column.n)], frameon=False, fontsize=7, ncols=2)
+        top.set_title(title, loc="left", fontsize=10)
+        top.legend(frameon=False, fontsize=8, loc="upper right")
+        slips.set_xlabel("time (s)")
+    panels[0, 0].set_ylabel("top, mm")
+    panels[1, 0].set_ylabel("slip, friction 0.2, mm")
+    for axes in panels.flat:
+        axes.grid(color="0.9", linewidth=0.6)
+        axes.spines[["top", "right"]].set_visible(False)
+        axes.set_xlim(0.0, motion.duration)
+    figure.savefig(HERE / "images" / "stuck-and-sliding.png", dpi=90)
+
+
+def shenton() -> None:
+    """shenton.png: how a block begins to move, of Shenton's regions and of runs."""
+    from matplotlib.colors import ListedColormap
+
+    sys.path.insert(0, str(HERE.parent / "tests"))
+    from test_sliding_motion import mode_found, mode_of
+
+    modes = {"rest": "#dddddd", "slide": "#9ecae1", "rock": "#fdae6b", "slide-rock": "#a1d99b"}
+    names = list(modes)
+    figure = Figure(figsize=(9.0, 4.2), layout="constrained")
+    wrong = 0
+    for axes, slenderness in zip(figure.subplots(1, 2), (2.0, 4.0), strict=True):
+        edge = 1.0 / slenderness
+        pushes, frictions = np.linspace(0.0, 3.0 * edge, 301), np.linspace(0.01, 2.5 * edge, 301)
+        regions = [[names.index(mode_of(push, mu, slenderness)) for push in pushes] for mu in frictions]
+        axes.pcolormesh(pushes, frictions, regions, cmap=ListedColormap(list(modes.values())), vmin=-0.5, vmax=3.5)
+        for push in edge * np.array([0.4, 0.8, 1.25, 1.6, 2.0, 2.5, 2.9]):
+            for mu in edge * np.array([0.3, 0.6, 0.85, 1.1, 1.35, 1.6, 2.0, 2.4]):
+                found = mode_found(float(push), float(mu), slenderness)
+                same = found == mode_of(float(push), float(mu), slenderness)
+                wrong += not same
+                axes.plot(push, mu, "o", color=modes[found], markeredgecolor=INK if same else RED, markersize=7)
+        axes.set(xlabel="base acceleration, g", title=f"height {slenderness:g} times the width")
+    print(f"shenton.png: {wrong} of 112 runs are in another region")
+    handles = [Polygon([[0, 0]], facecolor=colour, edgecolor=INK) for colour in modes.values()]
+    figure.axes[0].set_ylabel("friction")
+    figure.legend(handles, names, loc="outside lower center", ncols=4, frameon=False)
+    figure.savefig(HERE / "images" / "shenton.png", dpi=90)
+
+
 if __name__ == "__main__":
     signs()
     phocas()
@@ -283,3 +351,5 @@ if __name__ == "__main__":
     columns()
     off_axis()
     square_and_round()
+    stuck_and_sliding()
+    shenton()

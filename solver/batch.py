@@ -18,14 +18,14 @@ from numpy.typing import NDArray
 from .column import Column
 from .errors import InputError
 from .kernels import layout as at
-from .kernels.batch.entries import run_lanes, run_swept
-from .kernels.batch.runs import OUTCOME, RUN, SPACE
+from .kernels.batch.entries import run_lanes, run_slipping, run_swept
+from .kernels.batch.runs import OUTCOME, RUN, SLIP_FIELDS, SPACE
 from .kernels.entries import run
 from .kernels.integrators import dormand_prince
 from .kernels.joint.section import SECTIONS
 from .kernels.lanes import WIDTH
 from .motion import Motion
-from .packing import Arrays, FloatArray, arrays_at, copied
+from .packing import FloatArray, arrays_at, copied
 from .turns import others_turn
 
 # Steps across changes of regime err by more than their estimate says: they are given so much less of the tolerance.
@@ -61,8 +61,9 @@ class BatchResult:
     finished: NDArray[np.bool_]  # False where the step that the tolerance asks for was too small to go on
     steps: NDArray[np.int64]
     evaluations: NDArray[np.int64]
-    ends: FloatArray  # (runs, 4 n) coordinates and rates at the end
-    phases: FloatArray  # (runs, rows, 4 n) coordinates and rates at the times asked for
+    ends: FloatArray  # (runs, 4 n or 6 n) coordinates and rates at the end, as chain.py has them
+    phases: FloatArray  # (runs, rows, 4 n or 6 n) the same at the times asked for
+    models: FloatArray  # packed models, a row for each run
 
 
 def why_not_in_lanes(column: Column) -> str:
@@ -75,10 +76,6 @@ def why_not_in_lanes(column: Column) -> str:
         return f"integrator {settings.integrator}"
     if set(settings.without) - {"peaks"}:
         return "short cuts left out"
-    if column.slides:
-        return "joints that may slide"
-    if column.off_axis:
-        return "blocks off their axis"
     if column.n > MOST_BLOCKS:
         return f"more than {MOST_BLOCKS} blocks"
     if not column.has_rectangles_only:
@@ -141,20 +138,18 @@ def run_batch(
     """Run column k under motion k, from rest, for duration k, s (None: that of the motion).
 
     tolerance: relative to the peak; None: each column's. times: s after the start of a run, at which its phase is kept.
-    Raises InputError for columns of another number of blocks or formulation, for friction, for blocks off their
-    axis, for sections that are no rectangles, and for held samples.
+    All columns have slips (Column.has_slips) or none has. Raises InputError for columns of another number of blocks
+    or formulation, for sections that are no rectangles, and for held samples.
     """
-    n = columns[0].n
+    n, slips = columns[0].n, columns[0].has_slips
     durations = [motion.duration for motion in motions] if durations is None else list(durations)
     if not len(columns) == len(motions) == len(durations):
         raise InputError(f"{len(columns)} columns, {len(motions)} motions, {len(durations)} durations: as many of each")
     for k, (column, motion) in enumerate(zip(columns, motions, strict=True)):
         if column.n != n or column.settings.formulation != "exact":
             raise InputError(f"columns[{k}]: must have {n} blocks and the formulation exact, as the others of a batch")
-        if column.slides:
-            raise InputError(f"columns[{k}]: has joints that may slide, which a batch does not know; simulate does")
-        if column.off_axis:
-            raise InputError(f"columns[{k}]: has blocks off their axis, which a batch does not know; simulate does")
+        if column.has_slips != slips:
+            raise InputError(f"columns[{k}]: must slide or be off its axis as all others of a batch, or none of them")
         if not column.has_rectangles_only:
             names = ", ".join(sorted({SECTIONS[block.joint_section] for block in column.blocks}))
             raise InputError(f"columns[{k}]: its joints are of the sections {names}, must be rectangles in a batch")
@@ -188,8 +183,9 @@ def follow_in_lanes(
     """
     rows = _NONE if times is None else np.ascontiguousarray(times, dtype=np.float64)
     flag = np.zeros(1) if flag is None else flag
-    swept = columns[0].settings.formulation == "paper"
-    batch = _Batch(columns[0].n, len(columns), _Records(motions, durations), rows, swept)
+    like = columns[0]
+    swept = like.settings.formulation == "paper"
+    batch = _Batch(like.n, len(columns), _Records(motions, durations), rows, swept, like.has_slips)
     for k, (column, motion, duration) in enumerate(zip(columns, motions, durations, strict=True)):
         if not flag[0]:
             batch.begin(k, column, motion, float(duration))
@@ -202,17 +198,12 @@ def rest_in_lanes(
 ) -> BatchResult:
     """Columns of n blocks upon a still base, in one thread and unchecked; ended by the flag as `follow_in_lanes` is.
 
-    models: rows of `models_of`. swept: of the formulation `paper`. phases: (columns, 4 n) at the times `begin`, s.
+    models: as of BatchResult. swept: of the formulation `paper`. phases: (columns, 4 n) at the times `begin`, s.
     """
     batch = _Batch(n, len(phases), _Records((), ()), _NONE, swept)
     batch.go_on(models, phases, begin, end)
     batch.finish(flag)
     return batch.result()
-
-
-def models_of(columns: Sequence[Column]) -> FloatArray:
-    """Packed models of columns of as many blocks each, a row for each, as lanes take them."""
-    return np.array([_arrays_of(column).model[: at.MODEL.size(column.n)] for column in columns])
 
 
 def fall_angles(models: FloatArray, n: int) -> FloatArray:
@@ -247,9 +238,14 @@ class _Records:
 class _Batch:
     """Runs as rows that the kernels take (kernels/batch/runs.py), and room for the beginning of one after the other."""
 
-    def __init__(self, n: int, count: int, records: _Records, rows: FloatArray, swept: bool) -> None:
+    def __init__(
+        self, n: int, count: int, records: _Records, rows: FloatArray, swept: bool, slipping: bool = False
+    ) -> None:
         self.n = n
         self._swept = swept  # formulation `paper`, for which lanes keep no rows
+        self._slipping = slipping  # whether the columns have slips
+        self._follow = run_swept if self._swept else run_slipping if self._slipping else run_lanes
+        self._slips = np.zeros((count, SLIP_FIELDS * n if self._slipping else 0))
         self._records = records
         self._rows = rows
         self._models = np.zeros((count, at.MODEL.size(n)))
@@ -265,15 +261,22 @@ class _Batch:
         """Let run k wait for a lane, from rest or as it is when a joint opens; or take it to its end."""
         n, start, stop = self.n, motion.start, motion.start + duration
         if column is not self._column:
-            self._fresh = _arrays_of(column)
+            self._fresh = arrays_at(column, TOLERANCE_PART * column.settings.tolerance, at.EXTREMES)
             self._column = column
+        self._models[k] = self._fresh.model[: self._models.shape[1]]
         omega = 2.0 * math.pi * motion.frequency
         wave = (motion.amplitude, omega, -omega * start)
         first, size = self._records.place(motion)
-        if self._swept or _enters_at_once(column, at.SETTINGS.see(self._fresh.model).explicit_order, motion, size):
+        if self._slipping:
+            self._slips[k] = self._fresh.state[at.CONTROL.beside :][at.RIGID_FIELDS * n : at.PHASE_FIELDS * n]
+        if (
+            self._swept
+            or self._slipping
+            or _enters_at_once(column, at.SETTINGS.see(self._fresh.model).explicit_order, motion, size)
+        ):
             phase = self._fresh.state[at.CONTROL.beside :][: 4 * n]
             self._outcomes[k] = np.concatenate([[at.OK, math.nan, 0.0, 0.0, 0.0], np.zeros(n), phase])
-            self._waits(k, self._fresh.model, phase, (start, start, stop, 1.0, *wave, first, size, 0, 0.0, 0.0))
+            self._waits(k, phase, (start, start, stop, 1.0, *wave, first, size, 0, 0.0, 0.0))
             return
         arrays = copied(self._fresh)
         control, counts, base = at.CONTROL.see(arrays.state), at.COUNTS.see(arrays.counts), at.BASE.see(arrays.base)
@@ -292,7 +295,7 @@ class _Batch:
         if code == at.OK and control.reached < stop:
             scales = (control.rotation_scale, control.rate_scale)
             entering = (start, control.reached, stop, 1.0, *wave, first, size, counts.next_row, *scales)
-            self._waits(k, arrays.model, phase, entering)
+            self._waits(k, phase, entering)
 
     def go_on(self, models: FloatArray, phases: FloatArray, begin: FloatArray, end: FloatArray) -> None:
         """Let all runs wait for a lane, with these phases, upon a base that is still."""
@@ -303,10 +306,10 @@ class _Batch:
         self._outcomes[:, 1] = math.nan
         self._outcomes[:, OUTCOME.beside + self.n :] = phases
 
-    def _waits(self, k: int, model: FloatArray, phase: FloatArray, entering: tuple[float, ...]) -> None:
+    def _waits(self, k: int, phase: FloatArray, entering: tuple[float, ...]) -> None:
         """Let run k wait for a lane."""
         self._waiting.append(k)
-        self._models[k], self._phases[k], self._runs[k] = model[: self._models.shape[1]], phase, entering
+        self._phases[k], self._runs[k] = phase, entering
 
     def finish(self, flag: FloatArray) -> None:
         """Let the runs that have begun pass through the lanes."""
@@ -316,18 +319,17 @@ class _Batch:
         left = self._runs[some, _STOP] - self._runs[some, _START]
         some = some[np.argsort(-left, kind="stable")]  # the longest first: lanes end together
         models, phases, runs = (array[some].reshape(-1) for array in (self._models, self._phases, self._runs))
-        outcomes, snapshots = self._outcomes[some], self._snapshots[some]
+        outcomes, snapshots, slips = self._outcomes[some], self._snapshots[some], self._slips[some]
         lanes = aligned(WIDTH * SPACE.size(self.n))
         found = outcomes.reshape(-1)
-        follow = run_swept if self._swept else run_lanes
         with others_turn():
-            follow(
-                self.n, lanes, some.size, models, phases, runs, found, *self._records.rows, self._rows,
-                snapshots.reshape(-1), flag,
+            self._follow(
+                self.n, lanes, some.size, models, phases, slips.reshape(-1), runs, found, *self._records.rows,
+                self._rows, snapshots.reshape(-1), flag,
             )  # fmt: skip
         tried = np.sum(outcomes[:, _TRIED] - self._outcomes[some][:, _TRIED], axis=1)
         self._evaluations[some] += ((1 if self._swept else STAGES) * tried).astype(np.int64)
-        self._outcomes[some], self._snapshots[some] = outcomes, snapshots
+        self._outcomes[some], self._snapshots[some], self._slips[some] = outcomes, snapshots, slips
 
     def result(self) -> BatchResult:
         """What has come of the runs."""
@@ -340,14 +342,17 @@ class _Batch:
             finished=code >= at.OK,
             steps=steps.astype(np.int64),
             evaluations=self._evaluations,
-            ends=self._outcomes[:, OUTCOME.beside + n :],
-            phases=self._snapshots[:, :, : 4 * n],
+            ends=self._of_chain(self._outcomes[:, OUTCOME.beside + n :], self._slips),
+            phases=self._of_chain(self._snapshots[:, :, : 4 * n], self._snapshots[:, :, at.RIGID_FIELDS * n :]),
+            models=self._models,
         )
 
-
-def _arrays_of(column: Column) -> Arrays:
-    """The arrays of a column at rest as lanes have them."""
-    return arrays_at(column, TOLERANCE_PART * column.settings.tolerance, at.EXTREMES)
+    def _of_chain(self, rigid: FloatArray, slips: FloatArray) -> FloatArray:
+        """Coordinates and rates as chain.py has them, from both parts of phases."""
+        if not self._slipping:
+            return rigid
+        places = [(at.PHASE.fields.index(name) - at.RIGID_FIELDS) * self.n for name in ("slip", "slip_rate")]
+        return np.concatenate([rigid, *(slips[..., k : k + self.n] for k in places)], axis=-1)
 
 
 _START, _STOP = RUN.fields.index("start"), RUN.fields.index("stop")

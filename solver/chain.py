@@ -123,7 +123,25 @@ class Chain:
 
     def _energies(self, phase: FloatArray) -> FloatArray:
         """The same above the straight column under its weight."""
-        theta, opening, spin, opening_rate, slip, slip_rate = self.places(phase)
+        places = self.places(phase)
+        theta, opening, spin, _, slip, _ = places
+        x_rate, z_rate = self.velocities(places)
+        mean = theta - 0.5 * _over_below(theta) + self.lean
+        sine, cosine = np.sin(mean), np.cos(mean)
+        moving = 0.5 * (self.mass * (x_rate**2 + z_rate**2) + self.inertia * spin**2)
+        dip = -2.0 * np.sin(self.tilt + 0.5 * theta) * np.sin(0.5 * theta)  # cosine of the rotation less that as built
+        lifted = opening * cosine - (slip * sine - self.offset * np.sin(self.lean)) + self.settled
+        raised = _from_base(lifted + self.height * dip) - (self.height - self.centroid) * dip
+        slope = 2.0 * np.sin(0.5 * _over_below(theta))
+        felt = opening - 0.5 * slip * slope  # in the middle of the contact
+        at_rest = 0.5 * self.carried * self.g * self.settled
+        strained = self.elastic(felt, slope, slip) - at_rest
+        found: FloatArray = np.sum(moving + self.g * self.mass * raised + strained, axis=-1)
+        return found
+
+    def velocities(self, places: Places) -> tuple[FloatArray, FloatArray]:
+        """Of the centroids, m/s: to +x and up, (..., n) each."""
+        theta, opening, spin, opening_rate, slip, slip_rate = places
         mean, mean_spin = theta - 0.5 * _over_below(theta) + self.lean, spin - 0.5 * _over_below(spin)
         sine, cosine = np.sin(mean), np.cos(mean)
         turned = theta + self.tilt
@@ -143,16 +161,7 @@ class Chain:
             )
             + (self.height - self.centroid) * np.sin(turned) * spin
         )
-        moving = 0.5 * (self.mass * (x_rate**2 + z_rate**2) + self.inertia * spin**2)
-        dip = -2.0 * np.sin(self.tilt + 0.5 * theta) * np.sin(0.5 * theta)  # cosine of the rotation less that as built
-        lifted = opening * cosine - (slip * sine - self.offset * np.sin(self.lean)) + self.settled
-        raised = _from_base(lifted + self.height * dip) - (self.height - self.centroid) * dip
-        slope = 2.0 * np.sin(0.5 * _over_below(theta))
-        felt = opening - 0.5 * slip * slope  # in the middle of the contact
-        at_rest = 0.5 * self.carried * self.g * self.settled
-        strained = self.elastic(felt, slope, slip) - at_rest
-        found: FloatArray = np.sum(moving + self.g * self.mass * raised + strained, axis=-1)
-        return found
+        return x_rate, z_rate
 
     def elastic(self, opening: FloatArray, slope: FloatArray, slip: FloatArray | float = 0.0) -> FloatArray:
         """Elastic energy of each joint, J, from its opening m, in the middle of the contact, slope rad and slip m."""
@@ -192,11 +201,22 @@ class Chain:
         found: FloatArray = np.where(length < width, partly, full) - rest
         return found
 
-    def _other_energy(self, i: int, slope: FloatArray, weight: FloatArray) -> FloatArray:
-        """The same of a joint that is no rectangle, from its slope rad and the weight N upon it, not above rest."""
+    def built_energy(self, i: int, turn: FloatArray, turn_below: FloatArray) -> FloatArray:
+        """The same of a column off its axis, that of the weight in the place of its offset included; not above rest.
+
+        Rotations of either sign count from the column as built.
+        """
+        mean, offset = 0.5 * (turn + turn_below) + self.lean[i], float(self.offset[i])  # type: ignore[index]
+        slope, full_weight = 2.0 * np.sin(0.5 * (turn - turn_below)), self.carried[i] * self.g
+        weight = full_weight * np.cos(mean)
+        moved: FloatArray = offset * (0.5 * slope * weight - full_weight * np.sin(mean))
+        return moved + self._other_energy(i, slope, weight, offset)
+
+    def _other_energy(self, i: int, slope: FloatArray, weight: FloatArray, slip: float = 0.0) -> FloatArray:
+        """The same of any joint, from its slope rad, signed, and the weight N upon it, not above rest."""
         found = np.zeros(slope.size)
         slopes, weights = (np.ascontiguousarray(values, dtype=np.float64).ravel() for values in (slope, weight))
-        joint_energies(self.n, self.model, i, slopes, weights, found)
+        joint_energies(self.n, self.model, i, slip, slopes, weights, found)
         return found.reshape(slope.shape)
 
     @cached_property

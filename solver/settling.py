@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .batch import fall_angles, models_of, rest_in_lanes
+from .batch import fall_angles, rest_in_lanes
 from .chain import Chain
 from .column import Column
 from .packing import FloatArray, IntArray
@@ -26,12 +26,17 @@ class Fates(NamedTuple):
 
 
 def fates_of(
-    columns: Sequence[Column], phases: FloatArray, stops: FloatArray, settle: float, flag: FloatArray
+    columns: Sequence[Column],
+    models: FloatArray,
+    phases: FloatArray,
+    stops: FloatArray,
+    settle: float,
+    flag: FloatArray,
 ) -> Fates:
     """What comes of columns of n blocks and one formulation that lanes can take, upon a base that is still from now on.
 
-    phases: (columns, 4 n) at the times `stops`, s. settle: s, how long to look at most. Once flag[0] is not zero it
-    ends soon, with nothing of use. What comes of a column depends on no other.
+    models: as of batch.BatchResult. phases: (columns, 4 n) at the times `stops`, s. settle: s, how long to look at
+    most. Once flag[0] is not zero it ends soon, with nothing of use. What comes of a column depends on no other.
     """
     count, code = len(columns), WORDS["verdict"].index
     found = Fates(np.full(count, code(UNDECIDED)), np.full(count, math.nan), np.zeros(count, dtype=np.int64))
@@ -41,7 +46,7 @@ def fates_of(
     if not left.size:
         return found
     columns, chain, phases, stops = [columns[k] for k in left], chain.some(left), phases[left], stops[left]
-    models = models_of(columns)
+    models = models[left]
     barriers = Barriers(chain, fall_angles(models, chain.n))
     numbers, some = left, np.arange(len(left))  # of what is left, in what was given and in the rows here
     looks = 0

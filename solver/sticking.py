@@ -1,87 +1,146 @@
-"""Whether a column whose joints may slide, or that is off its axis, has come to rest for good.
+"""Whether a column whose joints may slide has come to rest for good.
 
-What slides changes what can fall, so that the energy alone says nothing (verdict.py). But a column that sticks, with
-little energy left, swings about its rest in full contact, and this is linear: the energy bounds the moments, the normal
-forces and, by the highest frequency, the accelerations and so the forces along the joints. Where these are borne with
-half of it to spare, no joint opens or slides any more, and the column stands. A column off its axis with rigid joints
-stands as soon as its energy above rest opens no joint.
+What slides changes what can fall, so that the energy alone says nothing (verdict.py). But a column that sticks moves as
+one that is off its axis by its slips and never slides. In full contact it swings about its rest, and this is linear:
+its motion is that of modes, each of which keeps or loses its energy; pressures at the edges and forces along the joints
+are linear in them. So the energies of the modes bound each. Where all together take no more than a part of the pressure
+off any edge, and leave every joint some of what it bears along itself, none opens or slides ever again.
 """
 
 from __future__ import annotations
+
+from dataclasses import replace
+from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 
 from .chain import Chain
 from .column import Column
-from .kernels import layout as at
+from .errors import SolverError
 from .packing import FloatArray
+from .still import StillColumn, stuck
 
-SAFE = 0.5  # of what a joint bears along itself; of the energy that opens one
-SOFTENED = 0.5  # of the stiffness against rotation that gravity may take away at most
+SAFE = 0.8  # of what is left at rest: the rest of it covers what is not linear
+PART = 1e-3  # of what opens a joint: how far forces are differenced
+MOST_BLOCKS = 200  # whose matrices are worth their time
+ALIKE = 1e-6  # dampings that differ by less than this part: modes lose their energy each by itself
+
+
+class _Swinging(NamedTuple):
+    """A column that sticks, about its rest: m modes, limits of forces and pressures."""
+
+    rest: FloatArray  # coordinates (2 n,)
+    into_modes: FloatArray  # of coordinates or rates, (m, 2 n)
+    omega: FloatArray  # rad/s (m,)
+    left: FloatArray  # at rest of each limit
+    taken: FloatArray  # (limits, m), by a mode of unit root of twice its energy, at most
+    apart: bool  # whether modes keep their energies to themselves
 
 
 def sticks_for_good(column: Column, phase: FloatArray) -> bool:
     """Whether no joint of a column with this phase (chain.py) slides or opens ever again upon a still base."""
-    chain = Chain(column)
-    place = chain.places(phase)
-    if np.any(place.slip_rate != 0.0):
+    place = Chain(column).places(phase)
+    if column.n > MOST_BLOCKS or np.any(place.slip_rate != 0.0):
         return False
-    joints = [block.joint for block in column.blocks]
-    stiffness = np.array([joint.stiffness for joint in joints])
-    area, _, second = np.array([block.joint_moments for block in column.blocks]).T
-    turning, weight = stiffness * second, chain.carried * chain.g
-    if chain.n * float(np.sum(chain.toppling)) > SOFTENED * float(np.min(turning)):
+    try:
+        swinging = _swinging(column, tuple(float(value) for value in np.asarray(place.slip)))
+    except (ValueError, SolverError):  # such a column does not stand
         return False
-    slip = np.abs(place.slip)
-    leaning = weight * (np.cumsum(slip) - slip)  # N m at rest at most: what is above stands off the middle of a contact
-    energy = max(0.0, chain.energy(phase) + 2.0 * float(np.sum(leaning**2 / turning)))
-    above = np.concatenate([[0.0], turning[:-1]])
-    fastest = float(np.sqrt(np.max(2.0 * (turning + above) / chain.inertia)))  # rad/s, an upper bound
-    damped = 1.0 + fastest * max(joint.damping for joint in joints)  # what dashpots add to the springs
-    # amplitudes: energy over stiffness, of which gravity leaves half
-    moment = damped * np.sqrt(4.0 * energy * turning) + 2.0 * leaning
-    normal = weight - damped * np.sqrt(2.0 * energy * stiffness * area)
-    tilt = chain.n * float(np.max(moment / turning))
-    along = damped * fastest * np.sqrt(4.0 * energy * chain.carried) + weight * tilt
-    kern = 2.0 * second / (area * chain.width)
-    friction = np.array([np.inf if joint.friction is None else joint.friction for joint in joints])
-    with np.errstate(invalid="ignore"):
-        bears = friction * normal + np.array([joint.dowel or 0.0 for joint in joints])
-    return bool(np.all(normal > 0.0) and np.all(moment <= normal * kern) and np.all(along <= SAFE * bears))
+    if swinging is None:
+        return False
+    moved = swinging.into_modes @ (np.concatenate([place.theta, place.opening]) - swinging.rest)
+    rates = swinging.into_modes @ np.concatenate([place.spin, place.opening_rate])
+    size = np.hypot(rates, swinging.omega * moved)
+    most = swinging.taken @ size if swinging.apart else np.linalg.norm(swinging.taken, axis=1) * np.linalg.norm(size)
+    return bool(np.all(most <= SAFE * swinging.left))
 
 
-def stays_closed(column: Column, phase: FloatArray) -> bool:
-    """Whether no joint of a column off its axis, none of which may slide, ever opens again upon a still base.
+@lru_cache(maxsize=32)
+def _swinging(column: Column, slips: tuple[float, ...]) -> _Swinging | None:
+    """The column that sticks with these slips, m; None where it is not stable, or not closed and stuck at rest.
 
-    False also where this cannot be said: where joints may slide, or are not in full contact at rest. To take the
-    pressure off an edge, the joint has to be given at least the energy p^2 / 2 over its compliance there, with p the
-    penetration of that edge at rest.
+    Raises InputError or SolverError where it does not stand at all.
     """
-    if column.slides:
-        return False
-    chain = Chain(column)
-    place, rest = chain.places(phase), chain.places(chain.rest)
-    weight, slip = chain.carried * chain.g, np.asarray(rest.slip)
-    blocks = at.MODEL.see(chain.model, chain.n).blocks
-    ends = np.maximum(blocks.left, blocks.rim_left - slip), np.minimum(blocks.right, blocks.rim_right - slip)
-    # stiffness of the joints in full contact about the middle of the blocks, from energies: they are quadratic
-    turn, pressed = 0.5 / chain.width, -np.ones(chain.n)
-    level, ahead, back = (chain.elastic(pressed, slope, slip) for slope in (0.0 * turn, turn, -turn))
-    along, mixed, second = 2.0 * level, (ahead - back) / (2.0 * turn), (ahead + back - 2.0 * level) / turn**2
-    centre = mixed / along
-    turning = second - centre * mixed
-    falling = float(np.sum(chain.toppling) + np.sum(weight * (np.abs(slip) + np.abs(rest.opening))))
-    slanting = float(np.sum(weight * np.abs(np.sin(chain.lean))))
-    if chain.n * (falling + slanting * float(np.max(chain.width))) > SOFTENED * float(np.min(turning)):
-        return False
-    enough = np.inf
-    for edge in ends:
-        for there in (rest, place):
-            slope = 2.0 * np.sin(0.5 * (there.theta - np.append(there.theta[1:], 0.0)))
-            penetration = slope * (edge + 0.5 * slip) - there.opening
-            if not np.all(penetration > 0.0):
-                return False
-            if there is rest:
-                energy = 0.5 * penetration**2 / (1.0 / along + (edge - centre) ** 2 / turning)
-                enough = min(enough, float(np.min(energy)))
-    return chain.energy(phase) <= SAFE * (1.0 - SOFTENED) * enough
+    blocks = tuple(
+        replace(block, joint=replace(block.joint, offset=slip or None))
+        for block, slip in zip(stuck(column).blocks, slips, strict=True)
+    )
+    still = StillColumn(replace(column, blocks=blocks))
+    mass = _mass(Chain(still.column), still.rest)
+    stiffness = mass @ still.stiffness(still.rest, PART)
+    root = np.linalg.inv(np.linalg.cholesky(mass))
+    squares, turned = np.linalg.eigh(root @ (0.5 * (stiffness + stiffness.T)) @ root.T)
+    if squares[0] <= 0.0:
+        return None
+    omega, shapes = np.sqrt(squares), root.T @ turned
+    pressed, by_place = _penetrations(still)
+    eta = np.array([block.joint.damping for block in column.blocks])
+    held, held_by_place, held_by_rate = _borne(column, still)
+    left = np.concatenate([pressed, pressed, held])
+    if np.min(left) <= 0.0:
+        return None
+    of_place = np.concatenate([by_place, by_place, held_by_place]) @ shapes
+    of_rate = np.concatenate([0.0 * by_place, np.tile(eta, 2)[:, None] * by_place, held_by_rate]) @ shapes
+    apart = bool(np.ptp(eta) <= ALIKE * np.max(eta))
+    return _Swinging(still.rest, shapes.T @ mass, omega, left, np.hypot(of_place / omega, of_rate), apart)
+
+
+def _mass(chain: Chain, rest: FloatArray) -> FloatArray:
+    """The mass matrix about the rest (2 n, 2 n), from the velocities that each rate gives."""
+    n = chain.n
+    count = 4 * n + (2 * n if chain.off_axis else 0)
+    phases = np.zeros((2 * n, count))
+    phases[:, : 2 * n] = rest
+    phases[:, 2 * n : 4 * n] = np.eye(2 * n)
+    if chain.off_axis:
+        phases[:, 4 * n : 5 * n] = chain.offset
+    places = chain.places(phases)
+    return np.asarray(
+        sum((part * chain.mass) @ part.T for part in chain.velocities(places))
+        + (places.spin * chain.inertia) @ places.spin.T
+    )
+
+
+def _penetrations(still: StillColumn) -> tuple[FloatArray, FloatArray]:
+    """Of both ends of all contacts at rest, m (2 n,), and its derivatives by the coordinates (2 n, 2 n)."""
+    n, blocks = still.n, still.blocks
+    slip = np.array([block.joint.offset or 0.0 for block in still.column.blocks])
+    turning = np.eye(n) - np.eye(n, k=1)
+    found = []
+    for edge in (np.maximum(blocks.left, blocks.rim_left - slip), np.minimum(blocks.right, blocks.rim_right - slip)):
+        found.append(np.hstack([(edge + 0.5 * slip)[:, None] * turning, -np.eye(n)]))
+    derivatives = np.concatenate(found)
+    return derivatives @ still.rest, derivatives
+
+
+def _borne(column: Column, still: StillColumn) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """What joints that may slide bear beyond what they must at rest, N, either way; derivatives by place, by rate."""
+    sliding = np.array([block.joint.friction is not None for block in column.blocks])
+    friction = np.array([block.joint.friction or 0.0 for block in column.blocks])
+    dowel = np.array([block.joint.dowel or 0.0 for block in column.blocks])
+    # a rim pushes along by this much at most, of which it is little: four times what it does at rest
+    rims = np.array([2.0 * block.joint.stiffness * block.joint_depth for block in column.blocks])
+    rims = rims * np.max(_penetrations(still)[0].reshape(2, -1), axis=0) ** 2
+
+    def margins(q: FloatArray, rates: FloatArray) -> FloatArray:
+        joints = still.row(q, rates=rates).joints
+        turned = 0.5 * (q[: still.n] - np.append(q[1 : still.n], 0.0))
+        asked, bears = joints.T + joints.N * np.sin(turned), friction * joints.N + dowel - rims
+        return np.concatenate([(bears - asked)[sliding], (bears + asked)[sliding]])
+
+    still_stands = np.zeros(2 * still.n)
+
+    def derivatives(of_rate: bool) -> FloatArray:
+        columns = []
+        for k, size in enumerate(PART * still.sizes):
+            change = np.zeros(2 * still.n)
+            change[k] = size
+            ahead, back = (
+                margins(still.rest, sign * change) if of_rate else margins(still.rest + sign * change, still_stands)
+                for sign in (1.0, -1.0)
+            )
+            columns.append((ahead - back) / (2.0 * size))
+        return np.array(columns).T
+
+    return margins(still.rest, still_stands), derivatives(False), derivatives(True)

@@ -44,9 +44,9 @@ class StillColumn:
         self._observe(q, ax, az, rates)
         return np.concatenate([self._between.theta_acceleration, self._between.opening_acceleration])
 
-    def row(self, q: FloatArray, ax: float = 0.0) -> Any:
+    def row(self, q: FloatArray, ax: float = 0.0, rates: FloatArray | None = None) -> Any:
         """All that a user sees there, by the names of kernels/layout.py, ROW: a copy."""
-        return at.ROW.see(self._observe(q, ax).copy(), self.n)
+        return at.ROW.see(self._observe(q, ax, rates=rates).copy(), self.n)
 
     def stiffness(self, q: FloatArray, part: float, ax: float = 0.0) -> FloatArray:
         """M^-1 K, (2 n, 2 n): minus the derivatives of the accelerations, from central differences by part * sizes."""

@@ -24,8 +24,9 @@ from numpy.typing import NDArray
 
 from .chain import Chain
 from .column import Column
+from .leaning import leans_for_good
 from .packing import FloatArray, IntArray, model_of
-from .sticking import stays_closed, sticks_for_good
+from .sticking import sticks_for_good
 
 OVERTURNED, STANDING, UNDECIDED = "overturned", "standing", "undecided"
 
@@ -52,10 +53,10 @@ class Barrier(NamedTuple):
 
 def cannot_fall(column: Column, phase: FloatArray) -> bool:
     """Whether a column with this phase, (4 n,), stands for ever upon a base that stays still."""
-    if column.off_axis:
-        return stays_closed(column, phase)
     if column.slides:  # what slides has less to overcome, and may slide on
         return sticks_for_good(column, phase)
+    if column.off_axis:
+        return leans_for_good(column, phase)
     chain = Chain(column)
     return is_held(column, chain.energy(phase), np.abs(chain.places(phase).theta))
 

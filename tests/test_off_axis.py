@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import product
 from math import cos, sin, sqrt, tan
 from typing import Any
 
@@ -10,18 +11,20 @@ import numpy as np
 import pytest
 from lagrange import Array
 from probe import PHOCAS_STIFFNESS, G, phocas
+from scipy.optimize import minimize
 from sliding import SlidingReference
 
 from solver import Block, Column, InitialState, InputError, Joint, Motion, Settings, simulate
-from solver.batch import run_batch
 from solver.chain import Chain
 from solver.kernels import layout as at
+from solver.leaning import PARTS, SAFE, least_energy
 from solver.modes import natural_frequencies
 from solver.single_run import phase_of
 from solver.statics import capacity_curve, rest_of
 from solver.stepper import Stepper
 from solver.still import StillColumn
 from solver.studies.parameters import column_with
+from solver.verdict import cannot_fall
 
 
 def shaft(eta: float = 0.0, tolerance: float = 1e-8, **settings: Any) -> Column:
@@ -207,6 +210,61 @@ def test_a_damped_run_settles_and_stands() -> None:
     assert simulate(column, Motion.harmonic(1.5 * G, 0.5, 2.0), settle=5.0).verdict == "overturned"
 
 
+@pytest.mark.parametrize("seed", range(5))
+def test_no_column_is_found_with_less_energy_than_the_least(seed: int) -> None:
+    """A search over rotations and openings, by the reference's energies; a block at its limit to either side."""
+    rng = np.random.default_rng(seed)
+    column = shaft()
+    for number in (1, 2, 3):
+        offset, lean = (float(value) for value in rng.uniform(-1.0, 1.0, 2) * (0.15, 0.01))
+        column = changed(column, number, tilt=0.5 * lean, offset=offset, inclination=lean)
+    reference, rest = reference_rest(column)
+
+    def potential(theta: Array, opening: Array) -> float:
+        q = np.concatenate([theta, opening, reference.built[6:]])
+        return float(reference.g * reference.mass @ reference.centroids(q)[1] + reference.elastic(q))
+
+    least, limits = max((least_energy(column, part) for part in PARTS), key=lambda found: found[0])
+    at_rest, settled = potential(rest[:3], rest[3:6]), rest[3:6]
+    assert least > 0.0
+    found = np.inf
+    for turned, side, others in product(range(3), (-1.0, 1.0), (0.1, 2.0)):
+
+        def energy(free: Array, turned: int = turned, side: float = side) -> float:
+            theta = limits * np.tanh(free[:3])
+            theta[turned] = side * limits[turned]
+            return (potential(theta, -free[3:] * settled) - at_rest) / least
+
+        start = np.concatenate([side * others * rng.uniform(0.8, 1.2, 3), np.full(3, -1.0)])
+        found = min(found, float(minimize(energy, start, method="Nelder-Mead", options={"maxiter": 3000}).fun))
+    assert found > 0.985  # the search may end above; below only by what the grid misses: measured 0.999 at least
+
+
+def test_least_energy_of_a_stiff_leaning_block_is_the_rise_of_its_centroid_to_above_its_nearer_edge() -> None:
+    height, half_width, lean = 14.07 / 2, 0.78, 0.012
+    radius, alpha = float(np.hypot(height, half_width)), float(np.arctan2(half_width, height))
+    rise = 81000.0 * G * radius * (1.0 - cos(alpha - lean))
+    block = Block(14.07, 1.56, 1.56, 81000.0, Joint(1e13, 0.0, inclination=lean))
+    least = max(least_energy(Column("block", (block,)), part)[0] for part in PARTS)
+    assert 0.97 * rise < least <= rise  # measured 0.993
+
+
+def test_a_leaning_column_below_the_least_energy_stands_however_it_is_pushed() -> None:
+    """Undamped blocks that start with what is allowed, in random directions; the undamped column rocks on and on."""
+    column = changed(shaft(tolerance=1e-4), 2, offset=0.1, inclination=0.01)
+    chain, rng = Chain(column), np.random.default_rng(5)
+    allowed = SAFE * max(least_energy(column, part)[0] for part in PARTS)
+    for _ in range(4):
+        spin = rng.normal(size=3)
+        stepper = Stepper(column, InitialState(rotation_rate=spin))
+        spin *= sqrt(0.99 * allowed / chain.energy(phase_of(stepper)))
+        run = simulate(column, Motion.harmonic(1e-9, 1.0, 8.0), initial=InitialState(rotation_rate=spin))
+        assert run.verdict == "standing"
+        assert run.stats["settled_for"] == 0.0
+        assert np.min(run.contact) < 1.0
+        assert not cannot_fall(column, phase_of(Stepper(column, InitialState(rotation_rate=1.02 * spin))))
+
+
 def test_statics_begin_at_the_rest() -> None:
     column = changed(shaft(), 1, offset=0.2)
     rest = rest_of(column)
@@ -305,8 +363,6 @@ def test_what_knows_upright_columns_only_says_so() -> None:
     for change in ({"formulation": "paper"}, {"integrator": "central-difference"}):
         with pytest.raises(InputError, match=r"block\[1\]\.joint\.offset = 0\.1: .*must be"):
             changed(shaft(**change), 1, offset=0.1)  # type: ignore[arg-type]
-    with pytest.raises(InputError, match=r"columns\[0\]: has blocks off their axis"):
-        run_batch([changed(shaft(), 1, offset=0.1)], [wave(0.05)])
     with pytest.raises(InputError, match=r"block\[1\]\.tilt = 1.0: must be an angle"):
         changed(shaft(), 1, tilt=1.0)
 

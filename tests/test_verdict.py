@@ -12,7 +12,7 @@ from probe import G, monolith, phocas, random_column, random_state, settled
 from scipy.optimize import minimize
 
 from solver import Column, InitialState, InputError, Motion, simulate
-from solver.batch import fall_angles, models_of
+from solver.batch import fall_angles, run_batch
 from solver.chain import Chain
 from solver.rest import is_stable
 from solver.settling import fates_of
@@ -226,6 +226,10 @@ def test_the_quick_bound_for_many_columns_is_never_above_the_barrier(n: int) -> 
 # --- many columns at once
 
 
+def models_of(columns: list[Column]) -> np.ndarray:
+    return run_batch(columns, [Motion.harmonic(0.0, 1.0, 1e-6)] * len(columns)).models
+
+
 @pytest.mark.parametrize("n", [1, 3, 6])
 def test_what_is_held_of_many_columns_is_what_is_held_of_each(n: int) -> None:
     """Whichever are asked for together, and of columns that have up to four times the energy of the barrier."""
@@ -248,12 +252,12 @@ def test_columns_settle_in_lanes_as_they_do_by_themselves() -> None:
     spins = np.linspace(0.02, 0.4, 24)
     phases = np.concatenate([np.zeros(3), -settled(column), np.zeros(6)]) + np.zeros((24, 1))
     phases[:, 6:9] = spins[:, None]
-    stops = np.linspace(0.0, 5.0, 24)
-    words, times, joints = fates_of([column] * 24, phases, stops, settle, np.zeros(1))
+    stops, models = np.linspace(0.0, 5.0, 24), models_of([column] * 24)
+    words, times, joints = fates_of([column] * 24, models, phases, stops, settle, np.zeros(1))
     for k in range(24):
         word, time, joint = fate(column, phases[k], float(stops[k]), settle)
         assert (WORDS["verdict"][words[k]], joints[k]) == (word, joint)
         assert times[k] == pytest.approx(time, abs=1e-3, nan_ok=True)
     assert len(set(words.tolist())) == 3
-    alone = fates_of([column], phases[7:8], stops[7:8], settle, np.zeros(1))
+    alone = fates_of([column], models[:1], phases[7:8], stops[7:8], settle, np.zeros(1))
     assert [part[0] for part in alone] == pytest.approx([words[7], times[7], joints[7]], rel=0.0, nan_ok=True)

@@ -80,8 +80,9 @@ def joint_potentials(n, model, openings, slopes, slips, found):
 
 
 @entry
-def joint_energies(n, model, i, slopes, weights, found):
-    """`least_energy` of joint i for every slope and weight."""
+def joint_energies(n, model, i, slip, slopes, weights, found):
+    """`least_energy` of joint i, slipped by so much, for every slope and weight."""
     blocks = _model(row_of(model), n).blocks
+    contact = contact_of(blocks, i, slip)
     for k in range(slopes.size):
-        found[k] = least_energy(contact_of(blocks, i), blocks.stiffness[i], slopes[k], weights[k])
+        found[k] = least_energy(contact, blocks.stiffness[i], slopes[k], weights[k])

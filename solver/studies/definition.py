@@ -172,10 +172,7 @@ class Study:
     @property
     def varied(self) -> tuple[str, ...]:
         """Names of the numbers that make a run, one each: `column` and `motion` are counted from 0."""
-        names = ["column", "motion", *self.grid]
-        for name, parameter in self.random.items():
-            names += single_names(name, self.blocks) if parameter.each else [name]
-        return tuple(names)
+        return _varied(self)
 
     @property
     def measured(self) -> tuple[str, ...]:
@@ -185,13 +182,11 @@ class Study:
     def run(self, number: int) -> Planned:
         """The run of a number, from 0. Raises InputError where a value does not suit the column or the motion."""
         values = self.values(number)
-        column = self.columns[int(values["column"])]
+        column = _columns(self)[int(values["column"])]
         numbers = {}
         for name, value in values.items():
             if name not in ("column", "motion", INTENSITY) and not name.startswith("motion."):
                 numbers[name] = value, self._relative(name)
-        if self.tolerance is not None:
-            numbers.setdefault("solver.tolerance", (self.tolerance, False))
         column = column_with(column, numbers)
         motion, measures = self._shaken(values)
         duration = motion.duration
@@ -206,17 +201,13 @@ class Study:
         values = {"column": float(place[0]), "motion": float(place[1])}
         for (name, items), k in zip(self.grid.items(), place[2:-1], strict=True):
             values[name] = items[int(k)]
-        drawn = self._drawn()[int(place[-1])].tolist()
+        drawn = _drawn_of(self)[int(place[-1])].tolist()
         values.update(zip(self.varied[len(values) :], drawn, strict=True))
         return values
 
     def _relative(self, name: str) -> bool:
         parameter = self.random.get(name) or self.random.get(_without_number(name))
         return parameter is not None and parameter.relative
-
-    def _drawn(self) -> FloatArray:
-        """Values of the random parameters, (samples, numbers)."""
-        return _drawn(tuple(self.random.items()), self.blocks, self.samples, self.sampling, self.seed)
 
     def _base(self, values: Mapping[str, float]) -> Motion:
         return _base(self, int(values["motion"]), self._numbers(values), self._unit(values))[0]
@@ -344,6 +335,29 @@ def axis(key: str, values: object) -> tuple[float, ...]:
     if not isinstance(values, Sequence) or isinstance(values, str):
         raise InputError(f"{key} = {shown(values)}: must be a list of numbers, or a table of from, to and count")
     return tuple(check_number(f"{key}[{k}]", value, FINITE, "a number") for k, value in enumerate(values, start=1))
+
+
+# what follows from a study and is asked for with every run
+
+
+@lru_cache(maxsize=8)
+def _varied(study: Study) -> tuple[str, ...]:
+    names = ["column", "motion", *study.grid]
+    for name, parameter in study.random.items():
+        names += single_names(name, study.blocks) if parameter.each else [name]
+    return tuple(names)
+
+
+@lru_cache(maxsize=8)
+def _columns(study: Study) -> tuple[Column, ...]:
+    """The columns at the tolerance of the study."""
+    return tuple(column.with_settings(tolerance=study.tolerance) for column in study.columns)
+
+
+@lru_cache(maxsize=8)
+def _drawn_of(study: Study) -> FloatArray:
+    """Values of the random parameters, (samples, numbers)."""
+    return _drawn(tuple(study.random.items()), study.blocks, study.samples, study.sampling, study.seed)
 
 
 @lru_cache(maxsize=8)
