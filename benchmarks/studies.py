@@ -33,6 +33,7 @@ TIGHT = 1e-7
 DURATION = 20.0  # s
 SPREAD = 0.1  # of the logarithm of stiffnesses
 ROCKING, RESTING = (0.05, 0.08), (0.002, 0.004)  # g: of the motions that make Phocas rock, and not
+FRICTION = 0.12
 DRUMS, LEVELS = 6, 20
 FILES = (
     "elcentro-1940-ns.AT2",
@@ -69,6 +70,19 @@ def phocas_runs(count: int, amplitudes: tuple[float, float], duration: float = D
     columns = [varied(shaft(3), rng) for _ in range(count)]
     motions = [Motion.harmonic(rng.uniform(*amplitudes) * G, rng.uniform(1.2, 2.5), duration) for _ in range(count)]
     return columns, motions, duration
+
+
+def sliding_runs(count: int, amplitudes: tuple[float, float]) -> Runs:
+    """The same with so little friction that joints slide."""
+    columns, motions, duration = phocas_runs(count, amplitudes)
+    joints = [[replace(block.joint, friction=FRICTION) for block in column.blocks] for column in columns]
+    slippery = [
+        replace(
+            column, blocks=tuple(replace(block, joint=joint) for block, joint in zip(column.blocks, own, strict=True))
+        )
+        for column, own in zip(columns, joints, strict=True)
+    ]
+    return slippery, motions, duration
 
 
 def drums(levels: int = LEVELS, duration: float = DURATION) -> Runs:
@@ -255,6 +269,8 @@ def measure(quick: bool) -> Iterator[dict[str, Any]]:
     found["throughput"] = [at_equal_error("Phocas rocking", phocas_runs(count, ROCKING))]
     yield found
     found["throughput"].append(at_equal_error("Phocas, all joints in contact", phocas_runs(count, RESTING)))
+    yield found
+    found["throughput"].append(at_equal_error("Phocas rocking and sliding", sliding_runs(count, ROCKING)))
     yield found
     found["opensees"] = beside_opensees(found["throughput"][0]["many"]["throughput"])
     yield found

@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 from .column import Column
 from .errors import InputError
 from .kernels import layout as at
-from .kernels.batch.entries import run_lanes, run_swept
-from .kernels.batch.runs import OUTCOME, RUN, SPACE
+from .kernels.batch.entries import run_lanes, run_slipping, run_swept
+from .kernels.batch.runs import OUTCOME, RUN, SLIP_FIELDS, SPACE
 from .kernels.entries import run
 from .kernels.integrators import dormand_prince
 from .kernels.joint.section import SECTIONS
@@ -61,8 +61,8 @@ class BatchResult:
     finished: NDArray[np.bool_]  # False where the step that the tolerance asks for was too small to go on
     steps: NDArray[np.int64]
     evaluations: NDArray[np.int64]
-    ends: FloatArray  # (runs, 4 n) coordinates and rates at the end
-    phases: FloatArray  # (runs, rows, 4 n) coordinates and rates at the times asked for
+    ends: FloatArray  # (runs, 4 n or 6 n) coordinates and rates at the end, as chain.py has them
+    phases: FloatArray  # (runs, rows, 4 n or 6 n) the same at the times asked for
     models: FloatArray  # packed models, a row for each run
 
 
@@ -76,10 +76,6 @@ def why_not_in_lanes(column: Column) -> str:
         return f"integrator {settings.integrator}"
     if set(settings.without) - {"peaks"}:
         return "short cuts left out"
-    if column.slides:
-        return "joints that may slide"
-    if column.off_axis:
-        return "blocks off their axis"
     if column.n > MOST_BLOCKS:
         return f"more than {MOST_BLOCKS} blocks"
     if not column.has_rectangles_only:
@@ -142,20 +138,18 @@ def run_batch(
     """Run column k under motion k, from rest, for duration k, s (None: that of the motion).
 
     tolerance: relative to the peak; None: each column's. times: s after the start of a run, at which its phase is kept.
-    Raises InputError for columns of another number of blocks or formulation, for friction, for blocks off their
-    axis, for sections that are no rectangles, and for held samples.
+    All columns have slips (Column.has_slips) or none has. Raises InputError for columns of another number of blocks
+    or formulation, for sections that are no rectangles, and for held samples.
     """
-    n = columns[0].n
+    n, slips = columns[0].n, columns[0].has_slips
     durations = [motion.duration for motion in motions] if durations is None else list(durations)
     if not len(columns) == len(motions) == len(durations):
         raise InputError(f"{len(columns)} columns, {len(motions)} motions, {len(durations)} durations: as many of each")
     for k, (column, motion) in enumerate(zip(columns, motions, strict=True)):
         if column.n != n or column.settings.formulation != "exact":
             raise InputError(f"columns[{k}]: must have {n} blocks and the formulation exact, as the others of a batch")
-        if column.slides:
-            raise InputError(f"columns[{k}]: has joints that may slide, which a batch does not know; simulate does")
-        if column.off_axis:
-            raise InputError(f"columns[{k}]: has blocks off their axis, which a batch does not know; simulate does")
+        if column.has_slips != slips:
+            raise InputError(f"columns[{k}]: must slide or be off its axis as all others of a batch, or none of them")
         if not column.has_rectangles_only:
             names = ", ".join(sorted({SECTIONS[block.joint_section] for block in column.blocks}))
             raise InputError(f"columns[{k}]: its joints are of the sections {names}, must be rectangles in a batch")
@@ -189,8 +183,9 @@ def follow_in_lanes(
     """
     rows = _NONE if times is None else np.ascontiguousarray(times, dtype=np.float64)
     flag = np.zeros(1) if flag is None else flag
-    swept = columns[0].settings.formulation == "paper"
-    batch = _Batch(columns[0].n, len(columns), _Records(motions, durations), rows, swept)
+    like = columns[0]
+    swept = like.settings.formulation == "paper"
+    batch = _Batch(like.n, len(columns), _Records(motions, durations), rows, swept, like.has_slips)
     for k, (column, motion, duration) in enumerate(zip(columns, motions, durations, strict=True)):
         if not flag[0]:
             batch.begin(k, column, motion, float(duration))
@@ -243,9 +238,14 @@ class _Records:
 class _Batch:
     """Runs as rows that the kernels take (kernels/batch/runs.py), and room for the beginning of one after the other."""
 
-    def __init__(self, n: int, count: int, records: _Records, rows: FloatArray, swept: bool) -> None:
+    def __init__(
+        self, n: int, count: int, records: _Records, rows: FloatArray, swept: bool, slipping: bool = False
+    ) -> None:
         self.n = n
         self._swept = swept  # formulation `paper`, for which lanes keep no rows
+        self._slipping = slipping  # whether the columns have slips
+        self._follow = run_swept if self._swept else run_slipping if self._slipping else run_lanes
+        self._slips = np.zeros((count, SLIP_FIELDS * n if self._slipping else 0))
         self._records = records
         self._rows = rows
         self._models = np.zeros((count, at.MODEL.size(n)))
@@ -267,7 +267,13 @@ class _Batch:
         omega = 2.0 * math.pi * motion.frequency
         wave = (motion.amplitude, omega, -omega * start)
         first, size = self._records.place(motion)
-        if self._swept or _enters_at_once(column, at.SETTINGS.see(self._fresh.model).explicit_order, motion, size):
+        if self._slipping:
+            self._slips[k] = self._fresh.state[at.CONTROL.beside :][at.RIGID_FIELDS * n : at.PHASE_FIELDS * n]
+        if (
+            self._swept
+            or self._slipping
+            or _enters_at_once(column, at.SETTINGS.see(self._fresh.model).explicit_order, motion, size)
+        ):
             phase = self._fresh.state[at.CONTROL.beside :][: 4 * n]
             self._outcomes[k] = np.concatenate([[at.OK, math.nan, 0.0, 0.0, 0.0], np.zeros(n), phase])
             self._waits(k, phase, (start, start, stop, 1.0, *wave, first, size, 0, 0.0, 0.0))
@@ -313,18 +319,17 @@ class _Batch:
         left = self._runs[some, _STOP] - self._runs[some, _START]
         some = some[np.argsort(-left, kind="stable")]  # the longest first: lanes end together
         models, phases, runs = (array[some].reshape(-1) for array in (self._models, self._phases, self._runs))
-        outcomes, snapshots = self._outcomes[some], self._snapshots[some]
+        outcomes, snapshots, slips = self._outcomes[some], self._snapshots[some], self._slips[some]
         lanes = aligned(WIDTH * SPACE.size(self.n))
         found = outcomes.reshape(-1)
-        follow = run_swept if self._swept else run_lanes
         with others_turn():
-            follow(
-                self.n, lanes, some.size, models, phases, runs, found, *self._records.rows, self._rows,
-                snapshots.reshape(-1), flag,
+            self._follow(
+                self.n, lanes, some.size, models, phases, slips.reshape(-1), runs, found, *self._records.rows,
+                self._rows, snapshots.reshape(-1), flag,
             )  # fmt: skip
         tried = np.sum(outcomes[:, _TRIED] - self._outcomes[some][:, _TRIED], axis=1)
         self._evaluations[some] += ((1 if self._swept else STAGES) * tried).astype(np.int64)
-        self._outcomes[some], self._snapshots[some] = outcomes, snapshots
+        self._outcomes[some], self._snapshots[some], self._slips[some] = outcomes, snapshots, slips
 
     def result(self) -> BatchResult:
         """What has come of the runs."""
@@ -337,10 +342,17 @@ class _Batch:
             finished=code >= at.OK,
             steps=steps.astype(np.int64),
             evaluations=self._evaluations,
-            ends=self._outcomes[:, OUTCOME.beside + n :],
-            phases=self._snapshots[:, :, : 4 * n],
+            ends=self._of_chain(self._outcomes[:, OUTCOME.beside + n :], self._slips),
+            phases=self._of_chain(self._snapshots[:, :, : 4 * n], self._snapshots[:, :, at.RIGID_FIELDS * n :]),
             models=self._models,
         )
+
+    def _of_chain(self, rigid: FloatArray, slips: FloatArray) -> FloatArray:
+        """Coordinates and rates as chain.py has them, from both parts of phases."""
+        if not self._slipping:
+            return rigid
+        places = [(at.PHASE.fields.index(name) - at.RIGID_FIELDS) * self.n for name in ("slip", "slip_rate")]
+        return np.concatenate([rigid, *(slips[..., k : k + self.n] for k in places)], axis=-1)
 
 
 _START, _STOP = RUN.fields.index("start"), RUN.fields.index("stop")

@@ -91,7 +91,6 @@ def runs_in_lanes(response: Response, motion: Motion, initial: InitialState | No
     """Whether eight can run at once, and gain by it."""
     settings = response.column.settings
     fits = settings.formulation == "exact" and settings.integrator == "auto" and set(settings.without) <= {"peaks"}
-    fits = fits and not response.column.has_slips
     explicit = response.stats["implicit_steps"] <= MOST_DAMPED * response.stats["steps"]
     return fits and explicit and response.column.has_rectangles_only and not motion.hold and initial is None
 

@@ -25,10 +25,10 @@ from .response import Response
 from .rest import check_stable, doubts
 from .settings import FORMULATIONS, Settings
 from .settling import fates_of
-from .single_run import Callback, single_run
+from .single_run import Callback, fate, single_run
 from .table import WORDS, Columns, Table
 from .turns import my_turn, others_turn
-from .verdict import OVERTURNED, UNDECIDED
+from .verdict import OVERTURNED, STANDING, UNDECIDED
 
 SCALAR, LANES = "scalar", "lanes"
 OUTPUT_STEP = 0.005  # s, of a response that is kept
@@ -163,7 +163,7 @@ def empty_columns(chunk: Chunk) -> Columns:
 def _in_lanes(chunk: Chunk, columns: Columns, tally: Tally, flag: FloatArray) -> dict[int, str]:
     """Make what lanes can into the columns. Returns the places of the others, and why they are not made in lanes."""
     alone: dict[int, str] = {}
-    groups: dict[tuple[int, str], list[int]] = {}
+    groups: dict[tuple[int, str, bool], list[int]] = {}
     known: dict[int, str] = {}  # of the same column
     for place, (column, motion, _) in enumerate(chunk.runs):
         if id(column) not in known:
@@ -172,7 +172,7 @@ def _in_lanes(chunk: Chunk, columns: Columns, tally: Tally, flag: FloatArray) ->
         if why:
             alone[place] = why
         else:
-            groups.setdefault((column.n, column.settings.formulation), []).append(place)
+            groups.setdefault((column.n, column.settings.formulation, column.has_slips), []).append(place)
     for places in groups.values():
         runs = [chunk.runs[place] for place in places]
         batch = follow_in_lanes(
@@ -192,17 +192,26 @@ def _in_lanes(chunk: Chunk, columns: Columns, tally: Tally, flag: FloatArray) ->
 def _fill(
     columns: Columns, places: IntArray, runs: Sequence[Run], batch: BatchResult, settle: float, flag: FloatArray
 ) -> None:
-    """What has come of runs with as many blocks each and one formulation, into their rows of the columns."""
+    """What has come of runs with as many blocks each, one formulation and slips or none, into the columns."""
     n = runs[0].column.n
-    chain = Chain.of_many([run.column for run in runs])
     fell = batch.overturned_joint > 0
-    words, times, joints = _verdicts(runs, batch, chain, settle, flag)
+    if runs[0].column.has_slips:
+        words, times, joints = _verdicts_one_by_one(runs, batch, settle, flag)
+        left = _left_one_by_one(runs, batch)
+    else:
+        chain = Chain.of_many([run.column for run in runs])
+        words, times, joints = _verdicts(runs, batch, chain, settle, flag)
+        left = {
+            "residual_ux": chain.top_displacements(batch.ends),
+            "residual_theta": chain.places(batch.ends).theta,
+            "residual_slip": np.zeros_like(batch.peak_ux),
+            "energy": chain.energies(batch.ends),
+        }
+    for values in left.values():
+        values[fell] = math.nan
     made: Columns = {
+        **left,
         "peak_ux": batch.peak_ux,
-        "residual_ux": np.where(fell[:, None], math.nan, chain.top_displacements(batch.ends)),
-        "residual_theta": np.where(fell[:, None], math.nan, chain.places(batch.ends).theta),
-        "residual_slip": np.where(fell[:, None], math.nan, np.zeros(n)),  # none that may slide is in lanes
-        "energy": np.where(fell, math.nan, chain.energies(batch.ends)),
         "verdict": words,
         "overturn_time": times,
         "overturned_joint": joints,
@@ -215,6 +224,32 @@ def _fill(
             values[places, :n] = made[name]
         else:
             values[places] = made[name]
+
+
+def _left_one_by_one(runs: Sequence[Run], batch: BatchResult) -> dict[str, FloatArray]:
+    """What is kept of the phases at the ends of runs of columns that have slips."""
+    known = {id(run.column): Chain(run.column) for run in runs}
+    found: dict[str, list[Any]] = {name: [] for name in ("residual_ux", "residual_theta", "residual_slip", "energy")}
+    for run, end in zip(runs, batch.ends, strict=True):
+        for name, values in found.items():
+            values.append(_at_the_end(name, known[id(run.column)], end))
+    return {name: np.array(values) for name, values in found.items()}
+
+
+def _verdicts_one_by_one(
+    runs: Sequence[Run], batch: BatchResult, settle: float, flag: FloatArray
+) -> tuple[IntArray, FloatArray, IntArray]:
+    """As `_verdicts`, of columns that have slips."""
+    joints, times = batch.overturned_joint.copy(), batch.overturn_time.copy()
+    code = WORDS["verdict"].index
+    words = np.where(joints > 0, code(OVERTURNED), code(STANDING))
+    for k in np.flatnonzero(batch.finished & (joints == 0)).tolist():
+        if flag[0]:
+            break
+        column, motion, duration = runs[k]
+        word, times[k], joints[k] = fate(column, batch.ends[k], motion.start + duration, settle)
+        words[k] = code(word)
+    return words, times, joints
 
 
 def _verdicts(
@@ -291,4 +326,4 @@ def _at_the_end(name: str, chain: Chain, phase: FloatArray) -> Any:
     if name == "residual_ux":
         return chain.top_displacements(phase)
     places = chain.places(phase)
-    return places.theta if name == "residual_theta" else np.broadcast_to(places.slip, chain.n)
+    return places.theta if name == "residual_theta" else np.broadcast_to(places.slip - chain.offset, chain.n)

@@ -117,12 +117,14 @@ def settled_verdict(stepper: Stepper, stop: float, settle: float) -> tuple[Verdi
 
 
 def fate(column: Column, phase: FloatArray, stop: float, settle: float) -> tuple[str, float, int]:
-    """What comes of a column whose joints do not slide that has this phase at time `stop`, s, upon a base then still.
+    """What comes of a column that has this phase (chain.py) at time `stop`, s, upon a base then still.
 
     Returns the word, the time of overturning, s, and the joint; NaN and 0 where it stands.
     """
-    places = Chain(column).places(phase)
-    stepper = Stepper(column, InitialState(places.theta, places.spin, places.opening, places.opening_rate))
+    chain = Chain(column)
+    places = chain.places(phase)
+    moved = (places.slip - chain.offset, places.slip_rate) if column.has_slips else (None, None)
+    stepper = Stepper(column, InitialState(places.theta, places.spin, places.opening, places.opening_rate, *moved))
     verdict, _ = settled_verdict(stepper, stop, settle)
     return verdict.word, stepper.overturn_time, stepper.overturned_joint
 

@@ -205,14 +205,14 @@ JOINTS = Table(
     "tangential",  # N, along the joint, on the block above in the direction of its tangent
     "drift",  # N, what of it is no friction: the pressure acts along the normal of a face
     "bearable",  # N, by friction and dowel; the joint slides beyond
+    "sliding",  # 1 or -1: the joint slides that way, 0: it sticks; what an evaluation is told
+    "overcome",  # 1 once an evaluation found a joint that sticks beyond what it bears
 )
 ROOM = Table("a", "b", "c", "d", "e", "f", "g", "h", "i", "j", "k")  # of one evaluation; each formulation names its own
 HOLD = Table(
     "held",  # regime that the joint is held in; 0 is whichever applies
     "regime",  # that it was last held in
     "outside",  # 1 if an evaluation found it outside
-    "sliding",  # 1 or -1: the joint slides that way, 0: it sticks
-    "overcome",  # 1 if an evaluation found a joint that sticks beyond what it bears
     whole=True,
 )
 TOPS = Table("start_ux", "start_rate", "end_ux", "end_rate", "between_ux", "between_rate")  # of the top faces

@@ -9,20 +9,23 @@ import math
 
 from ..formulations.base import ends_soon, enter, is_silent, smooth_reach
 from ..formulations.exact import exact_top_motion
+from ..formulations.slips import begin_slips, take_directions
 from ..integrators import dormand_prince
 from ..jit import kernel, leaf
+from ..joint.sliding import can_slide
 from ..lanes import WIDTH, any_of, bits, greater, lane, lesser, magnitude, square_root, where, with_lane
-from ..layout import HAS_OVERTURNED, MODEL, OK, SLACK, STEP_TOO_SMALL
+from ..layout import HAS_OVERTURNED, MODEL, OK, PHASE_FIELDS, RIGID_FIELDS, SLACK, STEP_TOO_SMALL
 from ..stepping.advance import KINKS, LEAST_STEP
 from ..stepping.condition import FLIGHT_PART, moment_of_overturning, widest_joint
 from ..stepping.control import GROW, LEAST_ERROR, SAFETY, SHRINK
-from ..stepping.interpolation import interpolate_one
+from ..stepping.interpolation import interpolate_one, slips_of
 from ..views import lanes_of
 from .evaluate import Batch, anchor_waves, evaluate_lanes, single
-from .runs import SPACE, outcome_of, run_of, samples_of, snapshot_of
+from .runs import SLIP_FIELDS, SLIPPING_SPACE, SPACE, outcome_of, run_of, samples_of, slips_at, snapshot_of
+from .sliding import decide_slips, end_at_changes, slid_off, steps_to_stops
 
 NOBODY = -1.0
-_space = SPACE.over
+_space, _slipping_space = SPACE.over, SLIPPING_SPACE.over
 _PER_N, _BESIDE = SPACE.per_n, SPACE.beside
 _MODEL_PER_N, _MODEL_BESIDE = MODEL.per_n, MODEL.beside
 
@@ -32,6 +35,14 @@ def batch_over(n, buffer, queue):
     """The batch of columns of n blocks over a buffer of lanes."""
     row = lanes_of(buffer)
     space = _space(row, n)
+    return Batch(space.model, space.state, space.base, space.work, space.lane, row, queue)
+
+
+@leaf
+def slipping_batch_over(n, buffer, queue):
+    """The same of columns that have slips."""
+    row = lanes_of(buffer)
+    space = _slipping_space(row, n)
     return Batch(space.model, space.state, space.base, space.work, space.lane, row, queue)
 
 
@@ -51,6 +62,12 @@ def load(batch, k, number):
         one.model.row[i] = queue.models[size * number + i]
     for i in range(4 * n):
         one.work.start.row[i] = queue.phases[4 * n * number + i]
+    if can_slide(batch.model):
+        begin_slips(one.model, one.work)
+        slips = slips_at(queue, number, n)
+        for i in range(SLIP_FIELDS * n):
+            one.work.start.row[RIGID_FIELDS * n + i] = slips[i]
+        take_directions(one.work, one.work.start)
     run = run_of(queue, number)
     one.lane.run = number
     one.lane.t = run.start
@@ -99,6 +116,7 @@ def start(batch, fresh):
     evaluate_lanes(batch, between, batch.lane.t)
     for i in range(4 * n, 6 * n):
         begin.row[i] = where(fresh, between.row[i], begin.row[i])
+    decide_slips(batch, fresh)
     take_stock(batch, begin, fresh)
     tops = work.tops
     exact_top_motion(batch.model, begin, tops.between_ux, tops.between_rate)
@@ -123,6 +141,10 @@ def finish(batch, k, code):
         outcome.peaks[i] = one.state.peaks[i]
     for i in range(4 * n):
         outcome.phase[i] = one.work.start.row[i]
+    if can_slide(batch.model):
+        slips = slips_at(batch.queue, int(one.lane.run), n)
+        for i in range(SLIP_FIELDS * n):
+            slips[i] = one.work.start.row[RIGID_FIELDS * n + i]
     one.lane.run = NOBODY
     one.lane.count = 0.0
     one.base.piece_end = math.inf
@@ -147,13 +169,17 @@ def take_stock(batch, phase, lanes):
             per_half = 2.0 / blocks.width[i]
             turned = where(parted, greater(turned, FLIGHT_PART * opening * per_half), turned)
             spun = where(parted, greater(spun, magnitude(phase.opening_rate[i]) * per_half), spun)
+        if can_slide(batch.model):
+            per_slip = batch.model.settings.per_slip
+            turned = greater(turned, magnitude(phase.slip[i] - blocks.offset[i]) * per_slip)
+            spun = greater(spun, magnitude(phase.slip_rate[i]) * per_slip)
     control.rotation_scale = where(lanes, turned, control.rotation_scale)
     control.rate_scale = where(lanes, spun, control.rate_scale)
 
 
 @kernel
 def fallen(model, phase):
-    """Mask of the lanes in which a block, or the joint under it, has turned beyond its angle of no return."""
+    """Mask of the lanes in which a block, or the joint under it, has turned too far to come back, or slid off."""
     n = model.n
     beyond = phase.theta[n - 1] != phase.theta[n - 1]  # nobody, but who is not a number
     for i in range(n):
@@ -162,7 +188,7 @@ def fallen(model, phase):
         if i + 1 < n:
             joint = turn - phase.theta[i + 1]
         limit = model.blocks.fall_angle[i]
-        beyond = beyond | (magnitude(turn) > limit) | (magnitude(joint) > limit)
+        beyond = beyond | (magnitude(turn) > limit) | (magnitude(joint) > limit) | slid_off(model, phase, i)
     return beyond
 
 
@@ -264,6 +290,9 @@ def take_snapshots(batch, k, step):
         fraction = min(1.0, max(0.0, (begin + queue.row_times[row] - one.lane.t) / step))
         for i in range(2 * n):
             kept[i], kept[2 * n + i] = interpolate_one(one.work, i, step, fraction)
+        begin, behind = slips_of(one.work)
+        for i in range(begin, behind):
+            kept[i], kept[2 * n + i] = interpolate_one(one.work, i, step, fraction)
         row += 1
     one.lane.next_row = row
 
@@ -276,13 +305,14 @@ def step_on(batch):
     """
     work, lanes, control = batch.work, batch.lane, batch.state.control
     n = batch.model.n
-    step = step_lengths(batch)
+    step = steps_to_stops(batch, step_lengths(batch))
     busy = step > 0.0
     anchor_waves(batch.base, lanes.t)
     _, error = dormand_prince.attempt(batch, lanes.t, step)
     good = busy & control_steps(batch, step, error)
     lanes.steps += where(good, 1.0, 0.0)
     lanes.rejected += where(busy & (error > 1.0), 1.0, 0.0)
+    step, changed = end_at_changes(batch, step, good)
     take_stock(batch, work.end, good)
     over = good & fallen(batch.model, work.end)
     fell, ended = bits(over), bits(over)
@@ -293,7 +323,7 @@ def step_on(batch):
             if (moved >> k) & 1:
                 take_snapshots(batch, k, lane(step, k))
     track_peaks(batch, step, good)
-    for i in range(6 * n):
+    for i in range((PHASE_FIELDS if can_slide(batch.model) else RIGID_FIELDS) * n):
         work.start.row[i] = where(good, work.end.row[i], work.start.row[i])
     at_stop = good & (step == lanes.stop - lanes.t)
     lanes.t = where(at_stop, lanes.stop, where(good, lanes.t + step, lanes.t))
@@ -305,6 +335,7 @@ def step_on(batch):
                 follow_record(batch, one, one.lane.t)
                 if one.lane.fresh > 0.0:
                     ended |= 1 << WIDTH
+    decide_slips(batch, changed)
     stuck = busy & (control.next_step < LEAST_STEP * greater(batch.model.settings.first_step, magnitude(lanes.t)))
     if fell != 0:
         for k in range(WIDTH):
@@ -324,9 +355,9 @@ def step_on(batch):
 
 
 @kernel
-def follow_queue(n, buffer, queue):
-    """Let all runs of a queue pass through eight lanes. buffer: an array of SPACE over lanes."""
-    batch = batch_over(n, buffer, queue)
+def follow_queue(batch):
+    """Let all runs of the queue of a batch pass through its eight lanes."""
+    queue = batch.queue
     for k in range(WIDTH):
         single(batch, k).lane.run = NOBODY
     waiting, running = 0, 0

@@ -4,7 +4,8 @@ from typing import NamedTuple
 
 from ..formulations.base import Samples
 from ..jit import leaf
-from ..layout import BASE, MODEL, PHASE, STATE, WORK
+from ..joint.sliding import MARK
+from ..layout import BASE, MODEL, PHASE, RIGID_FIELDS, STATE, WORK
 from ..views import Numbers, Record, Space
 
 # one run, which may be under way: its record is `count` samples from number `first` on
@@ -44,8 +45,14 @@ LANE = Record(
     "step",  # s,
     "pieces",  # so many of them,
     "made",  # of which so many have been made
+    "spare",  # N, what the joint that sticks and has least to spare bears beyond what it has to, at the start of a step
+    "spare_ahead",  # and at the end
 )
 SPACE = Space(model=MODEL, state=STATE, base=BASE, lane=LANE, work=WORK)
+# the same of columns that have slips (formulations/slips.py): an empty part tells it to the compiler
+_marked = {name: Space(**part.parts, **{MARK: Numbers()}) for name, part in (("model", MODEL), ("work", WORK))}
+SLIPPING_SPACE = Space(**{**SPACE.parts, **_marked})
+SLIP_FIELDS = PHASE.per_n - RIGID_FIELDS  # the second part of a phase
 
 
 class Queue(NamedTuple):
@@ -57,6 +64,7 @@ class Queue(NamedTuple):
     size: int
     models: object  # packed models, without modal data
     phases: object  # coordinates and rates to start from
+    slips: object  # second parts of phases to start from, and as they are at the end; where columns have slips
     runs: object  # records RUN
     outcomes: object  # spaces OUTCOME
     times: object  # s
@@ -77,6 +85,12 @@ _PHASE_PER_N = PHASE.per_n
 def run_of(queue, k):
     """The record of run k."""
     return _run(queue.runs[_RUN_SIZE * k :], 0)
+
+
+@leaf
+def slips_at(queue, k, n):
+    """The second part of the phase of run k."""
+    return queue.slips[SLIP_FIELDS * n * k :]
 
 
 @leaf

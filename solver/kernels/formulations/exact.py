@@ -10,7 +10,7 @@ enter until the base. The base is the lowest body of the chain, with prescribed 
 relative to it, spins in here are absolute.
 
 A joint that slides (section 9) has its T given by friction: its row leaves the system, and the acceleration of its slip
-follows. Which joints slide, and which way, stands in `hold`. An offset of a block is a slip that it is built with; to
+follows. Which joints slide, and which way, stands in `joints`. An offset of a block is a slip that it is built with; to
 joints inclined as built, blocks stand at other angles than half of the joint's rotation (section 12).
 
 The one function serves one column and lanes of eight.
@@ -20,8 +20,8 @@ from typing import NamedTuple
 
 from ..jit import kernel, leaf
 from ..joint.law import resultants
-from ..joint.sliding import bearable, can_slide, drift, opening_felt, opening_rate_felt, rim_force
-from ..lanes import any_of, magnitude
+from ..joint.sliding import bearable, can_slide, drift, opening_felt, opening_rate_felt, rim_force, slip_if
+from ..lanes import any_of, magnitude, where
 from ..numbers import sine_cosine
 
 
@@ -75,6 +75,7 @@ def _accelerations(model, phase, motion, joints, hold, room, slides):
     n = model.n
     blocks = model.blocks
     row = elimination(room)
+    off_axis = slides and any_of(model.settings.off_axis != 0.0)
     # --- downwards: evaluate joint i, finish the row of the joint above it, eliminate
     normal_above = 0.0
     turned_above = 0.0  # M cos sigma
@@ -98,15 +99,15 @@ def _accelerations(model, phase, motion, joints, hold, room, slides):
         sine, cosine = sine_cosine(0.5 * (turn - turn_below))
         slope, slope_rate = 2.0 * sine, cosine * (spin - spin_below)
         felt, felt_rate = opening, opening_rate
-        slip = 0.0
+        slip, slip_rate = slip_if(slides, model, phase, i)
         over_sine, over_cosine, under_sine, under_cosine = sine, cosine, sine, cosine
         if slides:
-            slip, slip_rate = phase.slip[i], phase.slip_rate[i]
             felt = opening_felt(opening, slip, slope)
             felt_rate = opening_rate_felt(opening_rate, slip, slip_rate, slope, slope_rate)
-            lean, tilt_below = blocks.lean[i], blocks.tilt[i + 1] if i + 1 < n else 0.0
-            over_sine, over_cosine = sine_cosine(0.5 * (turn - turn_below) + (blocks.tilt[i] - lean))
-            under_sine, under_cosine = sine_cosine(0.5 * (turn - turn_below) + (lean - tilt_below))
+            if off_axis:
+                lean, tilt_below = blocks.lean[i], blocks.tilt[i + 1] if i + 1 < n else 0.0
+                over_sine, over_cosine = sine_cosine(0.5 * (turn - turn_below) + (blocks.tilt[i] - lean))
+                under_sine, under_cosine = sine_cosine(0.5 * (turn - turn_below) + (lean - tilt_below))
             row.sine_less[i] = over_sine - under_sine
         normal, moment, length = resultants(blocks, hold, i, felt, slope, felt_rate, slope_rate, slip)
         lower, upper = blocks.centroid[i], blocks.upper[i]
@@ -133,11 +134,11 @@ def _accelerations(model, phase, motion, joints, hold, room, slides):
         right_below = 2.0 * opening_rate * mean_spin + (p * free_alpha - lower * over_sine * square)
         diagonal_below = per_mass + p * p_turns
         if slides:
-            opens_below += 2.0 * phase.slip_rate[i] * mean_spin
+            opens_below += 2.0 * slip_rate * mean_spin
             right_below -= slip * mean_spin * mean_spin
             joints.drift[i] = drift(normal, sine, rim_force(blocks, i, felt, slope, slip))
             joints.bearable[i] = bearable(blocks, i, normal)
-            row.given[i] = joints.drift[i] - hold.sliding[i] * joints.bearable[i]
+            row.given[i] = joints.drift[i] - joints.sliding[i] * joints.bearable[i]
         if i > 0:
             right += (upper * sine_above * square - normal * sine_beta) + q * free_alpha
             opens += (upper * cosine_above * square - normal * cosine_beta) + normal_above * per_mass
@@ -148,8 +149,10 @@ def _accelerations(model, phase, motion, joints, hold, room, slides):
             row.free_opening[i - 1] = opens
             row.coupling[i] = coupling
             part = coupling * pivot
-            if slides and hold.sliding[i - 1] != 0:
-                right_below += normal_above * sine_beta - coupling * row.given[i - 1]
+            if slides:
+                slid = joints.sliding[i - 1] != 0.0
+                diagonal_below -= where(slid, 0.0, part * coupling)
+                right_below += normal_above * sine_beta - where(slid, coupling * row.given[i - 1], part * right)
             else:
                 diagonal_below -= part * coupling
                 right_below += normal_above * sine_beta - part * right
@@ -178,13 +181,13 @@ def _accelerations(model, phase, motion, joints, hold, room, slides):
     row.pivot[n - 1] = pivot
     force = right * pivot
     if slides:
-        force = _slide(phase, hold, row, joints, n - 1, force)
+        force = _slide(phase, row, joints, n - 1, force)
 
-    _upwards(model, phase, motion, joints, hold, row, force, opens, slides)
+    _upwards(model, phase, motion, joints, row, force, opens, slides)
 
 
 @leaf
-def _upwards(model, phase, motion, joints, hold, row, force, opens, slides):
+def _upwards(model, phase, motion, joints, row, force, opens, slides):
     """The forces along the joints above the base joint, which has `force`, and what follows from them.
 
     opens: acceleration of the opening of the base joint without the T.
@@ -198,7 +201,7 @@ def _upwards(model, phase, motion, joints, hold, row, force, opens, slides):
         if i > 0:
             force_above = (row.right[i - 1] - row.coupling[i] * force) * row.pivot[i - 1]
             if slides:
-                force_above = _slide(phase, hold, row, joints, i - 1, force_above)
+                force_above = _slide(phase, row, joints, i - 1, force_above)
         if i + 1 < n:
             opens = row.free_opening[i]
         alpha = row.free_alpha[i] - (row.turn_below[i] * force + row.turn_above[i] * force_above)
@@ -218,17 +221,15 @@ def _upwards(model, phase, motion, joints, hold, row, force, opens, slides):
 
 
 @leaf
-def _slide(phase, hold, row, joints, i, needed):
+def _slide(phase, row, joints, i, needed):
     """T of joint i, for which the force that keeps it from sliding is `needed`; how its slip accelerates."""
-    if hold.sliding[i] == 0:
-        phase.slip_acceleration[i] = 0.0
-        phase.friction_power[i] = 0.0
-        if any_of(magnitude(needed - joints.drift[i]) > joints.bearable[i]):
-            hold.overcome[i] = 1
-        return needed
-    phase.slip_acceleration[i] = (row.given[i] - needed) / row.pivot[i]
-    phase.friction_power[i] = hold.sliding[i] * phase.slip_rate[i] * joints.bearable[i]
-    return row.given[i]
+    way, bears, given = joints.sliding[i], joints.bearable[i], row.given[i]
+    sticks = way == 0.0
+    beyond = magnitude(needed - joints.drift[i]) > bears
+    joints.overcome[i] = where(sticks & beyond, 1.0, joints.overcome[i])
+    phase.slip_acceleration[i] = where(sticks, 0.0, (given - needed) / row.pivot[i])
+    phase.friction_power[i] = where(sticks, 0.0, way * phase.slip_rate[i] * bears)
+    return where(sticks, needed, given)
 
 
 @kernel

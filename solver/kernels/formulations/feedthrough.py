@@ -36,7 +36,7 @@ def effective_mass(model, work):
 
     None where the base joint slides: friction does not follow the acceleration at once.
     """
-    if can_slide(model) and work.hold.sliding[model.n - 1] != 0:
+    if can_slide(model) and work.joints.sliding[model.n - 1] != 0.0:
         return 0.0
     return elimination(work.room).pivot[model.n - 1]
 
@@ -51,7 +51,7 @@ def tangential_gains(model, work, gains):
     n = model.n
     gain = row.pivot[n - 1]
     for i in range(n - 1, -1, -1):
-        if can_slide(model) and work.hold.sliding[i] != 0:
+        if can_slide(model) and work.joints.sliding[i] != 0.0:
             gain = 0.0
         gains[i] = gain
         if i > 0:

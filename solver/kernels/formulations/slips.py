@@ -1,7 +1,11 @@
-"""Which joints slide, and which way: decided where forces may jump, kept within a step (theory.md section 9)."""
+"""Which joints slide, and which way: decided where forces may jump, kept within a step (theory.md section 9).
+
+What decides serves one column and lanes of eight.
+"""
 
 from ..jit import kernel, leaf
 from ..joint.sliding import can_slide
+from ..lanes import magnitude, where
 from ..layout import OK, PHASE_FIELDS, RIGID_FIELDS
 from .either import evaluate
 
@@ -22,20 +26,20 @@ def begin_slips(model, work):
 def take_directions(work, phase):
     """Let the joints slide as a phase says."""
     for i in range(int(work.slips.count)):
-        work.hold.sliding[i] = int(phase.sliding[i])
+        work.joints.sliding[i] = phase.sliding[i]
 
 
 @kernel
 def note_directions(work, phase):
     """Let a phase say how the joints slide."""
     for i in range(int(work.slips.count)):
-        phase.sliding[i] = work.hold.sliding[i]
+        phase.sliding[i] = work.joints.sliding[i]
 
 
 @leaf
 def spare(joints, i):
     """What joint i bears beyond what it has to, N; negative where it slides."""
-    return joints.bearable[i] - abs(joints.tangential[i] - joints.drift[i])
+    return joints.bearable[i] - magnitude(joints.tangential[i] - joints.drift[i])
 
 
 @kernel
@@ -47,34 +51,35 @@ def evaluate_anew(column, phase, motion):
     if not can_slide(column.model):
         return evaluate(column, phase, motion)
     work = column.work
-    rows, n = work.hold, work.n
-    for i in range(n):
-        direction = int(phase.sliding[i])
-        if direction * phase.slip_rate[i] <= 0.0:
-            direction = 0
-            phase.slip_rate[i] = 0.0
-        rows.sliding[i] = direction
+    stop_what_is_still(work.joints, phase, work.n)
     code = evaluate(column, phase, motion)
-    for _ in range(2 * n + 2):
-        if code != OK or not _change_directions(column, phase):
+    for _ in range(2 * work.n + 2):
+        if code != OK or not change_directions(work.joints, phase, work.n):
             break
         code = evaluate(column, phase, motion)
     note_directions(work, phase)
     return code
 
 
-@kernel
-def _change_directions(column, phase):
+@leaf
+def stop_what_is_still(joints, phase, n):
+    """Let the joints slide as a phase says, but for those that do not move that way any more: they stop."""
+    for i in range(n):
+        moves = phase.sliding[i] * phase.slip_rate[i] > 0.0
+        joints.sliding[i] = where(moves, phase.sliding[i], 0.0)
+        phase.slip_rate[i] = where(moves, phase.slip_rate[i], 0.0)
+
+
+@leaf
+def change_directions(joints, phase, n):
     """Let joints go that bear too little, and stop those that would slide backwards; whether there were any."""
-    rows, joints = column.work.hold, column.work.joints
-    changed = False
-    for i in range(column.model.n):
-        direction = rows.sliding[i]
-        if direction == 0:
-            if spare(joints, i) < 0.0:
-                rows.sliding[i] = -1 if joints.tangential[i] > joints.drift[i] else 1
-                changed = True
-        elif phase.slip_rate[i] == 0.0 and direction * phase.slip_acceleration[i] < 0.0:
-            rows.sliding[i] = 0
-            changed = True
+    changed = joints.sliding[0] != joints.sliding[0]  # nowhere
+    for i in range(n):
+        way = joints.sliding[i]
+        sticks = way == 0.0
+        goes = sticks & (spare(joints, i) < 0.0)
+        stops = (way != 0.0) & (phase.slip_rate[i] == 0.0) & (way * phase.slip_acceleration[i] < 0.0)
+        to = where(joints.tangential[i] > joints.drift[i], -1.0, 1.0)
+        joints.sliding[i] = where(goes, to, where(stops, 0.0, way))
+        changed = changed | goes | stops
     return changed

@@ -1,6 +1,7 @@
 """The phases inside a step: the inner stages of a Runge-Kutta method, and what is summed up to make one."""
 
 from ..jit import by_width, leaf
+from ..joint.sliding import has_no_slips
 from ..lanes import LANES
 from ..layout import PHASE, PHASE_FIELDS
 
@@ -21,6 +22,8 @@ def summed(work):
 
 @by_width(summed)
 def _choose(work):
-    if work.kind is LANES:
+    if has_no_slips(work):
         return lambda work: 4 * work.n
+    if work.kind is LANES:
+        return lambda work: 9 * work.n
     return lambda work: 9 * work.n if work.slips.count != 0.0 else 4 * work.n

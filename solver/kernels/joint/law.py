@@ -12,6 +12,7 @@ from ..jit import by_width, kernel, leaf
 from ..lanes import LanesType, greater, lesser, where
 from .regimes import ANY, OPEN, open_margin, side_margin, sides
 from .section import contact_of, energy_over, forces_over, rectangle_forces
+from .sliding import ends_in_lanes
 
 
 @leaf
@@ -64,17 +65,16 @@ def _within(x, lo, hi):
 
 
 @leaf
-def joint_forces_in_lanes(stiffness, width, depth, damping, opening, slope, opening_rate, slope_rate):
-    """The same for lanes, without a branch, of a rectangle of width by depth, m."""
+def joint_forces_in_lanes(left, right, depth, stiffness, damping, opening, slope, opening_rate, slope_rate):
+    """The same for lanes, without a branch, of a rectangle from left to right, depth, m."""
     mean = opening + damping * opening_rate
     slope = (
         slope + 0.0
     )  # minus zero becomes zero: parallel faces that touch nowhere have their edge beyond the right end
     gradient = slope + damping * slope_rate
-    half = 0.5 * width
-    edge = _within(opening / slope, -half, half)
+    edge = _within(opening / slope, left, right)
     rises = slope >= 0.0
-    lo, hi = where(rises, edge, -half), where(rises, half, edge)
+    lo, hi = where(rises, edge, left), where(rises, right, edge)
     edge = _within(mean / gradient, lo, hi)  # the same edge again where there is no damping
     rises = gradient >= 0.0
     lo, hi = where(rises, edge, lo), where(rises, hi, edge)
@@ -117,20 +117,21 @@ def _resultants_of_one(blocks, hold, i, opening, slope, opening_rate, slope_rate
 
 
 def _resultants_of_lanes(blocks, hold, i, opening, slope, opening_rate, slope_rate, slip=0.0):
-    return joint_forces_in_lanes(
-        blocks.stiffness[i],
-        blocks.width[i],
-        blocks.depth[i],
-        blocks.damping[i],
-        opening,
-        slope,
-        opening_rate,
-        slope_rate,
-    )
+    half, depth, stiffness, damping = 0.5 * blocks.width[i], blocks.depth[i], blocks.stiffness[i], blocks.damping[i]
+    return joint_forces_in_lanes(-half, half, depth, stiffness, damping, opening, slope, opening_rate, slope_rate)
+
+
+def _resultants_of_lanes_that_slip(blocks, hold, i, opening, slope, opening_rate, slope_rate, slip=0.0):
+    left, right = ends_in_lanes(blocks, i, slip)
+    right = greater(right, left)  # faces that no longer meet touch over no length
+    depth, stiffness, damping = blocks.depth[i], blocks.stiffness[i], blocks.damping[i]
+    return joint_forces_in_lanes(left, right, depth, stiffness, damping, opening, slope, opening_rate, slope_rate)
 
 
 @by_width(resultants)
 def _choose(blocks, hold, i, opening, slope, opening_rate, slope_rate, slip=0.0):
+    if isinstance(slip, LanesType):
+        return _resultants_of_lanes_that_slip
     return _resultants_of_lanes if isinstance(opening, LanesType) else _resultants_of_one
 
 

@@ -7,30 +7,53 @@ rest.
 """
 
 from ..jit import by_width, leaf
-from ..lanes import LANES, LanesType
+from ..lanes import LANES, LanesType, greater, lesser, where
 from .section import contact_of, depth_at
 
 RIGID = 1e300  # N, as the dowel of a joint that never slides
+MARK = "slips_in_lanes"  # name of an empty part, in the spaces of lanes whose columns have slips (batch/runs.py)
+
+
+def has_no_slips(space):
+    """Whether a space is that of lanes whose columns have no slips: known as they are compiled, so they cost nothing.
+
+    space: numba's type of it.
+    """
+    return space.kind is LANES and MARK not in space.names
 
 
 def can_slide(model):
-    """Whether slips are coordinates of the column: some joint may slide, or it is off its axis. In lanes none is."""
+    """Whether slips are coordinates of the column: some joint may slide, or it is off its axis."""
     raise NotImplementedError("for kernels only")
 
 
 @by_width(can_slide)
 def _choose(model):
-    if model.kind is LANES:
+    if has_no_slips(model):
         return lambda model: False
+    if model.kind is LANES:
+        return lambda model: True
     return lambda model: model.settings.slides != 0.0
+
+
+def slip_if(slides, model, phase, i):
+    """Slip of joint i and its rate, where slips are coordinates."""
+    raise NotImplementedError("for kernels only")
+
+
+@by_width(slip_if)
+def _choose_slip(slides, model, phase, i):
+    if has_no_slips(model):
+        return lambda slides, model, phase, i: (0.0, 0.0)
+    if model.kind is LANES:
+        return lambda slides, model, phase, i: (phase.slip[i], phase.slip_rate[i])
+    return lambda slides, model, phase, i: (phase.slip[i], phase.slip_rate[i]) if slides else (0.0, 0.0)
 
 
 @leaf
 def slip_of(model, phase, i):
     """Slip of joint i and its rate."""
-    if can_slide(model):
-        return phase.slip[i], phase.slip_rate[i]
-    return 0.0, 0.0
+    return slip_if(can_slide(model), model, phase, i)
 
 
 @leaf
@@ -62,8 +85,27 @@ def rim_force(blocks, i, opening, slope, slip):
 @by_width(rim_force)
 def _choose_rim_force(blocks, i, opening, slope, slip):
     if isinstance(slip, LanesType):
-        return lambda blocks, i, opening, slope, slip: 0.0 * slip
+        return _rim_force_of_lanes
+    if isinstance(slope, LanesType):
+        return lambda blocks, i, opening, slope, slip: 0.0 * slope
     return _rim_force_of_one
+
+
+def _rim_force_of_lanes(blocks, i, opening, slope, slip):
+    left, right = ends_in_lanes(blocks, i, slip)
+    ahead = slip > 0.0
+    edge, whole = where(ahead, right, left), where(ahead, blocks.right[i], blocks.left[i])
+    pressed = greater(slope * edge - opening, 0.0)
+    force = 0.5 * blocks.stiffness[i] * pressed * pressed * blocks.depth[i]
+    return where((edge == whole) | (left >= right), 0.0, where(ahead, force, -force))
+
+
+@leaf
+def ends_in_lanes(blocks, i, slip):
+    """As section.py, `ends_of`, for lanes."""
+    left, right, moved = blocks.left[i], blocks.right[i], slip != 0.0
+    rim_left, rim_right = greater(left, blocks.rim_left[i] - slip), lesser(right, blocks.rim_right[i] - slip)
+    return where(moved, rim_left, left), where(moved, rim_right, right)
 
 
 def _rim_force_of_one(blocks, i, opening, slope, slip):

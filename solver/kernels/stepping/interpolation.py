@@ -43,14 +43,20 @@ def quintic_through(h, q0, v0, a0, q1, v1, a1, bump):
 @leaf
 def value_of(quintic, s):
     """A coordinate and its rate at fraction s of the step."""
-    h, c0, c1, c2, c3, c4, c5, bump = quintic
-    q = c0 + s * (c1 + s * (c2 + s * (c3 + s * (c4 + s * c5))))
-    v = c1 + s * (2.0 * c2 + s * (3.0 * c3 + s * (4.0 * c4 + s * 5.0 * c5)))
-    if bump != 0.0:
+    q, v = value_without_bump(quintic, s)
+    if quintic.bump != 0.0:
         hill = s * (1.0 - s)
-        q += bump * hill * hill * hill
-        v += bump * 3.0 * hill * hill * (1.0 - 2.0 * s)
-    return q, v / h
+        q += quintic.bump * hill * hill * hill
+        v += quintic.bump * 3.0 * hill * hill * (1.0 - 2.0 * s)
+    return q, v / quintic.step
+
+
+@leaf
+def value_without_bump(quintic, s):
+    """The same, but the rate per step, of the quintic alone: of one step, or of one in each of eight lanes."""
+    _, c0, c1, c2, c3, c4, c5, _ = quintic
+    q = c0 + s * (c1 + s * (c2 + s * (c3 + s * (c4 + s * c5))))
+    return q, c1 + s * (2.0 * c2 + s * (3.0 * c3 + s * (4.0 * c4 + s * 5.0 * c5)))
 
 
 @leaf
@@ -114,11 +120,11 @@ def interpolate_phase(work, h, fraction):
     first, end = slips_of(work)
     for i in range(first, end):
         between[i], between[size + i] = interpolate_one(work, i, h, fraction)
-        between[work.n + i] = _spent(work, i + work.n, h, fraction)
+        between[work.n + i] = spent(work, i + work.n, h, fraction)
 
 
 @leaf
-def _spent(work, i, h, s):
+def spent(work, i, h, s):
     """The friction work at place i at fraction s of the step: the cubic through it and its rates at both ends."""
     size = 2 * work.n
     start, end = work.start.row, work.end.row

@@ -7,7 +7,7 @@ evaluation at every trial. The step is cut off there, and `evaluate_anew` decide
 
 from ..formulations.either import evaluate_at
 from ..formulations.slips import spare
-from ..jit import kernel
+from ..jit import kernel, leaf
 from .bracket import bracket, narrowed, trial_within
 from .interpolation import interpolate_phase, quintic_of, refine, slips_of, value_of
 
@@ -21,10 +21,10 @@ MOST_TRIALS = 60
 def begin_step(column, h):
     """Forget what was found of the last step; seconds until just after a joint is expected to stop, at most h."""
     work = column.work
-    start, rows = work.start, work.hold
+    start, joints = work.start, work.joints
     first = h
     for i in range(int(work.slips.count)):
-        rows.overcome[i] = 0
+        joints.overcome[i] = 0.0
         rate, slows = start.slip_rate[i], start.slip_acceleration[i]
         if rate * slows < 0.0 and -rate / slows < first:
             first = -rate / slows
@@ -37,33 +37,54 @@ def first_slip_change(column, looked_at, nodes, t, h):
 
     looked_at: three phases inside the step, at the fractions `nodes`, for joints that turn twice.
     """
-    work, rows = column.work, column.work.hold
-    first = NEVER
+    work, joints = column.work, column.work.joints
+    if any_passes_zero(work, looked_at):
+        refine(column, t, h)
+    first = first_stop(work, looked_at, nodes, h)
     for i in range(work.n):
-        if rows.sliding[i] != 0:
-            lo, hi = 0.0, NEVER
-            for k in range(3):
-                if rows.sliding[i] * looked_at[k].slip_rate[i] < 0.0:
-                    hi = nodes[k]
-                    break
-                lo = nodes[k]
-            if hi == NEVER and rows.sliding[i] * work.end.slip_rate[i] < 0.0:
-                hi = 1.0
-            if hi != NEVER and lo < first:
-                first = min(first, _stop(column, i, lo, hi, t, h))
-    for i in range(work.n):
-        if rows.sliding[i] == 0 and rows.overcome[i] != 0:
+        if joints.sliding[i] == 0.0 and joints.overcome[i] != 0.0:
             first = min(first, _beginning(column, i, nodes, t, h, first))
     return first
 
 
+@leaf
+def any_passes_zero(work, looked_at):
+    """Whether some joint slides backwards at the end of the step, or at a phase inside: of one column or of eight."""
+    passes = work.joints.sliding[0] != work.joints.sliding[0]  # nowhere
+    first, second, third = looked_at
+    for i in range(work.n):
+        way = work.joints.sliding[i]
+        passes = passes | (way * first.slip_rate[i] < 0.0) | (way * second.slip_rate[i] < 0.0)
+        passes = passes | (way * third.slip_rate[i] < 0.0) | (way * work.end.slip_rate[i] < 0.0)
+    return passes
+
+
 @kernel
-def _stop(column, i, lo, hi, t, h):
+def first_stop(work, looked_at, nodes, h):
+    """Fraction of the step of h seconds at which a joint first ceases to slide; NEVER if none does."""
+    sliding = work.joints.sliding
+    first = NEVER
+    for i in range(work.n):
+        if sliding[i] == 0.0:
+            continue
+        lo, hi = 0.0, NEVER
+        for k in range(3):
+            if sliding[i] * looked_at[k].slip_rate[i] < 0.0:
+                hi = nodes[k]
+                break
+            lo = nodes[k]
+        if hi == NEVER and sliding[i] * work.end.slip_rate[i] < 0.0:
+            hi = 1.0
+        if hi != NEVER and lo < first:
+            first = min(first, _stop(work, i, lo, hi, h))
+    return first
+
+
+@kernel
+def _stop(work, i, lo, hi, h):
     """Fraction of the step, between lo and hi, where the rate of slip i passes zero; NEVER if it does not after all."""
-    work = column.work
-    refine(column, t, h)
     course = quintic_of(work, slips_of(work)[0] + i, -1, h)
-    way = work.hold.sliding[i]
+    way = work.joints.sliding[i]
     at_hi = way * value_of(course, hi)[1]
     if at_hi >= 0.0:  # a stage is less accurate than the step
         lo, hi = hi, 1.0

@@ -95,7 +95,10 @@ def track_peaks(column, t, h):
         reach += reach_of(model, end.theta, end.opening, i)
         reach += h * reach_of(model, end.theta_rate, end.opening_rate, i)
         if can_slide(model):
-            reach += abs(end.slip[i]) + h * abs(end.slip_rate[i])
+            offset = model.blocks.offset[i]
+            reach += abs(end.slip[i] - offset) + h * abs(end.slip_rate[i])
+            for k in range(i, min(i + 2, n)):  # an offset as the faces at the joint turn
+                reach += abs(offset) * (abs(end.theta[k]) + h * abs(end.theta_rate[k]))
         passed = passed or reach > peaks[i]
     if not passed:
         return

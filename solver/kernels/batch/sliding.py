@@ -1,0 +1,249 @@
+"""Joints that slide in lanes: who slides is kept within a step, which ends where one begins or ceases to.
+
+As stepping/sliding.py and formulations/slips.py do it for one column. Where a slip comes to rest is read from the
+interpolation of that lane alone; where a joint lets go takes evaluations, of all lanes at a time, each at its own
+instant. Lanes whose columns have no slips are compiled without any of it.
+"""
+
+from ..formulations.slips import change_directions, spare, stop_what_is_still
+from ..integrators import dormand_prince
+from ..integrators.stage import stage
+from ..jit import by_width, kernel, leaf
+from ..joint.sliding import ends_in_lanes, has_no_slips
+from ..lanes import WIDTH, any_of, bits, greater, lane, lesser, where, with_lane
+from ..layout import PHASE_FIELDS
+from ..stepping.interpolation import quintic_through, spent, value_without_bump
+from ..stepping.sliding import NEAR, NEVER, any_passes_zero, first_stop
+from .evaluate import evaluate_lanes, single
+
+JUST_AFTER = 1.02  # where a slip is expected to come to rest
+# Of the step: so late the moment of a beginning may be found. No force jumps there, and so the error is of the second
+# order in it.
+LATE = 1e-3
+MOST_TRIALS = 30
+PROBES = (1.0 / 3.0, 2.0 / 3.0)  # of the step: where a joint that bears enough at its end is looked at
+PLENTY = 1e300  # N
+INSIDE = (2, 3, 4)  # stages, and
+NODES = (dormand_prince.C2, dormand_prince.C3, dormand_prince.C4)  # where they are
+
+
+# --- what the stepping of any lanes asks
+
+
+def steps_to_stops(batch, step):
+    """Steps shortened to just after a joint is expected to stop, s."""
+    raise NotImplementedError("for kernels only")
+
+
+def end_at_changes(batch, step, good):
+    """Let the step of the good lanes end where a joint first begins or ceases to slide.
+
+    Returns the steps, s, and the mask of the lanes in which there is a change.
+    """
+    raise NotImplementedError("for kernels only")
+
+
+def decide_slips(batch, changed):
+    """Let the joints of the lanes in a mask stick or slide as their forces want, and find their accelerations."""
+    raise NotImplementedError("for kernels only")
+
+
+def slid_off(model, phase, i):
+    """Mask of the lanes in which block i has slid off what is under it."""
+    raise NotImplementedError("for kernels only")
+
+
+@by_width(steps_to_stops)
+def _choose_steps(batch, step):
+    return (lambda batch, step: step) if has_no_slips(batch.types[0]) else _steps_to_stops
+
+
+@by_width(end_at_changes)
+def _choose_end(batch, step, good):
+    if has_no_slips(batch.types[0]):
+        return lambda batch, step, good: (step, good & ~good)
+    return lambda batch, step, good: _end_at_changes(batch, step, good)
+
+
+@by_width(decide_slips)
+def _choose_decide(batch, changed):
+    return (lambda batch, changed: None) if has_no_slips(batch.types[0]) else _decide
+
+
+@by_width(slid_off)
+def _choose_slid(model, phase, i):
+    if has_no_slips(model):
+        return lambda model, phase, i: phase.theta[i] != phase.theta[i]
+    return _slid_off
+
+
+def _slid_off(model, phase, i):
+    left, right = ends_in_lanes(model.blocks, i, phase.slip[i])
+    return left >= right
+
+
+# --- steps
+
+
+def _steps_to_stops(batch, step):
+    begin, joints = batch.work.start, batch.work.joints
+    for i in range(batch.model.n):
+        joints.overcome[i] = 0.0 * step
+        rate, slows = begin.slip_rate[i], begin.slip_acceleration[i]
+        soon = JUST_AFTER * (-rate / slows)
+        step = where((rate * slows < 0.0) & (soon < step), soon, step)
+    return step
+
+
+@kernel
+def _end_at_changes(batch, step, good):
+    work = batch.work
+    cut = greater(_first_begins(batch, step, good), NEAR)
+    looked_at = (stage(work, INSIDE[0]), stage(work, INSIDE[1]), stage(work, INSIDE[2]))
+    passes = bits(good & any_passes_zero(work, looked_at))
+    if passes != 0:
+        for k in range(WIDTH):
+            if (passes >> k) & 1:
+                one = single(batch, k).work
+                inside = (stage(one, INSIDE[0]), stage(one, INSIDE[1]), stage(one, INSIDE[2]))
+                first = max(NEAR, first_stop(one, inside, NODES, lane(step, k)))
+                cut = with_lane(cut, k, min(lane(cut, k), first))
+    changed = good & (cut <= 1.0)
+    if any_of(changed):
+        end = work.end
+        _interpolate(work, step, where(changed, cut, 1.0))
+        _take(end, work.between, changed, 0, 4)
+        _take(end, work.between, changed, 6, 9)
+        step = where(changed, cut * step, step)
+        _take_all(work.between, end)
+        evaluate_lanes(batch, work.between, batch.lane.t + step)
+        _take(end, work.between, changed, 4, 6)
+        _take(end, work.between, changed, 9, 11)
+    batch.lane.spare = where(good & ~changed, batch.lane.spare_ahead, batch.lane.spare)
+    for i in range(work.n):
+        work.end.sliding[i] = work.joints.sliding[i]
+    return step, changed
+
+
+@leaf
+def _take(to, phase, lanes, first, behind):
+    """Copy fields, by their number, of a phase into another in the lanes of a mask."""
+    n = to.n
+    for i in range(first * n, behind * n):
+        to.row[i] = where(lanes, phase.row[i], to.row[i])
+
+
+@leaf
+def _take_all(to, phase):
+    for i in range(PHASE_FIELDS * to.n):
+        to.row[i] = phase.row[i]
+
+
+@kernel
+def _interpolate(work, h, s):
+    """Coordinates, rates and friction work at fractions s of the steps of h seconds: left in work.between."""
+    n = work.n
+    size, between = 2 * n, work.between.row
+    start, end = work.start.row, work.end.row
+    for place in range(3 * n):
+        i = place if place < size else 4 * n + place
+        course = quintic_through(
+            h, start[i], start[size + i], start[2 * size + i], end[i], end[size + i], end[2 * size + i], 0.0
+        )
+        between[i], rate = value_without_bump(course, s)
+        between[size + i] = rate / h
+    for i in range(7 * n, 8 * n):
+        between[i] = spent(work, i, h, s)
+
+
+# --- beginnings
+
+
+@leaf
+def _least_spare(joints, n):
+    """What is left of what the joints that stick bear, N, of the one that has least."""
+    least = 0.0 * joints.bearable[0] + PLENTY
+    for i in range(n):
+        least = where(joints.sliding[i] == 0.0, lesser(spare(joints, i), least), least)
+    return least
+
+
+@kernel
+def _spare_within(batch, step, s):
+    """The same at fractions s of the steps."""
+    work = batch.work
+    _interpolate(work, step, s)
+    evaluate_lanes(batch, work.between, batch.lane.t + s * step)
+    return _least_spare(work.joints, work.n)
+
+
+@kernel
+def _first_begins(batch, step, good):
+    """Fraction of the step at which a joint that sticks first bears too little; NEVER in lanes where none does."""
+    work, n = batch.work, batch.work.n
+    at_hi = _least_spare(work.joints, n)  # at the end, which was evaluated last
+    batch.lane.spare_ahead = at_hi
+    flagged = at_hi < 0.0
+    for i in range(n):
+        flagged = flagged | ((work.joints.sliding[i] == 0.0) & (work.joints.overcome[i] != 0.0))
+    flagged = good & flagged
+    lo, at_lo = 0.0 * step, greater(batch.lane.spare, 0.0)
+    hi = where(flagged & (at_hi < 0.0), 1.0 + lo, NEVER)
+    doubtful = flagged & (at_hi >= 0.0)
+    if any_of(doubtful):  # a stage was beyond, the end is not: the joint may have let go in between
+        for k in range(2):
+            value = _spare_within(batch, step, 0.0 * step + PROBES[k])
+            found = doubtful & (value < 0.0)
+            hi, at_hi = where(found, PROBES[k], hi), where(found, value, at_hi)
+            doubtful = doubtful & ~found
+            lo, at_lo = where(doubtful, PROBES[k], lo), where(doubtful, value, at_lo)
+    return _closed_in(batch, step, flagged & (hi <= 1.0), lo, hi, at_lo, at_hi)
+
+
+@kernel
+def _closed_in(batch, step, open_, lo, hi, at_lo, at_hi):
+    """The fractions hi, moved down to just after nothing is left to spare, as stepping/bracket.py does it."""
+    moved = 0.0 * lo  # the end that moved last: -1 or 1
+    for _ in range(MOST_TRIALS):
+        width = hi - lo
+        open_ = open_ & (width > LATE) & (-at_hi * width > LATE * (at_lo - at_hi))
+        if not any_of(open_):
+            break
+        trial = lo + width * (at_lo / (at_lo - at_hi)) + 0.5 * LATE
+        trial = where((trial > lo) & (trial < hi), trial, 0.5 * (lo + hi))
+        value = _spare_within(batch, step, where(open_, trial, 1.0))
+        below, above = open_ & (value < 0.0), open_ & ~(value < 0.0)
+        at_lo = where(below & (moved > 0.0), 0.5 * at_lo, at_lo)
+        at_hi = where(above & (moved < 0.0), 0.5 * at_hi, at_hi)
+        hi, at_hi = where(below, trial, hi), where(below, value, at_hi)
+        lo, at_lo = where(above, trial, lo), where(above, value, at_lo)
+        moved = where(below, 1.0, where(above, -1.0, moved))
+    return hi
+
+
+# --- who slides from now on
+
+
+def _decide(batch, changed):
+    _decide_for(batch, changed)
+
+
+@kernel
+def _decide_for(batch, changed):
+    work, n = batch.work, batch.work.n
+    begin, between, joints = work.start, work.between, work.joints
+    if any_of(changed):
+        _take_all(between, begin)
+        stop_what_is_still(joints, between, n)
+        evaluate_lanes(batch, between, batch.lane.t)
+        for _ in range(2 * n + 2):
+            if not any_of(changed & change_directions(joints, between, n)):
+                break
+            evaluate_lanes(batch, between, batch.lane.t)
+        _take(begin, between, changed, 4, 6)
+        _take(begin, between, changed, 8, 11)
+        for i in range(n):
+            begin.sliding[i] = where(changed, joints.sliding[i], begin.sliding[i])
+        batch.lane.spare = where(changed, _least_spare(joints, n), batch.lane.spare)
+    for i in range(n):
+        joints.sliding[i] = begin.sliding[i]

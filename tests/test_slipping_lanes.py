@@ -1,0 +1,240 @@
+"""Columns whose joints slide, or that are off their axis, eight at once: closed forms, `simulate`, the same bits."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from math import cos, sin
+from pathlib import Path
+
+import numpy as np
+import pytest
+from lagrange import Array
+from probe import G, monolith, phocas
+from test_lanes import accelerate, in_lanes
+from test_sliding import off_axis_column, sliding_column, sliding_state
+from test_sliding_motion import flat_block
+
+from solver import Block, Column, InputError, Joint, Motion, Settings, simulate, simulate_many
+from solver.batch import BatchResult, run_batch
+from solver.chain import Chain
+from solver.kernels import layout as at
+from solver.kernels.batch.runs import SLIPPING_SPACE
+from solver.kernels.formulations.exact import Motion as BaseMotion
+from solver.kernels.formulations.exact import exact_accelerations
+from solver.kernels.jit import from_python
+from solver.kernels.lanes import WIDTH
+from solver.kernels.views import lanes_of
+from solver.packing import pack_model
+from solver.rest import is_stable
+from solver.single_run import single_run
+
+RECORDS = ("elcentro-1940-ns.AT2", "northridge-1994-arleta-360.AT2", "kobe-1995-nishi-akashi-090.AT2")
+_space = SLIPPING_SPACE.over
+
+
+# --- accelerations
+
+
+@from_python
+def accelerate_lanes(n: int, buffer: Array, base: Array) -> None:
+    """`exact_accelerations` of work.start of eight columns; base: ax, az, theta, omega, alpha."""
+    b, space = lanes_of(base), _space(lanes_of(buffer), n)
+    motion, work = BaseMotion(b[0], b[1], b[2], b[3], b[4]), space.work
+    exact_accelerations(space.model, work.start, motion, work.joints, work.hold, work.room)
+
+
+@pytest.mark.parametrize("make", [sliding_column, off_axis_column])
+@pytest.mark.parametrize("n", [1, 2, 5])
+def test_accelerations_are_those_of_each_column(make: Callable[[np.random.Generator, int], Column], n: int) -> None:
+    """Those of one column are held against Lagrange's equations in test_sliding.py."""
+    buffer = np.zeros((SLIPPING_SPACE.size(n), WIDTH))
+    space = SLIPPING_SPACE.see(buffer, n)  # names over rows of lanes
+    models, phases, motions = [], [], []
+    for k in range(WIDTH):
+        rng = np.random.default_rng([k, n])
+        column = make(rng, n)
+        q, rate, direction = sliding_state(rng, column, 10.0 ** rng.uniform(-4.0, -0.5))
+        zeros = np.zeros(n)
+        parts = [q[: 2 * n], rate[: 2 * n], zeros, zeros, q[2 * n :], zeros, rate[2 * n :], zeros, zeros, direction]
+        models.append(pack_model(column)[: at.MODEL.size(n)])
+        phases.append(np.concatenate(parts))
+        motions.append(rng.uniform(-1.0, 1.0, 5) * [column.g, column.g, 1.0, 2.0, 10.0])
+        space.work.joints.sliding[:, k] = direction
+    buffer[: at.MODEL.size(n)] = np.array(models).T
+    place = buffer.shape[0] - at.WORK.size(n)  # where `start` is, the first of the work
+    buffer[place : place + at.PHASE.size(n)] = np.array(phases).T
+    accelerate_lanes(n, buffer.reshape(-1), in_lanes(np.array(motions)))
+    for k in range(WIDTH):
+        phase, work = phases[k].copy(), np.zeros(at.WORK.size(n))
+        alone = at.WORK.see(work, n)
+        alone.joints.sliding[:] = at.PHASE.see(phase, n).sliding
+        accelerate(n, models[k].copy(), phase, work, motions[k].copy())
+        expected, found = at.PHASE.see(phase, n), space.work.start
+        largest = max(
+            np.max(np.abs(getattr(expected, f"{name}_acceleration"))) for name in ("theta", "opening", "slip")
+        )
+        for name in ("theta_acceleration", "opening_acceleration", "slip_acceleration"):
+            assert getattr(found, name)[:, k] == pytest.approx(getattr(expected, name), abs=1e-13 * largest), name
+        for name in ("tangential", "drift", "overcome"):
+            wanted = getattr(alone.joints, name)
+            scale = 1e-13 * max(1.0, float(np.max(np.abs(wanted))))
+            assert getattr(space.work.joints, name)[:, k] == pytest.approx(wanted, abs=scale), name
+
+
+# --- closed forms
+
+
+@pytest.mark.long  # compiles the lanes, as all below
+def test_newmarks_sliding_block_under_a_triangular_pulse() -> None:
+    """The block lags behind from where the base exceeds mu g until it has caught up with it."""
+    a, half = 0.6 * G, 0.1  # the base accelerates up to a within 0.1 s, and down to nothing in as many
+    motion = Motion.from_samples(half, [0.0, a, *[0.0] * 5])
+    coefficients = (0.15, 0.2, 0.3)
+    result = run_batch([flat_block(mu, tolerance=1e-5) for mu in coefficients], [motion] * 3)
+    for k, mu in enumerate(coefficients):
+        begin = half * mu * G / a
+        slow, fast = 0.5 * a * begin**2 / half, a * half
+        lasts = (fast - slow) / (mu * G)  # until both are equally fast again
+        base = a * (half**3 - begin**3) / (6.0 * half) + 5.0 / 6.0 * a * half**2 + fast * (begin + lasts - 2.0 * half)
+        assert begin + lasts > 2.0 * half
+        block = slow * lasts + 0.5 * mu * G * lasts**2
+        assert result.ends[k, 4] == pytest.approx(block - base, rel=1e-3)  # of the elastic bed
+        assert result.ends[k, 5] == 0.0
+
+
+@pytest.mark.long
+def test_on_an_inclined_joint() -> None:
+    angle = 0.3
+    blocks = [Block(0.5, 2.0, 1.0, 2000.0, Joint(5e8, 1e-3, friction=mu, inclination=angle)) for mu in (0.1, 0.2, 0.4)]
+    columns = [Column("plane", (block,), Settings(tolerance=1e-6)) for block in blocks]
+    result = run_batch(columns, [Motion.from_samples(0.01, np.zeros(101))] * 3)
+    for k, mu in enumerate((0.1, 0.2)):
+        assert result.ends[k, 4] == pytest.approx(0.5 * G * (sin(angle) - mu * cos(angle)), rel=2e-3)  # after 1 s
+    assert result.ends[2, 4] == 0.0
+
+
+# --- beside single runs
+
+
+def shaken(seed: int, n: int, count: int, off_axis: bool, records: Path) -> tuple[list[Column], list[Motion]]:
+    """Damped columns of n blocks under records that make them rock or slide."""
+    rng = np.random.default_rng([seed, n])
+    files = [Motion.from_at2(records / name) for name in RECORDS]
+    columns: list[Column] = []
+    motions: list[Motion] = []
+    while len(columns) < count:
+        width, blocks = rng.uniform(0.8, 1.6), []
+        for _ in range(n):
+            height, rigid = width * rng.uniform(0.8, 3.0), off_axis and rng.random() < 0.5
+            joint = Joint(
+                10.0 ** rng.uniform(8.5, 9.5), 10.0 ** rng.uniform(-3.0, -2.3),
+                friction=None if rigid else float(rng.uniform(0.1, 0.45)),
+                offset=float(rng.uniform(-0.1, 0.1)) * width if off_axis else None,
+            )  # fmt: skip
+            blocks.append(Block(height, width, width, 2400.0 * height * width**2, joint))
+        column = Column("random", tuple(blocks))
+        try:
+            pack_model(column)
+        except InputError:
+            continue
+        if is_stable(column):
+            columns.append(column)
+            least = min(width / sum(b.height for b in blocks), *(b.joint.friction or 1.0 for b in blocks), 1.0)
+            motions.append(files[len(columns) % 3].scaled_to(least * rng.uniform(1.0, 2.5) * G))
+    return columns, motions
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("off_axis", [False, True])
+@pytest.mark.parametrize("n", [1, 3])
+def test_the_tolerance_is_kept_within_ten_times(n: int, off_axis: bool, records: Path) -> None:
+    """Tops and slips, of runs that amplify a change of the motion by less than 100."""
+    duration, times = 8.0, np.linspace(0.0, 7.95, 160)
+    columns, motions = shaken(1, n, 8, off_axis, records)
+    chains = [Chain(column) for column in columns]
+
+    def alone(k: int, factor: float) -> tuple[Array, Array]:
+        motion = motions[k].scaled(factor)
+        column = columns[k].with_settings(tolerance=1e-9, without=("peaks",))
+        _, phases = single_run(column, motion, duration, motion.start + times, None, 0.0)
+        return chains[k].top_displacements(phases), phases[:, 4 * n : 5 * n]
+
+    truth = [alone(k, 1.0) for k in range(len(columns))]
+    sizes = [np.max(np.abs(ux)) for ux, _ in truth]
+    tame = [np.max(np.abs(alone(k, 1.0 + 1e-7)[0] - truth[k][0])) < 1e-5 * sizes[k] for k in range(len(columns))]
+    assert sum(tame) >= 6
+    assert sum(float(np.ptp(slip)) > 1e-3 for _, slip in truth) >= 3
+    for tolerance in (1e-3, 1e-5):
+        result = run_batch(columns, motions, [duration] * len(columns), tolerance=tolerance, times=times)
+        assert np.all(result.finished)
+        for k in np.flatnonzero(tame).tolist():
+            ux, slip = truth[k]
+            phases = result.phases[k]
+            error = np.max(np.abs(chains[k].top_displacements(phases) - ux))
+            error = max(error, np.max(np.abs(phases[:, 4 * n : 5 * n] - slip)))
+            assert error <= 10.0 * tolerance * sizes[k]
+
+
+@pytest.mark.long
+def test_an_ordinary_column_whose_friction_is_never_reached_has_the_bits_of_ordinary_lanes() -> None:
+    motions = [Motion.harmonic(0.06 * G, f, 2.0) for f in (1.3, 2.0, 2.4)]
+    column = phocas(1e-3)
+    rough = replace(
+        column, blocks=tuple(replace(block, joint=replace(block.joint, friction=9.0)) for block in column.blocks)
+    )
+    plain, slipping = (run_batch([made] * 3, motions, tolerance=1e-4) for made in (column, rough))
+    assert np.array_equal(plain.steps, slipping.steps)
+    assert np.array_equal(plain.peak_ux, slipping.peak_ux)
+    assert np.array_equal(plain.ends, slipping.ends[:, :12])
+
+
+def parts_of(result: BatchResult, k: int) -> list[Array]:
+    return [result.peak_ux[k], result.steps[k], result.ends[k], result.phases[k]]
+
+
+@pytest.mark.long
+def test_what_comes_of_a_run_depends_on_no_other_nor_on_order_and_threads() -> None:
+    columns, motions = [], []
+    for seed in range(11):
+        rng = np.random.default_rng(seed)
+        joints = [Joint(1e9, 2e-3, friction=rng.uniform(0.1, 0.3), offset=0.05 if seed % 3 == 0 else None)] * 2
+        columns.append(Column("two", tuple(Block(1.0, 1.0, 1.0, 2400.0, joint) for joint in joints)))
+        motions.append(Motion.harmonic(rng.uniform(0.2, 0.5) * G, rng.uniform(1.0, 3.0), 1.0 + 0.1 * seed))
+    times = np.array([0.0, 0.5, 0.7])
+    together = run_batch(columns, motions, times=times)
+    assert np.count_nonzero(np.abs(together.ends[:, 8]) > 1e-3) > 5  # they slide
+    order = np.random.default_rng(1).permutation(len(columns))
+    shuffled = run_batch([columns[k] for k in order], [motions[k] for k in order], times=times, threads=2)
+    for place, k in enumerate(order):
+        alone = run_batch([columns[k]], [motions[k]], times=times)
+        for one, other, third in zip(parts_of(together, k), parts_of(shuffled, place), parts_of(alone, 0), strict=True):
+            assert np.array_equal(one, other)
+            assert np.array_equal(one, third)
+
+
+@pytest.mark.long
+def test_many_runs_and_ensembles_are_made_in_lanes() -> None:
+    top = Block(1.2, 0.8, 0.8, 1800.0, Joint(4e8, 3e-3, friction=0.25))
+    low = Block(1.5, 1.0, 1.0, 3500.0, Joint(6e8, 3e-3, friction=0.3, offset=0.02))
+    column = Column("two", (top, low), Settings(tolerance=1e-5))
+    motions = [Motion.harmonic(a * G, 2.0, 1.0) for a in (0.3, 0.46, 0.6)]
+    keep = ("peak_ux", "residual_ux", "residual_slip", "residual_theta", "energy", "verdict", "path")
+    table = simulate_many([column, phocas(1e-3), column, column], [motions[0], *motions], keep=keep, settle=0.0)
+    assert list(table["path"]) == ["lanes"] * 4
+    for k, motion in ((0, motions[0]), (2, motions[1]), (3, motions[2])):
+        single = simulate(column, motion, tolerance=1e-8, settle=0.0)
+        largest = np.max(single.peak_ux)
+        assert table["verdict"][k] == single.verdict
+        for name, expected in (("peak_ux", single.peak_ux), ("residual_ux", single.ux[-1])):
+            assert table[name][k, :2] == pytest.approx(expected, abs=1e-3 * largest), name
+        assert table["residual_slip"][k, :2] == pytest.approx(single.slip[-1], abs=1e-3 * largest)
+    found = simulate(column, motions[0], ensemble=3, settle=0.0).ensemble
+    assert found is not None
+    assert found.in_lanes
+
+
+@pytest.mark.long
+def test_columns_with_slips_and_without_are_no_batch() -> None:
+    with pytest.raises(InputError, match=r"columns\[1\]: must slide or be off its axis as all others"):
+        run_batch([flat_block(), monolith()], [Motion.harmonic(1.0, 2.0, 0.1)] * 2)
