@@ -74,6 +74,23 @@ class Experiment:
 
 
 @dataclass(frozen=True)
+class About:
+    """What a model description tells of an FMU beside its variables.
+
+    name: also the model identifier. identity: text that binary and description share. flags: the capabilities. tool:
+    what made it.
+    """
+
+    name: str
+    identity: str
+    description: str
+    version: str
+    experiment: Experiment
+    flags: Mapping[str, bool | int]
+    tool: str
+
+
+@dataclass(frozen=True)
 class Standard:
     """What a version of FMI calls things.
 
@@ -88,28 +105,20 @@ class Standard:
     units: frozenset[str] = frozenset()
 
 
-def beginning(
-    standard: Standard,
-    name: str,
-    identity: str,
-    description: str,
-    version: str,
-    table: list[Variable],
-    experiment: Experiment,
-    flags: Mapping[str, bool | int],
-    tool: str,
-) -> Element:
+def beginning(standard: Standard, about: About, table: list[Variable]) -> Element:
     """The root element with all that stands before the variables."""
-    words = {"fmiVersion": standard.version, "modelName": name, standard.identity: identity, "description": description}
-    words |= {"version": version, "author": AUTHOR, "license": LICENCE, "generationDateAndTime": date()}
-    words |= {"generationTool": tool, "variableNamingConvention": "structured"}
+    words = {"fmiVersion": standard.version, "modelName": about.name, standard.identity: about.identity}
+    words |= {"description": about.description, "version": about.version, "author": AUTHOR, "license": LICENCE}
+    words |= {"generationDateAndTime": date(), "generationTool": about.tool, "variableNamingConvention": "structured"}
     root = Element("fmiModelDescription", words | dict(standard.root))
-    SubElement(root, "CoSimulation", {"modelIdentifier": name, **{key: shown(flag) for key, flag in flags.items()}})
+    flags = {key: shown(flag) for key, flag in about.flags.items()}
+    SubElement(root, "CoSimulation", {"modelIdentifier": about.name, **flags})
     _add_units(root, {variable.unit for variable in table if variable.unit} | standard.units)
     _add_choices(root, standard, {variable.choice.name: variable.choice for variable in table if variable.choice})
     categories = SubElement(root, "LogCategories")
     for category, text in LOG_CATEGORIES.items():
         SubElement(categories, "Category", name=category, description=text)
+    experiment = about.experiment
     times = {"startTime": experiment.start, "stopTime": experiment.stop, "stepSize": experiment.step}
     SubElement(root, "DefaultExperiment", {key: shown(value) for key, value in times.items()})
     return root

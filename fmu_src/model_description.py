@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from xml.etree.ElementTree import Element, SubElement
 
 from solver.column import Column
 
-from .description_parts import INITIAL, Experiment, Standard, attributes, beginning, by_role
+from .description_parts import INITIAL, About, Standard, attributes, beginning, by_role
 from .variables import Variable
 
 FMI_2 = Standard("2.0", "guid", ("SimpleType", "Enumeration"), {"numberOfEventIndicators": "0"})
@@ -30,22 +29,10 @@ def column_description(column: Column) -> str:
     return f"Column of {column.n} rigid {blocks} with no-tension elastic joints under base acceleration"
 
 
-def model_description(
-    name: str,
-    guid: str,
-    description: str,
-    version: str,
-    table: list[Variable],
-    experiment: Experiment,
-    flags: Mapping[str, bool | int] = FLAGS,
-    tool: str = "build_fmu.py with PythonFMU",
-) -> Element:
-    """The root element; `name` is also the model identifier, `flags` are the capabilities, `tool` is what made it.
-
-    Inputs come first, then outputs, then parameters, otherwise as in the table.
-    """
+def model_description(about: About, table: list[Variable]) -> Element:
+    """The root element. Inputs come first, then outputs, then parameters, otherwise as in the table."""
     table = by_role(table)
-    root = beginning(FMI_2, name, guid, description, version, table, experiment, flags, tool)
+    root = beginning(FMI_2, about, table)
     listed = SubElement(root, "ModelVariables")
     for variable in table:
         listed.append(_scalar_variable(variable))

@@ -7,10 +7,10 @@ the first.
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Mapping
+from collections.abc import Collection
 from xml.etree.ElementTree import Element, SubElement
 
-from .description_parts import INITIAL, Experiment, Standard, attributes, beginning, by_role, shown
+from .description_parts import INITIAL, About, Standard, attributes, beginning, by_role, shown
 from .variables import Variable, array_of
 
 FMI_3 = Standard("3.0", "instantiationToken", ("EnumerationType",), units=frozenset({"s"}))
@@ -25,20 +25,10 @@ KINDS = {
 TERMINAL = "base"  # motion in, reaction and effective mass out
 
 
-def model_description3(
-    name: str,
-    token: str,
-    description: str,
-    version: str,
-    table: list[Variable],
-    experiment: Experiment,
-    flags: Mapping[str, bool | int],
-    tool: str,
-    followed: Collection[str] = (),
-) -> Element:
+def model_description3(about: About, table: list[Variable], followed: Collection[str] = ()) -> Element:
     """The root element; followed: inputs that may be given within a step (intermediate update)."""
     arrays = grouped(table)
-    root = beginning(FMI_3, name, token, description, version, table, experiment, flags, tool)
+    root = beginning(FMI_3, about, table)
     listed = SubElement(root, "ModelVariables")
     time = {"name": "time", "valueReference": str(TIME_REFERENCE), "causality": "independent"}
     SubElement(listed, "Float64", {**time, "variability": "continuous", "description": "Time", "unit": "s"})

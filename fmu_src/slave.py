@@ -28,9 +28,9 @@ from solver.kernels import layout as at
 from solver.stepper import SILENCE, Stepper
 
 from . import rules, state
-from .description_parts import LOG_CATEGORIES, Experiment
+from .description_parts import LOG_CATEGORIES, About, Experiment
 from .host import compile_by, finalize_at_exit, leave_search_path, survive_exception
-from .model_description import column_description, model_description
+from .model_description import FLAGS, column_description, model_description
 from .record import Record, read_motion
 from .variables import (
     AX,
@@ -52,6 +52,7 @@ from .variables import (
     variables,
 )
 
+TOOL = "build_fmu.py with PythonFMU"
 COLUMN_FILE = "column.json"
 GUID_FILE = "guid.txt"
 RECORD_FOLDER = "record"  # holds the record inside the FMU, if there is one
@@ -144,7 +145,8 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
         if self._own_record:
             motion = read_motion(self._own_record)
             experiment = Experiment(motion.start, motion.end, Record(motion).dt)
-        return model_description(self._column.name, str(self.guid), text, __version__, self._table, experiment)
+        about = About(self._column.name, str(self.guid), text, __version__, experiment, FLAGS, TOOL)
+        return model_description(about, self._table)
 
     # --- lifecycle
 

@@ -420,7 +420,7 @@ def _parameters(column: Column, record: str) -> list[Variable]:
         )
 
     rows = [parameter("g", "m/s2", "Acceleration of gravity", column.g)]
-    for i, block in enumerate((block.written_out() for block in column.blocks), start=1):
+    for i, block in enumerate(column.blocks, start=1):
         for key, (unit, text, optional) in _BLOCK_PARAMETERS.items():
             rows.append(parameter(f"block[{i}].{key}", unit, text.format(i=i), getattr(block, key), optional))
     for i, block in enumerate(column.blocks, start=1):

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from .errors import InputError, check_number, shown
+from .kernels.column.solids import homogeneous, solid_between
 from .kernels.joint.section import ANNULUS, RECTANGLE, SECTIONS, STRIPS, whole
 from .kernels.layout import MOST_STRIPS
 from .ranges import LENGTH, NUMBERS, check, check_choice
-from .solids import Solid, solid_between
 
 BLOCK_SECTIONS = tuple(name for name in SECTIONS if name != "strips")  # strips are of contacts only
 
@@ -53,11 +53,27 @@ class Block:
     tilt: float | None = None  # rad, of the block against the normal of the joint under it as built, clockwise
 
     @property
-    def solid(self) -> Solid:
-        """Volume, centroid and inertia of the block if it is homogeneous and of density 1 kg/m3."""
-        bottom = (self.width, self.depth)
-        top = (self.top_width or self.width, self.top_depth or self.depth)
-        return solid_between(SECTIONS.index(self.section), self.height, bottom, top, self.bore or 0.0)
+    def shape(self) -> tuple[float, float, float, float]:
+        """Code of the section, inner diameter m, width and depth of the top face m; 0 where it is like the bottom."""
+        return float(SECTIONS.index(self.section)), self.bore or 0.0, self.top_width or 0.0, self.top_depth or 0.0
+
+    @property
+    def volume(self) -> float:
+        """Volume of the block, m3."""
+        if self.is_cuboid:
+            return self.height * self.width * self.depth
+        section, bore, *top = self.shape
+        volume: float = solid_between(section, self.height, self.width, self.depth, *top, bore).volume
+        return volume
+
+    @property
+    def homogeneous(self) -> tuple[float, float]:
+        """Centroid m above the bottom face and inertia kg m2 about it, if the block is homogeneous."""
+        section, bore, *top = self.shape
+        middle: float
+        turning: float
+        middle, turning = homogeneous(self.mass, section, self.height, self.width, self.depth, *top, bore)
+        return middle, turning
 
     @property
     def is_cuboid(self) -> bool:
@@ -67,25 +83,12 @@ class Block:
     @property
     def resolved_centroid(self) -> float:
         """Height of the centroid above the bottom face, m."""
-        if self.centroid is None:
-            return 0.5 * self.height if self.is_cuboid else self.solid.centroid
-        return self.centroid
+        return self.homogeneous[0] if self.centroid is None else self.centroid
 
     @property
     def resolved_inertia(self) -> float:
         """Moment of inertia about the centroid, kg m2."""
-        if self.inertia is not None:
-            return self.inertia
-        if self.is_cuboid:
-            return self.mass * (self.height * self.height + self.width * self.width) / 12.0
-        solid = self.solid
-        return self.mass / solid.volume * solid.inertia
-
-    def written_out(self) -> Block:
-        """The block with its centroid and inertia as numbers, where they are not those of a cuboid."""
-        if self.is_cuboid:
-            return self
-        return replace(self, centroid=self.resolved_centroid, inertia=self.resolved_inertia)
+        return self.homogeneous[1] if self.inertia is None else self.inertia
 
     @property
     def joint_section(self) -> int:
@@ -141,6 +144,7 @@ class Rule:
 
 BORE_RELATION = "must be less than the outer diameter"
 STRIP_RELATION = "must not exceed the block's depth"
+DOWEL_RELATION = "needs friction; a joint without friction never slides"
 # in the order in which they are checked
 BLOCK_RULES = (
     *(Rule(key) for key in ("height", "width", "depth", "mass")),
@@ -234,4 +238,4 @@ def check_friction(key: str, joint: Joint) -> None:
         if getattr(joint, name) is not None:
             check(f"{key}.{name}", getattr(joint, name))
     if joint.dowel is not None and joint.friction is None:
-        raise InputError(f"{key}.dowel = {joint.dowel:g}: needs friction; a joint without friction never slides")
+        raise InputError(f"{key}.dowel = {shown(joint.dowel)}: {DOWEL_RELATION}")

@@ -12,7 +12,6 @@ from .block import BLOCK_SECTIONS, Block, Joint, check_block
 from .errors import InputError, check_number, shown
 from .ranges import LENGTH, MAX_BLOCKS, NUMBERS, check, check_choice, listed
 from .settings import Settings
-from .solids import with_load
 
 ROUND = ("circle", "annulus")
 
@@ -140,8 +139,7 @@ def _block_from(key: str, table: Mapping[str, Any], joint_defaults: Mapping[str,
     if "density" in table:
         if not block.is_cuboid:
             check_block(key, block)
-        volume = block.height * block.width * block.depth if block.is_cuboid else block.solid.volume
-        block = replace(block, mass=_number(key, table, "density") * volume)
+        block = replace(block, mass=_number(key, table, "density") * block.volume)
     return _loaded(key, table, block) if "load" in table else block
 
 
@@ -202,3 +200,10 @@ def plain(items: list[tuple[str, Any]]) -> dict[str, Any]:
     """Make a dict of dataclass fields without those that are None, numpy's scalars as floats, names in lists."""
     plain: dict[str, Callable[[Any], Any]] = dict.fromkeys(NUMBERS, float) | {"without": list}
     return {key: plain[key](value) if key in plain else value for key, value in items if value is not None}
+
+
+def with_load(mass: float, centroid: float, inertia: float, load: float, place: float) -> tuple[float, float, float]:
+    """Mass kg, centroid m and inertia kg m2 of a body and a load, a mass of no size at a height of `place` m."""
+    both = mass + load
+    middle = (mass * centroid + load * place) / both
+    return both, middle, inertia + mass * (centroid - middle) ** 2 + load * (place - middle) ** 2

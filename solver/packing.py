@@ -162,20 +162,19 @@ def described(column: Column) -> FloatArray:
         "without": sum(SKIP_CODES[name] for name in set(settings.without)),
     }
     given = [values[name] for name in GIVEN_SETTINGS.fields]
-    for block in (block.written_out() for block in column.blocks):
+    for block in column.blocks:
         given += [getattr(block, name) or 0.0 for name in GIVEN_BLOCK]
         given += [getattr(block.joint, name) or 0.0 for name in GIVEN_JOINT]
-        given += section_of(block)
+        given += shape_of(block)
     assert len(given) == GIVEN_SETTINGS.beside + GIVEN.beside * column.n
     return np.array(given, dtype=np.float64)
 
 
-def section_of(block: Block) -> list[float]:
-    """The numbers of the section of the contact under a block (engine.py, GIVEN_SECTION)."""
+def shape_of(block: Block) -> list[float]:
+    """The numbers of a block's shape and of the contact under it (engine.py, GIVEN_SHAPE)."""
     strips = block.joint.strips or ()
     unused = [0.0] * (at.MOST_STRIPS - len(strips))
-    top = block.top_width or 0.0
-    return [float(block.joint_section), block.joint_bore, top, float(len(strips)), *strips, *unused]
+    return [*block.shape, float(block.joint_section), block.joint_bore, float(len(strips)), *strips, *unused]
 
 
 def carried_weights(column: Column) -> FloatArray:

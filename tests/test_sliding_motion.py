@@ -296,7 +296,7 @@ def test_what_knows_no_sliding_says_so(change: dict[str, str], told: str) -> Non
 
 
 def test_wrong_values_are_told() -> None:
-    with pytest.raises(InputError, match=r"block\[1\].joint.dowel = 5: needs friction"):
+    with pytest.raises(InputError, match=r"block\[1\].joint.dowel = 5.0: needs friction"):
         Column("one", (Block(1.0, 1.0, 1.0, 2000.0, Joint(1e9, 0.0, dowel=5.0)),))
     with pytest.raises(InputError, match=r"block\[1\].joint.friction = 0.0: must be a positive coefficient"):
         flat_block(mu=0.0)

@@ -13,8 +13,10 @@ from fmus import ROOT
 from scipy.integrate import quad
 
 from solver import Column, InputError
+from solver.column_file import with_load
+from solver.kernels.column.solids import solid_between
 from solver.kernels.joint.section import ANNULUS, CIRCLE, RECTANGLE
-from solver.solids import solid_between, with_load
+from solver.packing import model_of
 
 EXAMPLES = sorted((ROOT / "examples" / "columns").glob("*.toml"))
 
@@ -22,7 +24,7 @@ EXAMPLES = sorted((ROOT / "examples" / "columns").glob("*.toml"))
 def test_a_frustum_of_a_cone_has_the_volume_and_centroid_of_the_textbook() -> None:
     low, high, height = 0.9, 0.6, 2.5
     sum_of_squares = low * low + low * high + high * high
-    solid = solid_between(CIRCLE, height, (2.0 * low, 2.0 * low), (2.0 * high, 2.0 * high))
+    solid = solid_between(CIRCLE, height, 2.0 * low, 2.0 * low, 2.0 * high, 2.0 * high)
     assert solid.volume == pytest.approx(math.pi * height / 3.0 * sum_of_squares, rel=1e-14)
     expected = height / 4.0 * (low * low + 2.0 * low * high + 3.0 * high * high) / sum_of_squares
     assert solid.centroid == pytest.approx(expected, rel=1e-14)
@@ -30,11 +32,11 @@ def test_a_frustum_of_a_cone_has_the_volume_and_centroid_of_the_textbook() -> No
 
 def test_a_cylinder_a_tube_and_a_cuboid_have_the_inertia_of_the_textbook() -> None:
     height, outer, inner = 2.5, 0.8, 0.3
-    full = solid_between(CIRCLE, height, (1.6, 1.6), (1.6, 1.6))
+    full = solid_between(CIRCLE, height, 1.6, 1.6)
     assert full.inertia == pytest.approx(full.volume * (3.0 * outer**2 + height**2) / 12.0, rel=1e-14)
-    tube = solid_between(ANNULUS, height, (1.6, 1.6), (1.6, 1.6), 0.6)
+    tube = solid_between(ANNULUS, height, 1.6, 1.6, bore=0.6)
     assert tube.inertia == pytest.approx(tube.volume * (3.0 * (outer**2 + inner**2) + height**2) / 12.0, rel=1e-14)
-    cuboid = solid_between(RECTANGLE, height, (1.6, 1.2), (1.6, 1.2))
+    cuboid = solid_between(RECTANGLE, height, 1.6, 1.2)
     assert cuboid == pytest.approx((4.8, 1.25, 4.8 * (height**2 + 1.6**2) / 12.0), rel=1e-14)
 
 
@@ -53,8 +55,15 @@ def test_what_tapers_is_the_integral_over_its_slices(section: int) -> None:
     volume = quad(lambda z: slice_at(z)[0], 0.0, height)[0]
     centroid = quad(lambda z: slice_at(z)[0] * z, 0.0, height)[0] / volume
     inertia = quad(lambda z: slice_at(z)[1] + slice_at(z)[0] * (z - centroid) ** 2, 0.0, height)[0]
-    found = solid_between(section, height, bottom, top, bore)
+    found = solid_between(section, height, *bottom, *top, bore)
     assert found == pytest.approx((volume, centroid, inertia), rel=1e-13)
+
+
+def test_the_kernels_work_out_what_python_does() -> None:
+    some = column(DRUM | {"top_diameter": 1.2}, {**DRUM, "section": "annulus", "bore": 0.4, "top_diameter": 1.1}, BRICK)
+    packed = model_of(some).blocks
+    assert list(packed.centroid) == [block.resolved_centroid for block in some.blocks]
+    assert list(packed.inertia) == [block.resolved_inertia for block in some.blocks]
 
 
 def test_a_load_is_a_mass_of_no_size() -> None:
@@ -67,6 +76,9 @@ def test_a_load_is_a_mass_of_no_size() -> None:
 
 JOINT = {"stiffness": 5e9, "damping": 1e-3}
 DRUM: dict[str, Any] = {"section": "circle", "height": 2.0, "diameter": 1.5, "density": 2600.0}
+
+
+BRICK: dict[str, Any] = {"height": 1.2, "width": 1.9, "depth": 0.8, "top_depth": 0.7, "density": 2600.0}
 
 
 def column(*blocks: dict[str, Any], **rest: Any) -> Column:

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from fmus import ROOT
 
-from fmu_src.description_parts import Experiment
+from fmu_src.description_parts import About, Experiment
 from fmu_src.model_description import model_description
 from fmu_src.variables import CHOICES, FAMILIES, FAMILY, REFERENCES, ROLES, column_from, variables
 from solver import Block, Column, InputError, Joint
@@ -52,7 +52,7 @@ def test_no_number_is_given_twice() -> None:
 
 def test_inputs_come_first_then_outputs_then_parameters() -> None:
     table = variables(stack(3))
-    root = model_description("stack", "{}", "", "1", list(reversed(table)), Experiment())
+    root = model_description(About("stack", "{}", "", "1", Experiment(), {}, ""), list(reversed(table)))
     for roles in (
         [variable.causality for variable in table],
         [element.get("causality") for element in root.iter("ScalarVariable")],

@@ -12,7 +12,7 @@ from xml.etree.ElementTree import Element
 
 from partner_kernels import REASONS, law_of, sources
 
-from fmu_src.description_parts import Experiment
+from fmu_src.description_parts import About, Experiment
 from fmu_src.model_description import FLAGS, model_description
 from fmu_src.native.machine_code import Kernels
 from fmu_src.native.package import compiled, identified
@@ -61,7 +61,8 @@ def description(
 ) -> Element:
     """The root element of the model description."""
     table = variables(law) if table is None else table
-    return model_description(law.TITLE, guid, law.ABOUT, VERSION, table, experiment or Experiment(), flags, tool)
+    about = About(law.TITLE, guid, law.ABOUT, VERSION, experiment or Experiment(), flags, tool)
+    return model_description(about, table)
 
 
 def subject(law: ModuleType) -> Subject:

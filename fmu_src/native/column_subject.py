@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from solver.block import BLOCK_RULES, BORE_RELATION, STRIP_RELATION
+from solver.block import BLOCK_RULES, BORE_RELATION, DOWEL_RELATION, STRIP_RELATION
 from solver.column import Column
 from solver.kernels import engine, pointers
 from solver.kernels import layout as at
-from solver.packing import FORMULATION_CODES, INTEGRATOR_CODES, SKIP_CODES, section_of
+from solver.packing import FORMULATION_CODES, INTEGRATOR_CODES, SKIP_CODES, shape_of
 from solver.ranges import LENGTH, NUMBERS
 from solver.settings import SKIPS
 from solver.stepper import REASONS
@@ -98,7 +98,7 @@ def _given(column: Column) -> list[str | float]:
     for i, block in enumerate(column.blocks, start=1):
         names += [f"block[{i}].{name}" for name in pointers.GIVEN_BLOCK]
         names += [f"joint[{i}].{name}" for name in pointers.GIVEN_JOINT]
-        names += section_of(block)
+        names += shape_of(block)
     return names
 
 
@@ -112,9 +112,7 @@ def _checks(column: Column) -> list[Check]:
         for rule in BLOCK_RULES:
             name = f"joint[{i}].{rule.key}" if rule.of_joint else f"block[{i}].{rule.key}"
             bound = f"block[{i}].{rule.bound}" if rule.bound else ""
-            # a homogeneous block is worked out here only where it is a cuboid
-            optional = rule.optional and (rule.of_joint or block.is_cuboid)
-            rows.append(Check(name, *NUMBERS[rule.key], optional, bound, rule.strict, rule.relation))
+            rows.append(Check(name, *NUMBERS[rule.key], rule.optional, bound, rule.strict, rule.relation))
             if rule.key == "mass" and block.bore is not None:
                 rows.append(_bore(f"block[{i}].bore", block.bore, f"block[{i}].width"))
         if block.joint_bore:
@@ -122,8 +120,10 @@ def _checks(column: Column) -> list[Check]:
         for k, depth in enumerate(block.joint.strips or ()):
             name = f"joint[{i}].strips[{k}]"
             rows.append(Check(name, *FIXED_LENGTH, False, f"block[{i}].depth", False, STRIP_RELATION, depth))
-        others = [f"joint[{i}].{key}" for key in ("offset", "inclination", "friction", "dowel")]
-        rows += [Check(name, *NUMBERS[name.rpartition(".")[2]], True) for name in (*others, f"block[{i}].tilt")]
+        others = (f"joint[{i}].offset", f"joint[{i}].inclination", f"block[{i}].tilt", f"joint[{i}].friction")
+        rows += [Check(name, *NUMBERS[name.rpartition(".")[2]], True) for name in others]
+        needs = f"joint[{i}].friction"
+        rows.append(Check(f"joint[{i}].dowel", *NUMBERS["dowel"], True, relation=DOWEL_RELATION, needs=needs))
     rows += [Check(f"solver.{key}", *NUMBERS[key]) for key in ("step", "tolerance")]
     return [*rows, Check(RECORD_SCALE, *rules.SCALE_LIMITS)]
 

@@ -26,7 +26,9 @@ typedef struct {
     double fixed, low, high;
     int optional; /* 0 stands for "not given" */
     const char *meaning;
-    int bound, otherwise, strict; /* another variable that is not to be exceeded, or has to be larger; where it is 0 */
+    int bound, otherwise; /* another variable that is not to be exceeded; where that is 0 */
+    int needs; /* another variable that may not be 0 */
+    int strict; /* whether the bound has to be larger */
     const char *relation;
 } Check;
 typedef struct { int64_t code; const char *text; } Reason;
@@ -221,6 +223,10 @@ static int find_fault(const Moment *moment, char *reason) {
         if (check->optional && given_value == 0.0) continue;
         if (!(check->low <= given_value && given_value <= check->high)) {
             snprintf(reason, MESSAGE, "%s = %s: %s", check->name, shown(given_value, value), check->meaning);
+            return 1;
+        }
+        if (check->needs >= 0 && real_at(moment, check->needs) == 0.0) {
+            snprintf(reason, MESSAGE, "%s = %s: %s", check->name, shown(given_value, value), check->relation);
             return 1;
         }
         if (check->bound < 0) continue;

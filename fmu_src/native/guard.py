@@ -41,7 +41,7 @@ def _library() -> bytes:
         return kept.read_bytes()
     with tempfile.TemporaryDirectory(prefix="guard_") as folder:
         output = Path(folder) / "guard.so"
-        compile_c(target, [SOURCE, "-ldl"], output)
+        compile_c(target, [SOURCE], output, options=["-ldl"])
         content = output.read_bytes()
     with contextlib.suppress(OSError):  # no room: made again next time
         kept.parent.mkdir(parents=True, exist_ok=True)

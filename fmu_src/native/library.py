@@ -6,6 +6,8 @@ import importlib.util
 import subprocess
 import sys
 import tempfile
+import time
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -14,14 +16,21 @@ from solver.executors import cores
 
 from . import symbols
 from .machine_code import COLUMN, Kernels, object_code
-from .platforms import PLATFORMS, Target
+from .platforms import PLATFORMS, WINDOWS, Target
 
 FACES = {2: "fmi2.c", 3: "fmi3.c"}  # version of FMI -> the face around the core
 OWN_HEADERS = (Path(__file__).with_name("core.h"),)
 OPTIONS = (
-    *("-std=c11", "-O2", "-shared", "-fPIC", "-fvisibility=hidden", "-ffp-contract=off", "-s"),
+    *("-std=c11", "-O2", "-fPIC", "-fvisibility=hidden", "-ffp-contract=off"),
     *("-Wall", "-Wextra", "-Werror"),
 )
+# what a library for Windows takes from the system's C library; what is missing here fails to link
+OF_WINDOWS = (
+    *("atan2", "expm1", "hypot", "pow", "asin", "log"),
+    *("calloc", "malloc", "free", "strtod", "atoi", "__stdio_common_vsprintf"),
+    *("memcmp", "memcpy", "memset", "strchr", "strcmp", "strcpy", "strlen"),
+)
+BESIDE_WINDOWS = Path(__file__).with_name("windows.c")
 
 
 def sources(fmi: int) -> tuple[Path, ...]:
@@ -52,14 +61,40 @@ def headers() -> Path:
     return Path(spec.origin).parent / "c-code"
 
 
-def compile_c(target: Target, sources: list[Path | str], output: Path) -> None:
-    """Compile and link a shared library. Raises OSError."""
-    command = [sys.executable, "-m", "ziglang", "cc", "-target", target.linker, *OPTIONS, f"-I{headers()}"]
-    done = subprocess.run(
-        [*command, *map(str, sources), "-o", str(output)], capture_output=True, text=True, check=False
-    )
+def compile_c(
+    target: Target, sources: Sequence[Path], output: Path, includes: Sequence[Path] = (), options: Sequence[str] = ()
+) -> None:
+    """Compile what is C and link all to a shared library. Raises OSError.
+
+    It is linked upon the system's own C library alone: whatever else zig links by itself, it would have to build first.
+    """
+    folder, compiler = output.parent, ("cc", "-target", target.linker)
+    searched = [f"-I{place}" for place in (headers(), *includes)]
+    beside = [BESIDE_WINDOWS] if target == WINDOWS else []
+    linked = []
+    for source in (*sources, *beside):
+        linked.append(folder / f"{source.stem}.o" if source.suffix == ".c" else source)
+        if source.suffix == ".c":
+            _zig(*compiler, *OPTIONS, *searched, "-c", source, "-o", linked[-1])
+    if target == WINDOWS:
+        linked.append(_imports(folder))
+    _zig(*compiler, "-shared", "-s", "-nostdlib", *linked, *target.system, *options, "-o", output)
+
+
+def _imports(folder: Path) -> Path:
+    """The import library of what comes from the C library of Windows."""
+    definition, made = folder / "imports.def", folder / "imports.lib"
+    definition.write_text("\n".join(("LIBRARY ucrtbase.dll", "EXPORTS", *OF_WINDOWS)), encoding="utf-8")
+    _zig("dlltool", "-m", "i386:x86-64", "-d", definition, "-l", made)
+    return made
+
+
+def _zig(*arguments: Path | str) -> None:
+    """Run the compiler, or a tool that comes with it. Raises OSError."""
+    command = [sys.executable, "-m", "ziglang", *map(str, arguments)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode:
-        raise OSError(f"{target.linker}: the compiler failed\n{done.stderr}")
+        raise OSError(f"{' '.join(command[3:])}: failed\n{done.stderr}")
 
 
 def libraries(
@@ -80,9 +115,11 @@ def libraries(
             (folder / file).write_text(text, encoding="utf-8")
 
         def made(platform: str) -> bytes:
+            begun = time.perf_counter()
             suffix, parts = known[platform].suffix, known[platform].targets
             content = symbols.universal([_linked(name, part, suffix, folder, codes[part], fmi) for part in parts])
-            print(f"library linked: {platform}, {len(content) / 1e3:.0f} kB", file=sys.stderr, flush=True)
+            size, taken = len(content) / 1e3, time.perf_counter() - begun
+            print(f"library linked: {platform}, {size:.0f} kB, in {taken:.1f} s", file=sys.stderr, flush=True)
             return content
 
         with ThreadPoolExecutor(cores()) as several:
@@ -95,10 +132,9 @@ def _linked(name: str, target: Target, suffix: str, headers: Path, code: bytes, 
     with tempfile.TemporaryDirectory(dir=headers) as temporary:
         kernels, output = Path(temporary) / "kernels.o", Path(temporary) / f"library{suffix}"
         kernels.write_bytes(code)
-        options: list[Path | str] = [f"-I{headers}", *sources(fmi), kernels, "-lm"]
-        if suffix == ".dylib":  # else the path that it was linked at
-            options.append(f"-Wl,-install_name,@rpath/{name}.dylib")
-        compile_c(target, options, output)
+        # else the path that it was linked at
+        options = [f"-Wl,-install_name,@rpath/{name}.dylib"] if suffix == ".dylib" else []
+        compile_c(target, [*sources(fmi), kernels], output, [headers], options)
         return output.read_bytes()
 
 

@@ -13,13 +13,13 @@ from solver.column import Column
 from solver.motion import Motion
 
 from .. import documentation
-from ..description_parts import Experiment
+from ..description_parts import About, Experiment
 from ..model_description import FLAGS, column_description, model_description
 from ..model_description3 import model_description3, terminals
 from ..record import Record
 from ..variables import variables
 from .column_subject import column_subject
-from .library import OWN_HEADERS, libraries, sources
+from .library import BESIDE_WINDOWS, OWN_HEADERS, libraries, sources
 from .machine_code import COLUMN, Kernels, made_with
 from .platforms import PLATFORMS
 from .source import describe_sources, source_files
@@ -59,8 +59,9 @@ def contents_of(column: Column, record: Motion | None = None, record_name: str =
 
 def identified(contents: Contents, kernels: Kernels, fmi: int, *texts: str) -> Contents:
     """The same under a GUID that follows from all that its libraries are made of."""
+    files = (*sources(fmi), *OWN_HEADERS, BESIDE_WINDOWS)
     parts = [*texts, made_with(kernels), *headers(contents).values()]
-    identity = "".join([*parts, *(file.read_text(encoding="utf-8") for file in (*sources(fmi), *OWN_HEADERS))])
+    identity = "".join([*parts, *(file.read_text(encoding="utf-8") for file in files)])
     guid = uuid.uuid5(uuid.NAMESPACE_OID, hashlib.sha256(identity.encode()).hexdigest())
     return replace(contents, guid=f"{{{guid}}}")
 
@@ -79,12 +80,12 @@ def native_files(
     """
     contents = contents_of(column, record, record_name, fmi)
     experiment = Experiment(record.start, record.end, Record(record).dt) if record else Experiment()
-    told = (column.name, contents.guid, column_description(column), __version__, contents.table, experiment)
-    tool = "build_fmu.py --native"
+    told = (column.name, contents.guid, column_description(column), __version__, experiment)
+    about = About(*told, FLAGS_3 if fmi == 3 else NATIVE_FLAGS, "build_fmu.py --native")
     if fmi == 3:
-        description = model_description3(*told, FLAGS_3, tool, contents.subject.lines)
+        description = model_description3(about, contents.table, contents.subject.lines)
     else:
-        description = model_description(*told, flags=NATIVE_FLAGS, tool=tool)
+        description = model_description(about, contents.table)
     picture = documentation.drawing(column)
     pages = {
         "model.png": picture,

@@ -12,6 +12,7 @@ class Target:
     triple: str  # LLVM's
     cpu: str  # the oldest that the code runs on
     linker: str  # zig's name of it, with the oldest system
+    system: tuple[str, ...]  # options that link the system's C library
 
 
 @dataclass(frozen=True)
@@ -24,11 +25,12 @@ class Platform:
 
 # x86-64-v2: every x86-64 processor of the last twelve years (SSE4.2, POPCNT), those without AVX2 included; of ARM the
 # first of 64 bits.
-LINUX = Target("x86_64-pc-linux-gnu", "x86-64-v2", "x86_64-linux-gnu.2.17")
-LINUX_ARM = Target("aarch64-unknown-linux-gnu", "cortex-a53", "aarch64-linux-gnu.2.17")
-WINDOWS = Target("x86_64-w64-windows-gnu", "x86-64-v2", "x86_64-windows-gnu")
-MACOS = Target("x86_64-apple-macosx11", "x86-64-v2", "x86_64-macos.11.0")
-MACOS_ARM = Target("arm64-apple-macosx11", "apple-m1", "aarch64-macos.11.0")
+_GLIBC, _UCRT, _APPLE = ("-Wl,-z,defs", "-lc", "-lm"), ("-lcompiler_rt",), ("-lSystem",)
+LINUX = Target("x86_64-pc-linux-gnu", "x86-64-v2", "x86_64-linux-gnu.2.17", _GLIBC)
+LINUX_ARM = Target("aarch64-unknown-linux-gnu", "cortex-a53", "aarch64-linux-gnu.2.17", _GLIBC)
+WINDOWS = Target("x86_64-w64-windows-gnu", "x86-64-v2", "x86_64-windows-gnu", _UCRT)
+MACOS = Target("x86_64-apple-macosx11", "x86-64-v2", "x86_64-macos.11.0", _APPLE)
+MACOS_ARM = Target("arm64-apple-macosx11", "apple-m1", "aarch64-macos.11.0", _APPLE)
 # version of FMI -> folder -> what is in it. For processors that FMI 2.0 has no name for it refers to those of 3.0.
 PLATFORMS = {
     2: {

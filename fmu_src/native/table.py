@@ -75,7 +75,7 @@ class Check:
     """Limits of a Real parameter; another variable that bounds it.
 
     fixed: a number of that name that is no parameter, and is held to the bound alone. otherwise: the variable that
-    bounds where the first is 0.
+    bounds where the first is 0. needs: a variable that may not be 0.
     """
 
     name: str
@@ -87,6 +87,7 @@ class Check:
     relation: str = ""
     fixed: float | None = None
     otherwise: str = ""
+    needs: str = ""
 
 
 @dataclass(frozen=True)
@@ -278,7 +279,7 @@ def _check(check: Check, index: dict[str, int]) -> str:
         *map(_number, check.limits),
         str(int(check.optional)),
         _quoted(f"must be {check.meaning}"),
-        *(str(index[bound]) if bound else "-1" for bound in (check.bound, check.otherwise)),
+        *(str(index[bound]) if bound else "-1" for bound in (check.bound, check.otherwise, check.needs)),
         str(int(check.strict)),
         _quoted(check.relation),
     ]

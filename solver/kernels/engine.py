@@ -10,6 +10,7 @@ from .column.assembly import derive, settle
 from .column.normal_modes import normal_modes
 from .column.normal_modes import scratch_size as modes_scratch
 from .column.rest import find_rest
+from .column.solids import homogeneous
 from .column.stability import longest_stable_step
 from .column.stability import scratch_size as stability_scratch
 from .formulations.base import base_motion, enter
@@ -45,10 +46,13 @@ from .views import Record
 GIVEN_SETTINGS = Record("g", "step", "tolerance", "formulation", "integrator", "without")
 GIVEN_BLOCK = ("height", "width", "depth", "mass", "centroid", "inertia", "tilt")
 GIVEN_JOINT = ("stiffness", "damping", "width", "depth", "friction", "dowel", "offset", "inclination")
-# what no parameter of an FMU changes: code of the section, inner diameter m, width of the top face of the block m,
-# number of strips and their depths m
-GIVEN_SECTION = ("section", "bore", "top", "strips", *(f"strip_{k}" for k in range(MOST_STRIPS)))
-GIVEN = Record(*GIVEN_BLOCK, *(f"joint_{name}" for name in (*GIVEN_JOINT, *GIVEN_SECTION)))
+# what no parameter of an FMU changes: of the block code of the section, inner diameter m, sizes of the top face m; of
+# the joint code of the section, inner diameter m, number of strips and their depths m
+GIVEN_SHAPE = (
+    *("section", "bore", "top_width", "top_depth"),
+    *("joint_section", "joint_bore", "strips", *(f"strip_{k}" for k in range(MOST_STRIPS))),
+)
+GIVEN = Record(*GIVEN_BLOCK, *(f"joint_{name}" for name in GIVEN_JOINT), *GIVEN_SHAPE)
 # what a caller sets of the base: accelerations, their slopes, rotation
 BASE_INPUTS = Record("ax", "az", "jx", "jz", "theta", "omega", "alpha")
 
@@ -65,7 +69,7 @@ PROBE_SPIN = 1e-6  # rad/s, by which the rotation of the base is varied
 RATE_PART = 1e-4  # of the first step: half the time over which outputs are differenced
 
 _model, _state, _counts, _base, _work = MODEL.over, STATE.over, COUNTS.over, BASE.over, WORK.over
-_STRIPS_GIVEN = GIVEN.fields.index("joint_strips")
+_STRIPS_GIVEN = GIVEN.fields.index("strips")
 _row, _split = ROW.over, SPLIT.over
 _given_settings, _given_block, _base_inputs = GIVEN_SETTINGS.over, GIVEN.over, BASE_INPUTS.over
 _SETTINGS_FIELDS, _BLOCK_FIELDS = GIVEN_SETTINGS.beside, GIVEN.beside
@@ -122,9 +126,18 @@ def assemble(column, given, afresh, scratch, detail):
         block = _given_block(row, 0)
         blocks.height[i] = block.height
         blocks.mass[i] = block.mass
-        blocks.centroid[i] = 0.5 * block.height if block.centroid == 0.0 else block.centroid
-        homogeneous = block.mass * (block.height * block.height + block.width * block.width) / 12.0
-        blocks.inertia[i] = homogeneous if block.inertia == 0.0 else block.inertia
+        centroid, inertia = homogeneous(
+            block.mass,
+            block.section,
+            block.height,
+            block.width,
+            block.depth,
+            block.top_width,
+            block.top_depth,
+            block.bore,
+        )
+        blocks.centroid[i] = centroid if block.centroid == 0.0 else block.centroid
+        blocks.inertia[i] = inertia if block.inertia == 0.0 else block.inertia
         blocks.stiffness[i] = block.joint_stiffness
         blocks.damping[i] = block.joint_damping
         width = block.width if block.joint_width == 0.0 else block.joint_width
@@ -139,7 +152,7 @@ def assemble(column, given, afresh, scratch, detail):
             settings.off_axis = 1.0
         _lay_rims(blocks, i, ENDLESS)
         if i > 0:
-            _lay_rims(blocks, i - 1, 0.5 * (block.width if block.joint_top == 0.0 else block.joint_top))
+            _lay_rims(blocks, i - 1, 0.5 * (block.width if block.top_width == 0.0 else block.top_width))
         if not math.isfinite(blocks.inertia[i]):
             detail[0] = i + 1.0
             return TOO_LARGE

@@ -90,6 +90,20 @@ def sorted_master(folder: str, partner: str, steps: int) -> list[list[float]]:
     return np.column_stack([run["block[1].ux"], run["x"], samples[: steps + 1]])[1:].tolist()
 
 
+def as_one(folder: str, partner: str, steps: int) -> list[list[float]]:
+    """Top displacement and the partner's x of the same system solved as one, on the ground's own waves."""
+    from build import DEFAULT_COLUMN, WAVES
+    from reference import solve_as_one
+
+    from solver import Column
+
+    waves = np.loadtxt(f"{folder}/{WAVES}", delimiter=",", skiprows=1)
+    samples = np.interp(STEP * np.arange(steps + 2), waves[:, 0], waves[:, 1])
+    kind, given = ("soil" if partner == "soil" else "linear"), parameters(folder, partner)[partner]
+    run = solve_as_one(Column.from_toml(DEFAULT_COLUMN), kind, given, STEP, samples, steps * STEP, STEP)
+    return np.column_stack([run["top"], run["x"]])[1:].tolist()
+
+
 def libcosim(folder: str, partner: str, steps: int) -> list[list[float]]:
     from libcosimpy.CosimExecution import CosimExecution
     from libcosimpy.CosimObserver import CosimObserver

@@ -11,7 +11,7 @@ import math
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
-from ..jit import kernel, leaf
+from ..jit import in_both, kernel, leaf
 from ..layout import MOST_STRIPS, STRIP_NUMBERS
 from .circle import circle_part, ring_part
 from .strips import COUNT, DEPTHS, PITCH, edge_of, strips_part
@@ -184,6 +184,15 @@ def lay_out(blocks, i, section, width, depth, bore, given):
     blocks.width[i] = right - left
 
 
+@in_both
+def face(section: float, width: float, depth: float, bore: float) -> tuple[float, float]:
+    """Area m2 and second moment m4 about the middle, of a whole section that is not made of strips."""
+    if section == RECTANGLE:
+        return width * depth, width * depth * width * width / 12.0
+    outer, inner = width * width, bore * bore if section == ANNULUS else 0.0
+    return 0.25 * math.pi * (outer - inner), math.pi / 64.0 * (outer - inner) * (outer + inner)
+
+
 def whole(section: float, width: float, depth: float, bore: float, strips: Sequence[float]) -> tuple[float, ...]:
     """Area m2 and first and second moment (m3, m4) about the middle of the block, of a whole section. Plain Python.
 
@@ -196,7 +205,5 @@ def whole(section: float, width: float, depth: float, bore: float, strips: Seque
         first = pitch * math.fsum(place * t for place, t in zip(places, strips, strict=True))
         squares = (place * place + pitch * pitch / 12.0 for place in places)
         return area, first, pitch * math.fsum(square * t for square, t in zip(squares, strips, strict=True))
-    if section == RECTANGLE:
-        return width * depth, 0.0, width * depth * width * width / 12.0
-    outer, inner = width * width, bore * bore if section == ANNULUS else 0.0
-    return 0.25 * math.pi * (outer - inner), 0.0, math.pi / 64.0 * (outer - inner) * (outer + inner)
+    area, second = face(section, width, depth, bore)
+    return area, 0.0, second
