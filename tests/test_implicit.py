@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -12,6 +13,8 @@ from hypothesis import strategies as st
 from joints import contact_regime, joint_forces
 from lagrange import Reference
 from probe import PHOCAS_STIFFNESS, Array, G, phocas, random_column, random_state
+from sliding import SlidingReference
+from test_sliding import off_axis_column, sliding_state
 
 from solver import Block, Column, Joint, Motion, simulate
 from solver.kernels import layout as at
@@ -85,6 +88,60 @@ def test_solution_is_that_of_the_dense_system(seed: int, n: int, part: float) ->
     scale = np.abs(system) @ np.abs(solved - a) + np.abs(forces)
     rounding = np.finfo(float).eps * np.max(np.abs(system) @ np.abs(a))  # what is lost where a + z holds z
     assert np.max(np.abs(residual)) <= 1e-7 * np.max(scale) + rounding  # measured 4e-9 over 2000 seeds
+
+
+@settings(deadline=None, max_examples=40)
+@given(seed=st.integers(0, 2**32 - 1), n=st.integers(1, 6), part=st.floats(1e-5, 1e-1))
+def test_solution_is_that_of_the_dense_system_of_a_column_off_its_axis_that_has_slid(
+    seed: int, n: int, part: float
+) -> None:
+    """Its joints stick: slips and offsets are lengths of the chain."""
+    rng = np.random.default_rng(seed)
+    column = off_axis_column(rng, n)
+    q, rate, _ = sliding_state(rng, column, 0.3)
+    model, tangent = pack_model(column).copy(), np.zeros(TANGENT.size(n))
+    phase = np.zeros(at.PHASE.size(n))
+    phase[: 4 * n] = np.concatenate([q[: 2 * n], rate[: 2 * n]])
+    at.PHASE.see(phase, n).slip[:] = q[2 * n :]
+    factorized(n, model, phase, tangent, part)
+    weighted, plain = joint_matrices(column, tangent, part)
+    a, v = rng.normal(size=2 * n), rng.normal(size=2 * n)
+    solved = a.copy()
+    add_solution(n, model, tangent, solved, v, part)
+    system = SlidingReference.of(column).mass_matrix(q)[: 2 * n, : 2 * n] + weighted
+    forces = -weighted @ a - part**2 * plain @ v
+    residual = system @ (solved - a) - forces
+    scale = np.abs(system) @ np.abs(solved - a) + np.abs(forces)
+    rounding = np.finfo(float).eps * np.max(np.abs(system) @ np.abs(a))
+    assert np.max(np.abs(residual)) <= 1e-7 * np.max(scale) + rounding
+
+
+@settings(deadline=None, max_examples=40)
+@given(seed=st.integers(0, 2**32 - 1))
+def test_stiffness_of_a_joint_that_has_slid_is_the_derivative_of_its_forces(seed: int) -> None:
+    """By central differences of the pressures of Lagrange's equations, in full contact, without dashpots."""
+    rng = np.random.default_rng(seed)
+    joint = Joint(1e9, 0.0, friction=0.5)
+    below = Block(2.0, 1.0, 1.0, 5000.0, Joint(1e9, 0.0, friction=0.5))
+    column = Column("two", (Block(2.0, 1.0, 1.0, 5000.0, joint), below))
+    reference, n = SlidingReference.of(column), 2
+    q = np.array([*rng.uniform(-1e-4, 1e-4, 2), *rng.uniform(-2e-3, -1e-3, 2), *rng.uniform(-0.3, 0.3, 2)])
+    phase, tangent = np.zeros(at.PHASE.size(n)), np.zeros(TANGENT.size(n))
+    phase[: 2 * n] = q[: 2 * n]
+    at.PHASE.see(phase, n).slip[:] = q[2 * n :]
+    factorized(n, pack_model(column).copy(), phase, tangent, 1e-3)
+    fields = TANGENT.see(tangent, n)
+
+    def forces(at_q: Array) -> Array:
+        """Generalized forces of joint 1 by its rotation and its opening, as a column that they oppose."""
+        normal, moment = reference.pressures(at_q, np.zeros(6))
+        half = 0.5 * (at_q[0] - at_q[1])
+        return np.array([(moment[0] + 0.5 * at_q[4] * normal[0]) * np.cos(half), -normal[0]])
+
+    change = 1e-6 * np.eye(6)
+    found = np.array([(forces(q + change[k]) - forces(q - change[k])) / 2e-6 for k in (0, 2)]).T
+    expected = symmetric(fields, "k", 0)
+    assert found == pytest.approx(expected, abs=1e-3 * np.max(np.abs(expected)))  # but for sines of rotations
 
 
 def test_stiffness_is_the_second_derivative_of_the_joint_potential_in_full_contact() -> None:
@@ -188,6 +245,21 @@ def test_implicit_and_explicit_steps_lead_to_the_same_motion() -> None:
     assert implicit.stats["implicit_steps"] > 100
     difference = np.max(np.abs(implicit.ux - explicit.ux)) / explicit.peak_ux[0]
     assert difference < 1e-4  # measured 3e-6
+
+
+def test_a_finely_cut_column_off_its_axis_is_stepped_implicitly_and_to_its_tolerance() -> None:
+    """Offset drums, one of whose joints could slide but does not: beside explicit steps at a tight tolerance."""
+    column = drums(12, 2e-3, tolerance=1e-4)
+    blocks = list(column.blocks)
+    blocks[3] = replace(blocks[3], joint=replace(blocks[3].joint, offset=0.05, friction=0.7))
+    blocks[8] = replace(blocks[8], joint=replace(blocks[8].joint, offset=-0.03, inclination=0.003))
+    column = replace(column, blocks=tuple(blocks))
+    motion = Motion.harmonic(0.05 * G, 2.0, 1.0)
+    reference = simulate(column, motion, tolerance=1e-7, without=("implicit",), settle=0.0)
+    for tolerance in (1e-3, 1e-4):
+        response = simulate(column, motion, tolerance=tolerance, settle=0.0)
+        assert response.stats["implicit_steps"] > 0.3 * response.stats["steps"]
+        assert np.max(np.abs(response.ux - reference.ux)) < tolerance * reference.peak_ux[0]
 
 
 def test_a_column_that_is_not_stiff_is_stepped_explicitly() -> None:

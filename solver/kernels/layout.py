@@ -220,7 +220,7 @@ TOPS = Table("start_ux", "start_rate", "end_ux", "end_rate", "between_ux", "betw
 # inclination of the joint at the end; from which N on T / N counts
 NOTES = Table("N", "M", "T", "phi", "length", "edge", "theta", "uz", "N_middle", "phi_end", "counts")
 PIECES = 4  # of a step that is searched for peaks
-TANGENT_FIELDS = 22  # of the implicit solution
+TANGENT_FIELDS = 23  # of the implicit solution
 STAGES = 12  # the start of a step and the inner stages of a Runge-Kutta step
 INTERPOLATION = Record(
     "wants_bump",  # whether `refine` shall improve on the quintic

@@ -4,12 +4,13 @@ M is the mass matrix of the exact formulation at a phase, G holds for every join
 relative rotation and opening and by their rates, over the part that is loaded: `weight` times the second derivatives of
 its potential, and what the moving edge adds. The elimination is that of an articulated body (Featherstone 1983) with
 stiff joints: going down, the two unknowns of each block are eliminated from a symmetric 3 x 3 inertia in (rotation,
-tangent, normal); going up, they follow.
+tangent, normal); going up, they follow. No joint slides meanwhile: slips are lengths of the chain, as offsets are.
 """
 
 from ..jit import kernel, leaf
 from ..joint.law import loaded_part
 from ..joint.section import contact_of, part_stiffness, strip_stiffness
+from ..joint.sliding import opening_felt, opening_rate_felt, slip_of
 from ..numbers import sine_cosine
 from ..views import Table
 
@@ -19,6 +20,7 @@ TANGENT = Table(
     "b_t",  # acceleration of the top face for a unit relative rotation
     "b_n",
     "e_t",  # and for a unit rotation of the body below
+    "e_n",
     "h1_a",  # inertia met by a unit relative rotation
     "h1_t",
     "h1_n",
@@ -56,6 +58,13 @@ def _edge_that_moves(contact, damping, opening, slope, opening_rate, slope_rate,
     return 0.0, 0.0
 
 
+@leaf
+def _about(stiffness, beyond):
+    """A stiffness (joint/section.py, `part_stiffness`) about a middle that lies so far, m, to the left."""
+    along, mixed, second = stiffness
+    return along, mixed + beyond * along, second + beyond * (2.0 * mixed + beyond * along)
+
+
 @kernel
 def factorize(model, phase, tangent, step_part):
     """Prepare the solution at a phase; joint i is weighted with step_part^2 + step_part * its damping."""
@@ -84,23 +93,31 @@ def factorize(model, phase, tangent, step_part):
             turn_below = phase.theta[i + 1]
             spin_below = phase.theta_rate[i + 1]
         sin_half, cos_half = sine_cosine(0.5 * (turn - turn_below))
+        sin_over, cos_over, sin_under, cos_under = sin_half, cos_half, sin_half, cos_half
+        if model.settings.off_axis != 0.0:
+            lean, tilt_below = blocks.lean[i], blocks.tilt[i + 1] if i + 1 < n else 0.0
+            sin_over, cos_over = sine_cosine(0.5 * (turn - turn_below) + (blocks.tilt[i] - lean))
+            sin_under, cos_under = sine_cosine(0.5 * (turn - turn_below) + (lean - tilt_below))
         # joint: stiffness of the loaded part
         eta = blocks.damping[i]
-        contact = contact_of(blocks, i)
+        slip, slip_rate = slip_of(model, phase, i)
+        contact = contact_of(blocks, i, slip)
         slope = 2.0 * sin_half
         slope_rate = cos_half * (spin - spin_below)
-        lo, hi = loaded_part(contact.left, contact.right, eta, opening, slope, phase.opening_rate[i], slope_rate)
-        k_22, k_12, k_11 = part_stiffness(contact, blocks.stiffness[i], lo, max(lo, hi))
+        felt = opening_felt(opening, slip, slope)
+        felt_rate = opening_rate_felt(phase.opening_rate[i], slip, slip_rate, slope, slope_rate)
+        lo, hi = loaded_part(contact.left, contact.right, eta, felt, slope, felt_rate, slope_rate)
+        k_22, k_12, k_11 = _about(part_stiffness(contact, blocks.stiffness[i], lo, max(lo, hi)), 0.5 * slip)
         k_12 *= -cos_half
         k_11 *= cos_half * cos_half
         weight = step_part * (step_part + eta)
-        edge, strip = _edge_that_moves(contact, eta, opening, slope, phase.opening_rate[i], slope_rate, lo, hi)
-        edge_22, edge_12, edge_11 = strip_stiffness(contact, blocks.stiffness[i], edge, strip)
+        edge, strip = _edge_that_moves(contact, eta, felt, slope, felt_rate, slope_rate, lo, hi)
+        edge_22, edge_12, edge_11 = _about(strip_stiffness(contact, blocks.stiffness[i], edge, strip), 0.5 * slip)
         edge_12 *= -cos_half
         edge_11 *= cos_half * cos_half
         # turn the part above into this frame, add the block
-        cos_beta = cos_above * cos_half - sin_above * sin_half
-        sin_beta = sin_above * cos_half + cos_above * sin_half
+        cos_beta = cos_above * cos_over - sin_above * sin_over
+        sin_beta = sin_above * cos_over + cos_above * sin_over
         # t' = c t + s n of the upper frame: components along this joint's t and n
         t_t = m_tt * cos_beta + m_nt * sin_beta
         t_n = m_nt * cos_beta + m_nn * sin_beta
@@ -111,14 +128,15 @@ def factorize(model, phase, tangent, step_part):
         m_nn = n_n * cos_beta - n_t * sin_beta + mass
         swing = mass * over
         j_t, j_n = (
-            j_t * cos_beta + j_n * sin_beta - swing * cos_half,
-            j_n * cos_beta - j_t * sin_beta + swing * sin_half,
+            j_t * cos_beta + j_n * sin_beta - swing * cos_over,
+            j_n * cos_beta - j_t * sin_beta + swing * sin_over,
         )
         j_aa += swing * over + blocks.inertia[i]
         # eliminate relative rotation and opening
-        b_t = 0.5 * opening + height * cos_half
-        b_n = -height * sin_half
+        b_t = 0.5 * opening + height * cos_over
+        b_n = -height * sin_over - 0.5 * slip
         e_t = b_t + 0.5 * opening
+        e_n = b_n - 0.5 * slip
         h1_a = j_aa + b_t * j_t + b_n * j_n
         h1_t = j_t + m_tt * b_t + m_nt * b_n
         h1_n = j_n + m_nt * b_t + m_nn * b_n
@@ -143,14 +161,15 @@ def factorize(model, phase, tangent, step_part):
         m_nt -= h1_n * w_t + h2_n * v_t
         m_nn -= h1_n * w_n + h2_n * v_n
         # refer to the top face of the body below
-        j_aa += 2.0 * (e_t * j_t + b_n * j_n) + e_t * (e_t * m_tt + b_n * m_nt) + b_n * (e_t * m_nt + b_n * m_nn)
-        j_t += m_tt * e_t + m_nt * b_n
-        j_n += m_nt * e_t + m_nn * b_n
+        j_aa += 2.0 * (e_t * j_t + e_n * j_n) + e_t * (e_t * m_tt + e_n * m_nt) + e_n * (e_t * m_nt + e_n * m_nn)
+        j_t += m_tt * e_t + m_nt * e_n
+        j_n += m_nt * e_t + m_nn * e_n
         rows.cosine_beta[i] = cos_beta
         rows.sine_beta[i] = sin_beta
         rows.b_t[i] = b_t
         rows.b_n[i] = b_n
         rows.e_t[i] = e_t
+        rows.e_n[i] = e_n
         rows.h1_a[i] = h1_a
         rows.h1_t[i] = h1_t
         rows.h1_n[i] = h1_n
@@ -166,8 +185,8 @@ def factorize(model, phase, tangent, step_part):
         rows.edge_11[i] = edge_11
         rows.edge_12[i] = edge_12
         rows.edge_22[i] = edge_22
-        cos_above = cos_half
-        sin_above = sin_half
+        cos_above = cos_under
+        sin_above = sin_under
 
 
 @kernel
@@ -210,7 +229,7 @@ def solve(model, tangent, a, v, step_part):
         p_a += rows.h1_a[i] * x_1 + rows.h2_a[i] * x_2
         p_t += rows.h1_t[i] * x_1 + rows.h2_t[i] * x_2
         p_n += rows.h1_n[i] * x_1 + rows.h2_n[i] * x_2
-        p_a += rows.e_t[i] * p_t + b_n * p_n
+        p_a += rows.e_t[i] * p_t + rows.e_n[i] * p_n
         rows.u_1[i] = x_1
         rows.u_2[i] = x_2
     alpha = 0.0
@@ -219,7 +238,7 @@ def solve(model, tangent, a, v, step_part):
     for i in range(n - 1, -1, -1):
         b_n = rows.b_n[i]
         s_t = a_t + rows.e_t[i] * alpha
-        s_n = a_n + b_n * alpha
+        s_n = a_n + rows.e_n[i] * alpha
         g_1 = rows.h1_a[i] * alpha + rows.h1_t[i] * s_t + rows.h1_n[i] * s_n
         g_2 = rows.h2_a[i] * alpha + rows.h2_t[i] * s_t + rows.h2_n[i] * s_n
         turned = rows.u_1[i] - (rows.d_11[i] * g_1 + rows.d_12[i] * g_2)

@@ -37,6 +37,15 @@ def note_directions(work, phase):
 
 
 @leaf
+def something_slides(work):
+    """Whether any joint slides."""
+    slides = False
+    for i in range(int(work.slips.count)):
+        slides = slides or work.joints.sliding[i] != 0.0
+    return slides
+
+
+@leaf
 def spare(joints, i):
     """What joint i bears beyond what it has to, N; negative where it slides."""
     return joints.bearable[i] - magnitude(joints.tangential[i] - joints.drift[i])

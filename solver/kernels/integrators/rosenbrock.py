@@ -3,6 +3,7 @@
 J. Rang, L. Angermann, New Rosenbrock W-methods of order 3 for partial differential algebraic equations of index 1, BIT
 45 (2005) 761-787. A W-method keeps its order whatever stands for the Jacobian; here it is that of the joints' forces
 alone, which is what makes a column stiff, so that a stage costs one evaluation and one O(n) solution (implicit.py).
+Slips, where there are any, stay what they are: no step is made while a joint slides.
 
 The stages are written for u = (u_q, u_v) as in E. Hairer, G. Wanner, Solving Ordinary Differential Equations II,
 section IV.7, eq. 7.25:
@@ -14,6 +15,7 @@ import numpy as np
 
 from ..formulations.either import evaluate_at
 from ..formulations.implicit import factorize, solve
+from ..formulations.slips import phase_size
 from ..jit import kernel
 from ..layout import OK
 from .error import error_in_tolerances
@@ -72,6 +74,9 @@ def attempt(column, t, h):
     # inner stage k = 1 to 4 keeps (u_q, u_v, F_q); the phase at which its accelerations are taken is inner stage 5
     here = stage(work, 5)
     part = h * GAMMA
+    for i in range(3 * size, phase_size(work)):
+        here.row[i] = start[i]
+        end[i] = start[i]
     factorize(model, work.start, work.tangent, part)
     for s in range(STAGES):
         u = stage(work, s + 1).row
@@ -108,6 +113,8 @@ def attempt(column, t, h):
             error += E[j] * u_j
         end[i] = start[i] + value
         work.between.row[i] = error
+    for i in range(3 * size, phase_size(work)):
+        work.between.row[i] = 0.0
     for i in range(size):
         end[2 * size + i] = start[2 * size + i]
     error = STRICTNESS * error_in_tolerances(column, work.between)

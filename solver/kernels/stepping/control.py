@@ -4,10 +4,10 @@ import math
 
 from ..formulations.base import wave_amplitude
 from ..formulations.either import is_exact
+from ..formulations.slips import something_slides
 from ..integrators import modal
 from ..integrators.traits import LINEARLY_IMPLICIT, ORDER_5, ORDER_8, traits_of
 from ..jit import kernel, leaf
-from ..joint.sliding import can_slide
 from ..layout import IMPLICIT, OK, SLACK
 
 SAFETY = 0.9
@@ -68,8 +68,8 @@ def general_step(column, left):
     if not is_exact(column.model):
         return ORDER_5, step
     explicit = ORDER_8 if column.model.settings.explicit_order == 8.0 else ORDER_5
-    if int(column.model.settings.without) & IMPLICIT or can_slide(column.model):
-        return explicit, step
+    if int(column.model.settings.without) & IMPLICIT or something_slides(column.work):
+        return explicit, min(step, control.explicit_step) if counts.implicit == 1 else step
     worth = 0.5 if explicit == ORDER_8 else 1.0
     if counts.implicit == 1:
         further = min(step, left) > GAIN * worth * control.explicit_step
