@@ -14,7 +14,11 @@ from .interpolation import interpolate_phase, quintic_of, refine, slips_of, valu
 NEVER = 2.0  # a fraction of the step that is not reached
 CLOSE_ENOUGH = 1e-12  # of the step: what is left of the rate there is taken for zero
 NEAR = 1e-9  # of the step, for the beginning, at which no force jumps; and the least part that a step is cut to
+# Of the step, by which one goes on where the law of the regimes that joints are held in has a joint stop that begins
+# there by its own law, or begin where it sticks: else such steps would follow each other by the thousand
+LATE = 1e-3
 MOST_TRIALS = 60
+MOST_HALVINGS = 20
 
 
 @kernel
@@ -94,6 +98,10 @@ def _stop(work, i, lo, hi, h):
     at_lo = way * value_of(course, lo)[1]
     if at_lo < 0.0:
         lo, at_lo = 0.0, max(0.0, way * value_of(course, 0.0)[1])
+    if at_lo == 0.0:  # it begins here, and comes to rest after it has moved
+        lo, at_lo = _moving(course, way, lo, hi)
+        if at_lo == 0.0:
+            return max(lo, LATE)
     known = bracket(lo, hi, at_lo, at_hi)
     for _ in range(MOST_TRIALS):
         if known.hi - known.lo <= CLOSE_ENOUGH:
@@ -104,10 +112,24 @@ def _stop(work, i, lo, hi, h):
 
 
 @kernel
+def _moving(course, way, lo, hi):
+    """A place from `lo` on, near it, where a slip that is still there moves, and how fast; (lo, 0) if nowhere."""
+    reach = hi - lo
+    for _ in range(MOST_HALVINGS):
+        reach *= 0.5
+        rate = way * value_of(course, lo + reach)[1]
+        if rate > 0.0:
+            return lo + reach, rate
+    return lo, 0.0
+
+
+@kernel
 def _beginning(column, i, nodes, t, h, before):
     """Fraction of the step, before another one, where joint i first bears too little; NEVER if it does there."""
     refine(column, t, h)
-    lo, at_lo = 0.0, max(0.0, _spare_within(column, i, t, h, 0.0))
+    lo, at_lo = 0.0, _spare_within(column, i, t, h, 0.0)
+    if at_lo <= 0.0:
+        return LATE
     hi, at_hi = NEVER, 0.0
     for k in range(4):
         place = min(before, nodes[k] if k < 3 else 1.0)
