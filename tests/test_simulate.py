@@ -40,7 +40,8 @@ def difference(one: Stepper, other: Stepper) -> float:
     A call sums up its steps from where it begins, so that times inside it differ from those of two by last digits.
     """
     pairs = [(getattr(one.state.phase, name), getattr(other.state.phase, name)) for name in at.PHASE.fields]
-    return max(float(np.max(np.abs(a - b)) / np.max(np.abs(b))) for a, b in pairs)
+    scales = [float(np.max(np.abs(b))) or 1.0 for _, b in pairs]  # nothing slides
+    return max(float(np.max(np.abs(a - b))) / scale for (a, b), scale in zip(pairs, scales, strict=True))
 
 
 # --- output
