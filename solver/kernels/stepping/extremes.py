@@ -298,6 +298,18 @@ def _vertex(a, f_a, b, f_b, c, f_c):
     return b, max(f_a, f_b, f_c)
 
 
+@leaf
+def _may_top(seen, j, size, peak):
+    """Whether a parabola through three neighbours of the values of quantity j in a step may pass its peak.
+
+    Inside, it is above the largest of them by a quarter of their range at most.
+    """
+    least = most = seen[j]
+    for k in range(1, PIECES + 1):
+        least, most = min(least, seen[k * size + j]), max(most, seen[k * size + j])
+    return max(most, -least) + 0.25 * (most - least) > peak
+
+
 @kernel
 def _climb(column, t, h, j, a, f_a, b, f_b, c, f_c, sign):
     """Go up to the extreme of quantity j between the fractions a and c of the step."""
@@ -361,6 +373,8 @@ def track_extremes(column, t, h):
     enough = 1.0 + PROMISE * model.settings.tolerance
     first = _FRICTION[0] * n + _FRICTION[1]
     for j in range(n, size):
+        if not _may_top(seen, j, size, peaks[j] * enough):
+            continue
         best, at, way = 0.0, 0, 1.0
         for k in range(1, PIECES):
             sign = -1.0 if seen[k * size + j] < 0.0 else 1.0
