@@ -12,7 +12,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 from matplotlib.axes import Axes
 from matplotlib.patches import Patch
-from matplotlib.ticker import LogLocator
+from matplotlib.ticker import LogLocator, NullFormatter
 
 from .work_precision import EQUAL_ERRORS, pairs
 
@@ -109,6 +109,7 @@ def _label(axis: Axes, scene: dict[str, Any]) -> None:
         axis.axhline(error, color="0.8", linewidth=0.8, zorder=1)
     axis.axhspan(SMALLEST_ERROR, max(scene["disagreement"], SMALLEST_ERROR), color=GREY, zorder=0)
     axis.grid(True, which="major", axis="x", color="0.9", linewidth=0.6)
+    axis.xaxis.set_minor_formatter(NullFormatter())  # they would overlap
 
 
 def scaling(rows: list[dict[str, Any]], path: Path) -> None:
