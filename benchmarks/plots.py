@@ -55,6 +55,8 @@ def work_precision(scenes: list[dict[str, Any]], path: Path, cost: str = "second
             axis.xaxis.set_minor_locator(LogLocator(subs=(2.0, 5.0)))
             axis.xaxis.set_major_formatter("{x:.0f}")
             axis.xaxis.set_minor_formatter("{x:.0f}")
+        else:
+            axis.xaxis.set_minor_formatter(NullFormatter())  # labels would overlap
     for axis in list(axes.flat)[len(drawn) :]:
         axis.set_visible(False)
     label = "time, ms" if cost == "seconds" else "evaluations of the accelerations"
@@ -109,7 +111,6 @@ def _label(axis: Axes, scene: dict[str, Any]) -> None:
         axis.axhline(error, color="0.8", linewidth=0.8, zorder=1)
     axis.axhspan(SMALLEST_ERROR, max(scene["disagreement"], SMALLEST_ERROR), color=GREY, zorder=0)
     axis.grid(True, which="major", axis="x", color="0.9", linewidth=0.6)
-    axis.xaxis.set_minor_formatter(NullFormatter())  # they would overlap
 
 
 def scaling(rows: list[dict[str, Any]], path: Path) -> None:

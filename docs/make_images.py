@@ -235,13 +235,20 @@ def axes_height(all_of_them: bool) -> float:
     return 27.5 if all_of_them else 2.7
 
 
+def el_centro(picture: str) -> Motion | None:
+    """The record that a picture is made under; None, and said, where it is not there."""
+    record = HERE.parent.parent / "shared" / "records" / "elcentro-1940-ns.AT2"
+    if record.is_file():
+        return Motion.from_at2(record)
+    print(f"{picture} is left as it is: {record} is not there")
+    return None
+
+
 def square_and_round() -> None:
     """square-and-round.png: the paper's Phocas, the round one and squares that stand for it, under one record."""
-    record = HERE.parent.parent / "shared" / "records" / "elcentro-1940-ns.AT2"
-    if not record.is_file():
-        print(f"square-and-round.png is left as it is: {record} is not there")
+    motion = el_centro("square-and-round.png")
+    if motion is None:
         return
-    motion = Motion.from_at2(record)
     as_built = Column.from_toml(HERE.parent / "examples" / "columns" / "phocas-round.toml")
     paper = Column.from_toml(HERE.parent / "examples" / "columns" / "phocas-damped.toml")
     radius = 0.5 * as_built.blocks[0].width
@@ -277,11 +284,9 @@ def square_and_round() -> None:
 
 def stuck_and_sliding() -> None:
     """stuck-and-sliding.png: the square and the round Phocas under one record, joints that never slide and that do."""
-    record = HERE.parent.parent / "shared" / "records" / "elcentro-1940-ns.AT2"
-    if not record.is_file():
-        print(f"stuck-and-sliding.png is left as it is: {record} is not there")
+    motion = el_centro("stuck-and-sliding.png")
+    if motion is None:
         return
-    motion = Motion.from_at2(record)
     figure = Figure(figsize=(10.0, 6.0), layout="constrained")
     panels = figure.subplots(2, 2, sharex=True, sharey="row", height_ratios=(1.5, 1.0))
     for k, (name, title) in enumerate(
