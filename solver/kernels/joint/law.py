@@ -11,8 +11,7 @@ for lanes. One column may also be held in a regime (regimes.py).
 from ..jit import by_width, kernel, leaf
 from ..lanes import LanesType, greater, lesser, where
 from .regimes import ANY, OPEN, open_margin, side_margin, sides
-from .section import ROUND, contact_of, energy_over, forces_over, forces_over_in_lanes, rectangle_forces
-from .sliding import ends_in_lanes
+from .section import ROUND, contact_of, ends_of, energy_over, forces_over, forces_over_in_lanes, rectangle_forces
 
 
 @leaf
@@ -39,6 +38,24 @@ def loaded_part(left, right, damping, opening, slope, opening_rate, slope_rate):
     if damping > 0.0 and lo < hi:
         lo, hi = positive_part(-(opening + damping * opening_rate), slope + damping * slope_rate, lo, hi)
     return lo, hi
+
+
+def pressed_part(left, right, opening, slope):
+    """The part (lo, hi) of the contact in which the faces press each other, of one joint or of lanes."""
+    raise NotImplementedError("for kernels only")
+
+
+def _pressed_part_of_lanes(left, right, opening, slope):
+    still = 0.0 * slope
+    lo, hi, _, _ = loaded_part_in_lanes(left, greater(right, left), still, opening, slope, still, still)
+    return lo, hi
+
+
+@by_width(pressed_part)
+def _choose_pressed(left, right, opening, slope):
+    if isinstance(slope, LanesType):
+        return _pressed_part_of_lanes
+    return lambda left, right, opening, slope: positive_part(-opening, slope, left, right)
 
 
 @leaf
@@ -126,20 +143,32 @@ def _resultants_of_lanes(blocks, hold, i, opening, slope, opening_rate, slope_ra
     return joint_forces_in_lanes(-half, half, depth, stiffness, damping, opening, slope, opening_rate, slope_rate)
 
 
-def _resultants_of_round_lanes(blocks, hold, i, opening, slope, opening_rate, slope_rate, slip=0.0):
-    lo, hi, mean, gradient = loaded_part_in_lanes(
-        blocks.left[i], blocks.right[i], blocks.damping[i], opening, slope, opening_rate, slope_rate
-    )
-    length = hi - lo
-    force, moment = forces_over_in_lanes(blocks, i, lo, hi, length, mean, gradient)
-    return force, moment, length
-
-
 def _resultants_of_lanes_that_slip(blocks, hold, i, opening, slope, opening_rate, slope_rate, slip=0.0):
-    left, right = ends_in_lanes(blocks, i, slip)
+    left, right = ends_of(blocks, i, slip)
     right = greater(right, left)  # faces that no longer meet touch over no length
     depth, stiffness, damping = blocks.depth[i], blocks.stiffness[i], blocks.damping[i]
     return joint_forces_in_lanes(left, right, depth, stiffness, damping, opening, slope, opening_rate, slope_rate)
+
+
+@leaf
+def _round_resultants(blocks, i, left, right, opening, slope, opening_rate, slope_rate, slip):
+    lo, hi, mean, gradient = loaded_part_in_lanes(
+        left, right, blocks.damping[i], opening, slope, opening_rate, slope_rate
+    )
+    length = hi - lo
+    force, moment = forces_over_in_lanes(blocks, i, slip, lo, hi, length, mean, gradient)
+    return force, moment, length
+
+
+def _resultants_of_round_lanes(blocks, hold, i, opening, slope, opening_rate, slope_rate, slip=0.0):
+    left, right = blocks.left[i], blocks.right[i]
+    return _round_resultants(blocks, i, left, right, opening, slope, opening_rate, slope_rate, 0.0)
+
+
+def _resultants_of_round_lanes_that_slip(blocks, hold, i, opening, slope, opening_rate, slope_rate, slip=0.0):
+    left, right = ends_of(blocks, i, slip)
+    right = greater(right, left)
+    return _round_resultants(blocks, i, left, right, opening, slope, opening_rate, slope_rate, slip)
 
 
 @by_width(resultants)
@@ -147,7 +176,7 @@ def _choose(blocks, hold, i, opening, slope, opening_rate, slope_rate, slip=0.0)
     if not isinstance(opening, LanesType):
         return _resultants_of_one
     if isinstance(slip, LanesType):
-        return _resultants_of_lanes_that_slip
+        return _resultants_of_round_lanes_that_slip if ROUND in blocks.names else _resultants_of_lanes_that_slip
     return _resultants_of_round_lanes if ROUND in blocks.names else _resultants_of_lanes
 
 
