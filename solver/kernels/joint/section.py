@@ -204,11 +204,11 @@ def depth_at(contact, place):
 
 
 @leaf
-def depth_in_lanes(blocks, i, place):
-    """The same of joint i in lanes, cut off along a straight line if at all."""
+def depth_in_lanes(blocks, i, left, right, place):
+    """The same of joint i in lanes, between these ends, cut off along a straight line if at all."""
     depth, flat = blocks.depth[i], blocks.section[i] == RECTANGLE
     if knows_round(blocks) and any_of(blocks.section[i] != RECTANGLE):
-        near = NEAR * blocks.width[i]
+        near = NEAR * (right - left)
         found = ring_part(0.5 * depth, 0.5 * blocks.bore[i], place - near, place + near)
         depth = where(flat, depth, found[1] / (2.0 * near))
     return depth

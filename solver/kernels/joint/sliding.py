@@ -108,7 +108,7 @@ def _rim_force_of_lanes(blocks, i, opening, slope, slip):
     edge, whole = where(ahead, right, left), where(ahead, blocks.right[i], blocks.left[i])
     off = (edge == whole) | (left >= right)
     pressed = greater(slope * edge - opening, 0.0)
-    force = 0.5 * blocks.stiffness[i] * pressed * pressed * depth_in_lanes(blocks, i, edge)
+    force = 0.5 * blocks.stiffness[i] * pressed * pressed * depth_in_lanes(blocks, i, left, right, edge)
     force = where(off, 0.0, where(ahead, force, -force))
     if knows_round(blocks):
         lens = (blocks.round_below[i] != 0.0) & (slip != 0.0)
