@@ -3,7 +3,7 @@
 import math
 
 from .jit import by_width, leaf
-from .lanes import LanesType, any_of, magnitude, nearest, where
+from .lanes import LanesType, any_of, greater, lesser, magnitude, nearest, where
 
 SMALL = 0.03  # rad: below this the short polynomials are exact to rounding
 QUARTER = 0.25 * math.pi + 1e-3  # rad: below this the long ones are
@@ -12,6 +12,17 @@ QUARTER = 0.25 * math.pi + 1e-3  # rad: below this the long ones are
 HALF_PI_1 = 1.5707963267341256
 HALF_PI_2 = 6.077100506303966e-11
 HALF_PI_3 = 2.0222662487959506e-21
+
+# of the arc tangent of t over t, in pairs for t^2 and t^4, t^6 and t^8 and so on, the highest first: it interpolates at
+# Chebyshev's points of t^2 up to tan(pi / 8)^2, and misses by 3e-18 at most
+ARC = (
+    (-0.017803896394812564, 0.0),
+    (-0.05035049795312439, 0.03796390316111083),
+    (-0.06662950246036792, 0.05846866752275139),
+    (-0.09090896801472813, 0.07692045194561481),
+    (-0.14285714279244968, 0.11111110744657099),
+    (-0.3333333333333312, 0.19999999999940837),
+)
 
 
 @leaf
@@ -33,6 +44,19 @@ def _long(x):
     cosine = -1.0 / 720.0 + y * (1.0 / 40320.0 + y * (-1.0 / 3628800.0 + y * (1.0 / 479001600.0 + y * cosine)))
     cosine = 1.0 + y * (-0.5 + y * (1.0 / 24.0 + y * cosine))
     return sine, cosine
+
+
+@leaf
+def angle_of(sine, cosine):
+    """The angle from 0 to half of pi, rad, of a sine and a cosine; of one or of lanes, the same to the last bit."""
+    t = lesser(sine, cosine) / (1.0 + greater(sine, cosine))  # tangent of half of it, or of half of what it lacks
+    y = t * t
+    square = y * y
+    rest = 0.0
+    for odd, even in ARC:
+        rest = rest * square + (odd + even * y)
+    angle = 2.0 * (t + t * (y * rest))
+    return where(sine > cosine, 0.5 * math.pi - angle, angle)
 
 
 def sine_cosine(x):

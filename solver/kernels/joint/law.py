@@ -11,7 +11,7 @@ for lanes. One column may also be held in a regime (regimes.py).
 from ..jit import by_width, kernel, leaf
 from ..lanes import LanesType, greater, lesser, where
 from .regimes import ANY, OPEN, open_margin, side_margin, sides
-from .section import contact_of, energy_over, forces_over, rectangle_forces
+from .section import ROUND, contact_of, energy_over, forces_over, forces_over_in_lanes, rectangle_forces
 from .sliding import ends_in_lanes
 
 
@@ -65,19 +65,24 @@ def _within(x, lo, hi):
 
 
 @leaf
-def joint_forces_in_lanes(left, right, depth, stiffness, damping, opening, slope, opening_rate, slope_rate):
-    """The same for lanes, without a branch, of a rectangle from left to right, depth, m."""
+def loaded_part_in_lanes(left, right, damping, opening, slope, opening_rate, slope_rate):
+    """As `loaded_part`, for lanes, without a branch; then opening and slope as the damper feels them."""
     mean = opening + damping * opening_rate
-    slope = (
-        slope + 0.0
-    )  # minus zero becomes zero: parallel faces that touch nowhere have their edge beyond the right end
+    # minus zero becomes zero: parallel faces that touch nowhere have their edge beyond the right end
+    slope = slope + 0.0
     gradient = slope + damping * slope_rate
     edge = _within(opening / slope, left, right)
     rises = slope >= 0.0
     lo, hi = where(rises, edge, left), where(rises, right, edge)
     edge = _within(mean / gradient, lo, hi)  # the same edge again where there is no damping
     rises = gradient >= 0.0
-    lo, hi = where(rises, edge, lo), where(rises, hi, edge)
+    return where(rises, edge, lo), where(rises, hi, edge), mean, gradient
+
+
+@leaf
+def joint_forces_in_lanes(left, right, depth, stiffness, damping, opening, slope, opening_rate, slope_rate):
+    """As `joint_forces`, for lanes, of a rectangle from left to right, depth, m."""
+    lo, hi, mean, gradient = loaded_part_in_lanes(left, right, damping, opening, slope, opening_rate, slope_rate)
     length = hi - lo
     force, moment = rectangle_forces(lo, hi, length, stiffness * depth, mean, gradient)
     return force, moment, length
@@ -121,6 +126,15 @@ def _resultants_of_lanes(blocks, hold, i, opening, slope, opening_rate, slope_ra
     return joint_forces_in_lanes(-half, half, depth, stiffness, damping, opening, slope, opening_rate, slope_rate)
 
 
+def _resultants_of_round_lanes(blocks, hold, i, opening, slope, opening_rate, slope_rate, slip=0.0):
+    lo, hi, mean, gradient = loaded_part_in_lanes(
+        blocks.left[i], blocks.right[i], blocks.damping[i], opening, slope, opening_rate, slope_rate
+    )
+    length = hi - lo
+    force, moment = forces_over_in_lanes(blocks, i, lo, hi, length, mean, gradient)
+    return force, moment, length
+
+
 def _resultants_of_lanes_that_slip(blocks, hold, i, opening, slope, opening_rate, slope_rate, slip=0.0):
     left, right = ends_in_lanes(blocks, i, slip)
     right = greater(right, left)  # faces that no longer meet touch over no length
@@ -130,9 +144,11 @@ def _resultants_of_lanes_that_slip(blocks, hold, i, opening, slope, opening_rate
 
 @by_width(resultants)
 def _choose(blocks, hold, i, opening, slope, opening_rate, slope_rate, slip=0.0):
+    if not isinstance(opening, LanesType):
+        return _resultants_of_one
     if isinstance(slip, LanesType):
         return _resultants_of_lanes_that_slip
-    return _resultants_of_lanes if isinstance(opening, LanesType) else _resultants_of_one
+    return _resultants_of_round_lanes if ROUND in blocks.names else _resultants_of_lanes
 
 
 @kernel
