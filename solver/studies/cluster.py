@@ -11,7 +11,7 @@ from ..errors import InputError, needing
 
 LOCAL = "local"
 # Housekeeping of the scheduler, nannies and workers that are started here. As it comes, looks at the stack every 10 ms
-# take 4 % of a worker's time; at the event loop, the memory and the processor 10 % of a core with two workers, so 1.5 %.
+# take 4 % of a worker's time; at the event loop, memory and processor 10 % of a core with two workers, and 1.5 % so.
 OF_OURS = {
     "distributed.worker.profile.enabled": False,
     "distributed.admin.tick.interval": "1s",
