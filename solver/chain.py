@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from copy import copy
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -95,7 +95,8 @@ class Chain:
 
     def places(self, phase: FloatArray) -> Places:
         """Rotations and openings of a phase of either formulation."""
-        first, last, first_rate, last_rate, *slips = np.split(phase, phase.shape[-1] // self.n, axis=-1)
+        n = self.n
+        first, last, first_rate, last_rate, *slips = (phase[..., k : k + n] for k in range(0, phase.shape[-1], n))
         if self.exact:
             return Places(first, last, first_rate, last_rate, *slips)
         return Places(
@@ -225,6 +226,12 @@ class Chain:
         above = self.carried - self.mass
         lever: FloatArray = self.mass * self.centroid + above * self.height
         return self.g * lever
+
+
+@lru_cache(maxsize=64)
+def chain_of(column: Column) -> Chain:
+    """The chain of a column, which is not to be changed: worked out once."""
+    return Chain(column)
 
 
 def _data_of(block: Block) -> tuple[float, ...]:
