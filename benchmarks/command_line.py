@@ -16,6 +16,7 @@ from . import (
     damped_columns,
     energy,
     evaluation,
+    executors,
     machine,
     opensees,
     plots,
@@ -172,6 +173,14 @@ def measure_studies(wanted: Scenes, quick: bool, results: Results) -> Iterator[N
         yield
 
 
+def measure_executors(wanted: Scenes, quick: bool, results: Results) -> Iterator[None]:
+    """The same runs by threads, by processes and on Dask."""
+    results["executors"] = executors.measure(quick)
+    if "absent" in results["executors"]:
+        results["absent"]["executors"] = results["executors"]["absent"]
+    yield
+
+
 def measure_trust(wanted: Scenes, quick: bool, results: Results) -> Iterator[None]:
     """Peaks beside rows, pulses after their end, shares that fall near the edge."""
     for found in trust.measure(quick):
@@ -192,6 +201,7 @@ PARTS: dict[str, Callable[[Scenes, bool, Results], Iterator[None]]] = {
     "ablation": measure_ablation,
     "energy": measure_energy,
     "studies": measure_studies,
+    "executors": measure_executors,
     "trust": measure_trust,
 }
 

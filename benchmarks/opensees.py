@@ -133,7 +133,7 @@ def measure(scenes: Mapping[str, Scene]) -> dict[str, Any]:
     try:
         ops = load()
     except (ImportError, OSError, RuntimeError) as absent:
-        return {"absent": f"not available: {absent}"}
+        return {"absent": f"not available ({absent}): the extra bench brings it where openseespy has a wheel"}
     rows = []
     own_peaks = {}
     for name, scene in scenes.items():

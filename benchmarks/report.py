@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from . import sliding
+from . import executors, sliding
 from .targets import Target, ratios, targets
 
 Results = dict[str, Any]
@@ -31,6 +31,7 @@ def report(results: Results) -> str:
         ablation_table(results),
         energy_table(results),
         studies_table(results),
+        executors_table(results),
         trust_tables(results),
         failures(results),
     ]
@@ -393,9 +394,9 @@ def studies_table(results: Results) -> str:
     if "cores" in part:
         cores = part["cores"]
         lines.append(
-            f"{cores['runs']} rocking runs: {cores['one']:.3g} s by one thread, {cores['two']:.3g} s by two, "
-            f"{cores['processes']:.3g} s by two processes. Two threads make {cores['one'] / cores['two']:.2f} times "
-            f"the runs of one; of plain arithmetic, which is what the machine has to give, {cores['bound']:.2f} times."
+            f"{cores['runs']} rocking runs: {cores['one']:.3g} s by one thread, {cores['two']:.3g} s by two, which "
+            f"make {cores['one'] / cores['two']:.2f} times the runs of one; of plain arithmetic, which is what the "
+            f"machine has to give, {cores['bound']:.2f} times."
         )
     if "ida" in part:
         ida = part["ida"]
@@ -414,6 +415,34 @@ def studies_table(results: Results) -> str:
     if "memory" in part:
         lines.append(f"{part['memory']['runs']} runs: {part['memory']['megabytes']:.0f} MB.")
     return "\n\n".join(lines)
+
+
+def executors_table(results: Results) -> str:
+    """Threads, processes and Dask."""
+    part = results.get("executors", {})
+    if not part or "absent" in part:
+        return ""
+    rows = []
+    for scene, found in part.items():
+        for way, of in found.items():
+            shares = executors.parts(found, way)
+            rows.append(
+                [
+                    scene,
+                    way,
+                    f"{of['throughput']:.0f}",
+                    f"{of['steady']:.0f}",
+                    f"{of['own']:.3f} + {of['workers']:.3f}",
+                    *(f"{share:.2f}" for share in shares.values()),
+                ]
+            )
+    head = ["scene", "by", "runs a second", "in the middle", "s of the processor for 1000 runs: this process + workers"]
+    head += ["part of the threads' throughput", "in the middle", "by the processor"]
+    return (
+        f"## Threads, processes, Dask\n\nTwo of each, in turn, {executors.ROUNDS} rounds of each. In the middle: from "
+        "20 to 80 % of the runs, between which all workers have whole chunks. This process sends the runs out, and has "
+        "the scheduler of Dask.\n\n" + table(head, rows)
+    )
 
 
 def failures(results: Results) -> str:

@@ -1,4 +1,4 @@
-"""Many runs: `simulate_many` beside `simulate` in a loop, in threads, in processes, and beside OpenSees.
+"""Many runs: `simulate_many` beside `simulate` in a loop, in threads, and beside OpenSees.
 
 Ratios of times measured in turn, the shortest of some rounds: seconds of the processor for one thread, seconds of the
 clock where several work. Every scene is many columns of which no two are alike.
@@ -12,10 +12,9 @@ import subprocess
 import sys
 import time as clock
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from functools import partial
-from multiprocessing import get_context
 from typing import Any
 
 import numpy as np
@@ -200,19 +199,10 @@ def two_cores() -> float:
 
 
 def cores(runs: Runs) -> dict[str, Any]:
-    """Seconds of the clock by one thread, by two, and by two processes; what two threads of arithmetic gain."""
+    """Seconds of the clock by one thread and by two; what two threads of arithmetic gain."""
     bound = two_cores()
-    with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool:
-        together((runs[0][:64], runs[1][:64], runs[2]), 1e-2, executor=pool)  # they start and load the kernels
-        one, two, processes = alternating(
-            [
-                partial(together, runs, 1e-2, threads=1),
-                partial(together, runs, 1e-2, threads=2),
-                partial(together, runs, 1e-2, executor=pool),
-            ],
-            clock.perf_counter,
-        )
-    return {"runs": len(runs[0]), "one": one, "two": two, "processes": processes, "bound": bound}
+    one, two = alternating([partial(together, runs, 1e-2, threads=count) for count in (1, 2)], clock.perf_counter)
+    return {"runs": len(runs[0]), "one": one, "two": two, "bound": bound}
 
 
 def ida(runs: Runs) -> dict[str, Any]:

@@ -6,6 +6,8 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
+from . import executors
+
 IN_CONTACT_SPEED_UP = 10.0  # over the best general compiled integrator at equal error
 ROCKING_SPEED_UP = 3.0
 TIMED_ERROR = 1e-3  # of the peak
@@ -239,7 +241,6 @@ def studies(results: Results) -> list[Target]:
         found["8b"] = part["opensees"]["ratio"]
     if "cores" in part:
         found["8c"] = part["cores"]["one"] / part["cores"]["two"]
-        found["8i"] = part["cores"]["two"] / part["cores"]["processes"]
     if "ida" in part:
         found["8e"] = part["ida"]["simulate_loose"] / part["ida"]["many_loose"]
     if "figure" in part:
@@ -247,6 +248,11 @@ def studies(results: Results) -> list[Target]:
         found["8g"] = part["figure"]["paper"] / part["figure"]["paper_many"]
     if "memory" in part:
         found["8h"] = part["memory"]["megabytes"]
+    apart = results.get("executors", {})
+    if apart and "absent" not in apart:
+        for number, way in (("8i", "processes"), ("8k", "dask")):
+            found[number] = min(executors.parts(scene, way)["clock"] for scene in apart.values())
+    absent = {"8b": part.get("opensees", {}), "8i": apart, "8k": apart}
     aims = {
         "8a": (f"damped Phocas rocking, many runs at an error of 1e-3: {MANY_SPEED_UP:g}x `simulate`", MANY_SPEED_UP),
         "8b": (f"the same: {MANY_OPENSEES_SPEED_UP:g}x tuned OpenSees", MANY_OPENSEES_SPEED_UP),
@@ -260,12 +266,13 @@ def studies(results: Results) -> list[Target]:
         "8g": (f"the paper's scheme: a run {PAPER_SPEED_UP:g}x as fast", PAPER_SPEED_UP),
         "8h": (f"10^6 runs: at most {MEGABYTES:g} MB", MEGABYTES),
         "8i": (f"processes: {PROCESSES_PART:g} of the throughput of threads", PROCESSES_PART),
+        "8k": (f"Dask: {PROCESSES_PART:g} of the throughput of threads", PROCESSES_PART),
         "8j": (f"rocking and sliding, at an error of 1e-3: {SLIDING_SPEED_UP:g}x `simulate`", SLIDING_SPEED_UP),
     }
     rows = []
     for number, (aim, limit) in aims.items():
         if number not in found:
-            rows.append(_unmeasured(number, aim))
+            rows.append(_unmeasured(number, aim, absent.get(number, {}).get("absent", "not measured")))
             continue
         value = found[number]
         at_most = number in ("8f", "8h")

@@ -18,11 +18,10 @@ from numpy.typing import NDArray
 from .column import Column
 from .errors import InputError
 from .kernels import layout as at
-from .kernels.batch.entries import run_lanes, run_slipping, run_swept
+from .kernels.batch.entries import run_lanes, run_round, run_slipping, run_swept
 from .kernels.batch.runs import OUTCOME, RUN, SLIP_FIELDS, SPACE
 from .kernels.entries import run
 from .kernels.integrators import dormand_prince
-from .kernels.joint.section import SECTIONS
 from .kernels.lanes import WIDTH
 from .motion import Motion
 from .packing import FloatArray, arrays_at, copied
@@ -47,6 +46,9 @@ SAMPLES, AT_ONCE = 20.0, 1500.0  # 1/s: of a record; explicit steps
 HELD = "held samples"  # why a run is not made in lanes
 STAGES = 6  # evaluations of a step
 LINE = 64  # bytes that the processor reads at once: lanes that lie across two of them cost a tenth more
+
+# by the kind of lanes, of which each is compiled for itself
+ENTRIES = {"plain": run_lanes, "round": run_round, "slipping": run_slipping, "swept": run_swept}
 
 _NONE = np.empty(0)
 
@@ -78,13 +80,33 @@ def why_not_in_lanes(column: Column) -> str:
         return "short cuts left out"
     if column.n > MOST_BLOCKS:
         return f"more than {MOST_BLOCKS} blocks"
-    if not column.has_rectangles_only:
-        return "joints that are no rectangles"
+    why = _wrong_sections(column)
+    if why:
+        return why
     if swept:
         return ""
     if settings.tolerance < TIGHTEST:
         return "tight tolerance"
     return "stiff joints" if _is_stiff(column) else ""
+
+
+def _wrong_sections(column: Column) -> str:
+    if column.has_rectangles_only:
+        return ""
+    if column.has_strips:
+        return "joints made of strips"
+    if column.settings.formulation == "paper":
+        return "formulation paper with round joints"
+    return "round joints that slide or are off their axis" if column.has_slips else ""
+
+
+def kind_of(column: Column) -> str:
+    """By which lanes runs of a column are made, a name of ENTRIES."""
+    if column.settings.formulation == "paper":
+        return "swept"
+    if column.has_slips:
+        return "slipping"
+    return "plain" if column.has_rectangles_only else "round"
 
 
 def _is_stiff(column: Column) -> bool:
@@ -122,7 +144,9 @@ def _opening_acceleration(column: Column) -> float:
     for block in column.blocks:
         moment += carried * block.height + block.mass * block.resolved_centroid
         carried += block.mass
-        least = min(least, column.g * carried * block.joint_width / (6.0 * moment))
+        area, _, second = block.joint_moments
+        kern = second / (0.5 * block.joint_width * area)  # m, how far off the middle the load may be
+        least = min(least, column.g * carried * kern / moment)
     return least
 
 
@@ -139,7 +163,7 @@ def run_batch(
 
     tolerance: relative to the peak; None: each column's. times: s after the start of a run, at which its phase is kept.
     All columns have slips (Column.has_slips) or none has. Raises InputError for columns of another number of blocks
-    or formulation, for sections that are no rectangles, and for held samples.
+    or formulation, for sections that lanes do not know, and for held samples.
     """
     n, slips = columns[0].n, columns[0].has_slips
     durations = [motion.duration for motion in motions] if durations is None else list(durations)
@@ -150,9 +174,9 @@ def run_batch(
             raise InputError(f"columns[{k}]: must have {n} blocks and the formulation exact, as the others of a batch")
         if column.has_slips != slips:
             raise InputError(f"columns[{k}]: must slide or be off its axis as all others of a batch, or none of them")
-        if not column.has_rectangles_only:
-            names = ", ".join(sorted({SECTIONS[block.joint_section] for block in column.blocks}))
-            raise InputError(f"columns[{k}]: its joints are of the sections {names}, must be rectangles in a batch")
+        why = _wrong_sections(column)
+        if why:
+            raise InputError(f"columns[{k}]: {why}: not in a batch")
         if motion.hold:
             raise InputError(f"motions[{k}]: its samples are held, must be joined by straight lines")
     if tolerance is not None:
@@ -183,9 +207,9 @@ def follow_in_lanes(
     """
     rows = _NONE if times is None else np.ascontiguousarray(times, dtype=np.float64)
     flag = np.zeros(1) if flag is None else flag
-    like = columns[0]
-    swept = like.settings.formulation == "paper"
-    batch = _Batch(like.n, len(columns), _Records(motions, durations), rows, swept, like.has_slips)
+    kinds = {kind_of(column) for column in columns}
+    kind = "round" if "round" in kinds else kinds.pop()  # which has the same bits for rectangles
+    batch = _Batch(columns[0].n, len(columns), _Records(motions, durations), rows, kind)
     for k, (column, motion, duration) in enumerate(zip(columns, motions, durations, strict=True)):
         if not flag[0]:
             batch.begin(k, column, motion, float(duration))
@@ -194,13 +218,13 @@ def follow_in_lanes(
 
 
 def rest_in_lanes(
-    models: FloatArray, n: int, swept: bool, phases: FloatArray, begin: FloatArray, end: FloatArray, flag: FloatArray
+    models: FloatArray, n: int, kind: str, phases: FloatArray, begin: FloatArray, end: FloatArray, flag: FloatArray
 ) -> BatchResult:
     """Columns of n blocks upon a still base, in one thread and unchecked; ended by the flag as `follow_in_lanes` is.
 
-    models: as of BatchResult. swept: of the formulation `paper`. phases: (columns, 4 n) at the times `begin`, s.
+    models: as of BatchResult. kind: of ENTRIES. phases: (columns, 4 n) at the times `begin`, s.
     """
-    batch = _Batch(n, len(phases), _Records((), ()), _NONE, swept)
+    batch = _Batch(n, len(phases), _Records((), ()), _NONE, kind)
     batch.go_on(models, phases, begin, end)
     batch.finish(flag)
     return batch.result()
@@ -238,13 +262,11 @@ class _Records:
 class _Batch:
     """Runs as rows that the kernels take (kernels/batch/runs.py), and room for the beginning of one after the other."""
 
-    def __init__(
-        self, n: int, count: int, records: _Records, rows: FloatArray, swept: bool, slipping: bool = False
-    ) -> None:
+    def __init__(self, n: int, count: int, records: _Records, rows: FloatArray, kind: str) -> None:
         self.n = n
-        self._swept = swept  # formulation `paper`, for which lanes keep no rows
-        self._slipping = slipping  # whether the columns have slips
-        self._follow = run_swept if self._swept else run_slipping if self._slipping else run_lanes
+        self._swept = kind == "swept"  # formulation `paper`, for which lanes keep no rows
+        self._slipping = kind == "slipping"  # whether the columns have slips
+        self._follow = ENTRIES[kind]
         self._slips = np.zeros((count, SLIP_FIELDS * n if self._slipping else 0))
         self._records = records
         self._rows = rows

@@ -43,6 +43,10 @@ class Chain:
     tilt: FloatArray | float = 0.0
     offset: FloatArray | float = 0.0
     built_x: FloatArray | float = 0.0
+    # of many columns: N/m3 and N/m of the joints in full contact; m, inner diameters of annuli
+    stiffness: FloatArray
+    spring: FloatArray
+    bore: FloatArray
 
     def __init__(self, column: Column) -> None:
         blocks = column.blocks
@@ -70,27 +74,33 @@ class Chain:
         self.settled = settlements(column)
 
     @classmethod
-    def of_many(cls, columns: Sequence[Column]) -> Chain:
-        """The data of many columns of n blocks and one formulation: arrays (columns, n), for as many phases.
+    def of_many(cls, columns: Sequence[Column], models: FloatArray | None = None) -> Chain:
+        """The data of many columns of n blocks and one formulation, none with slips: arrays (columns, n).
 
-        All joints are rectangles.
+        models: packed, a row for each column; needed where some joint is no rectangle.
         """
         chain = cls.__new__(cls)
-        chain.rectangles = np.ones(columns[0].n, dtype=np.bool_)
         given = np.array([[_data_of(block) for block in column.blocks] for column in columns], dtype=np.float64)
-        chain.height, chain.centroid, chain.mass, chain.inertia, chain.width, chain.rigidity = np.moveaxis(given, -1, 0)
+        (
+            chain.height, chain.centroid, chain.mass, chain.inertia, chain.width, chain.rigidity, chain.stiffness,
+            chain.spring, chain.bore, section,
+        ) = np.moveaxis(given, -1, 0)  # fmt: skip
+        chain.rectangles = section == RECTANGLE
+        if models is not None:
+            chain.model = models
         chain.n, chain.exact, chain.off_axis = columns[0].n, columns[0].settings.formulation == "exact", False
         chain.g = np.array([[column.g] for column in columns])
         chain.carried = np.cumsum(chain.mass, axis=-1)
-        chain.settled = chain.g * chain.carried / (chain.rigidity * chain.width)
+        chain.settled = chain.g * chain.carried / chain.spring
         return chain
 
     def some(self, which: IntArray) -> Chain:
         """Of the data of many columns those of some."""
         chain = copy(self)
         chain.__dict__.pop("toppling", None)
-        for name in ("height", "centroid", "mass", "inertia", "width", "rigidity", "g", "carried", "settled"):
-            setattr(chain, name, getattr(self, name)[which])
+        for name, values in vars(chain).items():
+            if isinstance(values, np.ndarray):
+                setattr(chain, name, values[which])
         return chain
 
     def places(self, phase: FloatArray) -> Places:
@@ -177,8 +187,9 @@ class Chain:
         if not np.all(simple):
             others = np.zeros((opening.size // self.n, self.n))
             rows = (np.ascontiguousarray(values).reshape(-1, self.n) for values in (opening, signed, slipped))
-            for each_opening, each_slope, each_slip, row in zip(*rows, others, strict=True):
-                joint_potentials(self.n, self.model, each_opening, each_slope, each_slip, row)
+            models = np.broadcast_to(self.model, (len(others), self.model.shape[-1]))
+            for model, each_opening, each_slope, each_slip, row in zip(models, *rows, others, strict=True):
+                joint_potentials(self.n, model, each_opening, each_slope, each_slip, row)
             found = np.where(simple, found, others.reshape(opening.shape))
         return found
 
@@ -193,14 +204,18 @@ class Chain:
             values[..., i, None, None] for values in (self.carried * self.g, self.width, self.rigidity)
         )
         weight = full_weight * np.cos(0.5 * (turn + turn_below))
-        if not self.rectangles[i]:
-            return self._other_energy(i, slope, weight) - self._other_energy(i, np.zeros((1, 1)), full_weight)
+        simple = self.rectangles[..., i, None, None]
+        if not np.all(simple):
+            at_rest = self._other_energy(i, np.zeros_like(full_weight), full_weight)
+            others = self._other_energy(i, slope, weight) - at_rest
+            if not np.any(simple):
+                return others
         length = np.sqrt(2.0 * weight / (rigidity * np.maximum(slope, PARALLEL)))  # in contact
         partly = weight * slope * (0.5 * width - 2.0 / 3.0 * length)
         full = rigidity * width**3 * slope**2 / 24.0 - weight**2 / (2.0 * rigidity * width)
         rest = -(full_weight**2) / (2.0 * rigidity * width)
         found: FloatArray = np.where(length < width, partly, full) - rest
-        return found
+        return found if np.all(simple) else np.where(simple, found, others)
 
     def built_energy(self, i: int, turn: FloatArray, turn_below: FloatArray) -> FloatArray:
         """The same of a column off its axis, that of the weight in the place of its offset included; not above rest.
@@ -215,10 +230,30 @@ class Chain:
 
     def _other_energy(self, i: int, slope: FloatArray, weight: FloatArray, slip: float = 0.0) -> FloatArray:
         """The same of any joint, from its slope rad, signed, and the weight N upon it, not above rest."""
-        found = np.zeros(slope.size)
-        slopes, weights = (np.ascontiguousarray(values, dtype=np.float64).ravel() for values in (slope, weight))
-        joint_energies(self.n, self.model, i, slip, slopes, weights, found)
+        models = np.atleast_2d(self.model)
+        found = np.zeros((len(models), slope.size // len(models)))
+        slopes, weights = (np.array(values, dtype=np.float64).reshape(found.shape) for values in (slope, weight))
+        for row in zip(models, slopes, weights, found, strict=True):
+            model, *others = row
+            joint_energies(self.n, model, i, slip, *others)
         return found.reshape(slope.shape)
+
+    def grazed(self, part: float) -> tuple[FloatArray, FloatArray]:
+        """Of joints that touch over this part of their width, (columns, n) each, of many columns.
+
+        How far, m, the resultant is from the middle; and what the elastic energy, J, has beyond that tangent of it,
+        over the square of the resultant, 1/(N/m) (verdict.py, `least_energies`).
+        """
+        lever, gives = self.width * (0.5 - part / 3.0), (2.0 / (3.0 * part) - 0.5) / (self.rigidity * self.width)
+        if np.all(self.rectangles):
+            return lever, gives
+        half = 0.5 * self.width
+        edge = half * (1.0 - 2.0 * part)
+        area, first, second = ring_beyond(half, 0.5 * self.bore, edge)
+        first, second = first - edge * area, second - edge * (2.0 * first - edge * area)  # about the edge
+        off = second / first
+        others = 0.5 * off / (self.stiffness * first) - 0.5 / self.spring
+        return np.where(self.rectangles, lever, edge + off), np.where(self.rectangles, gives, others)
 
     @cached_property
     def toppling(self) -> FloatArray:
@@ -236,7 +271,24 @@ def chain_of(column: Column) -> Chain:
 
 def _data_of(block: Block) -> tuple[float, ...]:
     rigidity = block.joint.stiffness * block.joint_depth
-    return block.height, block.resolved_centroid, block.mass, block.resolved_inertia, block.joint_width, rigidity
+    solid = block.height, block.resolved_centroid, block.mass, block.resolved_inertia
+    joint = block.joint_width, rigidity, block.joint.stiffness, block.joint_stiffness, block.joint_bore
+    return *solid, *joint, block.joint_section
+
+
+def ring_beyond(outer: FloatArray, inner: FloatArray, edge: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Area m2, first and second moment about the centre (m3, m4) of what of an annulus lies beyond an abscissa, m."""
+    found = []
+    for radius in (outer, inner):
+        place = np.clip(edge, -radius, radius)
+        half = np.sqrt((radius - place) * (radius + place))  # chord
+        angle = np.arctan2(half, place)  # from the rim on
+        square = radius * radius
+        area = square * angle - place * half
+        second = 0.25 * (square * square * angle - place * half * (2.0 * place * place - square))
+        found.append((area, 2.0 / 3.0 * half**3, second))
+    (area, first, second), less = found
+    return area - less[0], first - less[1], second - less[2]
 
 
 def _over_below(values: FloatArray) -> FloatArray:

@@ -13,7 +13,7 @@ from . import ranges
 from .block import Block, Joint, check_block, check_friction
 from .column_file import parts_from, plain
 from .errors import InputError, reading, shown
-from .kernels.joint.section import RECTANGLE
+from .kernels.joint.section import RECTANGLE, STRIPS
 from .settings import Settings, check_settings
 
 
@@ -47,8 +47,13 @@ class Column:
 
     @property
     def has_rectangles_only(self) -> bool:
-        """Whether all joints are rectangles, the one section that lanes know."""
+        """Whether all joints are rectangles."""
         return all(block.joint_section == RECTANGLE for block in self.blocks)
+
+    @property
+    def has_strips(self) -> bool:
+        """Whether some joint is made of strips, the one section that lanes do not know."""
+        return any(block.joint_section == STRIPS for block in self.blocks)
 
     def with_settings(
         self,

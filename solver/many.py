@@ -19,7 +19,7 @@ from .executors import TRIES, cores, said, sent_out, workers_of
 from .kept import KEPT
 from .motion import Motion
 from .pace import Pace
-from .runs import Chunk, Made, Run, make_runs, why_alone
+from .runs import Chunk, Made, Run, make_packed, make_runs, packed, why_alone
 from .table import Table, joined
 
 SETTLE = 10.0  # s, where none is asked for
@@ -120,7 +120,7 @@ def parts_of_many(
     pace = Pace(total, workers, FIRST_COST)
     chunks = _chunks(runs, pace, tuple(dict.fromkeys(keep)), settle, frozenset(responses))
     if executor is not None:
-        made = _made(chunks, lambda chunk: executor.submit(make_runs, chunk), pace, workers)
+        made = _made(chunks, lambda chunk: executor.submit(make_packed, packed(chunk)), pace, workers)
         yield from _noted(made, summary, total, callback)
         return
     flag = np.zeros(1)

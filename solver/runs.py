@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import pickle
 import time as clock
 from collections import Counter
 from collections.abc import Collection, Sequence
@@ -13,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .batch import HELD, BatchResult, follow_in_lanes, why_not_in_lanes
+from .batch import HELD, BatchResult, follow_in_lanes, kind_of, why_not_in_lanes
 from .block import Block, Joint
 from .chain import Chain
 from .column import Column
@@ -86,6 +87,17 @@ def make_runs(chunk: Chunk, flag: FloatArray | None = None) -> Made:
         table, tally = _made(chunk, np.zeros(1) if flag is None else flag)
         tally.seconds = clock.perf_counter() - begin
         return table, tally
+
+
+def packed(chunk: Chunk) -> bytes:
+    """The chunk for an executor to send. Left to itself Dask sends every array of it apart, at ten times the cost."""
+    return pickle.dumps(chunk, pickle.HIGHEST_PROTOCOL)
+
+
+def make_packed(chunk: bytes) -> Made:
+    """As `make_runs`, of what `packed` made."""
+    made: Chunk = pickle.loads(chunk)
+    return make_runs(made)
 
 
 def _made(chunk: Chunk, flag: FloatArray) -> Made:
@@ -163,7 +175,7 @@ def empty_columns(chunk: Chunk) -> Columns:
 def _in_lanes(chunk: Chunk, columns: Columns, tally: Tally, flag: FloatArray) -> dict[int, str]:
     """Make what lanes can into the columns. Returns the places of the others, and why they are not made in lanes."""
     alone: dict[int, str] = {}
-    groups: dict[tuple[int, str, bool], list[int]] = {}
+    groups: dict[tuple[int, str], list[int]] = {}
     known: dict[int, str] = {}  # of the same column
     for place, (column, motion, _) in enumerate(chunk.runs):
         if id(column) not in known:
@@ -172,7 +184,7 @@ def _in_lanes(chunk: Chunk, columns: Columns, tally: Tally, flag: FloatArray) ->
         if why:
             alone[place] = why
         else:
-            groups.setdefault((column.n, column.settings.formulation, column.has_slips), []).append(place)
+            groups.setdefault((column.n, kind_of(column)), []).append(place)
     for places in groups.values():
         runs = [chunk.runs[place] for place in places]
         batch = follow_in_lanes(
@@ -192,14 +204,14 @@ def _in_lanes(chunk: Chunk, columns: Columns, tally: Tally, flag: FloatArray) ->
 def _fill(
     columns: Columns, places: IntArray, runs: Sequence[Run], batch: BatchResult, settle: float, flag: FloatArray
 ) -> None:
-    """What has come of runs with as many blocks each, one formulation and slips or none, into the columns."""
+    """What has come of runs with as many blocks each, in lanes of one kind, into the columns."""
     n = runs[0].column.n
     fell = batch.overturned_joint > 0
     if runs[0].column.has_slips:
         words, times, joints = _verdicts_one_by_one(runs, batch, settle, flag)
         left = _left_one_by_one(runs, batch)
     else:
-        chain = Chain.of_many([run.column for run in runs])
+        chain = Chain.of_many([run.column for run in runs], batch.models)
         words, times, joints = _verdicts(runs, batch, chain, settle, flag)
         left = {
             "residual_ux": chain.top_displacements(batch.ends),

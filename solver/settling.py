@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .batch import fall_angles, rest_in_lanes
+from .batch import fall_angles, kind_of, rest_in_lanes
 from .chain import Chain
 from .column import Column
 from .packing import FloatArray, IntArray
@@ -33,14 +33,14 @@ def fates_of(
     settle: float,
     flag: FloatArray,
 ) -> Fates:
-    """What comes of columns of n blocks and one formulation that lanes can take, upon a base that is still from now on.
+    """What comes of columns of n blocks that one kind of lanes takes, upon a base that is still from now on.
 
     models: as of batch.BatchResult. phases: (columns, 4 n) at the times `stops`, s. settle: s, how long to look at
     most. Once flag[0] is not zero it ends soon, with nothing of use. What comes of a column depends on no other.
     """
     count, code = len(columns), WORDS["verdict"].index
     found = Fates(np.full(count, code(UNDECIDED)), np.full(count, math.nan), np.zeros(count, dtype=np.int64))
-    chain = Chain.of_many(columns)
+    chain, kind = Chain.of_many(columns, models), kind_of(columns[0])
     left = _not_standing(chain, phases)
     found.words[:] = code(STANDING)
     if not left.size:
@@ -58,9 +58,7 @@ def fates_of(
         if begin == settle:
             found.words[numbers[some]] = code(UNDECIDED)
             break
-        made = rest_in_lanes(
-            models[some], chain.n, not chain.exact, phases[some], stops[some] + begin, stops[some] + end, flag
-        )
+        made = rest_in_lanes(models[some], chain.n, kind, phases[some], stops[some] + begin, stops[some] + end, flag)
         fell = made.overturned_joint > 0
         which = numbers[some[fell]]
         found.words[which] = code(OVERTURNED)

@@ -89,18 +89,19 @@ def least_energies(chain: Chain, part: float, grazed: float) -> tuple[FloatArray
 
     To turn block i by alpha, the joints under it have to turn by alpha together. Under a weight W the energy of a joint
     over the sine of its turn is convex, and lies above each of its tangents: where the contact has the part c =
-    `grazed` of the width b, that of slope W b (1/2 - c/3), which passes W^2 / (k b) (2/(3 c) - 1/2) below the origin,
-    with k the rigidity. The blocks give back (1 - cos alpha) of what they topple by. part: alpha, in parts of that
-    with the largest bound.
+    `grazed` of the width, that of slope W x, which passes W^2 ((x - e) / (2 k S) - 1 / (2 k A)) below the origin; x and
+    e are how far the resultant and the edge are from the middle, S is the first moment about the edge, A the whole
+    area. In a rectangle of the width b that is W b (1/2 - c/3) and W^2 / (k A) (2/(3 c) - 1/2). The blocks give back
+    (1 - cos alpha) of what they topple by. part: alpha, in parts of that with the largest bound.
     """
     toppling = np.sum(chain.toppling, axis=-1)
     weight = chain.g * chain.carried
-    steepness = 0.5 - grazed / 3.0
-    best = steepness * np.min(weight * chain.width, axis=-1) / np.maximum(toppling, np.finfo(float).tiny)
+    lever, gives = chain.grazed(grazed)
+    best = np.min(weight * lever, axis=-1) / np.maximum(toppling, np.finfo(float).tiny)
     alpha = np.minimum(part * best, MOST_TURNED)
     weight = weight * np.cos(alpha)[:, None]
-    slope = steepness * np.min(weight * chain.width, axis=-1)
-    missed = np.sum(weight**2 / (chain.rigidity * chain.width), axis=-1) * (2.0 / (3.0 * grazed) - 0.5)
+    slope = np.min(weight * lever, axis=-1)
+    missed = np.sum(weight**2 * gives, axis=-1)
     return np.sin(alpha) * slope - missed - 2.0 * np.sin(0.5 * alpha) ** 2 * toppling, alpha
 
 

@@ -396,8 +396,9 @@ def test_mirrored_motion_gives_the_mirrored_response_to_the_last_bit() -> None:
     assert np.array_equal(run.N, mirrored.N)
 
 
-def test_lanes_refuse_other_sections_and_ensembles_do_without_them() -> None:
+def test_lanes_refuse_strips_and_ensembles_do_without_them() -> None:
     motion = Motion.harmonic(1.0, 1.0, 0.2)
-    with pytest.raises(InputError, match=r"columns\[0\]: its joints are of the sections circle, must be rectangles"):
-        run_batch([drums(1e-3)], [motion])
-    assert not runs_in_lanes(simulate(drums(1e-3), motion), motion, None)
+    column = Column("one", (Block(2.0, WIDTH, 1.4, 1e4, JOINTS["chipped"]),))
+    with pytest.raises(InputError, match=r"columns\[0\]: joints made of strips: not in a batch"):
+        run_batch([column], [motion])
+    assert not runs_in_lanes(simulate(column, motion), motion, None)

@@ -208,7 +208,8 @@ JOINTS = Table(
     "sliding",  # 1 or -1: the joint slides that way, 0: it sticks; what an evaluation is told
     "overcome",  # 1 once an evaluation found a joint that sticks beyond what it bears
 )
-ROOM = Table("a", "b", "c", "d", "e", "f", "g", "h", "i", "j", "k")  # of one evaluation; each formulation names its own
+# of one evaluation; each formulation names its own
+ROOM = Table("a", "b", "c", "d", "e", "f", "g", "h", "i", "j", "k", "l", "m", "n", "o")
 HOLD = Table(
     "held",  # regime that the joint is held in; 0 is whichever applies
     "regime",  # that it was last held in

@@ -4,9 +4,10 @@ from typing import NamedTuple
 
 from ..formulations.base import Samples
 from ..jit import leaf
+from ..joint.section import ROUND
 from ..joint.sliding import MARK
-from ..layout import BASE, MODEL, PHASE, RIGID_FIELDS, STATE, WORK
-from ..views import Numbers, Record, Space
+from ..layout import BASE, BLOCKS, MODEL, PHASE, RIGID_FIELDS, STATE, STRIP_NUMBERS, WORK
+from ..views import Numbers, Record, Space, Table
 
 # one run, which may be under way: its record is `count` samples from number `first` on
 RUN = Record(
@@ -52,6 +53,9 @@ SPACE = Space(model=MODEL, state=STATE, base=BASE, lane=LANE, work=WORK)
 # the same of columns that have slips (formulations/slips.py): an empty part tells it to the compiler
 _marked = {name: Space(**part.parts, **{MARK: Numbers()}) for name, part in (("model", MODEL), ("work", WORK))}
 SLIPPING_SPACE = Space(**{**SPACE.parts, **_marked})
+# the same of columns with round joints, told likewise
+_blocks = Table(*BLOCKS.fields, strips=STRIP_NUMBERS, **{ROUND: 0})  # type: ignore[arg-type]
+ROUND_SPACE = Space(**{**SPACE.parts, "model": Space(**{**MODEL.parts, "blocks": _blocks})})
 SLIP_FIELDS = PHASE.per_n - RIGID_FIELDS  # the second part of a phase
 
 

@@ -17,6 +17,8 @@ import math
 from fractions import Fraction
 
 from ..jit import kernel, leaf
+from ..lanes import any_of, greater, lesser, square_root, where
+from ..numbers import angle_of
 
 SMALL = 0.125  # sin d: below it the series are exact to rounding
 TERMS = 8
@@ -57,7 +59,7 @@ def _by_series(s):
 @leaf
 def _by_angle(s, c):
     """E, G and H from sin d and cos d."""
-    angle = math.asin(s) if s < c else 0.5 * math.pi - math.asin(c)
+    angle = angle_of(s, c)
     cube = s * s * s
     e = 2.0 * (angle - s * c)
     g = 4.0 / 3.0 * cube - c * e
@@ -65,45 +67,64 @@ def _by_angle(s, c):
     return e, g, h
 
 
+@leaf
+def _curved(s, c):
+    """E, G and H; of lanes either form where any needs it."""
+    e = g = h = 0.0
+    small, large = s < SMALL, s >= SMALL
+    if any_of(large):
+        e, g, h = _by_angle(s, c)
+    if any_of(small):
+        first, second, third = _by_series(s)
+        e, g, h = where(small, first, e), where(small, second, g), where(small, third, h)
+    return e, g, h
+
+
 @kernel
 def circle_part(radius, lo, hi):
     """Middle, area, first and second moment about it, of the part of a circle between two abscissas, m from the centre.
 
-    Nothing lies beyond the rim.
+    Nothing lies beyond the rim. Of one circle or of lanes.
     """
-    square = radius * radius
-    if lo <= -radius and hi >= radius:
-        area = math.pi * square
-        return 0.0, area, 0.0, 0.25 * area * square
-    lo, hi = max(lo, -radius), min(hi, radius)
-    ends = lo + hi
-    if not lo < hi:
-        return 0.5 * ends, 0.0, 0.0, 0.0
-    chords = math.sqrt((radius - lo) * (radius + lo)) + math.sqrt((radius - hi) * (radius + hi))  # half of both
-    span = math.sqrt(ends * ends + chords * chords)  # 2 radius cos d
-    per = 1.0 / (span * chords)  # one division for all
-    c = 0.5 * span / radius
-    s = c * (hi - lo) * (span * per)
-    sine, cosine = ends * (chords * per), chords * (chords * per)  # of m
-    u = cosine * cosine
-    e, g, h = _by_series(s) if s < SMALL else _by_angle(s, c)
-    cube = 4.0 / 3.0 * u * (s * s * s)
-    area, first, second = e + 4.0 * u * (s * c), sine * (g - cube), h + u * c * (g + cube)
-    return 0.5 * ends, area * square, first * (square * radius), second * (square * square)
+    lo, hi = greater(lo, -radius), lesser(hi, radius)
+    ends, square = lo + hi, radius * radius
+    area = math.pi * square
+    first, second = 0.0 * area, 0.25 * area * square
+    cut_off = (lo > -radius) | (hi < radius)
+    if any_of(cut_off):
+        chords = square_root((radius - lo) * (radius + lo)) + square_root((radius - hi) * (radius + hi))  # half of both
+        span = square_root(ends * ends + chords * chords)  # 2 radius cos d
+        per = 1.0 / (span * chords)  # one division for all
+        c = 0.5 * span / radius
+        s = c * (hi - lo) * (span * per)
+        sine, cosine = ends * (chords * per), chords * (chords * per)  # of m
+        u = cosine * cosine
+        e, g, h = _curved(s, c)
+        cube = 4.0 / 3.0 * u * (s * s * s)
+        some = lo < hi
+        area = where(cut_off, where(some, (e + 4.0 * u * (s * c)) * square, 0.0), area)
+        first = where(cut_off & some, sine * (g - cube) * (square * radius), 0.0)
+        second = where(cut_off, where(some, (h + u * c * (g + cube)) * (square * square), 0.0), second)
+    return 0.5 * ends, area, first, second
+
+
+@leaf
+def _about(radius, lo, hi, middle):
+    """Area, first and second moment of a part of a circle about a place."""
+    own, area, first, second = circle_part(radius, lo, hi)
+    off = own - middle
+    return area, first + off * area, second + off * (2.0 * first + off * area)
 
 
 @kernel
 def ring_part(outer, inner, lo, hi):
-    """The same of an annulus between two radii: a circle less another one, which may be none."""
-    middle = 0.5 * (max(lo, -outer) + min(hi, outer))
-    area = first = second = 0.0
-    radius, sign = outer, 1.0
-    while radius > 0.0:
-        own, a, b, c = circle_part(radius, lo, hi)
-        off = own - middle
-        area += sign * a
-        first += sign * (b + off * a)
-        second += sign * (c + off * (2.0 * b + off * a))
-        radius = inner if sign > 0.0 else 0.0
-        sign = -1.0
+    """The same as `circle_part` of an annulus between two radii: a circle less another one, which may be none."""
+    middle = 0.5 * (greater(lo, -outer) + lesser(hi, outer))
+    area, first, second = _about(outer, lo, hi, middle)
+    hollow = inner > 0.0
+    if any_of(hollow):
+        less, less_first, less_second = _about(inner, lo, hi, middle)
+        area = where(hollow, area - less, area)
+        first = where(hollow, first - less_first, first)
+        second = where(hollow, second - less_second, second)
     return middle, area, first, second

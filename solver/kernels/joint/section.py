@@ -4,7 +4,8 @@ A section is a code and a few numbers, kept in `blocks`. Elsewhere only its ends
 a joint can touch. Of a part of it, from lo to hi along the motion, three numbers are needed: area m2 and first and
 second moment m3, m4 about the middle of the part. Mirror images have mirrored moments, to the last bit.
 
-The rectangle comes first and is written out: it is the most frequent section, and lanes know no other.
+The rectangle comes first and is written out: it is the most frequent section. Lanes have all but strips; those of
+columns of rectangles alone are compiled without the others (batch/runs.py).
 """
 
 import math
@@ -12,6 +13,7 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 from ..jit import in_both, kernel, leaf
+from ..lanes import any_of, where
 from ..layout import MOST_STRIPS, STRIP_NUMBERS
 from .circle import circle_part, ring_part
 from .strips import COUNT, DEPTHS, PITCH, edge_of, strips_part
@@ -20,6 +22,7 @@ from .strips import COUNT, DEPTHS, PITCH, edge_of, strips_part
 SECTIONS = ("rectangle", "circle", "annulus", "strips")
 RECTANGLE, CIRCLE, ANNULUS, STRIPS = range(len(SECTIONS))
 
+ROUND = "round_in_lanes"  # name of an empty field, in the blocks of lanes whose joints may be round (batch/runs.py)
 NEAR = 1e-4  # of the width of a contact: half of the part over which its depth at a place is taken
 
 
@@ -81,10 +84,29 @@ def forces_over(contact, stiffness, lo, hi, length, mean, gradient):
     """N and M of the pressure stiffness * (gradient * s - mean) over the part from lo to hi, of this length."""
     if contact.section == RECTANGLE:
         return rectangle_forces(lo, hi, length, stiffness * contact.depth, mean, gradient)
-    middle, area, first, second = _part(contact, lo, hi)
+    return _part_forces(_part(contact, lo, hi), stiffness, mean, gradient)
+
+
+@leaf
+def _part_forces(part, stiffness, mean, gradient):
+    """The same of a part of which middle, area and moments are known."""
+    middle, area, first, second = part
     pressure, steep = stiffness * (gradient * middle - mean), stiffness * gradient
     force = pressure * area + steep * first
     return force, middle * force + (pressure * first + steep * second)
+
+
+@leaf
+def forces_over_in_lanes(blocks, i, lo, hi, length, mean, gradient):
+    """The same of joint i in lanes, of which each is a rectangle, a circle or an annulus."""
+    stiffness, depth = blocks.stiffness[i], blocks.depth[i]
+    part = ring_part(0.5 * depth, 0.5 * blocks.bore[i], lo, hi)
+    force, moment = _part_forces(part, stiffness, mean, gradient)
+    flat = blocks.section[i] == RECTANGLE
+    if any_of(flat):
+        flat_force, flat_moment = rectangle_forces(lo, hi, length, stiffness * depth, mean, gradient)
+        force, moment = where(flat, flat_force, force), where(flat, flat_moment, moment)
+    return force, moment
 
 
 @leaf
