@@ -93,11 +93,24 @@ static inline void sine_cosine(double x, double *sine, double *cosine)
     *cosine = 1.0 + y * (-0.5 + y * (1.0 / 24.0 - y * (1.0 / 720.0)));
 }
 
+/* The same of half of x. */
+static inline void half_sine_cosine(double x, double *sine, double *cosine)
+{
+    if (fabs(x) > 2.0 * SMALL) {
+        *sine = sin(0.5 * x);
+        *cosine = cos(0.5 * x);
+        return;
+    }
+    const double y = x * x;
+    *sine = x * (0.5 + y * (-1.0 / 48.0 + y * (1.0 / 3840.0 - y * (1.0 / 645120.0))));
+    *cosine = 1.0 + y * (-0.125 + y * (1.0 / 384.0 - y * (1.0 / 46080.0)));
+}
+
 /* number i of a field */
 #define BLOCK(field) blocks[BLOCKS_##field(n) + i]
 #define PHASE(field, i) phase[PHASE_##field(n) + (i)]
 #define JOINT(field) joints[JOINTS_##field(n) + i]
-#define ROW(field, i) rows[ELIMINATION_##field(n) + (i)]
+#define ROW(field, i) rows[JOINT_ROW * (i) + JOINT_ROW_##field]
 
 /* Accelerations of a phase, from its coordinates and rates, upon a base that moves by (ax, az, theta, omega, alpha). */
 void accelerations(const double *model, double *phase, const double *motion, double *work)
@@ -106,42 +119,62 @@ void accelerations(const double *model, double *phase, const double *motion, dou
     const double *blocks = model + MODEL_BLOCKS(n);
     double *joints = work + SCRATCH_JOINTS(n), *rows = work + SCRATCH_ROOM(n);
     int64_t *hold = (int64_t *)(work + SCRATCH_HOLD(n));
-    double normal_above = 0.0, turned_above = 0.0, sine_above = 0.0, cosine_above = 1.0, half_above = 0.0;
-    double diagonal = 0.0, right = 0.0, opens = 0.0, turn = PHASE(THETA, 0), spin = PHASE(THETA_RATE, 0) + motion[3];
-    /* downwards: evaluate joint i, finish the row of the joint above it, eliminate */
+    /* what the joints bear by their motion */
     for (int64_t i = 0; i < n; i++) {
-        const double opening = PHASE(OPENING, i), opening_rate = PHASE(OPENING_RATE, i);
-        const double turn_below = i + 1 < n ? PHASE(THETA, i + 1) : 0.0;
-        const double spin_below = i + 1 < n ? PHASE(THETA_RATE, i + 1) + motion[3] : motion[3];
+        const double turn = i + 1 < n ? PHASE(THETA, i) - PHASE(THETA, i + 1) : PHASE(THETA, i);
+        const double spin = i + 1 < n ? PHASE(THETA_RATE, i) - PHASE(THETA_RATE, i + 1) : PHASE(THETA_RATE, i);
         double sine, cosine, normal, moment, length;
-        sine_cosine(0.5 * (turn - turn_below), &sine, &cosine);
-        resultants(hold[HOLD_HELD(n) + i], BLOCK(STIFFNESS), BLOCK(WIDTH), BLOCK(DEPTH), BLOCK(DAMPING), opening,
-                   2.0 * sine, opening_rate, cosine * (spin - spin_below), &normal, &moment, &length,
+        half_sine_cosine(turn, &sine, &cosine);
+        resultants(hold[HOLD_HELD(n) + i], BLOCK(STIFFNESS), BLOCK(WIDTH), BLOCK(DEPTH), BLOCK(DAMPING),
+                   PHASE(OPENING, i), 2.0 * sine, PHASE(OPENING_RATE, i), cosine * spin, &normal, &moment, &length,
                    &hold[HOLD_OUTSIDE(n) + i]);
-        const double lower = BLOCK(CENTROID), upper = BLOCK(UPPER);
+        ROW(SINE, i) = sine;
+        ROW(COSINE, i) = cosine;
+        ROW(TURNED, i) = moment * cosine;
+        JOINT(NORMAL) = normal;
+        JOINT(MOMENT) = moment;
+        JOINT(LENGTH) = length;
+    }
+
+    /* downwards: finish the row of the joint above, eliminate */
+    double diagonal = 0.0, right = 0.0, opens = 0.0, half_above = 0.0, normal_above = 0.0;
+    double sine_above = 0.0, cosine_above = 1.0, upper_sine = 0.0, upper_cosine = 0.0;
+    double spin = PHASE(THETA_RATE, 0) + motion[3];
+    for (int64_t i = 0; i < n; i++) {
+        const double sine = ROW(SINE, i), cosine = ROW(COSINE, i), normal = JOINT(NORMAL), opening = PHASE(OPENING, i);
+        const double spin_below = i + 1 < n ? PHASE(THETA_RATE, i + 1) + motion[3] : motion[3];
         const double per_mass = BLOCK(PER_MASS), per_inertia = BLOCK(PER_INERTIA);
-        const double turned = moment * cosine, mean_spin = 0.5 * (spin + spin_below), square = spin * spin;
-        const double half = 0.5 * opening, p = lower * cosine + half, q = upper * cosine_above + half_above;
-        const double p_turns = p * per_inertia, q_turns = q * per_inertia;
-        const double sine_beta = (sine_above * cosine + cosine_above * sine) * per_mass;
-        const double cosine_beta = (cosine_above * cosine - sine_above * sine) * per_mass;
-        const double free_alpha =
-            per_inertia *
-            ((lower * normal * sine - upper * normal_above * sine_above) + (turned_above - turned));
-        double opens_below = normal * per_mass + (lower * cosine * square + opening * mean_spin * mean_spin);
-        double right_below = 2.0 * opening_rate * mean_spin + (p * free_alpha - lower * sine * square);
+        const double both_spins = spin + spin_below, mean_spin = 0.5 * both_spins, square = spin * spin;
+        const double half = 0.5 * opening, lower_sine = BLOCK(CENTROID) * sine, lower_cosine = BLOCK(CENTROID) * cosine;
+        const double p = lower_cosine + half, p_turns = p * per_inertia;
+        double couple = normal * lower_sine - ROW(TURNED, i);
+        if (i > 0) {
+            normal_above = joints[JOINTS_NORMAL(n) + i - 1];
+            sine_above = ROW(SINE, i - 1);
+            cosine_above = ROW(COSINE, i - 1);
+            upper_sine = BLOCK(UPPER) * sine_above;
+            upper_cosine = BLOCK(UPPER) * cosine_above;
+            couple += ROW(TURNED, i - 1) - normal_above * upper_sine;
+        }
+        const double free_alpha = per_inertia * couple;
+        double opens_below = normal * per_mass + (lower_cosine * square + opening * mean_spin * mean_spin);
+        double right_below = PHASE(OPENING_RATE, i) * both_spins + (p * free_alpha - lower_sine * square);
         double diagonal_below = per_mass + p * p_turns;
         if (i > 0) {
-            right += (upper * sine_above * square - normal * sine_beta) + q * free_alpha;
-            opens += (upper * cosine_above * square - normal * cosine_beta) + normal_above * per_mass;
+            const double q = upper_cosine + half_above, q_turns = q * per_inertia;
+            const double sine_beta = (sine_above * cosine + cosine_above * sine) * per_mass;
+            const double cosine_beta = (cosine_above * cosine - sine_above * sine) * per_mass;
+            right += (upper_sine * square - normal * sine_beta) + q * free_alpha;
+            opens += (upper_cosine * square - normal * cosine_beta) + normal_above * per_mass;
             const double pivot = 1.0 / (diagonal + (per_mass + q * q_turns));
-            const double coupling = p * q_turns - cosine_beta, part = coupling * pivot;
-            ROW(PIVOT, i - 1) = pivot;
-            ROW(RIGHT, i - 1) = right;
+            const double coupling = p * q_turns - cosine_beta, part = coupling * pivot, alone = right * pivot;
+            ROW(ALONE, i - 1) = alone;
             ROW(FREE_OPENING, i - 1) = opens;
-            ROW(COUPLING, i) = coupling;
+            ROW(PART, i) = part;
+            ROW(TURN_ABOVE, i) = q_turns;
+            ROW(SINE_BETA, i) = sine_beta;
             diagonal_below -= part * coupling;
-            right_below += normal_above * sine_beta - part * right;
+            right_below += normal_above * sine_beta - coupling * alone;
             opens_below -= normal_above * cosine_beta;
         }
         diagonal = diagonal_below;
@@ -149,45 +182,35 @@ void accelerations(const double *model, double *phase, const double *motion, dou
         opens = opens_below;
         ROW(FREE_ALPHA, i) = free_alpha;
         ROW(TURN_BELOW, i) = p_turns;
-        ROW(TURN_ABOVE, i) = q_turns;
-        ROW(SINE_BETA, i) = sine_beta;
-        ROW(SINE, i) = sine;
-        JOINT(NORMAL) = normal;
-        JOINT(MOMENT) = moment;
-        JOINT(LENGTH) = length;
-        normal_above = normal;
-        turned_above = turned;
-        sine_above = sine;
-        cosine_above = cosine;
         half_above = half;
-        turn = turn_below;
         spin = spin_below;
     }
+    ROW(PIVOT, n - 1) = 1.0 / diagonal;
 
     /* the base: gravity is an upward acceleration */
     const double pull = motion[1] + model[MODEL_SETTINGS(0) + SETTINGS_GRAVITY];
     double base_sine, base_cosine;
     sine_cosine(motion[2], &base_sine, &base_cosine);
     const double along = motion[0] * base_cosine - pull * base_sine, lift = motion[0] * base_sine + pull * base_cosine;
-    right += (along * cosine_above - lift * sine_above) + half_above * motion[4];
-    opens -= along * sine_above + lift * cosine_above;
-    const double last = 1.0 / diagonal;
-    ROW(PIVOT, n - 1) = last;
-    double force = right * last;
+    const double last_sine = ROW(SINE, n - 1), last_cosine = ROW(COSINE, n - 1);
+    right += (along * last_cosine - lift * last_sine) + 0.5 * PHASE(OPENING, n - 1) * motion[4];
+    opens -= along * last_sine + lift * last_cosine;
+    double force = right * ROW(PIVOT, n - 1);
 
     /* upwards */
-    double drawn_below = 0.0, swung_below = 0.0;
+    double swung_below = 0.0;
     for (int64_t i = n - 1; i >= 0; i--) {
-        const double force_above = i > 0 ? (ROW(RIGHT, i - 1) - ROW(COUPLING, i) * force) * ROW(PIVOT, i - 1) : 0.0;
-        if (i + 1 < n)
-            opens = ROW(FREE_OPENING, i);
-        const double alpha = ROW(FREE_ALPHA, i) - (ROW(TURN_BELOW, i) * force + ROW(TURN_ABOVE, i) * force_above);
-        const double drawn = ROW(SINE_BETA, i);
+        double alpha = ROW(FREE_ALPHA, i) - ROW(TURN_BELOW, i) * force, force_above = 0.0;
+        if (i > 0) {
+            force_above = ROW(ALONE, i - 1) - ROW(PART, i) * force;
+            alpha -= ROW(TURN_ABOVE, i) * force_above;
+            opens += ROW(SINE_BETA, i) * force_above;
+        }
         PHASE(THETA_ACCELERATION, i) = alpha - motion[4];
-        PHASE(OPENING_ACCELERATION, i) =
-            opens + ((drawn * force_above - drawn_below) + ROW(SINE, i) * (BLOCK(CENTROID) * alpha - swung_below));
+        PHASE(OPENING_ACCELERATION, i) = opens + ROW(SINE, i) * (BLOCK(CENTROID) * alpha - swung_below);
         JOINT(TANGENTIAL) = force;
-        drawn_below = drawn * force;
+        if (i > 0)
+            opens = ROW(FREE_OPENING, i - 1) - ROW(SINE_BETA, i) * force;
         swung_below = BLOCK(UPPER) * alpha;
         force = force_above;
     }

@@ -27,7 +27,7 @@ from solver import Column
 from solver.batch import aligned
 from solver.kernels import layout as at
 from solver.kernels import numbers
-from solver.kernels.formulations.exact import Elimination, Motion, exact_accelerations
+from solver.kernels.formulations.exact import JOINT_ROW, Motion, exact_accelerations
 from solver.kernels.jit import from_python, kernel
 from solver.kernels.joint import regimes
 from solver.kernels.lanes import WIDTH
@@ -166,7 +166,7 @@ def c_loop(library: Any, column: Column, phases: Array) -> Callable[[], None]:
 
 def _definitions() -> list[str]:
     """Where things lie in the arrays, for the compiler: number in a record, or beginning for n blocks."""
-    found: dict[str, Any] = {"SMALL": numbers.SMALL, "PHASE_FIELDS": PHASE_FIELDS}
+    found: dict[str, Any] = {"SMALL": numbers.SMALL, "PHASE_FIELDS": PHASE_FIELDS, "JOINT_ROW": JOINT_ROW.beside}
     found |= {name: value for name, value in vars(regimes).items() if name.isupper()}
 
     def place(name: str, part: Part) -> None:
@@ -181,7 +181,7 @@ def _definitions() -> list[str]:
                 per_n, beside = per_n + inner.per_n, beside + inner.beside
 
     tables = {"SETTINGS": at.SETTINGS, "BLOCKS": at.BLOCKS, "PHASE": at.PHASE, "JOINTS": at.JOINTS, "HOLD": at.HOLD}
-    spaces = {"MODEL": at.MODEL, "SCRATCH": SCRATCH, "ELIMINATION": Table(*Elimination._fields)}
+    spaces = {"MODEL": at.MODEL, "SCRATCH": SCRATCH, "JOINT_ROW": JOINT_ROW}
     for name, part in (tables | spaces).items():
         place(name, part)
     return [f"-D{name.upper().replace('(N)', '(n)')}={value}" for name, value in found.items()]

@@ -7,7 +7,7 @@ of a column whose joints may slide, (6 n,) or (rows, 6 n).
 from __future__ import annotations
 
 from copy import copy
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -103,7 +103,8 @@ class Chain:
 
     def places(self, phase: FloatArray) -> Places:
         """Rotations and openings of a phase of either formulation."""
-        first, last, first_rate, last_rate, *slips = np.split(phase, phase.shape[-1] // self.n, axis=-1)
+        n = self.n
+        first, last, first_rate, last_rate, *slips = (phase[..., k : k + n] for k in range(0, phase.shape[-1], n))
         if self.exact:
             return Places(first, last, first_rate, last_rate, *slips)
         return Places(
@@ -261,6 +262,12 @@ class Chain:
         above = self.carried - self.mass
         lever: FloatArray = self.mass * self.centroid + above * self.height
         return self.g * lever
+
+
+@lru_cache(maxsize=64)
+def chain_of(column: Column) -> Chain:
+    """The chain of a column, which is not to be changed: worked out once."""
+    return Chain(column)
 
 
 def ring_beyond(outer: FloatArray, inner: FloatArray, edge: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:

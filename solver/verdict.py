@@ -22,7 +22,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .chain import Chain
+from .chain import Chain, chain_of
 from .column import Column
 from .leaning import leans_for_good
 from .packing import FloatArray, IntArray, model_of
@@ -57,7 +57,7 @@ def cannot_fall(column: Column, phase: FloatArray) -> bool:
         return sticks_for_good(column, phase)
     if column.off_axis:
         return leans_for_good(column, phase)
-    chain = Chain(column)
+    chain = chain_of(column)
     return is_held(column, chain.energy(phase), np.abs(chain.places(phase).theta))
 
 
@@ -147,7 +147,7 @@ def barrier(column: Column) -> Barrier:
 @lru_cache(maxsize=256)
 def _barrier_of(column: Column, part: float) -> Barrier:
     """The barrier of limits that are this part of the angles on edge; no less than zero."""
-    chain, fall_angles = Chain(column), np.asarray(model_of(column).blocks.fall_angle, dtype=np.float64)
+    chain, fall_angles = chain_of(column), np.asarray(model_of(column).blocks.fall_angle, dtype=np.float64)
     energy, limits = least_energy(chain, limits_at(chain, fall_angles, part))
     return Barrier(max(0.0, float(energy)), limits)
 

@@ -186,6 +186,19 @@ def _select(typing, mask, a, b):
 
 
 @_intrinsic
+def mirrored(typing, x, by):
+    """Lanes x, with the other sign where `by` is negative, or minus zero."""
+
+    def generate(context, builder, signature, arguments):
+        whole = ir.VectorType(ir.IntType(64), WIDTH)
+        sign = ir.Constant(whole, [-(2**63)] * WIDTH)
+        number, other = (builder.bitcast(argument, whole) for argument in arguments)
+        return builder.bitcast(builder.xor(number, builder.and_(other, sign)), _VECTOR)
+
+    return LANES(LANES, LANES), generate
+
+
+@_intrinsic
 def splat(typing, x):
     """Eight times the same number."""
 
@@ -226,6 +239,19 @@ def bits(typing, mask):
         return builder.zext(packed, ir.IntType(64))
 
     return types.int64(MASK), generate
+
+
+@_intrinsic
+def rarely(typing, condition):
+    """The truth value; the compiler takes it for false nearly always, and keeps what follows out of the way."""
+
+    def generate(context, builder, signature, arguments):
+        bit = ir.IntType(1)
+        kind = ir.FunctionType(bit, [bit, bit])
+        expect = cgutils.get_or_insert_function(builder.module, kind, "llvm.expect.i1")
+        return builder.call(expect, [arguments[0], bit(0)])
+
+    return types.boolean(types.boolean), generate
 
 
 # --- functions of either width

@@ -208,7 +208,8 @@ JOINTS = Table(
     "sliding",  # 1 or -1: the joint slides that way, 0: it sticks; what an evaluation is told
     "overcome",  # 1 once an evaluation found a joint that sticks beyond what it bears
 )
-ROOM = Table("a", "b", "c", "d", "e", "f", "g", "h", "i", "j", "k")  # of one evaluation; each formulation names its own
+# of one evaluation; each formulation names its own
+ROOM = Table("a", "b", "c", "d", "e", "f", "g", "h", "i", "j", "k", "l", "m", "n", "o")
 HOLD = Table(
     "held",  # regime that the joint is held in; 0 is whichever applies
     "regime",  # that it was last held in
@@ -248,7 +249,11 @@ WORK = Space(
     room=ROOM,
     tops=TOPS,
     notes=NOTES,
-    watched=Record("rises"),  # whether something visible is beyond its peak there
+    watched=Record(
+        "rises",  # whether something visible is beyond its peak at the end of the step
+        "seen",  # whether `seen` shows it
+    ),
+    allowed=Numbers(PEAKS.per_n, PEAKS.beside),  # by how much each quantity may pass its peak unnoticed
     seen=Numbers(PEAKS.per_n * (PIECES + 2), PEAKS.beside * (PIECES + 2)),  # at the ends of the pieces, and once more
     tangent=Numbers(per_n=TANGENT_FIELDS),
     trend=TREND,

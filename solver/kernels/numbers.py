@@ -3,7 +3,7 @@
 import math
 
 from .jit import by_width, leaf
-from .lanes import LanesType, any_of, greater, lesser, magnitude, nearest, where
+from .lanes import LanesType, any_of, greater, lesser, magnitude, nearest, rarely, where
 
 SMALL = 0.03  # rad: below this the short polynomials are exact to rounding
 QUARTER = 0.25 * math.pi + 1e-3  # rad: below this the long ones are
@@ -69,6 +69,26 @@ def sine(x):
     raise NotImplementedError("for kernels only")
 
 
+def half_sine_cosine(x):
+    """sin(x / 2) and cos(x / 2)."""
+    raise NotImplementedError("for kernels only")
+
+
+@leaf
+def _short_half(x):
+    """`_short` of half of x: all its numbers times powers of two, hence the same bits without a product."""
+    y = x * x
+    sine = x * (0.5 + y * (-1.0 / 48.0 + y * (1.0 / 3840.0 - y * (1.0 / 645120.0))))
+    cosine = 1.0 + y * (-0.125 + y * (1.0 / 384.0 - y * (1.0 / 46080.0)))
+    return sine, cosine
+
+
+def _half_sine_cosine_of_one(x):
+    if abs(x) > 2.0 * SMALL:
+        return math.sin(0.5 * x), math.cos(0.5 * x)
+    return _short_half(x)
+
+
 def _sine_cosine_of_one(x):
     if abs(x) > SMALL:
         return math.sin(x), math.cos(x)
@@ -83,16 +103,31 @@ def _reduced(x):
     return rest, turns - 4.0 * nearest(0.25 * turns - 0.125)
 
 
+@leaf
+def _of_any_size(x):
+    """Sine and cosine of lanes, by the nearest multiple of half of pi."""
+    rest, quarter = _reduced(x)
+    s, c = _long(rest)
+    odd = (quarter == 1.0) | (quarter == -1.0)
+    back = quarter == 2.0
+    return where(odd, quarter * c, where(back, -s, s)), where(odd, -(quarter * s), where(back, -c, c))
+
+
 def _sine_cosine_of_lanes(x):
     first, second = _short(x)
     large = magnitude(x) > SMALL
-    if any_of(large):
-        rest, quarter = _reduced(x)
-        s, c = _long(rest)
-        odd = (quarter == 1.0) | (quarter == -1.0)
-        back = quarter == 2.0
-        long_sine = where(odd, quarter * c, where(back, -s, s))
-        long_cosine = where(odd, -(quarter * s), where(back, -c, c))
+    if rarely(any_of(large)):
+        long_sine, long_cosine = _of_any_size(x)
+        first = where(large, long_sine, first)
+        second = where(large, long_cosine, second)
+    return first, second
+
+
+def _half_sine_cosine_of_lanes(x):
+    first, second = _short_half(x)
+    large = magnitude(x) > 2.0 * SMALL
+    if rarely(any_of(large)):
+        long_sine, long_cosine = _of_any_size(0.5 * x)
         first = where(large, long_sine, first)
         second = where(large, long_cosine, second)
     return first, second
@@ -105,6 +140,11 @@ def _sine_of_lanes(x):
 @by_width(sine_cosine)
 def _choose_both(x):
     return _sine_cosine_of_lanes if isinstance(x, LanesType) else _sine_cosine_of_one
+
+
+@by_width(half_sine_cosine)
+def _choose_half(x):
+    return _half_sine_cosine_of_lanes if isinstance(x, LanesType) else _half_sine_cosine_of_one
 
 
 @by_width(sine)

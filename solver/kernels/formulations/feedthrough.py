@@ -15,7 +15,7 @@ from ..joint.sliding import can_slide
 from ..layout import OK
 from ..numbers import sine_cosine
 from .either import evaluate, is_exact
-from .exact import Motion, elimination
+from .exact import Motion, joint_row
 from .paper import sweep_rows
 
 
@@ -38,7 +38,7 @@ def effective_mass(model, work):
     """
     if can_slide(model) and work.joints.sliding[model.n - 1] != 0.0:
         return 0.0
-    return elimination(work.room).pivot[model.n - 1]
+    return joint_row(work.room, model.n - 1).pivot
 
 
 @kernel
@@ -47,15 +47,14 @@ def tangential_gains(model, work, gains):
 
     No other resultant (N, M) follows the acceleration of the base at once. Exact formulation.
     """
-    row = elimination(work.room)
     n = model.n
-    gain = row.pivot[n - 1]
+    gain = joint_row(work.room, n - 1).pivot
     for i in range(n - 1, -1, -1):
         if can_slide(model) and work.joints.sliding[i] != 0.0:
             gain = 0.0
         gains[i] = gain
         if i > 0:
-            gain = -row.coupling[i] * gain * row.pivot[i - 1]
+            gain = -joint_row(work.room, i).part * gain
 
 
 @kernel

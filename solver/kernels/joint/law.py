@@ -9,7 +9,7 @@ for lanes. One column may also be held in a regime (regimes.py).
 """
 
 from ..jit import by_width, kernel, leaf
-from ..lanes import LanesType, greater, lesser, where
+from ..lanes import LanesType, greater, lesser, magnitude, mirrored, where
 from .regimes import ANY, OPEN, open_margin, side_margin, sides
 from .section import ROUND, contact_of, energy_over, forces_over, forces_over_in_lanes, rectangle_forces
 from .sliding import ends_in_lanes
@@ -65,27 +65,28 @@ def _within(x, lo, hi):
 
 
 @leaf
-def loaded_part_in_lanes(left, right, damping, opening, slope, opening_rate, slope_rate):
-    """As `loaded_part`, for lanes, without a branch; then opening and slope as the damper feels them."""
+def loaded_part_in_lanes(near, far, damping, opening, slope, opening_rate, slope_rate):
+    """As `loaded_part`, for lanes, without a branch, in the mirror image where the slope is negative.
+
+    There as here the slope rises, so that what touches lies between an edge and `far`; near, far: the ends of the
+    contact in that image. Returns the ends of the loaded part, the lower one first or last, then opening and slope as
+    the damper feels them.
+    """
+    steep = magnitude(slope)
     mean = opening + damping * opening_rate
-    # minus zero becomes zero: parallel faces that touch nowhere have their edge beyond the right end
-    slope = slope + 0.0
-    gradient = slope + damping * slope_rate
-    edge = _within(opening / slope, left, right)
-    rises = slope >= 0.0
-    lo, hi = where(rises, edge, left), where(rises, right, edge)
-    edge = _within(mean / gradient, lo, hi)  # the same edge again where there is no damping
-    rises = gradient >= 0.0
-    return where(rises, edge, lo), where(rises, hi, edge), mean, gradient
+    gradient = steep + damping * mirrored(slope_rate, slope)
+    edge = _within(opening / steep, near, far)
+    pushed = _within(mean / gradient, edge, far)  # the same edge again where there is no damping
+    return pushed, where(gradient >= 0.0, far, edge), mean, gradient
 
 
 @leaf
-def joint_forces_in_lanes(left, right, depth, stiffness, damping, opening, slope, opening_rate, slope_rate):
-    """As `joint_forces`, for lanes, of a rectangle from left to right, depth, m."""
-    lo, hi, mean, gradient = loaded_part_in_lanes(left, right, damping, opening, slope, opening_rate, slope_rate)
-    length = hi - lo
-    force, moment = rectangle_forces(lo, hi, length, stiffness * depth, mean, gradient)
-    return force, moment, length
+def joint_forces_in_lanes(near, far, depth, stiffness, damping, opening, slope, opening_rate, slope_rate):
+    """As `joint_forces`, for lanes, of a rectangle, depth, m; near, far: as above."""
+    one, other, mean, gradient = loaded_part_in_lanes(near, far, damping, opening, slope, opening_rate, slope_rate)
+    length = magnitude(other - one)
+    force, moment = rectangle_forces(one, other, length, stiffness * depth, mean, gradient)
+    return force, mirrored(moment, slope), length
 
 
 @leaf
@@ -122,24 +123,29 @@ def _resultants_of_one(blocks, hold, i, opening, slope, opening_rate, slope_rate
 
 
 def _resultants_of_lanes(blocks, hold, i, opening, slope, opening_rate, slope_rate, slip=0.0):
-    half, depth, stiffness, damping = 0.5 * blocks.width[i], blocks.depth[i], blocks.stiffness[i], blocks.damping[i]
-    return joint_forces_in_lanes(-half, half, depth, stiffness, damping, opening, slope, opening_rate, slope_rate)
+    near, far = blocks.left[i], blocks.right[i]  # the contact is its own mirror image
+    depth, stiffness, damping = blocks.depth[i], blocks.stiffness[i], blocks.damping[i]
+    return joint_forces_in_lanes(near, far, depth, stiffness, damping, opening, slope, opening_rate, slope_rate)
 
 
 def _resultants_of_round_lanes(blocks, hold, i, opening, slope, opening_rate, slope_rate, slip=0.0):
-    lo, hi, mean, gradient = loaded_part_in_lanes(
+    one, other, mean, gradient = loaded_part_in_lanes(
         blocks.left[i], blocks.right[i], blocks.damping[i], opening, slope, opening_rate, slope_rate
     )
+    lo, hi = lesser(one, other), greater(one, other)
     length = hi - lo
     force, moment = forces_over_in_lanes(blocks, i, lo, hi, length, mean, gradient)
-    return force, moment, length
+    return force, mirrored(moment, slope), length
 
 
 def _resultants_of_lanes_that_slip(blocks, hold, i, opening, slope, opening_rate, slope_rate, slip=0.0):
     left, right = ends_in_lanes(blocks, i, slip)
     right = greater(right, left)  # faces that no longer meet touch over no length
+    slope = slope + 0.0  # minus zero becomes zero
+    falls = slope < 0.0
+    near, far = where(falls, -right, left), where(falls, -left, right)
     depth, stiffness, damping = blocks.depth[i], blocks.stiffness[i], blocks.damping[i]
-    return joint_forces_in_lanes(left, right, depth, stiffness, damping, opening, slope, opening_rate, slope_rate)
+    return joint_forces_in_lanes(near, far, depth, stiffness, damping, opening, slope, opening_rate, slope_rate)
 
 
 @by_width(resultants)
