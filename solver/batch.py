@@ -236,8 +236,7 @@ def rest_in_lanes(
 
 def fall_angles(models: FloatArray, n: int) -> FloatArray:
     """Rotations, rad (columns, n), from which nothing comes back."""
-    numbers = at.MODEL.see(np.arange(models.shape[1], dtype=np.float64), n)
-    angles: FloatArray = models[:, numbers.blocks.fall_angle.astype(np.int64)]
+    angles: FloatArray = at.MODEL.see(models.T, n).blocks.fall_angle.T
     return angles
 
 

@@ -6,14 +6,12 @@ of a column whose joints may slide, (6 n,) or (rows, 6 n).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from copy import copy
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import NamedTuple
 
 import numpy as np
 
-from .block import Block
 from .column import Column
 from .kernels import layout as at
 from .kernels.entries import joint_energies, joint_potentials
@@ -74,22 +72,22 @@ class Chain:
         self.settled = settlements(column)
 
     @classmethod
-    def of_many(cls, columns: Sequence[Column], models: FloatArray | None = None) -> Chain:
+    def of_many(cls, models: FloatArray, n: int) -> Chain:
         """The data of many columns of n blocks and one formulation, none with slips: arrays (columns, n).
 
-        models: packed, a row for each column; needed where some joint is no rectangle.
+        models: packed (packing.py), a row for each column; no joint is made of strips.
         """
         chain = cls.__new__(cls)
-        given = np.array([[_data_of(block) for block in column.blocks] for column in columns], dtype=np.float64)
-        (
-            chain.height, chain.centroid, chain.mass, chain.inertia, chain.width, chain.rigidity, chain.stiffness,
-            chain.spring, chain.bore, section,
-        ) = np.moveaxis(given, -1, 0)  # fmt: skip
-        chain.rectangles = section == RECTANGLE
-        if models is not None:
-            chain.model = models
-        chain.n, chain.exact, chain.off_axis = columns[0].n, columns[0].settings.formulation == "exact", False
-        chain.g = np.array([[column.g] for column in columns])
+        seen = at.MODEL.see(models.T, n)
+        settings, blocks = seen.settings, seen.blocks
+        chain.model, chain.n, chain.exact, chain.off_axis = models, n, bool(settings.formulation[0] == at.EXACT), False
+        for name in ("height", "centroid", "mass", "inertia", "width", "stiffness", "bore"):
+            setattr(chain, name, getattr(blocks, name).T.copy())
+        chain.rectangles = blocks.section.T == RECTANGLE
+        chain.rigidity = chain.stiffness * blocks.depth.T
+        ring = 0.25 * np.pi * (chain.width**2 - chain.bore**2)
+        chain.spring = np.where(chain.rectangles, chain.rigidity * chain.width, chain.stiffness * ring)
+        chain.g = settings.gravity[:, None].copy()
         chain.carried = np.cumsum(chain.mass, axis=-1)
         chain.settled = chain.g * chain.carried / chain.spring
         return chain
@@ -105,7 +103,8 @@ class Chain:
 
     def places(self, phase: FloatArray) -> Places:
         """Rotations and openings of a phase of either formulation."""
-        first, last, first_rate, last_rate, *slips = np.split(phase, phase.shape[-1] // self.n, axis=-1)
+        n = self.n
+        first, last, first_rate, last_rate, *slips = (phase[..., k : k + n] for k in range(0, phase.shape[-1], n))
         if self.exact:
             return Places(first, last, first_rate, last_rate, *slips)
         return Places(
@@ -198,11 +197,14 @@ class Chain:
         It includes the rise of that weight by the opening; the opening is the one at which the energy is least.
         Rotations, rad: grids of two axes, of many columns one for each.
         """
-        slope = 2.0 * np.abs(np.sin(0.5 * (turn - turn_below)))
+        return self.bent_energy(i, 2.0 * np.abs(np.sin(0.5 * (turn - turn_below))), np.cos(0.5 * (turn + turn_below)))
+
+    def bent_energy(self, i: int, slope: FloatArray, cosine: FloatArray) -> FloatArray:
+        """The same from the slope of the joint, not below zero, and the cosine of the mean of both rotations."""
         full_weight, width, rigidity = (
             values[..., i, None, None] for values in (self.carried * self.g, self.width, self.rigidity)
         )
-        weight = full_weight * np.cos(0.5 * (turn + turn_below))
+        weight = full_weight * cosine
         simple = self.rectangles[..., i, None, None]
         if not np.all(simple):
             at_rest = self._other_energy(i, np.zeros_like(full_weight), full_weight)
@@ -262,11 +264,10 @@ class Chain:
         return self.g * lever
 
 
-def _data_of(block: Block) -> tuple[float, ...]:
-    rigidity = block.joint.stiffness * block.joint_depth
-    solid = block.height, block.resolved_centroid, block.mass, block.resolved_inertia
-    joint = block.joint_width, rigidity, block.joint.stiffness, block.joint_stiffness, block.joint_bore
-    return *solid, *joint, block.joint_section
+@lru_cache(maxsize=64)
+def chain_of(column: Column) -> Chain:
+    """The chain of a column, which is not to be changed: worked out once."""
+    return Chain(column)
 
 
 def ring_beyond(outer: FloatArray, inner: FloatArray, edge: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -31,10 +32,10 @@ class Lines:
     before: FloatArray  # (m,) m/s2, at the start of each line
     after: FloatArray  # (m,) m/s2, at its end
 
-    @property
+    @cached_property
     def steps(self) -> FloatArray:
         """Lengths of the lines, s."""
-        return np.diff(self.time)
+        return self.time[1:] - self.time[:-1]
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import os
-from copy import copy
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -101,11 +100,10 @@ class Motion:
         ax, az, amplitude = factor * self.ax, factor * self.az, factor * self.amplitude
         if not (np.isfinite(ax).all() and np.isfinite(az).all() and math.isfinite(amplitude)):
             return replace(self, ax=ax, az=az, amplitude=amplitude)  # which says what is wrong
-        scaled = copy(self)  # whose times have been checked
-        for key, samples in (("ax", ax), ("az", az)):
-            samples.setflags(write=False)
-            object.__setattr__(scaled, key, samples)
-        object.__setattr__(scaled, "amplitude", amplitude)
+        ax.setflags(write=False)
+        az.setflags(write=False)
+        scaled = object.__new__(type(self))  # its times have been checked
+        scaled.__dict__.update(self.__dict__, ax=ax, az=az, amplitude=amplitude)
         return scaled
 
     def scaled_to(self, pga: float) -> Motion:

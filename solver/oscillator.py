@@ -63,7 +63,8 @@ def peaks(steps: FloatArray, values: FloatArray, before: FloatArray, after: Floa
     is exact for the velocity of the base, of fourth order for a displacement.
     """
     largest: FloatArray = np.max(np.abs(values), axis=0)
-    rows, columns = np.nonzero(before * after < 0.0)
+    turns = np.flatnonzero(before * after < 0.0)
+    rows, columns = np.divmod(turns, before.shape[1])
     u0, u1 = values[rows, columns], values[rows + 1, columns]
     v0, v1 = steps[rows] * before[rows, columns], steps[rows] * after[rows, columns]
     a, b = 6.0 * (u0 - u1) + 3.0 * (v0 + v1), 6.0 * (u1 - u0) - 4.0 * v0 - 2.0 * v1

@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from operator import attrgetter
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -30,6 +31,7 @@ from .kernels.entries import assemble_column
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
+_of_block, _of_joint = attrgetter(*GIVEN_BLOCK), attrgetter(*GIVEN_JOINT)
 _TOLERANCE, _WITHOUT = GIVEN_SETTINGS.fields.index("tolerance"), GIVEN_SETTINGS.fields.index("without")
 FORMULATION_CODES = {"exact": at.EXACT, "paper": at.PAPER}
 INTEGRATOR_CODES = {"auto": at.AUTO, "central-difference": at.CENTRAL_DIFFERENCE}
@@ -163,8 +165,7 @@ def described(column: Column) -> FloatArray:
     }
     given = [values[name] for name in GIVEN_SETTINGS.fields]
     for block in column.blocks:
-        given += [getattr(block, name) or 0.0 for name in GIVEN_BLOCK]
-        given += [getattr(block.joint, name) or 0.0 for name in GIVEN_JOINT]
+        given += [value or 0.0 for value in (*_of_block(block), *_of_joint(block.joint))]
         given += shape_of(block)
     assert len(given) == GIVEN_SETTINGS.beside + GIVEN.beside * column.n
     return np.array(given, dtype=np.float64)

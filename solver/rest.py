@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from functools import lru_cache
 
 import numpy as np
 
@@ -23,8 +24,13 @@ def check_rest(column: Column, from_rest: bool = True) -> None:
     """
     if from_rest:
         check_stable(column)
-    for doubt in doubts(column):
+    for doubt in _known_doubts(column):
         warnings.warn(doubt, InputWarning, stacklevel=3)
+
+
+@lru_cache(maxsize=64)
+def _known_doubts(column: Column) -> tuple[str, ...]:
+    return tuple(doubts(column))
 
 
 def check_stable(column: Column) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import math
 import pickle
 import time as clock
@@ -9,6 +10,7 @@ from collections import Counter
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
+from multiprocessing import parent_process
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -133,6 +135,8 @@ def load_kernels(formulation: str) -> None:
     column = Column("block", (block,), Settings(formulation, integrator))
     gentle, strong = (Motion.harmonic(amplitude, 1.0, 1e-3) for amplitude in (1e-3, 100.0))
     follow_in_lanes([column, column], [gentle, strong], [1e-3, 1e-3])
+    if parent_process() is not None:  # a worker, nobody else's process
+        gc.freeze()  # compiled code stays: looking through it for garbage time and again took 4 % of the time
 
 
 def check_columns(chunk: Chunk, tally: Tally) -> None:
@@ -211,7 +215,7 @@ def _fill(
         words, times, joints = _verdicts_one_by_one(runs, batch, settle, flag)
         left = _left_one_by_one(runs, batch)
     else:
-        chain = Chain.of_many([run.column for run in runs], batch.models)
+        chain = Chain.of_many(batch.models, n)
         words, times, joints = _verdicts(runs, batch, chain, settle, flag)
         left = {
             "residual_ux": chain.top_displacements(batch.ends),
@@ -276,7 +280,7 @@ def _verdicts(
         stops = np.array([run.motion.start + run.duration for run in some])
         columns = [run.column for run in some]
         words[ended], times[ended], joints[ended] = fates_of(
-            columns, batch.models[ended], batch.ends[ended], stops, settle, flag
+            columns, chain.some(ended), batch.ends[ended], stops, settle, flag
         )
     return words, times, joints
 

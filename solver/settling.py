@@ -27,7 +27,7 @@ class Fates(NamedTuple):
 
 def fates_of(
     columns: Sequence[Column],
-    models: FloatArray,
+    chain: Chain,
     phases: FloatArray,
     stops: FloatArray,
     settle: float,
@@ -35,19 +35,18 @@ def fates_of(
 ) -> Fates:
     """What comes of columns of n blocks that one kind of lanes takes, upon a base that is still from now on.
 
-    models: as of batch.BatchResult. phases: (columns, 4 n) at the times `stops`, s. settle: s, how long to look at
+    chain: their data (Chain.of_many). phases: (columns, 4 n) at the times `stops`, s. settle: s, how long to look at
     most. Once flag[0] is not zero it ends soon, with nothing of use. What comes of a column depends on no other.
     """
     count, code = len(columns), WORDS["verdict"].index
     found = Fates(np.full(count, code(UNDECIDED)), np.full(count, math.nan), np.zeros(count, dtype=np.int64))
-    chain, kind = Chain.of_many(columns, models), kind_of(columns[0])
+    kind = kind_of(columns[0])
     left = _not_standing(chain, phases)
     found.words[:] = code(STANDING)
     if not left.size:
         return found
     columns, chain, phases, stops = [columns[k] for k in left], chain.some(left), phases[left], stops[left]
-    models = models[left]
-    barriers = Barriers(chain, fall_angles(models, chain.n))
+    barriers = Barriers(chain, fall_angles(chain.model, chain.n))
     numbers, some = left, np.arange(len(left))  # of what is left, in what was given and in the rows here
     looks = 0
     while some.size and not flag[0]:
@@ -58,7 +57,8 @@ def fates_of(
         if begin == settle:
             found.words[numbers[some]] = code(UNDECIDED)
             break
-        made = rest_in_lanes(models[some], chain.n, kind, phases[some], stops[some] + begin, stops[some] + end, flag)
+        begins, ends = stops[some] + begin, stops[some] + end
+        made = rest_in_lanes(chain.model[some], chain.n, kind, phases[some], begins, ends, flag)
         fell = made.overturned_joint > 0
         which = numbers[some[fell]]
         found.words[which] = code(OVERTURNED)

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from .chain import Chain
+from .chain import chain_of
 from .column import Column
 from .ensemble import ensemble_of
 from .errors import POSITIVE, InputError, SolverError, check_number
@@ -79,7 +79,7 @@ def simulate(
     response, phases = single_run(column, motion, duration, times, initial, settle, callback)
     response.motion = motion
     if check:
-        chain = Chain(column)
+        chain = chain_of(column)
         ux = chain.top_displacements(phases)
         try:
             closer, phases = single_run(finer(column), motion, duration, times, initial, settle, callback)

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .chain import Chain
+from .chain import chain_of
 from .column import Column
 from .errors import SolverError
 from .kernels import layout as at
@@ -51,12 +51,11 @@ def single_run(
 ) -> tuple[Response, FloatArray]:
     """A run of `duration` s with rows at `times`, s; and the phases at these times (chain.py). Raises SolverError."""
     stepper = Stepper(column, initial)
-    chain = Chain(column)
     stop = motion.start + duration
 
     def after_chunk(t: float) -> None:
         if callback is not None:
-            phase = phase_of(stepper)
+            phase, chain = phase_of(stepper), chain_of(column)
             places = chain.places(phase)
             callback(t, Glance(chain.top_displacements(phase), places.theta.copy(), stepper.peak_ux.copy()))
 
@@ -121,7 +120,7 @@ def fate(column: Column, phase: FloatArray, stop: float, settle: float) -> tuple
 
     Returns the word, the time of overturning, s, and the joint; NaN and 0 where it stands.
     """
-    chain = Chain(column)
+    chain = chain_of(column)
     places = chain.places(phase)
     moved = (places.slip - chain.offset, places.slip_rate) if column.has_slips else (None, None)
     stepper = Stepper(column, InitialState(places.theta, places.spin, places.opening, places.opening_rate, *moved))

@@ -216,11 +216,13 @@ class Stepper:
         """
         if "peaks" in self.column.settings.without:
             return {"ux": self.peak_ux.copy()}
-        n, joints = self.n, at.OUTPUTS.size(self.n)
+        found, begin = {}, 0
         visible = self.visible_peaks
-        names = (*at.OUTPUTS.fields, *at.REACTION.fields, "friction")
-        parts = np.split(visible, [*range(n, joints + 1, n), *range(joints + 1, joints + at.REACTION.beside + 1)])
-        return dict(zip(names, parts, strict=True))
+        for names, size in ((at.OUTPUTS.fields, self.n), (at.REACTION.fields, 1), (("friction",), self.n)):
+            for name in names:
+                found[name] = visible[begin : begin + size]
+                begin += size
+        return found
 
     @property
     def visible_peaks(self) -> FloatArray:

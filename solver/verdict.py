@@ -22,7 +22,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .chain import Chain
+from .chain import Chain, chain_of
 from .column import Column
 from .leaning import leans_for_good
 from .packing import FloatArray, IntArray, model_of
@@ -57,7 +57,7 @@ def cannot_fall(column: Column, phase: FloatArray) -> bool:
         return sticks_for_good(column, phase)
     if column.off_axis:
         return leans_for_good(column, phase)
-    chain = Chain(column)
+    chain = chain_of(column)
     return is_held(column, chain.energy(phase), np.abs(chain.places(phase).theta))
 
 
@@ -147,7 +147,7 @@ def barrier(column: Column) -> Barrier:
 @lru_cache(maxsize=256)
 def _barrier_of(column: Column, part: float) -> Barrier:
     """The barrier of limits that are this part of the angles on edge; no less than zero."""
-    chain, fall_angles = Chain(column), np.asarray(model_of(column).blocks.fall_angle, dtype=np.float64)
+    chain, fall_angles = chain_of(column), np.asarray(model_of(column).blocks.fall_angle, dtype=np.float64)
     energy, limits = least_energy(chain, limits_at(chain, fall_angles, part))
     return Barrier(max(0.0, float(energy)), limits)
 
@@ -186,19 +186,31 @@ def _grid(limits: FloatArray) -> tuple[FloatArray, IntArray]:
     return angles, np.maximum(1, np.count_nonzero(within_limit, axis=-1) - 1)
 
 
+def _bends(angles: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Slopes of a joint and cosines of the mean rotation for all pairs of such rotations, (..., GRID + 1, GRID + 1).
+
+    By the addition theorems, since functions of a grid would take as long as all the rest.
+    """
+    sine, cosine = np.sin(0.5 * angles), np.cos(0.5 * angles)
+    crossed = sine[..., :, None] * cosine[..., None, :]
+    slope = 2.0 * np.abs(crossed - np.swapaxes(crossed, -1, -2))
+    return slope, cosine[..., :, None] * cosine[..., None, :] - sine[..., :, None] * sine[..., None, :]
+
+
 def least_energy(chain: Chain, limits: FloatArray) -> Barrier:
     """Least energy, J above rest, with a block at its limit and the others within theirs, which a grid rounds off.
 
     Of one column, or of many: limits rad, (..., n).
     """
     angles, last = _grid(limits)
+    slope, cosine = _bends(angles)
     number = np.arange(GRID + 1)
     own = -2.0 * np.sin(0.5 * angles) ** 2
     # least energy of all above by the rotation of a block: with everybody within the limits, and with somebody at them
     within, reached = np.zeros_like(angles), np.full_like(angles, np.inf)
     for i in range(chain.n):
         if i > 0:
-            between = chain.joint_energy(i - 1, angles[..., :, None], angles[..., None, :])
+            between = chain.bent_energy(i - 1, slope, cosine)
             within, reached = (np.min(least[..., :, None] + between, axis=-2) for least in (within, reached))
         released, end = chain.toppling[..., i, None] * own, last[..., i, None]
         within, reached = within + released, reached + released

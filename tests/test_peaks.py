@@ -21,6 +21,10 @@ SCENES = {
     "one block": (monolith(eta=1e-3), Motion.harmonic(0.15 * G, 1.0, 3.0)),
     "first order": (phocas(1e-3, formulation="paper"), Motion.harmonic(0.05 * G, 1.0, 1.0)),
     "mortar": (phocas(2e-2), Motion.harmonic(0.2 * G, 1.0, 2.0)),
+    "sliding": (
+        Column("two", (Block(2.0, 1.0, 1.0, 4000.0, Joint(3e9, 1e-3, friction=0.4)),) * 2),
+        Motion.harmonic(0.8 * G, 1.5, 2.0),
+    ),
     "held": (phocas(1e-3), Motion.from_samples(0.01, 0.5 * np.sin(0.07 * np.arange(200)), hold=True)),
 }
 
@@ -48,6 +52,7 @@ def test_peaks_are_those_of_dense_rows(scene: str) -> None:
         assert np.all(seen <= peak * (1.0 + 1e-5)), name
         missed = 1e-4 if scene in ("undamped", "elastic") else 0.01
         missed = 0.1 if scene == "mortar" or name == "friction" else missed  # measured 0.04 at rows of 1e-5 s
+        missed = 0.05 if scene == "sliding" else missed  # measured 0.021; 0.001 at rows of 5e-6 s
         assert peak == pytest.approx(seen, rel=missed), name
 
 

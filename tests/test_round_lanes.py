@@ -349,7 +349,7 @@ def test_what_is_held_of_many_columns_is_what_is_held_of_each(n: int) -> None:
     rng = np.random.default_rng(n)
     columns = [column for column in (random_drums(rng, n, softest=1e7) for _ in range(40)) if is_stable(column)]
     models = models_of(columns)
-    chain = Chain.of_many(columns, models)
+    chain = Chain.of_many(models, n)
     energy = np.array([barrier(column).energy for column in columns])
     bounds = [least_energies(chain, part, grazed)[0] for part in SHARES for grazed in GRAZED]
     assert np.any(np.max(bounds, axis=0) > 0.0)

@@ -213,7 +213,7 @@ def test_the_quick_bound_for_many_columns_is_never_above_the_barrier(n: int) -> 
     columns = [column for column in (random_column(rng, n, softest=1e7) for _ in range(60)) if is_stable(column)]
     columns.append(phocas(1e-3) if n != 1 else monolith(eta=1e-3))
     columns = [column for column in columns if column.n == n]
-    chain = Chain.of_many(columns)
+    chain = Chain.of_many(models_of(columns), n)
     bounds = [least_energies(chain, part, grazed)[0] for part in SHARES for grazed in GRAZED]
     least = np.array([barrier(column).energy for column in columns])
     assert np.any(np.max(bounds, axis=0) > 0.0)
@@ -235,11 +235,12 @@ def test_what_is_held_of_many_columns_is_what_is_held_of_each(n: int) -> None:
     """Whichever are asked for together, and of columns that have up to four times the energy of the barrier."""
     rng = np.random.default_rng(n)
     columns = [column for column in (random_column(rng, n, softest=1e7) for _ in range(70)) if is_stable(column)]
-    chain = Chain.of_many(columns)
+    models = models_of(columns)
+    chain = Chain.of_many(models, n)
     energy = np.array([barrier(column).energy for column in columns]) * rng.uniform(0.0, 4.0, len(columns)) ** 2
     turned = rng.uniform(0.0, 0.1, (len(columns), n))
     wanted = [is_held(column, e, t) for column, e, t in zip(columns, energy.tolist(), turned, strict=True)]
-    barriers = Barriers(chain, fall_angles(models_of(columns), n))
+    barriers = Barriers(chain, fall_angles(models, n))
     some = rng.permutation(len(columns))
     for part in (some[:5], some):
         assert barriers.hold(part, energy[part], turned[part]).tolist() == [wanted[k] for k in part]
@@ -253,11 +254,11 @@ def test_columns_settle_in_lanes_as_they_do_by_themselves() -> None:
     phases = np.concatenate([np.zeros(3), -settled(column), np.zeros(6)]) + np.zeros((24, 1))
     phases[:, 6:9] = spins[:, None]
     stops, models = np.linspace(0.0, 5.0, 24), models_of([column] * 24)
-    words, times, joints = fates_of([column] * 24, models, phases, stops, settle, np.zeros(1))
+    words, times, joints = fates_of([column] * 24, Chain.of_many(models, 3), phases, stops, settle, np.zeros(1))
     for k in range(24):
         word, time, joint = fate(column, phases[k], float(stops[k]), settle)
         assert (WORDS["verdict"][words[k]], joints[k]) == (word, joint)
         assert times[k] == pytest.approx(time, abs=1e-3, nan_ok=True)
     assert len(set(words.tolist())) == 3
-    alone = fates_of([column], models[:1], phases[7:8], stops[7:8], settle, np.zeros(1))
+    alone = fates_of([column], Chain.of_many(models[:1], 3), phases[7:8], stops[7:8], settle, np.zeros(1))
     assert [part[0] for part in alone] == pytest.approx([words[7], times[7], joints[7]], rel=0.0, nan_ok=True)

@@ -251,7 +251,11 @@ WORK = Space(
     room=ROOM,
     tops=TOPS,
     notes=NOTES,
-    watched=Record("rises"),  # whether something visible is beyond its peak there
+    watched=Record(
+        "rises",  # whether something visible is beyond its peak at the end of the step
+        "seen",  # whether `seen` shows it
+    ),
+    allowed=Numbers(PEAKS.per_n, PEAKS.beside),  # by how much each quantity may pass its peak unnoticed
     seen=Numbers(PEAKS.per_n * (PIECES + 2), PEAKS.beside * (PIECES + 2)),  # at the ends of the pieces, and once more
     tangent=Numbers(per_n=TANGENT_FIELDS),
     trend=TREND,

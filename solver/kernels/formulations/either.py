@@ -1,11 +1,11 @@
 """Either formulation behind one evaluation, and what both say of blocks and joints."""
 
-import math
 from typing import NamedTuple
 
 from ..jit import by_width, kernel, leaf
 from ..lanes import LanesType
 from ..layout import EXACT, OK, ROTATES
+from ..numbers import sine_cosine
 from .base import base_motion
 from .exact import exact_accelerations, exact_top_motion
 from .paper import difference, paper_accelerations, tilt
@@ -107,7 +107,8 @@ def joint_slope(model, phase, i):
     spin = rotation(model, phase.theta_rate, i) - rotation(model, phase.theta_rate, i + 1)
     if not is_exact(model):
         return turn, spin
-    return 2.0 * math.sin(0.5 * turn), math.cos(0.5 * turn) * spin
+    sine, cosine = sine_cosine(0.5 * turn)
+    return 2.0 * sine, cosine * spin
 
 
 @leaf

@@ -1,12 +1,11 @@
 """All that a user can see of a column at one instant: one output row."""
 
-import math
-
 from ..jit import kernel
 from ..joint.law import joint_peak_pressure
 from ..joint.section import ends_of
-from ..joint.sliding import opening_felt, opening_rate_felt, slip_of
+from ..joint.sliding import can_slide, opening_felt, opening_rate_felt, slip_of
 from ..layout import OK
+from ..numbers import sine_cosine
 from .either import is_exact, joint_opening, joint_slope, rotation, top_motion
 from .slips import evaluate_anew
 
@@ -15,13 +14,19 @@ from .slips import evaluate_anew
 def observe(column, phase, motion, row):
     """Fill an output row with everything visible of a phase, and its accelerations. Returns a code."""
     code = evaluate_anew(column, phase, motion)
-    if code != OK:
-        return code
+    if code == OK:
+        top_motion(column.model, phase, row.joints.ux, column.work.tops.between_rate, motion.theta, motion.omega)
+        show(column, phase, motion, row)
+    return code
+
+
+@kernel
+def show(column, phase, motion, row):
+    """The same, but u_x, of a phase that has been evaluated: work.joints holds its resultants."""
     model, work, joints, base = column.model, column.work, row.joints, row.base
     n = model.n
     blocks = model.blocks
-    exact = is_exact(model)
-    top_motion(model, phase, joints.ux, work.tops.between_rate, motion.theta, motion.omega)
+    exact, slides = is_exact(model), can_slide(model)
     rise = 0.0  # of the top face of the block below
     for i in range(n - 1, -1, -1):
         turn = rotation(model, phase.theta, i)
@@ -32,13 +37,19 @@ def observe(column, phase, motion, row):
         phi = 0.5 * (turn + turn_below) + motion.theta + blocks.lean[i]
         sine, cosine = phi, 1.0  # in the first-order model
         if exact:
-            sine, cosine = math.sin(phi), math.cos(phi)
+            sine, cosine = sine_cosine(phi)
         normal, tangential = work.joints.normal[i], work.joints.tangential[i]
         joints.theta[i] = turn + motion.theta
         if exact:
             half = 0.5 * (turn + motion.theta)
-            dip = -2.0 * math.sin(blocks.tilt[i] + half) * math.sin(half)  # cosine of the rotation less that as built
-            rise += opening * cosine - (slip * sine - blocks.offset[i] * math.sin(blocks.lean[i]))
+            sine_half, _ = sine_cosine(half)
+            sine_built = sine_half
+            rise += opening * cosine
+            if slides:
+                sine_built, _ = sine_cosine(blocks.tilt[i] + half)
+                sine_lean, _ = sine_cosine(blocks.lean[i])
+                rise -= slip * sine - blocks.offset[i] * sine_lean
+            dip = -2.0 * sine_built * sine_half  # cosine of the rotation less that as built
             joints.uz[i] = rise + blocks.centroid[i] * dip
             rise += blocks.height[i] * dip
         else:
@@ -65,11 +76,11 @@ def observe(column, phase, motion, row):
             base.Fz = -(normal * cosine - tangential * sine)
             base.My = work.joints.moment[i]
             if exact:
-                base.My = base.My * math.cos(0.5 * (turn - turn_below)) - 0.5 * opening * tangential
+                _, cosine_turn = sine_cosine(0.5 * (turn - turn_below))
+                base.My = base.My * cosine_turn - 0.5 * opening * tangential
                 base.My += 0.5 * slip * normal
     if not exact:
         weight = 0.0
         for i in range(n):
             weight += blocks.mass[i] * (model.settings.gravity + motion.az - phase.opening_acceleration[i])
         base.Fz = -weight
-    return OK

@@ -3,8 +3,9 @@
 A step is looked into only where a new peak may lie inside. Whether it may follows from three instants: the resultants
 at its start and its end are known, and half-way the joint law alone is evaluated on the quintic. Forces along the
 joints cannot be had that cheaply; how far they stray from their ends follows from how far N and M do. Where a peak may
-lie, the step is evaluated at the ends of its pieces, and parabolas lead to the extremes of each quantity: until they
-promise no more than a part of the tolerance.
+lie, the step is evaluated at the ends of its pieces. A polynomial through all of them tells the extremes of what is
+smooth within the step; where it is not sure of one, parabolas lead there: until they promise no more than a part of the
+tolerance.
 
 Rotations count as small in what is estimated, never in what is kept. Where joints can slide nothing is estimated: all
 steps are looked into.
@@ -12,23 +13,27 @@ steps are looked into.
 
 from ..formulations.base import base_motion, base_turn
 from ..formulations.either import is_exact, joint_opening, rotation
-from ..formulations.outputs import observe
-from ..formulations.slips import phase_size
+from ..formulations.outputs import show
+from ..formulations.slips import evaluate_anew, phase_size
 from ..jit import kernel, leaf
 from ..joint.law import resultants
 from ..joint.sliding import can_slide
-from ..layout import COUNTS_FROM, OK, PEAKS, PIECES, ROW
+from ..layout import COUNTS_FROM, OK, OUTPUTS, PEAKS, PIECES, ROW
 from .bracket import bracket, narrowed, trial_within
 from .interpolation import interpolate_phase, refine
 
 _peaks, _row = PEAKS.over, ROW.over
 _PER_N, _BESIDE = PEAKS.per_n, PEAKS.beside
+_OF_JOINTS = OUTPUTS.per_n
+_CONTACT = OUTPUTS.fields.index("contact")
 _FRICTION = (PEAKS.per_n - 1, PEAKS.beside)  # where it begins
 
 TURNS, RISES = 1, 2  # within the step; beyond its end
 MARGIN = 0.1  # of the bend of a parabola through three values: how far beyond it the curve may go
 NEAR = 2.6  # of the bend: a rise that turns within the step, 2 on a parabola; 2.4 on a sine over 1.5 rad
 PROMISE = 0.1  # of the tolerance: a peak that is expected to rise by less has been found
+QUIET = 1e-3  # of the largest peak in the column: tolerances of a smaller one are parts of this
+SURE = 3.0  # of that: what the highest term of the polynomial may come to where it is believed
 # Of the bend of N times the inclination, and of the bend of M over the height of the centroid: what T may bend by. One
 # slender block upon its joint has less than 0.75 of both
 NORMAL_STRAY = 1.0
@@ -111,8 +116,8 @@ def _pressures_beyond(column, h, turn_middle, turn_end):
     model, work = column.model, column.work
     n, blocks, joints, notes = model.n, model.blocks, work.joints, work.notes
     middle, end = work.between, work.end
-    space = _peaks(column.state.peaks, n)
-    peaks, base = space.joints, space.base
+    space, allowances = _peaks(column.state.peaks, n), _peaks(work.allowed, n)
+    peaks, allowed = space.joints, allowances.joints
     exact = is_exact(model)
     _go_half_way(work, h)
     found, stray = 0, 0.0
@@ -144,14 +149,16 @@ def _pressures_beyond(column, h, turn_middle, turn_end):
 
         normal_e, moment_e, length_e = joints.normal[i], joints.moment[i], joints.length[i]
         whole = blocks.width[i]
-        found |= _beyond(notes.N[i], normal, normal_e, peaks.N[i])
-        found |= _beyond(notes.M[i], moment, moment_e, peaks.M[i])
-        found |= _beyond(notes.edge[i], edge, edge_e, peaks.sigma_max[i])
-        found |= _beyond(whole - notes.length[i], whole - length, whole - length_e, whole * peaks.contact[i])
-        found |= _beyond(notes.uz[i], uz, uz_e, peaks.uz[i])
-        found |= _beyond(notes.theta[i], theta, theta_e, peaks.theta[i])
+        found |= _beyond(notes.N[i], normal, normal_e, peaks.N[i] + allowed.N[i])
+        found |= _beyond(notes.M[i], moment, moment_e, peaks.M[i] + allowed.M[i])
+        found |= _beyond(notes.edge[i], edge, edge_e, peaks.sigma_max[i] + allowed.sigma_max[i])
+        lost = whole * (peaks.contact[i] + allowed.contact[i])
+        found |= _beyond(whole - notes.length[i], whole - length, whole - length_e, lost)
+        found |= _beyond(notes.uz[i], uz, uz_e, peaks.uz[i] + allowed.uz[i])
+        found |= _beyond(notes.theta[i], theta, theta_e, peaks.theta[i] + allowed.theta[i])
         if i == n - 1:
-            found |= _beyond(notes.M[i], moment, moment_e, base.My - 0.5 * abs(opening * joints.tangential[i]))
+            most = space.base.My + allowances.base.My - 0.5 * abs(opening * joints.tangential[i])
+            found |= _beyond(notes.M[i], moment, moment_e, most)
         stray += NORMAL_STRAY * abs(notes.N[i] - 2.0 * normal + normal_e) * abs(phi)
         stray += MOMENT_STRAY * abs(notes.M[i] - 2.0 * moment + moment_e) / blocks.centroid[i]
         notes.N_middle[i] = normal
@@ -165,7 +172,7 @@ def _shears_beyond(column, stray):
     """How what follows from the forces along the joints passes its peaks; notes the end of the step."""
     model, work = column.model, column.work
     n, notes, joints = model.n, work.notes, work.joints
-    peaks = _peaks(column.state.peaks, n)
+    peaks, allowed = _peaks(column.state.peaks, n), _peaks(work.allowed, n)
     found = 0
     for i in range(n):
         normal, normal_m, normal_e = notes.N[i], notes.N_middle[i], joints.normal[i]
@@ -175,17 +182,19 @@ def _shears_beyond(column, stray):
         most, bend = max(abs(along), abs(along_e)) + stray, abs(normal - 2.0 * normal_m + normal_e)
         neglected = _curved(phi_e, max(normal, normal_m, normal_e), most)
         strays = stray + BASE_STRAY * most
-        found |= _beyond_with(along, along_e, strays, peaks.joints.T[i])
-        found |= _beyond_with(across, across_e, strays + abs(phi_e) * bend, peaks.joints.S[i] - neglected)
+        found |= _beyond_with(along, along_e, strays, peaks.joints.T[i] + allowed.joints.T[i])
+        bound = peaks.joints.S[i] + allowed.joints.S[i] - neglected
+        found |= _beyond_with(across, across_e, strays + abs(phi_e) * bend, bound)
         counts, least = notes.counts[i], min(normal, normal_m, normal_e)
-        if max(normal, normal_m, normal_e) > counts and most > peaks.friction[i] * max(least, counts):
+        asked = peaks.friction[i] + allowed.friction[i]
+        if max(normal, normal_m, normal_e) > counts and most > asked * max(least, counts):
             here, there = abs(along) * normal_e, abs(along_e) * normal  # over both N
             turns = normal_m < min(normal, normal_e) or least < counts or abs(along_e - along) < STEEP * strays
             found |= TURNS if turns or here >= there else RISES
         if i == n - 1:
             lifted, lifted_e = normal - along * phi, normal_e - along_e * phi_e
             lifted_m = normal_m - 0.5 * (along * phi + along_e * phi_e)
-            found |= _beyond(lifted, lifted_m, lifted_e, peaks.base.Fz - abs(phi_e) * stray)
+            found |= _beyond(lifted, lifted_m, lifted_e, peaks.base.Fz + allowed.base.Fz - abs(phi_e) * stray)
         notes.N[i], notes.T[i], notes.phi[i] = normal_e, along_e, phi_e
     return found
 
@@ -208,7 +217,8 @@ def begin_extremes(column, motion, evaluated):
     model, work = column.model, column.work
     n, blocks, start, joints, notes = model.n, model.blocks, work.start, work.joints, work.notes
     peaks = _peaks(column.state.peaks, n)
-    work.watched.rises = 0.0
+    work.watched.rises = work.watched.seen = 0.0
+    _allow(column)
     rise, turn, spin = 0.0, 0.0, 0.0
     for i in range(n - 1, -1, -1):
         turned, spun = rotation(model, start.theta, i), rotation(model, start.theta_rate, i)
@@ -238,6 +248,7 @@ def begin_extremes(column, motion, evaluated):
             new = new or (normal > notes.counts[i] and abs(along) > peaks.friction[i] * normal)
     if new:
         _take_start(column, motion)
+        _allow(column)
 
 
 @kernel
@@ -252,6 +263,22 @@ def end_extremes(column, motion):
 
 
 @kernel
+def _allow(column):
+    """Set by how much each quantity may pass its peak unnoticed."""
+    n, peaks, allowed = column.model.n, column.state.peaks, column.work.allowed
+    part = PROMISE * column.model.settings.tolerance
+    for field in range(_PER_N):
+        first = field * n if field < _OF_JOINTS else field * n + _BESIDE
+        largest = 0.0
+        for j in range(first, first + n):
+            largest = max(largest, peaks[j])
+        for j in range(first, first + n):
+            allowed[j] = part * max(peaks[j], QUIET * largest)
+    for j in range(_OF_JOINTS * n, _OF_JOINTS * n + _BESIDE):
+        allowed[j] = part * peaks[j]
+
+
+@kernel
 def _take_start(column, motion):
     work = column.work
     for i in range(phase_size(work)):
@@ -261,12 +288,18 @@ def _take_start(column, motion):
 
 @kernel
 def _take(column, motion, seen):
-    """Fill `seen` with all that is visible of work.between, on such a base, and raise the peaks by it."""
-    model, work = column.model, column.work
-    n = model.n
-    if observe(column, work.between, motion, _row(seen, n)) != OK:
-        return
-    visible, peaks = _peaks(seen, n), column.state.peaks
+    """Fill `seen` with all that is visible of work.between but u_x, on such a base, and raise the peaks by it."""
+    if evaluate_anew(column, column.work.between, motion) == OK:
+        show(column, column.work.between, motion, _row(seen, column.model.n))
+        _raise_peaks(column, seen)
+
+
+@kernel
+def _raise_peaks(column, seen):
+    """Raise the peaks by an output row, which becomes one of PEAKS."""
+    work, peaks = column.work, column.state.peaks
+    n = column.model.n
+    visible = _peaks(seen, n)
     for i in range(n):
         normal = visible.joints.N[i]
         visible.friction[i] = abs(visible.joints.T[i]) / normal if normal > work.notes.counts[i] else 0.0
@@ -283,6 +316,24 @@ def _look(column, t, h, s, seen):
     for i in range(int(work.slips.count)):  # the joints slide as they did in the step
         work.between.sliding[i] = work.end.sliding[i]
     _take(column, base_motion(column.base, column.samples, t + s * h), seen)
+
+
+@kernel
+def _look_at_pieces(column, t, h):
+    """Fill work.seen at the ends of the pieces of the step; work.joints holds the resultants of its end."""
+    work, n = column.work, column.model.n
+    size = _PER_N * n + _BESIDE
+    end = work.seen[PIECES * size :]
+    begins_seen = work.watched.seen != 0.0
+    if begins_seen:  # as the end of the step before
+        for j in range(size):
+            work.seen[j] = end[j]
+    show(column, work.end, base_motion(column.base, column.samples, t + h), _row(end, n))
+    _raise_peaks(column, end)
+    work.watched.seen = 1.0
+    refine(column, t, h)
+    for k in range(1 if begins_seen else 0, PIECES):
+        _look(column, t, h, k / PIECES, work.seen[k * size :])
 
 
 @leaf
@@ -310,15 +361,31 @@ def _may_top(seen, j, size, peak):
     return max(most, -least) + 0.25 * (most - least) > peak
 
 
+@leaf
+def _top(f_0, f_1, f_2, f_3, f_4, near):
+    """(place, height, its highest term there) of the top next to `near` of the quartic through values at 0, 1 ... 4."""
+    rise, fall = f_3 - f_1, f_4 - f_0
+    sides, ends = f_1 + f_3, f_0 + f_4
+    c1, c2 = (8.0 * rise - fall) / 12.0, (16.0 * sides - ends - 30.0 * f_2) / 24.0
+    c3, c4 = (fall - 2.0 * rise) / 12.0, (ends - 4.0 * sides + 6.0 * f_2) / 24.0
+    x = near - 2.0
+    for _ in range(3):
+        bend = 2.0 * c2 + x * (6.0 * c3 + x * 12.0 * c4)
+        if not bend < 0.0:
+            break
+        x = min(2.0, max(-2.0, x - (c1 + x * (2.0 * c2 + x * (3.0 * c3 + x * 4.0 * c4))) / bend))
+    height = f_2 + x * (c1 + x * (c2 + x * (c3 + x * c4)))
+    far = -2.0 if x > 0.0 else 2.0  # the end that a cubic does without
+    return x + 2.0, height, c4 * (x + far) * (x + 1.0) * x * (x - 1.0)
+
+
 @kernel
-def _climb(column, t, h, j, a, f_a, b, f_b, c, f_c, sign):
-    """Go up to the extreme of quantity j between the fractions a and c of the step."""
+def _climb(column, t, h, j, a, f_a, b, f_b, c, f_c, sign, s, height):
+    """Go up to the extreme of quantity j between the fractions a and c of the step, expected at s, so high."""
     n, work, peaks = column.model.n, column.work, column.state.peaks
     trial = work.seen[(PIECES + 1) * (_PER_N * n + _BESIDE) :]
-    enough = 1.0 + PROMISE * column.model.settings.tolerance
     for _ in range(MOST_TRIALS):
-        s, height = _vertex(a, f_a, b, f_b, c, f_c)
-        if not height > peaks[j] * enough:
+        if not height > peaks[j] + work.allowed[j]:
             return
         if abs(s - b) < CLOSE:
             s = b + CLOSE if c - b > b - a else b - CLOSE
@@ -335,6 +402,32 @@ def _climb(column, t, h, j, a, f_a, b, f_b, c, f_c, sign):
             a, f_a, b, f_b = b, f_b, s, f_s
         else:
             c, f_c = s, f_s
+        s, height = _vertex(a, f_a, b, f_b, c, f_c)
+
+
+@kernel
+def _find_top(column, t, h, j, size):
+    """Raise the peak of quantity j by its highest top within the step."""
+    n, seen, peaks, allowed = column.model.n, column.work.seen, column.state.peaks, column.work.allowed[j]
+    best, place, at, way = 0.0, 0.0, 0, 1.0
+    for k in range(1, PIECES):
+        sign = -1.0 if seen[k * size + j] < 0.0 else 1.0
+        f_a, f_b, f_c = sign * seen[(k - 1) * size + j], sign * seen[k * size + j], sign * seen[(k + 1) * size + j]
+        x, height = _vertex(k - 1.0, f_a, k, f_b, k + 1.0, f_c)
+        if height > best:
+            best, place, at, way = height, x, k, sign
+    if not best > peaks[j] + allowed:
+        return
+    f_0, f_1, f_2 = way * seen[j], way * seen[size + j], way * seen[2 * size + j]
+    f = (f_0, f_1, f_2, way * seen[3 * size + j], way * seen[4 * size + j])
+    x, height, term = _top(f[0], f[1], f[2], f[3], f[4], place)
+    if not abs(x - at) < 1.0:
+        x, height = place, best
+    elif abs(term) <= SURE * allowed:
+        peaks[j] = max(peaks[j], min(height, 1.0) if j // n == _CONTACT else height)
+        return
+    a, b, c = (at - 1) / PIECES, at / PIECES, (at + 1) / PIECES
+    _climb(column, t, h, j, a, f[at - 1], b, f[at], c, f[at + 1], way, x / PIECES, height)
 
 
 @kernel
@@ -363,34 +456,22 @@ def track_extremes(column, t, h):
     else:
         found = _beyond_peaks(column, base_turn(base, t + 0.5 * h), base_turn(base, t + h), h)
     if not found & TURNS:
+        column.work.watched.seen = 0.0
         return
     model, work, peaks = column.model, column.work, column.state.peaks
     n, seen = model.n, work.seen
     size = _PER_N * n + _BESIDE
-    refine(column, t, h)
-    for k in range(PIECES + 1):
-        _look(column, t, h, k / PIECES, seen[k * size :])
-    enough = 1.0 + PROMISE * model.settings.tolerance
+    _look_at_pieces(column, t, h)
     first = _FRICTION[0] * n + _FRICTION[1]
     for j in range(n, size):
-        if not _may_top(seen, j, size, peaks[j] * enough):
-            continue
-        best, at, way = 0.0, 0, 1.0
-        for k in range(1, PIECES):
-            sign = -1.0 if seen[k * size + j] < 0.0 else 1.0
-            f_a, f_b, f_c = sign * seen[(k - 1) * size + j], sign * seen[k * size + j], sign * seen[(k + 1) * size + j]
-            _, height = _vertex(-1.0, f_a, 0.0, f_b, 1.0, f_c)
-            if height > best:
-                best, at, way = height, k, sign
-        if best > peaks[j] * enough:
-            a, b, c = (at - 1) / PIECES, at / PIECES, (at + 1) / PIECES
-            f_a, f_b, f_c = way * seen[(at - 1) * size + j], way * seen[at * size + j], way * seen[(at + 1) * size + j]
-            _climb(column, t, h, j, a, f_a, b, f_b, c, f_c, way)
+        if _may_top(seen, j, size, peaks[j] + work.allowed[j]):
+            _find_top(column, t, h, j, size)
     for i in range(n):
         weight = work.notes.counts[i]
         for k in range(PIECES):
             here, there = _peaks(seen[k * size :], n).joints, _peaks(seen[(k + 1) * size :], n).joints
             f_lo, f_hi = here.N[i] - weight, there.N[i] - weight
             along = max(abs(here.T[i]), abs(there.T[i]))
-            if f_lo * f_hi < 0.0 and along > peaks[first + i] * weight * enough:
+            if f_lo * f_hi < 0.0 and along > (peaks[first + i] + work.allowed[first + i]) * weight:
                 _cross(column, t, h, i, weight, k / PIECES, f_lo, (k + 1) / PIECES, f_hi)
+    _allow(column)
