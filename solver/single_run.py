@@ -141,7 +141,8 @@ def why_no_modes(stepper: Stepper) -> str:
         return f"more than {at.MODAL_MOST} blocks"
     if stepper.column.off_axis:
         return "off its axis"
-    return "" if at.SETTINGS.see(stepper.arrays.model).has_modes else "no stable rest"
+    has_modes = at.SETTINGS.see(stepper.arrays.model).has_modes
+    return "" if has_modes else "no stable rest, or dampers that couple the modes"
 
 
 def _stats(stepper: Stepper, wall_time: float) -> dict[str, float | int | str]:
