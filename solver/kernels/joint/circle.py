@@ -67,7 +67,7 @@ def _by_angle(s, c):
     return e, g, h
 
 
-@leaf
+@kernel
 def _curved(s, c):
     """E, G and H; of lanes either form where any needs it."""
     e = g = h = 0.0
@@ -108,23 +108,18 @@ def circle_part(radius, lo, hi):
     return 0.5 * ends, area, first, second
 
 
-@leaf
-def _about(radius, lo, hi, middle):
-    """Area, first and second moment of a part of a circle about a place."""
-    own, area, first, second = circle_part(radius, lo, hi)
-    off = own - middle
-    return area, first + off * area, second + off * (2.0 * first + off * area)
-
-
 @kernel
 def ring_part(outer, inner, lo, hi):
     """The same as `circle_part` of an annulus between two radii: a circle less another one, which may be none."""
-    middle = 0.5 * (greater(lo, -outer) + lesser(hi, outer))
-    area, first, second = _about(outer, lo, hi, middle)
+    about = 0.5 * (greater(lo, -outer) + lesser(hi, outer))
+    area = first = second = 0.0 * about
     hollow = inner > 0.0
-    if any_of(hollow):
-        less, less_first, less_second = _about(inner, lo, hi, middle)
-        area = where(hollow, area - less, area)
-        first = where(hollow, first - less_first, first)
-        second = where(hollow, second - less_second, second)
-    return middle, area, first, second
+    for k in range(2):  # which is compiled once
+        if k == 1 and not any_of(hollow):
+            break
+        middle, a, b, c = circle_part(outer if k == 0 else inner, lo, hi)
+        off, sign = middle - about, 1.0 if k == 0 else -1.0
+        area += sign * a  # nothing, where there is no bore
+        first += sign * (b + off * a)
+        second += sign * (c + off * (2.0 * b + off * a))
+    return about, area, first, second

@@ -17,7 +17,7 @@ def meeting(below, own, slip):
     return 0.5 * ((below - own) * (below + own) - slip * slip) / slip
 
 
-@leaf
+@kernel
 def _halves(below, own, slip, of_both, lo, hi):
     """The parts from lo to hi that are those of the circle above and of that below: their ends, m.
 
@@ -33,38 +33,32 @@ def _halves(below, own, slip, of_both, lo, hi):
     )
 
 
-@leaf
-def _moments(radius, centre, lo, hi, about):
-    """Area, first and second moment about a place, of the part from lo to hi of a circle about a centre."""
-    middle, area, first, second = circle_part(radius, lo - centre, hi - centre)
-    off = (middle + centre) - about
-    return area, first + off * area, second + off * (2.0 * first + off * area)
-
-
-@kernel
-def _shared(below, own, slip, of_both, lo, hi, about):
-    """The same of what lies in both circles, or in either."""
-    own_lo, own_hi, lo, hi = _halves(below, own, slip, of_both, lo, hi)
-    area, first, second = _moments(own, 0.0, own_lo, own_hi, about)
-    other, other_first, other_second = _moments(below, -slip, lo, hi, about)
-    return area + other, first + other_first, second + other_second
-
-
 @kernel
 def lens_part(own, bore, below, bore_below, slip, lo, hi):
-    """Middle, area, first and second moment about it, of the part between two abscissas; all four radii in m."""
-    middle = 0.5 * (lo + hi)
-    area, first, second = _shared(below, own, slip, True, lo, hi, middle)
+    """Middle, area, first and second moment about it, of the part between two abscissas; all four radii in m.
+
+    A loop over the four circles, which is compiled once.
+    """
+    about = 0.5 * (lo + hi)
+    area = first = second = 0.0 * about
     hollow = greater(bore, bore_below) > 0.0
-    if any_of(hollow):
-        less, less_first, less_second = _shared(bore_below, bore, slip, False, lo, hi, middle)
-        area = where(hollow, area - less, area)
-        first = where(hollow, first - less_first, first)
-        second = where(hollow, second - less_second, second)
-    return middle, area, first, second
+    for k in range(4):
+        outer, is_below = k < 2, k % 2 == 1
+        if k == 2 and not any_of(hollow):
+            break
+        one, other = (below, own) if outer else (bore_below, bore)
+        own_lo, own_hi, below_lo, below_hi = _halves(one, other, slip, outer, lo, hi)
+        radius, centre = (one, -slip) if is_below else (other, 0.0 * slip)
+        begin, end = (below_lo, below_hi) if is_below else (own_lo, own_hi)
+        middle, a, b, c = circle_part(radius, begin - centre, end - centre)
+        off, sign = (middle + centre) - about, 1.0 if outer else -1.0
+        area += sign * a  # nothing, where there is no bore
+        first += sign * (b + off * a)
+        second += sign * (c + off * (2.0 * b + off * a))
+    return about, area, first, second
 
 
-@leaf
+@kernel
 def ends_of_rings(own, bore, below, bore_below, slip, left, right):
     """Ends of the contact, m: where a bore reaches beyond the rim of the other face, the faces do not touch."""
     ahead, moved = slip > 0.0, magnitude(slip)
@@ -78,7 +72,7 @@ def ends_of_rings(own, bore, below, bore_below, slip, left, right):
     return left, right
 
 
-@leaf
+@kernel
 def _push_of(radius, slip, lo, hi, stiffness, opening, slope):
     """What the elastic energy over the part from lo to hi of a circle about -slip falls by for a slip of 1 m, J/m."""
     one, other = lo + slip, hi + slip

@@ -65,11 +65,18 @@ def ends_of(blocks, i, slip):
         left = where(moved, greater(left, blocks.rim_left[i] - slip), left)
         right = where(moved, lesser(right, blocks.rim_right[i] - slip), right)
         if knows_round(blocks):
-            rings = moved & (blocks.round_below[i] != 0.0) & (blocks.bore[i] > 0.0)
-            if any_of(rings):
-                own, bore, bore_below = 0.5 * blocks.depth[i], 0.5 * blocks.bore[i], 0.5 * blocks.bore_below[i]
-                first, last = ends_of_rings(own, bore, blocks.rim_right[i], bore_below, slip, left, right)
-                left, right = where(rings, first, left), where(rings, last, right)
+            left, right = _ends_of_rings(blocks, i, slip, left, right)
+    return left, right
+
+
+@kernel
+def _ends_of_rings(blocks, i, slip, left, right):
+    """Ends of the contact of joint i, cut off by bores where it is an annulus that has slipped over another one."""
+    rings = (slip != 0.0) & (blocks.round_below[i] != 0.0) & (blocks.bore[i] > 0.0)
+    if any_of(rings):
+        own, bore, bore_below = 0.5 * blocks.depth[i], 0.5 * blocks.bore[i], 0.5 * blocks.bore_below[i]
+        first, last = ends_of_rings(own, bore, blocks.rim_right[i], bore_below, slip, left, right)
+        left, right = where(rings, first, left), where(rings, last, right)
     return left, right
 
 
