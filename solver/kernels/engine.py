@@ -170,7 +170,7 @@ def assemble(column, given, afresh, scratch, detail):
     for i in range(_WORK_PER_N * n + _WORK_BESIDE):  # responses of the modes of another model
         work.row[i] = 0.0
     begin_slips(model, work)
-    if settings.formulation == EXACT and settings.integrator == AUTO and n <= MODAL_MOST and settings.slides == 0.0:
+    if settings.formulation == EXACT and settings.integrator == AUTO and n <= MODAL_MOST and settings.off_axis == 0.0:
         settings.has_modes = 1.0 if normal_modes(model, scratch) else 0.0
     if afresh != 0:
         for i in range(_STATE_PER_N * n + _CONTROL_FIELDS):
