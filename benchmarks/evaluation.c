@@ -192,8 +192,9 @@ void accelerations(const double *model, double *phase, const double *motion, dou
 
     /* the base: gravity is an upward acceleration */
     const double pull = motion[1] + model[MODEL_SETTINGS(0) + SETTINGS_GRAVITY];
-    double base_sine, base_cosine, opens = sum.opens;
-    sine_cosine(motion[2], &base_sine, &base_cosine);
+    double base_sine = 0.0, base_cosine = 1.0, opens = sum.opens;
+    if (motion[2] != 0.0)
+        sine_cosine(motion[2], &base_sine, &base_cosine);
     const double along = motion[0] * base_cosine - pull * base_sine, lift = motion[0] * base_sine + pull * base_cosine;
     const double last_sine = ROW(SINE, n - 1), last_cosine = ROW(COSINE, n - 1);
     const double right = sum.right + ((along * last_cosine - lift * last_sine) + sum.half * motion[4]);

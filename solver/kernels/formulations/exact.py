@@ -242,7 +242,9 @@ def _upwards(model, phase, motion, joints, room, right, opens, slides):
     n, blocks = model.n, model.blocks
     last = joint_row(room, n - 1)
     # the base: gravity is an upward acceleration; joint n is turned against it, upright by theta_n / 2
-    base_sine, base_cosine = sine_cosine(motion.theta)
+    base_sine, base_cosine = 0.0, 1.0
+    if any_of(motion.theta != 0.0):
+        base_sine, base_cosine = sine_cosine(motion.theta)
     lift = motion.az + model.settings.gravity
     along = motion.ax * base_cosine - lift * base_sine
     lift = motion.ax * base_sine + lift * base_cosine
