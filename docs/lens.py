@@ -1,6 +1,6 @@
 """What a straight cut makes of the lens in which two slipped drums overlap: `python docs/lens.py` prints the table.
 
-Two equal circles touch in a lens; the solver cuts the upper one off along a straight line at the rim of the lower one.
+Two equal circles touch in a lens; a straight cut takes off the upper one what lies beyond the rim of the lower one.
 Moments of both by quadrature; a joint begins to open where the resultant leaves the kern.
 """
 

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from .column import Column
 from .errors import InputError
 from .kernels import layout as at
-from .kernels.batch.entries import run_lanes, run_round, run_slipping, run_swept
+from .kernels.batch.entries import run_lanes, run_round, run_round_slipping, run_slipping, run_swept
 from .kernels.batch.runs import OUTCOME, RUN, SLIP_FIELDS, SPACE
 from .kernels.entries import run
 from .kernels.integrators import dormand_prince
@@ -48,7 +48,13 @@ STAGES = 6  # evaluations of a step
 LINE = 64  # bytes that the processor reads at once: lanes that lie across two of them cost a tenth more
 
 # by the kind of lanes, of which each is compiled for itself
-ENTRIES = {"plain": run_lanes, "round": run_round, "slipping": run_slipping, "swept": run_swept}
+ENTRIES = {
+    "plain": run_lanes,
+    "round": run_round,
+    "slipping": run_slipping,
+    "round, slipping": run_round_slipping,
+    "swept": run_swept,
+}
 
 _NONE = np.empty(0)
 
@@ -95,18 +101,16 @@ def _wrong_sections(column: Column) -> str:
         return ""
     if column.has_strips:
         return "joints made of strips"
-    if column.settings.formulation == "paper":
-        return "formulation paper with round joints"
-    return "round joints that slide or are off their axis" if column.has_slips else ""
+    return "formulation paper with round joints" if column.settings.formulation == "paper" else ""
 
 
 def kind_of(column: Column) -> str:
     """By which lanes runs of a column are made, a name of ENTRIES."""
     if column.settings.formulation == "paper":
         return "swept"
-    if column.has_slips:
-        return "slipping"
-    return "plain" if column.has_rectangles_only else "round"
+    if column.has_rectangles_only:
+        return "slipping" if column.has_slips else "plain"
+    return "round, slipping" if column.has_slips else "round"
 
 
 def _is_stiff(column: Column) -> bool:
@@ -208,7 +212,7 @@ def follow_in_lanes(
     rows = _NONE if times is None else np.ascontiguousarray(times, dtype=np.float64)
     flag = np.zeros(1) if flag is None else flag
     kinds = {kind_of(column) for column in columns}
-    kind = "round" if "round" in kinds else kinds.pop()  # which has the same bits for rectangles
+    kind = max(kinds, key=lambda name: name.startswith("round"))  # which has the same bits for rectangles
     batch = _Batch(columns[0].n, len(columns), _Records(motions, durations), rows, kind)
     for k, (column, motion, duration) in enumerate(zip(columns, motions, durations, strict=True)):
         if not flag[0]:
@@ -264,7 +268,7 @@ class _Batch:
     def __init__(self, n: int, count: int, records: _Records, rows: FloatArray, kind: str) -> None:
         self.n = n
         self._swept = kind == "swept"  # formulation `paper`, for which lanes keep no rows
-        self._slipping = kind == "slipping"  # whether the columns have slips
+        self._slipping = kind.endswith("slipping")  # whether the columns have slips
         self._follow = ENTRIES[kind]
         self._slips = np.zeros((count, SLIP_FIELDS * n if self._slipping else 0))
         self._records = records

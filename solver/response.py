@@ -43,10 +43,11 @@ class Response:
     continuous motion by these names, (n,), or (1,) of the base reaction; the least of contact; friction: |T| / N where
     N is above 0.05 of the weight carried at rest. They do not depend on the rows. Of ux only in a column that is run
     without "peaks". peak_ux: peaks["ux"]. overturned, overturn_time s (NaN if not), overturned_joint (0 if not). stats:
-    steps, implicit_steps and elastic_steps (of these), rejected, events (steps cut off where the contact of a joint
-    changes), evaluations, sweeps, looks (evaluations for what is watched, beside these); full_contact, rocking, flight:
-    parts of the time, at_rest: part that was not stepped; undamped_joints; observed_rows; wall_time s; settled_for s:
-    how long the column was followed after the histories' end.
+    steps, implicit_steps and elastic_steps (of these), why_no_modes (words; empty where elastic steps are taken while
+    nothing opens or slides), rejected, events (steps cut off where the contact of a joint changes), evaluations,
+    sweeps, looks (evaluations for what is watched, beside these); full_contact, rocking, flight: parts of the time,
+    at_rest: part that was not stepped; undamped_joints; observed_rows; wall_time s; settled_for s: how long the column
+    was followed after the histories' end.
 
     verdict: "overturned", "standing" (it cannot fall any more) or "undecided"; reason: why, in words. It looks beyond
     the end of the histories: a column that falls later has `overturned` and an `overturn_time` after the last row.

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .batch import HELD, BatchResult, follow_in_lanes, kind_of, why_not_in_lanes
+from .batch import ENTRIES, HELD, BatchResult, follow_in_lanes, kind_of, why_not_in_lanes
 from .block import Block, Joint
 from .chain import Chain
 from .column import Column
@@ -26,7 +26,7 @@ from .motion import Motion
 from .packing import FloatArray, IntArray
 from .response import Response
 from .rest import check_stable, doubts
-from .settings import FORMULATIONS, Settings
+from .settings import Settings
 from .settling import fates_of
 from .single_run import Callback, fate, single_run
 from .table import WORDS, Columns, Table
@@ -84,7 +84,7 @@ class Stopped(Exception):  # noqa: N818  nothing went wrong
 def make_runs(chunk: Chunk, flag: FloatArray | None = None) -> Made:
     """Make the runs of a chunk, in one thread. Raises InputError, and Stopped soon after flag[0] is not zero."""
     with my_turn():
-        load_kernels(chunk.runs[0].column.settings.formulation)
+        load_kernels(kind_of(chunk.runs[0].column))
         begin = clock.perf_counter()
         table, tally = _made(chunk, np.zeros(1) if flag is None else flag)
         tally.seconds = clock.perf_counter() - begin
@@ -127,12 +127,16 @@ def _made(chunk: Chunk, flag: FloatArray) -> Made:
     return Table(columns, responses=responses, first=chunk.first), tally
 
 
-@lru_cache(maxsize=len(FORMULATIONS))
-def load_kernels(formulation: str) -> None:
-    """Have the kernels in this process, which takes as long as thousands of runs: nobody is to go by that."""
-    block = Block(1.0, 1.0, 1.0, 1e3, Joint(1e9, 1e-3))
-    integrator = "central-difference" if formulation == "paper" else "auto"
-    column = Column("block", (block,), Settings(formulation, integrator))
+@lru_cache(maxsize=len(ENTRIES))
+def load_kernels(kind: str) -> None:
+    """Have the kernels of lanes of a kind in this process, which takes as long as thousands of runs.
+
+    Nobody is to go by that.
+    """
+    joint = Joint(1e9, 1e-3, friction=1.0 if kind.endswith("slipping") else None)
+    block = Block(1.0, 1.0, 1.0, 1e3, joint, section="circle" if kind.startswith("round") else "rectangle")
+    solver = ("paper", "central-difference") if kind == "swept" else ("exact", "auto")
+    column = Column("block", (block,), Settings(*solver))
     gentle, strong = (Motion.harmonic(amplitude, 1.0, 1e-3) for amplitude in (1e-3, 100.0))
     follow_in_lanes([column, column], [gentle, strong], [1e-3, 1e-3])
     if parent_process() is not None:  # a worker, nobody else's process

@@ -128,13 +128,31 @@ def fate(column: Column, phase: FloatArray, stop: float, settle: float) -> tuple
     return verdict.word, stepper.overturn_time, stepper.overturned_joint
 
 
-def _stats(stepper: Stepper, wall_time: float) -> dict[str, float | int]:
+def why_no_modes(stepper: Stepper) -> str:
+    """Why no step was by modes, whatever the motion; empty where they are taken as long as nothing opens or slides."""
+    settings = stepper.column.settings
+    if settings.formulation != "exact":
+        return f"formulation {settings.formulation}"
+    if settings.integrator != "auto":
+        return f"integrator {settings.integrator}"
+    if "elastic" in settings.without:
+        return "left out"
+    if stepper.column.n > at.MODAL_MOST:
+        return f"more than {at.MODAL_MOST} blocks"
+    if stepper.column.off_axis:
+        return "off its axis"
+    has_modes = at.SETTINGS.see(stepper.arrays.model).has_modes
+    return "" if has_modes else "no stable rest, or dampers that couple the modes"
+
+
+def _stats(stepper: Stepper, wall_time: float) -> dict[str, float | int | str]:
     control, counts = stepper.state.control, stepper.counts
     spent = max(stepper.time_spent, math.ulp(0.0))
     return {
         "steps": int(counts.steps),
         "implicit_steps": int(counts.implicit_steps),
         "elastic_steps": int(counts.elastic_steps),
+        "why_no_modes": why_no_modes(stepper),
         "rejected": int(counts.rejected),
         "events": int(counts.events),
         "evaluations": int(counts.evaluations),

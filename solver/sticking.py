@@ -120,7 +120,7 @@ def _borne(column: Column, still: StillColumn) -> tuple[FloatArray, FloatArray, 
     friction = np.array([block.joint.friction or 0.0 for block in column.blocks])
     dowel = np.array([block.joint.dowel or 0.0 for block in column.blocks])
     # a rim pushes along by this much at most, of which it is little: four times what it does at rest
-    rims = np.array([2.0 * block.joint.stiffness * block.joint_depth for block in column.blocks])
+    rims = np.array([2.0 * block.joint.stiffness for block in column.blocks]) * still.blocks.depth
     rims = rims * np.max(_penetrations(still)[0].reshape(2, -1), axis=0) ** 2
 
     def margins(q: FloatArray, rates: FloatArray) -> FloatArray:

@@ -333,3 +333,53 @@ def test_short_cuts_left_out_come_from_toml_and_go_back() -> None:
     assert Column.from_dict(column.to_dict()) == column
     assert column.with_settings(without=()).settings.without == ()
     assert simulate(column, Motion.harmonic(0.1, 2.0, 0.1)).stats["elastic_steps"] == 0
+
+
+# --- columns that may slide
+
+
+def rough(friction: float, section: str = "rectangle", **settings: Any) -> Column:
+    """Phocas, whose joints may slide, rectangles or circles."""
+    column = phocas(1e-3, **settings)
+    joints = [replace(block.joint, friction=friction) for block in column.blocks]
+    blocks = (replace(block, joint=joint, section=section) for block, joint in zip(column.blocks, joints, strict=True))
+    return replace(column, blocks=tuple(blocks))
+
+
+@pytest.mark.parametrize("section", ["rectangle", "circle"])
+def test_a_column_whose_friction_is_not_reached_takes_the_steps_of_one_that_cannot_slide(section: str) -> None:
+    motion = Motion.harmonic(0.02 * G, 2.0, 10.0)
+    column = rough(0.7, section)
+    bound = replace(column, blocks=tuple(replace(b, joint=replace(b.joint, friction=None)) for b in column.blocks))
+    one, other = simulate(column, motion), simulate(bound, motion)
+    assert one.stats["elastic_steps"] > 50
+    assert one.stats["why_no_modes"] == ""
+    assert one.stats["elastic_steps"] == other.stats["elastic_steps"]
+    assert one.stats["evaluations"] == other.stats["evaluations"]
+    assert np.max(np.abs(one.ux - other.ux)) <= 1e-12 * one.peak_ux[0]  # the same equations
+
+
+@pytest.mark.parametrize("amplitude", [0.02, 0.05, 0.3])
+@pytest.mark.parametrize("friction", [0.015, 0.045, 0.25])
+def test_a_column_that_slides_moves_the_same_with_modes_and_without(amplitude: float, friction: float) -> None:
+    """Sticking by modes, sliding, and sticking again off its axis; amplified by no more than a few times."""
+    pulse = np.sin(np.linspace(0.0, 6.0 * math.pi, 151)) * amplitude * G
+    motion = Motion.from_samples(0.01, np.concatenate([pulse, np.zeros(50)]))
+    truth = simulate(rough(friction, tolerance=1e-9, without=("elastic", "rest")), motion, settle=0.0)
+    for tolerance in (1e-3, 1e-5):
+        found = simulate(rough(friction, tolerance=tolerance), motion, settle=0.0)
+        error = max(np.max(np.abs(found.ux - truth.ux)), np.max(np.abs(found.slip - truth.slip)))
+        assert error < 10.0 * tolerance * np.max(truth.peak_ux)
+        if amplitude < 0.03:
+            assert found.stats["elastic_steps"] > 0
+
+
+def test_stats_say_why_there_are_no_modes() -> None:
+    motion = Motion.harmonic(0.01 * G, 2.0, 0.1)
+    column = phocas(1e-3)
+    top = replace(column.blocks[0], joint=replace(column.blocks[0].joint, offset=0.05))
+    leaning = replace(column, blocks=(top, *column.blocks[1:]))
+    assert simulate(leaning, motion).stats["why_no_modes"] == "off its axis"
+    assert simulate(phocas(1e-3, without=("elastic",)), motion).stats["why_no_modes"] == "left out"
+    fixed = phocas(1e-3, integrator="central-difference", step=1e-4)
+    assert simulate(fixed, motion).stats["why_no_modes"] == "integrator central-difference"

@@ -10,13 +10,15 @@ import numpy as np
 import pytest
 from probe import Array, G, phocas, random_column, random_state
 from test_lanes import accelerate, in_lanes
+from test_sliding import sliding_state
+from test_slipping_lanes import shaken
 from test_verdict import models_of
 
 from solver import Block, Column, Joint, Motion, Settings, simulate, simulate_many
 from solver.batch import BatchResult, fall_angles, run_batch
 from solver.chain import Chain
 from solver.kernels import layout as at
-from solver.kernels.batch.runs import ROUND_SPACE
+from solver.kernels.batch.runs import ROUND_SLIPPING_SPACE, ROUND_SPACE
 from solver.kernels.formulations.exact import Motion as BaseMotion
 from solver.kernels.formulations.exact import exact_accelerations
 from solver.kernels.jit import from_python
@@ -31,7 +33,7 @@ from solver.verdict import GRAZED, SHARES, Barriers, barrier, is_held, least_ene
 
 RECORDS = ("elcentro-1940-ns.AT2", "northridge-1994-arleta-360.AT2", "kobe-1995-nishi-akashi-090.AT2")
 SECTIONS = ("circle", "annulus", "rectangle")
-_model, _work, _space = at.MODEL.over, at.WORK.over, ROUND_SPACE.over
+_model, _work, _space, _slipping_space = at.MODEL.over, at.WORK.over, ROUND_SPACE.over, ROUND_SLIPPING_SPACE.over
 
 
 def random_drums(rng: np.random.Generator, n: int, softest: float = 1e6) -> Column:
@@ -42,6 +44,17 @@ def random_drums(rng: np.random.Generator, n: int, softest: float = 1e6) -> Colu
         bore = rng.uniform(0.1, 0.9) * block.joint_width if section == "annulus" else None
         blocks.append(replace(block, joint=replace(block.joint, section=section, bore=bore)))
     return Column("drums", tuple(blocks), g=rng.uniform(1.0, 15.0))
+
+
+def rough(column: Column, rng: np.random.Generator) -> Column:
+    """The same with friction in every joint, its blocks as round as their joints or not."""
+    blocks = []
+    for block in column.blocks:
+        joint = replace(block.joint, friction=float(rng.uniform(0.1, 0.6)))
+        section = "circle" if rng.random() < 0.5 else str(joint.section)
+        bore = joint.bore if section == "annulus" else None
+        blocks.append(replace(block, joint=joint, section=section, bore=bore))
+    return replace(column, blocks=tuple(blocks))
 
 
 # --- the law
@@ -158,6 +171,50 @@ def parts_of(result: BatchResult, k: int) -> list[Array]:
     return [result.peak_ux[k], result.steps[k], result.ends[k], result.phases[k]]
 
 
+@from_python
+def accelerate_slipping(n: int, buffer: Array, base: Array) -> None:
+    """As `accelerate_lanes`, of columns with slips."""
+    b, space = lanes_of(base), _slipping_space(lanes_of(buffer), n)
+    motion, work = BaseMotion(b[0], b[1], b[2], b[3], b[4]), space.work
+    exact_accelerations(space.model, work.start, motion, work.joints, work.hold, work.room)
+
+
+@pytest.mark.parametrize("n", [1, 2, 5])
+def test_accelerations_of_columns_that_slide_are_those_of_each(n: int) -> None:
+    """Lenses, straight cuts and whole faces side by side."""
+    buffer = np.zeros((ROUND_SLIPPING_SPACE.size(n), WIDTH))
+    space = ROUND_SLIPPING_SPACE.see(buffer, n)  # names over rows of lanes
+    models, phases, motions = [], [], []
+    for k in range(WIDTH):
+        rng = np.random.default_rng([k, n])
+        column = rough(random_drums(rng, n), rng)
+        q, rate, direction = sliding_state(rng, column, 10.0 ** rng.uniform(-4.0, -0.5))
+        zeros = np.zeros(n)
+        parts = [q[: 2 * n], rate[: 2 * n], zeros, zeros, q[2 * n :], zeros, rate[2 * n :], zeros, zeros, direction]
+        models.append(pack_model(column)[: at.MODEL.size(n)])
+        phases.append(np.concatenate(parts))
+        motions.append(rng.uniform(-1.0, 1.0, 5) * [column.g, column.g, 1.0, 2.0, 10.0])
+        space.work.joints.sliding[:, k] = direction
+    buffer[: at.MODEL.size(n)] = np.array(models).T
+    place = buffer.shape[0] - at.WORK.size(n)
+    buffer[place : place + at.PHASE.size(n)] = np.array(phases).T
+    accelerate_slipping(n, buffer.reshape(-1), in_lanes(np.array(motions)))
+    for k in range(WIDTH):
+        phase, work = phases[k].copy(), np.zeros(at.WORK.size(n))
+        alone = at.WORK.see(work, n)
+        alone.joints.sliding[:] = at.PHASE.see(phase, n).sliding
+        accelerate(n, models[k].copy(), phase, work, motions[k].copy())
+        expected, found = at.PHASE.see(phase, n), space.work.start
+        names = ("theta_acceleration", "opening_acceleration", "slip_acceleration")
+        largest = max(np.max(np.abs(getattr(expected, name))) for name in names)
+        for name in names:  # as far as those of rectangles
+            assert getattr(found, name)[:, k] == pytest.approx(getattr(expected, name), abs=1e-13 * largest), name
+        for name in ("normal", "moment", "tangential", "drift", "bearable"):
+            wanted = getattr(alone.joints, name)
+            scale = 1e-13 * max(1.0, float(np.max(np.abs(wanted))))
+            assert getattr(space.work.joints, name)[:, k] == pytest.approx(wanted, abs=scale), name
+
+
 @pytest.mark.long  # compiles the lanes, as all below
 def test_what_comes_of_a_run_depends_on_no_other_nor_on_order_and_threads() -> None:
     columns, motions = [], []
@@ -210,6 +267,65 @@ def test_the_tolerance_is_kept_within_ten_times(n: int, records: Path) -> None:
         for k in np.flatnonzero(tame).tolist():
             error = np.max(np.abs(Chain(columns[k]).top_displacements(result.phases[k]) - truth[k]))
             assert error <= 10.0 * tolerance * sizes[k]
+
+
+def slid(seed: int, n: int, count: int, off_axis: bool, records: Path) -> tuple[list[Column], list[Motion]]:
+    """Round columns that slide, or are off their axis, under records that make them rock or slide."""
+    columns, motions = shaken(seed, n, count, off_axis, records)
+    drums = []
+    for k, column in enumerate(columns):
+        bore = 0.3 * column.blocks[0].width if k % 2 else None
+        section = "annulus" if k % 2 else "circle"
+        blocks = (replace(block, section=section, bore=bore, mass=0.75 * block.mass) for block in column.blocks)
+        drums.append(replace(column, blocks=tuple(blocks)))
+    stand = [k for k, column in enumerate(drums) if is_stable(column)]
+    return [drums[k] for k in stand], [motions[k] for k in stand]
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("off_axis", [False, True])
+@pytest.mark.parametrize("n", [1, 3])
+def test_the_tolerance_is_kept_by_round_columns_that_slide(n: int, off_axis: bool, records: Path) -> None:
+    """Tops and slips, as in test_slipping_lanes.py."""
+    duration, times = 8.0, np.linspace(0.0, 7.95, 160)
+    columns, motions = slid(2, n, 10, off_axis, records)
+    chains = [Chain(column) for column in columns]
+
+    def alone(k: int, factor: float) -> tuple[Array, Array]:
+        motion = motions[k].scaled(factor)
+        column = columns[k].with_settings(tolerance=1e-9, without=("peaks",))
+        _, phases = single_run(column, motion, duration, motion.start + times, None, 0.0)
+        return chains[k].top_displacements(phases), phases[:, 4 * n : 5 * n]
+
+    truth = [alone(k, 1.0) for k in range(len(columns))]
+    sizes = [np.max(np.abs(ux)) for ux, _ in truth]
+    tame = [np.max(np.abs(alone(k, 1.0 + 1e-7)[0] - truth[k][0])) < 1e-5 * sizes[k] for k in range(len(columns))]
+    assert sum(tame) >= 5
+    assert sum(float(np.ptp(slip)) > 1e-3 for _, slip in truth) >= 3
+    for tolerance in (1e-3, 1e-5):
+        result = run_batch(columns, motions, [duration] * len(columns), tolerance=tolerance, times=times)
+        for k in np.flatnonzero(tame).tolist():
+            if result.overturned_joint[k]:
+                continue
+            ux, slip = truth[k]
+            phases = result.phases[k]
+            error = np.max(np.abs(chains[k].top_displacements(phases) - ux))
+            error = max(error, np.max(np.abs(phases[:, 4 * n : 5 * n] - slip)))
+            assert error <= 10.0 * tolerance * sizes[k]
+        assert np.all(result.finished)
+        assert np.count_nonzero(result.overturned_joint) <= 1
+
+
+@pytest.mark.long
+def test_a_round_column_whose_friction_is_never_reached_has_the_bits_of_one_that_cannot_slide() -> None:
+    column = shaft(1e-3)
+    blocks = tuple(replace(block, joint=replace(block.joint, friction=9.0)) for block in column.blocks)
+    motions = [Motion.harmonic(0.06 * G, f, 2.0) for f in (1.3, 2.0, 2.4)]
+    plain, slipping = (
+        run_batch([made] * 3, motions, tolerance=1e-4) for made in (column, replace(column, blocks=blocks))
+    )
+    assert np.array_equal(plain.steps, slipping.steps)
+    assert np.array_equal(plain.peak_ux, slipping.peak_ux)
 
 
 @pytest.mark.long

@@ -20,7 +20,7 @@ from .formulations.feedthrough import base_direction, effective_mass, split_reac
 from .formulations.outputs import observe
 from .formulations.slips import begin_slips, phase_size
 from .jit import kernel, leaf
-from .joint.section import is_off_centre, lay_out
+from .joint.section import is_off_centre, is_round, lay_out
 from .joint.sliding import RIGID
 from .layout import (
     AUTO,
@@ -153,6 +153,9 @@ def assemble(column, given, afresh, scratch, detail):
         _lay_rims(blocks, i, ENDLESS)
         if i > 0:
             _lay_rims(blocks, i - 1, 0.5 * (block.width if block.top_width == 0.0 else block.top_width))
+            if is_round(block.section) and is_round(blocks.section[i - 1]):
+                blocks.round_below[i - 1] = 1.0
+                blocks.bore_below[i - 1] = min(block.bore, blocks.bore[i - 1])  # at first it bears the whole contact
         if not math.isfinite(blocks.inertia[i]):
             detail[0] = i + 1.0
             return TOO_LARGE
@@ -167,7 +170,7 @@ def assemble(column, given, afresh, scratch, detail):
     for i in range(_WORK_PER_N * n + _WORK_BESIDE):  # responses of the modes of another model
         work.row[i] = 0.0
     begin_slips(model, work)
-    if settings.formulation == EXACT and settings.integrator == AUTO and n <= MODAL_MOST and settings.slides == 0.0:
+    if settings.formulation == EXACT and settings.integrator == AUTO and n <= MODAL_MOST and settings.off_axis == 0.0:
         settings.has_modes = 1.0 if normal_modes(model, scratch) else 0.0
     if afresh != 0:
         for i in range(_STATE_PER_N * n + _CONTROL_FIELDS):
@@ -192,6 +195,7 @@ def assemble(column, given, afresh, scratch, detail):
 def _lay_rims(blocks, i, half):
     """Where the face under joint i ends, whose width is twice `half`; at first it bears the whole contact."""
     blocks.rim_left[i], blocks.rim_right[i] = min(blocks.left[i], -half), max(blocks.right[i], half)
+    blocks.round_below[i] = blocks.bore_below[i] = 0.0
 
 
 @kernel

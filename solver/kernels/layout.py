@@ -73,6 +73,8 @@ BLOCKS = Table(
     "rest_opening",  # m, of a column that is off its axis, under its weight
     "rim_left",  # m from the middle of what is under the joint: ends of its face, or of the contact if that is wider
     "rim_right",
+    "round_below",  # 1 where that face and the contact are both round, so that a slip leaves a lens of them
+    "bore_below",  # m, inner diameter of that face
     "turn_size",  # first coordinate when the column turns by 1 rad: 1 (exact), height of the top face (paper)
     "open_size",  # m, opening with the elastic energy of a joint rotation of 1 rad: radius of gyration of the contact
     "per_turn_size",

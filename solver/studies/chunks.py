@@ -6,6 +6,7 @@ import time as clock
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
+from ..batch import kind_of
 from ..errors import InputError
 from ..rest import check_stable
 from ..runs import Chunk, load_kernels, make_runs
@@ -26,7 +27,7 @@ class Made(NamedTuple):
 def make(study: Study, numbers: Sequence[int]) -> Made:
     """Make the runs of these numbers, in one thread. What comes of a run does not depend on the others."""
     with my_turn():
-        load_kernels(study.columns[0].settings.formulation)
+        load_kernels(kind_of(study.columns[0]))
         begin = clock.perf_counter()
         return Made(_rows(study, numbers), clock.perf_counter() - begin)
 

@@ -2,7 +2,7 @@
 
 from ..jit import entry, leaf
 from ..views import row_of
-from .follow import batch_over, follow_queue, round_batch_over, slipping_batch_over
+from .follow import batch_over, follow_queue, round_batch_over, round_slipping_batch_over, slipping_batch_over
 from .runs import Queue
 from .swept import follow_swept
 
@@ -45,6 +45,15 @@ def run_slipping(n, buffer, count, models, phases, slips, runs, outcomes, times,
     """The same of columns with slips, likewise."""
     queue = _queue_of(count, models, phases, slips, runs, outcomes, times, ax, az, row_times, snapshots, flag)
     follow_queue(slipping_batch_over(n, buffer, queue))
+
+
+@entry
+def run_round_slipping(
+    n, buffer, count, models, phases, slips, runs, outcomes, times, ax, az, row_times, snapshots, flag
+):
+    """The same of columns with both, likewise."""
+    queue = _queue_of(count, models, phases, slips, runs, outcomes, times, ax, az, row_times, snapshots, flag)
+    follow_queue(round_slipping_batch_over(n, buffer, queue))
 
 
 @entry

@@ -55,7 +55,15 @@ _marked = {name: Space(**part.parts, **{MARK: Numbers()}) for name, part in (("m
 SLIPPING_SPACE = Space(**{**SPACE.parts, **_marked})
 # the same of columns with round joints, told likewise
 _blocks = Table(*BLOCKS.fields, strips=STRIP_NUMBERS, **{ROUND: 0})  # type: ignore[arg-type]
-ROUND_SPACE = Space(**{**SPACE.parts, "model": Space(**{**MODEL.parts, "blocks": _blocks})})
+
+
+def _with_round_joints(space: Space) -> Space:
+    model = space.parts["model"]
+    assert isinstance(model, Space)
+    return Space(**{**space.parts, "model": Space(**{**model.parts, "blocks": _blocks})})
+
+
+ROUND_SPACE, ROUND_SLIPPING_SPACE = _with_round_joints(SPACE), _with_round_joints(SLIPPING_SPACE)
 SLIP_FIELDS = PHASE.per_n - RIGID_FIELDS  # the second part of a phase
 
 

@@ -9,7 +9,8 @@ from ..formulations.slips import change_directions, spare, stop_what_is_still
 from ..integrators import dormand_prince
 from ..integrators.stage import stage
 from ..jit import by_width, kernel, leaf
-from ..joint.sliding import ends_in_lanes, has_no_slips
+from ..joint.section import ends_of
+from ..joint.sliding import has_no_slips
 from ..lanes import WIDTH, any_of, bits, greater, lane, lesser, where, with_lane
 from ..layout import PHASE_FIELDS
 from ..stepping.interpolation import quintic_through, spent, value_without_bump
@@ -78,7 +79,7 @@ def _choose_slid(model, phase, i):
 
 
 def _slid_off(model, phase, i):
-    left, right = ends_in_lanes(model.blocks, i, phase.slip[i])
+    left, right = ends_of(model.blocks, i, phase.slip[i])
     return left >= right
 
 

@@ -17,15 +17,20 @@ import numpy as np
 
 from ..formulations.base import base_line, base_motion, wave_amplitude
 from ..formulations.either import evaluate_at
+from ..formulations.slips import something_slides, spare
 from ..jit import kernel, leaf
+from ..joint.section import ends_of
+from ..joint.sliding import can_slide
 from ..layout import (
     ELASTIC,
     INTERPOLATION_BOUND,
     INTERPOLATION_PART,
     OK,
+    PHASE_FIELDS,
     RESPONSE_FIELDS,
     RESPONSE_HEADER,
     RESPONSES,
+    RIGID_FIELDS,
 )
 from ..modes import inverses_of, limits_of, mode_of, shapes_of
 from ..views import Record
@@ -33,7 +38,8 @@ from .stage import stage
 
 ORDER = 4  # of the estimated error
 INTERPOLATION_ORDER = 6
-OPENS = 2  # code, beside those of layout.py: a joint does not stay in full contact
+OPENS = 2  # code, beside those of layout.py: a joint does not stay in full contact, or begins to slide
+CHANGES = 2.0  # times what is left of friction changes over half a step has to be left at the end of it
 
 # the responses of a mode
 HALF = Record(
@@ -232,12 +238,18 @@ def _joint_turn(phase, i, n):
 def _opens(model, p, q, h):
     """Whether a corner of a joint may open, or lose its pressure, in the h s between the phases p and q.
 
-    The corner at +-width/2 is pressed by -opening -+ width/2 * slope, of which the slope is taken from above.
+    The corner at +-width/2 is pressed by -opening -+ width/2 * slope, of which the slope is taken from above. Of a
+    contact that has slipped the corners are its ends, seen from the middle of the joint.
     """
     n = model.n
     for i in range(n):
         eta = model.blocks.damping[i]
         half = 0.5 * model.blocks.width[i]
+        corner, other = half, -half
+        if can_slide(model) and p.slip[i] != 0.0:
+            other, corner = ends_of(model.blocks, i, p.slip[i])
+            other, corner = other + 0.5 * p.slip[i], corner + 0.5 * p.slip[i]
+            half = max(corner, -other)
         turn_p, spin_p, turned_p = _joint_turn(p, i, n)
         turn_q, spin_q, turned_q = _joint_turn(q, i, n)
         # far from opening, neither corner can come to it
@@ -250,25 +262,42 @@ def _opens(model, p, q, h):
         if -max(p.opening[i], q.opening[i]) - half * max(abs(turn_p), abs(turn_q)) > reach:
             continue
         for _ in range(2):
-            c_p = half * turn_p - p.opening[i]
-            c_q = half * turn_q - q.opening[i]
-            v_p = half * spin_p - p.opening_rate[i]
-            v_q = half * spin_q - q.opening_rate[i]
+            c_p = corner * turn_p - p.opening[i]
+            c_q = corner * turn_q - q.opening[i]
+            v_p = corner * spin_p - p.opening_rate[i]
+            v_q = corner * spin_q - q.opening_rate[i]
             if _dips(c_p, v_p, c_q, v_q, h):
                 return True
             if eta > 0.0:
-                a_p = half * turned_p - p.opening_acceleration[i]
-                a_q = half * turned_q - q.opening_acceleration[i]
+                a_p = corner * turned_p - p.opening_acceleration[i]
+                a_q = corner * turned_q - q.opening_acceleration[i]
                 if _dips(c_p + eta * v_p, v_p + eta * a_p, c_q + eta * v_q, v_q + eta * a_q, h):
                     return True
-            half = -half
+            corner = other
     return False
+
+
+@leaf
+def _least_spare(work):
+    """What the joints bear along themselves beyond what they have to, N, of the one that has least."""
+    least = spare(work.joints, 0)
+    for i in range(1, work.n):
+        least = min(least, spare(work.joints, i))
+    return least
+
+
+@leaf
+def _keep_slips(work):
+    """Slips do not change in the step."""
+    middle, start, end = stage(work, 1).row, work.start.row, work.end.row
+    for i in range(RIGID_FIELDS * work.n, PHASE_FIELDS * work.n):
+        middle[i] = end[i] = start[i]
 
 
 @kernel
 def suits(column):
-    """Whether a step may be tried: every joint is in full contact at its start."""
-    return not _opens(column.model, column.work.start, column.work.start, 0.0)
+    """Whether a step may be tried: every joint is in full contact at its start, and sticks."""
+    return not something_slides(column.work) and not _opens(column.model, column.work.start, column.work.start, 0.0)
 
 
 @leaf
@@ -292,6 +321,8 @@ def attempt(column, t, h):
     in time, which keeps the energy over any number of steps; one leaves a drift of 6e-11 in a period.
     """
     code, error = OK, 0.0
+    if can_slide(column.model):
+        _keep_slips(column.work)
     sweeps = int(limits_of(column.model).sweeps)
     for sweep in range(sweeps):
         if code == OK and error <= 1.0:
@@ -328,7 +359,7 @@ def _sweep(column, t, h, is_first, is_last):
     angle = omega * t + base.wave_phase
     wave_sine = amplitude * math.sin(angle) if amplitude != 0.0 else 0.0
     wave_cosine = amplitude * math.cos(angle) if amplitude != 0.0 else 0.0
-    ax_then, lift_then = 0.0, 0.0
+    ax_then, lift_then, spared = 0.0, 0.0, 0.0
     for half in range(2):  # in the middle, then at the end with what is known by then
         here = middle if half == 0 else end
         to = mean if half == 0 else last
@@ -374,6 +405,10 @@ def _sweep(column, t, h, is_first, is_last):
             return code, 0.0
         if _opens(model, work.start if half == 0 else middle, here, 0.5 * h):
             return OPENS, 0.0
+        if can_slide(model):
+            before, spared = spared, _least_spare(work)
+            if not spared > 0.0 or (half == 1 and min(spared, before) <= CHANGES * abs(spared - before)):
+                return OPENS, 0.0
         _multiply(inverses, here.row[2 * size :], to[2 * size :], n, 1)
         for k in range(size):
             mode = mode_of(model, k)

@@ -11,8 +11,7 @@ for lanes. One column may also be held in a regime (regimes.py).
 from ..jit import by_width, kernel, leaf
 from ..lanes import LanesType, greater, lesser, magnitude, mirrored, where
 from .regimes import ANY, OPEN, open_margin, side_margin, sides
-from .section import ROUND, contact_of, energy_over, forces_over, forces_over_in_lanes, rectangle_forces
-from .sliding import ends_in_lanes
+from .section import ROUND, contact_of, ends_of, energy_over, forces_over, forces_over_in_lanes, rectangle_forces
 
 
 @leaf
@@ -39,6 +38,24 @@ def loaded_part(left, right, damping, opening, slope, opening_rate, slope_rate):
     if damping > 0.0 and lo < hi:
         lo, hi = positive_part(-(opening + damping * opening_rate), slope + damping * slope_rate, lo, hi)
     return lo, hi
+
+
+def pressed_part(left, right, opening, slope):
+    """The part (lo, hi) of the contact in which the faces press each other, of one joint or of lanes."""
+    raise NotImplementedError("for kernels only")
+
+
+def _pressed_part_of_lanes(left, right, opening, slope):
+    slope, right = slope + 0.0, greater(right, left)
+    edge, rises = _within(opening / slope, left, right), slope >= 0.0
+    return where(rises, edge, left), where(rises, right, edge)
+
+
+@by_width(pressed_part)
+def _choose_pressed(left, right, opening, slope):
+    if isinstance(slope, LanesType):
+        return _pressed_part_of_lanes
+    return lambda left, right, opening, slope: positive_part(-opening, slope, left, right)
 
 
 @leaf
@@ -128,24 +145,42 @@ def _resultants_of_lanes(blocks, hold, i, opening, slope, opening_rate, slope_ra
     return joint_forces_in_lanes(near, far, depth, stiffness, damping, opening, slope, opening_rate, slope_rate)
 
 
-def _resultants_of_round_lanes(blocks, hold, i, opening, slope, opening_rate, slope_rate, slip=0.0):
-    one, other, mean, gradient = loaded_part_in_lanes(
-        blocks.left[i], blocks.right[i], blocks.damping[i], opening, slope, opening_rate, slope_rate
-    )
-    lo, hi = lesser(one, other), greater(one, other)
-    length = hi - lo
-    force, moment = forces_over_in_lanes(blocks, i, lo, hi, length, mean, gradient)
-    return force, mirrored(moment, slope), length
+@leaf
+def _slipped_ends(blocks, i, slope, slip):
+    """Ends of the contact of joint i in lanes, which has slipped, in the image in which the slope rises."""
+    left, right = ends_of(blocks, i, slip)
+    right = greater(right, left)  # faces that no longer meet touch over no length
+    falls = slope < 0.0
+    return where(falls, -right, left), where(falls, -left, right)
 
 
 def _resultants_of_lanes_that_slip(blocks, hold, i, opening, slope, opening_rate, slope_rate, slip=0.0):
-    left, right = ends_in_lanes(blocks, i, slip)
-    right = greater(right, left)  # faces that no longer meet touch over no length
     slope = slope + 0.0  # minus zero becomes zero
-    falls = slope < 0.0
-    near, far = where(falls, -right, left), where(falls, -left, right)
+    near, far = _slipped_ends(blocks, i, slope, slip)
     depth, stiffness, damping = blocks.depth[i], blocks.stiffness[i], blocks.damping[i]
     return joint_forces_in_lanes(near, far, depth, stiffness, damping, opening, slope, opening_rate, slope_rate)
+
+
+@leaf
+def _round_resultants(blocks, i, near, far, opening, slope, opening_rate, slope_rate, slip):
+    """Of joint i in lanes, whichever of their sections each has; near, far, slip: in that image."""
+    damping = blocks.damping[i]
+    one, other, mean, gradient = loaded_part_in_lanes(near, far, damping, opening, slope, opening_rate, slope_rate)
+    lo, hi = lesser(one, other), greater(one, other)
+    length = hi - lo
+    force, moment = forces_over_in_lanes(blocks, i, slip, lo, hi, length, mean, gradient)
+    return force, mirrored(moment, slope), length
+
+
+def _resultants_of_round_lanes(blocks, hold, i, opening, slope, opening_rate, slope_rate, slip=0.0):
+    near, far = blocks.left[i], blocks.right[i]
+    return _round_resultants(blocks, i, near, far, opening, slope, opening_rate, slope_rate, 0.0)
+
+
+def _resultants_of_round_lanes_that_slip(blocks, hold, i, opening, slope, opening_rate, slope_rate, slip=0.0):
+    slope = slope + 0.0
+    near, far = _slipped_ends(blocks, i, slope, slip)
+    return _round_resultants(blocks, i, near, far, opening, slope, opening_rate, slope_rate, mirrored(slip, slope))
 
 
 @by_width(resultants)
@@ -153,7 +188,7 @@ def _choose(blocks, hold, i, opening, slope, opening_rate, slope_rate, slip=0.0)
     if not isinstance(opening, LanesType):
         return _resultants_of_one
     if isinstance(slip, LanesType):
-        return _resultants_of_lanes_that_slip
+        return _resultants_of_round_lanes_that_slip if ROUND in blocks.names else _resultants_of_lanes_that_slip
     return _resultants_of_round_lanes if ROUND in blocks.names else _resultants_of_lanes
 
 

@@ -12,10 +12,11 @@ import math
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
-from ..jit import in_both, kernel, leaf
-from ..lanes import any_of, where
+from ..jit import by_width, in_both, kernel, leaf
+from ..lanes import LANES, LanesType, any_of, greater, lesser, where
 from ..layout import MOST_STRIPS, STRIP_NUMBERS
 from .circle import circle_part, ring_part
+from .lens import ends_of_rings, lens_part
 from .strips import COUNT, DEPTHS, PITCH, edge_of, strips_part
 
 # the names that a user writes; the code of a section is its place among them
@@ -35,14 +36,40 @@ class Contact(NamedTuple):
     depth: float  # m, across the motion; the diameter of a circle or an annulus
     bore: float  # m, inner diameter of an annulus
     strips: Any  # row: number and width of the strips, then their depths
+    slip: float  # m, where a round face below cuts it off, else 0
+    below: float  # m, diameter of that face
+    bore_below: float  # m
+
+
+def knows_round(blocks):
+    """Whether joints may be round: not in lanes of rectangles, which are compiled without."""
+    raise NotImplementedError("for kernels only")
+
+
+@by_width(knows_round)
+def _choose_knows(blocks):
+    if blocks.kind is LANES and ROUND not in blocks.names:
+        return lambda blocks: False
+    return lambda blocks: True
 
 
 @leaf
 def ends_of(blocks, i, slip):
-    """Ends of the contact of joint i, m from the middle of the block, which has slipped: the rims below cut it off."""
+    """Ends of the contact of joint i, m from the middle of the block, which has slipped: the rims below cut it off.
+
+    Of one joint or of lanes.
+    """
     left, right = blocks.left[i], blocks.right[i]
-    if slip != 0.0:
-        left, right = max(left, blocks.rim_left[i] - slip), min(right, blocks.rim_right[i] - slip)
+    moved = slip != 0.0
+    if any_of(moved):
+        left = where(moved, greater(left, blocks.rim_left[i] - slip), left)
+        right = where(moved, lesser(right, blocks.rim_right[i] - slip), right)
+        if knows_round(blocks):
+            rings = moved & (blocks.round_below[i] != 0.0) & (blocks.bore[i] > 0.0)
+            if any_of(rings):
+                own, bore, bore_below = 0.5 * blocks.depth[i], 0.5 * blocks.bore[i], 0.5 * blocks.bore_below[i]
+                first, last = ends_of_rings(own, bore, blocks.rim_right[i], bore_below, slip, left, right)
+                left, right = where(rings, first, left), where(rings, last, right)
     return left, right
 
 
@@ -51,7 +78,9 @@ def contact_of(blocks, i, slip=0.0):
     """The contact of joint i."""
     strips = blocks.strips[STRIP_NUMBERS * i :]
     left, right = ends_of(blocks, i, slip)
-    return Contact(blocks.section[i], left, right, blocks.depth[i], blocks.bore[i], strips)
+    slipped = slip if blocks.round_below[i] != 0.0 else 0.0
+    below, bore_below = 2.0 * blocks.rim_right[i], blocks.bore_below[i]
+    return Contact(blocks.section[i], left, right, blocks.depth[i], blocks.bore[i], strips, slipped, below, bore_below)
 
 
 # --- parts of any section but the rectangle
@@ -60,6 +89,9 @@ def contact_of(blocks, i, slip=0.0):
 @kernel
 def _part(contact, lo, hi):
     """Middle of lo and hi, area and moments about it."""
+    if contact.slip != 0.0:
+        outer, inner = 0.5 * contact.depth, 0.5 * contact.bore
+        return lens_part(outer, inner, 0.5 * contact.below, 0.5 * contact.bore_below, contact.slip, lo, hi)
     if contact.section == CIRCLE:
         return circle_part(0.5 * contact.depth, lo, hi)
     if contact.section == STRIPS:
@@ -96,15 +128,40 @@ def _part_forces(part, stiffness, mean, gradient):
     return force, middle * force + (pressure * first + steep * second)
 
 
+def part_in_lanes(blocks, i, slip, lo, hi):
+    """As `_part`, of joint i in lanes, of which each is a circle or an annulus."""
+    raise NotImplementedError("for kernels only")
+
+
+def _part_in_lanes(blocks, i, slip, lo, hi):
+    return ring_part(0.5 * blocks.depth[i], 0.5 * blocks.bore[i], lo, hi)
+
+
+def _part_in_lanes_that_slip(blocks, i, slip, lo, hi):
+    outer, inner = 0.5 * blocks.depth[i], 0.5 * blocks.bore[i]
+    middle, area, first, second = ring_part(outer, inner, lo, hi)
+    slipped = (slip != 0.0) & (blocks.round_below[i] != 0.0)
+    if any_of(slipped):
+        found = lens_part(outer, inner, blocks.rim_right[i], 0.5 * blocks.bore_below[i], slip, lo, hi)
+        middle, area = where(slipped, found[0], middle), where(slipped, found[1], area)
+        first, second = where(slipped, found[2], first), where(slipped, found[3], second)
+    return middle, area, first, second
+
+
+@by_width(part_in_lanes)
+def _choose_part(blocks, i, slip, lo, hi):
+    return _part_in_lanes_that_slip if isinstance(slip, LanesType) else _part_in_lanes
+
+
 @leaf
-def forces_over_in_lanes(blocks, i, lo, hi, length, mean, gradient):
-    """The same of joint i in lanes, of which each is a rectangle, a circle or an annulus."""
-    stiffness, depth = blocks.stiffness[i], blocks.depth[i]
-    part = ring_part(0.5 * depth, 0.5 * blocks.bore[i], lo, hi)
-    force, moment = _part_forces(part, stiffness, mean, gradient)
-    flat = blocks.section[i] == RECTANGLE
+def forces_over_in_lanes(blocks, i, slip, lo, hi, length, mean, gradient):
+    """As `forces_over`, of joint i in lanes, of which each is a rectangle, a circle or an annulus."""
+    stiffness = blocks.stiffness[i]
+    flat, force, moment = blocks.section[i] == RECTANGLE, 0.0 * mean, 0.0 * mean
+    if any_of(blocks.section[i] != RECTANGLE):
+        force, moment = _part_forces(part_in_lanes(blocks, i, slip, lo, hi), stiffness, mean, gradient)
     if any_of(flat):
-        flat_force, flat_moment = rectangle_forces(lo, hi, length, stiffness * depth, mean, gradient)
+        flat_force, flat_moment = rectangle_forces(lo, hi, length, stiffness * blocks.depth[i], mean, gradient)
         force, moment = where(flat, flat_force, force), where(flat, flat_moment, moment)
     return force, moment
 
@@ -144,6 +201,17 @@ def depth_at(contact, place):
         return contact.depth
     near = NEAR * (contact.right - contact.left)
     return _part(contact, place - near, place + near)[1] / (2.0 * near)
+
+
+@leaf
+def depth_in_lanes(blocks, i, left, right, place):
+    """The same of joint i in lanes, between these ends, cut off along a straight line if at all."""
+    depth, flat = blocks.depth[i], blocks.section[i] == RECTANGLE
+    if knows_round(blocks) and any_of(blocks.section[i] != RECTANGLE):
+        near = NEAR * (right - left)
+        found = ring_part(0.5 * depth, 0.5 * blocks.bore[i], place - near, place + near)
+        depth = where(flat, depth, found[1] / (2.0 * near))
+    return depth
 
 
 @leaf
@@ -204,6 +272,12 @@ def lay_out(blocks, i, section, width, depth, bore, given):
     blocks.left[i] = left
     blocks.right[i] = right
     blocks.width[i] = right - left
+
+
+@leaf
+def is_round(section):
+    """Whether a section is a circle or an annulus."""
+    return section in (CIRCLE, ANNULUS)
 
 
 @in_both

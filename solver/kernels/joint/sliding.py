@@ -7,8 +7,10 @@ rest.
 """
 
 from ..jit import by_width, leaf
-from ..lanes import LANES, LanesType, greater, lesser, where
-from .section import contact_of, depth_at
+from ..lanes import LANES, LanesType, any_of, greater, where
+from .law import pressed_part
+from .lens import lens_push
+from .section import contact_of, depth_at, depth_in_lanes, ends_of, knows_round
 
 RIGID = 1e300  # N, as the dowel of a joint that never slides
 MARK = "slips_in_lanes"  # name of an empty part, in the spaces of lanes whose columns have slips (batch/runs.py)
@@ -91,25 +93,36 @@ def _choose_rim_force(blocks, i, opening, slope, slip):
     return _rim_force_of_one
 
 
+@leaf
+def _lens_force(blocks, i, left, right, opening, slope, slip):
+    """The same of a round joint above a round face."""
+    own, bore, bore_below = 0.5 * blocks.depth[i], 0.5 * blocks.bore[i], 0.5 * blocks.bore_below[i]
+    lo, hi = pressed_part(left, right, opening, slope)
+    force = lens_push(own, bore, blocks.rim_right[i], bore_below, slip, lo, hi, blocks.stiffness[i], opening, slope)
+    return where((lo < hi) & (slip != 0.0), force, 0.0)
+
+
 def _rim_force_of_lanes(blocks, i, opening, slope, slip):
-    left, right = ends_in_lanes(blocks, i, slip)
+    left, right = ends_of(blocks, i, slip)
     ahead = slip > 0.0
     edge, whole = where(ahead, right, left), where(ahead, blocks.right[i], blocks.left[i])
+    off = (edge == whole) | (left >= right)
     pressed = greater(slope * edge - opening, 0.0)
-    force = 0.5 * blocks.stiffness[i] * pressed * pressed * blocks.depth[i]
-    return where((edge == whole) | (left >= right), 0.0, where(ahead, force, -force))
-
-
-@leaf
-def ends_in_lanes(blocks, i, slip):
-    """As section.py, `ends_of`, for lanes."""
-    left, right, moved = blocks.left[i], blocks.right[i], slip != 0.0
-    rim_left, rim_right = greater(left, blocks.rim_left[i] - slip), lesser(right, blocks.rim_right[i] - slip)
-    return where(moved, rim_left, left), where(moved, rim_right, right)
+    force = 0.5 * blocks.stiffness[i] * pressed * pressed * depth_in_lanes(blocks, i, left, right, edge)
+    force = where(off, 0.0, where(ahead, force, -force))
+    if knows_round(blocks):
+        lens = (blocks.round_below[i] != 0.0) & (slip != 0.0)
+        if any_of(lens):
+            force = where(lens, _lens_force(blocks, i, left, right, opening, slope, slip), force)
+    return force
 
 
 def _rim_force_of_one(blocks, i, opening, slope, slip):
+    if slip == 0.0:
+        return 0.0
     contact = contact_of(blocks, i, slip)
+    if contact.slip != 0.0:
+        return _lens_force(blocks, i, contact.left, contact.right, opening, slope, slip)
     edge, whole = (contact.right, blocks.right[i]) if slip > 0.0 else (contact.left, blocks.left[i])
     if edge == whole or not contact.left < contact.right:
         return 0.0

@@ -12,7 +12,15 @@ from ..jit import kernel, leaf
 from ..joint.sliding import can_slide
 from ..layout import EXTREMES, SLACK, SNAPSHOT
 from .extremes import begin_extremes, end_extremes, track_extremes
-from .interpolation import interpolate_acceleration, interpolate_one, interpolate_phase, refine, slips_of, turning_point
+from .interpolation import (
+    interpolate_acceleration,
+    interpolate_phase,
+    quintic_of,
+    refine,
+    slips_of,
+    turning_point,
+    value_of,
+)
 
 _snapshot = SNAPSHOT.over
 SNAPSHOT_SIZE = SNAPSHOT.per_n
@@ -127,9 +135,15 @@ def row_due(counts, watch, t, h):
 
 
 @leaf
-def _next_snapshot(counts, watch, n):
-    """The names of the next snapshot."""
-    return _snapshot(watch.snapshots[counts.next_row * (SNAPSHOT_SIZE * n + SNAPSHOT_BESIDE) :], n)
+def _snapshot_at(watch, k, n):
+    """The names of snapshot k."""
+    return _snapshot(watch.snapshots[k * (SNAPSHOT_SIZE * n + SNAPSHOT_BESIDE) :], n)
+
+
+@leaf
+def _within_step(watch, k, t, h):
+    """Time k as a fraction of the step from t to t + h."""
+    return min(1.0, max(0.0, (watch.times[k] - t) / h))
 
 
 @kernel
@@ -137,24 +151,28 @@ def take_snapshots(column, watch, t, h):
     """Keep the column as it is at those times that fall into the step from t to t + h."""
     work, counts = column.work, column.counts
     n = column.model.n
-    guess = not is_exact(column.model)  # accelerations are worked out with the row; the sweeps want a first guess
+    first_row = counts.next_row
     while row_due(counts, watch, t, h):
-        snapshot = _next_snapshot(counts, watch, n)
-        kept = snapshot.phase.row
-        fraction = min(1.0, max(0.0, (watch.times[counts.next_row] - t) / h))
-        refine(column, t, h)
-        for i in range(2 * n):
-            kept[i], kept[2 * n + i] = interpolate_one(work, i, h, fraction)
-            if guess:
-                kept[4 * n + i] = interpolate_acceleration(work, i, fraction)
-        first, behind = slips_of(work)
-        for i in range(first, behind):
-            kept[i], kept[2 * n + i] = interpolate_one(work, i, h, fraction)
+        counts.next_row += 1
+    if counts.next_row == first_row:
+        return
+    refine(column, t, h)
+    first, behind = slips_of(work)
+    for i in range(2 * n + behind - first):
+        place = i if i < 2 * n else first + i - 2 * n
+        course = quintic_of(work, place, -1, h)
+        for k in range(first_row, counts.next_row):
+            kept = _snapshot_at(watch, k, n).phase.row
+            kept[place], kept[2 * n + place] = value_of(course, _within_step(watch, k, t, h))
+    for k in range(first_row, counts.next_row):
+        snapshot, s = _snapshot_at(watch, k, n), _within_step(watch, k, t, h)
+        if not is_exact(column.model):  # accelerations are worked out with the row; the sweeps want a first guess
+            for i in range(2 * n):
+                snapshot.phase.row[4 * n + i] = interpolate_acceleration(work, i, s)
         note_directions(work, snapshot.phase)
-        motion = base_motion(column.base, column.samples, t + fraction * h)
+        motion = base_motion(column.base, column.samples, t + s * h)
         snapshot.base.ax = motion.ax
         snapshot.base.az = motion.az
-        counts.next_row += 1
 
 
 @kernel
@@ -163,7 +181,7 @@ def take_held_snapshots(column, watch, t, h):
     state, counts = column.state, column.counts
     n = column.model.n
     while row_due(counts, watch, t, h):
-        snapshot = _next_snapshot(counts, watch, n)
+        snapshot = _snapshot_at(watch, counts.next_row, n)
         for i in range(phase_size(column.work)):
             snapshot.phase.row[i] = state.phase.row[i]
         snapshot.base.ax = state.control.base_ax
