@@ -308,7 +308,7 @@ def test_the_same_bits_whoever_makes_the_runs(study: Study, tmp_path: Path, monk
     for seed in range(3):
         other = tmp_path / str(seed)
         other.mkdir()
-        assert same(run_study(study, other, executor=Shuffled(seed), chunk_seconds=1e-3), whole)
+        assert same(run_study(study, other, executor=Shuffled(seed), chunk_seconds=1e-4), whole)
         _, rows = read_journal(other / "small.journal")
         assert sorted(row[0] for row in rows) == list(range(24))
         lines = (other / "small.journal").read_bytes().count(b"\n")
