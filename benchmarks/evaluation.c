@@ -112,6 +112,27 @@ static inline void half_sine_cosine(double x, double *sine, double *cosine)
 #define JOINT(field) joints[JOINTS_##field(n) + i]
 #define ROW(field, i) rows[JOINT_ROW * (i) + JOINT_ROW_##field]
 
+/* What block i adds to the row of the joint under it. */
+typedef struct { double half, p, free_alpha, diagonal, right, opens; } over_joint;
+
+static inline over_joint add_block(const double *blocks, const double *phase, const double *joints, double *rows,
+                                   int64_t n, int64_t i, double spin, double spin_below, double couple)
+{
+    const double normal = JOINT(NORMAL), per_mass = BLOCK(PER_MASS), per_inertia = BLOCK(PER_INERTIA);
+    const double both_spins = spin + spin_below, mean_spin = 0.5 * both_spins, square = spin * spin;
+    const double opening = PHASE(OPENING, i), half = 0.5 * opening;
+    const double lower_sine = BLOCK(CENTROID) * ROW(SINE, i), lower_cosine = BLOCK(CENTROID) * ROW(COSINE, i);
+    const double p = lower_cosine + half, p_turns = p * per_inertia;
+    const double free_alpha = per_inertia * ((normal * lower_sine - ROW(TURNED, i)) + couple);
+    const over_joint found = {
+        half, p, free_alpha, per_mass + p * p_turns,
+        PHASE(OPENING_RATE, i) * both_spins + (p * free_alpha - lower_sine * square),
+        normal * per_mass + (lower_cosine * square + opening * mean_spin * mean_spin)};
+    ROW(FREE_ALPHA, i) = free_alpha;
+    ROW(TURN_BELOW, i) = p_turns;
+    return found;
+}
+
 /* Accelerations of a phase, from its coordinates and rates, upon a base that moves by (ax, az, theta, omega, alpha). */
 void accelerations(const double *model, double *phase, const double *motion, double *work)
 {
@@ -119,17 +140,19 @@ void accelerations(const double *model, double *phase, const double *motion, dou
     const double *blocks = model + MODEL_BLOCKS(n);
     double *joints = work + SCRATCH_JOINTS(n), *rows = work + SCRATCH_ROOM(n);
     int64_t *hold = (int64_t *)(work + SCRATCH_HOLD(n));
-    /* what the joints bear by their motion */
     for (int64_t i = 0; i < n; i++) {
         const double turn = i + 1 < n ? PHASE(THETA, i) - PHASE(THETA, i + 1) : PHASE(THETA, i);
+        half_sine_cosine(turn, &ROW(SINE, i), &ROW(COSINE, i));
+    }
+
+    /* what the joints bear by their motion */
+    for (int64_t i = 0; i < n; i++) {
         const double spin = i + 1 < n ? PHASE(THETA_RATE, i) - PHASE(THETA_RATE, i + 1) : PHASE(THETA_RATE, i);
-        double sine, cosine, normal, moment, length;
-        half_sine_cosine(turn, &sine, &cosine);
+        const double sine = ROW(SINE, i), cosine = ROW(COSINE, i);
+        double normal, moment, length;
         resultants(hold[HOLD_HELD(n) + i], BLOCK(STIFFNESS), BLOCK(WIDTH), BLOCK(DEPTH), BLOCK(DAMPING),
                    PHASE(OPENING, i), 2.0 * sine, PHASE(OPENING_RATE, i), cosine * spin, &normal, &moment, &length,
                    &hold[HOLD_OUTSIDE(n) + i]);
-        ROW(SINE, i) = sine;
-        ROW(COSINE, i) = cosine;
         ROW(TURNED, i) = moment * cosine;
         JOINT(NORMAL) = normal;
         JOINT(MOMENT) = moment;
@@ -137,63 +160,44 @@ void accelerations(const double *model, double *phase, const double *motion, dou
     }
 
     /* downwards: finish the row of the joint above, eliminate */
-    double diagonal = 0.0, right = 0.0, opens = 0.0, half_above = 0.0, normal_above = 0.0;
-    double sine_above = 0.0, cosine_above = 1.0, upper_sine = 0.0, upper_cosine = 0.0;
-    double spin = PHASE(THETA_RATE, 0) + motion[3];
-    for (int64_t i = 0; i < n; i++) {
-        const double sine = ROW(SINE, i), cosine = ROW(COSINE, i), normal = JOINT(NORMAL), opening = PHASE(OPENING, i);
-        const double spin_below = i + 1 < n ? PHASE(THETA_RATE, i + 1) + motion[3] : motion[3];
-        const double per_mass = BLOCK(PER_MASS), per_inertia = BLOCK(PER_INERTIA);
-        const double both_spins = spin + spin_below, mean_spin = 0.5 * both_spins, square = spin * spin;
-        const double half = 0.5 * opening, lower_sine = BLOCK(CENTROID) * sine, lower_cosine = BLOCK(CENTROID) * cosine;
-        const double p = lower_cosine + half, p_turns = p * per_inertia;
-        double couple = normal * lower_sine - ROW(TURNED, i);
-        if (i > 0) {
-            normal_above = joints[JOINTS_NORMAL(n) + i - 1];
-            sine_above = ROW(SINE, i - 1);
-            cosine_above = ROW(COSINE, i - 1);
-            upper_sine = BLOCK(UPPER) * sine_above;
-            upper_cosine = BLOCK(UPPER) * cosine_above;
-            couple += ROW(TURNED, i - 1) - normal_above * upper_sine;
-        }
-        const double free_alpha = per_inertia * couple;
-        double opens_below = normal * per_mass + (lower_cosine * square + opening * mean_spin * mean_spin);
-        double right_below = PHASE(OPENING_RATE, i) * both_spins + (p * free_alpha - lower_sine * square);
-        double diagonal_below = per_mass + p * p_turns;
-        if (i > 0) {
-            const double q = upper_cosine + half_above, q_turns = q * per_inertia;
-            const double sine_beta = (sine_above * cosine + cosine_above * sine) * per_mass;
-            const double cosine_beta = (cosine_above * cosine - sine_above * sine) * per_mass;
-            right += (upper_sine * square - normal * sine_beta) + q * free_alpha;
-            opens += (upper_cosine * square - normal * cosine_beta) + normal_above * per_mass;
-            const double pivot = 1.0 / (diagonal + (per_mass + q * q_turns));
-            const double coupling = p * q_turns - cosine_beta, part = coupling * pivot, alone = right * pivot;
-            ROW(ALONE, i - 1) = alone;
-            ROW(FREE_OPENING, i - 1) = opens;
-            ROW(PART, i) = part;
-            ROW(TURN_ABOVE, i) = q_turns;
-            ROW(SINE_BETA, i) = sine_beta;
-            diagonal_below -= part * coupling;
-            right_below += normal_above * sine_beta - coupling * alone;
-            opens_below -= normal_above * cosine_beta;
-        }
-        diagonal = diagonal_below;
-        right = right_below;
-        opens = opens_below;
-        ROW(FREE_ALPHA, i) = free_alpha;
-        ROW(TURN_BELOW, i) = p_turns;
-        half_above = half;
+    double spin = PHASE(THETA_RATE, 0) + motion[3], spin_below = n > 1 ? PHASE(THETA_RATE, 1) + motion[3] : motion[3];
+    over_joint sum = add_block(blocks, phase, joints, rows, n, 0, spin, spin_below, 0.0);
+    for (int64_t i = 1; i < n; i++) {
         spin = spin_below;
+        spin_below = i + 1 < n ? PHASE(THETA_RATE, i + 1) + motion[3] : motion[3];
+        const double per_mass = BLOCK(PER_MASS), normal = JOINT(NORMAL), normal_above = joints[JOINTS_NORMAL(n) + i - 1];
+        const double sine = ROW(SINE, i), cosine = ROW(COSINE, i);
+        const double sine_above = ROW(SINE, i - 1), cosine_above = ROW(COSINE, i - 1);
+        const double upper_sine = BLOCK(UPPER) * sine_above, upper_cosine = BLOCK(UPPER) * cosine_above;
+        const double couple = ROW(TURNED, i - 1) - normal_above * upper_sine;
+        const over_joint mine = add_block(blocks, phase, joints, rows, n, i, spin, spin_below, couple);
+        const double q = upper_cosine + sum.half, q_turns = q * BLOCK(PER_INERTIA), square = spin * spin;
+        const double sine_beta = (sine_above * cosine + cosine_above * sine) * per_mass;
+        const double cosine_beta = (cosine_above * cosine - sine_above * sine) * per_mass;
+        const double right = sum.right + ((upper_sine * square - normal * sine_beta) + q * mine.free_alpha);
+        const double pivot = 1.0 / (sum.diagonal + (per_mass + q * q_turns));
+        const double coupling = mine.p * q_turns - cosine_beta, part = coupling * pivot, alone = right * pivot;
+        ROW(ALONE, i - 1) = alone;
+        ROW(FREE_OPENING, i - 1) =
+            sum.opens + ((upper_cosine * square - normal * cosine_beta) + normal_above * per_mass);
+        ROW(PART, i) = part;
+        ROW(TURN_ABOVE, i) = q_turns;
+        ROW(SINE_BETA, i) = sine_beta;
+        sum = mine;
+        sum.diagonal -= part * coupling;
+        sum.right += normal_above * sine_beta - coupling * alone;
+        sum.opens -= normal_above * cosine_beta;
     }
-    ROW(PIVOT, n - 1) = 1.0 / diagonal;
+    ROW(PIVOT, n - 1) = 1.0 / sum.diagonal;
 
     /* the base: gravity is an upward acceleration */
     const double pull = motion[1] + model[MODEL_SETTINGS(0) + SETTINGS_GRAVITY];
-    double base_sine, base_cosine;
-    sine_cosine(motion[2], &base_sine, &base_cosine);
+    double base_sine = 0.0, base_cosine = 1.0, opens = sum.opens;
+    if (motion[2] != 0.0)
+        sine_cosine(motion[2], &base_sine, &base_cosine);
     const double along = motion[0] * base_cosine - pull * base_sine, lift = motion[0] * base_sine + pull * base_cosine;
     const double last_sine = ROW(SINE, n - 1), last_cosine = ROW(COSINE, n - 1);
-    right += (along * last_cosine - lift * last_sine) + 0.5 * PHASE(OPENING, n - 1) * motion[4];
+    const double right = sum.right + ((along * last_cosine - lift * last_sine) + sum.half * motion[4]);
     opens -= along * last_sine + lift * last_cosine;
     double force = right * ROW(PIVOT, n - 1);
 

@@ -20,8 +20,7 @@ from solver import InputError, simulate_many
 from solver.studies import Study, run_study
 from solver.studies.cluster import Cluster
 
-from .scenes import ROOT
-from .studies import ROCKING, phocas_runs
+from .studies import ROCKING, STUDY, phocas_runs
 
 WORKERS = 2
 ROUNDS = 3
@@ -30,7 +29,6 @@ TRIAL = 1000  # runs, to know how many take so long
 FEW = 64  # runs, with which workers start and load the kernels
 TOLERANCE = 1e-2  # of Phocas: an error of 1e-3
 STEADY = (0.2, 0.8)  # parts of the runs between which all workers have whole chunks
-STUDY = ROOT / "examples" / "studies" / "fragility.toml"
 WAYS = ("threads", "processes", "dask")
 Work = Callable[..., object]  # to be called with `threads` or `executor`, and `callback`
 

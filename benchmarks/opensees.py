@@ -133,7 +133,7 @@ def measure(scenes: Mapping[str, Scene]) -> dict[str, Any]:
     try:
         ops = load()
     except (ImportError, OSError, RuntimeError) as absent:
-        return {"absent": f"not available ({absent}): the extra bench brings it where openseespy has a wheel"}
+        return {"absent": f"not available ({absent}): needs the extra bench, Python 3.11 or less, libblas3, liblapack3"}
     rows = []
     own_peaks = {}
     for name, scene in scenes.items():

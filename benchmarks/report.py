@@ -393,10 +393,10 @@ def studies_table(results: Results) -> str:
     ]
     if "cores" in part:
         cores = part["cores"]
+        gains = ", ".join(f"{of['clock']:.2f} ({of['processor']:.2f}) of {name}" for name, of in cores.items())
         lines.append(
-            f"{cores['runs']} rocking runs: {cores['one']:.3g} s by one thread, {cores['two']:.3g} s by two, which "
-            f"make {cores['one'] / cores['two']:.2f} times the runs of one; of plain arithmetic, which is what the "
-            f"machine has to give, {cores['bound']:.2f} times."
+            f"Two threads make so many times as much as one: {gains}; in brackets the seconds of the processor that "
+            "one thread spends, over those that two spend. Plain arithmetic shows what the machine has to give."
         )
     if "ida" in part:
         ida = part["ida"]

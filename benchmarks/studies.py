@@ -21,11 +21,13 @@ import numpy as np
 from numba import njit
 
 from solver import Column, Motion, Response, SolverError, simulate, simulate_many
+from solver.studies import Study, run_study
 
 from . import opensees
 from .scenes import RECORDS, ROOT, G, forced, shaft
 
 ROUNDS = 3
+CORE_ROUNDS = 12  # short ones, so that now and then both cores are free
 ERROR = 1e-3  # of the peak, within which both are to be
 TOLERANCES = (1e-1, 3e-2, 1e-2, 3e-3, 1e-3, 3e-4, 1e-4)
 TIGHT = 1e-7
@@ -45,6 +47,7 @@ FREQUENCIES = 160
 FIGURE = (0.25, 10.0)  # Hz
 AMPLITUDES = (0.05, 0.1)  # g
 ARITHMETIC = 200_000_000  # rounds, half a second
+STUDY = ROOT / "examples" / "studies" / "fragility.toml"
 MANY, SOME = 1_000_000, 50_000  # runs of the memory
 Runs = tuple[list[Column], list[Motion], float]
 Rows = list[dict[str, Any]]
@@ -186,23 +189,35 @@ def arithmetic(count: int) -> float:
     return a + b + c + d
 
 
-def two_cores() -> float:
-    """How many times as much two threads calculate as one: what the machine has to give, beside its other work."""
-
-    def twice() -> None:
-        with ThreadPoolExecutor(2) as pool:
-            list(pool.map(arithmetic, [ARITHMETIC] * 2))
-
-    arithmetic(1)  # compiles
-    alone, both = alternating([partial(arithmetic, ARITHMETIC), twice], clock.perf_counter)
-    return 2.0 * alone / both
+def calculate(threads: int) -> None:
+    """As much arithmetic in each of some threads: what the machine has to give, beside its other work."""
+    with ThreadPoolExecutor(threads) as pool:
+        list(pool.map(arithmetic, [ARITHMETIC] * threads))
 
 
-def cores(runs: Runs) -> dict[str, Any]:
-    """Seconds of the clock by one thread and by two; what two threads of arithmetic gain."""
-    bound = two_cores()
-    one, two = alternating([partial(together, runs, 1e-2, threads=count) for count in (1, 2)], clock.perf_counter)
-    return {"runs": len(runs[0]), "one": one, "two": two, "bound": bound}
+def cores(count: int, rounds: int) -> dict[str, dict[str, float]]:
+    """How many times as much two threads make as one, by the clock; and what one spends of the processor over two."""
+    phocas, study = phocas_runs(count, ROCKING), Study.from_toml(STUDY).with_runs(count)
+    works: dict[str, Callable[[int], object]] = {
+        "arithmetic": calculate,
+        "Phocas": lambda threads: together(phocas, 1e-2, threads=threads),
+        "fragility": lambda threads: run_study(study, threads=threads),
+    }
+    for work in works.values():
+        work(1)  # compiles
+    found = {}
+    spent = {name: [[math.inf, math.inf], [math.inf, math.inf]] for name in works}
+    for _ in range(rounds):
+        for name, work in works.items():
+            for threads, best in zip((1, 2), spent[name], strict=True):
+                begin, own = clock.perf_counter(), clock.process_time()
+                work(threads)
+                best[0] = min(best[0], clock.perf_counter() - begin)
+                best[1] = min(best[1], clock.process_time() - own)
+    for name, (one, two) in spent.items():
+        more = 2.0 if name == "arithmetic" else 1.0  # two threads make so many times as much
+        found[name] = {"clock": more * one[0] / two[0], "processor": more * one[1] / two[1]}
+    return found
 
 
 def ida(runs: Runs) -> dict[str, Any]:
@@ -264,7 +279,7 @@ def measure(quick: bool) -> Iterator[dict[str, Any]]:
     yield found
     found["opensees"] = beside_opensees(found["throughput"][0]["many"]["throughput"])
     yield found
-    found["cores"] = cores(phocas_runs(200 if quick else 5000, ROCKING))
+    found["cores"] = cores(200, ROUNDS) if quick else cores(2000, CORE_ROUNDS)
     yield found
     found["ida"] = ida(drums(4 if quick else LEVELS))
     yield found

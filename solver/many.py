@@ -222,6 +222,11 @@ def _dearness(column: Column, keep: tuple[str, ...]) -> float:
     return SWEPT if alone else SWEPT_IN_LANES / settings.step
 
 
+def guessed_cost(run: Run, keep: tuple[str, ...]) -> float:
+    """What a run may take, s, before anything is known."""
+    return FIRST_COST * run.column.n * run.duration * _dearness(run.column, keep)
+
+
 def _chunks(
     runs: Iterator[Run], pace: Pace, keep: tuple[str, ...], settle: float, whole: frozenset[int]
 ) -> Iterator[Chunk]:

@@ -39,6 +39,10 @@ class Pace:
         if count % WIDTH:  # lanes would be left empty
             return False
         if self._left is not None:
+            rest = self._left - count
+            whole = weight * self._cost * (1.0 + rest / count)  # s, with the rest, by which lanes would be left empty
+            if self._workers == 1 and 0 < rest < LEAST_RUNS and whole <= self._wanted:
+                return False
             share = self._left / (self._workers if self._per_run == math.inf else 2 * self._workers)
             if count >= max(LEAST_RUNS, FIRST_SECONDS / self._per_run, share):
                 return True

@@ -19,7 +19,7 @@ from solver.kernels.formulations.exact import Motion, exact_accelerations
 from solver.kernels.jit import from_python
 from solver.kernels.joint.law import joint_forces_in_lanes
 from solver.kernels.lanes import WIDTH, any_of, bits, greater, lane, lesser, magnitude, nearest, square_root, where
-from solver.kernels.numbers import sine, sine_cosine
+from solver.kernels.numbers import half_sine_cosine, sine, sine_cosine
 from solver.kernels.views import lanes_of, row_of
 from solver.packing import pack_model
 
@@ -192,6 +192,27 @@ def test_sine_and_cosine_in_lanes_about_the_multiples_of_a_quarter_turn() -> Non
     sines_in_lanes(x.size // WIDTH, x, sines, cosines, only)
     assert sines == pytest.approx(np.sin(x), abs=2e-16)  # measured 1.1e-16
     assert cosines == pytest.approx(np.cos(x), abs=2e-16)
+
+
+@from_python
+def halves(count: int, x: Array, found: Array) -> None:
+    """Sine and cosine of half of each of `count` times eight numbers, in lanes and one by one, each in two ways."""
+    xs, f, numbers, one_by_one = lanes_of(x), lanes_of(found), row_of(x), row_of(found)
+    for k in range(count):
+        f[k], f[count + k] = half_sine_cosine(xs[k])
+        f[2 * count + k], f[3 * count + k] = sine_cosine(0.5 * xs[k])
+    size = 8 * count
+    for k in range(size):
+        one_by_one[4 * size + k], one_by_one[5 * size + k] = half_sine_cosine(numbers[k])
+        one_by_one[6 * size + k], one_by_one[7 * size + k] = sine_cosine(0.5 * numbers[k])
+
+
+@pytest.mark.parametrize("largest", [0.1, 10.0])
+def test_sine_and_cosine_of_a_half_are_those_to_the_last_bit(largest: float) -> None:
+    x = np.linspace(-largest, largest, 1024)
+    found = np.zeros((8, x.size))
+    halves(x.size // WIDTH, x, found.reshape(-1))
+    assert np.array_equal(found[[0, 1, 4, 5]], found[[2, 3, 6, 7]])
 
 
 @from_python

@@ -308,7 +308,7 @@ def test_the_same_bits_whoever_makes_the_runs(study: Study, tmp_path: Path, monk
     for seed in range(3):
         other = tmp_path / str(seed)
         other.mkdir()
-        assert same(run_study(study, other, executor=Shuffled(seed), chunk_seconds=1e-3), whole)
+        assert same(run_study(study, other, executor=Shuffled(seed), chunk_seconds=1e-4), whole)
         _, rows = read_journal(other / "small.journal")
         assert sorted(row[0] for row in rows) == list(range(24))
         lines = (other / "small.journal").read_bytes().count(b"\n")
@@ -391,7 +391,7 @@ def test_an_executor_that_goes_away_leaves_what_was_finished(
 ) -> None:
     monkeypatch.setattr("solver.pace.WIDTH", 4)
     with pytest.raises(StudyError, match="it has gone; finished runs are kept, run the study again to go on"):
-        run_study(study, folder, executor=Dies(), chunk_seconds=1e-3)
+        run_study(study, folder, executor=Dies(), chunk_seconds=1e-4)
     kept = len(Results.from_journal(folder / "small.journal"))
     assert 0 < kept < 24
     made: list[int] = []
@@ -408,13 +408,13 @@ def test_an_executor_that_goes_away_leaves_what_was_finished(
 
 
 def test_a_mistake_in_a_chunk_ends_the_study(study: Study, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The first 16 runs, sample by sample, have numbers up to 19."""
+    """All runs make one chunk."""
 
     def wrong(*_: object) -> None:
         raise ZeroDivisionError("division by zero")
 
     monkeypatch.setattr("solver.studies.chunks.make", wrong)
-    with pytest.raises(StudyError, match="runs 0 to 19: ZeroDivisionError: division by zero"):
+    with pytest.raises(StudyError, match="runs 0 to 23: ZeroDivisionError: division by zero"):
         run_study(study, threads=1)
 
 

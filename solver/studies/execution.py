@@ -12,13 +12,14 @@ from typing import Any
 
 from ..errors import InputError, SolverError
 from ..executors import TRIES, cores, said, sent_out, workers_of
+from ..many import guessed_cost
 from ..pace import CHUNK_SECONDS, Pace
 from . import chunks
 from .definition import Study, versions
 from .journal import SUFFIX, Journal
 from .results import Results
 
-FIRST_COST = 0.02  # s for a run, before anything is known
+UNKNOWN_COST = 0.02  # s of a run, where the first one cannot be made
 SAVE_EVERY = 60.0  # s between two NetCDF files
 SAVE_PART = 0.05  # of the time, at most, for writing these
 
@@ -141,13 +142,21 @@ def _portions(left: Sequence[int], pace: Pace) -> Iterator[list[int]]:
         yield portion
 
 
+def _guess(study: Study, number: int) -> float:
+    """What a run may take, s, going by that of a number."""
+    try:
+        return guessed_cost(study.run(number).run, study.keep)
+    except InputError:
+        return UNKNOWN_COST
+
+
 def _dispatched(
     study: Study, left: Sequence[int], executor: Any, workers: int, chunk_seconds: float
 ) -> Iterator[list[list[Any]]]:
     """Rows of one chunk after the other as they come back from an executor."""
     # what a cluster keeps for all chunks to come; others are sent the study with each
     sent = executor.carry(study) if hasattr(executor, "carry") else study
-    pace = Pace(len(left), workers, FIRST_COST, chunk_seconds)
+    pace = Pace(len(left), workers, _guess(study, left[0]), chunk_seconds)
 
     def check_executor() -> None:
         """Raise StudyError if the executor, one as of cluster.py, says that it is lost."""

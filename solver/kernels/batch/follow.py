@@ -136,7 +136,7 @@ def follow_record(batch, one, t):
 
 @kernel
 def start(batch, fresh):
-    """Accelerations and scales at the start of the lanes in the mask `fresh`."""
+    """Accelerations and scales at the start of the lanes in the mask `fresh`. Returns 0: none of their runs ends."""
     work, n = batch.work, batch.model.n
     between, begin = work.between, work.start
     for i in range(4 * n):
@@ -153,6 +153,7 @@ def start(batch, fresh):
         tops.start_ux[i] = where(fresh, tops.between_ux[i], tops.start_ux[i])
         tops.start_rate[i] = where(fresh, tops.between_rate[i], tops.start_rate[i])
         batch.state.peaks[i] = greater(batch.state.peaks[i], magnitude(tops.start_ux[i]))
+    return 0
 
 
 @kernel
@@ -386,6 +387,12 @@ def step_on(batch):
 @kernel
 def follow_queue(batch):
     """Let all runs of the queue of a batch pass through its eight lanes."""
+    pass_queue(batch, load, start, step_on)
+
+
+@kernel
+def pass_queue(batch, load_run, start_lanes, step_lanes):
+    """The same, by functions as `load`, `start` and `step_on`."""
     queue = batch.queue
     for k in range(WIDTH):
         single(batch, k).lane.run = NOBODY
@@ -393,14 +400,13 @@ def follow_queue(batch):
     while (waiting < queue.size or running > 0) and queue.flag[0] == 0.0:
         for k in range(WIDTH):
             if waiting < queue.size and single(batch, k).lane.run < 0.0:
-                load(batch, k, waiting)
+                load_run(batch, k, waiting)
                 waiting += 1
                 running += 1
-        fresh = batch.lane.fresh > 0.0
-        batch.lane.fresh = where(fresh, 0.0, batch.lane.fresh)
-        start(batch, fresh)
-        ended = 0
+        fresh = (batch.lane.fresh > 0.0) & (batch.lane.run >= 0.0)
+        batch.lane.fresh = 0.0
+        ended = start_lanes(batch, fresh)
         while ended == 0 and queue.flag[0] == 0.0:
-            ended = step_on(batch)
+            ended = step_lanes(batch)
         for k in range(WIDTH):
             running -= (ended >> k) & 1

@@ -13,7 +13,7 @@ from ..jit import kernel, leaf
 from ..lanes import WIDTH, bits, greater, magnitude, where
 from ..layout import HAS_OVERTURNED, NOT_CONVERGED, OK, SLACK
 from .evaluate import anchor_far_waves, motion_of_lanes, single
-from .follow import NOBODY, batch_over, finish, follow_record, load, note_falls, peak_over
+from .follow import batch_over, finish, follow_record, load, note_falls, pass_queue, peak_over
 
 
 @kernel
@@ -52,7 +52,7 @@ def divide(one):
 
 @kernel
 def start_swept(batch, fresh):
-    """Accelerations and peaks at the start of the lanes in the mask `fresh`. Returns the mask of those without."""
+    """Accelerations and peaks at the start of the lanes in the mask `fresh`. Returns those whose runs end, by bits."""
     work, n = batch.work, batch.model.n
     anchor_far_waves(batch.base, batch.lane.t)
     for i in range(6 * n):
@@ -62,7 +62,11 @@ def start_swept(batch, fresh):
         work.start.row[i] = where(fresh, work.end.row[i], work.start.row[i])
     for i in range(n):
         batch.state.peaks[i] = greater(batch.state.peaks[i], magnitude(work.start.theta[i]))
-    return fresh & ~settled
+    failed = bits(fresh & ~settled)
+    for k in range(WIDTH):
+        if (failed >> k) & 1:
+            finish(batch, k, NOT_CONVERGED)
+    return failed
 
 
 @kernel
@@ -129,29 +133,16 @@ def _end_segments(batch, last, fell, failed):
 
 
 @kernel
+def load_swept(batch, k, number):
+    """Put a run into lane k, as `follow.load`."""
+    load(batch, k, number)
+    one = single(batch, k)
+    if one.base.wave_amplitude != 0.0:
+        one.base.anchor = math.nan  # nowhere yet
+    divide(one)
+
+
+@kernel
 def follow_swept(n, buffer, queue):
     """As `follow.follow_queue`, of runs of the first-order formulation."""
-    batch = batch_over(n, buffer, queue)
-    for k in range(WIDTH):
-        single(batch, k).lane.run = NOBODY
-    waiting, running = 0, 0
-    while (waiting < queue.size or running > 0) and queue.flag[0] == 0.0:
-        for k in range(WIDTH):
-            one = single(batch, k)
-            if waiting < queue.size and one.lane.run < 0.0:
-                load(batch, k, waiting)
-                if one.base.wave_amplitude != 0.0:
-                    one.base.anchor = math.nan  # nowhere yet
-                divide(one)
-                waiting += 1
-                running += 1
-        fresh = (batch.lane.fresh > 0.0) & (batch.lane.run >= 0.0)
-        batch.lane.fresh = 0.0
-        ended = bits(start_swept(batch, fresh))
-        for k in range(WIDTH):
-            if (ended >> k) & 1:
-                finish(batch, k, NOT_CONVERGED)
-        while ended == 0 and queue.flag[0] == 0.0:
-            ended = step_swept(batch)
-        for k in range(WIDTH):
-            running -= (ended >> k) & 1
+    pass_queue(batch_over(n, buffer, queue), load_swept, start_swept, step_swept)

@@ -82,9 +82,20 @@ def exact_accelerations(model, phase, motion, joints, hold, room):
 @leaf
 def _accelerations(model, phase, motion, joints, hold, room, slides):
     """The same; slides: whether slips are coordinates."""
+    _turn(phase, room, model.n)
     _bear(model, phase, joints, hold, room, slides)
     right, opens = _downwards(model, phase, motion, joints, room, slides)
     _upwards(model, phase, motion, joints, room, right, opens, slides)
+
+
+@leaf
+def _turn(phase, room, n):
+    """Sine and cosine of half of the rotation of each joint: a loop by itself, for its turns do not wait for others."""
+    for i in range(n):
+        here, turn = joint_row(room, i), phase.theta[i]
+        if i + 1 < n:
+            turn -= phase.theta[i + 1]
+        here.sine, here.cosine = half_sine_cosine(turn)
 
 
 @leaf
@@ -94,11 +105,10 @@ def _bear(model, phase, joints, hold, room, slides):
     off_axis = slides and any_of(model.settings.off_axis != 0.0)
     for i in range(n):
         here = joint_row(room, i)
-        turn, spin = phase.theta[i], phase.theta_rate[i]
+        sine, cosine = here.sine, here.cosine
+        spin = phase.theta_rate[i]
         if i + 1 < n:
-            turn -= phase.theta[i + 1]
             spin -= phase.theta_rate[i + 1]
-        sine, cosine = half_sine_cosine(turn)
         slope, slope_rate = 2.0 * sine, cosine * spin
         felt, felt_rate = phase.opening[i], phase.opening_rate[i]
         slip, slip_rate = slip_if(slides, model, phase, i)
@@ -106,10 +116,10 @@ def _bear(model, phase, joints, hold, room, slides):
             felt = opening_felt(felt, slip, slope)
             felt_rate = opening_rate_felt(felt_rate, slip, slip_rate, slope, slope_rate)
         normal, moment, length = resultants(blocks, hold, i, felt, slope, felt_rate, slope_rate, slip)
-        here.sine, here.cosine = sine, cosine
         if slides:
             here.under_sine, here.under_cosine = sine, cosine
             if off_axis:
+                turn = phase.theta[i] - phase.theta[i + 1] if i + 1 < n else phase.theta[i]
                 lean, tilt_below = blocks.lean[i], blocks.tilt[i + 1] if i + 1 < n else 0.0
                 here.sine, here.cosine = sine_cosine(0.5 * turn + (blocks.tilt[i] - lean))
                 here.under_sine, here.under_cosine = sine_cosine(0.5 * turn + (lean - tilt_below))
@@ -127,77 +137,92 @@ def _bear(model, phase, joints, hold, room, slides):
 
 @leaf
 def _downwards(model, phase, motion, joints, room, slides):
-    """Finish the row of the joint above each joint and eliminate it; row and opening of the base joint, unfinished."""
+    """Finish the row of the joint above each block and eliminate it; row and opening of the base joint, unfinished."""
     n, blocks = model.n, model.blocks
-    diagonal = 0.0
-    right = 0.0
-    opens = 0.0  # acceleration of the opening without the T
-    half_above = 0.0
     spin = phase.theta_rate[0] + motion.omega
-    for i in range(n):
-        here = joint_row(room, i)
-        sine, cosine, normal = here.sine, here.cosine, joints.normal[i]
-        opening = phase.opening[i]
-        spin_below = motion.omega
-        if i + 1 < n:
-            spin_below = phase.theta_rate[i + 1] + motion.omega
-        per_mass, per_inertia = blocks.per_mass[i], blocks.per_inertia[i]
-        both_spins = spin + spin_below
-        mean_spin = 0.5 * both_spins
-        square = spin * spin
-        half = 0.5 * opening
-        lower_sine, lower_cosine = blocks.centroid[i] * sine, blocks.centroid[i] * cosine
-        p = lower_cosine + half
-        p_turns = p * per_inertia
-        couple = normal * lower_sine - here.turned
-        if slides:
-            couple += here.across
-        if i > 0:
-            above = joint_row(room, i - 1)
-            normal_above = joints.normal[i - 1]
-            sine_above, cosine_above = _under(above, slides)
-            upper_sine, upper_cosine = blocks.upper[i] * sine_above, blocks.upper[i] * cosine_above
-            couple += above.turned - normal_above * upper_sine
-            if slides:
-                couple += above.across
-        free_alpha = per_inertia * couple
-        opens_below = normal * per_mass + (lower_cosine * square + opening * mean_spin * mean_spin)
-        right_below = phase.opening_rate[i] * both_spins + (p * free_alpha - lower_sine * square)
-        diagonal_below = per_mass + p * p_turns
-        if slides:
-            opens_below += 2.0 * phase.slip_rate[i] * mean_spin
-            right_below -= phase.slip[i] * mean_spin * mean_spin
-        if i > 0:
-            q = upper_cosine + half_above
-            q_turns = q * per_inertia
-            sine_beta = (sine_above * cosine + cosine_above * sine) * per_mass
-            cosine_beta = (cosine_above * cosine - sine_above * sine) * per_mass
-            right += (upper_sine * square - normal * sine_beta) + q * free_alpha
-            opens += (upper_cosine * square - normal * cosine_beta) + normal_above * per_mass
-            pivot = 1.0 / (diagonal + (per_mass + q * q_turns))
-            coupling = p * q_turns - cosine_beta
-            part = coupling * pivot
-            alone = right * pivot
-            above.alone = alone
-            above.free_opening = opens
-            here.part = part
-            here.turn_above = q_turns
-            here.sine_beta = sine_beta
-            passed, taken = alone, part * coupling
-            if slides:
-                above.pivot = pivot
-                slid = joints.sliding[i - 1] != 0.0
-                passed, taken = where(slid, above.given, alone), where(slid, 0.0, taken)
-            diagonal_below -= taken
-            right_below += normal_above * sine_beta - coupling * passed
-            opens_below -= normal_above * cosine_beta
-        diagonal, right, opens = diagonal_below, right_below, opens_below
-        here.free_alpha = free_alpha
-        here.turn_below = p_turns
-        half_above = half
+    spin_below = _spin_below(phase, motion, 0, n)
+    half, _, _, diagonal, right, opens = _over_joint(model, phase, joints, room, 0, spin, spin_below, 0.0, slides)
+    for i in range(1, n):
         spin = spin_below
+        spin_below = _spin_below(phase, motion, i, n)
+        here, above = joint_row(room, i), joint_row(room, i - 1)
+        per_mass = blocks.per_mass[i]
+        normal, normal_above = joints.normal[i], joints.normal[i - 1]
+        sine, cosine = here.sine, here.cosine
+        sine_above, cosine_above = _under(above, slides)
+        upper_sine, upper_cosine = blocks.upper[i] * sine_above, blocks.upper[i] * cosine_above
+        couple = above.turned - normal_above * upper_sine
+        if slides:
+            couple += above.across
+        half_above = half
+        half, p, free_alpha, diagonal_below, right_below, opens_below = _over_joint(
+            model, phase, joints, room, i, spin, spin_below, couple, slides
+        )
+        q = upper_cosine + half_above
+        q_turns = q * blocks.per_inertia[i]
+        square = spin * spin
+        sine_beta = (sine_above * cosine + cosine_above * sine) * per_mass
+        cosine_beta = (cosine_above * cosine - sine_above * sine) * per_mass
+        right += (upper_sine * square - normal * sine_beta) + q * free_alpha
+        opens += (upper_cosine * square - normal * cosine_beta) + normal_above * per_mass
+        pivot = 1.0 / (diagonal + (per_mass + q * q_turns))
+        coupling = p * q_turns - cosine_beta
+        part = coupling * pivot
+        alone = right * pivot
+        above.alone = alone
+        above.free_opening = opens
+        here.part = part
+        here.turn_above = q_turns
+        here.sine_beta = sine_beta
+        passed, taken = alone, part * coupling
+        if slides:
+            above.pivot = pivot
+            slid = joints.sliding[i - 1] != 0.0
+            passed, taken = where(slid, above.given, alone), where(slid, 0.0, taken)
+        diagonal = diagonal_below - taken
+        right = right_below + (normal_above * sine_beta - coupling * passed)
+        opens = opens_below - normal_above * cosine_beta
     joint_row(room, n - 1).pivot = 1.0 / diagonal
     return right, opens
+
+
+@leaf
+def _spin_below(phase, motion, i, n):
+    """Rate of rotation of what is below joint i, rad/s."""
+    if i + 1 < n:
+        return phase.theta_rate[i + 1] + motion.omega
+    return motion.omega
+
+
+@leaf
+def _over_joint(model, phase, joints, room, i, spin, spin_below, couple, slides):
+    """What block i adds to the row of the joint under it; couple: N m, on the block from above.
+
+    Returns half of the opening, the lever of T_i, m, free alpha, and the block's part of diagonal, right side, opening.
+    """
+    blocks, here = model.blocks, joint_row(room, i)
+    normal, per_mass, per_inertia = joints.normal[i], blocks.per_mass[i], blocks.per_inertia[i]
+    both_spins = spin + spin_below
+    mean_spin = 0.5 * both_spins
+    square = spin * spin
+    opening = phase.opening[i]
+    lower_sine, lower_cosine = blocks.centroid[i] * here.sine, blocks.centroid[i] * here.cosine
+    half = 0.5 * opening
+    p = lower_cosine + half
+    p_turns = p * per_inertia
+    couple = (normal * lower_sine - here.turned) + couple
+    if slides:
+        couple += here.across
+    free_alpha = per_inertia * couple
+    diagonal = per_mass + p * p_turns
+    right = phase.opening_rate[i] * both_spins + (p * free_alpha - lower_sine * square)
+    opens = normal * per_mass + (lower_cosine * square + opening * mean_spin * mean_spin)
+    if slides:
+        opens += 2.0 * phase.slip_rate[i] * mean_spin
+        right -= phase.slip[i] * mean_spin * mean_spin
+    here.free_alpha = free_alpha
+    here.turn_below = p_turns
+    return half, p, free_alpha, diagonal, right, opens
 
 
 @leaf
@@ -217,7 +242,9 @@ def _upwards(model, phase, motion, joints, room, right, opens, slides):
     n, blocks = model.n, model.blocks
     last = joint_row(room, n - 1)
     # the base: gravity is an upward acceleration; joint n is turned against it, upright by theta_n / 2
-    base_sine, base_cosine = sine_cosine(motion.theta)
+    base_sine, base_cosine = 0.0, 1.0
+    if any_of(motion.theta != 0.0):
+        base_sine, base_cosine = sine_cosine(motion.theta)
     lift = motion.az + model.settings.gravity
     along = motion.ax * base_cosine - lift * base_sine
     lift = motion.ax * base_sine + lift * base_cosine
@@ -230,28 +257,32 @@ def _upwards(model, phase, motion, joints, room, right, opens, slides):
 
     swung_below = 0.0  # alpha of the block below times the height of its top face above its centroid
     alpha_below = motion.alpha
-    for i in range(n - 1, -1, -1):
-        here = joint_row(room, i)
-        alpha = here.free_alpha - here.turn_below * force
-        force_above = 0.0
-        if i > 0:
-            above = joint_row(room, i - 1)
-            force_above = above.alone - here.part * force
-            if slides:
-                force_above = _slide(phase, above, joints, i - 1, force_above)
-            alpha -= here.turn_above * force_above
-            opens += here.sine_beta * force_above
-        phase.theta_acceleration[i] = alpha - motion.alpha
-        opening = opens + here.sine * (blocks.centroid[i] * alpha - swung_below)
+    for i in range(n - 1, 0, -1):
+        here, above = joint_row(room, i), joint_row(room, i - 1)
+        force_above = above.alone - here.part * force
         if slides:
-            opening += 0.5 * phase.slip[i] * (alpha + alpha_below) + (here.sine - here.under_sine) * swung_below
-            alpha_below = alpha
-        phase.opening_acceleration[i] = opening
+            force_above = _slide(phase, above, joints, i - 1, force_above)
+        alpha = here.free_alpha - here.turn_below * force - here.turn_above * force_above
+        opens += here.sine_beta * force_above
+        _move(phase, motion, here, blocks, i, alpha, alpha_below, swung_below, opens, slides)
         joints.tangential[i] = force
-        if i > 0:
-            opens = above.free_opening - here.sine_beta * force
+        opens = above.free_opening - here.sine_beta * force
         swung_below = blocks.upper[i] * alpha
-        force = force_above
+        force, alpha_below = force_above, alpha
+    here = joint_row(room, 0)
+    alpha = here.free_alpha - here.turn_below * force
+    _move(phase, motion, here, blocks, 0, alpha, alpha_below, swung_below, opens, slides)
+    joints.tangential[0] = force
+
+
+@leaf
+def _move(phase, motion, here, blocks, i, alpha, alpha_below, swung_below, opens, slides):
+    """Note the accelerations of block i."""
+    opening = opens + here.sine * (blocks.centroid[i] * alpha - swung_below)
+    if slides:
+        opening += 0.5 * phase.slip[i] * (alpha + alpha_below) + (here.sine - here.under_sine) * swung_below
+    phase.theta_acceleration[i] = alpha - motion.alpha
+    phase.opening_acceleration[i] = opening
 
 
 @leaf
