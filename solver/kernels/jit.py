@@ -20,8 +20,10 @@ _OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": False, "nogil": 
 _INSIDE: dict[str, Any] = {**_OPTIONS, "pipeline_class": KernelCompiler}
 _OUTSIDE: dict[str, Any] = {**_OPTIONS, "pipeline_class": EntryCompiler}
 
-# Building block of a kernel: compiled, and cached, as a part of whoever calls it; not to be called from Python.
-kernel: Callable[..., Any] = njit(**_INSIDE)
+# Building block of a kernel: compiled, and cached, as a part of whoever calls it; not to be called from Python. Whether
+# it is worth a call is left to LLVM. That is said, since what is not said numba takes from the caller: all that a leaf
+# calls would be taken in as often as it is called.
+kernel: Callable[..., Any] = njit(forceinline=False, **_INSIDE)
 
 # A leaf of the innermost loops: never worth a call.
 leaf: Callable[..., Any] = njit(forceinline=True, **_INSIDE)

@@ -80,7 +80,7 @@ def _curved(s, c):
     return e, g, h
 
 
-@kernel
+@leaf
 def circle_part(radius, lo, hi):
     """Middle, area, first and second moment about it, of the part of a circle between two abscissas, m from the centre.
 
