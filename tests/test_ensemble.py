@@ -13,6 +13,8 @@ from probe import G, phocas
 from scipy.stats import beta
 
 from solver import InitialState, InputError, Motion, Spread, simulate
+from solver.batch import run_batch
+from solver.chain import chain_of
 from solver.ensemble import vary
 from solver.uncertainty import Ensemble, share_bounds
 
@@ -43,6 +45,27 @@ def test_lanes_say_what_single_runs_say() -> None:
     assert eight.peak_ux == pytest.approx(alone.peak_ux, rel=1e-5)  # the tolerance
     assert eight.ux == pytest.approx(alone.ux, abs=1e-5 * np.max(alone.peak_ux))  # the tolerance
     assert eight.amplification == pytest.approx(alone.amplification, rel=1e-2)
+
+
+def test_rows_closer_than_steps_are_those_of_a_single_run() -> None:
+    """Several rows fall into a step; the last instant is asked for twice."""
+    column, motion = phocas(1e-3), Motion.harmonic(0.05 * G, 2.0, 1.0)
+    run = simulate(column, motion, tolerance=1e-6, output_step=5e-5, without=("peaks",))
+    batch = run_batch([run.column] * 2, [motion] * 2, [1.0] * 2, times=np.append(run.time, 1.0))
+    assert 3 * batch.steps[0] < len(run.time)
+    for phases in batch.phases:
+        ux = chain_of(run.column).top_displacements(phases)
+        assert ux[:-1] == pytest.approx(run.ux, abs=1e-5 * np.max(np.abs(run.ux)))  # 10 tolerances
+        assert np.array_equal(ux[-1], ux[-2])
+
+
+def test_runs_that_fall_after_the_motion_are_said_to() -> None:
+    column, motion = phocas(1e-3), Motion.harmonic(0.1416 * G, 0.5, 10.0)
+    run = simulate(column, motion, tolerance=1e-4, ensemble=8, spread=Spread(0.0, 0.0, 1e-9))
+    assert run.overturn_time > 12.0
+    assert run.ensemble is not None
+    assert set(run.ensemble.verdicts) == {"overturned"}
+    assert run.ensemble.overturn_time == pytest.approx(run.overturn_time, abs=0.01)
 
 
 def test_columns_in_mortar_run_one_by_one() -> None:

@@ -313,15 +313,15 @@ def take_snapshots(batch, k, step):
     queue = batch.queue
     one = single(batch, k)
     n, number = one.n, int(one.lane.run)
-    begin = run_of(queue, number).origin
+    origin = run_of(queue, number).origin
     row = int(one.lane.next_row)
-    while row < queue.rows and begin + queue.row_times[row] <= one.lane.t + step * (1.0 + SLACK):
+    while row < queue.rows and origin + queue.row_times[row] <= one.lane.t + step * (1.0 + SLACK):
         kept = snapshot_of(queue, number, row, n).row
-        fraction = min(1.0, max(0.0, (begin + queue.row_times[row] - one.lane.t) / step))
+        fraction = min(1.0, max(0.0, (origin + queue.row_times[row] - one.lane.t) / step))
         for i in range(2 * n):
             kept[i], kept[2 * n + i] = interpolate_one(one.work, i, step, fraction)
-        begin, behind = slips_of(one.work)
-        for i in range(begin, behind):
+        first, behind = slips_of(one.work)
+        for i in range(first, behind):
             kept[i], kept[2 * n + i] = interpolate_one(one.work, i, step, fraction)
         row += 1
     one.lane.next_row = row
