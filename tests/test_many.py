@@ -185,7 +185,7 @@ def test_what_a_dead_worker_had_is_done_again() -> None:
         table = simulate_many(columns, motions, duration=durations, keep=KEEP, executor=Unreliable(pool, 1000))
         assert_same(table, simulate_many(columns, motions, duration=durations, keep=KEEP))
         with pytest.raises(ExecutorError, match="takes no more runs: RuntimeError: closed") as lost:
-            simulate_many([phocas(1e-3)] * 100, motions[0], duration=0.1, executor=Unreliable(pool, 5))
+            simulate_many([phocas(1e-3)] * 100, motions[0], duration=0.1, executor=Unreliable(pool, 2))
     assert all(len(part) for part in lost.value.finished)
 
 
