@@ -218,7 +218,6 @@ def begin_extremes(column, motion, evaluated):
     n, blocks, start, joints, notes = model.n, model.blocks, work.start, work.joints, work.notes
     peaks = _peaks(column.state.peaks, n)
     work.watched.rises = work.watched.seen = 0.0
-    _allow(column)
     rise, turn, spin = 0.0, 0.0, 0.0
     for i in range(n - 1, -1, -1):
         turned, spun = rotation(model, start.theta, i), rotation(model, start.theta_rate, i)
@@ -248,7 +247,7 @@ def begin_extremes(column, motion, evaluated):
             new = new or (normal > notes.counts[i] and abs(along) > peaks.friction[i] * normal)
     if new:
         _take_start(column, motion)
-        _allow(column)
+    _allow(column)
 
 
 @kernel
