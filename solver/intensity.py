@@ -191,6 +191,7 @@ def spectrum(
 
 
 def _running(parts: FloatArray) -> FloatArray:
+    """Sums from 0."""
     sums = np.zeros(len(parts) + 1)
     np.cumsum(parts, out=sums[1:])
     return sums

@@ -40,8 +40,8 @@ def _rows(study: Study, numbers: Sequence[int]) -> list[list[Any]]:
             planned = study.run(number)
             check_stable(planned.run.column)
         except InputError as error:  # of numbers that were drawn: the others are to go on
-            values = list(study.values(number).values())
-            rows.append([number, values, [None] * len(study.measured), None, str(error)])
+            given = list(study.values(number).values())
+            rows.append([number, given, [None] * len(study.measured), None, str(error)])
             continue
         ready.append((number, planned))
     if ready:
