@@ -6,10 +6,18 @@ from pathlib import Path
 import pytest
 from fmus import ROOT, Fmus
 
+from solver.first_run import make_kernels
+
 
 def pytest_configure() -> None:
     """Whatever started the tests: a shell's background job hands on SIGINT as ignored, and a child would ignore it."""
     signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+def pytest_sessionstart(session: pytest.Session) -> None:
+    """What most tests need is compiled once, on two cores, before workers begin that would each do so."""
+    if session.config.getoption("numprocesses", None):
+        make_kernels()
 
 
 @pytest.fixture(scope="session")
