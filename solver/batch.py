@@ -24,7 +24,7 @@ from .kernels.entries import run
 from .kernels.integrators import dormand_prince
 from .kernels.lanes import WIDTH
 from .motion import Motion
-from .packing import FloatArray, arrays_at, copied
+from .packing import Arrays, FloatArray, arrays_at, copied
 from .turns import others_turn
 
 # Steps across changes of regime err by more than their estimate says: they are given so much less of the tolerance.
@@ -43,6 +43,7 @@ CRITICAL = 2.0  # damping times frequency
 # are the slower beginning, unless explicit steps are short. Measured (the shaft of Phocas in six drums, five records of
 # 50 to 200 samples a second): twice as slow, and five times where joints stay closed.
 SAMPLES, AT_ONCE = 20.0, 1500.0  # 1/s: of a record; explicit steps
+MOST_ASSEMBLED = 64  # columns that are kept for other runs of them
 HELD = "held samples"  # why a run is not made in lanes
 STAGES = 6  # evaluations of a step
 LINE = 64  # bytes that the processor reads at once: lanes that lie across two of them cost a tenth more
@@ -281,15 +282,13 @@ class _Batch:
         self._snapshots = np.zeros((count, rows.size, at.PHASE.size(n)))
         self._evaluations = np.zeros(count, dtype=np.int64)
         self._waiting: list[int] = []
-        self._column: Column | None = None
+        self._assembled: dict[int, Arrays] = {}  # by the column, of some
 
     def begin(self, k: int, column: Column, motion: Motion, duration: float) -> None:
         """Let run k wait for a lane, from rest or as it is when a joint opens; or take it to its end."""
         n, start, stop = self.n, motion.start, motion.start + duration
-        if column is not self._column:
-            self._fresh = arrays_at(column, TOLERANCE_PART * column.settings.tolerance, at.EXTREMES)
-            self._column = column
-        model, phase = self._fresh.model, self._fresh.state[at.CONTROL.beside :]
+        fresh = self._at_rest(column)
+        model, phase = fresh.model, fresh.state[at.CONTROL.beside :]
         self._models[k] = model[: self._models.shape[1]]
         omega = 2.0 * math.pi * motion.frequency
         wave = (motion.amplitude, omega, -omega * start)
@@ -300,7 +299,7 @@ class _Batch:
             self._outcomes[k, OUTCOME.beside + n :] = phase[: 4 * n]
             self._waits(k, phase[: 4 * n], (start, start, stop, 1.0, *wave, first, size, 0, 0.0, 0.0))
             return
-        arrays = copied(self._fresh)
+        arrays = copied(fresh)
         control, counts, base = at.CONTROL.see(arrays.state), at.COUNTS.see(arrays.counts), at.BASE.see(arrays.base)
         base.wave_amplitude, base.wave_omega, base.wave_phase = wave
         counts.until_opening = 1
@@ -318,6 +317,16 @@ class _Batch:
             scales = (control.rotation_scale, control.rate_scale)
             entering = (start, control.reached, stop, 1.0, *wave, first, size, counts.next_row, *scales)
             self._waits(k, phase, entering)
+
+    def _at_rest(self, column: Column) -> Arrays:
+        """The arrays of a column at rest, not to be changed."""
+        found = self._assembled.get(id(column))
+        if found is None:
+            if len(self._assembled) == MOST_ASSEMBLED:
+                self._assembled.clear()
+            found = arrays_at(column, TOLERANCE_PART * column.settings.tolerance, at.EXTREMES)
+            self._assembled[id(column)] = found
+        return found
 
     def go_on(self, models: FloatArray, phases: FloatArray, begin: FloatArray, end: FloatArray) -> None:
         """Let all runs wait for a lane, with these phases, upon a base that is still."""
