@@ -99,8 +99,20 @@ def drums(levels: int = LEVELS, duration: float = DURATION) -> Runs:
     column = shaft(DRUMS)
     records = [Motion.from_at2(RECORDS / name) for name in FILES if (RECORDS / name).is_file()]
     records = records or [Motion.harmonic(1.0, frequency, duration) for frequency in (1.0, 1.4, 1.8, 2.4, 3.0)]
-    motions = [record.scaled_to(pga) for record in records for pga in np.linspace(0.05, 0.8, levels) * G]
-    return [column] * len(motions), motions, min(duration, *(record.duration for record in records))
+    parts = [strongest(record, duration) for record in records]
+    motions = [part.scaled_to(pga) for part in parts for pga in np.linspace(0.05, 0.8, levels) * G]
+    return [column] * len(motions), motions, min(duration, *(part.duration for part in parts))
+
+
+def strongest(motion: Motion, duration: float) -> Motion:
+    """The part of a record, so long, s, in whose middle its largest acceleration is; a shorter motion as it is."""
+    if motion.duration <= duration:
+        return motion
+    peak = motion.time[np.argmax(np.abs(motion.ax))]
+    begin = min(max(motion.start, peak - 0.5 * duration), motion.end - duration)
+    inside = (motion.time >= begin - 1e-9) & (motion.time <= begin + duration + 1e-9)
+    time = motion.time[inside]
+    return Motion(time - time[0], motion.ax[inside], motion.az[inside], float(time[-1] - time[0]))
 
 
 def figure_runs(count: int, column: Column, duration: float = DURATION) -> Runs:
