@@ -74,6 +74,7 @@ def test_foreign_and_damaged_states_are_refused_with_a_reason(fmus: Fmus, tmp_pa
     (changed / "solver").symlink_to(ROOT / "solver")
     shutil.copy(ROOT / "build_fmu.py", changed)  # not a link, which Python would follow to the project
     (changed / "fmu_src").mkdir()
+    (changed / "fmu_src" / "native").symlink_to(ROOT / "fmu_src" / "native")
     for file in (ROOT / "fmu_src").glob("*.py"):
         text = file.read_text()
         (changed / "fmu_src" / file.name).write_text(text + "# changed\n" if file.name == "state.py" else text)
