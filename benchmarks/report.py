@@ -421,7 +421,9 @@ def studies_table(results: Results) -> str:
             f"{1e3 * figure['paper_many'] / figure['paper_runs']:.0f} ms by `simulate_many`."
         )
     if "memory" in part:
-        lines.append(f"{part['memory']['runs']} runs: {part['memory']['megabytes']:.0f} MB.")
+        memory = part["memory"]
+        compiling = f"; {memory['compiling']:.0f} MB where a few compile the kernels" if "compiling" in memory else ""
+        lines.append(f"{memory['runs']} runs: {memory['megabytes']:.0f} MB with kernels compiled before{compiling}.")
     return "\n\n".join(lines)
 
 
