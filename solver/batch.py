@@ -18,7 +18,14 @@ from numpy.typing import NDArray
 from .column import Column
 from .errors import InputError
 from .kernels import layout as at
-from .kernels.batch.entries import run_lanes, run_round, run_round_slipping, run_slipping, run_swept
+from .kernels.batch.entries import (
+    run_lanes,
+    run_round,
+    run_round_slipping,
+    run_slipping,
+    run_stripped,
+    run_swept,
+)
 from .kernels.batch.runs import OUTCOME, RUN, SLIP_FIELDS, SPACE
 from .kernels.entries import run
 from .kernels.integrators import dormand_prince
@@ -54,8 +61,11 @@ ENTRIES = {
     "round": run_round,
     "slipping": run_slipping,
     "round, slipping": run_round_slipping,
+    "strips, slipping": run_stripped,
     "swept": run_swept,
 }
+
+KNOW = tuple(ENTRIES)  # the later, the more sections; none goes with another that has no slips, or is swept
 
 _NONE = np.empty(0)
 
@@ -87,28 +97,19 @@ def why_not_in_lanes(column: Column) -> str:
         return "short cuts left out"
     if column.n > MOST_BLOCKS:
         return f"more than {MOST_BLOCKS} blocks"
-    why = _wrong_sections(column)
-    if why:
-        return why
     if swept:
-        return ""
+        return "" if column.has_rectangles_only else "formulation paper with other joints than rectangles"
     if settings.tolerance < TIGHTEST:
         return "tight tolerance"
     return "stiff joints" if _is_stiff(column) else ""
-
-
-def _wrong_sections(column: Column) -> str:
-    if column.has_rectangles_only:
-        return ""
-    if column.has_strips:
-        return "joints made of strips"
-    return "formulation paper with round joints" if column.settings.formulation == "paper" else ""
 
 
 def kind_of(column: Column) -> str:
     """By which lanes runs of a column are made, a name of ENTRIES."""
     if column.settings.formulation == "paper":
         return "swept"
+    if column.has_strips:
+        return "strips, slipping"
     if column.has_rectangles_only:
         return "slipping" if column.has_slips else "plain"
     return "round, slipping" if column.has_slips else "round"
@@ -168,7 +169,7 @@ def run_batch(
 
     tolerance: relative to the peak; None: each column's. times: s after the start of a run, at which its phase is kept.
     All columns have slips (Column.has_slips) or none has. Raises InputError for columns of another number of blocks
-    or formulation, for sections that lanes do not know, and for held samples.
+    or formulation and for held samples.
     """
     n, slips = columns[0].n, columns[0].has_slips
     durations = [motion.duration for motion in motions] if durations is None else list(durations)
@@ -179,9 +180,6 @@ def run_batch(
             raise InputError(f"columns[{k}]: must have {n} blocks and the formulation exact, as the others of a batch")
         if column.has_slips != slips:
             raise InputError(f"columns[{k}]: must slide or be off its axis as all others of a batch, or none of them")
-        why = _wrong_sections(column)
-        if why:
-            raise InputError(f"columns[{k}]: {why}: not in a batch")
         if motion.hold:
             raise InputError(f"motions[{k}]: its samples are held, must be joined by straight lines")
     if tolerance is not None:
@@ -213,7 +211,7 @@ def follow_in_lanes(
     rows = _NONE if times is None else np.ascontiguousarray(times, dtype=np.float64)
     flag = np.zeros(1) if flag is None else flag
     kinds = {kind_of(column) for column in columns}
-    kind = max(kinds, key=lambda name: name.startswith("round"))  # which has the same bits for rectangles
+    kind = max(kinds, key=KNOW.index)  # which has the same bits for the sections that others know
     batch = _Batch(columns[0].n, len(columns), _Records(motions, durations), rows, kind)
     for k, (column, motion, duration) in enumerate(zip(columns, motions, durations, strict=True)):
         if not flag[0]:

@@ -317,6 +317,7 @@ def test_opensees_stands_on_its_joints():
     assert -ops.nodeDisp(10, 2) == pytest.approx(0.062447e-3, rel=1e-5)  # the base joint's settlement
 
 
+@pytest.mark.long  # compiles kernels of its own
 def test_command_writes_valid_json(tmp_path: Path):
     done = subprocess.run(
         [sys.executable, "-m", "benchmarks", "--quick", "--only", "evaluation", "--output-folder", str(tmp_path)],
