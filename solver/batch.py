@@ -291,9 +291,8 @@ class _Batch:
         omega = 2.0 * math.pi * motion.frequency
         wave = (motion.amplitude, omega, -omega * start)
         first, size = self._records.place(motion)
-        if self._slipping:
-            self._slips[k] = phase[at.RIGID_FIELDS * n : at.PHASE_FIELDS * n]
-        if self._swept or self._slipping or _enters_at_once(column, model[_ORDER], motion, size):
+        self._keep_slips(k, phase)
+        if self._swept or not model[_HAS_MODES] or _enters_at_once(column, model[_ORDER], motion, size):
             self._outcomes[k, OUTCOME.beside + n :] = phase[: 4 * n]
             self._waits(k, phase[: 4 * n], (start, start, stop, 1.0, *wave, first, size, 0, 0.0, 0.0))
             return
@@ -306,7 +305,9 @@ class _Batch:
         kept = np.zeros((times.size, at.SNAPSHOT.size(n)))
         with others_turn():
             code = run(n, *arrays, *record, 1.0, False, start, duration, times, kept.reshape(-1), True)
-        phase, peaks = arrays.state[at.CONTROL.beside :][: 4 * n], at.STATE.see(arrays.state, n).peaks[:n]
+        whole, peaks = arrays.state[at.CONTROL.beside :], at.STATE.see(arrays.state, n).peaks[:n]
+        phase = whole[: 4 * n]
+        self._keep_slips(k, whole)
         self._outcomes[k] = np.concatenate([[code, math.nan, 0.0, counts.steps, counts.rejected], peaks, phase])
         self._evaluations[k] = counts.evaluations
         if self._rows.size:
@@ -333,6 +334,11 @@ class _Batch:
         for name, values in (("origin", begin), ("start", begin), ("stop", end), ("scale", 1.0)):
             self._runs[:, RUN.fields.index(name)] = values
         self._outcomes[:, OUTCOME.beside + self.n :] = phases
+
+    def _keep_slips(self, k: int, phase: FloatArray) -> None:
+        """The second part of a phase, where columns have slips, is that of run k."""
+        if self._slipping:
+            self._slips[k] = phase[at.RIGID_FIELDS * self.n : at.PHASE_FIELDS * self.n]
 
     def _waits(self, k: int, phase: FloatArray, entering: tuple[float, ...]) -> None:
         """Let run k wait for a lane."""
@@ -383,6 +389,7 @@ class _Batch:
         return np.concatenate([rigid, *(slips[..., k : k + self.n] for k in places)], axis=-1)
 
 
+_HAS_MODES = at.SETTINGS.fields.index("has_modes")
 _ORDER = at.SETTINGS.fields.index("explicit_order")
 _START, _STOP = RUN.fields.index("start"), RUN.fields.index("stop")
 _TRIED = [OUTCOME.parts["record"].fields.index(name) for name in ("steps", "rejected")]  # type: ignore[attr-defined]
