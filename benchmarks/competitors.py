@@ -25,6 +25,9 @@ OWN = "own"
 COMPILED = "compiled"  # general, with the compiled equations and nothing interpreted in between
 CONTEXT = "context"  # general, written in Python or called from there
 
+# `auto` without the peaks of anything but ux, which no other competitor gives: a row of tables, not of pictures
+UX_ONLY = "auto, peaks of ux only"
+
 MOST_STEPS = 10_000_000  # between two outputs: no competitor is stopped by a count
 OUTPUT_STEP = 0.005  # s
 
@@ -186,6 +189,7 @@ def competitors(quick: bool = False) -> tuple[list[Competitor], dict[str, str]]:
     some = tolerances(-3, -7, per_decade=1)
     wanted: list[tuple[str, str, str, tuple[float, ...], Callable[[], Solve]]] = [
         ("auto", OWN, "tolerance", tolerances(-1, -10), lambda: own("auto", "tolerance")),
+        (UX_ONLY, OWN, "tolerance", tolerances(-1, -10), lambda: own("auto", "tolerance", without=("peaks",))),
         ("central-difference", OWN, "step", steps(1e-3, 7), lambda: own("central-difference", "step")),
         ("DOP853 (numbalsoda)", COMPILED, "tolerance", every, lambda: general(numbalsoda("dop853"))),
         ("LSODA (numbalsoda)", COMPILED, "tolerance", every, lambda: general(numbalsoda("lsoda"))),

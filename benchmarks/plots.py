@@ -14,6 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Patch
 from matplotlib.ticker import LogLocator, NullFormatter
 
+from .competitors import UX_ONLY
 from .work_precision import EQUAL_ERRORS, pairs
 
 # colour, marker, line of each competitor; what is not listed is drawn in grey
@@ -37,7 +38,7 @@ GREY = "0.92"  # below what the references disagree by
 
 
 def work_precision(scenes: list[dict[str, Any]], path: Path, cost: str = "seconds") -> None:
-    """One picture a scene, all competitors in each: the error over the time, or over the evaluations, it took."""
+    """One picture a scene, all competitors but UX_ONLY in each: error over the time, or the evaluations, it took."""
     drawn = [scene for scene in scenes if "points" in scene]
     columns = min(COLUMNS, len(drawn))
     rows = math.ceil(len(drawn) / columns)
@@ -48,7 +49,7 @@ def work_precision(scenes: list[dict[str, Any]], path: Path, cost: str = "second
     for axis, scene in zip(axes.flat, drawn, strict=False):
         for name, points in scene["points"].items():
             found = [(c, e) for e, c in pairs(points, cost) if SMALLEST_ERROR <= e <= LARGEST_ERROR]
-            if found:
+            if found and name != UX_ONLY:
                 handles.setdefault(name, _draw(axis, name, found, 1e3 if cost == "seconds" else 1.0))
         _label(axis, scene)
         if cost == "evaluations":

@@ -101,14 +101,20 @@ def scene_table(results: Results) -> str:
 
 def equal_error_table(results: Results) -> str:
     """Speed at equal error."""
+
+    def times(factor: float | None) -> str:
+        return "-" if factor is None else f"{factor:.2f}x"
+
     rows = [
         [
             scene["title"],
             f"{row['error']:.0e}",
             milliseconds(row["auto_seconds"]),
+            milliseconds(row["ux_only_seconds"]),
             str(row["best"] or "nobody gets there"),
             milliseconds(row["best_seconds"]),
-            "-" if row["speed_up"] is None else f"{row['speed_up']:.2f}x",
+            times(row["speed_up"]),
+            times(row["ux_only_speed_up"]),
             *("-" if row[key] is None else f"{row[key]:.0f}" for key in ("auto_evaluations", "best_evaluations")),
         ]
         for scene in _scenes(results)
@@ -116,10 +122,12 @@ def equal_error_table(results: Results) -> str:
     ]
     if not rows:
         return ""
-    head = ["scene", "error", "auto, ms", "best other", "its time, ms", "auto is faster by", "evaluations", "its"]
+    head = ["scene", "error", "auto, ms", "with peaks of ux only, ms", "best other", "its time, ms"]
+    head += ["auto is faster by", "with peaks of ux only by", "evaluations", "its"]
     return (
         "## Speed at equal error\n\n`auto` through `simulate` against the fastest general integrator that is given the "
-        "same compiled equations. Between the measured points log time is linear in log error, along the lower "
+        "same compiled equations. `auto` finds the peaks of all outputs, which no other does, or those of ux only "
+        '(`without = ["peaks"]`). Between the measured points log time is linear in log error, along the lower '
         "envelope. Evaluations tell the part of the method from that of the program.\n\n" + table(head, rows)
     )
 
@@ -413,7 +421,9 @@ def studies_table(results: Results) -> str:
             f"{1e3 * figure['paper_many'] / figure['paper_runs']:.0f} ms by `simulate_many`."
         )
     if "memory" in part:
-        lines.append(f"{part['memory']['runs']} runs: {part['memory']['megabytes']:.0f} MB.")
+        memory = part["memory"]
+        compiling = f"; {memory['compiling']:.0f} MB where a few compile the kernels" if "compiling" in memory else ""
+        lines.append(f"{memory['runs']} runs: {memory['megabytes']:.0f} MB with kernels compiled before{compiling}.")
     return "\n\n".join(lines)
 
 

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable, Sequence
 from typing import Any
 
-from .competitors import COMPILED, CONTEXT, Competitor
+from .competitors import COMPILED, CONTEXT, UX_ONLY, Competitor
 from .references import Reference
 from .scenes import harmonic
 
@@ -90,10 +90,10 @@ def pairs(points: Points, cost: str) -> list[tuple[float, float]]:
 
 
 def equal_error(points: dict[str, Points], compiled: Sequence[str]) -> list[dict[str, Any]]:
-    """`auto` against the best of the general compiled competitors at each of EQUAL_ERRORS."""
+    """`auto`, with all peaks and with those of ux only, against the best compiled competitor, at EQUAL_ERRORS."""
     rows: list[dict[str, Any]] = []
     for error in EQUAL_ERRORS:
-        own = cost_at(pairs(points["auto"], "seconds"), error)
+        own, ux_only = (cost_at(pairs(points.get(name, []), "seconds"), error) for name in ("auto", UX_ONLY))
         costs = {name: cost_at(pairs(points[name], "seconds"), error) for name in compiled}
         reached = {name: cost for name, cost in costs.items() if cost is not None}
         best = min(reached, key=lambda name: reached[name], default=None)
@@ -101,11 +101,13 @@ def equal_error(points: dict[str, Points], compiled: Sequence[str]) -> list[dict
             {
                 "error": error,
                 "auto_seconds": own,
+                "ux_only_seconds": ux_only,
                 "auto_evaluations": cost_at(pairs(points["auto"], "evaluations"), error),
                 "best": best,
                 "best_seconds": reached[best] if best else None,
                 "best_evaluations": cost_at(pairs(points[best], "evaluations"), error) if best else None,
                 "speed_up": reached[best] / own if best and own else None,
+                "ux_only_speed_up": reached[best] / ux_only if best and ux_only else None,
             }
         )
     return rows

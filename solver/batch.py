@@ -250,7 +250,7 @@ class _Records:
         for motion, duration in zip(motions, durations, strict=True):
             key = id(motion)
             if key not in silent:
-                silent[key] = not np.any(motion.ax) and not np.any(motion.az)
+                silent[key] = not (motion.ax.any() or motion.az.any())
             if key not in self._places and not (silent[key] and duration <= motion.duration):
                 self._places[key] = first, len(motion.time)
                 samples.append((motion.time, motion.ax, motion.az))
@@ -276,7 +276,8 @@ class _Batch:
         self._models = np.zeros((count, at.MODEL.size(n)))
         self._phases = np.zeros((count, 4 * n))
         self._runs = np.zeros((count, RUN.beside))
-        self._outcomes = np.zeros((count, OUTCOME.size(n)))
+        self._outcomes = np.zeros((count, OUTCOME.size(n)))  # of runs that have only begun
+        self._outcomes[:, :2] = at.OK, math.nan
         self._snapshots = np.zeros((count, rows.size, at.PHASE.size(n)))
         self._evaluations = np.zeros(count, dtype=np.int64)
         self._waiting: list[int] = []
@@ -288,20 +289,16 @@ class _Batch:
         if column is not self._column:
             self._fresh = arrays_at(column, TOLERANCE_PART * column.settings.tolerance, at.EXTREMES)
             self._column = column
-        self._models[k] = self._fresh.model[: self._models.shape[1]]
+        model, phase = self._fresh.model, self._fresh.state[at.CONTROL.beside :]
+        self._models[k] = model[: self._models.shape[1]]
         omega = 2.0 * math.pi * motion.frequency
         wave = (motion.amplitude, omega, -omega * start)
         first, size = self._records.place(motion)
         if self._slipping:
-            self._slips[k] = self._fresh.state[at.CONTROL.beside :][at.RIGID_FIELDS * n : at.PHASE_FIELDS * n]
-        if (
-            self._swept
-            or self._slipping
-            or _enters_at_once(column, at.SETTINGS.see(self._fresh.model).explicit_order, motion, size)
-        ):
-            phase = self._fresh.state[at.CONTROL.beside :][: 4 * n]
-            self._outcomes[k] = np.concatenate([[at.OK, math.nan, 0.0, 0.0, 0.0], np.zeros(n), phase])
-            self._waits(k, phase, (start, start, stop, 1.0, *wave, first, size, 0, 0.0, 0.0))
+            self._slips[k] = phase[at.RIGID_FIELDS * n : at.PHASE_FIELDS * n]
+        if self._swept or self._slipping or _enters_at_once(column, model[_ORDER], motion, size):
+            self._outcomes[k, OUTCOME.beside + n :] = phase[: 4 * n]
+            self._waits(k, phase[: 4 * n], (start, start, stop, 1.0, *wave, first, size, 0, 0.0, 0.0))
             return
         arrays = copied(self._fresh)
         control, counts, base = at.CONTROL.see(arrays.state), at.COUNTS.see(arrays.counts), at.BASE.see(arrays.base)
@@ -328,7 +325,6 @@ class _Batch:
         self._models, self._phases = models, phases
         for name, values in (("origin", begin), ("start", begin), ("stop", end), ("scale", 1.0)):
             self._runs[:, RUN.fields.index(name)] = values
-        self._outcomes[:, 1] = math.nan
         self._outcomes[:, OUTCOME.beside + self.n :] = phases
 
     def _waits(self, k: int, phase: FloatArray, entering: tuple[float, ...]) -> None:
@@ -380,6 +376,7 @@ class _Batch:
         return np.concatenate([rigid, *(slips[..., k : k + self.n] for k in places)], axis=-1)
 
 
+_ORDER = at.SETTINGS.fields.index("explicit_order")
 _START, _STOP = RUN.fields.index("start"), RUN.fields.index("stop")
 _TRIED = [OUTCOME.parts["record"].fields.index(name) for name in ("steps", "rejected")]  # type: ignore[attr-defined]
 

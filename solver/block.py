@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 from .errors import InputError, check_number, shown
 from .kernels.column.solids import homogeneous, solid_between
@@ -37,7 +38,11 @@ class Joint:
 
 @dataclass(frozen=True)
 class Block:
-    """A rigid block and the joint under it."""
+    """A rigid block and the joint under it.
+
+    What follows from the shape is worked out once, also for blocks that differ in `joint.stiffness` and `joint.damping`
+    alone (Column.with_joints).
+    """
 
     height: float  # m
     width: float  # m, along the motion, of the bottom face; the diameter of a round block
@@ -52,7 +57,7 @@ class Block:
     bore: float | None = None  # m, inner diameter of a hollow drum, section annulus
     tilt: float | None = None  # rad, of the block against the normal of the joint under it as built, clockwise
 
-    @property
+    @cached_property
     def shape(self) -> tuple[float, float, float, float]:
         """Code of the section, inner diameter m, width and depth of the top face m; 0 where it is like the bottom."""
         return float(SECTIONS.index(self.section)), self.bore or 0.0, self.top_width or 0.0, self.top_depth or 0.0
@@ -66,7 +71,7 @@ class Block:
         volume: float = solid_between(section, self.height, self.width, self.depth, *top, bore).volume
         return volume
 
-    @property
+    @cached_property
     def homogeneous(self) -> tuple[float, float]:
         """Centroid m above the bottom face and inertia kg m2 about it, if the block is homogeneous."""
         section, bore, *top = self.shape
@@ -80,27 +85,27 @@ class Block:
         """Whether the block is a rectangle all the way up."""
         return self.section == "rectangle" and self.top_width is None and self.top_depth is None
 
-    @property
+    @cached_property
     def resolved_centroid(self) -> float:
         """Height of the centroid above the bottom face, m."""
         return self.homogeneous[0] if self.centroid is None else self.centroid
 
-    @property
+    @cached_property
     def resolved_inertia(self) -> float:
         """Moment of inertia about the centroid, kg m2."""
         return self.homogeneous[1] if self.inertia is None else self.inertia
 
-    @property
+    @cached_property
     def joint_section(self) -> int:
         """Code of the section of the contact under the block."""
         return SECTIONS.index(self.joint.section or self.section)
 
-    @property
+    @cached_property
     def joint_bore(self) -> float:
         """Inner diameter of the contact under the block, m; 0 where it is not an annulus."""
         return (self.joint.bore or self.bore or 0.0) if self.joint_section == ANNULUS else 0.0
 
-    @property
+    @cached_property
     def joint_moments(self) -> tuple[float, ...]:
         """Area m2 and first and second moment (m3, m4), about the middle of the block, of the contact under it."""
         strips = self.joint.strips or ()
@@ -113,7 +118,7 @@ class Block:
             return self.joint.stiffness * self.joint_width * self.joint_depth
         return self.joint.stiffness * self.joint_moments[0]
 
-    @property
+    @cached_property
     def is_off_axis(self) -> bool:
         """Whether the block does not stand upright on the middle of what is under it."""
         strips = self.joint.strips

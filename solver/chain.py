@@ -14,7 +14,7 @@ import numpy as np
 
 from .column import Column
 from .kernels import layout as at
-from .kernels.entries import joint_energies, joint_potentials
+from .kernels.entries import joint_energies, joint_potentials, rings_beyond
 from .kernels.joint.section import RECTANGLE
 from .packing import FloatArray, IntArray, arrays_of, pack_model, settlements
 
@@ -250,8 +250,8 @@ class Chain:
             return lever, gives
         half = 0.5 * self.width
         edge = half * (1.0 - 2.0 * part)
-        area, first, second = ring_beyond(half, 0.5 * self.bore, edge)
-        first, second = first - edge * area, second - edge * (2.0 * first - edge * area)  # about the edge
+        first, second = np.zeros(edge.shape), np.zeros(edge.shape)  # about the edge
+        rings_beyond(*(each.reshape(-1) for each in (half, 0.5 * self.bore, edge, first, second)))
         off = second / first
         others = 0.5 * off / (self.stiffness * first) - 0.5 / self.spring
         return np.where(self.rectangles, lever, edge + off), np.where(self.rectangles, gives, others)
@@ -268,21 +268,6 @@ class Chain:
 def chain_of(column: Column) -> Chain:
     """The chain of a column, which is not to be changed: worked out once."""
     return Chain(column)
-
-
-def ring_beyond(outer: FloatArray, inner: FloatArray, edge: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Area m2, first and second moment about the centre (m3, m4) of what of an annulus lies beyond an abscissa, m."""
-    found = []
-    for radius in (outer, inner):
-        place = np.clip(edge, -radius, radius)
-        half = np.sqrt((radius - place) * (radius + place))  # chord
-        angle = np.arctan2(half, place)  # from the rim on
-        square = radius * radius
-        area = square * angle - place * half
-        second = 0.25 * (square * square * angle - place * half * (2.0 * place * place - square))
-        found.append((area, 2.0 / 3.0 * half**3, second))
-    (area, first, second), less = found
-    return area - less[0], first - less[1], second - less[2]
 
 
 def _over_below(values: FloatArray) -> FloatArray:

@@ -57,12 +57,12 @@ class Column:
         """Number of blocks."""
         return len(self.blocks)
 
-    @property
+    @cached_property
     def has_rectangles_only(self) -> bool:
         """Whether all joints are rectangles."""
         return all(block.joint_section == RECTANGLE for block in self.blocks)
 
-    @property
+    @cached_property
     def has_strips(self) -> bool:
         """Whether some joint is made of strips, the one section that lanes do not know."""
         return any(block.joint_section == STRIPS for block in self.blocks)
@@ -101,17 +101,17 @@ class Column:
             blocks.append(_changed(block, joint=_changed(block.joint, stiffness=modulus, damping=eta)))
         return _changed(self, blocks=tuple(blocks))
 
-    @property
+    @cached_property
     def slides(self) -> bool:
         """Whether some joint may slide."""
         return any(block.joint.friction is not None for block in self.blocks)
 
-    @property
+    @cached_property
     def off_axis(self) -> bool:
         """Whether some block stands off its axis as built, so that the rest is not the straight column."""
         return any(block.is_off_axis for block in self.blocks)
 
-    @property
+    @cached_property
     def has_slips(self) -> bool:
         """Whether slips are among the coordinates: of joints that slide, and of columns that are off their axis."""
         return self.slides or self.off_axis
@@ -151,7 +151,10 @@ Part = TypeVar("Part", "Column", Block, Joint)
 
 
 def _changed(part: Part, **values: Any) -> Part:
-    """A copy with other values; the rest of it has been checked."""
+    """A copy with other values; the rest of it has been checked, and what was worked out of the rest holds for it.
+
+    So nothing may be remembered (cached_property) that hangs on settings, moduli or dampings.
+    """
     made = object.__new__(type(part))
     made.__dict__.update(part.__dict__, **values)
     made.__dict__.pop("_hash", None)

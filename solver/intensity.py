@@ -138,13 +138,13 @@ def _velocity(lines: Lines) -> FloatArray:
 
 def _largest(lines: Lines, velocity: FloatArray) -> float:
     """The largest velocity either way, also between two instants."""
-    return float(oscillator.peaks(lines.steps, velocity[:, None], lines.before[:, None], lines.after[:, None])[0])
+    return oscillator.peak(lines.steps, velocity, lines.before, lines.after)
 
 
 def intensity(motion: Motion, component: Component = "ax") -> Intensity:
     """Return the measures of a component. Raises InputError if it is zero throughout."""
     lines, base = lines_of(motion, component), histories(motion, component)
-    h, u = lines.steps, base.displacement[:, None]
+    h, u = lines.steps, base.displacement
     arias = float(base.husid[-1])
     if not arias > 0.0:
         raise InputError(f"{component}: is zero throughout, must be an acceleration")
@@ -152,9 +152,9 @@ def intensity(motion: Motion, component: Component = "ax") -> Intensity:
     return Intensity(
         pga=motion.pga if component == "ax" else float(np.max(np.abs(motion.az))),
         pgv=_largest(lines, base.velocity),
-        pgd=float(oscillator.peaks(h, u, base.velocity[:-1, None], base.velocity[1:, None])[0]),
+        pgd=oscillator.peak(h, u, base.velocity[:-1], base.velocity[1:]),
         final_velocity=float(base.velocity[-1]),
-        final_displacement=float(u[-1, 0]),
+        final_displacement=float(u[-1]),
         arias=arias,
         start=start,
         end=end,
@@ -191,7 +191,10 @@ def spectrum(
 
 
 def _running(parts: FloatArray) -> FloatArray:
-    return np.concatenate([[0.0], np.cumsum(parts)])
+    """Sums from 0."""
+    sums = np.zeros(len(parts) + 1)
+    np.cumsum(parts, out=sums[1:])
+    return sums
 
 
 def _without_rounding(steps: FloatArray) -> FloatArray:

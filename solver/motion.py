@@ -100,11 +100,7 @@ class Motion:
         ax, az, amplitude = factor * self.ax, factor * self.az, factor * self.amplitude
         if not (np.isfinite(ax).all() and np.isfinite(az).all() and math.isfinite(amplitude)):
             return replace(self, ax=ax, az=az, amplitude=amplitude)  # which says what is wrong
-        ax.setflags(write=False)
-        az.setflags(write=False)
-        scaled = object.__new__(type(self))  # its times have been checked
-        scaled.__dict__.update(self.__dict__, ax=ax, az=az, amplitude=amplitude)
-        return scaled
+        return Motion.unchecked(self.time, ax, az, self.duration, self.hold, amplitude, self.frequency)
 
     def scaled_to(self, pga: float) -> Motion:
         """Return the motion scaled so that `pga` (m/s2) is its largest |ax|; az is scaled by the same factor.
@@ -170,6 +166,29 @@ class Motion:
         time = self.start + step * np.arange(count, dtype=np.float64)
         time[-1] = min(time[-1], self.end)  # rounding must not carry it beyond the end, where the base is at rest
         return time
+
+    @classmethod
+    def unchecked(
+        cls,
+        time: NDArray[np.float64],
+        ax: NDArray[np.float64],
+        az: NDArray[np.float64],
+        duration: float,
+        hold: bool = False,
+        amplitude: float = 0.0,
+        frequency: float = 0.0,
+    ) -> Motion:
+        """Return a motion of what is known to be in order: looking at it takes a study as long as making it.
+
+        The arrays are float64, not copied, and become read-only.
+        """
+        made: Motion = object.__new__(cls)
+        for samples in (time, ax, az):
+            samples.setflags(write=False)
+        made.__dict__.update(
+            time=time, ax=ax, az=az, duration=duration, hold=hold, amplitude=amplitude, frequency=frequency
+        )
+        return made
 
     @classmethod
     def harmonic(cls, amplitude: float, frequency: float, duration: float) -> Motion:

@@ -63,16 +63,32 @@ def peaks(steps: FloatArray, values: FloatArray, before: FloatArray, after: Floa
     is exact for the velocity of the base, of fourth order for a displacement.
     """
     largest: FloatArray = np.max(np.abs(values), axis=0)
-    turns = np.flatnonzero(before * after < 0.0)
-    rows, columns = np.divmod(turns, before.shape[1])
+    rows, columns = np.divmod(np.flatnonzero(before * after < 0.0), before.shape[1])
+    h = steps[rows]
     u0, u1 = values[rows, columns], values[rows + 1, columns]
-    v0, v1 = steps[rows] * before[rows, columns], steps[rows] * after[rows, columns]
-    a, b = 6.0 * (u0 - u1) + 3.0 * (v0 + v1), 6.0 * (u1 - u0) - 4.0 * v0 - 2.0 * v1
-    # the root within (0, 1) of a x^2 + b x + v0, whose signs differ at both ends
-    x = 2.0 * v0 / (-b + np.copysign(np.sqrt(b * b - 4.0 * a * v0), v0))
-    top = u0 + x * (v0 + x * (b / 2.0 + x * a / 3.0))
-    np.maximum.at(largest, columns, np.abs(top))
+    np.maximum.at(largest, columns, _turns(u0, u1, h * before[rows, columns], h * after[rows, columns]))
     return largest
+
+
+def peak(steps: FloatArray, values: FloatArray, before: FloatArray, after: FloatArray) -> float:
+    """Return the same of one history, all of shape (m,) or (m + 1,), in a fourth of the time."""
+    largest = np.abs(values).max()
+    rows = (before * after < 0.0).nonzero()[0]
+    if rows.size:
+        h = steps[rows]
+        largest = max(largest, _turns(values[rows], values[rows + 1], h * before[rows], h * after[rows]).max())
+    return float(largest)
+
+
+def _turns(u0: FloatArray, u1: FloatArray, v0: FloatArray, v1: FloatArray) -> FloatArray:
+    """Absolute values where cubics turn, by their values and slopes at both ends of a unit length.
+
+    The slopes differ in sign.
+    """
+    a, b = 6.0 * (u0 - u1) + 3.0 * (v0 + v1), 6.0 * (u1 - u0) - 4.0 * v0 - 2.0 * v1
+    x = 2.0 * v0 / (-b + np.copysign(np.sqrt(b * b - 4.0 * a * v0), v0))  # the root of a x^2 + b x + v0 in between
+    top: FloatArray = np.abs(u0 + x * (v0 + x * (b / 2.0 + x * a / 3.0)))
+    return top
 
 
 def _one_step(

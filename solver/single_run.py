@@ -139,10 +139,8 @@ def why_no_modes(stepper: Stepper) -> str:
         return "left out"
     if stepper.column.n > at.MODAL_MOST:
         return f"more than {at.MODAL_MOST} blocks"
-    if stepper.column.off_axis:
-        return "off its axis"
     has_modes = at.SETTINGS.see(stepper.arrays.model).has_modes
-    return "" if has_modes else "no stable rest, or dampers that couple the modes"
+    return "" if has_modes else "no stable rest in full contact, or dampers that couple the modes"
 
 
 def _stats(stepper: Stepper, wall_time: float) -> dict[str, float | int | str]:

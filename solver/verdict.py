@@ -41,6 +41,7 @@ SHARES = (0.25, 1.0)  # limits that are tried for many columns, as `least_energi
 GRAZED = (0.2, 0.7)  # and lengths of the contact
 MOST_TURNED = 0.25  # rad, less than half of any angle of no return (kernels/column/assembly.py, LEAST_FALL)
 TOGETHER = 32  # columns whose barriers are found at once: what that takes stays in the fast memory
+NEXT = 1.0 + 1e-9  # of a limit, which a grid may round up a little (`_grid`)
 REST = 1e-12  # of the energy that would lift the column by a width: rounding
 
 
@@ -122,12 +123,14 @@ class Barriers:
         """`is_held` of some of the columns, each with its energy, J, and rotations either way, rad (n,)."""
         held = np.zeros(len(some), dtype=bool)
         safe = SAFE["exact" if self._chain.exact else "paper"]
-        for k in range(len(PARTS)):
-            left = np.flatnonzero(~held)
-            left = left[energy[left] <= safe * self._ceilings[k, some[left]] + self._rounding[some[left]]]
+        rounding = self._rounding[some]
+        within = energy <= safe * self._ceilings[:, some] + rounding  # of each of the parts
+        within &= np.all(turned < NEXT * self._limits[:, some], axis=-1)
+        for k in np.flatnonzero(within.any(axis=-1)).tolist():
+            left = np.flatnonzero(within[k] & ~held)
             places = some[left]
             self._find(k, places[np.isnan(self._energies[k, places])])
-            enough = safe * self._energies[k, places] + self._rounding[places]
+            enough = safe * self._energies[k, places] + rounding[left]
             held[left] = (energy[left] <= enough) & np.all(turned[left] < self._limits[k, places], axis=-1)
         return held
 
@@ -186,15 +189,20 @@ def _grid(limits: FloatArray) -> tuple[FloatArray, IntArray]:
     return angles, np.maximum(1, np.count_nonzero(within_limit, axis=-1) - 1)
 
 
+_FIRST, _SECOND = np.tril_indices(GRID + 1)  # all pairs of rotations of a grid, each of them once,
+_PAIR = np.zeros((GRID + 1, GRID + 1), dtype=np.int64)  # and which of them two rotations are
+_PAIR[_FIRST, _SECOND] = _PAIR[_SECOND, _FIRST] = np.arange(len(_FIRST))
+
+
 def _bends(angles: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Slopes of a joint and cosines of the mean rotation for all pairs of such rotations, (..., GRID + 1, GRID + 1).
+    """Slopes of a joint and cosines of the mean rotation for all pairs of such rotations, (..., 1, pairs).
 
     By the addition theorems, since functions of a grid would take as long as all the rest.
     """
-    sine, cosine = np.sin(0.5 * angles), np.cos(0.5 * angles)
-    crossed = sine[..., :, None] * cosine[..., None, :]
-    slope = 2.0 * np.abs(crossed - np.swapaxes(crossed, -1, -2))
-    return slope, cosine[..., :, None] * cosine[..., None, :] - sine[..., :, None] * sine[..., None, :]
+    sine, cosine = np.sin(0.5 * angles)[..., None, :], np.cos(0.5 * angles)[..., None, :]
+    sines, cosines = ((values[..., _FIRST], values[..., _SECOND]) for values in (sine, cosine))
+    slope = 2.0 * np.abs(sines[0] * cosines[1] - sines[1] * cosines[0])
+    return slope, cosines[0] * cosines[1] - sines[0] * sines[1]
 
 
 def least_energy(chain: Chain, limits: FloatArray) -> Barrier:
@@ -210,7 +218,7 @@ def least_energy(chain: Chain, limits: FloatArray) -> Barrier:
     within, reached = np.zeros_like(angles), np.full_like(angles, np.inf)
     for i in range(chain.n):
         if i > 0:
-            between = chain.bent_energy(i - 1, slope, cosine)
+            between = np.take(chain.bent_energy(i - 1, slope, cosine)[..., 0, :], _PAIR, axis=-1)
             within, reached = (np.min(least[..., :, None] + between, axis=-2) for least in (within, reached))
         released, end = chain.toppling[..., i, None] * own, last[..., i, None]
         within, reached = within + released, reached + released

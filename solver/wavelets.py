@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -133,9 +135,13 @@ def _frequency(value: float) -> float:
 
 def _instants(cycles: float, frequency: float) -> FloatArray:
     """Return equally spaced instants from 0 to so many cycles, both included, at least 400 to a cycle."""
-    count = int(np.ceil(PER_CYCLE * cycles))
+    count = math.ceil(PER_CYCLE * cycles)
     return cycles / frequency / count * np.arange(count + 1, dtype=np.float64)
 
 
 def _motion(time: FloatArray, ax: FloatArray) -> Motion:
-    return Motion(time, ax, np.zeros(len(time)), float(time[-1] - time[0]))
+    """The motion of samples at equal steps from 0."""
+    duration, az = float(time[-1]), np.zeros(len(time))
+    if np.isfinite(ax).all() and POSITIVE[0] <= duration <= POSITIVE[1] and time[1] > 0.0:
+        return Motion.unchecked(time, ax, az, duration)
+    return Motion(time, ax, az, duration)  # which says what is wrong

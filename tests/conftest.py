@@ -5,11 +5,24 @@ from pathlib import Path
 
 import pytest
 from fmus import ROOT, Fmus
+from hypothesis import settings
+
+from solver.first_run import make_kernels
 
 
 def pytest_configure() -> None:
     """Whatever started the tests: a shell's background job hands on SIGINT as ignored, and a child would ignore it."""
     signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+def pytest_sessionstart(session: pytest.Session) -> None:
+    """What most tests need is compiled once, on two cores, before workers begin that would each do so."""
+    if session.config.getoption("numprocesses", None):
+        make_kernels()
+
+
+settings.register_profile("any machine", deadline=None)  # however busy it is: nothing is timed here
+settings.load_profile("any machine")
 
 
 @pytest.fixture(scope="session")

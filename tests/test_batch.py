@@ -6,10 +6,11 @@ import math
 
 import numpy as np
 import pytest
+from lanes import assert_nothing_depends_on_the_others
 from probe import G, monolith, phocas, random_column
 
 from solver import Column, InputError, Motion, simulate
-from solver.batch import BatchResult, run_batch
+from solver.batch import run_batch
 from solver.rest import is_stable
 
 pytestmark = pytest.mark.long  # compiles the lanes
@@ -34,16 +35,6 @@ def eleven() -> tuple[list[Column], list[Motion], list[float]]:
     return columns, motions, durations
 
 
-def parts_of(result: BatchResult, k: int) -> list[np.ndarray]:
-    return [
-        result.peak_ux[k],
-        result.overturned_joint[k],
-        np.nan_to_num(result.overturn_time[k]),
-        result.steps[k],
-        result.phases[k],
-    ]
-
-
 def test_runs_are_those_of_simulate() -> None:
     columns, motions, durations = eleven()
     times = 0.1 * np.arange(11, dtype=np.float64)
@@ -62,22 +53,7 @@ def test_runs_are_those_of_simulate() -> None:
 
 
 def test_what_comes_of_a_run_depends_on_no_other_nor_on_order_and_threads() -> None:
-    columns, motions, durations = eleven()
-    times = np.array([0.0, 0.5, 0.7])
-    together = run_batch(columns, motions, durations, times=times)
-    order = np.random.default_rng(1).permutation(len(columns))
-    shuffled = run_batch(
-        [columns[k] for k in order],
-        [motions[k] for k in order],
-        [durations[k] for k in order],
-        times=times,
-        threads=2,
-    )
-    for place, k in enumerate(order):
-        alone = run_batch([columns[k]], [motions[k]], [durations[k]], times=times)
-        for one, other, third in zip(parts_of(together, k), parts_of(shuffled, place), parts_of(alone, 0), strict=True):
-            assert np.array_equal(one, other)
-            assert np.array_equal(one, third)
+    assert_nothing_depends_on_the_others(*eleven())
 
 
 @pytest.mark.parametrize("n", [1, 2, 5])

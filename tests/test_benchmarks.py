@@ -31,7 +31,7 @@ from benchmarks import (
     targets,
     trust,
 )
-from benchmarks.competitors import MeasurementError, competitors, grid, steps, tolerances
+from benchmarks.competitors import UX_ONLY, MeasurementError, competitors, grid, steps, tolerances
 from benchmarks.regularized import solve
 from benchmarks.right_hand_side import DATA, KNOWN, Problem, base_acceleration
 from benchmarks.scenes import RECORDS, G, Scene, forced, harmonic, scenes, shaft
@@ -195,12 +195,14 @@ def test_best_competitor_at_equal_error():
 
     points: dict[str, list[dict[str, Any]]] = {
         "auto": [run(1e-4, 1.0), run(1e-8, 4.0)],
+        UX_ONLY: [run(1e-4, 0.5), run(1e-8, 2.0)],
         "good": [run(1e-3, 6.0), run(1e-6, 12.0)],
         "bad": [{"value": 0.0, "failure": "lost"}, run(1e-9, 100.0)],
     }
     rows = equal_error(points, ["good", "bad"])
     assert [row["best"] for row in rows] == ["good", "good", "bad"]
     assert rows[0]["speed_up"] == pytest.approx(6.0)
+    assert rows[0]["ux_only_speed_up"] == pytest.approx(12.0)
     assert equal_error({"auto": points["auto"]}, [])[0]["speed_up"] is None
 
 
@@ -233,7 +235,7 @@ def test_every_competitor_that_is_here_solves_a_scene():
     times = grid(scene.duration)
     exact = simulate(scene.column, scene.motion, tolerance=1e-10).ux
     found, _ = competitors()
-    assert [rival.name for rival in found[:2]] == ["auto", "central-difference"]
+    assert [rival.name for rival in found[:3]] == ["auto", UX_ONLY, "central-difference"]
     for rival in found:
         result = rival.solve(scene, times, 1e-5 if rival.knob == "step" else 1e-6, 0.0)
         assert np.max(np.abs(result.ux - exact)) < 1e-3 * np.max(np.abs(exact)), rival.name
@@ -315,6 +317,7 @@ def test_opensees_stands_on_its_joints():
     assert -ops.nodeDisp(10, 2) == pytest.approx(0.062447e-3, rel=1e-5)  # the base joint's settlement
 
 
+@pytest.mark.long  # compiles kernels of its own
 def test_command_writes_valid_json(tmp_path: Path):
     done = subprocess.run(
         [sys.executable, "-m", "benchmarks", "--quick", "--only", "evaluation", "--output-folder", str(tmp_path)],

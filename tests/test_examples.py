@@ -4,6 +4,7 @@ import csv
 import importlib.util
 import math
 import os
+import runpy
 import subprocess
 import sys
 import zipfile
@@ -126,14 +127,20 @@ def test_phocas_does_not_pass_over_a_run_cut_short(tmp_path: Path) -> None:
         ("figure3.py --frob", "unrecognized arguments: --frob"),
     ],
 )
-def test_mistakes_end_in_one_line(tmp_path: Path, line: str, message: str) -> None:
+def test_mistakes_end_in_one_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], line: str, message: str
+) -> None:
     (tmp_path / "file.txt").touch()
     name, *arguments = line.split()
-    run = example(name, tmp_path, *arguments)
-    assert run.returncode == 2
-    assert run.stderr.startswith(f"{name}: ")
-    assert run.stderr.count("\n") == 1
-    assert message in run.stderr
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "argv", [name, *arguments])
+    with pytest.raises(SystemExit) as end:
+        runpy.run_path(str(EXAMPLES / name), run_name="__main__")
+    told = capsys.readouterr().err
+    assert end.value.code == 2
+    assert told.startswith(f"{name}: ")
+    assert told.count("\n") == 1
+    assert message in told
     assert [file.name for file in tmp_path.iterdir()] == ["file.txt"]
 
 

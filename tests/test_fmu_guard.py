@@ -23,7 +23,10 @@ if not library.has_tools():
 OPTIONS = ("--stop-time", 0.05, "--start-values", "base.ax", 0.5, "--output-file")
 
 
-@pytest.mark.parametrize("folder", ["Müller", "a#b", "100% sure", "a b", "柱", "a%2"])
+FOLDERS = ("Müller", "a#b", "100% sure", "a b", "柱", "a%2")
+
+
+@pytest.mark.parametrize("folder", ["".join(FOLDERS), *(pytest.param(it, marks=pytest.mark.long) for it in FOLDERS)])
 def test_it_runs_below_any_folder(fmus: Fmus, tmp_path: Path, folder: str) -> None:
     """Without the guard all but the one with a blank end with 139."""
     there = tmp_path / folder

@@ -82,7 +82,7 @@ def test_the_slope_holds_until_an_input_is_set_again(fmus: Fmus) -> None:
     assert back - same == pytest.approx(0.5 * 8211.0, rel=0.05)
 
 
-@pytest.mark.parametrize("logging", [False, True])
+@pytest.mark.parametrize("logging", [False, pytest.param(True, marks=pytest.mark.long)])
 @pytest.mark.parametrize(
     ("values", "h", "said"),
     [
@@ -111,9 +111,9 @@ def test_what_looks_like_a_mistake_is_said_once(
     ("name", "text", "said"),
     [
         ("absent.csv", None, "No such file"),
-        ("record.txt", "0 0", "no known header"),
+        pytest.param("record.txt", "0 0", "no known header", marks=pytest.mark.long),
         ("record.csv", "time,base.ax\n0,0\n0,1\n", "line 3: time = 0.0"),
-        ("record.AT2", "nonsense", "no known header"),
+        pytest.param("record.AT2", "nonsense", "no known header", marks=pytest.mark.long),
     ],
 )
 def test_a_wrong_record_is_refused_by_the_fmu_and_by_its_builder(

@@ -71,8 +71,9 @@ def test_another_processor_compiles_once(fmus: Fmus, tmp_path: Path) -> None:
     assert first[2] == again[2] == pytest.approx(here[2], rel=1e-6)
 
 
-def test_processes_that_start_together_do_not_disturb_each_other(fmus: Fmus, tmp_path: Path) -> None:
-    for k in range(3):
+@pytest.mark.parametrize("times", [1, pytest.param(3, marks=pytest.mark.long)])
+def test_processes_that_start_together_do_not_disturb_each_other(fmus: Fmus, tmp_path: Path, times: int) -> None:
+    for k in range(times):
         home = tmp_path / str(k)
         processes = [start(fmus.damped, home) for _ in range(4)]
         assert len({counts(process) for process in processes}) == 1

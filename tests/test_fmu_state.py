@@ -30,8 +30,11 @@ def test_the_state_of_a_fallen_column_and_of_one_that_stands_again(fmus: Fmus) -
     "values",
     [
         {},
-        {"solver.formulation": "paper", "solver.integrator": "central-difference", "joint[1].damping": 2e-3},
-        {"block[2].mass": 2e4, "g": 9.0},
+        pytest.param(
+            {"solver.formulation": "paper", "solver.integrator": "central-difference", "joint[1].damping": 2e-3},
+            marks=pytest.mark.long,
+        ),
+        pytest.param({"block[2].mass": 2e4, "g": 9.0}, marks=pytest.mark.long),
         {"joint[1].offset": 0.1, "joint[2].inclination": 0.01, "block[3].tilt": -5e-3, "joint[1].friction": 0.4},
     ],
 )
@@ -71,6 +74,7 @@ def test_foreign_and_damaged_states_are_refused_with_a_reason(fmus: Fmus, tmp_pa
     (changed / "solver").symlink_to(ROOT / "solver")
     shutil.copy(ROOT / "build_fmu.py", changed)  # not a link, which Python would follow to the project
     (changed / "fmu_src").mkdir()
+    (changed / "fmu_src" / "native").symlink_to(ROOT / "fmu_src" / "native")
     for file in (ROOT / "fmu_src").glob("*.py"):
         text = file.read_text()
         (changed / "fmu_src" / file.name).write_text(text + "# changed\n" if file.name == "state.py" else text)

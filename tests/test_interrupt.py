@@ -82,7 +82,9 @@ simulate_many(column, motions, tolerance=float(sys.argv[1]))
 """
 
 
-@pytest.mark.parametrize(("tolerance", "path"), [("1e-4", "lanes"), ("1e-8", "scalar")])
+@pytest.mark.parametrize(
+    ("tolerance", "path"), [("1e-4", "lanes"), pytest.param("1e-8", "scalar", marks=pytest.mark.long)]
+)
 def test_ctrl_c_ends_many_runs_at_once(tall: Path, tolerance: str, path: str) -> None:
     (tall / "many.py").write_text(MANY)
     process, took, out, err = interrupted(tall, "many.py", tolerance, after=8.0)
@@ -92,7 +94,14 @@ def test_ctrl_c_ends_many_runs_at_once(tall: Path, tolerance: str, path: str) ->
     assert took < 5.0
 
 
-@pytest.mark.parametrize("options", [(), ("--ensemble", "8"), ("--formulation", "paper", "--no-check")])
+@pytest.mark.parametrize(
+    "options",
+    [
+        (),
+        pytest.param(("--ensemble", "8"), marks=pytest.mark.long),
+        pytest.param(("--formulation", "paper", "--no-check"), marks=pytest.mark.long),
+    ],
+)
 def test_ctrl_c_ends_a_run_at_once(tall: Path, options: tuple[str, ...]) -> None:
     before = sorted(tall.iterdir())
     process, took, _, err = interrupted(
@@ -105,6 +114,7 @@ def test_ctrl_c_ends_a_run_at_once(tall: Path, options: tuple[str, ...]) -> None
     assert took < 5.0
 
 
+@pytest.mark.long
 def test_ctrl_c_ends_an_ensemble_at_once(tall: Path) -> None:
     """Lanes are one call of a kernel, of a minute or more here."""
     script = (
@@ -123,6 +133,7 @@ def test_ctrl_c_ends_an_ensemble_at_once(tall: Path) -> None:
     assert took < 5.0
 
 
+@pytest.mark.long  # processes that run for seconds before they are interrupted, as the next
 def test_ctrl_c_while_kernels_are_compiled_ends_at_once(tall: Path) -> None:
     """With an empty cache that is what the command begins with."""
     process, took, out, err = interrupted(
@@ -133,6 +144,7 @@ def test_ctrl_c_while_kernels_are_compiled_ends_at_once(tall: Path) -> None:
     assert took < 5.0
 
 
+@pytest.mark.long
 def test_ctrl_c_while_the_results_are_written_leaves_nothing(tall: Path) -> None:
     """A file takes its name once it is whole."""
     before = sorted(tall.iterdir())

@@ -11,6 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from joints import joint_forces
+from lanes import accelerate, in_lanes
 from probe import Array, random_column, random_state
 from test_joint import State, states
 
@@ -73,17 +74,6 @@ def test_law_in_lanes_is_the_law_on_the_boundaries_of_its_regimes() -> None:
 
 
 @from_python
-def accelerate(n: int, model: Array, phase: Array, work: Array, base: Array) -> None:
-    """`exact_accelerations` of one column; base: ax, az, theta, omega, alpha."""
-    b = row_of(base)
-    motion = Motion(b[0], b[1], b[2], b[3], b[4])
-    space = _work(row_of(work), n)
-    exact_accelerations(
-        _model(row_of(model), n), _phase(row_of(phase), n), motion, space.joints, space.hold, space.room
-    )
-
-
-@from_python
 def accelerate_lanes(n: int, model: Array, phase: Array, work: Array, base: Array) -> None:
     """`exact_accelerations` of eight columns."""
     b = lanes_of(base)
@@ -105,11 +95,6 @@ def eight_columns(n: int, largest: float) -> tuple[Array, Array, Array]:
         phases.append(np.concatenate([q, rate, np.zeros(2 * n)]))
         motions.append(rng.uniform(-1.0, 1.0, 5) * [column.g, column.g, 1.0, 2.0, 10.0])
     return np.array(models), np.array(phases), np.array(motions)
-
-
-def in_lanes(rows: Array) -> Array:
-    """Eight rows interleaved: eight neighbouring numbers an element."""
-    return np.ascontiguousarray(rows.T).reshape(-1)
 
 
 def found_in_lanes(models: Array, phases: Array, motions: Array, n: int) -> tuple[Array, Array]:

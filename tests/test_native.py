@@ -97,7 +97,7 @@ def test_round_hollow_and_chipped_joints(tmp_path: Path) -> None:
         {"push": 0.5},
     )
     assert all(same for same, _ in results), results
-    for name, value, reason in (
+    wrong = [
         ("block[2].width", 0.35, "block[2].bore = 0.4: must be less than the outer diameter = 0.35 m"),
         ("joint[1].width", 0.2, "joint[1].bore = 0.3: must be less than the outer diameter = 0.2 m"),
         ("joint[2].width", 0.4, "joint[2].bore = 0.4: must be less than the outer diameter = 0.4 m"),
@@ -105,11 +105,11 @@ def test_round_hollow_and_chipped_joints(tmp_path: Path) -> None:
         ("joint[2].offset", math.nan, "joint[2].offset = nan: must be"),
         ("block[3].depth", 1.3, "joint[3].strips[2] = 1.4: must not exceed the block's depth = 1.3 m"),
         ("joint[2].dowel", 100.0, "joint[2].dowel = 100.0: needs friction; a joint without friction never slides"),
-    ):
-        for fmu in (native, python):
-            done = ended(failures.wrong_value, fmu, name, value)
+    ]
+    for fmu in (native, python):
+        done = ended(failures.wrong_values, fmu, [(name, value) for name, value, _ in wrong])
+        for (_, _, reason), (refused, again, goes_on) in zip(wrong, returned(done.stdout), strict=True):
             assert reason in done.stdout + done.stderr, fmu
-            refused, again, goes_on = returned(done.stdout)
             assert "error" in refused
             assert (again, goes_on) == ("ok", "ok")
 

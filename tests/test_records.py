@@ -168,7 +168,7 @@ def test_units_go_by_their_usual_spellings(tmp_path: Path, name: str, units: flo
         np.testing.assert_array_equal(read_record(path, units=word).ax, [units, 2.0 * units])
 
 
-@settings(max_examples=200, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=50, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.data())
 @pytest.mark.parametrize("name", ["at2", "esm", "knet", "cosmos v2", "csmip v2", "csv", "plain in g", "plain in cm/s2"])
 def test_a_spoiled_record_is_read_or_refused_in_one_line(tmp_path: Path, name: str, data: st.DataObject) -> None:

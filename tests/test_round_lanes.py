@@ -8,19 +8,23 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from barriers import assert_the_quick_bound_is_below_the_barrier, assert_what_is_held_is_what_is_held_of_each
+from lanes import (
+    RECORDS,
+    accelerate,
+    accelerating,
+    assert_nothing_depends_on_the_others,
+    assert_sliding_accelerations_are_those_of_each,
+    assert_the_tolerance_is_kept,
+    in_lanes,
+)
 from probe import Array, G, phocas, random_column, random_state
-from test_lanes import accelerate, in_lanes
-from test_sliding import sliding_state
 from test_slipping_lanes import shaken
-from test_verdict import models_of
 
 from solver import Block, Column, Joint, Motion, Settings, simulate, simulate_many
-from solver.batch import BatchResult, fall_angles, run_batch
-from solver.chain import Chain
+from solver.batch import run_batch
 from solver.kernels import layout as at
 from solver.kernels.batch.runs import ROUND_SLIPPING_SPACE, ROUND_SPACE
-from solver.kernels.formulations.exact import Motion as BaseMotion
-from solver.kernels.formulations.exact import exact_accelerations
 from solver.kernels.jit import from_python
 from solver.kernels.joint.law import resultants
 from solver.kernels.lanes import WIDTH
@@ -28,10 +32,7 @@ from solver.kernels.numbers import angle_of
 from solver.kernels.views import lanes_of, row_of
 from solver.packing import pack_model
 from solver.rest import is_stable
-from solver.single_run import single_run
-from solver.verdict import GRAZED, SHARES, Barriers, barrier, is_held, least_energies
 
-RECORDS = ("elcentro-1940-ns.AT2", "northridge-1994-arleta-360.AT2", "kobe-1995-nishi-akashi-090.AT2")
 SECTIONS = ("circle", "annulus", "rectangle")
 _model, _work, _space, _slipping_space = at.MODEL.over, at.WORK.over, ROUND_SPACE.over, ROUND_SLIPPING_SPACE.over
 
@@ -126,12 +127,7 @@ def test_law_in_lanes_is_the_law_to_the_last_bit(largest: float) -> None:
     assert np.any(lengths > 0.0)
 
 
-@from_python
-def accelerate_lanes(n: int, buffer: Array, base: Array) -> None:
-    """`exact_accelerations` of work.start of eight columns; base: ax, az, theta, omega, alpha."""
-    b, space = lanes_of(base), _space(lanes_of(buffer), n)
-    motion, work = BaseMotion(b[0], b[1], b[2], b[3], b[4]), space.work
-    exact_accelerations(space.model, work.start, motion, work.joints, work.hold, work.room)
+accelerate_lanes, accelerate_slipping = accelerating(ROUND_SPACE), accelerating(ROUND_SLIPPING_SPACE)
 
 
 @pytest.mark.parametrize("n", [1, 3, 10])
@@ -158,6 +154,16 @@ def test_accelerations_are_those_of_each_column(n: int) -> None:
         assert found == pytest.approx(expected, abs=1e-15 * np.max(np.abs(expected)))
 
 
+@pytest.mark.parametrize("n", [1, 2, 5])
+def test_accelerations_of_columns_that_slide_are_those_of_each(n: int) -> None:
+    """Lenses, straight cuts and whole faces side by side."""
+
+    def make(rng: np.random.Generator, n: int) -> Column:
+        return rough(random_drums(rng, n), rng)
+
+    assert_sliding_accelerations_are_those_of_each(make, n, ROUND_SLIPPING_SPACE, accelerate_slipping)
+
+
 # --- beside single runs
 
 
@@ -165,54 +171,6 @@ def shaft(eta: float, drums: int = 3, **settings: float) -> Column:
     """A round shaft 9 m high."""
     block = Block(9.0 / drums, 1.2, 1.2, 27000.0 / drums, Joint(3e9, eta), section="circle")
     return Column("shaft", (block,) * drums, Settings(**settings))  # type: ignore[arg-type]
-
-
-def parts_of(result: BatchResult, k: int) -> list[Array]:
-    return [result.peak_ux[k], result.steps[k], result.ends[k], result.phases[k]]
-
-
-@from_python
-def accelerate_slipping(n: int, buffer: Array, base: Array) -> None:
-    """As `accelerate_lanes`, of columns with slips."""
-    b, space = lanes_of(base), _slipping_space(lanes_of(buffer), n)
-    motion, work = BaseMotion(b[0], b[1], b[2], b[3], b[4]), space.work
-    exact_accelerations(space.model, work.start, motion, work.joints, work.hold, work.room)
-
-
-@pytest.mark.parametrize("n", [1, 2, 5])
-def test_accelerations_of_columns_that_slide_are_those_of_each(n: int) -> None:
-    """Lenses, straight cuts and whole faces side by side."""
-    buffer = np.zeros((ROUND_SLIPPING_SPACE.size(n), WIDTH))
-    space = ROUND_SLIPPING_SPACE.see(buffer, n)  # names over rows of lanes
-    models, phases, motions = [], [], []
-    for k in range(WIDTH):
-        rng = np.random.default_rng([k, n])
-        column = rough(random_drums(rng, n), rng)
-        q, rate, direction = sliding_state(rng, column, 10.0 ** rng.uniform(-4.0, -0.5))
-        zeros = np.zeros(n)
-        parts = [q[: 2 * n], rate[: 2 * n], zeros, zeros, q[2 * n :], zeros, rate[2 * n :], zeros, zeros, direction]
-        models.append(pack_model(column)[: at.MODEL.size(n)])
-        phases.append(np.concatenate(parts))
-        motions.append(rng.uniform(-1.0, 1.0, 5) * [column.g, column.g, 1.0, 2.0, 10.0])
-        space.work.joints.sliding[:, k] = direction
-    buffer[: at.MODEL.size(n)] = np.array(models).T
-    place = buffer.shape[0] - at.WORK.size(n)
-    buffer[place : place + at.PHASE.size(n)] = np.array(phases).T
-    accelerate_slipping(n, buffer.reshape(-1), in_lanes(np.array(motions)))
-    for k in range(WIDTH):
-        phase, work = phases[k].copy(), np.zeros(at.WORK.size(n))
-        alone = at.WORK.see(work, n)
-        alone.joints.sliding[:] = at.PHASE.see(phase, n).sliding
-        accelerate(n, models[k].copy(), phase, work, motions[k].copy())
-        expected, found = at.PHASE.see(phase, n), space.work.start
-        names = ("theta_acceleration", "opening_acceleration", "slip_acceleration")
-        largest = max(np.max(np.abs(getattr(expected, name))) for name in names)
-        for name in names:  # as far as those of rectangles
-            assert getattr(found, name)[:, k] == pytest.approx(getattr(expected, name), abs=1e-13 * largest), name
-        for name in ("normal", "moment", "tangential", "drift", "bearable"):
-            wanted = getattr(alone.joints, name)
-            scale = 1e-13 * max(1.0, float(np.max(np.abs(wanted))))
-            assert getattr(space.work.joints, name)[:, k] == pytest.approx(wanted, abs=scale), name
 
 
 @pytest.mark.long  # compiles the lanes, as all below
@@ -223,22 +181,12 @@ def test_what_comes_of_a_run_depends_on_no_other_nor_on_order_and_threads() -> N
         block = Block(3.0, 1.2, 1.2, 9000.0, Joint(3e9, 2e-3), section=SECTIONS[seed % 3])
         columns.append(Column("three", (replace(block, bore=0.5) if seed % 3 == 1 else block,) * 3))
         motions.append(Motion.harmonic(rng.uniform(0.05, 0.15) * G, rng.uniform(1.0, 3.0), 1.0 + 0.1 * seed))
-    times = np.array([0.0, 0.5, 0.7])
-    together = run_batch(columns, motions, times=times)
-    order = np.random.default_rng(1).permutation(len(columns))
-    shuffled = run_batch([columns[k] for k in order], [motions[k] for k in order], times=times, threads=2)
-    for place, k in enumerate(order):
-        alone = run_batch([columns[k]], [motions[k]], times=times)  # a rectangle: in lanes of rectangles
-        for one, other, third in zip(parts_of(together, k), parts_of(shuffled, place), parts_of(alone, 0), strict=True):
-            assert np.array_equal(one, other)
-            assert np.array_equal(one, third)
+    assert_nothing_depends_on_the_others(columns, motions)  # alone a rectangle is in lanes of rectangles
 
 
 @pytest.mark.long
 @pytest.mark.parametrize("n", [1, 3])
 def test_the_tolerance_is_kept_within_ten_times(n: int, records: Path) -> None:
-    """Tops, of runs that amplify a change of the motion by less than 100."""
-    duration, times = 8.0, np.linspace(0.0, 7.95, 160)
     files = [Motion.from_at2(records / name) for name in RECORDS]
     columns: list[Column] = []
     motions: list[Motion] = []
@@ -251,22 +199,7 @@ def test_the_tolerance_is_kept_within_ten_times(n: int, records: Path) -> None:
         block = Block(height, width, width, 2400.0 * height * width**2, joint, section=section)
         columns.append(Column("random", (replace(block, bore=0.4 * width) if section == "annulus" else block,) * n))
         motions.append(files[k % 3].scaled_to(rng.uniform(1.0, 2.5) / slender * G))
-
-    def alone(k: int, factor: float) -> Array:
-        column = columns[k].with_settings(tolerance=1e-9, without=("peaks",))
-        _, phases = single_run(column, motions[k].scaled(factor), duration, motions[k].start + times, None, 0.0)
-        return Chain(column).top_displacements(phases)
-
-    truth = [alone(k, 1.0) for k in range(len(columns))]
-    sizes = [np.max(np.abs(ux)) for ux in truth]
-    tame = [np.max(np.abs(alone(k, 1.0 + 1e-7) - truth[k])) < 1e-5 * sizes[k] for k in range(len(columns))]
-    assert sum(tame) >= 6
-    for tolerance in (1e-3, 1e-5):
-        result = run_batch(columns, motions, [duration] * len(columns), tolerance=tolerance, times=times)
-        assert np.all(result.finished)
-        for k in np.flatnonzero(tame).tolist():
-            error = np.max(np.abs(Chain(columns[k]).top_displacements(result.phases[k]) - truth[k]))
-            assert error <= 10.0 * tolerance * sizes[k]
+    assert_the_tolerance_is_kept(columns, motions, tame=6)
 
 
 def slid(seed: int, n: int, count: int, off_axis: bool, records: Path) -> tuple[list[Column], list[Motion]]:
@@ -286,34 +219,8 @@ def slid(seed: int, n: int, count: int, off_axis: bool, records: Path) -> tuple[
 @pytest.mark.parametrize("off_axis", [False, True])
 @pytest.mark.parametrize("n", [1, 3])
 def test_the_tolerance_is_kept_by_round_columns_that_slide(n: int, off_axis: bool, records: Path) -> None:
-    """Tops and slips, as in test_slipping_lanes.py."""
-    duration, times = 8.0, np.linspace(0.0, 7.95, 160)
     columns, motions = slid(2, n, 10, off_axis, records)
-    chains = [Chain(column) for column in columns]
-
-    def alone(k: int, factor: float) -> tuple[Array, Array]:
-        motion = motions[k].scaled(factor)
-        column = columns[k].with_settings(tolerance=1e-9, without=("peaks",))
-        _, phases = single_run(column, motion, duration, motion.start + times, None, 0.0)
-        return chains[k].top_displacements(phases), phases[:, 4 * n : 5 * n]
-
-    truth = [alone(k, 1.0) for k in range(len(columns))]
-    sizes = [np.max(np.abs(ux)) for ux, _ in truth]
-    tame = [np.max(np.abs(alone(k, 1.0 + 1e-7)[0] - truth[k][0])) < 1e-5 * sizes[k] for k in range(len(columns))]
-    assert sum(tame) >= 5
-    assert sum(float(np.ptp(slip)) > 1e-3 for _, slip in truth) >= 3
-    for tolerance in (1e-3, 1e-5):
-        result = run_batch(columns, motions, [duration] * len(columns), tolerance=tolerance, times=times)
-        for k in np.flatnonzero(tame).tolist():
-            if result.overturned_joint[k]:
-                continue
-            ux, slip = truth[k]
-            phases = result.phases[k]
-            error = np.max(np.abs(chains[k].top_displacements(phases) - ux))
-            error = max(error, np.max(np.abs(phases[:, 4 * n : 5 * n] - slip)))
-            assert error <= 10.0 * tolerance * sizes[k]
-        assert np.all(result.finished)
-        assert np.count_nonzero(result.overturned_joint) <= 1
+    assert_the_tolerance_is_kept(columns, motions, tame=5, slid=3, overturned=1)
 
 
 @pytest.mark.long
@@ -344,24 +251,8 @@ def test_many_runs_are_made_in_lanes_with_the_verdicts_of_simulate() -> None:
 
 @pytest.mark.long
 @pytest.mark.parametrize("n", [1, 3])
-def test_what_is_held_of_many_columns_is_what_is_held_of_each(n: int) -> None:
-    """And the quick bound is never above the barrier, whatever the sections."""
+def test_what_is_held_of_many_columns_is_what_is_held_of_each_whatever_the_sections(n: int) -> None:
     rng = np.random.default_rng(n)
     columns = [column for column in (random_drums(rng, n, softest=1e7) for _ in range(40)) if is_stable(column)]
-    models = models_of(columns)
-    chain = Chain.of_many(models, n)
-    energy = np.array([barrier(column).energy for column in columns])
-    bounds = [least_energies(chain, part, grazed)[0] for part in SHARES for grazed in GRAZED]
-    assert np.any(np.max(bounds, axis=0) > 0.0)
-    assert np.all(np.max(bounds, axis=0) < energy)
-    energy *= rng.uniform(0.0, 4.0, len(columns)) ** 2
-    turned = rng.uniform(0.0, 0.1, (len(columns), n))
-    wanted = [is_held(column, e, t) for column, e, t in zip(columns, energy.tolist(), turned, strict=True)]
-    barriers = Barriers(chain, fall_angles(models, n))
-    some = rng.permutation(len(columns))
-    for part in (some[:5], some):
-        assert barriers.hold(part, energy[part], turned[part]).tolist() == [wanted[k] for k in part]
-    assert 0 < sum(wanted) < len(wanted)
-    states = [np.concatenate(random_state(rng, column, 1e-3)) for column in columns]
-    energies = chain.energies(np.array(states))
-    assert energies == pytest.approx([Chain(c).energy(x) for c, x in zip(columns, states, strict=True)], rel=1e-9)
+    assert_the_quick_bound_is_below_the_barrier(columns, rng)
+    assert_what_is_held_is_what_is_held_of_each(columns, rng)

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from lagrange import Array
-from probe import field, random_column, random_state, reaction
+from probe import field, random_column, reaction, sliding_state
 from sliding import SlidingReference
 
 from solver import Column, InputError
@@ -51,23 +51,6 @@ def off_axis_column(rng: np.random.Generator, n: int) -> Column:
             continue
         return made
     raise AssertionError
-
-
-def sliding_state(rng: np.random.Generator, column: Column, largest: float) -> tuple[Array, Array, Array]:
-    """(q, rates, directions): joints moved by up to a fifth of their width, most of them sliding."""
-    n = column.n
-    q, rate = random_state(rng, column, largest)
-    offset = np.array([block.joint.offset or 0.0 for block in column.blocks])
-    width = np.array([block.joint_width for block in column.blocks])
-    slip = rng.uniform(-0.2, 0.2, n) * width + offset
-    direction = rng.choice([-1.0, 0.0, 1.0], n, p=[0.4, 0.2, 0.4])
-    direction[[block.joint.friction is None for block in column.blocks]] = 0.0
-    speed = direction * rng.uniform(0.01, 1.0, n)
-    # openings that the middle of the contact feels are those of the random state
-    theta = q[:n]
-    turned = theta - np.concatenate([theta[1:], [0.0]])
-    q[n:] += slip * np.sin(0.5 * turned)
-    return np.concatenate([q, slip]), np.concatenate([rate, speed]), direction
 
 
 def put(stepper: Stepper, q: Array, rate: Array, direction: Array) -> None:

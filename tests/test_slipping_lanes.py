@@ -9,77 +9,33 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from lagrange import Array
+from lanes import (
+    RECORDS,
+    accelerating,
+    assert_nothing_depends_on_the_others,
+    assert_sliding_accelerations_are_those_of_each,
+    assert_the_tolerance_is_kept,
+)
 from probe import G, monolith, phocas
-from test_lanes import accelerate, in_lanes
-from test_sliding import off_axis_column, sliding_column, sliding_state
+from test_sliding import off_axis_column, sliding_column
 from test_sliding_motion import flat_block
 
 from solver import Block, Column, InputError, Joint, Motion, Settings, simulate, simulate_many
-from solver.batch import BatchResult, run_batch
-from solver.chain import Chain
-from solver.kernels import layout as at
+from solver.batch import run_batch
 from solver.kernels.batch.runs import SLIPPING_SPACE
-from solver.kernels.formulations.exact import Motion as BaseMotion
-from solver.kernels.formulations.exact import exact_accelerations
-from solver.kernels.jit import from_python
-from solver.kernels.lanes import WIDTH
-from solver.kernels.views import lanes_of
 from solver.packing import pack_model
 from solver.rest import is_stable
-from solver.single_run import single_run
-
-RECORDS = ("elcentro-1940-ns.AT2", "northridge-1994-arleta-360.AT2", "kobe-1995-nishi-akashi-090.AT2")
-_space = SLIPPING_SPACE.over
-
 
 # --- accelerations
 
 
-@from_python
-def accelerate_lanes(n: int, buffer: Array, base: Array) -> None:
-    """`exact_accelerations` of work.start of eight columns; base: ax, az, theta, omega, alpha."""
-    b, space = lanes_of(base), _space(lanes_of(buffer), n)
-    motion, work = BaseMotion(b[0], b[1], b[2], b[3], b[4]), space.work
-    exact_accelerations(space.model, work.start, motion, work.joints, work.hold, work.room)
+accelerate_lanes = accelerating(SLIPPING_SPACE)
 
 
 @pytest.mark.parametrize("make", [sliding_column, off_axis_column])
 @pytest.mark.parametrize("n", [1, 2, 5])
 def test_accelerations_are_those_of_each_column(make: Callable[[np.random.Generator, int], Column], n: int) -> None:
-    """Those of one column are held against Lagrange's equations in test_sliding.py."""
-    buffer = np.zeros((SLIPPING_SPACE.size(n), WIDTH))
-    space = SLIPPING_SPACE.see(buffer, n)  # names over rows of lanes
-    models, phases, motions = [], [], []
-    for k in range(WIDTH):
-        rng = np.random.default_rng([k, n])
-        column = make(rng, n)
-        q, rate, direction = sliding_state(rng, column, 10.0 ** rng.uniform(-4.0, -0.5))
-        zeros = np.zeros(n)
-        parts = [q[: 2 * n], rate[: 2 * n], zeros, zeros, q[2 * n :], zeros, rate[2 * n :], zeros, zeros, direction]
-        models.append(pack_model(column)[: at.MODEL.size(n)])
-        phases.append(np.concatenate(parts))
-        motions.append(rng.uniform(-1.0, 1.0, 5) * [column.g, column.g, 1.0, 2.0, 10.0])
-        space.work.joints.sliding[:, k] = direction
-    buffer[: at.MODEL.size(n)] = np.array(models).T
-    place = buffer.shape[0] - at.WORK.size(n)  # where `start` is, the first of the work
-    buffer[place : place + at.PHASE.size(n)] = np.array(phases).T
-    accelerate_lanes(n, buffer.reshape(-1), in_lanes(np.array(motions)))
-    for k in range(WIDTH):
-        phase, work = phases[k].copy(), np.zeros(at.WORK.size(n))
-        alone = at.WORK.see(work, n)
-        alone.joints.sliding[:] = at.PHASE.see(phase, n).sliding
-        accelerate(n, models[k].copy(), phase, work, motions[k].copy())
-        expected, found = at.PHASE.see(phase, n), space.work.start
-        largest = max(
-            np.max(np.abs(getattr(expected, f"{name}_acceleration"))) for name in ("theta", "opening", "slip")
-        )
-        for name in ("theta_acceleration", "opening_acceleration", "slip_acceleration"):
-            assert getattr(found, name)[:, k] == pytest.approx(getattr(expected, name), abs=1e-13 * largest), name
-        for name in ("tangential", "drift", "overcome"):
-            wanted = getattr(alone.joints, name)
-            scale = 1e-13 * max(1.0, float(np.max(np.abs(wanted))))
-            assert getattr(space.work.joints, name)[:, k] == pytest.approx(wanted, abs=scale), name
+    assert_sliding_accelerations_are_those_of_each(make, n, SLIPPING_SPACE, accelerate_lanes)
 
 
 # --- closed forms
@@ -149,31 +105,7 @@ def shaken(seed: int, n: int, count: int, off_axis: bool, records: Path) -> tupl
 @pytest.mark.parametrize("off_axis", [False, True])
 @pytest.mark.parametrize("n", [1, 3])
 def test_the_tolerance_is_kept_within_ten_times(n: int, off_axis: bool, records: Path) -> None:
-    """Tops and slips, of runs that amplify a change of the motion by less than 100."""
-    duration, times = 8.0, np.linspace(0.0, 7.95, 160)
-    columns, motions = shaken(1, n, 8, off_axis, records)
-    chains = [Chain(column) for column in columns]
-
-    def alone(k: int, factor: float) -> tuple[Array, Array]:
-        motion = motions[k].scaled(factor)
-        column = columns[k].with_settings(tolerance=1e-9, without=("peaks",))
-        _, phases = single_run(column, motion, duration, motion.start + times, None, 0.0)
-        return chains[k].top_displacements(phases), phases[:, 4 * n : 5 * n]
-
-    truth = [alone(k, 1.0) for k in range(len(columns))]
-    sizes = [np.max(np.abs(ux)) for ux, _ in truth]
-    tame = [np.max(np.abs(alone(k, 1.0 + 1e-7)[0] - truth[k][0])) < 1e-5 * sizes[k] for k in range(len(columns))]
-    assert sum(tame) >= 6
-    assert sum(float(np.ptp(slip)) > 1e-3 for _, slip in truth) >= 3
-    for tolerance in (1e-3, 1e-5):
-        result = run_batch(columns, motions, [duration] * len(columns), tolerance=tolerance, times=times)
-        assert np.all(result.finished)
-        for k in np.flatnonzero(tame).tolist():
-            ux, slip = truth[k]
-            phases = result.phases[k]
-            error = np.max(np.abs(chains[k].top_displacements(phases) - ux))
-            error = max(error, np.max(np.abs(phases[:, 4 * n : 5 * n] - slip)))
-            assert error <= 10.0 * tolerance * sizes[k]
+    assert_the_tolerance_is_kept(*shaken(1, n, 8, off_axis, records), tame=6, slid=3)
 
 
 @pytest.mark.long
@@ -189,10 +121,6 @@ def test_an_ordinary_column_whose_friction_is_never_reached_has_the_bits_of_ordi
     assert np.array_equal(plain.ends, slipping.ends[:, :12])
 
 
-def parts_of(result: BatchResult, k: int) -> list[Array]:
-    return [result.peak_ux[k], result.steps[k], result.ends[k], result.phases[k]]
-
-
 @pytest.mark.long
 def test_what_comes_of_a_run_depends_on_no_other_nor_on_order_and_threads() -> None:
     columns, motions = [], []
@@ -201,16 +129,8 @@ def test_what_comes_of_a_run_depends_on_no_other_nor_on_order_and_threads() -> N
         joints = [Joint(1e9, 2e-3, friction=rng.uniform(0.1, 0.3), offset=0.05 if seed % 3 == 0 else None)] * 2
         columns.append(Column("two", tuple(Block(1.0, 1.0, 1.0, 2400.0, joint) for joint in joints)))
         motions.append(Motion.harmonic(rng.uniform(0.2, 0.5) * G, rng.uniform(1.0, 3.0), 1.0 + 0.1 * seed))
-    times = np.array([0.0, 0.5, 0.7])
-    together = run_batch(columns, motions, times=times)
+    together = assert_nothing_depends_on_the_others(columns, motions)
     assert np.count_nonzero(np.abs(together.ends[:, 8]) > 1e-3) > 5  # they slide
-    order = np.random.default_rng(1).permutation(len(columns))
-    shuffled = run_batch([columns[k] for k in order], [motions[k] for k in order], times=times, threads=2)
-    for place, k in enumerate(order):
-        alone = run_batch([columns[k]], [motions[k]], times=times)
-        for one, other, third in zip(parts_of(together, k), parts_of(shuffled, place), parts_of(alone, 0), strict=True):
-            assert np.array_equal(one, other)
-            assert np.array_equal(one, third)
 
 
 @pytest.mark.long

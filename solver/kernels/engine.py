@@ -27,6 +27,7 @@ from .layout import (
     BASE,
     CENTRAL_DIFFERENCE,
     COUNTS,
+    ELASTIC,
     EXACT,
     MODAL_MOST,
     MODEL,
@@ -170,25 +171,41 @@ def assemble(column, given, afresh, scratch, detail):
     for i in range(_WORK_PER_N * n + _WORK_BESIDE):  # responses of the modes of another model
         work.row[i] = 0.0
     begin_slips(model, work)
-    if settings.formulation == EXACT and settings.integrator == AUTO and n <= MODAL_MOST and settings.off_axis == 0.0:
-        settings.has_modes = 1.0 if normal_modes(model, scratch) else 0.0
+    rest = work.between
+    stands = _rest_of(model, rest, work.room)
+    asked = settings.integrator == AUTO and int(settings.without) & ELASTIC == 0
+    if settings.formulation == EXACT and asked and n <= MODAL_MOST and stands:
+        settings.has_modes = 1.0 if normal_modes(model, rest, scratch) else 0.0
     if afresh != 0:
         for i in range(_STATE_PER_N * n + _CONTROL_FIELDS):
             state.row[i] = 0.0
-        settle(model, state.phase, 0.0)
-        if settings.off_axis != 0.0:
-            for i in range(n):
-                state.phase.slip[i] = blocks.offset[i]
-            if settings.gravity > 0.0 and not find_rest(model, state.phase, work.room):
-                return NO_REST
-            for i in range(n):
-                blocks.rest_turn[i], blocks.rest_opening[i] = state.phase.theta[i], state.phase.opening[i]
+        if not stands:
+            return NO_REST
+        for i in range(phase_size(work)):
+            state.phase.row[i] = rest.row[i]
         reset(counts, base)
     elif counts.overturned == 0:
         state.control.base_ax = math.nan  # belongs to no input: the accelerations are to be computed anew
-        for i in range(n):
-            blocks.rest_turn[i] = math.inf  # nowhere: it may be another one now
     return OK
+
+
+@kernel
+def _rest_of(model, rest, room):
+    """Let a phase of zeros be the rest of a column whose joints have not slid; whether there is one that is stable.
+
+    Of a column on its axis this is not asked.
+    """
+    blocks, settings = model.blocks, model.settings
+    settle(model, rest, 0.0)
+    if settings.off_axis == 0.0:
+        return True
+    for i in range(model.n):
+        rest.slip[i] = blocks.offset[i]
+    stands = not settings.gravity > 0.0 or find_rest(model, rest, room)
+    for i in range(model.n):
+        blocks.rest_turn[i] = rest.theta[i] if stands else math.inf  # nowhere
+        blocks.rest_opening[i] = rest.opening[i]
+    return stands
 
 
 @leaf

@@ -6,6 +6,7 @@ from .formulations.exact import Motion
 from .formulations.outputs import observe
 from .formulations.slips import phase_size
 from .jit import entry
+from .joint.circle import ring_part
 from .joint.energy import least_energy
 from .joint.law import joint_potential
 from .joint.section import contact_of
@@ -68,7 +69,7 @@ def observe_snapshots(n, model, state, counts, base, work, snapshots, rows, coun
     return OK, count
 
 
-# --- energies of joints, where Python has no closed form of its own; (n, model), then arrays
+# --- joints, where Python has no closed form of its own
 
 
 @entry
@@ -86,3 +87,16 @@ def joint_energies(n, model, i, slip, slopes, weights, found):
     contact = contact_of(blocks, i, slip)
     for k in range(slopes.size):
         found[k] = least_energy(contact, blocks.stiffness[i], slopes[k], weights[k])
+
+
+@entry
+def rings_beyond(outer, inner, edges, first, second):
+    """Of what of each annulus lies beyond an edge, m from its centre: first and second moment about that, m3 and m4.
+
+    outer, inner: radii, m; no inner one: 0. All are arrays, a number for each.
+    """
+    for k in range(edges.size):
+        middle, area, about, square = ring_part(outer[k], inner[k], edges[k], outer[k])
+        off = middle - edges[k]
+        first[k] = about + off * area
+        second[k] = square + off * (2.0 * about + off * area)

@@ -39,7 +39,7 @@ SETTINGS = Record(
     "rotation_floor",  # rad, least rotation that errors are measured against
     "rate_floor",  # rad/s, least rate that errors are measured against
     "without",  # sum of the short cuts that are not to be taken
-    "has_modes",  # 1 where there are modal data
+    "has_modes",  # 1 where there are modal data, which are not made where that short cut is left out
     "explicit_order",  # 5 or 8, of the explicit method of `auto`
     "slides",  # 1 where some joint may slide, or the column is off its axis: slips are coordinates
     "off_axis",  # 1 where the rest is not the straight column
@@ -86,9 +86,10 @@ BLOCKS = Table(
 )
 MODEL = Space(settings=SETTINGS, blocks=BLOCKS, modal=Numbers())
 
-# --- modal data: header, then the modes (n of rotations, n of openings), then n x n matrices by rows: shapes Phi of the
-# rotations and of the openings, and likewise their inverses Phi' M
+# --- modal data: header, then the 2 n modes, then room for two matrices of 2 n x 2 n: the shapes Phi by rows, and their
+# inverses Phi' M. On the axis each is two matrices of n x n, of the rotations and of the openings, each with n modes.
 MODAL_LIMITS = Record(
+    "parts",  # 2, or 1 where rotations and openings act on each other
     "third",  # third over second difference of the nonlinear remainder, at most
     "longest",  # s, longest step
     "sweeps",  # over each step
@@ -96,7 +97,8 @@ MODAL_LIMITS = Record(
 MODE = Record(
     "square",  # 1/s2, omega^2
     "damping",  # 1/s, 2 zeta omega
-    "push",  # modal force for 1 m/s2 of the base (rotations: base ax; openings: g + base az)
+    "push",  # modal force for 1 m/s2 of base ax
+    "lift",  # and of g + base az
     "size",  # largest coordinate of the shape in parts of its size
 )
 MODAL_MOST = 64  # blocks; measured 3 to 7 times faster than without at 64, but the matrices grow as n^2
@@ -281,7 +283,7 @@ ROTATES = -4  # the base, which the formulation does not know
 @in_both
 def modal_size(n: int) -> int:
     """Length of the modal data of n blocks."""
-    return _MODAL_BESIDE + 2 * n * _MODE_FIELDS + 4 * n * n
+    return _MODAL_BESIDE + 2 * n * _MODE_FIELDS + 8 * n * n
 
 
 _MODAL_BESIDE, _MODE_FIELDS = MODAL_LIMITS.beside, MODE.beside

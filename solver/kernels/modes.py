@@ -16,18 +16,24 @@ def limits_of(model):
 
 
 @leaf
+def parts_of(model):
+    """How many separate problems the modes come from: 2 on the axis, rotations and openings, else 1."""
+    return int(limits_of(model).parts)
+
+
+@leaf
 def mode_of(model, k):
-    """The record of mode k of 2 n: first those of the rotations."""
+    """The record of mode k of 2 n: first those of the first part."""
     return _mode(model.modal[LIMITS + FIELDS * k :], 0)
 
 
 @leaf
 def shapes_of(model):
-    """The row of the n x n matrices of shapes, by rows: of the rotations, then of the openings."""
+    """The row of the square matrices of shapes, by rows, a matrix for each part."""
     return model.modal[LIMITS + FIELDS * 2 * model.n :]
 
 
 @leaf
 def inverses_of(model):
     """The row of the inverses of the shapes, likewise."""
-    return model.modal[LIMITS + FIELDS * 2 * model.n + 2 * model.n * model.n :]
+    return model.modal[LIMITS + FIELDS * 2 * model.n + 4 * model.n * model.n :]

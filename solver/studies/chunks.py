@@ -36,12 +36,12 @@ def _rows(study: Study, numbers: Sequence[int]) -> list[list[Any]]:
     ready: list[tuple[int, Planned]] = []
     rows: list[list[Any]] = []
     for number in numbers:
-        values = study.values(number)
         try:
             planned = study.run(number)
             check_stable(planned.run.column)
         except InputError as error:  # of numbers that were drawn: the others are to go on
-            rows.append([number, list(values.values()), [None] * len(study.measured), None, str(error)])
+            given = list(study.values(number).values())
+            rows.append([number, given, [None] * len(study.measured), None, str(error)])
             continue
         ready.append((number, planned))
     if ready:

@@ -29,7 +29,7 @@ from ..kernels.jit import SOURCES
 from ..motion import STANDARD_GRAVITY, Motion
 from ..runs import Run
 from .distributions import Distribution
-from .motions import Measure, Shaking, tilted
+from .motions import BESIDE, Measure, Shaking, tilted
 from .parameters import column_with, is_of_column, single_names
 
 FloatArray = NDArray[np.float64]
@@ -37,6 +37,7 @@ FloatArray = NDArray[np.float64]
 KINDS = ("sweep", "ida", "fragility", "spectrum", "montecarlo")
 SAMPLINGS = ("latin-hypercube", "sobol", "random")
 INTENSITY = "intensity"
+OF_MOTION = "motion."
 MOST_RUNS = 10**8
 _SIMPLE = ("samples", "sampling", "seed", "tolerance", "duration")
 _TEXTS = ("name", "kind", "sampling")
@@ -137,8 +138,8 @@ class Study:
             if name == INTENSITY:
                 if self.measure is None:
                     raise InputError(f"intensity.measure: missing, {INTENSITY} is varied")
-            elif name.startswith("motion."):
-                if name.removeprefix("motion.") not in known:
+            elif name.startswith(OF_MOTION):
+                if name.removeprefix(OF_MOTION) not in known:
                     listed = ", ".join(f"motion.{item}" for item in sorted(known))
                     raise InputError(f"{name}: unknown name, the motions have {listed}")
             elif not is_of_column(name):
@@ -182,17 +183,13 @@ class Study:
     def run(self, number: int) -> Planned:
         """The run of a number, from 0. Raises InputError where a value does not suit the column or the motion."""
         values = self.values(number)
+        own = _of_columns(self)
         column = _columns(self)[int(values["column"])]
-        numbers = {}
-        for name, value in values.items():
-            if name not in ("column", "motion", INTENSITY) and not name.startswith("motion."):
-                numbers[name] = value, self._relative(name)
-        column = column_with(column, numbers)
-        motion, measures = self._shaken(values)
+        column = column_with(column, {name: (values[name], relative) for name, relative in own.items()})
+        motion, base, measures = self._shaken(values)
         duration = motion.duration
         if self.duration is not None:
-            lead = motion.duration - self._base(values).duration
-            duration = self.duration + lead
+            duration = self.duration + (motion.duration - base.duration)  # with the time in which the base is tilted
         return Planned(Run(column, motion, duration), values, measures)
 
     def values(self, number: int) -> dict[str, float]:
@@ -209,38 +206,32 @@ class Study:
         parameter = self.random.get(name) or self.random.get(_without_number(name))
         return parameter is not None and parameter.relative
 
-    def _base(self, values: Mapping[str, float]) -> Motion:
-        return _base(self, int(values["motion"]), self._numbers(values), self._unit(values))[0]
+    def _numbers(self, values: Mapping[str, float], shaking: Shaking) -> dict[str, float]:
+        """What is varied of a motion, by its keys."""
+        found = {}
+        for name, (key, relative) in _of_motions(self).items():
+            value = values[name]
+            if relative:
+                if key not in shaking.numbers and key != "scale":
+                    raise InputError(f"{name}: {shaking.name} has none that could be multiplied")
+                value *= shaking.numbers.get(key, 1.0)
+            found[key] = value
+        return found
 
-    def _numbers(self, values: Mapping[str, float]) -> tuple[tuple[str, float], ...]:
-        shaking = self.motions[int(values["motion"])]
-        found = []
-        for name, value in values.items():
-            if name.startswith("motion."):
-                key = name.removeprefix("motion.")
-                if self._relative(name):
-                    if key not in shaking.numbers and key != "scale":
-                        raise InputError(f"{name}: {shaking.name} has none that could be multiplied")
-                    value *= shaking.numbers.get(key, 1.0)
-                found.append((key, value))
-        return tuple(found)
-
-    @staticmethod
-    def _unit(values: Mapping[str, float]) -> bool:
-        return INTENSITY in values
-
-    def _shaken(self, values: Mapping[str, float]) -> tuple[Motion, dict[str, float]]:
-        shaking = self.motions[int(values["motion"])]
-        numbers = self._numbers(values)
-        base = tuple(item for item in numbers if item[0] not in ("scale", "tilt"))
-        motion, measures = _base(self, int(values["motion"]), base, self._unit(values))
-        given = {**shaking.numbers, **dict(numbers)}
+    def _shaken(self, values: Mapping[str, float]) -> tuple[Motion, Motion, dict[str, float]]:
+        """The motion as it is run, as it is before it is scaled and tilted, and its measures as it is run."""
+        which = int(values["motion"])
+        shaking = self.motions[which]
+        numbers = self._numbers(values, shaking)
+        shape = tuple(item for item in numbers.items() if item[0] not in BESIDE)
+        base, measures = _base(self, which, shape, INTENSITY in values)
+        given = {**shaking.numbers, **numbers}
         factor = given.get("scale", 1.0)
         if self.measure is not None and INTENSITY in values:
             factor *= values[INTENSITY] / measures[self.measure.name]
-        motion = motion.scaled(factor)
         size = abs(factor)
-        return tilted(motion, given.get("tilt", 0.0)), {name: size * value for name, value in measures.items()}
+        motion = tilted(base.scaled(factor), given.get("tilt", 0.0))
+        return motion, base, {name: size * value for name, value in measures.items()}
 
     # what it is known by
 
@@ -346,6 +337,20 @@ def _varied(study: Study) -> tuple[str, ...]:
     for name, parameter in study.random.items():
         names += single_names(name, study.blocks) if parameter.each else [name]
     return tuple(names)
+
+
+@lru_cache(maxsize=8)
+def _of_columns(study: Study) -> dict[str, bool]:
+    """Names of what is varied of the columns, and whether it multiplies what is there."""
+    names = [name for name in study.varied if name not in ("column", "motion", INTENSITY)]
+    return {name: study._relative(name) for name in names if not name.startswith(OF_MOTION)}
+
+
+@lru_cache(maxsize=8)
+def _of_motions(study: Study) -> dict[str, tuple[str, bool]]:
+    """The same of the motions: their own key for it, and whether it multiplies."""
+    names = [name for name in study.varied if name.startswith(OF_MOTION)]
+    return {name: (name.removeprefix(OF_MOTION), study._relative(name)) for name in names}
 
 
 @lru_cache(maxsize=8)

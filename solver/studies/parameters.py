@@ -13,6 +13,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Mapping
+from functools import lru_cache
 from typing import Any
 
 from ..column import Column
@@ -30,15 +31,15 @@ _EITHER = {"mass": "density", "density": "mass"}  # one takes the place of the o
 
 def is_of_column(name: str) -> bool:
     """Whether a dotted name speaks of the column."""
-    return name in _WHOLE or name in SHAPES or _PARTS.fullmatch(name) is not None
+    return name in _WHOLE or name in SHAPES or _parts(name) is not None
 
 
 def single_names(name: str, blocks: int) -> list[str]:
     """`joint.stiffness` as `joint[1].stiffness`, `joint[2].stiffness` ...; a name of one number as it is."""
-    found = _PARTS.fullmatch(name)
-    if found is None or found[2] is not None:
+    found = _parts(name)
+    if found is None or found[1]:
         return [name]
-    return [f"{found[1]}[{i}].{found[3]}" for i in range(1, blocks + 1)]
+    return [f"{found[0]}[{i}].{found[2]}" for i in range(1, blocks + 1)]
 
 
 def column_with(column: Column, values: Mapping[str, tuple[float, bool]]) -> Column:
@@ -57,9 +58,16 @@ def column_with(column: Column, values: Mapping[str, tuple[float, bool]]) -> Col
     return Column.from_dict(data)
 
 
-def _joint_number(name: str) -> str:
+@lru_cache(maxsize=1024)
+def _parts(name: str) -> tuple[str, int, str] | None:
+    """`block` or `joint`, number (0: of all), key; None for what is of the column as a whole."""
     found = _PARTS.fullmatch(name)
-    return found[3] if found is not None and found[1] == "joint" else ""
+    return None if found is None else (found[1], int(found[2] or 0), found[3])
+
+
+def _joint_number(name: str) -> str:
+    found = _parts(name)
+    return found[2] if found is not None and found[0] == "joint" else ""
 
 
 def _with_own(column: Column, values: Mapping[str, tuple[float, bool]]) -> Column:
@@ -77,17 +85,17 @@ def _with_own(column: Column, values: Mapping[str, tuple[float, bool]]) -> Colum
 
 def _which(name: str, blocks: int) -> range:
     """Places of the blocks that a name speaks of. Raises InputError where there are not so many."""
-    found = _PARTS.fullmatch(name)
-    if found is None or found[2] is None:
+    found = _parts(name)
+    if found is None or not found[1]:
         return range(blocks)
-    number = int(found[2])
+    number = found[1]
     if number > blocks:
         raise InputError(f"{name}: there are {blocks} blocks")
     return range(number - 1, number)
 
 
 def _set(data: dict[str, Any], name: str, number: float, relative: bool) -> None:
-    found = _PARTS.fullmatch(name)
+    found = _parts(name)
     if name in SHAPES:
         factor = check_number(name, number, POSITIVE, "a positive number")
         _resize(data, factor) if name == "column.size" else _widen(data, factor, relative)
@@ -98,7 +106,7 @@ def _set(data: dict[str, Any], name: str, number: float, relative: bool) -> None
     else:
         blocks = data["block"]
         for block in (blocks[i] for i in _which(name, len(blocks))):
-            _put(block if found[1] == "block" else block["joint"], name, found[3], number, relative)
+            _put(block if found[0] == "block" else block["joint"], name, found[2], number, relative)
 
 
 def _put(table: dict[str, Any], name: str, key: str, number: float, relative: bool) -> None:

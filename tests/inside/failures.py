@@ -84,15 +84,17 @@ def native_answers(fmu: str, values: list[dict[str, Any]]) -> list[tuple[str, bo
     return answers(fmu, [*_calls(NATIVE), *((with_values(given), Instance.initialize) for given in values)])
 
 
-def wrong_value(fmu: str, name: str, value: Any) -> list[str]:
-    """What an initialization with a wrong value answers, one after a reset, and a step."""
-    column = Instance(fmu, {name: value}, initialize=False)
-    heard = [column.attempt("initialize")]
-    column.fmi.reset()
-    heard.append(column.attempt("initialize"))
-    column.set({"base.ax": 1.0})
-    heard.append(column.attempt("step", 0.0, 1e-2))
-    column.close()
+def wrong_values(fmu: str, values: list[tuple[str, Any]]) -> list[list[str]]:
+    """What an initialization with each wrong value answers, one after a reset, and a step."""
+    heard = []
+    for name, value in values:
+        column = Instance(fmu, {name: value}, initialize=False)
+        first = column.attempt("initialize")
+        column.fmi.reset()
+        again = column.attempt("initialize")
+        column.set({"base.ax": 1.0})
+        heard.append([first, again, column.attempt("step", 0.0, 1e-2)])
+        column.close()
     return heard
 
 

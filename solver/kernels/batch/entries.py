@@ -1,10 +1,13 @@
 """The entries that Python calls for many runs."""
 
 from ..jit import entry, leaf
-from ..views import row_of
-from .follow import batch_over, follow_queue, round_batch_over, round_slipping_batch_over, slipping_batch_over
-from .runs import Queue
+from ..views import lanes_of, row_of
+from .follow import batch_over, follow_queue
+from .runs import ROUND_SLIPPING_SPACE, ROUND_SPACE, SLIPPING_SPACE, SPACE, Queue
 from .swept import follow_swept
+
+_space, _slipping = SPACE.over, SLIPPING_SPACE.over
+_round, _round_slipping = ROUND_SPACE.over, ROUND_SLIPPING_SPACE.over
 
 
 @leaf
@@ -30,21 +33,21 @@ def _queue_of(count, models, phases, slips, runs, outcomes, times, ax, az, row_t
 def run_lanes(n, buffer, count, models, phases, slips, runs, outcomes, times, ax, az, row_times, snapshots, flag):
     """`follow_queue`: all runs of columns of n blocks, eight at a time. All but n and count are arrays."""
     queue = _queue_of(count, models, phases, slips, runs, outcomes, times, ax, az, row_times, snapshots, flag)
-    follow_queue(batch_over(n, buffer, queue))
+    follow_queue(batch_over(_space(lanes_of(buffer), n), buffer, queue))
 
 
 @entry
 def run_round(n, buffer, count, models, phases, slips, runs, outcomes, times, ax, az, row_times, snapshots, flag):
     """The same of columns with round joints. An entry of its own: who has no such columns does not wait for it."""
     queue = _queue_of(count, models, phases, slips, runs, outcomes, times, ax, az, row_times, snapshots, flag)
-    follow_queue(round_batch_over(n, buffer, queue))
+    follow_queue(batch_over(_round(lanes_of(buffer), n), buffer, queue))
 
 
 @entry
 def run_slipping(n, buffer, count, models, phases, slips, runs, outcomes, times, ax, az, row_times, snapshots, flag):
     """The same of columns with slips, likewise."""
     queue = _queue_of(count, models, phases, slips, runs, outcomes, times, ax, az, row_times, snapshots, flag)
-    follow_queue(slipping_batch_over(n, buffer, queue))
+    follow_queue(batch_over(_slipping(lanes_of(buffer), n), buffer, queue))
 
 
 @entry
@@ -53,11 +56,11 @@ def run_round_slipping(
 ):
     """The same of columns with both, likewise."""
     queue = _queue_of(count, models, phases, slips, runs, outcomes, times, ax, az, row_times, snapshots, flag)
-    follow_queue(round_slipping_batch_over(n, buffer, queue))
+    follow_queue(batch_over(_round_slipping(lanes_of(buffer), n), buffer, queue))
 
 
 @entry
 def run_swept(n, buffer, count, models, phases, slips, runs, outcomes, times, ax, az, row_times, snapshots, flag):
     """`follow_swept`, the same of the first-order formulation; no snapshots."""
     queue = _queue_of(count, models, phases, slips, runs, outcomes, times, ax, az, row_times, snapshots, flag)
-    follow_swept(n, buffer, queue)
+    follow_swept(batch_over(_space(lanes_of(buffer), n), buffer, queue))

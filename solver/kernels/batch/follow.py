@@ -21,58 +21,18 @@ from ..stepping.control import GROW, LEAST_ERROR, SAFETY, SHRINK
 from ..stepping.interpolation import interpolate_one, slips_of
 from ..views import lanes_of
 from .evaluate import Batch, anchor_waves, evaluate_lanes, single
-from .runs import (
-    ROUND_SLIPPING_SPACE,
-    ROUND_SPACE,
-    SLIP_FIELDS,
-    SLIPPING_SPACE,
-    SPACE,
-    outcome_of,
-    run_of,
-    samples_of,
-    slips_at,
-    snapshot_of,
-)
+from .runs import SLIP_FIELDS, SPACE, outcome_of, run_of, samples_of, slips_at, snapshot_of
 from .sliding import decide_slips, end_at_changes, slid_off, steps_to_stops
 
 NOBODY = -1.0
-_space, _round_space = SPACE.over, ROUND_SPACE.over
-_slipping_space, _round_slipping_space = SLIPPING_SPACE.over, ROUND_SLIPPING_SPACE.over
 _PER_N, _BESIDE = SPACE.per_n, SPACE.beside
 _MODEL_PER_N, _MODEL_BESIDE = MODEL.per_n, MODEL.beside
 
 
 @leaf
-def batch_over(n, buffer, queue):
-    """The batch of columns of n blocks over a buffer of lanes."""
-    row = lanes_of(buffer)
-    return _batch(_space(row, n), row, queue)
-
-
-@leaf
-def round_batch_over(n, buffer, queue):
-    """The same of columns that have round joints."""
-    row = lanes_of(buffer)
-    return _batch(_round_space(row, n), row, queue)
-
-
-@leaf
-def slipping_batch_over(n, buffer, queue):
-    """The same of columns that have slips."""
-    row = lanes_of(buffer)
-    return _batch(_slipping_space(row, n), row, queue)
-
-
-@leaf
-def round_slipping_batch_over(n, buffer, queue):
-    """The same of columns that have both."""
-    row = lanes_of(buffer)
-    return _batch(_round_slipping_space(row, n), row, queue)
-
-
-@leaf
-def _batch(space, row, queue):
-    return Batch(space.model, space.state, space.base, space.work, space.lane, row, queue)
+def batch_over(space, buffer, queue):
+    """The batch of columns whose names `space` lays over a buffer of lanes (runs.py)."""
+    return Batch(space.model, space.state, space.base, space.work, space.lane, lanes_of(buffer), queue)
 
 
 # --- a run begins and ends

@@ -13,7 +13,7 @@ from ..jit import kernel, leaf
 from ..lanes import WIDTH, bits, greater, magnitude, where
 from ..layout import HAS_OVERTURNED, NOT_CONVERGED, OK, SLACK
 from .evaluate import anchor_far_waves, motion_of_lanes, single
-from .follow import batch_over, finish, follow_record, load, note_falls, pass_queue, peak_over
+from .follow import finish, follow_record, load, note_falls, pass_queue, peak_over
 
 
 @kernel
@@ -143,6 +143,6 @@ def load_swept(batch, k, number):
 
 
 @kernel
-def follow_swept(n, buffer, queue):
+def follow_swept(batch):
     """As `follow.follow_queue`, of runs of the first-order formulation."""
-    pass_queue(batch_over(n, buffer, queue), load_swept, start_swept, step_swept)
+    pass_queue(batch, load_swept, start_swept, step_swept)

@@ -1,18 +1,19 @@
 """Normal modes of the column about its rest state, all joints in full contact, as the modal method wants them.
 
-At rest rotations and openings do not act on each other (theory.md section 4 to second order), so that there are n modes
-of rocking and n of vertical vibration. Both problems M y'' + C y' + K y = -b a are small, symmetric and written down in
-closed form, the negative stiffness of gravity included. K is brought to the normal form by the Cholesky factor of M and
-diagonalized by the cyclic Jacobi method (Jacobi 1846; G. Golub, C. Van Loan, Matrix Computations, section 8.5).
+M y'' + C y' + K y = -b a is small, symmetric and written down in closed form, the negative stiffness of gravity
+included. On the axis rotations and openings do not act on each other (theory.md section 4 to second order), so that
+there are n modes of rocking and n of vertical vibration, two problems of n coordinates; off the axis there is one of
+2 n (theory.md section 12). K is brought to the normal form by the Cholesky factor of M and diagonalized by the cyclic
+Jacobi method (Jacobi 1846; G. Golub, C. Van Loan, Matrix Computations, section 8.5).
 """
 
 import math
 from typing import NamedTuple
 
 from ..jit import kernel, leaf
-from ..joint.section import full_stiffness, full_turning_stiffness
-from ..layout import INTERPOLATION_BOUND, INTERPOLATION_PART, MODAL_MOST, modal_size
+from ..layout import INTERPOLATION_BOUND, INTERPOLATION_PART, modal_size
 from ..modes import inverses_of, limits_of, mode_of, shapes_of
+from .rest import joint_about
 
 # Damping that couples the modes is left to the nonlinear remainder, which a step takes to change little within it: the
 # step times the rate of that damping is at most this.
@@ -27,84 +28,102 @@ JACOBI_SWEEPS = 60  # at most; six to nine are usual
 ROUNDING = 2.0**-54  # of the diagonal: an element below it is none
 
 MATRICES = 4
-VECTORS = 2
+VECTORS = 6
+DASHPOTS = 3
 
 
 class Scratch(NamedTuple):
-    """Rows: n x n matrices by rows, then vectors of n."""
+    """Rows: matrices of w x w by rows, vectors of w and of n; w = 2 n coordinates, rotations first."""
 
     masses: object  # M, upper part
     normal: object  # K, then the normal form, then its eigenvalues on the diagonal
     vectors: object  # one a row
-    lower: object  # sway of the centroids, then the Cholesky factor of M
-    push: object
-    dashpots: object  # of the joints, against the coordinates of this half
+    lower: object  # the Cholesky factor of M
+    own_x: object  # how far a coordinate moves the centroid of its own block,
+    own_z: object
+    far_x: object  # and those of all blocks above
+    far_z: object
+    push: object  # forces of base ax and az, of 1 m/s2
+    lift: object
+    along: object  # of the dashpots of the joints, by the opening,
+    twist: object  # by opening and rotation,
+    turning: object  # by the rotation of the joint
 
 
 def scratch_size(n: int) -> int:
     """Length of the scratch that `normal_modes` needs for n blocks."""
-    return MATRICES * n * n + VECTORS * n
+    return MATRICES * 4 * n * n + VECTORS * 2 * n + DASHPOTS * n
 
 
 @leaf
 def _scratch(row, n):
-    m = n * n
-    return Scratch(row, row[m:], row[2 * m :], row[3 * m :], row[4 * m :], row[4 * m + n :])
+    w = 2 * n
+    m = w * w
+    v = row[4 * m :]
+    d = v[6 * w :]
+    return Scratch(
+        row, row[m:], row[2 * m :], row[3 * m :],
+        v, v[w:], v[2 * w :], v[3 * w :], v[4 * w :], v[5 * w :],
+        d, d[n:], d[2 * n :],
+    )  # fmt: skip
 
 
 @kernel
-def normal_modes(model, scratch):
-    """Fill model.modal with what layout.py lists as modal data; whether there is any. scratch: a row.
+def normal_modes(model, rest, scratch):
+    """Fill model.modal with what layout.py lists as modal data; whether there is any. rest: a phase; scratch: a row.
 
-    There is none without gravity, which leaves the joints open, where the rest state is not stable, where damping
-    couples the modes, and for more than MODAL_MOST blocks.
+    There is none without gravity, which leaves the joints open, where a joint is not in full contact at rest or the
+    rest is not stable, and where damping couples the modes.
     """
     n = model.n
-    if n > MODAL_MOST or not model.settings.gravity > 0.0:
-        return False
+    w = 2 * n
     s = _scratch(scratch, n)
+    if not model.settings.gravity > 0.0 or not _linear_about(model, rest, s):
+        return False
+    parts = 2 if model.settings.off_axis == 0.0 else 1
+    m = w // parts
+    limits_of(model).parts = parts
     coupled = 0.0
     damped = False
     fastest = 0.0
-    for half in range(2):
-        if half == 0:
-            _rotations(model, s)
-        else:
-            _openings(model, s)
-        if not _normal_form(s, n):
+    for part in range(parts):
+        begin = part * m
+        if not _normal_form(s, begin, m, w):
             return False
-        _diagonalize(s, n)
-        shapes, inverses = shapes_of(model)[half * n * n :], inverses_of(model)[half * n * n :]
-        for k in range(n):
-            mode = mode_of(model, half * n + k)
-            least = _next_mode(s, n, k)
-            square = s.normal[n * least + least]
+        _diagonalize(s, begin, m, w)
+        shapes, inverses = shapes_of(model)[part * m * m :], inverses_of(model)[part * m * m :]
+        for k in range(m):
+            mode = mode_of(model, begin + k)
+            least = _next_mode(s, begin, m, w, k)
+            square = s.normal[(w + 1) * (begin + least)]
             if not square > 0.0:
                 return False
             fastest = max(fastest, square)
             mode.square = square
-            _shape(s, n, least, k, shapes)
-            push = 0.0
+            _shape(s, begin, m, w, least, k, shapes)
+            push, lift = 0.0, 0.0
             largest = 0.0
-            for i in range(n):
-                part = shapes[n * i + k]
-                push -= part * s.push[i]
-                size = model.blocks.turn_size[i] if half == 0 else model.blocks.open_size[i]
-                largest = max(largest, abs(part) / size)
+            for i in range(m):
+                part_of, at = shapes[m * i + k], begin + i
+                push -= part_of * s.push[at]
+                lift -= part_of * s.lift[at]
+                size = model.blocks.turn_size[at] if at < n else model.blocks.open_size[at - n]
+                largest = max(largest, abs(part_of) / size)
             mode.push = push
+            mode.lift = lift
             mode.size = largest
-        for k in range(n):
-            for j in range(n):
+        for k in range(m):
+            for j in range(m):
                 product = 0.0
-                for i in range(n):
-                    product += shapes[n * i + k] * s.masses[_upper(i, j, n)]
-                inverses[n * k + j] = product
-        for k in range(n):
+                for i in range(m):
+                    product += shapes[m * i + k] * s.masses[_upper(begin + i, begin + j, w)]
+                inverses[m * k + j] = product
+        for k in range(m):
             across = 0.0
-            for j in range(n):
-                rate = _modal_damping(s, n, half, shapes, j, k)
+            for j in range(m):
+                rate = _modal_damping(s, n, begin, m, shapes, j, k)
                 if j == k:
-                    mode_of(model, half * n + k).damping = rate
+                    mode_of(model, begin + k).damping = rate
                     damped = damped or rate != 0.0
                 else:
                     across += abs(rate)
@@ -121,117 +140,136 @@ def normal_modes(model, scratch):
 
 
 @leaf
-def _upper(i, j, n):
+def _upper(i, j, w):
     """Place of element (i, j) of a symmetric matrix of which the upper part is kept."""
-    return n * i + j if i <= j else n * j + i
+    return w * i + j if i <= j else w * j + i
+
+
+@leaf
+def _add(matrix, w, i, j, value):
+    """Add to elements (i, j) and (j, i) of a matrix by rows."""
+    matrix[w * i + j] += value
+    if i != j:
+        matrix[w * j + i] += value
 
 
 @kernel
-def _rotations(model, s):
-    """M (upper part) and K of the rotations, what base ax pushes them by, and the joints' dashpots."""
+def _linear_about(model, rest, s):
+    """M (upper part), K, the joints' dashpots, what the base pushes; whether every joint is in full contact."""
     n, blocks, gravity = model.n, model.blocks, model.settings.gravity
-    sway = s.lower
+    w = 2 * n
+    for i in range(w * w):
+        s.normal[i] = 0.0
     carried = 0.0
-    opening_above = 0.0
-    carried_opening_above = 0.0  # opening times mass carried, of the joint above
-    turning_above = 0.0
-    for j in range(n):
-        spring, turning = full_stiffness(blocks, j), full_turning_stiffness(blocks, j)
-        above = carried
-        carried += blocks.mass[j]
-        opening = -gravity * carried / spring
-        s.dashpots[j] = blocks.damping[j] * turning
-        # horizontal displacement of centroid i for a unit rotation of block j
-        for i in range(n):
-            value = 0.0
-            if j > i:
-                value = blocks.height[j] + 0.5 * (opening + opening_above)
-            elif j == i:
-                value = blocks.centroid[j] + 0.5 * opening
-            sway[n * i + j] = value
-        for i in range(n):
-            s.normal[n * j + i] = 0.0
-        lowered = 0.25 * (carried_opening_above + opening * carried)
-        lowered += blocks.mass[j] * blocks.centroid[j] + blocks.height[j] * above
-        s.normal[n * j + j] = turning + turning_above - gravity * lowered
-        if j > 0:
-            beside = -turning_above - gravity * (0.25 * carried_opening_above)
-            s.normal[n * j + j - 1] = beside
-            s.normal[n * (j - 1) + j] = beside
-        opening_above, carried_opening_above, turning_above = opening, opening * carried, turning
-    for j in range(n):
-        push = 0.0
-        for i in range(j + 1):
-            push += blocks.mass[i] * sway[n * i + j]
-        s.push[j] = push
-        for k in range(j, n):
-            mass = blocks.inertia[j] if j == k else 0.0
-            for i in range(j + 1):
-                mass += blocks.mass[i] * sway[n * i + j] * sway[n * i + k]
-            s.masses[n * j + k] = mass
-
-
-@kernel
-def _openings(model, s):
-    """The same of the openings, under base az + g; K and C are diagonal."""
-    n, blocks = model.n, model.blocks
-    carried = 0.0
-    for j in range(n):
-        spring = full_stiffness(blocks, j)
-        carried += blocks.mass[j]
-        s.dashpots[j] = blocks.damping[j] * spring
-        s.push[j] = carried
-        for k in range(n):
-            s.normal[n * j + k] = spring if j == k else 0.0
-            s.masses[n * j + k] = carried  # of the upper of the two joints
-
-
-@kernel
-def _normal_form(s, n):
-    """K becomes L^-1 K L^-T, with M = L L'; L is left below and on the diagonal of `lower`. Whether M is positive."""
-    low, a = s.lower, s.normal
     for i in range(n):
-        for j in range(i + 1):
-            rest = s.masses[n * j + i]
-            for k in range(j):
-                rest -= low[n * i + k] * low[n * j + k]
-            if i > j:
-                low[n * i + j] = rest / low[n * j + j]
-            else:
-                if not rest > 0.0:  # masses too far apart for float64
-                    return False
-                low[n * i + i] = math.sqrt(rest)
-    for _ in range(2):  # L^-1 K, transposed, and again: K is symmetric
-        for j in range(n):
-            for i in range(n):
-                rest = a[n * i + j]
-                for k in range(i):
-                    rest -= low[n * i + k] * a[n * k + j]
-                a[n * i + j] = rest / low[n * i + i]
-        for i in range(n):
-            for j in range(i):
-                a[n * i + j], a[n * j + i] = a[n * j + i], a[n * i + j]
-    for i in range(n):
-        for j in range(i):
-            mean = 0.5 * (a[n * i + j] + a[n * j + i])
-            a[n * i + j] = mean
-            a[n * j + i] = mean
+        lever = gravity * (carried * blocks.height[i] + blocks.mass[i] * blocks.centroid[i])
+        carried += blocks.mass[i]
+        joint = joint_about(model, rest, i, carried)
+        if not joint.is_full:
+            return False
+        turn, opening = i, n + i
+        _add(s.normal, w, opening, opening, joint.along)
+        _add(s.normal, w, turn, opening, joint.twist - 0.5 * joint.across)
+        _add(s.normal, w, turn, turn, joint.turning + joint.spread - lever * math.cos(rest.theta[i] + blocks.tilt[i]))
+        if i + 1 < n:
+            _add(s.normal, w, turn + 1, opening, -joint.twist - 0.5 * joint.across)
+            _add(s.normal, w, turn + 1, turn + 1, joint.turning + joint.spread)
+            _add(s.normal, w, turn, turn + 1, joint.spread - joint.turning)
+        eta = blocks.damping[i]
+        s.along[i], s.twist[i], s.turning[i] = eta * joint.along, eta * joint.twist, eta * joint.elastic
+    _moved(model, rest, s)
+    above = 0.0
+    for block in range(n):  # its rotation and its opening, with those of its own and of what is below
+        own = blocks.mass[block]
+        for at in (block, n + block):
+            s.push[at] = own * s.own_x[at] + above * s.far_x[at]
+            s.lift[at] = own * s.own_z[at] + above * s.far_z[at]
+            for other in range(w):
+                lower = other % n
+                if lower > block:
+                    mass = s.push[at] * s.far_x[other] + s.lift[at] * s.far_z[other]
+                elif lower == block:
+                    mass = own * (s.own_x[at] * s.own_x[other] + s.own_z[at] * s.own_z[other])
+                    mass += above * (s.far_x[at] * s.far_x[other] + s.far_z[at] * s.far_z[other])
+                    mass += blocks.inertia[block] if at == other == block else 0.0
+                else:
+                    continue
+                s.masses[_upper(at, other, w)] = mass
+        above += own
     return True
 
 
 @kernel
-def _diagonalize(s, n):
-    """Rotate `normal` until its eigenvalues are on its diagonal; row k of `vectors` is the vector that belongs to k."""
-    a, v = s.normal, s.vectors
+def _moved(model, rest, s):
+    """How far each coordinate moves the centroid of its own block, and those of all blocks above."""
+    n, blocks = model.n, model.blocks
+    arm_x, arm_z = 0.0, 0.0  # what half of the turning of the joint above adds
     for i in range(n):
-        for j in range(n):
-            v[n * i + j] = 1.0 if i == j else 0.0
+        below = rest.theta[i + 1] if i + 1 < n else 0.0
+        phi = 0.5 * (rest.theta[i] + below) + blocks.lean[i]
+        sine, cosine = math.sin(phi), math.cos(phi)
+        opening, slip = rest.opening[i], rest.slip[i]
+        turned_x = 0.5 * (opening * cosine - slip * sine)
+        turned_z = -0.5 * (opening * sine + slip * cosine)
+        direction = rest.theta[i] + blocks.tilt[i]
+        level, fall = math.cos(direction), -math.sin(direction)
+        s.own_x[i], s.own_z[i] = turned_x + blocks.centroid[i] * level, turned_z + blocks.centroid[i] * fall
+        s.far_x[i] = arm_x + turned_x + blocks.height[i] * level
+        s.far_z[i] = arm_z + turned_z + blocks.height[i] * fall
+        s.own_x[n + i], s.own_z[n + i] = sine, cosine
+        s.far_x[n + i], s.far_z[n + i] = sine, cosine
+        arm_x, arm_z = turned_x, turned_z
+
+
+@kernel
+def _normal_form(s, begin, m, w):
+    """K becomes L^-1 K L^-T, with M = L L'; L is left below and on the diagonal of `lower`. Whether M is positive.
+
+    Here and below of the m coordinates from `begin` on.
+    """
+    low, a, masses = s.lower[(w + 1) * begin :], s.normal[(w + 1) * begin :], s.masses[(w + 1) * begin :]
+    for i in range(m):
+        for j in range(i + 1):
+            rest = masses[w * j + i]
+            for k in range(j):
+                rest -= low[w * i + k] * low[w * j + k]
+            if i > j:
+                low[w * i + j] = rest / low[w * j + j]
+            else:
+                if not rest > 0.0:  # masses too far apart for float64
+                    return False
+                low[w * i + i] = math.sqrt(rest)
+    for _ in range(2):  # L^-1 K, transposed, and again: K is symmetric
+        for j in range(m):
+            for i in range(m):
+                rest = a[w * i + j]
+                for k in range(i):
+                    rest -= low[w * i + k] * a[w * k + j]
+                a[w * i + j] = rest / low[w * i + i]
+        for i in range(m):
+            for j in range(i):
+                a[w * i + j], a[w * j + i] = a[w * j + i], a[w * i + j]
+    for i in range(m):
+        for j in range(i):
+            mean = 0.5 * (a[w * i + j] + a[w * j + i])
+            a[w * i + j] = mean
+            a[w * j + i] = mean
+    return True
+
+
+@kernel
+def _diagonalize(s, begin, m, w):
+    """Rotate `normal` until its eigenvalues are on its diagonal; row k of `vectors` is the vector that belongs to k."""
+    a, v = s.normal[(w + 1) * begin :], s.vectors[(w + 1) * begin :]
+    for i in range(m):
+        for j in range(m):
+            v[w * i + j] = 1.0 if i == j else 0.0
     for _ in range(JACOBI_SWEEPS):
         turned = False
-        for p in range(n):
-            for q in range(p + 1, n):
-                beside = a[n * p + q]
-                first, second = a[n * p + p], a[n * q + q]
+        for p in range(m):
+            for q in range(p + 1, m):
+                beside = a[w * p + q]
+                first, second = a[w * p + p], a[w * q + q]
                 if not abs(beside) > ROUNDING * math.sqrt(abs(first * second)):
                     continue
                 turned = True
@@ -241,32 +279,33 @@ def _diagonalize(s, n):
                     tangent = -tangent
                 cosine = 1.0 / math.sqrt(1.0 + tangent * tangent)
                 sine = tangent * cosine
-                for k in range(n):
-                    x, y = a[n * p + k], a[n * q + k]
-                    a[n * p + k] = cosine * x - sine * y
-                    a[n * q + k] = sine * x + cosine * y
-                    x, y = v[n * p + k], v[n * q + k]
-                    v[n * p + k] = cosine * x - sine * y
-                    v[n * q + k] = sine * x + cosine * y
-                for k in range(n):
-                    a[n * k + p] = a[n * p + k]
-                    a[n * k + q] = a[n * q + k]
-                a[n * p + p] = first - tangent * beside
-                a[n * q + q] = second + tangent * beside
-                a[n * p + q] = 0.0
-                a[n * q + p] = 0.0
+                for k in range(m):
+                    x, y = a[w * p + k], a[w * q + k]
+                    a[w * p + k] = cosine * x - sine * y
+                    a[w * q + k] = sine * x + cosine * y
+                    x, y = v[w * p + k], v[w * q + k]
+                    v[w * p + k] = cosine * x - sine * y
+                    v[w * q + k] = sine * x + cosine * y
+                for k in range(m):
+                    a[w * k + p] = a[w * p + k]
+                    a[w * k + q] = a[w * q + k]
+                a[w * p + p] = first - tangent * beside
+                a[w * q + q] = second + tangent * beside
+                a[w * p + q] = 0.0
+                a[w * q + p] = 0.0
         if not turned:
             return
 
 
 @kernel
-def _next_mode(s, n, k):
+def _next_mode(s, begin, m, w, k):
     """Which row of `vectors` holds mode k, counted from the slowest."""
-    for i in range(n):
-        square = s.normal[n * i + i]
+    a = s.normal[(w + 1) * begin :]
+    for i in range(m):
+        square = a[w * i + i]
         before = 0
-        for j in range(n):
-            other = s.normal[n * j + j]
+        for j in range(m):
+            other = a[w * j + j]
             if other < square or (other == square and j < i):
                 before += 1
         if before == k:
@@ -275,23 +314,30 @@ def _next_mode(s, n, k):
 
 
 @kernel
-def _shape(s, n, vector, k, shapes):
+def _shape(s, begin, m, w, vector, k, shapes):
     """Column k of the shapes: L^-T times a vector, of unit modal mass."""
-    for i in range(n - 1, -1, -1):
-        rest = s.vectors[n * vector + i]
-        for j in range(i + 1, n):
-            rest -= s.lower[n * j + i] * shapes[n * j + k]
-        shapes[n * i + k] = rest / s.lower[n * i + i]
+    low, v = s.lower[(w + 1) * begin :], s.vectors[(w + 1) * begin :]
+    for i in range(m - 1, -1, -1):
+        rest = v[w * vector + i]
+        for j in range(i + 1, m):
+            rest -= low[w * j + i] * shapes[m * j + k]
+        shapes[m * i + k] = rest / low[w * i + i]
 
 
 @kernel
-def _modal_damping(s, n, half, shapes, j, k):
-    """Element (j, k) of Phi' C Phi, 1/s: C acts on the difference of rotations across a joint, or on its opening."""
+def _modal_damping(s, n, begin, m, shapes, j, k):
+    """Element (j, k) of Phi' C Phi, 1/s: C acts on the opening of a joint and on the difference of rotations."""
     product = 0.0
     for i in range(n):
-        x, y = shapes[n * i + j], shapes[n * i + k]
-        if half == 0 and i + 1 < n:
-            x -= shapes[n * (i + 1) + j]
-            y -= shapes[n * (i + 1) + k]
-        product += s.dashpots[i] * x * y
+        turn_j, turn_k, opening_j, opening_k = 0.0, 0.0, 0.0, 0.0
+        if begin == 0:
+            turn_j, turn_k = shapes[m * i + j], shapes[m * i + k]
+            if i + 1 < n:
+                turn_j -= shapes[m * (i + 1) + j]
+                turn_k -= shapes[m * (i + 1) + k]
+        if begin + m > n:
+            at = n + i - begin
+            opening_j, opening_k = shapes[m * at + j], shapes[m * at + k]
+        product += s.turning[i] * turn_j * turn_k + s.along[i] * opening_j * opening_k
+        product += s.twist[i] * (turn_j * opening_k + opening_j * turn_k)
     return product

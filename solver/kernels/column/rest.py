@@ -30,6 +30,22 @@ class _Row(NamedTuple):
     under: Any  # by that of the body below
 
 
+class JointAtRest(NamedTuple):
+    """A joint where nothing moves, with the weight upon it: what is not balanced, second derivatives of the energy."""
+
+    touches: bool  # whether the faces lie over each other at all
+    is_full: bool  # whether all of the contact is pressed
+    unbalanced: float  # N, on the opening
+    couple: float  # N m, of the pressure, against the rotation of the joint
+    fall: float  # N m, of the weight, for the mean rotation of both faces
+    along: float  # N/m, by the opening
+    twist: float  # N, by the opening and the rotation of the joint
+    elastic: float  # N m, by the rotation of the joint, of the stiffness alone
+    turning: float  # N m, with the turning of the pressure
+    across: float  # N, of the weight, along the joint
+    spread: float  # N m, of the weight, by the mean rotation of either face
+
+
 @kernel
 def find_rest(model, phase, room):
     """Take a phase from the straight column to its rest; whether there is one that is stable. Slips stay."""
@@ -54,6 +70,46 @@ def find_rest(model, phase, room):
 
 
 @kernel
+def joint_about(model, phase, i, carried):
+    """Joint i, which carries so many kg, at a phase at which nothing moves."""
+    blocks = model.blocks
+    turn, slip, opening = phase.theta[i], phase.slip[i], phase.opening[i]
+    below = phase.theta[i + 1] if i + 1 < model.n else 0.0
+    sine, cosine = math.sin(0.5 * (turn - below)), math.cos(0.5 * (turn - below))
+    slope = 2.0 * sine
+    phi = 0.5 * (turn + below) + blocks.lean[i]
+    contact, stiffness = contact_of(blocks, i, slip), blocks.stiffness[i]
+    felt = opening_felt(opening, slip, slope)
+    lo, hi = loaded_part(contact.left, contact.right, 0.0, felt, slope, 0.0, 0.0)
+    is_full = lo == contact.left and hi == contact.right
+    normal, moment = 0.0, 0.0
+    if lo < hi:
+        normal, moment = forces_over(contact, stiffness, lo, hi, hi - lo, felt, slope)
+    else:
+        lo, hi = contact.left, contact.right
+    along, mixed, second = part_stiffness(contact, stiffness, lo, hi)
+    moment += 0.5 * slip * normal
+    elastic = (second + slip * (mixed + 0.25 * slip * along)) * cosine * cosine
+    twist = -(mixed + 0.5 * slip * along) * cosine
+    # the weight upon it
+    weight = model.settings.gravity * carried
+    down, across = weight * math.cos(phi), weight * math.sin(phi)
+    return JointAtRest(
+        contact.left < contact.right,
+        is_full,
+        down - normal,
+        moment * cosine,
+        -0.5 * (opening * across + slip * down),
+        along,
+        twist,
+        elastic,
+        elastic - 0.5 * moment * sine,
+        across,
+        -0.25 * (opening * down - slip * across),
+    )
+
+
+@kernel
 def _eliminate(model, phase, row):
     """From the top down: gradient and second derivatives of the energy; whether all pivots are positive."""
     n, blocks = model.n, model.blocks
@@ -61,39 +117,19 @@ def _eliminate(model, phase, row):
     diagonal, right = 0.0, 0.0  # what the joint above adds to the row of the block
     side, pivot, last = 0.0, 1.0, 0.0
     for i in range(n):
-        turn, slip, opening = phase.theta[i], phase.slip[i], phase.opening[i]
-        below = phase.theta[i + 1] if i + 1 < n else 0.0
-        sine, cosine = math.sin(0.5 * (turn - below)), math.cos(0.5 * (turn - below))
-        slope = 2.0 * sine
-        phi = 0.5 * (turn + below) + blocks.lean[i]
-        contact, stiffness = contact_of(blocks, i, slip), blocks.stiffness[i]
-        if not contact.left < contact.right:
-            return False
-        felt = opening_felt(opening, slip, slope)
-        lo, hi = loaded_part(contact.left, contact.right, 0.0, felt, slope, 0.0, 0.0)
-        normal, moment = 0.0, 0.0
-        if lo < hi:
-            normal, moment = forces_over(contact, stiffness, lo, hi, hi - lo, felt, slope)
-        else:
-            lo, hi = contact.left, contact.right
-        along, mixed, second = part_stiffness(contact, stiffness, lo, hi)
-        moment += 0.5 * slip * normal
         # the block
         lever = model.settings.gravity * (carried * blocks.height[i] + blocks.mass[i] * blocks.centroid[i])
         carried += blocks.mass[i]
-        diagonal -= lever * math.cos(turn + blocks.tilt[i])
-        right += lever * math.sin(turn + blocks.tilt[i])
+        diagonal -= lever * math.cos(phase.theta[i] + blocks.tilt[i])
+        right += lever * math.sin(phase.theta[i] + blocks.tilt[i])
         # the joint and the weight upon it
-        weight = model.settings.gravity * carried
-        down, across = weight * math.cos(phi), weight * math.sin(phi)
-        unbalanced = down - normal
-        couple, fall = moment * cosine, -0.5 * (opening * across + slip * down)
-        spread = -0.25 * (opening * down - slip * across)
-        turning = (second + slip * (mixed + 0.25 * slip * along)) * cosine * cosine - 0.5 * moment * sine
-        twist = -(mixed + 0.5 * slip * along) * cosine
-        over, under = twist - 0.5 * across, -twist - 0.5 * across
+        joint = joint_about(model, phase, i, carried)
+        if not joint.touches:
+            return False
+        along, unbalanced, turning, spread = joint.along, joint.unbalanced, joint.turning, joint.spread
+        over, under = joint.twist - 0.5 * joint.across, -joint.twist - 0.5 * joint.across
         diagonal += turning + spread - over * over / along
-        right += over * unbalanced / along - (fall + couple)
+        right += over * unbalanced / along - (joint.fall + joint.couple)
         # without the block above
         part = side / pivot
         diagonal -= part * side
@@ -104,5 +140,5 @@ def _eliminate(model, phase, row):
         row.pivot[i], row.right[i], row.side[i] = pivot, right, side
         row.along[i], row.unbalanced[i], row.over[i], row.under[i] = along, unbalanced, over, under
         diagonal = turning + spread - under * under / along
-        right = under * unbalanced / along - (fall - couple)
+        right = under * unbalanced / along - (joint.fall - joint.couple)
     return True

@@ -22,7 +22,6 @@ from ..jit import kernel, leaf
 from ..joint.section import ends_of
 from ..joint.sliding import can_slide
 from ..layout import (
-    ELASTIC,
     INTERPOLATION_BOUND,
     INTERPOLATION_PART,
     OK,
@@ -32,7 +31,7 @@ from ..layout import (
     RESPONSES,
     RIGID_FIELDS,
 )
-from ..modes import inverses_of, limits_of, mode_of, shapes_of
+from ..modes import inverses_of, limits_of, mode_of, parts_of, shapes_of
 from ..views import Record
 from .stage import stage
 
@@ -76,7 +75,7 @@ LEAST_STEP = 1e-9  # s
 @leaf
 def available(model):
     """Whether the column may be propagated by modes."""
-    return model.settings.has_modes != 0.0 and int(model.settings.without) & ELASTIC == 0
+    return model.settings.has_modes != 0.0
 
 
 @kernel
@@ -190,22 +189,23 @@ def _responses(model, work, h, omega):
 
 
 @leaf
-def _multiply(matrices, x, y, n, segments):
-    """One to three segments of 2 n numbers of the row x times the matrices of rotations and openings, to the row y."""
+def _multiply(matrices, x, y, n, parts, segments):
+    """One to three segments of 2 n numbers of the row x times the matrices of all parts, to the row y."""
     size = 2 * n
-    for half in range(2):
-        matrix = matrices[half * n * n :]
-        for i in range(n):
+    m = size // parts
+    for part in range(parts):
+        matrix = matrices[part * m * m :]
+        for i in range(m):
             first, second, third = 0.0, 0.0, 0.0
-            for j in range(n):
-                factor = matrix[n * i + j]
-                begin = half * n + j
+            for j in range(m):
+                factor = matrix[m * i + j]
+                begin = part * m + j
                 first += factor * x[begin]
                 if segments > 1:
                     second += factor * x[size + begin]
                 if segments > 2:
                     third += factor * x[2 * size + begin]
-            to = half * n + i
+            to = part * m + i
             y[to] = first
             if segments > 1:
                 y[size + to] = second
@@ -239,14 +239,14 @@ def _opens(model, p, q, h):
     """Whether a corner of a joint may open, or lose its pressure, in the h s between the phases p and q.
 
     The corner at +-width/2 is pressed by -opening -+ width/2 * slope, of which the slope is taken from above. Of a
-    contact that has slipped the corners are its ends, seen from the middle of the joint.
+    contact that has slipped, or is off its axis, the corners are its ends, seen from the middle of the joint.
     """
     n = model.n
     for i in range(n):
         eta = model.blocks.damping[i]
         half = 0.5 * model.blocks.width[i]
         corner, other = half, -half
-        if can_slide(model) and p.slip[i] != 0.0:
+        if can_slide(model):
             other, corner = ends_of(model.blocks, i, p.slip[i])
             other, corner = other + 0.5 * p.slip[i], corner + 0.5 * p.slip[i]
             half = max(corner, -other)
@@ -340,7 +340,7 @@ def _sweep(column, t, h, is_first, is_last):
     middle, end = stage(work, 1), work.end
     # modal coordinates, rates and remainders at the start, in the middle and at the end
     first, mean, last = stage(work, 2).row, stage(work, 3).row, stage(work, 4).row
-    shapes, inverses = shapes_of(model), inverses_of(model)
+    shapes, inverses, parts = shapes_of(model), inverses_of(model), parts_of(model)
     slopes, curvatures = work.slopes, work.curvatures
     known = work.trend.known != 0.0
     work.trend.known = 0.0
@@ -354,7 +354,7 @@ def _sweep(column, t, h, is_first, is_last):
         for i in range(3 * size):
             first[i] = last[i]
     elif is_first:
-        _multiply(inverses, work.start.row, first, n, 3)
+        _multiply(inverses, work.start.row, first, n, parts, 3)
     ax, jx, az, jz = base_line(base, samples, t)
     angle = omega * t + base.wave_phase
     wave_sine = amplitude * math.sin(angle) if amplitude != 0.0 else 0.0
@@ -367,15 +367,10 @@ def _sweep(column, t, h, is_first, is_last):
             mode = mode_of(model, k)
             over = _half(responses[RESPONSE_FIELDS * k + WHOLE * half :], 0)
             p, v = first[k], first[size + k]
-            square, push = mode.square, mode.push
-            if k < n:
-                force = push * ax
-                slope = push * jx
-                force_sine, force_cosine = push * wave_sine, push * wave_cosine
-            else:
-                force = push * (settings.gravity + az)
-                slope = push * jz
-                force_sine, force_cosine = 0.0, 0.0
+            square, push, lift = mode.square, mode.push, mode.lift
+            force = push * ax + lift * (settings.gravity + az)
+            slope = push * jx + lift * jz
+            force_sine, force_cosine = push * wave_sine, push * wave_cosine
             if half == 0 and is_first:
                 first[2 * size + k] += mode.damping * v + square * p - (force + force_sine)
             remainder = first[2 * size + k]
@@ -396,7 +391,7 @@ def _sweep(column, t, h, is_first, is_last):
                 + (over.impulse * force + over.steady * slope + over.ramp * curvature)
                 + ((over.impulse - omega * over.sine) * force_sine + omega * over.cosine * force_cosine)
             )
-        _multiply(shapes, to, here.row, n, 2)
+        _multiply(shapes, to, here.row, n, parts, 2)
         then = t + (0.5 * h if half == 0 else h)
         motion = base_motion(base, samples, then)
         ax_then, lift_then = motion.ax, settings.gravity + motion.az
@@ -409,11 +404,11 @@ def _sweep(column, t, h, is_first, is_last):
             before, spared = spared, _least_spare(work)
             if not spared > 0.0 or (half == 1 and min(spared, before) <= CHANGES * abs(spared - before)):
                 return OPENS, 0.0
-        _multiply(inverses, here.row[2 * size :], to[2 * size :], n, 1)
+        _multiply(inverses, here.row[2 * size :], to[2 * size :], n, parts, 1)
         for k in range(size):
             mode = mode_of(model, k)
-            pushed = ax_then if k < n else lift_then
-            to[2 * size + k] += mode.damping * to[size + k] + mode.square * to[k] - mode.push * pushed
+            pushed = mode.push * ax_then + mode.lift * lift_then
+            to[2 * size + k] += mode.damping * to[size + k] + mode.square * to[k] - pushed
 
     per_step = 1.0 / on_grid
     wrong, wrong_rate, hidden = 0.0, 0.0, 0.0
@@ -421,7 +416,7 @@ def _sweep(column, t, h, is_first, is_last):
         mode = mode_of(model, k)
         row = responses[RESPONSE_FIELDS * k :]
         over, still = _half(row[WHOLE:], 0), _steady(row[2 * WHOLE :], 0)
-        beta, square, push = mode.damping, mode.square, mode.push
+        beta, square, push, lift = mode.damping, mode.square, mode.push, mode.lift
         r_0, r_1 = first[2 * size + k], last[2 * size + k]
         bend = 2.0 * (r_0 - 2.0 * mean[2 * size + k] + r_1)  # r = r_0 + (...) s + bend s^2, s from 0 to 1
         # responses to s and s^2: coordinates, rates
@@ -430,7 +425,7 @@ def _sweep(column, t, h, is_first, is_last):
         change = bend - 0.5 * on_grid * on_grid * (curvatures[k] if known else 0.0)
         p = last[k] + change * (parabola - 0.5 * line)
         v = last[size + k] + change * (parabola_rate - 0.5 * line_rate)
-        force = push * (ax_then if k < n else lift_then) + r_1
+        force = push * ax_then + lift * lift_then + r_1
         v += excess * (force - beta * v - square * p)
         p += excess * v
         last[k] = p
@@ -443,20 +438,15 @@ def _sweep(column, t, h, is_first, is_last):
         slope = (r_1 - r_0 - bend) * per_step
         slopes[k] = slope + 2.0 * bend * per_step if is_last else slope
         curvatures[k] = 2.0 * bend * per_step * per_step
-        if k < n:
-            force = r_0 + push * ax
-            slope += push * jx
-            sine, cosine = push * still.sine, push * still.cosine
-            hidden += still.forced * abs(amplitude)
-        else:
-            force = r_0 + push * (settings.gravity + az)
-            slope += push * jz
-            sine, cosine = 0.0, 0.0
+        force = r_0 + push * ax + lift * (settings.gravity + az)
+        slope += push * jx + lift * jz
+        sine, cosine = push * still.sine, push * still.cosine
+        hidden += still.forced * abs(amplitude)
         slope /= square
         p = first[k] - (force / square - beta / square * slope) - (sine * wave_sine + cosine * wave_cosine)
         v = first[size + k] - slope - omega * (sine * wave_cosine - cosine * wave_sine)
         hidden += still.free * (abs(p) + still.per_rate * abs(v))
-    _multiply(shapes, last, end.row, n, 3)
+    _multiply(shapes, last, end.row, n, parts, 3)
     allowed = settings.tolerance * control.rotation_scale
     error = limits_of(model).third * max(wrong / allowed, wrong_rate / (settings.tolerance * control.rate_scale))
     hidden /= INTERPOLATION_PART * allowed
