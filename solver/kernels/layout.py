@@ -256,6 +256,7 @@ WORK = Space(
     watched=Record(
         "rises",  # whether something visible is beyond its peak at the end of the step
         "seen",  # whether `seen` shows it
+        "smooth",  # whether no joint changes its regime within the step
     ),
     allowed=Numbers(PEAKS.per_n, PEAKS.beside),  # by how much each quantity may pass its peak unnoticed
     seen=Numbers(

@@ -2,10 +2,10 @@
 
 A step is looked into only where a new peak may lie inside. Whether it may follows from three instants: the resultants
 at its start and its end are known, and half-way the joint law alone is evaluated on the quintic. Forces along the
-joints cannot be had that cheaply; how far they stray from their ends follows from how far N and M do, and one look
-half-way tells more. Where a peak may lie, the step is evaluated at the ends of its pieces. A polynomial through all of
-them tells the extremes of what is smooth within the step; where it is not sure of one, parabolas lead there: until they
-promise no more than a part of the tolerance.
+joints cannot be had that cheaply; how far they stray from their ends follows from how far N and M do, and in a smooth
+step one look half-way tells more. Where a peak may lie, the step is evaluated at the ends of its pieces. A polynomial
+through all of them tells the extremes of what is smooth within the step; where it is not sure of one, parabolas lead
+there: until they promise no more than a part of the tolerance.
 
 Rotations count as small in what is estimated, never in what is kept. Where joints can slide nothing is estimated: all
 steps are looked into.
@@ -339,7 +339,7 @@ def _see_end(column, t, h):
 def _look_within(column, t, h, certain):
     """Fill work.seen at the ends of the pieces of the step, and say whether something may have its peak within.
 
-    Unless that is certain, only forces along the joints may: looked at half-way, they mostly do not.
+    Unless that is certain, only forces along the joints may, in a smooth step: looked at half-way, they mostly do not.
     """
     seen, n = column.work.seen, column.model.n
     size = _PER_N * n + _BESIDE
@@ -529,6 +529,6 @@ def track_extremes(column, t, h):
         if not (found | forces) & TURNS:
             watched.seen = 0.0
             return
-    if _look_within(column, t, h, found & TURNS != 0):
+    if _look_within(column, t, h, found & TURNS != 0 or watched.smooth == 0.0):
         _find_tops(column, t, h)
     _allow(column)
