@@ -406,6 +406,12 @@ def studies_table(results: Results) -> str:
             f"Two threads make so many times as much as one: {gains}; in brackets the seconds of the processor that "
             "one thread spends, over those that two spend. Plain arithmetic shows what the machine has to give."
         )
+    if "run" in part:
+        run = part["run"]
+        lines.append(
+            f"A run of the fragility study, {run['runs']} in one thread: {run['kernels']:.2f} ms of the processor in "
+            f"kernels, {run['python']:.2f} ms in Python."
+        )
     if "ida" in part:
         ida = part["ida"]
         lines.append(

@@ -15,16 +15,20 @@ import tempfile
 import time as clock
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
+from unittest.mock import patch
 
 import numpy as np
 from numba import njit
 
-from solver import Column, Motion, Response, SolverError, simulate, simulate_many
+from solver import Column, Motion, Response, SolverError, batch, simulate, simulate_many
+from solver import runs as runs_module
 from solver.studies import Study, run_study
+from solver.studies.chunks import make
 
 from . import opensees
 from .scenes import RECORDS, ROOT, G, forced, shaft
@@ -95,8 +99,20 @@ def drums(levels: int = LEVELS, duration: float = DURATION) -> Runs:
     column = shaft(DRUMS)
     records = [Motion.from_at2(RECORDS / name) for name in FILES if (RECORDS / name).is_file()]
     records = records or [Motion.harmonic(1.0, frequency, duration) for frequency in (1.0, 1.4, 1.8, 2.4, 3.0)]
-    motions = [record.scaled_to(pga) for record in records for pga in np.linspace(0.05, 0.8, levels) * G]
-    return [column] * len(motions), motions, min(duration, *(record.duration for record in records))
+    parts = [strongest(record, duration) for record in records]
+    motions = [part.scaled_to(pga) for part in parts for pga in np.linspace(0.05, 0.8, levels) * G]
+    return [column] * len(motions), motions, min(duration, *(part.duration for part in parts))
+
+
+def strongest(motion: Motion, duration: float) -> Motion:
+    """The part of a record, so long, s, in whose middle its largest acceleration is; a shorter motion as it is."""
+    if motion.duration <= duration:
+        return motion
+    peak = motion.time[np.argmax(np.abs(motion.ax))]
+    begin = min(max(motion.start, peak - 0.5 * duration), motion.end - duration)
+    inside = (motion.time >= begin - 1e-9) & (motion.time <= begin + duration + 1e-9)
+    time = motion.time[inside]
+    return Motion(time - time[0], motion.ax[inside], motion.az[inside], float(time[-1] - time[0]))
 
 
 def figure_runs(count: int, column: Column, duration: float = DURATION) -> Runs:
@@ -223,6 +239,29 @@ def cores(count: int, rounds: int) -> dict[str, dict[str, float]]:
     return found
 
 
+def parts_of_a_run(count: int, rounds: int) -> dict[str, float]:
+    """Milliseconds of the processor that a run of the fragility study takes in one thread, and those in kernels."""
+    study, spent = Study.from_toml(STUDY).with_runs(count), [0.0]
+
+    @contextmanager
+    def timed() -> Iterator[None]:
+        begin = clock.process_time()
+        try:
+            yield
+        finally:
+            spent[0] += clock.process_time() - begin
+
+    best = [math.inf, math.inf]
+    with patch.object(batch, "others_turn", timed), patch.object(runs_module, "others_turn", timed):
+        for _ in range(rounds):
+            spent[0], begin = 0.0, clock.process_time()
+            make(study, range(count))
+            lasted = clock.process_time() - begin
+            best = [min(best[0], spent[0]), min(best[1], lasted - spent[0])]
+    kernels, python = (1e3 * seconds / count for seconds in best)
+    return {"runs": count, "kernels": kernels, "python": python}
+
+
 def ida(runs: Runs) -> dict[str, Any]:
     """Seconds of the processor of a study by `simulate`, and by `simulate_many` in one thread."""
     seconds = alternating(
@@ -301,6 +340,8 @@ def measure(quick: bool) -> Iterator[dict[str, Any]]:
     found["opensees"] = beside_opensees(found["throughput"][0]["many"]["throughput"])
     yield found
     found["cores"] = cores(200, ROUNDS) if quick else cores(2000, CORE_ROUNDS)
+    yield found
+    found["run"] = parts_of_a_run(320 if quick else 2000, ROUNDS)
     yield found
     found["ida"] = ida(drums(4 if quick else LEVELS))
     yield found

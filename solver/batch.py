@@ -18,13 +18,20 @@ from numpy.typing import NDArray
 from .column import Column
 from .errors import InputError
 from .kernels import layout as at
-from .kernels.batch.entries import run_lanes, run_round, run_round_slipping, run_slipping, run_swept
+from .kernels.batch.entries import (
+    run_lanes,
+    run_round,
+    run_round_slipping,
+    run_slipping,
+    run_stripped,
+    run_swept,
+)
 from .kernels.batch.runs import OUTCOME, RUN, SLIP_FIELDS, SPACE
 from .kernels.entries import run
 from .kernels.integrators import dormand_prince
 from .kernels.lanes import WIDTH
 from .motion import Motion
-from .packing import FloatArray, arrays_at, copied
+from .packing import Arrays, FloatArray, arrays_at, copied
 from .turns import others_turn
 
 # Steps across changes of regime err by more than their estimate says: they are given so much less of the tolerance.
@@ -43,6 +50,7 @@ CRITICAL = 2.0  # damping times frequency
 # are the slower beginning, unless explicit steps are short. Measured (the shaft of Phocas in six drums, five records of
 # 50 to 200 samples a second): twice as slow, and five times where joints stay closed.
 SAMPLES, AT_ONCE = 20.0, 1500.0  # 1/s: of a record; explicit steps
+MOST_ASSEMBLED = 64  # columns that are kept for other runs of them
 HELD = "held samples"  # why a run is not made in lanes
 STAGES = 6  # evaluations of a step
 LINE = 64  # bytes that the processor reads at once: lanes that lie across two of them cost a tenth more
@@ -53,8 +61,11 @@ ENTRIES = {
     "round": run_round,
     "slipping": run_slipping,
     "round, slipping": run_round_slipping,
+    "strips, slipping": run_stripped,
     "swept": run_swept,
 }
+
+KNOW = tuple(ENTRIES)  # the later, the more sections; none goes with another that has no slips, or is swept
 
 _NONE = np.empty(0)
 
@@ -86,28 +97,19 @@ def why_not_in_lanes(column: Column) -> str:
         return "short cuts left out"
     if column.n > MOST_BLOCKS:
         return f"more than {MOST_BLOCKS} blocks"
-    why = _wrong_sections(column)
-    if why:
-        return why
     if swept:
-        return ""
+        return "" if column.has_rectangles_only else "formulation paper with other joints than rectangles"
     if settings.tolerance < TIGHTEST:
         return "tight tolerance"
     return "stiff joints" if _is_stiff(column) else ""
-
-
-def _wrong_sections(column: Column) -> str:
-    if column.has_rectangles_only:
-        return ""
-    if column.has_strips:
-        return "joints made of strips"
-    return "formulation paper with round joints" if column.settings.formulation == "paper" else ""
 
 
 def kind_of(column: Column) -> str:
     """By which lanes runs of a column are made, a name of ENTRIES."""
     if column.settings.formulation == "paper":
         return "swept"
+    if column.has_strips:
+        return "strips, slipping"
     if column.has_rectangles_only:
         return "slipping" if column.has_slips else "plain"
     return "round, slipping" if column.has_slips else "round"
@@ -167,7 +169,7 @@ def run_batch(
 
     tolerance: relative to the peak; None: each column's. times: s after the start of a run, at which its phase is kept.
     All columns have slips (Column.has_slips) or none has. Raises InputError for columns of another number of blocks
-    or formulation, for sections that lanes do not know, and for held samples.
+    or formulation and for held samples.
     """
     n, slips = columns[0].n, columns[0].has_slips
     durations = [motion.duration for motion in motions] if durations is None else list(durations)
@@ -178,9 +180,6 @@ def run_batch(
             raise InputError(f"columns[{k}]: must have {n} blocks and the formulation exact, as the others of a batch")
         if column.has_slips != slips:
             raise InputError(f"columns[{k}]: must slide or be off its axis as all others of a batch, or none of them")
-        why = _wrong_sections(column)
-        if why:
-            raise InputError(f"columns[{k}]: {why}: not in a batch")
         if motion.hold:
             raise InputError(f"motions[{k}]: its samples are held, must be joined by straight lines")
     if tolerance is not None:
@@ -212,7 +211,7 @@ def follow_in_lanes(
     rows = _NONE if times is None else np.ascontiguousarray(times, dtype=np.float64)
     flag = np.zeros(1) if flag is None else flag
     kinds = {kind_of(column) for column in columns}
-    kind = max(kinds, key=lambda name: name.startswith("round"))  # which has the same bits for rectangles
+    kind = max(kinds, key=KNOW.index)  # which has the same bits for the sections that others know
     batch = _Batch(columns[0].n, len(columns), _Records(motions, durations), rows, kind)
     for k, (column, motion, duration) in enumerate(zip(columns, motions, durations, strict=True)):
         if not flag[0]:
@@ -281,26 +280,23 @@ class _Batch:
         self._snapshots = np.zeros((count, rows.size, at.PHASE.size(n)))
         self._evaluations = np.zeros(count, dtype=np.int64)
         self._waiting: list[int] = []
-        self._column: Column | None = None
+        self._assembled: dict[int, Arrays] = {}  # by the column, of some
 
     def begin(self, k: int, column: Column, motion: Motion, duration: float) -> None:
         """Let run k wait for a lane, from rest or as it is when a joint opens; or take it to its end."""
         n, start, stop = self.n, motion.start, motion.start + duration
-        if column is not self._column:
-            self._fresh = arrays_at(column, TOLERANCE_PART * column.settings.tolerance, at.EXTREMES)
-            self._column = column
-        model, phase = self._fresh.model, self._fresh.state[at.CONTROL.beside :]
+        fresh = self._at_rest(column)
+        model, phase = fresh.model, fresh.state[at.CONTROL.beside :]
         self._models[k] = model[: self._models.shape[1]]
         omega = 2.0 * math.pi * motion.frequency
         wave = (motion.amplitude, omega, -omega * start)
         first, size = self._records.place(motion)
-        if self._slipping:
-            self._slips[k] = phase[at.RIGID_FIELDS * n : at.PHASE_FIELDS * n]
-        if self._swept or self._slipping or _enters_at_once(column, model[_ORDER], motion, size):
+        self._keep_slips(k, phase)
+        if self._swept or not model[_HAS_MODES] or _enters_at_once(column, model[_ORDER], motion, size):
             self._outcomes[k, OUTCOME.beside + n :] = phase[: 4 * n]
             self._waits(k, phase[: 4 * n], (start, start, stop, 1.0, *wave, first, size, 0, 0.0, 0.0))
             return
-        arrays = copied(self._fresh)
+        arrays = copied(fresh)
         control, counts, base = at.CONTROL.see(arrays.state), at.COUNTS.see(arrays.counts), at.BASE.see(arrays.base)
         base.wave_amplitude, base.wave_omega, base.wave_phase = wave
         counts.until_opening = 1
@@ -309,7 +305,9 @@ class _Batch:
         kept = np.zeros((times.size, at.SNAPSHOT.size(n)))
         with others_turn():
             code = run(n, *arrays, *record, 1.0, False, start, duration, times, kept.reshape(-1), True)
-        phase, peaks = arrays.state[at.CONTROL.beside :][: 4 * n], at.STATE.see(arrays.state, n).peaks[:n]
+        whole, peaks = arrays.state[at.CONTROL.beside :], at.STATE.see(arrays.state, n).peaks[:n]
+        phase = whole[: 4 * n]
+        self._keep_slips(k, whole)
         self._outcomes[k] = np.concatenate([[code, math.nan, 0.0, counts.steps, counts.rejected], peaks, phase])
         self._evaluations[k] = counts.evaluations
         if self._rows.size:
@@ -319,6 +317,16 @@ class _Batch:
             entering = (start, control.reached, stop, 1.0, *wave, first, size, counts.next_row, *scales)
             self._waits(k, phase, entering)
 
+    def _at_rest(self, column: Column) -> Arrays:
+        """The arrays of a column at rest, not to be changed."""
+        found = self._assembled.get(id(column))
+        if found is None:
+            if len(self._assembled) == MOST_ASSEMBLED:
+                self._assembled.clear()
+            found = arrays_at(column, TOLERANCE_PART * column.settings.tolerance, at.EXTREMES)
+            self._assembled[id(column)] = found
+        return found
+
     def go_on(self, models: FloatArray, phases: FloatArray, begin: FloatArray, end: FloatArray) -> None:
         """Let all runs wait for a lane, with these phases, upon a base that is still."""
         self._waiting = list(range(len(models)))
@@ -326,6 +334,11 @@ class _Batch:
         for name, values in (("origin", begin), ("start", begin), ("stop", end), ("scale", 1.0)):
             self._runs[:, RUN.fields.index(name)] = values
         self._outcomes[:, OUTCOME.beside + self.n :] = phases
+
+    def _keep_slips(self, k: int, phase: FloatArray) -> None:
+        """The second part of a phase, where columns have slips, is that of run k."""
+        if self._slipping:
+            self._slips[k] = phase[at.RIGID_FIELDS * self.n : at.PHASE_FIELDS * self.n]
 
     def _waits(self, k: int, phase: FloatArray, entering: tuple[float, ...]) -> None:
         """Let run k wait for a lane."""
@@ -376,6 +389,7 @@ class _Batch:
         return np.concatenate([rigid, *(slips[..., k : k + self.n] for k in places)], axis=-1)
 
 
+_HAS_MODES = at.SETTINGS.fields.index("has_modes")
 _ORDER = at.SETTINGS.fields.index("explicit_order")
 _START, _STOP = RUN.fields.index("start"), RUN.fields.index("stop")
 _TRIED = [OUTCOME.parts["record"].fields.index(name) for name in ("steps", "rejected")]  # type: ignore[attr-defined]

@@ -64,7 +64,7 @@ class Column:
 
     @cached_property
     def has_strips(self) -> bool:
-        """Whether some joint is made of strips, the one section that lanes do not know."""
+        """Whether some joint is made of strips."""
         return any(block.joint_section == STRIPS for block in self.blocks)
 
     def with_settings(

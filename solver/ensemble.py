@@ -89,10 +89,10 @@ def vary(column: Column, motion: Motion, spread: Spread, rng: np.random.Generato
 
 def runs_in_lanes(response: Response, motion: Motion, initial: InitialState | None) -> bool:
     """Whether eight can run at once, and gain by it."""
-    column, settings = response.column, response.column.settings
+    settings = response.column.settings
     fits = settings.formulation == "exact" and settings.integrator == "auto" and set(settings.without) <= {"peaks"}
     explicit = response.stats["implicit_steps"] <= MOST_DAMPED * response.stats["steps"]
-    return fits and explicit and not column.has_strips and not motion.hold and initial is None
+    return fits and explicit and not motion.hold and initial is None
 
 
 Made = tuple[str, float, FloatArray, FloatArray]  # verdict, time of overturning s, peaks (n,), ux (nt, n)

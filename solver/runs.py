@@ -8,7 +8,7 @@ import pickle
 import time as clock
 from collections import Counter
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from multiprocessing import parent_process
 from typing import Any, NamedTuple
@@ -134,6 +134,8 @@ def load_kernels(kind: str) -> None:
     Nobody is to go by that.
     """
     joint = Joint(1e9, 1e-3, friction=1.0 if kind.endswith("slipping") else None)
+    if kind.startswith("strips"):
+        joint = replace(joint, section="strips", strips=(1.0,))
     block = Block(1.0, 1.0, 1.0, 1e3, joint, section="circle" if kind.startswith("round") else "rectangle")
     solver = ("paper", "central-difference") if kind == "swept" else ("exact", "auto")
     column = Column("block", (block,), Settings(*solver))
@@ -215,7 +217,7 @@ def _fill(
     """What has come of runs with as many blocks each, in lanes of one kind, into the columns."""
     n = runs[0].column.n
     fell = batch.overturned_joint > 0
-    if runs[0].column.has_slips:
+    if kind_of(runs[0].column).endswith("slipping"):
         words, times, joints = _verdicts_one_by_one(runs, batch, settle, flag)
         left = _left_one_by_one(runs, batch)
     else:

@@ -46,12 +46,13 @@ def fates_of(
     if not left.size:
         return found
     columns, chain, phases, stops = [columns[k] for k in left], chain.some(left), phases[left], stops[left]
-    barriers = Barriers(chain, fall_angles(chain.model, chain.n))
+    first, same = _alike(columns)  # a column may be there under many motions
+    barriers = Barriers(chain.some(first), fall_angles(chain.model[first], chain.n))
     numbers, some = left, np.arange(len(left))  # of what is left, in what was given and in the rows here
     looks = 0
     while some.size and not flag[0]:
         part = chain.some(some)
-        held = barriers.hold(some, part.energies(phases[some]), np.abs(part.places(phases[some]).theta))
+        held = barriers.hold(same[some], part.energies(phases[some]), np.abs(part.places(phases[some]).theta))
         some = some[~held]
         begin, end = (min(settle, BETWEEN_LOOKS * k) for k in (looks, looks + 1))
         if begin == settle:
@@ -71,6 +72,13 @@ def fates_of(
         some = some[made.finished & ~fell]
         looks += 1
     return found
+
+
+def _alike(columns: Sequence[Column]) -> tuple[IntArray, IntArray]:
+    """Places of columns that differ, and for each of all columns which of these it is."""
+    known: dict[int, int] = {}
+    same = np.array([known.setdefault(id(column), len(known)) for column in columns])
+    return np.unique(same, return_index=True)[1], same
 
 
 def _not_standing(chain: Chain, phases: FloatArray) -> IntArray:

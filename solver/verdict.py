@@ -120,7 +120,10 @@ class Barriers:
         self._energies = np.full(self._ceilings.shape, np.nan)
 
     def hold(self, some: IntArray, energy: FloatArray, turned: FloatArray) -> NDArray[np.bool_]:
-        """`is_held` of some of the columns, each with its energy, J, and rotations either way, rad (n,)."""
+        """`is_held` of some of the columns, each with its energy, J, and rotations either way, rad (n,).
+
+        One that is there more than once has several of these.
+        """
         held = np.zeros(len(some), dtype=bool)
         safe = SAFE["exact" if self._chain.exact else "paper"]
         rounding = self._rounding[some]
@@ -129,7 +132,7 @@ class Barriers:
         for k in np.flatnonzero(within.any(axis=-1)).tolist():
             left = np.flatnonzero(within[k] & ~held)
             places = some[left]
-            self._find(k, places[np.isnan(self._energies[k, places])])
+            self._find(k, np.unique(places[np.isnan(self._energies[k, places])]))
             enough = safe * self._energies[k, places] + rounding[left]
             held[left] = (energy[left] <= enough) & np.all(turned[left] < self._limits[k, places], axis=-1)
         return held

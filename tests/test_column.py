@@ -10,10 +10,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from solver.batch import why_not_in_lanes
 from solver.block import Block, Joint
 from solver.column import Column
 from solver.errors import InputError
+from solver.packing import described
 from solver.ranges import MAX_BLOCKS
+from solver.rest import is_stable
 from solver.settings import FORMULATIONS, INTEGRATORS, Settings
 
 EXAMPLES = Path(__file__).resolve().parents[1] / "examples" / "columns"
@@ -300,3 +303,25 @@ def test_files_that_cannot_be_read(tmp_path: Path) -> None:
     (tmp_path / "latin.toml").write_bytes(b'name = "\xe9"')
     with pytest.raises(InputError, match=r"latin\.toml: is not UTF-8 text"):
         Column.from_toml(tmp_path / "latin.toml")
+
+
+def test_what_is_remembered_of_a_column_does_not_hang_on_its_joints() -> None:
+    """Columns that differ in moduli, dampings and settings share what was worked out of their shape."""
+    for name in ("phocas-damped.toml", "phocas-round.toml"):
+        column = Column.from_toml(EXAMPLES / name)
+        described(column), is_stable(column), why_not_in_lanes(column)
+        n = column.n
+        changed = column.with_settings(tolerance=1e-5).with_joints(
+            [1e9 + i for i in range(n)], [1e-3 * i for i in range(n)]
+        )
+        anew = Column.from_dict(changed.to_dict())
+        assert changed == anew
+        np.testing.assert_array_equal(described(changed), described(anew))
+        for block, other in zip(changed.blocks, anew.blocks, strict=True):
+            assert {key: getattr(block, key) for key in vars(block)} == {
+                key: getattr(other, key) for key in vars(block)
+            }
+            assert block.joint_stiffness == other.joint_stiffness
+        assert {key: getattr(changed, key) for key in vars(changed)} == {
+            key: getattr(anew, key) for key in vars(changed)
+        }

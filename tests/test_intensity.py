@@ -164,3 +164,12 @@ def test_one_oscillator_alone_is_one_among_many_to_the_bit() -> None:
     among = oscillator.response(steps, samples[:-1], samples[1:], np.array([30.0, 5.0]), 0.05)
     for one, many in zip(alone, among, strict=True):
         np.testing.assert_array_equal(one[:, 0], many[:, 0])
+
+
+def test_peak_of_one_history_is_that_of_several() -> None:
+    rng = np.random.default_rng(1)
+    for count in (1, 2, 40, 700):
+        values, steps = rng.standard_normal((count + 1, 3)), rng.uniform(0.1, 1.0, count)
+        before, after = rng.standard_normal((2, count, 3))
+        alone = [oscillator.peak(steps, values[:, k], before[:, k], after[:, k]) for k in range(3)]
+        assert alone == oscillator.peaks(steps, values, before, after).tolist()

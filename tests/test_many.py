@@ -156,6 +156,16 @@ def test_the_same_bits_in_any_order_and_number_of_threads(threads: int) -> None:
         assert np.array_equal(table[name][order], other[name], equal_nan=table[name].dtype.kind == "f"), name
 
 
+def test_a_column_under_many_motions_is_as_many_equal_columns() -> None:
+    """Which is assembled once, and whose barriers are found once (settling.py)."""
+    motions = [Motion.harmonic(0.4 * G, 0.5 + 0.05 * k, 2.0) for k in range(16)]
+    column = phocas(1e-3)
+    one = simulate_many(column, motions, tolerance=1e-3, keep=KEEP)
+    assert {"standing", "overturned"} <= set(one["verdict"])
+    copies = [Column.from_dict(column.to_dict()) for _ in motions]
+    assert_same(one, simulate_many(copies, motions, tolerance=1e-3, keep=KEEP))
+
+
 def test_the_same_bits_from_processes() -> None:
     columns, motions, durations = mixture()
     with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool:

@@ -13,10 +13,8 @@ from hypothesis import strategies as st
 from probe import Array
 from scipy.optimize import minimize_scalar
 
-from solver import Block, Column, InitialState, InputError, Joint, Motion, natural_frequencies, simulate
-from solver.batch import run_batch
+from solver import Block, Column, InitialState, Joint, Motion, natural_frequencies, simulate
 from solver.chain import Chain
-from solver.ensemble import runs_in_lanes
 from solver.kernels import layout as at
 from solver.kernels.jit import from_python
 from solver.kernels.joint.circle import SMALL, circle_part
@@ -394,11 +392,3 @@ def test_mirrored_motion_gives_the_mirrored_response_to_the_last_bit() -> None:
     run, mirrored = simulate(drums(1e-3), motion), simulate(drums(1e-3), motion.mirrored())
     assert np.array_equal(-run.ux, mirrored.ux)
     assert np.array_equal(run.N, mirrored.N)
-
-
-def test_lanes_refuse_strips_and_ensembles_do_without_them() -> None:
-    motion = Motion.harmonic(1.0, 1.0, 0.2)
-    column = Column("one", (Block(2.0, WIDTH, 1.4, 1e4, JOINTS["chipped"]),))
-    with pytest.raises(InputError, match=r"columns\[0\]: joints made of strips: not in a batch"):
-        run_batch([column], [motion])
-    assert not runs_in_lanes(simulate(column, motion), motion, None)

@@ -22,9 +22,11 @@ from test_sliding_motion import flat_block
 
 from solver import Block, Column, InputError, Joint, Motion, Settings, simulate, simulate_many
 from solver.batch import run_batch
+from solver.chain import Chain
 from solver.kernels.batch.runs import SLIPPING_SPACE
 from solver.packing import pack_model
 from solver.rest import is_stable
+from solver.single_run import single_run
 
 # --- accelerations
 
@@ -158,3 +160,28 @@ def test_many_runs_and_ensembles_are_made_in_lanes() -> None:
 def test_columns_with_slips_and_without_are_no_batch() -> None:
     with pytest.raises(InputError, match=r"columns\[1\]: must slide or be off its axis as all others"):
         run_batch([flat_block(), monolith()], [Motion.harmonic(1.0, 2.0, 0.1)] * 2)
+
+
+@pytest.mark.long
+def test_columns_that_begin_by_modes_go_on_in_lanes_once_they_open_or_slide() -> None:
+    """Off the axis or on it, in contact all the time, opening by resonance, sliding below that."""
+    motions = [Motion.harmonic(a * G, f, 3.0) for a, f in ((0.004, 2.0), (0.03, 2.0), (0.03, 2.0), (0.03, 2.9))]
+    columns = []
+    for offset, friction in ((0.05, None), (0.05, 0.7), (0.05, 0.02), (None, 0.025)):
+        joint = replace(phocas(1e-3).blocks[0].joint, offset=offset, friction=friction)
+        column = phocas(1e-3)
+        columns.append(replace(column, blocks=(replace(column.blocks[0], joint=joint), *column.blocks[1:])))
+    times = np.linspace(0.0, 2.9, 30)
+    slid = []
+    for tolerance in (1e-3, 1e-5):
+        result = run_batch(columns, motions, tolerance=tolerance, times=times)
+        for k, (column, motion) in enumerate(zip(columns, motions, strict=True)):
+            truth, phases = single_run(column.with_settings(tolerance=1e-10), motion, 3.0, times, None, 0.0)
+            size = np.max(np.abs(truth.peak_ux))
+            tops = Chain(column).top_displacements(result.phases[k]) - Chain(column).top_displacements(phases)
+            slips = result.phases[k][:, 12:15] - phases[:, 12:15]
+            assert max(np.max(np.abs(tops)), np.max(np.abs(slips))) < 2.0 * tolerance * size  # measured 0.14
+            slid.append(np.ptp(phases[:, 12]) > 1e-4)
+    assert slid == 2 * [False, False, True, True]
+    assert result.steps[0] < 300  # by modes, 123; explicit ones are 1,000
+    assert_nothing_depends_on_the_others(columns, motions)

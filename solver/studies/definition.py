@@ -183,9 +183,7 @@ class Study:
     def run(self, number: int) -> Planned:
         """The run of a number, from 0. Raises InputError where a value does not suit the column or the motion."""
         values = self.values(number)
-        own = _of_columns(self)
-        column = _columns(self)[int(values["column"])]
-        column = column_with(column, {name: (values[name], relative) for name, relative in own.items()})
+        column = _column(self, int(values["column"]), tuple([values[name] for name in _of_columns(self)]))
         motion, base, measures = self._shaken(values)
         duration = motion.duration
         if self.duration is not None:
@@ -357,6 +355,14 @@ def _of_motions(study: Study) -> dict[str, tuple[str, bool]]:
 def _columns(study: Study) -> tuple[Column, ...]:
     """The columns at the tolerance of the study."""
     return tuple(column.with_settings(tolerance=study.tolerance) for column in study.columns)
+
+
+@lru_cache(maxsize=256)
+def _column(study: Study, which: int, numbers: tuple[float, ...]) -> Column:
+    """A column with the numbers that `_of_columns` names: the same one at all points of a grid of motions."""
+    relative = _of_columns(study).items()
+    given = {name: (number, flag) for (name, flag), number in zip(relative, numbers, strict=True)}
+    return column_with(_columns(study)[which], given)
 
 
 @lru_cache(maxsize=8)

@@ -3,11 +3,11 @@
 from ..jit import entry, leaf
 from ..views import lanes_of, row_of
 from .follow import batch_over, follow_queue
-from .runs import ROUND_SLIPPING_SPACE, ROUND_SPACE, SLIPPING_SPACE, SPACE, Queue
+from .runs import ROUND_SLIPPING_SPACE, ROUND_SPACE, SLIPPING_SPACE, SPACE, STRIPPED_SPACE, Queue
 from .swept import follow_swept
 
 _space, _slipping = SPACE.over, SLIPPING_SPACE.over
-_round, _round_slipping = ROUND_SPACE.over, ROUND_SLIPPING_SPACE.over
+_round, _round_slipping, _stripped = ROUND_SPACE.over, ROUND_SLIPPING_SPACE.over, STRIPPED_SPACE.over
 
 
 @leaf
@@ -57,6 +57,13 @@ def run_round_slipping(
     """The same of columns with both, likewise."""
     queue = _queue_of(count, models, phases, slips, runs, outcomes, times, ax, az, row_times, snapshots, flag)
     follow_queue(batch_over(_round_slipping(lanes_of(buffer), n), buffer, queue))
+
+
+@entry
+def run_stripped(n, buffer, count, models, phases, slips, runs, outcomes, times, ax, az, row_times, snapshots, flag):
+    """The same of columns with strips, with slips or without, likewise."""
+    queue = _queue_of(count, models, phases, slips, runs, outcomes, times, ax, az, row_times, snapshots, flag)
+    follow_queue(batch_over(_stripped(lanes_of(buffer), n), buffer, queue))
 
 
 @entry

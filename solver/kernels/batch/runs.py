@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 from ..formulations.base import Samples
 from ..jit import leaf
-from ..joint.section import ROUND
+from ..joint.section import ROUND, STRIPPED
 from ..joint.sliding import MARK
 from ..layout import BASE, BLOCKS, MODEL, PHASE, RIGID_FIELDS, STATE, STRIP_NUMBERS, WORK
 from ..views import Numbers, Record, Space, Table
@@ -53,17 +53,18 @@ SPACE = Space(model=MODEL, state=STATE, base=BASE, lane=LANE, work=WORK)
 # the same of columns that have slips (formulations/slips.py): an empty part tells it to the compiler
 _marked = {name: Space(**part.parts, **{MARK: Numbers()}) for name, part in (("model", MODEL), ("work", WORK))}
 SLIPPING_SPACE = Space(**{**SPACE.parts, **_marked})
-# the same of columns with round joints, told likewise
-_blocks = Table(*BLOCKS.fields, strips=STRIP_NUMBERS, **{ROUND: 0})  # type: ignore[arg-type]
 
 
-def _with_round_joints(space: Space) -> Space:
+def _knowing(space: Space, *names: str) -> Space:
+    """The same of columns with other joints than rectangles, told likewise: by empty fields of the blocks."""
     model = space.parts["model"]
     assert isinstance(model, Space)
-    return Space(**{**space.parts, "model": Space(**{**model.parts, "blocks": _blocks})})
+    blocks = Table(*BLOCKS.fields, strips=STRIP_NUMBERS, **dict.fromkeys(names, 0))  # type: ignore[arg-type]
+    return Space(**{**space.parts, "model": Space(**{**model.parts, "blocks": blocks})})
 
 
-ROUND_SPACE, ROUND_SLIPPING_SPACE = _with_round_joints(SPACE), _with_round_joints(SLIPPING_SPACE)
+ROUND_SPACE, ROUND_SLIPPING_SPACE = _knowing(SPACE, ROUND), _knowing(SLIPPING_SPACE, ROUND)
+STRIPPED_SPACE = _knowing(SLIPPING_SPACE, ROUND, STRIPPED)  # of any column
 SLIP_FIELDS = PHASE.per_n - RIGID_FIELDS  # the second part of a phase
 
 

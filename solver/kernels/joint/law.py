@@ -168,7 +168,7 @@ def _round_resultants(blocks, i, near, far, opening, slope, opening_rate, slope_
     one, other, mean, gradient = loaded_part_in_lanes(near, far, damping, opening, slope, opening_rate, slope_rate)
     lo, hi = lesser(one, other), greater(one, other)
     length = hi - lo
-    force, moment = forces_over_in_lanes(blocks, i, slip, lo, hi, length, mean, gradient)
+    force, moment = forces_over_in_lanes(blocks, i, slip, slope, lo, hi, length, mean, gradient)
     return force, mirrored(moment, slope), length
 
 

@@ -4,8 +4,8 @@ A section is a code and a few numbers, kept in `blocks`. Elsewhere only its ends
 a joint can touch. Of a part of it, from lo to hi along the motion, three numbers are needed: area m2 and first and
 second moment m3, m4 about the middle of the part. Mirror images have mirrored moments, to the last bit.
 
-The rectangle comes first and is written out: it is the most frequent section. Lanes have all but strips; those of
-columns of rectangles alone are compiled without the others (batch/runs.py).
+The rectangle comes first and is written out: it is the most frequent section. Lanes of columns of rectangles alone are
+compiled without the others, those of columns without strips without these (batch/runs.py).
 """
 
 import math
@@ -13,17 +13,18 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 from ..jit import by_width, in_both, kernel, leaf
-from ..lanes import LANES, LanesType, any_of, greater, lesser, where
+from ..lanes import LANES, LanesType, any_of, greater, lesser, mirrored, where
 from ..layout import MOST_STRIPS, STRIP_NUMBERS
 from .circle import circle_part, ring_part
 from .lens import ends_of_rings, lens_part
-from .strips import COUNT, DEPTHS, PITCH, edge_of, strips_part
+from .strips import COUNT, DEPTHS, PITCH, edge_of, strips_part, strips_part_in_lanes
 
 # the names that a user writes; the code of a section is its place among them
 SECTIONS = ("rectangle", "circle", "annulus", "strips")
 RECTANGLE, CIRCLE, ANNULUS, STRIPS = range(len(SECTIONS))
 
 ROUND = "round_in_lanes"  # name of an empty field, in the blocks of lanes whose joints may be round (batch/runs.py)
+STRIPPED = "strips_in_lanes"  # and of those whose joints may be made of strips
 NEAR = 1e-4  # of the width of a contact: half of the part over which its depth at a place is taken
 
 
@@ -51,6 +52,17 @@ def _choose_knows(blocks):
     if blocks.kind is LANES and ROUND not in blocks.names:
         return lambda blocks: False
     return lambda blocks: True
+
+
+def knows_strips(blocks):
+    """Whether the joints of lanes may be made of strips."""
+    raise NotImplementedError("for kernels only")
+
+
+@by_width(knows_strips)
+def _choose_strips(blocks):
+    known = STRIPPED in blocks.names
+    return lambda blocks: known
 
 
 @leaf
@@ -161,11 +173,31 @@ def _choose_part(blocks, i, slip, lo, hi):
 
 
 @leaf
-def forces_over_in_lanes(blocks, i, slip, lo, hi, length, mean, gradient):
-    """As `forces_over`, of joint i in lanes, of which each is a rectangle, a circle or an annulus."""
-    stiffness = blocks.stiffness[i]
-    flat, force, moment = blocks.section[i] == RECTANGLE, 0.0 * mean, 0.0 * mean
-    if any_of(blocks.section[i] != RECTANGLE):
+def _strips_in_image(blocks, i, slope, lo, hi):
+    """As `_part`, of joint i in lanes, of which each is made of strips; in the image of `forces_over_in_lanes`."""
+    falls = slope < 0.0
+    strips = blocks.strips[STRIP_NUMBERS * i :]
+    middle, area, first, second = strips_part_in_lanes(strips, where(falls, -hi, lo), where(falls, -lo, hi))
+    return mirrored(middle, slope), area, mirrored(first, slope), second
+
+
+@leaf
+def forces_over_in_lanes(blocks, i, slip, slope, lo, hi, length, mean, gradient):
+    """As `forces_over`, of joint i in lanes, whichever section each has that these lanes know.
+
+    Slip, part and moment are those in the mirror image where the slope falls.
+    """
+    stiffness, section = blocks.stiffness[i], blocks.section[i]
+    flat, force, moment = section == RECTANGLE, 0.0 * mean, 0.0 * mean
+    if knows_strips(blocks):
+        cut = section == STRIPS
+        if any_of(cut):
+            force, moment = _part_forces(_strips_in_image(blocks, i, slope, lo, hi), stiffness, mean, gradient)
+        arched = (section == CIRCLE) | (section == ANNULUS)
+        if any_of(arched):
+            arch = _part_forces(part_in_lanes(blocks, i, slip, lo, hi), stiffness, mean, gradient)
+            force, moment = where(arched, arch[0], force), where(arched, arch[1], moment)
+    elif any_of(section != RECTANGLE):
         force, moment = _part_forces(part_in_lanes(blocks, i, slip, lo, hi), stiffness, mean, gradient)
     if any_of(flat):
         flat_force, flat_moment = rectangle_forces(lo, hi, length, stiffness * blocks.depth[i], mean, gradient)
@@ -218,6 +250,11 @@ def depth_in_lanes(blocks, i, left, right, place):
         near = NEAR * (right - left)
         found = ring_part(0.5 * depth, 0.5 * blocks.bore[i], place - near, place + near)
         depth = where(flat, depth, found[1] / (2.0 * near))
+        if knows_strips(blocks):
+            cut = blocks.section[i] == STRIPS
+            if any_of(cut):
+                found = strips_part_in_lanes(blocks.strips[STRIP_NUMBERS * i :], place - near, place + near)
+                depth = where(cut, found[1] / (2.0 * near), depth)
     return depth
 
 
