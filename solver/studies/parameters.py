@@ -51,11 +51,23 @@ def column_with(column: Column, values: Mapping[str, tuple[float, bool]]) -> Col
         return column
     if all(name == _TOLERANCE or _joint_number(name) in _OWN for name in values):
         return _with_own(column, values)
-    data = column.to_dict()
+    data = _written(column)
     for name in sorted(values, key=lambda name: name not in SHAPES):
         number, relative = values[name]
         _set(data, name, number, relative)
     return Column.from_dict(data)
+
+
+def _written(column: Column) -> dict[str, Any]:
+    """`Column.to_dict`, its tables to be changed."""
+    data = _to_dict(column)
+    blocks = [{**block, "joint": dict(block["joint"])} for block in data["block"]]
+    return {**data, "block": blocks, "solver": dict(data["solver"])}
+
+
+@lru_cache(maxsize=8)
+def _to_dict(column: Column) -> dict[str, Any]:
+    return column.to_dict()
 
 
 @lru_cache(maxsize=1024)
