@@ -41,6 +41,17 @@ class Column:
             check_friction(f"block[{number}].joint", block.joint)
         _check_settings(self)
 
+    def __hash__(self) -> int:
+        return self._hash
+
+    @cached_property
+    def _hash(self) -> int:
+        """Worked out once: what is kept of a column is asked for several times in a run."""
+        return hash((self.name, self.blocks, self.settings, self.g))
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {key: value for key, value in self.__dict__.items() if key != "_hash"}  # each process has its own
+
     @property
     def n(self) -> int:
         """Number of blocks."""
@@ -146,6 +157,7 @@ def _changed(part: Part, **values: Any) -> Part:
     """
     made = object.__new__(type(part))
     made.__dict__.update(part.__dict__, **values)
+    made.__dict__.pop("_hash", None)
     return made
 
 

@@ -256,9 +256,12 @@ WORK = Space(
     watched=Record(
         "rises",  # whether something visible is beyond its peak at the end of the step
         "seen",  # whether `seen` shows it
+        "smooth",  # whether no joint changes its regime within the step
     ),
     allowed=Numbers(PEAKS.per_n, PEAKS.beside),  # by how much each quantity may pass its peak unnoticed
-    seen=Numbers(PEAKS.per_n * (PIECES + 2), PEAKS.beside * (PIECES + 2)),  # at the ends of the pieces, and once more
+    seen=Numbers(
+        PEAKS.per_n * (PIECES + 3), PEAKS.beside * (PIECES + 3)
+    ),  # at the ends of the pieces, once more; marks
     tangent=Numbers(per_n=TANGENT_FIELDS),
     trend=TREND,
     slopes=Numbers(per_n=2),

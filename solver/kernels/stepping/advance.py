@@ -344,6 +344,7 @@ def advance(column, t, h, watch):
             plan = plan_step(column, now, h - elapsed, to_sample)
             if plan.method == NONE:
                 break
+            column.work.watched.smooth = 1.0 if plan.held or plan.method == MODES else 0.0
             code, error = attempt_by(plan.method, column, now, plan.step)
             code, made, again = judge_step(column, plan, now, code, error)
             if again:

@@ -2,10 +2,10 @@
 
 A step is looked into only where a new peak may lie inside. Whether it may follows from three instants: the resultants
 at its start and its end are known, and half-way the joint law alone is evaluated on the quintic. Forces along the
-joints cannot be had that cheaply; how far they stray from their ends follows from how far N and M do. Where a peak may
-lie, the step is evaluated at the ends of its pieces. A polynomial through all of them tells the extremes of what is
-smooth within the step; where it is not sure of one, parabolas lead there: until they promise no more than a part of the
-tolerance.
+joints cannot be had that cheaply; how far they stray from their ends follows from how far N and M do, and in a smooth
+step one look half-way tells more. Where a peak may lie, the step is evaluated at the ends of its pieces. A polynomial
+through all of them tells the extremes of what is smooth within the step; where it is not sure of one, parabolas lead
+there: until they promise no more than a part of the tolerance.
 
 Rotations count as small in what is estimated, never in what is kept. Where joints can slide nothing is estimated: all
 steps are looked into.
@@ -168,11 +168,15 @@ def _pressures_beyond(column, h, turn_middle, turn_end):
 
 
 @kernel
-def _shears_beyond(column, stray):
-    """How what follows from the forces along the joints passes its peaks; notes the end of the step."""
+def _forces_beyond(column, stray):
+    """How what follows from the forces along the joints passes its peaks.
+
+    Notes the end of the step, and leaves what the forces were at its start in the first row of work.seen.
+    """
     model, work = column.model, column.work
     n, notes, joints = model.n, work.notes, work.joints
     peaks, allowed = _peaks(column.state.peaks, n), _peaks(work.allowed, n)
+    begin = _peaks(work.seen, n)
     found = 0
     for i in range(n):
         normal, normal_m, normal_e = notes.N[i], notes.N_middle[i], joints.normal[i]
@@ -186,6 +190,8 @@ def _shears_beyond(column, stray):
         bound = peaks.joints.S[i] + allowed.joints.S[i] - neglected
         found |= _beyond_with(across, across_e, strays + abs(phi_e) * bend, bound)
         counts, least = notes.counts[i], min(normal, normal_m, normal_e)
+        begin.joints.N[i], begin.joints.T[i], begin.joints.S[i] = normal, -along, -across
+        begin.friction[i] = abs(along) / normal if normal > counts else 0.0
         asked = peaks.friction[i] + allowed.friction[i]
         if max(normal, normal_m, normal_e) > counts and most > asked * max(least, counts):
             here, there = abs(along) * normal_e, abs(along_e) * normal  # over both N
@@ -195,16 +201,8 @@ def _shears_beyond(column, stray):
             lifted, lifted_e = normal - along * phi, normal_e - along_e * phi_e
             lifted_m = normal_m - 0.5 * (along * phi + along_e * phi_e)
             found |= _beyond(lifted, lifted_m, lifted_e, peaks.base.Fz + allowed.base.Fz - abs(phi_e) * stray)
+            begin.base.Fx, begin.base.Fz = -across, -lifted
         notes.N[i], notes.T[i], notes.phi[i] = normal_e, along_e, phi_e
-    return found
-
-
-@kernel
-def _beyond_peaks(column, turn_middle, turn_end, h):
-    """How anything visible passes its peak in the step of h seconds."""
-    found, stray = _pressures_beyond(column, h, turn_middle, turn_end)
-    found |= _shears_beyond(column, stray)
-    column.work.watched.rises = 1.0 if found & RISES else 0.0
     return found
 
 
@@ -318,21 +316,65 @@ def _look(column, t, h, s, seen):
 
 
 @kernel
-def _look_at_pieces(column, t, h):
-    """Fill work.seen at the ends of the pieces of the step; work.joints holds the resultants of its end."""
+def _see_end(column, t, h):
+    """Fill the last row of work.seen at the end of the step; work.joints holds its resultants.
+
+    Returns the first piece whose beginning has not been seen: as the end of the step before.
+    """
     work, n = column.work, column.model.n
     size = _PER_N * n + _BESIDE
     end = work.seen[PIECES * size :]
     begins_seen = work.watched.seen != 0.0
-    if begins_seen:  # as the end of the step before
+    if begins_seen:
         for j in range(size):
             work.seen[j] = end[j]
     show(column, work.end, base_motion(column.base, column.samples, t + h), _row(end, n))
     _raise_peaks(column, end)
     work.watched.seen = 1.0
     refine(column, t, h)
-    for k in range(1 if begins_seen else 0, PIECES):
-        _look(column, t, h, k / PIECES, work.seen[k * size :])
+    return 1 if begins_seen else 0
+
+
+@kernel
+def _look_within(column, t, h, certain):
+    """Fill work.seen at the ends of the pieces of the step, and say whether something may have its peak within.
+
+    Unless that is certain, only forces along the joints may, in a smooth step: looked at half-way, they mostly do not.
+    """
+    seen, n = column.work.seen, column.model.n
+    size = _PER_N * n + _BESIDE
+    first = _see_end(column, t, h)
+    middle = PIECES // 2
+    _look(column, t, h, middle / PIECES, seen[middle * size :])
+    if not certain and not _forces_turn(column, seen, seen[middle * size :], seen[PIECES * size :]):
+        return False
+    for k in range(first, PIECES):
+        if k != middle:
+            _look(column, t, h, k / PIECES, seen[k * size :])
+    return True
+
+
+@kernel
+def _forces_turn(column, begin, middle, end):
+    """Whether a force along a joint may turn beyond its peak in a step, by rows at its start, half-way and its end."""
+    n, counts = column.model.n, column.work.notes.counts
+    begin, middle, end = _peaks(begin, n), _peaks(middle, n), _peaks(end, n)
+    peaks, allowed = _peaks(column.state.peaks, n), _peaks(column.work.allowed, n)
+    T, S, friction = peaks.joints.T, peaks.joints.S, peaks.friction
+    T_0, T_1, T_2 = begin.joints.T, middle.joints.T, end.joints.T
+    N_0, N_1, N_2 = begin.joints.N, middle.joints.N, end.joints.N
+    found = 0
+    for i in range(n):
+        found |= _beyond(T_0[i], T_1[i], T_2[i], T[i] + allowed.joints.T[i])
+        found |= _beyond(begin.joints.S[i], middle.joints.S[i], end.joints.S[i], S[i] + allowed.joints.S[i])
+        asked = friction[i] + allowed.friction[i]
+        found |= _beyond(begin.friction[i], middle.friction[i], end.friction[i], asked)
+        begins_to_count = min(N_0[i], N_1[i], N_2[i]) < counts[i] < max(N_0[i], N_1[i], N_2[i])
+        if begins_to_count and max(abs(T_0[i]), abs(T_1[i]), abs(T_2[i])) > asked * counts[i]:
+            found |= TURNS
+    found |= _beyond(begin.base.Fx, middle.base.Fx, end.base.Fx, peaks.base.Fx + allowed.base.Fx)
+    found |= _beyond(begin.base.Fz, middle.base.Fz, end.base.Fz, peaks.base.Fz + allowed.base.Fz)
+    return found & TURNS != 0
 
 
 @leaf
@@ -349,15 +391,21 @@ def _vertex(a, f_a, b, f_b, c, f_c):
 
 
 @leaf
-def _may_top(seen, j, size, peak):
-    """Whether a parabola through three neighbours of the values of quantity j in a step may pass its peak.
+def _mark_tops(seen, peaks, allowed, first, size, marks):
+    """Fill `marks`, positive where a parabola through three neighbours of the values in a step may turn beyond a peak.
 
-    Inside, it is above the largest of them by a quarter of their range at most.
+    Inside, it is above the largest of them by a quarter of their range at most. One loop without a branch: a processor
+    takes eight quantities at a time.
     """
-    least = most = seen[j]
-    for k in range(1, PIECES + 1):
-        least, most = min(least, seen[k * size + j]), max(most, seen[k * size + j])
-    return max(most, -least) + 0.25 * (most - least) > peak
+    for j in range(first, size):
+        f_0, f_1, f_2, f_3 = seen[j], seen[size + j], seen[2 * size + j], seen[3 * size + j]
+        f_4 = seen[4 * size + j]
+        a, b, c, d = f_1 - f_0, f_2 - f_1, f_3 - f_2, f_4 - f_3
+        # slopes at the ends of a parabola: three times what is near less what is far
+        turns = min((3.0 * a - b) * (3.0 * b - a), (3.0 * b - c) * (3.0 * c - b), (3.0 * c - d) * (3.0 * d - c))
+        least, most = min(f_0, f_1, f_2, f_3, f_4), max(f_0, f_1, f_2, f_3, f_4)
+        beyond = max(most, -least) + 0.25 * (most - least) - (peaks[j] + allowed[j])
+        marks[j] = beyond if turns < 0.0 else -1.0
 
 
 @leaf
@@ -447,23 +495,16 @@ def _cross(column, t, h, i, weight, lo, f_lo, hi, f_hi):
 
 
 @kernel
-def track_extremes(column, t, h):
-    """Raise the peaks by the step just made from t to t + h; work.joints holds the resultants of its end."""
-    base = column.base
-    if can_slide(column.model):  # the estimates know nothing of slips
-        found, column.work.watched.rises = TURNS, 0.0
-    else:
-        found = _beyond_peaks(column, base_turn(base, t + 0.5 * h), base_turn(base, t + h), h)
-    if not found & TURNS:
-        column.work.watched.seen = 0.0
-        return
+def _find_tops(column, t, h):
+    """Raise the peaks by what lies between the values in work.seen."""
     model, work, peaks = column.model, column.work, column.state.peaks
     n, seen = model.n, work.seen
     size = _PER_N * n + _BESIDE
-    _look_at_pieces(column, t, h)
     first = _FRICTION[0] * n + _FRICTION[1]
+    marks = seen[(PIECES + 2) * size :]
+    _mark_tops(seen, peaks, work.allowed, n, size, marks)
     for j in range(n, size):
-        if _may_top(seen, j, size, peaks[j] + work.allowed[j]):
+        if marks[j] > 0.0:
             _find_top(column, t, h, j, size)
     for i in range(n):
         weight = work.notes.counts[i]
@@ -473,4 +514,21 @@ def track_extremes(column, t, h):
             along = max(abs(here.T[i]), abs(there.T[i]))
             if f_lo * f_hi < 0.0 and along > (peaks[first + i] + work.allowed[first + i]) * weight:
                 _cross(column, t, h, i, weight, k / PIECES, f_lo, (k + 1) / PIECES, f_hi)
+
+
+@kernel
+def track_extremes(column, t, h):
+    """Raise the peaks by the step just made from t to t + h; work.joints holds the resultants of its end."""
+    base, watched = column.base, column.work.watched
+    watched.rises = 0.0
+    found = TURNS
+    if not can_slide(column.model):  # the estimates know nothing of slips
+        found, stray = _pressures_beyond(column, h, base_turn(base, t + 0.5 * h), base_turn(base, t + h))
+        forces = _forces_beyond(column, stray)
+        watched.rises = 1.0 if (found | forces) & RISES else 0.0
+        if not (found | forces) & TURNS:
+            watched.seen = 0.0
+            return
+    if _look_within(column, t, h, found & TURNS != 0 or watched.smooth == 0.0):
+        _find_tops(column, t, h)
     _allow(column)

@@ -40,6 +40,42 @@ def quintic_through(h, q0, v0, a0, q1, v1, a1, bump):
     return Quintic(h, q0, c1, c2, c3, c4, c5, bump)
 
 
+class Weights(NamedTuple):
+    """What a coordinate within a step, or its rate, takes of its rise, its rates and accelerations, and of the bump."""
+
+    rise: float
+    v0: float
+    v1: float
+    a0: float
+    a1: float
+    bump: float
+
+
+@leaf
+def weights_at(h, s):
+    """`value_of` as sums over what is known at both ends: (of a coordinate less its start, of its rate)."""
+    r = 1.0 - s
+    hill = s * r
+    cube, square = s * s * s, 0.5 * h * h
+    q = Weights(
+        cube * (10.0 + s * (6.0 * s - 15.0)),
+        h * (s - cube * (6.0 + s * (3.0 * s - 8.0))),
+        -h * cube * (4.0 + s * (3.0 * s - 7.0)),
+        square * s * s * r * r * r,
+        square * cube * r * r,
+        hill * hill * hill,
+    )
+    v = Weights(
+        30.0 * hill * hill / h,
+        1.0 - s * s * (18.0 + s * (15.0 * s - 32.0)),
+        -s * s * (12.0 + s * (15.0 * s - 28.0)),
+        0.5 * h * s * r * r * (2.0 - 5.0 * s),
+        0.5 * h * s * s * r * (3.0 - 5.0 * s),
+        3.0 * hill * hill * (1.0 - 2.0 * s) / h,
+    )
+    return q, v
+
+
 @leaf
 def value_of(quintic, s):
     """A coordinate and its rate at fraction s of the step."""
@@ -113,14 +149,30 @@ def interpolate_acceleration(work, i, s):
 def interpolate_phase(work, h, fraction):
     """Fill work.between at this fraction of the step of h seconds; the accelerations there are guesses only."""
     size = 2 * work.n
+    q, v = weights_at(h, fraction)
+    _weigh(work.start.row, work.end.row, q, v, work.between.row, size)
+    if work.interpolation.has_bump != 0.0:
+        for i in range(size):
+            work.between.row[i] += q.bump * work.bump[i]
+            work.between.row[size + i] += v.bump * work.bump[i]
+    for i in range(2 * size, 3 * size):
+        work.between.row[i] = (1.0 - fraction) * work.start.row[i] + fraction * work.end.row[i]
     between = work.between.row
-    for i in range(size):
-        between[i], between[size + i] = interpolate_one(work, i, h, fraction)
-        between[2 * size + i] = interpolate_acceleration(work, i, fraction)
     first, end = slips_of(work)
     for i in range(first, end):
         between[i], between[size + i] = interpolate_one(work, i, h, fraction)
         between[work.n + i] = spent(work, i + work.n, h, fraction)
+
+
+@leaf
+def _weigh(start, end, q, v, between, size):
+    """Coordinates and rates within a step, without the bump: the quintic for all coordinates at one instant."""
+    for i in range(size):
+        rise = end[i] - start[i]
+        v0, v1 = start[size + i], end[size + i]
+        a0, a1 = start[2 * size + i], end[2 * size + i]
+        between[i] = start[i] + (q.rise * rise + ((q.v0 * v0 + q.v1 * v1) + (q.a0 * a0 + q.a1 * a1)))
+        between[size + i] = v.rise * rise + ((v.v0 * v0 + v.v1 * v1) + (v.a0 * a0 + v.a1 * a1))
 
 
 @leaf
