@@ -232,6 +232,14 @@ def test_a_wrong_study_is_refused_in_one_line(folder: Path, old: str, new: str, 
     assert str(caught.value).startswith(str(path))
 
 
+def test_a_silent_record_cannot_be_scaled_to_an_intensity(study: Study) -> None:
+    silent = Shaking("calm", record=Motion.from_samples(0.01, np.zeros(100)))
+    odd = Study(**{**vars(study), "motions": (silent,), "random": {}, "samples": 1})
+    with pytest.raises(InputError, match=r"motion\[1\]: calm is still, it cannot be scaled to an intensity"):
+        odd.run(0)
+    assert set(run_study(odd)["verdict"]) == {"failed"}
+
+
 def test_a_draw_that_does_not_suit_is_noted_and_the_others_go_on(study: Study) -> None:
     """A stiffness drawn so small that the block cannot stand."""
     soft = Distribution.from_table("key", {"distribution": "choice", "values": [1.0, 1e-4]})

@@ -226,7 +226,10 @@ class Study:
         given = {**shaking.numbers, **numbers}
         factor = given.get("scale", 1.0)
         if self.measure is not None and INTENSITY in values:
-            factor *= values[INTENSITY] / measures[self.measure.name]
+            present = measures[self.measure.name]
+            if present == 0.0:
+                raise InputError(f"motion[{which + 1}]: {shaking.name} is still, it cannot be scaled to an {INTENSITY}")
+            factor *= values[INTENSITY] / present
         size = abs(factor)
         motion = tilted(base.scaled(factor), given.get("tilt", 0.0))
         return motion, base, {name: size * value for name, value in measures.items()}
