@@ -456,7 +456,8 @@ def finished(folder: Path) -> int:
 @pytest.mark.skipif(sys.platform == "win32", reason="no SIGKILL on Windows")
 def test_killed_at_any_moment_it_loses_nothing_and_repeats_nothing(folder: Path) -> None:
     """Killed some times at random moments while it works, then left alone: each run is there, once, to the bit."""
-    (folder / "study.toml").write_text(TEXT.format(samples=300), encoding="utf-8")
+    (folder / "study.toml").write_text(TEXT.format(samples=2000), encoding="utf-8")
+    runs = Study.from_toml(folder / "study.toml").runs  # of seconds in all: it is killed long before its end
     dice = random.Random(7)
     before, kills = 0, 0
     for _ in range(12):
@@ -471,16 +472,16 @@ def test_killed_at_any_moment_it_loses_nothing_and_repeats_nothing(folder: Path)
         after = finished(folder)
         assert after >= before  # what was finished before is still there
         before = after
-        if before == 600:
+        if before == runs:
             break
     assert kills >= 3
     process = start(folder, "run", "study.toml")
     out, errors = process.communicate()
     assert (process.returncode, errors) == (0, "")
-    assert "600 of 600 runs" in out
+    assert f"{runs} of {runs} runs" in out
     _, rows = read_journal(folder / "small.journal")
-    assert sorted(row[0] for row in rows) == list(range(600))
-    assert finished(folder) == 600  # none twice
+    assert sorted(row[0] for row in rows) == list(range(runs))
+    assert finished(folder) == runs  # none twice
     study = Study.from_toml(folder / "study.toml")
     assert same(Results.from_journal(folder / "small.journal"), run_study(study))
 
