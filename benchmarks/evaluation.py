@@ -17,6 +17,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -251,6 +252,15 @@ def measure_lanes(sizes: tuple[int, ...]) -> dict[str, list[dict[str, Any]]]:
     return found
 
 
+def round_ratio() -> float:
+    """How many times as long an evaluation of three blocks takes if their joints are circles, not rectangles."""
+    square = shaft(3)
+    drums = Column("drums", tuple(replace(block, section="circle") for block in square.blocks))
+    loops = [kernel_loop(column, states_of_a_run(column)) for column in (square, drums)]
+    rectangles, circles = timing.loops(loops)
+    return circles / rectangles
+
+
 def measure(sizes: tuple[int, ...] = SIZES) -> dict[str, Any]:
     """Time of one evaluation by all of them, by number of blocks.
 
@@ -276,6 +286,7 @@ def measure(sizes: tuple[int, ...] = SIZES) -> dict[str, Any]:
             if library is not None:
                 row |= {"c_seconds": times[3], "ratio": times[0] / times[3], "difference": difference(mine, other, n)}
             results["rows"].append(row)
+    results["round_ratio"] = round_ratio()
     return results
 
 

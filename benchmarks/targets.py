@@ -14,6 +14,7 @@ TIMED_ERROR = 1e-3  # of the peak
 TIMED_SECONDS = 1.5e-3
 OPENSEES_SPEED_UP = 200.0
 EVALUATION_RATIO = 1.5  # to the same arithmetic in C
+ROUND_RATIO = 3.0
 RECURSION_RATIO = 0.75  # to the recursion of before
 LANES_RATIO = {"AVX-512": 6.0, "AVX2": 5.0, "SSE2": 2.5}  # of one evaluation alone to one in lanes, by instructions
 GROWTH = 1.3  # of the cost per block from 10 to 200 blocks
@@ -119,7 +120,7 @@ def forced_run(results: Results) -> list[Target]:
 
 
 def evaluation(results: Results) -> list[Target]:
-    """3: one evaluation against C, against the recursion of before, and in lanes."""
+    """3: one evaluation against C, against the recursion of before, in lanes, and upon circles."""
     part = results.get("evaluation", {})
     rows = part.get("rows", [])
     aim = f"one evaluation: at most {EVALUATION_RATIO:g}x the same arithmetic in C -O3"
@@ -135,7 +136,12 @@ def evaluation(results: Results) -> list[Target]:
     else:
         ratio = three["seconds"] / three["articulated_seconds"]
         found.append(Target("3b", aim, f"{ratio:.2f}x", ratio <= RECURSION_RATIO))
-    return found + lanes(results)
+    found += lanes(results)
+    aim = f"one evaluation, 3 blocks upon circles: at most {ROUND_RATIO:g}x that upon rectangles"
+    if "round_ratio" not in part:
+        return [*found, _unmeasured("3f", aim)]
+    ratio = part["round_ratio"]
+    return [*found, Target("3f", aim, f"{ratio:.2f}x", ratio <= ROUND_RATIO)]
 
 
 def lanes(results: Results) -> list[Target]:

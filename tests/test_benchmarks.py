@@ -279,6 +279,7 @@ def test_targets_are_computed():
                         {"n": 3, "ratio": 1.4, "seconds": 6e-8, "articulated_seconds": 1e-7, "lanes_seconds": 9e-9},
                         {"n": 10, "ratio": 1.6},
                     ],
+                    "round_ratio": 2.9,
                 },
                 "lanes": {"AVX2": [{"n": 3, "seconds": 6e-8, "lanes_seconds": 2e-8}]},
                 "scaling": {
@@ -298,6 +299,7 @@ def test_targets_are_computed():
     assert passed["2a"] is True
     assert passed["2b"] is True
     assert (passed["3a"], passed["3b"]) == (False, True)
+    assert passed["3f"] is True
     assert (passed["3c"], passed["3d"], passed["3e"]) == (True, False, None)
     assert (passed["4a"], passed["4b"], passed["4c"]) == (True, False, None)
     assert (passed["5a"], passed["5b"]) == (False, False)
