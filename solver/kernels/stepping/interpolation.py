@@ -155,9 +155,9 @@ def interpolate_phase(work, h, fraction):
         for i in range(size):
             work.between.row[i] += q.bump * work.bump[i]
             work.between.row[size + i] += v.bump * work.bump[i]
-    for i in range(2 * size, 3 * size):
-        work.between.row[i] = (1.0 - fraction) * work.start.row[i] + fraction * work.end.row[i]
     between = work.between.row
+    for i in range(size):
+        between[2 * size + i] = interpolate_acceleration(work, i, fraction)
     first, end = slips_of(work)
     for i in range(first, end):
         between[i], between[size + i] = interpolate_one(work, i, h, fraction)
