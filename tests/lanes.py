@@ -33,15 +33,22 @@ def in_lanes(rows: Array) -> Array:
 # --- accelerations
 
 
-@from_python
-def accelerate(n: int, model: Array, phase: Array, work: Array, base: Array) -> None:
-    """`exact_accelerations` of one column; base: ax, az, theta, omega, alpha."""
-    b = row_of(base)
-    motion = BaseMotion(b[0], b[1], b[2], b[3], b[4])
-    space = _work(row_of(work), n)
-    exact_accelerations(
-        _model(row_of(model), n), _phase(row_of(phase), n), motion, space.joints, space.hold, space.room
-    )
+def _accelerating_over(view: Callable[[Array], Any]) -> Callable[[int, Array, Array, Array, Array], None]:
+    """`exact_accelerations` of what a view makes of arrays; base: ax, az, theta, omega, alpha."""
+
+    @from_python
+    def accelerate_over(n: int, model: Array, phase: Array, work: Array, base: Array) -> None:
+        b = view(base)
+        motion = BaseMotion(b[0], b[1], b[2], b[3], b[4])
+        space = _work(view(work), n)
+        exact_accelerations(
+            _model(view(model), n), _phase(view(phase), n), motion, space.joints, space.hold, space.room
+        )
+
+    return accelerate_over
+
+
+accelerate, accelerate_eight = _accelerating_over(row_of), _accelerating_over(lanes_of)  # one column, eight columns
 
 
 def accelerating(space: Space) -> Callable[[int, Array, Array], None]:

@@ -11,20 +11,17 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from joints import joint_forces
-from lanes import accelerate, in_lanes
+from lanes import accelerate, accelerate_eight, in_lanes
 from probe import Array, random_column, random_state
 from test_joint import State, states
 
 from solver.kernels import layout as at
-from solver.kernels.formulations.exact import Motion, exact_accelerations
 from solver.kernels.jit import from_python
 from solver.kernels.joint.law import joint_forces_in_lanes
 from solver.kernels.lanes import WIDTH, any_of, bits, greater, lane, lesser, magnitude, nearest, square_root, where
 from solver.kernels.numbers import half_sine_cosine, sine, sine_cosine
 from solver.kernels.views import lanes_of, row_of
 from solver.packing import pack_model
-
-_model, _phase, _work = at.MODEL.over, at.PHASE.over, at.WORK.over
 
 examples = settings(deadline=None, max_examples=200, derandomize=True)
 
@@ -73,17 +70,6 @@ def test_law_in_lanes_is_the_law_on_the_boundaries_of_its_regimes() -> None:
 # --- accelerations
 
 
-@from_python
-def accelerate_lanes(n: int, model: Array, phase: Array, work: Array, base: Array) -> None:
-    """`exact_accelerations` of eight columns."""
-    b = lanes_of(base)
-    motion = Motion(b[0], b[1], b[2], b[3], b[4])
-    space = _work(lanes_of(work), n)
-    exact_accelerations(
-        _model(lanes_of(model), n), _phase(lanes_of(phase), n), motion, space.joints, space.hold, space.room
-    )
-
-
 def eight_columns(n: int, largest: float) -> tuple[Array, Array, Array]:
     """(models, phases, motions of the base) of eight columns that move, (8, length) each."""
     models, phases, motions = [], [], []
@@ -100,7 +86,7 @@ def eight_columns(n: int, largest: float) -> tuple[Array, Array, Array]:
 def found_in_lanes(models: Array, phases: Array, motions: Array, n: int) -> tuple[Array, Array]:
     """(phases, joints), (8, length) each, with the accelerations and resultants that lanes give."""
     interleaved, work = in_lanes(phases), np.zeros(WIDTH * at.WORK.size(n))
-    accelerate_lanes(n, in_lanes(models), interleaved, work, in_lanes(motions))
+    accelerate_eight(n, in_lanes(models), interleaved, work, in_lanes(motions))
     rows = work.reshape(-1, WIDTH).T
     begin = sum(at.WORK.parts[name].size(n) for name in list(at.WORK.parts)[: list(at.WORK.parts).index("joints")])
     return interleaved.reshape(-1, WIDTH).T, rows[:, begin : begin + at.JOINTS.size(n)]
