@@ -17,7 +17,7 @@ import math
 from fractions import Fraction
 
 from ..jit import kernel, leaf
-from ..lanes import any_of, greater, lesser, square_root, where
+from ..lanes import any_of, greater, lesser, rarely, square_root, where
 from ..numbers import angle_of
 
 SMALL = 0.125  # sin d: below it the series are exact to rounding
@@ -81,6 +81,25 @@ def _curved(s, c):
 
 
 @leaf
+def _segment(radius, below, cut):
+    """sin d, cos d, sin m and cos m of what lies beyond a chord at `cut` from the centre, or of its mirror image."""
+    per = 0.5 / radius
+    s, c = square_root((radius - cut) * per), square_root((radius + cut) * per)
+    return s, c, where(below, c, -c), s
+
+
+@kernel
+def _between(radius, lo, hi):
+    """The same of what lies between two chords."""
+    ends = lo + hi
+    chords = square_root((radius - lo) * (radius + lo)) + square_root((radius - hi) * (radius + hi))  # half of both
+    span = square_root(ends * ends + chords * chords)  # 2 radius cos d
+    per = 1.0 / (span * chords)  # one division for all
+    c = 0.5 * span / radius
+    return c * (hi - lo) * (span * per), c, ends * (chords * per), chords * (chords * per)
+
+
+@leaf
 def circle_part(radius, lo, hi):
     """Middle, area, first and second moment about it, of the part of a circle between two abscissas, m from the centre.
 
@@ -90,14 +109,15 @@ def circle_part(radius, lo, hi):
     ends, square = lo + hi, radius * radius
     area = math.pi * square
     first, second = 0.0 * area, 0.25 * area * square
-    cut_off = (lo > -radius) | (hi < radius)
+    below, above = lo > -radius, hi < radius
+    cut_off = below | above
     if any_of(cut_off):
-        chords = square_root((radius - lo) * (radius + lo)) + square_root((radius - hi) * (radius + hi))  # half of both
-        span = square_root(ends * ends + chords * chords)  # 2 radius cos d
-        per = 1.0 / (span * chords)  # one division for all
-        c = 0.5 * span / radius
-        s = c * (hi - lo) * (span * per)
-        sine, cosine = ends * (chords * per), chords * (chords * per)  # of m
+        s, c, sine, cosine = _segment(radius, below, where(below, lo, -hi))
+        between = below & above
+        if rarely(any_of(between)):
+            found = _between(radius, lo, hi)
+            s, c = where(between, found[0], s), where(between, found[1], c)
+            sine, cosine = where(between, found[2], sine), where(between, found[3], cosine)
         u = cosine * cosine
         e, g, h = _curved(s, c)
         cube = 4.0 / 3.0 * u * (s * s * s)
