@@ -155,7 +155,8 @@ COUNTS = Record(
     "next_row",  # first output time not yet served
     "implicit",  # 1 while `auto` steps by its implicit method
     "implicit_steps",  # of steps
-    "since_probe",  # explicit steps since the implicit method was last tried
+    "until_probe",  # explicit steps until the implicit method is tried again
+    "probe_wait",  # how many these are when it has failed
     "events",  # steps cut off where the regime of a joint changes
     "unheld",  # 1 when the next step is made without holding the regimes
     "elastic_steps",  # of steps
@@ -225,7 +226,7 @@ TOPS = Table("start_ux", "start_rate", "end_ux", "end_rate", "between_ux", "betw
 # inclination of the joint at the end; from which N on T / N counts
 NOTES = Table("N", "M", "T", "phi", "length", "edge", "theta", "uz", "N_middle", "phi_end", "counts")
 PIECES = 4  # of a step that is searched for peaks
-TANGENT_FIELDS = 23  # of the implicit solution
+TANGENT_FIELDS = 28  # of the implicit solution
 STAGES = 12  # the start of a step and the inner stages of a Runge-Kutta step
 INTERPOLATION = Record(
     "wants_bump",  # whether `refine` shall improve on the quintic

@@ -15,18 +15,24 @@ from ..numbers import sine_cosine
 from ..views import Table
 
 TANGENT = Table(
-    "cosine_beta",  # turn from the frame of this joint to that of the joint above
-    "sine_beta",
-    "b_t",  # acceleration of the top face for a unit relative rotation
-    "b_n",
-    "e_t",  # and for a unit rotation of the body below
-    "e_n",
-    "h1_a",  # inertia met by a unit relative rotation
-    "h1_t",
-    "h1_n",
-    "h2_a",  # and by a unit opening
-    "h2_t",
-    "h2_n",
+    # of the force (couple, tangent, normal) that the part above needs: what of it passes a block and its joint
+    "pass_aa",
+    "pass_at",
+    "pass_an",
+    "pass_tt",
+    "pass_tn",
+    "pass_nt",
+    "pass_nn",
+    "turn_a",  # and what a force on the joint against its relative rotation makes of it;
+    "turn_t",
+    "turn_n",
+    "open_a",  # against its opening
+    "open_t",
+    "open_n",
+    "lever_t",  # what of the force above turns the joint, beside its couple, and
+    "lever_n",
+    "lift_t",  # what opens it
+    "lift_n",
     "d_11",  # inverse of the block's own 2 x 2
     "d_12",
     "d_22",
@@ -62,6 +68,8 @@ def _edge_that_moves(contact, damping, opening, slope, opening_rate, slope_rate,
 def _about(stiffness, beyond):
     """A stiffness (joint/section.py, `part_stiffness`) about a middle that lies so far, m, to the left."""
     along, mixed, second = stiffness
+    if beyond == 0.0:
+        return stiffness
     return along, mixed + beyond * along, second + beyond * (2.0 * mixed + beyond * along)
 
 
@@ -112,9 +120,11 @@ def factorize(model, phase, tangent, step_part):
         k_11 *= cos_half * cos_half
         weight = step_part * (step_part + eta)
         edge, strip = _edge_that_moves(contact, eta, felt, slope, felt_rate, slope_rate, lo, hi)
-        edge_22, edge_12, edge_11 = _about(strip_stiffness(contact, blocks.stiffness[i], edge, strip), 0.5 * slip)
-        edge_12 *= -cos_half
-        edge_11 *= cos_half * cos_half
+        edge_22, edge_12, edge_11 = 0.0, 0.0, 0.0
+        if strip != 0.0:
+            edge_22, edge_12, edge_11 = _about(strip_stiffness(contact, blocks.stiffness[i], edge, strip), 0.5 * slip)
+            edge_12 *= -cos_half
+            edge_11 *= cos_half * cos_half
         # turn the part above into this frame, add the block
         cos_beta = cos_above * cos_over - sin_above * sin_over
         sin_beta = sin_above * cos_over + cos_above * sin_over
@@ -123,13 +133,13 @@ def factorize(model, phase, tangent, step_part):
         t_n = m_nt * cos_beta + m_nn * sin_beta
         n_t = m_nt * cos_beta - m_tt * sin_beta
         n_n = m_nn * cos_beta - m_nt * sin_beta
-        m_tt = t_t * cos_beta + t_n * sin_beta + mass
+        m_tt = mass + (t_t * cos_beta + t_n * sin_beta)
         m_nt = n_t * cos_beta + n_n * sin_beta
-        m_nn = n_n * cos_beta - n_t * sin_beta + mass
+        m_nn = mass + (n_n * cos_beta - n_t * sin_beta)
         swing = mass * over
         j_t, j_n = (
-            j_t * cos_beta + j_n * sin_beta - swing * cos_over,
-            j_n * cos_beta - j_t * sin_beta + swing * sin_over,
+            (j_t * cos_beta + j_n * sin_beta) - swing * cos_over,
+            (j_n * cos_beta - j_t * sin_beta) + swing * sin_over,
         )
         j_aa += swing * over + blocks.inertia[i]
         # eliminate relative rotation and opening
@@ -137,15 +147,15 @@ def factorize(model, phase, tangent, step_part):
         b_n = -height * sin_over - 0.5 * slip
         e_t = b_t + 0.5 * opening
         e_n = b_n - 0.5 * slip
-        h1_a = j_aa + b_t * j_t + b_n * j_n
-        h1_t = j_t + m_tt * b_t + m_nt * b_n
-        h1_n = j_n + m_nt * b_t + m_nn * b_n
+        h1_a = j_aa + (b_t * j_t + b_n * j_n)
+        h1_t = j_t + (m_tt * b_t + m_nt * b_n)
+        h1_n = j_n + (m_nt * b_t + m_nn * b_n)
         h2_a = j_n
         h2_t = m_nt
         h2_n = m_nn
-        d_11 = h1_a + b_t * h1_t + b_n * h1_n + weight * k_11 + square * edge_11
-        d_12 = h1_n + weight * k_12 + square * edge_12
-        d_22 = h2_n + weight * k_22 + square * edge_22
+        d_11 = (b_t * h1_t + b_n * h1_n) + (h1_a + (weight * k_11 + square * edge_11))
+        d_12 = h1_n + (weight * k_12 + square * edge_12)
+        d_22 = h2_n + (weight * k_22 + square * edge_22)
         per = 1.0 / (d_11 * d_22 - d_12 * d_12)
         d_11, d_12, d_22 = d_22 * per, -d_12 * per, d_11 * per
         w_a = d_11 * h1_a + d_12 * h2_a
@@ -161,21 +171,23 @@ def factorize(model, phase, tangent, step_part):
         m_nt -= h1_n * w_t + h2_n * v_t
         m_nn -= h1_n * w_n + h2_n * v_n
         # refer to the top face of the body below
-        j_aa += 2.0 * (e_t * j_t + e_n * j_n) + e_t * (e_t * m_tt + e_n * m_nt) + e_n * (e_t * m_nt + e_n * m_nn)
-        j_t += m_tt * e_t + m_nt * e_n
-        j_n += m_nt * e_t + m_nn * e_n
-        rows.cosine_beta[i] = cos_beta
-        rows.sine_beta[i] = sin_beta
-        rows.b_t[i] = b_t
-        rows.b_n[i] = b_n
-        rows.e_t[i] = e_t
-        rows.e_n[i] = e_n
-        rows.h1_a[i] = h1_a
-        rows.h1_t[i] = h1_t
-        rows.h1_n[i] = h1_n
-        rows.h2_a[i] = h2_a
-        rows.h2_t[i] = h2_t
-        rows.h2_n[i] = h2_n
+        up_t, up_n = j_t + (m_tt * e_t + m_nt * e_n), j_n + (m_nt * e_t + m_nn * e_n)
+        j_aa += e_t * (j_t + up_t) + e_n * (j_n + up_n)
+        j_t, j_n = up_t, up_n
+        # all of this as one matrix, which solutions go through faster
+        lever_t, lever_n = b_t * cos_beta - b_n * sin_beta, b_t * sin_beta + b_n * cos_beta
+        turn_a, open_a = -(w_a + e_t * w_t + e_n * w_n), -(v_a + e_t * v_t + e_n * v_n)
+        rows.turn_a[i], rows.turn_t[i], rows.turn_n[i] = turn_a, -w_t, -w_n
+        rows.open_a[i], rows.open_t[i], rows.open_n[i] = open_a, -v_t, -v_n
+        rows.lever_t[i], rows.lever_n[i] = lever_t, lever_n
+        rows.lift_t[i], rows.lift_n[i] = -sin_beta, cos_beta
+        rows.pass_aa[i] = 1.0 + turn_a
+        rows.pass_at[i] = (e_t * cos_beta - e_n * sin_beta) + (turn_a * lever_t - open_a * sin_beta)
+        rows.pass_an[i] = (e_t * sin_beta + e_n * cos_beta) + (turn_a * lever_n + open_a * cos_beta)
+        rows.pass_tt[i] = cos_beta - (w_t * lever_t - v_t * sin_beta)
+        rows.pass_tn[i] = sin_beta - (w_t * lever_n + v_t * cos_beta)
+        rows.pass_nt[i] = -sin_beta - (w_n * lever_t - v_n * sin_beta)
+        rows.pass_nn[i] = cos_beta - (w_n * lever_n + v_n * cos_beta)
         rows.d_11[i] = d_11
         rows.d_12[i] = d_12
         rows.d_22[i] = d_22
@@ -215,39 +227,32 @@ def solve(model, tangent, a, v, step_part):
         e_2 = square * (a[n + i] + v[n + i])
         k_12 = rows.k_12[i]
         edge_12 = rows.edge_12[i]
-        cos_beta = rows.cosine_beta[i]
-        sin_beta = rows.sine_beta[i]
-        p_t, p_n = p_t * cos_beta + p_n * sin_beta, p_n * cos_beta - p_t * sin_beta
-        b_t = rows.b_t[i]
-        b_n = rows.b_n[i]
         f_1 = rows.k_11[i] * r_1 + k_12 * r_2 + (rows.edge_11[i] * e_1 + edge_12 * e_2)
         f_2 = k_12 * r_1 + rows.k_22[i] * r_2 + (edge_12 * e_1 + rows.edge_22[i] * e_2)
-        u_1 = -f_1 - (p_a + b_t * p_t + b_n * p_n)
-        u_2 = -f_2 - p_n
-        x_1 = rows.d_11[i] * u_1 + rows.d_12[i] * u_2
-        x_2 = rows.d_12[i] * u_1 + rows.d_22[i] * u_2
-        p_a += rows.h1_a[i] * x_1 + rows.h2_a[i] * x_2
-        p_t += rows.h1_t[i] * x_1 + rows.h2_t[i] * x_2
-        p_n += rows.h1_n[i] * x_1 + rows.h2_n[i] * x_2
-        p_a += rows.e_t[i] * p_t + rows.e_n[i] * p_n
-        rows.u_1[i] = x_1
-        rows.u_2[i] = x_2
+        turn_t, turn_n = rows.turn_t[i], rows.turn_n[i]
+        u_1 = f_1 + (p_a + rows.lever_t[i] * p_t + rows.lever_n[i] * p_n)
+        u_2 = f_2 + (rows.lift_t[i] * p_t + rows.lift_n[i] * p_n)
+        rows.u_1[i] = -(rows.d_11[i] * u_1 + rows.d_12[i] * u_2)
+        rows.u_2[i] = -(rows.d_12[i] * u_1 + rows.d_22[i] * u_2)
+        p_a, p_t, p_n = (
+            (rows.pass_aa[i] * p_a + rows.pass_at[i] * p_t)
+            + (rows.pass_an[i] * p_n + (rows.turn_a[i] * f_1 + rows.open_a[i] * f_2)),
+            (turn_t * p_a + rows.pass_tt[i] * p_t) + (rows.pass_tn[i] * p_n + (turn_t * f_1 + rows.open_t[i] * f_2)),
+            (turn_n * p_a + rows.pass_nt[i] * p_t) + (rows.pass_nn[i] * p_n + (turn_n * f_1 + rows.open_n[i] * f_2)),
+        )
     alpha = 0.0
     a_t = 0.0
     a_n = 0.0
     for i in range(n - 1, -1, -1):
-        b_n = rows.b_n[i]
-        s_t = a_t + rows.e_t[i] * alpha
-        s_n = a_n + rows.e_n[i] * alpha
-        g_1 = rows.h1_a[i] * alpha + rows.h1_t[i] * s_t + rows.h1_n[i] * s_n
-        g_2 = rows.h2_a[i] * alpha + rows.h2_t[i] * s_t + rows.h2_n[i] * s_n
-        turned = rows.u_1[i] - (rows.d_11[i] * g_1 + rows.d_12[i] * g_2)
-        opened = rows.u_2[i] - (rows.d_12[i] * g_1 + rows.d_22[i] * g_2)
-        alpha += turned
-        a_t = s_t + rows.b_t[i] * turned
-        a_n = s_n + b_n * turned + opened
+        u_1, u_2 = rows.u_1[i], rows.u_2[i]
+        opened = u_2 + (rows.open_a[i] * alpha + rows.open_t[i] * a_t + rows.open_n[i] * a_n)
+        # back through the same matrix, transposed
+        alpha, a_t, a_n = (
+            (rows.pass_aa[i] * alpha + rows.turn_t[i] * a_t) + (rows.turn_n[i] * a_n + u_1),
+            (rows.pass_at[i] * alpha + rows.pass_tt[i] * a_t)
+            + (rows.pass_nt[i] * a_n + (rows.lever_t[i] * u_1 + rows.lift_t[i] * u_2)),
+            (rows.pass_an[i] * alpha + rows.pass_tn[i] * a_t)
+            + (rows.pass_nn[i] * a_n + (rows.lever_n[i] * u_1 + rows.lift_n[i] * u_2)),
+        )
         a[i] += alpha
         a[n + i] += opened
-        cos_beta = rows.cosine_beta[i]
-        sin_beta = rows.sine_beta[i]
-        a_t, a_n = a_t * cos_beta - a_n * sin_beta, a_t * sin_beta + a_n * cos_beta

@@ -16,8 +16,9 @@ import numpy as np
 from ..formulations.either import evaluate_at
 from ..formulations.implicit import factorize, solve
 from ..formulations.slips import phase_size
-from ..jit import kernel
-from ..layout import OK
+from ..jit import kernel, leaf
+from ..layout import OK, RIGID_FIELDS
+from ..views import packs, packs_of
 from .error import error_in_tolerances
 from .stage import stage
 
@@ -64,58 +65,90 @@ M = _over_gammas(WEIGHTS[None, :])[0]
 E = _over_gammas((WEIGHTS - EMBEDDED)[None, :])[0]
 
 
+# what the sums below take, by stage and by those before it
+A1_0, A2_0, A2_1, A3_0, A3_1, A3_2 = (float(A[i, j]) for i in range(STAGES) for j in range(i))
+C1_0, C2_0, C2_1, C3_0, C3_1, C3_2 = (float(C[i, j]) for i in range(STAGES) for j in range(i))
+M_0, M_1, M_2, M_3 = M.tolist()
+E_0, E_1, E_2, E_3 = E.tolist()
+
+
+@leaf
+def _solve(column, u, part):
+    """Finish an inner stage, of which F_q and h gamma F_v, in the place of u_v, are known."""
+    n = column.work.n
+    solve(column.model, column.work.tangent, u.row[2 * n :], u.row[4 * n :], part)
+    for i in range(2 * n):
+        u.row[i] = part * (u.row[2 * n + i] + u.row[4 * n + i])
+
+
+@leaf
+def _keep_slips(work, phase):
+    """Let the slips of a phase be those of the start."""
+    for i in range(RIGID_FIELDS * work.n, phase_size(work)):
+        phase.row[i] = work.start.row[i]
+
+
 @kernel
 def attempt(column, t, h):
     """One step of h seconds from work.start to work.end; returns (code, error in tolerances)."""
-    model, work = column.model, column.work
+    work = column.work
     n = work.n
-    size = 2 * n
-    start, end = work.start.row, work.end.row
-    # inner stage k = 1 to 4 keeps (u_q, u_v, F_q); the phase at which its accelerations are taken is inner stage 5
-    here = stage(work, 5)
-    part = h * GAMMA
-    for i in range(3 * size, phase_size(work)):
-        here.row[i] = start[i]
-        end[i] = start[i]
-    factorize(model, work.start, work.tangent, part)
-    for s in range(STAGES):
-        u = stage(work, s + 1).row
-        rates, accelerations = start[size:], start[2 * size :]  # those of the start are known
-        if s > 0:
-            for i in range(2 * size):
-                value = start[i]
-                for j in range(s):
-                    value += A[s, j] * stage(work, j + 1).row[i]
-                here.row[i] = value
-            for i in range(size):
-                here.row[2 * size + i] = start[2 * size + i]
-            code = evaluate_at(column, here, t + NODES[s] * h)
-            if code != OK:
-                return code, 0.0
-            rates, accelerations = here.row[size:], here.row[2 * size :]
-        for i in range(size):
-            f_q = rates[i]
-            f_v = accelerations[i]
-            for j in range(s):
-                f_q += C[s, j] / h * stage(work, j + 1).row[i]
-                f_v += C[s, j] / h * stage(work, j + 1).row[size + i]
-            u[2 * size + i] = f_q
-            u[size + i] = part * f_v
-        solve(model, work.tangent, u[size:], u[2 * size :], part)
-        for i in range(size):
-            u[i] = part * (u[size + i] + u[2 * size + i])
-    for i in range(2 * size):
-        value = 0.0
-        error = 0.0
-        for j in range(STAGES):
-            u_j = stage(work, j + 1).row[i]
-            value += M[j] * u_j
-            error += E[j] * u_j
-        end[i] = start[i] + value
-        work.between.row[i] = error
-    for i in range(3 * size, phase_size(work)):
+    # an inner stage keeps (u_q, u_v, F_q); the phase at which its accelerations are taken is the fifth
+    one, two, three, four, here = stage(work, 1), stage(work, 2), stage(work, 3), stage(work, 4), stage(work, 5)
+    every, half = packs(work.start.row, 4 * n), packs(work.start.row, 2 * n)
+    y, v, f = packs_of(work.start.row), packs_of(work.start.row[2 * n :]), packs_of(work.start.row[4 * n :])
+    y_here, v_here, f_here = packs_of(here.row), packs_of(here.row[2 * n :]), packs_of(here.row[4 * n :])
+    u1, v1, f1 = packs_of(one.row), packs_of(one.row[2 * n :]), packs_of(one.row[4 * n :])
+    u2, v2, f2 = packs_of(two.row), packs_of(two.row[2 * n :]), packs_of(two.row[4 * n :])
+    u3, v3, f3 = packs_of(three.row), packs_of(three.row[2 * n :]), packs_of(three.row[4 * n :])
+    u4, v4, f4 = packs_of(four.row), packs_of(four.row[2 * n :]), packs_of(four.row[4 * n :])
+    end, error = packs_of(work.end.row), packs_of(work.between.row)
+    part, per = h * GAMMA, 1.0 / h
+    factorize(column.model, work.start, work.tangent, part)
+    # F_q after u_v, beyond whose end the last eight reach
+    for i in range(half):
+        v1[i] = part * f[i]
+    for i in range(half):
+        f1[i] = v[i]
+    _solve(column, one, part)
+    for i in range(every):
+        y_here[i] = y[i] + A1_0 * u1[i]
+    _keep_slips(work, here)
+    code = evaluate_at(column, here, t + NODES[1] * h)
+    if code != OK:
+        return code, 0.0
+    for i in range(half):
+        v2[i] = part * (f_here[i] + per * (C1_0 * v1[i]))
+    for i in range(half):
+        f2[i] = v_here[i] + per * (C1_0 * u1[i])
+    _solve(column, two, part)
+    for i in range(every):
+        y_here[i] = y[i] + (A2_0 * u1[i] + A2_1 * u2[i])
+    _keep_slips(work, here)
+    code = evaluate_at(column, here, t + NODES[2] * h)
+    if code != OK:
+        return code, 0.0
+    for i in range(half):
+        v3[i] = part * (f_here[i] + per * (C2_0 * v1[i] + C2_1 * v2[i]))
+    for i in range(half):
+        f3[i] = v_here[i] + per * (C2_0 * u1[i] + C2_1 * u2[i])
+    _solve(column, three, part)
+    for i in range(every):
+        y_here[i] = y[i] + (A3_0 * u1[i] + A3_1 * u2[i] + A3_2 * u3[i])
+    _keep_slips(work, here)
+    code = evaluate_at(column, here, t + NODES[3] * h)
+    if code != OK:
+        return code, 0.0
+    for i in range(half):
+        v4[i] = part * (f_here[i] + per * (C3_0 * v1[i] + C3_1 * v2[i] + C3_2 * v3[i]))
+    for i in range(half):
+        f4[i] = v_here[i] + per * (C3_0 * u1[i] + C3_1 * u2[i] + C3_2 * u3[i])
+    _solve(column, four, part)
+    for i in range(every):
+        end[i] = y[i] + (M_0 * u1[i] + M_1 * u2[i] + M_2 * u3[i] + M_3 * u4[i])
+        error[i] = E_0 * u1[i] + E_1 * u2[i] + E_2 * u3[i] + E_3 * u4[i]
+    _keep_slips(work, work.end)
+    for i in range(RIGID_FIELDS * n, phase_size(work)):
         work.between.row[i] = 0.0
-    for i in range(size):
-        end[2 * size + i] = start[2 * size + i]
-    error = STRICTNESS * error_in_tolerances(column, work.between)
-    return evaluate_at(column, work.end, t + h), error
+    found = STRICTNESS * error_in_tolerances(column, work.between)
+    return evaluate_at(column, work.end, t + h), found

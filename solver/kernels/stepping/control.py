@@ -21,7 +21,7 @@ LEAST_ERROR = 1e-4
 # when `auto` changes its method
 GAIN = 2.2  # the implicit method has to step further than the explicit one by so much
 PROBE = 4.0  # times the explicit step: how far the implicit method is tried
-STEPS_PER_PROBE = 100
+SOON, LATE = 10, 40  # explicit steps before it is tried: first, and at most after it has failed each time anew
 SMOOTHING = 0.2
 # when the modal method is used: a step of it costs half of one of the others
 ELASTIC_COST = 0.5
@@ -76,8 +76,9 @@ def general_step(column, left):
         return LINEARLY_IMPLICIT if further else explicit, step
     if counts.in_flight == 1:  # nothing there is stiff, and an implicit step would see too little of the landing
         return explicit, step
-    if counts.since_probe >= STEPS_PER_PROBE and PROBE * worth * step <= left:
-        counts.since_probe = 0
+    if counts.until_probe <= 0 and PROBE * worth * step <= left:
+        counts.probe_wait = min(LATE, max(SOON, 2 * counts.probe_wait))
+        counts.until_probe = counts.probe_wait
         return LINEARLY_IMPLICIT, PROBE * step
     return explicit, step
 
@@ -110,8 +111,9 @@ def accepts(column, method, step, code, error):
     if traits.implicit:
         counts.implicit_steps += 1
         counts.implicit = 1
+        counts.until_probe = counts.probe_wait = SOON
     else:
-        counts.since_probe += 1
+        counts.until_probe -= 1
         if whole:
             control.explicit_step += SMOOTHING * (step - control.explicit_step)
             counts.implicit = 0
