@@ -222,9 +222,6 @@ HOLD = Table(
     whole=True,
 )
 TOPS = Table("start_ux", "start_rate", "end_ux", "end_rate", "between_ux", "between_rate")  # of the top faces
-# what is visible at the start of a step, nearly, "edge" the pressure at the edge; N in the middle and the
-# inclination of the joint at the end; from which N on T / N counts
-NOTES = Table("N", "M", "T", "phi", "length", "edge", "theta", "uz", "N_middle", "phi_end", "counts")
 PIECES = 4  # of a step that is searched for peaks
 TANGENT_FIELDS = 28  # of the implicit solution
 STAGES = 12  # the start of a step and the inner stages of a Runge-Kutta step
@@ -253,12 +250,7 @@ WORK = Space(
     slips=SLIPS,
     room=ROOM,
     tops=TOPS,
-    notes=NOTES,
-    watched=Record(
-        "rises",  # whether something visible is beyond its peak at the end of the step
-        "seen",  # whether `seen` shows it
-        "smooth",  # whether no joint changes its regime within the step
-    ),
+    counts_from=Numbers(per_n=1),  # N, from which on T / N counts
     allowed=Numbers(PEAKS.per_n, PEAKS.beside),  # by how much each quantity may pass its peak unnoticed
     seen=Numbers(
         PEAKS.per_n * (PIECES + 3), PEAKS.beside * (PIECES + 3)

@@ -5,7 +5,6 @@ from typing import NamedTuple
 from ..jit import by_width, kernel, leaf
 from ..lanes import LanesType
 from ..layout import EXACT, OK, ROTATES
-from ..numbers import sine_cosine
 from .base import base_motion
 from .exact import exact_accelerations, exact_top_motion
 from .paper import difference, paper_accelerations, tilt
@@ -98,17 +97,6 @@ def rotation(model, row, i):
 def joint_opening(model, row, i):
     """Opening of joint i, m, from the last coordinates; a row of their rates gives the rate."""
     return row[i] if is_exact(model) else -difference(row, i, model.n)
-
-
-@leaf
-def joint_slope(model, phase, i):
-    """(slope, rate of the slope) of joint i: how penetrations vary along it, rad and rad/s."""
-    turn = rotation(model, phase.theta, i) - rotation(model, phase.theta, i + 1)
-    spin = rotation(model, phase.theta_rate, i) - rotation(model, phase.theta_rate, i + 1)
-    if not is_exact(model):
-        return turn, spin
-    sine, cosine = sine_cosine(0.5 * turn)
-    return 2.0 * sine, cosine * spin
 
 
 @leaf

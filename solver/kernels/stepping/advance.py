@@ -23,7 +23,7 @@ from .control import accepts, accepts_elastic, elastic_step, general_step
 from .holding import NO_CHANGE, expected_change, first_change, hold, release
 from .interpolation import begin, interpolate_phase, refinement
 from .sliding import NEAR, begin_step, first_slip_change
-from .watch import begin_watching, end_watching, take_held_snapshots, watch_step
+from .watch import begin_watching, take_held_snapshots, watch_step
 
 WELL_ENOUGH = 1.0  # tolerances: what `refine` adds to an interpolation that will do for the end of a step
 BEYOND = 1e-5  # of a step: so far a step made again ends beyond the change, of which it costs the square
@@ -268,7 +268,6 @@ def finish_step(column, watch, t, step):
     if work.slips.change != 0.0:
         work.slips.change = 0.0
         motion = base_motion(column.base, column.samples, t + step)
-        end_watching(column, watch, motion)
         code = evaluate_anew(column, work.start, motion)
         if code == OK:
             begin_watching(column, watch, motion, True)
@@ -344,7 +343,6 @@ def advance(column, t, h, watch):
             plan = plan_step(column, now, h - elapsed, to_sample)
             if plan.method == NONE:
                 break
-            column.work.watched.smooth = 1.0 if plan.held or plan.method == MODES else 0.0
             code, error = attempt_by(plan.method, column, now, plan.step)
             code, made, again = judge_step(column, plan, now, code, error)
             if again:
@@ -370,7 +368,6 @@ def advance(column, t, h, watch):
     for i in range(phase_size(work)):
         state.phase.row[i] = work.start.row[i]
     motion = base_motion(base, samples, t + elapsed)
-    end_watching(column, watch, motion)
     state.control.reached = t + elapsed
     keep_base(state.control, motion)
     if counts.overturned > 0:
@@ -392,7 +389,6 @@ def _pass_samples(column, watch, t):
     jump = max(abs(motion.ax - before.ax), abs(motion.az - before.az))
     if jump <= ROUNDING * max(abs(motion.ax), abs(motion.az)):
         return OK
-    end_watching(column, watch, before)
     code = evaluate_anew(column, column.work.start, motion)
     if code == OK:
         begin_watching(column, watch, motion, True)

@@ -11,7 +11,7 @@ from ..formulations.slips import note_directions, phase_size, take_directions
 from ..jit import kernel, leaf
 from ..joint.sliding import can_slide
 from ..layout import EXTREMES, SLACK, SNAPSHOT
-from .extremes import begin_extremes, end_extremes, track_extremes
+from .extremes import begin_extremes, track_extremes
 from .interpolation import (
     interpolate_acceleration,
     interpolate_phase,
@@ -55,16 +55,6 @@ def begin_watching(column, watch, motion, evaluated):
         evaluations, sweeps = column.counts.evaluations, column.counts.sweeps
         begin_extremes(column, motion, evaluated)
         take_directions(work, work.start)
-        _count_looks(column.counts, evaluations, sweeps)
-
-
-@kernel
-def end_watching(column, watch, motion):
-    """What followed ends here, upon a base that moves like that, or something jumps."""
-    if _keeps_all(column, watch):
-        evaluations, sweeps = column.counts.evaluations, column.counts.sweeps
-        end_extremes(column, motion)
-        take_directions(column.work, column.work.start)
         _count_looks(column.counts, evaluations, sweeps)
 
 
