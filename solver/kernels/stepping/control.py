@@ -19,8 +19,8 @@ INTEGRAL = 0.7
 PROPORTIONAL = 0.4
 LEAST_ERROR = 1e-4
 # when `auto` changes its method
-GAIN = 2.2  # the implicit method has to step further than the explicit one by so much
-PROBE = 4.0  # times the explicit step: how far the implicit method is tried
+GAIN = 1.6  # the implicit method has to step further than the explicit one by so much
+PROBE = 2.5  # times the explicit step: how far the implicit method is tried
 SOON, LATE = 10, 40  # explicit steps before it is tried: first, and at most after it has failed each time anew
 SMOOTHING = 0.2
 # when the modal method is used: a step of it costs half of one of the others
@@ -79,7 +79,7 @@ def general_step(column, left):
     if counts.until_probe <= 0 and PROBE * worth * step <= left:
         counts.probe_wait = min(LATE, max(SOON, 2 * counts.probe_wait))
         counts.until_probe = counts.probe_wait
-        return LINEARLY_IMPLICIT, PROBE * step
+        return LINEARLY_IMPLICIT, PROBE * worth * step
     return explicit, step
 
 
