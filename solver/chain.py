@@ -8,9 +8,10 @@ from __future__ import annotations
 
 from copy import copy
 from functools import cached_property, lru_cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .column import Column
 from .kernels import layout as at
@@ -131,60 +132,41 @@ class Chain:
         return found - self._energies(self.rest) if self.off_axis else found
 
     def _energies(self, phase: FloatArray) -> FloatArray:
-        """The same above the straight column under its weight."""
+        """The same above the straight column under its weight; of columns off their axis above anything fixed."""
         places = self.places(phase)
         theta, opening, spin, _, slip, _ = places
-        x_rate, z_rate = self.velocities(places)
-        mean = theta - 0.5 * _over_below(theta) + self.lean
-        sine, cosine = np.sin(mean), np.cos(mean)
-        moving = 0.5 * (self.mass * (x_rate**2 + z_rate**2) + self.inertia * spin**2)
+        velocity = self.velocities(places)
+        moving = self.mass * (velocity.real**2 + velocity.imag**2) + self.inertia * spin**2
+        turn = _over_below(theta)
+        slope = 2.0 * np.sin(0.5 * turn)
+        lifted = ((slip + 1j * opening) * _along(theta - 0.5 * turn + self.lean)).imag
         dip = -2.0 * np.sin(self.tilt + 0.5 * theta) * np.sin(0.5 * theta)  # cosine of the rotation less that as built
-        lifted = opening * cosine - (slip * sine - self.offset * np.sin(self.lean)) + self.settled
-        raised = _from_base(lifted + self.height * dip) - (self.height - self.centroid) * dip
-        slope = 2.0 * np.sin(0.5 * _over_below(theta))
-        felt = opening - 0.5 * slip * slope  # in the middle of the contact
-        at_rest = 0.5 * self.carried * self.g * self.settled
-        strained = self.elastic(felt, slope, slip) - at_rest
-        found: FloatArray = np.sum(moving + self.g * self.mass * raised + strained, axis=-1)
+        strained = self.elastic(opening - 0.5 * slip * slope, slope, slip)  # by the opening in the middle of the contact
+        held = self.g * self.carried * (lifted + 0.5 * self.settled)  # at rest the joints have the other half
+        found: FloatArray = (0.5 * moving + held + self.toppling * dip + strained).sum(axis=-1)
         return found
 
-    def velocities(self, places: Places) -> tuple[FloatArray, FloatArray]:
-        """Of the centroids, m/s: to +x and up, (..., n) each."""
+    def velocities(self, places: Places) -> NDArray[np.complex128]:
+        """Of the centroids, m/s, (..., n): to +x the real part, up the imaginary one."""
         theta, opening, spin, opening_rate, slip, slip_rate = places
         mean, mean_spin = theta - 0.5 * _over_below(theta) + self.lean, spin - 0.5 * _over_below(spin)
-        sine, cosine = np.sin(mean), np.cos(mean)
-        turned = theta + self.tilt
-        x_rate = (
-            _from_base(
-                (opening_rate - slip * mean_spin) * sine
-                + (opening * mean_spin + slip_rate) * cosine
-                + self.height * np.cos(turned) * spin
-            )
-            - (self.height - self.centroid) * np.cos(turned) * spin
-        )
-        z_rate = (
-            _from_base(
-                (opening_rate - slip * mean_spin) * cosine
-                - (opening * mean_spin + slip_rate) * sine
-                - self.height * np.sin(turned) * spin
-            )
-            + (self.height - self.centroid) * np.sin(turned) * spin
-        )
-        return x_rate, z_rate
+        across = slip_rate + 1j * opening_rate - 1j * mean_spin * (slip + 1j * opening)
+        turning = spin * _along(theta + self.tilt)
+        steps = across * _along(mean) + self.height * turning
+        return _from_base(steps) - (self.height - self.centroid) * turning
 
     def elastic(self, opening: FloatArray, slope: FloatArray, slip: FloatArray | float = 0.0) -> FloatArray:
         """Elastic energy of each joint, J, from its opening m, in the middle of the contact, slope rad and slip m."""
-        slipped = np.broadcast_to(slip, opening.shape)
-        simple = self.rectangles & (slipped == 0.0)
-        signed, slope = slope, np.abs(slope)
-        deepest, least = 0.5 * self.width * slope - opening, -0.5 * self.width * slope - opening
-        full = 0.5 * self.rigidity * self.width * (opening**2 + (slope * self.width) ** 2 / 12.0)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            part = self.rigidity * deepest**3 / (6.0 * slope)
-        found: FloatArray = np.where(least >= 0.0, full, np.where(deepest > 0.0, part, 0.0))
-        if not np.all(simple):
+        steep = np.abs(slope)
+        deepest = 0.5 * self.width * steep - opening
+        length = np.minimum(self.width, np.maximum(deepest, 0.0) / np.maximum(steep, PARALLEL))  # in contact
+        bent = steep * length
+        found: FloatArray = 0.5 * self.rigidity * length * ((deepest - 0.5 * bent) ** 2 + bent**2 / 12.0)
+        simple = self.rectangles & (slip == 0.0)
+        if not simple.all():
             others = np.zeros((opening.size // self.n, self.n))
-            rows = (np.ascontiguousarray(values).reshape(-1, self.n) for values in (opening, signed, slipped))
+            slipped = np.broadcast_to(slip, opening.shape)
+            rows = (np.ascontiguousarray(values).reshape(-1, self.n) for values in (opening, slope, slipped))
             models = np.broadcast_to(self.model, (len(others), self.model.shape[-1]))
             for model, each_opening, each_slope, each_slip, row in zip(models, *rows, others, strict=True):
                 joint_potentials(self.n, model, each_opening, each_slope, each_slip, row)
@@ -277,7 +259,12 @@ def _over_below(values: FloatArray) -> FloatArray:
     return result
 
 
-def _from_base(steps: FloatArray) -> FloatArray:
+def _from_base(steps: Any) -> Any:
     """Sums from the base up to each block."""
-    summed: FloatArray = np.cumsum(steps[..., ::-1], axis=-1)[..., ::-1]
-    return summed
+    return steps[..., ::-1].cumsum(axis=-1)[..., ::-1]
+
+
+def _along(rotation: FloatArray) -> NDArray[np.complex128]:
+    """Where +x points in what is turned clockwise by so much: to +x the real part, up the imaginary one."""
+    found: NDArray[np.complex128] = np.exp(-1j * rotation)
+    return found

@@ -67,7 +67,7 @@ def is_held(column: Column, energy: float, turned: FloatArray) -> bool:
     rounding = REST * column.g * sum(block.mass * block.joint_width for block in column.blocks)
     safe = SAFE[column.settings.formulation]
     return any(
-        energy <= safe * energy_to_fall + rounding and bool(np.all(turned < limits))
+        energy <= safe * energy_to_fall + rounding and bool((turned < limits).all())
         for energy_to_fall, limits in (_barrier_of(column, part) for part in PARTS)
     )
 
