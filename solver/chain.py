@@ -2,6 +2,9 @@
 
 A phase is coordinates and rates as the stepper keeps them, (4 n,) or (rows, 4 n); slips and their rates follow in that
 of a column whose joints may slide, (6 n,) or (rows, 6 n).
+
+Vectors in the plane are complex numbers: up is the real part, +x the imaginary one, so that exp(i theta) is what points
+up, turned clockwise by theta.
 """
 
 from __future__ import annotations
@@ -31,6 +34,17 @@ class Places(NamedTuple):
     opening_rate: FloatArray
     slip: FloatArray | float = 0.0
     slip_rate: FloatArray | float = 0.0
+
+
+class Joints(NamedTuple):
+    """What the joints are like in the plane, (..., n) each.
+
+    half_turn: rad, of the block over what is under it; normal: unit vectors; step: m, from the lower face to the upper.
+    """
+
+    half_turn: FloatArray
+    normal: NDArray[np.complex128]
+    step: NDArray[np.complex128]
 
 
 class Chain:
@@ -135,25 +149,31 @@ class Chain:
         """The same above the straight column under its weight; of columns off their axis above anything fixed."""
         places = self.places(phase)
         theta, opening, spin, _, slip, _ = places
-        velocity = self.velocities(places)
+        joints = self.joints(places)
+        velocity = self.velocities(places, joints)
         moving = self.mass * (velocity.real**2 + velocity.imag**2) + self.inertia * spin**2
-        turn = _over_below(theta)
-        slope = 2.0 * np.sin(0.5 * turn)
-        lifted = ((slip + 1j * opening) * _along(theta - 0.5 * turn + self.lean)).imag
+        slope = 2.0 * np.sin(joints.half_turn)
+        strained = self.elastic(opening - 0.5 * slip * slope, slope, slip)
+        lifted = joints.step.real + 0.5 * self.settled  # what is above; at rest the joints have as much as the half
         dip = -2.0 * np.sin(self.tilt + 0.5 * theta) * np.sin(0.5 * theta)  # cosine of the rotation less that as built
-        strained = self.elastic(opening - 0.5 * slip * slope, slope, slip)  # by the opening in the middle of the contact
-        held = self.g * self.carried * (lifted + 0.5 * self.settled)  # at rest the joints have the other half
-        found: FloatArray = (0.5 * moving + held + self.toppling * dip + strained).sum(axis=-1)
+        energy = 0.5 * moving + strained + self.g * self.carried * lifted + self.toppling * dip
+        found: FloatArray = energy.sum(axis=-1)
         return found
 
-    def velocities(self, places: Places) -> NDArray[np.complex128]:
-        """Of the centroids, m/s, (..., n): to +x the real part, up the imaginary one."""
-        theta, opening, spin, opening_rate, slip, slip_rate = places
-        mean, mean_spin = theta - 0.5 * _over_below(theta) + self.lean, spin - 0.5 * _over_below(spin)
-        across = slip_rate + 1j * opening_rate - 1j * mean_spin * (slip + 1j * opening)
-        turning = spin * _along(theta + self.tilt)
-        steps = across * _along(mean) + self.height * turning
-        return _from_base(steps) - (self.height - self.centroid) * turning
+    def joints(self, places: Places) -> Joints:
+        """The joints in the plane."""
+        half_turn = 0.5 * _over_below(places.theta)
+        normal = np.exp(1j * (places.theta - half_turn + self.lean))
+        return Joints(half_turn, normal, (places.opening + 1j * places.slip) * normal)
+
+    def velocities(self, places: Places, joints: Joints) -> NDArray[np.complex128]:
+        """Of the centroids, m/s, (..., n)."""
+        theta, _, spin, opening_rate, _, slip_rate = places
+        turning = 1j * spin * np.exp(1j * (theta + self.tilt))  # times a length along the block: the rate of its end
+        mean_spin = spin - 0.5 * _over_below(spin)
+        steps = (opening_rate + 1j * slip_rate) * joints.normal + 1j * mean_spin * joints.step + self.height * turning
+        found: NDArray[np.complex128] = _from_base(steps) - (self.height - self.centroid) * turning
+        return found
 
     def elastic(self, opening: FloatArray, slope: FloatArray, slip: FloatArray | float = 0.0) -> FloatArray:
         """Elastic energy of each joint, J, from its opening m, in the middle of the contact, slope rad and slip m."""
@@ -259,12 +279,7 @@ def _over_below(values: FloatArray) -> FloatArray:
     return result
 
 
-def _from_base(steps: Any) -> Any:
+def _from_base(steps: NDArray[Any]) -> NDArray[Any]:
     """Sums from the base up to each block."""
-    return steps[..., ::-1].cumsum(axis=-1)[..., ::-1]
-
-
-def _along(rotation: FloatArray) -> NDArray[np.complex128]:
-    """Where +x points in what is turned clockwise by so much: to +x the real part, up the imaginary one."""
-    found: NDArray[np.complex128] = np.exp(-1j * rotation)
-    return found
+    summed: NDArray[Any] = steps[..., ::-1].cumsum(axis=-1)[..., ::-1]
+    return summed

@@ -141,7 +141,8 @@ def why_no_modes(stepper: Stepper) -> str:
         return "left out"
     if stepper.column.n > at.MODAL_MOST:
         return f"more than {at.MODAL_MOST} blocks"
-    return "" if stepper.model.settings.has_modes else "no stable rest in full contact, or dampers that couple the modes"
+    has_modes = stepper.model.settings.has_modes
+    return "" if has_modes else "no stable rest in full contact, or dampers that couple the modes"
 
 
 def _stats(stepper: Stepper, wall_time: float) -> dict[str, float | int | str]:
@@ -154,7 +155,7 @@ def _stats(stepper: Stepper, wall_time: float) -> dict[str, float | int | str]:
         "rocking": float(control.time_rocking / spent),
         "flight": float(control.time_flight / spent),
         "at_rest": float(control.time_at_rest / spent),
-        "friction_work": float(stepper.state.phase.friction_work.sum()),
+        "friction_work": float(stepper.state.phase.friction_work.sum()) if stepper.column.slides else 0.0,
         "undamped_joints": sum(block.joint.damping == 0.0 for block in stepper.column.blocks),
         "observed_rows": 0,
         "wall_time": wall_time,
