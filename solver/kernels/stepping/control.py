@@ -19,7 +19,7 @@ INTEGRAL = 0.7
 PROPORTIONAL = 0.4
 LEAST_ERROR = 1e-4
 # when `auto` changes its method
-GAIN = 1.6  # the implicit method has to step further than the explicit one by so much
+GAIN = 1.9  # the implicit method has to step further than the explicit one by so much
 PROBE = 2.5  # times the explicit step: how far the implicit method is tried
 SOON, LATE = 10, 40  # explicit steps before it is tried: first, and at most after it has failed each time anew
 SMOOTHING = 0.2
