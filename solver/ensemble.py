@@ -21,7 +21,7 @@ from .single_run import Callback, fate, single_run
 from .uncertainty import PERCENTILES, Ensemble, Spread
 from .verdict import OVERTURNED, UNDECIDED
 
-MOST_DAMPED = 0.1  # of the steps implicit: beyond, lanes, which step explicitly, are no gain
+MOST_DAMPED = 0.5  # of the steps implicit: beyond, lanes, which step explicitly, are no gain
 LISTEN = 0.05  # s between two looks whether somebody interrupts
 LEAST_CHANGE, MOST_CHANGE = 1e-3, 1e3  # of a value by its factor: what a column may hold is wider
 

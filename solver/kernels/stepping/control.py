@@ -19,9 +19,9 @@ INTEGRAL = 0.7
 PROPORTIONAL = 0.4
 LEAST_ERROR = 1e-4
 # when `auto` changes its method
-GAIN = 1.9  # the implicit method has to step further than the explicit one by so much
-PROBE = 2.5  # times the explicit step: how far the implicit method is tried
-SOON, LATE = 10, 40  # explicit steps before it is tried: first, and at most after it has failed each time anew
+GAIN = 2.2  # the implicit method has to step further than the explicit one by so much
+PROBE_5, PROBE_8 = 4.0, 1.5  # times the explicit step of order 5 or 8: how far the implicit method is tried
+SOON, LATE = 20, 40  # explicit steps before it is tried: first, and at most after it has failed each time anew
 SMOOTHING = 0.2
 # when the modal method is used: a step of it costs half of one of the others
 ELASTIC_COST = 0.5
@@ -70,16 +70,16 @@ def general_step(column, left):
     explicit = ORDER_8 if column.model.settings.explicit_order == 8.0 else ORDER_5
     if int(column.model.settings.without) & IMPLICIT or something_slides(column.work):
         return explicit, min(step, control.explicit_step) if counts.implicit == 1 else step
-    worth = 0.5 if explicit == ORDER_8 else 1.0
+    worth, probe = (0.5, PROBE_8) if explicit == ORDER_8 else (1.0, PROBE_5)
     if counts.implicit == 1:
         further = min(step, left) > GAIN * worth * control.explicit_step
         return LINEARLY_IMPLICIT if further else explicit, step
     if counts.in_flight == 1:  # nothing there is stiff, and an implicit step would see too little of the landing
         return explicit, step
-    if counts.until_probe <= 0 and PROBE * worth * step <= left:
+    if counts.until_probe <= 0 and probe * step <= left:
         counts.probe_wait = min(LATE, max(SOON, 2 * counts.probe_wait))
         counts.until_probe = counts.probe_wait
-        return LINEARLY_IMPLICIT, PROBE * worth * step
+        return LINEARLY_IMPLICIT, probe * step
     return explicit, step
 
 
