@@ -2,15 +2,19 @@
 
 A phase is coordinates and rates as the stepper keeps them, (4 n,) or (rows, 4 n); slips and their rates follow in that
 of a column whose joints may slide, (6 n,) or (rows, 6 n).
+
+Vectors in the plane are complex numbers: up is the real part, +x the imaginary one, so that exp(i theta) is what points
+up, turned clockwise by theta.
 """
 
 from __future__ import annotations
 
 from copy import copy
 from functools import cached_property, lru_cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .column import Column
 from .kernels import layout as at
@@ -30,6 +34,17 @@ class Places(NamedTuple):
     opening_rate: FloatArray
     slip: FloatArray | float = 0.0
     slip_rate: FloatArray | float = 0.0
+
+
+class Joints(NamedTuple):
+    """What the joints are like in the plane, (..., n) each.
+
+    half_turn: rad, of the block over what is under it; normal: unit vectors; step: m, from the lower face to the upper.
+    """
+
+    half_turn: FloatArray
+    normal: NDArray[np.complex128]
+    step: NDArray[np.complex128]
 
 
 class Chain:
@@ -131,60 +146,47 @@ class Chain:
         return found - self._energies(self.rest) if self.off_axis else found
 
     def _energies(self, phase: FloatArray) -> FloatArray:
-        """The same above the straight column under its weight."""
+        """The same above the straight column under its weight; of columns off their axis above anything fixed."""
         places = self.places(phase)
         theta, opening, spin, _, slip, _ = places
-        x_rate, z_rate = self.velocities(places)
-        mean = theta - 0.5 * _over_below(theta) + self.lean
-        sine, cosine = np.sin(mean), np.cos(mean)
-        moving = 0.5 * (self.mass * (x_rate**2 + z_rate**2) + self.inertia * spin**2)
+        joints = self.joints(places)
+        velocity = self.velocities(places, joints)
+        moving = self.mass * (velocity.real**2 + velocity.imag**2) + self.inertia * spin**2
+        slope = 2.0 * np.sin(joints.half_turn)
+        strained = self.elastic(opening - 0.5 * slip * slope, slope, slip)
+        lifted = joints.step.real + 0.5 * self.settled  # what is above; at rest the joints have as much as the half
         dip = -2.0 * np.sin(self.tilt + 0.5 * theta) * np.sin(0.5 * theta)  # cosine of the rotation less that as built
-        lifted = opening * cosine - (slip * sine - self.offset * np.sin(self.lean)) + self.settled
-        raised = _from_base(lifted + self.height * dip) - (self.height - self.centroid) * dip
-        slope = 2.0 * np.sin(0.5 * _over_below(theta))
-        felt = opening - 0.5 * slip * slope  # in the middle of the contact
-        at_rest = 0.5 * self.carried * self.g * self.settled
-        strained = self.elastic(felt, slope, slip) - at_rest
-        found: FloatArray = np.sum(moving + self.g * self.mass * raised + strained, axis=-1)
+        energy = 0.5 * moving + strained + self.g * self.carried * lifted + self.toppling * dip
+        found: FloatArray = energy.sum(axis=-1)
         return found
 
-    def velocities(self, places: Places) -> tuple[FloatArray, FloatArray]:
-        """Of the centroids, m/s: to +x and up, (..., n) each."""
-        theta, opening, spin, opening_rate, slip, slip_rate = places
-        mean, mean_spin = theta - 0.5 * _over_below(theta) + self.lean, spin - 0.5 * _over_below(spin)
-        sine, cosine = np.sin(mean), np.cos(mean)
-        turned = theta + self.tilt
-        x_rate = (
-            _from_base(
-                (opening_rate - slip * mean_spin) * sine
-                + (opening * mean_spin + slip_rate) * cosine
-                + self.height * np.cos(turned) * spin
-            )
-            - (self.height - self.centroid) * np.cos(turned) * spin
-        )
-        z_rate = (
-            _from_base(
-                (opening_rate - slip * mean_spin) * cosine
-                - (opening * mean_spin + slip_rate) * sine
-                - self.height * np.sin(turned) * spin
-            )
-            + (self.height - self.centroid) * np.sin(turned) * spin
-        )
-        return x_rate, z_rate
+    def joints(self, places: Places) -> Joints:
+        """The joints in the plane."""
+        half_turn = 0.5 * _over_below(places.theta)
+        normal = np.exp(1j * (places.theta - half_turn + self.lean))
+        return Joints(half_turn, normal, (places.opening + 1j * places.slip) * normal)
+
+    def velocities(self, places: Places, joints: Joints) -> NDArray[np.complex128]:
+        """Of the centroids, m/s, (..., n)."""
+        theta, _, spin, opening_rate, _, slip_rate = places
+        turning = 1j * spin * np.exp(1j * (theta + self.tilt))  # times a length along the block: the rate of its end
+        mean_spin = spin - 0.5 * _over_below(spin)
+        steps = (opening_rate + 1j * slip_rate) * joints.normal + 1j * mean_spin * joints.step + self.height * turning
+        found: NDArray[np.complex128] = _from_base(steps) - (self.height - self.centroid) * turning
+        return found
 
     def elastic(self, opening: FloatArray, slope: FloatArray, slip: FloatArray | float = 0.0) -> FloatArray:
         """Elastic energy of each joint, J, from its opening m, in the middle of the contact, slope rad and slip m."""
-        slipped = np.broadcast_to(slip, opening.shape)
-        simple = self.rectangles & (slipped == 0.0)
-        signed, slope = slope, np.abs(slope)
-        deepest, least = 0.5 * self.width * slope - opening, -0.5 * self.width * slope - opening
-        full = 0.5 * self.rigidity * self.width * (opening**2 + (slope * self.width) ** 2 / 12.0)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            part = self.rigidity * deepest**3 / (6.0 * slope)
-        found: FloatArray = np.where(least >= 0.0, full, np.where(deepest > 0.0, part, 0.0))
-        if not np.all(simple):
+        steep = np.abs(slope)
+        deepest = 0.5 * self.width * steep - opening
+        length = np.minimum(self.width, np.maximum(deepest, 0.0) / np.maximum(steep, PARALLEL))  # in contact
+        bent = steep * length
+        found: FloatArray = 0.5 * self.rigidity * length * ((deepest - 0.5 * bent) ** 2 + bent**2 / 12.0)
+        simple = self.rectangles & (slip == 0.0)
+        if not simple.all():
             others = np.zeros((opening.size // self.n, self.n))
-            rows = (np.ascontiguousarray(values).reshape(-1, self.n) for values in (opening, signed, slipped))
+            slipped = np.broadcast_to(slip, opening.shape)
+            rows = (np.ascontiguousarray(values).reshape(-1, self.n) for values in (opening, slope, slipped))
             models = np.broadcast_to(self.model, (len(others), self.model.shape[-1]))
             for model, each_opening, each_slope, each_slip, row in zip(models, *rows, others, strict=True):
                 joint_potentials(self.n, model, each_opening, each_slope, each_slip, row)
@@ -277,7 +279,7 @@ def _over_below(values: FloatArray) -> FloatArray:
     return result
 
 
-def _from_base(steps: FloatArray) -> FloatArray:
+def _from_base(steps: NDArray[Any]) -> NDArray[Any]:
     """Sums from the base up to each block."""
-    summed: FloatArray = np.cumsum(steps[..., ::-1], axis=-1)[..., ::-1]
+    summed: NDArray[Any] = steps[..., ::-1].cumsum(axis=-1)[..., ::-1]
     return summed

@@ -27,7 +27,7 @@ from .stepper import SILENCE
 
 def are_kept() -> bool:
     """Whether the machine code of the kernels is on the disk, or in this process."""
-    if run.signatures:  # type: ignore[attr-defined]
+    if run.overloads:  # type: ignore[attr-defined]
         return True
     folder = run.stats.cache_path  # type: ignore[attr-defined]
     return folder is not None and any(Path(folder).glob(f"*run_{SOURCES}*.nbc"))

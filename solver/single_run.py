@@ -20,6 +20,8 @@ from .stepper import Stepper
 from .verdict import OVERTURNED, STANDING, UNDECIDED, cannot_fall
 
 BETWEEN_LOOKS = 0.25  # s, after the motion
+# what `Response.stats` has of kernels/layout.py, COUNTS
+COUNTED = ("steps", "implicit_steps", "elastic_steps", "rejected", "events", "evaluations", "sweeps", "looks")
 
 
 class Glance(NamedTuple):
@@ -63,7 +65,7 @@ def single_run(
     snapshots = stepper.run(motion, stop, times, after_chunk)
     wall_time = clock.perf_counter() - begin
     stats = _stats(stepper, wall_time)
-    peaks = {name: peak.copy() for name, peak in stepper.peaks.items()}
+    peaks = stepper.peaks
     verdict, end = settled_verdict(stepper, stop, settle)
     stats["settled_for"] = end - stop
     response = Response(
@@ -139,28 +141,21 @@ def why_no_modes(stepper: Stepper) -> str:
         return "left out"
     if stepper.column.n > at.MODAL_MOST:
         return f"more than {at.MODAL_MOST} blocks"
-    has_modes = at.SETTINGS.see(stepper.arrays.model).has_modes
+    has_modes = stepper.model.settings.has_modes
     return "" if has_modes else "no stable rest in full contact, or dampers that couple the modes"
 
 
 def _stats(stepper: Stepper, wall_time: float) -> dict[str, float | int | str]:
-    control, counts = stepper.state.control, stepper.counts
+    control, counts = stepper.state.control, stepper.arrays.counts.tolist()
     spent = max(stepper.time_spent, math.ulp(0.0))
     return {
-        "steps": int(counts.steps),
-        "implicit_steps": int(counts.implicit_steps),
-        "elastic_steps": int(counts.elastic_steps),
+        **{name: counts[at.COUNTS.places[name]] for name in COUNTED},
         "why_no_modes": why_no_modes(stepper),
-        "rejected": int(counts.rejected),
-        "events": int(counts.events),
-        "evaluations": int(counts.evaluations),
-        "sweeps": int(counts.sweeps),
-        "looks": int(counts.looks),
         "full_contact": float(control.time_full / spent),
         "rocking": float(control.time_rocking / spent),
         "flight": float(control.time_flight / spent),
         "at_rest": float(control.time_at_rest / spent),
-        "friction_work": float(np.sum(stepper.state.phase.friction_work)),
+        "friction_work": float(stepper.state.phase.friction_work.sum()) if stepper.column.slides else 0.0,
         "undamped_joints": sum(block.joint.damping == 0.0 for block in stepper.column.blocks),
         "observed_rows": 0,
         "wall_time": wall_time,

@@ -127,7 +127,7 @@ class Stepper:
         self.base.wave_omega = 2.0 * math.pi * motion.frequency
         self.base.wave_phase = -2.0 * math.pi * motion.frequency * motion.start
         record = Record(time, ax, az, held=motion.hold)
-        self._follow(float(motion.time[0]), stop, record, times, snapshots.reshape(-1), True, after_chunk)
+        self._follow(float(motion.time[0]), stop, record, _plain(times), snapshots.reshape(-1), True, after_chunk)
         return snapshots
 
     def rest_until(self, t: float, stop: float, after_chunk: Callable[[float], None] | None = None) -> None:
@@ -149,17 +149,18 @@ class Stepper:
         settings = self.model.settings
         step = settings.step if settings.integrator == at.CENTRAL_DIFFERENCE else settings.first_step
         chunk = CHUNK * float(step) / (EVALUATIONS_PER_FIRST_STEP * self.n)
+        done = self._work_done
         while t < stop:
             left = stop - t
             pieces = math.ceil(left / chunk)
             end = stop if pieces <= 1 else t + (left / pieces if pieces <= 4 else chunk)  # no sliver at the end
-            before = self._work_done
+            before = done
             self._check(self._run(t, end - t, record, times, snapshots, peaks), None)
             t = end
             if after_chunk is not None:
                 after_chunk(t)
-            done = max(1.0, self.n * (self._work_done - before))
-            chunk *= min(MOST_CHANGE, max(LEAST_CHANGE, CHUNK / done))
+            done = self._work_done
+            chunk *= min(MOST_CHANGE, max(LEAST_CHANGE, CHUNK / max(1.0, self.n * (done - before))))
 
     @property
     def _work_done(self) -> int:
@@ -233,8 +234,8 @@ class Stepper:
         return visible
 
     def _run(self, t: float, h: float, record: Record, times: FloatArray, snapshots: FloatArray, peaks: bool) -> int:
-        """The kernel, compiled once: its numbers are float64 and its arrays contiguous, whatever the caller has."""
-        code: int = run(self.n, *self.arrays, *record.arguments, float(t), float(h), _plain(times), snapshots, peaks)
+        """The kernel, compiled once: its numbers are float64 whatever the caller has."""
+        code: int = run(self.n, *self.arrays, *record.arguments, float(t), float(h), times, snapshots, peaks)
         return code
 
     def _check(self, code: int, t: float | None) -> None:

@@ -96,10 +96,9 @@ def _mass(chain: Chain, rest: FloatArray) -> FloatArray:
     if chain.off_axis:
         phases[:, 4 * n : 5 * n] = chain.offset
     places = chain.places(phases)
-    return np.asarray(
-        sum((part * chain.mass) @ part.T for part in chain.velocities(places))
-        + (places.spin * chain.inertia) @ places.spin.T
-    )
+    velocities = chain.velocities(places, chain.joints(places))
+    moving: FloatArray = ((velocities * chain.mass) @ velocities.conj().T).real
+    return np.asarray(moving + (places.spin * chain.inertia) @ places.spin.T)
 
 
 def _penetrations(still: StillColumn) -> tuple[FloatArray, FloatArray]:

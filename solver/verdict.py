@@ -64,12 +64,8 @@ def cannot_fall(column: Column, phase: FloatArray) -> bool:
 
 def is_held(column: Column, energy: float, turned: FloatArray) -> bool:
     """The same of a column with this energy, J, whose blocks are turned by so much either way, rad (n,)."""
-    rounding = REST * column.g * sum(block.mass * block.joint_width for block in column.blocks)
-    safe = SAFE[column.settings.formulation]
-    return any(
-        energy <= safe * energy_to_fall + rounding and bool(np.all(turned < limits))
-        for energy_to_fall, limits in (_barrier_of(column, part) for part in PARTS)
-    )
+    held = (_held_within(column, part) for part in PARTS)
+    return any(energy <= most and bool((turned < limits).all()) for most, limits in held)
 
 
 def surely_stand(chain: Chain, energy: FloatArray, turned: FloatArray) -> NDArray[np.bool_]:
@@ -148,6 +144,14 @@ class Barriers:
 def barrier(column: Column) -> Barrier:
     """The energy that a column needs to fall, from rest; zero where its rest is not stable."""
     return max((_barrier_of(column, part) for part in PARTS), key=lambda found: float(found.energy))
+
+
+@lru_cache(maxsize=256)
+def _held_within(column: Column, part: float) -> Barrier:
+    """The energy up to which a column stands whose blocks are within these limits."""
+    found = _barrier_of(column, part)
+    rounding = REST * column.g * sum(block.mass * block.joint_width for block in column.blocks)
+    return Barrier(SAFE[column.settings.formulation] * found.energy + rounding, found.limits)
 
 
 @lru_cache(maxsize=256)

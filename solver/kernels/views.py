@@ -337,6 +337,7 @@ class Record(Part):
 
     def __init__(self, *fields: str) -> None:
         self.fields = fields
+        self.places = {name: k for k, name in enumerate(fields)}
         self.beside = len(fields)
         self.over = _over(self)
 
@@ -346,7 +347,7 @@ class Record(Part):
 
     def see(self, array: Any, n: int = 0) -> Any:
         """The names as attributes that can be read and written."""
-        return _Seen(self.fields, array)
+        return _Seen(self.places, array)
 
 
 class Table(Part):
@@ -392,19 +393,14 @@ class Space(Part):
 
     def see(self, array: Any, n: int) -> Any:
         """The parts as attributes."""
-        seen = {}
-        begin = 0
-        for name, part in self.parts.items():
-            seen[name] = part.see(array[begin:], n)
-            begin += part.size(n)
-        return SimpleNamespace(**seen)
+        return _Parts(self.parts, array, n)
 
 
 class _Seen:
     """Names over the first numbers of an array."""
 
-    def __init__(self, fields: tuple[str, ...], array: Any) -> None:
-        object.__setattr__(self, "_places", {name: k for k, name in enumerate(fields)})
+    def __init__(self, places: dict[str, int], array: Any) -> None:
+        object.__setattr__(self, "_places", places)
         object.__setattr__(self, "_array", array)
 
     def __getattr__(self, name: str) -> Any:
@@ -417,6 +413,22 @@ class _Seen:
         if name not in self._places:
             raise AttributeError(name)
         self._array[self._places[name]] = value
+
+
+class _Parts:
+    """Names over the parts of an array, each laid when it is first asked for."""
+
+    def __init__(self, parts: dict[str, Part], array: Any, n: int) -> None:
+        self._parts, self._array, self._n = parts, array, n
+
+    def __getattr__(self, name: str) -> Any:
+        begin = 0
+        for each, part in self._parts.items():
+            if each == name:
+                self.__dict__[name] = part.see(self._array[begin:], self._n)
+                return self.__dict__[name]
+            begin += part.size(self._n)
+        raise AttributeError(name)
 
 
 def _over(part: Part) -> Any:
