@@ -204,9 +204,8 @@ def _over_joint(model, phase, joints, room, i, spin, spin_below, couple, slides)
     normal, per_masses, per_inertia = joints.normal[i], blocks.per_masses[i], blocks.per_inertia[i]
     both_spins = spin + spin_below
     square = spin * spin
-    opening = phase.opening[i]
     lower_sine, lower_cosine = blocks.centroid[i] * here.sine, blocks.centroid[i] * here.cosine
-    quarter = 0.25 * opening  # spares a product that a half would need below
+    quarter = 0.25 * phase.opening[i]  # spares a product that a half would need below
     half = quarter + quarter
     p = lower_cosine + half
     p_turns = p * per_inertia
