@@ -84,6 +84,7 @@ class Chain:
         # N/m2: of a metre of the joint's width, where it is a rectangle
         self.rigidity = np.array([block.joint.stiffness * block.joint_depth for block in blocks])
         self.carried = np.cumsum(self.mass)  # kg, by the joint under each block
+        self.weight = self.g * self.carried  # N
         self.settled = settlements(column)
 
     @classmethod
@@ -104,7 +105,8 @@ class Chain:
         chain.spring = np.where(chain.rectangles, chain.rigidity * chain.width, chain.stiffness * ring)
         chain.g = settings.gravity[:, None].copy()
         chain.carried = np.cumsum(chain.mass, axis=-1)
-        chain.settled = chain.g * chain.carried / chain.spring
+        chain.weight = chain.g * chain.carried
+        chain.settled = chain.weight / chain.spring
         return chain
 
     def some(self, which: IntArray) -> Chain:
@@ -155,8 +157,9 @@ class Chain:
         slope = 2.0 * np.sin(joints.half_turn)
         strained = self.elastic(opening - 0.5 * slip * slope, slope, slip)
         lifted = joints.step.real + 0.5 * self.settled  # what is above; at rest the joints have as much as the half
-        dip = -2.0 * np.sin(self.tilt + 0.5 * theta) * np.sin(0.5 * theta)  # cosine of the rotation less that as built
-        energy = 0.5 * moving + strained + self.g * self.carried * lifted + self.toppling * dip
+        half = 0.5 * theta
+        dip = -2.0 * np.sin(self.tilt + half) * np.sin(half)  # cosine of the rotation less that as built
+        energy = 0.5 * moving + strained + self.weight * lifted + self.toppling * dip
         found: FloatArray = energy.sum(axis=-1)
         return found
 
@@ -181,7 +184,8 @@ class Chain:
         deepest = 0.5 * self.width * steep - opening
         length = np.minimum(self.width, np.maximum(deepest, 0.0) / np.maximum(steep, PARALLEL))  # in contact
         bent = steep * length
-        found: FloatArray = 0.5 * self.rigidity * length * ((deepest - 0.5 * bent) ** 2 + bent**2 / 12.0)
+        # half the square of the penetration over the length, from one end to the other
+        found: FloatArray = 0.5 * self.rigidity * length * (deepest * (deepest - bent) + bent**2 / 3.0)
         simple = self.rectangles & (slip == 0.0)
         if not simple.all():
             others = np.zeros((opening.size // self.n, self.n))
@@ -204,7 +208,7 @@ class Chain:
     def bent_energy(self, i: int, slope: FloatArray, cosine: FloatArray) -> FloatArray:
         """The same from the slope of the joint, not below zero, and the cosine of the mean of both rotations."""
         full_weight, width, rigidity = (
-            values[..., i, None, None] for values in (self.carried * self.g, self.width, self.rigidity)
+            values[..., i, None, None] for values in (self.weight, self.width, self.rigidity)
         )
         weight = full_weight * cosine
         simple = self.rectangles[..., i, None, None]
@@ -226,7 +230,7 @@ class Chain:
         Rotations of either sign count from the column as built.
         """
         mean, offset = 0.5 * (turn + turn_below) + self.lean[i], float(self.offset[i])  # type: ignore[index]
-        slope, full_weight = 2.0 * np.sin(0.5 * (turn - turn_below)), self.carried[i] * self.g
+        slope, full_weight = 2.0 * np.sin(0.5 * (turn - turn_below)), self.weight[i]
         weight = full_weight * np.cos(mean)
         moved: FloatArray = offset * (0.5 * slope * weight - full_weight * np.sin(mean))
         return moved + self._other_energy(i, slope, weight, offset)

@@ -55,7 +55,7 @@ def least_energy(column: Column, part: float) -> tuple[float, FloatArray]:
 
 def limits_of(chain: Chain, column: Column, part: float) -> FloatArray:
     """Limits of the blocks, rad (n,), below half of any angle of no return, so that no joint gets to its own either."""
-    on_edge = chain.carried * chain.g * 0.5 * chain.width / np.maximum(np.cumsum(chain.toppling), np.finfo(float).tiny)
+    on_edge = chain.weight * 0.5 * chain.width / np.maximum(np.cumsum(chain.toppling), np.finfo(float).tiny)
     limits: FloatArray = np.minimum(part * on_edge, 0.5 * np.min(model_of(column).blocks.fall_angle))
     return limits
 

@@ -92,7 +92,7 @@ def least_energies(chain: Chain, part: float, grazed: float) -> tuple[FloatArray
     (1 - cos alpha) of what they topple by. part: alpha, in parts of that with the largest bound.
     """
     toppling = np.sum(chain.toppling, axis=-1)
-    weight = chain.g * chain.carried
+    weight = chain.weight
     lever, gives = chain.grazed(grazed)
     best = np.min(weight * lever, axis=-1) / np.maximum(toppling, np.finfo(float).tiny)
     alpha = np.minimum(part * best, MOST_TURNED)
@@ -170,7 +170,7 @@ def limits_at(chain: Chain, fall_angles: FloatArray, part: float) -> FloatArray:
     most[..., :-1] = np.minimum(most[..., :-1], half)
     most[..., 1:] = np.minimum(most[..., 1:], half)
     toppling = np.maximum(np.cumsum(chain.toppling, axis=-1), np.finfo(float).tiny)
-    on_edge = chain.carried * chain.g * 0.5 * chain.width / toppling
+    on_edge = chain.weight * 0.5 * chain.width / toppling
     limits: FloatArray = np.minimum(part * on_edge, most)
     return limits
 
