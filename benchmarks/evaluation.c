@@ -118,16 +118,16 @@ typedef struct { double half, p, free_alpha, diagonal, right, opens; } over_join
 static inline over_joint add_block(const double *blocks, const double *phase, const double *joints, double *rows,
                                    int64_t n, int64_t i, double spin, double spin_below, double couple)
 {
-    const double normal = JOINT(NORMAL), per_mass = BLOCK(PER_MASS), per_inertia = BLOCK(PER_INERTIA);
-    const double both_spins = spin + spin_below, mean_spin = 0.5 * both_spins, square = spin * spin;
-    const double opening = PHASE(OPENING, i), half = 0.5 * opening;
+    const double normal = JOINT(NORMAL), per_masses = BLOCK(PER_MASSES), per_inertia = BLOCK(PER_INERTIA);
+    const double both_spins = spin + spin_below, square = spin * spin;
+    const double quarter = 0.25 * PHASE(OPENING, i), half = quarter + quarter;
     const double lower_sine = BLOCK(CENTROID) * ROW(SINE, i), lower_cosine = BLOCK(CENTROID) * ROW(COSINE, i);
     const double p = lower_cosine + half, p_turns = p * per_inertia;
     const double free_alpha = per_inertia * ((normal * lower_sine - ROW(TURNED, i)) + couple);
     const over_joint found = {
-        half, p, free_alpha, per_mass + p * p_turns,
+        half, p, free_alpha, per_masses + p * p_turns,
         PHASE(OPENING_RATE, i) * both_spins + (p * free_alpha - lower_sine * square),
-        normal * per_mass + (lower_cosine * square + opening * mean_spin * mean_spin)};
+        normal * per_masses + (lower_cosine * square + quarter * both_spins * both_spins)};
     ROW(FREE_ALPHA, i) = free_alpha;
     ROW(TURN_BELOW, i) = p_turns;
     return found;
@@ -175,11 +175,10 @@ void accelerations(const double *model, double *phase, const double *motion, dou
         const double sine_beta = (sine_above * cosine + cosine_above * sine) * per_mass;
         const double cosine_beta = (cosine_above * cosine - sine_above * sine) * per_mass;
         const double right = sum.right + ((upper_sine * square - normal * sine_beta) + q * mine.free_alpha);
-        const double pivot = 1.0 / (sum.diagonal + (per_mass + q * q_turns));
+        const double pivot = 1.0 / (sum.diagonal + q * q_turns);
         const double coupling = mine.p * q_turns - cosine_beta, part = coupling * pivot, alone = right * pivot;
         ROW(ALONE, i - 1) = alone;
-        ROW(FREE_OPENING, i - 1) =
-            sum.opens + ((upper_cosine * square - normal * cosine_beta) + normal_above * per_mass);
+        ROW(FREE_OPENING, i - 1) = sum.opens + (upper_cosine * square - normal * cosine_beta);
         ROW(PART, i) = part;
         ROW(TURN_ABOVE, i) = q_turns;
         ROW(SINE_BETA, i) = sine_beta;
@@ -192,10 +191,13 @@ void accelerations(const double *model, double *phase, const double *motion, dou
 
     /* the base: gravity is an upward acceleration */
     const double pull = motion[1] + model[MODEL_SETTINGS(0) + SETTINGS_GRAVITY];
-    double base_sine = 0.0, base_cosine = 1.0, opens = sum.opens;
-    if (motion[2] != 0.0)
+    double along = motion[0], lift = pull, opens = sum.opens;
+    if (motion[2] != 0.0) {
+        double base_sine, base_cosine;
         sine_cosine(motion[2], &base_sine, &base_cosine);
-    const double along = motion[0] * base_cosine - pull * base_sine, lift = motion[0] * base_sine + pull * base_cosine;
+        along = motion[0] * base_cosine - pull * base_sine;
+        lift = motion[0] * base_sine + pull * base_cosine;
+    }
     const double last_sine = ROW(SINE, n - 1), last_cosine = ROW(COSINE, n - 1);
     const double right = sum.right + ((along * last_cosine - lift * last_sine) + sum.half * motion[4]);
     opens -= along * last_sine + lift * last_cosine;

@@ -34,7 +34,7 @@ def law_in_lanes(given: Array, found: Array) -> None:
     """`joint_forces_in_lanes` of eight joints, (8 arguments, 8 lanes), to (3, 8); both flat."""
     g, f = lanes_of(given), lanes_of(found)
     half = 0.5 * g[1]
-    f[0], f[1], f[2] = joint_forces_in_lanes(-half, half, g[2], g[0], g[3], g[4], g[5], g[6], g[7])
+    f[0], f[1], f[2] = joint_forces_in_lanes(-half, half, g[0] * g[2], g[3], g[4], g[5], g[6], g[7])
 
 
 def assert_lanes_say_what_branches_say(eight: list[State]) -> None:

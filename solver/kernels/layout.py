@@ -55,12 +55,14 @@ BLOCKS = Table(
     "inertia",  # kg m2, about the centroid
     "per_mass",  # 1/kg
     "per_inertia",  # 1/(kg m2)
+    "per_masses",  # 1/kg, sum of this for the block and for the one below it, if any
     "stiffness",  # N/m3, of the joint under the block
     "section",  # of the contact: a code, and what goes with it (joint/section.py)
     "left",  # m from the middle of the block: ends of the contact
     "right",
     "width",  # m, from end to end
     "depth",  # m
+    "rigidity",  # N/m2, stiffness times depth
     "bore",  # m
     "damping",  # s
     "friction",  # of the joint; 0: it never slides

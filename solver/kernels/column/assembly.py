@@ -51,6 +51,8 @@ def derive(model):
         blocks.upper[i] = blocks.height[i] - blocks.centroid[i]
         blocks.per_mass[i] = 1.0 / blocks.mass[i]
         blocks.per_inertia[i] = 1.0 / blocks.inertia[i]
+        blocks.per_masses[i] = blocks.per_mass[i] + (blocks.per_mass[i + 1] if i + 1 < n else 0.0)
+        blocks.rigidity[i] = blocks.stiffness[i] * blocks.depth[i]
         if blocks.section[i] == RECTANGLE:
             blocks.open_size[i] = blocks.width[i] / math.sqrt(12.0)
         else:

@@ -164,8 +164,8 @@ def _downwards(model, phase, motion, joints, room, slides):
         sine_beta = (sine_above * cosine + cosine_above * sine) * per_mass
         cosine_beta = (cosine_above * cosine - sine_above * sine) * per_mass
         right += (upper_sine * square - normal * sine_beta) + q * free_alpha
-        opens += (upper_cosine * square - normal * cosine_beta) + normal_above * per_mass
-        pivot = 1.0 / (diagonal + (per_mass + q * q_turns))
+        opens += upper_cosine * square - normal * cosine_beta
+        pivot = 1.0 / (diagonal + q * q_turns)
         coupling = p * q_turns - cosine_beta
         part = coupling * pivot
         alone = right * pivot
@@ -201,25 +201,24 @@ def _over_joint(model, phase, joints, room, i, spin, spin_below, couple, slides)
     Returns half of the opening, the lever of T_i, m, free alpha, and the block's part of diagonal, right side, opening.
     """
     blocks, here = model.blocks, joint_row(room, i)
-    normal, per_mass, per_inertia = joints.normal[i], blocks.per_mass[i], blocks.per_inertia[i]
+    normal, per_masses, per_inertia = joints.normal[i], blocks.per_masses[i], blocks.per_inertia[i]
     both_spins = spin + spin_below
-    mean_spin = 0.5 * both_spins
     square = spin * spin
-    opening = phase.opening[i]
     lower_sine, lower_cosine = blocks.centroid[i] * here.sine, blocks.centroid[i] * here.cosine
-    half = 0.5 * opening
+    quarter = 0.25 * phase.opening[i]  # spares a product that a half would need below
+    half = quarter + quarter
     p = lower_cosine + half
     p_turns = p * per_inertia
     couple = (normal * lower_sine - here.turned) + couple
     if slides:
         couple += here.across
     free_alpha = per_inertia * couple
-    diagonal = per_mass + p * p_turns
+    diagonal = per_masses + p * p_turns
     right = phase.opening_rate[i] * both_spins + (p * free_alpha - lower_sine * square)
-    opens = normal * per_mass + (lower_cosine * square + opening * mean_spin * mean_spin)
+    opens = normal * per_masses + (lower_cosine * square + quarter * both_spins * both_spins)
     if slides:
-        opens += 2.0 * phase.slip_rate[i] * mean_spin
-        right -= phase.slip[i] * mean_spin * mean_spin
+        opens += phase.slip_rate[i] * both_spins
+        right -= 0.25 * phase.slip[i] * both_spins * both_spins
     here.free_alpha = free_alpha
     here.turn_below = p_turns
     return half, p, free_alpha, diagonal, right, opens
@@ -242,12 +241,10 @@ def _upwards(model, phase, motion, joints, room, right, opens, slides):
     n, blocks = model.n, model.blocks
     last = joint_row(room, n - 1)
     # the base: gravity is an upward acceleration; joint n is turned against it, upright by theta_n / 2
-    base_sine, base_cosine = 0.0, 1.0
+    along, lift = motion.ax, motion.az + model.settings.gravity
     if any_of(motion.theta != 0.0):
         base_sine, base_cosine = sine_cosine(motion.theta)
-    lift = motion.az + model.settings.gravity
-    along = motion.ax * base_cosine - lift * base_sine
-    lift = motion.ax * base_sine + lift * base_cosine
+        along, lift = along * base_cosine - lift * base_sine, along * base_sine + lift * base_cosine
     sine_above, cosine_above = _under(last, slides)
     right += (along * cosine_above - lift * sine_above) + 0.5 * phase.opening[n - 1] * motion.alpha
     opens -= along * sine_above + lift * cosine_above

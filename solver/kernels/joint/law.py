@@ -98,11 +98,11 @@ def loaded_part_in_lanes(near, far, damping, opening, slope, opening_rate, slope
 
 
 @leaf
-def joint_forces_in_lanes(near, far, depth, stiffness, damping, opening, slope, opening_rate, slope_rate):
-    """As `joint_forces`, for lanes, of a rectangle, depth, m; near, far: as above."""
+def joint_forces_in_lanes(near, far, rigidity, damping, opening, slope, opening_rate, slope_rate):
+    """As `joint_forces`, for lanes, of a rectangle; rigidity in N/m2; near, far: as above."""
     one, other, mean, gradient = loaded_part_in_lanes(near, far, damping, opening, slope, opening_rate, slope_rate)
     length = magnitude(other - one)
-    force, moment = rectangle_forces(one, other, length, stiffness * depth, mean, gradient)
+    force, moment = rectangle_forces(one, other, length, rigidity, mean, gradient)
     return force, mirrored(moment, slope), length
 
 
@@ -141,8 +141,8 @@ def _resultants_of_one(blocks, hold, i, opening, slope, opening_rate, slope_rate
 
 def _resultants_of_lanes(blocks, hold, i, opening, slope, opening_rate, slope_rate, slip=0.0):
     near, far = blocks.left[i], blocks.right[i]  # the contact is its own mirror image
-    depth, stiffness, damping = blocks.depth[i], blocks.stiffness[i], blocks.damping[i]
-    return joint_forces_in_lanes(near, far, depth, stiffness, damping, opening, slope, opening_rate, slope_rate)
+    rigidity, damping = blocks.rigidity[i], blocks.damping[i]
+    return joint_forces_in_lanes(near, far, rigidity, damping, opening, slope, opening_rate, slope_rate)
 
 
 @leaf
@@ -157,8 +157,8 @@ def _slipped_ends(blocks, i, slope, slip):
 def _resultants_of_lanes_that_slip(blocks, hold, i, opening, slope, opening_rate, slope_rate, slip=0.0):
     slope = slope + 0.0  # minus zero becomes zero
     near, far = _slipped_ends(blocks, i, slope, slip)
-    depth, stiffness, damping = blocks.depth[i], blocks.stiffness[i], blocks.damping[i]
-    return joint_forces_in_lanes(near, far, depth, stiffness, damping, opening, slope, opening_rate, slope_rate)
+    rigidity, damping = blocks.rigidity[i], blocks.damping[i]
+    return joint_forces_in_lanes(near, far, rigidity, damping, opening, slope, opening_rate, slope_rate)
 
 
 @leaf

@@ -200,7 +200,7 @@ def forces_over_in_lanes(blocks, i, slip, slope, lo, hi, length, mean, gradient)
     elif any_of(section != RECTANGLE):
         force, moment = _part_forces(part_in_lanes(blocks, i, slip, lo, hi), stiffness, mean, gradient)
     if any_of(flat):
-        flat_force, flat_moment = rectangle_forces(lo, hi, length, stiffness * blocks.depth[i], mean, gradient)
+        flat_force, flat_moment = rectangle_forces(lo, hi, length, blocks.rigidity[i], mean, gradient)
         force, moment = where(flat, flat_force, force), where(flat, flat_moment, moment)
     return force, moment
 
