@@ -10,10 +10,13 @@ from numba import typeof
 from probe import phocas
 
 from solver.kernels import entries
-from solver.kernels.jit import as_written
+from solver.kernels import layout as at
+from solver.kernels.jit import as_written, from_python
+from solver.kernels.views import Table, row_of
 from solver.stepper import SILENCE, Stepper
 
 NOTHING = np.zeros(0)
+_phase = at.PHASE.over
 
 
 @pytest.mark.parametrize(
@@ -28,3 +31,36 @@ def test_nothing_of_numbas_runtime_is_called(entry: Any, further: tuple[Any, ...
     module, name = as_written(entry.py_func, tuple(map(typeof, arguments)))
     assert not module.get_function(name).is_declaration
     assert "NRT_" not in str(module)
+
+
+@from_python
+def write_together(n: int, array: Any) -> None:
+    """Write the rows of a phase that are several fields together."""
+    phase = _phase(row_of(array), n)
+    for i in range(2 * n):
+        phase.coordinates[i] = 100.0 + i
+        phase.rates[i] = 200.0 + i
+        phase.accelerations[i] = 300.0 + i
+    for i in range(6 * n):
+        phase.slips[i] = 400.0 + i
+
+
+def test_fields_together_are_the_same_numbers_in_kernels_and_in_python() -> None:
+    n = 3
+    array = np.zeros(at.PHASE.size(n))
+    write_together(n, array)
+    phase = at.PHASE.see(array, n)
+    for first, name, fields in (
+        (100.0, "coordinates", ("theta", "opening")),
+        (200.0, "rates", ("theta_rate", "opening_rate")),
+        (300.0, "accelerations", ("theta_acceleration", "opening_acceleration")),
+        (400.0, "slips", at.PHASE.fields[at.RIGID_FIELDS :]),
+    ):
+        expected = first + np.arange(len(fields) * n)
+        assert np.array_equal(getattr(phase, name), expected)
+        assert np.array_equal(np.concatenate([getattr(phase, field) for field in fields]), expected)
+
+
+def test_only_neighbours_can_be_together() -> None:
+    with pytest.raises(AssertionError, match="not neighbours"):
+        Table("a", "b", "c", together={"ends": ("a", "c")})

@@ -41,6 +41,7 @@ from .layout import (
 )
 from .numbers import sine_cosine
 from .stepping.advance import advance, take_phase
+from .stepping.interpolation import slips_of
 from .views import Record
 
 # what describes a column: settings, then a record for each block; 0 for an optional value that is not given
@@ -70,7 +71,7 @@ PROBE_SPIN = 1e-6  # rad/s, by which the rotation of the base is varied
 RATE_PART = 1e-4  # of the first step: half the time over which outputs are differenced
 
 _model, _state, _counts, _base, _work = MODEL.over, STATE.over, COUNTS.over, BASE.over, WORK.over
-_STRIPS_GIVEN = GIVEN.fields.index("strips")
+_DEPTHS_GIVEN = GIVEN.fields.index("strip_0")
 _row, _split = ROW.over, SPLIT.over
 _given_settings, _given_block, _base_inputs = GIVEN_SETTINGS.over, GIVEN.over, BASE_INPUTS.over
 _SETTINGS_FIELDS, _BLOCK_FIELDS = GIVEN_SETTINGS.beside, GIVEN.beside
@@ -143,7 +144,8 @@ def assemble(column, given, afresh, scratch, detail):
         blocks.damping[i] = block.joint_damping
         width = block.width if block.joint_width == 0.0 else block.joint_width
         depth = block.depth if block.joint_depth == 0.0 else block.joint_depth
-        lay_out(blocks, i, block.joint_section, width, depth, block.joint_bore, row[_STRIPS_GIVEN:])
+        section, bore, depths = block.joint_section, block.joint_bore, row[_DEPTHS_GIVEN:]
+        lay_out(blocks, i, section, width, depth, bore, block.strips, depths)
         blocks.friction[i] = block.joint_friction
         blocks.dowel[i] = block.joint_dowel if block.joint_friction > 0.0 else RIGID
         settings.slides = 1.0 if block.joint_friction > 0.0 else settings.slides
@@ -367,16 +369,17 @@ def rates(column, t, row, split, other, other_split):
     if column.counts.overturned > 0:
         return OK
     code = see(column, base_motion(column.base, column.samples, t), other, other_split)
-    between, kept = work.between.row, work.end.row
+    between, kept = work.between, work.end
     for i in range(phase_size(work)):
-        kept[i] = between[i]
+        kept.row[i] = between.row[i]
     past = RATE_PART * model.settings.first_step
     for _ in range(2):
         for i in range(2 * n):
-            _go_on(kept, between, i, n, past)
-        for i in range(6 * n, 6 * n + int(work.slips.count)):
-            _go_on(kept, between, i, n, past)
-            between[5 * n + i] = kept[5 * n + i]  # the way that it slides
+            _go_on(kept, between, i, past)
+        first, behind = slips_of(work)
+        for i in range(behind - first):
+            _go_on(kept, between, first + i, past)
+            between.sliding[i] = kept.sliding[i]
         then = base_motion(column.base, column.samples, t + past)
         code = min(code, observe(column, work.between, then, other))
         code = min(code, split_reaction(column, work.between, then, other, other_split))
@@ -386,12 +389,12 @@ def rates(column, t, row, split, other, other_split):
 
 
 @leaf
-def _go_on(kept, to, i, n, past):
+def _go_on(kept, to, i, past):
     """The coordinate at place i of a phase so many s later, its rate and acceleration."""
-    q, v, a = kept[i], kept[2 * n + i], kept[4 * n + i]
-    to[i] = q + past * (v + 0.5 * past * a)
-    to[2 * n + i] = v + past * a
-    to[4 * n + i] = a
+    q, v, a = kept.coordinates[i], kept.rates[i], kept.accelerations[i]
+    to.coordinates[i] = q + past * (v + 0.5 * past * a)
+    to.rates[i] = v + past * a
+    to.accelerations[i] = a
 
 
 @kernel

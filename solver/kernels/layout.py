@@ -108,7 +108,8 @@ INTERPOLATION_BOUND = 46080.0  # the quintic between two steps h misses a motion
 INTERPOLATION_PART = 5.0  # tolerances of a step that it may miss: these errors do not add up
 
 # --- state
-# In either part a rate lies 2 n numbers behind its coordinate, so that the same sums serve both.
+# In either part a rate lies 2 n numbers behind its coordinate, so that the same sums serve both: `coordinates[i]`,
+# `rates[i]` and `accelerations[i]` belong to the coordinate at place i, which for a slip is one from 6 n on.
 PHASE = Table(
     *("theta", "opening", "theta_rate", "opening_rate", "theta_acceleration", "opening_acceleration"),
     "slip",  # m, of the upper face of the joint along its tangent
@@ -117,6 +118,12 @@ PHASE = Table(
     "friction_power",
     "slip_acceleration",
     "sliding",  # 1 or -1: slides that way, 0: sticks
+    together={
+        "coordinates": ("theta", "opening"),
+        "rates": ("theta_rate", "opening_rate"),
+        "accelerations": ("theta_acceleration", "opening_acceleration"),
+        "slips": ("slip", "friction_work", "slip_rate", "friction_power", "slip_acceleration", "sliding"),
+    },
 )
 PHASE_FIELDS = PHASE.per_n
 RIGID_FIELDS = 6  # of the first part

@@ -351,14 +351,23 @@ class Record(Part):
 
 
 class Table(Part):
-    """Fields of n numbers each; after them fields of so many times n numbers: `several`."""
+    """Fields of n numbers each; after them fields of so many times n numbers: `several`.
 
-    def __init__(self, *fields: str, whole: bool = False, **several: int) -> None:
+    together: names of neighbouring fields as one row: name, fields in their order.
+    """
+
+    def __init__(
+        self, *fields: str, whole: bool = False, together: dict[str, tuple[str, ...]] | None = None, **several: int
+    ) -> None:
         self.fields = fields
         self.places = {name: (k, 1) for k, name in enumerate(fields)}  # where each begins, how many times n
         for name, times in several.items():
             self.places[name] = sum(length for _, length in self.places.values()), times
         self.per_n = sum(length for _, length in self.places.values())
+        for name, parts in (together or {}).items():
+            first = fields.index(parts[0])
+            assert fields[first : first + len(parts)] == parts, f"{name}: {parts} are not neighbours"
+            self.places[name] = first, len(parts)
         self.whole = whole
         self.over = _over(self)
 

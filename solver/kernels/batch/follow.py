@@ -21,7 +21,7 @@ from ..stepping.control import GROW, LEAST_ERROR, SAFETY, SHRINK
 from ..stepping.interpolation import interpolate_one, slips_of
 from ..views import lanes_of
 from .evaluate import Batch, anchor_waves, evaluate_lanes, single
-from .runs import SLIP_FIELDS, SPACE, outcome_of, run_of, samples_of, slips_at, snapshot_of
+from .runs import SLIP_FIELDS, SPACE, outcome_of, run_of, samples_of, slips_at, snapshot_of, start_at
 from .sliding import decide_slips, end_at_changes, slid_off, steps_to_stops
 
 NOBODY = -1.0
@@ -49,13 +49,14 @@ def load(batch, k, number):
     size = _MODEL_PER_N * n + _MODEL_BESIDE
     for i in range(size):
         one.model.row[i] = queue.models[size * number + i]
+    begins = start_at(queue, number, n)
     for i in range(4 * n):
-        one.work.start.row[i] = queue.phases[4 * n * number + i]
+        one.work.start.row[i] = begins[i]
     if can_slide(batch.model):
         begin_slips(one.model, one.work)
         slips = slips_at(queue, number, n)
         for i in range(SLIP_FIELDS * n):
-            one.work.start.row[RIGID_FIELDS * n + i] = slips[i]
+            one.work.start.slips[i] = slips[i]
         take_directions(one.work, one.work.start)
     run = run_of(queue, number)
     one.lane.run = number
@@ -103,8 +104,8 @@ def start(batch, fresh):
         between.row[i] = begin.row[i]
     anchor_waves(batch.base, batch.lane.t)
     evaluate_lanes(batch, between, batch.lane.t)
-    for i in range(4 * n, 6 * n):
-        begin.row[i] = where(fresh, between.row[i], begin.row[i])
+    for i in range(2 * n):
+        begin.accelerations[i] = where(fresh, between.accelerations[i], begin.accelerations[i])
     decide_slips(batch, fresh)
     take_stock(batch, begin, fresh)
     tops = work.tops
@@ -134,7 +135,7 @@ def finish(batch, k, code):
     if can_slide(batch.model):
         slips = slips_at(batch.queue, int(one.lane.run), n)
         for i in range(SLIP_FIELDS * n):
-            slips[i] = one.work.start.row[RIGID_FIELDS * n + i]
+            slips[i] = one.work.start.slips[i]
     one.lane.run = NOBODY
     one.lane.count = 0.0
     one.base.piece_end = math.inf
@@ -276,13 +277,13 @@ def take_snapshots(batch, k, step):
     origin = run_of(queue, number).origin
     row = int(one.lane.next_row)
     while row < queue.rows and origin + queue.row_times[row] <= one.lane.t + step * (1.0 + SLACK):
-        kept = snapshot_of(queue, number, row, n).row
+        kept = snapshot_of(queue, number, row, n)
         fraction = min(1.0, max(0.0, (origin + queue.row_times[row] - one.lane.t) / step))
         for i in range(2 * n):
-            kept[i], kept[2 * n + i] = interpolate_one(one.work, i, step, fraction)
+            kept.coordinates[i], kept.rates[i] = interpolate_one(one.work, i, step, fraction)
         first, behind = slips_of(one.work)
         for i in range(first, behind):
-            kept[i], kept[2 * n + i] = interpolate_one(one.work, i, step, fraction)
+            kept.coordinates[i], kept.rates[i] = interpolate_one(one.work, i, step, fraction)
         row += 1
     one.lane.next_row = row
 

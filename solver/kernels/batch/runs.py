@@ -91,13 +91,19 @@ class Queue(NamedTuple):
 
 _run, _outcome, _phase = RUN.over, OUTCOME.over, PHASE.over
 _RUN_SIZE, _OUTCOME_BESIDE, _OUTCOME_PER_N = RUN.beside, OUTCOME.beside, OUTCOME.per_n
-_PHASE_PER_N = PHASE.per_n
+_PHASE_PER_N, _START_PER_N = PHASE.per_n, OUTCOME.parts["phase"].per_n
 
 
 @leaf
 def run_of(queue, k):
     """The record of run k."""
     return _run(queue.runs[_RUN_SIZE * k :], 0)
+
+
+@leaf
+def start_at(queue, k, n):
+    """Coordinates and rates that run k starts from."""
+    return queue.phases[_START_PER_N * n * k :]
 
 
 @leaf

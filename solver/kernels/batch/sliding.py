@@ -144,17 +144,15 @@ def _take_all(to, phase):
 def _interpolate(work, h, s):
     """Coordinates, rates and friction work at fractions s of the steps of h seconds: left in work.between."""
     n = work.n
-    size, between = 2 * n, work.between.row
-    start, end = work.start.row, work.end.row
+    start, end, between = work.start, work.end, work.between
     for place in range(3 * n):
-        i = place if place < size else 4 * n + place
-        course = quintic_through(
-            h, start[i], start[size + i], start[2 * size + i], end[i], end[size + i], end[2 * size + i], 0.0
-        )
-        between[i], rate = value_without_bump(course, s)
-        between[size + i] = rate / h
+        i = place if place < 2 * n else 4 * n + place
+        q0, v0, a0 = start.coordinates[i], start.rates[i], start.accelerations[i]
+        q1, v1, a1 = end.coordinates[i], end.rates[i], end.accelerations[i]
+        between.coordinates[i], rate = value_without_bump(quintic_through(h, q0, v0, a0, q1, v1, a1, 0.0), s)
+        between.rates[i] = rate / h
     for i in range(7 * n, 8 * n):
-        between[i] = spent(work, i, h, s)
+        between.coordinates[i] = spent(work, i, h, s)
 
 
 # --- beginnings

@@ -24,7 +24,7 @@ def sweep_lanes(batch, phase, t, wanted):
     lift = model.settings.gravity + motion.az
     sweeps = sweep_rows(work.room)
     bear(model, phase, work.joints, work.hold, sweeps)
-    found, before = phase.row[4 * n :], work.between.row
+    found, before = phase.accelerations, work.between.row
     settled = ~wanted
     for _ in range(MAX_SWEEPS):
         for i in range(2 * n):
@@ -58,8 +58,8 @@ def start_swept(batch, fresh):
     for i in range(6 * n):
         work.end.row[i] = work.start.row[i]
     settled = sweep_lanes(batch, work.end, batch.lane.t, fresh)
-    for i in range(4 * n, 6 * n):
-        work.start.row[i] = where(fresh, work.end.row[i], work.start.row[i])
+    for i in range(2 * n):
+        work.start.accelerations[i] = where(fresh, work.end.accelerations[i], work.start.accelerations[i])
     for i in range(n):
         batch.state.peaks[i] = greater(batch.state.peaks[i], magnitude(work.start.theta[i]))
     failed = bits(fresh & ~settled)

@@ -13,24 +13,22 @@ from ..jit import kernel, leaf
 @leaf
 def predict(work, h):
     """Coordinates at the end of a step of h seconds; rates and accelerations as the start has them carried on."""
-    size = 2 * work.n
-    start, end = work.start.row, work.end.row
-    for i in range(size):
-        acceleration = start[2 * size + i]
-        half_rate = start[size + i] + 0.5 * h * acceleration
-        end[i] = start[i] + h * half_rate
-        end[size + i] = half_rate + 0.5 * h * acceleration
-        end[2 * size + i] = acceleration
+    start, end = work.start, work.end
+    for i in range(2 * work.n):
+        acceleration = start.accelerations[i]
+        half_rate = start.rates[i] + 0.5 * h * acceleration
+        end.coordinates[i] = start.coordinates[i] + h * half_rate
+        end.rates[i] = half_rate + 0.5 * h * acceleration
+        end.accelerations[i] = acceleration
 
 
 @leaf
 def correct(work, h):
     """Rates at the end of a step from the accelerations there."""
-    size = 2 * work.n
-    start, end = work.start.row, work.end.row
-    for i in range(size):
-        change = end[2 * size + i] - start[2 * size + i]
-        end[size + i] += 0.5 * h * change
+    start, end = work.start, work.end
+    for i in range(2 * work.n):
+        change = end.accelerations[i] - start.accelerations[i]
+        end.rates[i] += 0.5 * h * change
 
 
 @kernel

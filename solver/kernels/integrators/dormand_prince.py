@@ -37,16 +37,15 @@ ERROR_0, ERROR_2, ERROR_3, ERROR_4, ERROR_5, ERROR_LAST = (
 def attempt(column, t, h):
     """One step of h seconds from work.start to work.end; returns (code, error in tolerances)."""
     work = column.work
-    n = work.n
     one, two, three, four, five = stage(work, 1), stage(work, 2), stage(work, 3), stage(work, 4), stage(work, 5)
     count = packs(work.start.row, summed(work))  # coordinates and rates, whose slopes are rates and accelerations
-    y, f0 = packs_of(work.start.row), packs_of(work.start.row[2 * n :])
-    y1, f1 = packs_of(one.row), packs_of(one.row[2 * n :])
-    y2, f2 = packs_of(two.row), packs_of(two.row[2 * n :])
-    y3, f3 = packs_of(three.row), packs_of(three.row[2 * n :])
-    y4, f4 = packs_of(four.row), packs_of(four.row[2 * n :])
-    y5, f5 = packs_of(five.row), packs_of(five.row[2 * n :])
-    end, last = packs_of(work.end.row), packs_of(work.end.row[2 * n :])
+    y, f0 = packs_of(work.start.row), packs_of(work.start.rates)
+    y1, f1 = packs_of(one.row), packs_of(one.rates)
+    y2, f2 = packs_of(two.row), packs_of(two.rates)
+    y3, f3 = packs_of(three.row), packs_of(three.rates)
+    y4, f4 = packs_of(four.row), packs_of(four.rates)
+    y5, f5 = packs_of(five.row), packs_of(five.rates)
+    end, last = packs_of(work.end.row), packs_of(work.end.rates)
     for i in range(count):
         y1[i] = y[i] + h * (A1_0 * f0[i])
     code = evaluate_stage(column, one, t + C1 * h)

@@ -32,7 +32,7 @@ from ..layout import (
     RIGID_FIELDS,
 )
 from ..modes import inverses_of, limits_of, mode_of, parts_of, shapes_of
-from ..views import Record
+from ..views import Numbers, Record, Space, Table
 from .stage import stage
 
 ORDER = 4  # of the estimated error
@@ -51,7 +51,6 @@ HALF = Record(
     "sine",
     "parabola",  # for a force t^2 / 2: I_2
 )
-WHOLE = HALF.beside  # responses over half the step are followed by those over all of it
 STEADY = Record(
     # the steady harmonic motion for 1 m/s2, at the sine and the cosine of the phase of the base
     "sine",
@@ -60,9 +59,14 @@ STEADY = Record(
     "forced",  # and of the steady motion for 1 m/s2
     "per_rate",  # s, amplitude for a unit rate
 )
-assert 2 * WHOLE + STEADY.beside == RESPONSE_FIELDS
-_half = HALF.over
-_steady = STEADY.over
+RESPONSE = Space(half=HALF, whole=HALF, steady=STEADY)  # over half the step, over all of it
+# what is kept of a step: what it was made for, s and 1/s, and the responses of all modes
+KEPT = Space(made_for=Record("step", "omega"), modes=Numbers(per_n=2 * RESPONSE_FIELDS))
+assert RESPONSE.beside == RESPONSE_FIELDS
+assert KEPT.beside == RESPONSE_HEADER
+_response, _kept = RESPONSE.over, KEPT.over
+_KEPT_PER_N, _KEPT_BESIDE = KEPT.per_n, KEPT.beside
+_segments = Table(first=2, second=2, third=2).over  # of 2 n numbers
 
 TERMS = 24  # of the series
 SERIES = 2.0  # radians (of frequency or damping) in a step up to which they give all digits
@@ -147,30 +151,42 @@ def missed(x):
     return min(cube * cube / INTERPOLATION_BOUND, 2.0 + x * x / 40.0)
 
 
+@leaf
+def _kept_at(work, k):
+    """What is kept of a step, one of RESPONSES."""
+    n = work.n
+    return _kept(work.responses[(_KEPT_PER_N * n + _KEPT_BESIDE) * k :], n)
+
+
+@leaf
+def _response_of(kept, k):
+    """What is kept of mode k."""
+    return _response(kept.modes[RESPONSE_FIELDS * k :], 0)
+
+
 @kernel
 def _responses(model, work, h, omega):
-    """The row of responses over h s (on the grid); they are made where they are not kept from before.
+    """The responses over h s (on the grid), as KEPT; they are made where they are not kept from before.
 
     They follow from model, h and omega alone, so that it does not matter to the last bit which are kept.
     """
     n = model.n
-    length = RESPONSE_HEADER + RESPONSE_FIELDS * 2 * n
     for k in range(RESPONSES):
-        kept = work.responses[length * k :]
-        if kept[0] == h and kept[1] == omega:
+        kept = _kept_at(work, k)
+        if kept.made_for.step == h and kept.made_for.omega == omega:
             work.latest.response = k
-            return kept[RESPONSE_HEADER:]
+            return kept
     used = (int(work.latest.response) + 1) % RESPONSES
     work.latest.response = used
-    kept = work.responses[length * used :]
-    kept[0] = h
-    kept[1] = omega
+    kept = _kept_at(work, used)
+    kept.made_for.step = h
+    kept.made_for.omega = omega
     for k in range(2 * n):
         mode = mode_of(model, k)
-        out = kept[RESPONSE_HEADER + RESPONSE_FIELDS * k :]
-        respond(mode.square, mode.damping, 0.5 * h, omega, _half(out, 0))
-        respond(mode.square, mode.damping, h, omega, _half(out[WHOLE:], 0))
-        steady = _steady(out[2 * WHOLE :], 0)
+        out = _response_of(kept, k)
+        respond(mode.square, mode.damping, 0.5 * h, omega, out.half)
+        respond(mode.square, mode.damping, h, omega, out.whole)
+        steady = out.steady
         fastest = math.sqrt(mode.square)
         steady.sine = 0.0
         steady.cosine = 0.0
@@ -185,14 +201,14 @@ def _responses(model, work, h, omega):
         steady.free = mode.size * missed(fastest * h)
         steady.forced = mode.size * abs(mode.push) * math.hypot(steady.sine, steady.cosine) * missed(omega * h)
         steady.per_rate = 1.0 / fastest
-    return kept[RESPONSE_HEADER:]
+    return kept
 
 
 @leaf
 def _multiply(matrices, x, y, n, parts, segments):
     """One to three segments of 2 n numbers of the row x times the matrices of all parts, to the row y."""
-    size = 2 * n
-    m = size // parts
+    m = 2 * n // parts
+    of, to = _segments(x, n), _segments(y, n)
     for part in range(parts):
         matrix = matrices[part * m * m :]
         for i in range(m):
@@ -200,17 +216,17 @@ def _multiply(matrices, x, y, n, parts, segments):
             for j in range(m):
                 factor = matrix[m * i + j]
                 begin = part * m + j
-                first += factor * x[begin]
+                first += factor * of.first[begin]
                 if segments > 1:
-                    second += factor * x[size + begin]
+                    second += factor * of.second[begin]
                 if segments > 2:
-                    third += factor * x[2 * size + begin]
-            to = part * m + i
-            y[to] = first
+                    third += factor * of.third[begin]
+            place = part * m + i
+            to.first[place] = first
             if segments > 1:
-                y[size + to] = second
+                to.second[place] = second
             if segments > 2:
-                y[2 * size + to] = third
+                to.third[place] = third
 
 
 @leaf
@@ -338,8 +354,8 @@ def _sweep(column, t, h, is_first, is_last):
     n = model.n
     size = 2 * n
     middle, end = stage(work, 1), work.end
-    # modal coordinates, rates and remainders at the start, in the middle and at the end
-    first, mean, last = stage(work, 2).row, stage(work, 3).row, stage(work, 4).row
+    # modal coordinates, rates and, in the place of accelerations, remainders: at the start, in the middle, at the end
+    first, mean, last = stage(work, 2), stage(work, 3), stage(work, 4)
     shapes, inverses, parts = shapes_of(model), inverses_of(model), parts_of(model)
     slopes, curvatures = work.slopes, work.curvatures
     known = work.trend.known != 0.0
@@ -352,9 +368,9 @@ def _sweep(column, t, h, is_first, is_last):
 
     if is_first and known:  # the last step has ended here
         for i in range(3 * size):
-            first[i] = last[i]
+            first.row[i] = last.row[i]
     elif is_first:
-        _multiply(inverses, work.start.row, first, n, parts, 3)
+        _multiply(inverses, work.start.row, first.row, n, parts, 3)
     ax, jx, az, jz = base_line(base, samples, t)
     angle = omega * t + base.wave_phase
     wave_sine = amplitude * math.sin(angle) if amplitude != 0.0 else 0.0
@@ -365,33 +381,34 @@ def _sweep(column, t, h, is_first, is_last):
         to = mean if half == 0 else last
         for k in range(size):
             mode = mode_of(model, k)
-            over = _half(responses[RESPONSE_FIELDS * k + WHOLE * half :], 0)
-            p, v = first[k], first[size + k]
+            response = _response_of(responses, k)
+            over = response.half if half == 0 else response.whole
+            p, v = first.coordinates[k], first.rates[k]
             square, push, lift = mode.square, mode.push, mode.lift
             force = push * ax + lift * (settings.gravity + az)
             slope = push * jx + lift * jz
             force_sine, force_cosine = push * wave_sine, push * wave_cosine
             if half == 0 and is_first:
-                first[2 * size + k] += mode.damping * v + square * p - (force + force_sine)
-            remainder = first[2 * size + k]
+                first.accelerations[k] += mode.damping * v + square * p - (force + force_sine)
+            remainder = first.accelerations[k]
             # the remainder goes on as in the step before; at the end, through its value in the middle
             curvature = curvatures[k] if known else 0.0
             if half == 1:
-                slope += 2.0 * (mean[2 * size + k] - remainder) / on_grid - 0.25 * on_grid * curvature
+                slope += 2.0 * (mean.accelerations[k] - remainder) / on_grid - 0.25 * on_grid * curvature
             elif known:
                 slope += slopes[k]
             force += remainder
-            to[k] = (
+            to.coordinates[k] = (
                 (over.rest * p + over.impulse * v)
                 + (over.steady * force + over.ramp * slope + over.parabola * curvature)
                 + (over.cosine * force_sine + over.sine * force_cosine)
             )
-            to[size + k] = (
+            to.rates[k] = (
                 (over.impulse_rate * v - square * over.impulse * p)
                 + (over.impulse * force + over.steady * slope + over.ramp * curvature)
                 + ((over.impulse - omega * over.sine) * force_sine + omega * over.cosine * force_cosine)
             )
-        _multiply(shapes, to, here.row, n, parts, 2)
+        _multiply(shapes, to.row, here.row, n, parts, 2)
         then = t + (0.5 * h if half == 0 else h)
         motion = base_motion(base, samples, then)
         ax_then, lift_then = motion.ax, settings.gravity + motion.az
@@ -404,33 +421,33 @@ def _sweep(column, t, h, is_first, is_last):
             before, spared = spared, _least_spare(work)
             if not spared > 0.0 or (half == 1 and min(spared, before) <= CHANGES * abs(spared - before)):
                 return OPENS, 0.0
-        _multiply(inverses, here.row[2 * size :], to[2 * size :], n, parts, 1)
+        _multiply(inverses, here.accelerations, to.accelerations, n, parts, 1)
         for k in range(size):
             mode = mode_of(model, k)
             pushed = mode.push * ax_then + mode.lift * lift_then
-            to[2 * size + k] += mode.damping * to[size + k] + mode.square * to[k] - pushed
+            to.accelerations[k] += mode.damping * to.rates[k] + mode.square * to.coordinates[k] - pushed
 
     per_step = 1.0 / on_grid
     wrong, wrong_rate, hidden = 0.0, 0.0, 0.0
     for k in range(size):
         mode = mode_of(model, k)
-        row = responses[RESPONSE_FIELDS * k :]
-        over, still = _half(row[WHOLE:], 0), _steady(row[2 * WHOLE :], 0)
+        response = _response_of(responses, k)
+        over, still = response.whole, response.steady
         beta, square, push, lift = mode.damping, mode.square, mode.push, mode.lift
-        r_0, r_1 = first[2 * size + k], last[2 * size + k]
-        bend = 2.0 * (r_0 - 2.0 * mean[2 * size + k] + r_1)  # r = r_0 + (...) s + bend s^2, s from 0 to 1
+        r_0, r_1 = first.accelerations[k], last.accelerations[k]
+        bend = 2.0 * (r_0 - 2.0 * mean.accelerations[k] + r_1)  # r = r_0 + (...) s + bend s^2, s from 0 to 1
         # responses to s and s^2: coordinates, rates
         line, parabola = over.ramp * per_step, 2.0 * over.parabola * per_step * per_step
         line_rate, parabola_rate = over.steady * per_step, 2.0 * over.ramp * per_step * per_step
         change = bend - 0.5 * on_grid * on_grid * (curvatures[k] if known else 0.0)
-        p = last[k] + change * (parabola - 0.5 * line)
-        v = last[size + k] + change * (parabola_rate - 0.5 * line_rate)
+        p = last.coordinates[k] + change * (parabola - 0.5 * line)
+        v = last.rates[k] + change * (parabola_rate - 0.5 * line_rate)
         force = push * ax_then + lift * lift_then + r_1
         v += excess * (force - beta * v - square * p)
         p += excess * v
-        last[k] = p
-        last[size + k] = v
-        last[2 * size + k] = force - beta * v - square * p
+        last.coordinates[k] = p
+        last.rates[k] = v
+        last.accelerations[k] = force - beta * v - square * p
 
         wrong += mode.size * abs(bend * (line - parabola))
         wrong_rate += mode.size * abs(bend * (line_rate - parabola_rate))
@@ -443,10 +460,10 @@ def _sweep(column, t, h, is_first, is_last):
         sine, cosine = push * still.sine, push * still.cosine
         hidden += still.forced * abs(amplitude)
         slope /= square
-        p = first[k] - (force / square - beta / square * slope) - (sine * wave_sine + cosine * wave_cosine)
-        v = first[size + k] - slope - omega * (sine * wave_cosine - cosine * wave_sine)
+        p = first.coordinates[k] - (force / square - beta / square * slope) - (sine * wave_sine + cosine * wave_cosine)
+        v = first.rates[k] - slope - omega * (sine * wave_cosine - cosine * wave_sine)
         hidden += still.free * (abs(p) + still.per_rate * abs(v))
-    _multiply(shapes, last, end.row, n, parts, 3)
+    _multiply(shapes, last.row, end.row, n, parts, 3)
     allowed = settings.tolerance * control.rotation_scale
     error = limits_of(model).third * max(wrong / allowed, wrong_rate / (settings.tolerance * control.rate_scale))
     hidden /= INTERPOLATION_PART * allowed

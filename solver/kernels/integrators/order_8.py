@@ -118,20 +118,19 @@ ERROR_3_0, ERROR_3_5, ERROR_3_6, ERROR_3_7, ERROR_3_8, ERROR_3_9, ERROR_3_10, ER
 def attempt(column, t, h):
     """One step of h seconds from work.start to work.end; returns (code, error in tolerances)."""
     work = column.work
-    n = work.n
     count = packs(work.start.row, summed(work))  # coordinates and rates, whose slopes are rates and accelerations
-    y, f0 = packs_of(work.start.row), packs_of(work.start.row[2 * n :])
-    y1, f1 = packs_of(stage(work, 1).row), packs_of(stage(work, 1).row[2 * n :])
-    y2, f2 = packs_of(stage(work, 2).row), packs_of(stage(work, 2).row[2 * n :])
-    y3, f3 = packs_of(stage(work, 3).row), packs_of(stage(work, 3).row[2 * n :])
-    y4, f4 = packs_of(stage(work, 4).row), packs_of(stage(work, 4).row[2 * n :])
-    y5, f5 = packs_of(stage(work, 5).row), packs_of(stage(work, 5).row[2 * n :])
-    y6, f6 = packs_of(stage(work, 6).row), packs_of(stage(work, 6).row[2 * n :])
-    y7, f7 = packs_of(stage(work, 7).row), packs_of(stage(work, 7).row[2 * n :])
-    y8, f8 = packs_of(stage(work, 8).row), packs_of(stage(work, 8).row[2 * n :])
-    y9, f9 = packs_of(stage(work, 9).row), packs_of(stage(work, 9).row[2 * n :])
-    y10, f10 = packs_of(stage(work, 10).row), packs_of(stage(work, 10).row[2 * n :])
-    y11, f11 = packs_of(stage(work, 11).row), packs_of(stage(work, 11).row[2 * n :])
+    y, f0 = packs_of(work.start.row), packs_of(work.start.rates)
+    y1, f1 = packs_of(stage(work, 1).row), packs_of(stage(work, 1).rates)
+    y2, f2 = packs_of(stage(work, 2).row), packs_of(stage(work, 2).rates)
+    y3, f3 = packs_of(stage(work, 3).row), packs_of(stage(work, 3).rates)
+    y4, f4 = packs_of(stage(work, 4).row), packs_of(stage(work, 4).rates)
+    y5, f5 = packs_of(stage(work, 5).row), packs_of(stage(work, 5).rates)
+    y6, f6 = packs_of(stage(work, 6).row), packs_of(stage(work, 6).rates)
+    y7, f7 = packs_of(stage(work, 7).row), packs_of(stage(work, 7).rates)
+    y8, f8 = packs_of(stage(work, 8).row), packs_of(stage(work, 8).rates)
+    y9, f9 = packs_of(stage(work, 9).row), packs_of(stage(work, 9).rates)
+    y10, f10 = packs_of(stage(work, 10).row), packs_of(stage(work, 10).rates)
+    y11, f11 = packs_of(stage(work, 11).row), packs_of(stage(work, 11).rates)
     end, error = packs_of(work.end.row), packs_of(work.between.row)
     for i in range(count):
         y1[i] = y[i] + h * (A1_0 * f0[i])

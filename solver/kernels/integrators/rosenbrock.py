@@ -76,9 +76,9 @@ E_0, E_1, E_2, E_3 = E.tolist()
 def _solve(column, u, part):
     """Finish an inner stage, of which F_q and h gamma F_v, in the place of u_v, are known."""
     n = column.work.n
-    solve(column.model, column.work.tangent, u.row[2 * n :], u.row[4 * n :], part)
+    solve(column.model, column.work.tangent, u.rates, u.accelerations, part)
     for i in range(2 * n):
-        u.row[i] = part * (u.row[2 * n + i] + u.row[4 * n + i])
+        u.coordinates[i] = part * (u.rates[i] + u.accelerations[i])
 
 
 @leaf
@@ -96,12 +96,12 @@ def attempt(column, t, h):
     # an inner stage keeps (u_q, u_v, F_q); the phase at which its accelerations are taken is the fifth
     one, two, three, four, here = stage(work, 1), stage(work, 2), stage(work, 3), stage(work, 4), stage(work, 5)
     every, half = packs(work.start.row, 4 * n), packs(work.start.row, 2 * n)
-    y, v, f = packs_of(work.start.row), packs_of(work.start.row[2 * n :]), packs_of(work.start.row[4 * n :])
-    y_here, v_here, f_here = packs_of(here.row), packs_of(here.row[2 * n :]), packs_of(here.row[4 * n :])
-    u1, v1, f1 = packs_of(one.row), packs_of(one.row[2 * n :]), packs_of(one.row[4 * n :])
-    u2, v2, f2 = packs_of(two.row), packs_of(two.row[2 * n :]), packs_of(two.row[4 * n :])
-    u3, v3, f3 = packs_of(three.row), packs_of(three.row[2 * n :]), packs_of(three.row[4 * n :])
-    u4, v4, f4 = packs_of(four.row), packs_of(four.row[2 * n :]), packs_of(four.row[4 * n :])
+    y, v, f = packs_of(work.start.row), packs_of(work.start.rates), packs_of(work.start.accelerations)
+    y_here, v_here, f_here = packs_of(here.row), packs_of(here.rates), packs_of(here.accelerations)
+    u1, v1, f1 = packs_of(one.row), packs_of(one.rates), packs_of(one.accelerations)
+    u2, v2, f2 = packs_of(two.row), packs_of(two.rates), packs_of(two.accelerations)
+    u3, v3, f3 = packs_of(three.row), packs_of(three.rates), packs_of(three.accelerations)
+    u4, v4, f4 = packs_of(four.row), packs_of(four.rates), packs_of(four.accelerations)
     end, error = packs_of(work.end.row), packs_of(work.between.row)
     part, per = h * GAMMA, 1.0 / h
     factorize(column.model, work.start, work.tangent, part)

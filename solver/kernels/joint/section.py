@@ -295,22 +295,22 @@ def is_off_centre(blocks, i):
 
 
 @kernel
-def lay_out(blocks, i, section, width, depth, bore, given):
-    """Fill in the contact of joint i; given: row of the number of strips, then their depths, over a width in m."""
+def lay_out(blocks, i, section, width, depth, bore, count, depths):
+    """Fill in the contact of joint i; its strips, so many, lie over a width in m; depths: row of theirs, in m."""
     strips = blocks.strips[STRIP_NUMBERS * i :]
     blocks.section[i] = section
     blocks.depth[i] = width if section in (CIRCLE, ANNULUS) else depth
     blocks.bore[i] = bore
-    first, end = 0, int(given[0])
-    strips[COUNT] = given[0]
-    strips[PITCH] = width / max(given[0], 1.0)
+    first, end = 0, int(count)
+    strips[COUNT] = count
+    strips[PITCH] = width / max(count, 1.0)
     for k in range(MOST_STRIPS):
-        strips[DEPTHS + k] = given[1 + k] if k < end else 0.0
+        strips[DEPTHS + k] = depths[k] if k < end else 0.0
     left, right = -0.5 * width, 0.5 * width
     if section == STRIPS:
-        while first < end - 1 and not given[1 + first] > 0.0:
+        while first < end - 1 and not depths[first] > 0.0:
             first += 1
-        while end > first + 1 and not given[end] > 0.0:
+        while end > first + 1 and not depths[end - 1] > 0.0:
             end -= 1
         left, right = edge_of(strips, first), edge_of(strips, end)
     blocks.left[i] = left

@@ -117,17 +117,16 @@ def bump_of(work, i):
 @leaf
 def quintic_of(work, i, less, h):
     """The course of the coordinate at place i in the step of h seconds, less that at place `less`, -1: of none."""
-    size = 2 * work.n
-    start, end = work.start.row, work.end.row
+    start, end = work.start, work.end
     bump = _difference(work.bump, bump_of(work, i), less) if work.interpolation.has_bump != 0.0 else 0.0
     return quintic_through(
         h,
-        _difference(start, i, less),
-        _difference(start[size:], i, less),
-        _difference(start[2 * size :], i, less),
-        _difference(end, i, less),
-        _difference(end[size:], i, less),
-        _difference(end[2 * size :], i, less),
+        _difference(start.coordinates, i, less),
+        _difference(start.rates, i, less),
+        _difference(start.accelerations, i, less),
+        _difference(end.coordinates, i, less),
+        _difference(end.rates, i, less),
+        _difference(end.accelerations, i, less),
         bump,
     )
 
@@ -141,47 +140,44 @@ def interpolate_one(work, i, h, s):
 @leaf
 def interpolate_acceleration(work, i, s):
     """A guess of the acceleration of the coordinate at place i at fraction s of the step: on a line from end to end."""
-    place = 4 * work.n + i
-    return (1.0 - s) * work.start.row[place] + s * work.end.row[place]
+    return (1.0 - s) * work.start.accelerations[i] + s * work.end.accelerations[i]
 
 
 @kernel
 def interpolate_phase(work, h, fraction):
     """Fill work.between at this fraction of the step of h seconds; the accelerations there are guesses only."""
-    size = 2 * work.n
+    size, between = 2 * work.n, work.between
     q, v = weights_at(h, fraction)
-    _weigh(work.start.row, work.end.row, q, v, work.between.row, size)
+    _weigh(work.start, work.end, q, v, between, size)
     if work.interpolation.has_bump != 0.0:
         for i in range(size):
-            work.between.row[i] += q.bump * work.bump[i]
-            work.between.row[size + i] += v.bump * work.bump[i]
-    between = work.between.row
+            between.coordinates[i] += q.bump * work.bump[i]
+            between.rates[i] += v.bump * work.bump[i]
     for i in range(size):
-        between[2 * size + i] = interpolate_acceleration(work, i, fraction)
+        between.accelerations[i] = interpolate_acceleration(work, i, fraction)
     first, end = slips_of(work)
     for i in range(first, end):
-        between[i], between[size + i] = interpolate_one(work, i, h, fraction)
-        between[work.n + i] = spent(work, i + work.n, h, fraction)
+        between.coordinates[i], between.rates[i] = interpolate_one(work, i, h, fraction)
+        between.coordinates[work.n + i] = spent(work, i + work.n, h, fraction)
 
 
 @leaf
 def _weigh(start, end, q, v, between, size):
     """Coordinates and rates within a step, without the bump: the quintic for all coordinates at one instant."""
     for i in range(size):
-        rise = end[i] - start[i]
-        v0, v1 = start[size + i], end[size + i]
-        a0, a1 = start[2 * size + i], end[2 * size + i]
-        between[i] = start[i] + (q.rise * rise + ((q.v0 * v0 + q.v1 * v1) + (q.a0 * a0 + q.a1 * a1)))
-        between[size + i] = v.rise * rise + ((v.v0 * v0 + v.v1 * v1) + (v.a0 * a0 + v.a1 * a1))
+        q0, v0, a0 = start.coordinates[i], start.rates[i], start.accelerations[i]
+        v1, a1 = end.rates[i], end.accelerations[i]
+        rise = end.coordinates[i] - q0
+        between.coordinates[i] = q0 + (q.rise * rise + ((q.v0 * v0 + q.v1 * v1) + (q.a0 * a0 + q.a1 * a1)))
+        between.rates[i] = v.rise * rise + ((v.v0 * v0 + v.v1 * v1) + (v.a0 * a0 + v.a1 * a1))
 
 
 @leaf
 def spent(work, i, h, s):
     """The friction work at place i at fraction s of the step: the cubic through it and its rates at both ends."""
-    size = 2 * work.n
-    start, end = work.start.row, work.end.row
-    rise, p0, p1 = end[i] - start[i], h * start[size + i], h * end[size + i]
-    return start[i] + s * (p0 + s * ((3.0 * rise - 2.0 * p0 - p1) + s * (p0 + p1 - 2.0 * rise)))
+    start, end = work.start.coordinates[i], work.end.coordinates[i]
+    rise, p0, p1 = end - start, h * work.start.rates[i], h * work.end.rates[i]
+    return start + s * (p0 + s * ((3.0 * rise - 2.0 * p0 - p1) + s * (p0 + p1 - 2.0 * rise)))
 
 
 @leaf
@@ -194,11 +190,10 @@ def begin(work, fine):
 @leaf
 def _add_bump(work, i, h):
     """The bump of the coordinate at place i; its acceleration half-way is in work.between."""
-    size = 2 * work.n
-    v0, a0 = work.start.row[size + i], work.start.row[2 * size + i]
-    v1, a1 = work.end.row[size + i], work.end.row[2 * size + i]
+    v0, a0 = work.start.rates[i], work.start.accelerations[i]
+    v1, a1 = work.end.rates[i], work.end.accelerations[i]
     quintic = 1.5 * h * (v1 - v0) - 0.25 * h * h * (a0 + a1)  # its second derivative half-way, times h^2
-    work.bump[bump_of(work, i)] = -8.0 / 3.0 * (h * h * work.between.row[2 * size + i] - quintic)
+    work.bump[bump_of(work, i)] = -8.0 / 3.0 * (h * h * work.between.accelerations[i] - quintic)
 
 
 @kernel
@@ -223,15 +218,14 @@ def refine(column, t, h):
 @kernel
 def refinement(work, h, s):
     """What `refine` added to coordinates and rates at fraction s of the step: left in work.between."""
-    size = 2 * work.n
-    between = work.between.row
+    size, between = 2 * work.n, work.between
     hill = s * (1.0 - s)
     first, behind = slips_of(work)
     for i in range(size + behind - first):
         place = i if i < size else first + i - size
         bump = work.bump[i] if work.interpolation.has_bump != 0.0 else 0.0
-        between[place] = bump * hill * hill * hill
-        between[size + place] = bump * 3.0 * hill * hill * (1.0 - 2.0 * s) / h
+        between.coordinates[place] = bump * hill * hill * hill
+        between.rates[place] = bump * 3.0 * hill * hill * (1.0 - 2.0 * s) / h
 
 
 @kernel

@@ -152,13 +152,13 @@ def take_snapshots(column, watch, t, h):
         place = i if i < 2 * n else first + i - 2 * n
         course = quintic_of(work, place, -1, h)
         for k in range(first_row, counts.next_row):
-            kept = _snapshot_at(watch, k, n).phase.row
-            kept[place], kept[2 * n + place] = value_of(course, _within_step(watch, k, t, h))
+            kept = _snapshot_at(watch, k, n).phase
+            kept.coordinates[place], kept.rates[place] = value_of(course, _within_step(watch, k, t, h))
     for k in range(first_row, counts.next_row):
         snapshot, s = _snapshot_at(watch, k, n), _within_step(watch, k, t, h)
         if not is_exact(column.model):  # accelerations are worked out with the row; the sweeps want a first guess
             for i in range(2 * n):
-                snapshot.phase.row[4 * n + i] = interpolate_acceleration(work, i, s)
+                snapshot.phase.accelerations[i] = interpolate_acceleration(work, i, s)
         note_directions(work, snapshot.phase)
         motion = base_motion(column.base, column.samples, t + s * h)
         snapshot.base.ax = motion.ax
