@@ -229,7 +229,7 @@ def reset(counts, base):
     counts.next_row = 0
     counts.implicit = 0
     counts.implicit_steps = 0
-    counts.until_probe = counts.probe_wait = 0
+    counts.since_probe = 0
     counts.events = 0
     counts.unheld = 0
     counts.elastic_steps = 0

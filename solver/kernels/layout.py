@@ -164,8 +164,7 @@ COUNTS = Record(
     "next_row",  # first output time not yet served
     "implicit",  # 1 while `auto` steps by its implicit method
     "implicit_steps",  # of steps
-    "until_probe",  # explicit steps until the implicit method is tried again
-    "probe_wait",  # how many these are when it has failed
+    "since_probe",  # explicit steps since the implicit method was last tried
     "events",  # steps cut off where the regime of a joint changes
     "unheld",  # 1 when the next step is made without holding the regimes
     "elastic_steps",  # of steps

@@ -20,8 +20,11 @@ PROPORTIONAL = 0.4
 LEAST_ERROR = 1e-4
 # when `auto` changes its method
 GAIN = 2.2  # the implicit method has to step further than the explicit one by so much
-PROBE_5, PROBE_8 = 4.0, 1.5  # times the explicit step of order 5 or 8: how far the implicit method is tried
-SOON, LATE = 20, 40  # explicit steps before it is tried: first, and at most after it has failed each time anew
+PROBE = 4.0  # times the explicit step: how far the implicit method is tried
+STEPS_PER_PROBE = 100  # explicit steps before that
+MANY = 8  # blocks: from here on it mostly pays, and is tried sooner, and no further than it has to beyond order 8
+PROBE_OF_MANY = 1.5
+STEPS_OF_MANY = 40
 SMOOTHING = 0.2
 # when the modal method is used: a step of it costs half of one of the others
 ELASTIC_COST = 0.5
@@ -70,15 +73,16 @@ def general_step(column, left):
     explicit = ORDER_8 if column.model.settings.explicit_order == 8.0 else ORDER_5
     if int(column.model.settings.without) & IMPLICIT or something_slides(column.work):
         return explicit, min(step, control.explicit_step) if counts.implicit == 1 else step
-    worth, probe = (0.5, PROBE_8) if explicit == ORDER_8 else (1.0, PROBE_5)
+    worth = 0.5 if explicit == ORDER_8 else 1.0
+    many = column.model.n >= MANY
+    probe = PROBE_OF_MANY if many and explicit == ORDER_8 else PROBE
     if counts.implicit == 1:
         further = min(step, left) > GAIN * worth * control.explicit_step
         return LINEARLY_IMPLICIT if further else explicit, step
     if counts.in_flight == 1:  # nothing there is stiff, and an implicit step would see too little of the landing
         return explicit, step
-    if counts.until_probe <= 0 and probe * step <= left:
-        counts.probe_wait = min(LATE, max(SOON, 2 * counts.probe_wait))
-        counts.until_probe = counts.probe_wait
+    if counts.since_probe >= (STEPS_OF_MANY if many else STEPS_PER_PROBE) and probe * step <= left:
+        counts.since_probe = 0
         return LINEARLY_IMPLICIT, probe * step
     return explicit, step
 
@@ -111,9 +115,8 @@ def accepts(column, method, step, code, error):
     if traits.implicit:
         counts.implicit_steps += 1
         counts.implicit = 1
-        counts.until_probe = counts.probe_wait = SOON
     else:
-        counts.until_probe -= 1
+        counts.since_probe += 1
         if whole:
             control.explicit_step += SMOOTHING * (step - control.explicit_step)
             counts.implicit = 0
