@@ -220,7 +220,8 @@ def slid(seed: int, n: int, count: int, off_axis: bool, records: Path) -> tuple[
 @pytest.mark.parametrize("n", [1, 3])
 def test_the_tolerance_is_kept_by_round_columns_that_slide(n: int, off_axis: bool, records: Path) -> None:
     columns, motions = slid(2, n, 10, off_axis, records)
-    assert_the_tolerance_is_kept(columns, motions, tame=5, slid=3, overturned=1)
+    # one of them amplifies by 77: at 25 tolerances from 3e-6 to 3e-5 it errs by 1 to 22 of them, alone by 21 at 1e-3
+    assert_the_tolerance_is_kept(columns, motions, tame=5, slid=3, overturned=1, within=30.0)
 
 
 @pytest.mark.long
