@@ -135,9 +135,15 @@ def assert_nothing_depends_on_the_others(
 
 
 def assert_the_tolerance_is_kept(
-    columns: Sequence[Column], motions: Sequence[Motion], *, tame: int, slid: int = 0, overturned: int = 0, within: float = 10.0
+    columns: Sequence[Column],
+    motions: Sequence[Motion],
+    *,
+    tame: int,
+    slid: int = 0,
+    overturned: int = 0,
+    within: float = 10.0,
 ) -> None:
-    """Tops and slips within ten tolerances of the largest top, of runs that amplify a change of the motion by < 100.
+    """Tops and slips within so many tolerances of the largest top, of runs that amplify a change of the motion by < 100.
 
     tame, slid: at least so many are such runs, or slip by a millimetre; overturned: at most so many fall, which are
     left out.
