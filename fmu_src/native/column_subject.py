@@ -63,6 +63,7 @@ def column_subject(column: Column) -> Subject:
             "CENTRAL_DIFFERENCE": at.CENTRAL_DIFFERENCE,
             "NO_REST": pointers.NO_REST,
             "NOT_GENERAL": pointers.NOT_GENERAL,
+            "NOT_LINEAR": pointers.NOT_LINEAR,
             "NOT_STABLE": pointers.NOT_STABLE,
             "TOO_LARGE": pointers.TOO_LARGE,
         }

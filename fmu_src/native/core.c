@@ -287,7 +287,10 @@ static int build(Instance *instance, int afresh, char *reason) {
                                       "such joints, have no stable rest under their weight");
         else if (made == NOT_GENERAL)
             snprintf(reason, MESSAGE, "joints that slide, and blocks that are off their axis, need solver.formulation 1 "
-                                      "(exact), solver.integrator 1 (auto) and joints of the linear law");
+                                      "(exact) and solver.integrator 1 (auto)");
+        else if (made == NOT_LINEAR)
+            snprintf(reason, MESSAGE, "joints that slide, and blocks that are off their axis, need the linear law in "
+                                      "every joint, which this FMU has not");
         else
             snprintf(reason, MESSAGE,
                      "solver.step = %s: must be at most %.4g s, where central differences are stable",

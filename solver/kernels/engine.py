@@ -65,7 +65,8 @@ BASE_INPUTS = Record("ax", "az", "jx", "jz", "theta", "omega", "alpha")
 NOT_STABLE = -10  # the fixed step is beyond the limit, which is left in the detail
 TOO_LARGE = -11  # the moment of inertia of a block, whose number is left in the detail, is beyond float64
 NO_REST = -12  # a column that is off its axis, or has joints of another law, does not stand under its own weight
-NOT_GENERAL = -13  # a column that may slide or is off its axis asks for another formulation, integrator or law
+NOT_GENERAL = -13  # a column that may slide or is off its axis asks for another formulation or integrator
+NOT_LINEAR = -14  # and one of these has a joint of another law than the linear one
 ENDLESS = 1e300  # m, half the width of the base
 
 CARRIED = 1e-9  # of the weight: how exactly a joint carries it at rest
@@ -170,8 +171,10 @@ def assemble(column, given, afresh, scratch, detail):
             detail[0] = i + 1.0
             return TOO_LARGE
     settings.slides = max(settings.slides, settings.off_axis)
-    if settings.slides != 0.0 and (settings.formulation != EXACT or settings.integrator != AUTO or not linear):
+    if settings.slides != 0.0 and (settings.formulation != EXACT or settings.integrator != AUTO):
         return NOT_GENERAL
+    if settings.slides != 0.0 and not linear:
+        return NOT_LINEAR
     derive(model)
     if settings.integrator == CENTRAL_DIFFERENCE:
         detail[0] = longest_stable_step(column, scratch)
