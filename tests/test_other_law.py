@@ -6,6 +6,7 @@ There is no other law; the damping stands for the parameter of one here.
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -40,7 +41,7 @@ def test_runs_are_not_made_in_lanes() -> None:
 
 @pytest.mark.usefixtures("other")
 @pytest.mark.parametrize("change", [{"friction": 0.5}, {"offset": 0.01}, {"inclination": 0.01}])
-def test_joints_that_slide_or_are_off_the_axis_are_refused(change: dict[str, float]) -> None:
+def test_joints_that_slide_or_are_off_the_axis_are_refused(change: dict[str, Any]) -> None:
     (key,) = change
     with pytest.raises(InputError, match=rf"^block\[1\].joint.{key} = .*: must be left out beside joint.damping$"):
         column(replace(BLOCK, joint=replace(BLOCK.joint, **change)))
