@@ -304,7 +304,7 @@ class _Batch:
         counts.until_opening = 1
         record = (row[first : first + size] for row in self._records.rows)
         times = start + self._rows if self._rows.size else np.array([stop])
-        kept = np.zeros((times.size, at.SNAPSHOT.size(n)))
+        kept = np.zeros((times.size, at.snapshot_size(n, column.has_slips)))
         with others_turn():
             code = run(n, *arrays, *record, 1.0, False, start, duration, times, kept.reshape(-1), True)
         whole, peaks = arrays.state[at.CONTROL.beside :], at.STATE.see(arrays.state, n).peaks[:n]
@@ -313,7 +313,7 @@ class _Batch:
         self._outcomes[k] = np.concatenate([[code, math.nan, 0.0, counts.steps, counts.rejected], peaks, phase])
         self._evaluations[k] = counts.evaluations
         if self._rows.size:
-            self._snapshots[k] = kept[:, : at.PHASE.size(n)]
+            self._snapshots[k, :, : kept.shape[1] - at.SNAPSHOT.beside] = kept[:, at.SNAPSHOT.beside :]
         if code == at.OK and control.reached < stop:
             scales = (control.rotation_scale, control.rate_scale)
             entering = (start, control.reached, stop, 1.0, *wave, first, size, counts.next_row, *scales)

@@ -119,7 +119,7 @@ class Stepper:
 
         `after_chunk` is called with the time reached, some times in a second of the clock; what it raises ends the run.
         """
-        snapshots = np.zeros((times.size, at.SNAPSHOT.size(self.n)))
+        snapshots = np.zeros((times.size, at.snapshot_size(self.n, self.column.has_slips)))
         time, ax, az = motion.time, motion.ax, motion.az
         if motion.end > time[-1]:  # the last held sample ends where the motion does
             time, ax, az = np.append(time, motion.end), np.append(ax, 0.0), np.append(az, 0.0)

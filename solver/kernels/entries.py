@@ -4,7 +4,7 @@ from .engine import assemble, base_of, column_over, see
 from .formulations.base import Samples, enter
 from .formulations.exact import Motion
 from .formulations.outputs import observe
-from .formulations.slips import phase_size
+from .formulations.slips import phase_size, size_of_snapshot
 from .jit import entry
 from .joint.circle import ring_part
 from .joint.energy import least_energy
@@ -18,7 +18,6 @@ from .views import row_of
 _model = MODEL.over
 _row, _split, _snapshot = ROW.over, SPLIT.over, SNAPSHOT.over
 _ROW_FIELDS, _ROW_BESIDE = ROW.per_n, ROW.beside
-_SNAPSHOT_FIELDS, _SNAPSHOT_BESIDE = SNAPSHOT.per_n, SNAPSHOT.beside
 
 # a column is (n, model, state, counts, base, work); a record (times, ax, az, scale, held)
 
@@ -57,9 +56,9 @@ def observe_snapshots(n, model, state, counts, base, work, snapshots, rows, coun
     samples = Samples(0, row_of(base), row_of(base), row_of(base), 1.0, False)
     column = column_over(n, row_of(model), row_of(state), row_of(counts), row_of(base), samples, row_of(work))
     between = column.work.between
-    kept, filled = row_of(snapshots), row_of(rows)
+    kept, filled, size = row_of(snapshots), row_of(rows), size_of_snapshot(column.work)
     for k in range(count):
-        snapshot = _snapshot(kept[k * (_SNAPSHOT_FIELDS * n + _SNAPSHOT_BESIDE) :], n)
+        snapshot = _snapshot(kept[size * k :], n)
         for i in range(phase_size(column.work)):
             between.row[i] = snapshot.phase.row[i]
         motion = Motion(snapshot.base.ax, snapshot.base.az, 0.0, 0.0, 0.0)

@@ -207,8 +207,14 @@ BASE = Record(
     "piece_jz",
 )
 
-# --- one snapshot: a phase, then the base acceleration that belongs to it
-SNAPSHOT = Space(phase=PHASE, base=Record("ax", "az"))
+# --- one snapshot: the base acceleration, then the phase that belongs to it, slips where there are any
+SNAPSHOT = Space(base=Record("ax", "az"), phase=PHASE)
+
+
+def snapshot_size(n: int, slips: bool) -> int:
+    """Numbers of a snapshot of n blocks."""
+    return SNAPSHOT.beside + (PHASE_FIELDS if slips else RIGID_FIELDS) * n
+
 
 # --- one output row: fields of n numbers each, then the base reaction
 ROW = Space(joints=OUTPUTS, base=REACTION)
@@ -242,9 +248,10 @@ STAGES = 12  # the start of a step and the inner stages of a Runge-Kutta step
 INTERPOLATION = Record(
     "wants_bump",  # whether `refine` shall improve on the quintic
     "has_bump",  # whether it has
+    "knows_middle",  # whether the method has evaluated the middle of the step: `stage` 1 and `joints_halfway`
 )
-RESPONSE_FIELDS = 21  # of a mode over a step, 2 n modes
-RESPONSE_HEADER = 2
+RESPONSE_FIELDS = 22  # of a mode over a step, 2 n modes
+RESPONSE_HEADER = 4
 RESPONSES = 2  # steps whose responses are kept
 TREND = Record("known")
 SLIPS = Record(
@@ -260,6 +267,7 @@ WORK = Space(
     bump=Numbers(per_n=3, beside=8),  # what is summed up in eights may reach beyond `between`
     interpolation=INTERPOLATION,
     joints=JOINTS,
+    joints_halfway=JOINTS,
     hold=HOLD,
     slips=SLIPS,
     room=ROOM,

@@ -116,19 +116,28 @@ def anchor_wave(base, t):
 
 @leaf
 def wave(base, t):
-    """sin(wave_omega t + wave_phase): within a step by the theorem of addition, a third of the time of a sine."""
+    """(sine, cosine) of wave_omega t + wave_phase: near the anchor by the theorem of addition, quicker."""
     x = base.wave_omega * (t - base.anchor)
     if not abs(x) <= SOON:
-        return math.sin(base.wave_omega * t + base.wave_phase)
+        angle = base.wave_omega * t + base.wave_phase
+        return math.sin(angle), math.cos(angle)
     y = x * x
     sine = x * (1.0 + y * (-1.0 / 6.0 + y * (1.0 / 120.0 + y * (-1.0 / 5040.0 + y * (1.0 / 362880.0)))))
     dip = y * (-0.5 + y * (1.0 / 24.0 + y * (-1.0 / 720.0 + y * (1.0 / 40320.0))))  # cosine less 1
-    return base.anchor_sine + (base.anchor_sine * dip + base.anchor_cosine * sine)
+    begun, across = base.anchor_sine, base.anchor_cosine
+    return begun + (begun * dip + across * sine), across + (across * dip - begun * sine)
 
 
 @leaf
 def base_motion(base, samples, t):
     """Motion of the base at time t, within the step that began on the present segment or on one soon after."""
+    sine = wave(base, t)[0] if base.wave_amplitude != 0.0 else 0.0
+    return base_motion_beside(base, samples, t, sine)
+
+
+@leaf
+def base_motion_beside(base, samples, t, sine):
+    """The same with `wave` at that time given."""
     past = t - base.t0
     ax = base.ax + base.jx * past
     az = base.az + base.jz * past
@@ -148,7 +157,7 @@ def base_motion(base, samples, t):
         if is_silent(samples, int(base.segment)):
             amplitude = 0.0
     if amplitude != 0.0:
-        ax += amplitude * wave(base, t)
+        ax += amplitude * sine
     omega, alpha = base.omega, base.alpha
     return Motion(ax, az, base.theta + past * (omega + 0.5 * past * alpha), omega + past * alpha, alpha)
 

@@ -16,15 +16,15 @@ def observe(column, phase, motion, row):
     code = evaluate_anew(column, phase, motion)
     if code == OK:
         top_motion(column.model, phase, row.joints.ux, column.work.tops.between_rate, motion.theta, motion.omega)
-        show(column, phase, motion, row)
+        show(column, phase, column.work.joints, motion, row)
     return code
 
 
 @kernel
-def show(column, phase, motion, row):
-    """The same, but u_x, of a phase that has been evaluated: work.joints holds its resultants."""
-    model, work, joints, base = column.model, column.work, row.joints, row.base
-    n, blocks, resultants = model.n, model.blocks, work.joints
+def show(column, phase, resultants, motion, row):
+    """The same, but u_x, of a phase that has been evaluated; resultants: those of its joints, as work.joints."""
+    model, joints, base = column.model, row.joints, row.base
+    n, blocks = model.n, model.blocks
     exact, slides = is_exact(model), can_slide(model)
     rise = 0.0  # of the top face of the block below
     turn_below, spin_below = 0.0, 0.0

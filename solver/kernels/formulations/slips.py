@@ -6,14 +6,29 @@ What decides serves one column and lanes of eight.
 from ..jit import kernel, leaf
 from ..joint.sliding import can_slide
 from ..lanes import magnitude, where
-from ..layout import OK, PHASE_FIELDS, RIGID_FIELDS
+from ..layout import OK, PHASE_FIELDS, RIGID_FIELDS, SNAPSHOT
 from .either import evaluate
+
+_SNAPSHOT_BESIDE = SNAPSHOT.beside
 
 
 @leaf
 def phase_size(work):
     """How many numbers of a phase there are to be copied."""
     return (PHASE_FIELDS if work.slips.count != 0.0 else RIGID_FIELDS) * work.n
+
+
+@leaf
+def size_of_snapshot(work):
+    """How many numbers a snapshot has: it holds as much of a phase as there is."""
+    return _SNAPSHOT_BESIDE + phase_size(work)
+
+
+@leaf
+def keep_slips(work, phase):
+    """Let the slips of a phase, if there are any, be those of the start of the step."""
+    for i in range(phase_size(work) - RIGID_FIELDS * work.n):
+        phase.slips[i] = work.start.slips[i]
 
 
 @leaf

@@ -15,9 +15,9 @@ import math
 
 import numpy as np
 
-from ..formulations.base import base_line, base_motion, wave_amplitude
-from ..formulations.either import evaluate_at
-from ..formulations.slips import something_slides, spare
+from ..formulations.base import base_line, base_motion_beside, wave, wave_amplitude
+from ..formulations.either import evaluate
+from ..formulations.slips import keep_slips, something_slides, spare
 from ..jit import kernel, leaf
 from ..joint.section import ends_of
 from ..joint.sliding import can_slide
@@ -25,11 +25,9 @@ from ..layout import (
     INTERPOLATION_BOUND,
     INTERPOLATION_PART,
     OK,
-    PHASE_FIELDS,
     RESPONSE_FIELDS,
     RESPONSE_HEADER,
     RESPONSES,
-    RIGID_FIELDS,
 )
 from ..modes import inverses_of, limits_of, mode_of, parts_of, shapes_of
 from ..views import Numbers, Record, Space, Table
@@ -58,10 +56,14 @@ STEADY = Record(
     "free",  # what interpolation misses of a free motion, in parts of its amplitude, times the size of the mode
     "forced",  # and of the steady motion for 1 m/s2
     "per_rate",  # s, amplitude for a unit rate
+    "per_square",  # s2, 1 / omega_k^2
 )
 RESPONSE = Space(half=HALF, whole=HALF, steady=STEADY)  # over half the step, over all of it
 # what is kept of a step: what it was made for, s and 1/s, and the responses of all modes
-KEPT = Space(made_for=Record("step", "omega"), modes=Numbers(per_n=2 * RESPONSE_FIELDS))
+KEPT = Space(
+    made_for=Record("step", "omega", "sine", "cosine"),  # of the turn of the wave in half the step
+    modes=Numbers(per_n=2 * RESPONSE_FIELDS),
+)
 assert RESPONSE.beside == RESPONSE_FIELDS
 assert KEPT.beside == RESPONSE_HEADER
 _response, _kept = RESPONSE.over, KEPT.over
@@ -181,6 +183,7 @@ def _responses(model, work, h, omega):
     kept = _kept_at(work, used)
     kept.made_for.step = h
     kept.made_for.omega = omega
+    kept.made_for.sine, kept.made_for.cosine = math.sin(0.5 * h * omega), math.cos(0.5 * h * omega)
     for k in range(2 * n):
         mode = mode_of(model, k)
         out = _response_of(kept, k)
@@ -201,6 +204,7 @@ def _responses(model, work, h, omega):
         steady.free = mode.size * missed(fastest * h)
         steady.forced = mode.size * abs(mode.push) * math.hypot(steady.sine, steady.cosine) * missed(omega * h)
         steady.per_rate = 1.0 / fastest
+        steady.per_square = 1.0 / mode.square
     return kept
 
 
@@ -303,11 +307,13 @@ def _least_spare(work):
 
 
 @leaf
-def _keep_slips(work):
-    """Slips do not change in the step."""
-    middle, start, end = stage(work, 1).row, work.start.row, work.end.row
-    for i in range(RIGID_FIELDS * work.n, PHASE_FIELDS * work.n):
-        middle[i] = end[i] = start[i]
+def _keep_joints(work):
+    """The middle of the step is known: its resultants too."""
+    joints, halfway = work.joints, work.joints_halfway
+    for i in range(work.n):
+        halfway.normal[i], halfway.tangential[i] = joints.normal[i], joints.tangential[i]
+        halfway.moment[i], halfway.length[i] = joints.moment[i], joints.length[i]
+    work.interpolation.knows_middle = 1.0
 
 
 @kernel
@@ -338,7 +344,8 @@ def attempt(column, t, h):
     """
     code, error = OK, 0.0
     if can_slide(column.model):
-        _keep_slips(column.work)
+        keep_slips(column.work, stage(column.work, 1))
+        keep_slips(column.work, column.work.end)
     sweeps = int(limits_of(column.model).sweeps)
     for sweep in range(sweeps):
         if code == OK and error <= 1.0:
@@ -363,7 +370,7 @@ def _sweep(column, t, h, is_first, is_last):
     amplitude = wave_amplitude(base, samples)
     omega = base.wave_omega if amplitude != 0.0 else 0.0
     on_grid = math.floor(h * GRID + 0.5) / GRID
-    excess = h - on_grid
+    excess, per_step = h - on_grid, 1.0 / on_grid
     responses = _responses(model, work, on_grid, omega)
 
     if is_first and known:  # the last step has ended here
@@ -372,9 +379,11 @@ def _sweep(column, t, h, is_first, is_last):
     elif is_first:
         _multiply(inverses, work.start.row, first.row, n, parts, 3)
     ax, jx, az, jz = base_line(base, samples, t)
-    angle = omega * t + base.wave_phase
-    wave_sine = amplitude * math.sin(angle) if amplitude != 0.0 else 0.0
-    wave_cosine = amplitude * math.cos(angle) if amplitude != 0.0 else 0.0
+    sine, cosine = wave(base, t) if amplitude != 0.0 else (0.0, 0.0)
+    wave_sine, wave_cosine = amplitude * sine, amplitude * cosine
+    late = 0.5 * omega * excess
+    turn_sine = responses.made_for.sine + late * responses.made_for.cosine
+    turn_cosine = responses.made_for.cosine - late * responses.made_for.sine
     ax_then, lift_then, spared = 0.0, 0.0, 0.0
     for half in range(2):  # in the middle, then at the end with what is known by then
         here = middle if half == 0 else end
@@ -394,7 +403,7 @@ def _sweep(column, t, h, is_first, is_last):
             # the remainder goes on as in the step before; at the end, through its value in the middle
             curvature = curvatures[k] if known else 0.0
             if half == 1:
-                slope += 2.0 * (mean.accelerations[k] - remainder) / on_grid - 0.25 * on_grid * curvature
+                slope += 2.0 * (mean.accelerations[k] - remainder) * per_step - 0.25 * on_grid * curvature
             elif known:
                 slope += slopes[k]
             force += remainder
@@ -410,13 +419,16 @@ def _sweep(column, t, h, is_first, is_last):
             )
         _multiply(shapes, to.row, here.row, n, parts, 2)
         then = t + (0.5 * h if half == 0 else h)
-        motion = base_motion(base, samples, then)
+        sine, cosine = sine * turn_cosine + cosine * turn_sine, cosine * turn_cosine - sine * turn_sine
+        motion = base_motion_beside(base, samples, then, sine)
         ax_then, lift_then = motion.ax, settings.gravity + motion.az
-        code = evaluate_at(column, here, then)
+        code = evaluate(column, here, motion)
         if code != OK:
             return code, 0.0
         if _opens(model, work.start if half == 0 else middle, here, 0.5 * h):
             return OPENS, 0.0
+        if half == 0:
+            _keep_joints(work)
         if can_slide(model):
             before, spared = spared, _least_spare(work)
             if not spared > 0.0 or (half == 1 and min(spared, before) <= CHANGES * abs(spared - before)):
@@ -427,7 +439,6 @@ def _sweep(column, t, h, is_first, is_last):
             pushed = mode.push * ax_then + mode.lift * lift_then
             to.accelerations[k] += mode.damping * to.rates[k] + mode.square * to.coordinates[k] - pushed
 
-    per_step = 1.0 / on_grid
     wrong, wrong_rate, hidden = 0.0, 0.0, 0.0
     for k in range(size):
         mode = mode_of(model, k)
@@ -457,11 +468,12 @@ def _sweep(column, t, h, is_first, is_last):
         curvatures[k] = 2.0 * bend * per_step * per_step
         force = r_0 + push * ax + lift * (settings.gravity + az)
         slope += push * jx + lift * jz
-        sine, cosine = push * still.sine, push * still.cosine
+        per_square, in_phase, across = still.per_square, push * still.sine, push * still.cosine
         hidden += still.forced * abs(amplitude)
-        slope /= square
-        p = first.coordinates[k] - (force / square - beta / square * slope) - (sine * wave_sine + cosine * wave_cosine)
-        v = first.rates[k] - slope - omega * (sine * wave_cosine - cosine * wave_sine)
+        slope *= per_square
+        forced = in_phase * wave_sine + across * wave_cosine
+        p = first.coordinates[k] - per_square * (force - beta * slope) - forced
+        v = first.rates[k] - slope - omega * (in_phase * wave_cosine - across * wave_sine)
         hidden += still.free * (abs(p) + still.per_rate * abs(v))
     _multiply(shapes, last.row, end.row, n, parts, 3)
     allowed = settings.tolerance * control.rotation_scale

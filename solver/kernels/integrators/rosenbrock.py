@@ -15,7 +15,7 @@ import numpy as np
 
 from ..formulations.either import evaluate_at
 from ..formulations.implicit import factorize, solve
-from ..formulations.slips import phase_size
+from ..formulations.slips import keep_slips, phase_size
 from ..jit import kernel, leaf
 from ..layout import OK, RIGID_FIELDS
 from ..views import packs, packs_of
@@ -81,13 +81,6 @@ def _solve(column, u, part):
         u.coordinates[i] = part * (u.rates[i] + u.accelerations[i])
 
 
-@leaf
-def _keep_slips(work, phase):
-    """Let the slips of a phase be those of the start."""
-    for i in range(RIGID_FIELDS * work.n, phase_size(work)):
-        phase.row[i] = work.start.row[i]
-
-
 @kernel
 def attempt(column, t, h):
     """One step of h seconds from work.start to work.end; returns (code, error in tolerances)."""
@@ -113,7 +106,7 @@ def attempt(column, t, h):
     _solve(column, one, part)
     for i in range(every):
         y_here[i] = y[i] + A1_0 * u1[i]
-    _keep_slips(work, here)
+    keep_slips(work, here)
     code = evaluate_at(column, here, t + NODES[1] * h)
     if code != OK:
         return code, 0.0
@@ -124,7 +117,7 @@ def attempt(column, t, h):
     _solve(column, two, part)
     for i in range(every):
         y_here[i] = y[i] + (A2_0 * u1[i] + A2_1 * u2[i])
-    _keep_slips(work, here)
+    keep_slips(work, here)
     code = evaluate_at(column, here, t + NODES[2] * h)
     if code != OK:
         return code, 0.0
@@ -135,7 +128,7 @@ def attempt(column, t, h):
     _solve(column, three, part)
     for i in range(every):
         y_here[i] = y[i] + (A3_0 * u1[i] + A3_1 * u2[i] + A3_2 * u3[i])
-    _keep_slips(work, here)
+    keep_slips(work, here)
     code = evaluate_at(column, here, t + NODES[3] * h)
     if code != OK:
         return code, 0.0
@@ -147,7 +140,7 @@ def attempt(column, t, h):
     for i in range(every):
         end[i] = y[i] + (M_0 * u1[i] + M_1 * u2[i] + M_2 * u3[i] + M_3 * u4[i])
         error[i] = E_0 * u1[i] + E_1 * u2[i] + E_2 * u3[i] + E_3 * u4[i]
-    _keep_slips(work, work.end)
+    keep_slips(work, work.end)
     for i in range(RIGID_FIELDS * n, phase_size(work)):
         work.between.row[i] = 0.0
     found = STRICTNESS * error_in_tolerances(column, work.between)

@@ -143,7 +143,7 @@ def accepts_elastic(column, step, code, error):
     # steps that stay the same share their responses: no change without need
     if error > SAFETY:
         control.elastic_step = step * SAFETY
-    elif error < SPARE:
+    elif error < SPARE and step * GROW > control.elastic_step:
         longer = step * min(GROW, SAFETY * max(error, LEAST_ERROR) ** (-1.0 / modal.ORDER))
         control.elastic_step = max(control.elastic_step, longer)
     return True

@@ -13,6 +13,7 @@ from ..formulations.either import is_exact
 from ..formulations.exact import Motion
 from ..formulations.outputs import show
 from ..formulations.slips import evaluate_anew, phase_size
+from ..integrators.stage import stage
 from ..jit import kernel, leaf
 from ..joint.sliding import can_slide
 from ..layout import COUNTS_FROM, OK, OUTPUTS, PEAKS, PIECES, ROW
@@ -48,7 +49,7 @@ def begin_extremes(column, motion, evaluated):
         work.counts_from[i] = COUNTS_FROM * carried
     end = _seen(work, PIECES)  # as if a step had ended there
     if evaluated:
-        _show(column, work.start, motion, end)
+        _show(column, work.start, work.joints, motion, end)
     else:
         for i in range(phase_size(work)):
             work.between.row[i] = work.start.row[i]
@@ -65,7 +66,7 @@ def track_extremes(column, t, h):
     begin, end = _seen(work, 0), _seen(work, PIECES)
     for j in range(_PER_N * n + _BESIDE):
         begin[j] = end[j]
-    _show(column, work.end, _base_as_shown(column, t + h), end)
+    _show(column, work.end, work.joints, _base_as_shown(column, t + h), end)
     roughly = _see_middle(column, t, h)
     if not _raise_by_end(column) and not can_slide(column.model):
         return
@@ -114,10 +115,10 @@ def _base_as_shown(column, t):
 
 
 @kernel
-def _show(column, phase, motion, seen):
+def _show(column, phase, resultants, motion, seen):
     """Fill `seen` with all that is visible but u_x of a phase that has been evaluated, as PEAKS count it."""
     n, from_ = column.model.n, column.work.counts_from
-    show(column, phase, motion, _row(seen, n))
+    show(column, phase, resultants, motion, _row(seen, n))
     visible = _peaks(seen, n)
     for i in range(n):
         normal = visible.joints.N[i]
@@ -128,8 +129,9 @@ def _show(column, phase, motion, seen):
 @kernel
 def _see(column, motion, seen):
     """`_show` of work.between, evaluated on such a base; `seen` stays what it was where that fails."""
-    if evaluate_anew(column, column.work.between, motion) == OK:
-        _show(column, column.work.between, motion, seen)
+    between, joints = column.work.between, column.work.joints
+    if evaluate_anew(column, between, motion) == OK:
+        _show(column, between, joints, motion, seen)
 
 
 @kernel
@@ -167,15 +169,18 @@ def _seen(work, k):
 
 @kernel
 def _see_middle(column, t, h):
-    """See the middle of the step; returns whether only roughly: before the interpolation was refined by it."""
-    work = column.work
-    middle = _seen(work, MIDDLE)
-    if work.interpolation.wants_bump == 0.0 or can_slide(column.model):
-        refine(column, t, h)
+    """See the middle of the step; returns whether only roughly: as the method or `refine` has evaluated it."""
+    work, middle = column.work, _seen(column.work, MIDDLE)
+    refines, known = work.interpolation.wants_bump != 0.0, work.interpolation.knows_middle != 0.0
+    refine(column, t, h)
+    if can_slide(column.model) or not (refines or known):
         _see_within(column, t, h, MIDDLE / PIECES, middle)
         return False
-    refine(column, t, h)
-    _show(column, work.between, _base_as_shown(column, t + h * (MIDDLE / PIECES)), middle)
+    motion = _base_as_shown(column, t + h * (MIDDLE / PIECES))
+    if known:
+        _show(column, stage(work, 1), work.joints_halfway, motion, middle)
+    else:
+        _show(column, work.between, work.joints, motion, middle)
     return True
 
 

@@ -14,9 +14,9 @@ from ..layout import OK, RIGID_FIELDS
 
 
 class Quintic(NamedTuple):
-    """q = c0 + c1 s + ... + c5 s^5 + bump s^3 (1 - s)^3 over 0 <= s <= 1, its rate per `step` seconds."""
+    """q = c0 + c1 s + ... + c5 s^5 + bump s^3 (1 - s)^3 over 0 <= s <= 1, s = time times per_step."""
 
-    step: float
+    per_step: float
     c0: float
     c1: float
     c2: float
@@ -37,7 +37,7 @@ def quintic_through(h, q0, v0, a0, q1, v1, a1, bump):
     c3 = 10.0 * miss_q - 4.0 * miss_v + 0.5 * miss_a
     c4 = -15.0 * miss_q + 7.0 * miss_v - miss_a
     c5 = 6.0 * miss_q - 3.0 * miss_v + 0.5 * miss_a
-    return Quintic(h, q0, c1, c2, c3, c4, c5, bump)
+    return Quintic(1.0 / h, q0, c1, c2, c3, c4, c5, bump)
 
 
 class Weights(NamedTuple):
@@ -84,7 +84,7 @@ def value_of(quintic, s):
         hill = s * (1.0 - s)
         q += quintic.bump * hill * hill * hill
         v += quintic.bump * 3.0 * hill * hill * (1.0 - 2.0 * s)
-    return q, v / quintic.step
+    return q, v * quintic.per_step
 
 
 @leaf
@@ -184,6 +184,7 @@ def spent(work, i, h, s):
 def begin(work, fine):
     """Begin with the quintic alone; `fine` says whether `refine` shall improve on it where the step is looked into."""
     work.interpolation.has_bump = 0.0
+    work.interpolation.knows_middle = 0.0
     work.interpolation.wants_bump = 1.0 if fine else 0.0
 
 

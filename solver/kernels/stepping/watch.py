@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from ..formulations.base import base_motion, base_rotates, base_spin, base_turn
 from ..formulations.either import is_exact, reach_of, top_motion
-from ..formulations.slips import note_directions, phase_size, take_directions
+from ..formulations.slips import note_directions, phase_size, size_of_snapshot, take_directions
 from ..jit import kernel, leaf
 from ..joint.sliding import can_slide
 from ..layout import EXTREMES, SLACK, SNAPSHOT
@@ -23,8 +23,6 @@ from .interpolation import (
 )
 
 _snapshot = SNAPSHOT.over
-SNAPSHOT_SIZE = SNAPSHOT.per_n
-SNAPSHOT_BESIDE = SNAPSHOT.beside
 
 
 class Watch(NamedTuple):
@@ -125,15 +123,9 @@ def row_due(counts, watch, t, h):
 
 
 @leaf
-def _snapshot_at(watch, k, n):
-    """The names of snapshot k."""
-    return _snapshot(watch.snapshots[k * (SNAPSHOT_SIZE * n + SNAPSHOT_BESIDE) :], n)
-
-
-@leaf
-def _within_step(watch, k, t, h):
-    """Time k as a fraction of the step from t to t + h."""
-    return min(1.0, max(0.0, (watch.times[k] - t) / h))
+def _within_step(watch, k, t, per_step):
+    """Time k as a fraction of the step from t on, of 1 / per_step seconds."""
+    return min(1.0, max(0.0, (watch.times[k] - t) * per_step))
 
 
 @kernel
@@ -147,15 +139,16 @@ def take_snapshots(column, watch, t, h):
     if counts.next_row == first_row:
         return
     refine(column, t, h)
+    per_step, size = 1.0 / h, size_of_snapshot(work)
     first, behind = slips_of(work)
     for i in range(2 * n + behind - first):
         place = i if i < 2 * n else first + i - 2 * n
         course = quintic_of(work, place, -1, h)
         for k in range(first_row, counts.next_row):
-            kept = _snapshot_at(watch, k, n).phase
-            kept.coordinates[place], kept.rates[place] = value_of(course, _within_step(watch, k, t, h))
+            kept = _snapshot(watch.snapshots[size * k :], n).phase
+            kept.coordinates[place], kept.rates[place] = value_of(course, _within_step(watch, k, t, per_step))
     for k in range(first_row, counts.next_row):
-        snapshot, s = _snapshot_at(watch, k, n), _within_step(watch, k, t, h)
+        snapshot, s = _snapshot(watch.snapshots[size * k :], n), _within_step(watch, k, t, per_step)
         if not is_exact(column.model):  # accelerations are worked out with the row; the sweeps want a first guess
             for i in range(2 * n):
                 snapshot.phase.accelerations[i] = interpolate_acceleration(work, i, s)
@@ -168,11 +161,11 @@ def take_snapshots(column, watch, t, h):
 @kernel
 def take_held_snapshots(column, watch, t, h):
     """The same for a column whose state does not change from t to t + h."""
-    state, counts = column.state, column.counts
-    n = column.model.n
+    state, counts, work = column.state, column.counts, column.work
+    size = size_of_snapshot(work)
     while row_due(counts, watch, t, h):
-        snapshot = _snapshot_at(watch, counts.next_row, n)
-        for i in range(phase_size(column.work)):
+        snapshot = _snapshot(watch.snapshots[size * counts.next_row :], work.n)
+        for i in range(phase_size(work)):
             snapshot.phase.row[i] = state.phase.row[i]
         snapshot.base.ax = state.control.base_ax
         snapshot.base.az = state.control.base_az
