@@ -315,6 +315,12 @@ def trust_tables(results: Results) -> str:
     if not found:
         return ""
     parts = ["## Peaks, pulses, shares that fall"]
+    head = ["scene", "one run", "evaluations of its check, times its own", "time of that", "time of an ensemble of 8"]
+    kinds = ("evaluations", "check", "ensemble")
+    rows = [
+        [row["scene"], milliseconds(row["seconds"]), *(f"{row[kind]:.2f}" for kind in kinds)] for row in found["costs"]
+    ]
+    parts.append(table(head, rows))
     head = ["scene", "peaks at rows of 0.1 and 5 ms", "rows of 5 ms see of N, S, T", "evaluations more"]
     rows = [
         [

@@ -1,4 +1,4 @@
-"""What may be believed of a run: peaks beside the rows, shares that fall near the edge, pulses after their end.
+"""What may be believed of a run, and what it costs to know: peaks beside the rows, shares that fall, pulses, checks.
 
 A share is that of an ensemble; many more runs with another seed say what it is of.
 """
@@ -13,10 +13,12 @@ from typing import Any
 
 import numpy as np
 
-from solver import Column, Motion, simulate
+from solver import Column, Motion, Response, simulate
+from solver.trust import finer
 from solver.uncertainty import Spread
 
-from .scenes import RECORDED, RECORDS, G, Scene, forced, shaft
+from .scenes import FORCED, RECORDED, RECORDS, G, Scene, forced, recorded, shaft
+from .timing import loops
 
 FINE, COARSE = 1e-4, 5e-3  # s, between rows
 EDGE_HALVINGS = 12
@@ -25,6 +27,8 @@ SIZES, MANY = (8, 64), 1000
 QUICK_MANY = 64
 SEED, OTHER_SEED = 0, 1
 TOLERANCE = 1e-4
+ENSEMBLE = 8
+ENOUGH = 0.05  # s that a round of runs lasts, at least
 
 
 def peaks(scene: Scene) -> dict[str, Any]:
@@ -38,6 +42,25 @@ def peaks(scene: Scene) -> dict[str, Any]:
         "same": all(np.array_equal(peak, coarse.peaks[name]) for name, peak in fine.peaks.items()),
         "seen": seen,
         "looks": coarse.stats["looks"] / coarse.stats["evaluations"],
+    }
+
+
+def costs(scene: Scene) -> dict[str, Any]:
+    """What a check and an ensemble of eight cost beside the run itself: evaluations of the one, time of both."""
+
+    def run(**more: Any) -> Response:
+        return simulate(scene.column, scene.motion, scene.duration, settle=0.0, **more)
+
+    closer = simulate(finer(scene.column), scene.motion, scene.duration, settle=0.0)
+    ways = (run, lambda: run(check=True), lambda: run(ensemble=ENSEMBLE))
+    once, checked, varied = loops(ways, enough=ENOUGH)
+    evaluations = [count.stats["evaluations"] + count.stats["looks"] for count in (run(), closer)]
+    return {
+        "scene": scene.title,
+        "seconds": once,
+        "evaluations": evaluations[1] / evaluations[0],
+        "check": (checked - once) / once,
+        "ensemble": (varied - once) / once,
     }
 
 
@@ -95,8 +118,12 @@ def pulses(column: Column, label: str, frequency: float, amplitudes: np.ndarray)
 
 def measure(quick: bool) -> Iterator[dict[str, Any]]:
     """All of it, as far as it has come."""
-    found: dict[str, Any] = {"peaks": [], "pulses": [], "shares": []}
+    found: dict[str, Any] = {"costs": [], "peaks": [], "pulses": [], "shares": []}
     duration = 2.0 if quick else 10.0
+    rocking = [forced(g, frequency, 2.0 * duration) for g, frequency in FORCED[1:]]
+    for scene in (*rocking, *(() if quick else recorded()[0][:1])):
+        found["costs"].append(costs(scene))
+        yield found
     for scene in (forced(0.15, 1.0, duration), forced(0.1, 1.0, 2.0, damping=0.0), forced(0.02, 2.0, duration)):
         found["peaks"].append(peaks(scene))
         yield found

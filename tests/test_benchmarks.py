@@ -401,7 +401,11 @@ def test_what_may_be_believed_is_measured():
         {"scene": "any", "rows": [{"size": 8, "share": 0.5, "bounds": (0.2, 0.8), "contains": True}]},
         {"scene": "other", "rows": [{"size": 8, "share": 0.0, "bounds": (0.0, 0.37), "contains": False}]},
     ]
-    text = report.trust_tables({"trust": {"peaks": [peaks], "pulses": [pulses], "shares": shares}})
+    costs = trust.costs(forced(0.05, 2.0, 1.0))
+    assert 1.0 < costs["evaluations"] < 3.0  # a tenth of the tolerance takes more of them: 1.4
+    assert min(costs["check"], costs["ensemble"]) > 0.0
+    text = report.trust_tables({"trust": {"costs": [costs], "peaks": [peaks], "pulses": [pulses], "shares": shares}})
+    assert f"{costs['evaluations']:.2f}" in text
     assert "1 overturned later, 1 standing" in text
     assert "0.000 (0.00 to 0.37, does not contain it)" in text
 

@@ -113,13 +113,14 @@ def _end_at_changes(batch, step, good):
     if any_of(changed):
         end = work.end
         _interpolate(work, step, where(changed, cut, 1.0))
-        _take(end, work.between, changed, 0, 4)
-        _take(end, work.between, changed, 6, 9)
+        n, between = work.n, work.between
+        _take(end.coordinates, between.coordinates, changed, 4 * n)  # and the rates behind them
+        _take(end.slip, between.slip, changed, 3 * n)  # friction work, rates
         step = where(changed, cut * step, step)
-        _take_all(work.between, end)
-        evaluate_lanes(batch, work.between, batch.lane.t + step)
-        _take(end, work.between, changed, 4, 6)
-        _take(end, work.between, changed, 9, 11)
+        _take_all(between, end)
+        evaluate_lanes(batch, between, batch.lane.t + step)
+        _take(end.accelerations, between.accelerations, changed, 2 * n)
+        _take(end.friction_power, between.friction_power, changed, 2 * n)  # accelerations of slips
     batch.lane.spare = where(good & ~changed, batch.lane.spare_ahead, batch.lane.spare)
     for i in range(work.n):
         work.end.sliding[i] = work.joints.sliding[i]
@@ -127,11 +128,10 @@ def _end_at_changes(batch, step, good):
 
 
 @leaf
-def _take(to, phase, lanes, first, behind):
-    """Copy fields, by their number, of a phase into another in the lanes of a mask."""
-    n = to.n
-    for i in range(first * n, behind * n):
-        to.row[i] = where(lanes, phase.row[i], to.row[i])
+def _take(to, row, lanes, count):
+    """Copy the first of a row into another in the lanes of a mask: of a field of a phase, and of those behind it."""
+    for i in range(count):
+        to[i] = where(lanes, row[i], to[i])
 
 
 @leaf
@@ -239,8 +239,8 @@ def _decide_for(batch, changed):
             if not any_of(changed & change_directions(joints, between, n)):
                 break
             evaluate_lanes(batch, between, batch.lane.t)
-        _take(begin, between, changed, 4, 6)
-        _take(begin, between, changed, 8, 11)
+        _take(begin.accelerations, between.accelerations, changed, 2 * n)
+        _take(begin.slip_rate, between.slip_rate, changed, 3 * n)  # friction power, accelerations
         for i in range(n):
             begin.sliding[i] = where(changed, joints.sliding[i], begin.sliding[i])
         batch.lane.spare = where(changed, _least_spare(joints, n), batch.lane.spare)

@@ -298,9 +298,9 @@ def _find_top(column, t, h, j, size):
             best, place, at, way = height, x, k, sign
     if not best > peaks[j] + allowed:
         return
-    f_0, f_1, f_2 = way * seen[j], way * seen[size + j], way * seen[2 * size + j]
-    f = (f_0, f_1, f_2, way * seen[3 * size + j], way * seen[4 * size + j])
-    x, height, term = _top(f[0], f[1], f[2], f[3], f[4], place)
+    f_0, f_1, f_2, f_3, f_4 = seen[j], seen[size + j], seen[2 * size + j], seen[3 * size + j], seen[4 * size + j]
+    f = (way * f_0, way * f_1, way * f_2, way * f_3, way * f_4)
+    x, height, term = _top(*f, place)
     if not abs(x - at) < 1.0:
         x, height = place, best
     elif abs(term) <= SURE * allowed:
