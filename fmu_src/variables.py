@@ -277,6 +277,7 @@ RECORD_PGA = _output(
 )
 
 # field of Block or Joint -> unit, description, whether 0 stands for "not given"
+# What is not listed is no parameter: it stays as the column has it that the FMU is built from.
 _BLOCK_PARAMETERS = {
     "height": ("m", "Height of block {i}", False),
     "width": ("m", "Width of block {i}, along the motion", False),
@@ -286,7 +287,7 @@ _BLOCK_PARAMETERS = {
     "inertia": ("kg.m2", "Moment of inertia of block {i} about its centroid; 0: homogeneous block", True),
     "tilt": ("rad", "Angle of block {i} to the normal of the joint under it, as built, clockwise", True),
 }
-_JOINT_PARAMETERS = {
+JOINT_PARAMETERS = {
     "stiffness": ("N/m3", "Winkler modulus of the joint under block {i}", False),
     "damping": ("s", "Damping eta of the joint under block {i}", False),
     "width": ("m", "Contact width of the joint under block {i}; 0: that of the block", True),
@@ -424,7 +425,7 @@ def _parameters(column: Column, record: str) -> list[Variable]:
         for key, (unit, text, optional) in _BLOCK_PARAMETERS.items():
             rows.append(parameter(f"block[{i}].{key}", unit, text.format(i=i), getattr(block, key), optional))
     for i, block in enumerate(column.blocks, start=1):
-        for key, (unit, text, optional) in _JOINT_PARAMETERS.items():
+        for key, (unit, text, optional) in JOINT_PARAMETERS.items():
             rows.append(parameter(f"joint[{i}].{key}", unit, text.format(i=i), getattr(block.joint, key), optional))
     for key, (unit, text) in _SETTINGS_PARAMETERS.items():
         start = getattr(column.settings, key)
@@ -452,7 +453,7 @@ def column_from(built: Column, value: Callable[[str], float | int | str]) -> Col
 
     blocks = []
     for i, own in enumerate(built.blocks, start=1):
-        joint = {key: given("joint", i, key, optional) for key, (_, _, optional) in _JOINT_PARAMETERS.items()}
+        joint = {key: given("joint", i, key, optional) for key, (_, _, optional) in JOINT_PARAMETERS.items()}
         block = {key: given("block", i, key, optional) for key, (_, _, optional) in _BLOCK_PARAMETERS.items()}
         blocks.append(replace(own, joint=replace(own.joint, **joint), **block))  # type: ignore[arg-type]
     settings: dict[str, Any] = {key: value(f"solver.{key}") for key in _SETTINGS_PARAMETERS}

@@ -95,6 +95,8 @@ def why_not_in_lanes(column: Column) -> str:
         return f"integrator {settings.integrator}"
     if set(settings.without) - {"peaks"}:
         return "short cuts left out"
+    if column.other_law:  # lanes have the linear law written out
+        return f"joint.{column.other_law}"
     if column.n > MOST_BLOCKS:
         return f"more than {MOST_BLOCKS} blocks"
     if swept:

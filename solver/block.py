@@ -2,17 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, field, fields
 from functools import cached_property
+from typing import Any
 
 from .errors import InputError, check_number, shown
 from .kernels.column.solids import homogeneous, solid_between
 from .kernels.joint.section import ANNULUS, RECTANGLE, SECTIONS, STRIPS, whole
-from .kernels.layout import MOST_STRIPS
+from .kernels.layout import LAW, MOST_STRIPS, OTHER_LAW
 from .ranges import LENGTH, NUMBERS, check, check_choice
 
 BLOCK_SECTIONS = tuple(name for name in SECTIONS if name != "strips")  # strips are of contacts only
+
+
+def of_law(least: float, most: float, meaning: str, sections: Collection[str] = SECTIONS) -> Any:
+    """A field of `Joint` by which, where it is not 0, the law is another one than the linear one (OTHER_LAW).
+
+    least, most: the range of its key, 0 within it, and how a value beyond is answered, as in ranges.py; sections: of
+    the contacts that this law is written for.
+    """
+    return field(default=0.0, metadata={"range": ((least, most), meaning), "sections": sections})
 
 
 @dataclass(frozen=True)
@@ -34,6 +44,16 @@ class Joint:
     def __post_init__(self) -> None:
         if isinstance(self.strips, list):  # as TOML and JSON have it
             object.__setattr__(self, "strips", tuple(self.strips))
+
+    @property
+    def other_law(self) -> str:
+        """Key of what makes its law another one than the linear one; empty where nothing does."""
+        return next((key for key in OTHER_LAW if getattr(self, key)), "")
+
+
+_LAWS = {item.name: item.metadata for item in fields(Joint) if item.metadata}
+assert set(_LAWS) == set(OTHER_LAW)
+NUMBERS.update({key: law["range"] for key, law in _LAWS.items()})
 
 
 @dataclass(frozen=True)
@@ -155,8 +175,7 @@ BLOCK_RULES = (
     *(Rule(key) for key in ("height", "width", "depth", "mass")),
     Rule("centroid", False, True, "height", True, "must lie below the top face, height"),
     Rule("inertia", optional=True),
-    Rule("stiffness", True),
-    Rule("damping", True),
+    *(Rule(key, True) for key in LAW),
     *(Rule(key, True, True, key, False, f"must not exceed the block's {key}") for key in ("width", "depth")),
 )
 
@@ -186,6 +205,16 @@ def check_block(key: str, block: object) -> None:
             check(f"{key}.joint.{name}", value)
     if block.tilt is not None:
         check(f"{key}.tilt", block.tilt)
+    for name in OTHER_LAW:
+        value = getattr(block.joint, name)
+        if value and not knows_section(name, block):
+            known = " or ".join(f'"{section}"' for section in _LAWS[name]["sections"])
+            raise InputError(f"{key}.joint.{name} = {shown(value)}: must be left out, or the contact's section {known}")
+
+
+def knows_section(name: str, block: Block) -> bool:
+    """Whether the law of joints with this parameter is written for the section of the contact under a block."""
+    return SECTIONS[block.joint_section] in _LAWS[name]["sections"]
 
 
 def _check_rules(key: str, block: Block, rules: Sequence[Rule]) -> None:

@@ -69,9 +69,11 @@ class Chain:
         self.centroid = np.array([block.resolved_centroid for block in blocks])
         self.mass = np.array([block.mass for block in blocks])
         self.inertia = np.array([block.resolved_inertia for block in blocks])
-        self.rectangles = np.array([block.joint_section == RECTANGLE for block in blocks])
+        # rectangles of the linear law, whose energy is a closed form below
+        self.rectangles = np.array([block.joint_section == RECTANGLE and not column.other_law for block in blocks])
         self.width = np.array([block.joint_width for block in blocks])  # of the contacts
         self.off_axis = column.off_axis
+        self.above_rest = self.off_axis or bool(column.other_law)  # energies are worked out there as well
         if column.has_slips or not np.all(self.rectangles):
             self.model = pack_model(column)
             seen = at.MODEL.see(self.model, column.n).blocks
@@ -79,6 +81,7 @@ class Chain:
             if self.off_axis:
                 self.lean, self.tilt, self.built_x = seen.lean, seen.tilt, seen.built_x
                 self.offset = seen.offset
+            if self.above_rest:
                 rest, zeros = at.STATE.see(arrays_of(column).state, column.n).phase, np.zeros(self.n)
                 self.rest = np.concatenate([rest.theta, rest.opening, zeros, zeros, rest.slip, zeros])
         # N/m2: of a metre of the joint's width, where it is a rectangle
@@ -96,7 +99,8 @@ class Chain:
         chain = cls.__new__(cls)
         seen = at.MODEL.see(models.T, n)
         settings, blocks = seen.settings, seen.blocks
-        chain.model, chain.n, chain.exact, chain.off_axis = models, n, bool(settings.formulation[0] == at.EXACT), False
+        chain.model, chain.n, chain.exact = models, n, bool(settings.formulation[0] == at.EXACT)
+        chain.off_axis = chain.above_rest = False
         for name in ("height", "centroid", "mass", "inertia", "width", "stiffness", "bore"):
             setattr(chain, name, getattr(blocks, name).T.copy())
         chain.rectangles = blocks.section.T == RECTANGLE
@@ -145,10 +149,10 @@ class Chain:
     def energies(self, phase: FloatArray) -> FloatArray:
         """The same of phases, one a row."""
         found = self._energies(phase)
-        return found - self._energies(self.rest) if self.off_axis else found
+        return found - self._energies(self.rest) if self.above_rest else found
 
     def _energies(self, phase: FloatArray) -> FloatArray:
-        """The same above the straight column under its weight; of columns off their axis above anything fixed."""
+        """The same above the straight column under its weight; of other columns above anything fixed."""
         places = self.places(phase)
         theta, opening, spin, _, slip, _ = places
         joints = self.joints(places)

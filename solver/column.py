@@ -116,6 +116,14 @@ class Column:
         """Whether slips are among the coordinates: of joints that slide, and of columns that are off their axis."""
         return self.slides or self.off_axis
 
+    @cached_property
+    def other_law(self) -> str:
+        """Key of what makes the law of some joint another one than the linear one; empty where nothing does.
+
+        What is worked out from the linear law, outside of kernels/joint/law.py, asks this first.
+        """
+        return next((block.joint.other_law for block in self.blocks if block.joint.other_law), "")
+
     @classmethod
     def from_toml(cls, path: str | os.PathLike[str]) -> Column:
         """Read a column from a TOML file; its keys are those of `from_dict`.
@@ -190,3 +198,5 @@ def _check_general(column: Column) -> None:
         raise InputError(f'{name} = {shown(value)}: solver.formulation must be "exact", which "paper" has nothing of')
     if column.settings.integrator != "auto":
         raise InputError(f'{name} = {shown(value)}: solver.integrator must be "auto", steps of a fixed length miss it')
+    if column.other_law:  # what rims push by, and the bent rest, are those of the linear law
+        raise InputError(f"{name} = {shown(value)}: must be left out beside joint.{column.other_law}")

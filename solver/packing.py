@@ -133,10 +133,10 @@ def _assemble(column: Column, given: FloatArray) -> Arrays:
             "stable"
         )
     if code == NO_REST:
-        raise InputError(
-            f"{column.name} cannot stand: its blocks, offset or inclined as they are, have no stable rest under their "
-            "weight"
-        )
+        as_they_are = "its blocks, offset or inclined as they are, have no stable rest under their weight"
+        if column.other_law:
+            as_they_are = f"with joint.{column.other_law} as it is a joint does not carry the weight above it at rest"
+        raise InputError(f"{column.name} cannot stand: {as_they_are}")
     if code != at.OK:  # the other checks are those of the column
         raise InputError(f"block[{int(detail[0])}].inertia: beyond the range of float64")
     return made

@@ -100,12 +100,16 @@ def _of_chain(phases: FloatArray, column: Column) -> FloatArray:
 
 def settled_verdict(stepper: Stepper, stop: float, settle: float) -> tuple[Verdict, float]:
     """The verdict on a run that ended at time `stop`, s, and the time until which it took to look, at most `settle`."""
-    t = stop
+    t, other_law = stop, stepper.column.other_law
     while not stepper.overturned_joint:
         if cannot_fall(stepper.column, phase_of(stepper)):
             return Verdict(STANDING, "its energy does not suffice to overturn it"), t
+        if other_law and stepper.arrays.counts[at.COUNTS.places["resting"]]:
+            return Verdict(STANDING, "it has come to rest"), t
         if not t < stop + settle:
-            return Verdict(UNDECIDED, f"{settle:g} s after the end it still has the energy to overturn"), t
+            why = f"has not fallen, and with joint.{other_law} no energy tells whether it can"
+            why = why if other_law else "still has the energy to overturn"
+            return Verdict(UNDECIDED, f"{settle:g} s after the end it {why}"), t
         end = min(t + BETWEEN_LOOKS, stop + settle)
         try:
             stepper.rest_until(t, end)

@@ -21,47 +21,59 @@ def _rectangle(width, depth, strips):
 
 
 @from_python
-def _forces(k, width, depth, eta, opening, slope, opening_rate, slope_rate, strips):
+def _forces(own, width, depth, opening, slope, opening_rate, slope_rate, strips):
     contact = _rectangle(width, depth, strips)
-    return law.joint_forces(contact, k, eta, opening, slope, opening_rate, slope_rate)
+    return law.joint_forces(contact, own, opening, slope, opening_rate, slope_rate)
 
 
 @from_python
-def _held(regime, k, width, depth, eta, opening, slope, opening_rate, slope_rate, strips):
+def _held(regime, own, width, depth, opening, slope, opening_rate, slope_rate, strips):
     contact = _rectangle(width, depth, strips)
-    return law.held_forces(regime, contact, k, eta, opening, slope, opening_rate, slope_rate)
+    return law.held_forces(regime, contact, own, opening, slope, opening_rate, slope_rate)
 
 
 @from_python
-def _potential(k, width, depth, opening, slope, strips):
-    return law.joint_potential(_rectangle(width, depth, strips), k, opening, slope)
+def _potential(own, width, depth, opening, slope, strips):
+    return law.joint_potential(_rectangle(width, depth, strips), own, opening, slope)
 
 
-_peak_pressure = from_python(law.joint_peak_pressure)
+@from_python
+def _peak_pressure(own, width, opening, slope, opening_rate, slope_rate, strips):
+    return law.joint_peak_pressure(_rectangle(width, 1.0, strips), own, opening, slope, opening_rate, slope_rate)
+
+
 _regime = from_python(regimes.contact_regime)
 _margin = from_python(regimes.regime_margin)
 
 
-def joint_forces(*numbers: float) -> tuple[float, float, float]:
+def law_of(stiffness: float, damping: float = 0.0, **others: float) -> law.Law:
+    """A law; parameters that are not given are 0."""
+    given = {"stiffness": stiffness, "damping": damping} | others
+    return law.Law(*(float(given.get(name, 0.0)) for name in law.Law._fields))
+
+
+def joint_forces(k: float, width: float, depth: float, eta: float, *motion: float) -> tuple[float, float, float]:
     """N, M and loaded length by stiffness, width, depth, damping, opening, slope and their rates."""
-    n, m, length = _forces(*map(float, numbers), NO_STRIPS)
+    n, m, length = _forces(law_of(k, eta), float(width), float(depth), *map(float, motion), NO_STRIPS)
     return n, m, length
 
 
-def held_forces(regime: int, *numbers: float) -> tuple[float, float, float, float]:
+def held_forces(
+    regime: int, k: float, width: float, depth: float, eta: float, *motion: float
+) -> tuple[float, float, float, float]:
     """The same in a regime, and its margin."""
-    n, m, length, margin = _held(regime, *map(float, numbers), NO_STRIPS)
+    n, m, length, margin = _held(regime, law_of(k, eta), float(width), float(depth), *map(float, motion), NO_STRIPS)
     return n, m, length, margin
 
 
-def joint_potential(*numbers: float) -> float:
+def joint_potential(k: float, *numbers: float) -> float:
     """Elastic energy by stiffness, width, depth, opening and slope."""
-    return float(_potential(*map(float, numbers), NO_STRIPS))
+    return float(_potential(law_of(k), *map(float, numbers), NO_STRIPS))
 
 
-def joint_peak_pressure(k: float, width: float, *rest: float) -> float:
+def joint_peak_pressure(k: float, width: float, eta: float, *motion: float) -> float:
     """Largest pressure by stiffness, width, damping, opening, slope and their rates."""
-    return float(_peak_pressure(-0.5 * width, 0.5 * width, k, *rest))
+    return float(_peak_pressure(law_of(k, eta), float(width), *map(float, motion), NO_STRIPS))
 
 
 def contact_regime(width: float, *rest: float) -> int:

@@ -192,17 +192,30 @@ def from_base(steps: NDArray[Any]) -> NDArray[Any]:
 
 
 def pressure_resultants(
-    k: float, b: float, t: float, eta: float, opening: float, slope: float, opening_rate: float, slope_rate: float
+    k: float,
+    b: float,
+    t: float,
+    eta: float,
+    opening: float,
+    slope: float,
+    opening_rate: float,
+    slope_rate: float,
+    law: Callable[[Array], Array] = lambda linear: linear,
+    bends: tuple[float, ...] = (),
 ) -> tuple[float, float]:
-    """N and M of the pressure max(0, k pen + eta k dpen) where pen > 0, by Gauss's rule between its kinks."""
+    """N and M of the pressure max(0, k pen + eta k dpen) where pen > 0, by Gauss's rule between its kinks.
+
+    law: what another law makes of that pressure; bends: pressures at which it has kinks, between which it is straight.
+    """
 
     def pressure(s: Array) -> Array:
         pen = -opening + slope * s
         force = k * (pen + eta * (-opening_rate + slope_rate * s))
-        return np.where((pen > 0.0) & (force > 0.0), force, 0.0)
+        return np.where((pen > 0.0) & (force > 0.0), law(force), 0.0)
 
     kinks = [-0.5 * b, 0.5 * b]
-    for value, gradient in ((opening, slope), (opening + eta * opening_rate, slope + eta * slope_rate)):
+    mean, felt_slope = opening + eta * opening_rate, slope + eta * slope_rate
+    for value, gradient in ((opening, slope), *((mean + bend / k, felt_slope) for bend in (0.0, *bends))):
         if gradient != 0.0 and abs(value / gradient) < 0.5 * b:
             kinks.append(value / gradient)
     ends = np.array(sorted(kinks))

@@ -16,7 +16,7 @@ from solver import Block, Column, InitialState, Joint, Motion, Settings, simulat
 from solver.chain import Chain
 from solver.kernels import layout as at
 from solver.kernels.jit import from_python
-from solver.kernels.joint.law import joint_forces, joint_potential
+from solver.kernels.joint.law import joint_forces, joint_potential, law_of
 from solver.kernels.joint.lens import ends_of_rings, lens_part
 from solver.kernels.joint.section import contact_of
 from solver.kernels.joint.sliding import rim_force
@@ -133,9 +133,9 @@ def pair(section: str, top_below: float | None = None, friction: float = 0.2, **
 def _ask(model: Array, opening: float, slope: float, slip: float, out: Array) -> None:
     """Elastic energy of joint 1, N, M and what its rim pushes by."""
     blocks = _model(row_of(model), 2).blocks
-    contact, k = contact_of(blocks, 0, slip), blocks.stiffness[0]
-    out[0] = joint_potential(contact, k, opening, slope)
-    out[1], out[2], _ = joint_forces(contact, k, 0.0, opening, slope, 0.0, 0.0)
+    contact, law = contact_of(blocks, 0, slip), law_of(blocks, 0)
+    out[0] = joint_potential(contact, law, opening, slope)
+    out[1], out[2], _ = joint_forces(contact, law, opening, slope, 0.0, 0.0)
     out[3] = rim_force(blocks, 0, opening, slope, slip)
 
 

@@ -18,7 +18,7 @@ from solver.chain import Chain
 from solver.kernels import layout as at
 from solver.kernels.jit import from_python
 from solver.kernels.joint.circle import SMALL, circle_part
-from solver.kernels.joint.law import held_forces, joint_forces, joint_potential
+from solver.kernels.joint.law import held_forces, joint_forces, joint_potential, law_of
 from solver.kernels.joint.regimes import OPEN, contact_regime
 from solver.kernels.joint.section import (
     contact_of,
@@ -56,12 +56,13 @@ _circle_part = from_python(circle_part)
 def _ask(model: Array, opening: float, slope: float, opening_rate: float, slope_rate: float, out: Array) -> None:
     """N, M, length; the same held in the regime; energy; stiffness of the part from lo to hi; of all; of a strip."""
     blocks = _model(row_of(model), 1).blocks
-    contact, k, eta = contact_of(blocks, 0), blocks.stiffness[0], blocks.damping[0]
-    out[0], out[1], out[2] = joint_forces(contact, k, eta, opening, slope, opening_rate, slope_rate)
+    contact, law = contact_of(blocks, 0), law_of(blocks, 0)
+    k, eta = law.stiffness, law.damping
+    out[0], out[1], out[2] = joint_forces(contact, law, opening, slope, opening_rate, slope_rate)
     regime = contact_regime(contact.left, contact.right, eta, opening, slope, opening_rate, slope_rate)
     out[3] = regime
-    out[4], out[5], out[6], _ = held_forces(regime, contact, k, eta, opening, slope, opening_rate, slope_rate)
-    out[7] = joint_potential(contact, k, opening, slope)
+    out[4], out[5], out[6], _ = held_forces(regime, contact, law, opening, slope, opening_rate, slope_rate)
+    out[7] = joint_potential(contact, law, opening, slope)
     out[8], out[9], out[10] = part_stiffness(contact, k, opening, slope)
     out[11], out[12] = full_stiffness(blocks, 0), full_turning_stiffness(blocks, 0)
     out[13], _, _ = strip_stiffness(contact, k, opening, 1.0)

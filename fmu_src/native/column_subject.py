@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from solver.block import BLOCK_RULES, BORE_RELATION, DOWEL_RELATION, STRIP_RELATION
+from solver.block import BLOCK_RULES, BORE_RELATION, DOWEL_RELATION, STRIP_RELATION, knows_section
 from solver.column import Column
 from solver.kernels import engine, pointers
 from solver.kernels import layout as at
@@ -16,6 +16,7 @@ from ..variables import (
     CHOICES,
     FORMULATION,
     INTEGRATOR,
+    JOINT_PARAMETERS,
     OVERTURN_JOINT,
     OVERTURN_TIME,
     OVERTURNED,
@@ -62,6 +63,7 @@ def column_subject(column: Column) -> Subject:
             "CENTRAL_DIFFERENCE": at.CENTRAL_DIFFERENCE,
             "NO_REST": pointers.NO_REST,
             "NOT_GENERAL": pointers.NOT_GENERAL,
+            "NOT_LINEAR": pointers.NOT_LINEAR,
             "NOT_STABLE": pointers.NOT_STABLE,
             "TOO_LARGE": pointers.TOO_LARGE,
         }
@@ -97,7 +99,9 @@ def _given(column: Column) -> list[str | float]:
     names: list[str | float] = [name if name == "g" else f"solver.{name}" for name in pointers.GIVEN_SETTINGS]
     for i, block in enumerate(column.blocks, start=1):
         names += [f"block[{i}].{name}" for name in pointers.GIVEN_BLOCK]
-        names += [f"joint[{i}].{name}" for name in pointers.GIVEN_JOINT]
+        for name in pointers.GIVEN_JOINT:
+            fixed = float(getattr(block.joint, name) or 0.0)
+            names.append(f"joint[{i}].{name}" if name in JOINT_PARAMETERS else fixed)
         names += shape_of(block)
     return names
 
@@ -110,9 +114,14 @@ def _checks(column: Column) -> list[Check]:
     rows = [Check("g", *NUMBERS["g"])]
     for i, block in enumerate(column.blocks, start=1):
         for rule in BLOCK_RULES:
+            if rule.of_joint and rule.key not in JOINT_PARAMETERS:  # as built
+                continue
             name = f"joint[{i}].{rule.key}" if rule.of_joint else f"block[{i}].{rule.key}"
             bound = f"block[{i}].{rule.bound}" if rule.bound else ""
-            rows.append(Check(name, *NUMBERS[rule.key], rule.optional, bound, rule.strict, rule.relation))
+            limits, meaning = NUMBERS[rule.key]
+            if rule.key in at.OTHER_LAW and not knows_section(rule.key, block):
+                limits, meaning = (0.0, 0.0), "left out: it is for other sections of the contact"
+            rows.append(Check(name, limits, meaning, rule.optional, bound, rule.strict, rule.relation))
             if rule.key == "mass" and block.bore is not None:
                 rows.append(_bore(f"block[{i}].bore", block.bore, f"block[{i}].width"))
         if block.joint_bore:

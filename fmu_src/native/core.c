@@ -283,11 +283,14 @@ static int build(Instance *instance, int afresh, char *reason) {
         if (made == TOO_LARGE)
             snprintf(reason, MESSAGE, "block[%d].inertia = inf: " MUST_INERTIA, (int)instance->detail[0]);
         else if (made == NO_REST)
-            snprintf(reason, MESSAGE, "the column cannot stand: its blocks, offset or inclined as they are, have no "
-                                      "stable rest under their weight");
+            snprintf(reason, MESSAGE, "the column cannot stand: its blocks, offset or inclined as they are, or with "
+                                      "such joints, have no stable rest under their weight");
         else if (made == NOT_GENERAL)
             snprintf(reason, MESSAGE, "joints that slide, and blocks that are off their axis, need solver.formulation 1 "
                                       "(exact) and solver.integrator 1 (auto)");
+        else if (made == NOT_LINEAR)
+            snprintf(reason, MESSAGE, "joints that slide, and blocks that are off their axis, need the linear law in "
+                                      "every joint, which this FMU has not");
         else
             snprintf(reason, MESSAGE,
                      "solver.step = %s: must be at most %.4g s, where central differences are stable",

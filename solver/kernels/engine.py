@@ -20,7 +20,8 @@ from .formulations.feedthrough import base_direction, effective_mass, split_reac
 from .formulations.outputs import observe
 from .formulations.slips import begin_slips, phase_size
 from .jit import kernel, leaf
-from .joint.section import is_off_centre, is_round, lay_out
+from .joint.law import joint_forces, law_of
+from .joint.section import contact_of, full_stiffness, is_off_centre, is_round, lay_out
 from .joint.sliding import RIGID
 from .layout import (
     AUTO,
@@ -29,10 +30,12 @@ from .layout import (
     COUNTS,
     ELASTIC,
     EXACT,
+    LAW,
     MODAL_MOST,
     MODEL,
     MOST_STRIPS,
     OK,
+    OTHER_LAW,
     ROW,
     SPLIT,
     STATE,
@@ -47,7 +50,7 @@ from .views import Record
 # what describes a column: settings, then a record for each block; 0 for an optional value that is not given
 GIVEN_SETTINGS = Record("g", "step", "tolerance", "formulation", "integrator", "without")
 GIVEN_BLOCK = ("height", "width", "depth", "mass", "centroid", "inertia", "tilt")
-GIVEN_JOINT = ("stiffness", "damping", "width", "depth", "friction", "dowel", "offset", "inclination")
+GIVEN_JOINT = (*LAW, "width", "depth", "friction", "dowel", "offset", "inclination")
 # what no parameter of an FMU changes: of the block code of the section, inner diameter m, sizes of the top face m; of
 # the joint code of the section, inner diameter m, number of strips and their depths m
 GIVEN_SHAPE = (
@@ -61,10 +64,12 @@ BASE_INPUTS = Record("ax", "az", "jx", "jz", "theta", "omega", "alpha")
 # codes of `assemble`, beside those of layout.py
 NOT_STABLE = -10  # the fixed step is beyond the limit, which is left in the detail
 TOO_LARGE = -11  # the moment of inertia of a block, whose number is left in the detail, is beyond float64
-NO_REST = -12  # a column that is off its axis does not stand under its own weight
+NO_REST = -12  # a column that is off its axis, or has joints of another law, does not stand under its own weight
 NOT_GENERAL = -13  # a column that may slide or is off its axis asks for another formulation or integrator
+NOT_LINEAR = -14  # and one of these has a joint of another law than the linear one
 ENDLESS = 1e300  # m, half the width of the base
 
+CARRIED = 1e-9  # of the weight: how exactly a joint carries it at rest
 STEP_SLACK = 1e-6  # the limit itself is known to so many digits
 PROBE_TURN = 1e-9  # rad, and
 PROBE_SPIN = 1e-6  # rad/s, by which the rotation of the base is varied
@@ -72,6 +77,7 @@ RATE_PART = 1e-4  # of the first step: half the time over which outputs are diff
 
 _model, _state, _counts, _base, _work = MODEL.over, STATE.over, COUNTS.over, BASE.over, WORK.over
 _DEPTHS_GIVEN = GIVEN.fields.index("strip_0")
+_LAW_GIVEN, _LAW_FIELDS, _LINEAR_FIELDS = GIVEN.fields.index(f"joint_{LAW[0]}"), len(LAW), len(LAW) - len(OTHER_LAW)
 _row, _split = ROW.over, SPLIT.over
 _given_settings, _given_block, _base_inputs = GIVEN_SETTINGS.over, GIVEN.over, BASE_INPUTS.over
 _SETTINGS_FIELDS, _BLOCK_FIELDS = GIVEN_SETTINGS.beside, GIVEN.beside
@@ -123,6 +129,7 @@ def assemble(column, given, afresh, scratch, detail):
     settings.has_modes = 0.0
     settings.slides = 0.0
     settings.off_axis = 0.0
+    linear = True
     for i in range(n):
         row = given[_SETTINGS_FIELDS + _BLOCK_FIELDS * i :]
         block = _given_block(row, 0)
@@ -140,8 +147,9 @@ def assemble(column, given, afresh, scratch, detail):
         )
         blocks.centroid[i] = centroid if block.centroid == 0.0 else block.centroid
         blocks.inertia[i] = inertia if block.inertia == 0.0 else block.inertia
-        blocks.stiffness[i] = block.joint_stiffness
-        blocks.damping[i] = block.joint_damping
+        for k in range(_LAW_FIELDS):
+            blocks.law[k * n + i] = row[_LAW_GIVEN + k]
+            linear = linear and (k < _LINEAR_FIELDS or row[_LAW_GIVEN + k] == 0.0)
         width = block.width if block.joint_width == 0.0 else block.joint_width
         depth = block.depth if block.joint_depth == 0.0 else block.joint_depth
         section, bore, depths = block.joint_section, block.joint_bore, row[_DEPTHS_GIVEN:]
@@ -165,6 +173,8 @@ def assemble(column, given, afresh, scratch, detail):
     settings.slides = max(settings.slides, settings.off_axis)
     if settings.slides != 0.0 and (settings.formulation != EXACT or settings.integrator != AUTO):
         return NOT_GENERAL
+    if settings.slides != 0.0 and not linear:
+        return NOT_LINEAR
     derive(model)
     if settings.integrator == CENTRAL_DIFFERENCE:
         detail[0] = longest_stable_step(column, scratch)
@@ -195,12 +205,12 @@ def assemble(column, given, afresh, scratch, detail):
 def _rest_of(model, rest, room):
     """Let a phase of zeros be the rest of a column whose joints have not slid; whether there is one that is stable.
 
-    Of a column on its axis this is not asked.
+    Of a column on its axis it is asked whether its joints carry the weight there, whatever their law.
     """
     blocks, settings = model.blocks, model.settings
     settle(model, rest, 0.0)
     if settings.off_axis == 0.0:
-        return True
+        return _carry(model)
     for i in range(model.n):
         rest.slip[i] = blocks.offset[i]
     stands = not settings.gravity > 0.0 or find_rest(model, rest, room)
@@ -208,6 +218,19 @@ def _rest_of(model, rest, room):
         blocks.rest_turn[i] = rest.theta[i] if stands else math.inf  # nowhere
         blocks.rest_opening[i] = rest.opening[i]
     return stands
+
+
+@kernel
+def _carry(model):
+    """Whether all joints carry the weight upon them where they settle as far as their stiffness lets them."""
+    blocks, weight = model.blocks, 0.0
+    for i in range(model.n):
+        weight += model.settings.gravity * blocks.mass[i]
+        opening = -weight / full_stiffness(blocks, i)
+        normal, _, _ = joint_forces(contact_of(blocks, i), law_of(blocks, i), opening, 0.0, 0.0, 0.0)
+        if not abs(normal - weight) <= CARRIED * weight:
+            return False
+    return True
 
 
 @leaf

@@ -8,7 +8,7 @@ from .formulations.slips import phase_size, size_of_snapshot
 from .jit import entry
 from .joint.circle import ring_part
 from .joint.energy import least_energy
-from .joint.law import joint_potential
+from .joint.law import joint_potential, law_of
 from .joint.section import contact_of
 from .layout import MODEL, OK, ROW, SNAPSHOT, SPLIT
 from .stepping.advance import advance
@@ -76,16 +76,16 @@ def joint_potentials(n, model, openings, slopes, slips, found):
     """Elastic energy of every joint, J; openings in the middle of the contacts."""
     blocks = _model(row_of(model), n).blocks
     for i in range(n):
-        found[i] = joint_potential(contact_of(blocks, i, slips[i]), blocks.stiffness[i], openings[i], slopes[i])
+        found[i] = joint_potential(contact_of(blocks, i, slips[i]), law_of(blocks, i), openings[i], slopes[i])
 
 
 @entry
 def joint_energies(n, model, i, slip, slopes, weights, found):
     """`least_energy` of joint i, slipped by so much, for every slope and weight."""
     blocks = _model(row_of(model), n).blocks
-    contact = contact_of(blocks, i, slip)
+    contact, law = contact_of(blocks, i, slip), law_of(blocks, i)
     for k in range(slopes.size):
-        found[k] = least_energy(contact, blocks.stiffness[i], slopes[k], weights[k])
+        found[k] = least_energy(contact, law, slopes[k], weights[k])
 
 
 @entry

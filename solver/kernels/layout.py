@@ -47,6 +47,12 @@ SETTINGS = Record(
 )
 MOST_STRIPS = 32  # of a section made of strips
 STRIP_NUMBERS = 2 + MOST_STRIPS  # how many strips, their width in m, their depths in m
+# the law of the joint under the block (joint/law.py)
+LAW = (
+    "stiffness",  # N/m3
+    "damping",  # s
+)
+OTHER_LAW: tuple[str, ...] = LAW[2:]  # where one of these is not 0, it is another law than the linear one
 BLOCKS = Table(
     "height",  # m
     "centroid",  # m above the bottom face
@@ -56,7 +62,7 @@ BLOCKS = Table(
     "per_mass",  # 1/kg
     "per_inertia",  # 1/(kg m2)
     "per_masses",  # 1/kg, sum of this for the block and for the one below it, if any
-    "stiffness",  # N/m3, of the joint under the block
+    *LAW,
     "section",  # of the contact: a code, and what goes with it (joint/section.py)
     "left",  # m from the middle of the block: ends of the contact
     "right",
@@ -64,7 +70,6 @@ BLOCKS = Table(
     "depth",  # m
     "rigidity",  # N/m2, stiffness times depth
     "bore",  # m
-    "damping",  # s
     "friction",  # of the joint; 0: it never slides
     "dowel",  # N, what the joint bears along itself without friction
     "offset",  # m, of the block over what is under it, as built: where its slip begins
@@ -85,6 +90,7 @@ BLOCKS = Table(
     "pivot",  # 1/kg, inverse pivot and
     "coupling",  # multiplier of the factorized horizontal mass matrix (formulation paper)
     strips=STRIP_NUMBERS,
+    together={"law": LAW},
 )
 MODEL = Space(settings=SETTINGS, blocks=BLOCKS, modal=Numbers())
 

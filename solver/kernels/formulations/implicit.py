@@ -8,8 +8,8 @@ tangent, normal); going up, they follow. No joint slides meanwhile: slips are le
 """
 
 from ..jit import kernel, leaf
-from ..joint.law import loaded_part
-from ..joint.section import contact_of, part_stiffness, strip_stiffness
+from ..joint.law import joint_tangent, law_of, loaded_part
+from ..joint.section import contact_of, strip_stiffness
 from ..joint.sliding import opening_felt, opening_rate_felt, slip_of
 from ..numbers import sine_cosine
 from ..views import Table
@@ -66,7 +66,7 @@ def _edge_that_moves(contact, damping, opening, slope, opening_rate, slope_rate,
 
 @leaf
 def _about(stiffness, beyond):
-    """A stiffness (joint/section.py, `part_stiffness`) about a middle that lies so far, m, to the left."""
+    """A stiffness (joint/law.py, `joint_tangent`) about a middle that lies so far, m, to the left."""
     along, mixed, second = stiffness
     if beyond == 0.0:
         return stiffness
@@ -115,7 +115,8 @@ def factorize(model, phase, tangent, step_part):
         felt = opening_felt(opening, slip, slope)
         felt_rate = opening_rate_felt(phase.opening_rate[i], slip, slip_rate, slope, slope_rate)
         lo, hi = loaded_part(contact.left, contact.right, eta, felt, slope, felt_rate, slope_rate)
-        k_22, k_12, k_11 = _about(part_stiffness(contact, blocks.stiffness[i], lo, max(lo, hi)), 0.5 * slip)
+        mean, gradient = felt + eta * felt_rate, slope + eta * slope_rate
+        k_22, k_12, k_11 = _about(joint_tangent(contact, law_of(blocks, i), lo, hi, mean, gradient), 0.5 * slip)
         k_12 *= -cos_half
         k_11 *= cos_half * cos_half
         weight = step_part * (step_part + eta)

@@ -1,8 +1,8 @@
 """All that a user can see of a column at one instant: one output row."""
 
 from ..jit import kernel
-from ..joint.law import joint_peak_pressure
-from ..joint.section import ends_of
+from ..joint.law import joint_peak_pressure, law_of
+from ..joint.section import contact_of
 from ..joint.sliding import can_slide, opening_felt, opening_rate_felt, slip_if
 from ..layout import OK
 from ..numbers import half_sine_cosine, sine_cosine
@@ -55,7 +55,7 @@ def show(column, phase, resultants, motion, row):
             rise += blocks.height[i] * dip
         else:
             joints.uz[i] = -phase.opening[i]
-        left, right = ends_of(blocks, i, slip)
+        contact = contact_of(blocks, i, slip)
         felt, felt_rate = opening, opening_rate
         if slides:
             felt = opening_felt(opening, slip, slope)
@@ -65,10 +65,8 @@ def show(column, phase, resultants, motion, row):
         joints.M[i] = moment
         joints.S[i] = -(normal * sine + tangential * cosine)
         joints.T[i] = -tangential
-        joints.contact[i] = resultants.length[i] / (right - left)
-        joints.sigma_max[i] = joint_peak_pressure(
-            left, right, blocks.stiffness[i], blocks.damping[i], felt, slope, felt_rate, slope_rate
-        )
+        joints.contact[i] = resultants.length[i] / (contact.right - contact.left)
+        joints.sigma_max[i] = joint_peak_pressure(contact, law_of(blocks, i), felt, slope, felt_rate, slope_rate)
         joints.slip[i] = slip - blocks.offset[i]
         if i == n - 1:
             base.Fx = joints.S[i]

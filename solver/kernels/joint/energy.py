@@ -9,17 +9,18 @@ CLOSE = 1e-15  # of the largest penetration
 
 
 @kernel
-def balanced_opening(contact, stiffness, slope, weight):
+def balanced_opening(contact, law, slope, weight):
     """Opening, m, at which the joint, its faces turned by a slope either way, carries this weight, N > 0.
 
     Newton's method within bounds: the force falls with the opening, and is convex in it.
     """
+    stiffness = law.stiffness
     one, other = contact.left * slope, contact.right * slope
     low = -weight / part_stiffness(contact, stiffness, contact.left, contact.right)[0] + min(one, other)
     high = max(one, other)
     opening = low
     for _ in range(MOST_TRIALS):
-        force, _, _ = joint_forces(contact, stiffness, 0.0, opening, slope, 0.0, 0.0)
+        force, _, _ = joint_forces(contact, law, opening, slope, 0.0, 0.0)
         if force > weight:
             low = opening
         else:
@@ -36,11 +37,11 @@ def balanced_opening(contact, stiffness, slope, weight):
 
 
 @kernel
-def least_energy(contact, stiffness, slope, weight):
-    """Least of elastic energy and weight * opening, J, over the openings of a joint turned by a slope."""
+def least_energy(contact, law, slope, weight):
+    """Least of elastic energy and weight * opening, J, over the openings of a joint turned by a slope: a linear one."""
     if not weight > 0.0:
         return 0.0
     if slope == 0.0:
-        return -0.5 * weight * weight / part_stiffness(contact, stiffness, contact.left, contact.right)[0]
-    opening = balanced_opening(contact, stiffness, slope, weight)
-    return joint_potential(contact, stiffness, opening, slope) + weight * opening
+        return -0.5 * weight * weight / part_stiffness(contact, law.stiffness, contact.left, contact.right)[0]
+    opening = balanced_opening(contact, law, slope, weight)
+    return joint_potential(contact, law, opening, slope) + weight * opening

@@ -8,10 +8,38 @@ The law has two forms, the same to the last bit: branches for one column, where 
 for lanes. One column may also be held in a regime (regimes.py).
 """
 
+from typing import NamedTuple
+
 from ..jit import by_width, kernel, leaf
 from ..lanes import LanesType, greater, lesser, magnitude, mirrored, where
+from ..layout import LAW
 from .regimes import ANY, OPEN, open_margin, side_margin, sides
-from .section import ROUND, contact_of, ends_of, energy_over, forces_over, forces_over_in_lanes, rectangle_forces
+from .section import (
+    ROUND,
+    contact_of,
+    ends_of,
+    energy_over,
+    forces_over,
+    forces_over_in_lanes,
+    part_stiffness,
+    rectangle_forces,
+)
+
+
+class Law(NamedTuple):
+    """What the pressure on a joint follows from, beside its contact and its motion: the fields LAW of layout.py."""
+
+    stiffness: float  # N/m3
+    damping: float  # s
+
+
+assert Law._fields == LAW
+
+
+@leaf
+def law_of(blocks, i):
+    """The law of joint i."""
+    return Law(blocks.stiffness[i], blocks.damping[i])
 
 
 @leaf
@@ -59,19 +87,37 @@ def _choose_pressed(left, right, opening, slope):
 
 
 @leaf
-def joint_forces(contact, stiffness, damping, opening, slope, opening_rate, slope_rate):
+def pressure_forces(contact, law, lo, hi, length, mean, gradient):
+    """N and M of the pressure on the loaded part, from lo to hi, of this length.
+
+    mean, gradient: opening and slope as the damper feels them; gradient * s - mean is not negative in that part.
+    """
+    return forces_over(contact, law.stiffness, lo, hi, length, mean, gradient)
+
+
+@leaf
+def joint_tangent(contact, law, lo, hi, mean, gradient):
+    """Derivatives of these by mean and gradient, signs aside, as `part_stiffness` has them; hi <= lo: none is loaded.
+
+    Implicit steps solve with them: an approximation leaves the order what it is, a poor one makes steps short.
+    """
+    return part_stiffness(contact, law.stiffness, lo, max(lo, hi))
+
+
+@leaf
+def joint_forces(contact, law, opening, slope, opening_rate, slope_rate):
     """Normal force N (N, compression positive), moment M (N m, restoring) and loaded length (m) of a joint.
 
-    opening, slope: m and rad, their rates per s; stiffness N/m3; damping s.
+    opening, slope: m and rad, their rates per s.
     N = -dU/d(opening), M = dU/d(slope) of the potential below when damping = 0.
     """
-    lo, hi = loaded_part(contact.left, contact.right, damping, opening, slope, opening_rate, slope_rate)
+    lo, hi = loaded_part(contact.left, contact.right, law.damping, opening, slope, opening_rate, slope_rate)
     if not hi > lo:
         return 0.0, 0.0, 0.0
-    mean = opening + damping * opening_rate
-    gradient = slope + damping * slope_rate
+    mean = opening + law.damping * opening_rate
+    gradient = slope + law.damping * slope_rate
     length = hi - lo
-    force, moment = forces_over(contact, stiffness, lo, hi, length, mean, gradient)
+    force, moment = pressure_forces(contact, law, lo, hi, length, mean, gradient)
     return force, moment, length
 
 
@@ -107,8 +153,9 @@ def joint_forces_in_lanes(near, far, rigidity, damping, opening, slope, opening_
 
 
 @leaf
-def held_forces(regime, contact, stiffness, damping, opening, slope, opening_rate, slope_rate):
+def held_forces(regime, contact, law, opening, slope, opening_rate, slope_rate):
     """N, M, loaded length by the formula of a regime, even beyond where it applies, and the margin it has left, m."""
+    damping = law.damping
     mean = opening + damping * opening_rate
     gradient = slope + damping * slope_rate
     if regime == OPEN:
@@ -117,7 +164,7 @@ def held_forces(regime, contact, stiffness, damping, opening, slope, opening_rat
     lo, on_left = side_margin(left, contact.left, damping, opening, slope, mean, gradient)
     hi, on_right = side_margin(right, contact.right, damping, opening, slope, mean, gradient)
     length = hi - lo
-    force, moment = forces_over(contact, stiffness, lo, hi, length, mean, gradient)
+    force, moment = pressure_forces(contact, law, lo, hi, length, mean, gradient)
     return force, moment, length, min(on_left, on_right)
 
 
@@ -128,12 +175,10 @@ def resultants(blocks, hold, i, opening, slope, opening_rate, slope_rate, slip=0
 
 def _resultants_of_one(blocks, hold, i, opening, slope, opening_rate, slope_rate, slip=0.0):
     regime = hold.held[i]
-    contact, stiffness, damping = contact_of(blocks, i, slip), blocks.stiffness[i], blocks.damping[i]
+    contact, law = contact_of(blocks, i, slip), law_of(blocks, i)
     if regime == ANY:
-        return joint_forces(contact, stiffness, damping, opening, slope, opening_rate, slope_rate)
-    normal, moment, length, margin = held_forces(
-        regime, contact, stiffness, damping, opening, slope, opening_rate, slope_rate
-    )
+        return joint_forces(contact, law, opening, slope, opening_rate, slope_rate)
+    normal, moment, length, margin = held_forces(regime, contact, law, opening, slope, opening_rate, slope_rate)
     if margin < 0.0:
         hold.outside[i] = 1
     return normal, moment, length
@@ -193,18 +238,18 @@ def _choose(blocks, hold, i, opening, slope, opening_rate, slope_rate, slip=0.0)
 
 
 @kernel
-def joint_peak_pressure(left, right, stiffness, damping, opening, slope, opening_rate, slope_rate):
+def joint_peak_pressure(contact, law, opening, slope, opening_rate, slope_rate):
     """Largest pressure on the joint, Pa: at an end of the loaded part, where a linear function has its maximum."""
-    lo, hi = loaded_part(left, right, damping, opening, slope, opening_rate, slope_rate)
+    lo, hi = loaded_part(contact.left, contact.right, law.damping, opening, slope, opening_rate, slope_rate)
     if not hi > lo:
         return 0.0
-    mean = -(opening + damping * opening_rate)
-    gradient = slope + damping * slope_rate
-    return max(0.0, stiffness * (mean + gradient * (hi if gradient > 0.0 else lo)))
+    mean = -(opening + law.damping * opening_rate)
+    gradient = slope + law.damping * slope_rate
+    return max(0.0, law.stiffness * (mean + gradient * (hi if gradient > 0.0 else lo)))
 
 
 @leaf
-def joint_potential(contact, stiffness, opening, slope):
+def joint_potential(contact, law, opening, slope):
     """Elastic energy of the joint, J: the integral of stiffness * pen^2 / 2 over the loaded area."""
     lo, hi = loaded_part(contact.left, contact.right, 0.0, opening, slope, 0.0, 0.0)
-    return energy_over(contact, stiffness, lo, hi, opening, slope) if hi > lo else 0.0
+    return energy_over(contact, law.stiffness, lo, hi, opening, slope) if hi > lo else 0.0
