@@ -143,7 +143,7 @@ def assert_the_tolerance_is_kept(
     overturned: int = 0,
     within: float = 10.0,
 ) -> None:
-    """Tops and slips within so many tolerances of the largest top, of runs that amplify a change of the motion by < 100.
+    """Tops and slips within so many tolerances of the largest top, of runs that amplify a change by less than 100.
 
     tame, slid: at least so many are such runs, or slip by a millimetre; overturned: at most so many fall, which are
     left out.
