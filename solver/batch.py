@@ -170,8 +170,8 @@ def run_batch(
     """Run column k under motion k, from rest, for duration k, s (None: that of the motion).
 
     tolerance: relative to the peak; None: each column's. times: s after the start of a run, at which its phase is kept.
-    All columns have slips (Column.has_slips) or none has. Raises InputError for columns of another number of blocks
-    or formulation and for held samples.
+    All columns have slips (Column.has_slips) or none has. Raises InputError for columns of another number of blocks,
+    formulation or law of the joints and for held samples.
     """
     n, slips = columns[0].n, columns[0].has_slips
     durations = [motion.duration for motion in motions] if durations is None else list(durations)
@@ -180,6 +180,8 @@ def run_batch(
     for k, (column, motion) in enumerate(zip(columns, motions, strict=True)):
         if column.n != n or column.settings.formulation != "exact":
             raise InputError(f"columns[{k}]: must have {n} blocks and the formulation exact, as the others of a batch")
+        if column.other_law:
+            raise InputError(f"columns[{k}]: must have joints of the linear law, none with joint.{column.other_law}")
         if column.has_slips != slips:
             raise InputError(f"columns[{k}]: must slide or be off its axis as all others of a batch, or none of them")
         if motion.hold:

@@ -90,7 +90,12 @@ def vary(column: Column, motion: Motion, spread: Spread, rng: np.random.Generato
 def runs_in_lanes(response: Response, motion: Motion, initial: InitialState | None) -> bool:
     """Whether eight can run at once, and gain by it."""
     settings = response.column.settings
-    fits = settings.formulation == "exact" and settings.integrator == "auto" and set(settings.without) <= {"peaks"}
+    fits = (
+        not response.column.other_law
+        and settings.formulation == "exact"
+        and settings.integrator == "auto"
+        and set(settings.without) <= {"peaks"}
+    )
     explicit = response.stats["implicit_steps"] <= MOST_DAMPED * response.stats["steps"]
     return fits and explicit and not motion.hold and initial is None
 

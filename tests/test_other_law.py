@@ -14,8 +14,9 @@ import pytest
 from fmu_src import variables as table
 from fmu_src.native.column_subject import column_subject
 from solver import Block, Column, InputError, Joint, Motion, simulate
-from solver.batch import why_not_in_lanes
+from solver.batch import run_batch, why_not_in_lanes
 from solver.chain import Chain
+from solver.ensemble import runs_in_lanes
 from solver.kernels.engine import GIVEN, GIVEN_SETTINGS
 
 ETA = 1e-2
@@ -27,6 +28,7 @@ def other(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let joints with damping have another law."""
     monkeypatch.setattr("solver.block.OTHER_LAW", ("damping",))
     monkeypatch.setattr("solver.block._LAWS", {"damping": {"sections": ("rectangle", "strips")}})
+    monkeypatch.setattr("solver.kernels.layout.OTHER_LAW", ("damping",))
 
 
 def column(block: Block = BLOCK, eta: float = ETA) -> Column:
@@ -37,6 +39,12 @@ def column(block: Block = BLOCK, eta: float = ETA) -> Column:
 def test_runs_are_not_made_in_lanes() -> None:
     assert why_not_in_lanes(column()) == "joint.damping"
     assert not why_not_in_lanes(Column("one", column(eta=0.0).blocks[:1]))
+    motion = Motion.harmonic(0.05, 1.0, 0.1)
+    with pytest.raises(
+        InputError, match=r"^columns\[0\]: must have joints of the linear law, none with joint.damping$"
+    ):
+        run_batch([column()], [motion])
+    assert not runs_in_lanes(simulate(column(), motion, settle=0), motion, None)
 
 
 @pytest.mark.usefixtures("other")
@@ -50,8 +58,16 @@ def test_joints_that_slide_or_are_off_the_axis_are_refused(change: dict[str, Any
 @pytest.mark.usefixtures("other")
 def test_sections_that_the_law_is_not_written_for_are_refused() -> None:
     wanted = r'^block\[1\].joint.damping = 0.01: must be left out, or the contact\'s section "rectangle" or "strips"$'
+    drum = replace(BLOCK, joint=replace(BLOCK.joint, section="circle"))
     with pytest.raises(InputError, match=wanted):
-        column(replace(BLOCK, joint=replace(BLOCK.joint, section="circle")))
+        column(drum)
+    none = replace(drum, joint=replace(drum.joint, damping=0.0))
+    assert [damping_limits(column(block, eta=0.0)) for block in (none, BLOCK)] == [[(0.0, 0.0)] * 2, [(0.0, 1e6)] * 2]
+
+
+def damping_limits(of: Column) -> list[tuple[float, float]]:
+    """What the native FMU lets a host set the dampings to."""
+    return [check.limits for check in column_subject(of).checks if check.name.endswith(".damping")]
 
 
 def test_energies_are_those_of_the_kernels_law_above_its_rest(monkeypatch: pytest.MonkeyPatch) -> None:
