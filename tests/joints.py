@@ -39,7 +39,9 @@ def _potential(own, width, depth, opening, slope, strips):
 
 @from_python
 def _peak_pressure(own, width, opening, slope, opening_rate, slope_rate, strips):
-    return law.joint_peak_pressure(_rectangle(width, 1.0, strips), own, opening, slope, opening_rate, slope_rate)
+    contact = _rectangle(width, 1.0, strips)
+    _, _, length = law.joint_forces(contact, own, opening, slope, opening_rate, slope_rate)
+    return law.joint_peak_pressure(contact, own, length, opening, slope, opening_rate, slope_rate)
 
 
 _regime = from_python(regimes.contact_regime)

@@ -65,8 +65,9 @@ def show(column, phase, resultants, motion, row):
         joints.M[i] = moment
         joints.S[i] = -(normal * sine + tangential * cosine)
         joints.T[i] = -tangential
-        joints.contact[i] = resultants.length[i] / (contact.right - contact.left)
-        joints.sigma_max[i] = joint_peak_pressure(contact, law_of(blocks, i), felt, slope, felt_rate, slope_rate)
+        law, length = law_of(blocks, i), resultants.length[i]
+        joints.contact[i] = length / (contact.right - contact.left)
+        joints.sigma_max[i] = joint_peak_pressure(contact, law, length, felt, slope, felt_rate, slope_rate)
         joints.slip[i] = slip - blocks.offset[i]
         if i == n - 1:
             base.Fx = joints.S[i]

@@ -238,11 +238,16 @@ def _choose(blocks, hold, i, opening, slope, opening_rate, slope_rate, slip=0.0)
 
 
 @kernel
-def joint_peak_pressure(contact, law, opening, slope, opening_rate, slope_rate):
-    """Largest pressure on the joint, Pa: at an end of the loaded part, where a linear function has its maximum."""
-    lo, hi = loaded_part(contact.left, contact.right, law.damping, opening, slope, opening_rate, slope_rate)
-    if not hi > lo:
+def joint_peak_pressure(contact, law, length, opening, slope, opening_rate, slope_rate):
+    """Largest pressure on the joint, Pa: at an end of the loaded part, where a linear function has its maximum.
+
+    length: m, that is loaded, as `joint_forces` has it.
+    """
+    if not length > 0.0:
         return 0.0
+    lo, hi = contact.left, contact.right
+    if length < hi - lo:
+        lo, hi = loaded_part(lo, hi, law.damping, opening, slope, opening_rate, slope_rate)
     mean = -(opening + law.damping * opening_rate)
     gradient = slope + law.damping * slope_rate
     return max(0.0, law.stiffness * (mean + gradient * (hi if gradient > 0.0 else lo)))

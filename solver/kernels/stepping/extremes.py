@@ -1,9 +1,9 @@
 """Peaks of everything visible, of the motion between the output rows too.
 
-A step is seen at its ends and half-way. Parabolas through the three tell whether anything may turn beyond its peak
-within the step: it mostly does not. Where it may, the step is seen at the ends of its pieces. A polynomial through all
-of them tells the extremes of what is smooth within the step; where it is not sure of one, parabolas lead there: until
-they promise no more than a part of the tolerance.
+A step is seen at its ends and half-way, where its method may have evaluated it. Parabolas through the three tell
+whether anything may turn beyond its peak within the step: it mostly does not. Where it may, the step is seen at the
+ends of its pieces. A polynomial through all of them tells the extremes of what is smooth within the step; where it is
+not sure of one, parabolas lead there: until they promise no more than a part of the tolerance.
 
 Where joints can slide all steps are looked into.
 """
