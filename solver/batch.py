@@ -315,7 +315,8 @@ class _Batch:
         self._outcomes[k] = np.concatenate([[code, math.nan, 0.0, counts.steps, counts.rejected], peaks, phase])
         self._evaluations[k] = counts.evaluations
         if self._rows.size:
-            self._snapshots[k, :, : kept.shape[1] - at.SNAPSHOT.beside] = kept[:, at.SNAPSHOT.beside :]
+            phases = at.phases_in(kept)
+            self._snapshots[k, :, : phases.shape[1]] = phases
         if code == at.OK and control.reached < stop:
             scales = (control.rotation_scale, control.rate_scale)
             entering = (start, control.reached, stop, 1.0, *wave, first, size, counts.next_row, *scales)

@@ -81,7 +81,7 @@ def single_run(
     )
     if "resultants" in column.settings.without:
         response.observe()
-    return response, _of_chain(snapshots[:, at.SNAPSHOT.beside :], column)
+    return response, _of_chain(at.phases_in(snapshots), column)
 
 
 def phase_of(stepper: Stepper) -> FloatArray:

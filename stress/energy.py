@@ -1,4 +1,4 @@
-"""Energy of the exact model and the work of the base, relative to the base, at snapshots of a run."""
+"""Energy of the exact model and the work of the base, relative to the base, at phases of a run."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ def from_base(steps: Array) -> Array:
 
 
 class Energies:
-    """What a column has at snapshots (r, 6 n + 2): `kinetic`, `gravity`, `elastic` J (r,); x, z of the centroids.
+    """What a column has at phases (r, 4 n or more): `kinetic`, `gravity`, `elastic` J (r,); x, z of the centroids.
 
     z counts from where the unloaded column stands.
     """
 
-    def __init__(self, column: Column, snapshots: Array) -> None:
+    def __init__(self, column: Column, phases: Array) -> None:
         n = column.n
-        turn, opening, spin, opening_rate = (snapshots[:, k * n : (k + 1) * n] for k in range(4))
+        turn, opening, spin, opening_rate = (phases[:, k * n : (k + 1) * n] for k in range(4))
         height, rise, mass, inertia, stiffness, width, depth = (
             np.array([getattr(block, name) for block in column.blocks])
             for name in (
@@ -65,7 +65,7 @@ class Energies:
         return self.kinetic + self.gravity + self.elastic
 
     def work(self, motion: Motion) -> Array:
-        """Of the inertia forces in the moving frame since the first snapshot, J (r,); one snapshot at every sample.
+        """Of the inertia forces in the moving frame since the first phase, J (r,); one phase at every sample.
 
         For held samples this is exact: the force does not change between two of them.
         """

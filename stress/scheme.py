@@ -143,8 +143,8 @@ def sweep(tolerance: float | None) -> list[dict[str, Any]]:
     for amplitude, frequency, duration in SCENES:
         stepper = Stepper(shaft(3, STIFFNESS, 0.0))
         motion = Motion.harmonic(amplitude * 9.80665, frequency, duration)
-        snapshots = stepper.run(motion, duration, np.linspace(0.0, duration, 401))
-        ux = snapshots[:, 0].tolist()  # the first coordinate of this formulation is that of the top
+        phases = at.phases_in(stepper.run(motion, duration, np.linspace(0.0, duration, 401)))
+        ux = phases[:, 0].tolist()  # the first coordinate of this formulation is that of the top
         sweeps = int(stepper.counts.sweeps) / int(stepper.counts.evaluations)
         found.append({"ux": ux, "sweeps": sweeps, "tolerance": paper.SWEEP_TOLERANCE})
     return found

@@ -39,10 +39,10 @@ PREDICTABLE = 30.0  # times that a change of the motion is amplified: beyond, er
 
 @dataclass
 class Track:
-    """One run: snapshots and output rows at `times`, and the verdict."""
+    """One run: phases and output rows at `times`, and the verdict."""
 
     times: Array
-    snapshots: Array
+    phases: Array
     rows: Array
     overturned: int
     overturn_time: float
@@ -61,7 +61,7 @@ def follow(
     stepper.state.phase.theta[0] += nudge
     begin = clock.perf_counter()
     failure = ""
-    snapshots = np.zeros((0, at.SNAPSHOT.size(column.n)))
+    snapshots = np.zeros((0, at.SNAPSHOT.beside))
     try:
         snapshots = stepper.run(_cut(motion, pieces), motion.end, times)
         rows = stepper.rows_of(snapshots)
@@ -70,7 +70,7 @@ def follow(
         rows = np.zeros((0, at.ROW.size(column.n)))
     return Track(
         times[: len(rows)],
-        snapshots,
+        at.phases_in(snapshots),
         rows,
         stepper.overturned_joint,
         stepper.overturn_time,
@@ -156,7 +156,7 @@ def _check_energy(column: Column, motion: Motion, run: Track, failures: list[str
     count = _standing(run)
     if count < 2:
         return
-    has = Energies(column, run.snapshots[:count])
+    has = Energies(column, run.phases[:count])
     excess = has.total - has.total[0] - has.work(motion)
     floor = model_of(column).settings.rotation_floor ** 2 * sum(
         0.5 * b.joint.stiffness * b.joint_depth * b.joint_width**3 / 12.0 for b in column.blocks

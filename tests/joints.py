@@ -33,6 +33,11 @@ def _held(regime, own, width, depth, opening, slope, opening_rate, slope_rate, s
 
 
 @from_python
+def _tangent(own, width, depth, lo, hi, mean, gradient, strips):
+    return law.joint_tangent(_rectangle(width, depth, strips), own, lo, hi, mean, gradient)
+
+
+@from_python
 def _potential(own, width, depth, opening, slope, strips):
     return law.joint_potential(_rectangle(width, depth, strips), own, opening, slope)
 
@@ -54,28 +59,40 @@ def law_of(stiffness: float, damping: float = 0.0, **others: float) -> law.Law:
     return law.Law(*(float(given.get(name, 0.0)) for name in law.Law._fields))
 
 
-def joint_forces(k: float, width: float, depth: float, eta: float, *motion: float) -> tuple[float, float, float]:
-    """N, M and loaded length by stiffness, width, depth, damping, opening, slope and their rates."""
-    n, m, length = _forces(law_of(k, eta), float(width), float(depth), *map(float, motion), NO_STRIPS)
+def joint_forces(
+    k: float, width: float, depth: float, eta: float, *motion: float, **others: float
+) -> tuple[float, float, float]:
+    """N, M and loaded length by stiffness, width, depth, damping, opening, slope and their rates.
+
+    others: here and below, parameters of another law, by name.
+    """
+    n, m, length = _forces(law_of(k, eta, **others), float(width), float(depth), *map(float, motion), NO_STRIPS)
     return n, m, length
 
 
 def held_forces(
-    regime: int, k: float, width: float, depth: float, eta: float, *motion: float
+    regime: int, k: float, width: float, depth: float, eta: float, *motion: float, **others: float
 ) -> tuple[float, float, float, float]:
     """The same in a regime, and its margin."""
-    n, m, length, margin = _held(regime, law_of(k, eta), float(width), float(depth), *map(float, motion), NO_STRIPS)
+    own = law_of(k, eta, **others)
+    n, m, length, margin = _held(regime, own, float(width), float(depth), *map(float, motion), NO_STRIPS)
     return n, m, length, margin
 
 
-def joint_potential(k: float, *numbers: float) -> float:
+def joint_tangent(k: float, width: float, depth: float, *part: float, **others: float) -> tuple[float, float, float]:
+    """Its derivatives by stiffness, width, depth, both ends of the loaded part, mean and gradient."""
+    along, mixed, second = _tangent(law_of(k, **others), float(width), float(depth), *map(float, part), NO_STRIPS)
+    return along, mixed, second
+
+
+def joint_potential(k: float, *numbers: float, **others: float) -> float:
     """Elastic energy by stiffness, width, depth, opening and slope."""
-    return float(_potential(law_of(k), *map(float, numbers), NO_STRIPS))
+    return float(_potential(law_of(k, **others), *map(float, numbers), NO_STRIPS))
 
 
-def joint_peak_pressure(k: float, width: float, eta: float, *motion: float) -> float:
+def joint_peak_pressure(k: float, width: float, eta: float, *motion: float, **others: float) -> float:
     """Largest pressure by stiffness, width, damping, opening, slope and their rates."""
-    return float(_peak_pressure(law_of(k, eta), float(width), *map(float, motion), NO_STRIPS))
+    return float(_peak_pressure(law_of(k, eta, **others), float(width), *map(float, motion), NO_STRIPS))
 
 
 def contact_regime(width: float, *rest: float) -> int:

@@ -8,7 +8,7 @@ q = (theta (n,) rad, delta (n,) m).
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -19,6 +19,11 @@ from solver import Block, Column
 Array = NDArray[np.float64]
 
 TINY = 1e-30  # complex step
+
+
+def linear(pressure: Array) -> Array:
+    """The law of the joints as it is: no other than max(0, k pen + eta k dpen)."""
+    return pressure
 
 
 @dataclass(frozen=True)
@@ -34,6 +39,9 @@ class Reference:
     depth: Array
     damping: Array
     g: float
+    # another law of the joints, as `pressure_resultants` takes it
+    law: Callable[[Array], Array] = field(default=linear, kw_only=True)
+    bends: tuple[float, ...] = field(default=(), kw_only=True)
 
     @classmethod
     def of(cls, column: Column) -> Reference:
@@ -131,7 +139,7 @@ class Reference:
             self.stiffness, self.width, self.depth, self.damping, q[self.n :], 2.0 * np.sin(half), rate[self.n :],
             np.cos(half) * (spin - below(spin)), strict=True,
         )  # fmt: skip
-        normal, moment = np.array([pressure_resultants(*state) for state in states]).T
+        normal, moment = np.array([pressure_resultants(*state, law=self.law, bends=self.bends) for state in states]).T
         return normal, moment
 
     # --- motion
@@ -143,8 +151,13 @@ class Reference:
 
     def on_rotating_base(self) -> Reference:
         """The same column on one more body, the last, of no height, mass or stiffness: the base."""
-        more = {name: np.append(getattr(self, name), 0.0) for name in vars(self) if name not in ("g", "width", "depth")}
-        return Reference(**more, width=np.append(self.width, 1.0), depth=np.append(self.depth, 1.0), g=self.g)
+        beside = {"width": 1.0, "depth": 1.0}
+        more: dict[str, Any] = {
+            name: np.append(value, beside.get(name, 0.0))
+            for name, value in vars(self).items()
+            if isinstance(value, np.ndarray)
+        }
+        return replace(self, **more)
 
     def accelerations_on_base(self, q: Array, rate: Array, ax: float, az: float, alpha: float) -> Array:
         """q'' (2n,) where the last body is the base: rotation and opening under it follow alpha rad/s2 and zero."""
@@ -200,7 +213,8 @@ def pressure_resultants(
     slope: float,
     opening_rate: float,
     slope_rate: float,
-    law: Callable[[Array], Array] = lambda linear: linear,
+    *,
+    law: Callable[[Array], Array] = linear,
     bends: tuple[float, ...] = (),
 ) -> tuple[float, float]:
     """N and M of the pressure max(0, k pen + eta k dpen) where pen > 0, by Gauss's rule between its kinks.
@@ -215,7 +229,7 @@ def pressure_resultants(
 
     kinks = [-0.5 * b, 0.5 * b]
     mean, felt_slope = opening + eta * opening_rate, slope + eta * slope_rate
-    for value, gradient in ((opening, slope), *((mean + bend / k, felt_slope) for bend in (0.0, *bends))):
+    for value, gradient in ((opening, slope), (mean, felt_slope), *((mean + bend / k, felt_slope) for bend in bends)):
         if gradient != 0.0 and abs(value / gradient) < 0.5 * b:
             kinks.append(value / gradient)
     ends = np.array(sorted(kinks))

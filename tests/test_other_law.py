@@ -39,7 +39,7 @@ def column(block: Block = BLOCK, eta: float = ETA) -> Column:
 def test_runs_are_not_made_in_lanes() -> None:
     assert why_not_in_lanes(column()) == "joint.damping"
     assert not why_not_in_lanes(Column("one", column(eta=0.0).blocks[:1]))
-    motion = Motion.harmonic(0.05, 1.0, 0.1)
+    motion = Motion.harmonic(0.05, 1.0, 0.1)  # m/s2, Hz, s
     with pytest.raises(
         InputError, match=r"^columns\[0\]: must have joints of the linear law, none with joint.damping$"
     ):

@@ -60,8 +60,7 @@ def test_displacements_of_a_run_are_those_of_its_histories() -> None:
         times = np.linspace(0.0, 1.0, 11)
         snapshots = stepper.run(Motion.harmonic(0.1 * G, 2.0, 1.0), 1.0, times)
         ux = stepper.rows_of(snapshots)[:, :3]
-        phases = snapshots[:, at.SNAPSHOT.beside :]
-        assert Chain(column).top_displacements(phases[:, :12]) == pytest.approx(ux, abs=1e-14)
+        assert Chain(column).top_displacements(at.phases_in(snapshots)[:, :12]) == pytest.approx(ux, abs=1e-14)
 
 
 # --- the barrier

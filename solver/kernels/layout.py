@@ -12,6 +12,8 @@ displacements v and the settlements w (paper). Where joints may slide, a second 
 slips as coordinates; elsewhere nobody touches it.
 """
 
+from typing import Any
+
 from .jit import in_both
 from .views import Numbers, Record, Space, Table
 
@@ -214,6 +216,11 @@ SNAPSHOT = Space(base=Record("ax", "az"), phase=PHASE)
 def snapshot_size(n: int, slips: bool) -> int:
     """Numbers of a snapshot of n blocks."""
     return SNAPSHOT.beside + (PHASE_FIELDS if slips else RIGID_FIELDS) * n
+
+
+def phases_in(snapshots: Any) -> Any:
+    """The phases of snapshots, one in a row."""
+    return snapshots[:, SNAPSHOT.beside :]
 
 
 # --- one output row: fields of n numbers each, then the base reaction

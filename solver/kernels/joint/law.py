@@ -90,7 +90,8 @@ def _choose_pressed(left, right, opening, slope):
 def pressure_forces(contact, law, lo, hi, length, mean, gradient):
     """N and M of the pressure on the loaded part, from lo to hi, of this length.
 
-    mean, gradient: opening and slope as the damper feels them; gradient * s - mean is not negative in that part.
+    mean, gradient: opening and slope as the damper feels them; gradient * s - mean is not negative in that part, unless
+    the joint is held beyond its regime, where hi may be below lo too.
     """
     return forces_over(contact, law.stiffness, lo, hi, length, mean, gradient)
 
