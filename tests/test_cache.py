@@ -34,11 +34,11 @@ def test_a_change_in_any_kernel_file_is_compiled_anew(tmp_path: Path) -> None:
     shutil.copy(ROOT / "examples" / "columns" / "phocas-damped.toml", tmp_path / "phocas.toml")
     first = loaded_kernel_says(tmp_path)
     assert loaded_kernel_says(tmp_path) == first
-    joint = tmp_path / "solver" / "kernels" / "joint" / "section.py"
-    text = joint.read_text()
-    changed = text.replace("area = rigidity * length", "area = 2.0 * rigidity * length")
+    outputs = tmp_path / "solver" / "kernels" / "formulations" / "outputs.py"
+    text = outputs.read_text()
+    changed = text.replace("joints.N[i] = normal", "joints.N[i] = 2.0 * normal")
     assert changed != text
-    joint.write_text(changed)  # the entry's own file stays as it was
+    outputs.write_text(changed)  # the entry's own file stays as it was
     assert loaded_kernel_says(tmp_path) == 2.0 * first
 
 

@@ -18,8 +18,10 @@ from solver import InitialState, Motion, simulate
 from solver.kernels import layout as at
 from solver.kernels.engine import column_over
 from solver.kernels.formulations.base import Samples
+from solver.kernels.integrators.traits import ORDER_8
 from solver.kernels.jit import from_python
 from solver.kernels.joint.regimes import FULL, OPEN, RIGHT
+from solver.kernels.stepping.advance import repeat_step
 from solver.kernels.stepping.interpolation import begin, interpolate_phase, refine
 from solver.kernels.views import row_of
 from solver.stepper import Stepper
@@ -153,6 +155,30 @@ def test_interpolation_with_the_bump_is_of_a_higher_order() -> None:
             found.append(np.max(np.abs(between - inside)))
         gains.append(found[0] / found[1])
     assert min(gains) > 3.0
+
+
+@from_python
+def _repeat(n, model, state, counts, base, work, t, step):
+    silence = Samples(0, row_of(base), row_of(base), row_of(base), 1.0, False)
+    column = column_over(n, row_of(model), row_of(state), row_of(counts), row_of(base), silence, row_of(work))
+    return repeat_step(column, ORDER_8, t, step)
+
+
+def test_a_step_made_again_up_to_a_change_is_judged_again() -> None:
+    """One beyond the limit of stability was taken, and threw small stiff blocks away at 1e9 rad/s."""
+    stepper = Stepper(phocas(), InitialState(rotation_rate=[0.03] * 3))
+    stepper.advance(0.0, 0.1)
+    rejected = int(stepper.counts.rejected)
+    long, short = 0.2, 1e-5
+    assert _repeat(stepper.n, *stepper.arrays, 0.1, long) == (at.OK, 0.0)
+    assert stepper.counts.rejected == rejected + 1
+    assert 0.0 < stepper.state.control.next_step < long
+    assert _repeat(stepper.n, *stepper.arrays, 0.1, short) == (at.OK, short)
+    assert stepper.counts.rejected == rejected + 1
+    work = at.WORK.see(stepper.arrays.work, stepper.n)
+    np.testing.assert_allclose(
+        work.end.theta, work.start.theta + short * work.start.theta_rate, rtol=0.0, atol=1e-9
+    )  # measured 2e-10
 
 
 def fill(phase: SimpleNamespace, values: Array) -> None:

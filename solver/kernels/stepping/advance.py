@@ -150,17 +150,14 @@ def plan_step(column, t, left, to_sample):
 @kernel
 def judge_step(column, plan, t, code, error):
     """What comes of a step just tried. Returns (code, s made, whether it has to be made again up to there)."""
-    counts, control = column.counts, column.state.control
+    counts = column.counts
     method, step, held = plan
     if method in (FIXED, UNKNOWN):
         return code, step, False
     if method == MODES:
         return OK, step if accepts_elastic(column, step, code, error) else REJECTED, False
     if not accepts(column, method, step, code, error):
-        release(column)
-        if control.next_step < LEAST_STEP * max(column.model.settings.first_step, abs(t)):
-            return code if code != OK else STEP_TOO_SMALL, REJECTED, False
-        return OK, REJECTED, False
+        return _reject(column, t, code), REJECTED, False
     counts.unheld = 0
     if counts.elastic_wait > 0:
         counts.elastic_wait -= 1
@@ -237,10 +234,26 @@ def end_within(column, t, h, fraction, fine):
 
 
 @kernel
-def release_at_end(column, t):
-    """Let the joints go at the end of a step, which is at time t. Returns a code."""
+def _reject(column, t, code):
+    """Let a step at time t be tried again, as short as is proposed by now; `code`: of its trial. Returns a code."""
     release(column)
-    return evaluate_at(column, column.work.end, t)
+    if column.state.control.next_step < LEAST_STEP * max(column.model.settings.first_step, abs(t)):
+        return code if code != OK else STEP_TOO_SMALL
+    return OK
+
+
+@kernel
+def repeat_step(column, method, t, step):
+    """Make a step that was good enough again, up to a change of regime. Returns (code, s made).
+
+    A joint that hardly moves may begin the shorter step in another regime: it is judged anew.
+    """
+    code, error = attempt_by(method, column, t, step)
+    if code != OK or not error <= 1.0:
+        accepts(column, method, step, code, error)
+        return _reject(column, t, code), REJECTED
+    release(column)
+    return evaluate_at(column, column.work.end, t + step), step
 
 
 @kernel
@@ -346,8 +359,7 @@ def advance(column, t, h, watch):
             code, error = attempt_by(plan.method, column, now, plan.step)
             code, made, again = judge_step(column, plan, now, code, error)
             if again:
-                code, _ = attempt_by(plan.method, column, now, made)
-                code = min(code, release_at_end(column, now + made))
+                code, made = repeat_step(column, plan.method, now, made)
             if code == OK and made > 0.0:
                 code, made = finish_step(column, watch, now, made)
             if code != OK:
