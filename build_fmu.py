@@ -1,7 +1,7 @@
 """Build a co-simulation FMU from the TOML file of a column.
 
     multiblock build-fmu [COLUMN.toml] [-o FILE.fmu] [--record RECORD]
-                         [--native [--fmi 3] [--source] [--platforms NAME,...]]
+                         [--native [--fmi 3 [--scalars]] [--source] [--terminals] [--platforms NAME,...]]
     python build_fmu.py ...
 
 Packaging only. Inside the FMU the two packages carry the hash of their content in their names, so that two FMUs in one
@@ -9,6 +9,8 @@ process, or two builds of one, never run each other's code.
 """
 
 from __future__ import annotations
+
+import solver  # isort: skip  # first: from here on Ctrl-C is heard (solver/common/loading.py)
 
 import argparse
 import hashlib
@@ -27,59 +29,50 @@ from pathlib import Path
 from types import ModuleType
 
 import fmu_src
-import solver
-from fmu_src.host import MACHINE_CODE
+from fmu_src.host import MACHINE_CODE, content_hash
 from fmu_src.native import guard
 from fmu_src.native.library import has_tools
 from fmu_src.native.platforms import PLATFORMS
 from fmu_src.record import read_motion
 from fmu_src.variables import variables
 from solver import Column, InputError
-from solver.command_line import program_parser, run_command
-from solver.errors import needing, reading
-from solver.files import whole_file
-from solver.kernels.jit import SOURCES
-from solver.rest import check_rest
+from solver.column.rest import check_rest
+from solver.commands.command_files import add_force
+from solver.commands.command_line import program_parser, run_command
+from solver.common.errors import needing, reading
+from solver.common.files import check_file_name, check_outputs, identifier_of, whole_file
+from solver.kernels.numba_ext.jit import CODE
+from solver.kernels.numba_ext.numba_parts import LINKING
 
-COLUMNS_PACKAGE = "multiblock_columns"  # what examples/columns/ is called where the project is installed
+COLUMNS_PACKAGE = "multiblock_columns"  # name of examples/columns/ in an installed project
 BUILDER_PACKAGES = ("pythonfmu", "matplotlib")
 LEFT_AT_HOME = {
-    "plots.py",
-    "record_plots.py",
-    "drawings.py",
-    "record_report.py",
-    "column_report.py",
-    "intensity.py",
-    "oscillator.py",
-    "wavelets.py",
-    "motion_options.py",
     "balance.py",
     "calibrate.py",
-    "calibrate_command.py",
-    "command_files.py",
-    "command_line.py",
-    "rocking.py",
-    "static_commands.py",
-    "static_plots.py",
-    "static_report.py",
-    "statics.py",
-    "__main__.py",
+    "capacity.py",
+    "commands",
     "documentation.py",
+    "intensity.py",
     "model_description3.py",
     "native",
+    "oscillator.py",
+    "plotting",
+    "rocking.py",
     "studies",
-}  # an FMU has no use for them
-# makes what the slave calls; tells where the machine code went, if anywhere
+    "wavelets.py",
+    "__main__.py",
+}  # an FMU does not need them
+# compiles what the slave calls, and prints the folders of the machine code, if any
 COMPILE = """
 import json
-from solver.first_run import make_kernels
-from solver.kernels import entries
+from solver.dynamics.first_run import make_kernels
+from solver.kernels.api import entries
 make_kernels()
 used = [entries.assemble_column, entries.run, entries.observe_state]
 print(json.dumps({entry.__name__: entry.stats.cache_path for entry in used}))
 """
-KERNELS = "kernels"  # folder of the entries within the solver
-NEEDS = "The machine that runs it needs Python 3.11 or newer with numpy and numba."
+KERNELS = "kernels/api"  # folder of the entries within the solver
+NEEDS = "The machine that runs it needs Python 3.11 or newer with numpy and numba 0.59 or newer."
 ZIP_DATE = (1980, 1, 1, 0, 0, 0)  # the same input gives the same bytes
 
 SCRIPT = '''"""Entry of the FMU: brings in the solver and offers the slave."""
@@ -90,17 +83,18 @@ from pathlib import Path
 from {fmu_src}.host import finalize_at_exit, import_solver
 
 RESOURCES = Path(__file__).resolve().parent
-finalize_at_exit(RESOURCES)  # also where there will be no slave to see to it
+finalize_at_exit(RESOURCES)  # also if no slave will do it
 try:
     import_solver("{solver}", RESOURCES)
     from {fmu_src}.slave import ColumnSlave
 except ImportError as error:
-    print(f"{name}: needs Python 3.11 or newer with numpy and numba: {{error}}", file=sys.stderr)
+    print(f"{name}: needs Python 3.11 or newer with numpy and numba 0.59 or newer "
+          f"(pip install 'numba>=0.59,<1'): {{error}}", file=sys.stderr)
     raise
 
 
 class Slave(ColumnSlave):
-    """The slave of this FMU; the wrapper wants a class of this script's own."""
+    """The slave of this FMU: the wrapper needs a class defined in this script."""
 
     def __init__(self, **kwargs):
         super().__init__(**kwargs)
@@ -119,20 +113,28 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.set_defaults(command=_build)
     parser.add_argument("column", nargs="?", type=Path, default=DEFAULT_COLUMN, help="TOML file (default: %(default)s)")
     parser.add_argument("-o", "--output", type=Path, help="FMU file (default: NAME.fmu in the current folder)")
+    add_force(parser)
     parser.add_argument("--record", type=Path, metavar="FILE", help="record to put inside, added to the inputs")
     parser.add_argument("--native", action="store_true", help="compiled libraries instead of Python")
     parser.add_argument("--fmi", type=int, choices=(2, 3), default=2, help="version of FMI; 3: native only")
+    parser.add_argument("--scalars", action="store_true", help="with --fmi 3: no arrays, for hosts that know none")
     parser.add_argument("--source", action="store_true", help="with the source code inside, for hosts that compile")
+    parser.add_argument("--terminals", action="store_true", help="terminals of FMI 3.0 in an FMU of FMI 2.0, too")
     known = "; ".join(f"FMI {version}: {','.join(names)}" for version, names in PLATFORMS.items())
     parser.add_argument("--platforms", help=f"of the native FMU, with commas (default: all; {known})")
 
 
 def _build(options: argparse.Namespace) -> None:
+    if options.scalars and options.fmi != 3:
+        raise InputError("--scalars: with --fmi 3 only, FMI 2.0 has no arrays")
+    if options.output is not None and options.output.parent.is_dir():  # a missing folder is created
+        check_outputs((options.output,), (options.column, options.record), options.force)
     if options.native:
         platforms = options.platforms.split(",") if options.platforms else None
-        path = build_native_fmu(options.column, options.output, options.record, platforms, options.fmi, options.source)
-    elif options.fmi != 2 or options.source:
-        option = "--source" if options.source else f"--fmi {options.fmi}"
+        more = (options.fmi, options.source, options.terminals, options.scalars)
+        path = build_native_fmu(options.column, options.output, options.record, platforms, *more)
+    elif options.fmi != 2 or options.source or options.terminals:
+        option = "--source" if options.source else "--terminals" if options.terminals else f"--fmi {options.fmi}"
         raise InputError(f"{option}: with --native only")
     else:
         path = build_fmu(options.column, options.output, options.record)
@@ -156,34 +158,40 @@ def build_native_fmu(
     platforms: Sequence[str] | None = None,
     fmi: int = 2,
     source: bool = False,
+    with_terminals: bool = False,
+    scalars: bool = False,
 ) -> Path:
     """Build the FMU that needs no Python and return its path; prints what its libraries need from outside.
 
-    platforms: of PLATFORMS[fmi], all unless told otherwise. Raises InputError, OSError.
+    platforms: of PLATFORMS[fmi], None: all of them. scalars: of FMI 3.0 without arrays. Raises InputError,
+    OSError.
     """
     with needing("native", *BUILDER_PACKAGES):
-        from fmu_src.native.package import native_files, told
-    column, output = _column_and_output(column_file, output)
+        from fmu_src.native.package import native_files, needs_report
+    column, output = _column_and_output(column_file, output, record)
     known = PLATFORMS[fmi]
     platforms = [*known] if platforms is None else platforms
     for platform in platforms:
         if platform not in known:
             raise InputError(f"--platforms {platform}: must be of {', '.join(known)}")
     motion = None if record is None else read_motion(record)
+    record_name = record.name if record else ""
     files, needs = native_files(
-        column, list(dict.fromkeys(platforms)), motion, record.name if record else "", fmi, source
+        column, list(dict.fromkeys(platforms)), motion, record_name, fmi, source, with_terminals, scalars
     )
-    print(told(needs), file=sys.stderr)
+    print(needs_report(needs), file=sys.stderr)
     output.parent.mkdir(parents=True, exist_ok=True)
     write_archive(output, files)
     return output
 
 
-def _column_and_output(column_file: Path, output: Path | None) -> tuple[Column, Path]:
+def _column_and_output(column_file: Path, output: Path | None, record: Path | None) -> tuple[Column, Path]:
     column = Column.from_toml(column_file)
-    output = Path(f"{column.name}.fmu") if output is None else output
+    output = Path(f"{identifier_of(column.name)}.fmu") if output is None else output
     if output.suffix != ".fmu":
         raise InputError(f"-o {output}: must end in .fmu")
+    if record is not None:
+        check_file_name("the name of --record", record.name)
     with reading(column_file):
         check_rest(column)
     return column, output
@@ -196,7 +204,7 @@ def build_fmu(column_file: Path, output: Path | None = None, record: Path | None
 
         from fmu_src import documentation
         from fmu_src.slave import COLUMN_FILE, GUID_FILE, RECORD_FOLDER
-    column, output = _column_and_output(column_file, output)
+    column, output = _column_and_output(column_file, output, record)
     record_name = ""
     if record is not None:
         read_motion(record)
@@ -216,7 +224,7 @@ def build_fmu(column_file: Path, output: Path | None = None, record: Path | None
         (stage / COLUMN_FILE).write_text(column_text, encoding="utf-8")
         (stage / GUID_FILE).write_text(f"{{{uuid.uuid5(uuid.NAMESPACE_OID, identity)}}}", encoding="utf-8")
         machine_code = _machine_code()
-        for name, code in machine_code.items():  # where the import of the script finds it, for this very account
+        for name, code in machine_code.items():  # where the import of the script finds it, for this user
             (stage / MACHINE_CODE / name).parent.mkdir(parents=True, exist_ok=True)
             (stage / MACHINE_CODE / name).write_bytes(code)
         sys.path.insert(0, str(stage))
@@ -245,46 +253,47 @@ def build_fmu(column_file: Path, output: Path | None = None, record: Path | None
 
 
 def _machine_code() -> dict[str, bytes]:
-    """What numba makes of the kernels on this machine: path within the package -> content.
+    """The machine code that numba compiles from the kernels on this machine: path within the package -> content.
 
-    It is what Python uses too, in numba's cache: numba goes by the content of the sources, so that it holds for the
-    copy in the FMU as well, and is made once for both.
+    Python uses the same code, in numba's cache. numba identifies it by the content of the sources, so that it is valid
+    for the copy in the FMU too, and is made once for both. Code by numba's own pipeline belongs to this very package.
     """
+    if not LINKING:
+        return {"none.txt": b"compiled without linking (solver/kernels/numba_ext/numba_parts.py)\n"}
     environment = {key: value for key, value in os.environ.items() if not key.startswith(("NUMBA_", "PYTHON"))}
     environment["PYTHONPATH"] = str(Path(solver.__path__[0]).parent)
     with tempfile.TemporaryDirectory(prefix="machine_code_") as temporary:
-        for cache in (os.environ.get("NUMBA_CACHE_DIR", ""), temporary):  # there if it cannot be kept elsewhere
+        for cache in (os.environ.get("NUMBA_CACHE_DIR", ""), temporary):  # there if no other folder can keep it
             command = [sys.executable, "-c", COMPILE]
-            told = subprocess.run(
+            listed = subprocess.run(
                 command,
                 env=environment | {"NUMBA_CACHE_DIR": cache},
                 check=True,
                 stdout=subprocess.PIPE,
                 text=True,
             )
-            folders = json.loads(told.stdout)
+            folders = json.loads(listed.stdout)
             if all(folders.values()):
                 break
         return {
             f"{KERNELS}/{file.name}": file.read_bytes()
             for name, folder in folders.items()
-            for file in sorted(Path(folder).glob(f"*.{name}_{SOURCES}-*.nb?"))
+            for file in sorted(Path(folder).glob(f"*.{name}_{CODE}-*.nb?"))
         }
 
 
 def _carry_package(package: ModuleType, stage: Path, renamed: dict[str, str]) -> str:
-    """Copy a package under a name that tells its content, with its imports of renamed packages; returns that name."""
+    """Copy a package under a name with a hash of its content, its imports renamed by `renamed`; return the name."""
     source = Path(package.__path__[0])
     texts = {}
     for file in sorted(source.rglob("*.py")):
-        if file.name in LEFT_AT_HOME or file.parent.name in LEFT_AT_HOME:
+        if LEFT_AT_HOME.intersection(file.relative_to(source).parts):
             continue
         text = file.read_text(encoding="utf-8")
         for old, new in renamed.items():
             text = re.sub(rf"^(\s*)from {old}(?=[. ])", rf"\1from {new}", text, flags=re.MULTILINE)
         texts[file.relative_to(source)] = text
-    content = "\0".join(f"{path.as_posix()}\0{text}" for path, text in texts.items())
-    name = f"{source.name}_{hashlib.sha256(content.encode()).hexdigest()[:16]}"
+    name = f"{source.name}_{content_hash({path.as_posix(): text for path, text in texts.items()})}"
     for path, text in texts.items():
         target = stage / name / path
         target.parent.mkdir(parents=True, exist_ok=True)
@@ -293,14 +302,14 @@ def _carry_package(package: ModuleType, stage: Path, renamed: dict[str, str]) ->
 
 
 def repack(source: Path, target: Path, extra: dict[str, bytes]) -> None:
-    """Write the archive, guarded, and what is added to it compressed, in a fixed order and with a fixed date."""
+    """Write the archive, guarded, with the additions compressed, in a fixed order and with a fixed date."""
     with zipfile.ZipFile(source) as old:
         files = {name: old.read(name) for name in old.namelist()}
     write_archive(target, guard.guarded(files) | extra)
 
 
 def write_archive(target: Path, content: dict[str, bytes]) -> None:
-    """Write an archive, whole or not at all."""
+    """Write an archive, completely or not at all."""
     with whole_file(target) as partial, zipfile.ZipFile(partial, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as new:
         for name in sorted(content):
             entry = zipfile.ZipInfo(name, ZIP_DATE)

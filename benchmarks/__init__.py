@@ -1,1 +1,1 @@
-"""The solver measured against other integrators and programs: run `python -m benchmarks --help`."""
+"""Benchmarks of the solver against other integrators and programs: run `python -m benchmarks --help`."""

@@ -2,7 +2,7 @@
 
 import os
 
-# before numba and the BLAS are loaded: everything is compared on one thread
+# set before numba and the BLAS are loaded: everything is compared on one thread
 for variable in ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ[variable] = "1"
 

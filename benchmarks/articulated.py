@@ -1,9 +1,9 @@
-"""The recursion that the evaluation by forces along the joints took the place of, for comparison in one run.
+"""The articulated-body recursion that the evaluation by forces along the joints replaced, for comparison in one run.
 
-It minimizes Gauss's function (Gauss 1829; the articulated-body algorithm of Featherstone 1983 in planar form). All
+It minimizes Gauss's function (Gauss 1829; the articulated-body algorithm of Featherstone 1983 in planar form). The part
 above joint i, seen from the top face of block i + 1, is a linear map from the acceleration of that face to the force it
-needs. Going down, block i joins what is above it and its own two unknowns are eliminated; going up, they follow from
-the acceleration of the base. Everything here is its own: the joint law is also the one of that time.
+needs. The pass down adds to block i the part above it and eliminates its two unknowns; the pass up finds them from the
+acceleration of the base. It shares no kernel with the solver; its joint law is also the one of that time.
 """
 
 from __future__ import annotations
@@ -16,16 +16,16 @@ from numba import njit
 from numpy.typing import NDArray
 
 from solver import Column
-from solver.kernels.layout import PHASE_FIELDS
+from solver.kernels.layout.spaces import PHASE_FIELDS
 
 Array = NDArray[np.float64]
 OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": False, "nogil": True, "_nrt": False}
 _leaf = njit(forceinline=True, **OPTIONS)
 
-# what describes a block and the joint under it, one row for each
+# data of a block and of the joint under it, one row each
 HEIGHT, CENTROID, MASS, INERTIA, STIFFNESS, WIDTH, DEPTH, DAMPING = range(8)
 BLOCK_FIELDS = 8
-# what the way down leaves for the way up, linear in the acceleration s along the joint: one row for each block
+# results of the pass down for the pass up, linear in the acceleration s along the joint: one row for each block
 ALPHA_S, ALPHA_0, OPEN_S, OPEN_0, ABOVE_S, ABOVE_0, RISE_S, RISE_0, FORCE_S, FORCE_0 = range(10)
 TANGENTIAL, NORMAL, MOMENT, LENGTH = range(10, 14)
 SCRATCH_FIELDS = 14
@@ -51,13 +51,13 @@ def rows_of(column: Column) -> Array:
 
 
 def scratch_of(column: Column) -> Array:
-    """Room for `accelerations`."""
+    """Scratch array for `accelerations`."""
     return np.zeros(SCRATCH_FIELDS * column.n)
 
 
 @_leaf
 def _place(index):
-    """The same index, known not to be negative."""
+    """The index, known not to be negative."""
     return index & 0xFFFFFFFFFF
 
 

@@ -13,6 +13,7 @@ from typing import Any
 
 from . import (
     ablation,
+    boundary,
     damped_columns,
     energy,
     evaluation,
@@ -39,7 +40,7 @@ BUDGET, QUICK_BUDGET = 0.6, 0.2  # s of repeats of one point
 
 
 def say(text: str) -> None:
-    """Tell how far the measuring is."""
+    """Print the progress of the measurement."""
     print(text, flush=True)
 
 
@@ -77,10 +78,10 @@ def measure_work_precision(wanted: Scenes, quick: bool, results: Results) -> Ite
 def described(entry: dict[str, Any]) -> str:
     """One comparison at equal error in one line."""
     if entry["speed_up"] is None:
-        return f"error {entry['error']:.0e}: not reached by {'anybody else' if entry['best'] is None else 'auto'}"
+        return f"error {entry['error']:.0e}: not reached by {'any other' if entry['best'] is None else 'auto'}"
     auto, other = (
-        f"{1e3 * entry[f'{who}_seconds']:.3g} ms, {entry[f'{who}_evaluations']:.0f} evaluations"
-        for who in ("auto", "best")
+        f"{1e3 * entry[f'{subject}_seconds']:.3g} ms, {entry[f'{subject}_evaluations']:.0f} evaluations"
+        for subject in ("auto", "best")
     )
     return f"error {entry['error']:.0e}: auto {auto}; {entry['best']} {other}: {entry['speed_up']:.2f}x"
 
@@ -95,7 +96,7 @@ def measure_opensees(wanted: Scenes, quick: bool, results: Results) -> Iterator[
 
 
 def measure_evaluation(wanted: Scenes, quick: bool, results: Results) -> Iterator[None]:
-    """One evaluation, alone and in lanes, against C and the recursion of before."""
+    """One evaluation, alone and in lanes, against C and the earlier recursion."""
     results["evaluation"] = evaluation.measure(evaluation.SIZES[:2] if quick else evaluation.SIZES)
     if "absent" in results["evaluation"]:
         results["absent"]["evaluation in C"] = results["evaluation"]["absent"]
@@ -115,16 +116,20 @@ def measure_scaling(wanted: Scenes, quick: bool, results: Results) -> Iterator[N
 
 
 def measure_verdicts(wanted: Scenes, quick: bool, results: Results) -> Iterator[None]:
-    """Standing or falling at every tolerance, in the damped scenes."""
-    results["verdicts"] = []
+    """Standing or falling at every tolerance, in the damped scenes; undecided and wrong near the boundary."""
+    results["verdicts"], results["boundary"] = [], []
     for scene in (*wanted, falling()):
         if all(block.joint.damping > 0.0 for block in scene.column.blocks):
             results["verdicts"].append(verdicts.measure(scene))
             yield
+    for row in boundary.measure(quick):
+        results["boundary"].append(row)
+        say(boundary.line_of(row))
+        yield
 
 
 def measure_damped_columns(wanted: Scenes, quick: bool, results: Results) -> Iterator[None]:
-    """Error in tolerances of well-damped columns, beside what the motion amplifies."""
+    """Error of well-damped columns (tolerances), and how much the motion amplifies a small change."""
     results["damped-columns"] = []
     count = damped_columns.QUICK_CASES if quick else damped_columns.CASES
     random = (damped_columns.drawn(damped_columns.SEED, number) for number in range(count))
@@ -132,16 +137,16 @@ def measure_damped_columns(wanted: Scenes, quick: bool, results: Results) -> Ite
         tolerances = damped_columns.QUICK_TOLERANCES if quick else damped_columns.TOLERANCES
         found = damped_columns.measure(scene, tolerances)
         results["damped-columns"].append(found)
-        say(damped_columns.told(found))
+        say(damped_columns.summary(found))
         yield
 
 
 def measure_sliding(wanted: Scenes, quick: bool, results: Results) -> Iterator[None]:
-    """Error against evaluations where joints slide, against friction that is regularized less and less."""
+    """Error against evaluations where joints slide, compared with friction that is regularized less and less."""
     results["sliding"] = []
     for row in sliding.measured(quick):
         results["sliding"].append(row)
-        say(sliding.told(row))
+        say(sliding.summary(row))
         yield
 
 
@@ -174,7 +179,7 @@ def measure_studies(wanted: Scenes, quick: bool, results: Results) -> Iterator[N
 
 
 def measure_executors(wanted: Scenes, quick: bool, results: Results) -> Iterator[None]:
-    """The same runs by threads, by processes and on Dask."""
+    """Equal runs by threads, by processes and on Dask."""
     results["executors"] = executors.measure(quick)
     if "absent" in results["executors"]:
         results["absent"]["executors"] = results["executors"]["absent"]
@@ -182,7 +187,7 @@ def measure_executors(wanted: Scenes, quick: bool, results: Results) -> Iterator
 
 
 def measure_trust(wanted: Scenes, quick: bool, results: Results) -> Iterator[None]:
-    """Peaks beside rows, pulses after their end, shares that fall near the edge."""
+    """Peaks against rows, pulses after their end, shares that fall near the edge."""
     for found in trust.measure(quick):
         results["trust"] = found
         yield
@@ -207,7 +212,7 @@ PARTS: dict[str, Callable[[Scenes, bool, Results], Iterator[None]]] = {
 
 
 def plain(value: Any) -> Any:
-    """The same without numbers that JSON does not know: None for NaN and infinity."""
+    """The value with None for NaN and infinity, which JSON cannot hold."""
     if isinstance(value, dict):
         return {key: plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
@@ -237,7 +242,7 @@ def draw(results: Results, folder: Path) -> None:
 
 
 def silence_libraries() -> None:
-    """Send what compiled libraries print (Fortran, OpenSees) nowhere; Python keeps its own ways out."""
+    """Discard the output of compiled libraries (Fortran, OpenSees); Python's own output is kept."""
     nowhere = os.open(os.devnull, os.O_WRONLY)
     for name in ("stdout", "stderr"):
         stream = getattr(sys, name)
@@ -247,7 +252,7 @@ def silence_libraries() -> None:
 
 
 def main() -> None:
-    """Measure what is asked for."""
+    """Run the requested measurements."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
     parser.add_argument("--quick", action="store_true", help="few scenes and repeats: indicative only")
     parser.add_argument("--only", action="append", choices=PARTS, help="a part; may be given several times")

@@ -1,8 +1,8 @@
-"""The integrators that are compared: the solver's own, and general ones that are given the same compiled equations.
+"""The integrators that are compared: the solver's own, and general ones that integrate the same compiled equations.
 
-A competitor turns a scene and the value of its accuracy knob into the displacements on a grid of times. What is timed
-is the integration with its output on that grid, compiled beforehand. Turning unknowns into displacements afterwards is
-left out; `simulate`, for its part, is timed from call to return, with the resultants, peaks and checks it comes with.
+A competitor turns a scene and the value of its accuracy knob into the displacements on a grid of times. The time
+measured is that of the integration with its output on that grid, compiled beforehand; the conversion of unknowns into
+displacements afterwards is not counted. `simulate` is timed from call to return, with its resultants, peaks and checks.
 """
 
 from __future__ import annotations
@@ -28,17 +28,17 @@ CONTEXT = "context"  # general, written in Python or called from there
 # `auto` without the peaks of anything but ux, which no other competitor gives: a row of tables, not of pictures
 UX_ONLY = "auto, peaks of ux only"
 
-MOST_STEPS = 10_000_000  # between two outputs: no competitor is stopped by a count
+MOST_STEPS = 10_000_000  # between two outputs; so large that the count stops no competitor
 OUTPUT_STEP = 0.005  # s
 
 
 class MeasurementError(Exception):
-    """A competitor did not come to the end, or a scene has no window."""
+    """A competitor did not reach the end, or a scene has no window."""
 
 
 @dataclass(frozen=True)
 class Result:
-    """What a competitor makes of a scene."""
+    """The result of a competitor in a scene."""
 
     ux: Array  # m (nt, n)
     evaluations: int  # of the accelerations
@@ -48,7 +48,7 @@ class Result:
 
 # (scene, output times s, value of the knob, seconds to spend on repeats)
 Solve = Callable[[Scene, Array, float, float], Result]
-# (problem, tolerance) -> what is to be timed: () -> scaled unknowns (nt, 4n)
+# (problem, tolerance) -> function to be timed: () -> scaled unknowns (nt, 4n)
 Prepare = Callable[[Problem, float], Callable[[], Array]]
 
 
@@ -170,7 +170,7 @@ def scipy(method: str) -> Prepare:
     return prepare
 
 
-# --- all of them
+# --- all competitors
 
 
 def tolerances(loosest: int, tightest: int, per_decade: int = 2) -> tuple[float, ...]:
@@ -184,7 +184,7 @@ def steps(longest: float, count: int) -> tuple[float, ...]:
 
 
 def competitors(quick: bool = False) -> tuple[list[Competitor], dict[str, str]]:
-    """All competitors, and those that cannot be had here with the reason; a quick run leaves out the context."""
+    """All competitors, and those not available here with the reason; a quick run leaves out the context."""
     every = tolerances(-2, -12)
     some = tolerances(-3, -7, per_decade=1)
     wanted: list[tuple[str, str, str, tuple[float, ...], Callable[[], Solve]]] = [

@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 from numba import njit, types
 
-from solver.kernels.jit import native
-from solver.kernels.views import row_at
+from solver.kernels.numba_ext.jit import native
+from solver.kernels.numba_ext.views import row_at
 
 from .right_hand_side import Array, Problem, evaluate
 
@@ -131,7 +131,7 @@ def _follower(library: c.CDLL) -> Any:
     advance = library.CVode
     advance.restype, advance.argtypes = _int, (_handle, _real, _handle, _handle, _int)
 
-    @njit  # with numba's runtime, which the addresses of arrays need; it is no part of an evaluation
+    @njit  # with numba's runtime, which the addresses of arrays need; it is not part of an evaluation
     def follow(memory, vector, y, times, states, reached):
         states[0] = y
         for k in range(1, times.size):

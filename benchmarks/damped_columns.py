@@ -1,8 +1,8 @@
-"""Well-damped columns, as mortar makes them: the error in tolerances beside what the motion itself amplifies.
+"""Well-damped columns, as mortar makes them: error (tolerances), and amplification of small changes by the motion.
 
-Their joints are stiff by their dampers, so that `auto` steps implicitly. Each scene is run once without any implicit
-step at a tight tolerance, its reference, and again with motion and stiffnesses changed by a little: by how much more
-that changes the response, at most, is the amplification. A seed and a number make a random column again.
+The dampers of their joints make them stiff, so that `auto` steps implicitly. Each scene is run once without implicit
+steps at a tight tolerance, as its reference, and again with motion and stiffnesses changed slightly. The amplification
+is the largest ratio of the change of the response to that change. A seed and a number reproduce a random column.
 """
 
 from __future__ import annotations
@@ -22,11 +22,11 @@ TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
 QUICK_TOLERANCES = (1e-2, 1e-3, 1e-5)
 REFERENCE_TOLERANCE = 1e-9
 WITHOUT = ("implicit",)
-NUDGES = (1e-7, 1e-3, -1e-3)  # part of motion and stiffnesses: what is little at tight and at loose tolerances
+NUDGES = (1e-7, 1e-3, -1e-3)  # relative change of motion and stiffnesses: small at tight and at loose tolerances
 LONGEST = 20.0  # s
-BEFORE_FALL = 0.1  # s: no error is measured in the last of them
-PREDICTABLE = 100.0  # amplification: beyond, errors are the motion's
-MOST_ERROR = 10.0  # tolerances, where it is less
+BEFORE_FALL = 0.1  # s before the fall in which no error is measured
+PREDICTABLE = 100.0  # amplification: errors beyond it are due to the motion
+MOST_ERROR = 10.0  # tolerances, where the amplification is less
 
 SEED = 1
 CASES, QUICK_CASES = 20, 3
@@ -78,7 +78,7 @@ def drawn(seed: int, number: int) -> Scene:
 
 
 def nudged(scene: Scene, part: float) -> Scene:
-    """The same with motion and stiffnesses changed by so much: data that nobody knows so well."""
+    """The scene with motion and stiffnesses changed by a relative amount, smaller than their uncertainty."""
     blocks = tuple(
         replace(block, joint=replace(block.joint, stiffness=block.joint.stiffness * (1.0 + (-1) ** i * part)))
         for i, block in enumerate(scene.column.blocks)
@@ -102,7 +102,7 @@ def deviation(one: Response, reference: Response) -> float:
 
 
 def amplification(scene: Scene, reference: Response, part: float) -> float:
-    """By how much more than this part the response changes with it; infinity for another verdict."""
+    """Ratio of the relative change of the response to this relative change; infinity if the verdict changes."""
     other = run(nudged(scene, part), REFERENCE_TOLERANCE, WITHOUT)
     return deviation(other, reference) / abs(part) if other.overturned == reference.overturned else math.inf
 
@@ -135,7 +135,7 @@ def measure(scene: Scene, tolerances: tuple[float, ...] = TOLERANCES) -> dict[st
 
 
 def failures(found: dict[str, Any]) -> list[str]:
-    """What must not be where the motion can be predicted: a large error, another verdict; and never a run given up."""
+    """Failures: a large error or another verdict where the motion can be predicted, and any run that stopped early."""
     predictable = found["amplification"] < PREDICTABLE
     said = []
     for row in found["rows"]:
@@ -150,11 +150,11 @@ def failures(found: dict[str, Any]) -> list[str]:
 
 
 def verdict(row: dict[str, Any]) -> str:
-    """In a word."""
+    """The verdict in a word."""
     return "falls" if row["overturned"] else "stands"
 
 
-def told(found: dict[str, Any]) -> str:
+def summary(found: dict[str, Any]) -> str:
     """One scene in one line."""
     parts = [
         "gave up"

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from solver import Column, InitialState, natural_frequencies
-from solver.packing import settlements
-from solver.stepper import Stepper
+from solver.column.packing import settlements
+from solver.dynamics.stepper import Stepper
 
 from .right_hand_side import Array
 from .scenes import shaft
@@ -71,7 +71,7 @@ def energy(stepper: Stepper, columns: Array) -> float:
 
 
 def measure(quick: bool) -> Iterator[dict[str, Any]]:
-    """One row per column and amplitude: the relative change of the energy beyond that at rest."""
+    """One row per column and amplitude: the relative change of the energy above that at rest."""
     periods = QUICK_PERIODS if quick else PERIODS
     for n in SIZES:
         column = shaft(n, damping=0.0)
@@ -80,7 +80,7 @@ def measure(quick: bool) -> Iterator[dict[str, Any]]:
         opens = float(np.min(2.0 * settlements(column) / columns[5]))
         at_rest = energy(Stepper(column), columns)
         for part in PARTS:
-            # the base joint turns by this part of what opens it, the others do not
+            # only the base joint turns, by this part of the rotation that opens it
             stepper = Stepper(column, InitialState(rotation=np.full(n, part * opens)))
             begin = energy(stepper, columns) - at_rest
             stepper.advance(0.0, periods * period)

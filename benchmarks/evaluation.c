@@ -1,7 +1,7 @@
 /* One evaluation of the accelerations in C: the arithmetic of solver/kernels/formulations/exact.py and joint/law.py,
- * operation by operation, to see what the compiled Python costs beyond it. Where things lie in the arrays
+ * operation by operation, to find the extra cost of compiled Python. The layout of the arrays
  * (MODEL_BLOCKS(n), BLOCKS_MASS(n), SETTINGS_N, ...) is defined on the command line from the tables of
- * solver/kernels/layout.py. */
+ * solver/kernels/layout/spaces.py. */
 #include <math.h>
 #include <stdint.h>
 
@@ -21,7 +21,7 @@ static void positive_part(double value, double slope, double *lo, double *hi)
     }
 }
 
-/* Where the loaded part ends by this bound, and how far the bound is from giving way. */
+/* End of the loaded part by this bound, and the margin of the bound. */
 static double side_margin(int64_t bound, double corner, double damping, double opening, double slope, double mean,
                           double gradient, double *edge)
 {
@@ -93,7 +93,7 @@ static inline void sine_cosine(double x, double *sine, double *cosine)
     *cosine = 1.0 + y * (-0.5 + y * (1.0 / 24.0 - y * (1.0 / 720.0)));
 }
 
-/* The same of half of x. */
+/* sin and cos of half of x. */
 static inline void half_sine_cosine(double x, double *sine, double *cosine)
 {
     if (fabs(x) > 2.0 * SMALL) {
@@ -112,7 +112,7 @@ static inline void half_sine_cosine(double x, double *sine, double *cosine)
 #define JOINT(field) joints[JOINTS_##field(n) + i]
 #define ROW(field, i) rows[JOINT_ROW * (i) + JOINT_ROW_##field]
 
-/* What block i adds to the row of the joint under it. */
+/* Contribution of block i to the row of the joint under it. */
 typedef struct { double half, p, free_alpha, diagonal, right, opens; } over_joint;
 
 static inline over_joint add_block(const double *blocks, const double *phase, const double *joints, double *rows,
@@ -133,7 +133,7 @@ static inline over_joint add_block(const double *blocks, const double *phase, co
     return found;
 }
 
-/* Accelerations of a phase, from its coordinates and rates, upon a base that moves by (ax, az, theta, omega, alpha). */
+/* Accelerations of a phase, from its coordinates and rates, on a base that moves by (ax, az, theta, omega, alpha). */
 void accelerations(const double *model, double *phase, const double *motion, double *work)
 {
     const int64_t n = (int64_t)model[MODEL_SETTINGS(0) + SETTINGS_N];
@@ -145,7 +145,7 @@ void accelerations(const double *model, double *phase, const double *motion, dou
         half_sine_cosine(turn, &ROW(SINE, i), &ROW(COSINE, i));
     }
 
-    /* what the joints bear by their motion */
+    /* forces of the joints */
     for (int64_t i = 0; i < n; i++) {
         const double spin = i + 1 < n ? PHASE(THETA_RATE, i) - PHASE(THETA_RATE, i + 1) : PHASE(THETA_RATE, i);
         const double sine = ROW(SINE, i), cosine = ROW(COSINE, i);

@@ -1,8 +1,8 @@
 """One evaluation of the accelerations: the solver's kernel, for one column and for eight at once, against others.
 
-Against the same arithmetic in C, and against the recursion of before (articulated.py), on the same states.
-`python -m benchmarks.evaluation 3` prints the times of the kernel for 3 blocks, alone and in lanes, which is how they
-are measured for other instruction sets.
+The others are the same arithmetic in C, and the earlier recursion (articulated.py), on the same states.
+`python -m benchmarks.evaluation 3` prints the times of the kernel for 3 blocks, alone and in lanes; other instruction
+sets are measured by such processes.
 """
 
 from __future__ import annotations
@@ -25,16 +25,16 @@ import numpy as np
 from llvmlite.binding import get_host_cpu_features
 
 from solver import Column
-from solver.batch import aligned
-from solver.kernels import layout as at
-from solver.kernels import numbers
+from solver.column.packing import pack_model
+from solver.dynamics.stepper import Stepper
 from solver.kernels.formulations.exact import JOINT_ROW, Motion, exact_accelerations
-from solver.kernels.jit import from_python, kernel
 from solver.kernels.joint import regimes
-from solver.kernels.lanes import WIDTH
-from solver.kernels.views import Part, Record, Space, Table, lanes_of, row_of
-from solver.packing import pack_model
-from solver.stepper import Stepper
+from solver.kernels.layout import spaces as at
+from solver.kernels.numba_ext import numbers
+from solver.kernels.numba_ext.jit import from_python, kernel
+from solver.kernels.numba_ext.lanes import WIDTH
+from solver.kernels.numba_ext.views import Part, Record, Space, Table, lanes_of, row_of
+from solver.runs.batch import aligned
 
 from . import articulated, timing
 from .right_hand_side import Array
@@ -43,10 +43,10 @@ from .scenes import ROOT, G, shaft
 SOURCE = Path(__file__).with_name("evaluation.c")
 FLAGS = ("-O3", "-march=native", "-ffp-contract=off", "-shared", "-fPIC")
 SIZES = (3, 10, 50)  # blocks
-STATES = 64  # evaluated in turn, from a run: as few as stay in the fast memory, as those of a run do
+STATES = 64  # evaluated in turn, from a run: few enough to stay in the fast memory, as those of a run do
 SPACING = 0.03  # s between them
-PASSES = 50  # over the states in one call, which costs more from Python into C than a pass
-SHORT, ROUNDS = 1e-3, 500  # s: rounds with lanes, which whoever else works on the same core slows down more
+PASSES = 50  # over the states in one call; a call from Python into C costs more than a pass
+SHORT, ROUNDS = 1e-3, 500  # s; lanes need many short rounds, since other work on the same core slows them down more
 BASE = np.array([0.3, 0.0, 0.0, 0.0, 0.0])  # motion of the base: ax, az, theta, omega, alpha
 
 # instruction sets that lanes are compiled for beside those of this processor, as LLVM names processors that have them
@@ -79,7 +79,7 @@ def repeat(n, model, phases, rounds, base, scratch):
 
 @from_python
 def repeat_in_lanes(n, model, phases, rounds, base, scratch):
-    """The same for phases (..., 8), flat, of eight columns at once, and models, scratch and base (..., 8)."""
+    """`repeat` for phases (..., 8), flat, of eight columns at once, and models, scratch and base (..., 8)."""
     lanes = lanes_of(base)
     motion = Motion(lanes[0], lanes[1], lanes[2], lanes[3], lanes[4])
     count = phases.size // (PHASE_FIELDS * n * WIDTH)
@@ -87,7 +87,7 @@ def repeat_in_lanes(n, model, phases, rounds, base, scratch):
 
 
 def scratch(n: int) -> Array:
-    """The scratch of one evaluation."""
+    """Scratch arrays of one evaluation."""
     return np.zeros(SCRATCH.size(n))
 
 
@@ -97,19 +97,19 @@ def phase_of(q: Array, rate: Array) -> Array:
 
 
 def in_lanes(rows: Array, size: int) -> Array:
-    """Rows of so many numbers, flat, in groups of eight columns: number i of all eight, then number i + 1."""
+    """Rows of `size` numbers, flat, in groups of eight columns: number i of all eight, then number i + 1."""
     return np.ascontiguousarray(rows.reshape(-1, WIDTH, size).swapaxes(1, 2)).ravel()
 
 
 def lined_up(lanes: Array) -> Array:
-    """A copy in memory as runs have their lanes."""
+    """A copy aligned in memory as the lanes of runs are."""
     copy = aligned(lanes.size)
     copy[:] = lanes
     return copy
 
 
 def out_of_lanes(lanes: Array, size: int) -> Array:
-    """The rows again."""
+    """The inverse of `in_lanes`."""
     return np.ascontiguousarray(lanes.reshape(-1, size, WIDTH).swapaxes(1, 2)).ravel()
 
 
@@ -126,7 +126,7 @@ def states_of_a_run(column: Column, count: int = STATES, spacing: float = SPACIN
     return phases.ravel()
 
 
-# --- what is timed: loops over all phases in turn, PASSES times, compiled
+# --- the functions that are timed: compiled loops over all phases in turn, PASSES times
 
 
 def kernel_loop(column: Column, phases: Array) -> Callable[[], None]:
@@ -137,7 +137,7 @@ def kernel_loop(column: Column, phases: Array) -> Callable[[], None]:
 
 
 def lanes_loop(column: Column, phases: Array) -> Callable[[], None]:
-    """The same kernel, where eight columns of one kind are in eight of the phases; these are left as they are."""
+    """The solver's kernel in lanes: eight columns of one kind in eight of the phases, which stay unchanged."""
     n = column.n
     model = lined_up(np.repeat(pack_model(column), WIDTH))
     base, room = lined_up(np.repeat(BASE, WIDTH)), lined_up(np.repeat(scratch(n), WIDTH))
@@ -147,7 +147,7 @@ def lanes_loop(column: Column, phases: Array) -> Callable[[], None]:
 
 
 def articulated_loop(column: Column, phases: Array) -> Callable[[], None]:
-    """The recursion of before."""
+    """The earlier recursion."""
     rows, n, gravity, room = articulated.rows_of(column), column.n, column.g, articulated.scratch_of(column)
     base = tuple(BASE.tolist())
     articulated.repeat(rows, n, gravity, phases, 1, base, room)
@@ -166,7 +166,7 @@ def c_loop(library: Any, column: Column, phases: Array) -> Callable[[], None]:
 
 
 def _definitions() -> list[str]:
-    """Where things lie in the arrays, for the compiler: number in a record, or beginning for n blocks."""
+    """Positions of fields in the arrays, for the compiler: number in a record, or first element for n blocks."""
     found: dict[str, Any] = {"SMALL": numbers.SMALL, "PHASE_FIELDS": PHASE_FIELDS, "JOINT_ROW": JOINT_ROW.beside}
     found |= {name: value for name, value in vars(regimes).items() if name.isupper()}
 
@@ -189,7 +189,7 @@ def _definitions() -> list[str]:
 
 
 def compiled_c(folder: Path) -> Any:
-    """The C of evaluation.c, compiled into a folder. Raises OSError where that cannot be done."""
+    """The library of evaluation.c, compiled into a folder. Raises OSError if it cannot be compiled."""
     compiler = shutil.which("cc") or shutil.which("gcc")
     if compiler is None:
         raise OSError("no C compiler")
@@ -216,7 +216,7 @@ def difference(one: Array, other: Array, n: int) -> float:
 
 
 def instructions() -> str:
-    """What lanes are made of on this processor, by the names of the targets."""
+    """Instruction set that lanes use on this processor, by the names of the targets."""
     features = get_host_cpu_features()
     known = {"AVX-512": "avx512f", "AVX2": "avx2", "SSE2": "sse2"}
     return next((name for name, feature in known.items() if features.get(feature)), platform.machine())
@@ -235,7 +235,7 @@ def measure_kernel(sizes: tuple[int, ...] = SIZES) -> list[dict[str, Any]]:
 
 
 def measure_lanes(sizes: tuple[int, ...]) -> dict[str, list[dict[str, Any]]]:
-    """The same by instruction set: that of this processor, and others by processes that compile for fewer of them."""
+    """`measure_kernel` by instruction set: this processor's, and smaller ones in processes that compile for them."""
     found = {instructions(): measure_kernel(sizes)}
     if platform.machine() not in ("x86_64", "AMD64"):
         return found
@@ -264,7 +264,7 @@ def round_ratio() -> float:
 def measure(sizes: tuple[int, ...] = SIZES) -> dict[str, Any]:
     """Time of one evaluation by all of them, by number of blocks.
 
-    Where C cannot be compiled, `absent` says why.
+    If C cannot be compiled, `absent` gives the reason.
     """
     results: dict[str, Any] = {"flags": " ".join(FLAGS), "instructions": instructions(), "rows": []}
     library = None

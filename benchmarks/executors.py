@@ -1,7 +1,7 @@
-"""The same runs by threads, by processes and on Dask, in turn: how many a second, and what each process spends on them.
+"""Equal runs by threads, by processes and on Dask, in turn: runs per second, and processor time of each process.
 
-Of the clock what counts is what a user waits for; of the processor, what is left where other work takes the cores. The
-scheduler of Dask, and what sends the runs out, are in this process, whose part is told apart.
+Clock time is the time a user waits; processor time is the fair measure where other work takes the cores. The scheduler
+of Dask and the code that sends the runs out are in this process, whose time is listed separately.
 """
 
 from __future__ import annotations
@@ -25,8 +25,8 @@ from .studies import ROCKING, STUDY, phocas_runs
 WORKERS = 2
 ROUNDS = 3
 SECONDS, QUICK_SECONDS = 25.0, 2.0  # of a round of each
-TRIAL = 1000  # runs, to know how many take so long
-FEW = 64  # runs, with which workers start and load the kernels
+TRIAL = 1000  # runs that show how long one takes
+FEW = 64  # runs in which workers start and load the kernels
 TOLERANCE = 1e-2  # of Phocas: an error of 1e-3
 STEADY = (0.2, 0.8)  # parts of the runs between which all workers have whole chunks
 WAYS = ("threads", "processes", "dask")
@@ -35,14 +35,14 @@ Work = Callable[..., object]  # to be called with `threads` or `executor`, and `
 
 @dataclass
 class Spent:
-    """What some rounds took."""
+    """Time spent in some rounds."""
 
     runs: int = 0
     seconds: float = 0.0  # of the clock
     steady_runs: int = 0
     steady_seconds: float = 0.0
     own: float = 0.0  # s of the processor, of this process
-    workers: float = 0.0  # and of the others
+    workers: float = 0.0  # s of the processor, of the workers
 
     def as_dict(self) -> dict[str, float]:
         """Runs a second of the clock, in all and in the middle; s of the processor for 1000 runs."""
@@ -56,13 +56,13 @@ class Spent:
 
 
 def columns_sent(count: int) -> Work:
-    """So many runs of damped Phocas, whose columns are sent with them."""
+    """`count` runs of damped Phocas, whose columns are sent with them."""
     columns, motions, duration = phocas_runs(count, ROCKING)
     return lambda **options: simulate_many(columns, motions, duration=duration, tolerance=TOLERANCE, **options)
 
 
 def numbers_sent(count: int) -> Work:
-    """So many runs of the fragility study, of which only the numbers are sent."""
+    """`count` runs of the fragility study, of which only the numbers are sent."""
     study = Study.from_toml(STUDY).with_runs(count)
     return lambda **options: run_study(study, **options)
 
@@ -74,7 +74,7 @@ SCENES: dict[str, Callable[[int], Work]] = {
 
 
 def follow(work: Work, options: dict[str, Any], workers: Sequence[Any], spent: Spent) -> None:
-    """Add what a round takes. workers: processes, as of psutil."""
+    """Add the time of a round. workers: processes, as of psutil."""
     ended: list[tuple[float, int]] = []
     own, theirs, begin = clock.process_time(), processor(workers), clock.perf_counter()
     work(**options, callback=lambda done, total: ended.append((clock.perf_counter(), done)))
@@ -90,13 +90,13 @@ def follow(work: Work, options: dict[str, Any], workers: Sequence[Any], spent: S
 
 
 def processor(workers: Sequence[Any]) -> float:
-    """Seconds of the processor that processes have had."""
+    """Processor time used by the processes, s."""
     return sum(sum(worker.cpu_times()[:2]) for worker in workers)
 
 
 def compare(making: Callable[[int], Work], seconds: float) -> dict[str, dict[str, float]]:
-    """What each way makes of the same runs; rounds of about so many seconds. Raises InputError without Dask."""
-    import psutil  # comes with Dask
+    """Throughput and times by each way, in rounds of about `seconds` s. Raises InputError without Dask."""
+    import psutil  # installed with Dask
 
     def children() -> set[Any]:
         return set(psutil.Process().children(recursive=True))
@@ -127,7 +127,7 @@ def compare(making: Callable[[int], Work], seconds: float) -> dict[str, dict[str
 
 
 def measure(quick: bool) -> dict[str, Any]:
-    """Of each scene what each way makes of it, or why nothing is measured."""
+    """For each scene the comparison of all ways, or the reason why it is not measured."""
     try:
         return {scene: compare(making, QUICK_SECONDS if quick else SECONDS) for scene, making in SCENES.items()}
     except (InputError, ModuleNotFoundError) as error:

@@ -1,4 +1,4 @@
-"""What is measured in the process of an FMU: `python -m benchmarks.in_host FUNCTION ARGUMENTS`.
+"""Measurements in the process of an FMU: `python -m benchmarks.in_host FUNCTION ARGUMENTS`.
 
 Arguments and result are JSON. The tests' Instance must be in reach.
 """
@@ -17,8 +17,8 @@ from threading import Thread
 from typing import Any
 
 import numpy as np
-from fmpy import extract, read_model_description, simulate_fmu
-from instance import Instance
+from fmpy import read_model_description, simulate_fmu
+from support.instance import Instance, unpacked
 
 
 def shortest(call: Callable[[], object], rounds: int, count: int = 1) -> float:
@@ -59,7 +59,7 @@ def race(fmus: list[str], steps: int, rounds: int, push: float) -> dict[str, Any
     t = h * np.arange(steps + 1)
     motion = np.zeros(t.size, dtype=[("time", float), ("base.ax", float)])
     motion["time"], motion["base.ax"] = t, push * np.sin(12.6 * t)
-    folders = {fmu: extract(fmu) for fmu in fmus}
+    folders = {fmu: unpacked(fmu) for fmu in fmus}
     descriptions = {fmu: read_model_description(folders[fmu]) for fmu in fmus}
     best = dict.fromkeys(fmus, np.inf)
     for _ in range(rounds):
@@ -101,8 +101,8 @@ def threads(fmu: str, rounds: int) -> dict[str, float]:
 
 
 def memory(fmu: str, count: int) -> dict[str, int]:
-    """Bytes, and entries of the search path, that so many instances leave behind."""
-    folder = extract(fmu)
+    """Bytes, and entries of the search path, that `count` instances leave behind."""
+    folder = unpacked(fmu)
 
     def life() -> None:
         column = Instance(fmu, {"base.ax": 0.5}, folder=folder)
@@ -180,7 +180,7 @@ def native_calls(fmu: str, rounds: int) -> dict[str, float]:
 
 
 def native_lives(fmu: str, count: int) -> dict[str, float]:
-    """Bytes that so many instances leave behind, and seconds of each."""
+    """Bytes that `count` instances leave behind, and seconds of each."""
     column = Instance(fmu)
     dll, callbacks, guid = column.fmi.dll, column.fmi.callbacks, column.fmi.guid.encode()
 

@@ -1,4 +1,4 @@
-"""What the numbers were measured on and with."""
+"""Machine and software of a measurement."""
 
 from __future__ import annotations
 

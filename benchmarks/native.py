@@ -1,9 +1,9 @@
-"""What the native FMU costs: `python -m benchmarks.native [PART ...]`.
+"""Costs of the native FMU: `python -m benchmarks.native [PART ...]`.
 
-step        ns of fmi2DoStep through ctypes: column at rest, column that rocks; of the other calls of a master
+step        time of fmi2DoStep through ctypes (ns): column at rest, column that rocks; and of a master's other calls
 getters     8000 steps of FMPy's simulate_fmu against an FMU in C of the same variables that does nothing
 cold        a whole `fmpy simulate` process against one that only imports FMPy
-lives       10000 times from instantiation to the end: time and what is left behind
+lives       10000 instances, each from instantiation to the end: time, and memory not released
 inputs      error against communication step, held and with derivatives of the input
 """
 
@@ -30,13 +30,13 @@ def main(arguments: list[str] | None = None) -> int:
     """Run the command line; returns the exit code."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("parts", nargs="*", metavar="PART", help=f"of {', '.join(PARTS)} (default: all)")
-    parser.add_argument("--rounds", type=int, default=15, help="of which the shortest time counts")
+    parser.add_argument("--rounds", type=int, default=15, help="rounds, the shortest of which counts")
     parser.add_argument("--plot", type=Path, help="picture of the part inputs")
     return print_parts(parser, PARTS, arguments)
 
 
 def step(folder: Path, options: argparse.Namespace) -> str:
-    """Calls through ctypes; the last is one that does nothing."""
+    """Calls through ctypes; the last one does nothing."""
     fmu = build_native_fmu(PHOCAS, folder / "phocas.fmu", platforms=PLATFORM)
     found = {name: 1e9 * seconds for name, seconds in measured("native_calls", fmu, options.rounds).items()}
     return (
@@ -47,7 +47,7 @@ def step(folder: Path, options: argparse.Namespace) -> str:
 
 
 def getters(folder: Path, options: argparse.Namespace) -> str:
-    """A whole run against the cheapest FMU of the same variables that there can be."""
+    """A whole run against the cheapest possible FMU with the same variables."""
     toml = folder / "seven.toml"
     toml.write_text(SEVEN_BLOCKS)
     fmu = build_native_fmu(toml, folder / "seven.fmu", platforms=PLATFORM)
@@ -69,7 +69,7 @@ def getters(folder: Path, options: argparse.Namespace) -> str:
 
 
 def cold(folder: Path, options: argparse.Namespace) -> str:
-    """20 s of the damped Phocas by `fmpy simulate`, home new each time."""
+    """20 s of the damped Phocas by `fmpy simulate`, with a new home folder each time."""
     fmu = build_native_fmu(PHOCAS, folder / "phocas.fmu", platforms=PLATFORM)
     ours = min(_command_line(fmu, Path(tempfile.mkdtemp(dir=folder))) for _ in range(options.rounds))
     bare = min(_command_line(None, folder) for _ in range(options.rounds))

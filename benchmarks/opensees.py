@@ -1,9 +1,9 @@
 """The Column of Phocas in OpenSees: rigid elements, no-tension fibre joints, the scheme tuned by hand.
 
 Blocks are stiff elastic elements with P-Delta, joints zero-length sections of 100 no-tension fibres, tied horizontally.
-Damping is proportional to the stiffness that the joint had at the end of the last step: with the current one, which
-jumps as fibres let go, Newton's iterations do not converge. That is another law of damping than the solver's, which the
-comparison of damped histories shows however short the step; undamped the two programs solve the same equations.
+Damping is proportional to the stiffness of the joint at the end of the last step; with the current stiffness, which
+jumps as fibres open, Newton's iterations do not converge. That law of damping differs from the solver's: damped
+histories differ for steps of any length. Undamped, the two programs solve the same equations.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from .scenes import Scene
 
 FIBRES = 100
 RIGIDITY = 1e3  # of the blocks, in parts of the stiffness of the joints
-CONVERGED = 1e-6  # m and rad, norm of the last increment
+CONVERGED = 1e-6  # norm of the last increment (m and rad)
 MOST_ITERATIONS = 20
 RUNS = 3
 TOLERANCE = 1e-9  # of the solver, for comparison

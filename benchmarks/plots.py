@@ -17,7 +17,7 @@ from matplotlib.ticker import LogLocator, NullFormatter
 from .competitors import UX_ONLY
 from .work_precision import EQUAL_ERRORS, pairs
 
-# colour, marker, line of each competitor; what is not listed is drawn in grey
+# colour, marker, line of each competitor; others are drawn in grey
 STYLES: dict[str, tuple[str, str, str]] = {
     "auto": ("#c0392b", "o", "-"),
     "central-difference": ("#e39b7b", "s", "-"),
@@ -33,12 +33,12 @@ STYLES: dict[str, tuple[str, str, str]] = {
 OTHER_STYLE = ("#555555", ".", "--")
 COLUMNS = 4  # of pictures in a row
 README_SCENES = ("Phocas, 0.05 g 2 Hz", "Phocas, El Centro")
-LARGEST_ERROR, SMALLEST_ERROR = 0.5, 1e-10  # of the peak, that are drawn
-GREY = "0.92"  # below what the references disagree by
+LARGEST_ERROR, SMALLEST_ERROR = 0.5, 1e-10  # parts of the peak: range that is drawn
+GREY = "0.92"  # errors smaller than the difference of the references
 
 
 def work_precision(scenes: list[dict[str, Any]], path: Path, cost: str = "seconds") -> None:
-    """One picture a scene, all competitors but UX_ONLY in each: error over the time, or the evaluations, it took."""
+    """One picture a scene with all competitors but UX_ONLY: error over time or evaluations."""
     drawn = [scene for scene in scenes if "points" in scene]
     columns = min(COLUMNS, len(drawn))
     rows = math.ceil(len(drawn) / columns)

@@ -1,4 +1,4 @@
-/* A co-simulation FMU that does nothing: what a master spends on any FMU with so many variables. */
+/* A co-simulation FMU that does nothing: the cost of any FMU with as many variables for a master. */
 #include <stdlib.h>
 #include <string.h>
 

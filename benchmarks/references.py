@@ -2,7 +2,7 @@
 
 One is a general integrator of order 8 at a tolerance near rounding, on the equations as a first-order system; the other
 is the solver's own `auto` at its tightest, with its own error control, scales and interpolation. Beyond the window
-rounding errors have grown so far that nobody's history is right, and no error is measured there.
+rounding errors have grown so far that no history is right, and no error is measured there.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from functools import cache
 import numpy as np
 
 from solver import simulate
-from solver.packing import model_of
+from solver.column.packing import model_of
 
 from .competitors import OUTPUT_STEP, MeasurementError, Prepare, grid, numbalsoda, scipy
 from .right_hand_side import Array, Problem
@@ -22,7 +22,7 @@ from .scenes import Scene
 
 TOLERANCE = 1e-13  # of the first reference
 OWN_TOLERANCE = 1e-12  # of the second
-AGREEMENT = 1e-8  # of the peak so far: what both must agree to
+AGREEMENT = 1e-8  # of the peak so far: within which both must agree
 LEAST_WINDOW = 0.25  # s
 BEYOND = 0.5  # s that the first reference follows a column beyond the fall that the second found
 
@@ -69,7 +69,7 @@ class Reference:
 
 
 def order_8() -> tuple[str, Prepare]:
-    """The integrator of the first reference, compiled where it can be had."""
+    """The integrator of the first reference, compiled where available."""
     try:
         return "DOP853 (numbalsoda)", numbalsoda("dop853")
     except (ImportError, OSError):

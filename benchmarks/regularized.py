@@ -1,10 +1,10 @@
-"""Blocks that rock and slide as free bodies with regularized friction: what sliding scenes are measured against.
+"""Blocks that rock and slide as free bodies with regularized friction: the reference of sliding scenes.
 
-Nothing of the solver is in it but the column's data. Each block is a body in the plane, (x, z) of its centroid and its
-rotation; each joint bears pressure and mu N tanh(slip rate / width) along itself (theory.md sections 2 and 9). So no
-joint ever sticks, there is nothing to decide, and a general integrator is enough: a stiff one, since what sticks creeps
-with a part of `width`, m/s. As the width goes to zero the motion becomes that of Coulomb's law, with an error that goes
-as the width.
+It uses nothing of the solver but the column's data. Each block is a body in the plane, (x, z) of its centroid and its
+rotation; each joint transmits pressure and mu N tanh(slip rate / width) along itself (theory.md sections 2 and 9). No
+joint sticks, so there are no decisions, and a general integrator is enough. It must be a stiff one, since a joint that
+would stick creeps with a part of `width`, m/s. As the width goes to zero the motion becomes that of Coulomb's law; the
+error is proportional to the width.
 """
 
 from __future__ import annotations
@@ -18,14 +18,14 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 from solver import Block
-from solver.packing import settlements
+from solver.column.packing import settlements
 
 from .scenes import Scene
 
 Array = NDArray[np.float64]
 
-LENGTH, TURN = 1e-6, 1e-6  # m, rad: what counts as nothing, times the tolerance over 1e-3
-RATE = 30.0  # 1/s, rates over that
+LENGTH, TURN = 1e-6, 1e-6  # m, rad: absolute tolerances at a tolerance of 1e-3, in proportion
+RATE = 30.0  # 1/s, rates over these
 
 
 class Motion(NamedTuple):
@@ -121,7 +121,7 @@ def _joint(block: Block, below: Block | None) -> tuple[float, ...]:
 
 
 def solve(scene: Scene, times: Array, width: float, tolerance: float) -> Motion:
-    """The scene at the times, with friction that rises over `width` m/s. Raises RuntimeError where it is not solved."""
+    """The scene at the times, with friction that rises over `width` m/s. Raises RuntimeError if it cannot be solved."""
     column, n = scene.column, scene.column.n
     parts = zip(column.blocks, [*column.blocks[1:], None], strict=True)
     blocks, joints = np.array([_body(block) for block in column.blocks]), np.array([_joint(*pair) for pair in parts])

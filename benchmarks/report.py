@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from . import executors, sliding
+from . import boundary, executors, sliding
 from .targets import Target, ratios, targets
 
 Results = dict[str, Any]
@@ -26,6 +26,7 @@ def report(results: Results) -> str:
         scaling_table(results),
         tolerance_table(results),
         verdict_table(results),
+        boundary_list(results),
         damped_table(results),
         sliding_table(results),
         ablation_table(results),
@@ -45,12 +46,12 @@ def table(head: list[str], rows: Rows) -> str:
 
 
 def milliseconds(seconds: float | None) -> str:
-    """Three digits, and a dash for nothing."""
+    """Time with three digits; a dash for None."""
     return "-" if seconds is None else f"{1e3 * seconds:.3g}"
 
 
 def machine(results: Results) -> str:
-    """Where, when and with what."""
+    """Machine, date and software."""
     info = results["machine"]
     versions = ", ".join(f"{name} {version}" for name, version in info["versions"].items())
     return (
@@ -64,7 +65,7 @@ def machine(results: Results) -> str:
 
 
 def target_table(rows: list[Target]) -> str:
-    """What is aimed at and what was measured."""
+    """Targets and measured values."""
     words = {True: "pass", False: "**fail**", None: "-"}
     return "## Targets\n\n" + table(
         ["", "aim", "measured", ""], [[row.number, row.aim, row.measured, words[row.passed]] for row in rows]
@@ -111,7 +112,7 @@ def equal_error_table(results: Results) -> str:
             f"{row['error']:.0e}",
             milliseconds(row["auto_seconds"]),
             milliseconds(row["ux_only_seconds"]),
-            str(row["best"] or "nobody gets there"),
+            str(row["best"] or "none reaches it"),
             milliseconds(row["best_seconds"]),
             times(row["speed_up"]),
             times(row["ux_only_speed_up"]),
@@ -128,7 +129,7 @@ def equal_error_table(results: Results) -> str:
         "## Speed at equal error\n\n`auto` through `simulate` against the fastest general integrator that is given the "
         "same compiled equations. `auto` finds the peaks of all outputs, which no other does, or those of ux only "
         '(`without = ["peaks"]`). Between the measured points log time is linear in log error, along the lower '
-        "envelope. Evaluations tell the part of the method from that of the program.\n\n" + table(head, rows)
+        "envelope. Evaluations separate the method from the program.\n\n" + table(head, rows)
     )
 
 
@@ -160,7 +161,7 @@ def opensees_table(results: Results) -> str:
 
 
 def evaluation_table(results: Results) -> str:
-    """One evaluation: the kernel alone and in lanes, the recursion of before, C."""
+    """One evaluation: the kernel alone and in lanes, the earlier recursion, C."""
     part = results.get("evaluation", {})
     if "rows" not in part:
         return ""
@@ -179,7 +180,7 @@ def evaluation_table(results: Results) -> str:
         ]
 
     rows = [times(part["instructions"], row) for row in part["rows"]]
-    head = ["instructions", "blocks", "kernel, ns", "in lanes, ns a column", "recursion of before, ns", "C, ns"]
+    head = ["instructions", "blocks", "kernel, ns", "in lanes, ns a column", "earlier recursion, ns", "C, ns"]
     head += ["kernel to C", "largest difference of kernel and C"]
     return f"## One evaluation\n\n`evaluation.c`, compiled with `cc {part['flags']}`.\n\n" + table(head, rows)
 
@@ -261,6 +262,14 @@ def verdict_table(results: Results) -> str:
     return "## Overturning, by tolerance\n\n" + table(head, rows)
 
 
+def boundary_list(results: Results) -> str:
+    """Verdicts near the boundary of overturning."""
+    found = results.get("boundary", [])
+    if not found:
+        return ""
+    return "## Verdicts near the boundary of overturning\n\n" + "\n".join(f"- {boundary.line_of(row)}" for row in found)
+
+
 def damped_table(results: Results) -> str:
     """Errors of well-damped columns."""
     found = results.get("damped-columns", [])
@@ -310,7 +319,7 @@ def sliding_table(results: Results) -> str:
 
 
 def trust_tables(results: Results) -> str:
-    """What may be believed of a run."""
+    """Peaks, pulses and shares that fall."""
     found = results.get("trust")
     if not found:
         return ""
@@ -337,7 +346,7 @@ def trust_tables(results: Results) -> str:
         for row in found["pulses"]
     ]
     if rows:
-        parts.append(table(["pulses", "what comes of them"], rows))
+        parts.append(table(["pulses", "outcomes"], rows))
     if found["shares"]:
         sizes = [row["size"] for row in found["shares"][0]["rows"]]
         rows = [[row["scene"], *map(_share, row["rows"])] for row in found["shares"]]
@@ -351,7 +360,7 @@ def _share(row: dict[str, Any]) -> str:
 
 
 def ablation_table(results: Results) -> str:
-    """What short cuts are worth."""
+    """Time and error without each short cut."""
     rows = [
         [
             row["scene"],
@@ -368,7 +377,7 @@ def ablation_table(results: Results) -> str:
 
 
 def energy_table(results: Results) -> str:
-    """What becomes of the energy in the long run."""
+    """Long-term energy."""
     rows = [
         [
             str(row["n"]),
@@ -409,8 +418,8 @@ def studies_table(results: Results) -> str:
         cores = part["cores"]
         gains = ", ".join(f"{of['clock']:.2f} ({of['processor']:.2f}) of {name}" for name, of in cores.items())
         lines.append(
-            f"Two threads make so many times as much as one: {gains}; in brackets the seconds of the processor that "
-            "one thread spends, over those that two spend. Plain arithmetic shows what the machine has to give."
+            f"Two threads do more than one by these factors: {gains}; in brackets the seconds of the processor that "
+            "one thread spends, over those that two spend. Plain arithmetic shows what the machine can give."
         )
     if "run" in part:
         run = part["run"]
@@ -468,7 +477,7 @@ def executors_table(results: Results) -> str:
 
 
 def failures(results: Results) -> str:
-    """What is not available, and what failed."""
+    """Competitors not available, and failures."""
     lines = [f"- {name}: {reason}" for name, reason in results.get("absent", {}).items()]
     for scene in results.get("work-precision", {}).get("scenes", []):
         if "failure" in scene:

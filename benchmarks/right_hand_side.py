@@ -1,7 +1,7 @@
-"""The equations of motion as a compiled first-order system dy/dt = f(t, y), for integrators that are not ours.
+"""The equations of motion as a compiled first-order system dy/dt = f(t, y), for general integrators.
 
-The accelerations are those of the solver's own kernel, the base acceleration is evaluated inside. The unknowns are
-divided by their typical sizes, because some integrators know only one absolute tolerance.
+The accelerations are those of the solver's own kernel; the base acceleration is evaluated inside. The unknowns are
+divided by their typical sizes, because some integrators have only one absolute tolerance.
 """
 
 from __future__ import annotations
@@ -13,11 +13,11 @@ import numpy as np
 from numba import types
 from numpy.typing import NDArray
 
-from solver.kernels import layout as at
+from solver.column.packing import arrays_of
 from solver.kernels.formulations.exact import Motion, exact_accelerations
-from solver.kernels.jit import from_python, kernel, native
-from solver.kernels.views import Numbers, Record, Space, row_at, row_of
-from solver.packing import arrays_of
+from solver.kernels.layout import spaces as at
+from solver.kernels.numba_ext.jit import from_python, kernel, native
+from solver.kernels.numba_ext.views import Numbers, Record, Space, row_at, row_of
 
 from .scenes import Scene
 
@@ -35,7 +35,7 @@ KNOWN = Record(
     "amplitude",  # m/s2, of the harmonic part of the motion
     "omega",  # rad/s
 )
-# one flat array holds all that the right-hand side knows
+# all data of the right-hand side, in one flat array
 DATA = Space(
     known=KNOWN,
     sizes=Numbers(per_n=4),  # typical, of the unknowns
@@ -120,7 +120,7 @@ class Problem:
         self.known.amplitude = motion.amplitude
         self.known.omega = 2.0 * math.pi * motion.frequency
         here.sizes[:] = self.sizes
-        model, samples = DATA.size(n) - at.MODEL.size(n), DATA.size(n)  # where they begin: the last two parts
+        model, samples = DATA.size(n) - at.MODEL.size(n), DATA.size(n)  # first elements of the last two parts
         self.data[model:samples] = arrays.model[: samples - model]
         self.data[samples:] = motion.ax
 
@@ -136,7 +136,7 @@ class Problem:
     def rates(self, t: float, y: Array) -> Array:
         """The right-hand side as scipy calls it."""
         dydt = np.empty(y.size)
-        rates(t, np.ascontiguousarray(y), dydt, self.data)  # what differences a Jacobian hands over columns
+        rates(t, np.ascontiguousarray(y), dydt, self.data)  # finite differences of a Jacobian pass columns of arrays
         return dydt
 
     def ux(self, states: Array) -> Array:

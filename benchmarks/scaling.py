@@ -1,7 +1,7 @@
 """Cost per block against the number of blocks: of one evaluation, and of a second of motion.
 
-For a second of motion to mean the same work for any number of blocks, towers of equal squat drums are used, whose
-highest frequencies, and with them the steps, hardly depend on their number.
+The columns are towers of equal squat drums: their highest frequencies, and with them the steps, hardly depend on the
+number of drums, so that a second of motion takes comparable work for any number.
 """
 
 from __future__ import annotations
@@ -11,14 +11,15 @@ from contextlib import contextmanager
 from functools import partial
 from typing import Any
 
-from solver import Block, Column, InputError, Joint, Motion, ranges, simulate
+from solver import Block, Column, InputError, Joint, Motion, simulate
+from solver.common import ranges
 
 from . import timing
 from .evaluation import PASSES, STATES, kernel_loop, states_of_a_run
 from .scenes import STIFFNESS, G, shaft
 
 SIZES = (1, 3, 10, 50, 200, 1000)  # blocks
-MOST_SIMULATED = 200  # a tower of more would buckle
+MOST_SIMULATED = 200  # blocks; a higher tower would buckle
 DRUM = (0.25, 4.0, 8000.0)  # m high, m wide and deep, kg
 DRUM_DAMPING = 1e-4  # s
 DURATION = 0.5  # s
@@ -44,7 +45,7 @@ def limit_lifted(n: int) -> Iterator[None]:
 
 
 def refusal(n: int) -> str:
-    """Why the solver refuses a column of n blocks; empty if it does not."""
+    """The solver's reason to refuse a column of n blocks; empty if it accepts it."""
     try:
         shaft(n)
     except InputError as error:
@@ -65,7 +66,7 @@ def measure(quick: bool = False) -> dict[str, Any]:
             loop = kernel_loop(column, states_of_a_run(column, count, 5e-3 if n <= 50 else 1e-4))
             row["evaluation"] = timing.loops([loop])[0] / (PASSES * count * n)
             if n <= MOST_SIMULATED:
-                # by the same methods whatever n: the modes of the elastic phase would make short columns cheaper still
+                # equal methods for every n: modes of the elastic phase would make short columns even cheaper
                 stack, motion = tower(n).with_settings(without=("elastic",)), Motion.harmonic(0.2 * G, 2.0, DURATION)
                 simulate(stack, motion, settle=0.0)
                 response, seconds, _ = timing.fastest(partial(simulate, stack, motion, settle=0.0), BUDGET)

@@ -1,4 +1,4 @@
-"""The scenes that are measured: columns under motions, each with the duration that is wanted of it."""
+"""The scenes that are measured: columns under motions, each with its duration."""
 
 from __future__ import annotations
 
@@ -46,23 +46,23 @@ def shaft(n: int, damping: float = DAMPING) -> Column:
 
 def forced(g: float, frequency: float, duration: float = 20.0, n: int = 3, damping: float = DAMPING) -> Scene:
     """The shaft in n blocks under g times gravity at `frequency` Hz."""
-    who = "Phocas" if n == 3 else "1 block" if n == 1 else f"{n} blocks"
+    subject = "Phocas" if n == 3 else "1 block" if n == 1 else f"{n} blocks"
     if not damping:
-        who += ", undamped"
-    title = f"{who}, {g:g} g {frequency:g} Hz"
+        subject += ", undamped"
+    title = f"{subject}, {g:g} g {frequency:g} Hz"
     name = title.lower().replace(",", "").replace(" ", "-")
     return Scene(name, title, shaft(n, damping), Motion.harmonic(g * G, frequency, duration), duration)
 
 
 @cache
 def harmonic() -> tuple[Scene, ...]:
-    """The four by which integrators are compared first: from hardly opening to nearly falling."""
+    """The four scenes in which integrators are compared first: from hardly opening to nearly falling."""
     return tuple(forced(g, frequency) for g, frequency in FORCED)
 
 
 @cache
 def recorded() -> tuple[tuple[Scene, ...], dict[str, str]]:
-    """Phocas under recorded motions; those that are not on this machine, with the reason."""
+    """Phocas under recorded motions; records that are not on this machine, with the reason."""
     found: list[Scene] = []
     absent: dict[str, str] = {}
     for label, file, duration in RECORDED:
@@ -91,13 +91,13 @@ def others() -> tuple[Scene, ...]:
 
 @cache
 def falling() -> Scene:
-    """One that overturns without needing a record; for the verdict only."""
+    """A scene that overturns without a record; for the verdict only."""
     return forced(0.1, 0.25)
 
 
 @cache
 def burst() -> Scene:
-    """Five seconds of motion between fifteen and twenty of silence, as records have them; for what is skipped only."""
+    """Fifteen seconds of silence, five of motion, twenty of silence, as in records; only for skipped intervals."""
     time = 0.01 * np.arange(4001)
     inside = (time > 15.0) & (time < 20.0)
     ax = np.where(inside, 0.02 * G * np.sin(4.0 * math.pi * time), 0.0)
@@ -105,6 +105,6 @@ def burst() -> Scene:
 
 
 def scenes() -> tuple[tuple[Scene, ...], dict[str, str]]:
-    """All scenes, and those that cannot be had with the reason."""
+    """All scenes, and those not available, with the reason."""
     found, absent = recorded()
     return (*others()[:1], *harmonic(), *found, *others()[1:]), absent

@@ -1,8 +1,8 @@
 """Work-precision of scenes with joints that slide, against friction that is regularized less and less.
 
-The reference is another formulation, other integrator and no decision at all (regularized.py); its error goes as the
-width over which friction rises, so that two widths give the limit. What it and the solver's `auto` at its tightest
-disagree by is printed beside, and no error below that means anything. Cost is counted in evaluations.
+The reference has another formulation, another integrator and no decisions (regularized.py). Its error is proportional
+to the width over which friction rises, so that two widths give the limit. The difference of the reference and the
+solver's `auto` at its tightest is printed too; smaller errors mean nothing. Cost is counted in evaluations.
 """
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ from .regularized import Array, solve
 from .scenes import DAMPING, HEIGHT, MASS, SIDE, STIFFNESS, G, Scene
 
 OWN_TOLERANCE = 1e-11
-WIDTHS = (1e-8, 1e-9)  # m/s, over which friction rises: the limit is taken of them
-TOLERANCE = 1e-12  # of the integrator there
-PER_WIDTH = 1e-2  # s/m, its tolerance over the width where the regularized way is a competitor itself
+WIDTHS = (1e-8, 1e-9)  # m/s, over which friction rises: the limit is extrapolated from them
+TOLERANCE = 1e-12  # of the reference's integrator
+PER_WIDTH = 1e-2  # s/m, tolerance over width where the regularized friction is a competitor itself
 AUTO, OTHER = "auto", "regularized friction, LSODA (scipy)"
 TABLE = tolerances(-2, -8, per_decade=1)
 
@@ -36,7 +36,7 @@ def two_blocks(damping: float) -> Column:
 
 @cache
 def scenes() -> tuple[Scene, ...]:
-    """What slides only, what rocks and slides, damped and not, and slender blocks that do both."""
+    """Blocks that only slide, blocks that rock and slide, damped and undamped, and slender blocks that do both."""
     flat = Column("flat", (Block(0.5, 2.0, 1.0, 2000.0, Joint(5e8, DAMPING, friction=0.3)),))
     joint = Joint(STIFFNESS, DAMPING, friction=0.1)
     # the lower blocks reach out, so that no rim cuts a contact off
@@ -59,7 +59,7 @@ def limit(scene: Scene, times: Array) -> tuple[Array, Array]:
 
 
 def error(found: tuple[Array, Array], wanted: tuple[Array, Array]) -> float:
-    """The larger of the largest errors of displacements and slips, each in parts of its peak."""
+    """The larger of the largest errors of displacements and slips, each relative to its peak."""
     pairs = zip(found, wanted, strict=True)
     return float(max(np.max(np.abs(one - other)) / np.max(np.abs(other)) for one, other in pairs))
 
@@ -108,7 +108,7 @@ def of_table(row: dict[str, Any]) -> list[dict[str, Any]]:
     return [point for point in row["points"][AUTO] if point["value"] in TABLE]
 
 
-def told(row: dict[str, Any]) -> str:
+def summary(row: dict[str, Any]) -> str:
     """One scene in one line: the errors of `auto` in tolerances."""
     parts = [
         "gave up" if "failure" in point else f"{point['value']:.0e}: {point['error'] / point['value']:.2g}"

@@ -1,7 +1,7 @@
-"""Many runs: `simulate_many` beside `simulate` in a loop, in threads, and beside OpenSees.
+"""Many runs: `simulate_many` against `simulate` in a loop, in threads, and against OpenSees.
 
-Ratios of times measured in turn, the shortest of some rounds: seconds of the processor for one thread, seconds of the
-clock where several work. Every scene is many columns of which no two are alike.
+The results are ratios of times measured in turn, the shortest of some rounds: processor time for one thread, clock time
+where several work. Every scene has many columns, all different.
 """
 
 from __future__ import annotations
@@ -25,8 +25,9 @@ from unittest.mock import patch
 import numpy as np
 from numba import njit
 
-from solver import Column, Motion, Response, SolverError, batch, simulate, simulate_many
-from solver import runs as runs_module
+from solver import Column, Motion, Response, SolverError, simulate, simulate_many
+from solver.runs import batch
+from solver.runs import chunk as runs_module
 from solver.studies import Study, run_study
 from solver.studies.chunks import make
 
@@ -34,13 +35,13 @@ from . import opensees
 from .scenes import RECORDS, ROOT, G, forced, shaft
 
 ROUNDS = 3
-CORE_ROUNDS = 5  # of seconds each, beside which what begins and ends a study is little
-ERROR = 1e-3  # of the peak, within which both are to be
+CORE_ROUNDS = 5  # of seconds each, compared with which start and end of a study are short
+ERROR = 1e-3  # of the peak, the largest allowed for both
 TOLERANCES = (1e-1, 3e-2, 1e-2, 3e-3, 1e-3, 3e-4, 1e-4)
 TIGHT = 1e-7
 DURATION = 20.0  # s
 SPREAD = 0.1  # of the logarithm of stiffnesses
-ROCKING, RESTING = (0.05, 0.08), (0.002, 0.004)  # g: of the motions that make Phocas rock, and not
+ROCKING, RESTING = (0.05, 0.08), (0.002, 0.004)  # g: amplitudes under which Phocas rocks, and under which it does not
 FRICTION = 0.12
 DRUMS, LEVELS = 6, 20
 FILES = (
@@ -55,12 +56,12 @@ FIGURE = (0.25, 10.0)  # Hz
 AMPLITUDES = (0.05, 0.1)  # g
 ARITHMETIC = 200_000_000  # rounds, half a second
 STUDY = ROOT / "examples" / "studies" / "fragility.toml"
-MANY, SOME = 1_000_000, 50_000  # runs of the memory
+MANY, SOME = 1_000_000, 50_000  # runs of the memory test
 Runs = tuple[list[Column], list[Motion], float]
 Rows = list[dict[str, Any]]
 
 
-# --- what is run
+# --- the runs
 
 
 def varied(column: Column, rng: np.random.Generator) -> Column:
@@ -74,7 +75,7 @@ def varied(column: Column, rng: np.random.Generator) -> Column:
 
 
 def phocas_runs(count: int, amplitudes: tuple[float, float], duration: float = DURATION) -> Runs:
-    """Damped Phocas under harmonic motions of so many g."""
+    """Damped Phocas under harmonic motions with amplitudes in this range, g."""
     rng = np.random.default_rng(1)
     columns = [varied(shaft(3), rng) for _ in range(count)]
     motions = [Motion.harmonic(rng.uniform(*amplitudes) * G, rng.uniform(1.2, 2.5), duration) for _ in range(count)]
@@ -82,7 +83,7 @@ def phocas_runs(count: int, amplitudes: tuple[float, float], duration: float = D
 
 
 def sliding_runs(count: int, amplitudes: tuple[float, float]) -> Runs:
-    """The same with so little friction that joints slide."""
+    """`phocas_runs` with so little friction that joints slide."""
     columns, motions, duration = phocas_runs(count, amplitudes)
     joints = [[replace(block.joint, friction=FRICTION) for block in column.blocks] for column in columns]
     slippery = [
@@ -95,7 +96,7 @@ def sliding_runs(count: int, amplitudes: tuple[float, float]) -> Runs:
 
 
 def drums(levels: int = LEVELS, duration: float = DURATION) -> Runs:
-    """The shaft of Phocas in six drums under five records, or harmonic motions without them, at so many intensities."""
+    """The shaft of Phocas in six drums under five records, else harmonic motions, at `levels` intensities."""
     column = shaft(DRUMS)
     records = [Motion.from_at2(RECORDS / name) for name in FILES if (RECORDS / name).is_file()]
     records = records or [Motion.harmonic(1.0, frequency, duration) for frequency in (1.0, 1.4, 1.8, 2.4, 3.0)]
@@ -105,7 +106,7 @@ def drums(levels: int = LEVELS, duration: float = DURATION) -> Runs:
 
 
 def strongest(motion: Motion, duration: float) -> Motion:
-    """The part of a record, so long, s, in whose middle its largest acceleration is; a shorter motion as it is."""
+    """The part of a record of this duration, s, around its largest acceleration; a shorter motion as it is."""
     if motion.duration <= duration:
         return motion
     peak = motion.time[np.argmax(np.abs(motion.ax))]
@@ -116,7 +117,7 @@ def strongest(motion: Motion, duration: float) -> Motion:
 
 
 def figure_runs(count: int, column: Column, duration: float = DURATION) -> Runs:
-    """Figure 3: a column under harmonic motions of two amplitudes and so many frequencies."""
+    """Figure 3: a column under harmonic motions of two amplitudes and `count` frequencies."""
     motions = [
         Motion.harmonic(amplitude * G, frequency, duration)
         for amplitude in AMPLITUDES
@@ -125,7 +126,7 @@ def figure_runs(count: int, column: Column, duration: float = DURATION) -> Runs:
     return [column] * len(motions), motions, duration
 
 
-# --- how
+# --- how they are run
 
 
 def one_by_one(runs: Runs, tolerance: float | None) -> np.ndarray[Any, Any]:
@@ -165,7 +166,7 @@ def alternating(works: Sequence[Callable[[], object]], timer: Callable[[], float
     return best
 
 
-# --- what is measured
+# --- the measurements
 
 
 def at_equal_error(name: str, runs: Runs) -> dict[str, Any]:
@@ -191,7 +192,7 @@ def at_equal_error(name: str, runs: Runs) -> dict[str, Any]:
 
 
 def beside_opensees(throughput: float) -> dict[str, Any]:
-    """How many times the throughput of OpenSees' tuned runs that is, on damped Phocas in rocking."""
+    """Ratio of the throughput to that of OpenSees' tuned runs, on damped Phocas in rocking."""
     found = opensees.measure({"damped": forced(0.05, 2.0)})
     if "absent" in found:
         return {"absent": found["absent"]}
@@ -201,7 +202,7 @@ def beside_opensees(throughput: float) -> dict[str, Any]:
 
 @njit(nogil=True)
 def arithmetic(count: int) -> float:
-    """Four sums that need no memory and do not wait for each other."""
+    """Four sums that need no memory and are independent of each other."""
     a, b, c, d = 1.0, 1.1, 1.2, 1.3
     for _ in range(count):
         a, b, c, d = 0.999 * a + 0.1, 0.998 * b + 0.1, 0.997 * c + 0.1, 0.996 * d + 0.1
@@ -209,13 +210,13 @@ def arithmetic(count: int) -> float:
 
 
 def calculate(threads: int) -> None:
-    """As much arithmetic in each of some threads: what the machine has to give, beside its other work."""
+    """Equal arithmetic in each of some threads: the gain the machine allows, beside its other work."""
     with ThreadPoolExecutor(threads) as pool:
         list(pool.map(arithmetic, [ARITHMETIC] * threads))
 
 
 def cores(count: int, rounds: int) -> dict[str, dict[str, float]]:
-    """How many times as much two threads make as one, by the clock; and what one spends of the processor over two."""
+    """Gain of two threads over one by the clock; ratio of the processor times of one thread and of two."""
     phocas, study = phocas_runs(count, ROCKING), Study.from_toml(STUDY).with_runs(count)
     works: dict[str, Callable[[int], object]] = {
         "arithmetic": calculate,
@@ -234,13 +235,13 @@ def cores(count: int, rounds: int) -> dict[str, dict[str, float]]:
                 best[0] = min(best[0], clock.perf_counter() - begin)
                 best[1] = min(best[1], clock.process_time() - own)
     for name, (one, two) in spent.items():
-        more = 2.0 if name == "arithmetic" else 1.0  # two threads make so many times as much
+        more = 2.0 if name == "arithmetic" else 1.0  # two threads do twice the work
         found[name] = {"clock": more * one[0] / two[0], "processor": more * one[1] / two[1]}
     return found
 
 
 def parts_of_a_run(count: int, rounds: int) -> dict[str, float]:
-    """Milliseconds of the processor that a run of the fragility study takes in one thread, and those in kernels."""
+    """Processor time of a run of the fragility study in one thread, and its part in kernels, ms."""
     study, spent = Study.from_toml(STUDY).with_runs(count), [0.0]
 
     @contextmanager
@@ -291,9 +292,9 @@ def figure(count: int) -> dict[str, Any]:
 
 
 def memory(count: int, compiling: bool) -> dict[str, Any]:
-    """Most memory, MB, of a process that makes so many runs with kernels that have been compiled before.
+    """Peak memory, MB, of a process that makes `count` runs with kernels compiled before.
 
-    And, if that is wanted, of one that compiles them for a few runs, as a user's first one does.
+    With `compiling` also that of a process that compiles them for a few runs, as a user's first one does.
     """
     with tempfile.TemporaryDirectory() as cache:
         environment = os.environ | ({"NUMBA_CACHE_DIR": cache} if compiling else {})
@@ -308,7 +309,7 @@ def _filled(count: int, environment: Mapping[str, str]) -> float:
 
 
 def fill_memory(count: int) -> float:
-    """So many short runs; the most memory of this process, MB."""
+    """Make `count` short runs; return the peak memory of this process, MB."""
     rng = np.random.default_rng(1)
     column = shaft(3)
     motion = Motion.harmonic(0.02 * G, 2.0, 0.02)
@@ -318,16 +319,16 @@ def fill_memory(count: int) -> float:
 
 
 def most_memory() -> float:
-    """The most memory that this process has had, MB."""
+    """Peak memory of this process, MB."""
     status = Path("/proc/self/status")
-    if status.is_file():  # getrusage has that of the process from which this one was started, if it was more
+    if status.is_file():  # getrusage includes the process that started this one, if that had more
         line = next(line for line in status.read_text(encoding="ascii").splitlines() if line.startswith("VmHWM"))
         return float(line.split()[1]) / 1024.0
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
 
 
 def measure(quick: bool) -> Iterator[dict[str, Any]]:
-    """All of it, as it is known."""
+    """All measurements, each time one is added."""
     found: dict[str, Any] = {}
     count = 16 if quick else 64
     together(phocas_runs(16, ROCKING, 0.5), 1e-2, threads=1)  # compiles

@@ -1,4 +1,4 @@
-"""What is aimed at, beside what was measured; nothing here but arithmetic on the results."""
+"""Targets beside the measured values; only arithmetic on the results."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ TIMED_SECONDS = 1.5e-3
 OPENSEES_SPEED_UP = 200.0
 EVALUATION_RATIO = 1.5  # to the same arithmetic in C
 ROUND_RATIO = 3.0
-RECURSION_RATIO = 0.75  # to the recursion of before
+RECURSION_RATIO = 0.75  # to the earlier recursion
 LANES_RATIO = {"AVX-512": 6.0, "AVX2": 5.0, "SSE2": 2.5}  # of one evaluation alone to one in lanes, by instructions
 GROWTH = 1.3  # of the cost per block from 10 to 200 blocks
 RATIO_RANGE = (0.01, 10.0)  # observed error over requested tolerance
@@ -32,7 +32,7 @@ FIGURE_SECONDS = 5.0
 PAPER_SPEED_UP = 3.0
 MEGABYTES = 300.0
 PROCESSES_PART = 0.9  # of the throughput of threads
-REFERENCE_MARGIN = 10.0  # a tolerance is judged where it is this many times what the references disagree by
+REFERENCE_MARGIN = 10.0  # a tolerance is judged only if it is this many times the difference of the references
 
 
 @dataclass(frozen=True)
@@ -68,7 +68,7 @@ def speed(results: Results) -> list[Target]:
         group = contact if scene["regimes"]["full_contact"] >= 1.0 else rocking
         for row in scene["equal_error"]:
             if row["best"] is None:
-                continue  # nobody is that accurate
+                continue  # no competitor reaches it
             group.append((row["speed_up"] or 0.0, f"{scene['title']} at {row['error']:.0e}"))
     rows = []
     for number, aim, group, least in (
@@ -120,7 +120,7 @@ def forced_run(results: Results) -> list[Target]:
 
 
 def evaluation(results: Results) -> list[Target]:
-    """3: one evaluation against C, against the recursion of before, in lanes, and upon circles."""
+    """3: one evaluation against C, against the earlier recursion, in lanes, and with circular joints."""
     part = results.get("evaluation", {})
     rows = part.get("rows", [])
     aim = f"one evaluation: at most {EVALUATION_RATIO:g}x the same arithmetic in C -O3"
@@ -129,7 +129,7 @@ def evaluation(results: Results) -> list[Target]:
     if compared:
         text = "; ".join(f"{row['ratio']:.2f}x for {row['n']} blocks" for row in compared)
         found = [Target("3a", aim, text, max(row["ratio"] for row in compared) <= EVALUATION_RATIO)]
-    aim = f"one evaluation, 3 blocks: at most {RECURSION_RATIO:g}x the recursion of before"
+    aim = f"one evaluation, 3 blocks: at most {RECURSION_RATIO:g}x the earlier recursion"
     three = next((row for row in rows if row["n"] == 3 and "articulated_seconds" in row), None)
     if three is None:
         found.append(_unmeasured("3b", aim))
@@ -137,7 +137,7 @@ def evaluation(results: Results) -> list[Target]:
         ratio = three["seconds"] / three["articulated_seconds"]
         found.append(Target("3b", aim, f"{ratio:.2f}x", ratio <= RECURSION_RATIO))
     found += lanes(results)
-    aim = f"one evaluation, 3 blocks upon circles: at most {ROUND_RATIO:g}x that upon rectangles"
+    aim = f"one evaluation, 3 blocks on circles: at most {ROUND_RATIO:g}x that on rectangles"
     if "round_ratio" not in part:
         return [*found, _unmeasured("3f", aim)]
     ratio = part["round_ratio"]
@@ -145,7 +145,7 @@ def evaluation(results: Results) -> list[Target]:
 
 
 def lanes(results: Results) -> list[Target]:
-    """3c to 3e: an evaluation in lanes, a column, against one alone that is compiled for the same instructions."""
+    """3c to 3e: an evaluation in lanes, per column, against one alone compiled for the same instructions."""
     alone = results.get("evaluation", {})
     measured = {alone.get("instructions", ""): alone.get("rows", [])} | results.get("lanes", {})
     found = []
@@ -185,7 +185,7 @@ def scaling(results: Results) -> list[Target]:
 
 
 def ratios(results: Results) -> list[tuple[str, float, float]]:
-    """(scene, tolerance, observed error over tolerance) of `auto` where the references can tell."""
+    """(scene, tolerance, observed error over tolerance) of `auto` where the references are close enough."""
     found = []
     for scene in results.get("work-precision", {}).get("scenes", []):
         for point in scene.get("points", {}).get("auto", []):

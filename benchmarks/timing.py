@@ -1,4 +1,4 @@
-"""How long something takes: the shortest of warm runs."""
+"""Run times: the shortest of warm runs."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ T = TypeVar("T")
 LEAST_RUNS = 3
 MOST_RUNS = 25
 ROUNDS = 15
-ENOUGH = 0.01  # s that a round of something short lasts, at least
+ENOUGH = 0.01  # s that a round of a short function lasts, at least
 
 
 def fastest(run: Callable[[], T], budget: float) -> tuple[T, float, int]:
     """What `run` returns, the shortest of its times in s, and the number of runs.
 
-    What lasts longer than the budget, s, runs once; anything else several times, until the budget is spent.
+    A function that takes longer than the budget, s, runs once; any other runs until the budget is spent.
     """
     best, spent, runs = float("inf"), 0.0, 0
     while runs == 0 or (spent < budget and runs < MOST_RUNS) or (best < budget and runs < LEAST_RUNS):
@@ -33,7 +33,7 @@ def fastest(run: Callable[[], T], budget: float) -> tuple[T, float, int]:
 def loops(runs: Sequence[Callable[[], object]], enough: float = ENOUGH, rounds: int = ROUNDS) -> list[float]:
     """Seconds of one call of each, the shortest of rounds of loops that last at least `enough` s.
 
-    The rounds alternate, so that a disturbance from outside falls on all alike.
+    The rounds alternate, so that a disturbance from outside affects all alike.
     """
     counts = [_count(run, enough) for run in runs]
     best = [float("inf")] * len(runs)
@@ -47,7 +47,7 @@ def loops(runs: Sequence[Callable[[], object]], enough: float = ENOUGH, rounds: 
 
 
 def _count(run: Callable[[], object], enough: float) -> int:
-    """How many calls last at least `enough` s."""
+    """Number of calls that last at least `enough` s."""
     count = 1
     while True:
         begin = time.perf_counter()

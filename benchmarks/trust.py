@@ -1,6 +1,6 @@
-"""What may be believed of a run, and what it costs to know: peaks beside the rows, shares that fall, pulses, checks.
+"""How far a run can be trusted, and the cost of finding out: peaks against rows, shares that fall, pulses, checks.
 
-A share is that of an ensemble; many more runs with another seed say what it is of.
+A share is that of an ensemble; its true value is estimated by many more runs with another seed.
 """
 
 from __future__ import annotations
@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 
 from solver import Column, Motion, Response, simulate
-from solver.trust import finer
-from solver.uncertainty import Spread
+from solver.dynamics.uncertainty import Spread
+from solver.runs.trust import finer
 
 from .scenes import FORCED, RECORDED, RECORDS, G, Scene, forced, recorded, shaft
 from .timing import loops
@@ -32,7 +32,7 @@ ENOUGH = 0.05  # s that a round of runs lasts, at least
 
 
 def peaks(scene: Scene) -> dict[str, Any]:
-    """Whether the peaks depend on the rows, and what part of them rows of 5 ms see."""
+    """Whether the peaks depend on the rows, and what part of them rows of 5 ms show."""
     fine, coarse = (
         simulate(scene.column, scene.motion, scene.duration, settle=0.0, output_step=step) for step in (FINE, COARSE)
     )
@@ -46,7 +46,7 @@ def peaks(scene: Scene) -> dict[str, Any]:
 
 
 def costs(scene: Scene) -> dict[str, Any]:
-    """What a check and an ensemble of eight cost beside the run itself: evaluations of the one, time of both."""
+    """Cost of a check and of an ensemble of eight relative to the run: evaluations of the check, time of both."""
 
     def run(**more: Any) -> Response:
         return simulate(scene.column, scene.motion, scene.duration, settle=0.0, **more)
@@ -73,7 +73,7 @@ def motions() -> Iterator[tuple[str, Motion]]:
 
 
 def edge(column: Column, motion: Motion) -> float:
-    """A scale of the motion at which the column begins to fall: above it stands, and below it falls, some other one."""
+    """A scale of the motion near which the column begins to fall; it may stand at some above and fall at some below."""
     low, high = 0.1, 0.2
     while simulate(column, motion.scaled(high), tolerance=TOLERANCE).verdict != "overturned":
         low, high = high, 1.5 * high
@@ -87,7 +87,7 @@ def edge(column: Column, motion: Motion) -> float:
 def shares(
     column: Column, label: str, motion: Motion, sizes: tuple[int, ...] = SIZES, many: int = MANY
 ) -> Iterator[dict[str, Any]]:
-    """For scales around the edge the share that falls: of ensembles, with bounds, and of many runs."""
+    """Shares that fall at scales around the edge: of ensembles, with bounds, and of many runs."""
     begins = edge(column, motion)
     for part in AROUND:
         scaled = motion.scaled(part * begins)
@@ -105,7 +105,7 @@ def shares(
 
 
 def pulses(column: Column, label: str, frequency: float, amplitudes: np.ndarray) -> dict[str, Any]:
-    """What comes of half sines of these amplitudes, m/s2: how many fall in them, after them, never, and who knows."""
+    """Counts of outcomes of half sines of these amplitudes, m/s2: falls during the pulse, later, never, undecided."""
     length = 0.5 / frequency
     counts: Counter[str] = Counter()
     for amplitude in amplitudes:
@@ -117,7 +117,7 @@ def pulses(column: Column, label: str, frequency: float, amplitudes: np.ndarray)
 
 
 def measure(quick: bool) -> Iterator[dict[str, Any]]:
-    """All of it, as far as it has come."""
+    """All measurements, each time one is added."""
     found: dict[str, Any] = {"costs": [], "peaks": [], "pulses": [], "shares": []}
     duration = 2.0 if quick else 10.0
     rocking = [forced(g, frequency, 2.0 * duration) for g, frequency in FORCED[1:]]

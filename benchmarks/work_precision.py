@@ -1,4 +1,4 @@
-"""Error against time for every competitor in every scene, and who is faster at equal error."""
+"""Error against time for every competitor in every scene, and the fastest at equal error."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from .references import Reference
 from .scenes import harmonic
 
 EQUAL_ERRORS = (1e-3, 1e-5, 1e-7)  # of the peak
-SLOWEST = 5.0  # s; a value of the knob having taken this long, tighter ones are left out
-MANY_BLOCKS = 50  # from here on every other value of the knob is left out
+SLOWEST = 5.0  # s; if one value of the knob takes longer, tighter ones are left out
+MANY_BLOCKS = 50  # from this number on every other value of the knob is left out
 WARM_UP = 11  # output times
 
 Points = list[dict[str, Any]]  # value, error, seconds, evaluations, runs; or value, failure
@@ -43,7 +43,7 @@ def cost_at(points: Iterable[tuple[float, float]], error: float) -> float | None
 
 
 def sweep(competitor: Competitor, reference: Reference, budget: float) -> Points:
-    """Every value of the knob. What fails is listed as failing, whatever it fails with."""
+    """Every value of the knob. Any failure is listed."""
     points: Points = []
     try:  # compiles
         competitor.solve(reference.scene, reference.times[:WARM_UP], competitor.values[-1], 0.0)
@@ -71,7 +71,7 @@ def sweep(competitor: Competitor, reference: Reference, budget: float) -> Points
 
 
 def again(competitor: Competitor, reference: Reference, points: Points, budget: float) -> None:
-    """Time every point once more, some time later, and keep the shorter time: a disturbance hits a stretch of runs."""
+    """Time every point once more, later, and keep the shorter time: a disturbance affects consecutive runs."""
     for point in points:
         if "error" in point and point["seconds"] < budget:
             result = competitor.solve(reference.scene, reference.times, point["value"], budget)
@@ -114,9 +114,9 @@ def equal_error(points: dict[str, Points], compiled: Sequence[str]) -> list[dict
 
 
 def measure(reference: Reference, competitors: Sequence[Competitor], budget: float) -> dict[str, Any]:
-    """Everything about a scene; the budget is the time in s to spend on repeats of one point.
+    """All measurements of a scene; the budget is the time in s to spend on repeats of one point.
 
-    Interpreted competitors, slow as they are, take part in the harmonic scenes only.
+    Interpreted competitors, which are slow, take part in the harmonic scenes only.
     """
     taking_part = [c for c in competitors if c.kind != CONTEXT or reference.scene in harmonic()]
     points = {competitor.name: sweep(competitor, reference, 0.5 * budget) for competitor in taking_part}

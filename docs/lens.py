@@ -1,4 +1,4 @@
-"""What a straight cut makes of the lens in which two slipped drums overlap: `python docs/lens.py` prints the table.
+"""A straight cut beside the lens in which two slipped drums overlap: `python docs/lens.py` prints the table.
 
 Two equal circles touch in a lens; a straight cut takes off the upper one what lies beyond the rim of the lower one.
 Moments of both by quadrature; a joint begins to open where the resultant leaves the kern.

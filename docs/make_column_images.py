@@ -9,11 +9,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Polygon, Rectangle
 
-from solver import Block, Column, natural_frequencies
-from solver.drawings import INK, STONE, corners_of
-from solver.motion import STANDARD_GRAVITY
-from solver.packing import FloatArray
-from solver.statics import capacity_curve
+from multiblock import Block, Column, capacity_curve, natural_frequencies
+from solver.column.packing import FloatArray
+from solver.ground.motion import STANDARD_GRAVITY
+from solver.plotting.drawings import INK, STONE, corners_of
 
 HERE = Path(__file__).resolve().parent
 EXAMPLES = HERE.parent / "examples" / "columns"
@@ -79,7 +78,7 @@ def draw_elevation(axes: Axes, column: Column) -> None:
 
 
 def draw_contact(axes: Axes, block: Block) -> None:
-    """What touches under a block, seen from above."""
+    """Draw the contact under a block, seen from above."""
     half, deep = 0.5 * block.width, 0.5 * block.depth
     section = block.joint.section or block.section
     if section in ("circle", "annulus"):
@@ -115,8 +114,8 @@ def picture(name: str) -> Figure:
     contact = figure.add_subplot(grid[0, 1])
     draw_contact(contact, column.blocks[shown])
     contact.set_title(f"joint {shown + 1} from above", fontsize=8)
-    told = figure.add_subplot(grid[1, 1])
-    told.set_axis_off()
+    text_axes = figure.add_subplot(grid[1, 1])
+    text_axes.set_axis_off()
     mass = sum(block.mass for block in column.blocks)
     lines: tuple[str, ...] = (
         f"{column.n} blocks, {1e-3 * mass:.3g} t",
@@ -127,7 +126,7 @@ def picture(name: str) -> Figure:
     leaning = built_off(column)
     if leaning:
         lines += (f"its top stands off by {1e3 * leaning:.3g} mm",)
-    told.text(0.0, 0.9, "\n".join(lines), fontsize=8, va="top", linespacing=1.6, color=INK)
+    text_axes.text(0.0, 0.9, "\n".join(lines), fontsize=8, va="top", linespacing=1.6, color=INK)
     figure.suptitle(name, fontsize=10)
     return figure
 

@@ -11,16 +11,24 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
-from solver import Block, Column, Joint, Motion, simulate, wavelets
-from solver.calibrate import with_joints
-from solver.drawings import corners_of, draw_column
-from solver.modes import natural_modes
-from solver.motion import STANDARD_GRAVITY
-from solver.plots import draw_ground
-from solver.record_plots import plot_records
-from solver.rocking import housner_restitution, pulled_aside, restitution_from
-from solver.statics import capacity_curve
-from solver.still import StillColumn
+from multiblock import (
+    Block,
+    Column,
+    Joint,
+    Motion,
+    capacity_curve,
+    housner_restitution,
+    natural_modes,
+    simulate,
+    wavelets,
+)
+from solver.dynamics.linearization import StillColumn
+from solver.ground.motion import STANDARD_GRAVITY
+from solver.plotting.drawings import corners_of, draw_column
+from solver.plotting.plots import draw_ground
+from solver.plotting.record_plots import plot_records
+from solver.statics.calibrate import with_joints
+from solver.statics.rocking import pulled_aside, restitution_from
 
 HERE = Path(__file__).resolve().parent
 EXAGGERATION = 50.0
@@ -297,10 +305,10 @@ def stuck_and_sliding() -> None:
         for friction, colour in ((None, INK), (0.7, BLUE), (0.2, RED)):
             joints = tuple(replace(own, joint=replace(own.joint, friction=friction)) for own in column.blocks)
             response = simulate(replace(column, blocks=joints), motion, tolerance=1e-6, settle=0.0)
-            peak, told = 1e3 * response.peak_ux[0], "stuck" if friction is None else f"friction {friction:g}"
-            print(f"{name}, {told}: {peak:.0f} mm, slips left (mm)", np.round(1e3 * response.slip[-1], 2))
+            peak, label = 1e3 * response.peak_ux[0], "stuck" if friction is None else f"friction {friction:g}"
+            print(f"{name}, {label}: {peak:.0f} mm, slips left (mm)", np.round(1e3 * response.slip[-1], 2))
             top.plot(
-                response.time, 1e3 * response.ux[:, 0], color=colour, label=f"{told}: {peak:.0f} mm", linewidth=0.8
+                response.time, 1e3 * response.ux[:, 0], color=colour, label=f"{label}: {peak:.0f} mm", linewidth=0.8
             )
             if friction == 0.2:
                 slips.plot(response.time, 1e3 * response.slip, linewidth=0.9)
@@ -322,7 +330,7 @@ def shenton() -> None:
     from matplotlib.colors import ListedColormap
 
     sys.path.insert(0, str(HERE.parent / "tests"))
-    from test_sliding_motion import mode_found, mode_of
+    from support.shenton import mode_found, mode_of
 
     modes = {"rest": "#dddddd", "slide": "#9ecae1", "rock": "#fdae6b", "slide-rock": "#a1d99b"}
     names = list(modes)

@@ -23,13 +23,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from solver import Column, InputError, Motion, simulate_many
-from solver.command_line import OneLineParser
-from solver.errors import check_number, reading
-from solver.files import whole_file
-from solver.motion import STANDARD_GRAVITY
-from solver.plots import block_colours, save, show_blocks
-from solver.progress import RunsLine
+from multiblock import Column, InputError, Motion, RunsLine, simulate_many
+from solver.commands.command_line import OneLineParser
+from solver.common.errors import check_number, reading
+from solver.common.files import whole_file
+from solver.ground.motion import STANDARD_GRAVITY
+from solver.plotting.plots import block_colours, save, show_blocks
 
 PROGRAM = "figure3.py"
 PHOCAS = Path(__file__).resolve().parent / "columns" / "phocas.toml"
@@ -97,7 +96,7 @@ def sweep(
 ) -> list[Run]:
     """Run the column under every amplitude, g, at every frequency, Hz, for `duration`, s, in that order.
 
-    The runs go side by side in `workers` threads (None: one per processor). What is wrong with a run is recorded in it.
+    The runs are made in `workers` threads (None: one per processor). The error of a failed run is recorded in its row.
     Raises InputError on a wrong number.
     """
     points = [(amplitude, frequency) for amplitude in amplitudes_g for frequency in frequencies]
@@ -130,7 +129,7 @@ def write_csv(runs: Sequence[Run], path: Path) -> None:
 
 
 def findings(runs: Sequence[Run]) -> list[str]:
-    """What the runs say, one sentence for each amplitude."""
+    """Summary of the runs, one sentence for each amplitude."""
     sentences = []
     for amplitude in sorted({run.amplitude for run in runs}):
         series = [run for run in runs if run.amplitude == amplitude]
@@ -159,7 +158,7 @@ def caption(runs: Sequence[Run], column: Column, duration: float) -> list[str]:
 
 
 def _comparison(runs: Sequence[Run]) -> str:
-    """What the paper's text says of its figure beside what these runs say."""
+    """The paper's description of its figure beside the results of these runs."""
     weak = [run for run in runs if run.amplitude == 0.05 and run.stands and run.frequency.is_integer()]
     strong = [run for run in runs if run.amplitude == 0.1 and run.frequency <= 2.0]
     falling = [math.inf if run.overturned else _peak(run) for run in strong]  # by rising frequency

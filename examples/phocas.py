@@ -12,20 +12,21 @@ from __future__ import annotations
 import argparse
 import math
 import sys
+import tempfile
 from pathlib import Path
 
 import numpy as np
-from fmpy import simulate_fmu
+from fmpy import extract, simulate_fmu
 from fmpy.fmi1 import FMICallException
 from fmpy.util import write_csv
 from numpy.typing import NDArray
 
 from build_fmu import build_fmu
-from solver import Column, InputError, Motion
-from solver.command_line import OneLineParser
-from solver.motion import STANDARD_GRAVITY
-from solver.plots import plot_histories
-from solver.response import BLOCK_HISTORIES
+from multiblock import Column, InputError, Motion
+from solver.commands.command_line import OneLineParser
+from solver.dynamics.response import BLOCK_HISTORIES
+from solver.ground.motion import STANDARD_GRAVITY
+from solver.plotting.plots import plot_histories
 
 PROGRAM = "phocas.py"
 PHOCAS = Path(__file__).resolve().parent / "columns" / "phocas-damped.toml"
@@ -45,8 +46,10 @@ def main() -> int:
         print(f"{PROGRAM}: {error}", file=sys.stderr)
         return 2
 
+    run = {"stop_time": motion.duration, "output_interval": COMMUNICATION_STEP, "input": signals}
     try:
-        results = simulate_fmu(fmu, stop_time=motion.duration, output_interval=COMMUNICATION_STEP, input=signals)
+        with tempfile.TemporaryDirectory() as folder:  # FMPy leaves its own behind if the FMU stops
+            results = simulate_fmu(extract(str(fmu), unzipdir=folder), **run)
     except FMICallException as error:  # the FMU has said why
         print(f"{PROGRAM}: the FMU stopped before {motion.duration} s: {error}", file=sys.stderr)
         return 1

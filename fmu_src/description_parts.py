@@ -1,4 +1,4 @@
-"""What the model descriptions of FMI 2.0 and 3.0 have in common: all before the variables, and limits of those."""
+"""Common parts of the model descriptions of FMI 2.0 and 3.0: everything before the variables, and limits of those."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from xml.etree.ElementTree import Element, SubElement
 
-from solver.motion import STANDARD_GRAVITY
+from solver.common.files import identifier_of
+from solver.ground.motion import STANDARD_GRAVITY
 
 from .variables import ROLES, START_TIME, STEP_SIZE, STOP_TIME, Choice, Variable
 
@@ -61,24 +62,28 @@ LOG_CATEGORIES = {
     "logAll": "Everything else",
 }
 
-INITIAL = {"parameter": "exact", "output": "calculated"}  # causality -> where the value of initialization comes from
+INITIAL = {"parameter": "exact", "output": "calculated"}  # causality -> origin of the value at initialization
 
 
 @dataclass(frozen=True)
 class Experiment:
-    """What a run lasts and how often it communicates unless a master is told otherwise, s."""
+    """Default duration of a run and default communication step, s.
+
+    tolerance: of the solver, as built; None: there is none.
+    """
 
     start: float = START_TIME
     stop: float = STOP_TIME
     step: float = STEP_SIZE
+    tolerance: float | None = None
 
 
 @dataclass(frozen=True)
 class About:
-    """What a model description tells of an FMU beside its variables.
+    """Facts about an FMU for the model description, beside its variables.
 
-    name: also the model identifier. identity: text that binary and description share. flags: the capabilities. tool:
-    what made it.
+    name: the model identifier is made from it. identity: text that binary and description share. flags: the
+    capabilities. tool: the program that made it.
     """
 
     name: str
@@ -92,7 +97,7 @@ class About:
 
 @dataclass(frozen=True)
 class Standard:
-    """What a version of FMI calls things.
+    """Names that a version of FMI uses.
 
     identity: attribute with the text that binary and description share. root: its own attributes of the root.
     enumeration: elements around the items of an enumeration, the outermost first. units: used in any case.
@@ -106,21 +111,22 @@ class Standard:
 
 
 def beginning(standard: Standard, about: About, table: list[Variable]) -> Element:
-    """The root element with all that stands before the variables."""
+    """The root element with everything before the variables."""
     words = {"fmiVersion": standard.version, "modelName": about.name, standard.identity: about.identity}
     words |= {"description": about.description, "version": about.version, "author": AUTHOR, "license": LICENCE}
     words |= {"generationDateAndTime": date(), "generationTool": about.tool, "variableNamingConvention": "structured"}
     root = Element("fmiModelDescription", words | dict(standard.root))
     flags = {key: shown(flag) for key, flag in about.flags.items()}
-    SubElement(root, "CoSimulation", {"modelIdentifier": about.name, **flags})
+    SubElement(root, "CoSimulation", {"modelIdentifier": identifier_of(about.name), **flags})
     _add_units(root, {variable.unit for variable in table if variable.unit} | standard.units)
     _add_choices(root, standard, {variable.choice.name: variable.choice for variable in table if variable.choice})
     categories = SubElement(root, "LogCategories")
     for category, text in LOG_CATEGORIES.items():
         SubElement(categories, "Category", name=category, description=text)
     experiment = about.experiment
-    times = {"startTime": experiment.start, "stopTime": experiment.stop, "stepSize": experiment.step}
-    SubElement(root, "DefaultExperiment", {key: shown(value) for key, value in times.items()})
+    usual = {"startTime": experiment.start, "stopTime": experiment.stop, "tolerance": experiment.tolerance}
+    usual["stepSize"] = experiment.step
+    SubElement(root, "DefaultExperiment", {key: shown(value) for key, value in usual.items() if value is not None})
     return root
 
 
@@ -153,7 +159,7 @@ def by_role(table: list[Variable]) -> list[Variable]:
 
 
 def attributes(variable: Variable, nominal: float | None, **more: float | int | bool | str | None) -> dict[str, str]:
-    """Type, units and limits of a variable, then more; what is None is left out."""
+    """Type, units and limits of a variable, then more; None is left out."""
     values = {
         "declaredType": variable.choice.name if variable.choice else None,
         "unit": variable.unit or None,
@@ -166,7 +172,7 @@ def attributes(variable: Variable, nominal: float | None, **more: float | int | 
 
 
 def date() -> str:
-    """When the FMU was made: now, unless the environment says otherwise as reproducible builds have it."""
+    """Time at which the FMU was made: now, or SOURCE_DATE_EPOCH as for reproducible builds."""
     seconds = os.environ.get("SOURCE_DATE_EPOCH")
     return time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime(None if seconds is None else int(seconds)))
 

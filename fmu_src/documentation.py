@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from matplotlib.transforms import Affine2D
 
-from solver.column import Column
+from solver.column.column import Column
 
 from .description_parts import DISPLAY_UNITS
 from .variables import Variable
@@ -97,8 +97,8 @@ def drawing(column: Column) -> bytes:
         axes.add_patch(shape)
         if column.n <= 20:
             axes.text(0.0, foot + 0.5 * block.height, str(i + 1), ha="center", va="center", color=INK, fontsize=8)
-        half = 0.5 * block.joint_width
-        axes.plot([-half, half], [foot, foot], color="#0072b2", linewidth=2.0, solid_capstyle="butt")
+        contact = column.contacts[i]
+        axes.plot([contact.left, contact.right], [foot, foot], color="#0072b2", linewidth=2.0, solid_capstyle="butt")
         foot += block.height
     axes.axhline(-0.01 * height, color=INK, linewidth=3.0)
     reach = 0.6 * max(height, width)
@@ -148,7 +148,7 @@ def sign_conventions() -> bytes:
 
 
 def _png(figure: Figure) -> bytes:
-    """The same bytes for the same picture."""
+    """A picture as PNG, whose bytes depend on the picture only."""
     png = io.BytesIO()
     figure.savefig(png, format="png", dpi=100, metadata={"Software": None})
     return png.getvalue()

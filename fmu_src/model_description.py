@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from xml.etree.ElementTree import Element, SubElement
 
-from solver.column import Column
+from solver.column.column import Column
 
 from .description_parts import INITIAL, About, Standard, attributes, beginning, by_role
 from .variables import Variable
@@ -24,7 +24,7 @@ FLAGS = {
 
 
 def column_description(column: Column) -> str:
-    """One line on what is inside."""
+    """A description of the content in one line."""
     blocks = "block" if column.n == 1 else "blocks"
     return f"Column of {column.n} rigid {blocks} with no-tension elastic joints under base acceleration"
 
@@ -41,7 +41,7 @@ def model_description(about: About, table: list[Variable]) -> Element:
 
 
 def _scalar_variable(variable: Variable) -> Element:
-    """One ScalarVariable; parameters start where told, outputs are calculated, inputs have neither."""
+    """One ScalarVariable; parameters start at a given value, outputs are calculated, inputs have neither."""
     element = Element(
         "ScalarVariable",
         name=variable.name,
@@ -57,7 +57,7 @@ def _scalar_variable(variable: Variable) -> Element:
 
 
 def _structure(table: list[Variable]) -> Element:
-    """Outputs and everything that initialization calculates, which are the same, with what each follows."""
+    """Outputs and everything that initialization calculates, which are the same, with their dependencies."""
     index = {variable.name: str(k) for k, variable in enumerate(table, start=1)}
 
     def listed(names: tuple[str, ...]) -> str:

@@ -25,9 +25,15 @@ KINDS = {
 TERMINAL = "base"  # motion in, reaction and effective mass out
 
 
-def model_description3(about: About, table: list[Variable], followed: Collection[str] = ()) -> Element:
-    """The root element; followed: inputs that may be given within a step (intermediate update)."""
-    arrays = grouped(table)
+def model_description3(
+    about: About, table: list[Variable], followed: Collection[str] = (), scalars: bool = False
+) -> Element:
+    """The root element.
+
+    followed: inputs that may be given within a step (intermediate update). scalars: without arrays, each variable as in
+    the table and as in FMI 2.0, for masters that know none.
+    """
+    arrays = grouped(table, scalars)
     root = beginning(FMI_3, about, table)
     listed = SubElement(root, "ModelVariables")
     time = {"name": "time", "valueReference": str(TIME_REFERENCE), "causality": "independent"}
@@ -38,18 +44,19 @@ def model_description3(about: About, table: list[Variable], followed: Collection
     return root
 
 
-def grouped(table: list[Variable]) -> dict[str, list[Variable]]:
+def grouped(table: list[Variable], scalars: bool = False) -> dict[str, list[Variable]]:
     """Name in FMI 3.0 -> the variable, or the elements of the array in their order. Inputs, outputs, parameters."""
     arrays: dict[str, list[Variable]] = {}
     for variable in by_role(table):
-        arrays.setdefault(array_of(variable.name) or variable.name, []).append(variable)
+        own = "" if scalars else array_of(variable.name)
+        arrays.setdefault(own or variable.name, []).append(variable)
     return arrays
 
 
 def _variable(name: str, elements: list[Variable], followed: bool) -> Element:
     """One variable; an array has the limits that all its elements have."""
     first = elements[0]
-    is_array = bool(array_of(first.name))
+    is_array = name != first.name
     words = {
         "name": name,
         "valueReference": str(first.reference),

@@ -7,8 +7,11 @@ from pathlib import Path
 
 import numpy as np
 
-from solver.motion import Motion
-from solver.stepper import Record as Samples
+from solver.column.column import Column
+from solver.dynamics.stepper import Record as Samples
+from solver.ground.motion import Motion
+
+from .description_parts import Experiment
 
 
 def read_motion(path: Path) -> Motion:
@@ -25,3 +28,11 @@ class Record:
         self.pga = motion.pga  # m/s2
         content = hashlib.sha256(motion.time.tobytes() + motion.ax.tobytes() + motion.az.tobytes())
         self.digest = content.hexdigest()
+
+
+def usual_experiment(column: Column, motion: Motion | None) -> Experiment:
+    """The run of a column: over the record inside the FMU and at its shortest interval, if there is one."""
+    tolerance = column.settings.tolerance
+    if motion is None:
+        return Experiment(tolerance=tolerance)
+    return Experiment(motion.start, motion.end, Record(motion).dt, tolerance)

@@ -5,7 +5,7 @@ The messages are formats of C's printf, which Python's % understands as well.
 
 from __future__ import annotations
 
-from solver.errors import FINITE
+from solver.common.errors import FINITE
 
 TIME_SLACK = 1e-6  # of a step: how far a communication point may be from where the last step ended
 STEP_SLACK = 1e-6  # of a sampling interval: a communication step that is no longer than that but for rounding
@@ -18,7 +18,8 @@ WHEN_ENTERED = "initialization can begin after instantiation or reset only"
 WHEN_EXITED = "initialization can end after it has begun only"
 WHEN_TERMINATED = "a run can be terminated after initialization only"
 START_TIME = "start time = %s: must be a finite time in s"
-TOLERANCE = "the experiment's tolerance, %s, is not used: solver.tolerance is the solver's"
+STOP_TIME = "stop time = %s: must be a time from the start time %s s on"
+TOLERANCE = "solver.tolerance = %s, the experiment's tolerance"
 NOT_SHAKEN = "the base acceleration was zero for the whole run: is the input connected?"
 
 # variables
@@ -35,6 +36,7 @@ ENDED = "the run is terminated"
 NOT_BEGUN = "the slave is not initialized"
 NOT_POSITIVE = "the step must be a positive time"
 LAST_ENDED = "the last step ended at t = %s s"
+BEYOND = "the experiment stops at t = %s s"
 NOT_FINITE = "%s = %s: must be a finite number in %s"
 COARSE = (
     "communication step = %s s, the record's is %.6g s: the motion is followed sample by sample, but the outputs show "

@@ -13,7 +13,6 @@ import hashlib
 import json
 import math
 import sys
-from enum import StrEnum
 from pathlib import Path
 from typing import Any, NoReturn
 from xml.etree.ElementTree import Element
@@ -22,16 +21,18 @@ from pythonfmu import Fmi2Slave
 from pythonfmu.enums import Fmi2Status
 
 from solver import __version__
-from solver.column import Column
-from solver.errors import InputError, check_number
-from solver.kernels import layout as at
-from solver.stepper import SILENCE, Stepper
+from solver.column.column import Column
+from solver.common.errors import InputError, TooMuchWorkError, check_number
+from solver.common.files import identifier_of
+from solver.dynamics.stepper import SILENCE, Stepper
+from solver.kernels.layout import spaces as at
 
 from . import rules, state
-from .description_parts import LOG_CATEGORIES, About, Experiment
+from .description_parts import LOG_CATEGORIES, About
 from .host import compile_by, finalize_at_exit, leave_search_path, survive_exception
 from .model_description import FLAGS, column_description, model_description
-from .record import Record, read_motion
+from .record import Record, read_motion, usual_experiment
+from .state import Mode
 from .variables import (
     AX,
     AZ,
@@ -44,6 +45,7 @@ from .variables import (
     RECORD,
     RECORD_PGA,
     RECORD_SCALE,
+    TOLERANCE,
     VERDICT,
     VERDICT_NOW,
     Variable,
@@ -60,15 +62,6 @@ ARRAYS = ("state", "counts", "base")  # of the stepper: all that differs from on
 ROTATION = slice(JZ + 1, len(INPUTS))  # of the table: theta, omega, alpha
 # what the calls of FMI 2.0 get and set -> kinds of variables
 ACCESS = {"Real": ("Real",), "Integer": ("Integer", "Enumeration"), "Boolean": ("Boolean",), "String": ("String",)}
-
-
-class Mode(StrEnum):
-    """Where an instance is in its life."""
-
-    INSTANTIATED = "instantiated"
-    INITIALIZATION = "initialization"
-    STEPPING = "stepping"
-    TERMINATED = "terminated"
 
 
 class Request:
@@ -123,6 +116,8 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
         self._requests = {kind: Request([], self._table, self._place_of, kind) for kind in ACCESS}
         self._mode = Mode.INSTANTIATED
         self._time = 0.0
+        self._stop = math.inf  # s, where the experiment ends; it is no part of the state
+        self._tolerance_set = False  # whether the master set the solver's tolerance: the experiment's does not count
         self._input_time = 0.0  # from which the slopes of the inputs count
         self._stepper: Stepper | None = None
         self._built_from: list[Any] = []  # the parameters that the stepper follows from
@@ -132,8 +127,8 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
         self._inputs_stand = False  # whether the stepper still has the inputs of the last step, and no others were set
         self._outdated = True  # whether the outputs belong to an earlier time, input or parameter
         self._shaken = False  # whether the base has moved yet
-        self._coarse_told = False
-        self.modelName = self._column.name
+        self._coarse_warned = False
+        self.modelName = identifier_of(self._column.name)  # what PythonFMU calls the libraries
         guid = resources / GUID_FILE
         if guid.is_file():
             self.guid = guid.read_text(encoding="utf-8").strip()
@@ -141,22 +136,24 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
     def to_xml(self, model_options: dict[str, str] | None = None) -> Element:
         """The model description; every flag comes from fmu_src/model_description.py."""
         text = column_description(self._column)
-        experiment = Experiment()
-        if self._own_record:
-            motion = read_motion(self._own_record)
-            experiment = Experiment(motion.start, motion.end, Record(motion).dt)
+        motion = read_motion(self._own_record) if self._own_record else None
+        experiment = usual_experiment(self._column, motion)
         about = About(self._column.name, str(self.guid), text, __version__, experiment, FLAGS, TOOL)
         return model_description(about, self._table)
 
     # --- lifecycle
 
     def setup_experiment(self, start_time: float, stop_time: float | None, tolerance: float | None) -> None:
-        """Take the start time; the solver's own tolerance is a parameter."""
+        """Take times and tolerance; a tolerance that was set as a parameter stays."""
         self._check_mode(rules.WHEN_SET_UP, Mode.INSTANTIATED)
         if not math.isfinite(start_time):
             self._fail(rules.START_TIME % start_time)
+        if stop_time is not None and not stop_time >= start_time:
+            self._fail(rules.STOP_TIME % (stop_time, start_time))
         self._time = self._input_time = start_time
-        if tolerance is not None:
+        self._stop = math.inf if stop_time is None else stop_time
+        if tolerance is not None and not self._tolerance_set:
+            self._put(TOLERANCE, tolerance)
             self.log(rules.TOLERANCE % tolerance)
 
     def enter_initialization_mode(self) -> None:
@@ -174,7 +171,7 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
                 self._stepper.stand_on_base()
                 self._inputs_stand, self._outdated = False, True
         except Exception as error:
-            self._fail(_told(error))
+            self._fail(_message_of(error))
         self._mode = Mode.STEPPING
 
     def terminate(self) -> None:
@@ -196,8 +193,10 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
             if reason is None:
                 self._advance(current_time, step_size)
                 return True
+        except TooMuchWorkError as error:
+            self._fail(rules.NOT_MADE % (current_time, step_size, error))
         except Exception as error:
-            reason = _told(error)
+            reason = _message_of(error)
         self._say(Fmi2Status.discard, rules.NOT_MADE % (current_time, step_size, reason))
         return False
 
@@ -209,6 +208,8 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
             return rules.NOT_POSITIVE
         if not abs(current_time - self._time) <= rules.TIME_SLACK * step_size + 1e-12 * abs(self._time):
             return rules.LAST_ENDED % self._time
+        if current_time + step_size - self._stop > rules.TIME_SLACK * step_size + 1e-12 * abs(self._stop):
+            return rules.BEYOND % self._stop
         return None
 
     def _wrong_input(self) -> str | None:
@@ -243,8 +244,8 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
         self._inputs_stand = self._outdated = True
         if not self._shaken:
             self._shaken = record is not None or any(values[: len(INPUTS)])
-        if record is not None and not self._coarse_told and step > record.dt * (1.0 + rules.STEP_SLACK):
-            self._coarse_told = True
+        if record is not None and not self._coarse_warned and step > record.dt * (1.0 + rules.STEP_SLACK):
+            self._coarse_warned = True
             self._say(Fmi2Status.warning, rules.COARSE % (step, record.dt))
 
     # --- state
@@ -259,6 +260,7 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
             self._shaken,
             self._retune,
             self._inputs_stand,
+            self._tolerance_set,
             self._values.copy(),
             self._built_from,
             self._record.digest if self._record else "",
@@ -273,7 +275,7 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
                 snapshot.check(self._stamp)
             self._restore(snapshot)
         except Exception as error:
-            self._fail(rules.NOT_SET % _told(error))
+            self._fail(rules.NOT_SET % _message_of(error))
 
     def _restore(self, snapshot: state.Snapshot) -> None:
         """Become what the snapshot was taken of. An exception leaves the instance as it was."""
@@ -285,6 +287,9 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
             values[self._parameters] = snapshot.built_from
             record, name = self._loaded(values[self._place[RECORD]], values[self._place[RECORD_SCALE]])
             stepper = Stepper(self._described(values))
+        if snapshot.stamp is not self._stamp:  # else it was never bytes
+            arrays = {name: getattr(stepper.arrays, name) for name in ARRAYS} if stepper else {}
+            snapshot.check_contents(self._table, arrays, len(record.samples.arguments[0]) if record else 0)
         if stepper is not None:
             if (record.digest if record else "") != snapshot.record:
                 raise InputError(f"base.record = {name!r}: its samples are not those that the state belongs to")
@@ -298,6 +303,7 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
         self._time, self._input_time = snapshot.time, snapshot.input_time
         self._shaken, self._retune = snapshot.shaken, snapshot.retune
         self._inputs_stand, self._outdated = snapshot.inputs_stand, True
+        self._tolerance_set = snapshot.tolerance_set
 
     # --- variables
 
@@ -342,7 +348,7 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
                 self._update()
             return request.of(self._values)
         except Exception as error:
-            self._fail(rules.NOT_READ % (self._time, _told(error)))
+            self._fail(rules.NOT_READ % (self._time, _message_of(error)))
 
     def _set(self, vrs: list[int], values: list[Any], kind: str) -> None:
         if self._mode == Mode.TERMINATED:
@@ -353,6 +359,8 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
                 self._check_settable(place, reference, kind)
         for place, value in zip(places, values, strict=True):
             self._values[place] = value
+            if place == self._place[TOLERANCE]:
+                self._tolerance_set = True
             if place >= self._parameters.start:
                 self._retune = self._mode == Mode.STEPPING
         self._input_time = self._time
@@ -465,7 +473,7 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
             self._fail(rules.WRONG_MODE % (what, self._mode))
 
     def _say(self, status: Fmi2Status, message: str) -> None:
-        """To the master's logger, and to stderr for those who did not turn it on."""
+        """Send a message to the master's logger, and to stderr in case the logger is turned off."""
         self.log(message, status)
         with contextlib.suppress(OSError, ValueError):  # a host may have closed it
             print(f"{self.instance_name}: {message}", file=sys.stderr)
@@ -477,6 +485,6 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
         raise RuntimeError(message)
 
 
-def _told(error: Exception) -> str:
+def _message_of(error: Exception) -> str:
     """What went wrong, never nothing."""
     return str(error) or repr(error)

@@ -7,15 +7,45 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
+from enum import StrEnum
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from solver.errors import InputError
+from solver.common.errors import InputError
+from solver.kernels.layout import spaces as at
 
-FORMAT = "multiblock-fmu state 2"
+from .variables import Variable
+
+FORMAT = "multiblock-fmu state 3"
+KINDS = ("<f8", "<i8")  # of arrays
+FIELDS: dict[str, tuple[type, ...]] = {  # of a snapshot -> what they may be
+    "mode": (str,),
+    "time": (float,),
+    "input_time": (float,),
+    "shaken": (bool,),
+    "retune": (bool,),
+    "inputs_stand": (bool,),
+    "tolerance_set": (bool,),
+    "values": (list,),
+    "built_from": (list,),
+    "record": (str,),
+}
+# kinds of variables -> what their values may be, whole ones within those of C
+TYPES = {"Real": (float, int), "Integer": (int,), "Enumeration": (int,), "Boolean": (bool,), "String": (str,)}
+INTEGERS = 2**31
 _DIGEST = 64  # characters that the bytes begin with
+
+
+class Mode(StrEnum):
+    """Where an instance is in its life."""
+
+    INSTANTIATED = "instantiated"
+    INITIALIZATION = "initialization"
+    STEPPING = "stepping"
+    TERMINATED = "terminated"
 
 
 class Stamp(NamedTuple):
@@ -35,6 +65,7 @@ class Snapshot(NamedTuple):
     shaken: bool  # whether the base has moved yet
     retune: bool  # whether a tunable parameter was set and has not acted yet
     inputs_stand: bool  # whether the inputs are those of the last step
+    tolerance_set: bool  # whether the master set the solver's tolerance
     values: list[Any]  # of all variables, in the order of the table
     built_from: list[Any]  # parameters that the arrays follow from: a tunable one set since has not acted yet
     record: str  # hash of the record's samples, empty without one
@@ -46,6 +77,37 @@ class Snapshot(NamedTuple):
             raise InputError("the state is that of another column")
         if self.stamp.code != stamp.code:
             raise InputError(f"the state was made by another version, {self.stamp.code}: must be {stamp.code}")
+
+    def check_contents(self, table: list[Variable], arrays: dict[str, NDArray[Any]], samples: int) -> None:
+        """Raise InputError unless an instance can be in this state; bytes can hold anything.
+
+        arrays: of its stepper. samples: of the record that it follows.
+        """
+        _check_values(self.values, table)
+        _check_values(self.built_from, table[len(table) - len(self.built_from) :])
+        kinds = {name: (array.dtype, array.shape) for name, array in self.arrays.items()}
+        if kinds != {name: (array.dtype, array.shape) for name, array in arrays.items()}:
+            raise InputError("its arrays are not those of the column")
+        if self.mode == Mode.STEPPING and not arrays:
+            raise InputError("it has no motion")
+        if not arrays:
+            return
+        if not np.all(np.isfinite(self.arrays["state"])):
+            raise InputError("the motion has numbers that are not finite")
+        counts, segment = self.arrays["counts"], self.arrays["base"][at.BASE.fields.index("segment")]
+        if np.any(counts < 0) or not -1.0 <= segment <= samples:
+            raise InputError("a count is out of range")
+
+
+def _check_values(values: list[Any], table: list[Variable]) -> None:
+    """Raise InputError unless these can be the values of those variables, and pass through the wrapper."""
+    if len(values) != len(table):
+        raise InputError(f"{len(values)} variables: must be {len(table)}")
+    for value, variable in zip(values, table, strict=True):
+        if type(value) not in TYPES[variable.kind] or (type(value) is int and not -INTEGERS <= value < INTEGERS):
+            raise InputError(f"{variable.name} = {value!r:.50}: must be a {variable.kind}")
+        if isinstance(value, str):
+            value.encode()  # to the UTF-8 of the interface: a UnicodeError is a ValueError
 
 
 class Unreadable(NamedTuple):
@@ -63,14 +125,36 @@ def to_bytes(snapshot: Snapshot) -> bytes:
 
 
 def from_bytes(data: bytes) -> Snapshot | Unreadable:
-    """The snapshot that `to_bytes` was given."""
-    content = data[_DIGEST:]
-    if hashlib.sha256(content).hexdigest().encode() != data[:_DIGEST]:
-        return Unreadable("the bytes are not those of a serialized state, or not all of them")
-    parts = json.loads(content)
-    made_by = parts.pop("format")
-    if made_by != FORMAT:
-        return Unreadable(f"the serialized state is of the format {made_by!r}: must be {FORMAT!r}")
-    parts["stamp"] = Stamp(*parts["stamp"])
-    parts["arrays"] = {name: np.array(numbers, dtype=kind) for name, (kind, numbers) in parts["arrays"].items()}
-    return Snapshot(**parts)
+    """The snapshot that `to_bytes` was given. Never raises: an exception would damage the wrapper's Python state."""
+    try:
+        content = data[_DIGEST:]
+        if hashlib.sha256(content).hexdigest().encode() != data[:_DIGEST]:
+            return Unreadable("the bytes are not those of a serialized state, or not all of them")
+        parts = json.loads(content)
+        made_by = parts.pop("format")
+        if made_by != FORMAT:
+            return Unreadable(f"the serialized state is of the format {made_by!r}: must be {FORMAT!r}")
+        parts["stamp"] = Stamp(*parts["stamp"])
+        parts["arrays"] = {name: _array(*array) for name, array in parts["arrays"].items()}
+        return _checked(Snapshot(**parts))
+    except Exception as error:  # of whatever JSON holds in the place of a state, however deep
+        return Unreadable(f"the bytes hold no state: {error!r:.200}")
+
+
+def _array(kind: str, numbers: list[float]) -> NDArray[Any]:
+    """One array of the stepper. Raises ValueError."""
+    if kind not in KINDS or not isinstance(numbers, list) or not {*map(type, numbers)} <= {int, float}:
+        raise ValueError(f"an array of the kind {kind!r:.20}")
+    return np.array(numbers, dtype=kind)
+
+
+def _checked(snapshot: Snapshot) -> Snapshot:
+    """The snapshot, if its fields are of the right kind. Raises ValueError."""
+    for name, kinds in FIELDS.items():
+        if type(getattr(snapshot, name)) not in kinds:
+            raise ValueError(f"{name} is of another kind")
+    if snapshot.mode not in set(Mode) or not all(isinstance(part, str) for part in snapshot.stamp):
+        raise ValueError("mode or stamp are none")
+    if not (math.isfinite(snapshot.time) and math.isfinite(snapshot.input_time)):
+        raise ValueError("a time that is not finite")
+    return snapshot

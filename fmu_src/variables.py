@@ -1,7 +1,7 @@
 """The one table of the FMU's variables; slave, native layer and model description follow from it.
 
 The table lists inputs, then outputs, then parameters. Inputs stand in the order of the kernels, and the outputs begin
-with one output row and the split reaction as the kernels write them (solver/kernels/layout.py).
+with one output row and the split reaction as the kernels write them (solver/kernels/layout/spaces.py).
 
 A variable's value reference is its own number, never its place in the table: `reference_of`.
 """
@@ -14,12 +14,12 @@ from dataclasses import dataclass, replace
 from itertools import accumulate
 from typing import Any
 
-from solver.column import Column
-from solver.errors import InputError
-from solver.motion import STANDARD_GRAVITY
-from solver.ranges import MAX_BLOCKS, NUMBERS
-from solver.response import BASE_HISTORIES, BLOCK_HISTORIES, PEAKS
-from solver.settings import SKIPS, Settings
+from solver.column.column import Column
+from solver.column.settings import SKIPS, Settings
+from solver.common.errors import InputError
+from solver.common.ranges import MAX_BLOCKS, NUMBERS
+from solver.dynamics.response import BASE_HISTORIES, BLOCK_HISTORIES, PEAKS
+from solver.ground.motion import STANDARD_GRAVITY
 
 # places of the inputs in the table
 AX = 0
@@ -27,7 +27,7 @@ AZ = 1
 JX = 2
 JZ = 3
 
-# Value references. Once given, a number stays: what is new takes the next free one, and what is dropped leaves a gap.
+# Value references. A number once given stays: a new variable takes the next free one, a dropped one leaves a gap.
 REFERENCES = {
     # inputs: from 1
     "base.ax": 1,
@@ -68,7 +68,7 @@ REFERENCES = {
     "base.record": 2007,
     "base.record_scale": 2008,
 }
-# What every block or joint has: a family each, of 1000 numbers. Outputs from 10 on, parameters from 50 on.
+# Variables of every block or joint: a family each, of 1000 numbers. Outputs from 10 on, parameters from 50 on.
 FAMILY = 1000
 FAMILIES = {
     "block.ux": 10,
@@ -119,7 +119,7 @@ STEP_SIZE = 1e-3  # s
 
 @dataclass(frozen=True)
 class Choice:
-    """An enumeration: what an Integer chooses. The numbers stay; the words are the solver's."""
+    """An enumeration: the values that an Integer chooses from. The numbers stay; the words are the solver's."""
 
     name: str
     items: dict[str, int]  # word -> number
@@ -149,7 +149,7 @@ VERDICT = Choice(
     {"overturned": 1, "standing": 2, "undecided": 3},
     {
         "overturned": "It has fallen, and is held",
-        "standing": "At the end of the last step it rests upon a base that is still",
+        "standing": "At the end of the last step it rests on a base that is still",
         "undecided": "It moves, or its base does",
     },
 )
@@ -175,7 +175,7 @@ def array_of(name: str) -> str:
 class Variable:
     """One row of the table. A unit of "" is a pure number.
 
-    depends_on: inputs that act without delay. initially: what acts in initialization, None: everything may.
+    depends_on: inputs that act without delay. initially: inputs that act in initialization, None: any may.
     """
 
     name: str
@@ -265,7 +265,7 @@ OVERTURNED = _output(
     *("overturned", "", "Whether the column has overturned; then it is held"), *("Boolean", "discrete"), initially=()
 )
 VERDICT_NOW = _output(
-    *("verdict", "", "Whether it has fallen, rests upon a still base, or may go either way"),
+    *("verdict", "", "Whether it has fallen, rests on a still base, or may go either way"),
     *("Enumeration", "discrete"),
     choice=VERDICT,
     initially=(),
@@ -277,7 +277,7 @@ RECORD_PGA = _output(
 )
 
 # field of Block or Joint -> unit, description, whether 0 stands for "not given"
-# What is not listed is no parameter: it stays as the column has it that the FMU is built from.
+# Fields not listed are no parameters: they keep the values of the column from which the FMU is built.
 _BLOCK_PARAMETERS = {
     "height": ("m", "Height of block {i}", False),
     "width": ("m", "Width of block {i}, along the motion", False),
@@ -290,8 +290,8 @@ _BLOCK_PARAMETERS = {
 JOINT_PARAMETERS = {
     "stiffness": ("N/m3", "Winkler modulus of the joint under block {i}", False),
     "damping": ("s", "Damping eta of the joint under block {i}", False),
-    "width": ("m", "Contact width of the joint under block {i}; 0: that of the block", True),
-    "depth": ("m", "Contact depth of the joint under block {i}; 0: that of the block", True),
+    "width": ("m", "Width of the contact face of block {i}; 0: that of the block", True),
+    "depth": ("m", "Depth of the contact face of block {i}; 0: that of the block", True),
     "friction": ("", "Coefficient of friction of the joint under block {i}; 0: it never slides", True),
     "dowel": ("N", "Shear that the joint under block {i} bears beside friction", True),
     "offset": ("m", "Offset of block {i} over what is under it, as built, positive to +x", True),
@@ -301,6 +301,7 @@ JOINT_PARAMETERS = {
 TUNABLE = ("g", "joint.damping")
 RECORD = "base.record"
 RECORD_SCALE = "base.record_scale"
+TOLERANCE = "solver.tolerance"
 LISTED_BLOCKS = 10  # up to which the outputs of each block list what they follow in initialization: that grows with n2
 
 _SETTINGS_PARAMETERS = {
@@ -312,12 +313,12 @@ _SETTINGS_PARAMETERS = {
 }
 
 
-def variables(column: Column, record: str = "") -> list[Variable]:
-    """The table for a column, whose values are the parameters' start values, in the order told above.
+def variables(column: Column, record: str = "", reads_files: bool = True) -> list[Variable]:
+    """The table for a column, whose values are the parameters' start values, in the order given above.
 
-    record: name of the record inside the FMU, empty without one.
+    record: name of the record inside the FMU, empty without one. reads_files: whether the FMU reads others, too.
     """
-    parameters = _parameters(column, record)
+    parameters = _parameters(column, record, RECORD_TEXT if reads_files else RECORD_TEXT_NATIVE)
     outputs = [*_row_outputs(column), *_split_outputs(column), *_peak_outputs(column)]
     outputs += [OVERTURN_TIME, OVERTURN_JOINT, OVERTURNED, VERDICT_NOW, RECORD_PGA]
     numerical = ("solver.integrator", "solver.step", "solver.tolerance", "solver.without")
@@ -354,7 +355,7 @@ def _row_outputs(column: Column) -> list[Variable]:
 def _split_outputs(column: Column) -> list[Variable]:
     sizes = _sizes(column)
     mass = sum(block.mass for block in column.blocks)
-    width = column.blocks[-1].joint_width
+    width = column.contacts[-1].width
     nominal = {"N": sizes["N"][-1], "N.m": sizes["M"][-1], "kg": mass, "kg.m": mass * width, "kg.m2": mass * width**2}
     return [
         _output(name, unit, text, nominal=nominal[unit], depends_on=inputs)
@@ -383,8 +384,8 @@ def _peak_outputs(column: Column) -> list[Variable]:
 
 
 def _sizes(column: Column) -> dict[str, list[float]]:
-    """How large each output of a block or joint typically is, from the top down: what solvers of a system scale by."""
-    blocks = column.blocks
+    """Typical size of each output of a block or joint, from the top down: solvers of a system scale by it."""
+    blocks, contacts = column.blocks, column.contacts
     height = sum(block.height for block in blocks)
     weights = list(accumulate((column.g or STANDARD_GRAVITY) * block.mass for block in blocks))
     return {
@@ -392,17 +393,23 @@ def _sizes(column: Column) -> dict[str, list[float]]:
         "uz": [1e-3 * height] * column.n,
         "theta": [1e-3] * column.n,
         "N": weights,
-        "M": [weight * block.joint_width / 6.0 for weight, block in zip(weights, blocks, strict=True)],
+        "M": [weight * contact.width / 6.0 for weight, contact in zip(weights, contacts, strict=True)],
         "S": weights,
         "T": weights,
         "contact": [1.0] * column.n,
         "friction": [1.0] * column.n,
         "slip": [1e-3 * height] * column.n,
-        "sigma_max": [weight / block.joint_moments[0] for weight, block in zip(weights, blocks, strict=True)],
+        "sigma_max": [weight / contact.area for weight, contact in zip(weights, contacts, strict=True)],
     }
 
 
-def _parameters(column: Column, record: str) -> list[Variable]:
+RECORD_TEXT = (
+    "Record added to the inputs: name of the one inside the FMU, or path of one (AT2, ESM, K-NET, COSMOS, CSV)"
+)
+RECORD_TEXT_NATIVE = "Record added to the inputs: name of the one inside the FMU, or empty for none; no file is read"
+
+
+def _parameters(column: Column, record: str, record_text: str) -> list[Variable]:
     def parameter(name: str, unit: str, text: str, start: float | str | None, optional: bool = False) -> Variable:
         key = name.rpartition(".")[2]
         tunable = "g" if name == "g" else f"{name.partition('[')[0]}.{key}"
@@ -430,8 +437,7 @@ def _parameters(column: Column, record: str) -> list[Variable]:
     for key, (unit, text) in _SETTINGS_PARAMETERS.items():
         start = getattr(column.settings, key)
         rows.append(parameter(f"solver.{key}", unit, text, ", ".join(start) if key == "without" else start))
-    text = "Record added to the inputs: name of the one inside the FMU, or path of one (AT2, ESM, K-NET, COSMOS, CSV)"
-    rows.append(parameter(RECORD, "", text, record))
+    rows.append(parameter(RECORD, "", record_text, record))
     rows.append(parameter(RECORD_SCALE, "", "Factor on the record's accelerations", 1.0))
     return rows
 

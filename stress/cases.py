@@ -1,4 +1,4 @@
-"""Seeded cases from the corners of what the solver accepts: a column, a base motion, how long to follow it."""
+"""Seeded extreme cases of inputs that the solver accepts: a column, a base motion, a duration."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from solver import Block, Column, Joint, Motion, Settings
 G = 9.80665  # m/s2
 DENSITY = 2000.0  # kg/m3
 SMALLEST, LARGEST = 0.01, 50.0  # m, of a block
-MOST_STEPS = 5_000  # of the fastest joint mode, in the cases that are kept short
-MASS_DECADES = 4.0  # how far any block is from the top one
+MOST_STEPS = 5_000  # of the fastest joint mode, in the short cases
+MASS_DECADES = 4.0  # largest difference between any block's mass and the top one's
 CRUSHED = 0.05  # of the columns: settlements of any size
 MOST_SETTLED = 0.1  # of a block's height, in the others
 MOST_SAMPLES = 2000
@@ -34,7 +34,7 @@ _WEIGHTS = (0.22, 0.08, 0.12, 0.2, 0.12, 0.1, 0.08, 0.03, 0.05)
 
 @dataclass(frozen=True)
 class Case:
-    """One case; seed and number make it again."""
+    """One case; seed and number reproduce it."""
 
     seed: int
     number: int
@@ -47,7 +47,7 @@ class Case:
         """Whether every joint dissipates."""
         return all(block.joint.damping > 0.0 for block in self.column.blocks)
 
-    def told(self) -> str:
+    def line(self) -> str:
         """The case in one line."""
         blocks = self.column.blocks
         stiffness = [block.joint.stiffness for block in blocks]
@@ -81,7 +81,7 @@ def _column(rng: np.random.Generator, most_blocks: int) -> Column:
     depth = np.clip(width * _log(rng, 0.1, 10.0, parts), SMALLEST, LARGEST)
     mass = DENSITY * height * width * depth
     if wild:
-        change = rng.uniform(-4.0, 4.0, n)  # decades from one block to the next, turned where it would leave the range
+        change = rng.uniform(-4.0, 4.0, n)  # decades from one block to the next, reversed at the ends of the range
         decades = np.log10(np.clip(mass, 1e-3, 1e9))
         for i in range(1, n):
             there = decades[i - 1] + change[i]
@@ -96,7 +96,9 @@ def _column(rng: np.random.Generator, most_blocks: int) -> Column:
 
     def block(i: int) -> Block:
         i = i if wild else 0
-        joint = Joint(float(np.clip(stiffness[i], 1e6, 1e14)), float(damping[i]), float(contact[i] * width[i]))
+        most = width[min(i + 1, parts - 1)]
+        wide = min(float(contact[i] * width[i]), float(most))
+        joint = Joint(float(np.clip(stiffness[i], 1e6, 1e14)), float(damping[i]), wide)
         return Block(
             float(height[i]), float(width[i]), float(depth[i]), float(mass[i]), joint, float(rise[i] * height[i])
         )
@@ -106,7 +108,7 @@ def _column(rng: np.random.Generator, most_blocks: int) -> Column:
     blocks = tuple(block(i) for i in range(n))
     if rng.random() > CRUSHED:
         carried = gravity * np.cumsum([b.mass for b in blocks])
-        spring = np.array([b.joint.stiffness * b.joint_width * b.joint_depth for b in blocks])
+        spring = np.array(Column("case", blocks).springs)
         settled = float(np.max(carried / spring / min(b.height for b in blocks)))
         lighter = min(1.0, MOST_SETTLED / max(settled, 1e-300))
         blocks = tuple(replace(b, mass=max(1e-8, b.mass * lighter)) for b in blocks)
@@ -114,14 +116,14 @@ def _column(rng: np.random.Generator, most_blocks: int) -> Column:
 
 
 def fastest_mode(column: Column) -> float:
-    """No less than the angular frequency of the fastest vertical joint mode, rad/s."""
-    spring = np.array([b.joint.stiffness * b.joint_width * b.joint_depth for b in column.blocks])
+    """Upper bound of the angular frequency of the fastest vertical joint mode, rad/s."""
+    spring = np.array(column.springs)
     spring[1:] += spring[:-1]
     return float(np.sqrt(2.0 * np.max(spring / np.array([b.mass for b in column.blocks]))))
 
 
 def _duration(rng: np.random.Generator, column: Column) -> float:
-    """s; most cases are as short as explicit steps would allow, the others take what the solver makes of them."""
+    """s; most cases are short enough for explicit steps, the others rely on the solver's longer ones."""
     wanted = float(_log(rng, 0.05, 20.0))
     few = MOST_STEPS / fastest_mode(column) / max(1.0, 0.1 * column.n)
     return min(wanted, few if rng.random() < 0.7 else 20.0 * few)
@@ -150,7 +152,7 @@ def _motion(rng: np.random.Generator, kind: str, column: Column) -> Motion:
     sign = np.where(np.arange(count) // half % 2 == 0, 1.0, -1.0)
     if kind == "square wave":
         return Motion.from_samples(dt, amplitude * sign, hold=True)
-    # the base falls faster than the column: every joint opens, together where nothing else moves
+    # the base falls faster than the column: every joint opens, all at once if nothing else moves
     fall = -float(_log(rng, 1.01, 20.0)) * (column.g or G)
     across = amplitude * noise if kind == "free flight" else np.zeros(count)
     return Motion.from_samples(dt, across, np.where(sign > 0.0, fall, 0.5 * (column.g or G)), hold=True)

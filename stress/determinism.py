@@ -1,6 +1,6 @@
-"""The same input gives the same bits: again, in threads, in another process, after a restore.
+"""Equal input gives equal bits: in a second run, in threads, in another process, after a restore.
 
-On other processors it gives the same to rounding.
+On other processors results are equal to rounding.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from solver import Column, Motion
-from solver.stepper import Stepper
+from solver.dynamics.stepper import Stepper
 
 from .cases import Case, draw
 from .energy import Array
@@ -28,7 +28,7 @@ ROWS = 20
 STEP = 1e-3  # s, of the runs that are interrupted
 DAMPED = Path(__file__).resolve().parent.parent / "examples" / "columns" / "phocas-damped.toml"
 
-# what a processor changes: machine code, the C library's functions, the linear algebra of the modes
+# parts that depend on the processor: machine code, the C library's functions, the linear algebra of the modes
 PROCESSORS = {
     "machine code for any x86-64": {"NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": ""},
     "C library without FMA and AVX2": {"GLIBC_TUNABLES": "glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4,-AVX512F"},
@@ -42,7 +42,7 @@ def small_case(seed: int, number: int) -> Case:
 
 
 def rows_of(case: Case) -> Array:
-    """Output rows of a case, cut at so many steps of the motion as any machine follows soon."""
+    """Output rows of a case, cut at a number of steps of the motion that any machine follows soon."""
     motion = case.motion
     stepper = Stepper(case.column)
     times = motion.start + np.linspace(0.0, motion.duration, ROWS)
@@ -50,7 +50,7 @@ def rows_of(case: Case) -> Array:
 
 
 def digest(seed: int, number: int) -> str:
-    """What the rows of a case come to; the reason where the solver gives up."""
+    """Hash of the rows of a case; the reason if the solver gives up."""
     try:
         return hashlib.sha256(rows_of(small_case(seed, number)).tobytes()).hexdigest()
     except ValueError as error:
@@ -63,7 +63,7 @@ def scene() -> tuple[Column, Motion]:
 
 
 def scene_rows() -> list[list[float]]:
-    """Its displacements every 0.1 s."""
+    """The displacements of `scene` every 0.1 s."""
     column, motion = scene()
     stepper = Stepper(column.with_settings(tolerance=1e-9))
     times = np.linspace(0.0, motion.duration, 51)
@@ -72,7 +72,7 @@ def scene_rows() -> list[list[float]]:
 
 
 def restored(formulation: str, integrator: str, damping: bool) -> bool:
-    """Whether a run saved and restored at every hundredth step goes on with the same bits."""
+    """Whether a run saved and restored at every hundredth step continues with equal bits."""
     column, _ = scene()
     column = column.with_settings(formulation=formulation, integrator=integrator)
     if not damping:
@@ -89,13 +89,13 @@ def restored(formulation: str, integrator: str, damping: bool) -> bool:
         drive(broken, first, first + 100)
         saved = [array.copy() for array in (broken.arrays.state, broken.arrays.counts, broken.arrays.base)]
         drive(broken, first + 100, first + 150)
-        broken = Stepper(column)  # as another process would have it
+        broken = Stepper(column)  # as in another process
         broken.arrays.state[:], broken.arrays.counts[:], broken.arrays.base[:] = saved
     return straight.arrays.state.tobytes() == broken.arrays.state.tobytes()
 
 
 def elsewhere(function: str, *arguments: object, **environment: str) -> Any:
-    """What a function of in_process.py returns in another process."""
+    """The result of a function of in_process.py in another process."""
     done = subprocess.run(
         [sys.executable, "-m", "stress.in_process", function, json.dumps(arguments)],
         cwd=ROOT,

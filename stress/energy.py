@@ -11,7 +11,7 @@ Array = NDArray[np.float64]
 
 
 def below(values: Array) -> Array:
-    """Of each block the value of the block under it, zero for the base; blocks along the last axis."""
+    """For each block the value of the block under it, zero for the base; blocks along the last axis."""
     return np.concatenate([values[..., 1:], np.zeros_like(values[..., :1])], axis=-1)
 
 
@@ -21,26 +21,19 @@ def from_base(steps: Array) -> Array:
 
 
 class Energies:
-    """What a column has at phases (r, 4 n or more): `kinetic`, `gravity`, `elastic` J (r,); x, z of the centroids.
+    """Energies at phases (r, 4 n or more): `kinetic`, `gravity`, `elastic` J (r,); x, z of the centroids.
 
-    z counts from where the unloaded column stands.
+    z is relative to the unloaded column.
     """
 
     def __init__(self, column: Column, phases: Array) -> None:
         n = column.n
         turn, opening, spin, opening_rate = (phases[:, k * n : (k + 1) * n] for k in range(4))
-        height, rise, mass, inertia, stiffness, width, depth = (
+        height, rise, mass, inertia = (
             np.array([getattr(block, name) for block in column.blocks])
-            for name in (
-                "height",
-                "resolved_centroid",
-                "mass",
-                "resolved_inertia",
-                "height",
-                "joint_width",
-                "joint_depth",
-            )
+            for name in ("height", "resolved_centroid", "mass", "resolved_inertia")
         )
+        width, depth = np.array([(contact.width, contact.depth) for contact in column.contacts]).T
         stiffness = np.array([block.joint.stiffness for block in column.blocks])
         phi = 0.5 * (turn + below(turn))
         phi_rate = 0.5 * (spin + below(spin))
@@ -65,9 +58,9 @@ class Energies:
         return self.kinetic + self.gravity + self.elastic
 
     def work(self, motion: Motion) -> Array:
-        """Of the inertia forces in the moving frame since the first phase, J (r,); one phase at every sample.
+        """Work of the inertia forces in the moving frame since the first phase, J (r,); one phase at every sample.
 
-        For held samples this is exact: the force does not change between two of them.
+        For held samples it is exact: the force is constant between two of them.
         """
         moved = np.diff(self.x @ self.mass), np.diff(self.z @ self.mass)
         count = len(moved[0])

@@ -1,7 +1,7 @@
-"""What happens to a machine while it works: killed processes, full disks, read-only folders, clocks that jump.
+"""Faults of the machine during work: killed processes, full disks, read-only folders, clocks that jump.
 
-Each check returns (how often it was tried, problems). Nothing may be lost, nothing half-written may look whole, and the
-next run has to work.
+Each check returns (number of trials, problems). No data may be lost, no half-written file may look whole, and the next
+run must work.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ Outcome = tuple[int, list[str]]
 
 
 def environment(**changes: str) -> dict[str, str]:
-    """Of a child that finds project and tests."""
+    """Environment of a child process that finds project and tests."""
     return os.environ | {"PYTHONPATH": os.pathsep.join((str(ROOT), str(ROOT / "tests")))} | changes
 
 
@@ -42,14 +42,14 @@ def launch(*arguments: object, **changes: str) -> subprocess.Popen[str]:
 
 
 def finish(*arguments: object, **changes: str) -> tuple[int, str, str]:
-    """Exit code, what was printed, what was complained of."""
+    """Exit code, standard output, standard error."""
     process = launch(*arguments, **changes)
     out, err = process.communicate(timeout=PATIENCE)
     return process.returncode, out, err
 
 
 def killed_after(delay: float, *arguments: object, **changes: str) -> bool:
-    """Start and kill after so many seconds; whether it was still running."""
+    """Start and kill after `delay` seconds; whether it was still running."""
     process = launch(*arguments, **changes)
     time.sleep(delay)
     running = process.poll() is None
@@ -59,10 +59,10 @@ def killed_after(delay: float, *arguments: object, **changes: str) -> bool:
 
 
 def killed_while_writing(folder: Path, times: int, chance: random.Random) -> Outcome:
-    """A response being written over an older one: the file is the older or the newer, whole."""
+    """A response overwrites an older one: the file is the older or the newer, whole."""
     motion, output = folder / "motion.csv", folder / "response.csv"
     motion.write_text("time,base.ax\n0,0\n5,0.1\n")
-    command = ["-m", "solver", "simulate", COLUMN, motion, "--output-step", "1e-4", "-o", output]
+    command = ["-m", "solver", "simulate", COLUMN, motion, "--output-step", "1e-4", "--force", "-o", output]
     begin = time.monotonic()
     code, _, err = finish(*command)
     length = time.monotonic() - begin
@@ -81,23 +81,23 @@ def killed_while_building(folder: Path, times: int, chance: random.Random) -> Ou
     """A build ended at any time leaves no FMU or a whole one, and the next one works."""
     output = folder / "killed.fmu"
     begin = time.monotonic()
-    finish("build_fmu.py", COLUMN, "-o", output)
+    finish("build_fmu.py", COLUMN, "--force", "-o", output)
     length = time.monotonic() - begin
     whole = output.read_bytes()
     problems = []
     for _ in range(times):
         output.unlink(missing_ok=True)
-        killed_after(length * chance.uniform(0.1, 1.0), "build_fmu.py", COLUMN, "-o", output)
+        killed_after(length * chance.uniform(0.1, 1.0), "build_fmu.py", COLUMN, "--force", "-o", output)
         if output.exists() and zipfile.ZipFile(output).testzip() is not None:
             problems.append("a part of an FMU was left")
-    code, _, err = finish("build_fmu.py", COLUMN, "-o", output)
+    code, _, err = finish("build_fmu.py", COLUMN, "--force", "-o", output)
     if code or not _same_but_for_the_date(output.read_bytes(), whole, folder):
         problems.append(f"the next build: {err or 'another FMU'}")
     return times, problems
 
 
 def _one_line(code: int, err: str) -> bool:
-    """Whether a command said why it could not, last of all: matplotlib may complain of its own cache before."""
+    """Whether a command ended with one line of error; matplotlib may complain of its own cache before it."""
     last = err.strip().splitlines()[-1:]
     return code == 2 and "Traceback" not in err and any(f"{name}: " in last[0] for name in ("solver", "build_fmu.py"))
 
@@ -112,13 +112,13 @@ def _same_but_for_the_date(one: bytes, other: bytes, folder: Path) -> bool:
 
 
 def killed_while_starting(fmu: Path, folder: Path, times: int, chance: random.Random) -> Outcome:
-    """The first start on an account, ended while the FMU is extracted or its code laid down: the next start works."""
+    """The first start on an account, ended while the FMU or its code is extracted: the next start works."""
     code, reference, err = finish(*calling("start", fmu), XDG_CACHE_HOME=str(folder / "whole"))
     if code:
         return 0, [err]
     problems = []
     for k in range(times):
-        home = str(folder / f"killed-{k % 5}")  # some are killed again and again
+        home = str(folder / f"killed-{k % 5}")  # some are killed several times
         killed_after(chance.uniform(0.2, 1.5), *calling("start", fmu), XDG_CACHE_HOME=home)
         if k % 5 == 4 or k >= times - 5:
             code, out, err = finish(*calling("start", fmu), XDG_CACHE_HOME=home)
@@ -133,8 +133,8 @@ def full_disk(fmu: Path, folder: Path) -> Outcome:
     motion.write_text("time,base.ax\n0,0\n1,0.1\n")
     output.write_text("previous")
     commands = {
-        "solver": ["simulate", COLUMN, motion, "-o", output],
-        "build_fmu": [COLUMN, "-o", folder / "full.fmu"],
+        "solver": ["simulate", COLUMN, motion, "--force", "-o", output],
+        "build_fmu": [COLUMN, "--force", "-o", folder / "full.fmu"],
     }
     problems = []
     for name, arguments in commands.items():
@@ -160,7 +160,7 @@ def _close(one: str, other: str) -> bool:
 
 
 def read_only(fmu: Path, folder: Path) -> Outcome:
-    """Folders that cannot be written to or made: exit code 2 and one line; the FMU runs without a cache of its own."""
+    """Folders that cannot be written to or made: exit code 2 and one line; the FMU runs without its own cache."""
     motion = folder / "motion.csv"
     motion.write_text("time,base.ax\n0,0\n1,0.1\n")
     (folder / "file").write_text("no folder")
@@ -180,7 +180,7 @@ def read_only(fmu: Path, folder: Path) -> Outcome:
 
 
 def clocks(fmu: Path, folder: Path) -> Outcome:
-    """Clocks that jump by days at every look, files from the future and the past: the same bits."""
+    """Clocks that jump by days at every call, files from the future and the past: equal bits."""
     problems = []
     module, script, *run = calling("simulate", COLUMN)
     if finish(module, script, "--jumping-clock", *run)[:2] != finish(module, script, *run)[:2]:
@@ -199,7 +199,7 @@ def clocks(fmu: Path, folder: Path) -> Outcome:
 def together(folder: Path, builders: int = 3) -> Outcome:
     """Several builds of one FMU into one file: all succeed and the file is whole."""
     output = folder / "together.fmu"
-    processes = [launch("build_fmu.py", COLUMN, "-o", output) for _ in range(builders)]
+    processes = [launch("build_fmu.py", COLUMN, "--force", "-o", output) for _ in range(builders)]
     problems = []
     for process in processes:
         _, err = process.communicate(timeout=PATIENCE)
@@ -213,7 +213,7 @@ def together(folder: Path, builders: int = 3) -> Outcome:
 
 
 def checks(fmu: Path, folder: Path, number: int, times: int) -> dict[str, Callable[[], Outcome]]:
-    """All of them by name."""
+    """All checks by name."""
     chance = random.Random(number)
     return {
         "killed while a response is written": lambda: killed_while_writing(folder, times, chance),
@@ -227,7 +227,7 @@ def checks(fmu: Path, folder: Path, number: int, times: int) -> dict[str, Callab
 
 
 def run(number: int, times: int) -> Iterator[dict[str, object]]:
-    """{"name", "tried", "failures"} of each, as it is done."""
+    """{"name", "tried", "failures"} of each, as it ends."""
     with tempfile.TemporaryDirectory(prefix="stress_") as name:
         folder = Path(name)
         fmu = folder / "column.fmu"

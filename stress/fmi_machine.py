@@ -1,8 +1,9 @@
 """FMI 2.0 calls in any order against the standard's table of legal states, in a process that may die of them.
 
-    python -m stress.fmi_machine FILE.fmu
+    python -m stress.fmi_machine FILE.fmu FOLDER
 
-reads one sequence of calls a line (JSON) and answers each with one line: {"problem": null or text, "calls": number}.
+with the FMU's files unpacked in FOLDER, reads one sequence of calls a line (JSON) and answers each with one line:
+{"problem": null or text, "calls": number}.
 
 A legal call has to be accepted (a step may be discarded where the solver cannot follow), an illegal or wrong one
 refused, with the instance as it was: at the end the accepted calls alone, made to a fresh instance, have to give the
@@ -12,6 +13,8 @@ same outputs to the last bit.
 from __future__ import annotations
 
 import contextlib
+import ctypes
+import hashlib
 import json
 import math
 import os
@@ -19,7 +22,7 @@ import sys
 from collections.abc import Callable
 from typing import Any
 
-from fmpy import extract, read_model_description
+from fmpy import read_model_description
 from fmpy.fmi2 import FMU2Slave, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
 
 OK, WARNING, DISCARD, ERROR, FATAL = range(5)
@@ -33,24 +36,39 @@ STATES = ("save", "restore", "serialize", "deserialize")
 
 # FMI 2.0.4, section 4.2.4, the table of the calling sequence for co-simulation, without what is not declared
 LEGAL = {
-    INSTANTIATED: {"setup", "enter", "set", "reset", "debug", *STATES},
-    INITIALIZATION: {"exit", "get", "set", "reset", "debug", *STATES},
-    COMPLETE: {"step", "get", "set", "terminate", "reset", "debug", *STATES},
-    FAILED: {"get", "terminate", "reset", "debug", *STATES},
-    TERMINATED: {"get", "reset", "debug", *STATES},
+    INSTANTIATED: {"setup", "enter", "set", "reset", "debug", "null", *STATES},
+    INITIALIZATION: {"exit", "get", "set", "reset", "debug", "null", *STATES},
+    COMPLETE: {"step", "get", "set", "terminate", "reset", "debug", "null", *STATES},
+    FAILED: {"get", "terminate", "reset", "debug", "null", *STATES},
+    TERMINATED: {"get", "reset", "debug", "null", *STATES},
 }
-# what the standard does not allow and a slave may grant all the same, because nothing wrong can come of it
+# calls that the standard does not allow and a slave may grant all the same, because they do no harm
 GRANTED = {
-    INSTANTIATED: {"exit", "get", "terminate"},  # initialization mode without anything done in it; values that were set
+    INSTANTIATED: {"exit", "get", "terminate"},  # initialization mode left without a call in it; values that were set
     INITIALIZATION: {"terminate"},
     TERMINATED: {"terminate"},
     FAILED: {"step", "set"},  # the column is as it was before the step
 }
 
+# contents from which no instance can be made, behind a right checksum
+NO_STATES = {"empty": b"", "no state": b"{}", "deep": b"[" * 100000}
+# calls with a pointer to nothing: 0; p: room, 1: a number
+NULL_CALLS = {
+    **{
+        f"fmi2{way}{kind} {k}": given
+        for way in ("Get", "Set")
+        for kind in ("Real", "Integer", "Boolean", "String")
+        for k, given in enumerate(("01p", "p10"))
+    },
+    **{"fmi2GetFMUstate": "0", "fmi2SetFMUstate": "0", "fmi2SerializedFMUstateSize": "0p"},
+    **{"fmi2SerializeFMUstate": "0p1", "fmi2DeSerializeFMUstate": "01p"},
+}
+NULLS = [*NULL_CALLS]
+
 NO_STEP = ("a step that is no positive time", "a step from another time")
 POSITIVE = {"height", "width", "depth", "mass", "stiffness"}
-LARGEST = 1e100  # m/s2: what inputs beyond make of the outputs is not judged
-SMALL, LARGE = 1e-6, 1e11  # parameters in between are refused for no size
+LARGEST = 1e100  # m/s2: outputs under larger inputs are not judged
+SMALL, LARGE = 1e-6, 1e11  # parameters in between must not be refused for their size
 
 
 KINDS = ("Real", "Integer", "Enumeration", "Boolean", "String")
@@ -71,7 +89,7 @@ class RefusedError(Exception):
 
 
 class ProblemError(Exception):
-    """What must not happen."""
+    """The FMU did something that must not happen."""
 
 
 class Slave:
@@ -83,6 +101,7 @@ class Slave:
         self.outputs = [v for v in variables.values() if v.causality == "output"]
         self.fmi.instantiate(callbacks=CALLBACKS)
         self.component = self.fmi.component
+        self.bare = ctypes.CDLL(library.dll._name)  # without FMPy's types of arguments
 
     def call(self, name: str, *arguments: Any) -> Any:
         """A method of FMPy's on this instance. Raises RefusedError."""
@@ -111,7 +130,7 @@ class Slave:
 
 
 class Machine:
-    """The state that the standard says the instance is in, and what it has been told."""
+    """The state of the instance according to the standard, and the calls and values it has been given."""
 
     def __init__(self, new: Callable[[], Slave]) -> None:
         self.new = new
@@ -127,10 +146,10 @@ class Machine:
     def _story(self) -> tuple[Any, ...]:
         return list(self.log), self.mode, self.time, dict(self.inputs), dict(self.values)
 
-    # --- what is right
+    # --- validity of values
 
     def _input_is_wrong(self) -> bool:
-        """No number, or so large that what follows from it is none."""
+        """Whether an input is no number, or so large that outputs are not judged."""
         return not all(abs(v) <= LARGEST for v in self.inputs.values())
 
     def _parameters(self) -> str:
@@ -168,7 +187,7 @@ class Machine:
     # --- one call
 
     def make(self, call: list[Any]) -> None:
-        """Make a call and judge the answer. Raises ProblemError."""
+        """Make a call and judge the status. Raises ProblemError."""
         name, *arguments = call
         legal = name in LEGAL[self.mode]
         granted = name in GRANTED.get(self.mode, ())
@@ -188,12 +207,14 @@ class Machine:
             raise ProblemError(f"{call} in {before}: accepted, is not legal there")
 
     def _may_refuse(self, name: str, arguments: list[Any], status: int) -> bool:
+        if name == "null":
+            return True
         if name == "setup":
             return not math.isfinite(arguments[0])
         if name == "exit":
             return self._parameters() != "right"
         if name == "step":
-            return True  # the step was wrong, or the solver cannot follow; the status is checked where it is known
+            return True  # the step was wrong, or the solver cannot follow; the caller checks the status
         if name == "set":
             return self._set_is_wrong(*arguments)
         if name == "get":
@@ -319,6 +340,18 @@ class Machine:
         self._judge_outputs(self.slave.get([v.name for v in self.slave.outputs]))
         return None
 
+    def _null(self, what: str) -> str:
+        """A call with a pointer to nothing, which is an Error in any state and changes nothing."""
+        kinds = NULL_CALLS[what]
+        zeros = (ctypes.c_double * 4)()
+        given = {"0": None, "p": ctypes.byref(zeros), "1": ctypes.c_size_t(1)}
+        status = getattr(self.slave.bare, what.partition(" ")[0])(
+            ctypes.c_void_p(self.slave.component), *(given[kind] for kind in kinds)
+        )
+        if status == ERROR:
+            raise RefusedError(status)
+        return f"a pointer to nothing, with status {status}"
+
     def _debug(self, on: bool) -> None:
         self.slave.call("setDebugLogging", on, ["logAll"] if on else [])
 
@@ -350,6 +383,8 @@ class Machine:
             del data[len(data) // 2 :]
         elif how == "nothing":
             data = bytearray(b"\0" * 10)
+        elif how in NO_STATES:  # with the checksum of a PythonFMU's
+            data = bytearray(hashlib.sha256(NO_STATES[how]).hexdigest().encode() + NO_STATES[how])
         read = self.slave.call("deSerializeFMUstate", bytes(data))
         self.slave.call("setFMUState", read)
         if how != "whole":
@@ -360,7 +395,7 @@ class Machine:
     # --- at the end
 
     def finish(self) -> None:
-        """What was accepted, made to a fresh instance, gives the same outputs; then let go."""
+        """Repeat the accepted calls on a fresh instance: outputs must be the same; then free it."""
         names = [v.name for v in self.slave.outputs]
         try:
             if self.mode in (COMPLETE, FAILED) and not self._input_is_wrong():
@@ -398,7 +433,7 @@ class Machine:
 
 @fmi2CallbackLoggerTYPE
 def _silent(*_arguments: Any) -> None:
-    """Take what the FMU says and drop it."""
+    """Take the messages of the FMU and drop them."""
 
 
 CALLBACKS = fmi2CallbackFunctions()
@@ -408,9 +443,9 @@ def main() -> None:
     """Serve sequences until the input ends."""
     answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
     nothing = os.open(os.devnull, os.O_WRONLY)
-    os.dup2(nothing, 1)  # what the FMU prints
+    os.dup2(nothing, 1)  # output of the FMU
     os.dup2(nothing, 2)
-    fmu = sys.argv[1]
+    fmu, folder = sys.argv[1:]
     description = read_model_description(fmu)
     variables = {v.name: v for v in description.modelVariables}
     from fmpy import fmi2
@@ -419,9 +454,7 @@ def main() -> None:
     CALLBACKS.allocateMemory = fmi2.defaultCallbacks.allocateMemory
     CALLBACKS.freeMemory = fmi2.defaultCallbacks.freeMemory
     identifier = description.coSimulation.modelIdentifier
-    library = FMU2Slave(
-        guid=description.guid, unzipDirectory=extract(fmu), modelIdentifier=identifier, instanceName="column"
-    )
+    library = FMU2Slave(guid=description.guid, unzipDirectory=folder, modelIdentifier=identifier, instanceName="column")
     for line in sys.stdin:
         problem = None
         machine = Machine(lambda: Slave(library, variables))

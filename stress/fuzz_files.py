@@ -1,11 +1,13 @@
-"""Column files, records and CSV motions, right and wrong: read as an independent reader reads them, or refused."""
+"""Column files, studies, journals, records and CSV motions: read as an independent reader does, or refused."""
 
 from __future__ import annotations
 
 import contextlib
+import json
 import math
 import re
 import tempfile
+import tomllib
 from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path
@@ -16,8 +18,15 @@ from hypothesis import HealthCheck, Phase, given, seed, settings
 from hypothesis import strategies as st
 
 from solver import Column, InputError, Motion
-from solver.motion import STANDARD_GRAVITY
-from solver.stepper import Stepper
+from solver.commands.record_report import report
+from solver.commands.study import summary
+from solver.common.errors import reading
+from solver.dynamics.stepper import Stepper
+from solver.ground.motion import STANDARD_GRAVITY
+from solver.studies import Study
+from solver.studies.execution import head_of
+from solver.studies.journal import Journal, line_of
+from solver.studies.results import results_of
 
 TOML = """name = "two"
 g = 9.81
@@ -52,6 +61,36 @@ NPTS=  5, DT= .02000 SEC
 """
 CSV = "time,base.ax,base.az\n0.0,0.1,-0.2\n0.02,0.3,0.1\n0.05,-1e-1,0\n"
 
+STUDY = """name = "small"
+kind = "fragility"
+column = "column.toml"
+samples = 6
+sampling = "sobol"
+seed = 3
+tolerance = 1e-3
+keep = ["peak_ux", "verdict", "overturn_time"]
+limits = [0.25, 0.5]
+[[motion]]
+formula = "near-fault"
+name = "near"
+magnitude = 6.5
+distance = 5.0
+[intensity]
+measure = "pga"
+[grid]
+intensity = [0.2, 0.6]
+[random."motion.seed"]
+distribution = "integers"
+low = 0
+high = 1000
+[random."joint.stiffness"]
+distribution = "lognormal"
+median = 1.0
+deviation = 0.3
+relative = true
+each = true
+"""
+
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([dDeE][+-]?\d+)?")
 NUMBERS = ["nan", "-inf", "inf", "1e999", "-1", "0", "1e-320", "1e300", "1_0", "0x10", "1e5", "\u0663"]
 WORDS = ["true", "e", "[[block]]", "height", "mass", "NPTS", "\u00e9"]
@@ -82,7 +121,7 @@ def mutated(text: str) -> st.SearchStrategy[bytes]:
 
 
 def column_problem(path: Path) -> str | None:
-    """What is wrong with how a column file was taken; None if nothing is."""
+    """The mistake in how a column file was read; None if there is none."""
     try:
         column = Column.from_toml(path)
     except InputError as error:
@@ -93,14 +132,17 @@ def column_problem(path: Path) -> str | None:
             return f"accepted: {block}"
     if Column.from_dict(column.to_dict()) != column:
         return "its mapping gives another column"
-    row = Stepper(column).observe(0.0)
+    try:
+        row = Stepper(column).observe(0.0)
+    except InputError as error:  # for a column without a stable rest, as with g = 1e-320
+        return None if "cannot stand" in str(error) else f"said: {str(error)!r}"
     if not np.all(np.isfinite(row)):
         return f"outputs at rest are not finite: {column}"
     return None
 
 
 def motion_problem(path: Path) -> str | None:
-    """The same for a motion, beside a reader of its own that knows nothing but right files."""
+    """The mistake in how a motion was read, against an independent reader that knows valid files only; or None."""
     read = Motion.from_csv if path.suffix == ".csv" else Motion.from_at2
     try:
         motion = read(path)
@@ -170,10 +212,106 @@ def _plain_at2(text: str) -> tuple[Any, Any, Any] | None:
     return dt * np.arange(len(values)), STANDARD_GRAVITY * np.array(values), np.zeros(len(values))
 
 
+def record_problem(path: Path) -> str | None:
+    """The mistake in how a record of any format was read, or in its measures; or None."""
+    try:
+        motion = Motion.from_file(path)
+        with reading(path):
+            text = report(motion)
+    except InputError as error:
+        return _message_problem(path, error)
+    return None if text and "\n\n" not in text else f"said: {text!r}"
+
+
+def study_problem(path: Path) -> str | None:
+    """The mistake in how a study, whose column stands beside it, was read; or None."""
+    (path.parent / "column.toml").write_text(TOML)
+    try:
+        study = Study.from_toml(path)
+    except InputError as error:
+        return _message_problem(path, error)
+    if Path(study.name).name != study.name:
+        return f"accepted: name {study.name!r}"
+    for number in {0, study.runs // 2, study.runs - 1}:
+        with contextlib.suppress(InputError):
+            study.run(number)
+    return None
+
+
+def journal_problem(path: Path) -> str | None:
+    """The mistake in how a journal was read, shown and continued; or None."""
+    try:
+        text = summary(results_of(path))
+    except InputError as error:
+        problem = _message_problem(path, error)
+        return None if problem is not None and str(error).startswith("grid.") else problem
+    head = json.loads(JOURNAL.splitlines()[0][9:])
+    with contextlib.suppress(InputError), Journal(path, head):
+        pass
+    return None if text else "said nothing"
+
+
+def journals(text: bytes) -> st.SearchStrategy[bytes]:
+    """The journal with some of its values changed, under right checksums: types, lengths, names, numbers, repeats."""
+    lines = [json.loads(line[9:]) for line in text.splitlines()]
+    odd = st.one_of(
+        st.sampled_from(
+            [None, True, -1, 0, 1.5, 1e308, 10**30, math.nan, math.inf, "", "x", "../x", "ida", [], [1], {}, {"a": 1}]
+        ),
+        st.text(max_size=5),
+        st.floats(),
+    )
+
+    def changed(data: Any, which: Callable[[int], int], value: Any, how: str) -> Any:
+        """The data with one place in it, anywhere, replaced, taken away or doubled."""
+        if isinstance(data, (dict, list)) and data and which(3):
+            keys = list(data) if isinstance(data, dict) else list(range(len(data)))
+            key = keys[which(len(keys))]
+            made = data.copy()
+            if how != "put" and which(2):
+                if how == "cut":
+                    del made[key]
+                elif isinstance(made, list):
+                    made.insert(key, made[key])
+                return made
+            made[key] = changed(data[key], which, value, how)
+            return made
+        return value
+
+    def build(numbers: list[int], line: int, value: Any, how: str, repeat: bool) -> bytes:
+        left = list(numbers)
+        which = lambda count: (left.pop() if left else 0) % count  # noqa: E731
+        made = list(lines)
+        made[line] = changed(made[line], which, value, how)
+        return b"".join(map(line_of, made + made[1:] * repeat))
+
+    numbers = st.lists(st.integers(1, 10**6), min_size=4, max_size=14)
+    ways = st.sampled_from(["put", "cut", "double"])
+    return st.builds(build, numbers, st.integers(0, len(lines) - 1), odd, ways, st.booleans())
+
+
+def _journal() -> bytes:
+    """A journal of twelve runs, made as a study makes it."""
+    with tempfile.TemporaryDirectory(prefix="stress_") as folder:
+        (Path(folder) / "column.toml").write_text(TOML)
+        study = Study.from_dict(tomllib.loads(STUDY), folder)
+        kept = {"peak_ux": [0.1, 0.2], "verdict": "standing", "overturn_time": math.nan}
+        head: dict[str, Any] = {"format": 1, **head_of(study)}
+        rows = [
+            [k, [*study.values(k).values()], [0.2, 0.3], kept if k % 4 else None, "" if k % 4 else "not made"]
+            for k in range(study.runs)
+        ]
+        return b"".join(map(line_of, [head, *rows]))
+
+
+JOURNAL = _journal()
 KINDS: dict[str, tuple[str, Callable[[Path], str | None]]] = {
     "column.toml": (TOML, column_problem),
     "record.AT2": (AT2, motion_problem),
     "motion.csv": (CSV, motion_problem),
+    "any.txt": (AT2, record_problem),
+    "study.toml": (STUDY, study_problem),
+    "small.journal": (JOURNAL.decode(), journal_problem),
 }
 
 
@@ -187,7 +325,7 @@ SEARCH: dict[str, Any] = {
 
 
 def fuzz(kind: str, number: int, examples: int) -> dict[str, Any]:
-    """So many files of one kind: {"files", "refused", "failures": the smallest that fails}."""
+    """`count` files of one kind: {"files", "refused", "failures": the smallest that fails}."""
     text, problem_of = KINDS[kind]
     counts = {"files": 0}
     smallest: dict[str, str] = {}
@@ -196,7 +334,7 @@ def fuzz(kind: str, number: int, examples: int) -> dict[str, Any]:
 
         @seed(number)
         @settings(max_examples=examples, **SEARCH)
-        @given(mutated(text))
+        @given(journals(JOURNAL) if kind.endswith(".journal") else mutated(text))
         def hold(content: bytes) -> None:
             counts["files"] += 1
             path.write_bytes(content)

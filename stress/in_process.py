@@ -1,4 +1,4 @@
-"""What the campaign runs in a process of its own: `python -m stress.in_process FUNCTION ARGUMENTS`.
+"""Functions that the campaign runs in a process of its own: `python -m stress.in_process FUNCTION ARGUMENTS`.
 
 Arguments and result are JSON. `--jumping-clock` and `--largest-file BYTES` before the function hinder the process.
 The tests' Instance must be in reach.
@@ -16,10 +16,9 @@ from typing import Any
 
 def start(fmu: str, largest_file: int = 0) -> list[Any]:
     """Outputs after a first step; no file may grow beyond `largest_file` bytes once the FMU is extracted."""
-    from fmpy import extract
-    from instance import Instance
+    from support.instance import Instance, unpacked
 
-    folder = extract(fmu)
+    folder = unpacked(fmu)
     if largest_file:
         limit_files(largest_file)
     column = Instance(fmu, {"base.ax": 0.5}, folder=folder)
@@ -40,7 +39,7 @@ def simulate(column: str) -> str:
 def command(program: str, arguments: list[str]) -> None:
     """A command of the project, `solver` or `build_fmu`; exits as it does."""
     import build_fmu
-    from solver import command_line
+    from solver.commands import command_line
 
     sys.exit({"solver": command_line.main, "build_fmu": build_fmu.main}[program](arguments))
 
@@ -67,14 +66,14 @@ def sweep(tolerance: float | None) -> list[dict[str, Any]]:
 
 
 def limit_files(size: int) -> None:
-    """No file of this process can grow beyond so many bytes, as on a full disk."""
+    """Limit the files of this process to a number of bytes, as on a full disk."""
     import resource
 
     resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
 
 
 def let_clocks_jump() -> None:
-    """Every look at a clock is off by days, in either direction."""
+    """Make every clock wrong by days, in either direction."""
     chance = random.Random(1)
     for name in ("time", "perf_counter", "monotonic"):
         real = getattr(time, name)

@@ -19,7 +19,7 @@ Findings = list[dict[str, Any]]
 
 
 def write(folder: Path) -> Path:
-    """Write the report beside the findings. Raises FileNotFoundError where there are none."""
+    """Write the report beside the findings. Raises FileNotFoundError if there are none."""
     found = {part: _read(folder / f"{part}.jsonl") for part in PARTS}
     if not any(found.values()):
         raise FileNotFoundError(f"{folder}: no findings of `python -m stress` in it")

@@ -1,4 +1,4 @@
-"""The paper's scheme, central differences with Gauss-Seidel sweeps: where it diverges, and what its sweeps cost."""
+"""The paper's scheme, central differences with Gauss-Seidel sweeps: its stability limit and the cost of its sweeps."""
 
 from __future__ import annotations
 
@@ -14,19 +14,19 @@ from typing import Any
 import numpy as np
 
 from solver import Block, Column, InputError, Joint, Motion, Settings, SolverError
-from solver.kernels import layout as at
-from solver.packing import longest_stable_step, settlements
-from solver.stepper import Stepper
+from solver.column.packing import longest_stable_step, settlements
+from solver.dynamics.stepper import Stepper
+from solver.kernels.layout import spaces as at
 
 ROOT = Path(__file__).resolve().parent.parent
 HEIGHT, WIDTH, MASS = 14.07, 1.56, 81000.0  # of the Column of Phocas
 STIFFNESS = 533 * 9.80665e6  # N/m3
 STEPS = 200
-GROWN = 1e3  # times the first disturbance: the scheme diverges
-FINER = 0.005  # of the step: how closely the limit is located
-LONGEST = 1.5  # times the limit computed: how far it is looked for
-TOLERANCES = (math.inf, 1e-2, 1e-4, 1e-6, 1e-9)  # of the sweeps; with the first one sweep is all there is
-SCENES = ((0.02, 2.0, 2.0), (0.05, 2.0, 2.0))  # g, Hz, s: within what can be predicted of the undamped column
+GROWN = 1e3  # times the first disturbance: growth that counts as divergence
+FINER = 0.005  # of the step: accuracy of the limit found
+LONGEST = 1.5  # times the computed limit: range of the search
+TOLERANCES = (math.inf, 1e-2, 1e-4, 1e-6, 1e-9)  # of the sweeps; the first one stops after one sweep
+SCENES = ((0.02, 2.0, 2.0), (0.05, 2.0, 2.0))  # g, Hz, s: short enough to predict the motion of the undamped column
 
 
 def shaft(n: int, stiffness: float, damping: float, step: float = 1e-4) -> Column:
@@ -38,7 +38,7 @@ def shaft(n: int, stiffness: float, damping: float, step: float = 1e-4) -> Colum
 def grows(column: Column, step: float) -> tuple[bool, float]:
     """Whether a small disturbance of rest grows in STEPS steps, and the sweeps made per evaluation."""
     stepper = Stepper(column)
-    stepper.model.settings.step = step  # the check of the step is left out: this is what it checks
+    stepper.model.settings.step = step  # past the check of the step, which is what this function tests
     n = column.n
     rng = np.random.default_rng(n)
     coordinates = stepper.arrays.state[at.CONTROL.beside :][: 2 * n]
@@ -67,7 +67,7 @@ def limit_found(column: Column, limit: float) -> float:
 
 
 def refused_beyond(column: Column, limit: float) -> bool:
-    """Whether a step just within the limit is taken, and one just beyond refused with the limit in the message."""
+    """Whether a step just within the limit is accepted, and one just beyond refused with the limit in the message."""
     Stepper(column.with_settings(step=0.999 * limit))
     try:
         Stepper(column.with_settings(step=1.001 * limit))
@@ -91,7 +91,7 @@ def stability_map(
                     _, sweeps = grows(column, 0.5 * limit)
                     row |= {"limit": limit, "found": limit_found(column, limit), "sweeps": sweeps}
                     row["refused"] = refused_beyond(column, limit)
-                except InputError:  # shorter than any step that can be asked for
+                except InputError:  # shorter than any step allowed
                     row["failure"] = f"{limit:.2g}; refused"
                 except SolverError as error:
                     row["failure"] = str(error)
@@ -100,9 +100,9 @@ def stability_map(
 
 
 def sweep_costs() -> list[dict[str, Any]]:
-    """Error of the top displacement by how far the sweeps go.
+    """Error of the top displacement against the tolerance of the sweeps.
 
-    The tolerance of the sweeps is a constant of the kernels: a process that compiles its own for each.
+    That tolerance is a constant of the kernels: each one is compiled in a process of its own.
     """
     exact, *others = (_swept(tolerance) for tolerance in (None, *TOLERANCES))
     rows = []
@@ -116,7 +116,7 @@ def sweep_costs() -> list[dict[str, Any]]:
 
 
 def _swept(tolerance: float | None) -> list[dict[str, Any]]:
-    """What `sweep` gives in a process of its own."""
+    """The result of `sweep` in a process of its own."""
     with tempfile.TemporaryDirectory(prefix="stress_") as cache:
         done = subprocess.run(
             [sys.executable, "-W", "ignore", "-m", "stress.in_process", "sweep", json.dumps([tolerance])],
@@ -133,9 +133,9 @@ def _swept(tolerance: float | None) -> list[dict[str, Any]]:
 def sweep(tolerance: float | None) -> list[dict[str, Any]]:
     """Top displacement and sweeps an evaluation of every scene; None is the solver's own tolerance of the sweeps.
 
-    Nothing may have been compiled before.
+    No kernel may have been compiled before.
     """
-    from solver.kernels.formulations import paper
+    from solver.kernels.formulations import first_order as paper
 
     if tolerance is not None:
         paper.SWEEP_TOLERANCE = tolerance

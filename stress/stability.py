@@ -1,4 +1,4 @@
-"""What must hold in every case, however extreme, and by how much it does."""
+"""Checks that must hold in every case, however extreme, and their margins."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ from typing import Any
 import numpy as np
 
 from solver import Block, Column, Joint, Motion, SolverError
-from solver.kernels import layout as at
-from solver.packing import model_of
-from solver.stepper import Stepper
+from solver.column.packing import model_of
+from solver.dynamics.stepper import Stepper
+from solver.kernels.layout import spaces as at
 
 from .cases import Case, draw
 from .energy import Array, Energies
 
-AFFORDABLE = 500_000  # steps times blocks: a run that took more is not made again at other tolerances
+AFFORDABLE = 500_000  # steps times blocks: a run that took more is not repeated at other tolerances
 MOST_BLOCKS = 200
 ROWS = 200  # of a motion that is not held
 ROUNDING = 1e-12
-# in tolerances, how much each figure may be; what was measured is in docs/stability.md
+# limit of each figure, in tolerances; docs/notes/campaign.md has the measured ones
 LIMITS = {
     "energy gained": 10.0,
     "energy lost, undamped": 10.0,
@@ -34,7 +34,7 @@ LIMITS = {
     "half the tolerance": 30.0,
     "communication step": 30.0,
 }
-PREDICTABLE = 30.0  # times that a change of the motion is amplified: beyond, errors are the motion's, not the solver's
+PREDICTABLE = 30.0  # amplification of a change of the motion: beyond it errors are the motion's, not the solver's
 
 
 @dataclass
@@ -85,7 +85,7 @@ MIRRORED = ("ux", "theta", "M", "S", "T", "Fx", "My")  # outputs that change the
 
 
 def _cut(motion: Motion, pieces: int) -> Motion:
-    """The same motion in so many times as many samples: shorter communication steps."""
+    """The motion with `pieces` times as many samples: shorter communication steps."""
     if pieces == 1:
         return motion
     shares = np.arange(pieces) / pieces
@@ -107,7 +107,7 @@ def examine(case: Case) -> dict[str, Any]:
         times = np.append(motion.time, motion.end)
     failures: list[str] = []
     figures: dict[str, float] = {}
-    found = {"case": case.told(), "kind": case.kind, "n": column.n, "failures": failures, "figures": figures}
+    found = {"case": case.line(), "kind": case.kind, "n": column.n, "failures": failures, "figures": figures}
 
     usual = follow(column, motion, times)
     found |= {"stats": usual.stats, "seconds": usual.seconds, "overturned": usual.overturned}
@@ -132,7 +132,7 @@ def _check_rows(column: Column, run: Track, failures: list[str], figures: dict[s
         return
     seen = at.ROW.see(run.rows.T, n).joints
     normal, moment, contact, sigma = seen.N.T, seen.M.T, seen.contact.T, seen.sigma_max.T
-    width = np.array([block.joint_width for block in column.blocks])
+    width = np.array([contact.width for contact in column.contacts])
     if np.min(normal) < 0.0 or np.min(sigma) < 0.0:
         failures.append(f"tension: N = {np.min(normal):.3g} N, sigma = {np.min(sigma):.3g} Pa")
     held = normal > np.finfo(float).tiny
@@ -152,14 +152,15 @@ def _standing(run: Track) -> int:
 
 
 def _check_energy(column: Column, motion: Motion, run: Track, failures: list[str], figures: dict[str, float]) -> None:
-    """Never more than at the start and what the base has put in; without damping never less."""
+    """Energy never exceeds that at the start plus the work of the base; without damping it is never less."""
     count = _standing(run)
     if count < 2:
         return
     has = Energies(column, run.phases[:count])
     excess = has.total - has.total[0] - has.work(motion)
     floor = model_of(column).settings.rotation_floor ** 2 * sum(
-        0.5 * b.joint.stiffness * b.joint_depth * b.joint_width**3 / 12.0 for b in column.blocks
+        0.5 * block.joint.stiffness * contact.second
+        for block, contact in zip(column.blocks, column.contacts, strict=True)
     )
     moved = np.abs(has.elastic - has.elastic[0]) + np.abs(has.gravity - has.gravity[0]) + has.kinetic
     rounding = np.abs(has.elastic[0]) + np.max(np.abs(has.gravity))
@@ -181,7 +182,7 @@ def _check_mirror(column: Column, motion: Motion, run: Track, failures: list[str
 
 
 def _altered(column: Column, part: float) -> Column:
-    """The same column with data that differ by so much: what nobody knows better."""
+    """The column with data changed by a relative amount, smaller than their uncertainty."""
     blocks = tuple(
         replace(block, joint=replace(block.joint, stiffness=block.joint.stiffness * (1.0 + (-1) ** i * part)))
         for i, block in enumerate(column.blocks)
@@ -231,7 +232,7 @@ def _check_agreement(
 
 
 def _serve(pipe: Connection, seed: int, most_blocks: int, patience: int) -> None:
-    """Examine the cases asked for; the system ends the process where one takes too long."""
+    """Examine the requested cases; the system ends the process if one takes too long."""
     # compiled before time is counted
     still = Motion.from_samples(1e-3, [0.0, 0.0])
     follow(Column("still", (Block(1.0, 1.0, 1.0, 1e3, Joint(1e9, 1e-3)),)), still, still.time)
@@ -242,17 +243,17 @@ def _serve(pipe: Connection, seed: int, most_blocks: int, patience: int) -> None
             resource.setrlimit(resource.RLIMIT_CPU, (int(used.ru_utime + used.ru_stime) + 1 + patience, -1))
             try:
                 pipe.send(examine(draw(seed, number, most_blocks)))
-            except Exception as error:  # a defect of solver or campaign: reported as one, with the case
+            except Exception as error:  # a defect of solver or campaign: reported with the case
                 pipe.send({"failures": [f"{type(error).__name__}: {error}"], "figures": {}})
 
 
 def campaign(
     seed: int, first: int, count: int, most_blocks: int = MOST_BLOCKS, patience: int = 20, seconds: float = math.inf
 ) -> Iterator[dict[str, Any]]:
-    """The findings of the cases first, first + 1, ..., until `count` or so many seconds are over.
+    """The findings of the cases first, first + 1, ..., until `count` cases or `seconds` are reached.
 
     patience: s of processor time for one case; one that takes longer is reported as slow. A case that ends the process
-    is reported as well, and the campaign goes on.
+    is reported as well, and the campaign continues.
     """
     context = multiprocessing.get_context("spawn")
     worker = None
@@ -278,6 +279,6 @@ def campaign(
             }
             worker = None
         case = draw(seed, number, most_blocks)
-        yield {"seed": seed, "number": number, "case": case.told(), "kind": case.kind, "n": case.column.n} | found
+        yield {"seed": seed, "number": number, "case": case.line(), "kind": case.kind, "n": case.column.n} | found
     if worker is not None:
         worker.kill()

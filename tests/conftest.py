@@ -4,10 +4,10 @@ import signal
 from pathlib import Path
 
 import pytest
-from fmus import ROOT, Fmus
 from hypothesis import settings
+from support.fmus import ROOT, Fmus
 
-from solver.first_run import make_kernels
+from solver.dynamics.first_run import make_kernels
 
 
 def pytest_configure() -> None:

@@ -21,7 +21,7 @@ from build import build_all
 from master import Fmu, Run, couple
 from reference import solve_as_one
 
-from solver import Column, Motion
+from multiblock import Column, Motion
 
 G = 9.80665
 HERE = Path(__file__).resolve().parent
@@ -37,7 +37,7 @@ PERIOD, DAMPING = 2.0, 0.1  # s, of critical: linear isolators under slab and co
 
 
 def linear(ratio: float) -> dict[str, float]:
-    """Slab of so many times the effective mass on linear isolators."""
+    """Slab of `ratio` times the effective mass on linear isolators."""
     mass = ratio * MEFF
     stiffness = (mass + TOTAL) * (2.0 * math.pi / PERIOD) ** 2
     return {"mass": mass, "stiffness": stiffness, "damping": 2.0 * DAMPING * math.sqrt(stiffness * (mass + TOTAL))}
@@ -67,7 +67,7 @@ def harmonic(scene: str, stop: float) -> np.ndarray:
 
 
 class Case:
-    """A column upon something under a ground motion: solved as one, then coupled in any way."""
+    """A column on a partner under a ground motion: solved as one, then coupled in any way."""
 
     def __init__(self, fmus: dict[str, Path], eta: float, kind: str, parameters: dict[str, float], samples: np.ndarray):
         self.fmus, self.eta, self.kind, self.parameters = fmus, eta, kind, parameters
@@ -99,7 +99,7 @@ class Case:
         return float(self.samples[k] + (past - k) * (self.samples[k + 1] - self.samples[k]))
 
     def couple(self, h: float, way: str = "", stop: float | None = None) -> Run:
-        """Coupled: way is plain, held, line, parabola or iterated; the partner's own unless told."""
+        """Coupled: way is plain, held, line, parabola or iterated; empty for the partner's own."""
         damping = {f"joint[{i}].damping": self.eta for i in (1, 2, 3)}
         column = Fmu(self.fmus["column"], **damping)
         own: dict[str, Any] = dict(self.parameters)
@@ -177,10 +177,10 @@ def mass_ratios(fmus: dict[str, Path], stop: float, say: Callable[[str], None]) 
                 case = Case(fmus, eta, "linear", linear(ratio), harmonic(scene, stop))
                 ways = {way: case.errors(case.couple(1e-3, way)) for way in ("plain", "held", "line", "parabola")}
                 rows.append({"ratio": ratio, "eta": eta, "scene": scene, "ways": ways})
-                told = [percent(ways[way][k]) for way, k in COLUMNS]
+                errors = [percent(ways[way][k]) for way, k in COLUMNS]
                 say(
                     f"{ratio:8g}   {eta:6g}   {scene}   {case.window * SPACING:5.2f} s  "
-                    + "".join(f"{text:>12}" for text in told)
+                    + "".join(f"{text:>12}" for text in errors)
                 )
     return rows
 

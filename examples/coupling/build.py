@@ -29,7 +29,7 @@ from fmu_src import host
 from fmu_src.native.library import has_tools
 from fmu_src.native.platforms import PLATFORMS
 from fmu_src.record import read_motion
-from solver import Column
+from multiblock import Column
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent

@@ -1,4 +1,4 @@
-"""What an isolator does for a column: the isolated column against the same one on its fixed base.
+"""Effect of an isolator: the isolated column beside this column on its fixed base.
 
     python examples/coupling/isolated.py [--record RECORD.AT2] [--isolator friction-pendulum] [-o results]
 
@@ -18,7 +18,7 @@ import numpy as np
 from build import DEFAULT_COLUMN, build_all
 from master import Fmu, Run, couple
 
-from solver import Column, InputError, Motion
+from multiblock import Column, InputError, Motion
 
 G = 9.80665
 STEP = 1e-3  # s

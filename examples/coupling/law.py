@@ -1,4 +1,4 @@
-"""What partners share: their tables of variables, and how a body moves from one communication point to the next.
+"""Shared by the partners: their tables of variables, and how a body moves from one communication point to the next.
 
 Everything that calculates is a plain function over numbers, tuples and rows that are written in place: a PythonFMU runs
 it as it stands, numba compiles the very same for the FMU without Python (native.py). Standard library only.
@@ -60,7 +60,7 @@ def slope_parameter(start):
 
 
 def field(name):
-    """What the functions call a variable: base.ax is base_ax."""
+    """Name of a variable in the functions: base.ax is base_ax."""
     return name.replace(".", "_") + "_" * keyword.iskeyword(name)
 
 
@@ -77,7 +77,7 @@ def slopes(way, given, a, before):
 
 
 def slope(way, a, before, k):
-    """The same of one axis."""
+    """Slope of the acceleration of one axis."""
     if way == HELD or before[0] < 1.0:
         return 0.0
     step, last = before[1], before[2 + k]
@@ -96,7 +96,7 @@ def remember(before, a, h):
 
 
 def power(needs, v):
-    """What the body gives to the column, W, by its own law: by the column's it is the same but for the coupling."""
+    """Power from the body to the column, W, by the forces of the body; the column's differ by coupling errors."""
     return -(needs[0] * v[0] + needs[1] * v[1] + needs[2] * v[2])
 
 

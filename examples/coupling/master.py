@@ -7,6 +7,7 @@ state rolled back until both agree at the end of the step (iterations > 0); or, 
 from __future__ import annotations
 
 from collections.abc import Callable
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -26,9 +27,10 @@ class Fmu:
     def __init__(self, path: Any, **parameters: Any) -> None:
         description = read_model_description(str(path))
         self.variables = {variable.name: variable for variable in description.modelVariables}
+        self.folder = TemporaryDirectory()
         self.slave = FMU2Slave(
             guid=description.guid,
-            unzipDirectory=extract(str(path)),
+            unzipDirectory=extract(str(path), unzipdir=self.folder.name),
             modelIdentifier=description.coSimulation.modelIdentifier,
             instanceName=description.modelName,
         )
@@ -59,6 +61,7 @@ class Fmu:
     def close(self) -> None:
         self.slave.terminate()
         self.slave.freeInstance()
+        self.folder.cleanup()
 
 
 class Run(dict[str, Any]):
@@ -150,7 +153,7 @@ def couple(
             if iterations:
                 column.slave.freeFMUState(states[0])
                 partner.slave.freeFMUState(states[1])
-        # at the end of the step, under the motion of the step, before anything is set anew
+        # at the end of the step, under the motion of the step, before the next inputs are set
         work_taken += 0.5 * h * power()
     table = np.array(rows)
     names = ("time", *watch, *watch_partner)

@@ -1,4 +1,4 @@
-"""What a column can be coupled with, as a slave of PythonFMU: a body whose acceleration follows from R0 and mass.
+"""A partner of a column as a slave of PythonFMU: a body whose acceleration follows from R0 and mass.
 
 A partner carries the column on a rigid body. At every communication point it solves
 

@@ -1,6 +1,6 @@
 """The partners for callers that have pointers: what their FMUs without Python are linked with.
 
-Each takes the place that the column's kernels have in solver/kernels/pointers.py, with arguments of the same names; the
+Each takes the place that the kernels have in solver/kernels/api/pointers.py, with arguments of the same names; the
 functions are those of isolator.py and soil.py as they stand, compiled. A partner's model is its parameters, its state
 what moves, the steps before and the work. The state of the ground is the length of the last step.
 """
@@ -16,10 +16,10 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from solver.kernels import pointers
-from solver.kernels.formulations.base import SAMPLE_SLACK, Samples, record_line, segment_at
-from solver.kernels.jit import kernel
-from solver.kernels.views import Record, row_at
+from solver.kernels.api import pointers
+from solver.kernels.formulations.base_motion import SAMPLE_SLACK, Samples, record_line, segment_at
+from solver.kernels.numba_ext.jit import kernel
+from solver.kernels.numba_ext.views import Record, row_at
 
 HERE = Path(__file__).resolve().parent
 PLAIN, COMPILED = "laws", "compiled_laws"  # the folder as packages: as it stands, and with all functions compiled
@@ -58,19 +58,19 @@ def _compiled(name: str) -> tuple[ModuleType, ModuleType]:
 def _entries(begin: Callable[..., Any], step: Callable[..., Any], see: Callable[..., Any]) -> Entries:
     """The entries around what is a partner's own: all that such a thing has no use for is left out.
 
-    begin(given, afresh, model, state), step(inputs, model, state, work, h) -> reason or 0,
+    begin(given, from_rest, model, state), step(inputs, model, state, work, h) -> reason or 0,
     see(inputs, model, state, work, t, samples, row).
     """
 
-    def assemble(n, given, afresh, model, state, counts, base, work, scratch, detail):
-        begin(row_at(given), afresh, row_at(model), row_at(state))
+    def assemble(n, given, from_rest, model, state, counts, base, work, scratch, detail):
+        begin(row_at(given), from_rest, row_at(model), row_at(state))
         return 0
 
     def follow(n, model, state, counts, base, work, inputs, start, h, count, times, ax, az, scale):
         return step(row_at(inputs), row_at(model), row_at(state), row_at(work), h)
 
     # fmt: off
-    def look(n, model, state, counts, base, work, inputs, afresh, upright, elapsed, t, count, times, ax, az, scale,
+    def look(n, model, state, counts, base, work, inputs, new_inputs, upright, elapsed, t, count, times, ax, az, scale,
              row, split):
         # fmt: on
         samples = Samples(count, row_at(times), row_at(ax), row_at(az), scale, False)
@@ -100,11 +100,11 @@ def partner_entries(name: str) -> Entries:
         return value_of(work, 0)
 
     @kernel
-    def begin(given, afresh, model, state):
+    def begin(given, from_rest, model, state):
         """Parameters into the model; from rest."""
         for k in range(count - inputs_count):
             model[k] = given[k]
-        if afresh:
+        if from_rest:
             for k in range(work_place + 1):
                 state[k] = 0.0
 
@@ -152,10 +152,10 @@ def ground_entries() -> Entries:
         return record_line(samples, k, t)
 
     @kernel
-    def begin(given, afresh, model, state):
-        """The step that was told, if any."""
+    def begin(given, from_rest, model, state):
+        """The step of the parameters, 0 if it is not given."""
         model[0] = given[0]
-        if afresh:
+        if from_rest:
             state[0] = 0.0
 
     @kernel

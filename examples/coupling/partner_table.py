@@ -66,7 +66,7 @@ def description(
 
 
 def subject(law: ModuleType) -> Subject:
-    """What the C core has to know of a partner."""
+    """Description of a partner for the C core."""
     ports = law.PORTS
     names = {kind: [port.name for port in ports if port.causality == kind] for kind in ("input", "output", "parameter")}
     has_record = "record" in names["parameter"]

@@ -1,4 +1,4 @@
-"""The same systems as one: column and partner integrated together, by classical Runge-Kutta at a small fixed step.
+"""The coupled systems solved as one: column and partner integrated together, by classical Runge-Kutta at a small step.
 
 No FMU and no communication: the column's equations are the kernels', the partner's are written down here once more, the
 acceleration of the base is solved for in every evaluation. The joints' law has kinks, so the step is small, and two
@@ -12,17 +12,17 @@ from typing import Any
 
 import numpy as np
 
-from solver import Column
-from solver.kernels import layout as at
-from solver.kernels.engine import column_over
-from solver.kernels.formulations.base import Samples
-from solver.kernels.formulations.either import evaluate
+from multiblock import Column
+from solver.column.packing import arrays_of
+from solver.kernels.api.engine import column_over
+from solver.kernels.formulations.base_motion import Samples
+from solver.kernels.formulations.dispatch import evaluate
 from solver.kernels.formulations.exact import Motion
 from solver.kernels.formulations.feedthrough import split_reaction
 from solver.kernels.formulations.outputs import observe
-from solver.kernels.jit import entry, kernel
-from solver.kernels.views import row_of
-from solver.packing import arrays_of
+from solver.kernels.layout import spaces as at
+from solver.kernels.numba_ext.jit import entry, kernel
+from solver.kernels.numba_ext.views import row_of
 
 LINEAR, LEAD_RUBBER, PENDULUM, SOIL = range(4)
 KINDS = {"linear": LINEAR, "lead-rubber": LEAD_RUBBER, "friction-pendulum": PENDULUM, "soil": SOIL}

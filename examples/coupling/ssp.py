@@ -1,12 +1,15 @@
 """A coupled system as SSP 1.0, for masters that open such files.
 
-Beside the FMUs it holds the system (SystemStructure.ssd) and a set of parameters for each component (.ssv). A connector
-of the system has no dot in its name, which OMSimulator would take for the name of an element, and the step that
-OMSimulator wants to be told stands in an annotation of its own, which others pass over.
+Beside the FMUs it holds the system (SystemStructure.ssd) and a set of parameters for each component (.ssv). Connectors
+of the system have no dot in their names: OMSimulator would take it for the name of an element. An annotation gives
+OMSimulator the step; other tools ignore it. Components also have connectors for the results that a user looks at:
+displacements and joint forces of the column, outputs of the partners. These are outputs of the system too if the ground
+motion is an input of the system. Otherwise the system has no connectors, because libcosim and ecos refuse them.
 """
 
 from __future__ import annotations
 
+import re
 import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -24,6 +27,8 @@ OMS = {"xmlns:oms": "https://raw.githubusercontent.com/OpenModelica/OMSimulator/
 SPLIT = ("R0x", "R0z", "R0m", "mxx", "mxz", "mxt", "mzz", "mzt", "mtt")
 MOTION = ("ax", "az", "jx", "jz", "theta", "omega", "alpha")
 GROUND = ("ax", "az", "jx", "jz")
+SHOWN = re.compile(r"block\[\d+\]\.ux|joint\[\d+\]\.[NMT]")  # of the column
+WIDTH, GAP, PITCH = 60.0, 40.0, 4.0  # of a component, between two of them, between two connectors; in mm
 SET = "defaults"
 KINDS = {float: "Real", int: "Integer", bool: "Boolean", str: "String"}
 
@@ -38,6 +43,7 @@ class System:
     stop: float  # s
     step: float  # s
     connections: list[tuple[str, str, str, str]] = field(default_factory=list)
+    shown: list[tuple[str, str]] = field(default_factory=list)  # (element, connector), read but not connected
 
 
 def coupled(
@@ -58,7 +64,20 @@ def coupled(
     for part in MOTION:
         if f"base.{part}" in known:
             system.connections.append((partner, f"base.{part}", "column", f"base.{part}"))
+    used = {(element, name) for element, name, _, _ in system.connections}
+    for part in ("column", partner):
+        for variable in read_model_description(str(fmus[part])).modelVariables:
+            wanted = SHOWN.fullmatch(variable.name) if part == "column" else (part, variable.name) not in used
+            if variable.causality == "output" and wanted:
+                system.shown.append((part, variable.name))
+    if not inside:
+        system.connections += [(part, name, "", outside(part, name)) for part, name in system.shown]
     return system
+
+
+def outside(part: str, name: str) -> str:
+    """Name of a component's connector as one of the system: block[1].ux of the column is column_block1_ux."""
+    return f"{part}_{re.sub(r'[][]', '', name).replace('.', '_')}"
 
 
 def write(system: System, output: Path) -> Path:
@@ -74,7 +93,7 @@ def write(system: System, output: Path) -> Path:
 
 
 def wire(system: System, folder: Path, platform: str, watched: list[tuple[str, str]]) -> Path:
-    """The same for master.c: libraries for one platform and a file that says what is connected. Native FMUs only."""
+    """Files for master.c: libraries for one platform and a list of connections. Native FMUs only."""
     folder.mkdir(parents=True, exist_ok=True)
     descriptions: dict[str, Any] = {part: read_model_description(str(path)) for part, path in system.fmus.items()}
     numbers = {
@@ -92,7 +111,8 @@ def wire(system: System, folder: Path, platform: str, watched: list[tuple[str, s
         for name, value in system.parameters.get(part, {}).items():
             kind = "text" if isinstance(value, str) else "real"
             lines.append(f"{kind} {part} {numbers[part, name]} {value!r}".replace("'", ""))
-    lines += [f"connect {a} {numbers[a, start]} {b} {numbers[b, end]}" for a, start, b, end in system.connections if a]
+    links = [(a, start, b, end) for a, start, b, end in system.connections if a and b]
+    lines += [f"connect {a} {numbers[a, start]} {b} {numbers[b, end]}" for a, start, b, end in links]
     lines += [f"watch {part} {numbers[part, name]}" for part, name in watched]
     file = folder / f"{system.name}.txt"
     file.write_text("\n".join(lines) + "\n", encoding="utf-8")
@@ -105,7 +125,7 @@ def _text(root: Element) -> bytes:
 
 
 def parameter_set(values: Mapping[str, Any]) -> Element:
-    """Values of the variables of one component. All sets have one name, by which ecos is told to use them."""
+    """Values of the variables of one component. All sets have one name: ecos is given this name."""
     root = Element("ssv:ParameterSet", {**_spaces("ssc", "ssv"), "version": "1.0", "name": SET})
     parameters = SubElement(root, "ssv:Parameters")
     for variable, value in values.items():
@@ -122,27 +142,42 @@ def _spaces(*names: str) -> dict[str, str]:
 def structure(system: System) -> Element:
     """The system."""
     units = {part: _units(path) for part, path in system.fmus.items()}
-    used = {unit for _, _, target, end in system.connections if (unit := units[target][end])}
+    used = {unit for _, _, target, end in system.connections if target and (unit := units[target][end])}
+    used |= {unit for part, name in system.shown if (unit := units[part][name])}
     root = Element("ssd:SystemStructureDescription", {**_spaces("ssd", "ssc"), **OMS, "name": system.name})
     root.set("version", "1.0")
     top = SubElement(root, "ssd:System", name=system.name)
-    own = [(start, units[target][end]) for source, start, target, end in system.connections if not source]
+    own = [
+        (end, "output", units[source][start]) if source else (start, "input", units[target][end])
+        for source, start, target, end in system.connections
+        if not (source and target)
+    ]
     if own:
-        _connectors(top, [(name, "input", unit) for name, unit in own])
+        _connectors(top, own)
     elements = SubElement(top, "ssd:Elements")
+    right = tallest = 0.0
     for part in system.fmus:
         component = SubElement(elements, "ssd:Component", name=part, source=f"resources/{part}.fmu")
         component.set("type", "application/x-fmu-sharedlibrary")
         ports = [(start, "output", units[part][start]) for source, start, _, _ in system.connections if source == part]
         ports += [(end, "input", units[part][end]) for _, _, target, end in system.connections if target == part]
-        _connectors(component, list(dict.fromkeys(ports)))
+        ports += [(name, "output", units[part][name]) for element, name in system.shown if element == part]
+        ports = list(dict.fromkeys(ports))
+        _connectors(component, ports)
+        left, height = right + GAP, PITCH * (1 + len(ports))
+        right, tallest = left + WIDTH, max(tallest, height)
+        corners = {"x1": left, "y1": GAP, "x2": right, "y2": GAP + height}
+        SubElement(component, "ssd:ElementGeometry", {key: str(value) for key, value in corners.items()})
         if system.parameters.get(part):
             binding = SubElement(SubElement(component, "ssd:ParameterBindings"), "ssd:ParameterBinding")
             binding.set("source", f"resources/{part}.ssv")
     connections = SubElement(top, "ssd:Connections")
     for source, start, target, end in system.connections:
         connection = SubElement(connections, "ssd:Connection", {"startElement": source} if source else {})
-        connection.attrib |= {"startConnector": start, "endElement": target, "endConnector": end}
+        connection.set("startConnector", start)
+        connection.attrib |= {"endElement": target, "endConnector": end} if target else {"endConnector": end}
+    frame = {"x1": 0.0, "y1": 0.0, "x2": right + GAP, "y2": tallest + 2.0 * GAP}
+    SubElement(top, "ssd:SystemGeometry", {key: str(value) for key, value in frame.items()})
     annotation = SubElement(SubElement(top, "ssd:Annotations"), "ssc:Annotation", type="org.openmodelica")
     information = SubElement(SubElement(annotation, "oms:Annotations"), "oms:SimulationInformation")
     master = SubElement(information, "oms:FixedStepMaster", description="oms-ma", stepSize=str(system.step))
@@ -156,9 +191,14 @@ def structure(system: System) -> Element:
 
 
 def _connectors(owner: Element, ports: list[tuple[str, str, str]]) -> None:
+    """Connectors, inputs on the left side and outputs on the right, from the top down in parts of the height."""
     connectors = SubElement(owner, "ssd:Connectors")
-    for name, kind, unit in ports:
-        SubElement(SubElement(connectors, "ssd:Connector", name=name, kind=kind), "ssc:Real", unit=unit)
+    for side, own in (("0.0", "input"), ("1.0", "output")):
+        listed = [(name, unit) for name, kind, unit in ports if kind == own]
+        for k, (name, unit) in enumerate(listed, start=1):
+            connector = SubElement(connectors, "ssd:Connector", name=name, kind=own)
+            SubElement(connector, "ssc:Real", {"unit": unit} if unit else {})
+            SubElement(connector, "ssd:ConnectorGeometry", x=side, y=f"{1.0 - k / (len(listed) + 1):.4f}")
 
 
 def _units(path: Path) -> dict[str, str]:

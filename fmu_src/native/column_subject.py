@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
-from solver.block import BLOCK_RULES, BORE_RELATION, DOWEL_RELATION, STRIP_RELATION, knows_section
-from solver.column import Column
-from solver.kernels import engine, pointers
-from solver.kernels import layout as at
-from solver.packing import FORMULATION_CODES, INTEGRATOR_CODES, SKIP_CODES, shape_of
-from solver.ranges import LENGTH, NUMBERS
-from solver.settings import SKIPS
-from solver.stepper import REASONS
+from solver.column.block import (
+    BLOCK_RULES,
+    BORE_RELATION,
+    DOWEL_RELATION,
+    MISFITS,
+    STRIP_RELATION,
+    knows_section,
+)
+from solver.column.column import Column
+from solver.column.packing import FORMULATION_CODES, INTEGRATOR_CODES, SKIP_CODES, shape_of
+from solver.column.settings import SKIPS
+from solver.common.ranges import LENGTH, NUMBERS
+from solver.dynamics.stepper import REASONS
+from solver.kernels.api import engine, pointers
+from solver.kernels.layout import spaces as at
 
 from .. import rules
 from ..variables import (
@@ -23,13 +30,14 @@ from ..variables import (
     RECORD,
     RECORD_PGA,
     RECORD_SCALE,
+    TOLERANCE,
     VERDICT,
     VERDICT_NOW,
     Choice,
 )
 from .table import Check, Chosen, Subject
 
-ENTRIES = "solver.kernels.pointers:ENTRIES"  # of the kernels
+ENTRIES = "solver.kernels.api.pointers:ENTRIES"  # of the kernels
 # input -> the input that is its slope
 SLOPES = {"base.ax": "base.jx", "base.az": "base.jz", "base.theta": "base.omega", "base.omega": "base.alpha"}
 CODES = {FORMULATION.name: FORMULATION_CODES, INTEGRATOR.name: INTEGRATOR_CODES}
@@ -59,13 +67,16 @@ def column_subject(column: Column) -> Subject:
             "STATE_PEAKS": at.STATE.size(n) - at.PEAKS.size(n),
             "PEAK_CONTACT": n * at.OUTPUTS.fields.index("contact"),
             "COUNT_RESTING": at.COUNTS.fields.index("resting"),
+            "BASE_SEGMENT": at.BASE.fields.index("segment"),
             "COUNT_OVERTURNED": at.COUNTS.fields.index("overturned"),
             "CENTRAL_DIFFERENCE": at.CENTRAL_DIFFERENCE,
             "NO_REST": pointers.NO_REST,
             "NOT_GENERAL": pointers.NOT_GENERAL,
             "NOT_LINEAR": pointers.NOT_LINEAR,
             "NOT_STABLE": pointers.NOT_STABLE,
+            "MISFIT": pointers.MISFIT,
             "TOO_LARGE": pointers.TOO_LARGE,
+            "TOO_MUCH_WORK": at.TOO_MUCH_WORK,
         }
         | {f"VERDICT_{word.upper()}": number for word, number in VERDICT.items.items()},
         places={
@@ -77,6 +88,7 @@ def column_subject(column: Column) -> Subject:
             "RECORD": RECORD,
             "RECORD_PGA": RECORD_PGA.name,
             "RECORD_SCALE": RECORD_SCALE,
+            "TOLERANCE": TOLERANCE,
         },
         inputs=[f"base.{name}" for name in engine.BASE_INPUTS.fields],
         slopes=SLOPES,
@@ -88,6 +100,7 @@ def column_subject(column: Column) -> Subject:
         ],
         checks=_checks(column),
         reasons=REASONS,
+        misfits=[MISFITS[kind] for kind in sorted(MISFITS)],
     )
 
 

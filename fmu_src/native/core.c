@@ -1,7 +1,7 @@
 /* Around the kernels: life of an instance, legal calls, messages, state, the record inside. No numerics.
 
-   The kernels are those of a column (IS_COLUMN) or of what a column is coupled with.
-   contract.h declares the kernels and all that goes by their tables, table.h holds what differs from one FMU to another;
+   The kernels are those of a column (IS_COLUMN) or of a body that a column is coupled with.
+   contract.h declares the kernels and the constants of their tables, table.h holds the data of one FMU;
    both are generated (table.py). */
 
 #include "core.h"
@@ -32,6 +32,7 @@ typedef struct {
     const char *relation;
 } Check;
 typedef struct { int64_t code; const char *text; } Reason;
+typedef struct { const char *name, *relation; } Misfit;
 
 #include "table.h"
 
@@ -60,6 +61,7 @@ typedef struct {
     int64_t inputs_stand; /* whether the inputs are those of the last step */
     int64_t shaken; /* whether the base has moved yet */
     int64_t has_record;
+    int64_t tolerance_set; /* whether the host set the solver's tolerance: then that of the experiment does not count */
     double time, input_time, scale; /* s, s from which the slopes of the inputs count, factor on the record */
     double reals[REALS];
     int64_t wholes[WHOLES]; /* Integers, Booleans and enumerations */
@@ -73,9 +75,11 @@ typedef struct {
 struct Instance {
     Moment now;
     Moment before; /* to go back to */
-    double work[WORK], row[ROW], split[SPLIT_ROOM], other_row[ROW], other_split[SPLIT_ROOM], detail[1];
+    double work[WORK], row[ROW], split[SPLIT_ROOM], other_row[ROW], other_split[SPLIT_ROOM], detail[DETAILS];
+    double described[GIVEN]; /* arguments of `assemble`: too long for the stack of a thread */
+    double stop; /* s, where the experiment ends; it is no part of the state */
     int outdated; /* whether the outputs belong to an earlier time, input or parameter */
-    int coarse_told;
+    int coarse_warned;
     Status last_step;
     Teller *teller;
     void *host;
@@ -106,7 +110,7 @@ static const char *kind_name(Kind kind) {
     return names[kind];
 }
 
-/* --- what is said */
+/* --- messages */
 
 void core_say(const Instance *instance, Status status, const char *format, ...) {
     char text[MESSAGE];
@@ -168,7 +172,7 @@ static const char *trimmed(const char *begin, const char *end, size_t *length) {
 
 static double real_at(const Moment *moment, int row) { return moment->reals[variables[row].place]; }
 
-/* The kernels' code of what an enumeration stands at; -1 and a reason if it is none. */
+/* The kernels' code of the present value of an enumeration; -1 and a reason if it is none. */
 static int code_of(const Choice *choice, const Moment *moment, char *reason) {
     int64_t number = moment->wholes[variables[choice->row].place];
     for (int k = 0; k < choice->count; k++)
@@ -206,7 +210,7 @@ static int codes_of_words(const Choice *choice, const char *words, char *reason)
     return codes;
 }
 
-/* What is chosen, whichever the way; -1 and a reason if it cannot be. */
+/* The code of a choice, in any of the ways; -1 and a reason if it cannot be. */
 static int chosen(const Choice *choice, const Moment *moment, char *reason) {
     if (choice->way == NUMBERED) return code_of(choice, moment, reason);
     const char *words = moment->texts[variables[choice->row].place];
@@ -214,7 +218,7 @@ static int chosen(const Choice *choice, const Moment *moment, char *reason) {
                                    : codes_of_words(choice, words, reason);
 }
 
-/* Whether one of the checks finds fault with a Real parameter. */
+/* Whether a check refuses a Real parameter. */
 static int find_fault(const Moment *moment, char *reason) {
     char value[NUMBER], bound[NUMBER];
     for (int k = 0; k < CHECKS; k++) {
@@ -241,7 +245,7 @@ static int find_fault(const Moment *moment, char *reason) {
     return 0;
 }
 
-/* What `assemble` is given, from the parameters as they stand. */
+/* Arguments of `assemble`, from the parameters as they stand. */
 static int describe(const Moment *now, double described[GIVEN], char *reason) {
     for (int k = 0; k < GIVEN; k++) described[k] = given[k] < 0 ? given_fixed[k] : now->reals[given[k]];
     for (int in_words = 0; in_words < 2; in_words++) {
@@ -256,10 +260,10 @@ static int describe(const Moment *now, double described[GIVEN], char *reason) {
     return 1;
 }
 
-/* Model, and with `afresh` motion, from the parameters as they stand. On a fault both are as before. */
-static int build(Instance *instance, int afresh, char *reason) {
+/* Model, and with `from_rest` motion, from the parameters as they stand. On a fault both are as before. */
+static int build(Instance *instance, int from_rest, char *reason) {
     Moment *now = &instance->now;
-    double described[GIVEN];
+    double *described = instance->described;
     char text[NUMBER];
     const char *record = now->texts[AT_RECORD];
     if (!describe(now, described, reason)) return 0;
@@ -275,14 +279,21 @@ static int build(Instance *instance, int afresh, char *reason) {
     double *scratch = malloc(sizeof(double) * (size_t)(fixed_step ? FIXED_STEP_ROOM : ROOM));
     if (!scratch) return snprintf(reason, MESSAGE, "out of memory"), 0;
     memcpy(instance->before.model, now->model, sizeof now->model);
-    int64_t made = assemble((Assemble){COLUMN(instance), .given = described, .afresh = afresh, .scratch = scratch,
+    int64_t made = assemble((Assemble){COLUMN(instance), .given = described, .from_rest = from_rest, .scratch = scratch,
                                        .detail = instance->detail});
     free(scratch);
     if (made != 0) {
         memcpy(now->model, instance->before.model, sizeof now->model);
         if (made == TOO_LARGE)
             snprintf(reason, MESSAGE, "block[%d].inertia = inf: " MUST_INERTIA, (int)instance->detail[0]);
-        else if (made == NO_REST)
+        else if (made == MISFIT) {
+            const double *why = instance->detail; /* joint, kind, strip, length, bound */
+            const Misfit *misfit = &misfits[(int)why[1] - 1];
+            char bound[NUMBER];
+            snprintf(reason, MESSAGE, "joint[%d].%s", (int)why[0], misfit->name);
+            if (why[2] >= 0) append(reason, "[%d]", (int)why[2]);
+            append(reason, " = %s: %s = %s m", shown(why[3], text), misfit->relation, shown(why[4], bound));
+        } else if (made == NO_REST)
             snprintf(reason, MESSAGE, "the column cannot stand: its blocks, offset or inclined as they are, or with "
                                       "such joints, have no stable rest under their weight");
         else if (made == NOT_GENERAL)
@@ -299,7 +310,7 @@ static int build(Instance *instance, int afresh, char *reason) {
     }
     now->built = now->started = 1;
     now->retune = 0;
-    if (afresh) {
+    if (from_rest) {
         now->has_record = has_record;
         if (HAS_RECORD) {
             now->scale = now->reals[AT_RECORD_SCALE];
@@ -323,9 +334,10 @@ static int update(Instance *instance, char *reason) {
     if (now->mode == INITIALIZATION && !now->built && !build(instance, 1, reason)) return 0;
     if (!now->started || !instance->outdated) return 1;
     if (now->retune && !build(instance, 0, reason)) return 0;
-    int64_t code = look((Look){COLUMN(instance), RECORD(instance), .inputs = now->reals, .afresh = !now->inputs_stand,
-                               .upright = now->mode == INITIALIZATION, .elapsed = now->time - now->input_time,
-                               .t = now->time, .row = &now->reals[AT_ROW], .split = &now->reals[AT_SPLIT]});
+    int64_t code = look((Look){COLUMN(instance), RECORD(instance), .inputs = now->reals,
+                               .new_inputs = !now->inputs_stand, .upright = now->mode == INITIALIZATION,
+                               .elapsed = now->time - now->input_time, .t = now->time,
+                               .row = &now->reals[AT_ROW], .split = &now->reals[AT_SPLIT]});
     if (code < 0) return snprintf(reason, MESSAGE, "at t = %.6g s: %s", now->time, reason_of(code)), 0;
     if (IS_COLUMN) {
         double *peaks = &now->reals[AT_PEAKS];
@@ -370,24 +382,30 @@ void core_reset(Instance *instance) {
     if (IS_COLUMN) now->wholes[AT_VERDICT] = VERDICT_UNDECIDED;
     for (int k = 0; k < TEXTS; k++) snprintf(now->texts[k], TEXT, "%s", text_starts[k]);
     instance->outdated = 1;
-    instance->coarse_told = 0;
+    instance->stop = INFINITY;
+    instance->coarse_warned = 0;
     instance->last_step = ST_OK;
 }
 
-Status core_set_up(Instance *instance, double start) {
-    char text[NUMBER];
+Status core_set_up(Instance *instance, double start, const double *stop, const double *tolerance) {
+    Moment *now = &instance->now;
+    char text[NUMBER], other[NUMBER];
     if (wrong_mode(instance, INSTANTIATED, SAY_WHEN_SET_UP)) return ST_ERROR;
     if (!isfinite(start)) {
         core_say(instance, ST_ERROR, SAY_START_TIME, shown(start, text));
         return ST_ERROR;
     }
-    instance->now.time = instance->now.input_time = start;
+    if (stop && !(*stop >= start)) {
+        core_say(instance, ST_ERROR, SAY_STOP_TIME, shown(*stop, text), shown(start, other));
+        return ST_ERROR;
+    }
+    now->time = now->input_time = start;
+    instance->stop = stop ? *stop : INFINITY;
+    if (HAS_TOLERANCE && tolerance && !now->tolerance_set) {
+        now->reals[AT_TOLERANCE] = *tolerance;
+        core_say(instance, ST_OK, SAY_TOLERANCE, shown(*tolerance, text));
+    }
     return ST_OK;
-}
-
-void core_note_tolerance(const Instance *instance, double tolerance) {
-    char text[NUMBER];
-    core_say(instance, ST_OK, SAY_TOLERANCE, shown(tolerance, text));
 }
 
 Status core_enter_initialization(Instance *instance) {
@@ -405,7 +423,7 @@ Status core_exit_initialization(Instance *instance) {
     }
     instance->outdated = 1;
     instance->now.inputs_stand = 0;
-    (void)update(instance, reason); /* stands on the base as it is turned now; a fault is told when somebody looks */
+    (void)update(instance, reason); /* stands on the base as it is turned now; outputs report errors */
     instance->outdated = 1;
     instance->now.mode = STEPPING;
     return ST_OK;
@@ -445,9 +463,21 @@ int core_line(Reference input, Reference *slope) {
     return 0;
 }
 
-Status core_readable(Instance *instance, const Reference references[], size_t count, Kind kind) {
+int core_has(const Instance *instance, const void *array, size_t count, const char *what) {
+    if (array || !count) return 1;
+    core_say(instance, ST_ERROR, "%s: the pointer is NULL", what);
+    return 0;
+}
+
+/* Whether both lists of a call are there. */
+static int has_both(const Instance *instance, const Reference references[], const void *values, size_t count) {
+    return core_has(instance, references, count, "value references") && core_has(instance, values, count, "values");
+}
+
+Status core_readable(Instance *instance, const Reference references[], size_t count, Kind kind, const void *values) {
     char reason[MESSAGE] = "", time[NUMBER];
     int outputs = 0;
+    if (!has_both(instance, references, values, count)) return ST_ERROR;
     for (size_t k = 0; k < count && !reason[0]; k++) {
         const Variable *variable = find(references[k]);
         if (!variable || variable->kind != kind)
@@ -461,7 +491,8 @@ Status core_readable(Instance *instance, const Reference references[], size_t co
     return ST_ERROR;
 }
 
-Status core_settable(Instance *instance, const Reference references[], size_t count, Kind kind) {
+Status core_settable(Instance *instance, const Reference references[], size_t count, Kind kind, const void *values) {
+    if (!has_both(instance, references, values, count)) return ST_ERROR;
     if (instance->now.mode == TERMINATED) {
         core_say(instance, ST_ERROR, SAY_NOTHING_SET);
         return ST_ERROR;
@@ -492,17 +523,18 @@ void core_has_changed(Instance *instance, int parameters) {
 }
 
 Status core_get_reals(Instance *instance, const Reference references[], size_t count, double values[]) {
-    if (core_readable(instance, references, count, REAL) != ST_OK) return ST_ERROR;
+    if (core_readable(instance, references, count, REAL, values) != ST_OK) return ST_ERROR;
     for (size_t k = 0; k < count; k++) values[k] = instance->now.reals[find(references[k])->place];
     return ST_OK;
 }
 
 Status core_set_reals(Instance *instance, const Reference references[], size_t count, const double values[]) {
     int parameters = 0;
-    if (core_settable(instance, references, count, REAL) != ST_OK) return ST_ERROR;
+    if (core_settable(instance, references, count, REAL, values) != ST_OK) return ST_ERROR;
     for (size_t k = 0; k < count; k++) {
         const Variable *variable = find(references[k]);
         instance->now.reals[variable->place] = values[k];
+        if (HAS_TOLERANCE && variable->place == AT_TOLERANCE) instance->now.tolerance_set = 1;
         parameters |= variable->role == PARAMETER;
     }
     core_has_changed(instance, parameters);
@@ -520,7 +552,7 @@ const char *core_text(const Instance *instance, Reference reference) {
 }
 
 Status core_set_texts(Instance *instance, const Reference references[], size_t count, const char *const values[]) {
-    if (core_settable(instance, references, count, STRING) != ST_OK) return ST_ERROR;
+    if (core_settable(instance, references, count, STRING, values) != ST_OK) return ST_ERROR;
     for (size_t k = 0; k < count; k++)
         if (!values[k] || strlen(values[k]) >= TEXT) {
             core_say(instance, ST_ERROR, "%s: must be a text of less than %d bytes", find(references[k])->name, TEXT);
@@ -533,7 +565,7 @@ Status core_set_texts(Instance *instance, const Reference references[], size_t c
 
 /* --- steps */
 
-/* Why no step can be made here by these times: one that is halved will not do either. */
+/* Why a step with these times is refused; a shorter one would not help. */
 static int wrong_call(const Instance *instance, double start, double step, char *reason) {
     const Moment *now = &instance->now;
     char text[NUMBER];
@@ -542,6 +574,8 @@ static int wrong_call(const Instance *instance, double start, double step, char 
     if (!(isfinite(step) && step > 0.0)) return snprintf(reason, MESSAGE, SAY_NOT_POSITIVE), 1;
     if (!(fabs(start - now->time) <= TIME_SLACK * step + 1e-12 * fabs(now->time)))
         return snprintf(reason, MESSAGE, SAY_LAST_ENDED, shown(now->time, text)), 1;
+    if (start + step - instance->stop > TIME_SLACK * step + 1e-12 * fabs(instance->stop))
+        return snprintf(reason, MESSAGE, SAY_BEYOND, shown(instance->stop, text)), 1;
     return 0;
 }
 
@@ -555,11 +589,11 @@ static int wrong_input(const Instance *instance, char *reason) {
     return 0;
 }
 
-static int advance(Instance *instance, double start, double step, char *reason) {
+static Status advance(Instance *instance, double start, double step, char *reason) {
     Moment *now = &instance->now;
     memcpy(instance->before.state, now->state, sizeof now->state);
     memcpy(instance->before.counts, now->counts, sizeof now->counts);
-    if (now->retune && !build(instance, 0, reason)) return 0;
+    if (now->retune && !build(instance, 0, reason)) return ST_DISCARD;
     now->input_time = start;
     int64_t code = follow((Follow){COLUMN(instance), RECORD(instance), .inputs = now->reals, .start = start, .h = step});
     if (code < 0) {
@@ -568,7 +602,7 @@ static int advance(Instance *instance, double start, double step, char *reason) 
         now->inputs_stand = 0;
         instance->outdated = 1;
         snprintf(reason, MESSAGE, "at t = %.6g s: %s", start, reason_of(code));
-        return 0;
+        return code == TOO_MUCH_WORK ? ST_ERROR : ST_DISCARD;
     }
     now->time = start + step;
     now->inputs_stand = instance->outdated = 1;
@@ -576,22 +610,30 @@ static int advance(Instance *instance, double start, double step, char *reason) 
         now->shaken = now->has_record;
         for (int k = 0; k < BASE_INPUTS; k++) now->shaken |= now->reals[k] != 0.0;
     }
-    if (IS_COLUMN && now->has_record && !instance->coarse_told && step > RECORD_DT * (1.0 + STEP_SLACK)) {
+    if (IS_COLUMN && now->has_record && !instance->coarse_warned && step > RECORD_DT * (1.0 + STEP_SLACK)) {
         char text[NUMBER];
-        instance->coarse_told = 1;
+        instance->coarse_warned = 1;
         core_say(instance, ST_WARNING, SAY_COARSE, shown(step, text), RECORD_DT);
     }
-    return 1;
+    return ST_OK;
+}
+
+static Status not_made(Instance *instance, Status status, double start, double step, const char *reason) {
+    char first[NUMBER], second[NUMBER];
+    core_say(instance, status, SAY_NOT_MADE, shown(start, first), shown(step, second), reason);
+    return instance->last_step = status;
+}
+
+Status core_can_step(Instance *instance, double start, double step) {
+    char reason[MESSAGE];
+    return wrong_call(instance, start, step, reason) ? not_made(instance, ST_ERROR, start, step, reason) : ST_OK;
 }
 
 Status core_step(Instance *instance, double start, double step) {
-    char reason[MESSAGE], first[NUMBER], second[NUMBER];
-    instance->last_step = ST_OK;
-    if (wrong_call(instance, start, step, reason)) instance->last_step = ST_ERROR;
-    else if (wrong_input(instance, reason) || !advance(instance, start, step, reason)) instance->last_step = ST_DISCARD;
-    if (instance->last_step != ST_OK)
-        core_say(instance, instance->last_step, SAY_NOT_MADE, shown(start, first), shown(step, second), reason);
-    return instance->last_step;
+    char reason[MESSAGE];
+    if (core_can_step(instance, start, step) != ST_OK) return ST_ERROR;
+    Status status = wrong_input(instance, reason) ? ST_DISCARD : advance(instance, start, step, reason);
+    return status == ST_OK ? instance->last_step = ST_OK : not_made(instance, status, start, step, reason);
 }
 
 Status core_last_step(const Instance *instance) { return instance->last_step; }
@@ -608,7 +650,8 @@ static int first_order(const Instance *instance, const Variable *variable, int o
 
 Status core_set_slopes(Instance *instance, const Reference references[], size_t count, const int orders[],
                        const double values[]) {
-    if (core_settable(instance, references, count, REAL) != ST_OK) return ST_ERROR;
+    if (!core_has(instance, orders, count, "orders")) return ST_ERROR;
+    if (core_settable(instance, references, count, REAL, values) != ST_OK) return ST_ERROR;
     for (size_t k = 0; k < count; k++) {
         const Variable *variable = find(references[k]);
         if (variable->role != INPUT) {
@@ -629,7 +672,7 @@ Status core_set_slopes(Instance *instance, const Reference references[], size_t 
     return ST_OK;
 }
 
-/* Where row or split hold what belongs to an output that follows the motion; NULL for other variables. */
+/* Place in row or split of an output that follows the motion; NULL for other variables. */
 static const double *visible(const Instance *instance, Reference reference) {
     const Variable *variable = find(reference);
     if (!variable || variable->kind != REAL) return NULL;
@@ -652,7 +695,7 @@ static int up_to_date(Instance *instance) {
     return 0;
 }
 
-/* What a kernel's code means for the call; an error is told. */
+/* The status for a kernel's code; an error is logged. */
 static Status answer(const Instance *instance, int64_t code) {
     if (code >= 0) return ST_OK;
     core_say(instance, ST_ERROR, "%s", reason_of(code));
@@ -661,6 +704,7 @@ static Status answer(const Instance *instance, int64_t code) {
 
 Status core_rates(Instance *instance, const Reference references[], size_t count, const int orders[], double values[]) {
     if (wrong_mode(instance, INITIALIZATION | STEPPING | TERMINATED, "derivatives of outputs")) return ST_ERROR;
+    if (!has_both(instance, references, values, count) || !core_has(instance, orders, count, "orders")) return ST_ERROR;
     for (size_t k = 0; k < count; k++)
         if (!is_continuous_output(instance, references[k]) || !first_order(instance, find(references[k]), orders[k]))
             return ST_ERROR;
@@ -677,6 +721,8 @@ Status core_directional(Instance *instance, const Reference unknowns[], size_t u
     const Moment *now = &instance->now;
     double along[INPUT_ROOM] = {0.0};
     if (wrong_mode(instance, INITIALIZATION | STEPPING | TERMINATED, "directional derivatives")) return ST_ERROR;
+    if (!has_both(instance, unknowns, values, unknown_count) || !has_both(instance, knowns, seeds, known_count))
+        return ST_ERROR;
     for (size_t k = 0; k < unknown_count; k++)
         if (!is_continuous_output(instance, unknowns[k])) return ST_ERROR;
     for (size_t k = 0; k < known_count; k++) {
@@ -738,11 +784,53 @@ static void write_header(char *header, const Moment *moment) {
 
 size_t core_bytes(void) { return HEADER + sizeof(Moment); }
 
-Status core_to_bytes(const Saved *saved, void *bytes, size_t size) {
-    if (size < core_bytes()) return ST_ERROR;
+Status core_to_bytes(const Instance *instance, const Saved *saved, void *bytes, size_t size) {
+    if (!core_has(instance, saved, 1, "state") || !core_has(instance, bytes, 1, "bytes")) return ST_ERROR;
+    if (size < core_bytes()) {
+        core_say(instance, ST_ERROR, "%llu bytes: the state takes %llu", (unsigned long long)size,
+                 (unsigned long long)core_bytes());
+        return ST_ERROR;
+    }
     write_header(bytes, &saved->moment);
     memcpy((char *)bytes + HEADER, &saved->moment, sizeof saved->moment);
     return ST_OK;
+}
+
+/* Whether a moment read from bytes is one that an instance can be in: the kernels trust all of it. */
+static int is_possible(const Moment *moment) {
+    const int64_t flags[] = {moment->built,  moment->started,    moment->retune,       moment->inputs_stand,
+                             moment->shaken, moment->has_record, moment->tolerance_set};
+    for (size_t k = 0; k < COUNT(flags); k++)
+        if (flags[k] != 0 && flags[k] != 1) return 0;
+    if (moment->mode != INSTANTIATED && moment->mode != INITIALIZATION && moment->mode != STEPPING &&
+        moment->mode != TERMINATED)
+        return 0;
+    if (moment->mode == STEPPING && (!moment->started || moment->built == moment->retune)) return 0;
+    if (moment->has_record && !SAMPLES) return 0;
+    for (int k = 0; k < TEXTS; k++)
+        if (!memchr(moment->texts[k], 0, TEXT)) return 0;
+    for (int k = 0; k < COUNTS; k++)
+        if (moment->counts[k] < 0) return 0;
+    if (IS_COLUMN) {
+        double segment = moment->base[BASE_SEGMENT]; /* of the record, as the number of a sample */
+        if (moment->counts[COUNT_OVERTURNED] > N || !(-1.0 <= segment && segment <= (double)SAMPLES)) return 0;
+    }
+    for (int k = 0; k < STATE; k++)
+        if (!isfinite(moment->state[k])) return 0;
+    return isfinite(moment->time) && isfinite(moment->input_time) && isfinite(moment->scale);
+}
+
+/* Whether the model of a moment, which holds sizes and codes, is that of the parameters; a parameter set since does not
+   count, because the model is rebuilt before its next use. */
+static int has_own_model(const Moment *moment) {
+    char reason[MESSAGE];
+    if (!moment->started || !moment->built) return 1;
+    Instance *scratch = calloc(1, sizeof *scratch);
+    if (!scratch) return 0;
+    scratch->now = *moment;
+    int same = build(scratch, 0, reason) && !memcmp(scratch->now.model, moment->model, sizeof moment->model);
+    free(scratch);
+    return same;
 }
 
 Status core_from_bytes(Instance *instance, const void *bytes, size_t size, Saved **saved) {
@@ -750,6 +838,7 @@ Status core_from_bytes(Instance *instance, const void *bytes, size_t size, Saved
     const char *at = bytes, *fault = NULL;
     char header[HEADER];
     Saved *made = NULL;
+    if (!core_has(instance, bytes, 1, "bytes")) return ST_ERROR;
     if (size < HEADER || memcmp(at, format, sizeof format - 1))
         fault = "the bytes are not those of a serialized state of this format";
     else if (memcmp(at + sizeof format, identity, sizeof identity - 1))
@@ -763,6 +852,8 @@ Status core_from_bytes(Instance *instance, const void *bytes, size_t size, Saved
         memcpy(&made->moment, at + HEADER, sizeof made->moment);
         write_header(header, &made->moment);
         if (memcmp(header, at, HEADER)) fault = "the bytes of the serialized state are damaged";
+        else if (!is_possible(&made->moment) || !has_own_model(&made->moment))
+            fault = "the bytes are those of no state that this FMU can be in";
     }
     if (fault) {
         free(made);

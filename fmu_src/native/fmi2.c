@@ -54,11 +54,12 @@ FMI2_Export fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2St
                                           const fmi2CallbackFunctions *functions, fmi2Boolean visible,
                                           fmi2Boolean logging) {
     (void)resources, (void)visible;
+    if (!functions) return NULL; /* nowhere to say why */
     Face *face = calloc(1, sizeof *face);
     if (!face) return NULL;
     snprintf(face->name, NAME, "%s", name ? name : "");
-    face->logger = functions ? functions->logger : NULL;
-    face->environment = functions ? functions->componentEnvironment : NULL;
+    face->logger = functions->logger;
+    face->environment = functions->componentEnvironment;
     face->logging = logging;
     const char *fault = NULL;
     if (!name || !*name) fault = "the instance needs a name";
@@ -89,11 +90,7 @@ FMI2_Export fmi2Status fmi2SetDebugLogging(fmi2Component component, fmi2Boolean 
 
 FMI2_Export fmi2Status fmi2SetupExperiment(fmi2Component component, fmi2Boolean has_tolerance, fmi2Real tolerance,
                                            fmi2Real start, fmi2Boolean has_stop, fmi2Real stop) {
-    Face *face = component;
-    (void)has_stop, (void)stop;
-    if (!face || core_set_up(face->column, start) != ST_OK) return fmi2Error;
-    if (has_tolerance) core_note_tolerance(face->column, tolerance);
-    return fmi2OK;
+    ANSWER(core_set_up(face->column, start, has_stop ? &stop : NULL, has_tolerance ? &tolerance : NULL));
 }
 
 FMI2_Export fmi2Status fmi2EnterInitializationMode(fmi2Component component) {
@@ -118,7 +115,7 @@ FMI2_Export fmi2Status fmi2GetReal(fmi2Component component, const fmi2ValueRefer
 FMI2_Export fmi2Status fmi2GetInteger(fmi2Component component, const fmi2ValueReference references[], size_t count,
                                       fmi2Integer values[]) {
     Face *face = component;
-    if (!face || core_readable(face->column, references, count, INTEGER) != ST_OK) return fmi2Error;
+    if (!face || core_readable(face->column, references, count, INTEGER, values) != ST_OK) return fmi2Error;
     for (size_t k = 0; k < count; k++) values[k] = (fmi2Integer)core_whole(face->column, references[k]);
     return fmi2OK;
 }
@@ -126,7 +123,7 @@ FMI2_Export fmi2Status fmi2GetInteger(fmi2Component component, const fmi2ValueRe
 FMI2_Export fmi2Status fmi2GetBoolean(fmi2Component component, const fmi2ValueReference references[], size_t count,
                                       fmi2Boolean values[]) {
     Face *face = component;
-    if (!face || core_readable(face->column, references, count, BOOLEAN) != ST_OK) return fmi2Error;
+    if (!face || core_readable(face->column, references, count, BOOLEAN, values) != ST_OK) return fmi2Error;
     for (size_t k = 0; k < count; k++) values[k] = core_whole(face->column, references[k]) ? fmi2True : fmi2False;
     return fmi2OK;
 }
@@ -134,7 +131,7 @@ FMI2_Export fmi2Status fmi2GetBoolean(fmi2Component component, const fmi2ValueRe
 FMI2_Export fmi2Status fmi2GetString(fmi2Component component, const fmi2ValueReference references[], size_t count,
                                      fmi2String values[]) {
     Face *face = component;
-    if (!face || core_readable(face->column, references, count, STRING) != ST_OK) return fmi2Error;
+    if (!face || core_readable(face->column, references, count, STRING, values) != ST_OK) return fmi2Error;
     for (size_t k = 0; k < count; k++) values[k] = core_text(face->column, references[k]);
     return fmi2OK;
 }
@@ -147,7 +144,7 @@ FMI2_Export fmi2Status fmi2SetReal(fmi2Component component, const fmi2ValueRefer
 FMI2_Export fmi2Status fmi2SetInteger(fmi2Component component, const fmi2ValueReference references[], size_t count,
                                       const fmi2Integer values[]) {
     Face *face = component;
-    if (!face || core_settable(face->column, references, count, INTEGER) != ST_OK) return fmi2Error;
+    if (!face || core_settable(face->column, references, count, INTEGER, values) != ST_OK) return fmi2Error;
     for (size_t k = 0; k < count; k++) core_put_whole(face->column, references[k], values[k]);
     core_has_changed(face->column, count > 0); /* no input is whole */
     return fmi2OK;
@@ -155,8 +152,8 @@ FMI2_Export fmi2Status fmi2SetInteger(fmi2Component component, const fmi2ValueRe
 
 FMI2_Export fmi2Status fmi2SetBoolean(fmi2Component component, const fmi2ValueReference references[], size_t count,
                                       const fmi2Boolean values[]) {
-    (void)values; /* no Boolean can be set */
-    ANSWER(core_settable(face->column, references, count, BOOLEAN));
+    /* no Boolean can be set */
+    ANSWER(core_settable(face->column, references, count, BOOLEAN, values));
 }
 
 FMI2_Export fmi2Status fmi2SetString(fmi2Component component, const fmi2ValueReference references[], size_t count,
@@ -190,6 +187,7 @@ static fmi2Status no_status(Face *face, int kind) {
 FMI2_Export fmi2Status fmi2GetStatus(fmi2Component component, const fmi2StatusKind kind, fmi2Status *value) {
     Face *face = component;
     if (!face || kind != fmi2DoStepStatus) return no_status(face, kind);
+    if (!core_has(face->column, value, 1, "value")) return fmi2Error;
     *value = (fmi2Status)core_last_step(face->column);
     return fmi2OK;
 }
@@ -197,6 +195,7 @@ FMI2_Export fmi2Status fmi2GetStatus(fmi2Component component, const fmi2StatusKi
 FMI2_Export fmi2Status fmi2GetRealStatus(fmi2Component component, const fmi2StatusKind kind, fmi2Real *value) {
     Face *face = component;
     if (!face || kind != fmi2LastSuccessfulTime) return no_status(face, kind);
+    if (!core_has(face->column, value, 1, "value")) return fmi2Error;
     *value = core_time(face->column);
     return fmi2OK;
 }
@@ -207,13 +206,17 @@ FMI2_Export fmi2Status fmi2GetIntegerStatus(fmi2Component component, const fmi2S
 }
 
 FMI2_Export fmi2Status fmi2GetBooleanStatus(fmi2Component component, const fmi2StatusKind kind, fmi2Boolean *value) {
-    if (!component || kind != fmi2Terminated) return no_status(component, kind);
+    Face *face = component;
+    if (!face || kind != fmi2Terminated) return no_status(face, kind);
+    if (!core_has(face->column, value, 1, "value")) return fmi2Error;
     *value = fmi2False; /* the slave never asks for the end of the run */
     return fmi2OK;
 }
 
 FMI2_Export fmi2Status fmi2GetStringStatus(fmi2Component component, const fmi2StatusKind kind, fmi2String *value) {
-    if (!component || kind != fmi2PendingStatus) return no_status(component, kind);
+    Face *face = component;
+    if (!face || kind != fmi2PendingStatus) return no_status(face, kind);
+    if (!core_has(face->column, value, 1, "value")) return fmi2Error;
     *value = "";
     return fmi2OK;
 }
@@ -240,8 +243,9 @@ FMI2_Export fmi2Status fmi2GetDirectionalDerivative(fmi2Component component, con
 
 FMI2_Export fmi2Status fmi2GetFMUstate(fmi2Component component, fmi2FMUstate *state) {
     Face *face = component;
-    Saved *saved = state ? *state : NULL;
-    if (!face || !state || core_save(face->column, &saved) != ST_OK) return fmi2Error;
+    if (!face || !core_has(face->column, state, 1, "state")) return fmi2Error;
+    Saved *saved = *state;
+    if (core_save(face->column, &saved) != ST_OK) return fmi2Error;
     *state = saved;
     return fmi2OK;
 }
@@ -260,21 +264,24 @@ FMI2_Export fmi2Status fmi2FreeFMUstate(fmi2Component component, fmi2FMUstate *s
 }
 
 FMI2_Export fmi2Status fmi2SerializedFMUstateSize(fmi2Component component, fmi2FMUstate state, size_t *size) {
-    if (!component || !state) return fmi2Error;
+    Face *face = component;
+    if (!face || !core_has(face->column, state, 1, "state") || !core_has(face->column, size, 1, "size"))
+        return fmi2Error;
     *size = core_bytes();
     return fmi2OK;
 }
 
 FMI2_Export fmi2Status fmi2SerializeFMUstate(fmi2Component component, fmi2FMUstate state, fmi2Byte bytes[],
                                              size_t size) {
-    return component && state ? (fmi2Status)core_to_bytes(state, bytes, size) : fmi2Error;
+    ANSWER(core_to_bytes(face->column, state, bytes, size));
 }
 
 FMI2_Export fmi2Status fmi2DeSerializeFMUstate(fmi2Component component, const fmi2Byte bytes[], size_t size,
                                                fmi2FMUstate *state) {
     Face *face = component;
     Saved *saved = NULL;
-    if (!face || !state || !bytes || core_from_bytes(face->column, bytes, size, &saved) != ST_OK) return fmi2Error;
+    if (!face || !core_has(face->column, state, 1, "state")) return fmi2Error;
+    if (core_from_bytes(face->column, bytes, size, &saved) != ST_OK) return fmi2Error;
     *state = saved;
     return fmi2OK;
 }

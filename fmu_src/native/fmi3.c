@@ -1,5 +1,5 @@
-/* The face of FMI 3.0 for co-simulation: its calls, names and statuses around core.h. Nothing is decided here but what
-   the standard alone asks for: arrays, the time as a variable, and inputs that are followed within a step. */
+/* The face of FMI 3.0 for co-simulation: its calls, names and statuses around core.h. It decides only what the standard
+   alone asks for: arrays, the time as a variable, and inputs that are followed within a step. */
 
 #include <math.h>
 #include <stdio.h>
@@ -43,7 +43,7 @@ static fmi3Status refuse(const Face *face, const char *format, unsigned number) 
     return fmi3Error;
 }
 
-/* What a call answers: the instance is there, and the core does what it is asked. */
+/* The body of a call: the core carries it out if the instance exists. */
 #define ANSWER(call)                                                                                                   \
     Face *face = instance;                                                                                             \
     return face ? (fmi3Status)(call) : fmi3Error
@@ -78,6 +78,7 @@ FMI3_Export fmi3Instance fmi3InstantiateCoSimulation(
     else if (!token || strcmp(token, core_identity))
         fault = "the instantiation token is not that of this FMU: binary and model description differ";
     else if (event_mode) fault = "has no event mode";
+    else if (update && required_count && !required) fault = "the variables to be given within a step are missing";
     else if (update && (fault = follow(face, required, required_count))) (void)fault;
     else if (!(face->column = core_new(tell, face))) fault = "out of memory";
     if (!fault) return face;
@@ -105,10 +106,9 @@ FMI3_Export fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Bo
                                                    fmi3Float64 tolerance, fmi3Float64 start, fmi3Boolean has_stop,
                                                    fmi3Float64 stop) {
     Face *face = instance;
-    (void)has_stop, (void)stop;
-    if (!face || core_set_up(face->column, start) != ST_OK) return fmi3Error;
-    if (has_tolerance) core_note_tolerance(face->column, tolerance);
-    return (fmi3Status)core_enter_initialization(face->column);
+    if (!face) return fmi3Error;
+    Status status = core_set_up(face->column, start, has_stop ? &stop : NULL, has_tolerance ? &tolerance : NULL);
+    return (fmi3Status)(status == ST_OK ? core_enter_initialization(face->column) : status);
 }
 
 FMI3_Export fmi3Status fmi3ExitInitializationMode(fmi3Instance instance) {
@@ -135,17 +135,20 @@ static size_t written_out(Face *face, const fmi3ValueReference references[], siz
     return elements;
 }
 
-/* How every call begins that gets or sets: `elements` of them are in the list, one at least. */
+/* Begins every call that gets or sets: `elements` of them are in the list, one at least. */
 #define WRITE_OUT                                                                                                      \
     Face *face = instance;                                                                                             \
     if (!face) return fmi3Error;                                                                                       \
     if (!count) return fmi3OK;                                                                                         \
+    if (!core_has(face->column, references, count, "value references") ||                                              \
+        !core_has(face->column, values, value_count, "values"))                                                        \
+        return fmi3Error;                                                                                              \
     size_t elements = written_out(face, references, count, value_count);                                               \
     if (!elements) return fmi3Error
 
 FMI3_Export fmi3Status fmi3GetFloat64(fmi3Instance instance, const fmi3ValueReference references[], size_t count,
                                       fmi3Float64 values[], size_t value_count) {
-    if (instance && count && references[0] == TIME) { /* importers ask for it by itself or first */
+    if (instance && count && references && values && references[0] == TIME) { /* importers ask for it alone or first */
         const Face *face = instance;
         if (!value_count) return refuse(face, "value reference %u: there are not enough values", TIME);
         values[0] = core_time(face->column);
@@ -165,7 +168,7 @@ FMI3_Export fmi3Status fmi3SetFloat64(fmi3Instance instance, const fmi3ValueRefe
 FMI3_Export fmi3Status fmi3GetInt64(fmi3Instance instance, const fmi3ValueReference references[], size_t count,
                                     fmi3Int64 values[], size_t value_count) {
     WRITE_OUT;
-    if (core_readable(face->column, face->list, elements, INTEGER) != ST_OK) return fmi3Error;
+    if (core_readable(face->column, face->list, elements, INTEGER, values) != ST_OK) return fmi3Error;
     for (size_t k = 0; k < elements; k++) values[k] = core_whole(face->column, face->list[k]);
     return fmi3OK;
 }
@@ -173,7 +176,7 @@ FMI3_Export fmi3Status fmi3GetInt64(fmi3Instance instance, const fmi3ValueRefere
 FMI3_Export fmi3Status fmi3SetInt64(fmi3Instance instance, const fmi3ValueReference references[], size_t count,
                                     const fmi3Int64 values[], size_t value_count) {
     WRITE_OUT;
-    if (core_settable(face->column, face->list, elements, INTEGER) != ST_OK) return fmi3Error;
+    if (core_settable(face->column, face->list, elements, INTEGER, values) != ST_OK) return fmi3Error;
     for (size_t k = 0; k < elements; k++) core_put_whole(face->column, face->list[k], values[k]);
     core_has_changed(face->column, 1); /* no input is whole */
     return fmi3OK;
@@ -182,21 +185,21 @@ FMI3_Export fmi3Status fmi3SetInt64(fmi3Instance instance, const fmi3ValueRefere
 FMI3_Export fmi3Status fmi3GetBoolean(fmi3Instance instance, const fmi3ValueReference references[], size_t count,
                                       fmi3Boolean values[], size_t value_count) {
     WRITE_OUT;
-    if (core_readable(face->column, face->list, elements, BOOLEAN) != ST_OK) return fmi3Error;
+    if (core_readable(face->column, face->list, elements, BOOLEAN, values) != ST_OK) return fmi3Error;
     for (size_t k = 0; k < elements; k++) values[k] = core_whole(face->column, face->list[k]) != 0;
     return fmi3OK;
 }
 
 FMI3_Export fmi3Status fmi3SetBoolean(fmi3Instance instance, const fmi3ValueReference references[], size_t count,
                                       const fmi3Boolean values[], size_t value_count) {
-    (void)values, (void)value_count; /* no Boolean can be set */
-    ANSWER(core_settable(face->column, references, count, BOOLEAN));
+    (void)value_count; /* no Boolean can be set */
+    ANSWER(core_settable(face->column, references, count, BOOLEAN, values));
 }
 
 FMI3_Export fmi3Status fmi3GetString(fmi3Instance instance, const fmi3ValueReference references[], size_t count,
                                      fmi3String values[], size_t value_count) {
     WRITE_OUT;
-    if (core_readable(face->column, face->list, elements, STRING) != ST_OK) return fmi3Error;
+    if (core_readable(face->column, face->list, elements, STRING, values) != ST_OK) return fmi3Error;
     for (size_t k = 0; k < elements; k++) values[k] = core_text(face->column, face->list[k]);
     return fmi3OK;
 }
@@ -239,7 +242,7 @@ static Status go_on(Face *face, double width) {
 
 /* A step in pieces no longer than the samples of a motion usually are. On a fault the column is as before. */
 static Status followed_step(Face *face, double start, double step) {
-    if (!(isfinite(step) && step > 0.0 && isfinite(start))) return core_step(face->column, start, step);
+    if (core_can_step(face->column, start, step) != ST_OK) return ST_ERROR;
     double pieces = fmax(1.0, ceil(step / core_usual_step - 1e-6));
     Saved *before = NULL;
     Status status = core_save(face->column, &before);
@@ -274,7 +277,9 @@ FMI3_Export fmi3Status fmi3GetOutputDerivatives(fmi3Instance instance, const fmi
                                                 size_t count, const fmi3Int32 orders[], fmi3Float64 values[],
                                                 size_t value_count) {
     Face *face = instance;
-    if (!face) return fmi3Error;
+    if (!face || !core_has(face->column, references, count, "value references") ||
+        !core_has(face->column, orders, count, "orders") || !core_has(face->column, values, value_count, "values"))
+        return fmi3Error;
     for (size_t k = 0, at = 0; k < count; k++) { /* one order for each variable, whatever its size */
         size_t extent = core_extent(references[k]);
         if (!extent || at + extent > value_count)
@@ -293,6 +298,9 @@ FMI3_Export fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance, const
                                                     fmi3Float64 values[], size_t value_count) {
     Face *face = instance;
     if (!face) return fmi3Error;
+    if (!core_has(face->column, unknowns, unknown_count, "value references") ||
+        !core_has(face->column, values, value_count, "values"))
+        return fmi3Error;
     if (seed_count != known_count) return refuse(face, "%u seeds: inputs are no arrays", (unsigned)seed_count);
     size_t elements = written_out(face, unknowns, unknown_count, value_count);
     if (!elements) return fmi3Error;
@@ -303,8 +311,9 @@ FMI3_Export fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance, const
 
 FMI3_Export fmi3Status fmi3GetFMUState(fmi3Instance instance, fmi3FMUState *state) {
     Face *face = instance;
-    Saved *saved = state ? *state : NULL;
-    if (!face || !state || core_save(face->column, &saved) != ST_OK) return fmi3Error;
+    if (!face || !core_has(face->column, state, 1, "state")) return fmi3Error;
+    Saved *saved = *state;
+    if (core_save(face->column, &saved) != ST_OK) return fmi3Error;
     *state = saved;
     return fmi3OK;
 }
@@ -323,25 +332,29 @@ FMI3_Export fmi3Status fmi3FreeFMUState(fmi3Instance instance, fmi3FMUState *sta
 }
 
 FMI3_Export fmi3Status fmi3SerializedFMUStateSize(fmi3Instance instance, fmi3FMUState state, size_t *size) {
-    if (!instance || !state) return fmi3Error;
+    Face *face = instance;
+    if (!face || !core_has(face->column, state, 1, "state") || !core_has(face->column, size, 1, "size"))
+        return fmi3Error;
     *size = core_bytes();
     return fmi3OK;
 }
 
-FMI3_Export fmi3Status fmi3SerializeFMUState(fmi3Instance instance, fmi3FMUState state, fmi3Byte bytes[], size_t size) {
-    return instance && state ? (fmi3Status)core_to_bytes(state, bytes, size) : fmi3Error;
+FMI3_Export fmi3Status fmi3SerializeFMUState(fmi3Instance instance, fmi3FMUState state, fmi3Byte bytes[],
+                                             size_t size) {
+    ANSWER(core_to_bytes(face->column, state, bytes, size));
 }
 
 FMI3_Export fmi3Status fmi3DeserializeFMUState(fmi3Instance instance, const fmi3Byte bytes[], size_t size,
                                                fmi3FMUState *state) {
     Face *face = instance;
     Saved *saved = NULL;
-    if (!face || !state || !bytes || core_from_bytes(face->column, bytes, size, &saved) != ST_OK) return fmi3Error;
+    if (!face || !core_has(face->column, state, 1, "state")) return fmi3Error;
+    if (core_from_bytes(face->column, bytes, size, &saved) != ST_OK) return fmi3Error;
     *state = saved;
     return fmi3OK;
 }
 
-/* --- what the standard has and this FMU does not: calls that the model description rules out */
+/* --- calls of the standard that the model description rules out */
 
 #pragma GCC diagnostic ignored "-Wunused-parameter"
 

@@ -176,59 +176,71 @@ FMI2_Export void fmi2FreeInstance(fmi2Component component) {
 /* Fatal is all that PythonFMU's library makes of a call that the slave refuses; the slave sees to it that it lives on. */
 static fmi2Status answer(fmi2Status status) { return status == fmi2Fatal ? fmi2Error : status; }
 
-#define HAND_OVER(name, declared, given)                                                                               \
+/* Whether one of three pointers is missing to `count` values: PythonFMU's library would follow it all the same. */
+static int lacks(const Instance *instance, size_t count, const void *first, const void *second, const void *third) {
+    if (!count || (first && second && third)) return 0;
+    say(instance, fmi2Error, "a pointer is NULL");
+    return 1;
+}
+
+#define NEEDS(count, first, second, third) lacks(instance, count, first, second, third)
+#define HAND_OVER(name, declared, missing, given)                                                                      \
     FMI2_Export fmi2Status fmi2##name declared {                                                                       \
         Instance *instance = component;                                                                                \
-        return instance ? answer(inner.name given) : fmi2Error;                                                        \
+        return instance && !(missing) ? answer(inner.name given) : fmi2Error;                                          \
     }
 #define ITS instance->component
 typedef fmi2ValueReference Reference;
 
 HAND_OVER(SetDebugLogging, (fmi2Component component, fmi2Boolean on, size_t count, const fmi2String categories[]),
-          (ITS, on, count, categories))
+          NEEDS(count, categories, categories, categories), (ITS, on, count, categories))
 HAND_OVER(SetupExperiment,
           (fmi2Component component, fmi2Boolean has_tolerance, fmi2Real tolerance, fmi2Real start, fmi2Boolean has_stop,
            fmi2Real stop),
-          (ITS, has_tolerance, tolerance, start, has_stop, stop))
-HAND_OVER(EnterInitializationMode, (fmi2Component component), (ITS))
-HAND_OVER(ExitInitializationMode, (fmi2Component component), (ITS))
-HAND_OVER(Terminate, (fmi2Component component), (ITS))
+          0, (ITS, has_tolerance, tolerance, start, has_stop, stop))
+HAND_OVER(EnterInitializationMode, (fmi2Component component), 0, (ITS))
+HAND_OVER(ExitInitializationMode, (fmi2Component component), 0, (ITS))
+HAND_OVER(Terminate, (fmi2Component component), 0, (ITS))
 HAND_OVER(GetReal, (fmi2Component component, const Reference of[], size_t count, fmi2Real values[]),
-          (ITS, of, count, values))
+          NEEDS(count, of, values, values), (ITS, of, count, values))
 HAND_OVER(GetInteger, (fmi2Component component, const Reference of[], size_t count, fmi2Integer values[]),
-          (ITS, of, count, values))
+          NEEDS(count, of, values, values), (ITS, of, count, values))
 HAND_OVER(GetBoolean, (fmi2Component component, const Reference of[], size_t count, fmi2Boolean values[]),
-          (ITS, of, count, values))
+          NEEDS(count, of, values, values), (ITS, of, count, values))
 HAND_OVER(GetString, (fmi2Component component, const Reference of[], size_t count, fmi2String values[]),
-          (ITS, of, count, values))
+          NEEDS(count, of, values, values), (ITS, of, count, values))
 HAND_OVER(SetReal, (fmi2Component component, const Reference of[], size_t count, const fmi2Real values[]),
-          (ITS, of, count, values))
+          NEEDS(count, of, values, values), (ITS, of, count, values))
 HAND_OVER(SetInteger, (fmi2Component component, const Reference of[], size_t count, const fmi2Integer values[]),
-          (ITS, of, count, values))
+          NEEDS(count, of, values, values), (ITS, of, count, values))
 HAND_OVER(SetBoolean, (fmi2Component component, const Reference of[], size_t count, const fmi2Boolean values[]),
-          (ITS, of, count, values))
+          NEEDS(count, of, values, values), (ITS, of, count, values))
 HAND_OVER(SetString, (fmi2Component component, const Reference of[], size_t count, const fmi2String values[]),
-          (ITS, of, count, values))
-HAND_OVER(GetFMUstate, (fmi2Component component, fmi2FMUstate *state), (ITS, state))
-HAND_OVER(SetFMUstate, (fmi2Component component, fmi2FMUstate state), (ITS, state))
-HAND_OVER(FreeFMUstate, (fmi2Component component, fmi2FMUstate *state), (ITS, state))
-HAND_OVER(SerializedFMUstateSize, (fmi2Component component, fmi2FMUstate state, size_t *size), (ITS, state, size))
+          NEEDS(count, of, values, values), (ITS, of, count, values))
+HAND_OVER(GetFMUstate, (fmi2Component component, fmi2FMUstate *state),
+          NEEDS(1, state, state, state), (ITS, state))
+HAND_OVER(SetFMUstate, (fmi2Component component, fmi2FMUstate state), NEEDS(1, state, state, state), (ITS, state))
+HAND_OVER(FreeFMUstate, (fmi2Component component, fmi2FMUstate *state),
+          0, (ITS, state))
+HAND_OVER(SerializedFMUstateSize, (fmi2Component component, fmi2FMUstate state, size_t *size),
+          NEEDS(1, state, size, size), (ITS, state, size))
 HAND_OVER(SerializeFMUstate, (fmi2Component component, fmi2FMUstate state, fmi2Byte bytes[], size_t size),
-          (ITS, state, bytes, size))
+          NEEDS(1, state, bytes, bytes), (ITS, state, bytes, size))
 HAND_OVER(DeSerializeFMUstate, (fmi2Component component, const fmi2Byte bytes[], size_t size, fmi2FMUstate *state),
-          (ITS, bytes, size, state))
+          NEEDS(1, bytes, state, state), (ITS, bytes, size, state))
 HAND_OVER(GetDirectionalDerivative,
           (fmi2Component component, const Reference unknowns[], size_t unknown_count, const Reference knowns[],
            size_t known_count, const fmi2Real seeds[], fmi2Real values[]),
+          NEEDS(unknown_count, unknowns, values, values) || NEEDS(known_count, knowns, seeds, seeds),
           (ITS, unknowns, unknown_count, knowns, known_count, seeds, values))
 HAND_OVER(SetRealInputDerivatives,
           (fmi2Component component, const Reference of[], size_t count, const fmi2Integer orders[],
            const fmi2Real values[]),
-          (ITS, of, count, orders, values))
+          NEEDS(count, of, orders, values), (ITS, of, count, orders, values))
 HAND_OVER(GetRealOutputDerivatives,
           (fmi2Component component, const Reference of[], size_t count, const fmi2Integer orders[], fmi2Real values[]),
-          (ITS, of, count, orders, values))
-HAND_OVER(CancelStep, (fmi2Component component), (ITS))
+          NEEDS(count, of, orders, values), (ITS, of, count, orders, values))
+HAND_OVER(CancelStep, (fmi2Component component), 0, (ITS))
 
 FMI2_Export fmi2Status fmi2Reset(fmi2Component component) { /* makes a new slave: without one Fatal is true */
     Instance *instance = component;
@@ -256,6 +268,7 @@ static fmi2Status no_status(const Instance *instance, int kind) {
 FMI2_Export fmi2Status fmi2GetStatus(fmi2Component component, const fmi2StatusKind kind, fmi2Status *value) {
     const Instance *instance = component;
     if (!instance || kind != fmi2DoStepStatus) return no_status(instance, kind);
+    if (lacks(instance, 1, value, value, value)) return fmi2Error;
     *value = instance->last_step;
     return fmi2OK;
 }
@@ -263,6 +276,7 @@ FMI2_Export fmi2Status fmi2GetStatus(fmi2Component component, const fmi2StatusKi
 FMI2_Export fmi2Status fmi2GetRealStatus(fmi2Component component, const fmi2StatusKind kind, fmi2Real *value) {
     const Instance *instance = component;
     if (!instance || kind != fmi2LastSuccessfulTime) return no_status(instance, kind);
+    if (lacks(instance, 1, value, value, value)) return fmi2Error;
     return inner.GetRealStatus(instance->component, kind, value);
 }
 
@@ -273,12 +287,14 @@ FMI2_Export fmi2Status fmi2GetIntegerStatus(fmi2Component component, const fmi2S
 
 FMI2_Export fmi2Status fmi2GetBooleanStatus(fmi2Component component, const fmi2StatusKind kind, fmi2Boolean *value) {
     if (!component || kind != fmi2Terminated) return no_status(component, kind);
+    if (lacks(component, 1, value, value, value)) return fmi2Error;
     *value = fmi2False;
     return fmi2OK;
 }
 
 FMI2_Export fmi2Status fmi2GetStringStatus(fmi2Component component, const fmi2StatusKind kind, fmi2String *value) {
     if (!component || kind != fmi2PendingStatus) return no_status(component, kind);
+    if (lacks(component, 1, value, value, value)) return fmi2Error;
     *value = "";
     return fmi2OK;
 }

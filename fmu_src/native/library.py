@@ -11,8 +11,8 @@ from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-from solver.errors import InputError
-from solver.executors import cores
+from solver.common.errors import InputError
+from solver.common.executors import cores
 
 from . import symbols
 from .machine_code import COLUMN, Kernels, object_code
@@ -24,17 +24,17 @@ OPTIONS = (
     *("-std=c11", "-O2", "-fPIC", "-fvisibility=hidden", "-ffp-contract=off"),
     *("-Wall", "-Wextra", "-Werror"),
 )
-# what a library for Windows takes from the system's C library; what is missing here fails to link
+# exports of the system's C library that a library for Windows uses; a missing one fails to link
 OF_WINDOWS = (
     *("atan2", "expm1", "hypot", "pow", "asin", "log"),
     *("calloc", "malloc", "free", "strtod", "atoi", "__stdio_common_vsprintf"),
-    *("memcmp", "memcpy", "memset", "strchr", "strcmp", "strcpy", "strlen"),
+    *("memchr", "memcmp", "memcpy", "memset", "strchr", "strcmp", "strcpy", "strlen"),
 )
 BESIDE_WINDOWS = Path(__file__).with_name("windows.c")
 
 
 def sources(fmi: int) -> tuple[Path, ...]:
-    """What is compiled for a version of FMI."""
+    """The C files to compile for a version of FMI."""
     return tuple(Path(__file__).with_name(name) for name in ("core.c", FACES[fmi]))
 
 
@@ -42,12 +42,12 @@ TOOLS = ("ziglang", "fmpy")  # the compiler, and the header files of FMI
 
 
 def has_tools() -> bool:
-    """Whether what compiles and links is installed."""
+    """Whether the tools to compile and link are installed."""
     return all(importlib.util.find_spec(package) is not None for package in TOOLS)
 
 
 def check_tools() -> None:
-    """Raise InputError if what links the libraries, or the header files of FMI, are not installed."""
+    """Raise InputError if the linker, or the header files of FMI, are not installed."""
     for package in TOOLS:
         if importlib.util.find_spec(package) is None:
             raise InputError(f'--native: {package} is not installed: pip install "multiblock-fmu[native]"')
@@ -64,9 +64,9 @@ def headers() -> Path:
 def compile_c(
     target: Target, sources: Sequence[Path], output: Path, includes: Sequence[Path] = (), options: Sequence[str] = ()
 ) -> None:
-    """Compile what is C and link all to a shared library. Raises OSError.
+    """Compile the C files and link everything to a shared library. Raises OSError.
 
-    It is linked upon the system's own C library alone: whatever else zig links by itself, it would have to build first.
+    It is linked with the system's own C library only: zig would have to build its other default libraries first.
     """
     folder, compiler = output.parent, ("cc", "-target", target.linker)
     searched = [f"-I{place}" for place in (headers(), *includes)]
@@ -82,7 +82,7 @@ def compile_c(
 
 
 def _imports(folder: Path) -> Path:
-    """The import library of what comes from the C library of Windows."""
+    """The import library for the C library of Windows."""
     definition, made = folder / "imports.def", folder / "imports.lib"
     definition.write_text("\n".join(("LIBRARY ucrtbase.dll", "EXPORTS", *OF_WINDOWS)), encoding="utf-8")
     _zig("dlltool", "-m", "i386:x86-64", "-d", definition, "-l", made)
@@ -100,7 +100,7 @@ def _zig(*arguments: Path | str) -> None:
 def libraries(
     name: str, platforms: list[str], generated: dict[str, str], kernels: Kernels = COLUMN, fmi: int = 2
 ) -> dict[str, tuple[bytes, list[symbols.Symbols]]]:
-    """Platform -> library of that name, and what each of its parts needs. Raises InputError if that is Python's.
+    """Platform -> library of that name, and the symbols each of its parts needs. Raises InputError for Python's.
 
     platforms: of PLATFORMS[fmi].
     generated: header files that the sources are compiled with, name -> text.
@@ -139,7 +139,7 @@ def _linked(name: str, target: Target, suffix: str, headers: Path, code: bytes, 
 
 
 def _checked(platform: str, content: bytes) -> list[symbols.Symbols]:
-    """What each part of a library needs, none of it Python's."""
+    """The symbols that each part of a library needs, none of them Python's."""
     needs = symbols.read(content)
     for part in needs:
         if part.foreign:

@@ -1,9 +1,9 @@
 """The kernels as object code for any platform, made on this one.
 
-numba types them once, LLVM optimizes them once, and emits that module for each target. Both are told the oldest x86-64
-processor in question, whatever the builder's own; its vectors of two numbers are what the other targets have too. They
-work in processes of their own, since numba takes the processor from the environment, and say what they have done. The
-code is kept in the user's cache: it does not depend on the column.
+numba types them once, LLVM optimizes them once, and emits that module for each target. Both get the oldest supported
+x86-64 processor, whatever the builder's own; the other targets have vectors of two numbers as well. They work in
+processes of their own, since numba takes the processor from the environment, and print their progress. The code is
+kept in the user's cache: it does not depend on the column.
 """
 
 from __future__ import annotations
@@ -26,15 +26,15 @@ import llvmlite
 import numba
 from llvmlite import binding as llvm
 
-from solver.executors import cores
-from solver.kernels.jit import SOURCES, as_written
+from solver.common.executors import cores
+from solver.kernels.numba_ext.jit import SOURCES, as_written
 
 from ..host import CACHE_FOLDER, user_cache
 from .platforms import LINUX, Target
 
 BASELINE = "x86-64-v2"
 PREFIX = "kernel_"  # of the entries in the object code
-OPTIMIZED = "kernels.bc"  # the module that the code of every target is made of
+OPTIMIZED = "kernels.bc"  # the module from which the code of every target is made
 
 
 @dataclass(frozen=True)
@@ -49,11 +49,11 @@ class Kernels:
     beside: str = ""
 
 
-COLUMN = Kernels("solver.kernels.pointers:ENTRIES")
+COLUMN = Kernels("solver.kernels.api.pointers:ENTRIES")
 
 
 def made_with(kernels: Kernels) -> str:
-    """What the object code depends on beside the target."""
+    """Everything that the object code depends on beside the target."""
     content = hashlib.sha256(Path(__file__).read_bytes()).hexdigest()[:16]
     versions = f"numba {numba.__version__}, llvmlite {llvmlite.__version__}, kernels {SOURCES}, {content}"
     return versions if kernels == COLUMN else f"{versions}, {kernels.entries} {kernels.beside}"
@@ -92,7 +92,7 @@ def _file(target: Target, suffix: str) -> str:
 
 
 def module(entries: str) -> llvm.ModuleRef:
-    """The entries and all that they call, each once, as it was written."""
+    """The entries and all functions that they call, each once, as written."""
     place, _, attribute = entries.partition(":")
     whole, names = llvm.parse_assembly(""), {}
     for function, arguments in getattr(importlib.import_module(place), attribute).items():
@@ -109,7 +109,7 @@ def module(entries: str) -> llvm.ModuleRef:
 
 
 def optimize(whole: llvm.ModuleRef) -> None:
-    """For all targets at once, rid of what nobody calls."""
+    """Optimize for all targets at once, without functions that are never called."""
     machine = _machine_for(whole, LINUX.triple, BASELINE)
     for level in (0, 3):  # small functions into their callers first, as numba does
         builder = llvm.create_pass_builder(machine, llvm.create_pipeline_tuning_options(speed_level=level))
@@ -136,14 +136,14 @@ def _initialize() -> None:
 
 
 def _machine_for(whole: llvm.ModuleRef, triple: str, cpu: str) -> llvm.TargetMachine:
-    """The target, which the module is made to be for."""
+    """The target machine; the module is set to its triple and layout."""
     machine = llvm.Target.from_triple(triple).create_target_machine(cpu=cpu, opt=3, reloc="pic", codemodel="default")
     whole.triple, whole.data_layout = triple, str(machine.target_data)
     return machine
 
 
 def tell(text: str) -> None:
-    """A line on what is done, with the processor time that this process has taken so far."""
+    """Print a line of progress, with the processor time that this process has taken so far."""
     print(f"{text} ({time.process_time():.0f} s)", file=sys.stderr, flush=True)
 
 
@@ -159,7 +159,7 @@ def _optimized(file: Path, entries: str) -> bytes:
 
 
 def main(arguments: list[str]) -> int:
-    """FOLDER ENTRIES TRIPLE=CPU=SUFFIX ...: write the code of each target to the folder, and what it is made of."""
+    """FOLDER ENTRIES TRIPLE=CPU=SUFFIX ...: write the code of each target, and its optimized module, to the folder."""
     folder, entries, *words = arguments
     bitcode = _optimized(Path(folder) / OPTIMIZED, entries)
     with ProcessPoolExecutor(cores(), multiprocessing.get_context("spawn")) as workers:

@@ -9,14 +9,15 @@ from dataclasses import replace
 from xml.etree.ElementTree import Element, tostring
 
 from solver import __version__
-from solver.column import Column
-from solver.motion import Motion
+from solver.column.column import Column
+from solver.common.files import identifier_of
+from solver.ground.motion import Motion
 
 from .. import documentation
-from ..description_parts import About, Experiment
+from ..description_parts import About
 from ..model_description import FLAGS, column_description, model_description
 from ..model_description3 import model_description3, terminals
-from ..record import Record
+from ..record import usual_experiment
 from ..variables import variables
 from .column_subject import column_subject
 from .library import BESIDE_WINDOWS, OWN_HEADERS, libraries, sources
@@ -51,14 +52,17 @@ FLAGS_3 = {
 XML = b'<?xml version="1.0" encoding="UTF-8"?>\n'
 
 
-def contents_of(column: Column, record: Motion | None = None, record_name: str = "", fmi: int = 2) -> Contents:
-    """What the FMU of a column is made for, under a GUID that follows from all that its libraries are made of."""
-    contents = Contents(column_subject(column), variables(column, record_name), "", record_name, record)
+def contents_of(
+    column: Column, record: Motion | None = None, record_name: str = "", fmi: int = 2, scalars: bool = False
+) -> Contents:
+    """The content of the FMU of a column, under a GUID that follows from everything its libraries are made of."""
+    table = variables(column, record_name, reads_files=False)
+    contents = Contents(column_subject(column), table, "", record_name, record, scalars)
     return identified(contents, COLUMN, fmi, json.dumps(column.to_dict()))
 
 
 def identified(contents: Contents, kernels: Kernels, fmi: int, *texts: str) -> Contents:
-    """The same under a GUID that follows from all that its libraries are made of."""
+    """The content under a GUID that follows from everything its libraries are made of."""
     files = (*sources(fmi), *OWN_HEADERS, BESIDE_WINDOWS)
     parts = [*texts, made_with(kernels), *headers(contents).values()]
     identity = "".join([*parts, *(file.read_text(encoding="utf-8") for file in files)])
@@ -73,38 +77,43 @@ def native_files(
     record_name: str = "",
     fmi: int = 2,
     source: bool = False,
+    with_terminals: bool = False,
+    scalars: bool = False,
 ) -> tuple[dict[str, bytes], dict[str, list[Symbols]]]:
-    """The files of the FMU by their names, and what the libraries need. Raises InputError, OSError.
+    """The files of the FMU by their names, and the symbols that the libraries need. Raises InputError, OSError.
 
-    fmi: version. source: whether the source code goes in too.
+    fmi: version. source: whether the source code goes in too. with_terminals: terminals, which FMI 3.0 always has, in
+    an FMU of FMI 2.0. scalars: of FMI 3.0 without arrays.
     """
-    contents = contents_of(column, record, record_name, fmi)
-    experiment = Experiment(record.start, record.end, Record(record).dt) if record else Experiment()
-    told = (column.name, contents.guid, column_description(column), __version__, experiment)
-    about = About(*told, FLAGS_3 if fmi == 3 else NATIVE_FLAGS, "build_fmu.py --native")
+    contents = contents_of(column, record, record_name, fmi, scalars)
+    experiment = usual_experiment(column, record)
+    name = identifier_of(column.name)
+    identity = (column.name, contents.guid, column_description(column), __version__, experiment)
+    about = About(*identity, FLAGS_3 if fmi == 3 else NATIVE_FLAGS, "build_fmu.py --native")
     if fmi == 3:
-        description = model_description3(about, contents.table, contents.subject.lines)
+        description = model_description3(about, contents.table, contents.subject.lines, scalars)
     else:
         description = model_description(about, contents.table)
     picture = documentation.drawing(column)
     pages = {
-        "model.png": picture,
+        "terminalsAndIcons/icon.png" if fmi == 3 else "model.png": picture,
         "documentation/index.html": documentation.page(column, contents.table, NEEDS).encode(),
         "documentation/model.png": picture,
         "documentation/signs.png": documentation.sign_conventions(),
-        "terminalsAndIcons/terminalsAndIcons.xml": XML + tostring(terminals(contents.table)),
     }
+    if fmi == 3 or with_terminals:
+        pages["terminalsAndIcons/terminalsAndIcons.xml"] = XML + tostring(terminals(contents.table))
     if source:
-        pages |= source_files(column.name, headers(contents), COLUMN, fmi)
-        pages |= describe_sources(description, column.name, fmi)
-    files, needs = compiled(column.name, contents, COLUMN, platforms, description, fmi)
+        pages |= source_files(name, headers(contents), COLUMN, fmi)
+        pages |= describe_sources(description, name, fmi)
+    files, needs = compiled(name, contents, COLUMN, platforms, description, fmi)
     return files | pages, needs
 
 
 def compiled(
     name: str, contents: Contents, kernels: Kernels, platforms: list[str], description: Element, fmi: int = 2
 ) -> tuple[dict[str, bytes], dict[str, list[Symbols]]]:
-    """Model description, libraries and their account; and what the libraries need. Raises InputError, OSError."""
+    """Model description, libraries and their account; and the symbols they need. Raises InputError, OSError."""
     made = libraries(name, platforms, headers(contents), kernels, fmi)
     needs = {platform: needed for platform, (_, needed) in made.items()}
     files = {
@@ -117,7 +126,7 @@ def compiled(
 
 
 def _account(needs: dict[str, list[Symbols]], kernels: Kernels, fmi: int) -> str:
-    """How the libraries were made and what they need from outside."""
+    """How the libraries were made and which symbols they need from outside."""
     lines = [f"multiblock-fmu {__version__}; {made_with(kernels)}"]
     for platform, parts in needs.items():
         for part, target in zip(parts, PLATFORMS[fmi][platform].targets, strict=True):
@@ -126,8 +135,8 @@ def _account(needs: dict[str, list[Symbols]], kernels: Kernels, fmi: int) -> str
     return "\n".join(lines) + "\n"
 
 
-def told(needs: dict[str, list[Symbols]]) -> str:
-    """The same in one line for each part, for whoever builds."""
+def needs_report(needs: dict[str, list[Symbols]]) -> str:
+    """The symbols that the libraries need from outside, one line for each part, for the builder's terminal."""
     lines = []
     for platform, parts in needs.items():
         lines += [f"{platform} ({part.format}) needs: {' '.join(part.needed)}" for part in parts]

@@ -71,6 +71,7 @@ def kernels_text(assembly: dict[Target, str], own: str) -> str:
     for k, (target, text) in enumerate(assembly.items()):
         lines.append(f"#{'elif' if k else 'if'} {CONDITIONS[target]}")
         text = WINDOWS_FEATURES.sub("", text)  # the compiler of the C around writes them itself
+        text += "\n\t.text\n"  # where that compiler goes on: the last section is another one
         rows = [line for line in re.sub(rf"\b(_?){PREFIX}(?=\w)", rf"\1{own}", text).splitlines() if line.strip()]
         lines += ["__asm__(", *(f'    "{_escaped(row)}\\n"' for row in rows), ");"]
     lines += ["#else", '#error "there are no kernels for this processor and object format"', "#endif", ""]

@@ -7,14 +7,14 @@ table.h     what differs from one FMU to another: variables, start values, check
 from __future__ import annotations
 
 import inspect
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
-from solver.kernels import pointers
-from solver.motion import Motion
-from solver.ranges import NUMBERS
+from solver.common.ranges import NUMBERS
+from solver.ground.motion import Motion
+from solver.kernels.api import pointers
 
 from .. import rules
 from ..record import Record
@@ -22,7 +22,7 @@ from ..variables import FAMILY, STEP_SIZE, Variable, array_of
 from .machine_code import PREFIX
 
 TEXT = 256  # bytes of a String, its end included
-STATE_FORMAT = "multiblock-fmu native state 4"
+STATE_FORMAT = "multiblock-fmu native state 5"
 READ_ONLY = ("given", "inputs", "times", "ax", "az", "seeds")  # arguments behind which kernels write nothing
 C_TYPES = {"float64": "double ", "int64": "int64_t ", "float64*": "double *", "int64*": "int64_t *"}
 STORED = {"Real": "REAL", "Integer": "INTEGER", "Enumeration": "INTEGER", "Boolean": "BOOLEAN", "String": "STRING"}
@@ -30,12 +30,15 @@ STORED = {"Real": "REAL", "Integer": "INTEGER", "Enumeration": "INTEGER", "Boole
 SIZES = ("N", "MODEL", "STATE", "COUNTS", "BASE", "WORK", "ROW", "SPLIT", "ROOM", "FIXED_STEP_ROOM")
 COLUMN_CODES = (
     *("GIVEN_INTEGRATOR", "GIVEN_STEP", "CENTRAL_DIFFERENCE", "COUNT_OVERTURNED"),
-    *("NO_REST", "NOT_GENERAL", "NOT_LINEAR", "NOT_STABLE", "TOO_LARGE"),
+    *("MISFIT", "NO_REST", "NOT_GENERAL", "NOT_LINEAR", "NOT_STABLE", "TOO_LARGE", "TOO_MUCH_WORK"),
     *("STATE_OVERTURN_TIME", "STATE_TIME_FULL", "STATE_TIME_ROCKING", "STATE_TIME_FLIGHT"),
-    *("PEAKS", "STATE_PEAKS", "PEAK_CONTACT", "COUNT_RESTING"),
+    *("PEAKS", "STATE_PEAKS", "PEAK_CONTACT", "COUNT_RESTING", "BASE_SEGMENT"),
     *("VERDICT_OVERTURNED", "VERDICT_STANDING", "VERDICT_UNDECIDED"),
 )
-PLACES = ("PEAKS", "OVERTURN_TIME", "OVERTURN_JOINT", "OVERTURNED", "VERDICT", "RECORD", "RECORD_PGA", "RECORD_SCALE")
+PLACES = (
+    *("PEAKS", "OVERTURN_TIME", "OVERTURN_JOINT", "OVERTURNED", "VERDICT"),
+    *("RECORD", "RECORD_PGA", "RECORD_SCALE", "TOLERANCE"),
+)
 
 
 @dataclass(frozen=True)
@@ -62,6 +65,7 @@ class Subject:
     choices: list[Chosen]
     checks: list[Check]
     reasons: dict[int, str]
+    misfits: list[tuple[str, str]] = field(default_factory=list)  # name and relation, by the kind from 1 on
 
     @property
     def lines(self) -> dict[str, str]:
@@ -99,6 +103,7 @@ class Contents:
     guid: str
     record_name: str
     record: Motion | None
+    scalars: bool = False  # in FMI 3.0, where otherwise what every block or joint has is one array
 
 
 def headers(contents: Contents) -> dict[str, str]:
@@ -113,7 +118,7 @@ def headers(contents: Contents) -> dict[str, str]:
 def contract(subject: Subject) -> str:
     """The kernels and what goes by their tables."""
     sizes = {name: subject.sizes[name] for name in SIZES}
-    sizes |= {"BASE_INPUTS": len(subject.inputs), "GIVEN": len(subject.given)}
+    sizes |= {"BASE_INPUTS": len(subject.inputs), "GIVEN": len(subject.given), "DETAILS": pointers.DETAILS}
     codes = {"IS_COLUMN": int(subject.is_column)} | {name: subject.codes.get(name, 0) for name in COLUMN_CODES}
     lines = ["#include <stdint.h>", *_enum(sizes), *_enum(codes)]
     lines.append(f"#define TIME_SLACK {rules.TIME_SLACK!r}")
@@ -177,6 +182,7 @@ def declarations(contents: Contents) -> str:
         "CHOICES": len(subject.choices),
         "CHECKS": len(subject.checks),
         "HAS_RECORD": int("RECORD" in subject.places),
+        "HAS_TOLERANCE": int("TOLERANCE" in subject.places),
     }
     numbers |= {f"AT_{name}": places[subject.places[name]] if name in subject.places else 0 for name in PLACES}
     lines = _enum(numbers)
@@ -187,7 +193,7 @@ def declarations(contents: Contents) -> str:
     lines += _array("double", "real_starts", [_number(_start(variable)) for variable in reals])
     lines += _array("int", "whole_starts", [str(int(_start(variable))) for variable in wholes])
     lines += _array("char *const", "text_starts", [_quoted(str(variable.start)) for variable in texts])
-    lines += _families(table)
+    lines += _families(table, contents.scalars)
     lines += _array("int", "slope_of", [str(places.get(subject.slopes.get(name, ""), -1)) for name in subject.inputs])
     references = {variable.name: variable.reference for variable in table}
     listed = [f"{{{references[name]}, {references[slope]}}}" for name, slope in subject.lines.items()]
@@ -201,6 +207,8 @@ def declarations(contents: Contents) -> str:
     lines += _choices(subject, index)
     lines += _array("Check", "checks", [_check(check, index) for check in subject.checks])
     lines += _array("Reason", "reasons", [f"{{{code}, {_quoted(text)}}}" for code, text in subject.reasons.items()])
+    misfits = [f"{{{_quoted(name)}, {_quoted(relation)}}}" for name, relation in subject.misfits]
+    lines += _array("Misfit", "misfits", misfits or ["{0, 0}"])
     lines += _record(contents)
     return "\n".join(lines) + "\n"
 
@@ -238,7 +246,7 @@ def storage(table: list[Variable]) -> dict[str, int]:
     return places
 
 
-def _families(table: list[Variable]) -> list[str]:
+def _families(table: list[Variable], scalars: bool) -> list[str]:
     """For each family of value references the rows of `variables` that its numbers, from 1, stand for; -1: none."""
     families: dict[int, dict[int, int]] = {}
     for row, variable in enumerate(table):
@@ -250,7 +258,7 @@ def _families(table: list[Variable]) -> list[str]:
         count = max(rows) + 1 if rows else 0
         if count:
             lines += _array("int", f"family_{family}", [str(rows.get(number, -1)) for number in range(count)])
-        is_array = int(any(array_of(table[row].name) for row in rows.values()))
+        is_array = int(not scalars and any(array_of(table[row].name) for row in rows.values()))
         listed.append(f"{{{count}, {f'family_{family}' if count else 'NULL'}, {is_array}}}")
     return [*lines, *_array("Family", "family_index", listed)]
 

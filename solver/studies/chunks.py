@@ -1,4 +1,4 @@
-"""What a worker does: some runs of a study by their numbers, and the rows that come of them. It keeps nothing."""
+"""The work of a worker: runs of a study by their numbers, and the rows of their results. It keeps nothing."""
 
 from __future__ import annotations
 
@@ -6,14 +6,14 @@ import time as clock
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
-from ..batch import kind_of
-from ..errors import InputError
-from ..rest import check_stable
-from ..runs import Chunk, load_kernels, make_runs
-from ..turns import my_turn
+from ..column.rest import check_stable
+from ..common.errors import InputError
+from ..common.turns import my_turn
+from ..runs.batch import kind_of
+from ..runs.chunk import Chunk, load_kernels, make_runs
+from ..runs.single_run import SETTLE
 from .definition import Planned, Study
 
-SETTLE = 10.0  # s, as `simulate`
 FAILED = "failed"
 
 
@@ -25,7 +25,7 @@ class Made(NamedTuple):
 
 
 def make(study: Study, numbers: Sequence[int]) -> Made:
-    """Make the runs of these numbers, in one thread. What comes of a run does not depend on the others."""
+    """Make the runs of these numbers, in one thread. The result of a run does not depend on the others."""
     with my_turn():
         load_kernels(kind_of(study.columns[0]))
         begin = clock.perf_counter()
@@ -39,7 +39,7 @@ def _rows(study: Study, numbers: Sequence[int]) -> list[list[Any]]:
         try:
             planned = study.run(number)
             check_stable(planned.run.column)
-        except InputError as error:  # of numbers that were drawn: the others are to go on
+        except InputError as error:  # of values that were drawn: the other runs go on
             given = list(study.values(number).values())
             rows.append([number, given, [None] * len(study.measured), None, str(error)])
             continue
@@ -56,5 +56,5 @@ def _rows(study: Study, numbers: Sequence[int]) -> list[list[Any]]:
 
 
 def _own(value: Any, blocks: int) -> Any:
-    """What is kept of a run, without the blocks that it does not have."""
+    """The results of a run, without entries for blocks that its column does not have."""
     return value[:blocks] if isinstance(value, list) else value

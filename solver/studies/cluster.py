@@ -7,11 +7,12 @@ from importlib import import_module
 from types import TracebackType
 from typing import Any
 
-from ..errors import InputError, needing
+from ..common.errors import InputError, needing
 
 LOCAL = "local"
-# Housekeeping of the scheduler, nannies and workers that are started here. As it comes, looks at the stack every 10 ms
-# take 4 % of a worker's time; at the event loop, memory and processor 10 % of a core with two workers, and 1.5 % so.
+# Housekeeping of the scheduler, nannies and workers that are started here. With Dask's defaults, looks at the stack
+# every 10 ms take 4 % of a worker's time; those at the event loop, memory and processor take 10 % of a core with two
+# workers, and 1.5 % with these settings.
 OF_OURS = {
     "distributed.worker.profile.enabled": False,
     "distributed.admin.tick.interval": "1s",
@@ -28,8 +29,8 @@ def _same(thing: Any) -> Any:
 class Cluster:
     """An executor for `run_study`, to be used as a context. address: tcp://HOST:PORT of a scheduler, or "local".
 
-    What every chunk needs travels once to each worker (`carry`). A chunk whose worker dies is done again by another.
-    Needs the extra `dask`. Raises InputError if it is not installed or nobody answers.
+    Data that every chunk needs travel once to each worker (`carry`). A chunk whose worker dies is done by another.
+    Needs the extra `dask`. Raises InputError if it is not installed or no scheduler answers.
     """
 
     def __init__(self, address: str = LOCAL, workers: int | None = None) -> None:
@@ -49,13 +50,13 @@ class Cluster:
 
     @property
     def workers(self) -> int:
-        """Chunks that are worked at at once."""
+        """Chunks that are processed at once."""
         return max(1, int(sum(self._client.nthreads().values())))
 
     def carry(self, thing: Any) -> Any:
-        """Send what every chunk needs; returns what stands for it in `submit`.
+        """Send data that every chunk needs; returns a stand-in for them in `submit`.
 
-        As a task of its own: unlike data that were scattered it is there again when the worker that had it dies.
+        They are the result of a task: unlike scattered data they are restored when the worker that had them dies.
         """
         return self._client.submit(_same, thing, pure=False)
 
@@ -64,7 +65,7 @@ class Cluster:
         return self._client.submit(function, *arguments, pure=False)
 
     def lost(self) -> str:
-        """Why nothing will come back any more; empty while something may."""
+        """Why no more results will come; empty while some may."""
         if self._client.status == "running":
             return ""
         return f"the scheduler at {self.address} has gone ({self._client.status})"

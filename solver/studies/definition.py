@@ -10,7 +10,6 @@ import hashlib
 import json
 import math
 import os
-import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
@@ -21,13 +20,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import __version__
-from ..column import Column
-from ..errors import FINITE, POSITIVE, InputError, check_number, needing, reading, shown
-from ..intensity import pgv
-from ..kept import KEPT
-from ..kernels.jit import SOURCES
-from ..motion import STANDARD_GRAVITY, Motion
-from ..runs import Run
+from ..column.column import Column
+from ..common.errors import FINITE, POSITIVE, InputError, check_number, needing, reading, shown
+from ..common.files import check_file_name, toml_of
+from ..ground.intensity import pgv
+from ..ground.motion import STANDARD_GRAVITY, Motion
+from ..kernels.numba_ext.jit import SOURCES
+from ..runs.chunk import Run
+from ..runs.outputs import KEPT
 from .distributions import Distribution
 from .motions import BESIDE, Measure, Shaking, tilted
 from .parameters import column_with, is_of_column, single_names
@@ -36,9 +36,11 @@ FloatArray = NDArray[np.float64]
 
 KINDS = ("sweep", "ida", "fragility", "spectrum", "montecarlo")
 SAMPLINGS = ("latin-hypercube", "sobol", "random")
+LIMITED = "fragility"
 INTENSITY = "intensity"
 OF_MOTION = "motion."
 MOST_RUNS = 10**8
+QUICK_RUNS, QUICK_VALUES = 200, 5  # of a quick study: runs, and values of each name of the grid
 _SIMPLE = ("samples", "sampling", "seed", "tolerance", "duration")
 _TEXTS = ("name", "kind", "sampling")
 _KEYS = (
@@ -106,6 +108,7 @@ class Study:
     limits: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
+        check_file_name("name", self.name)
         _check_choice("kind", self.kind, KINDS)
         _check_choice("sampling", self.sampling, SAMPLINGS)
         if not self.columns or not self.motions:
@@ -116,6 +119,8 @@ class Study:
                 raise InputError(f"{key} = {shown(value)}: must be a whole number, at least {least}")
         if self.duration is not None:
             check_number("duration", self.duration, POSITIVE, "a positive time in s")
+        if self.limits and self.kind != LIMITED:
+            raise InputError(f'limits: must be left out, only kind = "{LIMITED}" has failures by displacement')
         for k, limit in enumerate(self.limits, start=1):
             check_number(f"limits[{k}]", limit, POSITIVE, "a positive displacement in m")
         for name in self.keep:
@@ -260,8 +265,8 @@ class Study:
     @classmethod
     def from_toml(cls, path: str | os.PathLike[str]) -> Study:
         """Read a study; paths in it are relative to its folder. Raises InputError that begins with `path`."""
-        with reading(path), open(path, "rb") as file:
-            return cls.from_dict(tomllib.load(file), Path(path).parent)
+        with reading(path):
+            return cls.from_dict(toml_of(path), Path(path).parent)
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any], folder: str | os.PathLike[str] = ".") -> Study:
@@ -299,6 +304,16 @@ class Study:
     def with_runs(self, samples: int) -> Study:
         """The study with another number of samples of its random parameters."""
         return replace(self, samples=samples)
+
+    def quick(self) -> Study:
+        """A study of its own, NAME-quick, of some 200 runs at most: five values of each name of the grid, few samples.
+
+        Of a long grid that is the first, the last and some between. All columns and motions are kept.
+        """
+        grid = {name: _thinned(values) for name, values in self.grid.items()}
+        points = math.prod((len(self.columns), len(self.motions), *map(len, grid.values())))
+        samples = min(self.samples, max(1, QUICK_RUNS // points))
+        return replace(self, name=f"{self.name}-quick", grid=grid, samples=samples)
 
 
 def versions() -> dict[str, str]:
@@ -342,14 +357,14 @@ def _varied(study: Study) -> tuple[str, ...]:
 
 @lru_cache(maxsize=8)
 def _of_columns(study: Study) -> dict[str, bool]:
-    """Names of what is varied of the columns, and whether it multiplies what is there."""
+    """Names of the varied numbers of the columns, and whether each multiplies the present value."""
     names = [name for name in study.varied if name not in ("column", "motion", INTENSITY)]
     return {name: study._relative(name) for name in names if not name.startswith(OF_MOTION)}
 
 
 @lru_cache(maxsize=8)
 def _of_motions(study: Study) -> dict[str, tuple[str, bool]]:
-    """The same of the motions: their own key for it, and whether it multiplies."""
+    """Names of the varied numbers of the motions, with the key there, and whether each multiplies."""
     names = [name for name in study.varied if name.startswith(OF_MOTION)]
     return {name: (name.removeprefix(OF_MOTION), study._relative(name)) for name in names}
 
@@ -418,6 +433,11 @@ def _base(
 def _without_number(name: str) -> str:
     part, _, key = name.partition(".")
     return f"{part.partition('[')[0]}.{key}"
+
+
+def _thinned(values: tuple[float, ...]) -> tuple[float, ...]:
+    places = np.linspace(0, len(values) - 1, min(QUICK_VALUES, len(values)))
+    return tuple(values[round(place)] for place in places.tolist())
 
 
 def _check_choice(key: str, value: object, known: Sequence[str]) -> None:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import FINITE, POSITIVE, InputError, check_number, needing, shown
+from ..common.errors import FINITE, POSITIVE, InputError, check_number, needing, shown
 
 FloatArray = NDArray[np.float64]
 

@@ -10,10 +10,11 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
-from ..errors import InputError, SolverError
-from ..executors import TRIES, cores, said, sent_out, workers_of
-from ..many import guessed_cost
-from ..pace import CHUNK_SECONDS, Pace
+from ..column.rest import check_columns
+from ..common.errors import InputError, SolverError
+from ..common.executors import TRIES, cores, said, sent_out, workers_of
+from ..runs.many import guessed_cost
+from ..runs.pace import CHUNK_SECONDS, Pace
 from . import chunks
 from .definition import Study, versions
 from .journal import SUFFIX, Journal
@@ -46,10 +47,12 @@ def run_study(
     process, `threads` of them or as many as it has cores. callback: called as callback(runs finished, runs in all).
     chunk_seconds: s, how long a worker is to be busy with what it is sent.
 
-    The numbers are the same, bit for bit, whatever the executor, its workers and the order. Raises InputError,
+    The numbers are the same, bit for bit, whatever the executor, its workers and the order. Warns (InputWarning) of
+    the first column in which something is probably not meant, as given before anything is varied. Raises InputError,
     StudyError where the executor fails: call it again to go on. An interruption of the process at any moment loses no
     finished run.
     """
+    check_columns(study.columns)
     if folder is None:
         made = _made(study, set(), executor, threads, callback, chunk_seconds)
         return Results(head_of(study), itertools.chain.from_iterable(made))

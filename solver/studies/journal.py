@@ -1,40 +1,47 @@
-"""The journal of a study: the one file that its runs are kept in as they end. Whatever is in it was finished.
+"""The journal of a study: the one file that its finished runs are kept in.
 
-A line of text for each run, after a first line about the study, each with a checksum in front: what a killed process,
-a full disk or a lost power leaves of a line is told from a whole one, cut off, and that run made again. Lines are only
-ever added; who adds holds a lock that ends with the process.
+It has a line of text for each run, after a first line about the study, each with a checksum in front. The checksum
+shows a line that a killed process, a full disk or a power failure left incomplete; it is cut off, and that run made
+again. Lines are only ever appended; the process that appends holds a lock, which ends with it.
 """
 
 from __future__ import annotations
 
+import itertools
 import json
 import os
 import re
+import sys
 import zlib
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from types import TracebackType
 from typing import IO, Any
 
-from ..errors import InputError, reading
+from ..common.errors import InputError, reading, shown
+from ..common.files import check_size
 
 SUFFIX = ".journal"
 FORMAT = 1
+LONGEST = 16 * 10**6  # bytes of a line: the first one has all columns
 _CUT_HEAD = re.compile(rb"[0-9a-f]{0,7}|[0-9a-f]{8}( (\{[^\n]*)?)?")
 
 
 class Journal:
     """A journal that runs are added to: `finished` are the numbers of those that it has. Use it as a context.
 
-    It is made if it is not there. Raises InputError if the file is no journal, of another study or of other versions,
-    if somebody else adds to it, or if it cannot be written.
+    It is created if it does not exist. Raises InputError if the file is no journal, of another study or of other
+    versions, if another process adds to it, or if it cannot be written.
     """
 
     def __init__(self, path: str | os.PathLike[str], head: Mapping[str, Any]) -> None:
         self.path = Path(path)
         self.finished: set[int] = set()
-        self.damaged = 0  # lines that were cut off or spoilt
+        self.damaged = 0  # incomplete or corrupted lines
         with reading(self.path):
+            if self.path.exists():
+                check_size(self.path, sys.maxsize)
             self._file = open(self.path, "a+b")  # noqa: SIM115  closed by __exit__
             try:
                 _lock(self._file)
@@ -47,15 +54,15 @@ class Journal:
         self._file.seek(0)
         whole = 0
         present: dict[str, Any] | None = None
-        for line in self._file:
-            content = _content(line)
+        for number, line in enumerate(_lines(self._file), start=1):
+            content = _content(number, line)
             if present is None:
                 if content is None:
                     break
                 present = _head(content)
                 _check_same(present, head)
             elif content is not None:
-                self.finished.add(content[0])
+                self.finished.add(_number(number, content))
             else:
                 self.damaged += 1
             whole += len(line)
@@ -80,7 +87,7 @@ class Journal:
 
     def _write(self, contents: list[Any]) -> None:
         with reading(self.path):
-            self._file.write(b"".join(map(_line, contents)))
+            self._file.write(b"".join(map(line_of, contents)))
             self._file.flush()
             os.fsync(self._file.fileno())
 
@@ -94,43 +101,98 @@ class Journal:
         self._file.close()
 
 
-def read_journal(path: str | os.PathLike[str]) -> tuple[dict[str, Any], Iterator[list[Any]]]:
-    """What a journal says of its study, and its runs one by one, in any order; it may be in use.
+def read_journal(
+    path: str | os.PathLike[str],
+    check_head: Callable[[dict[str, Any]], None] | None = None,
+    check_row: Callable[[dict[str, Any], Any], None] | None = None,
+) -> tuple[dict[str, Any], Iterator[list[Any]]]:
+    """The first line of a journal, about its study, and its runs one by one, in any order; the file may be in use.
 
-    Raises InputError that begins with `path` if it cannot be read or is no journal.
+    check_head, check_row: called with the former, and with both; their errors get the number of the line. Raises
+    InputError that begins with `path` if it cannot be read or is no journal.
     """
-    with reading(path), open(path, "rb") as file:
-        first = file.readline()
+    with reading(path):
+        check_size(path, sys.maxsize)
+        with open(path, "rb") as file:
+            first = next(_lines(file), b"")
         if not first:
             raise InputError("is empty, must be the journal of a study")
-        return _head(_content(first)), _rows(path, len(first))
+        head = _head(_content(1, first))
+        if check_head is not None:
+            with _of_line(1):
+                check_head(head)
+        return head, _rows(path, head, len(first), check_row)
 
 
-def _rows(path: str | os.PathLike[str], start: int) -> Iterator[list[Any]]:
+def _rows(
+    path: str | os.PathLike[str],
+    head: dict[str, Any],
+    start: int,
+    check_row: Callable[[dict[str, Any], Any], None] | None,
+) -> Iterator[list[Any]]:
     with reading(path), open(path, "rb") as file:
         file.seek(start)
-        for line in file:
-            content = _content(line)
-            if content is not None:
-                yield content
+        for number, line in enumerate(_lines(file), start=2):
+            content = _content(number, line)
+            if content is None:
+                continue
+            _number(number, content)
+            if check_row is not None:
+                with _of_line(number):
+                    check_row(head, content)
+            yield content
 
 
-def _line(content: Any) -> bytes:
+def _lines(file: IO[bytes]) -> Iterator[bytes]:
+    """The lines of a file. Raises InputError for one that no journal has."""
+    for number in itertools.count(1):
+        line = file.readline(LONGEST)
+        if not line:
+            return
+        if len(line) == LONGEST:
+            raise InputError(f"line {number}: has {LONGEST} bytes or more, must be shorter in a journal")
+        yield line
+
+
+@contextmanager
+def _of_line(number: int) -> Iterator[None]:
+    """Say of which line an InputError is."""
+    try:
+        yield
+    except InputError as error:
+        raise InputError(f"line {number}: {error}") from None
+
+
+def _number(line: int, content: Any) -> int:
+    """The number of the run that a line holds. Raises InputError."""
+    if not (isinstance(content, list) and content and type(content[0]) is int and content[0] >= 0):
+        raise InputError(f"line {line}: {shown(content)}: must be a run, a list that begins with its number")
+    return content[0]
+
+
+def line_of(content: Any) -> bytes:
+    """The line of a journal for a run, or for its study: its text behind a checksum."""
     text = json.dumps(content, separators=(",", ":")).encode()
     return b"%08x %s\n" % (zlib.crc32(text), text)
 
 
-def _content(line: bytes) -> Any:
-    """What a line says, None where it is not whole."""
+def _content(number: int, line: bytes) -> Any:
+    """The content of a line, None if it is incomplete. Raises InputError if it is complete but is no JSON."""
     checksum, _, text = line.rstrip(b"\n").partition(b" ")
     if not line.endswith(b"\n") or checksum != b"%08x" % zlib.crc32(text):
         return None
-    return json.loads(text)
+    try:
+        return json.loads(text)
+    except (ValueError, RecursionError):
+        raise InputError(f"line {number}: is no JSON, must be a run of a study") from None
 
 
 def _head(content: Any) -> dict[str, Any]:
     if not isinstance(content, dict) or content.get("format") != FORMAT:
         raise InputError("is not the journal of a study")
+    for key, kind in (("study", dict), ("fingerprint", str), ("versions", dict)):
+        if not isinstance(content.get(key), kind):
+            raise InputError(f"line 1: {key} = {shown(content.get(key))}: must be as a study writes it")
     return content
 
 
@@ -143,19 +205,19 @@ def _is_cut_head(file: IO[bytes]) -> bool:
 def _check_same(present: dict[str, Any], head: dict[str, Any]) -> None:
     if present["fingerprint"] != head["fingerprint"]:
         raise InputError(
-            f"holds another study, {present['study']['name']} ({present['fingerprint']}), not this one "
+            f"holds another study, {present['study'].get('name')} ({present['fingerprint']}), not this one "
             f"({head['fingerprint']}): must be another file, or deleted"
         )
     for name, version in head["versions"].items():
         if present["versions"].get(name) != version:
             raise InputError(
                 f"was begun with {name} {present['versions'].get(name)}, this is {version}: numbers of both must not "
-                "be mixed; go on with the other, or begin anew in another file"
+                "be mixed; go on with the other version, or begin in another file"
             )
 
 
 def _lock(file: IO[bytes]) -> None:
-    """Keep everybody else from adding, as long as this process has the file open."""
+    """Keep other processes from adding, as long as this process has the file open."""
     try:
         if os.name == "nt":
             import msvcrt

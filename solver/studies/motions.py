@@ -1,4 +1,4 @@
-"""Base motions of a study: records and formulas by a table each, whose numbers a study may vary, and how strong."""
+"""Base motions of a study: records and formulas, a table each, whose numbers a study may vary, and their strength."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from typing import Any
 
 import numpy as np
 
-from .. import wavelets
-from ..errors import FINITE, POSITIVE, InputError, check_number, shown
-from ..intensity import pgv, spectrum
-from ..motion import STANDARD_GRAVITY, Motion
+from ..common.errors import FINITE, POSITIVE, InputError, check_number, shown
+from ..ground import wavelets
+from ..ground.intensity import pgv, spectrum
+from ..ground.motion import STANDARD_GRAVITY, Motion
 from . import near_fault
 
 LEAN_IN = 5.0  # s, in which the base is tilted before the motion begins
@@ -28,7 +28,7 @@ class Formula:
     needs: tuple[str, ...]
     makes: Callable[..., Motion]
     optional: tuple[str, ...] = ()
-    amplitude: str = "amplitude"  # number that its size goes by; "": it has a size of its own
+    amplitude: str = "amplitude"  # the number that sets its size; "": its size is fixed
 
 
 FORMULAS = {
@@ -80,12 +80,12 @@ class Measure:
 
     @property
     def unit(self) -> str:
-        """As it is shown."""
+        """As shown to users."""
         return "m/s" if self.name == "pgv" else "g"
 
     @property
     def label(self) -> str:
-        """As it is shown."""
+        """As shown to users."""
         return f"Sa({self.period:g} s, {self.damping:.0%})" if self.name == "sa" else self.name.upper()
 
     @classmethod
@@ -105,7 +105,7 @@ class Measure:
         return cls(name, period, damping)
 
     def to_table(self) -> dict[str, Any]:
-        """What `from_table` turns into this very measure."""
+        """The table from which `from_table` makes this measure."""
         beside = {"period": self.period, "damping": self.damping} if self.name == "sa" else {}
         return {"measure": self.name, **beside}
 
@@ -114,7 +114,7 @@ class Measure:
 class Shaking:
     """A motion of a study: a record that has been read, or a formula with the numbers that are given.
 
-    name: as it is shown. formula: one of FORMULAS, "" for a record. numbers: of the formula, `scale` and `tilt`.
+    name: as shown to users. formula: one of FORMULAS, "" for a record. numbers: of the formula, `scale` and `tilt`.
     """
 
     name: str
@@ -175,7 +175,7 @@ class Shaking:
         return formula.makes(**{name: numbers[name] for name in (*needed, *formula.optional) if name in numbers})
 
     def to_table(self) -> dict[str, Any]:
-        """What tells one motion from another: for fingerprints and captions."""
+        """Values that distinguish this motion from others: for fingerprints and captions."""
         return {"name": self.name, "formula": self.formula, **self.numbers}
 
 
@@ -190,7 +190,7 @@ def _record(key: str, table: Mapping[str, Any], folder: Path) -> Motion:
 
 
 def tilted(motion: Motion, angle: float) -> Motion:
-    """The motion upon a base that leans by `angle`, rad, clockwise: what gravity is for a column on it.
+    """The motion on a base that leans by `angle`, rad, clockwise, as a column on it feels it through gravity.
 
     The base leans over smoothly in the 5 s before the motion. A frame that leans by psi feels gravity turned by psi:
     a base acceleration of -g sin(psi) along and -g (1 - cos(psi)) across. Raises InputError for held samples.

@@ -1,4 +1,4 @@
-"""Synthetic motions near a fault by magnitude and distance: a pulse of velocity upon filtered noise.
+"""Synthetic motions near a fault by magnitude and distance: a pulse of velocity added to filtered noise.
 
 Size, period and length follow published relations; the factors are for their scatter:
 
@@ -20,11 +20,11 @@ from functools import lru_cache
 
 import numpy as np
 
-from ..errors import POSITIVE, check_number
-from ..motion import STANDARD_GRAVITY, Motion
-from ..wavelets import NOISE_STEP, filtered_noise, mavroeidis_papageorgiou
+from ..common.errors import POSITIVE, check_number
+from ..ground.motion import STANDARD_GRAVITY, Motion
+from ..ground.wavelets import NOISE_STEP, filtered_noise, mavroeidis_papageorgiou
 
-MAGNITUDES, DISTANCES = (5.0, 7.7), (0.0, 370.0)  # what the relations were found from; km
+MAGNITUDES, DISTANCES = (5.0, 7.7), (0.0, 370.0)  # ranges of the data behind the relations; km
 CYCLES = 1.8  # of the pulse, where no other number is given
 GROUND = 2.5  # Hz, of the noise
 SIGNIFICANT = 0.476  # of the length of the noise, between 5 and 95 % of its Arias intensity
@@ -72,10 +72,10 @@ def motion(
     *,
     velocity: Callable[[float, float], float] = pgv,
 ) -> Motion:
-    """The pulse of Mavroeidis and Papageorgiou upon filtered noise (wavelets.py).
+    """The pulse of Mavroeidis and Papageorgiou added to filtered noise (wavelets.py).
 
     magnitude: moment magnitude. distance: km. seed, ground (Hz): of the noise. cycles, phase (degrees): of the pulse.
-    The factors are upon the medians. velocity: gives the median PGV of the pulse, m/s. Raises InputError.
+    The factors multiply the medians. velocity: gives the median PGV of the pulse, m/s. Raises InputError.
     """
     magnitude = check_number("motion.magnitude", magnitude, MAGNITUDES, "a magnitude from {} to {}".format(*MAGNITUDES))
     distance = check_number("motion.distance", distance, DISTANCES, "a distance in km from {} to {}".format(*DISTANCES))
@@ -85,7 +85,7 @@ def motion(
     noise = _noise(ground, length, seed)
     pulse = mavroeidis_papageorgiou(1.0, 1.0 / (period_factor * pulse_period(magnitude)), cycles, math.radians(phase))
     largest = _largest_velocity(pulse)
-    before = max(0.0, 0.5 * pulse.duration - STRONGEST * noise.duration)  # noise begins so much later than the motion
+    before = max(0.0, 0.5 * pulse.duration - STRONGEST * noise.duration)  # delay of the noise after the start
     begin = before + STRONGEST * noise.duration - 0.5 * pulse.duration
     count = math.ceil(max(before + noise.duration, begin + pulse.duration) / NOISE_STEP)
     time = NOISE_STEP * np.arange(count + 1, dtype=np.float64)

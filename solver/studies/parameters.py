@@ -1,10 +1,10 @@
-"""Numbers of a column by their dotted names, so that a study can set any of them, whatever keys columns may have.
+"""Numbers of a column by their dotted names, so that a study can set any of them, whatever keys columns have.
 
 joint.stiffness     of every joint
 joint[3].damping    of the joint under block 3, counted from 1, the top one
 block[1].height     of a block
 g, solver.tolerance
-column.size         factor on every length; masses go by its cube, given moments of inertia by its fifth power
+column.size         factor on every length; masses grow with its cube, given moments of inertia with its fifth power
 column.slenderness  all heights over the width of the lowest block: widths and depths are changed until it is so
 """
 
@@ -16,21 +16,21 @@ from collections.abc import Mapping
 from functools import lru_cache
 from typing import Any
 
-from ..column import Column
-from ..errors import POSITIVE, InputError, check_number
-from ..ranges import NUMBERS
+from ..column.column import Column
+from ..common.errors import POSITIVE, InputError, check_number
+from ..common.ranges import NUMBERS
 
 _PARTS = re.compile(r"(block|joint)(?:\[([1-9]\d*)\])?\.([a-z_]+)")
 _WHOLE = ("g", "solver.step", "solver.tolerance")
 SHAPES = ("column.size", "column.slenderness")
-_OWN = ("stiffness", "damping")  # numbers of a joint that nothing else of a column hangs on
+_OWN = ("stiffness", "damping")  # numbers of a joint on which no other value of a column depends
 _TOLERANCE = "solver.tolerance"
 _UPRIGHT = ("height", "centroid")  # lengths along the axis of the column
-_EITHER = {"mass": "density", "density": "mass"}  # one takes the place of the other
+_EITHER = {"mass": "density", "density": "mass"}  # one replaces the other
 
 
 def is_of_column(name: str) -> bool:
-    """Whether a dotted name speaks of the column."""
+    """Whether a dotted name belongs to the column."""
     return name in _WHOLE or name in SHAPES or _parts(name) is not None
 
 
@@ -83,7 +83,7 @@ def _joint_number(name: str) -> str:
 
 
 def _with_own(column: Column, values: Mapping[str, tuple[float, bool]]) -> Column:
-    """The same where all of them are numbers by themselves, without writing the column out and reading it again."""
+    """The column with numbers set that are all independent of others, without converting it to a dict and back."""
     own = {key: [getattr(block.joint, key) for block in column.blocks] for key in _OWN}
     for name, (number, relative) in values.items():
         if name == _TOLERANCE:
@@ -96,7 +96,7 @@ def _with_own(column: Column, values: Mapping[str, tuple[float, bool]]) -> Colum
 
 
 def _which(name: str, blocks: int) -> range:
-    """Places of the blocks that a name speaks of. Raises InputError where there are not so many."""
+    """Places of the blocks that a name refers to. Raises InputError if there are fewer blocks."""
     found = _parts(name)
     if found is None or not found[1]:
         return range(blocks)

@@ -1,4 +1,4 @@
-"""Pictures of studies, each with what it was made from below it. Imported late, for matplotlib."""
+"""Pictures of studies, each with a caption about the runs behind it. Imported late, for matplotlib."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import ScalarFormatter
 from numpy.typing import NDArray
 
-from ..errors import InputError
-from ..plots import FEW_COLOURS, block_colours, save, show_blocks
-from ..uncertainty import PERCENTILES
+from ..common.errors import InputError
+from ..dynamics.uncertainty import PERCENTILES
+from ..plotting.plots import FEW_COLOURS, block_colours, save, show_blocks
 from .motions import Measure
 from .results import Results
 from .statistics import (
@@ -41,9 +41,12 @@ _LIMIT_COLOURS = (BLUE, GREEN, RED, *FEW_COLOURS[3:])
 
 
 def draw(results: Results, path: str | os.PathLike[str] | None = None) -> Figure:
-    """Draw what the kind of the study asks for; saved to `path` if given. Raises InputError if there is nothing yet."""
+    """Draw the picture for the kind of the study; saved to `path` if given. Raises InputError without finished runs."""
     if not len(results):
         raise InputError(f"{results.study['name']}: no run is finished yet")
+    for name in _NEEDS.get(results.study["kind"], ()):
+        if name not in results.study["grid"]:
+            raise InputError(f"grid.{name}: missing, the picture of kind = {results.study['kind']} needs it")
     figure = _DRAW[results.study["kind"]](results)
     if path is not None:
         save(figure, path)
@@ -152,17 +155,20 @@ def draw_ida(results: Results) -> Figure:
     )
     axes.set_ylabel(_measure(results))
     axes.legend(frameon=False, title="an arrow: beyond it they overturn", loc="upper left")
-    fallen.plot(curves.overturned, curves.levels, "o-", color="black", markersize=3.0)
-    fallen.set(title="overturned", xlabel="share of the runs", xlim=(-0.02, 1.02))
+    fallen.plot(curves.overturned, curves.levels, "o-", color="black", markersize=3.0, label="overturned")
+    either = curves.overturned + curves.undecided
+    fallen.fill_betweenx(curves.levels, curves.overturned, either, color="0.7", linewidth=0.0, label="undecided")
+    fallen.legend(frameon=False, loc="upper left")
+    fallen.set(title="how they ended", xlabel="share of the runs", xlim=(-0.02, 1.02))
     for panel in (axes, fallen):
         _tidy(panel)
     return _captioned(figure, results)
 
 
 def draw_fragility(results: Results) -> Figure:
-    """Fitted curves with their bands, and the data they go by, for every limit and for overturning.
+    """Fitted curves with their bands, and the data behind them, for every limit and for overturning.
 
-    Of motions by magnitude and distance also the shares by these, and the curves over PGA and PGV.
+    Of motions by magnitude and distance also the shares by magnitude and distance, and the curves over PGA and PGV.
     """
     scenarios = {"motion.magnitude", "motion.distance"} <= set(results.study["grid"])
     names = ["pga", "pgv"] if scenarios else [intensity_name(results)]
@@ -193,7 +199,9 @@ def _draw_fits(axes: Axes, results: Results, name: str, texts: list[str]) -> Non
         said.append(f"{what} {found.median:.3g} ({bounds}), {found.deviation:.2g}")
     texts.append(f"{_label(results, name)}, median with its bounds, deviation of the logarithm: {'; '.join(said)}.")
     axes.set(xlabel=_label(results, name), ylabel="probability of failure", ylim=(-0.02, 1.02))
-    axes.set_title("curve: lognormal, band: 95 % by the bootstrap; points: runs", loc="left", fontsize=10)
+    axes.set_title(
+        "curve: lognormal, band: 95 % by the bootstrap; points: runs, open: with undecided", loc="left", fontsize=10
+    )
     if axes.get_legend_handles_labels()[0]:
         axes.legend(frameon=False, loc="best")
     _tidy(axes)
@@ -239,6 +247,9 @@ def draw_curve(axes: Axes, found: Fragility, colour: str, name: str) -> None:
     axes.plot(x, found.probability(x), color=colour, linewidth=2.0, label=name)
     errors = np.abs(np.array([bins.low, bins.high]) - bins.share)
     axes.errorbar(bins.middle, bins.share, errors, fmt="o", color=colour, markersize=4.0, capsize=2.5)
+    some = bins.undecided > 0
+    with_undecided = (bins.failed + bins.undecided) / bins.runs
+    axes.plot(bins.middle[some], with_undecided[some], "o", color=colour, markerfacecolor="none", markersize=4.0)
 
 
 def draw_spectrum(results: Results) -> Figure:
@@ -297,7 +308,7 @@ def draw_spectrum(results: Results) -> Figure:
 
 
 def draw_tornado(results: Results) -> Figure:
-    """What each random parameter does to the largest displacement and to overturning, the strongest on top."""
+    """The effect of each random parameter on the largest displacement and on overturning, the strongest on top."""
     found = influences(results)[:MOST_INFLUENCES]
     if not found:
         raise InputError(f"{results.study['name']}: nothing is random, or all runs end alike: no influence to draw")
@@ -354,7 +365,7 @@ def _label(results: Results, name: str) -> str:
 
 
 def caption(results: Results) -> list[str]:
-    """What was run: columns, motions, what is random, runs and their seed, and what the model leaves out."""
+    """The runs behind a picture: columns, motions, random parameters, runs and their seed, and limits of the model."""
     study = results.study
     columns = ", ".join(f"{column['name']} ({len(column['block'])} blocks)" for column in study["columns"])
     names = [motion["name"] for motion in study["motions"]]
@@ -376,11 +387,11 @@ def caption(results: Results) -> list[str]:
 
 
 def limits_of_model(results: Results) -> str:
-    """What the model leaves out."""
+    """Effects that the model leaves out."""
     joints = [block.get("joint", {}) for column in results.study["columns"] for block in column["block"]]
     slide = any(joint.get("friction") is not None for joint in joints)
     limits = "do not crush" if slide or "joint.friction" in results.study["random"] else "neither slide nor crush"
-    return f"Plane motion of rigid blocks upon elastic joints without tension, which {limits}."
+    return f"Plane motion of rigid blocks on elastic joints without tension, which {limits}."
 
 
 def _captioned(figure: Figure, results: Results, text: str = "") -> Figure:
@@ -391,6 +402,7 @@ def _captioned(figure: Figure, results: Results, text: str = "") -> Figure:
     return figure
 
 
+_NEEDS = {"sweep": ("intensity", "motion.frequency"), "spectrum": ("column.size", "column.slenderness")}
 _DRAW: dict[str, Callable[[Results], Figure]] = {
     "sweep": draw_sweep,
     "ida": draw_ida,

@@ -14,24 +14,25 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InputError, needing, reading
-from ..files import whole_file
-from ..kept import KEPT
-from ..table import WORDS, Columns
-from .chunks import FAILED
+from ..common.errors import InputError, needing, reading
+from ..common.files import whole_file
+from ..runs.outputs import KEPT
+from ..runs.table import WORDS, Columns
+from .contents import FAILED, check_head, check_row
 from .journal import read_journal
 
 # units by the name of a column of the table; what is varied has those of the column file and the study file
 UNITS = {"pga": "g", "pgv": "m/s", "sa": "g"} | {name: kept.unit for name, kept in KEPT.items() if kept.unit}
 ROWS_AT_ONCE = 4096
+NAMED = "motion_name"
 
 
 class Results:
     """Finished runs of a study by number: `results["peak_ux"]` is (runs, blocks), other columns (runs,).
 
-    Names: `run`; what is varied (`column`, `motion`, `joint.stiffness` ...); measures of the motion as it was run: pga
-    and sa in g, pgv in m/s; outputs as of `simulate_many`; `failure`, a text. head: the study and the versions.
-    A run that the solver could not make has the verdict "failed", and NaN.
+    Names: `run`; what is varied (`column`, `motion`, `joint.stiffness` ...); `motion_name`, a text; measures of the
+    motion as it was run: pga and sa in g, pgv in m/s; outputs as of `simulate_many`; `failure`, a text. A run that the
+    solver could not make has the verdict "failed", and NaN. head: the study and the versions.
     rows: as of chunks.Made, in any order; of a run that is there twice the first one counts.
     """
 
@@ -50,7 +51,7 @@ class Results:
     @classmethod
     def from_journal(cls, path: str | os.PathLike[str]) -> Results:
         """Read a journal, also while runs are added to it. Raises InputError that begins with `path`."""
-        return cls(*read_journal(path))
+        return cls(*read_journal(path, check_head, check_row))
 
     @property
     def study(self) -> dict[str, Any]:
@@ -83,6 +84,11 @@ class Results:
     def overturned(self) -> NDArray[np.bool_]:
         """(runs,) Whether the column fell."""
         return np.asarray(self["verdict"] == "overturned")
+
+    @property
+    def undecided(self) -> NDArray[np.bool_]:
+        """(runs,) Whether the column still rocked at the end, with the energy to fall."""
+        return np.asarray(self["verdict"] == "undecided")
 
     @property
     def largest(self) -> NDArray[np.float64]:
@@ -153,6 +159,7 @@ def _columns(head: Mapping[str, Any], rows: list[list[Any]]) -> Columns:
             columns[name] = np.array(values, dtype=np.float64)
     for name in ("column", "motion"):
         columns[name] = columns[name].astype(np.int64)
+    columns[NAMED] = np.array([motion["name"] for motion in head["study"]["motions"]], dtype=np.str_)[columns["motion"]]
     for name in head["study"]["keep"]:
         columns[name] = _output(name, [row[3] for row in rows], head["blocks"])
     columns["failure"] = np.array([row[4] for row in rows], dtype=np.str_)

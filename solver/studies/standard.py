@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from ..column import Column
-from ..motion import Motion
+from ..column.column import Column
+from ..ground.motion import Motion
 from .definition import INTENSITY, Random, Study
 from .execution import run_study
 from .motions import Measure, Shaking

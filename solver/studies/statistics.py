@@ -1,4 +1,4 @@
-"""What the runs of a study say: curves over intensity, probabilities with their bounds, what matters most."""
+"""Statistics of the runs of a study: curves over intensity, probabilities with bounds, influence of parameters."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InputError, needing
-from ..uncertainty import CONFIDENCE, PERCENTILES
+from ..common.errors import InputError, needing
+from ..dynamics.uncertainty import CONFIDENCE, PERCENTILES
 from .results import Results
 
 FloatArray = NDArray[np.float64]
 
 RESAMPLED = 200  # times, for confidence
-GROUPS = 1000  # of neighbouring intensities, where there are more different ones: the likelihood goes by their middles
+GROUPS = 1000  # of neighbouring intensities, if there are more different ones: the likelihood uses their middles
 BINS = 12
 LEAST_DEVIATION, MOST_DEVIATION = 0.01, 5.0
 TAIL = 0.16  # of the runs, at either end of a parameter
@@ -27,13 +27,15 @@ TAIL = 0.16  # of the runs, at either end of a parameter
 class Bins:
     """Shares of failures between intensities: `edges` (b + 1,), `runs` (b,), `failed` (b,), `middle` (b,) of the runs.
 
-    low, high (b,): bounds of Clopper and Pearson at 95 % confidence.
+    undecided (b,): runs that have not failed and may yet overturn. low, high (b,): bounds of Clopper and Pearson
+    at 95 % confidence.
     """
 
     edges: FloatArray
     middle: FloatArray
     runs: NDArray[np.int64]
     failed: NDArray[np.int64]
+    undecided: NDArray[np.int64]
     low: FloatArray
     high: FloatArray
 
@@ -48,7 +50,8 @@ class Fragility:
     """A lognormal probability of failure over an intensity: median, and deviation of the logarithm.
 
     median_bounds, deviation_bounds: at 95 % confidence, by the bootstrap. curves (resampled, 2): the two of each of its
-    samples. bins: the data themselves. name: of the intensity. how: what was fitted.
+    samples. bins: the data themselves. name: of the intensity. how: what was fitted. undecided: of the runs, those that
+    have not failed and may yet overturn; the curve takes them as standing.
     """
 
     name: str
@@ -60,6 +63,7 @@ class Fragility:
     bins: Bins
     runs: int
     failed: int
+    undecided: int
     how: str
 
     def probability(self, intensity: FloatArray) -> FloatArray:
@@ -82,7 +86,7 @@ def lognormal(intensity: FloatArray, median: float, deviation: float) -> FloatAr
 
 
 def failed_of(results: Results, limit: float | None = None) -> NDArray[np.bool_]:
-    """(runs,) Whether the column fell or its largest displacement came to more than `limit`, m."""
+    """(runs,) Whether the column fell or its largest displacement exceeded `limit`, m."""
     return results.overturned if limit is None else np.asarray(results.largest > limit)
 
 
@@ -107,13 +111,14 @@ def fit_fragility(
     failed. "demand": the logarithm of the largest displacement is linear in that of the intensity, with a normal
     scatter; what overturned is censored, known only to be beyond the limit. It needs a limit and fewer failures.
     Confidence: by resampling, 200 times, the samples of the random parameters together with the motion, each with all
-    its intensities. chosen: (runs,) those to go by. Raises InputError where the runs do not tell.
+    its intensities. chosen: (runs,) mask of the runs used. Raises InputError if the runs do not determine the curve.
     """
     name = intensity or intensity_name(results)
     valid = made(results) & (results[name] > 0.0)
     if chosen is not None:
         valid &= chosen
     im, failed = results[name][valid], failed_of(results, limit)[valid]
+    undecided = results.undecided[valid] & ~failed
     clusters = np.unique(_clusters(results)[valid], return_inverse=True)[1]
     if not 0 < np.sum(failed) < len(failed):
         raise InputError(f"{name}: {np.sum(failed)} of {len(failed)} runs failed: a fragility needs some of both")
@@ -144,9 +149,10 @@ def fit_fragility(
         median_bounds=(float(bounds[0, 0]), float(bounds[1, 0])),
         deviation_bounds=(float(bounds[0, 1]), float(bounds[1, 1])),
         curves=curves,
-        bins=binned(im, failed, bins),
+        bins=binned(im, failed, bins, undecided),
         runs=len(im),
         failed=int(np.sum(failed)),
+        undecided=int(np.sum(undecided)),
         how=how,
     )
 
@@ -157,8 +163,10 @@ def intensity_name(results: Results) -> str:
     return "pga" if measure is None else str(measure["measure"])
 
 
-def binned(intensity: FloatArray, failed: NDArray[np.bool_], bins: int = BINS) -> Bins:
-    """Shares of failures by intensity; of few different intensities each is a bin, of many as many runs lie in each."""
+def binned(
+    intensity: FloatArray, failed: NDArray[np.bool_], bins: int = BINS, undecided: NDArray[np.bool_] | None = None
+) -> Bins:
+    """Shares of failures by intensity: a bin for each of few different intensities; of many, bins of equal counts."""
     levels = np.unique(intensity)
     if len(levels) <= 2 * bins:
         between = 0.5 * (levels[1:] + levels[:-1])
@@ -167,15 +175,18 @@ def binned(intensity: FloatArray, failed: NDArray[np.bool_], bins: int = BINS) -
         edges = np.unique(np.quantile(intensity, np.linspace(0.0, 1.0, bins + 1)))
     place = np.clip(np.searchsorted(edges, intensity, side="right") - 1, 0, len(edges) - 2)
     runs = np.bincount(place, minlength=len(edges) - 1)
-    hits = np.bincount(place, weights=failed, minlength=len(edges) - 1).astype(np.int64)
+    hits, open_ones = (
+        np.bincount(place, weights=some, minlength=len(edges) - 1).astype(np.int64)
+        for some in (failed, np.zeros(len(failed)) if undecided is None else undecided)
+    )
     middle = np.exp(np.bincount(place, weights=np.log(intensity), minlength=len(edges) - 1) / np.maximum(runs, 1))
-    kept = runs > 0
-    low, high = share_bounds(hits[kept], runs[kept])
-    return Bins(edges, middle[kept], runs[kept], hits[kept], low, high)
+    occupied = runs > 0
+    low, high = share_bounds(hits[occupied], runs[occupied])
+    return Bins(edges, middle[occupied], runs[occupied], hits[occupied], open_ones[occupied], low, high)
 
 
 def share_bounds(count: NDArray[np.int64], size: NDArray[np.int64]) -> tuple[FloatArray, FloatArray]:
-    """Bounds of Clopper and Pearson on probabilities by which `count` of `size` trials came true, at 95 %."""
+    """Bounds of Clopper and Pearson on a probability, of which `count` of `size` trials came true, at 95 %."""
     with needing("studies", "scipy"):
         from scipy.special import betaincinv
     tail = 0.5 * (1.0 - CONFIDENCE)
@@ -185,7 +196,7 @@ def share_bounds(count: NDArray[np.int64], size: NDArray[np.int64]) -> tuple[Flo
 
 
 class _Failures:
-    """Maximum likelihood of who failed: probability ndtr((log im - log median) / deviation)."""
+    """Maximum likelihood of the failures: probability ndtr((log im - log median) / deviation)."""
 
     def __init__(self, intensity: FloatArray, failed: NDArray[np.bool_]) -> None:
         x = np.log(intensity)
@@ -221,7 +232,7 @@ class _Failures:
 
 
 class _Demand:
-    """Maximum likelihood of log u = a + b log im + s e with what is beyond the limit censored there."""
+    """Maximum likelihood of log u = a + b log im + s e; displacements beyond the limit are censored there."""
 
     def __init__(self, intensity: FloatArray, largest: FloatArray, limit: float) -> None:
         self._x = np.log(intensity)
@@ -261,7 +272,7 @@ def _ends() -> list[float]:
 
 
 def _clusters(results: Results) -> NDArray[np.int64]:
-    """(runs,) Number of what is drawn together: a motion with one sample of the random parameters."""
+    """(runs,) Number of the group of runs drawn together: a motion with one sample of the random parameters."""
     samples = results.study["samples"]
     return np.asarray(results["motion"] * samples + results["run"] % samples)
 
@@ -270,13 +281,15 @@ def _clusters(results: Results) -> NDArray[np.int64]:
 class Curves:
     """Percentiles of the largest displacement over intensity, m (3, levels): 16, 50, 84 %; infinite where they fell.
 
-    overturned (levels,): share of the runs at each level. each: one curve a motion and sample, (curves, levels).
+    overturned, undecided (levels,): shares of the runs at each level. each: one curve a motion and sample, (curves,
+    levels).
     """
 
     name: str
     levels: FloatArray
     percentiles: FloatArray
     overturned: FloatArray
+    undecided: FloatArray
     each: FloatArray
 
 
@@ -291,17 +304,19 @@ def ida_curves(results: Results) -> Curves:
     _, curve = np.unique(keys, axis=0, return_inverse=True)
     each = np.full((int(curve.max()) + 1, len(levels)), math.nan)
     each[curve.ravel(), level] = results.largest
+    there = np.maximum(np.sum(~np.isnan(each), axis=0), 1)
     return Curves(
         name=intensity_name(results),
         levels=levels,
         percentiles=percentiles(each),
-        overturned=np.sum(np.isinf(each), axis=0) / np.maximum(np.sum(~np.isnan(each), axis=0), 1),
+        overturned=np.sum(np.isinf(each), axis=0) / there,
+        undecided=np.bincount(level, weights=results.undecided & made(results), minlength=len(levels)) / there,
         each=each,
     )
 
 
 def percentiles(values: FloatArray, points: Sequence[float] = PERCENTILES) -> FloatArray:
-    """Points over the first axis, of what is a number there, infinite ones among them; between two the lower one."""
+    """Points over the first axis, among values that are not NaN, infinite ones included; between two the lower one."""
     ordered = np.sort(values, axis=0)
     last = np.sum(~np.isnan(ordered), axis=0) - 1
     places = [np.maximum(np.floor(0.01 * point * last + 0.5).astype(np.int64), 0) for point in points]
@@ -310,7 +325,7 @@ def percentiles(values: FloatArray, points: Sequence[float] = PERCENTILES) -> Fl
 
 @dataclass(frozen=True)
 class Influence:
-    """What a random parameter does: median of the largest displacement, m, and share overturned, where it is low, high.
+    """Effect of a random parameter: median of the largest displacement, m, and shares of runs, where it is low, high.
 
     That is over the 16 % of the runs with its lowest and its highest values. rank: its rank correlation with the
     largest displacement, fallen columns on top, among runs of the same column, motion and point of the grid.
@@ -320,21 +335,22 @@ class Influence:
     values: tuple[float, float]
     displacement: tuple[float, float]
     overturned: tuple[float, float]
+    undecided: tuple[float, float]
     rank: float
 
 
 def influences(results: Results) -> list[Influence]:
-    """What each random parameter does, the strongest first."""
+    """The effect of each random parameter, the strongest first."""
     with needing("studies", "scipy"):
         from scipy.stats import rankdata
     valid = made(results)
-    largest, fell = results.largest[valid], results.overturned[valid]
+    largest, fell, unknown = results.largest[valid], results.overturned[valid], results.undecided[valid]
     fixed = {"column", "motion", *results.study["grid"]}
     found: list[Influence] = []
     alike = _runs_alike(results, valid)
 
     def ranks(values: FloatArray) -> FloatArray:
-        """Ranks among the runs that are alike, from -1 to 1."""
+        """Ranks among comparable runs, from -1 to 1."""
         found = np.zeros(len(values))
         for runs in alike:
             found[runs] = (2.0 * rankdata(values[runs]) - 1.0) / len(runs) - 1.0
@@ -355,6 +371,7 @@ def influences(results: Results) -> list[Influence]:
                 (float(np.median(values[low])), float(np.median(values[high]))),
                 (float(np.median(largest[low])), float(np.median(largest[high]))),
                 (float(np.mean(fell[low])), float(np.mean(fell[high]))),
+                (float(np.mean(unknown[low])), float(np.mean(unknown[high]))),
                 float(np.corrcoef(ranks(values), by_size)[0, 1]),
             )
         )
@@ -362,7 +379,7 @@ def influences(results: Results) -> list[Influence]:
 
 
 def _runs_alike(results: Results, valid: NDArray[np.bool_]) -> list[NDArray[np.int64]]:
-    """Places among the valid runs of those that differ in nothing but what is random."""
+    """Places among the valid runs of those that differ only in the random parameters."""
     keys = np.column_stack([results[name][valid] for name in ("column", "motion", *results.study["grid"])])
     _, group = np.unique(keys, axis=0, return_inverse=True)
     order = np.argsort(group.ravel(), kind="stable")

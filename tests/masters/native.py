@@ -1,13 +1,14 @@
-"""The native FMU outside Python, on this machine: `python tests/masters/native.py [COLUMN.toml]`.
+"""The native FMU outside Python, on this machine: `python tests/masters/native.py [COLUMN.toml] [--sequences N]`.
 
 The same small host (host.c) runs it as it is, under valgrind, and the Windows library under wine; calls in any order
-(tests/random_calls.py) are made upon a library whose C layer is compiled with AddressSanitizer and
-UndefinedBehaviorSanitizer. What is not installed is skipped with a reason. Exit code 1 if a run fails; the outputs are
-printed and are to agree.
+(tests/support/random_calls.py) are made to a library whose C layer is compiled with AddressSanitizer and
+UndefinedBehaviorSanitizer: N sequences of 20000 calls, each in a process of its own. What is not installed is skipped
+with a reason. Exit code 1 if a run fails; the outputs are printed and are to agree.
 """
 
 from __future__ import annotations
 
+import argparse
 import os
 import shutil
 import subprocess
@@ -31,18 +32,27 @@ from fmu_src.native.platforms import PLATFORMS  # noqa: E402
 from fmu_src.native.table import headers  # noqa: E402
 from solver import Column  # noqa: E402
 
+CALLS = 20000  # of a sequence
+PATIENCE = 900.0  # s
+REPORTS = ("ERROR: AddressSanitizer", "runtime error")
 SANITIZERS = ("-fsanitize=address,undefined", "-fno-sanitize-recover=undefined")
 
 
-def main(column: Path) -> int:
+def main(arguments: list[str] | None = None) -> int:
     """Try every host; returns the exit code."""
+    parser = argparse.ArgumentParser(description="The native FMU outside Python.")
+    parser.add_argument("column", nargs="?", type=Path, default=DEFAULT_COLUMN)
+    parser.add_argument("--sequences", type=int, default=1)
+    options = parser.parse_args(arguments)
+    column = options.column
     with tempfile.TemporaryDirectory() as temporary:
         fmu = build_native_fmu(column, Path(temporary) / "column.fmu")
-        return int(_hosts(str(fmu)) + _sanitized(column, fmu, Path(temporary)) > 0)
+        failures = _sanitized(column, fmu, Path(temporary), options.sequences)
+        return int(_hosts(str(fmu)) + failures > 0)
 
 
-def _sanitized(column: Path, fmu: Path, folder: Path) -> int:
-    """Calls in any order upon a library with sanitizers."""
+def _sanitized(column: Path, fmu: Path, folder: Path, sequences: int) -> int:
+    """Calls in any order to a library with sanitizers."""
     if not shutil.which("gcc"):
         print(f"{'sanitizers':10} skipped: gcc is not installed")
         return 0
@@ -60,21 +70,37 @@ def _sanitized(column: Path, fmu: Path, folder: Path) -> int:
         for name in old.namelist():
             new.writestr(name, output.read_bytes() if name.endswith(".so") else old.read(name))
     runtime = subprocess.run(["gcc", "-print-file-name=libasan.so"], capture_output=True, text=True, check=True)
-    done = subprocess.run(
-        [sys.executable, str(ROOT / "tests" / "random_calls.py"), str(changed), "20000"],
-        capture_output=True,
-        text=True,
-        env=os.environ
-        | {"LD_PRELOAD": runtime.stdout.strip(), "ASAN_OPTIONS": "detect_leaks=0", "PYTHONPATH": str(ROOT)},
-        timeout=900,
-        check=False,
-    )
-    reports = [
-        line for line in done.stderr.splitlines() if "ERROR: AddressSanitizer" in line or "runtime error" in line
-    ]
-    last = (done.stdout.strip().splitlines() or [""])[-1]
-    print(f"{'sanitizers':10} status {done.returncode}: {last} {' '.join(reports[:3])}; {len(reports)} reports")
-    return int(done.returncode != 0 or bool(reports))
+    environment = os.environ | {
+        "LD_PRELOAD": runtime.stdout.strip(),
+        "ASAN_OPTIONS": "detect_leaks=0",
+        "PYTHONPATH": os.pathsep.join((str(ROOT), str(ROOT / "tests"))),
+        "TMPDIR": str(folder),
+    }
+    failed, reports, last = 0, [], ""
+    for seed in range(3, 3 + sequences):
+        command = [
+            sys.executable,
+            str(ROOT / "tests" / "support" / "random_calls.py"),
+            str(changed),
+            str(CALLS),
+            str(seed),
+        ]
+        try:
+            done = subprocess.run(
+                command, capture_output=True, text=True, env=environment, timeout=PATIENCE, check=False
+            )
+        except subprocess.TimeoutExpired:
+            failed += 1
+            print(f"{'sanitizers':10} seed {seed}: no end within {PATIENCE} s")
+            continue
+        found = [line for line in done.stderr.splitlines() if any(sign in line for sign in REPORTS)]
+        last = (done.stdout.strip().splitlines() or [""])[-1]
+        failed += done.returncode != 0
+        reports += found
+        if done.returncode or found:
+            print(f"{'sanitizers':10} seed {seed}: status {done.returncode}: {last} {' '.join(found[:3])}")
+    print(f"{'sanitizers':10} {sequences} sequences, {failed} failed, {len(reports)} reports; the last: {last}")
+    return int(failed > 0 or bool(reports))
 
 
 def _hosts(fmu: str) -> int:
@@ -123,4 +149,4 @@ def _compile(output: Path, *options: str) -> None:
 
 
 if __name__ == "__main__":
-    raise SystemExit(main(Path(sys.argv[1]) if len(sys.argv) > 1 else DEFAULT_COLUMN))
+    raise SystemExit(main())

@@ -1,10 +1,10 @@
 """The entries that Python calls for many runs."""
 
-from ..jit import entry, leaf
-from ..views import lanes_of, row_of
+from ..numba_ext.jit import entry, leaf
+from ..numba_ext.views import lanes_of, row_of
+from .fixed_step import follow_swept
 from .follow import batch_over, follow_queue
 from .runs import ROUND_SLIPPING_SPACE, ROUND_SPACE, SLIPPING_SPACE, SPACE, STRIPPED_SPACE, Queue
-from .swept import follow_swept
 
 _space, _slipping = SPACE.over, SLIPPING_SPACE.over
 _round, _round_slipping, _stripped = ROUND_SPACE.over, ROUND_SLIPPING_SPACE.over, STRIPPED_SPACE.over
@@ -38,14 +38,14 @@ def run_lanes(n, buffer, count, models, phases, slips, runs, outcomes, times, ax
 
 @entry
 def run_round(n, buffer, count, models, phases, slips, runs, outcomes, times, ax, az, row_times, snapshots, flag):
-    """The same of columns with round joints. An entry of its own: who has no such columns does not wait for it."""
+    """All runs of columns with round joints. A separate entry: users without them do not pay its compile time."""
     queue = _queue_of(count, models, phases, slips, runs, outcomes, times, ax, az, row_times, snapshots, flag)
     follow_queue(batch_over(_round(lanes_of(buffer), n), buffer, queue))
 
 
 @entry
 def run_slipping(n, buffer, count, models, phases, slips, runs, outcomes, times, ax, az, row_times, snapshots, flag):
-    """The same of columns with slips, likewise."""
+    """All runs of columns with slips; a separate entry for the same reason."""
     queue = _queue_of(count, models, phases, slips, runs, outcomes, times, ax, az, row_times, snapshots, flag)
     follow_queue(batch_over(_slipping(lanes_of(buffer), n), buffer, queue))
 
@@ -54,14 +54,14 @@ def run_slipping(n, buffer, count, models, phases, slips, runs, outcomes, times,
 def run_round_slipping(
     n, buffer, count, models, phases, slips, runs, outcomes, times, ax, az, row_times, snapshots, flag
 ):
-    """The same of columns with both, likewise."""
+    """All runs of columns with round joints and slips; a separate entry for the same reason."""
     queue = _queue_of(count, models, phases, slips, runs, outcomes, times, ax, az, row_times, snapshots, flag)
     follow_queue(batch_over(_round_slipping(lanes_of(buffer), n), buffer, queue))
 
 
 @entry
 def run_stripped(n, buffer, count, models, phases, slips, runs, outcomes, times, ax, az, row_times, snapshots, flag):
-    """The same of columns with strips, with slips or without, likewise."""
+    """All runs of columns with strips, with slips or without; a separate entry for the same reason."""
     queue = _queue_of(count, models, phases, slips, runs, outcomes, times, ax, az, row_times, snapshots, flag)
     follow_queue(batch_over(_stripped(lanes_of(buffer), n), buffer, queue))
 

@@ -2,14 +2,24 @@
 
 from typing import NamedTuple
 
-from ..formulations.base import SOON, record_line
-from ..formulations.either import evaluate_at
+from ..formulations.base_motion import SOON, record_line
+from ..formulations.dispatch import evaluate_at
 from ..formulations.exact import Motion, exact_accelerations
-from ..jit import by_width, kernel, leaf
-from ..lanes import WIDTH, LanesType, any_of, bits, lane, magnitude, splat, where, with_lane
-from ..layout import OK
-from ..numbers import sine, sine_cosine
-from ..views import one_lane
+from ..layout.spaces import OK
+from ..numba_ext.jit import by_width, kernel, leaf
+from ..numba_ext.lanes import (
+    WIDTH,
+    LanesType,
+    any_of,
+    bits,
+    lane,
+    magnitude,
+    splat,
+    where,
+    with_lane,
+)
+from ..numba_ext.numbers import sine, sine_cosine
+from ..numba_ext.views import one_lane
 from .runs import SPACE, samples_of
 
 _space = SPACE.over
@@ -35,7 +45,7 @@ def single(batch, k):
 
 @leaf
 def anchor_waves(base, t):
-    """Let the sines of the harmonic parts be worked out at the times t."""
+    """Compute the sines of the harmonic parts at the times t."""
     if any_of(base.wave_amplitude != 0.0):
         base.anchor_sine, base.anchor_cosine = sine_cosine(base.wave_omega * t + base.wave_phase)
         base.anchor = t
@@ -43,7 +53,7 @@ def anchor_waves(base, t):
 
 @leaf
 def anchor_far_waves(base, t):
-    """The same in the lanes where it was not done shortly before; as formulations/base.py, `anchor_wave`."""
+    """Compute the sines in lanes whose last ones are too old; as formulations/base_motion.py, `anchor_wave`."""
     far = (base.wave_amplitude != 0.0) & ~(magnitude(base.wave_omega * (t - base.anchor)) <= 0.5 * SOON)
     if any_of(far):
         sines, cosines = sine_cosine(base.wave_omega * t + base.wave_phase)
@@ -54,7 +64,7 @@ def anchor_far_waves(base, t):
 
 @leaf
 def wave_of_lanes(base, t):
-    """As formulations/base.py, `wave`."""
+    """As formulations/base_motion.py, `wave`."""
     x = base.wave_omega * (t - base.anchor)
     y = x * x
     rise = x * (1.0 + y * (-1.0 / 6.0 + y * (1.0 / 120.0 + y * (-1.0 / 5040.0 + y * (1.0 / 362880.0)))))

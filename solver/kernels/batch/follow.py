@@ -1,37 +1,65 @@
 """Runs pass through eight lanes: each with its own column, motion, time and step; a lane that ends takes the next run.
 
-Steps are those of integrators/dormand_prince.py, with an error control that follows every lane by itself. Changes of
-regime are not located: a step across one errs by more than its estimate says, which the tolerance of a batch has to
-allow for (solver/batch.py). What a lane computes depends on nothing in the others.
+Steps are those of integrators/dormand_prince.py, with a separate error control for every lane. Changes of regime are
+not located: the error of a step across one exceeds its estimate, and the tolerance of a batch allows for that
+(solver/runs/batch.py). The result of a lane does not depend on the others.
 """
 
 import math
 
-from ..formulations.base import ends_soon, enter, is_silent, smooth_reach
+from ..formulations.base_motion import ends_soon, enter, is_silent, smooth_reach
 from ..formulations.exact import exact_top_motion
-from ..formulations.slips import begin_slips, take_directions
+from ..formulations.slips import begin_slips, phase_size, take_directions
 from ..integrators import dormand_prince
-from ..jit import kernel, leaf
+from ..integrators.interpolation import interpolate_one, slips_of
 from ..joint.sliding import can_slide
-from ..lanes import WIDTH, any_of, bits, greater, lane, lesser, magnitude, square_root, where, with_lane
-from ..layout import HAS_OVERTURNED, MODEL, OK, PHASE_FIELDS, RIGID_FIELDS, SLACK, STEP_TOO_SMALL
+from ..layout.spaces import (
+    HAS_OVERTURNED,
+    MODEL,
+    OK,
+    PHASE_FIELDS,
+    RIGID_FIELDS,
+    SLACK,
+    STEP_TOO_SMALL,
+)
+from ..numba_ext.jit import kernel, leaf
+from ..numba_ext.lanes import (
+    WIDTH,
+    any_of,
+    bits,
+    greater,
+    lane,
+    lesser,
+    magnitude,
+    square_root,
+    where,
+    with_lane,
+)
+from ..numba_ext.views import lanes_of
 from ..stepping.advance import KINKS, LEAST_STEP
 from ..stepping.condition import FLIGHT_PART, moment_of_overturning, widest_joint
-from ..stepping.control import GROW, LEAST_ERROR, SAFETY, SHRINK
-from ..stepping.interpolation import interpolate_one, slips_of
-from ..views import lanes_of
+from ..stepping.control import GROW, LEAST_ERROR, SAFETY, SHRINK, most_work
 from .evaluate import Batch, anchor_waves, evaluate_lanes, single
-from .runs import SLIP_FIELDS, SPACE, outcome_of, run_of, samples_of, slips_at, snapshot_of, start_at
+from .runs import (
+    SLIP_FIELDS,
+    SPACE,
+    outcome_of,
+    run_of,
+    samples_of,
+    slips_at,
+    snapshot_of,
+    start_at,
+)
 from .sliding import decide_slips, end_at_changes, slid_off, steps_to_stops
 
-NOBODY = -1.0
+NO_RUN = -1.0
 _PER_N, _BESIDE = SPACE.per_n, SPACE.beside
 _MODEL_PER_N, _MODEL_BESIDE = MODEL.per_n, MODEL.beside
 
 
 @leaf
 def batch_over(space, buffer, queue):
-    """The batch of columns whose names `space` lays over a buffer of lanes (runs.py)."""
+    """The batch of columns that `space` describes, over a buffer of lanes (runs.py)."""
     return Batch(space.model, space.state, space.base, space.work, space.lane, lanes_of(buffer), queue)
 
 
@@ -80,13 +108,14 @@ def load(batch, k, number):
     so_far = outcome_of(queue, number, n)
     one.lane.steps = so_far.record.steps
     one.lane.rejected = so_far.record.rejected
+    one.lane.most_tried = so_far.record.steps + so_far.record.rejected + most_work(settings, run.stop - run.start)
     for i in range(n):
         one.state.peaks[i] = so_far.peaks[i]
 
 
 @leaf
 def follow_record(batch, one, t):
-    """Let a lane follow the segment of its record at time t; where that is silent, so is the harmonic part."""
+    """Let a lane follow the segment of its record at time t; outside the record the harmonic part is silent too."""
     samples = samples_of(batch.queue, one.lane)
     if samples.size > 0:
         enter(one.base, samples, t)
@@ -119,7 +148,7 @@ def start(batch, fresh):
 
 @kernel
 def finish(batch, k, code):
-    """Note what has come of the run in lane k, which is free then."""
+    """Store the outcome of the run in lane k, which is free then."""
     one = single(batch, k)
     n = one.n
     outcome = outcome_of(batch.queue, int(one.lane.run), n)
@@ -136,7 +165,7 @@ def finish(batch, k, code):
         slips = slips_at(batch.queue, int(one.lane.run), n)
         for i in range(SLIP_FIELDS * n):
             slips[i] = one.work.start.slips[i]
-    one.lane.run = NOBODY
+    one.lane.run = NO_RUN
     one.lane.count = 0.0
     one.base.piece_end = math.inf
     one.base.wave_amplitude = 0.0
@@ -147,7 +176,7 @@ def finish(batch, k, code):
 
 @kernel
 def take_stock(batch, phase, lanes):
-    """Raise the scales that errors are measured against, of the lanes in a mask, by a phase."""
+    """Raise the scales against which errors are measured, of the lanes in a mask, by a phase."""
     blocks, control = batch.model.blocks, batch.state.control
     turned, spun = control.rotation_scale, control.rate_scale
     for i in range(batch.model.n):
@@ -172,7 +201,7 @@ def take_stock(batch, phase, lanes):
 def fallen(model, phase):
     """Mask of the lanes in which a block, or the joint under it, has turned too far to come back, or slid off."""
     n = model.n
-    beyond = phase.theta[n - 1] != phase.theta[n - 1]  # nobody, but who is not a number
+    beyond = phase.theta[n - 1] != phase.theta[n - 1]  # true only for values that are not numbers
     for i in range(n):
         turn = phase.theta[i]
         joint = turn
@@ -184,19 +213,23 @@ def fallen(model, phase):
 
 
 @kernel
-def note_falls(batch, fell, step):
-    """Note when within their step the columns in those lanes, bit by bit, overturn."""
+def end_at_falls(batch, fell, step):
+    """Shorten the steps of the lanes in the bit mask `fell` to where they overturn. Returns the steps, s."""
     if fell != 0:
         for k in range(WIDTH):
             if (fell >> k) & 1:
                 one = single(batch, k)
-                fraction = moment_of_overturning(one, lane(step, k))
-                one.state.control.overturn_time = one.lane.t + fraction * lane(step, k)
+                made = lane(step, k) * moment_of_overturning(one, lane(step, k))
+                one.state.control.overturn_time = one.lane.t + made
+                step = with_lane(step, k, made)
+                for i in range(phase_size(one.work)):
+                    one.work.end.row[i] = one.work.between.row[i]
+    return step
 
 
 @kernel
 def step_lengths(batch):
-    """What each lane is to step by, s; 0 where there is no run."""
+    """The next step of each lane, s; 0 for a lane without a run."""
     base, lanes, control = batch.base, batch.lane, batch.state.control
     left = lanes.stop - lanes.t
     step = control.next_step
@@ -217,9 +250,9 @@ def step_lengths(batch):
 
 @kernel
 def control_steps(batch, step, error):
-    """The mask of lanes whose step is good enough; proposes the next ones.
+    """The mask of lanes whose step is accurate enough; proposes the next steps.
 
-    As stepping/control.py, with exponents that roots give: 5/8 and 5/16 over the order.
+    As stepping/control.py, with exponents that can be computed with roots: 5/8 and 5/16 over the order.
     """
     control = batch.state.control
     good = error <= 1.0
@@ -270,29 +303,29 @@ def track_peaks(batch, step, good):
 
 @kernel
 def take_snapshots(batch, k, step):
-    """Keep the column in lane k at those instants that fall into its step."""
+    """Store the column in lane k at the requested instants within its step."""
     queue = batch.queue
     one = single(batch, k)
     n, number = one.n, int(one.lane.run)
     origin = run_of(queue, number).origin
     row = int(one.lane.next_row)
     while row < queue.rows and origin + queue.row_times[row] <= one.lane.t + step * (1.0 + SLACK):
-        kept = snapshot_of(queue, number, row, n)
+        snapshot = snapshot_of(queue, number, row, n)
         fraction = min(1.0, max(0.0, (origin + queue.row_times[row] - one.lane.t) / step))
         for i in range(2 * n):
-            kept.coordinates[i], kept.rates[i] = interpolate_one(one.work, i, step, fraction)
+            snapshot.coordinates[i], snapshot.rates[i] = interpolate_one(one.work, i, step, fraction)
         first, behind = slips_of(one.work)
         for i in range(first, behind):
-            kept.coordinates[i], kept.rates[i] = interpolate_one(one.work, i, step, fraction)
+            snapshot.coordinates[i], snapshot.rates[i] = interpolate_one(one.work, i, step, fraction)
         row += 1
     one.lane.next_row = row
 
 
 @kernel
 def step_on(batch):
-    """One step of every lane that has a run. Returns the lanes whose run has ended, bit by bit, and one more bit.
+    """One step of every lane that has a run. Returns the bit mask of the lanes whose run has ended, and one more bit.
 
-    That is set where the base of a lane has fallen silent: its accelerations jump.
+    That bit is set if the motion of some base has ended: its accelerations jump.
     """
     work, lanes, control = batch.work, batch.lane, batch.state.control
     n = batch.model.n
@@ -307,7 +340,7 @@ def step_on(batch):
     take_stock(batch, work.end, good)
     over = good & fallen(batch.model, work.end)
     fell, ended = bits(over), bits(over)
-    note_falls(batch, fell, step)
+    step = end_at_falls(batch, fell, step)
     if batch.queue.rows > 0:
         moved = bits(good)
         for k in range(WIDTH):
@@ -328,6 +361,7 @@ def step_on(batch):
                     ended |= 1 << WIDTH
     decide_slips(batch, changed)
     stuck = busy & (control.next_step < LEAST_STEP * greater(batch.model.settings.first_step, magnitude(lanes.t)))
+    stuck = stuck | (busy & (lanes.steps + lanes.rejected > lanes.most_tried))  # made alone, the run reports the reason
     if fell != 0:
         for k in range(WIDTH):
             if (fell >> k) & 1:
@@ -351,12 +385,15 @@ def follow_queue(batch):
     pass_queue(batch, load, start, step_on)
 
 
-@kernel
+@leaf
 def pass_queue(batch, load_run, start_lanes, step_lanes):
-    """The same, by functions as `load`, `start` and `step_on`."""
+    """As `follow_queue`, with functions that take the place of `load`, `start` and `step_on`.
+
+    Always inlined: a call would pass the addresses of the functions, and numba does not cache code with addresses.
+    """
     queue = batch.queue
     for k in range(WIDTH):
-        single(batch, k).lane.run = NOBODY
+        single(batch, k).lane.run = NO_RUN
     waiting, running = 0, 0
     while (waiting < queue.size or running > 0) and queue.flag[0] == 0.0:
         for k in range(WIDTH):

@@ -1,13 +1,13 @@
-"""The runs of a batch, and the space that eight of them pass through."""
+"""The runs of a batch, and the space of eight runs in lanes."""
 
 from typing import NamedTuple
 
-from ..formulations.base import Samples
-from ..jit import leaf
-from ..joint.section import ROUND, STRIPPED
+from ..formulations.base_motion import Samples
 from ..joint.sliding import MARK
-from ..layout import BASE, BLOCKS, MODEL, PHASE, RIGID_FIELDS, STATE, STRIP_NUMBERS, WORK
-from ..views import Numbers, Record, Space, Table
+from ..layout.spaces import BASE, BLOCKS, MODEL, PHASE, RIGID_FIELDS, STATE, STRIP_NUMBERS, WORK
+from ..numba_ext.jit import leaf
+from ..numba_ext.views import Numbers, Record, Space, Table
+from ..sections.section import ROUND, STRIPPED
 
 # one run, which may be under way: its record is `count` samples from number `first` on
 RUN = Record(
@@ -24,8 +24,8 @@ RUN = Record(
     "rotation_scale",  # rad and
     "rate_scale",  # rad/s, the largest so far
 )
-# what comes of a run: a code of layout.py, when and over which joint it overturned (0: it did not), steps; peaks, which
-# hold those so far before; coordinates and rates at its end
+# outcome of a run: a code of layout.py, time and joint of overturning (0: it did not), steps; peaks, initially those of
+# the motion before; coordinates and rates at its end
 OUTCOME = Space(
     record=Record("code", "time", "overturned", "steps", "rejected"), peaks=Numbers(per_n=1), phase=Numbers(per_n=4)
 )
@@ -36,27 +36,28 @@ LANE = Record(
     "stop",
     "steps",
     "rejected",
+    "most_tried",  # steps and rejected ones
     "first",  # sample of the record, and
     "count",  # number of them
     "scale",
     "next_row",  # first snapshot not yet taken
     "fresh",  # 1 while the accelerations at its time are missing
-    "begin",  # s, of what is made in steps of a fixed length,
+    "begin",  # s, of a piece of the motion made in steps of a fixed length,
     "end",
     "step",  # s,
-    "pieces",  # so many of them,
-    "made",  # of which so many have been made
-    "spare",  # N, what the joint that sticks and has least to spare bears beyond what it has to, at the start of a step
-    "spare_ahead",  # and at the end
+    "pieces",  # number of them,
+    "made",  # number of them already made
+    "shear_margin",  # N, least margin of shear capacity of the joints that stick, at the start of a step
+    "shear_margin_ahead",  # and at the end
 )
 SPACE = Space(model=MODEL, state=STATE, base=BASE, lane=LANE, work=WORK)
-# the same of columns that have slips (formulations/slips.py): an empty part tells it to the compiler
+# space of columns that have slips (formulations/slips.py), which the compiler recognizes by an empty part
 _marked = {name: Space(**part.parts, **{MARK: Numbers()}) for name, part in (("model", MODEL), ("work", WORK))}
 SLIPPING_SPACE = Space(**{**SPACE.parts, **_marked})
 
 
 def _knowing(space: Space, *names: str) -> Space:
-    """The same of columns with other joints than rectangles, told likewise: by empty fields of the blocks."""
+    """A space for columns with joints other than rectangles, which the compiler recognizes by empty fields."""
     model = space.parts["model"]
     assert isinstance(model, Space)
     blocks = Table(*BLOCKS.fields, strips=STRIP_NUMBERS, **dict.fromkeys(names, 0))  # type: ignore[arg-type]
@@ -69,9 +70,9 @@ SLIP_FIELDS = PHASE.per_n - RIGID_FIELDS  # the second part of a phase
 
 
 class Queue(NamedTuple):
-    """Rows of `size` runs of columns of n blocks, and of what comes of them; the samples of all their records.
+    """Rows of `size` runs of columns of n blocks, and of their outcomes; the samples of all their records.
 
-    Once the number that `flag` leads to is not zero, no more runs are begun and those under way are left.
+    Once the number at `flag` is not zero, no more runs are begun and those under way are abandoned.
     """
 
     size: int
@@ -114,7 +115,7 @@ def slips_at(queue, k, n):
 
 @leaf
 def outcome_of(queue, k, n):
-    """What comes of run k."""
+    """The outcome of run k."""
     return _outcome(queue.outcomes[(_OUTCOME_PER_N * n + _OUTCOME_BESIDE) * k :], n)
 
 

@@ -1,19 +1,19 @@
-"""Joints that slide in lanes: who slides is kept within a step, which ends where one begins or ceases to.
+"""Joints that slide in lanes: directions hold within a step, which ends where a joint begins or ceases to slide.
 
 As stepping/sliding.py and formulations/slips.py do it for one column. Where a slip comes to rest is read from the
 interpolation of that lane alone; where a joint lets go takes evaluations, of all lanes at a time, each at its own
 instant. Lanes whose columns have no slips are compiled without any of it.
 """
 
-from ..formulations.slips import change_directions, spare, stop_what_is_still
+from ..formulations.slips import change_directions, shear_margin, stop_what_is_still
 from ..integrators import dormand_prince
+from ..integrators.interpolation import quintic_through, spent, value_without_bump
 from ..integrators.stage import stage
-from ..jit import by_width, kernel, leaf
-from ..joint.section import ends_of
 from ..joint.sliding import has_no_slips
-from ..lanes import WIDTH, any_of, bits, greater, lane, lesser, where, with_lane
-from ..layout import PHASE_FIELDS
-from ..stepping.interpolation import quintic_through, spent, value_without_bump
+from ..layout.spaces import PHASE_FIELDS
+from ..numba_ext.jit import by_width, kernel, leaf
+from ..numba_ext.lanes import WIDTH, any_of, bits, greater, lane, lesser, where, with_lane
+from ..sections.section import ends_of
 from ..stepping.sliding import NEAR, NEVER, any_passes_zero, first_stop
 from .evaluate import evaluate_lanes, single
 
@@ -121,7 +121,7 @@ def _end_at_changes(batch, step, good):
         evaluate_lanes(batch, between, batch.lane.t + step)
         _take(end.accelerations, between.accelerations, changed, 2 * n)
         _take(end.friction_power, between.friction_power, changed, 2 * n)  # accelerations of slips
-    batch.lane.spare = where(good & ~changed, batch.lane.spare_ahead, batch.lane.spare)
+    batch.lane.shear_margin = where(good & ~changed, batch.lane.shear_margin_ahead, batch.lane.shear_margin)
     for i in range(work.n):
         work.end.sliding[i] = work.joints.sliding[i]
     return step, changed
@@ -159,49 +159,49 @@ def _interpolate(work, h, s):
 
 
 @leaf
-def _least_spare(joints, n):
-    """What is left of what the joints that stick bear, N, of the one that has least."""
-    least = 0.0 * joints.bearable[0] + PLENTY
+def _least_margin(joints, n):
+    """Least shear margin of the joints that stick, N."""
+    least = 0.0 * joints.shear_capacity[0] + PLENTY
     for i in range(n):
-        least = where(joints.sliding[i] == 0.0, lesser(spare(joints, i), least), least)
+        least = where(joints.sliding[i] == 0.0, lesser(shear_margin(joints, i), least), least)
     return least
 
 
 @kernel
-def _spare_within(batch, step, s):
-    """The same at fractions s of the steps."""
+def _margin_within(batch, step, s):
+    """Least shear margin of the joints that stick at fractions s of the steps, N."""
     work = batch.work
     _interpolate(work, step, s)
     evaluate_lanes(batch, work.between, batch.lane.t + s * step)
-    return _least_spare(work.joints, work.n)
+    return _least_margin(work.joints, work.n)
 
 
 @kernel
 def _first_begins(batch, step, good):
     """Fraction of the step at which a joint that sticks first bears too little; NEVER in lanes where none does."""
     work, n = batch.work, batch.work.n
-    at_hi = _least_spare(work.joints, n)  # at the end, which was evaluated last
-    batch.lane.spare_ahead = at_hi
+    at_hi = _least_margin(work.joints, n)  # at the end, which was evaluated last
+    batch.lane.shear_margin_ahead = at_hi
     flagged = at_hi < 0.0
     for i in range(n):
         flagged = flagged | ((work.joints.sliding[i] == 0.0) & (work.joints.overcome[i] != 0.0))
     flagged = good & flagged
-    lo, at_lo = 0.0 * step, greater(batch.lane.spare, 0.0)
+    lo, at_lo = 0.0 * step, greater(batch.lane.shear_margin, 0.0)
     hi = where(flagged & (at_hi < 0.0), 1.0 + lo, NEVER)
-    doubtful = flagged & (at_hi >= 0.0)
-    if any_of(doubtful):  # a stage was beyond, the end is not: the joint may have let go in between
+    unsure = flagged & (at_hi >= 0.0)
+    if any_of(unsure):  # a stage was beyond, the end is not: the joint may have let go in between
         for k in range(2):
-            value = _spare_within(batch, step, 0.0 * step + PROBES[k])
-            found = doubtful & (value < 0.0)
+            value = _margin_within(batch, step, 0.0 * step + PROBES[k])
+            found = unsure & (value < 0.0)
             hi, at_hi = where(found, PROBES[k], hi), where(found, value, at_hi)
-            doubtful = doubtful & ~found
-            lo, at_lo = where(doubtful, PROBES[k], lo), where(doubtful, value, at_lo)
+            unsure = unsure & ~found
+            lo, at_lo = where(unsure, PROBES[k], lo), where(unsure, value, at_lo)
     return _closed_in(batch, step, flagged & (hi <= 1.0), lo, hi, at_lo, at_hi)
 
 
 @kernel
 def _closed_in(batch, step, open_, lo, hi, at_lo, at_hi):
-    """The fractions hi, moved down to just after nothing is left to spare, as stepping/bracket.py does it."""
+    """The fractions hi, moved down to just after the shear margin is used up, as integrators/bracket.py does it."""
     moved = 0.0 * lo  # the end that moved last: -1 or 1
     for _ in range(MOST_TRIALS):
         width = hi - lo
@@ -210,7 +210,7 @@ def _closed_in(batch, step, open_, lo, hi, at_lo, at_hi):
             break
         trial = lo + width * (at_lo / (at_lo - at_hi)) + 0.5 * LATE
         trial = where((trial > lo) & (trial < hi), trial, 0.5 * (lo + hi))
-        value = _spare_within(batch, step, where(open_, trial, 1.0))
+        value = _margin_within(batch, step, where(open_, trial, 1.0))
         below, above = open_ & (value < 0.0), open_ & ~(value < 0.0)
         at_lo = where(below & (moved > 0.0), 0.5 * at_lo, at_lo)
         at_hi = where(above & (moved < 0.0), 0.5 * at_hi, at_hi)
@@ -220,7 +220,7 @@ def _closed_in(batch, step, open_, lo, hi, at_lo, at_hi):
     return hi
 
 
-# --- who slides from now on
+# --- directions from now on
 
 
 def _decide(batch, changed):
@@ -243,6 +243,6 @@ def _decide_for(batch, changed):
         _take(begin.slip_rate, between.slip_rate, changed, 3 * n)  # friction power, accelerations
         for i in range(n):
             begin.sliding[i] = where(changed, joints.sliding[i], begin.sliding[i])
-        batch.lane.spare = where(changed, _least_spare(joints, n), batch.lane.spare)
+        batch.lane.shear_margin = where(changed, _least_margin(joints, n), batch.lane.shear_margin)
     for i in range(n):
         joints.sliding[i] = begin.sliding[i]

@@ -1,22 +1,23 @@
-"""What follows from the values that describe a column: the derived fields of the packed model, and its rest state."""
+"""Derived fields of the packed model, and the rest state, from the values that describe a column."""
 
 import math
 
-from ..jit import kernel
-from ..joint.section import RECTANGLE, full_stiffness, full_turning_stiffness
-from ..layout import DASHPOTS, EXACT
+from ..layout.spaces import DASHPOTS, EXACT
+from ..numba_ext.jit import kernel
+from ..sections.faces import RECTANGLE
+from ..sections.section import full_stiffness, full_turning_stiffness
 
 # The errors of steps add up: each is allowed this part of the tolerance that the user asks for.
 STEP_PART = 0.1
 LEAST_TOLERANCE = 1e-13
 
-# Order 8 is the cheaper explicit method where the tolerance is tight, or where joint modes go on ringing because they
+# Order 8 is the cheaper explicit method where the tolerance is tight, or where joint modes keep ringing because they
 # are damped by less than this part of the critical damping.
 TIGHT = 2e-5
 LIGHTLY_DAMPED = 0.02
-RINGING_PART = 0.4  # of the tolerance of a step, where nothing that it errs by dies out
+RINGING_PART = 0.4  # of the tolerance of a step, where errors do not die out
 
-NO_DAMPING = 1e-300  # s: what a dashpot that does nothing is computed with
+NO_DAMPING = 1e-300  # s: a dashpot without effect is computed with this value
 
 # Errors are measured against the largest rotation so far, and at least against this part of the rotation at which the
 # base joint opens: a column at rest, or nearly, need not be followed digit by digit.
@@ -34,14 +35,14 @@ LEAST_FALL = 0.5  # rad
 def derive(model):
     """Fill in the fields that follow from those that describe the column and its settings.
 
-    The tolerance is the user's before and that of a step afterwards: to be called once.
+    The tolerance is the user's on entry and that of a step on return: call once.
     """
     n, settings, blocks = model.n, model.settings, model.blocks
     tight = settings.tolerance <= TIGHT
     settings.tolerance = max(LEAST_TOLERANCE, STEP_PART * settings.tolerance)
     exact = settings.formulation == EXACT
     height = 0.0  # of the top face of the block
-    built_x = 0.0  # of its middle, as built
+    built_x = 0.0  # x of its middle, as built
     for i in range(n - 1, -1, -1):
         height += blocks.height[i]
         built_x += blocks.offset[i] * math.cos(blocks.lean[i]) + blocks.height[i] * math.sin(blocks.tilt[i])
@@ -60,11 +61,14 @@ def derive(model):
         blocks.turn_size[i] = 1.0 if exact else height
         blocks.per_open_size[i] = 1.0 / blocks.open_size[i]
         blocks.per_turn_size[i] = 1.0 / blocks.turn_size[i]
-        edge_angle = math.atan2(max(-blocks.left[i], blocks.right[i]), blocks.centroid[i])
+        left, right = blocks.left[i], blocks.right[i]
+        if settings.slides != 0.0:  # slips and offsets let it turn over any place of its own face
+            left, right = blocks.own_left[i], blocks.own_right[i]
+        edge_angle = math.atan2(max(-left, right), blocks.centroid[i])
         blocks.fall_angle[i] = min(0.5 * math.pi, max(LEAST_FALL, FALL_MARGIN * edge_angle))
     _factorize_horizontal_mass(model)
 
-    # an upper bound of the joint modes, from each block between two stiff joints
+    # an upper bound of the joint modes' frequencies, from each block between two stiff joints
     fastest = 0.0
     opening_rotation = math.inf  # least rotation at which a joint opens at rest
     carried = 0.0
@@ -92,7 +96,7 @@ def derive(model):
 def _factorize_horizontal_mass(model):
     """LDL' of the tridiagonal B' m B + C' H^-1 I H^-1 C (theory.md section 3): inverse pivots 1/kg and multipliers."""
     blocks = model.blocks
-    above = 0.0  # what the block above adds to the diagonal
+    above = 0.0  # contribution of the block above to the diagonal
     side = 0.0  # between it and this block
     pivot = 1.0
     for i in range(model.n):
@@ -110,7 +114,7 @@ def _factorize_horizontal_mass(model):
 
 @kernel
 def settle(model, phase, least):
-    """Openings of a column at rest under gravity, every joint compressed by at least so many m; all else is left."""
+    """Openings of a column at rest under gravity, every joint compressed by at least `least` m; other values stay."""
     n, blocks = model.n, model.blocks
     carried = 0.0
     for i in range(n):

@@ -1,31 +1,31 @@
-"""Normal modes of the column about its rest state, all joints in full contact, as the modal method wants them.
+"""Normal modes of the column about its rest state, all joints in full contact, for the modal method.
 
-M y'' + C y' + K y = -b a is small, symmetric and written down in closed form, the negative stiffness of gravity
-included. On the axis rotations and openings do not act on each other (theory.md section 4 to second order), so that
-there are n modes of rocking and n of vertical vibration, two problems of n coordinates; off the axis there is one of
-2 n (theory.md section 12). K is brought to the normal form by the Cholesky factor of M and diagonalized by the cyclic
+M y'' + C y' + K y = -b a is small, symmetric and written in closed form, with the negative stiffness of gravity.
+On the axis rotations and openings are uncoupled (theory.md section 4 to second order): there are n modes of rocking
+and n of vertical vibration, two problems of n coordinates. Off the axis there is one problem of 2 n coordinates
+(theory.md section 12). K is brought to the normal form by the Cholesky factor of M and diagonalized by the cyclic
 Jacobi method (Jacobi 1846; G. Golub, C. Van Loan, Matrix Computations, section 8.5).
 """
 
 import math
 from typing import NamedTuple
 
-from ..jit import kernel, leaf
-from ..layout import INTERPOLATION_BOUND, INTERPOLATION_PART, modal_size
-from ..modes import inverses_of, limits_of, mode_of, shapes_of
+from ..layout.modal import inverses_of, limits_of, mode_of, shapes_of
+from ..layout.spaces import INTERPOLATION_BOUND, INTERPOLATION_PART, modal_size
+from ..numba_ext.jit import kernel, leaf
 from .rest import joint_about
 
-# Damping that couples the modes is left to the nonlinear remainder, which a step takes to change little within it: the
-# step times the rate of that damping is at most this.
+# Damping that couples the modes is left to the nonlinear remainder, which is assumed to change little within a step:
+# the step times the rate of that damping is at most this.
 COUPLED_PART = 0.03
-LEAST_TURN = 10.0  # rad of the fastest mode in such a step: with fewer the general methods do as well
+LEAST_TURN = 10.0  # rad of the fastest mode in such a step: below it the general methods are as good
 
 # Third over second difference of a remainder that varies as fast as twice the fastest motion resolved, for one radian
 # of the latter per step: the third of sin(2 x s) is (2 x)^3 / (72 sqrt 3), the second (2 x)^2 / 8.
 THIRD_DIFFERENCE = 2.0 * 8.0 / (72.0 * math.sqrt(3.0))
 
 JACOBI_SWEEPS = 60  # at most; six to nine are usual
-ROUNDING = 2.0**-54  # of the diagonal: an element below it is none
+ROUNDING = 2.0**-54  # of the diagonal: a smaller element counts as zero
 
 MATRICES = 4
 VECTORS = 6
@@ -39,9 +39,9 @@ class Scratch(NamedTuple):
     normal: object  # K, then the normal form, then its eigenvalues on the diagonal
     vectors: object  # one a row
     lower: object  # the Cholesky factor of M
-    own_x: object  # how far a coordinate moves the centroid of its own block,
+    own_x: object  # displacement of the centroid of a coordinate's own block per unit coordinate
     own_z: object
-    far_x: object  # and those of all blocks above
+    far_x: object  # and of those of all blocks above
     far_z: object
     push: object  # forces of base ax and az, of 1 m/s2
     lift: object
@@ -70,10 +70,10 @@ def _scratch(row, n):
 
 @kernel
 def normal_modes(model, rest, scratch):
-    """Fill model.modal with what layout.py lists as modal data; whether there is any. rest: a phase; scratch: a row.
+    """Fill model.modal with the modal data listed in layout.py; return whether there are any.
 
-    There is none without gravity, which leaves the joints open, where a joint is not in full contact at rest or the
-    rest is not stable, and where damping couples the modes.
+    rest: a phase; scratch: a row. There are none without gravity, which leaves the joints open, where a joint is not in
+    full contact at rest or the rest is not stable, and where damping couples the modes.
     """
     n = model.n
     w = 2 * n
@@ -141,7 +141,7 @@ def normal_modes(model, rest, scratch):
 
 @leaf
 def _upper(i, j, w):
-    """Place of element (i, j) of a symmetric matrix of which the upper part is kept."""
+    """Index of element (i, j) of a symmetric matrix of which the upper part is stored."""
     return w * i + j if i <= j else w * j + i
 
 
@@ -155,7 +155,7 @@ def _add(matrix, w, i, j, value):
 
 @kernel
 def _linear_about(model, rest, s):
-    """M (upper part), K, the joints' dashpots, what the base pushes; whether every joint is in full contact."""
+    """M (upper part), K, the joints' dashpots, forces of the base; returns whether every joint is in full contact."""
     n, blocks, gravity = model.n, model.blocks, model.settings.gravity
     w = 2 * n
     for i in range(w * w):
@@ -179,7 +179,7 @@ def _linear_about(model, rest, s):
         s.along[i], s.twist[i], s.turning[i] = eta * joint.along, eta * joint.twist, eta * joint.elastic
     _moved(model, rest, s)
     above = 0.0
-    for block in range(n):  # its rotation and its opening, with those of its own and of what is below
+    for block in range(n):  # its rotation and its opening, with those of the block itself and of the blocks below
         own = blocks.mass[block]
         for at in (block, n + block):
             s.push[at] = own * s.own_x[at] + above * s.far_x[at]
@@ -201,9 +201,9 @@ def _linear_about(model, rest, s):
 
 @kernel
 def _moved(model, rest, s):
-    """How far each coordinate moves the centroid of its own block, and those of all blocks above."""
+    """Displacements, per unit of each coordinate, of the centroid of its own block and of those of all blocks above."""
     n, blocks = model.n, model.blocks
-    arm_x, arm_z = 0.0, 0.0  # what half of the turning of the joint above adds
+    arm_x, arm_z = 0.0, 0.0  # contributions of half the rotation of the joint above
     for i in range(n):
         below = rest.theta[i + 1] if i + 1 < n else 0.0
         phi = 0.5 * (rest.theta[i] + below) + blocks.lean[i]
@@ -225,7 +225,7 @@ def _moved(model, rest, s):
 def _normal_form(s, begin, m, w):
     """K becomes L^-1 K L^-T, with M = L L'; L is left below and on the diagonal of `lower`. Whether M is positive.
 
-    Here and below of the m coordinates from `begin` on.
+    Here and below only the m coordinates from `begin` on are used.
     """
     low, a, masses = s.lower[(w + 1) * begin :], s.normal[(w + 1) * begin :], s.masses[(w + 1) * begin :]
     for i in range(m):
@@ -236,7 +236,7 @@ def _normal_form(s, begin, m, w):
             if i > j:
                 low[w * i + j] = rest / low[w * j + j]
             else:
-                if not rest > 0.0:  # masses too far apart for float64
+                if not rest > 0.0:  # ratio of the masses too large for float64
                     return False
                 low[w * i + i] = math.sqrt(rest)
     for _ in range(2):  # L^-1 K, transposed, and again: K is symmetric
@@ -259,7 +259,7 @@ def _normal_form(s, begin, m, w):
 
 @kernel
 def _diagonalize(s, begin, m, w):
-    """Rotate `normal` until its eigenvalues are on its diagonal; row k of `vectors` is the vector that belongs to k."""
+    """Rotate `normal` until its eigenvalues are on its diagonal; row k of `vectors` is eigenvector k."""
     a, v = s.normal[(w + 1) * begin :], s.vectors[(w + 1) * begin :]
     for i in range(m):
         for j in range(m):
@@ -299,7 +299,7 @@ def _diagonalize(s, begin, m, w):
 
 @kernel
 def _next_mode(s, begin, m, w, k):
-    """Which row of `vectors` holds mode k, counted from the slowest."""
+    """Number of the row of `vectors` that holds mode k, counted from the slowest."""
     a = s.normal[(w + 1) * begin :]
     for i in range(m):
         square = a[w * i + i]
@@ -310,7 +310,7 @@ def _next_mode(s, begin, m, w, k):
                 before += 1
         if before == k:
             return i
-    return k  # where something is not a number
+    return k  # if a value is NaN
 
 
 @kernel

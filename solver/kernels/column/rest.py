@@ -1,25 +1,25 @@
 """The rest of a column that is off its axis: the least potential energy, by Newton's method.
 
-Only the two blocks at a joint and its opening enter the energy of that joint and of the weight upon it (theory.md
+Only the two blocks at a joint and its opening enter the energy of that joint and of the weight it carries (theory.md
 section 12): with the openings eliminated, the second derivatives by the rotations are a symmetric tridiagonal matrix. A
 rest is stable where its pivots are positive. Newton's method begins at the straight column, the joints in full contact;
-from there on they only become softer, so that no step goes too far.
+the joints only become softer from there on, so that no step goes too far.
 """
 
 import math
 from typing import Any, NamedTuple
 
-from ..jit import kernel
 from ..joint.law import loaded_part
-from ..joint.section import contact_of, forces_over, part_stiffness
 from ..joint.sliding import opening_felt
+from ..numba_ext.jit import kernel
+from ..sections.section import contact_of, forces_over, part_stiffness
 
 MOST_STEPS = 100
 CLOSE = 1e-7  # of the rotation floor: the last correction, after which the next one is below rounding
 
 
 class _Row(NamedTuple):
-    """What the way down leaves for the way up, rows of n."""
+    """Results of the pass down for the pass up, rows of n."""
 
     pivot: Any
     right: Any
@@ -31,24 +31,24 @@ class _Row(NamedTuple):
 
 
 class JointAtRest(NamedTuple):
-    """A joint where nothing moves, with the weight upon it: what is not balanced, second derivatives of the energy."""
+    """A joint at rest with the weight it carries: unbalanced forces, second derivatives of the energy."""
 
-    touches: bool  # whether the faces lie over each other at all
-    is_full: bool  # whether all of the contact is pressed
+    touches: bool  # whether the faces overlap
+    is_full: bool  # whether the whole contact is pressed
     unbalanced: float  # N, on the opening
     couple: float  # N m, of the pressure, against the rotation of the joint
     fall: float  # N m, of the weight, for the mean rotation of both faces
     along: float  # N/m, by the opening
     twist: float  # N, by the opening and the rotation of the joint
     elastic: float  # N m, by the rotation of the joint, of the stiffness alone
-    turning: float  # N m, with the turning of the pressure
+    turning: float  # N m, by the rotation of the joint, with the pressure turning
     across: float  # N, of the weight, along the joint
     spread: float  # N m, of the weight, by the mean rotation of either face
 
 
 @kernel
 def find_rest(model, phase, room):
-    """Take a phase from the straight column to its rest; whether there is one that is stable. Slips stay."""
+    """Take a phase from the straight column to its rest; return whether a stable rest exists. Slips stay."""
     enough = CLOSE * model.settings.rotation_floor
     row = _Row(room.a, room.b, room.c, room.d, room.e, room.f, room.g)
     for _ in range(MOST_STEPS):
@@ -71,7 +71,7 @@ def find_rest(model, phase, room):
 
 @kernel
 def joint_about(model, phase, i, carried):
-    """Joint i, which carries so many kg, at a phase at which nothing moves."""
+    """Joint i, which carries a mass of `carried` kg, at a phase at rest."""
     blocks = model.blocks
     turn, slip, opening = phase.theta[i], phase.slip[i], phase.opening[i]
     below = phase.theta[i + 1] if i + 1 < model.n else 0.0
@@ -91,7 +91,7 @@ def joint_about(model, phase, i, carried):
     moment += 0.5 * slip * normal
     elastic = (second + slip * (mixed + 0.25 * slip * along)) * cosine * cosine
     twist = -(mixed + 0.5 * slip * along) * cosine
-    # the weight upon it
+    # the weight it carries
     weight = model.settings.gravity * carried
     down, across = weight * math.cos(phi), weight * math.sin(phi)
     return JointAtRest(
@@ -114,7 +114,7 @@ def _eliminate(model, phase, row):
     """From the top down: gradient and second derivatives of the energy; whether all pivots are positive."""
     n, blocks = model.n, model.blocks
     carried = 0.0
-    diagonal, right = 0.0, 0.0  # what the joint above adds to the row of the block
+    diagonal, right = 0.0, 0.0  # contribution of the joint above to the row of the block
     side, pivot, last = 0.0, 1.0, 0.0
     for i in range(n):
         # the block
@@ -122,7 +122,7 @@ def _eliminate(model, phase, row):
         carried += blocks.mass[i]
         diagonal -= lever * math.cos(phase.theta[i] + blocks.tilt[i])
         right += lever * math.sin(phase.theta[i] + blocks.tilt[i])
-        # the joint and the weight upon it
+        # the joint and the weight it carries
         joint = joint_about(model, phase, i, carried)
         if not joint.touches:
             return False

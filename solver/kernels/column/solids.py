@@ -3,18 +3,19 @@
 import math
 from typing import NamedTuple
 
-from ..jit import in_both
-from ..joint.section import RECTANGLE, face
+from ..numba_ext.jit import in_both
+from ..sections.faces import RECTANGLE
+from ..sections.section import face
 
-# Gauss's rule with three points is exact for what is of the fifth order in the height; nothing here is above the fourth
+# Gauss's rule with three points is exact up to the fifth order in the height; nothing here is above the fourth
 _OFF = 0.5 * math.sqrt(0.6)
 POINTS = ((0.5 - _OFF, 5.0 / 18.0), (0.5, 4.0 / 9.0), (0.5 + _OFF, 5.0 / 18.0))
 
 
 class Solid(NamedTuple):
-    """Of a homogeneous solid of density 1: volume m3, centroid m above the bottom face, inertia m5 about the centroid.
+    """A homogeneous solid of density 1: volume (m3), centroid above the bottom face (m), inertia about it (m5).
 
-    The inertia is that of turning in the plane of the motion.
+    The inertia is that of rotation in the plane of the motion.
     """
 
     volume: float
@@ -32,9 +33,9 @@ def solid_between(
     top_depth: float = 0.0,
     bore: float = 0.0,
 ) -> Solid:
-    """The solid between a bottom face and a top face, m, that tapers evenly; 0: the top is like the bottom.
+    """The solid between a bottom face and a top face, m, that tapers evenly; 0: the top is equal to the bottom.
 
-    bore: inner diameter of an annulus, the same all the way up.
+    bore: inner diameter of an annulus, constant over the height.
     """
     wider = 0.0 if top_width == 0.0 else top_width - width
     deeper = 0.0 if top_depth == 0.0 else top_depth - depth
@@ -64,7 +65,7 @@ def homogeneous(
     top_depth: float,
     bore: float,
 ) -> tuple[float, float]:
-    """Centroid, m above the bottom face, and inertia about it, kg m2, of a homogeneous block; 0: as above."""
+    """Centroid above the bottom face (m) and inertia about it (kg m2) of a homogeneous block; 0: as above."""
     if section == RECTANGLE and top_width == 0.0 and top_depth == 0.0:
         return 0.5 * height, mass * (height * height + width * width) / 12.0
     solid = solid_between(section, height, width, depth, top_width, top_depth, bore)

@@ -2,13 +2,13 @@
 
 import math
 
-from ..formulations.either import evaluate
+from ..formulations.dispatch import evaluate
 from ..formulations.exact import STILL
-from ..jit import kernel
+from ..numba_ext.jit import kernel
 from .assembly import settle
 
-LEAST_COMPRESSION = 1e-6  # m, that the joints are given to be in contact where gravity does not compress them
-PART = 1e-2  # of the rotation that opens a joint: how far accelerations are differenced
+LEAST_COMPRESSION = 1e-6  # m, given to the joints so that they are in contact if gravity does not compress them
+PART = 1e-2  # of the rotation that opens a joint: size of finite differences
 SQUARINGS = 60  # at most
 DIGITS = 1e-13
 
@@ -22,12 +22,12 @@ def scratch_size(n: int) -> int:
 def longest_stable_step(column, scratch):
     """s, of the column in full contact: 2 / (omega (sqrt(1 + d^2) + d)), omega that of the highest mode.
 
-    d = eta omega counts because rates are carried on explicitly: a mode x'' + eta omega^2 x' + omega^2 x = 0, stepped
+    d = eta omega counts because rates are extrapolated explicitly: a mode x'' + eta omega^2 x' + omega^2 x = 0, stepped
     as in integrators/central_difference.py, reaches the amplification factor -1 where (omega h)^2 / 4 + d omega h = 1.
     Joints that open only become softer.
 
-    At rest rotations and openings do not act on each other: one n x n matrix M^-1 K for each, from central differences
-    of the undamped accelerations. What is in work is lost; n = model.n; scratch: a row.
+    At rest rotations and openings are uncoupled: one n x n matrix M^-1 K for each, from central differences of the
+    undamped accelerations. `work` is overwritten; n = model.n; scratch: a row.
     """
     model, counts, phase, rest = column.model, column.counts, column.work.start, column.work.end
     blocks = model.blocks
@@ -41,7 +41,7 @@ def longest_stable_step(column, scratch):
     most = 0.0
     for i in range(n):
         most = max(most, blocks.damping[i])
-        damping[i] = blocks.damping[i]  # set aside: the matrix is that of the undamped column
+        damping[i] = blocks.damping[i]  # saved: the matrix is that of the undamped column
         blocks.damping[i] = 0.0
         below = rest.opening[i]
         # in the first-order model the coordinates are the settlements of the blocks
@@ -72,7 +72,7 @@ def longest_stable_step(column, scratch):
 
 @kernel
 def _spectral_radius(matrix, other, n):
-    """Largest |eigenvalue| of the n x n matrix in a row; both rows are lost.
+    """Largest |eigenvalue| of the n x n matrix in a row; both rows are overwritten.
 
     The limit of |A^k|^(1/k) (Gelfand 1941), where k doubles with every square.
     """
@@ -87,7 +87,7 @@ def _spectral_radius(matrix, other, n):
         if not (size > 0.0 and math.isfinite(size)):
             return math.nan
         logarithm += weight * math.log(size)
-        if abs(size - last) <= DIGITS * size:  # one eigenvalue is left: every further squaring gives the same
+        if abs(size - last) <= DIGITS * size:  # one eigenvalue is left: every further squaring gives an equal value
             logarithm += weight * math.log(size)
             break
         last = size

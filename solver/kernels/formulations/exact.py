@@ -1,30 +1,38 @@
 """Formulation `exact`: finite rotations (theory.md section 4) by the forces along the joints (section 8).
 
-With N and M of every joint known from its motion, what is unknown are the forces T along the joints, which keep each
-joint rigid in shear: a symmetric positive definite tridiagonal system. The joints are evaluated each by itself, which a
-processor does side by side; then the system is eliminated from the top down; the way up gives T, rotations and
+N and M of every joint follow from its motion. The unknowns are the forces T along the joints, which keep each joint
+rigid in shear: a symmetric positive definite tridiagonal system. The joints are evaluated independently, which a
+processor does in parallel; then the system is eliminated from the top down; the pass up gives T, rotations and
 openings. The last pivot is the inverse of the mass that the column opposes to the acceleration of the base along the
 base joint (theory.md section 7).
 
 Frames are those of the joints, turned by phi_i = (theta_i + theta_(i+1)) / 2, so that only differences of rotations
 enter until the base. The base is the lowest body of the chain, with prescribed motion: coordinates are rotations
-relative to it, spins in here are absolute.
+relative to it, spins in this module are absolute.
 
-A joint that slides (section 9) has its T given by friction: its row leaves the system, and the acceleration of its slip
-follows. Which joints slide, and which way, stands in `joints`. An offset of a block is a slip that it is built with; to
-joints inclined as built, blocks stand at other angles than half of the joint's rotation (section 12).
+The T of a joint that slides (section 9) is given by friction: its row leaves the system, and the acceleration of its
+slip follows. `joints` holds which joints slide, and which way. An offset of a block is a slip that it is built with;
+joints inclined as built change the angles between blocks and joints (section 12).
 
-The one function serves one column and lanes of eight.
+One function serves one column and lanes of eight.
 """
 
 from typing import NamedTuple
 
-from ..jit import kernel, leaf
 from ..joint.law import resultants
-from ..joint.sliding import bearable, can_slide, drift, opening_felt, opening_rate_felt, rim_force, slip_if
-from ..lanes import any_of, magnitude, where
-from ..numbers import half_sine_cosine, sine_cosine
-from ..views import Record
+from ..joint.sliding import (
+    can_slide,
+    drift,
+    opening_felt,
+    opening_rate_felt,
+    rim_force,
+    shear_capacity,
+    slip_if,
+)
+from ..numba_ext.jit import kernel, leaf
+from ..numba_ext.lanes import any_of, magnitude, where
+from ..numba_ext.numbers import half_sine_cosine, sine_cosine
+from ..numba_ext.views import Record
 
 
 class Motion(NamedTuple):
@@ -44,11 +52,11 @@ JOINT_ROW = Record(
     # from the joint's motion
     "sine",  # of the angle of the block above to the normal of the joint
     "cosine",
-    "turned",  # N m, what the joint turns the block above and the one below by: M cos sigma
+    "turned",  # N m, moment of the joint on the block above and, reversed, below: M cos sigma
     # of the elimination
-    "part",  # of T_i that T_(i-1) takes over
-    "alone",  # N, T_i without what it takes over
-    "pivot",  # kg, inverse; of the last joint, and of all where they may slide
+    "part",  # coefficient of -T_i in T_(i-1)
+    "alone",  # N, T_i without the part from T_(i+1)
+    "pivot",  # kg, inverse; kept for the last joint, and for all where they may slide
     "free_alpha",  # rad/s2 of the block above, without the T
     "free_opening",  # m/s2
     "turn_below",  # rad/s2 for a unit T_i, and
@@ -66,14 +74,14 @@ _SIZE = JOINT_ROW.beside
 
 @leaf
 def joint_row(room, i):
-    """What an evaluation leaves of joint i in `room`."""
+    """Results of an evaluation for joint i in `room`."""
     return _over(room.row[_SIZE * i :], 0)
 
 
 @leaf
 def exact_accelerations(model, phase, motion, joints, hold, room):
     """Accelerations of a phase from its coordinates and rates, and the resultants of its joints; returns nothing."""
-    if can_slide(model):  # compiled twice: the other takes a sixth less
+    if can_slide(model):  # compiled twice: the one without slips is a sixth faster
         _accelerations(model, phase, motion, joints, hold, room, True)
     else:
         _accelerations(model, phase, motion, joints, hold, room, False)
@@ -81,7 +89,7 @@ def exact_accelerations(model, phase, motion, joints, hold, room):
 
 @leaf
 def _accelerations(model, phase, motion, joints, hold, room, slides):
-    """The same; slides: whether slips are coordinates."""
+    """`exact_accelerations` for either kind of column; slides: whether slips are coordinates."""
     _turn(phase, room, model.n)
     _bear(model, phase, joints, hold, room, slides)
     right, opens = _downwards(model, phase, motion, joints, room, slides)
@@ -90,7 +98,7 @@ def _accelerations(model, phase, motion, joints, hold, room, slides):
 
 @leaf
 def _turn(phase, room, n):
-    """Sine and cosine of half of the rotation of each joint: a loop by itself, for its turns do not wait for others."""
+    """Sine and cosine of half of the rotation of each joint: in a loop of its own, whose iterations are independent."""
     for i in range(n):
         here, turn = joint_row(room, i), phase.theta[i]
         if i + 1 < n:
@@ -100,7 +108,7 @@ def _turn(phase, room, n):
 
 @leaf
 def _bear(model, phase, joints, hold, room, slides):
-    """What the joints bear by their motion, each by itself."""
+    """N and M of each joint, and T of those that slide, from the joint's motion alone."""
     n, blocks = model.n, model.blocks
     off_axis = slides and any_of(model.settings.off_axis != 0.0)
     for i in range(n):
@@ -127,8 +135,8 @@ def _bear(model, phase, joints, hold, room, slides):
             moment += across
             here.across = across
             joints.drift[i] = drift(normal, sine, rim_force(blocks, i, felt, slope, slip))
-            joints.bearable[i] = bearable(blocks, i, normal)
-            here.given = joints.drift[i] - joints.sliding[i] * joints.bearable[i]
+            joints.shear_capacity[i] = shear_capacity(blocks, i, normal)
+            here.given = joints.drift[i] - joints.sliding[i] * joints.shear_capacity[i]
         here.turned = moment * cosine
         joints.normal[i] = normal
         joints.moment[i] = moment
@@ -188,7 +196,7 @@ def _downwards(model, phase, motion, joints, room, slides):
 
 @leaf
 def _spin_below(phase, motion, i, n):
-    """Rate of rotation of what is below joint i, rad/s."""
+    """Rate of rotation of the body below joint i, rad/s."""
     if i + 1 < n:
         return phase.theta_rate[i + 1] + motion.omega
     return motion.omega
@@ -196,7 +204,7 @@ def _spin_below(phase, motion, i, n):
 
 @leaf
 def _over_joint(model, phase, joints, room, i, spin, spin_below, couple, slides):
-    """What block i adds to the row of the joint under it; couple: N m, on the block from above.
+    """Contribution of block i to the row of the joint under it; couple: N m, on the block from above.
 
     Returns half of the opening, the lever of T_i, m, free alpha, and the block's part of diagonal, right side, opening.
     """
@@ -205,7 +213,7 @@ def _over_joint(model, phase, joints, room, i, spin, spin_below, couple, slides)
     both_spins = spin + spin_below
     square = spin * spin
     lower_sine, lower_cosine = blocks.centroid[i] * here.sine, blocks.centroid[i] * here.cosine
-    quarter = 0.25 * phase.opening[i]  # spares a product that a half would need below
+    quarter = 0.25 * phase.opening[i]  # avoids a product that a half would need below
     half = quarter + quarter
     p = lower_cosine + half
     p_turns = p * per_inertia
@@ -234,13 +242,13 @@ def _under(row, slides):
 
 @leaf
 def _upwards(model, phase, motion, joints, room, right, opens, slides):
-    """The forces along the joints from the base joint upwards, and what follows from them.
+    """The forces along the joints from the base joint upwards, and the quantities that follow from them.
 
     right, opens: of the base joint, without the acceleration of the base.
     """
     n, blocks = model.n, model.blocks
     last = joint_row(room, n - 1)
-    # the base: gravity is an upward acceleration; joint n is turned against it, upright by theta_n / 2
+    # the base: gravity is an upward acceleration; joint n is turned against it, by theta_n / 2 if upright
     along, lift = motion.ax, motion.az + model.settings.gravity
     if any_of(motion.theta != 0.0):
         base_sine, base_cosine = sine_cosine(motion.theta)
@@ -274,7 +282,7 @@ def _upwards(model, phase, motion, joints, room, right, opens, slides):
 
 @leaf
 def _move(phase, motion, here, blocks, i, alpha, alpha_below, swung_below, opens, slides):
-    """Note the accelerations of block i."""
+    """Store the accelerations of block i."""
     opening = opens + here.sine * (blocks.centroid[i] * alpha - swung_below)
     if slides:
         opening += 0.5 * phase.slip[i] * (alpha + alpha_below) + (here.sine - here.under_sine) * swung_below
@@ -284,8 +292,8 @@ def _move(phase, motion, here, blocks, i, alpha, alpha_below, swung_below, opens
 
 @leaf
 def _slide(phase, row, joints, i, needed):
-    """T of joint i, for which the force that keeps it from sliding is `needed`; how its slip accelerates."""
-    way, bears, given = joints.sliding[i], joints.bearable[i], row.given
+    """T of joint i and the acceleration of its slip; `needed`: the force that would prevent sliding."""
+    way, bears, given = joints.sliding[i], joints.shear_capacity[i], row.given
     sticks = way == 0.0
     beyond = magnitude(needed - joints.drift[i]) > bears
     joints.overcome[i] = where(sticks & beyond, 1.0, joints.overcome[i])

@@ -1,4 +1,4 @@
-"""Direct feedthrough of the base: the reaction split into R0 and what follows the base acceleration at once.
+"""Direct feedthrough of the base: the reaction split into R0 and the part that follows the base acceleration at once.
 
 The column is rigid along the tangent of every joint, so that its base reaction R = (Fx, Fz, My) and the forces along
 the joints depend on the base acceleration a = (a_x, a_z, alpha) of the same instant (theory.md section 7):
@@ -6,17 +6,17 @@ the joints depend on the base acceleration a = (a_x, a_z, alpha) of the same ins
     R = R0 - M a,     M = mu g g',     g = (cos phi, -sin phi, delta / 2)
 
 phi and delta are those of the base joint, mu is the last inverse pivot of exact.py: the mass that the column opposes
-along that joint. Along the normal the joint gives way, hence the rank of one. All functions here read what `evaluate`
-has left in `work` and evaluate nothing in the exact formulation.
+along that joint. The joint is elastic along its normal, so M has rank one. All functions of this module read the
+results of `evaluate` in `work` and evaluate nothing in the exact formulation.
 """
 
-from ..jit import kernel
 from ..joint.sliding import can_slide
-from ..layout import OK
-from ..numbers import sine_cosine
-from .either import evaluate, is_exact
+from ..layout.spaces import OK
+from ..numba_ext.jit import kernel
+from ..numba_ext.numbers import sine_cosine
+from .dispatch import evaluate, is_exact
 from .exact import Motion, joint_row
-from .paper import sweep_rows
+from .first_order import sweep_rows
 
 
 @kernel
@@ -32,7 +32,7 @@ def base_direction(model, phase, base_turn):
 
 @kernel
 def effective_mass(model, work):
-    """mu, kg: what the column opposes to that acceleration, from the last evaluation; exact formulation.
+    """mu, kg: mass that the column opposes to that acceleration, from the last evaluation; exact formulation.
 
     None where the base joint slides: friction does not follow the acceleration at once.
     """
@@ -62,7 +62,7 @@ def _paper_effective_mass(column, phase, motion):
     """(code, mu, phi) of the first-order model, linear in the acceleration too: from one more evaluation."""
     model, work = column.model, column.work
     n = model.n
-    aside = work.start  # free where outputs are looked at
+    aside = work.start  # not in use while outputs are computed
     for i in range(6 * n):
         aside.row[i] = phase.row[i]
     rows = sweep_rows(work.room)

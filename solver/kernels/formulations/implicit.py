@@ -1,21 +1,22 @@
 """The column's linear system with its joints stiffened: (M + G) z = forces on the joints, in O(n).
 
-M is the mass matrix of the exact formulation at a phase, G holds for every joint the derivatives of its forces, by
-relative rotation and opening and by their rates, over the part that is loaded: `weight` times the second derivatives of
-its potential, and what the moving edge adds. The elimination is that of an articulated body (Featherstone 1983) with
-stiff joints: going down, the two unknowns of each block are eliminated from a symmetric 3 x 3 inertia in (rotation,
-tangent, normal); going up, they follow. No joint slides meanwhile: slips are lengths of the chain, as offsets are.
+M is the mass matrix of the exact formulation at a phase. G holds, for every joint and over its loaded part, the
+derivatives of its forces by relative rotation and opening and by their rates: `weight` times the second derivatives of
+its potential, and the contribution of the moving edge. The elimination is that of an articulated body (Featherstone
+1983) with stiff joints: the pass down eliminates the two unknowns of each block from a symmetric 3 x 3 inertia in
+(rotation, tangent, normal); the pass up finds them. No joint slides meanwhile: slips are fixed lengths of the chain, as
+offsets are.
 """
 
-from ..jit import kernel, leaf
 from ..joint.law import joint_tangent, law_of, loaded_part
-from ..joint.section import contact_of, strip_stiffness
 from ..joint.sliding import opening_felt, opening_rate_felt, slip_of
-from ..numbers import sine_cosine
-from ..views import Table
+from ..numba_ext.jit import kernel, leaf
+from ..numba_ext.numbers import sine_cosine
+from ..numba_ext.views import Table
+from ..sections.section import contact_of, strip_stiffness
 
 TANGENT = Table(
-    # of the force (couple, tangent, normal) that the part above needs: what of it passes a block and its joint
+    # force (couple, tangent, normal) needed by the part above: the part that passes a block and its joint
     "pass_aa",
     "pass_at",
     "pass_an",
@@ -23,15 +24,15 @@ TANGENT = Table(
     "pass_tn",
     "pass_nt",
     "pass_nn",
-    "turn_a",  # and what a force on the joint against its relative rotation makes of it;
+    "turn_a",  # and the part due to a force on the joint against its relative rotation;
     "turn_t",
     "turn_n",
-    "open_a",  # against its opening
+    "open_a",  # the part due to a force against its opening
     "open_t",
     "open_n",
-    "lever_t",  # what of the force above turns the joint, beside its couple, and
+    "lever_t",  # moment of the force above on the joint, beside its couple, and
     "lever_n",
-    "lift_t",  # what opens it
+    "lift_t",  # force that opens it
     "lift_n",
     "d_11",  # inverse of the block's own 2 x 2
     "d_12",
@@ -39,22 +40,22 @@ TANGENT = Table(
     "k_11",  # second derivatives of the potential: by rotation, mixed, by opening
     "k_12",
     "k_22",
-    "u_1",  # what is left of the forces on the joint
+    "u_1",  # the remaining forces on the joint
     "u_2",
-    "edge_11",  # what moving the edge where the faces part adds to K, without a dashpot of its own
+    "edge_11",  # contribution to K of the moving edge where the faces part, without a dashpot of its own
     "edge_12",
     "edge_22",
 )
-WIDEST = 100.0  # times the width of the joint: what a strip counts at most, where the edge runs along the joint at once
+WIDEST = 100.0  # times the width of the joint: limit of a strip's width, where the edge runs along the joint at once
 _tangent = TANGENT.over
 
 
 @leaf
 def _edge_that_moves(contact, damping, opening, slope, opening_rate, slope_rate, lo, hi):
-    """(abscissa m, width m) of the strip of joint that is as stiff as the edge of the loaded part is by moving.
+    """(abscissa m, width m) of the strip of joint whose stiffness is that of the moving edge of the loaded part.
 
-    Where the faces part the damper alone presses, by damping times the rate of penetration. As the joint closes by d
-    the edge moves by d / slope: that pressure over that width is the force of a strip, and it has no dashpot.
+    Where the faces part only the damper presses, by damping times the rate of penetration. As the joint closes by d
+    the edge moves by d / slope: that pressure over that width is the force of a strip without a dashpot.
     """
     if damping > 0.0 and slope != 0.0 and lo < hi:
         edge = opening / slope
@@ -66,7 +67,7 @@ def _edge_that_moves(contact, damping, opening, slope, opening_rate, slope_rate,
 
 @leaf
 def _about(stiffness, beyond):
-    """A stiffness (joint/law.py, `joint_tangent`) about a middle that lies so far, m, to the left."""
+    """A stiffness (joint/law.py, `joint_tangent`) about a middle that lies `beyond` m to the left."""
     along, mixed, second = stiffness
     if beyond == 0.0:
         return stiffness
@@ -175,7 +176,7 @@ def factorize(model, phase, tangent, step_part):
         up_t, up_n = j_t + (m_tt * e_t + m_nt * e_n), j_n + (m_nt * e_t + m_nn * e_n)
         j_aa += e_t * (j_t + up_t) + e_n * (j_n + up_n)
         j_t, j_n = up_t, up_n
-        # all of this as one matrix, which solutions go through faster
+        # all of this as one matrix, which solutions apply faster
         lever_t, lever_n = b_t * cos_beta - b_n * sin_beta, b_t * sin_beta + b_n * cos_beta
         turn_a, open_a = -(w_a + e_t * w_t + e_n * w_n), -(v_a + e_t * v_t + e_n * v_n)
         rows.turn_a[i], rows.turn_t[i], rows.turn_n[i] = turn_a, -w_t, -w_n
@@ -247,7 +248,7 @@ def solve(model, tangent, a, v, step_part):
     for i in range(n - 1, -1, -1):
         u_1, u_2 = rows.u_1[i], rows.u_2[i]
         opened = u_2 + (rows.open_a[i] * alpha + rows.open_t[i] * a_t + rows.open_n[i] * a_n)
-        # back through the same matrix, transposed
+        # back through the transposed matrix
         alpha, a_t, a_n = (
             (rows.pass_aa[i] * alpha + rows.turn_t[i] * a_t) + (rows.turn_n[i] * a_n + u_1),
             (rows.pass_at[i] * alpha + rows.pass_tt[i] * a_t)

@@ -1,19 +1,19 @@
-"""All that a user can see of a column at one instant: one output row."""
+"""One output row: all quantities of a column at one instant that a user can see."""
 
-from ..jit import kernel
 from ..joint.law import joint_peak_pressure, law_of
-from ..joint.section import contact_of
 from ..joint.sliding import can_slide, opening_felt, opening_rate_felt, slip_if
-from ..layout import OK
-from ..numbers import half_sine_cosine, sine_cosine
-from .either import is_exact, joint_opening, rotation, top_motion
-from .slips import evaluate_anew
+from ..layout.spaces import OK
+from ..numba_ext.jit import kernel
+from ..numba_ext.numbers import half_sine_cosine, sine_cosine
+from ..sections.section import contact_of
+from .dispatch import is_exact, joint_opening, rotation, top_motion
+from .slips import evaluate_after_jump
 
 
 @kernel
 def observe(column, phase, motion, row):
-    """Fill an output row with everything visible of a phase, and its accelerations. Returns a code."""
-    code = evaluate_anew(column, phase, motion)
+    """Fill an output row with all outputs of a phase, and the phase's accelerations. Returns a code."""
+    code = evaluate_after_jump(column, phase, motion)
     if code == OK:
         top_motion(column.model, phase, row.joints.ux, column.work.tops.between_rate, motion.theta, motion.omega)
         show(column, phase, column.work.joints, motion, row)
@@ -22,7 +22,7 @@ def observe(column, phase, motion, row):
 
 @kernel
 def show(column, phase, resultants, motion, row):
-    """The same, but u_x, of a phase that has been evaluated; resultants: those of its joints, as work.joints."""
+    """Fill an output row, except u_x, of a phase already evaluated; resultants: those of its joints, as work.joints."""
     model, joints, base = column.model, row.joints, row.base
     n, blocks = model.n, model.blocks
     exact, slides = is_exact(model), can_slide(model)

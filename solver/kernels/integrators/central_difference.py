@@ -2,17 +2,17 @@
 
 Written with the velocities at the steps (velocity Verlet), which gives the same displacements as u(t+h) - 2 u(t) +
 u(t-h) = h^2 u''(t) and its usual start, without the loss of digits in the second difference. Order 2, symplectic. The
-rates that dampers and velocity terms need at the new time are the half-step rates carried on with the last
+rates that dampers and velocity terms need at the new time are the half-step rates extrapolated with the last
 acceleration.
 """
 
-from ..formulations.either import evaluate_at
-from ..jit import kernel, leaf
+from ..formulations.dispatch import evaluate_at
+from ..numba_ext.jit import kernel, leaf
 
 
 @leaf
 def predict(work, h):
-    """Coordinates at the end of a step of h seconds; rates and accelerations as the start has them carried on."""
+    """Coordinates at the end of a step of h seconds, with rates and accelerations extrapolated from the start."""
     start, end = work.start, work.end
     for i in range(2 * work.n):
         acceleration = start.accelerations[i]

@@ -6,10 +6,10 @@ damped critically. The last stage is the first of the next step. Sums are taken 
 once, those of one column or one of eight columns.
 """
 
-from ..formulations.either import evaluate_stage
-from ..jit import kernel
-from ..layout import OK
-from ..views import packs, packs_of
+from ..formulations.dispatch import evaluate_stage
+from ..layout.spaces import OK
+from ..numba_ext.jit import kernel
+from ..numba_ext.views import packs, packs_of
 from .error import error_in_tolerances
 from .stage import stage, summed
 

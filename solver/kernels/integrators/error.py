@@ -1,22 +1,22 @@
-"""The size of an error: what the step control of every integrator goes by."""
+"""The size of an error, for the step control of every integrator."""
 
-from ..jit import leaf
 from ..joint.sliding import can_slide
-from ..lanes import magnitude, where
+from ..numba_ext.jit import leaf
+from ..numba_ext.lanes import magnitude, where
 
 
 @leaf
 def _larger(error, part):
-    """The larger of two errors; one that is not a number stays."""
+    """The larger of two errors; NaN stays."""
     return where(part <= error, error, part)
 
 
 @leaf
 def error_in_tolerances(column, difference):
-    """Largest of the errors of coordinates and rates in a phase, in parts of what is tolerated.
+    """Largest of the errors of coordinates and rates in a phase, relative to the allowed error.
 
-    Tolerated is the tolerance times the largest rotation so far, or the largest rate, times the size that a coordinate
-    has for a unit rotation.
+    The allowed error is the tolerance times the largest rotation so far, or the largest rate, times the size that a
+    coordinate has for a unit rotation.
     """
     blocks, control = column.model.blocks, column.state.control
     tolerance = column.model.settings.tolerance

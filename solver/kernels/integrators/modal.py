@@ -1,27 +1,26 @@
-"""Exact propagation of the linear column while every joint is in full contact, corrected for what is not linear.
+"""Exact propagation of the linear column while every joint is in full contact, corrected for the nonlinear remainder.
 
-About rest the column is 2 n modes p'' + beta p' + omega^2 p = push * a(t) + r, with r all that the exact equations say
-beyond that: small, and as smooth as the motion. The response of a mode to its start, to the base (linear in time plus
-harmonic) and to forces 1, t, t^2 is known in closed form for a step of any length, so that the joint modes limit
-neither stability nor accuracy. r is evaluated at the start, in the middle and at the end and taken as the parabola
-through the three: an exponential integrator (M. Hochbruck, A. Ostermann, Exponential integrators, Acta Numerica 19
-(2010) 209-286), of order 4 where the modes are slow.
+About rest the column is 2 n modes p'' + beta p' + omega^2 p = push * a(t) + r. The remainder r holds all other terms of
+the exact equations: small, and as smooth as the motion. The response of a mode to its start, to the base (linear in
+time plus harmonic) and to forces 1, t, t^2 is known in closed form for a step of any length, so that the joint modes
+limit neither stability nor accuracy. r is evaluated at the start, in the middle and at the end and taken as the
+parabola through the three: an exponential integrator (M. Hochbruck, A. Ostermann, Exponential integrators, Acta
+Numerica 19 (2010) 209-286), of order 4 where the modes are slow.
 
-Responses over a step h (`respond`), with g that to a unit impulse, I_0 its integral and I_k = integral of I_(k-1):
-they satisfy omega^2 I_k + beta I_(k-1) + I_(k-2) = h^k / k! with I_(-1) = g, I_(-2) = g'.
+Responses over a step h (`respond`), with g the response to a unit impulse, I_0 its integral and I_k = integral of
+I_(k-1): they satisfy omega^2 I_k + beta I_(k-1) + I_(k-2) = h^k / k! with I_(-1) = g, I_(-2) = g'.
 """
 
 import math
 
 import numpy as np
 
-from ..formulations.base import base_line, base_motion_beside, wave, wave_amplitude
-from ..formulations.either import evaluate
-from ..formulations.slips import keep_slips, something_slides, spare
-from ..jit import kernel, leaf
-from ..joint.section import ends_of
+from ..formulations.base_motion import base_line, base_motion_beside, wave, wave_amplitude
+from ..formulations.dispatch import evaluate
+from ..formulations.slips import keep_slips, shear_margin, something_slides
 from ..joint.sliding import can_slide
-from ..layout import (
+from ..layout.modal import inverses_of, limits_of, mode_of, parts_of, shapes_of
+from ..layout.spaces import (
     INTERPOLATION_BOUND,
     INTERPOLATION_PART,
     OK,
@@ -29,14 +28,15 @@ from ..layout import (
     RESPONSE_HEADER,
     RESPONSES,
 )
-from ..modes import inverses_of, limits_of, mode_of, parts_of, shapes_of
-from ..views import Numbers, Record, Space, Table
+from ..numba_ext.jit import kernel, leaf
+from ..numba_ext.views import Numbers, Record, Space, Table
+from ..sections.section import ends_of
 from .stage import stage
 
 ORDER = 4  # of the estimated error
 INTERPOLATION_ORDER = 6
 OPENS = 2  # code, beside those of layout.py: a joint does not stay in full contact, or begins to slide
-CHANGES = 2.0  # times what is left of friction changes over half a step has to be left at the end of it
+CHANGES = 2.0  # the shear margin left at the end of a half step must be this many times its change over it
 
 # the responses of a mode
 HALF = Record(
@@ -53,28 +53,28 @@ STEADY = Record(
     # the steady harmonic motion for 1 m/s2, at the sine and the cosine of the phase of the base
     "sine",
     "cosine",
-    "free",  # what interpolation misses of a free motion, in parts of its amplitude, times the size of the mode
+    "free",  # interpolation error of a free motion, relative to its amplitude, times the size of the mode
     "forced",  # and of the steady motion for 1 m/s2
     "per_rate",  # s, amplitude for a unit rate
     "per_square",  # s2, 1 / omega_k^2
 )
 RESPONSE = Space(half=HALF, whole=HALF, steady=STEADY)  # over half the step, over all of it
-# what is kept of a step: what it was made for, s and 1/s, and the responses of all modes
-KEPT = Space(
+# data kept of a step: its length (s) and the frequency of the base (1/s), and the responses of all modes
+STORED = Space(
     made_for=Record("step", "omega", "sine", "cosine"),  # of the turn of the wave in half the step
     modes=Numbers(per_n=2 * RESPONSE_FIELDS),
 )
 assert RESPONSE.beside == RESPONSE_FIELDS
-assert KEPT.beside == RESPONSE_HEADER
-_response, _kept = RESPONSE.over, KEPT.over
-_KEPT_PER_N, _KEPT_BESIDE = KEPT.per_n, KEPT.beside
+assert STORED.beside == RESPONSE_HEADER
+_response, _stored = RESPONSE.over, STORED.over
+_STORED_PER_N, _STORED_BESIDE = STORED.per_n, STORED.beside
 _segments = Table(first=2, second=2, third=2).over  # of 2 n numbers
 
 TERMS = 24  # of the series
 SERIES = 2.0  # radians (of frequency or damping) in a step up to which they give all digits
 INVERSE_FACTORIALS = np.array([1.0 / math.factorial(k) for k in range(TERMS + 1)])
-SPLIT = 2.0  # a mode is so many times faster than the base before its steady motion is told from the rest
-GRID = 2.0**40  # 1/s: responses are those of a step on this grid, what is left of it is made up for
+SPLIT = 2.0  # ratio of mode to base frequency from which its steady motion is separated from the rest
+GRID = 2.0**40  # 1/s: responses are those of a step on this grid; the difference is compensated
 LEAST_STEP = 1e-9  # s
 
 
@@ -93,10 +93,10 @@ def respond(square, beta, h, omega, out):
     x = square * h * h
     d = beta * h
     if x <= SERIES * SERIES and d <= SERIES:
-        # i_k = I_k / h^(k + 2) by the recurrence downwards, which forgets how it began
+        # i_k = I_k / h^(k + 2) by downward recurrence, in which errors of the starting values decay
         y = omega * h
-        i_0, i_1, i_2 = 0.0, 0.0, 0.0  # of the last k and those above
-        even, odd = 0.0, 0.0  # i_k - y^2 i_(k+2) + y^4 i_(k+4) ..., of the last k and that above
+        i_0, i_1, i_2 = 0.0, 0.0, 0.0  # of the last k and the two above
+        even, odd = 0.0, 0.0  # i_k - y^2 i_(k+2) + y^4 i_(k+4) ..., of the last k and the one above
         for k in range(TERMS, 1, -1):
             i_0, i_1, i_2 = INVERSE_FACTORIALS[k] - d * i_0 - x * i_1, i_0, i_1
             even, odd = i_0 - y * y * odd, even
@@ -148,45 +148,45 @@ def respond(square, beta, h, omega, out):
 
 @leaf
 def missed(x):
-    """What the quintic between two steps misses of a motion of amplitude 1 that turns by x rad in the step, at most."""
+    """Largest error of the quintic between two steps for a motion of amplitude 1 that turns by x rad in the step."""
     cube = x * x * x
     return min(cube * cube / INTERPOLATION_BOUND, 2.0 + x * x / 40.0)
 
 
 @leaf
-def _kept_at(work, k):
-    """What is kept of a step, one of RESPONSES."""
+def _stored_at(work, k):
+    """Stored data of a step, one of RESPONSES."""
     n = work.n
-    return _kept(work.responses[(_KEPT_PER_N * n + _KEPT_BESIDE) * k :], n)
+    return _stored(work.responses[(_STORED_PER_N * n + _STORED_BESIDE) * k :], n)
 
 
 @leaf
-def _response_of(kept, k):
-    """What is kept of mode k."""
-    return _response(kept.modes[RESPONSE_FIELDS * k :], 0)
+def _response_of(stored, k):
+    """Stored responses of mode k."""
+    return _response(stored.modes[RESPONSE_FIELDS * k :], 0)
 
 
 @kernel
 def _responses(model, work, h, omega):
-    """The responses over h s (on the grid), as KEPT; they are made where they are not kept from before.
+    """The responses over h s (on the grid), as STORED; computed if they are not stored.
 
-    They follow from model, h and omega alone, so that it does not matter to the last bit which are kept.
+    They follow from model, h and omega alone, so that the results do not depend, to the last bit, on which are stored.
     """
     n = model.n
     for k in range(RESPONSES):
-        kept = _kept_at(work, k)
-        if kept.made_for.step == h and kept.made_for.omega == omega:
+        stored = _stored_at(work, k)
+        if stored.made_for.step == h and stored.made_for.omega == omega:
             work.latest.response = k
-            return kept
+            return stored
     used = (int(work.latest.response) + 1) % RESPONSES
     work.latest.response = used
-    kept = _kept_at(work, used)
-    kept.made_for.step = h
-    kept.made_for.omega = omega
-    kept.made_for.sine, kept.made_for.cosine = math.sin(0.5 * h * omega), math.cos(0.5 * h * omega)
+    stored = _stored_at(work, used)
+    stored.made_for.step = h
+    stored.made_for.omega = omega
+    stored.made_for.sine, stored.made_for.cosine = math.sin(0.5 * h * omega), math.cos(0.5 * h * omega)
     for k in range(2 * n):
         mode = mode_of(model, k)
-        out = _response_of(kept, k)
+        out = _response_of(stored, k)
         respond(mode.square, mode.damping, 0.5 * h, omega, out.half)
         respond(mode.square, mode.damping, h, omega, out.whole)
         steady = out.steady
@@ -205,12 +205,12 @@ def _responses(model, work, h, omega):
         steady.forced = mode.size * abs(mode.push) * math.hypot(steady.sine, steady.cosine) * missed(omega * h)
         steady.per_rate = 1.0 / fastest
         steady.per_square = 1.0 / mode.square
-    return kept
+    return stored
 
 
 @leaf
 def _multiply(matrices, x, y, n, parts, segments):
-    """One to three segments of 2 n numbers of the row x times the matrices of all parts, to the row y."""
+    """Multiply one to three segments of 2 n numbers of the row x by the matrices of all parts, into the row y."""
     m = 2 * n // parts
     of, to = _segments(x, n), _segments(y, n)
     for part in range(parts):
@@ -258,8 +258,8 @@ def _joint_turn(phase, i, n):
 def _opens(model, p, q, h):
     """Whether a corner of a joint may open, or lose its pressure, in the h s between the phases p and q.
 
-    The corner at +-width/2 is pressed by -opening -+ width/2 * slope, of which the slope is taken from above. Of a
-    contact that has slipped, or is off its axis, the corners are its ends, seen from the middle of the joint.
+    The corner at +-width/2 is pressed by -opening -+ width/2 * slope, with the slope bounded from above. The corners of
+    a contact that has slipped, or is off its axis, are its ends, seen from the middle of the joint.
     """
     n = model.n
     for i in range(n):
@@ -272,7 +272,7 @@ def _opens(model, p, q, h):
             half = max(corner, -other)
         turn_p, spin_p, turned_p = _joint_turn(p, i, n)
         turn_q, spin_q, turned_q = _joint_turn(q, i, n)
-        # far from opening, neither corner can come to it
+        # far from opening: neither corner can reach it
         rate = half * max(abs(spin_p), abs(spin_q)) + max(abs(p.opening_rate[i]), abs(q.opening_rate[i]))
         reach = h * rate
         if eta > 0.0:
@@ -298,17 +298,17 @@ def _opens(model, p, q, h):
 
 
 @leaf
-def _least_spare(work):
-    """What the joints bear along themselves beyond what they have to, N, of the one that has least."""
-    least = spare(work.joints, 0)
+def _least_margin(work):
+    """Least margin of shear capacity over force along the joint, N, among the joints."""
+    least = shear_margin(work.joints, 0)
     for i in range(1, work.n):
-        least = min(least, spare(work.joints, i))
+        least = min(least, shear_margin(work.joints, i))
     return least
 
 
 @leaf
 def _keep_joints(work):
-    """The middle of the step is known: its resultants too."""
+    """Store the resultants of the middle of the step, now evaluated."""
     joints, halfway = work.joints, work.joints_halfway
     for i in range(work.n):
         halfway.normal[i], halfway.tangential[i] = joints.normal[i], joints.tangential[i]
@@ -324,13 +324,13 @@ def suits(column):
 
 @leaf
 def forget(work):
-    """The trend of the remainder is not that of the step before: this is the first step of a call, or after others."""
+    """Mark the trend of the remainder as unknown: this is the first step of a call, or follows other methods."""
     work.trend.known = 0.0
 
 
 @leaf
 def longest_step(model):
-    """s; beyond it what couples the modes is not small."""
+    """Longest step, s; beyond it the coupling of the modes is not small."""
     return limits_of(model).longest
 
 
@@ -338,9 +338,9 @@ def longest_step(model):
 def attempt(column, t, h):
     """One step of h seconds from work.start to work.end; returns (code, error in tolerances).
 
-    The error is that of the correction or what interpolation would miss, whichever limits the step more. The code is
-    OPENS where a joint does not stay in full contact. Where nothing is damped a second sweep makes the step symmetric
-    in time, which keeps the energy over any number of steps; one leaves a drift of 6e-11 in a period.
+    The error is that of the correction or of interpolation, whichever limits the step more. The code is OPENS where a
+    joint does not stay in full contact. If no joint is damped a second sweep makes the step symmetric in time, which
+    keeps the energy over any number of steps; one leaves a drift of 6e-11 in a period.
     """
     code, error = OK, 0.0
     if can_slide(column.model):
@@ -355,13 +355,13 @@ def attempt(column, t, h):
 
 @kernel
 def _sweep(column, t, h, is_first, is_last):
-    """As `attempt`; what it finds of the remainder serves the next sweep, that of the last one the next step."""
+    """One sweep of `attempt`; the remainder it finds serves the next sweep, that of the last one the next step."""
     model, base, samples, work = column.model, column.base, column.samples, column.work
     settings, control = model.settings, column.state.control
     n = model.n
     size = 2 * n
     middle, end = stage(work, 1), work.end
-    # modal coordinates, rates and, in the place of accelerations, remainders: at the start, in the middle, at the end
+    # modal coordinates, rates and, instead of accelerations, remainders: at the start, in the middle, at the end
     first, mean, last = stage(work, 2), stage(work, 3), stage(work, 4)
     shapes, inverses, parts = shapes_of(model), inverses_of(model), parts_of(model)
     slopes, curvatures = work.slopes, work.curvatures
@@ -384,8 +384,8 @@ def _sweep(column, t, h, is_first, is_last):
     late = 0.5 * omega * excess
     turn_sine = responses.made_for.sine + late * responses.made_for.cosine
     turn_cosine = responses.made_for.cosine - late * responses.made_for.sine
-    ax_then, lift_then, spared = 0.0, 0.0, 0.0
-    for half in range(2):  # in the middle, then at the end with what is known by then
+    ax_then, lift_then, margin = 0.0, 0.0, 0.0
+    for half in range(2):  # in the middle, then at the end with the values known by then
         here = middle if half == 0 else end
         to = mean if half == 0 else last
         for k in range(size):
@@ -400,7 +400,8 @@ def _sweep(column, t, h, is_first, is_last):
             if half == 0 and is_first:
                 first.accelerations[k] += mode.damping * v + square * p - (force + force_sine)
             remainder = first.accelerations[k]
-            # the remainder goes on as in the step before; at the end, through its value in the middle
+            # the trend of the remainder continues from the step before; at the end it is taken through the value in the
+            # middle
             curvature = curvatures[k] if known else 0.0
             if half == 1:
                 slope += 2.0 * (mean.accelerations[k] - remainder) * per_step - 0.25 * on_grid * curvature
@@ -430,8 +431,8 @@ def _sweep(column, t, h, is_first, is_last):
         if half == 0:
             _keep_joints(work)
         if can_slide(model):
-            before, spared = spared, _least_spare(work)
-            if not spared > 0.0 or (half == 1 and min(spared, before) <= CHANGES * abs(spared - before)):
+            before, margin = margin, _least_margin(work)
+            if not margin > 0.0 or (half == 1 and min(margin, before) <= CHANGES * abs(margin - before)):
                 return OPENS, 0.0
         _multiply(inverses, here.accelerations, to.accelerations, n, parts, 1)
         for k in range(size):
@@ -462,7 +463,7 @@ def _sweep(column, t, h, is_first, is_last):
 
         wrong += mode.size * abs(bend * (line - parabola))
         wrong_rate += mode.size * abs(bend * (line_rate - parabola_rate))
-        # the free motion: without that which the forces make
+        # the free motion: without the response to the forces
         slope = (r_1 - r_0 - bend) * per_step
         slopes[k] = slope + 2.0 * bend * per_step if is_last else slope
         curvatures[k] = 2.0 * bend * per_step * per_step

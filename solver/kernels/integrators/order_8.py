@@ -7,15 +7,15 @@ evaluation at the end is the first stage of the next step.
 
 import math
 
-from ..formulations.either import evaluate_stage
-from ..jit import kernel
-from ..layout import OK
-from ..views import packs, packs_of
+from ..formulations.dispatch import evaluate_stage
+from ..layout.spaces import OK
+from ..numba_ext.jit import kernel
+from ..numba_ext.views import packs, packs_of
 from .error import error_in_tolerances
 from .stage import stage, summed
 
 ORDER = 8
-LEEWAY = 2.0  # the estimate is that of a lower order: how much more than a step's share it may be
+LEEWAY = 2.0  # times a step's share: largest estimate, which is that of a lower order
 
 C1, C2, C3, C4, C5, C6, C7, C8, C9, C10, C11 = (
     0.05260015195876773,

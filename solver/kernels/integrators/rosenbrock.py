@@ -1,9 +1,9 @@
 """A linearly implicit W-method of order 3 with an embedded order 2, L-stable and stiffly accurate: ROS34PW2.
 
 J. Rang, L. Angermann, New Rosenbrock W-methods of order 3 for partial differential algebraic equations of index 1, BIT
-45 (2005) 761-787. A W-method keeps its order whatever stands for the Jacobian; here it is that of the joints' forces
-alone, which is what makes a column stiff, so that a stage costs one evaluation and one O(n) solution (implicit.py).
-Slips, where there are any, stay what they are: no step is made while a joint slides.
+45 (2005) 761-787. A W-method keeps its order with any approximation of the Jacobian; here it is that of the joints'
+forces alone, which make a column stiff, so that a stage costs one evaluation and one O(n) solution (implicit.py).
+Slips, if there are any, stay constant: no step is made while a joint slides.
 
 The stages are written for u = (u_q, u_v) as in E. Hairer, G. Wanner, Solving Ordinary Differential Equations II,
 section IV.7, eq. 7.25:
@@ -13,18 +13,18 @@ section IV.7, eq. 7.25:
 
 import numpy as np
 
-from ..formulations.either import evaluate_at
+from ..formulations.dispatch import evaluate_at
 from ..formulations.implicit import factorize, solve
 from ..formulations.slips import keep_slips, phase_size
-from ..jit import kernel, leaf
-from ..layout import OK, RIGID_FIELDS
-from ..views import packs, packs_of
+from ..layout.spaces import OK, RIGID_FIELDS
+from ..numba_ext.jit import kernel, leaf
+from ..numba_ext.views import packs, packs_of
 from .error import error_in_tolerances
 from .stage import stage
 
 ORDER = 3
 STAGES = 4
-STRICTNESS = 1.5  # errors of implicit steps add up, those of the others are mostly far below what they may be
+STRICTNESS = 1.5  # errors of implicit steps add up; those of other steps are mostly far below the limit
 GAMMA = 4.3586652150845900e-01
 ALPHA = np.array(
     [
@@ -47,7 +47,7 @@ EMBEDDED = np.array([3.7810903145819369e-01, -9.6042292212423178e-02, 0.5, 2.179
 
 
 def _over_gammas(rows: np.ndarray) -> np.ndarray:
-    """rows @ inverse(GAMMAS), by back substitution: the same bits on every machine."""
+    """rows @ inverse(GAMMAS), by back substitution: equal bits on every machine."""
     result = np.zeros_like(rows)
     for i in range(len(rows)):
         for j in range(STAGES - 1, -1, -1):
@@ -65,7 +65,7 @@ M = _over_gammas(WEIGHTS[None, :])[0]
 E = _over_gammas((WEIGHTS - EMBEDDED)[None, :])[0]
 
 
-# what the sums below take, by stage and by those before it
+# coefficients of the sums below, by stage and by those before it
 A1_0, A2_0, A2_1, A3_0, A3_1, A3_2 = (float(A[i, j]) for i in range(STAGES) for j in range(i))
 C1_0, C2_0, C2_1, C3_0, C3_1, C3_2 = (float(C[i, j]) for i in range(STAGES) for j in range(i))
 M_0, M_1, M_2, M_3 = M.tolist()
@@ -74,7 +74,7 @@ E_0, E_1, E_2, E_3 = E.tolist()
 
 @leaf
 def _solve(column, u, part):
-    """Finish an inner stage, of which F_q and h gamma F_v, in the place of u_v, are known."""
+    """Finish an inner stage; its F_q, and h gamma F_v in the place of u_v, are known."""
     n = column.work.n
     solve(column.model, column.work.tangent, u.rates, u.accelerations, part)
     for i in range(2 * n):
@@ -98,7 +98,7 @@ def attempt(column, t, h):
     end, error = packs_of(work.end.row), packs_of(work.between.row)
     part, per = h * GAMMA, 1.0 / h
     factorize(column.model, work.start, work.tangent, part)
-    # F_q after u_v, beyond whose end the last eight reach
+    # F_q after u_v; the last pack of eight reaches beyond its end
     for i in range(half):
         v1[i] = part * f[i]
     for i in range(half):

@@ -1,9 +1,9 @@
-"""The phases inside a step: the inner stages of a Runge-Kutta method, and what is summed up to make one."""
+"""The phases inside a step: the inner stages of a Runge-Kutta method, and the numbers that its sums take."""
 
-from ..jit import by_width, leaf
 from ..joint.sliding import has_no_slips
-from ..lanes import LANES
-from ..layout import PHASE, PHASE_FIELDS
+from ..layout.spaces import PHASE, PHASE_FIELDS
+from ..numba_ext.jit import by_width, leaf
+from ..numba_ext.lanes import LANES
 
 _phase = PHASE.over
 
@@ -16,7 +16,7 @@ def stage(work, k):
 
 
 def summed(work):
-    """How many numbers of a phase, from its first, hold all that a step carries on by the numbers 2 n behind them."""
+    """Number of leading values of a phase that a step sums, each with its rate 2 n places behind it."""
     raise NotImplementedError("for kernels only")
 
 

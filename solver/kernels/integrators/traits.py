@@ -1,8 +1,8 @@
-"""The methods, and what the stepping loop has to know of each."""
+"""The methods and their properties, for the stepping loop."""
 
 from typing import NamedTuple
 
-from ..jit import kernel, leaf
+from ..numba_ext.jit import kernel, leaf
 from . import central_difference, dormand_prince, modal, order_8, rosenbrock
 
 FIXED = 0  # central differences
@@ -16,14 +16,14 @@ UNKNOWN_METHOD = -5  # code
 
 
 class Traits(NamedTuple):
-    """What a method with error control is good for."""
+    """Properties of a method with error control."""
 
-    order: int  # by which step lengths are proposed
+    order: int  # for the choice of step lengths
     implicit: bool
     holds: bool  # whether its steps are made with the joints held in their regimes, and end where one changes
-    long: bool  # whether its steps are so long that the quintic inside them wants refining
-    inside: tuple[int, int, int]  # inner stages at which a joint that leaves its regime and comes back is looked for
-    nodes: tuple[float, float, float]  # fractions of the step at which they are
+    long: bool  # whether its steps are so long that the quintic inside them needs refinement
+    inside: tuple[int, int, int]  # inner stages at which to look for a joint that leaves its regime and returns
+    nodes: tuple[float, float, float]  # fractions of the step at which these are
 
 
 @leaf

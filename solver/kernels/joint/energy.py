@@ -1,8 +1,8 @@
 """What a joint of any section has of energy: for judging a column, not for moving it."""
 
-from ..jit import kernel
+from ..numba_ext.jit import kernel
+from ..sections.section import part_stiffness
 from .law import joint_forces, joint_potential
-from .section import part_stiffness
 
 MOST_TRIALS = 100
 CLOSE = 1e-15  # of the largest penetration

@@ -1,20 +1,19 @@
-"""The no-tension joint, in closed form (theory.md section 2); what its shape comes to is told by section.py.
+"""The no-tension joint, in closed form (theory.md section 2); section.py has the integrals over its shape.
 
 The penetration at abscissa s, left <= s <= right of its contact, is  pen(s) = -opening + s * slope.  The pressure is
 max(0, stiffness * (pen + damping * dpen/dt)) where pen > 0: both factors are linear in s, hence the loaded part is one
 interval, and with damping = 0 it is the elastic joint of the paper.
 
 The law has two forms, the same to the last bit: branches for one column, where they are predictable, and selections
-for lanes. One column may also be held in a regime (regimes.py).
+for lanes. A single column may also be held in a regime (regimes.py).
 """
 
 from typing import NamedTuple
 
-from ..jit import by_width, kernel, leaf
-from ..lanes import LanesType, greater, lesser, magnitude, mirrored, where
-from ..layout import LAW
-from .regimes import ANY, OPEN, open_margin, side_margin, sides
-from .section import (
+from ..layout.spaces import LAW
+from ..numba_ext.jit import by_width, kernel, leaf
+from ..numba_ext.lanes import LanesType, greater, lesser, magnitude, mirrored, where
+from ..sections.section import (
     ROUND,
     contact_of,
     ends_of,
@@ -24,10 +23,11 @@ from .section import (
     part_stiffness,
     rectangle_forces,
 )
+from .regimes import ANY, OPEN, open_margin, side_margin, sides
 
 
 class Law(NamedTuple):
-    """What the pressure on a joint follows from, beside its contact and its motion: the fields LAW of layout.py."""
+    """Parameters of the pressure on a joint, beside its contact and its motion: the fields LAW of layout.py."""
 
     stiffness: float  # N/m3
     damping: float  # s
@@ -90,17 +90,17 @@ def _choose_pressed(left, right, opening, slope):
 def pressure_forces(contact, law, lo, hi, length, mean, gradient):
     """N and M of the pressure on the loaded part, from lo to hi, of this length.
 
-    mean, gradient: opening and slope as the damper feels them; gradient * s - mean is not negative in that part, unless
-    the joint is held beyond its regime, where hi may be below lo too.
+    mean, gradient: opening and slope that the damper responds to; gradient * s - mean is not negative in that part,
+    unless the joint is held beyond its regime, where hi may be below lo too.
     """
     return forces_over(contact, law.stiffness, lo, hi, length, mean, gradient)
 
 
 @leaf
 def joint_tangent(contact, law, lo, hi, mean, gradient):
-    """Derivatives of these by mean and gradient, signs aside, as `part_stiffness` has them; hi <= lo: none is loaded.
+    """Derivatives of these by mean and gradient, without signs, as `part_stiffness`; hi <= lo: nothing is loaded.
 
-    Implicit steps solve with them: an approximation leaves the order what it is, a poor one makes steps short.
+    Implicit steps solve with them: an approximation keeps the order, but a poor one makes the steps short.
     """
     return part_stiffness(contact, law.stiffness, lo, max(lo, hi))
 
@@ -132,9 +132,9 @@ def _within(x, lo, hi):
 def loaded_part_in_lanes(near, far, damping, opening, slope, opening_rate, slope_rate):
     """As `loaded_part`, for lanes, without a branch, in the mirror image where the slope is negative.
 
-    There as here the slope rises, so that what touches lies between an edge and `far`; near, far: the ends of the
-    contact in that image. Returns the ends of the loaded part, the lower one first or last, then opening and slope as
-    the damper feels them.
+    In that image the slope rises, so that the faces touch between an edge and `far`; near, far: the ends of the contact
+    in that image. Returns the ends of the loaded part, the lower one first or last, then opening and slope that the
+    damper responds to.
     """
     steep = magnitude(slope)
     mean = opening + damping * opening_rate
@@ -155,7 +155,7 @@ def joint_forces_in_lanes(near, far, rigidity, damping, opening, slope, opening_
 
 @leaf
 def held_forces(regime, contact, law, opening, slope, opening_rate, slope_rate):
-    """N, M, loaded length by the formula of a regime, even beyond where it applies, and the margin it has left, m."""
+    """N, M, loaded length by the formula of a regime, even where it does not apply, and the margin left, m."""
     damping = law.damping
     mean = opening + damping * opening_rate
     gradient = slope + damping * slope_rate

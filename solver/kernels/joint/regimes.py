@@ -3,7 +3,7 @@
 A regime is OPEN, or FULL + left + RIGHT * right with each side a CORNER, TOUCH or PULL.
 """
 
-from ..jit import leaf
+from ..numba_ext.jit import leaf
 
 # regimes of a joint
 ANY = 0  # whichever applies

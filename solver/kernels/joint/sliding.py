@@ -6,11 +6,14 @@ part of it along the joint is called drift, with what a rim adds that cuts the c
 rest.
 """
 
-from ..jit import by_width, leaf
-from ..lanes import LANES, LanesType, any_of, greater, where
+from ..layout.spaces import STRIP_NUMBERS
+from ..numba_ext.jit import by_width, leaf
+from ..numba_ext.lanes import LANES, LanesType, any_of, greater, where
+from ..sections.band import band_push
+from ..sections.faces import LENS, ON_RING
+from ..sections.lens import lens_push
+from ..sections.section import contact_of, depth_at, depth_in_lanes, ends_of, knows_round
 from .law import pressed_part
-from .lens import lens_push
-from .section import contact_of, depth_at, depth_in_lanes, ends_of, knows_round
 
 RIGID = 1e300  # N, as the dowel of a joint that never slides
 MARK = "slips_in_lanes"  # name of an empty part, in the spaces of lanes whose columns have slips (batch/runs.py)
@@ -95,43 +98,63 @@ def _choose_rim_force(blocks, i, opening, slope, slip):
 
 @leaf
 def _lens_force(blocks, i, left, right, opening, slope, slip):
-    """The same of a round joint above a round face."""
-    own, bore, bore_below = 0.5 * blocks.depth[i], 0.5 * blocks.bore[i], 0.5 * blocks.bore_below[i]
+    """The force of the rim, N, on a round joint above a round face."""
+    own, bore, bore_below = 0.5 * blocks.own_depth[i], 0.5 * blocks.own_bore[i], 0.5 * blocks.bore_below[i]
     lo, hi = pressed_part(left, right, opening, slope)
     force = lens_push(own, bore, blocks.rim_right[i], bore_below, slip, lo, hi, blocks.stiffness[i], opening, slope)
-    return where((lo < hi) & (slip != 0.0), force, 0.0)
+    return where(lo < hi, force, 0.0)
 
 
 def _rim_force_of_lanes(blocks, i, opening, slope, slip):
     left, right = ends_of(blocks, i, slip)
-    ahead = slip > 0.0
-    edge, whole = where(ahead, right, left), where(ahead, blocks.right[i], blocks.left[i])
-    off = (edge == whole) | (left >= right)
-    pressed = greater(slope * edge - opening, 0.0)
-    force = 0.5 * blocks.stiffness[i] * pressed * pressed * depth_in_lanes(blocks, i, left, right, edge)
-    force = where(off, 0.0, where(ahead, force, -force))
+    force, met = 0.0 * slope, left < right
+    cut = ((slip != 0.0) | (blocks.overhangs[i] != 0.0)) & met
+    for ahead in (True, False):
+        edge, own, rim = left, blocks.own_left[i], blocks.rim_left[i]
+        if ahead:
+            edge, own, rim = right, blocks.own_right[i], blocks.rim_right[i]
+        here = cut & (edge != own) & (edge == rim - slip)
+        if any_of(here):
+            pressed = greater(slope * edge - opening, 0.0)
+            push = 0.5 * blocks.stiffness[i] * pressed * pressed * depth_in_lanes(blocks, i, left, right, edge)
+            force += where(here, push if ahead else -push, 0.0)
     if knows_round(blocks):
-        lens = (blocks.round_below[i] != 0.0) & (slip != 0.0)
-        if any_of(lens):
-            force = where(lens, _lens_force(blocks, i, left, right, opening, slope, slip), force)
+        lens = blocks.slipped[i] == LENS
+        if any_of(lens & cut):
+            force = where(lens, where(cut, _lens_force(blocks, i, left, right, opening, slope, slip), 0.0), force)
     return force
 
 
 def _rim_force_of_one(blocks, i, opening, slope, slip):
-    if slip == 0.0:
+    if slip == 0.0 and blocks.overhangs[i] == 0.0:
         return 0.0
+    left, right = ends_of(blocks, i, slip)
+    section, force = blocks.slipped[i], 0.0
+    if not left < right:
+        return 0.0
+    if section == LENS:
+        return _lens_force(blocks, i, left, right, opening, slope, slip)
+    if section == ON_RING:
+        outer, inner, stiffness = blocks.rim_right[i], 0.5 * blocks.bore_below[i], blocks.stiffness[i]
+        lo, hi = pressed_part(left, right, opening, slope)
+        strips = blocks.strips[STRIP_NUMBERS * i :]
+        return band_push(strips, outer, inner, slip, lo, hi, stiffness, opening, slope) if lo < hi else 0.0
     contact = contact_of(blocks, i, slip)
-    if contact.slip != 0.0:
-        return _lens_force(blocks, i, contact.left, contact.right, opening, slope, slip)
-    edge, whole = (contact.right, blocks.right[i]) if slip > 0.0 else (contact.left, blocks.left[i])
-    if edge == whole or not contact.left < contact.right:
-        return 0.0
-    pressed = max(0.0, slope * edge - opening)
-    force = 0.5 * blocks.stiffness[i] * pressed * pressed * depth_at(contact, edge)
-    return force if slip > 0.0 else -force
+    if blocks.rim_right[i] - slip == right != blocks.own_right[i]:
+        force += _push_at(contact, blocks.stiffness[i], right, opening, slope)
+    if blocks.rim_left[i] - slip == left != blocks.own_left[i]:
+        force -= _push_at(contact, blocks.stiffness[i], left, opening, slope)
+    return force
 
 
 @leaf
-def bearable(blocks, i, normal):
-    """What joint i bears along itself, N: without end where it never slides."""
+def _push_at(contact, stiffness, edge, opening, slope):
+    """The force, N, of a straight rim at this edge of the contact, outwards."""
+    pressed = max(0.0, slope * edge - opening)
+    return 0.5 * stiffness * pressed * pressed * depth_at(contact, edge)
+
+
+@leaf
+def shear_capacity(blocks, i, normal):
+    """Shear capacity of joint i by friction and dowel, N: unbounded (RIGID) if it never slides."""
     return blocks.friction[i] * normal + blocks.dowel[i]

@@ -1,36 +1,53 @@
 """The one stepping loop.
 
-A step is planned (`plan_fixed`, `plan_modal` or `plan_general`), tried by its method, judged, which may end it sooner,
-and finished: stock is taken, what is watched is kept, its end becomes the start of the next.
+A step is planned (`plan_fixed`, `plan_modal` or `plan_general`), tried by its method, judged, which may cut it short,
+and finished: scales and peaks are updated, requested results stored, and its end becomes the start of the next.
 """
 
 import math
 from typing import NamedTuple
 
-from ..formulations.base import anchor_wave, base_motion, ends_soon, enter, smooth_reach, to_next_sample
-from ..formulations.either import evaluate_at, is_exact
+from ..formulations.base_motion import (
+    anchor_wave,
+    base_motion,
+    ends_soon,
+    enter,
+    inputs_are_bounded,
+    smooth_reach,
+    to_next_sample,
+)
+from ..formulations.dispatch import evaluate_at, is_exact
 from ..formulations.exact import STILL
-from ..formulations.slips import evaluate_anew, note_directions, phase_size, take_directions
+from ..formulations.slips import evaluate_after_jump, note_directions, phase_size, take_directions
 from ..integrators import modal
 from ..integrators.error import error_in_tolerances
+from ..integrators.interpolation import begin, interpolate_phase, refinement
 from ..integrators.stage import stage
 from ..integrators.traits import FIXED, MODES, NONE, UNKNOWN, attempt_by, traits_of
-from ..jit import kernel, leaf
 from ..joint.sliding import can_slide
-from ..layout import AUTO, CENTRAL_DIFFERENCE, HAS_OVERTURNED, OK, SLACK, STEP_TOO_SMALL
+from ..layout.spaces import (
+    AUTO,
+    CENTRAL_DIFFERENCE,
+    HAS_OVERTURNED,
+    INPUT_TOO_LARGE,
+    OK,
+    SLACK,
+    STEP_TOO_SMALL,
+    TOO_MUCH_WORK,
+)
+from ..numba_ext.jit import kernel, leaf
+from ..output.watch import begin_watching, take_held_snapshots, watch_step
 from .condition import has_fallen, is_quiet, moment_of_overturning, rests, take_stock, widest_joint
-from .control import accepts, accepts_elastic, elastic_step, general_step
+from .control import accepts, accepts_elastic, elastic_step, general_step, most_work
 from .holding import NO_CHANGE, expected_change, first_change, hold, release
-from .interpolation import begin, interpolate_phase, refinement
 from .sliding import NEAR, begin_step, first_slip_change
-from .watch import begin_watching, take_held_snapshots, watch_step
 
-WELL_ENOUGH = 1.0  # tolerances: what `refine` adds to an interpolation that will do for the end of a step
-BEYOND = 1e-5  # of a step: so far a step made again ends beyond the change, of which it costs the square
+WELL_ENOUGH = 1.0  # tolerances: correction by `refine` up to which an interpolation may end a step
+BEYOND = 1e-5  # of a step: distance beyond the change at which a repeated step ends; the error is its square
 JUST_BEFORE, JUST_AFTER = 0.98, 1.02  # where a joint is expected to begin or to cease to slide
 LEAST_CUT = 1e-4  # of a step: regimes that change sooner are not held
 LEAST_STEP = 1e-13  # of the time scale: below this the error control has failed
-# what a step may miss of the kinks of a record, in tolerances of a rate times the height of the lowest centroid
+# error of a step from the kinks of a record, in tolerances of a rate times the height of the lowest centroid
 KINKS = 20.0
 
 ROUNDING = 1e-13  # of the base acceleration: less is no jump
@@ -57,9 +74,9 @@ def keep_base(control, motion):
 
 @kernel
 def take_phase(column, motion, phase):
-    """The phase of the state, seen from the base as it stands: its rotation may have been set anew.
+    """The phase of the state, seen from the base as it stands: the rotation of the base may have been changed.
 
-    The blocks stay where they are and as fast as they are.
+    The blocks keep their places and velocities.
     """
     state = column.state
     n = column.model.n
@@ -85,7 +102,7 @@ class Plan(NamedTuple):
 
 @leaf
 def _shared(step, left):
-    """The step, s, of which `left` remain: two alike rather than one and a sliver."""
+    """The next step, s, where `left` s remain: two equal steps rather than one and a very short one."""
     if step * (1.0 + SLACK) >= left:
         return left
     return 0.5 * left if 2.0 * step > left else step
@@ -93,8 +110,8 @@ def _shared(step, left):
 
 @kernel
 def plan_fixed(column, left):
-    """A step of the length that the settings give, or a little less to come out even."""
-    # a step that arrives as 0.00999...98 or 0.0100...02 is one of 0.01
+    """A step of the length given by the settings, or a little shorter to end exactly."""
+    # rounding: a remainder of 0.00999...98 or 0.0100...02 is one step of 0.01
     pieces = max(1.0, math.ceil(left / column.model.settings.step * (1.0 - SLACK)))
     begin(column.work, False)
     return Plan(FIXED, left if pieces == 1.0 else left / pieces, False)
@@ -102,14 +119,14 @@ def plan_fixed(column, left):
 
 @kernel
 def plan_modal(column, step, left):
-    """A step by modes, of about so many s."""
+    """A step by modes, of about `step` s."""
     begin(column.work, False)
     return Plan(MODES, _shared(step, left), False)
 
 
 @kernel
 def plan_general(column, t, left):
-    """A step by a general method, which goes on until just after a joint is expected to leave its regime."""
+    """A step by a general method; it ends just after a joint is expected to leave its regime."""
     settings = column.model.settings
     method, step = general_step(column, left)
     traits = traits_of(method)
@@ -149,7 +166,7 @@ def plan_step(column, t, left, to_sample):
 
 @kernel
 def judge_step(column, plan, t, code, error):
-    """What comes of a step just tried. Returns (code, s made, whether it has to be made again up to there)."""
+    """Judge a step just tried. Returns (code, s made, whether it has to be repeated up to there)."""
     counts = column.counts
     method, step, held = plan
     if method in (FIXED, UNKNOWN):
@@ -168,9 +185,9 @@ def judge_step(column, plan, t, code, error):
 
 @kernel
 def _end_at_change(column, plan, t, step):
-    """Let a step end where the first joint leaves its regime, begins or ceases to slide. Returns as `judge_step`.
+    """End a step where the first joint leaves its regime, begins or ceases to slide. Returns as `judge_step`.
 
-    The joints are let go.
+    The joints are no longer held in their regimes then.
     """
     work, counts = column.work, column.counts
     traits = traits_of(plan.method)
@@ -193,7 +210,7 @@ def _end_at_change(column, plan, t, step):
     counts.events += 1
     if work.interpolation.has_bump == 0.0 or _interpolates_well(column, step, cut):
         return end_within(column, t, step, cut, traits.long), cut * step, False
-    # what the interpolation would miss at the end of a long step of high order counts at tight tolerances
+    # the interpolation error in a long step of high order matters at tight tolerances
     step *= min(1.0, cut + BEYOND)
     hold(column, step)
     begin(work, traits.long)
@@ -202,7 +219,7 @@ def _end_at_change(column, plan, t, step):
 
 @kernel
 def _end_at_slip(column, t, step, cut, fine):
-    """Let a step end where a joint begins or ceases to slide. Returns as `judge_step`."""
+    """End a step where a joint begins or ceases to slide. Returns as `judge_step`."""
     work = column.work
     if work.interpolation.has_bump == 0.0 or _interpolates_well(column, step, cut):
         column.counts.events += 1
@@ -224,7 +241,7 @@ def _interpolates_well(column, h, fraction):
 
 @kernel
 def end_within(column, t, h, fraction, fine):
-    """Let the step of h seconds end at this fraction of it. Returns a code."""
+    """End the step of h seconds at this fraction of it. Returns a code."""
     work = column.work
     interpolate_phase(work, h, fraction)
     for i in range(phase_size(work)):
@@ -235,7 +252,7 @@ def end_within(column, t, h, fraction, fine):
 
 @kernel
 def _reject(column, t, code):
-    """Let a step at time t be tried again, as short as is proposed by now; `code`: of its trial. Returns a code."""
+    """Have a step at time t tried again, as short as is now proposed; `code`: of its trial. Returns a code."""
     release(column)
     if column.state.control.next_step < LEAST_STEP * max(column.model.settings.first_step, abs(t)):
         return code if code != OK else STEP_TOO_SMALL
@@ -244,9 +261,9 @@ def _reject(column, t, code):
 
 @kernel
 def repeat_step(column, method, t, step):
-    """Make a step that was good enough again, up to a change of regime. Returns (code, s made).
+    """Repeat a step that was accurate enough, up to a change of regime. Returns (code, s made).
 
-    A joint that hardly moves may begin the shorter step in another regime: it is judged anew.
+    A joint that hardly moves may begin the shorter step in another regime: the step is judged again.
     """
     code, error = attempt_by(method, column, t, step)
     if code != OK or not error <= 1.0:
@@ -258,7 +275,7 @@ def repeat_step(column, method, t, step):
 
 @kernel
 def finish_step(column, watch, t, step):
-    """Take stock of a step just made, keep what is watched, go on from its end. Returns (code, s made)."""
+    """Update scales and peaks after a step, store requested results, go on from its end. Returns (code, s made)."""
     model, state, counts, work = column.model, column.state, column.counts, column.work
     counts.steps += 1
     counts.resting = 0
@@ -281,7 +298,7 @@ def finish_step(column, watch, t, step):
     if work.slips.change != 0.0:
         work.slips.change = 0.0
         motion = base_motion(column.base, column.samples, t + step)
-        code = evaluate_anew(column, work.start, motion)
+        code = evaluate_after_jump(column, work.start, motion)
         if code == OK:
             begin_watching(column, watch, motion, True)
         return code, step
@@ -293,7 +310,7 @@ def finish_step(column, watch, t, step):
 
 @kernel
 def _start(column, motion, t):
-    """What is done once in the life of a state: scales, and the first steps to be tried. Returns a code."""
+    """First use of a state: sets the scales and the first steps to be tried. Returns a code."""
     settings, control = column.model.settings, column.state.control
     column.counts.started = 1
     control.next_step = settings.first_step
@@ -307,7 +324,7 @@ def _start(column, motion, t):
 
 @kernel
 def _rest_until(column, watch, t, left):
-    """Let a column that rests be, for `left` s."""
+    """Leave a column that rests as it is, for `left` s."""
     control = column.state.control
     column.counts.resting = 1
     for i in range(phase_size(column.work)):
@@ -322,10 +339,12 @@ def _rest_until(column, watch, t, left):
 def advance(column, t, h, watch):
     """Take the column from t to t + h, landing there exactly; no further than `until_opening`. Returns a code.
 
-    Inputs of the base hold within the call; snapshots take it that the base does not rotate. Snapshots inside are taken
+    Inputs of the base hold within the call; snapshots assume that the base does not rotate. Snapshots inside are taken
     by interpolation. A column that has overturned keeps its state. On an error the phase in the state is that at t.
     """
     _, state, counts, base, samples, work = column
+    if not inputs_are_bounded(base, t, h):
+        return INPUT_TOO_LARGE
     if counts.overturned > 0:
         take_held_snapshots(column, watch, t, h)
         return HAS_OVERTURNED
@@ -335,7 +354,7 @@ def advance(column, t, h, watch):
     take_directions(work, work.start)
     stale = counts.started == 0 or not belongs_to(state.control, motion)
     if stale:
-        code = evaluate_anew(column, work.start, motion)
+        code = evaluate_after_jump(column, work.start, motion)
         if code != OK:
             return code
         if counts.started == 0:
@@ -345,7 +364,13 @@ def advance(column, t, h, watch):
     begin_watching(column, watch, motion, stale)
     modal.forget(work)
     elapsed = 0.0
+    most = most_work(column.model.settings, h) + samples.size  # silent samples are passed one by one
+    begun = counts.evaluations + counts.sweeps
+    rounds = 0
     while elapsed < h:
+        rounds += 1
+        if rounds + counts.evaluations + counts.sweeps - begun > most:
+            return TOO_MUCH_WORK
         now = t + elapsed
         to_sample = to_next_sample(base, samples, now, h - elapsed)
         if is_quiet(base, samples) and rests(column, work.start):
@@ -401,7 +426,7 @@ def _pass_samples(column, watch, t):
     jump = max(abs(motion.ax - before.ax), abs(motion.az - before.az))
     if jump <= ROUNDING * max(abs(motion.ax), abs(motion.az)):
         return OK
-    code = evaluate_anew(column, column.work.start, motion)
+    code = evaluate_after_jump(column, column.work.start, motion)
     if code == OK:
         begin_watching(column, watch, motion, True)
     return code

@@ -2,17 +2,17 @@
 
 import math
 
-from ..formulations.base import base_rotates, is_silent
-from ..formulations.either import is_exact, rotation
-from ..jit import kernel, leaf
-from ..joint.section import ends_of, full_stiffness
+from ..formulations.base_motion import base_rotates, is_silent
+from ..formulations.dispatch import is_exact, rotation
+from ..integrators.interpolation import interpolate_phase
 from ..joint.sliding import can_slide, slip_of
-from ..layout import AUTO, NOT_FINITE, OK, REST
-from .interpolation import interpolate_phase
+from ..layout.spaces import AUTO, NOT_FINITE, OK, REST
+from ..numba_ext.jit import kernel, leaf
+from ..sections.section import ends_of, full_stiffness
 
-# Openings count by so much in what errors are measured against: what is little of a flight is much of the landing.
+# Weight of openings in the scale of errors: an error that is small in flight is large at the landing.
 FLIGHT_PART = 1e-3
-HALVINGS = 40  # of a step, in which the moment of overturning is found
+HALVINGS = 40  # of a step, to find the moment of overturning
 
 
 @kernel
@@ -33,7 +33,7 @@ def has_fallen(model, phase):
 
 @kernel
 def widest_joint(model, phase):
-    """Number of the joint that has turned most."""
+    """Number of the joint with the largest rotation."""
     widest = 0
     most = -1.0
     for i in range(model.n):
@@ -72,7 +72,7 @@ def take_stock(column, phase, h):
         turned = max(turned, abs(phase.theta[i]) * per_size)
         spun = max(spun, abs(phase.theta_rate[i]) * per_size)
         opening = phase.opening[i]
-        if exact and opening > 0.0:  # as the corner of a joint that turns about the other one
+        if exact and opening > 0.0:  # as the corner of a joint that rotates about the other one
             half_width = 0.5 * blocks.width[i]
             turned = max(turned, FLIGHT_PART * opening / half_width)
             spun = max(spun, abs(phase.opening_rate[i]) / half_width)
@@ -95,7 +95,7 @@ def take_stock(column, phase, h):
         control.time_rocking += h
     else:
         control.time_flight += h
-    # what is not finite in a coordinate or a rate is not finite in the accelerations either
+    # a coordinate or rate that is not finite makes the accelerations not finite too
     return OK if math.isfinite(sum_all) else NOT_FINITE
 
 
@@ -116,7 +116,7 @@ def is_quiet(base, samples):
 
 @kernel
 def rests(column, phase):
-    """Whether the column is at rest under its weight at a phase, but for a motion that the tolerance does not see."""
+    """Whether the column is at rest under its weight at a phase, except for a motion below the tolerance."""
     settings, blocks, control = column.model.settings, column.model.blocks, column.state.control
     if not is_exact(column.model) or settings.integrator != AUTO or int(settings.without) & REST:
         return False
@@ -130,7 +130,7 @@ def rests(column, phase):
             turned, settled = turned - blocks.rest_turn[i], blocks.rest_opening[i]
         size = blocks.open_size[i]
         if can_slide(column.model) and (phase.sliding[i] != 0.0 or phase.slip[i] != blocks.offset[i]):
-            return False  # after a slip the rest is another one
+            return False  # a slip changes the rest
         if abs(turned) > turn or abs(phase.opening[i] - settled) > turn * size:
             return False
         if abs(phase.theta_rate[i]) > spin or abs(phase.opening_rate[i]) > spin * size:

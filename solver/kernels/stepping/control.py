@@ -1,37 +1,47 @@
-"""Which method makes the next step, whether the step is good enough, and how long the one after is to be."""
+"""Step control: the method of the next step, acceptance of a step, and the length of the one after."""
 
 import math
 
-from ..formulations.base import wave_amplitude
-from ..formulations.either import is_exact
+from ..formulations.base_motion import wave_amplitude
+from ..formulations.dispatch import is_exact
 from ..formulations.slips import something_slides
 from ..integrators import modal
 from ..integrators.traits import LINEARLY_IMPLICIT, ORDER_5, ORDER_8, traits_of
-from ..jit import kernel, leaf
-from ..layout import IMPLICIT, OK, SLACK
+from ..layout.spaces import IMPLICIT, OK, SLACK
+from ..numba_ext.jit import in_both, kernel, leaf
 
 SAFETY = 0.9
 SHRINK = 0.2
 GROW = 5.0
-# step control with memory (K. Gustafsson, ACM Trans. Math. Softw. 17 (1991) 533-554), parts of one over the order: a
-# step at the edge of stability is not tried beyond it every other time
+# step control with memory (K. Gustafsson, ACM Trans. Math. Softw. 17 (1991) 533-554), in units of one over the order:
+# without it every second step at the edge of stability would be tried beyond the edge
 INTEGRAL = 0.7
 PROPORTIONAL = 0.4
 LEAST_ERROR = 1e-4
 # when `auto` changes its method
-GAIN = 2.2  # the implicit method has to step further than the explicit one by so much
-PROBE = 4.0  # times the explicit step: how far the implicit method is tried
-STEPS_PER_PROBE = 100  # explicit steps before that
-MANY = 8  # blocks: from here on it mostly pays, and is tried sooner, and no further than it has to beyond order 8
+GAIN = 2.2  # ratio of implicit to explicit step from which the implicit method is used
+PROBE = 4.0  # times the explicit step: length of a trial step of the implicit method
+STEPS_PER_PROBE = 100  # explicit steps before such a trial
+MANY = 8  # blocks: from here on it mostly pays; it is tried sooner, and with shorter steps if order 8 is in use
 PROBE_OF_MANY = 1.5
 STEPS_OF_MANY = 40
 SMOOTHING = 0.2
 # when the modal method is used: a step of it costs half of one of the others
 ELASTIC_COST = 0.5
-WAIT_OPEN = 10  # steps of the others after a joint was found open before it is tried again
+WAIT_OPEN = 10  # steps of other methods before the next trial, after a joint was found open
 WAIT_SHORT = 30  # and after its steps had become too short
-SPARE = 0.3  # of the tolerance: with a smaller error the step becomes longer
+LENGTHEN_BELOW = 0.3  # of the tolerance: with a smaller error the step becomes longer
 LEAST_ELASTIC_STEP = 1e-9  # s
+# limit of evaluations and sweeps in a call: a constant, plus a number for each `first_step` of its length. Scenes of
+# the benchmarks and columns of examples/ take 7 for each at most, at a tolerance of 1e-11
+MOST_AT_ONCE = 1e5
+MOST_PER_FIRST_STEP = 1e4
+
+
+@in_both
+def most_work(settings, h):
+    """Limit of evaluations and sweeps for h s; beyond it the motion cannot be followed."""
+    return MOST_AT_ONCE + MOST_PER_FIRST_STEP * h / settings.first_step
 
 
 @leaf
@@ -44,7 +54,7 @@ def within_a_cycle(column, step):
 
 @kernel
 def elastic_step(column, most):
-    """What `auto` makes its next step by, s, if that is to be the modal method with all joints in contact; else 0."""
+    """Next step of `auto`, s, if the modal method should make it with all joints in contact; else 0."""
     model, counts, control = column.model, column.counts, column.state.control
     if not modal.available(model) or most < LEAST_ELASTIC_STEP:
         return 0.0
@@ -63,8 +73,8 @@ def general_step(column, left):
     """(method, s) of the next step of `auto` where joints may open; `left` s remain.
 
     An implicit step costs about as much as an explicit one of order 5 and half as much as one of order 8, so the method
-    that goes further at the same cost is the better. The implicit one is left where it does not; from time to time it
-    is tried with a longer step.
+    that makes the longer step at equal cost is better. The implicit one is given up when it is not; occasionally it is
+    tried with a longer step.
     """
     counts, control = column.counts, column.state.control
     step = within_a_cycle(column, control.next_step)
@@ -79,7 +89,7 @@ def general_step(column, left):
     if counts.implicit == 1:
         further = min(step, left) > GAIN * worth * control.explicit_step
         return LINEARLY_IMPLICIT if further else explicit, step
-    if counts.in_flight == 1:  # nothing there is stiff, and an implicit step would see too little of the landing
+    if counts.in_flight == 1:  # in flight the column is not stiff, and an implicit step would not resolve the landing
         return explicit, step
     if counts.since_probe >= (STEPS_OF_MANY if many else STEPS_PER_PROBE) and probe * step <= left:
         counts.since_probe = 0
@@ -89,13 +99,13 @@ def general_step(column, left):
 
 @kernel
 def accepts(column, method, step, code, error):
-    """Whether a step just tried is good enough; proposes the next one either way."""
+    """Whether a step just tried is accurate enough; sets the length of the next one either way."""
     counts, control = column.counts, column.state.control
     traits = traits_of(method)
     per_order = 1.0 / traits.order
     if code != OK or not error <= 1.0:
         counts.rejected += 1
-        if traits.implicit and counts.implicit == 0:  # a probe that failed: go on as before
+        if traits.implicit and counts.implicit == 0:  # a failed trial: continue as before
             return False
         factor = SHRINK
         if code == OK and math.isfinite(error):
@@ -108,7 +118,7 @@ def accepts(column, method, step, code, error):
         per_order * (PROPORTIONAL * math.log(control.previous_error) - INTEGRAL * math.log(error))
     )
     factor = min(GROW, max(SHRINK, factor))
-    # one cut short says nothing against the longer one proposed before
+    # a step that was cut short does not change the longer one proposed before
     whole = step >= control.next_step * (1.0 - SLACK)
     if whole:
         control.previous_error = error
@@ -126,7 +136,7 @@ def accepts(column, method, step, code, error):
 
 @kernel
 def accepts_elastic(column, step, code, error):
-    """Whether a modal step just tried is good enough; proposes the next one either way."""
+    """Whether a modal step just tried is accurate enough; sets the length of the next one either way."""
     counts, control = column.counts, column.state.control
     if code != OK:
         counts.rejected += 1
@@ -140,10 +150,10 @@ def accepts_elastic(column, step, code, error):
             control.elastic_step = control.next_step
         return False
     counts.elastic_steps += 1
-    # steps that stay the same share their responses: no change without need
+    # steps of equal length share their responses: it is changed only when needed
     if error > SAFETY:
         control.elastic_step = step * SAFETY
-    elif error < SPARE and step * GROW > control.elastic_step:
+    elif error < LENGTHEN_BELOW and step * GROW > control.elastic_step:
         longer = step * min(GROW, SAFETY * max(error, LEAST_ERROR) ** (-1.0 / modal.ORDER))
         control.elastic_step = max(control.elastic_step, longer)
     return True

@@ -1,32 +1,39 @@
-"""Regimes of the joints within a step: held while it is made, then the moment is found at which the first one ends.
+"""Regimes of the joints, held constant within a step; then the first change of a regime in the step is located.
 
-The law of a joint is smooth while its regime lasts and has a kink where another one begins: an edge parts, a corner
-comes down. A step that is held in the regimes of its start has smooth equations from end to end, so that the order of
-the integrator and the interpolation inside the step hold up to the moment of the change, where it is cut off.
+The law of a joint is smooth within a regime and has a kink at a change: an edge parts, a corner closes. A step that is
+held in the regimes of its start has smooth equations throughout, so that the order of the integrator and of the
+interpolation inside the step hold up to the moment of the change, where the step is cut off.
 """
 
 from typing import NamedTuple
 
-from ..jit import kernel, leaf
+from ..integrators.bracket import bracket, narrowed, trial_within
+from ..integrators.interpolation import (
+    Quintic,
+    quintic_of,
+    quintic_through,
+    refine,
+    slips_of,
+    value_of,
+)
 from ..joint.regimes import ANY, contact_regime, regime_margin
-from ..joint.section import ends_of
 from ..joint.sliding import can_slide, opening_felt, opening_rate_felt, slip_of
-from ..numbers import sine_cosine
-from .bracket import bracket, narrowed, trial_within
-from .interpolation import Quintic, quintic_of, quintic_through, refine, slips_of, value_of
+from ..numba_ext.jit import kernel, leaf
+from ..numba_ext.numbers import sine_cosine
+from ..sections.section import ends_of
 
 NO_CHANGE = 2.0  # a fraction of the step that is never reached
-AHEAD = 1e-7  # of the step: at the very moment of a change the regime is that of so much later
-CLOSE_ENOUGH = 1e-6  # of the step: the error of going on in the wrong regime is of the second order in it
+AHEAD = 1e-7  # of the step: at a change, the regime is the one this much later
+CLOSE_ENOUGH = 1e-6  # of the step: the error of continuing in the wrong regime is of the second order in it
 MOST_TRIALS = 40
 PREDICTIONS = 4  # trials
-OVERSHOOT = 1.03  # a step that is to end just beyond a change is longer than expected by so much,
+OVERSHOOT = 1.03  # a step that should end just beyond a change is made longer than expected by this factor,
 AFTER = 0.01  # and by this part of the one proposed
 
 
 @kernel
 def hold(column, h):
-    """Hold every joint in the regime in which a step of h seconds begins."""
+    """Hold every joint in its regime at the start of a step of h seconds."""
     blocks, start, rows = column.model.blocks, column.work.start, column.work.hold
     slides = can_slide(column.model)
     ahead = AHEAD * h
@@ -56,14 +63,14 @@ def hold(column, h):
 
 @kernel
 def release(column):
-    """Let the joints go; what they were held in is remembered."""
+    """Release the joints; the regimes they were held in are stored."""
     for i in range(column.model.n):
         column.work.hold.held[i] = ANY
 
 
 @leaf
 def _margin(model, i, regime, turn, opening, slip, spin, opening_rate, slip_rate):
-    """How far joint i, turned by so much, is from leaving a regime, m."""
+    """Distance of joint i, at this rotation, from leaving a regime, m."""
     sine, cosine = sine_cosine(0.5 * turn)
     slope, slope_rate = 2.0 * sine, cosine * spin
     felt = opening_felt(opening, slip, slope)
@@ -88,7 +95,7 @@ def _stays(model, phase, i, regime):
 
 @kernel
 def _margin_ahead(model, start, i, regime, s):
-    """The margin of joint i in s seconds from a phase if its accelerations stay what they are."""
+    """The margin of joint i in s seconds from a phase if its accelerations stay constant."""
     n = model.n
     turn, spin = _less_below(start.theta, i, n), _less_below(start.theta_rate, i, n)
     spin_rate = _less_below(start.theta_acceleration, i, n)
@@ -107,8 +114,8 @@ def _margin_ahead(model, start, i, regime, s):
 def expected_change(column, h):
     """Seconds until just after a joint is expected to leave its regime; h if not before that.
 
-    Expected is what happens if accelerations stay what they are. A step that ends there is nearly used up when it is
-    cut off, and interpolates well where that happens.
+    The prediction takes constant accelerations. A step that ends there loses little when it is cut off, and its
+    interpolation is accurate near the change.
     """
     model, start = column.model, column.work.start
     first = h
@@ -136,7 +143,7 @@ def expected_change(column, h):
 
 
 class Course(NamedTuple):
-    """How a joint moves within a step."""
+    """The motion of a joint within a step."""
 
     turn: Quintic
     opening: Quintic
@@ -145,7 +152,7 @@ class Course(NamedTuple):
 
 @leaf
 def _course_of(column, i, h):
-    """The course of joint i."""
+    """The motion of joint i within the step."""
     work, n = column.work, column.model.n
     slip = quintic_through(h, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     if can_slide(column.model):
@@ -164,7 +171,7 @@ def _margin_within(model, i, regime, course, s):
 
 @kernel
 def _end_of_regime(model, i, regime, course, lo, hi):
-    """Fraction of the step, after lo, where the margin of joint i is spent; it is at hi."""
+    """Fraction of the step, after lo, where the margin of joint i reaches zero; it is negative at hi."""
     at_lo = _margin_within(model, i, regime, course, lo)
     if at_lo < 0.0:
         lo = 0.0
@@ -196,7 +203,7 @@ def _bracket(column, looked_at, nodes, i, regime):
 def first_change(column, looked_at, nodes, t, h):
     """Fraction of the step at which a joint first leaves the regime that it was held in; NO_CHANGE if none does.
 
-    looked_at: three phases inside the step, at the fractions `nodes`, for joints that leave and come back.
+    looked_at: three phases inside the step, at the fractions `nodes`, for joints that leave and return.
     """
     model, rows = column.model, column.work.hold
     first = NO_CHANGE

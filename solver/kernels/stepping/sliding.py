@@ -1,21 +1,21 @@
-"""Where joints begin or cease to slide within a step.
+"""Start and end of sliding of joints within a step.
 
-Within a step each joint sticks, or slides one way; so the equations are smooth. A joint ceases where the rate of its
-slip passes zero, which the interpolation shows. It begins where sticking would take more than it bears, which takes an
-evaluation at every trial. The step is cut off there, and `evaluate_anew` decides how it goes on.
+Within a step each joint sticks, or slides one way, so that the equations are smooth. A joint stops where the rate of
+its slip passes zero, which the interpolation gives. It starts where sticking would need more than the shear capacity,
+which takes an evaluation at every trial. The step is cut off there, and `evaluate_after_jump` decides how it continues.
 """
 
-from ..formulations.either import evaluate_at
-from ..formulations.slips import spare
-from ..jit import kernel, leaf
-from .bracket import bracket, narrowed, trial_within
-from .interpolation import interpolate_phase, quintic_of, refine, slips_of, value_of
+from ..formulations.dispatch import evaluate_at
+from ..formulations.slips import shear_margin
+from ..integrators.bracket import bracket, narrowed, trial_within
+from ..integrators.interpolation import interpolate_phase, quintic_of, refine, slips_of, value_of
+from ..numba_ext.jit import kernel, leaf
 
 NEVER = 2.0  # a fraction of the step that is not reached
-CLOSE_ENOUGH = 1e-12  # of the step: what is left of the rate there is taken for zero
-NEAR = 1e-9  # of the step, for the beginning, at which no force jumps; and the least part that a step is cut to
-# Of the step, by which one goes on where the law of the regimes that joints are held in has a joint stop that begins
-# there by its own law, or begin where it sticks: else such steps would follow each other by the thousand
+CLOSE_ENOUGH = 1e-12  # of the step: the remaining rate there is taken as zero
+NEAR = 1e-9  # of the step, for the start of sliding, at which no force jumps; also the least part that a step is cut to
+# Part of the step taken regardless where the held law stops a joint that starts sliding there by its own law, or starts
+# one that sticks: otherwise thousands of such tiny steps could follow each other.
 LATE = 1e-3
 MOST_TRIALS = 60
 MOST_HALVINGS = 20
@@ -23,7 +23,7 @@ MOST_HALVINGS = 20
 
 @kernel
 def begin_step(column, h):
-    """Forget what was found of the last step; seconds until just after a joint is expected to stop, at most h."""
+    """Clear the results of the last step; seconds until just after a joint is expected to stop, at most h."""
     work = column.work
     start, joints = work.start, work.joints
     first = h
@@ -37,7 +37,7 @@ def begin_step(column, h):
 
 @kernel
 def first_slip_change(column, looked_at, nodes, t, h):
-    """Fraction of the step at which a joint first begins or ceases to slide; NEVER if none does.
+    """Fraction of the step at which a joint first starts or stops sliding; NEVER if none does.
 
     looked_at: three phases inside the step, at the fractions `nodes`, for joints that turn twice.
     """
@@ -53,8 +53,8 @@ def first_slip_change(column, looked_at, nodes, t, h):
 
 @leaf
 def any_passes_zero(work, looked_at):
-    """Whether some joint slides backwards at the end of the step, or at a phase inside: of one column or of eight."""
-    passes = work.joints.sliding[0] != work.joints.sliding[0]  # nowhere
+    """Whether a joint slides backwards at the end of the step, or at a phase inside: of one column or of eight."""
+    passes = work.joints.sliding[0] != work.joints.sliding[0]  # false in every lane
     first, second, third = looked_at
     for i in range(work.n):
         way = work.joints.sliding[i]
@@ -65,7 +65,7 @@ def any_passes_zero(work, looked_at):
 
 @kernel
 def first_stop(work, looked_at, nodes, h):
-    """Fraction of the step of h seconds at which a joint first ceases to slide; NEVER if none does."""
+    """Fraction of the step of h seconds at which a joint first stops sliding; NEVER if none does."""
     sliding = work.joints.sliding
     first = NEVER
     for i in range(work.n):
@@ -86,7 +86,7 @@ def first_stop(work, looked_at, nodes, h):
 
 @kernel
 def _stop(work, i, lo, hi, h):
-    """Fraction of the step, between lo and hi, where the rate of slip i passes zero; NEVER if it does not after all."""
+    """Fraction of the step, between lo and hi, where the rate of slip i passes zero; NEVER if it does not."""
     course = quintic_of(work, slips_of(work)[0] + i, -1, h)
     way = work.joints.sliding[i]
     at_hi = way * value_of(course, hi)[1]
@@ -98,7 +98,7 @@ def _stop(work, i, lo, hi, h):
     at_lo = way * value_of(course, lo)[1]
     if at_lo < 0.0:
         lo, at_lo = 0.0, max(0.0, way * value_of(course, 0.0)[1])
-    if at_lo == 0.0:  # it begins here, and comes to rest after it has moved
+    if at_lo == 0.0:  # it starts here, and stops after it has moved
         lo, at_lo = _moving(course, way, lo, hi)
         if at_lo == 0.0:
             return max(lo, LATE)
@@ -113,7 +113,7 @@ def _stop(work, i, lo, hi, h):
 
 @kernel
 def _moving(course, way, lo, hi):
-    """A place from `lo` on, near it, where a slip that is still there moves, and how fast; (lo, 0) if nowhere."""
+    """A place after and near `lo` at which a slip that is at rest at lo moves, and its rate; (lo, 0) if nowhere."""
     reach = hi - lo
     for _ in range(MOST_HALVINGS):
         reach *= 0.5
@@ -125,15 +125,15 @@ def _moving(course, way, lo, hi):
 
 @kernel
 def _beginning(column, i, nodes, t, h, before):
-    """Fraction of the step, before another one, where joint i first bears too little; NEVER if it does there."""
+    """Fraction of the step, below `before`, where joint i first exceeds its shear capacity; NEVER if it does not."""
     refine(column, t, h)
-    lo, at_lo = 0.0, _spare_within(column, i, t, h, 0.0)
+    lo, at_lo = 0.0, _margin_within(column, i, t, h, 0.0)
     if at_lo <= 0.0:
         return LATE
     hi, at_hi = NEVER, 0.0
     for k in range(4):
         place = min(before, nodes[k] if k < 3 else 1.0)
-        value = _spare_within(column, i, t, h, place)
+        value = _margin_within(column, i, t, h, place)
         if value < 0.0:
             hi, at_hi = place, value
             break
@@ -147,13 +147,13 @@ def _beginning(column, i, nodes, t, h, before):
         if known.hi - known.lo <= NEAR:
             break
         trial = trial_within(known)
-        known = narrowed(known, trial, _spare_within(column, i, t, h, trial))
+        known = narrowed(known, trial, _margin_within(column, i, t, h, trial))
     return known.hi
 
 
 @kernel
-def _spare_within(column, i, t, h, s):
-    """What joint i bears beyond what it has to at fraction s of the step, N."""
+def _margin_within(column, i, t, h, s):
+    """Shear capacity of joint i less the force along it at fraction s of the step, N."""
     interpolate_phase(column.work, h, s)
     evaluate_at(column, column.work.between, t + s * h)
-    return spare(column.work.joints, i)
+    return shear_margin(column.work.joints, i)

@@ -1,0 +1,87 @@
+"""Seismic response of stacked rigid blocks with no-tension elastic joints: the public interface.
+
+Every name that a program needs is here; the modules behind it (`solver`, `fmu_src`) may move.
+"""
+
+import solver as _solver  # isort: skip  # first: from here on Ctrl-C ends the process by a line
+
+from solver import (
+    Block,
+    Column,
+    InitialState,
+    InputError,
+    InputWarning,
+    Joint,
+    Motion,
+    Response,
+    Settings,
+    SolverError,
+    Spread,
+    Table,
+    natural_frequencies,
+    simulate,
+    simulate_many,
+    studies,
+)
+from solver.commands.progress import RunsLine
+from solver.dynamics.uncertainty import Ensemble, ErrorEstimate
+from solver.ground import wavelets
+from solver.ground.intensity import Intensity, Spectrum, intensity, pgv, spectrum
+from solver.runs.many import ExecutorError, parts_of_many
+from solver.statics import calibrate
+from solver.statics.capacity import CapacityCurve, Rest, capacity_curve, rest_of, uplift_accelerations
+from solver.statics.modes import Modes, natural_modes
+from solver.statics.rocking import housner_restitution, restitution
+from solver.studies import Results, Study, run_study
+from solver.studies.cluster import Cluster
+
+__version__ = _solver.__version__
+
+__all__ = [
+    "Block",
+    "CapacityCurve",
+    "Cluster",
+    "Column",
+    "Ensemble",
+    "ErrorEstimate",
+    "ExecutorError",
+    "InitialState",
+    "InputError",
+    "InputWarning",
+    "Intensity",
+    "Joint",
+    "Modes",
+    "Motion",
+    "Response",
+    "Rest",
+    "Results",
+    "RunsLine",
+    "Settings",
+    "SolverError",
+    "Spectrum",
+    "Spread",
+    "Study",
+    "Table",
+    "__version__",
+    "calibrate",
+    "capacity_curve",
+    "housner_restitution",
+    "intensity",
+    "natural_frequencies",
+    "natural_modes",
+    "parts_of_many",
+    "pgv",
+    "rest_of",
+    "restitution",
+    "run_study",
+    "simulate",
+    "simulate_many",
+    "spectrum",
+    "studies",
+    "uplift_accelerations",
+    "wavelets",
+]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

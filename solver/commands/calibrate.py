@@ -1,0 +1,204 @@
+"""The command `calibrate`: modulus and damping from known properties of a column, and their consequences."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..column.column import Column
+from ..column.rest import check_rest
+from ..common.errors import InputError, SolverError, reading
+from ..common.files import check_outputs, whole_file
+from ..statics.calibrate import (
+    SPREAD,
+    FreeVibration,
+    ModulusFit,
+    damping_from_ratio,
+    damping_from_restitution,
+    fit_moduli,
+    free_vibration,
+    modulus_from_elasticity,
+    read_history,
+    with_joints,
+)
+from ..statics.modes import modes_about_rest
+from ..statics.rocking import RELEASE, housner_restitution, restitution
+from .command_files import add_force, check_suffix, read_column
+from .progress import compile_kernels
+
+HOUSNER = "housner"
+_OF_RECORDS = ("channel", "begin", "end")
+
+
+def add_calibrate_command(commands: argparse._SubParsersAction[Any]) -> None:
+    """Add `calibrate`."""
+    parser = commands.add_parser(
+        "calibrate", help="modulus and damping of the joints from elasticity, frequencies, decay or restitution"
+    )
+    parser.set_defaults(command=_calibrate)
+    parser.add_argument("column", type=Path, metavar="COLUMN.toml", help="its values stay if nothing is asked for")
+    modulus = parser.add_argument_group("modulus, one of").add_mutually_exclusive_group()
+    modulus.add_argument("--young", type=float, metavar="PA", help="modulus of elasticity of the blocks, Pa")
+    modulus.add_argument(
+        "--frequencies", type=float, nargs="+", metavar="HZ", help="measured, first, second ... sway; nan: not measured"
+    )
+    parser.add_argument("--joint-thickness", type=float, metavar="M", help="of mortar or lead in joints, with --young")
+    parser.add_argument("--joint-young", type=float, metavar="PA", help="modulus of what is in the joints")
+    damping = parser.add_argument_group("damping, one of").add_mutually_exclusive_group()
+    damping.add_argument("--restitution", metavar="R", help=f"after over before an impact; {HOUSNER}: by the geometry")
+    damping.add_argument("--damping-ratio", type=float, metavar="R", help="of critical, in the first mode that sways")
+    damping.add_argument("--free-vibration", type=Path, metavar="FILE.csv", help="times and values of a decay")
+    parser.add_argument(
+        "--release", type=float, default=RELEASE, metavar="PART", help=f"of the way to the edge (default: {RELEASE:g})"
+    )
+    parser.add_argument("--channel", metavar="NAME", help="column of --free-vibration (default: the second)")
+    parser.add_argument("--begin", type=float, metavar="S", help="of the decay in --free-vibration, s")
+    parser.add_argument("--end", type=float, metavar="S", help="of the decay, s")
+    parser.add_argument("--json", action="store_true", help="print all that was found as JSON")
+    parser.add_argument("-o", "--output", type=Path, metavar="FILE.json", help="write that to a file")
+    add_force(parser)
+
+
+def _calibrate(options: argparse.Namespace) -> None:
+    for keys, needed in ((("joint_thickness", "joint_young"), "young"), (_OF_RECORDS, "free_vibration")):
+        for key in keys:
+            if getattr(options, key) is not None and getattr(options, needed) is None:
+                raise InputError(f"--{key.replace('_', '-')}: must be left out, or --{needed.replace('_', '-')} given")
+    if options.output is not None:
+        check_suffix(options.output, ".json")
+    check_outputs((options.output,), (options.column, options.free_vibration), options.force)
+    column = read_column(options.column)
+    compile_kernels()
+    decay = None if options.free_vibration is None else _decay_of_record(options)
+    fit: ModulusFit | None = None
+    if options.young is not None:
+        column = with_joints(
+            column, modulus_from_elasticity(column, options.young, options.joint_thickness or 0.0, options.joint_young)
+        )
+    elif options.frequencies is not None:
+        fit = fit_moduli(column, options.frequencies)
+        column = with_joints(column, fit.moduli)
+    if options.restitution is not None:
+        column = with_joints(
+            column, damping=damping_from_restitution(column, _number(options.restitution), options.release)
+        )
+    elif options.damping_ratio is not None:
+        column = with_joints(column, damping=damping_from_ratio(column, options.damping_ratio))
+    elif decay is not None:
+        column = with_joints(column, damping=damping_from_ratio(column, decay.ratio))
+    with reading(options.column):
+        check_rest(column)
+    found = _found(column, options.release, decay, fit)
+    text = json.dumps(found, indent=2, ensure_ascii=False)
+    print(text if options.json else f"{_decay(options, decay)}{_joints(column)}\n{_fit(fit)}{_meaning(found)}")
+    if options.output is not None:
+        with reading(options.output), whole_file(options.output) as partial:
+            partial.write_text(text + "\n", encoding="utf-8")
+        if not options.json:
+            print(options.output)
+
+
+def _number(text: str) -> float | None:
+    """The restitution asked for; None stands for Housner's."""
+    if text.lower() == HOUSNER:
+        return None
+    try:
+        return float(text)
+    except ValueError:
+        raise InputError(f"--restitution {text}: must be {HOUSNER}, or a number between 0 and 1") from None
+
+
+def _decay_of_record(options: argparse.Namespace) -> FreeVibration:
+    time, values = read_history(options.free_vibration, options.channel)
+    begin = -math.inf if options.begin is None else options.begin
+    within = (time >= begin) & (time <= (math.inf if options.end is None else options.end))
+    with reading(options.free_vibration):
+        return free_vibration(time[within], values[within])
+
+
+def _decay(options: argparse.Namespace, decay: FreeVibration | None) -> str:
+    if decay is None:
+        return ""
+    return (
+        f"{options.free_vibration}: {decay.frequency:.5g} Hz, damping {decay.ratio:.3%}; "
+        f"a decaying swing explains {decay.explained:.1%}\n"
+    )
+
+
+def _fit(fit: ModulusFit | None) -> str:
+    """The measured frequencies beside those of the fit, and how exact its moduli are."""
+    if fit is None:
+        return ""
+    lines = ["mode  measured (Hz)    fit (Hz)  difference"]
+    for mode, values in enumerate(zip(fit.measured, fit.fitted, fit.difference, strict=True), start=1):
+        lines.append("{:4d}  {:13.5g}  {:10.5g}  {:+10.2%}".format(mode, *values))
+    spreads = ", ".join(
+        f"{part:.2g}" if known else "not determined" for part, known in zip(fit.spread, fit.determined, strict=True)
+    )
+    what = "of each modulus, the top joint first" if fit.each else "of the factor on all moduli"
+    lines.append(
+        f"standard error {what}, for {SPREAD:.0%} in every frequency: {spreads if fit.each else spreads.split(',')[0]}"
+    )
+    return "\n".join(lines) + "\n"
+
+
+def _joints(column: Column) -> str:
+    """The values as a column file has them: once if all joints have the same."""
+    joints = [block.joint for block in column.blocks]
+    values = [(joint.stiffness, joint.damping) for joint in joints]
+    if len(set(values)) == 1:
+        values = values[:1]
+    lines = []
+    for i, (stiffness, damping) in enumerate(values, start=1):
+        lines.append("[joint]" if len(values) == 1 else f"[block.joint]              # of block {i}")
+        lines += [f"stiffness = {stiffness:.6g}    # N/m3", f"damping = {damping:.6g}    # s"]
+    return "\n".join(lines)
+
+
+def _found(
+    column: Column, release: float, decay: FreeVibration | None, fit: ModulusFit | None = None
+) -> dict[str, Any]:
+    """All results in SI units; a restitution that is not found is None, with the reason."""
+    modes = modes_about_rest(column)
+    first = int(np.argmax(modes.sways))
+    found: dict[str, Any] = {
+        "column": column.name,
+        "joints": [{"stiffness": block.joint.stiffness, "damping": block.joint.damping} for block in column.blocks],
+        "frequency": float(modes.frequency[first]),
+        "damping_ratio": float(modes.damping_ratio[first]),
+        "release": release,
+        "restitution": None,
+        "housner_restitution": housner_restitution(column),
+        "free_vibration": None,
+        "frequencies": None,
+    }
+    if fit is not None:
+        found["frequencies"] = {
+            "measured": [value if math.isfinite(value) else None for value in fit.measured.tolist()],
+            "fitted": fit.fitted.tolist(),
+            "stiffness_error": [
+                value if known else None for value, known in zip(fit.spread, fit.determined, strict=True)
+            ],
+            "another_stiffness": None if fit.another is None else fit.another.tolist(),
+        }
+    if decay is not None:
+        found["free_vibration"] = {name: getattr(decay, name) for name in ("frequency", "ratio", "explained")}
+    try:
+        found["restitution"] = restitution(column, release)
+    except SolverError as failure:
+        found["no_restitution"] = str(failure)
+    return found
+
+
+def _meaning(found: dict[str, Any]) -> str:
+    """First mode and restitution that follow from the values."""
+    first = f"first mode {found['frequency']:.5g} Hz, damping {found['damping_ratio']:.3%}, all joints closed"
+    result = f"not found: {found.get('no_restitution')}"
+    if found["restitution"] is not None:
+        result = f"{found['restitution']:.5f}, let go at {found['release']:g} of the way to the edge"
+    return f"{first}\nrestitution {result}; Housner's rigid block {found['housner_restitution']:.5f}"

@@ -1,0 +1,36 @@
+"""Files named on a command line: checked before anything is worked out."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from ..column.column import Column
+from ..common.errors import InputError, needing
+
+PICTURES = (".png", ".pdf", ".svg")
+
+
+def read_column(path: Path) -> Column:
+    """Read a column file. Raises InputError."""
+    check_suffix(path, ".toml")
+    return Column.from_toml(path)
+
+
+def check_picture(path: Path | None) -> None:
+    """Raise InputError if a picture is wanted that cannot be drawn."""
+    if path is not None:
+        check_suffix(path, *PICTURES)
+        with needing("plot", "matplotlib"):
+            import matplotlib  # noqa: F401
+
+
+def add_force(parser: argparse.ArgumentParser) -> None:
+    """Add --force, for what `files.check_outputs` refuses."""
+    parser.add_argument("--force", action="store_true", help="overwrite files that are there")
+
+
+def check_suffix(path: Path, *known: str) -> None:
+    """Raise InputError unless the file's name ends in a known suffix, in either case."""
+    if path.suffix.lower() not in {suffix.lower() for suffix in known}:
+        raise InputError(f"{path}: must end in {' or '.join(known)}")

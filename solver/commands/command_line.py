@@ -1,0 +1,338 @@
+"""The command line of the solver: its commands, and the way every command ends."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+import warnings
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any, NoReturn
+
+import numpy as np
+
+from .. import __version__
+from ..column.column import Column
+from ..column.settings import FORMULATIONS, INTEGRATORS
+from ..common.errors import InputError, InputWarning, SolverError, needing, reading
+from ..common.files import check_outputs
+from ..common.loading import INTERRUPTED, done
+from ..dynamics.response import DIGITS, Response, check_digits
+from ..dynamics.uncertainty import PERCENTILES, Ensemble, Spread
+from ..ground.motion import STANDARD_GRAVITY, Motion
+from ..runs.simulate import OUTPUT_STEP, simulate
+from ..runs.single_run import SETTLE
+from . import column_report
+from .calibrate import add_calibrate_command
+from .command_files import PICTURES, add_force, check_picture, check_suffix, read_column
+from .motion_options import (
+    FORMATS,
+    add_file_options,
+    add_motion_options,
+    check_file_options,
+    file_line,
+    motion_of,
+    read_with_options,
+)
+from .progress import ProgressLine, compile_kernels
+from .record_report import report
+from .static import add_static_commands
+from .study import add_command as add_study
+
+BASE_PEAKS = ("Fx", "Fz", "My"), ("kN", "kN", "kN m")
+PROGRAM = "python -m solver"
+
+
+class OneLineParser(argparse.ArgumentParser):
+    """Raises an InputError for a wrong command line instead of printing the usage too."""
+
+    def error(self, message: str) -> NoReturn:
+        """Raise InputError."""
+        raise InputError(f"{message} (--help shows the options)")
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """`python -m solver`; returns the exit code."""
+    parser = program_parser(PROGRAM, "Seismic response of a column of rigid blocks.")
+    add_commands(parser.add_subparsers(metavar="COMMAND", required=True))
+    return run_command(parser, arguments)
+
+
+def program_parser(program: str, description: str) -> OneLineParser:
+    """A parser that knows --version, for `run_command`."""
+    parser = OneLineParser(prog=program, description=description)
+    parser.add_argument("--version", action="version", version=f"multiblock-fmu {__version__}")
+    return parser
+
+
+def run_command(parser: argparse.ArgumentParser, arguments: Sequence[str] | None) -> int:
+    """Call `options.command(options)` with the options that the parser reads.
+
+    Returns the exit code: 2 for a user's mistake. An interrupt by the user ends the process at once, with 130.
+    """
+    done()
+    if hasattr(sys.stdout, "reconfigure"):  # the name of a file may not be decodable as text
+        sys.stdout.reconfigure(errors="backslashreplace")
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("always", InputWarning)
+            warnings.showwarning = _warnings_shower()
+            options = _parsed(parser, arguments)
+            options.command(options)
+    except (InputError, SolverError, OSError) as error:
+        print(f"{parser.prog}: {error}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        print(f"{parser.prog}: interrupted", file=sys.stderr)
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os._exit(INTERRUPTED)  # at once: Python takes half a second to tidy up, and would wait for threads
+    return 0
+
+
+def _warnings_shower() -> Callable[..., None]:
+    """A function that prints each warning once, without its place in the code."""
+    shown: set[str] = set()
+
+    def show(message: Warning | str, *_: Any, **__: Any) -> None:
+        if str(message) not in shown:
+            shown.add(str(message))
+            print(f"warning: {message}", file=sys.stderr)
+
+    return show
+
+
+def _parsed(parser: argparse.ArgumentParser, arguments: Sequence[str] | None) -> argparse.Namespace:
+    """Parse; a path after options still becomes MOTION, although argparse no longer expects the optional one there."""
+    options, rest = parser.parse_known_args(arguments)
+    names = getattr(options, "paths", ())
+    values = [getattr(options, name) for name in names if getattr(options, name) is not None]
+    late = [Path(text) for text in rest if not text.startswith("-")]
+    if len(late) < len(rest) or (len(values) + len(late) > len(names) and late):
+        parser.error(f"unrecognized arguments: {' '.join(rest)}")
+    if late:
+        for name, value in zip(names, values + late, strict=True):
+            setattr(options, name, value)
+    return options
+
+
+def add_commands(commands: argparse._SubParsersAction[OneLineParser]) -> None:
+    """Add `simulate`, `record`, `convert`, `modes`, `statics`, `calibrate` and `study`."""
+    run = commands.add_parser("simulate", help="response of a column to a base motion")
+    run.set_defaults(command=_simulate, paths=("motion",))
+    run.add_argument("column", type=Path, metavar="COLUMN.toml", help="blocks, joints and solver settings")
+    add_motion_options(run)
+    run.add_argument("--duration", type=float, metavar="S", help="s (default: that of the motion)")
+    run.add_argument("--output-step", type=float, metavar="S", help=f"s between two rows (default: {OUTPUT_STEP})")
+    run.add_argument("--formulation", help=f"{' or '.join(FORMULATIONS)} (default: the column's, as all that follow)")
+    run.add_argument("--integrator", help=" or ".join(INTEGRATORS))
+    run.add_argument("--step", type=float, metavar="S", help="s, of an integrator with a fixed step")
+    run.add_argument("--tolerance", type=float, help="error relative to the peak, of one that chooses its steps")
+    run.add_argument(
+        "--settle",
+        type=float,
+        default=SETTLE,
+        metavar="S",
+        help=f"s after the end in which to find out whether it falls (default: {SETTLE:g}; 0: none)",
+    )
+    run.add_argument("--no-check", action="store_true", help="do not repeat the run to estimate its error")
+    usual = Spread()
+    run.add_argument("--ensemble", type=int, default=0, metavar="RUNS", help="number of runs varied by the spread")
+    run.add_argument(
+        "--spread",
+        type=float,
+        nargs=3,
+        default=(usual.stiffness, usual.damping, usual.motion),
+        metavar=("STIFFNESS", "DAMPING", "MOTION"),
+        help=f"relative sizes (default: {usual.stiffness:g} {usual.damping:g} {usual.motion:g})",
+    )
+    run.add_argument("--spread-seed", type=int, default=usual.seed, metavar="N", help=f"(default: {usual.seed})")
+    run.add_argument("-o", "--output", type=Path, metavar="FILE.csv", help="write the histories")
+    run.add_argument("--plot", type=Path, metavar="FILE.png", help=f"draw the histories ({', '.join(PICTURES)})")
+
+    run.add_argument("--plot-column", type=Path, metavar="FILE.png", help="draw the deformed column at its peak")
+    run.add_argument("--film", type=Path, metavar="FILE.gif", help="film the column (.gif; .mp4 where ffmpeg is)")
+    run.add_argument(
+        "--digits", type=int, default=DIGITS, metavar="N", help=f"significant ones of -o (default: {DIGITS}; 17: all)"
+    )
+    add_force(run)
+
+    record = commands.add_parser("record", help="how strong records are: peaks, Arias intensity, response spectrum")
+    record.set_defaults(command=_record)
+    record.add_argument("records", type=Path, nargs="+", metavar="FILE", help=FORMATS)
+    add_file_options(record)
+    record.add_argument("--plot", type=Path, metavar="FILE.png", help=f"draw them ({', '.join(PICTURES)})")
+    add_force(record)
+
+    convert = commands.add_parser("convert", help="record -> the CSV that `fmpy simulate --input-file` takes")
+    convert.set_defaults(command=_convert, paths=("motion", "output"))
+    add_motion_options(convert)
+    convert.add_argument(
+        "output", type=Path, metavar="MOTION.csv", help="time, base.ax, base.az, slopes base.jx, base.jz"
+    )
+    add_force(convert)
+    add_static_commands(commands)
+    add_calibrate_command(commands)
+    add_study(commands)
+
+
+def _simulate(options: argparse.Namespace) -> None:
+    # obstacles to an output are reported before the run, not after it
+    if options.output is not None:
+        check_suffix(options.output, ".csv")
+    check_picture(options.plot)
+    check_picture(options.plot_column)
+    if options.film is not None:
+        with needing("plot", "matplotlib"):
+            from ..plotting.drawings import check_film
+        check_film(options.film)
+    outputs = (options.output, options.plot, options.plot_column, options.film)
+    check_outputs(outputs, (options.column, options.motion, options.vertical), options.force)
+    check_digits("--digits", options.digits)
+    column = read_column(options.column)
+    motion, lines = motion_of(options)
+    compile_kernels()  # the report needs them too
+    print(*lines, column_report.report(column, motion), sep="\n", flush=True)
+    stiffness, damping, shaking = options.spread
+    spread = Spread(stiffness, damping, shaking, options.spread_seed)
+    try:
+        response = _run(
+            column,
+            motion,
+            duration=options.duration,
+            formulation=options.formulation,
+            integrator=options.integrator,
+            step=options.step,
+            tolerance=options.tolerance,
+            output_step=options.output_step,
+            settle=options.settle,
+            check=not options.no_check,
+            ensemble=options.ensemble,
+            spread=spread,
+        )
+        print(_summary(response))
+        writers: tuple[Callable[[Path], object], ...] = (
+            lambda path: response.to_csv(path, options.digits),
+            response.plot,
+            response.plot_column,
+            response.film,
+        )
+        for path, write in zip(outputs, writers, strict=True):
+            if path is not None:
+                with reading(path):
+                    write(path)
+                print(path)
+    except MemoryError:
+        raise SolverError("not enough memory for the response: a larger --output-step may help") from None
+
+
+def _run(column: Column, motion: Motion, duration: float | None, **options: Any) -> Response:
+    """`simulate`, with a progress line on a terminal."""
+    if not sys.stderr.isatty():
+        return simulate(column, motion, duration, **options)
+    with ProgressLine(motion.start, motion.duration if duration is None else duration) as line:
+        return simulate(column, motion, duration, callback=line, **options)
+
+
+def _record(options: argparse.Namespace) -> None:
+    check_picture(options.plot)
+    check_outputs((options.plot,), options.records, options.force)
+    check_file_options(options.records, options)
+    motions = {}
+    for path in options.records:
+        record, motion = read_with_options(path, options, options.channel)
+        motions[path.name if path.name not in motions else str(path)] = motion
+        print(file_line(path, record))
+        with reading(path):
+            print(report(motion))
+    if options.plot is not None:
+        from ..plotting.record_plots import plot_records
+
+        with reading(options.plot):
+            plot_records(motions, options.plot)
+        print(options.plot)
+
+
+def _convert(options: argparse.Namespace) -> None:
+    check_suffix(options.output, ".csv")
+    check_outputs((options.output,), (options.motion, options.vertical), options.force)
+    motion, lines = motion_of(options)
+    motion.to_csv(options.output, slopes=True)
+    print("\n".join(lines), end="\n" if lines else "")
+    pga = motion.pga / STANDARD_GRAVITY
+    print(f"{options.output}: {len(motion.time)} samples, {motion.duration:g} s, largest acceleration {pga:.4g} g")
+
+
+def _summary(response: Response) -> str:
+    """The results of a run, for the terminal."""
+    column, stats = response.column, response.stats
+    lines = [
+        f"{column.name}: {column.settings.formulation} formulation, {column.settings.integrator} integrator",
+        "block  peak |ux| (mm)",
+        *(f"{i:5d}  {1e3 * peak:14.5g}" for i, peak in enumerate(response.peak_ux, start=1)),
+    ]
+    if "N" in response.peaks:
+        lines += _peaks(response)
+    if column.slides:
+        left = ", ".join(f"{1e3 * slip:.5g}" for slip in response.slip[-1])
+        lines.append(f"slip of each block at the end (mm): {left}; friction took {stats['friction_work']:.4g} J")
+    lines.append(_verdict(response))
+    if response.estimated_error is not None and response.horizon is not None:
+        error = response.estimated_error
+        lines.append(
+            f"estimated error: histories {error.ux:.1e} of the peak, peaks {np.max(error.peak_ux):.1e}; "
+            f"predictable until {response.horizon:.4g} s"
+        )
+    if response.ensemble is not None:
+        lines += _ensemble(response.ensemble)
+    regimes = ("full_contact", "rocking", "flight")
+    lines.append("time in " + ", ".join(f"{name.replace('_', ' ')} {stats[name]:.1%}" for name in regimes))
+    lines.append(f"{stats['steps']} steps in {stats['wall_time']:.2f} s")
+    return "\n".join(lines)
+
+
+def _peaks(response: Response) -> list[str]:
+    """Peak forces on the joints and the base, in a table."""
+    peaks = response.peaks
+    columns = {"N": 1e-3, "|M|": 1e-3, "|T|": 1e-3, "sigma_max": 1e-6, "contact": 1.0, "friction": 1.0}
+    rows = zip(*(scale * peaks[name.strip("|")] for name, scale in columns.items()), strict=True)
+    base = ", ".join(f"|{name}| {1e-3 * peaks[name][0]:.5g} {unit}" for name, unit in zip(*BASE_PEAKS, strict=True))
+    return [
+        "joint  peak N (kN)  |M| (kN m)    |T| (kN)  pressure (MPa)  least contact     |T| / N",
+        *(
+            f"{i:5d}  {n:11.5g}  {m:10.5g}  {t:10.5g}  {sigma:14.5g}  {contact:13.5g}  {friction:10.4g}"
+            for i, (n, m, t, sigma, contact, friction) in enumerate(rows, start=1)
+        ),
+        f"peaks of the base reaction: {base}",
+    ]
+
+
+def _verdict(response: Response) -> str:
+    """The verdict in one line."""
+    if response.verdict == "undecided":
+        return f"undecided: {'' if response.overturned else 'not overturned, but '}{response.reason}"
+    if not response.overturned:
+        return f"standing: not overturned, {response.reason}"
+    late = response.overturn_time > response.time[-1]
+    return f"overturned at {response.overturn_time:.4g} s over joint {response.overturned_joint}" + (
+        ", after the end of the run" if late else ""
+    )
+
+
+def _ensemble(ensemble: Ensemble) -> list[str]:
+    """An ensemble in a few lines."""
+    spread, (low, high) = ensemble.spread, ensemble.share_bounds
+    lines = [
+        f"{ensemble.size} runs varied by {spread.stiffness:.2g} (stiffness), {spread.damping:.2g} (damping), "
+        f"{spread.motion:.2g} (motion): {ensemble.overturned} overturned, {ensemble.undecided} undecided; "
+        f"share that overturns {low:.0%} to {high:.0%} at 95 % confidence",
+        "block  peak |ux| (mm) of those that stand, " + ", ".join(f"{percent} %" for percent in PERCENTILES),
+    ]
+    lines += [
+        f"{i:5d}  " + "  ".join(f"{1e3 * peak:14.5g}" for peak in peaks)
+        for i, peaks in enumerate(ensemble.peaks.T, start=1)
+    ]
+    if np.isfinite(ensemble.amplification):
+        lines.append(f"the largest peak spreads by {ensemble.amplification:.3g} times what was varied")
+    return lines

@@ -1,0 +1,145 @@
+"""The base motion on a command line: a record, a pair of records or a wavelet, and its strength."""
+
+from __future__ import annotations
+
+import argparse
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from ..common.errors import InputError, reading
+from ..ground import wavelets
+from ..ground.motion import STANDARD_GRAVITY, Motion
+from ..ground.records import Record, format_of, read_record
+from ..ground.records.columns import PLAIN
+from ..ground.records.units import KNOWN
+
+FORMATS = "record: PEER AT2, ESM, K-NET, COSMOS, CSV in s and m/s2, plain columns"
+
+
+@dataclass(frozen=True)
+class _Wavelet:
+    needs: tuple[str, ...]  # options
+    takes: tuple[str, ...]  # options that may be left out
+    make: Callable[[argparse.Namespace], Motion]  # of any amplitude but zero
+
+
+_WAVELETS = {
+    "ricker": _Wavelet(("frequency",), (), lambda o: wavelets.ricker(1.0, o.frequency)),
+    "one-sine": _Wavelet(("frequency",), (), lambda o: wavelets.one_sine(1.0, o.frequency)),
+    "one-cosine": _Wavelet(("frequency",), (), lambda o: wavelets.one_cosine(1.0, o.frequency)),
+    "mavroeidis-papageorgiou": _Wavelet(
+        ("frequency", "cycles"),
+        ("phase",),
+        lambda o: wavelets.mavroeidis_papageorgiou(1.0, o.frequency, o.cycles, math.radians(o.phase or 0.0)),
+    ),
+    "noise": _Wavelet(
+        ("frequency", "length", "seed"),
+        (),
+        lambda o: wavelets.filtered_noise(1.0, o.frequency, o.length, o.seed),
+    ),
+}
+_OF_WAVELETS = ("frequency", "cycles", "phase", "length", "seed")
+_OF_RECORDS = ("vertical", "dt", "units", "channel", "vertical_channel")
+
+
+def add_file_options(parser: argparse.ArgumentParser) -> None:
+    """Add the options needed for files that do not state everything themselves."""
+    parser.add_argument("--dt", type=float, metavar="S", help="s between the samples of plain columns without times")
+    parser.add_argument("--units", metavar="UNIT", help=f"of plain columns: {KNOWN}")
+    parser.add_argument("--channel", type=int, metavar="N", help="which of several in one file, from 1")
+
+
+def add_motion_options(parser: argparse.ArgumentParser) -> None:
+    """Add the record, the options that replace it and those that go with it."""
+    parser.add_argument("motion", type=Path, nargs="?", metavar="MOTION", help=FORMATS)
+    records = parser.add_argument_group("records")
+    records.add_argument("--vertical", type=Path, metavar="FILE", help="the vertical component that goes with it")
+    records.add_argument("--vertical-channel", type=int, metavar="N", help="the same as --channel, of --vertical")
+    add_file_options(parser)
+    strength = parser.add_mutually_exclusive_group()
+    strength.add_argument("--scale", type=float, help="factor on the base acceleration")
+    strength.add_argument(
+        "--pga", type=float, metavar="G", help="largest horizontal acceleration, g; vertical goes along"
+    )
+    group = parser.add_argument_group("in place of a record")
+    group.add_argument("--wavelet", metavar="NAME", help=", ".join(_WAVELETS))
+    group.add_argument("--frequency", type=float, metavar="HZ", help="Hz; of noise: of the ground it is filtered by")
+    group.add_argument("--cycles", type=float, metavar="N", help="under the bell of mavroeidis-papageorgiou")
+    group.add_argument("--phase", type=float, metavar="DEG", help="degrees, of mavroeidis-papageorgiou (default: 0)")
+    group.add_argument("--length", type=float, metavar="S", help="s, of noise")
+    group.add_argument("--seed", type=int, metavar="N", help="of noise")
+
+
+def motion_of(options: argparse.Namespace) -> tuple[Motion, list[str]]:
+    """Return the motion asked for, and a line about each file that was read. Raises InputError."""
+    if options.wavelet is None:
+        _refuse(options, _OF_WAVELETS, "is for --wavelet")
+        if options.motion is None:
+            raise InputError("MOTION: must be given, a record or --wavelet")
+        motion, lines = _recorded(options)
+    else:
+        _refuse(options, _OF_RECORDS, "is for records, not for --wavelet")
+        if options.motion is not None:
+            raise InputError(f"{options.motion}: must be left out, or --wavelet")
+        motion, lines = _wavelet(options), []
+    if options.pga is not None:
+        motion = motion.scaled_to(options.pga * STANDARD_GRAVITY)
+    elif options.scale is not None:
+        motion = motion.scaled(options.scale)
+    return motion, lines
+
+
+def read_with_options(path: Path, options: argparse.Namespace, channel: int | None) -> tuple[Record, Motion]:
+    """Return a file's record and motion, with --dt and --units for plain columns only. Raises InputError."""
+    plain = format_of(path) == PLAIN
+    record = read_record(path, options.dt if plain else None, options.units if plain else None, channel)
+    with reading(path):
+        return record, Motion.from_record(record)
+
+
+def check_file_options(paths: list[Path], options: argparse.Namespace) -> None:
+    """Raise InputError if --dt or --units are given and apply to none of the files."""
+    for key in ("dt", "units"):
+        if getattr(options, key) is not None and all(format_of(path) != PLAIN for path in paths):
+            raise InputError(f"--{key}: must be left out, {paths[0]} is {format_of(paths[0])} and says all itself")
+
+
+def file_line(path: Path, record: Record) -> str:
+    """Return a line about a file as it was read: format, samples, title, notes."""
+    step = f"{len(record.time)} samples, {record.time[-1] - record.time[0]:g} s"
+    return "; ".join([f"{path}: {record.format}, {step}", *filter(None, [record.title[:80]]), *record.notes])
+
+
+def _recorded(options: argparse.Namespace) -> tuple[Motion, list[str]]:
+    paths = [path for path in (options.motion, options.vertical) if path is not None]
+    check_file_options(paths, options)
+    record, motion = read_with_options(options.motion, options, options.channel)
+    lines = [file_line(options.motion, record)]
+    if options.vertical is None:
+        _refuse(options, ("vertical_channel",), "is for --vertical")
+        return motion, lines
+    record, vertical = read_with_options(options.vertical, options, options.vertical_channel)
+    return motion.with_vertical(vertical), [*lines, f"vertical {file_line(options.vertical, record)}"]
+
+
+def _wavelet(options: argparse.Namespace) -> Motion:
+    name = options.wavelet
+    if name not in _WAVELETS:
+        raise InputError(f"--wavelet {name}: must be {', '.join(_WAVELETS)}")
+    if options.pga is None or options.scale is not None:
+        raise InputError("--pga: must be given with --wavelet, the largest acceleration in g")
+    wavelet = _WAVELETS[name]
+    for key in wavelet.needs:
+        if getattr(options, key) is None:
+            raise InputError(f"--{key}: must be given with --wavelet {name}")
+    others = tuple(key for key in _OF_WAVELETS if key not in wavelet.needs + wavelet.takes)
+    _refuse(options, others, f"is not for --wavelet {name}")
+    return wavelet.make(options)
+
+
+def _refuse(options: argparse.Namespace, keys: tuple[str, ...], why: str) -> None:
+    for key in keys:
+        if getattr(options, key) is not None:
+            raise InputError(f"--{key.replace('_', '-')} {getattr(options, key)}: {why}")

@@ -1,0 +1,101 @@
+"""Progress of a long run on a terminal, and a notice that kernels are being compiled."""
+
+from __future__ import annotations
+
+import sys
+import time as clock
+from types import TracebackType
+from typing import Any, Self
+
+from ..dynamics.first_run import are_kept, make_kernels
+from ..runs.ensemble import interruptible
+from ..runs.single_run import Glance
+
+PATIENCE = 2.0  # s, for which nothing is shown
+FIRST_LINE, LONGER = 10.0, 1.5  # s until a first line in a pipe; later each interval is this part of the time so far
+
+
+class Line:
+    """A line of tqdm, if installed, for work that takes longer than 2 s; to be used as a context."""
+
+    def __init__(self, **form: Any) -> None:
+        self._form = form  # as tqdm takes it
+        self._begin = clock.monotonic()
+        self._bar: Any = None
+
+    def show(self, reached: float, total: float | None) -> None:
+        """Draw the part of the total, if known, that is reached."""
+        if self._bar is None and clock.monotonic() - self._begin > PATIENCE:
+            try:
+                from tqdm import tqdm
+            except ModuleNotFoundError:
+                self._begin = float("inf")
+                return
+            self._bar = tqdm(total=total, initial=reached, leave=False, file=sys.stderr, **self._form)
+        if self._bar is not None:
+            self._bar.n = reached
+            self._bar.refresh()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Wipe the line."""
+        if self._bar is not None:
+            self._bar.close()
+
+
+class ProgressLine(Line):
+    """A callback of `simulate`: the time reached, of `duration` s from `start` on."""
+
+    def __init__(self, start: float, duration: float) -> None:
+        super().__init__(bar_format="{percentage:3.0f}% |{bar}| {n:.4g} of {total:.4g} s")
+        self._start, self._duration = start, duration
+
+    def __call__(self, t: float, seen: Glance) -> None:
+        """Show that time t, s, is reached."""
+        self.show(min(self._duration, t - self._start), self._duration)
+
+
+class RunsLine(Line):
+    """A callback of `simulate_many` and `run_study`: runs done."""
+
+    def __init__(self) -> None:
+        super().__init__(unit="run")
+
+    def __call__(self, done: int, total: int | None) -> None:
+        """Show that `done` runs are done."""
+        self.show(done, total)
+
+
+class PlainLine(Line):
+    """Progress if stderr is a file or a pipe: a line after 10 s, and then at increasing intervals."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._next = FIRST_LINE
+        self._before: int | None = None  # runs that were done when it began
+
+    def __call__(self, done: int, total: int | None) -> None:
+        """Print how many runs are done, and how long the others will take at that pace."""
+        took = clock.monotonic() - self._begin
+        if self._before is None:
+            self._before = done
+        if took < self._next or total is None:
+            return
+        self._next = took * LONGER
+        pace = (done - self._before) / took
+        left = f", {(total - done) / pace:.0f} s left" if pace > 0.0 else ""
+        print(f"{done} of {total} runs, {done / total:.0%}, after {took:.0f} s{left}", file=sys.stderr, flush=True)
+
+
+def compile_kernels() -> None:
+    """Load or compile the kernels that every run needs; print a line if they must be compiled, which takes a while.
+
+    They are made in another thread: an interruption acts at once.
+    """
+    if not are_kept():
+        print("compiling the kernels, once", flush=True)
+        interruptible(make_kernels)

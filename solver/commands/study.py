@@ -1,0 +1,195 @@
+"""The command `study`: run, show, plot."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor
+from contextlib import contextmanager
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..common.errors import InputError, needing, reading
+from ..common.executors import end_with_parent
+from ..common.files import check_outputs
+from ..runs.pace import CHUNK_SECONDS
+from ..studies.definition import Study
+from ..studies.execution import run_study
+from ..studies.journal import SUFFIX
+from ..studies.results import Results, results_of
+from ..studies.statistics import fit_fragility, ida_curves, influences
+from .command_files import add_force
+from .progress import PlainLine, RunsLine, compile_kernels
+
+PICTURES = (".png", ".pdf", ".svg")
+
+
+def add_command(commands: Any) -> None:
+    """Add `study`."""
+    parser = commands.add_parser("study", help="many runs by a plan: IDA, fragility, spectra, Monte Carlo")
+    actions = parser.add_subparsers(metavar="ACTION", required=True)
+    run = actions.add_parser("run", help="make the runs that are not finished yet")
+    run.set_defaults(command=_run)
+    _add_study(run)
+    where = run.add_mutually_exclusive_group()
+    where.add_argument("--threads", type=int, metavar="N", help="threads of this process (default: one a core)")
+    where.add_argument("--processes", type=int, metavar="N", help="processes of this machine")
+    where.add_argument("--dask", metavar="ADDRESS", help="scheduler, tcp://HOST:PORT; or local, to try")
+    few = run.add_mutually_exclusive_group()
+    few.add_argument("--samples", type=int, metavar="N", help="of the random parameters, in place of the file's")
+    run.add_argument(
+        "--chunk",
+        type=float,
+        default=CHUNK_SECONDS,
+        metavar="S",
+        help=f"s of work at once ({CHUNK_SECONDS:g})",
+    )
+    show = actions.add_parser("show", help="print what came out, also while it runs")
+    show.set_defaults(command=_show)
+    _add_study(show)
+    show.add_argument("--rows", type=int, default=10, metavar="N", help="runs to print (default: 10)")
+    plot = actions.add_parser("plot", help="draw what came out")
+    plot.set_defaults(command=_plot)
+    _add_study(plot)
+    plot.add_argument("-o", "--output", type=Path, metavar="FILE.png", help="default: NAME.png beside the results")
+    add_force(plot)
+
+
+def _add_study(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("study", type=Path, metavar="STUDY.toml", help=f"the study, or its results, NAME{SUFFIX}")
+    parser.add_argument(
+        "--quick", action="store_true", help="some 200 runs of it, to try: a study NAME-quick of its own"
+    )
+    parser.add_argument(
+        "--output-folder", type=Path, default=Path(), metavar="FOLDER", help="of the results (default: the current one)"
+    )
+
+
+def _run(options: argparse.Namespace) -> None:
+    study = _study(options)
+    if options.samples is not None:
+        study = study.with_runs(options.samples)
+    for key in ("threads", "processes"):
+        value = getattr(options, key)
+        if value is not None and value < 1:
+            raise InputError(f"--{key} {value}: must be 1 or more")
+    if not options.chunk > 0.0:
+        raise InputError(f"--chunk {options.chunk}: must be a positive time in s")
+    folder: Path = options.output_folder
+    with reading(folder):
+        folder.mkdir(parents=True, exist_ok=True)
+    if options.dask is None:
+        compile_kernels()
+    with _executor(options) as executor, RunsLine() if sys.stderr.isatty() else PlainLine() as line:
+        results = run_study(
+            study,
+            folder,
+            executor=executor,
+            threads=options.threads,
+            callback=line,
+            chunk_seconds=options.chunk,
+        )
+    print(summary(results))
+    for suffix in (SUFFIX, ".csv", *([".nc"] if Results.can_write_netcdf() else [])):
+        print(folder / f"{study.name}{suffix}")
+
+
+def _show(options: argparse.Namespace) -> None:
+    results = _results(options)
+    print(summary(results))
+    names = [name for name in results if name not in ("column", "motion", "failure") and results[name].ndim == 1]
+    if "peak_ux" in results:
+        names.append("peak_ux[1]")
+    rows = [names] + [[_cell(results, name, k) for name in names] for k in range(min(options.rows, len(results)))]
+    widths = [max(len(row[k]) for row in rows) for k in range(len(names))]
+    for row in rows:
+        print("  ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=True)))
+
+
+def _cell(results: Results, name: str, row: int) -> str:
+    value = results["peak_ux"][row, 0] if name == "peak_ux[1]" else results[name][row]
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def _plot(options: argparse.Namespace) -> None:
+    results = _results(options)
+    folder = options.study.parent if options.study.suffix == SUFFIX else options.output_folder
+    path = options.output or folder / f"{results.study['name']}.png"  # which is this command's own
+    check_outputs((options.output,), (options.study,), options.force)
+    if path.suffix.lower() not in PICTURES:
+        raise InputError(f"{path}: must end in {' or '.join(PICTURES)}")
+    with needing("plot", "matplotlib"):
+        from ..studies.pictures import draw
+    with reading(path):
+        draw(results, path)
+    print(path)
+
+
+def _study(options: argparse.Namespace) -> Study:
+    study = Study.from_toml(options.study)
+    return study.quick() if options.quick else study
+
+
+def _results(options: argparse.Namespace) -> Results:
+    if options.study.suffix == SUFFIX:
+        return results_of(options.study)
+    study = _study(options)
+    return results_of(options.output_folder / f"{study.name}{SUFFIX}")
+
+
+@contextmanager
+def _executor(options: argparse.Namespace) -> Iterator[Any]:
+    if options.dask is not None:
+        from ..studies.cluster import Cluster
+
+        with Cluster(options.dask) as cluster:
+            yield cluster
+    elif options.processes is not None:
+        # spawned: a forked process would inherit the threads of the compiled code in an unknown state
+        with ProcessPoolExecutor(options.processes, get_context("spawn"), end_with_parent) as pool:
+            yield pool
+    else:
+        yield None
+
+
+def summary(results: Results) -> str:
+    """What the runs come to, in some lines."""
+    study = results.study
+    fell, failed = int(np.sum(results.overturned)), int(np.sum(results["failure"] != ""))
+    undecided = int(np.sum(results["verdict"] == "undecided"))
+    lines = [
+        f"{study['name']}: {study['kind']}, {len(results)} of {results.head['runs']} runs, seed {study['seed']}",
+        f"{fell} overturned, {undecided} undecided, {failed} that could not be made",
+    ]
+    if failed:
+        k = int(np.flatnonzero(results["failure"] != "")[0])
+        lines.append(f"run {results['run'][k]}: {results['failure'][k]}")
+    if study["kind"] == "ida" and len(results):
+        curves = ida_curves(results)
+        lines.append(f"{curves.name}: largest displacement (mm) at 16 %, 50 %, 84 %; overturned, undecided")
+        for level, points, fell_there, unknown in zip(
+            curves.levels, curves.percentiles.T, curves.overturned, curves.undecided, strict=True
+        ):
+            shown = "  ".join(f"{1e3 * point:10.4g}" for point in points)
+            lines.append(f"{level:10.4g}  {shown}  {fell_there:6.1%}  {unknown:6.1%}")
+    if study["kind"] == "fragility" and len(results):
+        for limit in (*study["limits"], None):
+            try:
+                found = fit_fragility(results, limit=limit)
+            except InputError as error:
+                lines.append(str(error))
+                continue
+            lines.append(
+                f"{found.how}: median {found.name} {found.median:.4g} ({found.median_bounds[0]:.4g} to "
+                f"{found.median_bounds[1]:.4g}), deviation of the logarithm {found.deviation:.3g} "
+                f"({found.deviation_bounds[0]:.3g} to {found.deviation_bounds[1]:.3g}), at 95 % confidence; "
+                f"{found.failed} of {found.runs} runs failed, {found.undecided} undecided"
+            )
+    if study["random"] and len(results) > 20:
+        for item in influences(results)[:10]:
+            lines.append(f"{item.name}: rank correlation {item.rank:+.2f} with the largest displacement")
+    return "\n".join(lines)

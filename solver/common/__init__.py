@@ -1,0 +1,1 @@
+"""What every package uses: errors, files, ranges of numbers, work sent to threads and processes."""

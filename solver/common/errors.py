@@ -1,0 +1,90 @@
+"""What goes wrong on the user's side, always said in one line."""
+
+from __future__ import annotations
+
+import math
+import os
+import reprlib
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from numbers import Real
+from pathlib import Path
+
+# Closed ranges of float64 for `check_number`.
+POSITIVE = (sys.float_info.min, sys.float_info.max)
+NOT_NEGATIVE = (0.0, sys.float_info.max)
+FINITE = (-sys.float_info.max, sys.float_info.max)
+
+
+class InputError(ValueError):
+    """A user's mistake: one line with the file (if any), the key, the value and what would be right."""
+
+
+class InputWarning(UserWarning):
+    """What is computed as given and probably not meant: one line with the key, the value and what would be right."""
+
+
+class SolverError(ValueError):
+    """The solver cannot go on, e.g. the step is too small: one line with the time and the reason."""
+
+
+class TooMuchWorkError(SolverError):
+    """A step took more evaluations than any motion that can be followed: a shorter step does not help."""
+
+
+def check_number(key: str, value: object, limits: tuple[float, float], meaning: str) -> float:
+    """Return `value` as a float if it is a number within the closed range `limits`.
+
+    `meaning` completes the sentence "must be ...". A bool is not a number, and neither nan nor inf is ever in range.
+
+    Raises InputError.
+    """
+    low, high = limits
+    number = math.nan
+    if type(value) is float:  # most are, and asking what is a Real takes ten times as long
+        number = value
+    elif isinstance(value, Real) and not isinstance(value, bool):
+        with suppress(OverflowError):  # an integer that no float64 can hold
+            number = float(value)
+    if not low <= number <= high:
+        raise InputError(f"{key} = {shown(value)}: must be {meaning}")
+    return number
+
+
+def shown(value: object) -> str:
+    """Return a short repr of `value` for a one-line message; a number is shown as a user would write it."""
+    return str(value) if isinstance(value, Real) else reprlib.repr(value)
+
+
+@contextmanager
+def needing(extra: str, *packages: str) -> Iterator[None]:
+    """Turn the absence of one of `packages` into an InputError that says how to install `extra`, which has them."""
+    try:
+        yield
+    except ModuleNotFoundError as error:
+        package = (error.name or "").partition(".")[0]
+        if package not in packages:
+            raise
+        raise InputError(f"{package} is not installed: {_how_to_install(extra)}") from error
+
+
+def _how_to_install(extra: str) -> str:
+    """What can be typed here: in a checkout, or where the project has been installed without one."""
+    root = Path(__file__).resolve().parents[2]
+    if not (root / "pyproject.toml").is_file():
+        return f'pip install "multiblock-fmu[{extra}]"'
+    return f'pip install -e "{"." if root == Path.cwd() else root}[{extra}]"'
+
+
+@contextmanager
+def reading(path: str | os.PathLike[str]) -> Iterator[None]:
+    """Turn whatever is wrong with a user's file, or with reaching it, into an InputError that begins with `path`."""
+    try:
+        yield
+    except OSError as error:
+        raise InputError(f"{path}: {error.strerror or error}") from error
+    except UnicodeDecodeError as error:
+        raise InputError(f"{path}: is not UTF-8 text (byte {error.start}: {error.reason})") from error
+    except ValueError as error:  # InputError, and what the parsers of the standard library raise
+        raise InputError(f"{path}: {error}") from error

@@ -1,0 +1,146 @@
+"""Files named by users: checks before reading and writing, and files that are written completely or not at all."""
+
+from __future__ import annotations
+
+import codecs
+import errno
+import os
+import re
+import stat
+import tomllib
+import unicodedata
+import uuid
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from .errors import InputError, shown
+
+MB = 10**6
+MOST_TOML = 4 * MB  # a column of 1000 blocks has 0.2 MB
+MOST_RECORD = 64 * MB  # an hour of three columns at 200 Hz has 40 MB
+MOST_TABLE = 256 * MB  # of histories
+LONGEST_NAME = 200  # characters; a suffix has to fit into the 255 bytes of file systems
+MARKS = ((codecs.BOM_UTF8, "UTF-8"), (codecs.BOM_UTF16_LE, "UTF-16"), (codecs.BOM_UTF16_BE, "UTF-16"))
+DECIMAL_COMMA = re.compile(r"=\s*([-+]?\d+),(\d+)\s*(?:[,}#]|$)")
+
+
+def check_file_name(key: str, value: object) -> str:
+    """Return `value` if it names a file on every system and stays within the folder. Raises InputError.
+
+    Letters, digits, "_", "-", "." and space; it begins with a letter, a digit or "_" and does not end with a dot or a
+    space.
+    """
+    plain = unicodedata.normalize("NFC", value) if isinstance(value, str) and len(value) <= LONGEST_NAME else ""
+    known = all(letter.isalnum() or letter in "-_. " for letter in plain)
+    if not plain or not known or plain[0] in "-. " or plain[-1] in ". ":
+        raise InputError(
+            f'{key} = {shown(value)}: must be a file name of letters, digits, "_", "-", "." and space, at most '
+            f'{LONGEST_NAME}, that begins with a letter, a digit or "_" and does not end with a dot or a space'
+        )
+    return str(value)
+
+
+def identifier_of(name: str) -> str:
+    """The C identifier for a file name: "_" for a character that C does not allow, and before a leading digit."""
+    identifier = re.sub("[^A-Za-z0-9_]", "_", name)
+    return f"_{identifier}" if identifier[0].isdigit() else identifier
+
+
+def check_size(path: str | os.PathLike[str], most: int) -> None:
+    """Raise InputError unless `path` is an ordinary file of at most `most` bytes; OSError if there is none.
+
+    A pipe or a device may have no end, or deliver nothing: it is not opened.
+    """
+    found = os.stat(path)
+    if stat.S_ISDIR(found.st_mode):
+        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
+    if not stat.S_ISREG(found.st_mode):
+        raise InputError("is a pipe or a device, must be an ordinary file")
+    if found.st_size > most:
+        raise InputError(f"has {found.st_size / MB:.4g} MB, must have at most {most / MB:.4g} MB")
+
+
+def content_of(path: str | os.PathLike[str], most: int) -> bytes:
+    """Return the content of an ordinary file. Raises InputError if it is no such file or is too large, OSError."""
+    check_size(path, most)
+    with open(path, "rb") as file:
+        return file.read(most + 1)[:most]  # it may have grown since
+
+
+def toml_of(path: str | os.PathLike[str]) -> dict[str, Any]:
+    """Return the mapping that a TOML file holds. Raises InputError, ValueError, OSError.
+
+    The error message names a byte order mark or a decimal comma where that is the cause.
+    """
+    content = content_of(path, MOST_TOML)
+    for mark, encoding in MARKS:
+        if content.startswith(mark):
+            raise InputError(f"begins with a byte order mark (BOM) of {encoding}: must be UTF-8 without one")
+    text = content.decode("utf-8").replace("\r\n", "\n")
+    try:
+        return tomllib.loads(text)
+    except RecursionError:
+        raise InputError("is nested too deeply, must be a few tables") from None
+    except tomllib.TOMLDecodeError as error:
+        place = re.search(r"at line (\d+)", str(error))
+        line = text.splitlines()[int(place[1]) - 1] if place else ""
+        if place and (comma := DECIMAL_COMMA.search(line)):
+            whole, part = comma.groups()
+            raise InputError(
+                f"line {place[1]}: {whole},{part} has a decimal comma, must be {whole}.{part} with a decimal point"
+            ) from None
+        raise
+
+
+def check_outputs(outputs: Iterable[Path | None], inputs: Iterable[Path | None], force: bool = False) -> None:
+    """Raise InputError if an output is mistaken or cannot be written: before a run, not after it.
+
+    Refused are a missing folder, a file that the same command reads or writes already, and an existing file
+    unless `force` allows to overwrite it. None stands for no file.
+    """
+    taken = [path for path in inputs if path is not None]
+    for path in outputs:
+        if path is None:
+            continue
+        if not path.parent.is_dir():
+            raise InputError(f"{path}: No such folder: {path.parent}")
+        if path.is_dir():
+            raise InputError(f"{path}: is a folder, must be a file")
+        for other in taken:
+            if _same(path, other):
+                raise InputError(f"{path}: must be another file than {other}, which it would overwrite")
+        if path.is_file() and not force:
+            raise InputError(f"{path}: is there already, --force overwrites it")
+        taken.append(path)
+
+
+def _same(path: Path, other: Path) -> bool:
+    try:
+        return path.samefile(other)
+    except OSError:  # one of them is not there yet
+        return path.resolve() == other.resolve()
+
+
+@contextmanager
+def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
+    """Give a path beside `path` to write to; the file replaces `path` once all is written.
+
+    After a full disk, or the end of the process, the previous file is there, or none: never an incomplete one.
+    A path that is no ordinary file, such as a pipe, is written to directly. An OSError names `path`.
+    """
+    target = Path(path)
+    if target.exists() and not target.is_file():
+        yield target
+        return
+    partial = target.with_name(f".{target.stem}-{uuid.uuid4().hex}{target.suffix}")
+    try:
+        try:
+            yield partial
+            partial.replace(target)
+        finally:
+            partial.unlink(missing_ok=True)
+    except OSError as error:
+        error.filename, error.filename2 = os.fspath(path), None
+        raise

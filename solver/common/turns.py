@@ -1,0 +1,44 @@
+"""Turns of threads that make runs: one at a time executes Python, while the kernels of others run.
+
+Numpy releases the interpreter's lock for a moment in every call on more than some hundred numbers. A waiting thread
+takes it, and both spend their time on waking each other: measured, two threads were slower than one. So a thread keeps
+its turn for all of its Python, and gives it up while a kernel runs.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+_turn = threading.Lock()
+_own = threading.local()  # has `held` if the turn is this thread's
+
+
+@contextmanager
+def my_turn() -> Iterator[None]:
+    """Wait until no other thread has its turn, and keep it."""
+    if getattr(_own, "held", False):
+        yield
+        return
+    with _turn:
+        _own.held = True
+        try:
+            yield
+        finally:
+            _own.held = False
+
+
+@contextmanager
+def others_turn() -> Iterator[None]:
+    """Let others have their turn, if this thread has it."""
+    if not getattr(_own, "held", False):
+        yield
+        return
+    _own.held = False
+    _turn.release()
+    try:
+        yield
+    finally:
+        _turn.acquire()
+        _own.held = True

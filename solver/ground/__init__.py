@@ -1,0 +1,1 @@
+"""The motion of the base: recorded, by formula, and its measures."""

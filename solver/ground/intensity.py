@@ -1,0 +1,226 @@
+"""Intensity of a base motion: peaks, Arias intensity, significant duration, response spectrum."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..common.errors import POSITIVE, InputError, check_number
+from . import oscillator
+from .motion import STANDARD_GRAVITY, Motion
+
+FloatArray = NDArray[np.float64]
+Component = Literal["ax", "az"]
+
+NAMES: dict[Component, str] = {"ax": "horizontal", "az": "vertical"}
+DAMPING = 0.05  # of critical, of the customary spectrum
+PERIODS = np.geomspace(0.05, 10.0, 120)  # s
+PER_PERIOD = 10  # samples per period of an oscillator, at least; cubic interpolation between them has an error of 1e-4
+PER_CYCLE = 400  # straight lines to a cycle of a harmonic
+MOST_LINES = 1_000_000  # ten minutes at 1 kHz, and more
+AT_ONCE = 4_000_000  # numbers of a history of all oscillators that are followed together
+UNEVEN = 1e9  # longest over shortest line: beyond, the short ones are lost in rounding
+
+
+@dataclass(frozen=True, eq=False)
+class Lines:
+    """One component of a motion as straight lines; zero before and after."""
+
+    time: FloatArray  # (m + 1,) s
+    before: FloatArray  # (m,) m/s2, at the start of each line
+    after: FloatArray  # (m,) m/s2, at its end
+
+    @cached_property
+    def steps(self) -> FloatArray:
+        """Lengths of the lines, s."""
+        return self.time[1:] - self.time[:-1]
+
+
+@dataclass(frozen=True, eq=False)
+class Histories:
+    """Motion of the base, integrated from rest without baseline correction, so that a baseline error shows."""
+
+    time: FloatArray  # (m + 1,) s
+    velocity: FloatArray  # (m + 1,) m/s
+    displacement: FloatArray  # (m + 1,) m
+    husid: FloatArray  # (m + 1,) m/s, Arias intensity up to each instant
+
+
+@dataclass(frozen=True)
+class Intensity:
+    """Measures of one component. Velocity and displacement: integrated from rest without baseline correction."""
+
+    pga: float  # m/s2
+    pgv: float  # m/s
+    pgd: float  # m
+    final_velocity: float  # m/s; at the end: shows how far pgv and pgd can be trusted
+    final_displacement: float  # m
+    arias: float  # m/s
+    start: float  # s, time at which 5 % of the Arias intensity is reached
+    end: float  # s, time at which 95 % of it is reached
+
+    @property
+    def significant_duration(self) -> float:
+        """From 5 to 95 % of the Arias intensity, s."""
+        return self.end - self.start
+
+
+@dataclass(frozen=True, eq=False)
+class Spectrum:
+    """Largest response of oscillators, the free vibration after the motion included."""
+
+    period: FloatArray  # (p,) s
+    sd: FloatArray  # (p,) m, relative displacement
+    damping: float  # of critical
+
+    @property
+    def psv(self) -> FloatArray:
+        """Pseudo-velocity, m/s."""
+        return 2.0 * np.pi / self.period * self.sd
+
+    @property
+    def psa(self) -> FloatArray:
+        """Pseudo-acceleration, m/s2."""
+        return (2.0 * np.pi / self.period) ** 2 * self.sd
+
+
+def components(motion: Motion) -> list[Component]:
+    """Return those components that are not zero throughout. Raises InputError if both are."""
+    there = [component for component in NAMES if np.any(getattr(motion, component))]
+    if motion.amplitude and "ax" not in there:
+        there.insert(0, "ax")
+    if not there:
+        raise InputError("the motion is zero throughout, must be an acceleration")
+    return there
+
+
+def lines_of(motion: Motion, component: Component = "ax") -> Lines:
+    """Return a component as straight lines: samples as they are, a harmonic by 400 to a cycle."""
+    samples: FloatArray = getattr(motion, component)
+    if motion.hold:
+        time, before, after = np.append(motion.time, motion.end), samples, samples
+    else:
+        time, before, after = motion.time, samples[:-1], samples[1:]
+    if motion.amplitude and component == "ax":
+        cycles = motion.frequency * motion.duration
+        if cycles * PER_CYCLE > MOST_LINES:
+            raise InputError(
+                f"frequency: {cycles:.4g} cycles, must be at most {MOST_LINES // PER_CYCLE} to be measured"
+            )
+        parts = np.ceil(PER_CYCLE * motion.frequency * np.diff(time)).astype(np.int64)
+        line = np.repeat(np.arange(len(parts)), parts)
+        within = (np.arange(len(line)) - np.repeat(np.cumsum(parts) - parts, parts)) / parts[line]
+        rise, step = (after - before)[line], np.diff(time)[line]
+        fine = np.append(time[line] + within * step, time[-1])
+        wave = motion.amplitude * np.sin(2.0 * np.pi * motion.frequency * (fine - motion.start))
+        flat = before[line] + within * rise
+        before, after = flat + wave[:-1], flat + rise / parts[line] + wave[1:]
+        time = fine
+    return Lines(time, before, after)
+
+
+def histories(motion: Motion, component: Component = "ax") -> Histories:
+    """Return velocity, displacement and Arias intensity over time; exact for samples."""
+    lines = lines_of(motion, component)
+    h, a, b = lines.steps, lines.before, lines.after
+    velocity = _velocity(lines)
+    displacement = _running(h * velocity[:-1] + h * h * (2.0 * a + b) / 6.0)
+    husid = np.pi / (2.0 * STANDARD_GRAVITY) * _running(h * (a * a + a * b + b * b) / 3.0)
+    return Histories(lines.time, velocity, displacement, husid)
+
+
+def pgv(motion: Motion) -> float:
+    """Return the peak ground velocity of ax, m/s, as `intensity` does, and nothing else."""
+    lines = lines_of(motion)
+    return _largest(lines, _velocity(lines))
+
+
+def _velocity(lines: Lines) -> FloatArray:
+    return _running(lines.steps * (lines.before + lines.after) / 2.0)
+
+
+def _largest(lines: Lines, velocity: FloatArray) -> float:
+    """The largest |velocity|, also between two instants."""
+    return oscillator.peak(lines.steps, velocity, lines.before, lines.after)
+
+
+def intensity(motion: Motion, component: Component = "ax") -> Intensity:
+    """Return the measures of a component. Raises InputError if it is zero throughout."""
+    lines, base = lines_of(motion, component), histories(motion, component)
+    h, u = lines.steps, base.displacement
+    arias = float(base.husid[-1])
+    if not arias > 0.0:
+        raise InputError(f"{component}: is zero throughout, must be an acceleration")
+    start, end = (float(np.interp(part * arias, base.husid, base.time)) for part in (0.05, 0.95))
+    return Intensity(
+        pga=motion.pga if component == "ax" else float(np.max(np.abs(motion.az))),
+        pgv=_largest(lines, base.velocity),
+        pgd=oscillator.peak(h, u, base.velocity[:-1], base.velocity[1:]),
+        final_velocity=float(base.velocity[-1]),
+        final_displacement=float(u[-1]),
+        arias=arias,
+        start=start,
+        end=end,
+    )
+
+
+def spectrum(
+    motion: Motion,
+    periods: Sequence[float] | FloatArray = PERIODS,
+    damping: float = DAMPING,
+    component: Component = "ax",
+) -> Spectrum:
+    """Return the response spectrum at periods (p,), s; damping of critical, at least 0 and less than 1.
+
+    Exact for the motion as straight lines from sample to sample; between two instants, at least ten to a period, the
+    peak is that of a cubic. Raises InputError on a period that is not positive, a wrong damping, or samples that are
+    too far apart, or too unevenly, for such periods.
+    """
+    period = np.array([check_number("period", float(t), POSITIVE, "a positive time in s") for t in periods])
+    damping = check_number("damping", damping, (0.0, 0.999), "a part of critical, at least 0 and less than 1")
+    lines = lines_of(motion, component)
+    longest, shortest = float(np.max(lines.steps)), float(np.min(lines.steps))
+    wanted = np.maximum(1.0, 2.0 ** np.ceil(np.log2(PER_PERIOD * longest / period)))
+    if np.max(wanted) * len(lines.steps) > MOST_LINES or longest > UNEVEN * shortest:
+        raise InputError(
+            f"time: samples {shortest:.4g} to {longest:.4g} s apart, must be closer and more even for a spectrum from "
+            f"{np.min(period):.4g} s on"
+        )
+    parts = wanted.astype(np.int64)
+    sd = np.zeros(len(period))
+    for chosen in _together(parts, len(lines.steps)):
+        count = int(parts[chosen[0]])
+        omega = 2.0 * np.pi / period[chosen]
+        rise = (lines.after - lines.before) / count
+        before = (lines.before[:, None] + rise[:, None] * np.arange(count)).ravel()
+        after = before + np.repeat(rise, count)
+        steps = np.repeat(_without_rounding(lines.steps) / count, count)
+        u, v = oscillator.response(steps, before, after, omega, damping)
+        free = oscillator.free_peak(u[-1], v[-1], omega, damping)
+        sd[chosen] = np.maximum(oscillator.peaks(steps, u, v[:-1], v[1:]), free)
+    return Spectrum(period, sd, damping)
+
+
+def _together(parts: NDArray[np.int64], lines: int) -> Iterator[NDArray[np.int64]]:
+    """Places of oscillators that need the same division of the lines, as many as fit into memory."""
+    for count in np.unique(parts):
+        same = np.flatnonzero(parts == count)
+        yield from np.array_split(same, -(-len(same) * count * lines // AT_ONCE))
+
+
+def _running(parts: FloatArray) -> FloatArray:
+    """Cumulative sums from 0."""
+    sums = np.zeros(len(parts) + 1)
+    np.cumsum(parts, out=sums[1:])
+    return sums
+
+
+def _without_rounding(steps: FloatArray) -> FloatArray:
+    """Return the steps with those that differ only by rounding made equal, so that few distinct values remain."""
+    unit = 1e-9 * float(np.max(steps))
+    return np.maximum(np.round(steps / unit), 1.0) * unit

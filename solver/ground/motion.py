@@ -1,0 +1,325 @@
+"""The motion of the base: a harmonic, samples, or a record."""
+
+from __future__ import annotations
+
+import math
+import os
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..common.errors import FINITE, NOT_NEGATIVE, POSITIVE, InputError, check_number, reading, shown
+from ..common.files import whole_file
+from .records import STANDARD_GRAVITY as STANDARD_GRAVITY
+from .records import Record, read_record
+from .records.columns import LEAD, SLOPES
+from .records.reader import read_at2, read_csv
+
+LARGEST = 1e6  # m/s2: a larger acceleration is a mistake of units, and no column can be followed under it
+ACCELERATION = (-LARGEST, LARGEST), "a finite acceleration in m/s2, at most 1e6 either way"
+MOST_CYCLES = 1e6  # of a harmonic whose crests are looked for
+SAME_INSTANT = 1e-6  # of the shortest sampling interval: two records' instants that close differ by rounding
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """Base acceleration over start <= t <= end; before and after, it is zero.
+
+    ax(t) = samples + amplitude sin(2 pi frequency (t - start)), az(t) = samples. Between two samples the acceleration
+    is linear, or with `hold` equal to the earlier one, as an FMU sees its input. The arrays are copied, read-only.
+
+    Raises InputError on values that are not finite, accelerations beyond 1e6 m/s2, lengths that differ, times that do
+    not increase.
+    """
+
+    time: NDArray[np.float64]  # (m,) s, strictly increasing; time[0] is the start
+    ax: NDArray[np.float64]  # (m,) m/s2, horizontal, +x to the right
+    az: NDArray[np.float64]  # (m,) m/s2, vertical, +z up
+    duration: float  # s; linear: time[-1] - time[0], held: more, the last sample holds until the end
+    hold: bool = False
+    amplitude: float = 0.0  # m/s2, of the harmonic part of ax
+    frequency: float = 0.0  # Hz, of the harmonic part of ax; positive where amplitude is not 0
+
+    def __post_init__(self) -> None:
+        for key, unit in (("time", "s"), ("ax", "m/s2"), ("az", "m/s2")):
+            object.__setattr__(self, key, _checked_samples(key, getattr(self, key), unit))
+        for key in ("ax", "az"):
+            count = len(getattr(self, key))
+            if count != len(self.time):
+                raise InputError(f"{key}: {count} samples, must be {len(self.time)}, one for each time")
+            k = int(np.argmax(np.abs(getattr(self, key))))
+            check_number(f"{key}[{k}]", float(getattr(self, key)[k]), *ACCELERATION)
+        if not self.hold and len(self.time) < 2:
+            raise InputError("time: 1 sample, must be at least 2 unless samples are held")
+        late = self.time[1:] <= self.time[:-1]
+        if late.any():
+            k = int(np.argmax(late))
+            raise InputError(
+                f"time[{k + 1}] = {self.time[k + 1]}: must be later than the sample before, {self.time[k]} s"
+            )
+        if not isinstance(self.hold, (bool, np.bool_)):
+            raise InputError(f"hold = {shown(self.hold)}: must be True or False")
+        check_number("amplitude", self.amplitude, *ACCELERATION)
+        limits = POSITIVE if self.amplitude else NOT_NEGATIVE
+        check_number("frequency", self.frequency, limits, "a positive frequency in Hz")
+        check_number("duration", self.duration, POSITIVE, "a positive time in s")
+        sampled = float(self.time[-1] - self.time[0])
+        if self.hold and not self.duration > sampled:
+            raise InputError(f"duration = {self.duration}: must be more than the {sampled} s from first to last sample")
+        if not self.hold and not math.isclose(self.duration, sampled, rel_tol=1e-9):
+            raise InputError(f"duration = {self.duration}: must be the {sampled} s from first to last sample")
+
+    @property
+    def start(self) -> float:
+        """First instant of the motion, s."""
+        return float(self.time[0])
+
+    @property
+    def end(self) -> float:
+        """Last instant of the motion, s."""
+        return self.start + self.duration if self.hold else float(self.time[-1])
+
+    @property
+    def pga(self) -> float:
+        """Largest |ax| over the samples and the crests of the harmonic, m/s2."""
+        if not self.amplitude:
+            return float(np.max(np.abs(self.ax)))
+        if self.frequency * self.duration > MOST_CYCLES:
+            raise InputError(f"frequency: {self.frequency * self.duration:.4g} cycles, must be at most {MOST_CYCLES:g}")
+        crests = self.start + np.arange(0.25, self.frequency * self.duration, 0.5) / self.frequency
+        instants = np.concatenate([self.time, crests, [self.end]])
+        return float(np.max(np.abs(self.acceleration(instants)[0])))
+
+    def acceleration(self, t: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return (ax, az) at the instants t (any shape, s), m/s2, each of the shape of t."""
+        t = np.asarray(t, dtype=np.float64)
+        if self.hold:
+            latest = np.maximum(np.searchsorted(self.time, t, side="right") - 1, 0)
+            ax, az = self.ax[latest], self.az[latest]
+        else:
+            ax, az = np.interp(t, self.time, self.ax), np.interp(t, self.time, self.az)
+        ax = ax + self.amplitude * np.sin(2.0 * np.pi * self.frequency * (t - self.start))
+        inside = (self.start <= t) & (t <= self.end)
+        return np.where(inside, ax, 0.0), np.where(inside, az, 0.0)
+
+    def scaled(self, factor: float) -> Motion:
+        """Return the motion with every acceleration multiplied by `factor`. Raises InputError beyond 1e6 m/s2."""
+        factor = check_number("factor", factor, FINITE, "a finite number")
+        ax, az, amplitude = factor * self.ax, factor * self.az, factor * self.amplitude
+        if not max(np.abs(ax).max(), np.abs(az).max(), abs(amplitude)) <= LARGEST:
+            return replace(self, ax=ax, az=az, amplitude=amplitude)  # which says what is wrong
+        return Motion.unchecked(self.time, ax, az, self.duration, self.hold, amplitude, self.frequency)
+
+    def scaled_to(self, pga: float) -> Motion:
+        """Return the motion scaled so that `pga` (m/s2) is its largest |ax|; az is scaled by the same factor.
+
+        Raises InputError unless pga is positive and ax is not zero throughout.
+        """
+        pga = check_number("pga", pga, POSITIVE, "a positive acceleration in m/s2")
+        if self.pga == 0.0:
+            raise InputError(f"pga = {pga}: ax is zero throughout and cannot be scaled to it")
+        return self.scaled(pga / self.pga)
+
+    def with_vertical(self, vertical: Motion) -> Motion:
+        """Return the motion with the ax of `vertical`, a record of one component, as its az.
+
+        Where the instants of the two differ, the motion has those of both, each component linear in between; every
+        sample is kept to the last bit. Beyond its own end the shorter component is zero from the next instant on.
+
+        Raises InputError unless both are linear samples and this one has no az of its own.
+        """
+        for motion, name in ((self, "horizontal"), (vertical, "vertical")):
+            if motion.hold or motion.amplitude:
+                raise InputError(f"{name} motion: must be linear samples, neither held nor harmonic")
+            if np.any(motion.az):
+                raise InputError(f"{name} motion: has az beside ax, must be one component")
+        both = np.union1d(self.time, vertical.time)
+        same = SAME_INSTANT * min(np.min(np.diff(self.time)), np.min(np.diff(vertical.time)))
+        time = both[np.concatenate([[True], np.diff(both) > same])]
+        ax, az = _at_instants(time, self, same), _at_instants(time, vertical, same)
+        return Motion(time, ax, az, float(time[-1] - time[0]))
+
+    def mirrored(self) -> Motion:
+        """Return the motion seen from behind: ax changes its sign, az does not."""
+        return replace(self, ax=-self.ax, amplitude=-self.amplitude)
+
+    def to_csv(self, path: str | os.PathLike[str], step: float | None = None, slopes: bool = False) -> None:
+        """Write `time,base.ax,base.az` (s, m/s2) for `fmpy simulate --input-file`, every float64 in full.
+
+        With `step` (s), which must divide the duration, the motion is sampled at start + k step; without, the samples
+        are written as they are. The file says neither `hold` nor that the base stops at the end (FMPy holds the last
+        row).
+
+        slopes: with base.jx and base.jz (m/s3) beside them, by which an FMU follows the straight lines between samples
+        within its communication steps. FMPy draws lines between rows, so that a row just before each sample ends the
+        slope up to there; `from_csv` passes over both. A held motion is held that way.
+
+        Raises InputError on a wrong step, on none for a harmonic, or if the file cannot be written.
+        """
+        if step is not None:
+            time = self._grid(step)
+        elif self.amplitude:
+            raise InputError("step: missing, must be the time in s at which a harmonic is sampled")
+        else:
+            time = self.time
+        names, table = ["time", "base.ax", "base.az"], np.column_stack([time, *self.acceleration(time)])
+        if slopes:
+            names, table = [*names, *SLOPES], _with_slopes(table, self.hold)
+        with reading(path), whole_file(path) as partial:
+            np.savetxt(partial, table, fmt="%.17g", delimiter=",", header=",".join(names), comments="")
+
+    def _grid(self, step: float) -> NDArray[np.float64]:
+        """Return the instants start + k step that `to_csv` writes."""
+        meaning = f"a time in s that divides the duration, {self.duration} s"
+        step = check_number("step", step, (1e-9 * self.duration, self.duration), meaning)
+        intervals = round(self.duration / step)
+        if not math.isclose(intervals * step, self.duration, rel_tol=1e-9):
+            raise InputError(f"step = {step}: must be {meaning}")
+        # a held sample lasts for a step, so that the end has none of its own
+        count = intervals if self.hold else intervals + 1
+        time = self.start + step * np.arange(count, dtype=np.float64)
+        time[-1] = min(time[-1], self.end)  # rounding must not carry it beyond the end, where the base is at rest
+        return time
+
+    @classmethod
+    def unchecked(
+        cls,
+        time: NDArray[np.float64],
+        ax: NDArray[np.float64],
+        az: NDArray[np.float64],
+        duration: float,
+        hold: bool = False,
+        amplitude: float = 0.0,
+        frequency: float = 0.0,
+    ) -> Motion:
+        """Return a motion of values known to be valid: checking them would take a study as long as making them.
+
+        The arrays are float64, not copied, and become read-only.
+        """
+        made: Motion = object.__new__(cls)
+        for samples in (time, ax, az):
+            samples.setflags(write=False)
+        made.__dict__.update(
+            time=time, ax=ax, az=az, duration=duration, hold=hold, amplitude=amplitude, frequency=frequency
+        )
+        return made
+
+    @classmethod
+    def harmonic(cls, amplitude: float, frequency: float, duration: float) -> Motion:
+        """Return ax = amplitude sin(2 pi frequency t) over 0 <= t <= duration; m/s2, Hz, s.
+
+        `Motion.harmonic(0.05 * 9.80665, 1.0, 10.0)` is 0.05 g at 1 Hz for 10 s.
+
+        Raises InputError unless amplitude is finite, frequency and duration positive.
+        """
+        frequency = check_number("frequency", frequency, POSITIVE, "a positive frequency in Hz")
+        duration = check_number("duration", duration, POSITIVE, "a positive time in s")
+        amplitude = check_number("amplitude", amplitude, *ACCELERATION)
+        time, zero = np.array([0.0, duration], dtype=np.float64), np.zeros(2)
+        return cls(time, zero, zero, duration, amplitude=amplitude, frequency=frequency)
+
+    @classmethod
+    def from_samples(cls, dt: float, ax: ArrayLike, az: ArrayLike | None = None, hold: bool = False) -> Motion:
+        """Return a motion of samples at k dt; dt in s, ax and az (m,) m/s2, no az meaning zeros.
+
+        For arrays of other programs, e.g. obspy or eqsig (docs/records.md).
+        Linear, it lasts (m - 1) dt and needs 2 samples; held, m dt and 1 sample. Raises InputError as `Motion` does.
+        """
+        dt = check_number("dt", dt, POSITIVE, "a positive time in s")
+        ax = _checked_samples("ax", ax, "m/s2")
+        time = dt * np.arange(len(ax), dtype=np.float64)
+        duration = dt * len(ax) if hold else float(time[-1])
+        return cls(time, ax, np.zeros_like(ax) if az is None else np.asarray(az), duration, hold)
+
+    @classmethod
+    def from_file(
+        cls,
+        path: str | os.PathLike[str],
+        dt: float | None = None,
+        units: str | None = None,
+        channel: int | None = None,
+    ) -> Motion:
+        """Read a record in any of the known formats (docs/records.md), recognized by its content; piecewise linear.
+
+        dt (s) and units (g, m/s2 or cm/s2) are for plain columns, which say neither: with dt every number is a sample,
+        without it the first column is the time. channel, from 1, is for files that hold several.
+
+        Raises InputError that begins with `path`, with the line of the file where there is one.
+        """
+        record = read_record(path, dt, units, channel)
+        with reading(path):
+            return cls.from_record(record)
+
+    @classmethod
+    def from_record(cls, record: Record) -> Motion:
+        """Return the motion of a record that has been read; piecewise linear. Raises InputError as `Motion` does."""
+        return cls(record.time, record.ax, record.az, float(record.time[-1] - record.time[0]))
+
+    @classmethod
+    def from_csv(cls, path: str | os.PathLike[str], hold: bool = False) -> Motion:
+        """Read the file that `fmpy simulate --input-file` takes: `time,base.ax,base.az` in s and m/s2.
+
+        One of base.ax and base.az may be absent, meaning zeros. Times need not be uniform. Held, the last sample lasts
+        as long as the one before. Read as well, though not by FMPy: names in another case (FMPy takes zeros for a name
+        that it does not know), `;` or tabs between columns, blank lines at the end. `to_csv` writes what FMPy reads.
+
+        Raises InputError that begins with `path` and, for a wrong row, its line number.
+        """
+        record = read_csv(path)
+        with reading(path):
+            time = record.time
+            duration = time[-1] - time[0] + (time[-1] - time[-2] if hold else 0.0)
+            return cls(time, record.ax, record.az, float(duration), hold)
+
+    @classmethod
+    def from_at2(cls, path: str | os.PathLike[str]) -> Motion:
+        """Read a horizontal PEER AT2 record, in units of g; piecewise linear, from t = 0.
+
+        Raises InputError that begins with `path` if units, number of samples, step or a value is not what it should be.
+        """
+        record = read_at2(path)
+        with reading(path):
+            return cls.from_record(record)
+
+
+def _with_slopes(table: NDArray[np.float64], hold: bool) -> NDArray[np.float64]:
+    """Rows of time, accelerations and slopes, with an extra row just before the end of each interval."""
+    between = np.diff(table[:, :1], axis=0)
+    slopes = np.zeros((len(table), table.shape[1] - 1))
+    if not hold:
+        slopes[:-1] = np.diff(table[:, 1:], axis=0) / between
+    rows = np.repeat(np.hstack([table, slopes]), 2, axis=0)[:-1]
+    lead = (1.0 - LEAD) * between
+    rows[1::2, :1] += lead
+    rows[1::2, 1 : table.shape[1]] += slopes[:-1] * lead
+    return rows
+
+
+def _at_instants(time: NDArray[np.float64], motion: Motion, same: float) -> NDArray[np.float64]:
+    """Return ax at instants, some of which are the motion's own but for rounding: there its samples, to the bit."""
+    values = np.interp(time, motion.time, motion.ax, left=0.0, right=0.0)
+    after = np.minimum(np.searchsorted(motion.time, time), len(motion.time) - 1)
+    for nearest in (after, np.maximum(after - 1, 0)):
+        own = np.abs(motion.time[nearest] - time) <= same
+        values[own] = motion.ax[nearest[own]]
+    return values
+
+
+def _checked_samples(key: str, values: ArrayLike, unit: str) -> NDArray[np.float64]:
+    """Return a read-only float64 copy of `values` if it is a list of finite numbers."""
+    if isinstance(values, np.ma.MaskedArray) and np.ma.is_masked(values):
+        raise InputError(f"{key}: has gaps (masked values), must be numbers in {unit} throughout")
+    try:
+        given = np.asarray(values)
+    except ValueError:  # ragged
+        given = np.array(None)
+    if given.ndim != 1 or given.size == 0 or given.dtype.kind not in "iuf":
+        raise InputError(f"{key}: must be a one-dimensional array of numbers in {unit}, at least one")
+    samples = np.array(given, dtype=np.float64)
+    finite = np.isfinite(samples)
+    if not finite.all():
+        k = int(np.argmin(finite))
+        raise InputError(f"{key}[{k}] = {samples[k]}: must be a finite number in {unit}")
+    samples.setflags(write=False)
+    return samples

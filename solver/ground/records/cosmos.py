@@ -1,0 +1,110 @@
+"""COSMOS V1 and V2, and the CSMIP files they come from: blocks of fixed columns, each under a descriptive line."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+from ...common.errors import InputError
+from .record import Record, equally_spaced
+from .text import fixed_columns, number, rows_of_numbers
+from .units import factor_of
+
+NAME = "COSMOS or CSMIP V1/V2"
+
+_FLAGS = re.IGNORECASE | re.ASCII
+_FORMAT = r"Format\s*=\s*\(\s*(?P<each>\d*)[A-Z](?P<width>\d+)[^)]*\)"
+_REALS = re.compile(
+    rf"\s*(?P<count>\d+)\s+Real-?\s?header values follow on\s+(?P<lines>\d+)\s+lines?.*?{_FORMAT}", _FLAGS
+)
+_COSMOS = re.compile(
+    rf"\s*(?P<count>\d+)\s+(?P<what>[a-z]+)\.?\s+(?:pts|points)\b.*?units\s*=(?P<units>[^,]*),\s*{_FORMAT}", _FLAGS
+)
+_CSMIP = re.compile(
+    r"\s*(?P<count>\d+)\s+points of (?P<what>accel|veloc|displ)\w* data equally spaced at\s*(?P<dt>\d*\.?\d+)\s*sec"
+    r"[.,]?\s*(?:in|\(units:?)\s+(?P<units>[a-z][\w/*^]*)[).,]*\s*(?:\(\s*(?P<each>\d+)[a-z](?P<width>\d+)[^)]*\))?",
+    _FLAGS,
+)
+_END = re.compile(r".*end[- ]of[- ]data", re.IGNORECASE)
+_CHANNEL = re.compile(r"\s*(?:Sta\s+)?Chan\w*\s*\d+\s*:\s*(?P<direction>[^(]*)", re.IGNORECASE)
+_STEP = 34  # of the real header, from 1: s between samples
+
+
+@dataclass(frozen=True)
+class _Block:
+    """A block of accelerations that a line describes."""
+
+    line: int  # of its first row, from 0
+    heading: re.Match[str]
+    dt: float
+    title: str
+
+
+def recognised(lines: list[str]) -> bool:
+    """Whether any line describes a block of data."""
+    return any(_COSMOS.match(line) or _CSMIP.match(line) for line in lines)
+
+
+def _tells(line: str) -> bool:
+    """Whether a line is not a row of numbers but ends a block or begins the next."""
+    return any(pattern.match(line) is not None for pattern in (_END, _COSMOS, _CSMIP))
+
+
+def read(lines: list[str], channel: int | None = None) -> Record:
+    """Return the accelerations of a channel, counted from 1; None: of the only one. Raises InputError."""
+    blocks = _accelerations(lines)
+    if not blocks:
+        raise InputError("no block of accelerations, must have one (V1 or V2)")
+    if channel is None and len(blocks) > 1:
+        listed = ", ".join(f"{k} {block.title}".strip() for k, block in enumerate(blocks, start=1))
+        raise InputError(f"{len(blocks)} channels: channel must be given, one of {listed[:200]}")
+    channel = 1 if channel is None else channel
+    if not 1 <= channel <= len(blocks):
+        raise InputError(f"channel = {channel}: must be 1 to {len(blocks)}")
+    block = blocks[channel - 1]
+    units = re.sub(r"\(\s*\d+\s*\)", "", block.heading["units"]).strip()
+    try:
+        factor = factor_of(units)
+    except InputError as error:
+        raise InputError(f"line {block.line}: {error} (counts are raw: take the V1 or V2 file)") from error
+    samples = _samples(lines, block)
+    if len(samples) != int(block.heading["count"]):
+        raise InputError(f"{len(samples)} samples found, must be {block.heading['count']} as line {block.line} says")
+    return equally_spaced(NAME, block.dt, [factor * a for a in samples], block.title)
+
+
+def _accelerations(lines: list[str]) -> list[_Block]:
+    found: list[_Block] = []
+    step, title = 0.0, ""
+    for k, line in enumerate(lines):
+        if channel := _CHANNEL.match(line):
+            title = channel["direction"].strip()
+        if reals := _REALS.match(line):
+            step = _real_header(lines, k + 1, reals)
+        heading = _COSMOS.match(line)
+        if heading is None and (heading := _CSMIP.match(line)) is not None:
+            step = number(k + 1, heading["dt"])
+        if heading is not None and heading["what"].lower().startswith("acc"):
+            if not step > 0.0:
+                raise InputError(
+                    f"line {k + 1}: no sampling interval: value {_STEP} of the real header must be one in s"
+                )
+            found.append(_Block(k + 1, heading, step, title))
+    return found
+
+
+def _real_header(lines: list[str], first: int, heading: re.Match[str]) -> float:
+    """Return the time between samples in the real header; 0 if it is too short."""
+    values: list[float] = []
+    for k, row in enumerate(lines[first : first + int(heading["lines"])], start=first + 1):
+        values += fixed_columns(k, row, int(heading["width"]))
+    return values[_STEP - 1] if len(values) >= _STEP else 0.0
+
+
+def _samples(lines: list[str], block: _Block) -> list[float]:
+    """Return the numbers of a block, which ends at the next line that is not a row of numbers."""
+    end = next((k for k in range(block.line, len(lines)) if _tells(lines[k])), len(lines))
+    if block.heading["width"] is None:
+        return rows_of_numbers(lines[:end], block.line)
+    width = int(block.heading["width"])
+    return [a for k in range(block.line, end) for a in fixed_columns(k + 1, lines[k], width)]

@@ -1,0 +1,78 @@
+"""K-NET and KiK-net ASCII (NIED): 17 lines of header, then counts of the recorder in 8 columns."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+
+from ...common.errors import InputError
+from .record import Record, equally_spaced
+from .text import number, rows_of_numbers
+from .units import factor_of
+
+NAME = "K-NET ASCII"
+_HEADER = 17  # lines
+_FREQUENCY, _DURATION, _SCALE = 10, 11, 13  # lines, from 0
+_TITLE = (("Origin Time", 0), ("Station Code", 5), ("Dir.", 12))
+_VALUE = {
+    _FREQUENCY: re.compile(r"Sampling Freq\S*\s+([\d.]+)\s*Hz\s*$", re.IGNORECASE),
+    _DURATION: re.compile(r"Duration Time\S*\s+([\d.]+)\s*$", re.IGNORECASE),
+    _SCALE: re.compile(r"Scale Factor\s+([\d.]+)\s*\((\w+)\)\s*/\s*([\d.]+)\s*$", re.IGNORECASE),
+}
+_EXAMPLE = {
+    _FREQUENCY: "Sampling Freq(Hz) 100Hz",
+    _DURATION: "Duration Time(s) 120",
+    _SCALE: "Scale Factor 3920(gal)/6182761",
+}
+
+
+def recognised(lines: list[str]) -> bool:
+    """Whether the header begins and continues as NIED's does."""
+    return lines[0].startswith("Origin Time") and any(line.startswith("Scale Factor") for line in lines[:_HEADER])
+
+
+def read(lines: list[str]) -> Record:
+    """Return the record with its mean subtracted: the recorder's zero is not that of the ground.
+
+    NIED finds the largest acceleration of its header in the same way. Raises InputError.
+    """
+    if not lines[_HEADER - 1 : _HEADER] or not lines[_HEADER - 1].startswith("Memo"):
+        raise InputError(f"line {_HEADER}: must begin with 'Memo', the last of {_HEADER} header lines")
+    (frequency,), (duration,) = _values(lines, _FREQUENCY), _values(lines, _DURATION)
+    full, unit, counts = _values(lines, _SCALE)
+    per_second = _positive(lines, _FREQUENCY, frequency)
+    factor = _positive(lines, _SCALE, full) / _positive(lines, _SCALE, counts)
+    try:
+        factor *= factor_of(unit)
+    except InputError as error:
+        raise InputError(f"line {_SCALE + 1}: {error}") from error
+    samples = np.array(rows_of_numbers(lines, _HEADER))
+    wanted = per_second * _positive(lines, _DURATION, duration)
+    if len(samples) != wanted:
+        raise InputError(
+            f"{len(samples)} samples found, must be {wanted:g} as lines {_FREQUENCY + 1} and {_DURATION + 1} say"
+        )
+    mean = float(np.mean(samples))
+    note = f"mean of {mean:g} counts ({factor * mean:.4g} m/s2) taken away"
+    title = " ".join(lines[k].removeprefix(key) for key, k in _TITLE)
+    return equally_spaced(NAME, 1.0 / per_second, factor * (samples - mean), title, (note,))
+
+
+def _values(lines: list[str], k: int) -> tuple[str, ...]:
+    """Return the values of header line k, from 0."""
+    found = _VALUE[k].match(lines[k])
+    if found is None:
+        raise _unlike(lines, k)
+    return found.groups()
+
+
+def _positive(lines: list[str], k: int, text: str) -> float:
+    value = number(k + 1, text)
+    if not value > 0.0:
+        raise _unlike(lines, k)
+    return value
+
+
+def _unlike(lines: list[str], k: int) -> InputError:
+    return InputError(f"line {k + 1}: {lines[k].strip()[:80]!r}: must be like {_EXAMPLE[k]!r}")

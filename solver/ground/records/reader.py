@@ -1,0 +1,71 @@
+"""The format of a file of recorded accelerations, recognised by its content."""
+
+from __future__ import annotations
+
+import os
+
+from ...common.errors import InputError, reading
+from . import columns, cosmos, esm, knet, peer
+from .record import Record
+from .text import lines_of
+
+_READERS = {peer.NAME: peer.read, esm.NAME: esm.read, knet.NAME: knet.read, columns.CSV: columns.read_csv}
+
+
+def read_record(
+    path: str | os.PathLike[str], dt: float | None = None, units: str | None = None, channel: int | None = None
+) -> Record:
+    """Return the record of a file in any of the known formats.
+
+    dt (s) and units (g, m/s2 or cm/s2) are for plain columns, which state neither; channel, from 1, is for files of
+    several. They are an error for formats that do not need them.
+
+    Raises InputError that begins with `path`, with the line of the file if there is one.
+    """
+    with reading(path):
+        lines = lines_of(path)
+        name = _format(lines)
+        for key, value, used in (
+            ("dt", dt, name == columns.PLAIN),
+            ("units", units, name == columns.PLAIN),
+            ("channel", channel, name == cosmos.NAME),
+        ):
+            if value is not None and not used:
+                raise InputError(f"{key} = {value}: must be left out, the file is {name} and says all itself")
+        if name == columns.PLAIN:
+            return columns.read_plain(lines, dt, units)
+        if name == cosmos.NAME:
+            return cosmos.read(lines, channel)
+        return _READERS[name](lines)
+
+
+def format_of(path: str | os.PathLike[str]) -> str:
+    """Return the name of the format that a file is recognised as. Raises InputError that begins with `path`."""
+    with reading(path):
+        return _format(lines_of(path))
+
+
+def read_at2(path: str | os.PathLike[str]) -> Record:
+    """Return a PEER AT2 record. Raises InputError that begins with `path`."""
+    with reading(path):
+        return peer.read(lines_of(path))
+
+
+def read_csv(path: str | os.PathLike[str]) -> Record:
+    """Return the record of a CSV file with a header. Raises InputError that begins with `path`."""
+    with reading(path):
+        return columns.read_csv(lines_of(path))
+
+
+def _format(lines: list[str]) -> str:
+    if columns.recognised(lines):
+        return columns.CSV
+    if knet.recognised(lines):
+        return knet.NAME
+    if esm.recognised(lines):
+        return esm.NAME
+    if peer.recognised(lines):
+        return peer.NAME
+    if cosmos.recognised(lines):
+        return cosmos.NAME
+    return columns.PLAIN

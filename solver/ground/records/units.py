@@ -1,0 +1,21 @@
+"""Units of acceleration, by name only."""
+
+from __future__ import annotations
+
+from ...common.errors import InputError, shown
+
+STANDARD_GRAVITY = 9.80665  # m/s2, the g of the records
+
+FACTORS = {"g": STANDARD_GRAVITY, "m/s2": 1.0, "cm/s2": 0.01, "gal": 0.01}  # to m/s2
+KNOWN = "g, m/s2 or cm/s2"
+
+
+def factor_of(name: str) -> float:
+    """Return the factor from the unit of that name to m/s2.
+
+    The usual spellings are known: cm/s^2, cm/sec/sec, CM/SEC**2, gal. Raises InputError.
+    """
+    plain = name.lower().replace(" ", "").replace("sec", "s").replace("**", "").replace("^", "").replace("/s/s", "/s2")
+    if plain not in FACTORS:
+        raise InputError(f"units = {shown(name)}: must be {KNOWN}")
+    return FACTORS[plain]

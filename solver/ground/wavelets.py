@@ -1,0 +1,147 @@
+"""Motions by formula: wavelets of near-fault ground motion, and filtered noise by seed. Samples, linear in between."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..common.errors import FINITE, POSITIVE, InputError, check_number
+from . import oscillator
+from .motion import Motion
+
+FloatArray = NDArray[np.float64]
+
+PER_CYCLE = 400  # samples to a cycle: straight lines between them have an error of 3e-5 of the peak
+RICKER_HALF = 2.0  # cycles from the start to the middle of a Ricker wavelet, where 1e-15 of it is cut off
+GROUND_DAMPING = 0.6  # of critical, Kanai's firm ground
+CORNER = 0.1  # of the ground's frequency: below it noise is filtered out
+NOISE_STEP = 0.005  # s
+MOST_SAMPLES = 10**7
+# the envelope of Amin and Ang (1968): rises by the square, stays, decays exponentially; parts of the duration
+RISE, LEVEL, LEFT_AT_END = 0.15, 0.6, 0.01
+
+
+def ricker(amplitude: float, frequency: float) -> Motion:
+    """Return a Ricker wavelet, a = A (1 - 2 x) exp(-x) with x = (pi f (t - 2 / f))^2, over 0 <= t <= 4 / f.
+
+    amplitude: m/s2, the peak, at t = 2 / f. frequency: Hz, of the peak of its Fourier spectrum. It ends without
+    velocity and where it began. Ricker (1943), Geophysics 8 (4). Raises InputError on a wrong value.
+    """
+    amplitude, frequency = _amplitude(amplitude), _frequency(frequency)
+    time = _instants(2.0 * RICKER_HALF, frequency)
+    x = (np.pi * frequency * (time - RICKER_HALF / frequency)) ** 2
+    return _motion(time, amplitude * (1.0 - 2.0 * x) * np.exp(-x))
+
+
+def one_sine(amplitude: float, frequency: float) -> Motion:
+    """Return one cycle of a sine of acceleration (m/s2, Hz): a pulse of velocity to one side, which ends displaced.
+
+    Makris and Roussos (2000), Geotechnique 50 (3), 243-262 (type A). Raises InputError on a wrong value.
+    """
+    amplitude, frequency = _amplitude(amplitude), _frequency(frequency)
+    time = _instants(1.0, frequency)
+    return _motion(time, amplitude * np.sin(2.0 * np.pi * frequency * time))
+
+
+def one_cosine(amplitude: float, frequency: float) -> Motion:
+    """Return one cycle of a cosine of acceleration (m/s2, Hz): a pulse of velocity to both sides.
+
+    It ends where it began, and begins and ends with a jump. Makris and Roussos (2000) (type B). Raises InputError on a
+    wrong value.
+    """
+    amplitude, frequency = _amplitude(amplitude), _frequency(frequency)
+    time = _instants(1.0, frequency)
+    return _motion(time, amplitude * np.cos(2.0 * np.pi * frequency * time))
+
+
+def mavroeidis_papageorgiou(velocity: float, frequency: float, cycles: float, phase: float = 0.0) -> Motion:
+    """Return the acceleration of the pulse of velocity v = A / 2 (1 + cos(2 pi f s / g)) cos(2 pi f s + nu).
+
+    s: the time from its middle, |s| <= g / (2 f); the motion begins at t = 0 and ends without velocity. velocity: A,
+    m/s. frequency: f, Hz. cycles: g, more than 1, the number of cycles under the bell. phase: nu, rad.
+
+    Mavroeidis and Papageorgiou (2003), Bull. Seism. Soc. Am. 93 (3), 1099-1131. Raises InputError on a wrong value.
+    """
+    velocity = check_number("velocity", velocity, FINITE, "a finite velocity in m/s")
+    frequency = _frequency(frequency)
+    above_one = (float(np.nextafter(1.0, 2.0)), 1e3)
+    cycles = check_number("cycles", cycles, above_one, "a number of cycles, more than 1, at most 1000")
+    phase = check_number("phase", phase, FINITE, "a finite angle in rad")
+    time = _instants(cycles, frequency)
+    angle = 2.0 * np.pi * frequency * (time - 0.5 * cycles / frequency)
+    bell = angle / cycles
+    shape = np.sin(bell) * np.cos(angle + phase) + cycles * np.sin(angle + phase) * (1.0 + np.cos(bell))
+    return _motion(time, -velocity * np.pi * frequency / cycles * shape)
+
+
+def filtered_noise(
+    amplitude: float,
+    frequency: float,
+    duration: float,
+    seed: int,
+    damping: float = GROUND_DAMPING,
+    dt: float = NOISE_STEP,
+) -> Motion:
+    """Return white noise through the ground as an oscillator (Kanai and Tajimi), under the envelope of Amin and Ang.
+
+    Long periods would displace the ground by metres; a second oscillator, at a tenth of the frequency, removes them
+    (Clough and Penzien 1993).
+
+    amplitude: m/s2, the peak. frequency: Hz, of the ground, about 2.5 where it is firm. duration: s; the envelope rises
+    over 15 % of it, stays until 60 %, and falls to 1 %. seed: equal seeds give equal motions. damping: of critical, of
+    the ground. dt: s between samples. A part of the envelope is subtracted so that no velocity is left at the end.
+    Raises InputError on a wrong value.
+    """
+    amplitude, frequency = _amplitude(amplitude), _frequency(frequency)
+    dt = check_number("dt", dt, POSITIVE, "a positive time in s")
+    duration = check_number(
+        "duration", duration, (10.0 * dt, MOST_SAMPLES * dt), f"10 to {MOST_SAMPLES} steps of {dt} s"
+    )
+    damping = check_number("damping", damping, (0.01, 0.99), "a part of critical from 0.01 to 0.99")
+    if isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed < 2**32:
+        raise InputError(f"seed = {seed}: must be a whole number from 0 to {2**32 - 1}")
+    count = round(duration / dt)
+    # numpy promises that RandomState's numbers stay the same in all versions, those of default_rng are not
+    white = np.random.RandomState(seed).standard_normal(count + 1)
+    part = np.arange(count + 1) / count
+    fall = np.exp(np.log(LEFT_AT_END) * (part - LEVEL) / (1.0 - LEVEL))
+    envelope = np.where(part < RISE, (part / RISE) ** 2, np.minimum(fall, 1.0))
+    ground = -envelope * _restoring(white, dt, frequency, damping)  # absolute acceleration of the first oscillator
+    # acceleration of the second relative to it: so are velocity and displacement, which die away after the shaking
+    samples = -ground - _restoring(ground, dt, CORNER * frequency, damping)
+    weight = np.full(count + 1, dt)  # of the trapezoidal rule, exact for straight lines
+    weight[[0, -1]] *= 0.5
+    samples -= envelope * (np.sum(weight * samples) / np.sum(weight * envelope))
+    return _motion(dt * np.arange(count + 1, dtype=np.float64), amplitude / np.max(np.abs(samples)) * samples)
+
+
+def _restoring(base: FloatArray, dt: float, frequency: float, damping: float) -> FloatArray:
+    """Return the force of spring and dashpot of an oscillator on a unit mass while its base accelerates, m/s2."""
+    omega = 2.0 * np.pi * frequency
+    u, v = oscillator.response(np.full(len(base) - 1, dt), base[:-1], base[1:], np.array([omega]), damping)
+    force: FloatArray = 2.0 * damping * omega * v[:, 0] + omega**2 * u[:, 0]
+    return force
+
+
+def _amplitude(value: float) -> float:
+    return check_number("amplitude", value, FINITE, "a finite acceleration in m/s2")
+
+
+def _frequency(value: float) -> float:
+    return check_number("frequency", value, POSITIVE, "a positive frequency in Hz")
+
+
+def _instants(cycles: float, frequency: float) -> FloatArray:
+    """Return equally spaced instants from 0 to `cycles` cycles, both included, at least 400 to a cycle."""
+    count = math.ceil(PER_CYCLE * cycles)
+    return cycles / frequency / count * np.arange(count + 1, dtype=np.float64)
+
+
+def _motion(time: FloatArray, ax: FloatArray) -> Motion:
+    """Return the motion of samples at equal steps from 0."""
+    duration, az = float(time[-1]), np.zeros(len(time))
+    if np.isfinite(ax).all() and POSITIVE[0] <= duration <= POSITIVE[1] and time[1] > 0.0:
+        return Motion.unchecked(time, ax, az, duration)
+    return Motion(time, ax, az, duration)  # checks the values

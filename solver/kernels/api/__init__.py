@@ -1,0 +1,1 @@
+"""The kernels as Python and programs without Python call them."""

@@ -1,0 +1,494 @@
+"""Operations on a column, from its parameters to its outputs: the one engine behind every caller.
+
+`Stepper`, both FMUs and programs without Python call these functions, through arrays (entries.py) or through pointers
+(pointers.py). A column is the bundle of layout.py's spaces.
+"""
+
+import math
+
+from ..column.assembly import derive, settle
+from ..column.normal_modes import normal_modes
+from ..column.normal_modes import scratch_size as modes_scratch
+from ..column.rest import find_rest
+from ..column.solids import homogeneous
+from ..column.stability import longest_stable_step
+from ..column.stability import scratch_size as stability_scratch
+from ..formulations.base_motion import base_motion, enter
+from ..formulations.dispatch import Column, is_exact
+from ..formulations.exact import Motion
+from ..formulations.feedthrough import (
+    base_direction,
+    effective_mass,
+    split_reaction,
+    tangential_gains,
+)
+from ..formulations.outputs import observe
+from ..formulations.slips import begin_slips, phase_size
+from ..integrators.interpolation import slips_of
+from ..joint.law import joint_forces, law_of
+from ..joint.sliding import RIGID
+from ..layout.spaces import (
+    AUTO,
+    BASE,
+    CENTRAL_DIFFERENCE,
+    COUNTS,
+    ELASTIC,
+    EXACT,
+    LAW,
+    MODAL_MOST,
+    MODEL,
+    MOST_STRIPS,
+    OK,
+    OTHER_LAW,
+    ROW,
+    SPLIT,
+    STATE,
+    WORK,
+    modal_size,
+)
+from ..numba_ext.jit import kernel, leaf
+from ..numba_ext.numbers import sine_cosine
+from ..numba_ext.views import Record
+from ..sections.faces import ENDLESS, FITS, RECTANGLE, Face, face_of, misfit
+from ..sections.section import contact_of, full_stiffness, is_off_centre, lay_out
+from ..stepping.advance import advance, take_phase
+
+# description of a column: settings, then a record for each block; 0 for an optional value that is not given
+GIVEN_SETTINGS = Record("g", "step", "tolerance", "formulation", "integrator", "without")
+GIVEN_BLOCK = ("height", "width", "depth", "mass", "centroid", "inertia", "tilt")
+GIVEN_JOINT = (*LAW, "width", "depth", "friction", "dowel", "offset", "inclination")
+# properties that no parameter of an FMU changes: of the block the code of the section, inner diameter m, sizes of the
+# top face m; of the joint the code of the section, inner diameter m, number of strips and their depths m
+GIVEN_SHAPE = (
+    *("section", "bore", "top_width", "top_depth"),
+    *("joint_section", "joint_bore", "strips", *(f"strip_{k}" for k in range(MOST_STRIPS))),
+)
+GIVEN = Record(*GIVEN_BLOCK, *(f"joint_{name}" for name in GIVEN_JOINT), *GIVEN_SHAPE)
+# inputs of the base, set by a caller: accelerations, their slopes, rotation
+BASE_INPUTS = Record("ax", "az", "jx", "jz", "theta", "omega", "alpha")
+
+# codes of `assemble`, beside those of layout.py
+NOT_STABLE = -10  # the fixed step is beyond the limit, which is left in the detail
+TOO_LARGE = -11  # the moment of inertia of a block, whose number is left in the detail, is beyond float64
+NO_REST = -12  # a column that is off its axis, or has joints of another law, does not stand under its own weight
+NOT_GENERAL = -13  # a column that may slide or is off its axis asks for another formulation or integrator
+NOT_LINEAR = -14  # and one of these has a joint of another law than the linear one
+MISFIT = -15  # a contact face does not suit the faces that meet: the detail holds the joint and why (faces.py, Misfit)
+DETAILS = 5  # numbers of the detail
+
+CARRIED = 1e-9  # of the weight: how exactly a joint carries it at rest
+STEP_SLACK = 1e-6  # the accuracy of the limit itself
+PROBE_TURN = 1e-9  # rad, and
+PROBE_SPIN = 1e-6  # rad/s, by which the rotation of the base is varied
+RATE_PART = 1e-4  # of the first step: half the time over which outputs are differenced
+
+_model, _state, _counts, _base, _work = MODEL.over, STATE.over, COUNTS.over, BASE.over, WORK.over
+_DEPTHS_GIVEN = GIVEN.fields.index("strip_0")
+_LAW_GIVEN, _LAW_FIELDS, _LINEAR_FIELDS = GIVEN.fields.index(f"joint_{LAW[0]}"), len(LAW), len(LAW) - len(OTHER_LAW)
+_row, _split = ROW.over, SPLIT.over
+_given_settings, _given_block, _base_inputs = GIVEN_SETTINGS.over, GIVEN.over, BASE_INPUTS.over
+_SETTINGS_FIELDS, _BLOCK_FIELDS = GIVEN_SETTINGS.beside, GIVEN.beside
+_ROW_FIELDS, _ROW_BESIDE = ROW.per_n, ROW.beside
+_WORK_PER_N, _WORK_BESIDE = WORK.per_n, WORK.beside
+_CONTROL_FIELDS, _STATE_PER_N = STATE.beside, STATE.per_n
+
+
+def model_room(n: int) -> int:
+    """Length of the largest packed model of n blocks."""
+    return MODEL.size(n) + (modal_size(n) if n <= MODAL_MOST else 0)
+
+
+def scratch_room(n: int, fixed_step: bool) -> int:
+    """Length of the scratch of `assemble`, for a fixed step or one that is chosen."""
+    if fixed_step:
+        return stability_scratch(n)
+    return modes_scratch(n) if n <= MODAL_MOST else 1
+
+
+@leaf
+def column_over(n, model, state, counts, base, samples, work):
+    """The column of n blocks over its rows."""
+    column = Column(_model(model, n), _state(state, n), _counts(counts, 0), _base(base, 0), samples, _work(work, n))
+    begin_slips(column.model, column.work)
+    return column
+
+
+# --- from parameters to a model
+
+
+@kernel
+def assemble(column, given, from_rest, scratch, detail):
+    """The packed model of the column that `given` describes; a column at rest with `from_rest`. Returns a code.
+
+    Without `from_rest` the motion goes on from the present coordinates and rates. After an error the model may not be
+    used, and the rest is unchanged; but NO_REST leaves no motion either. given, scratch, detail: rows.
+    """
+    model, state, counts, base, _, work = column
+    n, settings, blocks = model.n, model.settings, model.blocks
+    described = _given_settings(given, 0)
+    settings.n = n
+    settings.gravity = described.g
+    settings.step = described.step
+    settings.tolerance = described.tolerance
+    settings.formulation = described.formulation
+    settings.integrator = described.integrator
+    settings.without = described.without
+    settings.has_modes = 0.0
+    settings.slides = 0.0
+    settings.off_axis = 0.0
+    linear = True
+    for i in range(n):
+        row = given[_SETTINGS_FIELDS + _BLOCK_FIELDS * i :]
+        block = _given_block(row, 0)
+        blocks.height[i] = block.height
+        blocks.mass[i] = block.mass
+        centroid, inertia = homogeneous(
+            block.mass,
+            block.section,
+            block.height,
+            block.width,
+            block.depth,
+            block.top_width,
+            block.top_depth,
+            block.bore,
+        )
+        blocks.centroid[i] = centroid if block.centroid == 0.0 else block.centroid
+        blocks.inertia[i] = inertia if block.inertia == 0.0 else block.inertia
+        for k in range(_LAW_FIELDS):
+            blocks.law[k * n + i] = row[_LAW_GIVEN + k]
+            linear = linear and (k < _LINEAR_FIELDS or row[_LAW_GIVEN + k] == 0.0)
+        below = Face(float(RECTANGLE), ENDLESS, ENDLESS, 0.0)
+        if i + 1 < n:
+            below = _top_face(given[_SETTINGS_FIELDS + _BLOCK_FIELDS * (i + 1) :])
+        width = block.width if block.joint_width == 0.0 else block.joint_width
+        depth = block.depth if block.joint_depth == 0.0 else block.joint_depth
+        bottom = face_of(block.section, block.width, block.depth, block.bore)
+        own, depths = face_of(block.joint_section, width, depth, block.joint_bore), row[_DEPTHS_GIVEN:]
+        wide, deep = block.joint_width != 0.0, block.joint_depth != 0.0
+        fault = misfit(own, bottom, below, wide, deep, int(block.strips), depths)
+        if fault.kind != FITS:
+            detail[0], detail[1], detail[2] = i + 1.0, fault.kind, fault.strip
+            detail[3], detail[4] = fault.value, fault.bound
+            return MISFIT
+        lay_out(blocks, i, own, block.strips, depths, below)
+        blocks.friction[i] = block.joint_friction
+        blocks.dowel[i] = block.joint_dowel if block.joint_friction > 0.0 else RIGID
+        settings.slides = 1.0 if block.joint_friction > 0.0 else settings.slides
+        blocks.offset[i], blocks.lean[i] = block.joint_offset, block.joint_inclination
+        blocks.tilt[i] = block.joint_inclination + block.tilt
+        if block.joint_offset != 0.0 or blocks.lean[i] != 0.0 or blocks.tilt[i] != 0.0:
+            settings.off_axis = 1.0
+        if is_off_centre(block.strips, depths):
+            settings.off_axis = 1.0
+        if not math.isfinite(blocks.inertia[i]):
+            detail[0] = i + 1.0
+            return TOO_LARGE
+    settings.slides = max(settings.slides, settings.off_axis)
+    if settings.slides != 0.0 and (settings.formulation != EXACT or settings.integrator != AUTO):
+        return NOT_GENERAL
+    if settings.slides != 0.0 and not linear:
+        return NOT_LINEAR
+    derive(model)
+    if settings.integrator == CENTRAL_DIFFERENCE:
+        detail[0] = longest_stable_step(column, scratch)
+        if settings.step > detail[0] * (1.0 + STEP_SLACK):
+            return NOT_STABLE
+    for i in range(_WORK_PER_N * n + _WORK_BESIDE):  # responses of the modes of another model
+        work.row[i] = 0.0
+    begin_slips(model, work)
+    rest = work.between
+    stands = _rest_of(model, rest, work.room)
+    asked = settings.integrator == AUTO and int(settings.without) & ELASTIC == 0
+    if settings.formulation == EXACT and asked and n <= MODAL_MOST and stands:
+        settings.has_modes = 1.0 if normal_modes(model, rest, scratch) else 0.0
+    if from_rest != 0:
+        for i in range(_STATE_PER_N * n + _CONTROL_FIELDS):
+            state.row[i] = 0.0
+        if not stands:
+            return NO_REST
+        for i in range(phase_size(work)):
+            state.phase.row[i] = rest.row[i]
+        reset(counts, base)
+    elif counts.overturned == 0:
+        state.control.base_ax = math.nan  # belongs to no input: the accelerations will be recomputed
+    return OK
+
+
+@kernel
+def _rest_of(model, rest, room):
+    """Turn a phase of zeros into the rest of a column whose joints have not slid. Returns whether a stable one exists.
+
+    A column on its axis, of any law, is checked for joints that carry the weight there.
+    """
+    blocks, settings = model.blocks, model.settings
+    settle(model, rest, 0.0)
+    if settings.off_axis == 0.0:
+        return _carry(model)
+    for i in range(model.n):
+        rest.slip[i] = blocks.offset[i]
+    stands = not settings.gravity > 0.0 or find_rest(model, rest, room)
+    for i in range(model.n):
+        blocks.rest_turn[i] = rest.theta[i] if stands else math.inf  # nowhere
+        blocks.rest_opening[i] = rest.opening[i]
+    return stands
+
+
+@kernel
+def _carry(model):
+    """Whether all joints carry the weight on them once they settle as far as their stiffness lets them."""
+    blocks, weight = model.blocks, 0.0
+    for i in range(model.n):
+        weight += model.settings.gravity * blocks.mass[i]
+        opening = -weight / full_stiffness(blocks, i)
+        normal, _, _ = joint_forces(contact_of(blocks, i), law_of(blocks, i), opening, 0.0, 0.0, 0.0)
+        if not abs(normal - weight) <= CARRIED * weight:
+            return False
+    return True
+
+
+@leaf
+def _top_face(row):
+    """The top face of the block that a row describes."""
+    block = _given_block(row, 0)
+    width = block.width if block.top_width == 0.0 else block.top_width
+    return face_of(block.section, width, block.depth if block.top_depth == 0.0 else block.top_depth, block.bore)
+
+
+@kernel
+def reset(counts, base):
+    """Counts and base of a column that has not moved yet."""
+    counts.steps = 0
+    counts.rejected = 0
+    counts.evaluations = 0
+    counts.sweeps = 0
+    counts.overturned = 0
+    counts.started = 0
+    counts.next_row = 0
+    counts.implicit = 0
+    counts.implicit_steps = 0
+    counts.since_probe = 0
+    counts.events = 0
+    counts.unheld = 0
+    counts.elastic_steps = 0
+    counts.elastic_wait = 0
+    counts.in_flight = 0
+    counts.resting = 0
+    counts.looks = 0
+    counts.until_opening = 0
+    base.t0 = 0.0
+    base.ax = 0.0
+    base.jx = 0.0
+    base.az = 0.0
+    base.jz = 0.0
+    base.wave_amplitude = 0.0
+    base.wave_omega = 0.0
+    base.wave_phase = 0.0
+    base.theta = 0.0
+    base.omega = 0.0
+    base.alpha = 0.0
+    base.anchor = -math.inf  # nowhere
+    base.anchor_sine = 0.0
+    base.anchor_cosine = 0.0
+    base.segment = -1.0
+    base.piece_begin = 0.0
+    base.piece_end = math.inf
+    base.piece_ax = 0.0
+    base.piece_jx = 0.0
+    base.piece_az = 0.0
+    base.piece_jz = 0.0
+
+
+# --- the base
+
+
+@kernel
+def drive(base, inputs, elapsed, t):
+    """Set the inputs that the base follows from time t on; they were set `elapsed` s before."""
+    given = _base_inputs(inputs, 0)
+    base.ax = given.ax + given.jx * elapsed
+    base.jx = given.jx
+    base.az = given.az + given.jz * elapsed
+    base.jz = given.jz
+    base.theta = given.theta + elapsed * (given.omega + 0.5 * elapsed * given.alpha)
+    base.omega = given.omega + elapsed * given.alpha
+    base.alpha = given.alpha
+    base.t0 = t
+
+
+@kernel
+def base_of(column, t):
+    """Motion of the base at time t; once the column has overturned, its motion at that moment."""
+    control = column.state.control
+    if column.counts.overturned > 0:
+        return Motion(control.base_ax, control.base_az, control.base_theta, control.base_omega, control.base_alpha)
+    return base_motion(column.base, column.samples, t)
+
+
+# --- motion and what is seen of it
+
+
+@kernel
+def follow(column, inputs, start, h, watch):
+    """Take the column from `start` to start + h, s, under inputs that begin there, and the record. Returns a code."""
+    drive(column.base, inputs, 0.0, start)
+    return advance(column, start, h, watch)
+
+
+@kernel
+def see(column, motion, row, split):
+    """Fill an output row and the split reaction with the outputs of the state on such a base. Returns a code.
+
+    The phase is left in work.between.
+    """
+    between = column.work.between
+    take_phase(column, motion, between)
+    code = observe(column, between, motion, row)
+    if code != OK:
+        return code
+    return split_reaction(column, between, motion, row, split)
+
+
+@kernel
+def look(column, inputs, new_inputs, upright, elapsed, t, row, split):
+    """Fill an output row and the split reaction with the outputs at time t. Returns a code.
+
+    With `new_inputs` the inputs are those set `elapsed` s before; else those that the last step has left. With
+    `upright` the column stands on the base as it is turned and turning, instead of upright in space.
+    """
+    base, control = column.base, column.state.control
+    if new_inputs != 0:
+        drive(base, inputs, elapsed, t)
+    enter(base, column.samples, t)
+    if upright != 0:
+        control.base_theta = base.theta
+        control.base_omega = base.omega
+    return see(column, base_of(column, t), row, split)
+
+
+@kernel
+def clear(row, split, n):
+    """Output row and split of zeros."""
+    for i in range(_ROW_FIELDS * n + _ROW_BESIDE):
+        row.row[i] = 0.0
+    _add_split(split, split, -1.0)
+
+
+@kernel
+def _add(row, split, other, other_split, factor, n):
+    for i in range(_ROW_FIELDS * n + _ROW_BESIDE):
+        row.row[i] += factor * other.row[i]
+    _add_split(split, other_split, factor)
+
+
+@kernel
+def _add_split(split, other, factor):
+    split.R0x += factor * other.R0x
+    split.R0z += factor * other.R0z
+    split.R0m += factor * other.R0m
+    split.mxx += factor * other.mxx
+    split.mxz += factor * other.mxz
+    split.mxt += factor * other.mxt
+    split.mzz += factor * other.mzz
+    split.mzt += factor * other.mzt
+    split.mtt += factor * other.mtt
+
+
+@kernel
+def rates(column, t, row, split, other, other_split):
+    """Fill row and split with the rate of every output at time t, 1/s; `look` has been called then. Returns a code.
+
+    Central differences over a fraction of the period of the fastest mode, for which the first step is made too, on the
+    parabola given by coordinates, rates and accelerations. other, other_split: room for another row and split.
+    """
+    model, work = column.model, column.work
+    n = model.n
+    clear(row, split, n)
+    if column.counts.overturned > 0:
+        return OK
+    code = see(column, base_motion(column.base, column.samples, t), other, other_split)
+    between, saved = work.between, work.end
+    for i in range(phase_size(work)):
+        saved.row[i] = between.row[i]
+    past = RATE_PART * model.settings.first_step
+    for _ in range(2):
+        for i in range(2 * n):
+            _go_on(saved, between, i, past)
+        first, behind = slips_of(work)
+        for i in range(behind - first):
+            _go_on(saved, between, first + i, past)
+            between.sliding[i] = saved.sliding[i]
+        then = base_motion(column.base, column.samples, t + past)
+        code = min(code, observe(column, work.between, then, other))
+        code = min(code, split_reaction(column, work.between, then, other, other_split))
+        _add(row, split, other, other_split, 0.5 / past, n)
+        past = -past
+    return code
+
+
+@leaf
+def _go_on(saved, to, i, past):
+    """Coordinate i of a phase `past` s later, its rate and acceleration."""
+    q, v, a = saved.coordinates[i], saved.rates[i], saved.accelerations[i]
+    to.coordinates[i] = q + past * (v + 0.5 * past * a)
+    to.rates[i] = v + past * a
+    to.accelerations[i] = a
+
+
+@kernel
+def feedthrough(column, seeds, elapsed, t, row, split, other, other_split):
+    """Fill row and split with the derivative of every output by the base's inputs, in the direction `seeds`.
+
+    seeds: one for each of BASE_INPUTS, which were set `elapsed` s before; at time t under the inputs that `look` has
+    left. Outputs that depend on the accelerations of the base at once are linear in them: forces along the joints and
+    reaction, by formulations/feedthrough.py, exactly; in the first-order model by the difference over 1 m/s2, which is
+    the derivative too. Dependence on the rotation and its rate is differenced. Returns a code.
+    """
+    model, work = column.model, column.work
+    n = model.n
+    clear(row, split, n)
+    if column.counts.overturned > 0:
+        return OK
+    seed = _base_inputs(seeds, 0)
+    along_x = seed.ax + elapsed * seed.jx
+    along_z = seed.az + elapsed * seed.jz
+    alpha = seed.alpha
+    spin = seed.omega + elapsed * alpha
+    turn = seed.theta + elapsed * (seed.omega + 0.5 * elapsed * alpha)
+    motion = base_motion(column.base, column.samples, t)
+    code = OK
+    if not is_exact(model):
+        there = Motion(motion.ax + along_x, motion.az + along_z, motion.theta, motion.omega, alpha)
+        code = min(code, see(column, there, other, other_split))
+        _add(row, split, other, other_split, 1.0, n)
+        code = min(code, see(column, motion, other, other_split))
+        _add(row, split, other, other_split, -1.0, n)
+        _add_split(split, split, -1.0)  # the split does not depend on the accelerations
+    else:
+        code = min(code, see(column, motion, other, other_split))
+        phase = work.between
+        g_x, g_z, g_m = base_direction(model, phase, motion.theta)
+        met = g_x * along_x + g_z * along_z + g_m * alpha
+        force = effective_mass(model, work) * met
+        gains = work.tops.start_ux
+        tangential_gains(model, work, gains)
+        turn_below = 0.0
+        for i in range(n - 1, -1, -1):
+            _, cosine = sine_cosine(0.5 * (phase.theta[i] + turn_below) + motion.theta + model.blocks.lean[i])
+            row.joints.T[i] = -gains[i] * met
+            row.joints.S[i] = -cosine * gains[i] * met
+            turn_below = phase.theta[i]
+        row.base.Fx = -g_x * force
+        row.base.Fz = -g_z * force
+        row.base.My = -g_m * force
+    way = 1.0
+    for _ in range(2):
+        if turn != 0.0:
+            then = Motion(motion.ax, motion.az, motion.theta + way * PROBE_TURN, motion.omega, motion.alpha)
+            code = min(code, see(column, then, other, other_split))
+            _add(row, split, other, other_split, 0.5 * turn / (way * PROBE_TURN), n)
+        if spin != 0.0:
+            then = Motion(motion.ax, motion.az, motion.theta, motion.omega + way * PROBE_SPIN, motion.alpha)
+            code = min(code, see(column, then, other, other_split))
+            _add(row, split, other, other_split, 0.5 * spin / (way * PROBE_SPIN), n)
+        way = -1.0
+    return code

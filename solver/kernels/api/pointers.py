@@ -1,0 +1,147 @@
+"""The engine for callers that have pointers instead of arrays: programs without Python link with it.
+
+Everything between the parameters of a column and its outputs is here, so that the caller needs to calculate nothing.
+A record is `count` samples of the base acceleration at `times`, s, with straight lines in between; `count` is 0
+without one.
+"""
+
+from numba import types
+
+from ..formulations.base_motion import Samples
+from ..layout.spaces import ROW, SPLIT
+from ..numba_ext.jit import leaf
+from ..numba_ext.views import row_at
+from ..output.watch import Watch
+from . import engine
+from .engine import (
+    DETAILS,
+    GIVEN_BLOCK,
+    GIVEN_JOINT,
+    MISFIT,
+    NO_REST,
+    NOT_GENERAL,
+    NOT_LINEAR,
+    NOT_STABLE,
+    TOO_LARGE,
+    column_over,
+    model_room,
+    scratch_room,
+)
+
+__all__ = [
+    "DETAILS",
+    "ENTRIES",
+    "GIVEN_BLOCK",
+    "GIVEN_FIELDS",
+    "GIVEN_JOINT",
+    "GIVEN_SETTINGS",
+    "MISFIT",
+    "NOT_GENERAL",
+    "NOT_LINEAR",
+    "NOT_STABLE",
+    "NO_REST",
+    "TOO_LARGE",
+    "model_room",
+    "scratch_room",
+]
+
+GIVEN_SETTINGS = engine.GIVEN_SETTINGS.fields
+GIVEN_FIELDS = engine.GIVEN.beside
+_row, _split = ROW.over, SPLIT.over
+
+
+@leaf
+def _column(n, model, state, counts, base, work, samples):
+    return column_over(n, row_at(model), row_at(state), row_at(counts), row_at(base), samples, row_at(work))
+
+
+@leaf
+def _samples(count, times, ax, az, scale):
+    return Samples(count, row_at(times), row_at(ax), row_at(az), scale, False)
+
+
+def assemble(n, given, from_rest, model, state, counts, base, work, scratch, detail):
+    """`engine.assemble`."""
+    column = _column(n, model, state, counts, base, work, _samples(0, given, given, given, 1.0))
+    return engine.assemble(column, row_at(given), from_rest, row_at(scratch), row_at(detail))
+
+
+def follow(n, model, state, counts, base, work, inputs, start, h, count, times, ax, az, scale):
+    """`engine.follow`."""
+    column = _column(n, model, state, counts, base, work, _samples(count, times, ax, az, scale))
+    return engine.follow(column, row_at(inputs), start, h, Watch(0, row_at(work), row_at(work), True))
+
+
+def look(
+    n,
+    model,
+    state,
+    counts,
+    base,
+    work,
+    inputs,
+    new_inputs,
+    upright,
+    elapsed,
+    t,
+    count,
+    times,
+    ax,
+    az,
+    scale,
+    row,
+    split,
+):
+    """`engine.look`."""
+    column = _column(n, model, state, counts, base, work, _samples(count, times, ax, az, scale))
+    visible = _row(row_at(row), n), _split(row_at(split), 0)
+    return engine.look(column, row_at(inputs), new_inputs, upright, elapsed, t, visible[0], visible[1])
+
+
+def rates(n, model, state, counts, base, work, t, count, times, ax, az, scale, row, split, other, other_split):
+    """`engine.rates`."""
+    column = _column(n, model, state, counts, base, work, _samples(count, times, ax, az, scale))
+    here, there = _row(row_at(row), n), _row(row_at(other), n)
+    return engine.rates(column, t, here, _split(row_at(split), 0), there, _split(row_at(other_split), 0))
+
+
+def feedthrough(
+    n,
+    model,
+    state,
+    counts,
+    base,
+    work,
+    seeds,
+    elapsed,
+    t,
+    count,
+    times,
+    ax,
+    az,
+    scale,
+    row,
+    split,
+    other,
+    other_split,
+):
+    """`engine.feedthrough`."""
+    column = _column(n, model, state, counts, base, work, _samples(count, times, ax, az, scale))
+    here, there = _row(row_at(row), n), _row(row_at(other), n)
+    parts, other_parts = _split(row_at(split), 0), _split(row_at(other_split), 0)
+    return engine.feedthrough(column, row_at(seeds), elapsed, t, here, parts, there, other_parts)
+
+
+_numbers, _counters = types.CPointer(types.double), types.CPointer(types.int64)
+_number, _whole = types.double, types.int64
+_arguments = (_whole, _numbers, _numbers, _counters, _numbers, _numbers)  # n, model, state, counts, base, work
+_record = (_whole, _numbers, _numbers, _numbers, _number)  # count, times, ax, az, scale
+_outputs = (_numbers, _numbers)  # row, split
+# entry -> types of its arguments; all return a code
+ENTRIES = {
+    assemble: (_whole, _numbers, _whole, _numbers, _numbers, _counters, _numbers, _numbers, _numbers, _numbers),
+    follow: (*_arguments, _numbers, _number, _number, *_record),
+    look: (*_arguments, _numbers, _whole, _whole, _number, _number, *_record, *_outputs),
+    rates: (*_arguments, _number, *_record, *_outputs, *_outputs),
+    feedthrough: (*_arguments, _numbers, _number, _number, *_record, *_outputs, *_outputs),
+}

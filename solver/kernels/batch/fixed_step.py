@@ -1,0 +1,148 @@
+"""Runs of the first-order formulation through eight lanes: central differences at a fixed step, as the paper has them.
+
+The sweeps go on until those of every lane have settled; a lane that has keeps its accelerations. All lanes step at
+once, each by its own step, which divides what lies between two samples of its record, or all of its run.
+"""
+
+import math
+
+from ..formulations.base_motion import SAMPLE_SLACK
+from ..formulations.first_order import MAX_SWEEPS, bear, has_settled, sweep_once, sweep_rows, tilt
+from ..integrators.central_difference import correct, predict
+from ..layout.spaces import HAS_OVERTURNED, NOT_CONVERGED, OK, SLACK
+from ..numba_ext.jit import kernel, leaf
+from ..numba_ext.lanes import WIDTH, bits, greater, magnitude, where
+from .evaluate import anchor_far_waves, motion_of_lanes, single
+from .follow import end_at_falls, finish, follow_record, load, pass_queue, peak_over
+
+
+@kernel
+def sweep_lanes(batch, phase, t, wanted):
+    """Accelerations of the wanted lanes at a phase and at the times t. Returns the mask of those that have settled."""
+    model, work, n = batch.model, batch.work, batch.model.n
+    motion = motion_of_lanes(batch, t)
+    lift = model.settings.gravity + motion.az
+    sweeps = sweep_rows(work.room)
+    bear(model, phase, work.joints, work.hold, sweeps)
+    found, before = phase.accelerations, work.between.row
+    settled = ~wanted
+    for _ in range(MAX_SWEEPS):
+        for i in range(2 * n):
+            before[i] = found[i]
+        now = has_settled(phase, sweep_once(model, phase, motion, work.joints, sweeps), lift, n)
+        for i in range(2 * n):
+            found[i] = where(settled, before[i], found[i])
+        settled = settled | now
+        if bits(~settled) == 0:
+            break
+    return settled & wanted
+
+
+@leaf
+def divide(one):
+    """Divide what a lane goes through until its base changes, or its run ends, into steps."""
+    lanes, base = one.lane, one.base
+    end = lanes.stop
+    if base.piece_end < end - SAMPLE_SLACK * (base.piece_end - base.piece_begin):
+        end = base.piece_end
+    left = end - lanes.t
+    pieces = max(1.0, math.ceil(left / one.model.settings.step * (1.0 - SLACK)))
+    lanes.begin, lanes.end, lanes.step, lanes.pieces, lanes.made = lanes.t, end, left / pieces, pieces, 0.0
+
+
+@kernel
+def start_swept(batch, fresh):
+    """Accelerations and peaks at the start of the lanes in the mask `fresh`. Returns those whose runs end, by bits."""
+    work, n = batch.work, batch.model.n
+    anchor_far_waves(batch.base, batch.lane.t)
+    for i in range(6 * n):
+        work.end.row[i] = work.start.row[i]
+    settled = sweep_lanes(batch, work.end, batch.lane.t, fresh)
+    for i in range(2 * n):
+        work.start.accelerations[i] = where(fresh, work.end.accelerations[i], work.start.accelerations[i])
+    for i in range(n):
+        batch.state.peaks[i] = greater(batch.state.peaks[i], magnitude(work.start.theta[i]))
+    failed = bits(fresh & ~settled)
+    for k in range(WIDTH):
+        if (failed >> k) & 1:
+            finish(batch, k, NOT_CONVERGED)
+    return failed
+
+
+@kernel
+def fallen_swept(model, phase):
+    """As `follow.fallen`, of rotations that follow from displacements."""
+    n = model.n
+    beyond = phase.theta[n - 1] != phase.theta[n - 1]
+    turn = tilt(model.blocks, phase.theta, 0, n)
+    for i in range(n):
+        below = tilt(model.blocks, phase.theta, i + 1, n)
+        limit = model.blocks.fall_angle[i]
+        beyond = beyond | (magnitude(turn) > limit) | (magnitude(turn - below) > limit)
+        turn = below
+    return beyond
+
+
+@kernel
+def step_swept(batch):
+    """One step of every lane that has a run. Returns the lanes whose run has ended, and one more bit, as `step_on`."""
+    work, lanes, n = batch.work, batch.lane, batch.model.n
+    busy, step = lanes.run >= 0.0, lanes.step
+    made = lanes.made + 1.0
+    last = made >= lanes.pieces
+    t = where(last, lanes.end, lanes.begin + made * step)
+    anchor_far_waves(batch.base, lanes.t)
+    predict(work, step)
+    good = sweep_lanes(batch, work.end, t, busy)
+    correct(work, step)
+    over = good & fallen_swept(batch.model, work.end)
+    fell, ended = bits(over), bits(busy & ~good)
+    step = end_at_falls(batch, fell, step)
+    begin, end, peaks = work.start, work.end, batch.state.peaks
+    for i in range(n):
+        peaks[i] = peak_over(peaks[i], begin.theta[i], begin.theta_rate[i], end.theta[i], end.theta_rate[i], step, good)
+    for i in range(6 * n):
+        begin.row[i] = end.row[i]
+    lanes.steps += where(good, 1.0, 0.0)
+    lanes.made, lanes.t = made, t
+    return _end_segments(batch, bits(busy & last), fell, ended)
+
+
+@kernel
+def _end_segments(batch, last, fell, failed):
+    """Go on with what follows in the lanes whose steps are at their end; finish runs. Returns as `step_swept`."""
+    ended = failed
+    if last | fell | failed == 0:
+        return ended
+    for k in range(WIDTH):
+        one = single(batch, k)
+        if (failed >> k) & 1:
+            finish(batch, k, NOT_CONVERGED)
+        elif (fell >> k) & 1:
+            finish(batch, k, HAS_OVERTURNED)
+            ended |= 1 << k
+        elif (last >> k) & 1 and one.lane.end == one.lane.stop:
+            finish(batch, k, OK)
+            ended |= 1 << k
+        elif (last >> k) & 1:
+            follow_record(batch, one, one.lane.t)
+            divide(one)
+            if one.lane.fresh > 0.0:
+                ended |= 1 << WIDTH
+    return ended
+
+
+@kernel
+def load_swept(batch, k, number):
+    """Put a run into lane k, as `follow.load`."""
+    load(batch, k, number)
+    one = single(batch, k)
+    if one.base.wave_amplitude != 0.0:
+        one.base.anchor = math.nan  # nowhere yet
+    divide(one)
+
+
+@kernel
+def follow_swept(batch):
+    """As `follow.follow_queue`, of runs of the first-order formulation."""
+    pass_queue(batch, load_swept, start_swept, step_swept)

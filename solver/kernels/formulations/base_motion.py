@@ -1,0 +1,232 @@
+"""The motion of the base: inputs that are smooth within a call, and samples of a record beside them.
+
+The samples are joined by straight lines, or each is held until the next. Before the first and after the last the record
+is silent, and so is the harmonic part of the inputs where there is a record.
+"""
+
+import math
+from typing import NamedTuple
+
+from ..layout.spaces import MOST_INPUT
+from ..numba_ext.jit import kernel, leaf
+from .exact import Motion
+
+
+class Samples(NamedTuple):
+    """A record: rows of `size` instants, s, and accelerations, m/s2; size is 0 without one."""
+
+    size: int
+    times: object
+    ax: object
+    az: object
+    scale: float
+    held: bool
+
+
+SOON = 0.1  # rad of the harmonic part: the polynomials are exact to rounding
+SAMPLE_SLACK = 1e-9  # of a sampling interval: times closer than this are equal
+
+
+@leaf
+def segment_at(samples, t):
+    """Number of the last sample at time t or before; -1 if there is none."""
+    low, high = 0, samples.size
+    while low < high:
+        middle = (low + high) // 2
+        if t < samples.times[middle]:
+            high = middle
+        else:
+            low = middle + 1
+    return low - 1
+
+
+@leaf
+def is_silent(samples, k):
+    """Whether the record is zero from sample k on until the next."""
+    return k < 0 or k >= samples.size - 1
+
+
+@leaf
+def record_line(samples, k, t):
+    """Acceleration of the record at time t on segment k, and its slope: (ax, jx, az, jz), m/s2 and m/s3."""
+    if is_silent(samples, k):
+        return 0.0, 0.0, 0.0, 0.0
+    ax, az = samples.scale * samples.ax[k], samples.scale * samples.az[k]
+    if samples.held:
+        return ax, 0.0, az, 0.0
+    begin = samples.times[k]
+    per_width = 1.0 / (samples.times[k + 1] - begin)
+    jx = (samples.scale * samples.ax[k + 1] - ax) * per_width
+    jz = (samples.scale * samples.az[k + 1] - az) * per_width
+    return ax + jx * (t - begin), jx, az + jz * (t - begin), jz
+
+
+@kernel
+def enter(base, samples, t):
+    """Let the base follow, from time t on, the segment of the record that begins there or before."""
+    if samples.size == 0:
+        return
+    k = segment_at(samples, t)
+    if k + 1 < samples.size:
+        ahead = samples.times[k + 1] - t
+        width = samples.times[k + 1] - samples.times[k] if k >= 0 else samples.times[1] - samples.times[0]
+        if ahead <= SAMPLE_SLACK * width:
+            k += 1
+    base.segment = k
+    base.piece_begin = samples.times[k] if k >= 0 else samples.times[0]
+    base.piece_end = samples.times[k + 1] if k + 1 < samples.size else math.inf
+    base.piece_ax, base.piece_jx, base.piece_az, base.piece_jz = record_line(samples, k, base.piece_begin)
+
+
+@leaf
+def ends_soon(base, t):
+    """Whether the present segment of the record ends at time t, or has ended."""
+    return t >= base.piece_end - SAMPLE_SLACK * (base.piece_end - base.piece_begin)
+
+
+@leaf
+def base_line(base, samples, t):
+    """The part of the base acceleration linear in time from t on: (ax, jx, az, jz), m/s2 and m/s3."""
+    past = t - base.t0
+    ax, az = base.ax + base.jx * past, base.az + base.jz * past
+    if samples.size == 0:
+        return ax, base.jx, az, base.jz
+    within = t - base.piece_begin
+    ax += base.piece_ax + base.piece_jx * within
+    az += base.piece_az + base.piece_jz * within
+    return ax, base.jx + base.piece_jx, az, base.jz + base.piece_jz
+
+
+@leaf
+def wave_amplitude(base, samples):
+    """Amplitude of the harmonic part of ax from the present segment on, m/s2."""
+    if samples.size > 0 and is_silent(samples, int(base.segment)):
+        return 0.0
+    return base.wave_amplitude
+
+
+@leaf
+def anchor_wave(base, t):
+    """Compute the sine of the harmonic part at time t, unless that was done shortly before."""
+    if base.wave_amplitude != 0.0 and not abs(base.wave_omega * (t - base.anchor)) <= 0.5 * SOON:
+        angle = base.wave_omega * t + base.wave_phase
+        base.anchor = t
+        base.anchor_sine = math.sin(angle)
+        base.anchor_cosine = math.cos(angle)
+
+
+@leaf
+def wave(base, t):
+    """(sine, cosine) of wave_omega t + wave_phase; near the anchor by the addition theorem, which is faster."""
+    x = base.wave_omega * (t - base.anchor)
+    if not abs(x) <= SOON:
+        angle = base.wave_omega * t + base.wave_phase
+        return math.sin(angle), math.cos(angle)
+    y = x * x
+    sine = x * (1.0 + y * (-1.0 / 6.0 + y * (1.0 / 120.0 + y * (-1.0 / 5040.0 + y * (1.0 / 362880.0)))))
+    dip = y * (-0.5 + y * (1.0 / 24.0 + y * (-1.0 / 720.0 + y * (1.0 / 40320.0))))  # cosine less 1
+    begun, across = base.anchor_sine, base.anchor_cosine
+    return begun + (begun * dip + across * sine), across + (across * dip - begun * sine)
+
+
+@leaf
+def base_motion(base, samples, t):
+    """Motion of the base at time t, within the step that began on the present segment or on one soon after."""
+    sine = wave(base, t)[0] if base.wave_amplitude != 0.0 else 0.0
+    return base_motion_beside(base, samples, t, sine)
+
+
+@leaf
+def base_motion_beside(base, samples, t, sine):
+    """`base_motion` with the value of `wave` at that time given."""
+    past = t - base.t0
+    ax = base.ax + base.jx * past
+    az = base.az + base.jz * past
+    amplitude = base.wave_amplitude
+    if samples.size > 0:
+        if t <= base.piece_end or samples.held:
+            within = t - base.piece_begin
+            ax += base.piece_ax + base.piece_jx * within
+            az += base.piece_az + base.piece_jz * within
+        else:  # a step crosses kinks of the straight lines, never a jump
+            k = int(base.segment)
+            while 0 <= k < samples.size - 2 and t > samples.times[k + 1]:
+                k += 1
+            r_ax, _, r_az, _ = record_line(samples, k, t)
+            ax += r_ax
+            az += r_az
+        if is_silent(samples, int(base.segment)):
+            amplitude = 0.0
+    if amplitude != 0.0:
+        ax += amplitude * sine
+    omega, alpha = base.omega, base.alpha
+    return Motion(ax, az, base.theta + past * (omega + 0.5 * past * alpha), omega + past * alpha, alpha)
+
+
+@leaf
+def base_turn(base, t):
+    """Rotation of the base at time t, rad clockwise."""
+    past = t - base.t0
+    return base.theta + past * (base.omega + 0.5 * past * base.alpha)
+
+
+@leaf
+def base_spin(base, t):
+    """Rate of rotation of the base at time t, rad/s."""
+    return base.omega + (t - base.t0) * base.alpha
+
+
+@leaf
+def base_rotates(base):
+    """Whether the base is turned or turning."""
+    return base.theta != 0.0 or base.omega != 0.0 or base.alpha != 0.0
+
+
+@leaf
+def inputs_are_bounded(base, t, h):
+    """Whether every input of the base is at most MOST_INPUT, in its unit, at time t and at time t + h."""
+    bounded = abs(base.wave_amplitude) <= MOST_INPUT and abs(base.alpha) <= MOST_INPUT
+    for k in range(2):
+        end = t + k * h
+        ax, az = base.ax + base.jx * (end - base.t0), base.az + base.jz * (end - base.t0)
+        bounded = bounded and abs(ax) <= MOST_INPUT and abs(az) <= MOST_INPUT
+        bounded = bounded and abs(base_turn(base, end)) <= MOST_INPUT and abs(base_spin(base, end)) <= MOST_INPUT
+    return bounded
+
+
+@leaf
+def to_next_sample(base, samples, t, left):
+    """Seconds from t to the end of the present segment; `left` if it does not end within these."""
+    k = int(base.segment) + 1
+    if samples.size == 0 or k >= samples.size:
+        return left
+    ahead = base.piece_end - t
+    # a sample that equals the end of a call but for rounding must not leave a tiny step
+    return ahead if ahead < left - SAMPLE_SLACK * (base.piece_end - base.piece_begin) else left
+
+
+@kernel
+def smooth_reach(base, samples, t, step, left, roughest):
+    """Seconds from t over which a step may go: not beyond `left`, nor across a jump, nor across kinks that matter.
+
+    A step of h s across a kink of the straight lines, where their slope changes by j, has an error of about j h^2 in a
+    velocity; `roughest`, m/s, is the limit for all kinks together, within twice the `step`, s, asked for.
+    """
+    reach = to_next_sample(base, samples, t, left)
+    if samples.held:
+        return reach
+    k = int(base.segment)
+    kinks = 0.0
+    while reach < min(2.0 * step, left):  # a kink just beyond a step must not shorten it either
+        k += 1
+        if is_silent(samples, k) or is_silent(samples, k - 1):  # the record begins or ends: a jump
+            return reach
+        _, before_x, _, before_z = record_line(samples, k - 1, t)
+        _, jx, _, jz = record_line(samples, k, t)
+        kinks += abs(jx - before_x) + abs(jz - before_z)
+        following = samples.times[k + 1] - t
+        length = min(step, left, following)
+        if kinks * length * length > roughest:
+            return reach
+        reach = min(left, following)
+    return left

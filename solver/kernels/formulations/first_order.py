@@ -1,0 +1,177 @@
+"""Formulation `paper`: the first-order model (theory.md section 3) solved by Gauss-Seidel reanalysis.
+
+The paper's rows, joint by joint, are premultiplied by T^-1 and divided by the heights (theory.md section 3, last
+paragraph): horizontally the constant mass matrix is then tridiagonal and symmetric, vertically diagonal, and it is
+factorized once (assembly.py). A sweep solves the horizontal rows with the latest vertical accelerations and then the
+vertical rows with the latest horizontal ones; all terms that depend on the displacements (dM and df of eqs. 22-23) are
+taken from the last iterate: the block form of eqs. 28-31, O(n) a sweep. It is written for the accelerations; with
+central differences in time the displacements of eq. 27 follow from them.
+
+The sweeps serve one column and lanes of eight (batch/fixed_step.py).
+
+In a phase the displacements v replace the rotations and the settlements w the openings.
+"""
+
+from typing import NamedTuple
+
+from ..joint.law import resultants
+from ..layout.spaces import NOT_CONVERGED
+from ..numba_ext.jit import kernel, leaf
+from ..numba_ext.lanes import greater, magnitude
+
+MAX_SWEEPS = 100
+SWEEP_TOLERANCE = 1e-13  # of the largest acceleration
+REST_TOLERANCE = 1e-15  # of gravity
+
+
+class Sweep(NamedTuple):
+    """Scratch of the sweeps, rows of n."""
+
+    theta: object  # rad
+    opening: object  # m
+    horizontal: object  # N, sum of m_j a_gj over the blocks above joint i: minus the shear (eq. 20)
+    residual: object
+
+
+@leaf
+def sweep_rows(room):
+    """The fields of `room` as this formulation uses them."""
+    return Sweep(room.a, room.b, room.c, room.d)
+
+
+@leaf
+def difference(row, i, n):
+    """Number i of a row less the one below it; below the last there is the base, 0."""
+    return row[i] - row[i + 1] if i + 1 < n else row[i]
+
+
+@leaf
+def tilt(blocks, row, i, n):
+    """Rotation of block i from the displacements in a row, or its rate from velocities; 0 for the base."""
+    return difference(row, i, n) / blocks.height[i] if i < n else 0.0
+
+
+@kernel
+def paper_accelerations(model, phase, motion, joints, hold, room):
+    """Accelerations of a phase; those in it on entry are the first guess. Returns the number of sweeps.
+
+    NOT_CONVERGED when the sweeps do not settle: the displacements are too large for a first-order model.
+    """
+    n = model.n
+    sweeps = sweep_rows(room)
+    lift = model.settings.gravity + motion.az
+    bear(model, phase, joints, hold, sweeps)
+    for sweep in range(1, MAX_SWEEPS + 1):
+        if has_settled(phase, sweep_once(model, phase, motion, joints, sweeps), lift, n):
+            for i in range(n):
+                below = sweeps.theta[i + 1] if i + 1 < n else 0.0
+                joints.tangential[i] = sweeps.horizontal[i] - joints.normal[i] * (0.5 * (sweeps.theta[i] + below))
+            return sweep
+    return NOT_CONVERGED
+
+
+@leaf
+def bear(model, phase, joints, hold, sweeps):
+    """Rotations, openings and resultants of a phase, which are constant during the sweeps."""
+    n, blocks = model.n, model.blocks
+    turn, spin = tilt(blocks, phase.theta, 0, n), tilt(blocks, phase.theta_rate, 0, n)
+    for i in range(n):
+        opening = -difference(phase.opening, i, n)
+        opening_rate = -difference(phase.opening_rate, i, n)
+        turn_below, spin_below = tilt(blocks, phase.theta, i + 1, n), tilt(blocks, phase.theta_rate, i + 1, n)
+        sweeps.theta[i] = turn
+        sweeps.opening[i] = opening
+        joints.normal[i], joints.moment[i], joints.length[i] = resultants(
+            blocks, hold, i, opening, turn - turn_below, opening_rate, spin - spin_below
+        )
+        turn, spin = turn_below, spin_below
+
+
+@leaf
+def sweep_once(model, phase, motion, joints, sweeps):
+    """One sweep over the accelerations of a phase; returns the largest change, m/s2."""
+    blocks, n, lift = model.blocks, model.n, model.settings.gravity + motion.az
+    change = _horizontal_sweep(blocks, phase, motion.ax, lift, joints, sweeps, n)
+    return greater(change, _vertical_sweep(blocks, phase, motion.ax, lift, joints, sweeps, n))
+
+
+@leaf
+def has_settled(phase, change, lift, n):
+    """Whether a sweep that changed accelerations by `change` was the last one needed."""
+    largest = 0.0 * lift
+    for i in range(n):
+        largest = greater(largest, magnitude(phase.theta_acceleration[i]))
+        largest = greater(largest, magnitude(phase.opening_acceleration[i]))
+    return change <= SWEEP_TOLERANCE * largest + REST_TOLERANCE * magnitude(lift)
+
+
+@leaf
+def _inertial(blocks, phase, base_ax, i, n):
+    """Mass times horizontal acceleration of the centroid of block i, N."""
+    top = phase.theta_acceleration[i]
+    below = phase.theta_acceleration[i + 1] if i + 1 < n else 0.0
+    share = (blocks.centroid[i] * top + blocks.upper[i] * below) / blocks.height[i]
+    return blocks.mass[i] * (base_ax + share)
+
+
+@kernel
+def _horizontal_sweep(blocks, phase, base_ax, lift, joints, sweeps, n):
+    """Moment equations: v'' -= M_v^-1 residual; returns the largest change, m/s2."""
+    # residual of row i about joint i, less row i - 1, divided by H_i; less that of block i - 1
+    shear = 0.0  # sum of m_j a_gj, blocks above
+    weight = 0.0  # sum of m_j (g - w''_j)
+    moment_above = 0.0
+    opening_above = 0.0
+    row_above = 0.0
+    pushed = 0.0  # forward substitution with the unit lower factor
+    for i in range(n):
+        height, centroid = blocks.height[i], blocks.centroid[i]
+        inertial = _inertial(blocks, phase, base_ax, i, n)
+        opening = sweeps.opening[i]
+        heavy = blocks.mass[i] * (lift - phase.opening_acceleration[i])
+        moment = joints.moment[i]
+        residual = (
+            (centroid + 0.5 * opening) * inertial
+            + (height + 0.5 * (opening + opening_above)) * shear
+            + blocks.inertia[i] * difference(phase.theta_acceleration, i, n) / height
+            + (moment - moment_above)
+            - sweeps.theta[i] * (centroid * heavy + height * weight)
+        ) / height
+        pushed = residual - row_above - blocks.coupling[i] * pushed
+        sweeps.residual[i] = pushed
+        row_above = residual
+        shear += inertial
+        weight += heavy
+        moment_above = moment
+        opening_above = opening
+    change = 0.0
+    correction = 0.0
+    for i in range(n - 1, -1, -1):
+        here = sweeps.residual[i] * blocks.pivot[i]
+        if i + 1 < n:
+            here -= blocks.coupling[i + 1] * correction
+        correction = here
+        phase.theta_acceleration[i] -= correction
+        change = greater(change, magnitude(correction))
+    return change
+
+
+@kernel
+def _vertical_sweep(blocks, phase, base_ax, lift, joints, sweeps, n):
+    """Normal equations: m_i w''_i from the joint forces and the latest shears; returns the largest change, m/s2."""
+    change = 0.0
+    shear = 0.0
+    carried = 0.0  # thbar * sum of m_j a_gj, joint above
+    normal_above = 0.0
+    for i in range(n):
+        theta_below = sweeps.theta[i + 1] if i + 1 < n else 0.0
+        shear += _inertial(blocks, phase, base_ax, i, n)
+        sweeps.horizontal[i] = shear
+        tilted = 0.5 * (sweeps.theta[i] + theta_below) * shear
+        normal = joints.normal[i]
+        value = lift + ((normal_above - normal) + (tilted - carried)) / blocks.mass[i]
+        change = greater(change, magnitude(value - phase.opening_acceleration[i]))
+        phase.opening_acceleration[i] = value
+        carried = tilted
+        normal_above = normal
+    return change

@@ -1,0 +1,246 @@
+"""The response inside a step of any integrator.
+
+Coordinates, rates and accelerations at both ends define one quintic Hermite polynomial per coordinate; its error is of
+order six in the step, and the accelerations are continuous inside a step because the inputs are. Long steps of a high
+order need more: `refine` evaluates the accelerations half-way and adds to the quintic the bump c s^3 (1 - s)^3, which
+leaves the ends unchanged and matches that acceleration.
+"""
+
+from typing import NamedTuple
+
+from ..formulations.dispatch import evaluate_at
+from ..layout.spaces import OK, RIGID_FIELDS
+from ..numba_ext.jit import kernel, leaf
+
+
+class Quintic(NamedTuple):
+    """q = c0 + c1 s + ... + c5 s^5 + bump s^3 (1 - s)^3 over 0 <= s <= 1, s = time times per_step."""
+
+    per_step: float
+    c0: float
+    c1: float
+    c2: float
+    c3: float
+    c4: float
+    c5: float
+    bump: float
+
+
+@leaf
+def quintic_through(h, q0, v0, a0, q1, v1, a1, bump):
+    """The quintic through coordinates, rates and accelerations at both ends of h seconds."""
+    c1, c2 = h * v0, 0.5 * h * h * a0
+    # difference at the end from a parabola through the start, in displacement, velocity and acceleration
+    miss_q = (q1 - q0) - (c1 + c2)
+    miss_v = h * v1 - (c1 + 2.0 * c2)
+    miss_a = h * h * a1 - 2.0 * c2
+    c3 = 10.0 * miss_q - 4.0 * miss_v + 0.5 * miss_a
+    c4 = -15.0 * miss_q + 7.0 * miss_v - miss_a
+    c5 = 6.0 * miss_q - 3.0 * miss_v + 0.5 * miss_a
+    return Quintic(1.0 / h, q0, c1, c2, c3, c4, c5, bump)
+
+
+class Weights(NamedTuple):
+    """Coefficients of a coordinate or rate within a step: for the rise, the rates, the accelerations and the bump."""
+
+    rise: float
+    v0: float
+    v1: float
+    a0: float
+    a1: float
+    bump: float
+
+
+@leaf
+def weights_at(h, s):
+    """`value_of` as sums over the values at both ends: (of a coordinate less its start, of its rate)."""
+    r = 1.0 - s
+    hill = s * r
+    cube, square = s * s * s, 0.5 * h * h
+    q = Weights(
+        cube * (10.0 + s * (6.0 * s - 15.0)),
+        h * (s - cube * (6.0 + s * (3.0 * s - 8.0))),
+        -h * cube * (4.0 + s * (3.0 * s - 7.0)),
+        square * s * s * r * r * r,
+        square * cube * r * r,
+        hill * hill * hill,
+    )
+    v = Weights(
+        30.0 * hill * hill / h,
+        1.0 - s * s * (18.0 + s * (15.0 * s - 32.0)),
+        -s * s * (12.0 + s * (15.0 * s - 28.0)),
+        0.5 * h * s * r * r * (2.0 - 5.0 * s),
+        0.5 * h * s * s * r * (3.0 - 5.0 * s),
+        3.0 * hill * hill * (1.0 - 2.0 * s) / h,
+    )
+    return q, v
+
+
+@leaf
+def value_of(quintic, s):
+    """A coordinate and its rate at fraction s of the step."""
+    q, v = value_without_bump(quintic, s)
+    if quintic.bump != 0.0:
+        hill = s * (1.0 - s)
+        q += quintic.bump * hill * hill * hill
+        v += quintic.bump * 3.0 * hill * hill * (1.0 - 2.0 * s)
+    return q, v * quintic.per_step
+
+
+@leaf
+def value_without_bump(quintic, s):
+    """Value and rate per step of the quintic alone, without bump: in one step, or in one of each of eight lanes."""
+    _, c0, c1, c2, c3, c4, c5, _ = quintic
+    q = c0 + s * (c1 + s * (c2 + s * (c3 + s * (c4 + s * c5))))
+    return q, c1 + s * (2.0 * c2 + s * (3.0 * c3 + s * (4.0 * c4 + s * 5.0 * c5)))
+
+
+@leaf
+def _difference(row, i, less):
+    """Number i of a row, less number `less` if that is not negative."""
+    return row[i] - row[less] if less >= 0 else row[i]
+
+
+@leaf
+def slips_of(work):
+    """Range of the slips that move in a phase: (first place, place after the last)."""
+    first = RIGID_FIELDS * work.n
+    return first, first + int(work.slips.count)
+
+
+@leaf
+def bump_of(work, i):
+    """Place of the bump of the coordinate at place i of a phase."""
+    return i if i < 2 * work.n else i - 4 * work.n
+
+
+@leaf
+def quintic_of(work, i, less, h):
+    """The quintic of the coordinate at place i in the step of h seconds, less that at place `less`, -1: of none."""
+    start, end = work.start, work.end
+    bump = _difference(work.bump, bump_of(work, i), less) if work.interpolation.has_bump != 0.0 else 0.0
+    return quintic_through(
+        h,
+        _difference(start.coordinates, i, less),
+        _difference(start.rates, i, less),
+        _difference(start.accelerations, i, less),
+        _difference(end.coordinates, i, less),
+        _difference(end.rates, i, less),
+        _difference(end.accelerations, i, less),
+        bump,
+    )
+
+
+@leaf
+def interpolate_one(work, i, h, s):
+    """The coordinate at place i and its rate at fraction s of the step of h seconds."""
+    return value_of(quintic_of(work, i, -1, h), s)
+
+
+@leaf
+def interpolate_acceleration(work, i, s):
+    """A guess of the acceleration of the coordinate at place i at fraction s of the step: on a line from end to end."""
+    return (1.0 - s) * work.start.accelerations[i] + s * work.end.accelerations[i]
+
+
+@kernel
+def interpolate_phase(work, h, fraction):
+    """Fill work.between at this fraction of the step of h seconds; its accelerations are guesses only."""
+    size, between = 2 * work.n, work.between
+    q, v = weights_at(h, fraction)
+    _weigh(work.start, work.end, q, v, between, size)
+    if work.interpolation.has_bump != 0.0:
+        for i in range(size):
+            between.coordinates[i] += q.bump * work.bump[i]
+            between.rates[i] += v.bump * work.bump[i]
+    for i in range(size):
+        between.accelerations[i] = interpolate_acceleration(work, i, fraction)
+    first, end = slips_of(work)
+    for i in range(first, end):
+        between.coordinates[i], between.rates[i] = interpolate_one(work, i, h, fraction)
+        between.coordinates[work.n + i] = spent(work, i + work.n, h, fraction)
+
+
+@leaf
+def _weigh(start, end, q, v, between, size):
+    """Coordinates and rates within a step, without the bump: the quintic for all coordinates at one instant."""
+    for i in range(size):
+        q0, v0, a0 = start.coordinates[i], start.rates[i], start.accelerations[i]
+        v1, a1 = end.rates[i], end.accelerations[i]
+        rise = end.coordinates[i] - q0
+        between.coordinates[i] = q0 + (q.rise * rise + ((q.v0 * v0 + q.v1 * v1) + (q.a0 * a0 + q.a1 * a1)))
+        between.rates[i] = v.rise * rise + ((v.v0 * v0 + v.v1 * v1) + (v.a0 * a0 + v.a1 * a1))
+
+
+@leaf
+def spent(work, i, h, s):
+    """The friction work at place i at fraction s of the step: the cubic through it and its rates at both ends."""
+    start, end = work.start.coordinates[i], work.end.coordinates[i]
+    rise, p0, p1 = end - start, h * work.start.rates[i], h * work.end.rates[i]
+    return start + s * (p0 + s * ((3.0 * rise - 2.0 * p0 - p1) + s * (p0 + p1 - 2.0 * rise)))
+
+
+@leaf
+def begin(work, fine):
+    """Begin with the quintic alone; `fine`: whether `refine` improves it where the step is evaluated inside."""
+    work.interpolation.has_bump = 0.0
+    work.interpolation.knows_middle = 0.0
+    work.interpolation.wants_bump = 1.0 if fine else 0.0
+
+
+@leaf
+def _add_bump(work, i, h):
+    """The bump of the coordinate at place i; its acceleration half-way is in work.between."""
+    v0, a0 = work.start.rates[i], work.start.accelerations[i]
+    v1, a1 = work.end.rates[i], work.end.accelerations[i]
+    quintic = 1.5 * h * (v1 - v0) - 0.25 * h * h * (a0 + a1)  # its second derivative half-way, times h^2
+    work.bump[bump_of(work, i)] = -8.0 / 3.0 * (h * h * work.between.accelerations[i] - quintic)
+
+
+@kernel
+def refine(column, t, h):
+    """Add the bump, once, if the step from t to t + h needs one; costs an evaluation. Returns a code."""
+    work = column.work
+    if work.interpolation.wants_bump == 0.0:
+        return OK
+    work.interpolation.wants_bump = 0.0
+    size = 2 * work.n
+    interpolate_phase(work, h, 0.5)
+    code = evaluate_at(column, work.between, t + 0.5 * h)
+    for i in range(size):
+        _add_bump(work, i, h)
+    first, behind = slips_of(work)
+    for i in range(first, behind):
+        _add_bump(work, i, h)
+    work.interpolation.has_bump = 1.0
+    return code
+
+
+@kernel
+def refinement(work, h, s):
+    """The part that `refine` added to coordinates and rates at fraction s of the step: left in work.between."""
+    size, between = 2 * work.n, work.between
+    hill = s * (1.0 - s)
+    first, behind = slips_of(work)
+    for i in range(size + behind - first):
+        place = i if i < size else first + i - size
+        bump = work.bump[i] if work.interpolation.has_bump != 0.0 else 0.0
+        between.coordinates[place] = bump * hill * hill * hill
+        between.rates[place] = bump * 3.0 * hill * hill * (1.0 - 2.0 * s) / h
+
+
+@kernel
+def turning_point(d0, v0, d1, v1, h):
+    """Fraction of the step where the cubic through two displacements and velocities turns; v0 * v1 < 0."""
+    # velocity of the cubic: v0 + 2 b s + 3 c s^2 over a step of unit length
+    rise = (d1 - d0) / h
+    b = 3.0 * rise - 2.0 * v0 - v1
+    c = v0 + v1 - 2.0 * rise
+    root = max(0.0, b * b - 3.0 * c * v0) ** 0.5
+    # the root inside is the one whose denominator does not cancel
+    below = -(b + root) if b > 0.0 else -(b - root)
+    first = v0 / below if below != 0.0 else 0.5
+    if 0.0 <= first <= 1.0:
+        return first
+    second = below / (3.0 * c) if c != 0.0 else 0.5
+    return min(1.0, max(0.0, second))

@@ -1,0 +1,39 @@
+"""The modal data at the end of a packed model: limits, modes, shapes and their inverses (layout.py)."""
+
+from ..numba_ext.jit import leaf
+from .spaces import MODAL_LIMITS, MODE
+
+_limits = MODAL_LIMITS.over
+_mode = MODE.over
+LIMITS = MODAL_LIMITS.beside
+FIELDS = MODE.beside
+
+
+@leaf
+def limits_of(model):
+    """The record of the limits of the modal method."""
+    return _limits(model.modal, 0)
+
+
+@leaf
+def parts_of(model):
+    """Number of separate problems of the modes: 2 on the axis, rotations and openings, else 1."""
+    return int(limits_of(model).parts)
+
+
+@leaf
+def mode_of(model, k):
+    """The record of mode k of 2 n: first those of the first part."""
+    return _mode(model.modal[LIMITS + FIELDS * k :], 0)
+
+
+@leaf
+def shapes_of(model):
+    """The row of the square matrices of shapes, by rows, a matrix for each part."""
+    return model.modal[LIMITS + FIELDS * 2 * model.n :]
+
+
+@leaf
+def inverses_of(model):
+    """The row of the inverses of the shapes, stored as `shapes_of`."""
+    return model.modal[LIMITS + FIELDS * 2 * model.n + 4 * model.n * model.n :]

@@ -1,0 +1,104 @@
+"""The one place for compiler options.
+
+`fastmath` stays off: contraction and reassociation would break mirror symmetry and repeatability to the last bit.
+`error_model="numpy"` divides by zero as IEEE 754 does instead of raising. `_nrt=False` excludes numba's runtime:
+without it nothing can be allocated, and arrays are not reference-counted as they are passed, which took half of the
+time.
+"""
+
+import hashlib
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numba
+from llvmlite import binding as llvm
+from numba import cfunc, njit
+from numba.extending import overload, register_jitable
+
+from .numba_parts import LINKING
+
+_OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": False, "nogil": True, "_nrt": False}
+
+_INSIDE: dict[str, Any] = {**_OPTIONS, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}  # of kernels
+_OUTSIDE: dict[str, Any] = dict(_OPTIONS)  # of entries
+if LINKING:
+    from .linking import EntryCompiler, KernelCompiler
+
+    _INSIDE["pipeline_class"], _OUTSIDE["pipeline_class"] = KernelCompiler, EntryCompiler
+
+# Building block of a kernel: compiled, and cached, as a part of its caller; not to be called from Python. LLVM decides
+# whether to inline it. That is stated, since numba takes missing options from the caller: all that a leaf calls would
+# be inlined at every call.
+kernel: Callable[..., Any] = njit(forceinline=False, **_INSIDE)
+
+# A leaf of the innermost loops: never worth a call.
+leaf: Callable[..., Any] = njit(forceinline=True, **_INSIDE)
+
+# Plain Python, and a leaf where kernels use it.
+in_both: Callable[..., Any] = register_jitable(forceinline=True, **_INSIDE)
+
+
+def from_python(function: Callable[..., Any]) -> Any:
+    """A kernel, or a function for measurements and tests, that Python calls: compiled in every process."""
+    return njit(**_OUTSIDE)(getattr(function, "py_func", function))
+
+
+def native(*signature: Any) -> Callable[..., Any]:
+    """Decorator of functions that programs without Python call."""
+    compiles: Callable[..., Any] = cfunc(*signature, **_OUTSIDE)
+    return compiles
+
+
+def as_written(function: Callable[..., Any], arguments: tuple[Any, ...]) -> tuple[Any, str]:
+    """LLVM module of a kernel for these types of arguments, with all that it calls; its name in the module.
+
+    It returns 0 and writes its result to an address that comes first, as numba's functions do.
+    """
+    typed: Any = kernel(function)
+    typed.compile(arguments)
+    (found,) = typed.overloads.values()
+    name = found.fndesc.mangled_name
+    if LINKING:
+        module = found.library.with_called()
+    else:
+        (text,) = typed.inspect_llvm().values()  # each kernel has been optimized
+        module = llvm.parse_assembly(text)
+    module.get_function(name).linkage = "external"
+    return module, name
+
+
+def by_width(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Decorator that chooses the code behind `function` by the types of its arguments: numbers or lanes."""
+    chooses: Callable[..., Any] = overload(function, jit_options={**_INSIDE, "forceinline": True})  # type: ignore
+    return chooses
+
+
+def _sources() -> str:
+    """Identifier of the kernels: a hash of every source file of this package."""
+    folder = Path(__file__).parent.parent  # all kernels
+    content = hashlib.sha256()
+    for file in sorted(folder.rglob("*.py")):
+        content.update(file.relative_to(folder).as_posix().encode() + b"\0" + file.read_bytes() + b"\0")
+    return content.hexdigest()[:16]
+
+
+SOURCES = _sources()
+# of their machine code; other versions of numba keep theirs beside it
+CODE = f"{SOURCES}_{numba.__version__.replace('.', '_')}{'' if LINKING else '_plain'}"
+
+
+def entry(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Compile, on first use, a kernel that Python calls; it runs without the interpreter lock.
+
+    The machine code is cached beside the source or in the user's cache folder; if neither can be written it is made in
+    every process. Numba alone would use it until the file of the entry changes; its name here changes with any source
+    of the kernels.
+    """
+    function.__qualname__ += f"_{CODE}"
+    compiled: Callable[..., Any]
+    try:
+        compiled = njit(cache=True, **_OUTSIDE)(function)
+    except RuntimeError:  # numba found no folder to write to
+        compiled = from_python(function)
+    return compiled

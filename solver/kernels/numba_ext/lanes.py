@@ -1,0 +1,311 @@
+"""A number for each of eight columns: `Lanes`, the vector that kernels compile for beside float64.
+
+A kernel that gets lanes instead of floats does the same arithmetic for eight columns at once. The value of a lane is
+independent of the others, so that a column has the same bits in any of them. Branches on numbers become
+`where(mask, a, b)`; `any_of(mask)` and `lane(x, k)` lead back to single numbers.
+
+Arithmetic may neither be reordered nor contracted, as everywhere (jit.py).
+"""
+
+import operator
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numba import types
+from numba.extending import intrinsic, models, register_model
+
+from .jit import by_width
+from .numba_parts import AbstractTemplate, Conversion, cgutils, infer_global, ir, lower_builtin, lower_cast, signature
+
+WIDTH = 8
+
+_DOUBLE = ir.DoubleType()
+_VECTOR = ir.VectorType(_DOUBLE, WIDTH)
+_BITS = ir.VectorType(ir.IntType(1), WIDTH)
+_INT = ir.IntType(32)
+_intrinsic: Callable[..., Any] = intrinsic  # called with one argument less than it is written with
+
+
+class LanesType(types.Type):
+    """Eight float64."""
+
+    def __init__(self) -> None:
+        super().__init__(name=f"Lanes{WIDTH}")
+
+    def can_convert_from(self, typingctx: Any, other: Any) -> Any:
+        """A number stands for eight equal ones."""
+        return Conversion.promote if isinstance(other, (types.Float, types.Integer)) else None
+
+    def unify(self, typingctx: Any, other: Any) -> Any:
+        """A variable that is a float here and lanes there is lanes."""
+        return self if isinstance(other, (types.Float, types.Integer)) else None
+
+
+class MaskType(types.Type):
+    """Eight truth values."""
+
+    def __init__(self) -> None:
+        super().__init__(name=f"Mask{WIDTH}")
+
+
+LANES = LanesType()
+MASK = MaskType()
+
+
+def _model(kind: ir.Type) -> type:
+    class Model(models.PrimitiveModel):  # type: ignore[misc]
+        def __init__(self, manager: Any, fe_type: Any) -> None:
+            super().__init__(manager, fe_type, kind)
+
+    return Model
+
+
+register_model(LanesType)(_model(_VECTOR))
+register_model(MaskType)(_model(_BITS))
+
+
+def _splat(builder: Any, value: Any) -> Any:
+    vector = builder.insert_element(ir.Constant(_VECTOR, ir.Undefined), value, _INT(0))
+    return builder.shuffle_vector(
+        vector, ir.Constant(_VECTOR, ir.Undefined), ir.Constant(ir.VectorType(_INT, WIDTH), [0] * WIDTH)
+    )
+
+
+@lower_cast(types.Float, LanesType)
+@lower_cast(types.Integer, LanesType)
+def _number_to_lanes(context: Any, builder: Any, fromty: Any, toty: Any, value: Any) -> Any:
+    return _splat(builder, context.cast(builder, value, fromty, types.float64))
+
+
+_ARITHMETIC = {
+    operator.add: "fadd",
+    operator.sub: "fsub",
+    operator.mul: "fmul",
+    operator.truediv: "fdiv",
+    operator.iadd: "fadd",
+    operator.isub: "fsub",
+    operator.imul: "fmul",
+    operator.itruediv: "fdiv",
+}
+_COMPARISONS = {operator.lt: "<", operator.le: "<=", operator.gt: ">", operator.ge: ">=", operator.eq: "=="}
+
+
+def _is_number(kind: Any) -> bool:
+    return isinstance(kind, (LanesType, types.Float, types.Integer))
+
+
+def _register_binary(function: Any, result: Any, emit: Callable[..., Any]) -> None:
+    @infer_global(function)
+    class _Binary(AbstractTemplate):  # type: ignore[misc]
+        def generic(self, args: Any, kws: Any) -> Any:
+            if len(args) == 2 and LANES in args and all(_is_number(kind) for kind in args):
+                return signature(result, LANES, LANES)
+            return None
+
+    @lower_builtin(function, LANES, LANES)
+    def _lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        return emit(builder, *args)
+
+
+for _function, _name in _ARITHMETIC.items():
+    _register_binary(_function, LANES, lambda builder, a, b, name=_name: getattr(builder, name)(a, b))
+for _function, _sign in _COMPARISONS.items():
+    _register_binary(_function, MASK, lambda builder, a, b, sign=_sign: builder.fcmp_ordered(sign, a, b))
+_register_binary(operator.ne, MASK, lambda builder, a, b: builder.fcmp_unordered("!=", a, b))
+
+
+@infer_global(operator.neg)
+class _Negative(AbstractTemplate):  # type: ignore[misc]
+    def generic(self, args: Any, kws: Any) -> Any:
+        return signature(LANES, LANES) if args == (LANES,) else None
+
+
+@lower_builtin(operator.neg, LANES)
+def _lower_negative(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    return builder.fneg(args[0])
+
+
+def _register_mask(function: Any, name: str) -> None:
+    @infer_global(function)
+    class _Binary(AbstractTemplate):  # type: ignore[misc]
+        def generic(self, args: Any, kws: Any) -> Any:
+            return signature(MASK, MASK, MASK) if args == (MASK, MASK) else None
+
+    @lower_builtin(function, MASK, MASK)
+    def _lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        return getattr(builder, name)(*args)
+
+
+_register_mask(operator.and_, "and_")
+_register_mask(operator.or_, "or_")
+
+
+@infer_global(operator.invert)
+class _Invert(AbstractTemplate):  # type: ignore[misc]
+    def generic(self, args: Any, kws: Any) -> Any:
+        return signature(MASK, MASK) if args == (MASK,) else None
+
+
+@lower_builtin(operator.invert, MASK)
+def _lower_invert(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    return builder.not_(args[0])
+
+
+def _unary(name: str) -> Any:
+    """An LLVM intrinsic of one vector as a function of lanes."""
+
+    @_intrinsic
+    def function(typing: Any, x: Any) -> Any:
+        def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+            kind = ir.FunctionType(_VECTOR, [_VECTOR])
+            called = cgutils.get_or_insert_function(builder.module, kind, f"llvm.{name}.v{WIDTH}f64")
+            return builder.call(called, arguments)
+
+        return LANES(LANES), generate
+
+    return function
+
+
+_sqrt = _unary("sqrt")
+_abs = _unary("fabs")
+_rint = _unary("nearbyint")
+
+
+@_intrinsic
+def _select(typing, mask, a, b):
+    def generate(context, builder, signature, arguments):
+        return builder.select(*arguments)
+
+    return LANES(MASK, LANES, LANES), generate
+
+
+@_intrinsic
+def mirrored(typing, x, by):
+    """Lanes x, with the sign changed where `by` is negative or minus zero."""
+
+    def generate(context, builder, signature, arguments):
+        whole = ir.VectorType(ir.IntType(64), WIDTH)
+        sign = ir.Constant(whole, [-(2**63)] * WIDTH)
+        number, other = (builder.bitcast(argument, whole) for argument in arguments)
+        return builder.bitcast(builder.xor(number, builder.and_(other, sign)), _VECTOR)
+
+    return LANES(LANES, LANES), generate
+
+
+@_intrinsic
+def splat(typing, x):
+    """A number in all eight lanes."""
+
+    def generate(context, builder, signature, arguments):
+        return _splat(builder, arguments[0])
+
+    return LANES(types.float64), generate
+
+
+@_intrinsic
+def lane(typing, x, k):
+    """Number k of the lanes."""
+
+    def generate(context, builder, signature, arguments):
+        vector, index = arguments
+        return builder.extract_element(vector, builder.trunc(index, _INT))
+
+    return types.float64(LANES, types.intp), generate
+
+
+@_intrinsic
+def with_lane(typing, x, k, value):
+    """The lanes with number k replaced."""
+
+    def generate(context, builder, signature, arguments):
+        vector, index, number = arguments
+        return builder.insert_element(vector, number, builder.trunc(index, _INT))
+
+    return LANES(LANES, types.intp, types.float64), generate
+
+
+@_intrinsic
+def bits(typing, mask):
+    """The mask as a whole number: bit k for lane k."""
+
+    def generate(context, builder, signature, arguments):
+        packed = builder.bitcast(arguments[0], ir.IntType(WIDTH))
+        return builder.zext(packed, ir.IntType(64))
+
+    return types.int64(MASK), generate
+
+
+@_intrinsic
+def rarely(typing, condition):
+    """The truth value; the compiler assumes that it is nearly always false, and moves the code that follows aside."""
+
+    def generate(context, builder, signature, arguments):
+        bit = ir.IntType(1)
+        kind = ir.FunctionType(bit, [bit, bit])
+        expect = cgutils.get_or_insert_function(builder.module, kind, "llvm.expect.i1")
+        return builder.call(expect, [arguments[0], bit(0)])
+
+    return types.boolean(types.boolean), generate
+
+
+# --- functions of numbers or lanes
+
+
+def where(condition, a, b):
+    """a where the condition holds, else b; both are evaluated."""
+    raise NotImplementedError("for kernels only")
+
+
+def any_of(condition):
+    """Whether the condition holds in any lane."""
+    raise NotImplementedError("for kernels only")
+
+
+def magnitude(x):
+    """|x|."""
+    raise NotImplementedError("for kernels only")
+
+
+def square_root(x):
+    """Square root of x."""
+    raise NotImplementedError("for kernels only")
+
+
+def lesser(a, b):
+    """The lesser of two numbers; b if one is NaN."""
+    raise NotImplementedError("for kernels only")
+
+
+def greater(a, b):
+    """The greater of two numbers; b if one is NaN."""
+    raise NotImplementedError("for kernels only")
+
+
+def nearest(x):
+    """The nearest whole number."""
+    raise NotImplementedError("for kernels only")
+
+
+def _either(function: Callable[..., Any], scalar: Callable[..., Any], lanes: Callable[..., Any]) -> None:
+    """Compile `function` as one or the other, depending on whether any argument is lanes or a mask."""
+    count = scalar.__code__.co_argcount
+
+    def choose(*kinds):
+        return lanes if any(isinstance(kind, (LanesType, MaskType)) for kind in kinds) else scalar
+
+    chooser: Any = {
+        1: lambda x: choose(x),
+        2: lambda a, b: choose(a, b),
+        3: lambda condition, a, b: choose(condition, a, b),
+    }[count]
+    by_width(function)(chooser)
+
+
+_either(where, lambda condition, a, b: a if condition else b, lambda condition, a, b: _select(condition, a, b))
+_either(any_of, lambda x: x, lambda x: bits(x) != 0)
+_either(magnitude, lambda x: abs(x), lambda x: _abs(x))
+_either(square_root, lambda x: np.sqrt(x), lambda x: _sqrt(x))
+_either(lesser, lambda a, b: a if a < b else b, lambda a, b: _select(a < b, a, b))
+_either(greater, lambda a, b: a if a > b else b, lambda a, b: _select(a > b, a, b))
+_either(nearest, lambda x: np.rint(x), lambda x: _rint(x))

@@ -1,0 +1,166 @@
+"""How kernels become machine code: typed one by one, optimized once, in the entry that Python calls.
+
+Numba alone optimizes a function with all that it calls and makes machine code of it, then does so again in its caller,
+and once more in the next: with entries of hundreds of kernels, ten levels deep, that was most of a first run. Here a
+kernel waits unoptimized; the entry links each one that it needs with internal linkage, so that the optimizer knows
+every caller, and optimizes the whole a single time.
+
+All private parts of numba that this uses are listed in numba_parts.py. jit.py imports this module only if none is
+missing; otherwise it uses numba's own pipeline.
+"""
+
+from collections.abc import Iterable
+from typing import Any
+
+from llvmlite import binding as llvm
+from numba.core.codegen import JITCodeLibrary
+from numba.core.compiler import Compiler, DefaultPassBuilder
+from numba.core.compiler_machinery import LoweringPass, register_pass
+from numba.core.environment import Environment
+from numba.core.funcdesc import _dynamic_modname
+from numba.core.typed_passes import NativeLowering
+
+_EXTERNAL, _SHARED, _OWN = llvm.Linkage.external, llvm.Linkage.linkonce_odr, llvm.Linkage.internal
+
+
+def _defined(module: llvm.ModuleRef) -> Iterable[Any]:
+    return (function for function in module.functions if not function.is_declaration)
+
+
+def _below(libraries: Iterable[Any], found: dict[Any, None]) -> dict[Any, None]:
+    """The libraries and those of all kernels below them, each once, in a fixed order."""
+    for library in libraries:
+        if library not in found:
+            found[library] = None
+            if isinstance(library, WaitingLibrary):
+                _below(library._linking_libraries, found)
+    return found
+
+
+class WaitingLibrary(JITCodeLibrary):  # type: ignore[misc]
+    """A kernel as written, and its callees: neither optimized nor compiled to machine code."""
+
+    def _optimize_functions(self, module: llvm.ModuleRef) -> None:
+        module.data_layout = self._codegen._data_layout
+
+    def finalize(self) -> None:
+        self._raise_if_finalized()
+        self._finalized = True
+
+    def alone(self) -> llvm.ModuleRef:
+        """A copy to link with, without its callees."""
+        module = self._final_module.clone()
+        for function in _defined(module):
+            if function.linkage == _EXTERNAL:
+                function.linkage = _SHARED
+        return module
+
+    def with_called(self) -> llvm.ModuleRef:
+        """A copy to link with, including its callees."""
+        whole = self.alone()
+        for library in list(_below([self], {}))[1:]:
+            whole.link_in(_module_of(library), preserve=True)
+        return whole
+
+    def _get_module_for_linking(self) -> llvm.ModuleRef:
+        """For functions that numba compiles in its own way."""
+        if self._shared_module is None:
+            self._shared_module = self.with_called()
+        return self._shared_module
+
+
+def _module_of(library: Any) -> llvm.ModuleRef:
+    return library.alone() if isinstance(library, WaitingLibrary) else library._get_module_for_linking()
+
+
+class WholeLibrary(JITCodeLibrary):  # type: ignore[misc]
+    """An entry with all that it calls, optimized once."""
+
+    def finalize(self) -> None:
+        self._raise_if_finalized()
+        module = self._final_module
+        seen_from_outside = {item.name for item in (*_defined(module), *module.global_variables)}
+        for library in _below(self._linking_libraries, {}):
+            if hasattr(library, "_reload_init"):  # since numba 0.65
+                self._reload_init.update(library._reload_init)
+            module.link_in(_module_of(library), preserve=True)
+        for item in (*_defined(module), *module.global_variables):
+            if not item.is_declaration and item.name not in seen_from_outside:
+                item.linkage = _OWN
+        self._optimize_final_module()
+        self._final_module.verify()
+        self._finalize_final_module()
+
+
+def _library(state: Any, kind: Any) -> Any:
+    library = kind(state.targetctx.codegen(), state.func_id.func_qualname)
+    library.enable_object_caching()
+    return library
+
+
+@register_pass(mutates_CFG=False, analysis_only=True)
+class _Anonymous(LoweringPass):  # type: ignore[misc]
+    """Cached machine code names neither this process, as a listing would, nor the module it was written in.
+
+    So another copy of the solver may load it.
+    """
+
+    _name = "anonymous"
+
+    def __init__(self) -> None:
+        LoweringPass.__init__(self)
+
+    def run_pass(self, state: Any) -> bool:
+        written_in = state.cr.env
+        nowhere = Environment({"__name__": "math"})  # some module is required; kernels never look at it
+        nowhere.env_name = written_in.env_name
+        nowhere.consts[:] = written_in.consts
+        Environment._memo[nowhere.env_name] = nowhere
+        state.cr = state.cr._replace(env=nowhere)
+        state.cr.fndesc.modname = _dynamic_modname
+        state.type_annotation = ""
+        return True
+
+
+@register_pass(mutates_CFG=False, analysis_only=True)
+class _StandIn(LoweringPass):  # type: ignore[misc]
+    """The object by which numba identifies a kernel, instead of a function that Python could call."""
+
+    _name = "stand_in"
+
+    def __init__(self) -> None:
+        LoweringPass.__init__(self)
+
+    def run_pass(self, state: Any) -> bool:
+        stand_in = object().__format__  # numba requires a builtin; this one differs from any other, and refuses numbers
+        state.cr = state.cr._replace(cfunc=stand_in)
+        state.targetctx.insert_user_function(stand_in, state.cr.fndesc, [state.library])
+        return True
+
+
+class KernelCompiler(Compiler):  # type: ignore[misc]
+    """Compiles a kernel as far as it is typed; only other kernels and entries can call it."""
+
+    def define_pipelines(self) -> list[Any]:
+        """Numba's own, without machine code at the end."""
+        flags = self.state.flags
+        flags.no_compile = flags.no_cpython_wrapper = flags.no_cfunc_wrapper = True
+        self.state.library = _library(self.state, WaitingLibrary)
+        passes = DefaultPassBuilder.define_nopython_pipeline(self.state)
+        passes.add_pass_after(_StandIn, NativeLowering)
+        passes.finalize()
+        return [passes]
+
+
+class EntryCompiler(Compiler):  # type: ignore[misc]
+    """Compiles an entry with all kernels below it."""
+
+    def define_pipelines(self) -> list[Any]:
+        """Numba's own, without parts specific to this process or to this copy of the sources."""
+        flags = self.state.flags
+        flags.no_cfunc_wrapper = not flags.no_cpython_wrapper  # either Python calls it or another program
+        self.state.library = _library(self.state, WholeLibrary)
+        passes = DefaultPassBuilder.define_nopython_pipeline(self.state)
+        passes.add_pass_after(_Anonymous, NativeLowering)
+        passes.finalize()
+        return [passes]

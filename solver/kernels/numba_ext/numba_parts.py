@@ -1,0 +1,103 @@
+"""The parts of numba and llvmlite that are not public. No other module of the solver imports one, but linking.py.
+
+lanes.py and views.py define types of their own and need the names imported here, the same ones since numba 0.59.
+linking.py needs the parts listed in `_LINKING`; they shorten compilation and change no result. If one of them is
+missing, or with MULTIBLOCK_LINKING=0 in the environment, jit.py uses numba's own pipeline: equal bits, a longer first
+run. tests/project/test_numba_parts.py names what a new version of numba lacks.
+"""
+
+import os
+import re
+from importlib import import_module
+from typing import Any
+
+import numba
+
+OLDEST = (0, 59)
+NEEDED = "numba 0.59 or newer: pip install 'numba>=0.59,<1'"
+
+if tuple(int(part) for part in re.findall(r"\d+", numba.__version__)[:2]) < OLDEST:
+    raise ImportError(f"numba {numba.__version__} is too old, needs {NEEDED}")
+
+try:
+    from llvmlite import ir
+    from numba.core import cgutils
+    from numba.core.errors import TypingError
+    from numba.core.imputils import lower_builtin, lower_cast, lower_getattr_generic, lower_setattr_generic
+    from numba.core.typeconv.castgraph import Conversion
+    from numba.core.typing.templates import (
+        AbstractTemplate,
+        AttributeTemplate,
+        infer_getattr,
+        infer_global,
+        signature,
+    )
+except ImportError as error:
+    raise ImportError(f"numba {numba.__version__} lacks what the kernels need ({error}), needs {NEEDED}") from None
+
+__all__ = [
+    "AbstractTemplate",
+    "AttributeTemplate",
+    "Conversion",
+    "TypingError",
+    "cgutils",
+    "infer_getattr",
+    "infer_global",
+    "ir",
+    "lower_builtin",
+    "lower_cast",
+    "lower_getattr_generic",
+    "lower_setattr_generic",
+    "signature",
+]
+
+# module, name in it, attributes that are used of the class or of its instances
+_LINKING: tuple[tuple[str, str, str], ...] = (
+    (
+        "numba.core.codegen",
+        "JITCodeLibrary",
+        "finalize enable_object_caching _optimize_functions _optimize_final_module _finalize_final_module "
+        "_get_module_for_linking _raise_if_finalized _finalized _final_module _shared_module _linking_libraries "
+        "_codegen",
+    ),
+    ("numba.core.codegen", "CPUCodegen", "_data_layout"),
+    ("numba.core.compiler", "Compiler", "define_pipelines state"),
+    ("numba.core.compiler", "DefaultPassBuilder", "define_nopython_pipeline"),
+    ("numba.core.compiler_machinery", "LoweringPass", ""),
+    ("numba.core.compiler_machinery", "PassManager", "add_pass_after finalize"),
+    ("numba.core.compiler_machinery", "register_pass", ""),
+    ("numba.core.cpu", "CPUContext", "codegen insert_user_function"),
+    ("numba.core.environment", "Environment", "_memo consts env_name"),
+    ("numba.core.funcdesc", "_dynamic_modname", ""),
+    ("numba.core.typed_passes", "NativeLowering", ""),
+    ("llvmlite.binding", "Linkage", "external internal linkonce_odr"),
+    ("llvmlite.binding", "ModuleRef", "clone functions global_variables link_in verify"),
+)
+
+
+def missing_for_linking() -> list[str]:
+    """The private parts that `linking.py` uses and this numba lacks, as "module.name" or "module.name.attribute"."""
+    missing = []
+    for place, name, attributes in _LINKING:
+        try:
+            found = getattr(import_module(place), name)
+        except (ImportError, AttributeError):
+            missing.append(f"{place}.{name}")
+            continue
+        known = _names(found)
+        missing += [f"{place}.{name}.{attribute}" for attribute in attributes.split() if attribute not in known]
+    return missing
+
+
+def _names(found: Any) -> set[str]:
+    """Attributes of a class, and every name that its methods use: those of instances are among them."""
+    known = set(dir(found))
+    for kind in getattr(found, "__mro__", ()):
+        for method in vars(kind).values():
+            code = getattr(method, "__code__", None)
+            known.update(code.co_names if code else ())
+    return known
+
+
+# whether entries are compiled by linking.py
+LINKING = os.environ.get("MULTIBLOCK_LINKING") != "0" and not missing_for_linking()

@@ -1,0 +1,466 @@
+"""Names over flat buffers for kernels, of one column or of eight.
+
+Everything that is saved, restored or handed to compiled callers is in flat arrays of float64 or int64. A kernel sees
+them through
+
+- a *row*: `row[i]` is number i; `row[k:]` the row that begins there;
+- a *record* of single numbers: `control.next_step` is read and written;
+- a *table* of fields of n numbers each: `blocks.mass` is a row;
+- a *space* of such parts, one after the other: `state.control.next_step`, `state.phase.theta[i]`.
+
+All are bare addresses: not reference-counted, not bounds-checked, without cost. Over eight columns at once (lanes.py)
+an element is eight neighbouring numbers, and the names give lanes; or, by `one_lane`, the numbers of one of the
+columns.
+
+`Record`, `Table`, `Numbers` and `Space` below describe the layout. `over(row, n)` lays the names over a row inside a
+kernel, `see(array, n)` over an array in Python: equal names in both.
+"""
+
+import hashlib
+import operator
+from collections.abc import Callable
+from types import SimpleNamespace
+from typing import Any
+
+from numba import types
+from numba.extending import intrinsic, models, overload, register_model
+
+from .lanes import LANES, WIDTH
+from .numba_parts import (
+    AbstractTemplate,
+    AttributeTemplate,
+    TypingError,
+    infer_getattr,
+    infer_global,
+    ir,
+    lower_builtin,
+    lower_getattr_generic,
+    lower_setattr_generic,
+    signature,
+)
+
+_INT64 = ir.IntType(64)
+_DOUBLE = ir.DoubleType()
+_intrinsic: Callable[..., Any] = intrinsic  # called with one argument less than it is written with
+
+
+class OneLaneType(types.Type):
+    """Kind of the elements of one lane: every eighth number of a buffer of lanes."""
+
+    def __init__(self) -> None:
+        super().__init__(name="OneLane")
+
+
+ONE_LANE = OneLaneType()
+
+
+def _numbers(kind: Any) -> int:
+    """Distance, in numbers of the buffer, from one element to the next."""
+    return WIDTH if kind in (LANES, ONE_LANE) else 1
+
+
+def _value(kind: Any) -> Any:
+    """Type of an element when read."""
+    return types.float64 if kind is ONE_LANE else kind
+
+
+def _pointee(kind: Any) -> Any:
+    return _INT64 if kind is types.int64 else _DOUBLE
+
+
+def _digest(parts: tuple[Any, ...]) -> str:
+    """Short hash, since the names of types become parts of those of machine code."""
+    return hashlib.sha256(repr(parts).encode()).hexdigest()[:8]
+
+
+class RowType(types.Type):
+    """Address of numbers (float64, int64) or of lanes."""
+
+    def __init__(self, kind: Any) -> None:
+        self.kind = kind
+        super().__init__(name=f"Row({kind})")
+
+
+class RecordType(types.Type):
+    """Address of single numbers with names."""
+
+    def __init__(self, kind: Any, fields: tuple[str, ...]) -> None:
+        self.kind = kind
+        self.fields = fields
+        super().__init__(name=f"Record({kind}: {_digest(fields)})")
+
+
+class SpaceType(types.Type):
+    """Address of parts whose lengths follow from n, and n: `space.row` is all of it, `space.n` is n.
+
+    parts: (name, type, first place: (elements per n, elements beside)).
+    """
+
+    def __init__(self, kind: Any, parts: tuple[tuple[str, Any, int, int], ...]) -> None:
+        self.kind = kind
+        self.parts = parts
+        self.names = {name: (part, per_n, beside) for name, part, per_n, beside in parts}
+        super().__init__(name=f"Space({kind}: {_digest(parts)})")
+
+
+@register_model(RowType)
+@register_model(RecordType)
+class _AddressModel(models.PrimitiveModel):  # type: ignore[misc]
+    def __init__(self, manager: Any, fe_type: Any) -> None:
+        super().__init__(manager, fe_type, _pointee(fe_type.kind).as_pointer())
+
+
+@register_model(SpaceType)
+class _SpaceModel(models.StructModel):  # type: ignore[misc]
+    def __init__(self, manager: Any, fe_type: Any) -> None:
+        super().__init__(manager, fe_type, [("row", RowType(fe_type.kind)), ("n", types.intp)])
+
+
+# --- elements
+
+
+def _address(builder: Any, kind: Any, start: Any, index: Any) -> Any:
+    if _numbers(kind) > 1:
+        index = builder.mul(index, ir.Constant(index.type, _numbers(kind)))
+    return builder.gep(start, [index])
+
+
+def _load(builder: Any, kind: Any, address: Any) -> Any:
+    if kind is LANES:
+        address = builder.bitcast(address, ir.VectorType(_DOUBLE, WIDTH).as_pointer())
+    value = builder.load(address)
+    value.align = 8
+    return value
+
+
+def _store(builder: Any, kind: Any, address: Any, value: Any) -> None:
+    if kind is LANES:
+        address = builder.bitcast(address, ir.VectorType(_DOUBLE, WIDTH).as_pointer())
+    builder.store(value, address).align = 8
+
+
+@infer_global(operator.getitem)
+class _RowGet(AbstractTemplate):  # type: ignore[misc]
+    def generic(self, args: Any, kws: Any) -> Any:
+        row, index = args
+        if not isinstance(row, RowType):
+            return None
+        if isinstance(index, types.SliceType):
+            return signature(row, row, types.slice2_type)
+        return signature(_value(row.kind), row, types.intp)
+
+
+@infer_global(operator.setitem)
+class _RowSet(AbstractTemplate):  # type: ignore[misc]
+    def generic(self, args: Any, kws: Any) -> Any:
+        row, _, _ = args
+        return signature(types.none, row, types.intp, _value(row.kind)) if isinstance(row, RowType) else None
+
+
+@lower_builtin(operator.getitem, RowType, types.intp)
+def _row_get(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    kind = sig.args[0].kind
+    return _load(builder, kind, _address(builder, kind, args[0], args[1]))
+
+
+@lower_builtin(operator.getitem, RowType, types.slice2_type)
+def _row_part(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    begin = context.make_helper(builder, types.slice2_type, args[1]).start
+    return _address(builder, sig.args[0].kind, args[0], begin)
+
+
+@lower_builtin(operator.setitem, RowType, types.intp, types.Any)
+def _row_set(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    kind = sig.args[0].kind
+    _store(builder, kind, _address(builder, kind, args[0], args[1]), args[2])
+    return context.get_dummy_value()
+
+
+# --- names
+
+
+@infer_getattr
+class _RecordNames(AttributeTemplate):  # type: ignore[misc]
+    key = RecordType
+
+    def generic_resolve(self, record: Any, name: str) -> Any:
+        return _value(record.kind) if name in record.fields else None
+
+
+@lower_getattr_generic(RecordType)
+def _record_get(context: Any, builder: Any, kind: Any, start: Any, name: str) -> Any:
+    place = ir.Constant(_INT64, kind.fields.index(name))
+    return _load(builder, kind.kind, _address(builder, kind.kind, start, place))
+
+
+@lower_setattr_generic(RecordType)
+def _record_set(context: Any, builder: Any, sig: Any, args: Any, name: str) -> None:
+    kind = sig.args[0]
+    place = ir.Constant(_INT64, kind.fields.index(name))
+    value = context.cast(builder, args[1], sig.args[1], _value(kind.kind))
+    _store(builder, kind.kind, _address(builder, kind.kind, args[0], place), value)
+
+
+@infer_getattr
+class _SpaceNames(AttributeTemplate):  # type: ignore[misc]
+    key = SpaceType
+
+    def generic_resolve(self, space: Any, name: str) -> Any:
+        if name in space.names:
+            return space.names[name][0]
+        return {"n": types.intp, "row": RowType(space.kind)}.get(name)
+
+
+@lower_getattr_generic(SpaceType)
+def _space_get(context: Any, builder: Any, kind: Any, value: Any, name: str) -> Any:
+    space = context.make_helper(builder, kind, value)
+    if name in ("n", "row"):
+        return getattr(space, name)
+    part, per_n, beside = kind.names[name]
+    begin = builder.add(builder.mul(space.n, ir.Constant(_INT64, per_n)), ir.Constant(_INT64, beside))
+    address = _address(builder, kind.kind, space.row, begin)
+    if part.kind is not kind.kind:  # whole numbers among floats
+        address = builder.bitcast(address, _pointee(part.kind).as_pointer())
+    if not isinstance(part, SpaceType):
+        return address
+    made = context.make_helper(builder, part)
+    made.row, made.n = address, space.n
+    return made._getvalue()
+
+
+# --- from buffers to rows
+
+
+def _check_without_gaps(array: Any) -> None:
+    if array.ndim != 1 or array.layout != "C":
+        raise TypingError(f"{array}: must be a contiguous array of one dimension")
+
+
+@_intrinsic
+def row_of(typing, array):
+    """The row over a whole one-dimensional array without gaps."""
+    kind = array.dtype
+    _check_without_gaps(array)
+
+    def generate(context, builder, signature, arguments):
+        return context.make_array(array)(context, builder, arguments[0]).data
+
+    return RowType(kind)(array), generate
+
+
+@_intrinsic
+def lanes_of(typing, array):
+    """The row of lanes over a whole one-dimensional array of float64, eight numbers an element."""
+    _check_without_gaps(array)
+
+    def generate(context, builder, signature, arguments):
+        return context.make_array(array)(context, builder, arguments[0]).data
+
+    return RowType(LANES)(array), generate
+
+
+@_intrinsic
+def one_lane(typing, row, k):
+    """The numbers of lane k in a row of lanes."""
+
+    def generate(context, builder, signature, arguments):
+        return builder.gep(arguments[0], [arguments[1]])
+
+    return RowType(ONE_LANE)(row, types.intp), generate
+
+
+@_intrinsic
+def row_at(typing, pointer):
+    """The row that begins at a pointer."""
+
+    def generate(context, builder, signature, arguments):
+        return arguments[0]
+
+    return RowType(pointer.dtype)(pointer), generate
+
+
+@_intrinsic
+def packs_of(typing, row):
+    """The row with eight neighbouring numbers an element, for operations common to all; lanes stay as they are."""
+
+    def generate(context, builder, signature, arguments):
+        return arguments[0]
+
+    return RowType(LANES)(row), generate
+
+
+def packs(row, count):
+    """Number of elements of `packs_of(row)` that hold `count` of its numbers; the last may reach beyond them."""
+    raise NotImplementedError("for kernels only")
+
+
+@overload(packs)
+def _packs(row, count):
+    if row.kind is LANES:
+        return lambda row, count: count
+    return lambda row, count: (count + WIDTH - 1) // WIDTH
+
+
+# --- the layout
+
+
+class Part:
+    """Neighbouring elements: `per_n` for each of n, and `beside` more."""
+
+    per_n = 0
+    beside = 0
+    whole = False  # whether the numbers are whole ones
+
+    def type(self, kind: Any) -> Any:
+        """The numba type over elements of a kind: float64, lanes, int64."""
+        raise NotImplementedError
+
+    def size(self, n: int) -> int:
+        """Length in elements."""
+        return self.per_n * n + self.beside
+
+    def see(self, array: Any, n: int) -> Any:
+        """The names over the beginning of an array, in Python."""
+        raise NotImplementedError
+
+
+class Numbers(Part):
+    """A row without names."""
+
+    def __init__(self, per_n: int = 0, beside: int = 0) -> None:
+        self.per_n, self.beside = per_n, beside
+
+    def type(self, kind: Any) -> Any:
+        """A row."""
+        return RowType(kind)
+
+    def see(self, array: Any, n: int) -> Any:
+        """The numbers of the array, without names."""
+        return array[: self.size(n)]
+
+
+class Record(Part):
+    """Single numbers with names."""
+
+    def __init__(self, *fields: str) -> None:
+        self.fields = fields
+        self.places = {name: k for k, name in enumerate(fields)}
+        self.beside = len(fields)
+        self.over = _over(self)
+
+    def type(self, kind: Any) -> Any:
+        """A record."""
+        return RecordType(kind, self.fields)
+
+    def see(self, array: Any, n: int = 0) -> Any:
+        """The names as attributes that can be read and written."""
+        return _Seen(self.places, array)
+
+
+class Table(Part):
+    """Fields of n numbers each; after them fields of several times n numbers: `several`.
+
+    together: names of neighbouring fields as one row: name, fields in their order.
+    """
+
+    def __init__(
+        self, *fields: str, whole: bool = False, together: dict[str, tuple[str, ...]] | None = None, **several: int
+    ) -> None:
+        self.fields = fields
+        self.places = {name: (k, 1) for k, name in enumerate(fields)}  # first place and length, in multiples of n
+        for name, times in several.items():
+            self.places[name] = sum(length for _, length in self.places.values()), times
+        self.per_n = sum(length for _, length in self.places.values())
+        for name, parts in (together or {}).items():
+            first = fields.index(parts[0])
+            assert fields[first : first + len(parts)] == parts, f"{name}: {parts} are not neighbours"
+            self.places[name] = first, len(parts)
+        self.whole = whole
+        self.over = _over(self)
+
+    def type(self, kind: Any) -> Any:
+        """A space of rows."""
+        kind = types.int64 if self.whole else kind
+        return SpaceType(kind, tuple((name, RowType(kind), begin, 0) for name, (begin, _) in self.places.items()))
+
+    def see(self, array: Any, n: int) -> Any:
+        """The fields as attributes, arrays of n numbers, or of several times n."""
+        places = self.places.items()
+        return SimpleNamespace(**{name: array[begin * n : (begin + times) * n] for name, (begin, times) in places})
+
+
+class Space(Part):
+    """Parts one after the other."""
+
+    def __init__(self, **parts: Part) -> None:
+        self.parts = parts
+        self.per_n = sum(part.per_n for part in parts.values())
+        self.beside = sum(part.beside for part in parts.values())
+        self.over = _over(self)
+
+    def type(self, kind: Any) -> Any:
+        """A space of the parts' types."""
+        placed = []
+        per_n = beside = 0
+        for name, part in self.parts.items():
+            placed.append((name, part.type(kind), per_n, beside))
+            per_n, beside = per_n + part.per_n, beside + part.beside
+        return SpaceType(kind, tuple(placed))
+
+    def see(self, array: Any, n: int) -> Any:
+        """The parts as attributes."""
+        return _Parts(self.parts, array, n)
+
+
+class _Seen:
+    """Names over the first numbers of an array."""
+
+    def __init__(self, places: dict[str, int], array: Any) -> None:
+        object.__setattr__(self, "_places", places)
+        object.__setattr__(self, "_array", array)
+
+    def __getattr__(self, name: str) -> Any:
+        try:
+            return self._array[self._places[name]]
+        except KeyError:
+            raise AttributeError(name) from None
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if name not in self._places:
+            raise AttributeError(name)
+        self._array[self._places[name]] = value
+
+
+class _Parts:
+    """Names over the parts of an array, each made on first use."""
+
+    def __init__(self, parts: dict[str, Part], array: Any, n: int) -> None:
+        self._parts, self._array, self._n = parts, array, n
+
+    def __getattr__(self, name: str) -> Any:
+        begin = 0
+        for each, part in self._parts.items():
+            if each == name:
+                self.__dict__[name] = part.see(self._array[begin:], self._n)
+                return self.__dict__[name]
+            begin += part.size(self._n)
+        raise AttributeError(name)
+
+
+def _over(part: Part) -> Any:
+    """The function of kernels that lays the names of a part over the beginning of a row."""
+
+    @_intrinsic
+    def names(typing, row, n):
+        kind = part.type(row.kind)
+
+        def generate(context, builder, signature, arguments):
+            if not isinstance(kind, SpaceType):
+                return arguments[0]
+            made = context.make_helper(builder, kind)
+            made.row, made.n = arguments
+            return made._getvalue()
+
+        return kind(row, types.intp), generate
+
+    return names

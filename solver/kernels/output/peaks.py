@@ -1,0 +1,347 @@
+"""Peaks of all outputs, also of the motion between the output rows.
+
+A step is seen at its ends and half-way, where its method may have evaluated it. Parabolas through the three show
+whether any quantity may pass its peak within the step; mostly none does. Otherwise the step is evaluated at the ends of
+its pieces. A polynomial through all of them gives the extremes of quantities that are smooth within the step; if it is
+not accurate enough, parabolic interpolation repeats until the predicted gain is below a part of the tolerance.
+
+In columns whose joints can slide all steps are examined.
+"""
+
+from ..formulations.base_motion import base_motion, base_turn
+from ..formulations.dispatch import is_exact
+from ..formulations.exact import Motion
+from ..formulations.outputs import show
+from ..formulations.slips import evaluate_after_jump, phase_size
+from ..integrators.bracket import bracket, narrowed, trial_within
+from ..integrators.interpolation import interpolate_phase, refine
+from ..integrators.stage import stage
+from ..joint.sliding import can_slide
+from ..layout.spaces import COUNTS_FROM, OK, OUTPUTS, PEAKS, PIECES, ROW
+from ..numba_ext.jit import kernel, leaf
+
+_peaks, _row = PEAKS.over, ROW.over
+_PER_N, _BESIDE = PEAKS.per_n, PEAKS.beside
+_OF_JOINTS = OUTPUTS.per_n
+_CONTACT = OUTPUTS.fields.index("contact")
+_FRICTION = (PEAKS.per_n - 1, PEAKS.beside)  # first place
+
+MIDDLE = PIECES // 2
+MARGIN = 0.1  # of the bend of a parabola through three values: largest deviation of the curve above it
+NEAR = 2.6  # of the bend: a smaller rise may turn within the step; 2 on a parabola, 2.4 on a sine over 1.5 rad
+PROMISE = 0.1  # of the tolerance: a peak whose predicted rise is smaller has been found
+QUIET = 1e-3  # of the largest peak in the column: smaller peaks are searched to a tolerance relative to this
+SURE = 3.0  # of that tolerance: largest highest term of a polynomial that is accepted
+MOST_TRIALS = 8
+CLOSE = 1e-4  # of a step: least distance of two evaluations
+
+
+@kernel
+def begin_extremes(column, motion, evaluated):
+    """See the start of a step that does not continue the last one, and raise the peaks by it.
+
+    evaluated: work.joints belongs to the start.
+    """
+    model, work = column.model, column.work
+    n, carried = model.n, 0.0
+    for i in range(n):
+        carried += model.settings.gravity * model.blocks.mass[i]
+        work.counts_from[i] = COUNTS_FROM * carried
+    end = _seen(work, PIECES)  # as if a step had ended there
+    if evaluated:
+        _show(column, work.start, work.joints, motion, end)
+    else:
+        for i in range(phase_size(work)):
+            work.between.row[i] = work.start.row[i]
+        _see(column, motion, end)
+    _raise_peaks(column, end)
+    _allow(column)
+
+
+@kernel
+def track_extremes(column, t, h):
+    """Raise the peaks by the step just made from t to t + h; work.joints holds the resultants of its end."""
+    work = column.work
+    n = column.model.n
+    begin, end = _seen(work, 0), _seen(work, PIECES)
+    for j in range(_PER_N * n + _BESIDE):
+        begin[j] = end[j]
+    _show(column, work.end, work.joints, _base_as_shown(column, t + h), end)
+    roughly = _see_middle(column, t, h)
+    if not _raise_by_end(column) and not can_slide(column.model):
+        return
+    for k in range(1, PIECES):
+        if k != MIDDLE or roughly:
+            _see_within(column, t, h, k / PIECES, _seen(work, k))
+        _raise_peaks(column, _seen(work, k))
+    _find_tops(column, t, h)
+    _allow(column)
+
+
+# --- within a step
+
+
+@leaf
+def _largest(peaks, first, end):
+    """Largest of peaks; by four maxima, since a chain of one would wait for each before the next."""
+    a, b, c, d = 0.0, 0.0, 0.0, 0.0
+    for j in range(first, end - 3, 4):
+        a, b, c, d = max(a, peaks[j]), max(b, peaks[j + 1]), max(c, peaks[j + 2]), max(d, peaks[j + 3])
+    for j in range(end - (end - first) % 4, end):
+        a = max(a, peaks[j])
+    return max(a, b, c, d)
+
+
+@kernel
+def _allow(column):
+    """Set by how much each quantity may pass its peak without a search."""
+    n, peaks, allowed = column.model.n, column.state.peaks, column.work.allowed
+    part = PROMISE * column.model.settings.tolerance
+    for field in range(_PER_N):
+        first = field * n if field < _OF_JOINTS else field * n + _BESIDE
+        largest = _largest(peaks, first, first + n)
+        for j in range(first, first + n):
+            allowed[j] = part * max(peaks[j], QUIET * largest)
+    for j in range(_OF_JOINTS * n, _OF_JOINTS * n + _BESIDE):
+        allowed[j] = part * peaks[j]
+
+
+@leaf
+def _base_as_shown(column, t):
+    """The motion of the base at time t as in output rows, which in the exact formulation show its rotation only."""
+    if is_exact(column.model):
+        return Motion(0.0, 0.0, base_turn(column.base, t), 0.0, 0.0)
+    return base_motion(column.base, column.samples, t)
+
+
+@kernel
+def _show(column, phase, resultants, motion, seen):
+    """Fill `seen` with all outputs but u_x of an evaluated phase, in the order of PEAKS."""
+    n, from_ = column.model.n, column.work.counts_from
+    show(column, phase, resultants, motion, _row(seen, n))
+    visible = _peaks(seen, n)
+    for i in range(n):
+        normal = visible.joints.N[i]
+        visible.friction[i] = abs(visible.joints.T[i]) / normal if normal > from_[i] else 0.0
+        visible.joints.contact[i] = 1.0 - visible.joints.contact[i]
+
+
+@kernel
+def _see(column, motion, seen):
+    """`_show` of work.between, evaluated on such a base; `seen` is unchanged if that fails."""
+    between, joints = column.work.between, column.work.joints
+    if evaluate_after_jump(column, between, motion) == OK:
+        _show(column, between, joints, motion, seen)
+
+
+@kernel
+def _see_within(column, t, h, s, seen):
+    """`_see` at fraction s of the step from t to t + h."""
+    work = column.work
+    interpolate_phase(work, h, s)
+    for i in range(int(work.slips.count)):  # the joints slide as during the step
+        work.between.sliding[i] = work.end.sliding[i]
+    _see(column, base_motion(column.base, column.samples, t + s * h), seen)
+
+
+@kernel
+def _raise_peaks(column, seen):
+    """Raise the peaks by the values in `seen`."""
+    n, peaks = column.model.n, column.state.peaks
+    for j in range(n, _PER_N * n + _BESIDE):  # u_x on a rotating base counts relative to it
+        peaks[j] = max(peaks[j], abs(seen[j]))
+
+
+@kernel
+def _look(column, t, h, s):
+    """Raise the peaks by the column at fraction s of the step; return its outputs there."""
+    trial = _seen(column.work, PIECES + 1)
+    _see_within(column, t, h, s, trial)
+    _raise_peaks(column, trial)
+    return trial
+
+
+@leaf
+def _seen(work, k):
+    """Outputs at the end of piece k of the step, PEAKS; two more rows are for trials and for marks."""
+    return work.seen[k * (_PER_N * work.n + _BESIDE) :]
+
+
+@kernel
+def _see_middle(column, t, h):
+    """See the middle of the step; return whether only roughly, as the method or `refine` has evaluated it."""
+    work, middle = column.work, _seen(column.work, MIDDLE)
+    refines, known = work.interpolation.wants_bump != 0.0, work.interpolation.knows_middle != 0.0
+    refine(column, t, h)
+    if can_slide(column.model) or not (refines or known):
+        _see_within(column, t, h, MIDDLE / PIECES, middle)
+        return False
+    motion = _base_as_shown(column, t + h * (MIDDLE / PIECES))
+    if known:
+        _show(column, stage(work, 1), work.joints_halfway, motion, middle)
+    else:
+        _show(column, work.between, work.joints, motion, middle)
+    return True
+
+
+@kernel
+def _raise_by_end(column):
+    """Raise the peaks by the end of the step; return whether any quantity may pass its peak within.
+
+    Loops without branches: a processor takes eight quantities at a time.
+    """
+    work, peaks = column.work, column.state.peaks
+    n, from_ = column.model.n, work.counts_from
+    first, middle, last = _seen(work, 0), _seen(work, MIDDLE), _seen(work, PIECES)
+    found = 0
+    for j in range(n, _PER_N * n + _BESIDE):
+        f_0, f_1, f_2 = first[j], middle[j], last[j]
+        sign = -1.0 if f_1 < 0.0 else 1.0
+        bend, rise = sign * (2.0 * f_1 - f_0 - f_2), f_2 - f_0
+        peaks[j] = max(peaks[j], abs(f_2))
+        beyond = abs(f_1) + MARGIN * bend - (peaks[j] + work.allowed[j])
+        turns = min(NEAR * bend - abs(rise), rise * rise + 8.0 * bend * beyond)
+        found += 1 if turns > 0.0 else 0
+    first, middle, last = _peaks(first, n).joints, _peaks(middle, n).joints, _peaks(last, n).joints
+    peaks, allowed = _peaks(peaks, n).friction, _peaks(work.allowed, n).friction
+    for i in range(n):  # T / N is not a parabola where it begins to count
+        f_0, f_1, f_2 = first.N[i] - from_[i], middle.N[i] - from_[i], last.N[i] - from_[i]
+        along = max(abs(first.T[i]), abs(middle.T[i]), abs(last.T[i]))
+        most = (peaks[i] + allowed[i]) * from_[i]
+        found += 1 if min(f_0 * f_1, f_1 * f_2) < 0.0 and along > most else 0
+    return found > 0
+
+
+@leaf
+def _vertex(a, f_a, b, f_b, c, f_c):
+    """(place, height) of the top of the parabola through three points; the best of them if no top is inside."""
+    left, right = (f_b - f_a) / (b - a), (f_c - f_b) / (c - b)
+    bend = (left - right) / (c - a)
+    if bend > 0.0:
+        slope = left - bend * (b - a)  # at b
+        place = b + 0.5 * slope / bend
+        if a < place < c:
+            return place, f_b + 0.25 * slope * slope / bend
+    return b, max(f_a, f_b, f_c)
+
+
+@leaf
+def _mark_tops(seen, peaks, allowed, first, size, marks):
+    """Fill `marks`, positive where a parabola through three neighbours of the values in a step may pass a peak.
+
+    Inside, it exceeds the largest of them by a quarter of their range at most. One loop without a branch: a processor
+    takes eight quantities at a time.
+    """
+    for j in range(first, size):
+        f_0, f_1, f_2, f_3 = seen[j], seen[size + j], seen[2 * size + j], seen[3 * size + j]
+        f_4 = seen[4 * size + j]
+        a, b, c, d = f_1 - f_0, f_2 - f_1, f_3 - f_2, f_4 - f_3
+        # slope at an end of a parabola: three times the near difference less the far one
+        turns = min((3.0 * a - b) * (3.0 * b - a), (3.0 * b - c) * (3.0 * c - b), (3.0 * c - d) * (3.0 * d - c))
+        least, most = min(f_0, f_1, f_2, f_3, f_4), max(f_0, f_1, f_2, f_3, f_4)
+        beyond = max(most, -least) + 0.25 * (most - least) - (peaks[j] + allowed[j])
+        marks[j] = beyond if turns < 0.0 else -1.0
+
+
+@leaf
+def _top(f_0, f_1, f_2, f_3, f_4, near):
+    """(place, height, its highest term there) of the top next to `near` of the quartic through values at 0, 1 ... 4."""
+    rise, fall = f_3 - f_1, f_4 - f_0
+    sides, ends = f_1 + f_3, f_0 + f_4
+    c1, c2 = (8.0 * rise - fall) / 12.0, (16.0 * sides - ends - 30.0 * f_2) / 24.0
+    c3, c4 = (fall - 2.0 * rise) / 12.0, (ends - 4.0 * sides + 6.0 * f_2) / 24.0
+    x = near - 2.0
+    for _ in range(3):
+        bend = 2.0 * c2 + x * (6.0 * c3 + x * 12.0 * c4)
+        if not bend < 0.0:
+            break
+        x = min(2.0, max(-2.0, x - (c1 + x * (2.0 * c2 + x * (3.0 * c3 + x * 4.0 * c4))) / bend))
+    height = f_2 + x * (c1 + x * (c2 + x * (c3 + x * c4)))
+    far = -2.0 if x > 0.0 else 2.0  # the end that the cubic does not use
+    return x + 2.0, height, c4 * (x + far) * (x + 1.0) * x * (x - 1.0)
+
+
+@kernel
+def _climb(column, t, h, j, a, f_a, b, f_b, c, f_c, sign, s, height):
+    """Find the extreme of quantity j between fractions a and c of the step, expected at s, with this height."""
+    work, peaks = column.work, column.state.peaks
+    for _ in range(MOST_TRIALS):
+        if not height > peaks[j] + work.allowed[j]:
+            return
+        if abs(s - b) < CLOSE:
+            s = b + CLOSE if c - b > b - a else b - CLOSE
+        if not a < s < c:
+            return
+        f_s = sign * _look(column, t, h, s)[j]
+        if s < b:
+            if f_s >= f_b:
+                b, f_b, c, f_c = s, f_s, b, f_b
+            else:
+                a, f_a = s, f_s
+        elif f_s >= f_b:
+            a, f_a, b, f_b = b, f_b, s, f_s
+        else:
+            c, f_c = s, f_s
+        s, height = _vertex(a, f_a, b, f_b, c, f_c)
+
+
+@kernel
+def _find_top(column, t, h, j, size):
+    """Raise the peak of quantity j by its highest top within the step."""
+    n, seen, peaks, allowed = column.model.n, column.work.seen, column.state.peaks, column.work.allowed[j]
+    best, place, at, way = 0.0, 0.0, 0, 1.0
+    for k in range(1, PIECES):
+        sign = -1.0 if seen[k * size + j] < 0.0 else 1.0
+        f_a, f_b, f_c = sign * seen[(k - 1) * size + j], sign * seen[k * size + j], sign * seen[(k + 1) * size + j]
+        x, height = _vertex(k - 1.0, f_a, k, f_b, k + 1.0, f_c)
+        if height > best:
+            best, place, at, way = height, x, k, sign
+    if not best > peaks[j] + allowed:
+        return
+    f_0, f_1, f_2, f_3, f_4 = seen[j], seen[size + j], seen[2 * size + j], seen[3 * size + j], seen[4 * size + j]
+    f = (way * f_0, way * f_1, way * f_2, way * f_3, way * f_4)
+    x, height, term = _top(*f, place)
+    if not abs(x - at) < 1.0:
+        x, height = place, best
+    elif abs(term) <= SURE * allowed:
+        peaks[j] = max(peaks[j], min(height, 1.0) if j // n == _CONTACT else height)
+        return
+    a, b, c = (at - 1) / PIECES, at / PIECES, (at + 1) / PIECES
+    _climb(column, t, h, j, a, f[at - 1], b, f[at], c, f[at + 1], way, x / PIECES, height)
+
+
+@kernel
+def _cross(column, t, h, i, weight, lo, f_lo, hi, f_hi):
+    """Evaluate at the moment when N of joint i passes `weight` in a piece of the step, where T / N begins to count."""
+    n = column.model.n
+    enough = column.model.settings.tolerance * weight
+    way = 1.0 if f_lo > 0.0 else -1.0
+    known = bracket(lo, hi, way * f_lo, way * f_hi)
+    for _ in range(2 * MOST_TRIALS):
+        s = trial_within(known)
+        f_s = _peaks(_look(column, t, h, s), n).joints.N[i] - weight
+        if 0.0 <= f_s <= enough:
+            return
+        known = narrowed(known, s, way * f_s)
+
+
+@kernel
+def _find_tops(column, t, h):
+    """Raise the peaks by the extremes between the values in work.seen."""
+    model, work, peaks = column.model, column.work, column.state.peaks
+    n, seen = model.n, work.seen
+    size = _PER_N * n + _BESIDE
+    first = _FRICTION[0] * n + _FRICTION[1]
+    marks = _seen(work, PIECES + 2)
+    _mark_tops(seen, peaks, work.allowed, n, size, marks)
+    for j in range(n, size):
+        if marks[j] > 0.0:
+            _find_top(column, t, h, j, size)
+    for i in range(n):
+        weight = work.counts_from[i]
+        for k in range(PIECES):
+            here, there = _peaks(_seen(work, k), n).joints, _peaks(_seen(work, k + 1), n).joints
+            f_lo, f_hi = here.N[i] - weight, there.N[i] - weight
+            along = max(abs(here.T[i]), abs(there.T[i]))
+            if f_lo * f_hi < 0.0 and along > (peaks[first + i] + work.allowed[first + i]) * weight:
+                _cross(column, t, h, i, weight, k / PIECES, f_lo, (k + 1) / PIECES, f_hi)

@@ -1,0 +1,1 @@
+"""Shapes of contacts: area and moments of any part of one."""

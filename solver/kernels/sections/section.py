@@ -1,0 +1,398 @@
+"""The shape of a contact, and what a linear pressure over a part of it comes to (theory.md sections 2 and 10).
+
+A section is a code and a few numbers, kept in `blocks`. Elsewhere only its ends are known, between which the faces of
+a joint can touch. Of a part of it, from lo to hi along the motion, three numbers are needed: area m2 and first and
+second moment m3, m4 about the middle of the part. Mirror images have mirrored moments, to the last bit.
+
+The rectangle comes first and is written out: it is the most frequent section. Lanes of columns of rectangles alone are
+compiled without the others, those of columns without strips without these (batch/runs.py).
+"""
+
+import math
+from typing import Any, NamedTuple
+
+from ..layout.spaces import MOST_STRIPS, STRIP_NUMBERS
+from ..numba_ext.jit import by_width, in_both, kernel, leaf
+from ..numba_ext.lanes import LANES, LanesType, any_of, greater, lesser, mirrored, where
+from .band import band_part, ends_of_band
+from .circle import circle_part, ring_part
+from .faces import (
+    ALIKE,
+    ANNULUS,
+    CIRCLE,
+    LENS,
+    ON_BAND,
+    ON_RING,
+    RECTANGLE,
+    STRIPS,
+    after_a_slip,
+    common,
+    is_round,
+)
+from .lens import ends_of_rings, lens_part
+from .strips import COUNT, DEPTHS, PITCH, edge_of, strips_part, strips_part_in_lanes
+
+ROUND = "round_in_lanes"  # name of an empty field, in the blocks of lanes whose joints may be round (batch/runs.py)
+STRIPPED = "strips_in_lanes"  # and of those whose joints may be made of strips
+NEAR = 1e-4  # of the width of a contact: half of the part over which its depth at a place is taken
+
+
+class Contact(NamedTuple):
+    """Where the faces of a joint can touch; abscissas in m from the middle of the block."""
+
+    section: float  # its code, also LENS, ON_RING or ON_BAND (faces.py)
+    left: float  # ends of the contact
+    right: float
+    depth: float  # m, across the motion; the diameter of a circle or an annulus
+    bore: float  # m, inner diameter of an annulus
+    strips: Any  # row: number and width of the strips, then their depths
+    slip: float  # m, of a round face that shares a part with the face above: its centre is at -slip
+    round: float  # m, diameter of that face
+    round_bore: float  # m
+
+
+def knows_round(blocks):
+    """Whether joints may be round: not in lanes of rectangles, which are compiled without."""
+    raise NotImplementedError("for kernels only")
+
+
+@by_width(knows_round)
+def _choose_knows(blocks):
+    if blocks.kind is LANES and ROUND not in blocks.names:
+        return lambda blocks: False
+    return lambda blocks: True
+
+
+def knows_strips(blocks):
+    """Whether the joints of lanes may be made of strips."""
+    raise NotImplementedError("for kernels only")
+
+
+@by_width(knows_strips)
+def _choose_strips(blocks):
+    known = STRIPPED in blocks.names
+    return lambda blocks: known
+
+
+@leaf
+def ends_of(blocks, i, slip):
+    """Ends of the contact of joint i, m from the middle of the block, which has slipped: the rims below cut it off.
+
+    Of one joint or of lanes.
+    """
+    left, right = blocks.left[i], blocks.right[i]
+    moved = slip != 0.0
+    if any_of(moved):
+        left = where(moved, greater(blocks.own_left[i], blocks.rim_left[i] - slip), left)
+        right = where(moved, lesser(blocks.own_right[i], blocks.rim_right[i] - slip), right)
+        if knows_round(blocks):
+            left, right = _ends_of_rings(blocks, i, slip, left, right)
+        left, right = ends_if_band(blocks, i, blocks.slipped[i], slip, left, right)
+    return left, right
+
+
+def ends_if_band(blocks, i, section, slip, left, right):
+    """Ends of the contact, cut off by a bore where a round face and a straight one share it; lanes have none."""
+    raise NotImplementedError("for kernels only")
+
+
+@by_width(ends_if_band)
+def _choose_ends(blocks, i, section, slip, left, right):
+    if blocks.kind is LANES:
+        return lambda blocks, i, section, slip, left, right: (left, right)
+    return _ends_of_band
+
+
+def _ends_of_band(blocks, i, section, slip, left, right):
+    strips = blocks.strips[STRIP_NUMBERS * i :]
+    if section == ON_RING and blocks.bore_below[i] > 0.0:
+        left, right = ends_of_band(strips, 0.5 * blocks.bore_below[i], -slip, left, right)
+    elif section == ON_BAND and blocks.own_bore[i] > 0.0:
+        left, right = ends_of_band(strips, 0.5 * blocks.own_bore[i], 0.0, left, right)
+    return left, right
+
+
+@kernel
+def _ends_of_rings(blocks, i, slip, left, right):
+    """Ends of the contact of joint i, cut off by bores where a round face has slipped over another one."""
+    hollow = (blocks.own_bore[i] > 0.0) | (blocks.bore_below[i] > 0.0)
+    rings = (slip != 0.0) & (blocks.slipped[i] == LENS) & hollow
+    if any_of(rings):
+        own, bore, bore_below = 0.5 * blocks.own_depth[i], 0.5 * blocks.own_bore[i], 0.5 * blocks.bore_below[i]
+        first, last = ends_of_rings(own, bore, blocks.rim_right[i], bore_below, slip, left, right)
+        left, right = where(rings, first, left), where(rings, last, right)
+    return left, right
+
+
+@leaf
+def contact_of(blocks, i, slip=0.0):
+    """The contact of joint i."""
+    strips = blocks.strips[STRIP_NUMBERS * i :]
+    left, right = ends_of(blocks, i, slip)
+    section, depth, bore = blocks.section[i], blocks.depth[i], blocks.bore[i]
+    below, bore_below = 2.0 * blocks.rim_right[i], blocks.bore_below[i]
+    if slip != 0.0:
+        section = blocks.slipped[i]
+    if section >= LENS:
+        depth, bore = blocks.own_depth[i], blocks.own_bore[i]
+        if section == ON_BAND:  # the round face is that above
+            slip, below, bore_below = 0.0, depth, bore
+    return Contact(section, left, right, depth, bore, strips, slip, below, bore_below)
+
+
+# --- parts of any section but the rectangle
+
+
+@kernel
+def _part(contact, lo, hi):
+    """Middle of lo and hi, area and moments about it."""
+    if contact.section >= LENS:
+        outer, inner = 0.5 * contact.round, 0.5 * contact.round_bore
+        if contact.section == LENS:
+            return lens_part(0.5 * contact.depth, 0.5 * contact.bore, outer, inner, contact.slip, lo, hi)
+        return band_part(contact.strips, outer, inner, -contact.slip, lo, hi)
+    if contact.section == CIRCLE:
+        return circle_part(0.5 * contact.depth, lo, hi)
+    if contact.section == STRIPS:
+        return strips_part(contact.strips, lo, hi)
+    return ring_part(0.5 * contact.depth, 0.5 * contact.bore, lo, hi)
+
+
+# --- what the law asks for
+
+
+@leaf
+def rectangle_forces(lo, hi, length, rigidity, mean, gradient):
+    """N and M of the pressure gradient * s - mean over the part from lo to hi, of this length; rigidity in N/m2."""
+    middle = 0.5 * (lo + hi)  # its mirror image is minus it, to the last bit
+    area = rigidity * length
+    force = area * (gradient * middle - mean)
+    return force, middle * force + area * gradient * (length * length) * (1.0 / 12.0)
+
+
+@leaf
+def forces_over(contact, stiffness, lo, hi, length, mean, gradient):
+    """N and M of the pressure stiffness * (gradient * s - mean) over the part from lo to hi, of this length."""
+    if contact.section == RECTANGLE:
+        return rectangle_forces(lo, hi, length, stiffness * contact.depth, mean, gradient)
+    return _part_forces(_part(contact, lo, hi), stiffness, mean, gradient)
+
+
+@leaf
+def _part_forces(part, stiffness, mean, gradient):
+    """N and M of that pressure over a part whose middle, area and moments are known."""
+    middle, area, first, second = part
+    pressure, steep = stiffness * (gradient * middle - mean), stiffness * gradient
+    force = pressure * area + steep * first
+    return force, middle * force + (pressure * first + steep * second)
+
+
+def part_in_lanes(blocks, i, slip, lo, hi):
+    """As `_part`, of joint i in lanes, of which each is a circle or an annulus."""
+    raise NotImplementedError("for kernels only")
+
+
+def _part_in_lanes(blocks, i, slip, lo, hi):
+    return ring_part(0.5 * blocks.depth[i], 0.5 * blocks.bore[i], lo, hi)
+
+
+def _part_in_lanes_that_slip(blocks, i, slip, lo, hi):
+    outer, inner = 0.5 * blocks.depth[i], 0.5 * blocks.bore[i]
+    middle, area, first, second = ring_part(outer, inner, lo, hi)
+    slipped = (slip != 0.0) & (blocks.slipped[i] == LENS)
+    if any_of(slipped):
+        outer, inner = 0.5 * blocks.own_depth[i], 0.5 * blocks.own_bore[i]
+        found = lens_part(outer, inner, blocks.rim_right[i], 0.5 * blocks.bore_below[i], slip, lo, hi)
+        middle, area = where(slipped, found[0], middle), where(slipped, found[1], area)
+        first, second = where(slipped, found[2], first), where(slipped, found[3], second)
+    return middle, area, first, second
+
+
+@by_width(part_in_lanes)
+def _choose_part(blocks, i, slip, lo, hi):
+    return _part_in_lanes_that_slip if isinstance(slip, LanesType) else _part_in_lanes
+
+
+@leaf
+def _strips_in_image(blocks, i, slope, lo, hi):
+    """As `_part`, of joint i in lanes, of which each is made of strips; in the image of `forces_over_in_lanes`."""
+    falls = slope < 0.0
+    strips = blocks.strips[STRIP_NUMBERS * i :]
+    middle, area, first, second = strips_part_in_lanes(strips, where(falls, -hi, lo), where(falls, -lo, hi))
+    return mirrored(middle, slope), area, mirrored(first, slope), second
+
+
+@leaf
+def forces_over_in_lanes(blocks, i, slip, slope, lo, hi, length, mean, gradient):
+    """As `forces_over`, of joint i in lanes, whichever section each has that these lanes know.
+
+    Slip, part and moment are those in the mirror image where the slope falls.
+    """
+    stiffness, section = blocks.stiffness[i], blocks.section[i]
+    flat, force, moment = section == RECTANGLE, 0.0 * mean, 0.0 * mean
+    if knows_strips(blocks):
+        cut = section == STRIPS
+        if any_of(cut):
+            force, moment = _part_forces(_strips_in_image(blocks, i, slope, lo, hi), stiffness, mean, gradient)
+        arched = (section == CIRCLE) | (section == ANNULUS)
+        if any_of(arched):
+            arch = _part_forces(part_in_lanes(blocks, i, slip, lo, hi), stiffness, mean, gradient)
+            force, moment = where(arched, arch[0], force), where(arched, arch[1], moment)
+    elif any_of(section != RECTANGLE):
+        force, moment = _part_forces(part_in_lanes(blocks, i, slip, lo, hi), stiffness, mean, gradient)
+    if any_of(flat):
+        flat_force, flat_moment = rectangle_forces(lo, hi, length, blocks.rigidity[i], mean, gradient)
+        force, moment = where(flat, flat_force, force), where(flat, flat_moment, moment)
+    return force, moment
+
+
+@leaf
+def energy_over(contact, stiffness, lo, hi, opening, slope):
+    """Elastic energy, J, of the penetration slope * s - opening over the part from lo to hi."""
+    length = hi - lo
+    if contact.section == RECTANGLE:
+        middle = slope * 0.5 * (lo + hi) - opening
+        return 0.5 * stiffness * contact.depth * length * (middle * middle + slope * slope * (length * length) / 12.0)
+    about, area, first, second = _part(contact, lo, hi)
+    middle = slope * about - opening
+    return 0.5 * stiffness * (middle * middle * area + slope * (2.0 * middle * first + slope * second))
+
+
+@leaf
+def part_stiffness(contact, stiffness, lo, hi):
+    """Stiffness of the part from lo to hi: (N/m, N, N m), by opening and by slope.
+
+    Derivatives of N by the opening, of N (or M) by the slope (or opening) and of M by the slope, signs aside.
+    """
+    if contact.section != RECTANGLE:
+        about, area, first, second = _part(contact, lo, hi)
+        mixed = about * area + first
+        return stiffness * area, stiffness * mixed, stiffness * (about * mixed + about * first + second)
+    length = hi - lo
+    middle = 0.5 * (lo + hi)
+    along = stiffness * contact.depth * length
+    return along, along * middle, along * (middle * middle + length * length / 12.0)
+
+
+@leaf
+def depth_at(contact, place):
+    """Depth of a contact at a place, m from the middle of the block."""
+    if contact.section == RECTANGLE:
+        return contact.depth
+    near = NEAR * (contact.right - contact.left)
+    return _part(contact, place - near, place + near)[1] / (2.0 * near)
+
+
+@leaf
+def depth_in_lanes(blocks, i, left, right, place):
+    """Depth at a place of joint i in lanes, between these ends, cut off along a straight line if at all."""
+    depth, flat = blocks.depth[i], blocks.section[i] == RECTANGLE
+    if knows_round(blocks) and any_of(blocks.section[i] != RECTANGLE):
+        near = NEAR * (right - left)
+        found = ring_part(0.5 * depth, 0.5 * blocks.bore[i], place - near, place + near)
+        depth = where(flat, depth, found[1] / (2.0 * near))
+        if knows_strips(blocks):
+            cut = blocks.section[i] == STRIPS
+            if any_of(cut):
+                found = strips_part_in_lanes(blocks.strips[STRIP_NUMBERS * i :], place - near, place + near)
+                depth = where(cut, found[1] / (2.0 * near), depth)
+    return depth
+
+
+@leaf
+def strip_stiffness(contact, stiffness, place, width):
+    """As `part_stiffness`, of a narrow strip of this width at this place, m from the middle of the block."""
+    along = stiffness * depth_at(contact, place) * width
+    return along, along * place, along * place * place
+
+
+# --- the whole section
+
+
+@leaf
+def full_stiffness(blocks, i):
+    """Stiffness of joint i in full contact, N/m."""
+    if blocks.section[i] == RECTANGLE:
+        return blocks.stiffness[i] * blocks.width[i] * blocks.depth[i]
+    return blocks.stiffness[i] * _part(contact_of(blocks, i), blocks.left[i], blocks.right[i])[1]
+
+
+@leaf
+def full_turning_stiffness(blocks, i):
+    """Stiffness of joint i in full contact against rotation about the middle of the block, N m/rad."""
+    if blocks.section[i] == RECTANGLE:
+        return full_stiffness(blocks, i) * (blocks.width[i] * blocks.width[i]) / 12.0
+    about, area, first, second = _part(contact_of(blocks, i), blocks.left[i], blocks.right[i])
+    return blocks.stiffness[i] * (second + about * (2.0 * first + about * area))
+
+
+@leaf
+def is_off_centre(count, depths):
+    """Whether strips do not read the same backwards."""
+    end, differs = int(count), False
+    for k in range(end // 2):
+        differs = differs or depths[k] != depths[end - 1 - k]
+    return differs
+
+
+@kernel
+def lay_out(blocks, i, own, count, depths, below):
+    """Fill in the contact of joint i from the contact face of the block above and the face below (faces.py).
+
+    count, depths: of the strips that the upper one may be made of, which lie over its width; a row, in m.
+    """
+    strips = blocks.strips[STRIP_NUMBERS * i :]
+    half = 0.5 * below.width
+    blocks.rim_left[i], blocks.rim_right[i], blocks.bore_below[i] = -half, half, below.bore
+    blocks.own_depth[i], blocks.own_bore[i] = own.depth, own.bore
+    shared = common(own, below)
+    section, depth = shared.section, shared.depth
+    slipped = after_a_slip(own, below, section)
+    first, end = 0, int(count)
+    strips[COUNT] = count
+    strips[PITCH] = own.width / max(count, 1.0)
+    for k in range(MOST_STRIPS):
+        strips[DEPTHS + k] = depths[k] if k < end else 0.0
+    left, right = -0.5 * own.width, 0.5 * own.width
+    if own.section == STRIPS:
+        depth, section = own.depth, STRIPS
+        while first < end - 1 and not depths[first] > 0.0:
+            first += 1
+        while end > first + 1 and not depths[end - 1] > 0.0:
+            end -= 1
+        left, right = edge_of(strips, first), edge_of(strips, end)
+        if is_round(below.section):
+            section = STRIPS if _lie_within(strips, below) else ON_RING
+        else:
+            for k in range(end):
+                strips[DEPTHS + k] = min(strips[DEPTHS + k], below.depth)
+    elif slipped >= ON_RING:  # the straight face is one strip
+        strips[COUNT] = 1.0
+        strips[DEPTHS] = below.depth if slipped == ON_BAND else own.depth
+    blocks.own_left[i], blocks.own_right[i] = left, right
+    blocks.section[i], blocks.depth[i], blocks.bore[i], blocks.slipped[i] = section, depth, shared.bore, slipped
+    left, right = max(left, -half), min(right, half)
+    left, right = ends_if_band(blocks, i, section, 0.0, left, right)
+    blocks.left[i], blocks.right[i] = left, right
+    blocks.width[i] = right - left
+    wider = own.width > below.width * ALIKE or below.bore > own.bore * ALIKE
+    blocks.overhangs[i] = 1.0 if wider or section == ON_RING else 0.0
+
+
+@leaf
+def _lie_within(strips, face):
+    """Whether strips lie within a round face."""
+    count, within = int(strips[COUNT]), face.bore == 0.0
+    for k in range(count):
+        reach, half = max(-edge_of(strips, k), edge_of(strips, k + 1)), 0.5 * strips[DEPTHS + k]
+        within = within and (not half > 0.0 or 2.0 * math.hypot(reach, half) <= face.width)
+    return within
+
+
+@in_both
+def face(section: float, width: float, depth: float, bore: float) -> tuple[float, float]:
+    """Area m2 and second moment m4 about the middle, of a whole section that is not made of strips."""
+    if section == RECTANGLE:
+        return width * depth, width * depth * width * width / 12.0
+    outer, inner = width * width, bore * bore if section == ANNULUS else 0.0
+    return 0.25 * math.pi * (outer - inner), math.pi / 64.0 * (outer - inner) * (outer + inner)

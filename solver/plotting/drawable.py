@@ -1,0 +1,33 @@
+"""Interfaces of results that pictures draw; the modules of the results import from above this one."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+from ..column.column import Column
+from ..column.packing import FloatArray
+from ..ground.motion import Motion
+
+
+class Shapes(Protocol):
+    """Rows of places of a column, (rows, n) each: of a Response, of Modes, of a CapacityCurve."""
+
+    @property
+    def column(self) -> Column: ...
+    @property
+    def ux(self) -> FloatArray: ...
+    @property
+    def uz(self) -> FloatArray: ...
+    @property
+    def theta(self) -> FloatArray: ...
+
+
+class Shaken(Shapes, Protocol):
+    """A Response."""
+
+    @property
+    def time(self) -> FloatArray: ...
+    @property
+    def overturn_time(self) -> float: ...
+    @property
+    def motion(self) -> Motion | None: ...

@@ -1,0 +1,65 @@
+"""Pictures of records: histories of the base, Arias intensity, response spectrum. Imported late, for matplotlib."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from ..common.errors import InputError
+from ..ground.intensity import DAMPING, NAMES, components, histories, lines_of, spectrum
+from ..ground.motion import STANDARD_GRAVITY, Motion
+from .plots import block_colours, save
+
+_STYLES: dict[str, str] = {"ax": "-", "az": "--"}
+
+
+def plot_records(motions: Mapping[str, Motion], path: str | os.PathLike[str] | None = None) -> Figure:
+    """Draw motions under their names; a vertical component is dashed. Saved to `path` if given.
+
+    Raises InputError if there is none, on a motion that is zero, or if the suffix is unknown; OSError.
+    """
+    if not motions:
+        raise InputError("no record to draw")
+    figure = Figure(figsize=(10.0, 7.0), layout="constrained")
+    halves: Any = figure.subfigures(1, 2, width_ratios=(1.3, 1.0))
+    left, right = halves
+    acceleration, velocity, displacement = left.subplots(3, 1, sharex=True)
+    spectra, arias = right.subplots(2, 1)
+    for (name, motion), colour in zip(motions.items(), block_colours(len(motions)), strict=True):
+        there = components(motion)
+        for component in there:
+            base, lines = histories(motion, component), lines_of(motion, component)
+            found = spectrum(motion, component=component)
+            style = {"color": colour, "linewidth": 0.8, "linestyle": _STYLES[component]}
+            label = name if len(there) == 1 else f"{name}, {NAMES[component]}"
+            ends = np.column_stack([lines.time[:-1], lines.time[1:]]).ravel()
+            both = np.column_stack([lines.before, lines.after]).ravel()
+            acceleration.plot(ends, both / STANDARD_GRAVITY, **style)
+            velocity.plot(base.time, base.velocity, **style)
+            displacement.plot(base.time, base.displacement, **style)
+            arias.plot(base.time, base.husid, **style)
+            spectra.plot(found.period, found.psa / STANDARD_GRAVITY, **(style | {"linewidth": 1.2}), label=label)
+    acceleration.set(title="(a) base acceleration", ylabel="g")
+    velocity.set(title="(b) velocity, integrated from rest", ylabel="m/s")
+    displacement.set(title="(c) displacement, no baseline taken away", ylabel="m", xlabel="time (s)")
+    spectra.set(title=f"(d) pseudo-acceleration, {DAMPING:.0%} damping", ylabel="g", xlabel="period (s)", xscale="log")
+    spectra.set(xticks=(0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0), ylim=(0.0, None))
+    spectra.set_xticklabels(["0.1", "0.2", "0.5", "1", "2", "5", "10"])
+    spectra.minorticks_off()
+    arias.set(title="(e) Arias intensity up to each instant", ylabel="m/s", xlabel="time (s)", ylim=(0.0, None))
+    for axes in (acceleration, velocity, displacement, spectra, arias):
+        axes.set_title(axes.get_title(), loc="left", fontsize=10)
+        axes.set_title("")
+        axes.grid(color="0.9", linewidth=0.6)
+        axes.set_axisbelow(True)
+        axes.spines[["top", "right"]].set_visible(False)
+    left.align_ylabels()
+    handles, labels = spectra.get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=min(3, len(labels)), frameon=False)
+    if path is not None:
+        save(figure, path)
+    return figure

@@ -1,7 +1,0 @@
-"""Recorded accelerations as their networks hand them out: one module per family of formats."""
-
-from .reader import format_of, read_record
-from .record import Record
-from .units import STANDARD_GRAVITY
-
-__all__ = ["STANDARD_GRAVITY", "Record", "format_of", "read_record"]

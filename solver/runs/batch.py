@@ -1,0 +1,410 @@
+"""Many runs at once: eight columns in the lanes of one core, and threads on top.
+
+Each run enters a lane, with its own column, motion, time and step (kernels/batch/): at once, or after a first part made
+alone by modes, up to the opening of a joint, if that is likely to be cheaper. The result of a run does not depend on
+the runs beside it, nor on their order.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..column.column import Column
+from ..column.packing import Arrays, FloatArray, arrays_at, copied
+from ..common.errors import InputError
+from ..common.turns import others_turn
+from ..ground.motion import Motion
+from ..kernels.api.entries import run
+from ..kernels.batch.entries import (
+    run_lanes,
+    run_round,
+    run_round_slipping,
+    run_slipping,
+    run_stripped,
+    run_swept,
+)
+from ..kernels.batch.runs import OUTCOME, RUN, SLIP_FIELDS, SPACE
+from ..kernels.integrators import dormand_prince
+from ..kernels.layout import spaces as at
+from ..kernels.numba_ext.lanes import WIDTH
+
+# The error of steps across changes of regime exceeds the estimate: they get this part of the tolerance.
+# Measured on columns of 1 and 3 blocks (eta 1e-3 and 5e-3 s; harmonics, three records at half scale; tolerances of 1e-3
+# to 1e-6; amplification below 100): errors of up to 11 tolerances without, 2.7 with it, for 1.3 times the steps.
+TOLERANCE_PART = 0.3
+
+MOST_BLOCKS = 64  # in lanes; the data of more do not fit into the cache
+TIGHTEST = 1e-7  # tolerance: below it, single runs with the explicit method of order 8 are no slower
+# Explicit steps of a joint damped beyond its critical damping are short: 1 / (0.25 damping frequency^2). Lanes gain
+# while there are no more of them than this a second, at a tolerance of 1e-3; at a tighter one all steps are shorter.
+# Measured (Phocas, eta 1e-3 to 5e-2 s): as fast as `simulate` at 5000 of them (1e-3) and 15000 (1e-5).
+MOST_STEPS = 2500.0  # 1/s
+CRITICAL = 2.0  # damping times frequency
+# A modal step ends at every sample of a record, and costs as much as six in lanes: with more samples a second than
+# this, modes are slower, unless explicit steps are short. Measured (the shaft of Phocas in six drums, five records of
+# 50 to 200 samples a second): twice as slow, and five times where joints stay closed.
+SAMPLES, AT_ONCE = 20.0, 1500.0  # 1/s: of a record; explicit steps
+MOST_ASSEMBLED = 64  # columns whose arrays are kept for their other runs
+HELD = "held samples"  # why a run is not made in lanes
+BANDS = "a round face on a straight one"  # the same of a column
+STAGES = 6  # evaluations of a step
+LINE = 64  # bytes that the processor reads at once: lanes that lie across two of them cost a tenth more
+
+# entries by the kind of lanes; each kind is compiled separately
+ENTRIES = {
+    "plain": run_lanes,
+    "round": run_round,
+    "slipping": run_slipping,
+    "round, slipping": run_round_slipping,
+    "strips, slipping": run_stripped,
+    "swept": run_swept,
+}
+
+KNOW = tuple(ENTRIES)  # the later, the more sections; kinds with slips, without and swept never share lanes
+
+_NONE = np.empty(0)
+
+
+@dataclass(frozen=True)
+class BatchResult:
+    """Results of runs, in their order: peak_ux m (runs, n), overturned_joint (0 if not), overturn_time s (NaN)."""
+
+    peak_ux: FloatArray
+    overturned_joint: NDArray[np.int64]
+    overturn_time: FloatArray
+    finished: NDArray[np.bool_]  # False if the step needed for the tolerance became too small
+    steps: NDArray[np.int64]
+    evaluations: NDArray[np.int64]
+    ends: FloatArray  # (runs, 4 n or 6 n) coordinates and rates at the end, as chain.py has them
+    phases: FloatArray  # (runs, rows, 4 n or 6 n) coordinates and rates at the times asked for
+    models: FloatArray  # packed models, a row for each run
+
+
+def why_not_in_lanes(column: Column) -> str:
+    """Why runs of a column are not made in lanes; empty where they are, unless the motion has HELD samples."""
+    settings = column.settings
+    swept = settings.formulation == "paper"
+    if swept and settings.integrator != "central-difference":
+        return f"formulation paper with the integrator {settings.integrator}"
+    if not swept and settings.integrator != "auto":
+        return f"integrator {settings.integrator}"
+    if set(settings.without) - {"peaks"}:
+        return "short cuts left out"
+    if column.other_law:  # the kernels of lanes have the linear law only
+        return f"joint.{column.other_law}"
+    if column.n > MOST_BLOCKS:
+        return f"more than {MOST_BLOCKS} blocks"
+    if swept:
+        return "" if column.has_rectangles_only else "formulation paper with other joints than rectangles"
+    if settings.tolerance < TIGHTEST:
+        return "tight tolerance"
+    if column.has_bands:
+        return BANDS
+    return "stiff joints" if _is_stiff(column) else ""
+
+
+def kind_of(column: Column) -> str:
+    """The kind of lanes that makes the runs of a column, a name of ENTRIES."""
+    if column.settings.formulation == "paper":
+        return "swept"
+    if column.has_strips:
+        return "strips, slipping"
+    if column.has_rectangles_only:
+        return "slipping" if column.has_slips else "plain"
+    return "round, slipping" if column.has_slips else "round"
+
+
+def _is_stiff(column: Column) -> bool:
+    """Whether damping makes explicit steps so short that single implicit runs are no slower."""
+    damping, squares = _dampers(column)
+    if damping * math.sqrt(2.0 * squares) <= CRITICAL:
+        return False
+    most: float = MOST_STEPS * (1e-3 / column.settings.tolerance) ** 0.25
+    return 0.5 * damping * squares > most
+
+
+def _dampers(column: Column) -> tuple[float, float]:
+    """The largest damping, s, and half the square of a bound of the frequencies, 1/s2 (kernels/column/assembly.py)."""
+    squares, above = 0.0, 0.0
+    for block, spring in zip(column.blocks, column.springs, strict=True):
+        squares, above = max(squares, (spring + above) / block.mass), spring
+    return max(block.joint.damping for block in column.blocks), squares
+
+
+def _enters_at_once(column: Column, order: float, motion: Motion, samples: int) -> bool:
+    """Whether a run enters its lane at once, without a first part made by modes."""
+    if order != dormand_prince.ORDER:
+        return False
+    if samples:
+        damping, squares = _dampers(column)
+        steps = max(0.3 * math.sqrt(2.0 * squares), 0.5 * damping * squares)
+        return samples > SAMPLES * (motion.time[-1] - motion.time[0]) and steps < AT_ONCE
+    return motion.amplitude > _opening_acceleration(column)
+
+
+def _opening_acceleration(column: Column) -> float:
+    """Steady base acceleration, m/s2, at which the first joint opens."""
+    least, carried, moment = math.inf, 0.0, 0.0  # kg above the joint; kg m of them about it
+    for block, contact in zip(column.blocks, column.contacts, strict=True):
+        moment += carried * block.height + block.mass * block.resolved_centroid
+        carried += block.mass
+        kern = contact.second / (0.5 * contact.width * contact.area)  # m, how far off the middle the load may be
+        least = min(least, column.g * carried * kern / moment)
+    return least
+
+
+def run_batch(
+    columns: Sequence[Column],
+    motions: Sequence[Motion],
+    durations: Sequence[float] | None = None,
+    *,
+    tolerance: float | None = None,
+    times: FloatArray | None = None,
+    threads: int = 1,
+) -> BatchResult:
+    """Run column k under motion k, from rest, for duration k, s (None: that of the motion).
+
+    tolerance: relative to the peak; None: each column's. times: s after the start of a run, of the phases to store.
+    All columns have slips (Column.has_slips) or none has. Raises InputError for columns of another number of blocks,
+    formulation or law of the joints, for held samples and where a round face shares a part with a straight one.
+    """
+    n, slips = columns[0].n, columns[0].has_slips
+    durations = [motion.duration for motion in motions] if durations is None else list(durations)
+    if not len(columns) == len(motions) == len(durations):
+        raise InputError(f"{len(columns)} columns, {len(motions)} motions, {len(durations)} durations: as many of each")
+    for k, (column, motion) in enumerate(zip(columns, motions, strict=True)):
+        if column.n != n or column.settings.formulation != "exact":
+            raise InputError(f"columns[{k}]: must have {n} blocks and the formulation exact, as the others of a batch")
+        if column.other_law:
+            raise InputError(f"columns[{k}]: must have joints of the linear law, none with joint.{column.other_law}")
+        if column.has_slips != slips:
+            raise InputError(f"columns[{k}]: must slide or be off its axis as all others of a batch, or none of them")
+        if column.has_bands:
+            raise InputError(f"columns[{k}]: {BANDS}, which lanes do not follow")
+        if motion.hold:
+            raise InputError(f"motions[{k}]: its samples are held, must be joined by straight lines")
+    if tolerance is not None:
+        columns = [column.with_settings(tolerance=tolerance) for column in columns]
+    parts = np.array_split(np.arange(len(columns)), max(1, min(threads, math.ceil(len(columns) / WIDTH))))
+    with ThreadPoolExecutor(len(parts)) as pool:
+        made = list(
+            pool.map(
+                lambda part: follow_in_lanes(
+                    [columns[k] for k in part], [motions[k] for k in part], [durations[k] for k in part], times
+                ),
+                parts,
+            )
+        )
+    return BatchResult(*(np.concatenate([getattr(part, name) for part in made]) for name in vars(made[0])))
+
+
+def follow_in_lanes(
+    columns: Sequence[Column],
+    motions: Sequence[Motion],
+    durations: Sequence[float],
+    times: FloatArray | None = None,
+    flag: FloatArray | None = None,
+) -> BatchResult:
+    """As `run_batch`, in one thread and unchecked; ends soon, without usable results, once flag[0] is not zero.
+
+    All columns have one formulation; without `times` it may be `paper`, at fixed steps.
+    """
+    rows = _NONE if times is None else np.ascontiguousarray(times, dtype=np.float64)
+    flag = np.zeros(1) if flag is None else flag
+    kinds = {kind_of(column) for column in columns}
+    kind = max(kinds, key=KNOW.index)  # with the same bits as the other kinds for the sections these know
+    batch = _Batch(columns[0].n, len(columns), _Records(motions, durations), rows, kind)
+    for k, (column, motion, duration) in enumerate(zip(columns, motions, durations, strict=True)):
+        if not flag[0]:
+            batch.begin(k, column, motion, float(duration))
+    batch.finish(flag)
+    return batch.result()
+
+
+def rest_in_lanes(
+    models: FloatArray, n: int, kind: str, phases: FloatArray, begin: FloatArray, end: FloatArray, flag: FloatArray
+) -> BatchResult:
+    """Follow columns of n blocks on a still base, in one thread and unchecked; `flag` as for `follow_in_lanes`.
+
+    models: as of BatchResult. kind: of ENTRIES. phases: (columns, 4 n) at the times `begin`, s.
+    """
+    batch = _Batch(n, len(phases), _Records((), ()), _NONE, kind)
+    batch.go_on(models, phases, begin, end)
+    batch.finish(flag)
+    return batch.result()
+
+
+def fall_angles(models: FloatArray, n: int) -> FloatArray:
+    """Rotations, rad (columns, n), beyond which blocks cannot come back."""
+    angles: FloatArray = at.MODEL.see(models.T, n).blocks.fall_angle.T
+    return angles
+
+
+class _Records:
+    """The samples of all motions, each motion once, one after the other."""
+
+    def __init__(self, motions: Sequence[Motion], durations: Sequence[float]) -> None:
+        self._places: dict[int, tuple[int, int]] = {}  # of a motion: first sample, number of them
+        silent: dict[int, bool] = {}
+        samples, first = [], 0
+        for motion, duration in zip(motions, durations, strict=True):
+            key = id(motion)
+            if key not in silent:
+                silent[key] = not (motion.ax.any() or motion.az.any())
+            if key not in self._places and not (silent[key] and duration <= motion.duration):
+                self._places[key] = first, len(motion.time)
+                samples.append((motion.time, motion.ax, motion.az))
+                first += len(motion.time)
+        self.rows = [np.concatenate(parts) for parts in zip(*samples, strict=True)] if samples else [np.zeros(1)] * 3
+
+    def place(self, motion: Motion) -> tuple[int, int]:
+        """First sample and number of samples; 0 and 0 if there is only the harmonic part."""
+        return self._places.get(id(motion), (0, 0))
+
+
+class _Batch:
+    """Runs as rows for the kernels (kernels/batch/runs.py), and room for the first part of one run at a time."""
+
+    def __init__(self, n: int, count: int, records: _Records, rows: FloatArray, kind: str) -> None:
+        self.n = n
+        self._swept = kind == "swept"  # formulation `paper`, for which lanes keep no rows
+        self._slipping = kind.endswith("slipping")  # whether the columns have slips
+        self._follow = ENTRIES[kind]
+        self._slips = np.zeros((count, SLIP_FIELDS * n if self._slipping else 0))
+        self._records = records
+        self._rows = rows
+        self._models = np.zeros((count, at.MODEL.size(n)))
+        self._phases = np.zeros((count, 4 * n))
+        self._runs = np.zeros((count, RUN.beside))
+        self._outcomes = np.zeros((count, OUTCOME.size(n)))  # of runs that wait for a lane
+        self._outcomes[:, :2] = at.OK, math.nan
+        self._snapshots = np.zeros((count, rows.size, at.PHASE.size(n)))
+        self._evaluations = np.zeros(count, dtype=np.int64)
+        self._waiting: list[int] = []
+        self._assembled: dict[int, Arrays] = {}  # by the id of the column, of some columns
+
+    def begin(self, k: int, column: Column, motion: Motion, duration: float) -> None:
+        """Let run k wait for a lane, from rest or from the opening of a joint; or finish it here."""
+        n, start, stop = self.n, motion.start, motion.start + duration
+        fresh = self._at_rest(column)
+        model, phase = fresh.model, fresh.state[at.CONTROL.beside :]
+        self._models[k] = model[: self._models.shape[1]]
+        omega = 2.0 * math.pi * motion.frequency
+        wave = (motion.amplitude, omega, -omega * start)
+        first, size = self._records.place(motion)
+        self._keep_slips(k, phase)
+        if self._swept or not model[_HAS_MODES] or _enters_at_once(column, model[_ORDER], motion, size):
+            self._outcomes[k, OUTCOME.beside + n :] = phase[: 4 * n]
+            self._waits(k, phase[: 4 * n], (start, start, stop, 1.0, *wave, first, size, 0, 0.0, 0.0))
+            return
+        arrays = copied(fresh)
+        control, counts, base = at.CONTROL.see(arrays.state), at.COUNTS.see(arrays.counts), at.BASE.see(arrays.base)
+        base.wave_amplitude, base.wave_omega, base.wave_phase = wave
+        counts.until_opening = 1
+        record = (row[first : first + size] for row in self._records.rows)
+        times = start + self._rows if self._rows.size else np.array([stop])
+        stored = np.zeros((times.size, at.snapshot_size(n, column.has_slips)))
+        with others_turn():
+            code = run(n, *arrays, *record, 1.0, False, start, duration, times, stored.reshape(-1), True)
+        whole, peaks = arrays.state[at.CONTROL.beside :], at.STATE.see(arrays.state, n).peaks[:n]
+        phase = whole[: 4 * n]
+        self._keep_slips(k, whole)
+        self._outcomes[k] = np.concatenate([[code, math.nan, 0.0, counts.steps, counts.rejected], peaks, phase])
+        self._evaluations[k] = counts.evaluations
+        if self._rows.size:
+            phases = at.phases_in(stored)
+            self._snapshots[k, :, : phases.shape[1]] = phases
+        if code == at.OK and control.reached < stop:
+            scales = (control.rotation_scale, control.rate_scale)
+            entering = (start, control.reached, stop, 1.0, *wave, first, size, counts.next_row, *scales)
+            self._waits(k, phase, entering)
+
+    def _at_rest(self, column: Column) -> Arrays:
+        """The arrays of a column at rest, not to be modified."""
+        found = self._assembled.get(id(column))
+        if found is None:
+            if len(self._assembled) == MOST_ASSEMBLED:
+                self._assembled.clear()
+            found = arrays_at(column, TOLERANCE_PART * column.settings.tolerance, at.EXTREMES)
+            self._assembled[id(column)] = found
+        return found
+
+    def go_on(self, models: FloatArray, phases: FloatArray, begin: FloatArray, end: FloatArray) -> None:
+        """Let all runs wait for a lane, with these phases, on a base that is still."""
+        self._waiting = list(range(len(models)))
+        self._models, self._phases = models, phases
+        for name, values in (("origin", begin), ("start", begin), ("stop", end), ("scale", 1.0)):
+            self._runs[:, RUN.fields.index(name)] = values
+        self._outcomes[:, OUTCOME.beside + self.n :] = phases
+
+    def _keep_slips(self, k: int, phase: FloatArray) -> None:
+        """Store the second part of a phase, if columns have slips, as that of run k."""
+        if self._slipping:
+            self._slips[k] = phase[at.RIGID_FIELDS * self.n : at.PHASE_FIELDS * self.n]
+
+    def _waits(self, k: int, phase: FloatArray, entering: tuple[float, ...]) -> None:
+        """Let run k wait for a lane."""
+        self._waiting.append(k)
+        self._phases[k], self._runs[k] = phase, entering
+
+    def finish(self, flag: FloatArray) -> None:
+        """Let the runs that have begun pass through the lanes."""
+        some = np.array(self._waiting, dtype=np.int64)
+        if not some.size:
+            return
+        left = self._runs[some, _STOP] - self._runs[some, _START]
+        some = some[np.argsort(-left, kind="stable")]  # the longest first: lanes end together
+        models, phases, runs = (array[some].reshape(-1) for array in (self._models, self._phases, self._runs))
+        outcomes, snapshots, slips = self._outcomes[some], self._snapshots[some], self._slips[some]
+        lanes = aligned(WIDTH * SPACE.size(self.n))
+        found = outcomes.reshape(-1)
+        with others_turn():
+            self._follow(
+                self.n, lanes, some.size, models, phases, slips.reshape(-1), runs, found, *self._records.rows,
+                self._rows, snapshots.reshape(-1), flag,
+            )  # fmt: skip
+        tried = np.sum(outcomes[:, _TRIED] - self._outcomes[some][:, _TRIED], axis=1)
+        self._evaluations[some] += ((1 if self._swept else STAGES) * tried).astype(np.int64)
+        self._outcomes[some], self._snapshots[some], self._slips[some] = outcomes, snapshots, slips
+
+    def result(self) -> BatchResult:
+        """The results of the runs."""
+        n = self.n
+        code, time, joint, steps, _ = self._outcomes[:, : OUTCOME.beside].T
+        return BatchResult(
+            peak_ux=self._outcomes[:, OUTCOME.beside :][:, :n],
+            overturned_joint=joint.astype(np.int64),
+            overturn_time=np.where(joint > 0, time, np.nan),
+            finished=code >= at.OK,
+            steps=steps.astype(np.int64),
+            evaluations=self._evaluations,
+            ends=self._of_chain(self._outcomes[:, OUTCOME.beside + n :], self._slips),
+            phases=self._of_chain(self._snapshots[:, :, : 4 * n], self._snapshots[:, :, at.RIGID_FIELDS * n :]),
+            models=self._models,
+        )
+
+    def _of_chain(self, rigid: FloatArray, slips: FloatArray) -> FloatArray:
+        """Coordinates and rates as chain.py has them, from both parts of phases."""
+        if not self._slipping:
+            return rigid
+        places = [(at.PHASE.fields.index(name) - at.RIGID_FIELDS) * self.n for name in ("slip", "slip_rate")]
+        return np.concatenate([rigid, *(slips[..., k : k + self.n] for k in places)], axis=-1)
+
+
+_HAS_MODES = at.SETTINGS.fields.index("has_modes")
+_ORDER = at.SETTINGS.fields.index("explicit_order")
+_START, _STOP = RUN.fields.index("start"), RUN.fields.index("stop")
+_TRIED = [OUTCOME.parts["record"].fields.index(name) for name in ("steps", "rejected")]  # type: ignore[attr-defined]
+
+
+def aligned(size: int) -> FloatArray:
+    """Zeros that begin where a line of memory does."""
+    room = np.zeros(size + LINE // 8)
+    first = (-room.ctypes.data % LINE) // 8
+    return room[first : first + size]

@@ -1,0 +1,173 @@
+"""Runs that vary uncertain data of a column and its motion: verdict, shares and percentiles of all."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from threading import Thread
+from typing import Any
+
+import numpy as np
+
+from ..column.column import Column
+from ..column.packing import FloatArray, InitialState
+from ..common.errors import SolverError
+from ..dynamics.kinematics import Chain
+from ..dynamics.response import Response
+from ..dynamics.uncertainty import PERCENTILES, Ensemble, Spread
+from ..dynamics.verdict import OVERTURNED, UNDECIDED
+from ..ground.motion import Motion
+from .batch import run_batch
+from .single_run import Callback, outcome, single_run
+
+MOST_DAMPED = 0.5  # of the steps implicit: beyond it lanes, which step explicitly, gain nothing
+LISTEN = 0.05  # s between two checks for an interruption
+LEAST_CHANGE, MOST_CHANGE = 1e-3, 1e3  # of a value by its factor: a column may hold a wider range
+
+
+def ensemble_of(
+    response: Response,
+    motion: Motion,
+    duration: float,
+    initial: InitialState | None,
+    settle: float,
+    size: int,
+    spread: Spread,
+    callback: Callback | None = None,
+) -> Ensemble:
+    """`size` runs around the one that gave a response, with rows at the same times."""
+    rng = np.random.default_rng(spread.seed)
+    varied = [vary(response.column, motion, spread, rng) for _ in range(size)]
+    columns, motions = [column for column, _ in varied], [shaken for _, shaken in varied]
+    lanes = runs_in_lanes(response, motion, initial)
+    made = (
+        _in_lanes(columns, motions, duration, response.time - motion.start, settle)
+        if lanes
+        else [_alone(*run, duration, response.time, initial, settle, callback) for run in varied]
+    )
+    verdicts, times, peaks, histories = zip(*made, strict=True)
+    peak_ux, overturn_time = np.array(peaks), np.array(times)
+    stands = np.array([verdict != OVERTURNED for verdict in verdicts])
+    ux = np.array(histories)
+    ux[overturn_time[:, None] <= response.time] = math.nan
+    bands = _percentiles(np.where(stands[:, None], peak_ux, math.nan))
+    highest = _percentiles(np.where(stands, np.max(peak_ux, axis=1), math.nan))
+    size_of_change = max(spread.size, math.ulp(1.0))
+    return Ensemble(
+        spread=spread,
+        verdicts=verdicts,
+        peak_ux=peak_ux,
+        overturn_time=overturn_time,
+        peaks=bands,
+        ux=_percentiles(ux),
+        amplification=float(0.5 * (highest[2] - highest[0]) / highest[1] / size_of_change),
+        in_lanes=lanes,
+    )
+
+
+def vary(column: Column, motion: Motion, spread: Spread, rng: np.random.Generator) -> tuple[Column, Motion]:
+    """A column and a motion with varied data, all as likely as the given ones."""
+
+    def factors(size: float, count: int) -> list[float]:
+        drawn: list[float] = np.clip(np.exp(size * rng.standard_normal(count)), LEAST_CHANGE, MOST_CHANGE).tolist()
+        return drawn
+
+    n = column.n
+    blocks = tuple(
+        replace(block, joint=replace(joint, stiffness=joint.stiffness * stiffness, damping=joint.damping * damping))
+        for block, joint, stiffness, damping in zip(
+            column.blocks,
+            (block.joint for block in column.blocks),
+            factors(spread.stiffness, n),
+            factors(spread.damping, n),
+            strict=True,
+        )
+    )
+    return replace(column, blocks=blocks), motion.scaled(factors(spread.motion, 1)[0])
+
+
+def runs_in_lanes(response: Response, motion: Motion, initial: InitialState | None) -> bool:
+    """Whether eight runs can go at once, and that is faster."""
+    settings = response.column.settings
+    fits = (
+        not response.column.other_law
+        and not response.column.has_bands
+        and settings.formulation == "exact"
+        and settings.integrator == "auto"
+        and set(settings.without) <= {"peaks"}
+    )
+    explicit = response.stats["implicit_steps"] <= MOST_DAMPED * response.stats["steps"]
+    return fits and explicit and not motion.hold and initial is None
+
+
+Made = tuple[str, float, FloatArray, FloatArray]  # verdict, time of overturning s, peaks (n,), ux (nt, n)
+
+
+def _alone(
+    column: Column,
+    motion: Motion,
+    duration: float,
+    times: FloatArray,
+    initial: InitialState | None,
+    settle: float,
+    callback: Callback | None,
+) -> Made:
+    try:
+        column = column.with_settings(without=(*column.settings.without, "peaks"))
+        response, phases = single_run(column, motion, duration, times, initial, settle, callback)
+    except SolverError:
+        nothing = np.full((len(times), column.n), math.nan)
+        return UNDECIDED, math.nan, nothing[0], nothing
+    return response.verdict, response.overturn_time, response.peak_ux, Chain(column).top_displacements(phases)
+
+
+def _in_lanes(
+    columns: list[Column], motions: list[Motion], duration: float, times: FloatArray, settle: float
+) -> list[Made]:
+    batch = interruptible(
+        lambda: run_batch(columns, motions, [duration] * len(columns), times=np.append(times, duration))
+    )
+    made: list[Made] = []
+    for k, (column, motion) in enumerate(zip(columns, motions, strict=True)):
+        if not batch.finished[k]:
+            made.append(_alone(column, motion, duration, motion.start + times, None, settle, None))
+            continue
+        verdict, fall = OVERTURNED, float(batch.overturn_time[k])
+        if not batch.overturned_joint[k]:
+            verdict, fall, _ = outcome(column, batch.phases[k, -1], motion.start + duration, settle)
+        made.append((verdict, fall, batch.peak_ux[k], Chain(column).top_displacements(batch.phases[k, :-1])))
+    return made
+
+
+def _percentiles(values: FloatArray) -> FloatArray:
+    """The points of `PERCENTILES` over the first axis, without NaN, as numpy.nanpercentile but faster."""
+    ordered = np.sort(values, axis=0)  # NaN comes last
+    last = np.maximum(np.sum(~np.isnan(ordered), axis=0) - 1, 0)
+    found = []
+    for percent in PERCENTILES:
+        place = 0.01 * percent * last
+        below = np.floor(place).astype(np.int64)
+        low, high = (np.take_along_axis(ordered, k[None], axis=0)[0] for k in (below, np.minimum(below + 1, last)))
+        found.append(low + (place - below) * (high - low))
+    return np.array(found)
+
+
+def interruptible(work: Callable[[], Any]) -> Any:
+    """What `work` returns; it runs in a thread, so that an interruption is noticed during a long call."""
+    outcome: list[Any] = []
+    failure: list[BaseException] = []
+
+    def do() -> None:
+        try:
+            outcome.append(work())
+        except BaseException as error:  # raised again in the caller's thread
+            failure.append(error)
+
+    thread = Thread(target=do, daemon=True)
+    thread.start()
+    while thread.is_alive():
+        thread.join(LISTEN)
+    if failure:
+        raise failure[0]
+    return outcome[0]

@@ -1,0 +1,324 @@
+"""Many runs: any mixture of columns and motions, in threads or in any executor, in one table."""
+
+from __future__ import annotations
+
+import itertools
+import time as clock
+import warnings
+from collections import Counter
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from concurrent.futures import BrokenExecutor, CancelledError, ThreadPoolExecutor
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from ..column.column import Column
+from ..common.errors import POSITIVE, InputError, InputWarning, SolverError, check_number, shown
+from ..common.executors import TRIES, cores, said, sent_out, workers_of
+from ..ground.motion import Motion
+from .chunk import Chunk, Made, Run, make_packed, make_runs, packed, why_alone
+from .outputs import KEPT
+from .pace import Pace
+from .single_run import SETTLE
+from .table import Table, joined
+
+FIRST_COST = 2e-5  # s for a block and a second of motion in lanes, before any run is measured
+ALONE, SWEPT = 10.0, 300.0  # times that: a single run, and one in the formulation of the paper
+SWEPT_IN_LANES = 1.3e-3  # s: and over its fixed step in lanes
+MOST_SAMPLES = 2**20  # of the records in a chunk, so that memory does not grow with the number of runs
+MOST_NOTED = 100  # failures that are listed
+
+Callback = Callable[[int, int | None], object]
+
+
+class ExecutorError(SolverError):
+    """An executor failed. `finished`: tables of the runs that were made, neighbours each; `first` says which."""
+
+    finished: Sequence[Table] = ()
+
+
+def simulate_many(
+    columns: Column | Iterable[Column],
+    motions: Motion | Iterable[Motion],
+    *,
+    duration: float | Iterable[float | None] | None = None,
+    tolerance: float | Iterable[float | None] | None = None,
+    keep: Sequence[str] = ("peak_ux", "verdict"),
+    executor: Any = None,
+    threads: int | None = None,
+    settle: float = SETTLE,
+    responses: Collection[int] = (),
+    callback: Callback | None = None,
+) -> Table:
+    """Runs of column k under motion k, each from rest, as a table with a row for each.
+
+    columns, motions, duration (s; None: that of the motion), tolerance (relative to the peak; None: that of the
+    column): one for all runs, or one for each run. They may differ in everything. Iterables are read as needed, so that
+    memory does not grow with the number of runs, but for the table.
+    keep: results that the table holds, names of outputs.KEPT.
+    executor: anything with `submit`, such as a process pool or a client of Dask; None: threads of this process, as many
+    as `threads` or as it has cores.
+    settle: as in `simulate`. responses: numbers of runs of which the whole Response is kept, in `table.responses`.
+    callback: called as callback(runs done, runs in all or None) as they end; what it raises ends `simulate_many`.
+
+    The numbers are the same, bit for bit, whatever the threads, workers and the order. A run that the solver cannot
+    finish is "undecided", its numbers are NaN and `table.stats["failures"]` says why.
+    Raises InputError for a wrong value, ExecutorError where the executor fails. Warns as `simulate`, once for all.
+    """
+    summary = Summary()
+    parts: list[Table] = []
+    try:
+        for part in parts_of_many(
+            columns,
+            motions,
+            duration=duration,
+            tolerance=tolerance,
+            keep=keep,
+            executor=executor,
+            threads=threads,
+            settle=settle,
+            responses=responses,
+            callback=callback,
+            summary=summary,
+        ):
+            parts.append(part)
+    except ExecutorError as lost:
+        lost.finished = parts
+        raise
+    parts.sort(key=lambda part: part.first)
+    table = joined(parts)
+    table.stats = summary.as_dict()
+    return table
+
+
+def parts_of_many(
+    columns: Column | Iterable[Column],
+    motions: Motion | Iterable[Motion],
+    *,
+    duration: float | Iterable[float | None] | None = None,
+    tolerance: float | Iterable[float | None] | None = None,
+    keep: Sequence[str] = ("peak_ux", "verdict"),
+    executor: Any = None,
+    threads: int | None = None,
+    settle: float = SETTLE,
+    responses: Collection[int] = (),
+    callback: Callback | None = None,
+    summary: Summary | None = None,
+) -> Iterator[Table]:
+    """As `simulate_many`, but yields tables of neighbouring runs as they end, in any order; `first` says which."""
+    for name in keep:
+        if name not in KEPT:
+            raise InputError(f"keep: {shown(name)}: must be of {', '.join(KEPT)}")
+    settle = 0.0 if settle == 0 else check_number("settle", settle, POSITIVE, "a positive time in s")
+    if threads is not None and (isinstance(threads, bool) or not isinstance(threads, int) or threads < 1):
+        raise InputError(f"threads = {shown(threads)}: must be a number of threads, at least 1")
+    total, runs = _runs(columns, motions, duration, tolerance)
+    summary = Summary() if summary is None else summary
+    workers = (threads or cores()) if executor is None else workers_of(executor)
+    pace = Pace(total, workers, FIRST_COST)
+    chunks = _chunks(runs, pace, tuple(dict.fromkeys(keep)), settle, frozenset(responses))
+    if executor is not None:
+        made = _made(chunks, lambda chunk: executor.submit(make_packed, packed(chunk)), pace, workers)
+        yield from _noted(made, summary, total, callback)
+        return
+    flag = np.zeros(1)
+    pool = ThreadPoolExecutor(workers, thread_name_prefix="runs")
+    try:
+        made = _made(chunks, lambda chunk: pool.submit(make_runs, chunk, flag), pace, workers)
+        yield from _noted(made, summary, total, callback)
+    finally:
+        flag[0] = 1.0
+        pool.shutdown(wait=True, cancel_futures=True)
+
+
+# --- what is given
+
+
+def _runs(columns: Any, motions: Any, durations: Any, tolerances: Any) -> tuple[int | None, Iterator[Run]]:
+    """How many runs, if that is known, and one after the other. Raises InputError for lengths that differ."""
+    given = {"columns": columns, "motions": motions, "duration": durations, "tolerance": tolerances}
+    several = {key: value for key, value in given.items() if _is_several(key, value)}
+    lengths = {key: len(value) for key, value in several.items() if hasattr(value, "__len__")}
+    if len(set(lengths.values())) > 1:
+        listed = ", ".join(f"{count} {key}" for key, count in lengths.items())
+        raise InputError(f"{listed}: must be as many of each, or a single one for all runs")
+    total = next(iter(lengths.values()), None) if several else 1
+    return total, _iterated(given, several, total)
+
+
+def _is_several(key: str, value: Any) -> bool:
+    single = {"columns": Column, "motions": Motion}.get(key, (int, float))
+    if value is None or isinstance(value, single):
+        if value is None and key in ("columns", "motions"):
+            raise InputError(f"{key} = None: must be one for all runs, or one for each")
+        return False
+    if not isinstance(value, Iterable):
+        raise InputError(f"{key} = {shown(value)}: must be one for all runs, or one for each")
+    return True
+
+
+def _iterated(given: dict[str, Any], several: dict[str, Any], total: int | None) -> Iterator[Run]:
+    sources = [iter(several[key]) if key in several else itertools.repeat(given[key]) for key in given]
+    last: tuple[Any, Any] = (None, None)  # column and tolerance as given
+    for k in itertools.count() if several else range(1):
+        values = []
+        for key, source in zip(given, sources, strict=True):
+            try:
+                values.append(next(source))
+            except StopIteration:
+                ended = key
+                break
+        else:
+            column, motion, duration, tolerance = values
+            if last[0] is not column or last[1] != tolerance:
+                last = column, tolerance
+                made = _with_tolerance(k, column, tolerance)
+            if not isinstance(motion, Motion):
+                raise InputError(f"motions[{k}] = {shown(motion)}: must be a Motion")
+            span = motion.duration if duration is None else duration
+            span = check_number(f"duration[{k}]", span, POSITIVE, "a positive time in s")
+            yield Run(made, motion, span)
+            continue
+        _check_all_end(ended, k, given, several, sources, values)
+        return
+
+
+def _check_all_end(
+    ended: str, k: int, given: dict[str, Any], several: dict[str, Any], sources: list[Any], values: list[Any]
+) -> None:
+    """Raise InputError unless all that is iterated ends where the first one, named `ended`, did."""
+    keys = list(given)
+    longer = [key for key in keys[: len(values)] if key in several]
+    longer += [
+        key
+        for key, source in zip(keys[len(values) + 1 :], sources[len(values) + 1 :], strict=True)
+        if key in several and next(source, several) is not several
+    ]
+    if longer:
+        raise InputError(f"{ended}: ends after {k}, {longer[0]} does not: must be as many of each")
+
+
+def _with_tolerance(k: int, column: Any, tolerance: Any) -> Column:
+    if not isinstance(column, Column):
+        raise InputError(f"columns[{k}] = {shown(column)}: must be a Column")
+    if tolerance is None:
+        return column
+    try:
+        return column.with_settings(tolerance=tolerance)
+    except InputError as error:
+        raise InputError(f"tolerance[{k}]: {error}") from None
+
+
+# --- in chunks
+
+
+def _dearness(column: Column, keep: tuple[str, ...]) -> float:
+    """Rough cost of a run, relative to one in lanes."""
+    alone, settings = bool(why_alone(column, keep)), column.settings
+    if settings.formulation == "exact":
+        return ALONE if alone else 1.0
+    return SWEPT if alone else SWEPT_IN_LANES / settings.step
+
+
+def guessed_cost(run: Run, keep: tuple[str, ...]) -> float:
+    """Estimated duration of a run, s, before any is measured."""
+    return FIRST_COST * run.column.n * run.duration * _dearness(run.column, keep)
+
+
+def _chunks(
+    runs: Iterator[Run], pace: Pace, keep: tuple[str, ...], settle: float, whole: frozenset[int]
+) -> Iterator[Chunk]:
+    first, samples, weight, dear = 0, 0, 0.0, 1.0
+    taken: list[Run] = []
+    records: set[int] = set()
+    column: Column | None = None
+
+    def chunk() -> Chunk:
+        places = tuple(k for k in range(len(taken)) if first + k in whole)
+        return Chunk(first, taken, keep, settle, places, weight)
+
+    for run in runs:
+        taken.append(run)
+        if run.column is not column:
+            column, dear = run.column, _dearness(run.column, keep)
+        weight += run.column.n * run.duration * dear
+        if id(run.motion) not in records:
+            records.add(id(run.motion))
+            samples += len(run.motion.time)
+        if pace.enough(len(taken), weight) or samples >= MOST_SAMPLES:
+            yield chunk()
+            first += len(taken)
+            pace.sent(len(taken))
+            taken, weight, samples, records = [], 0.0, 0, set()
+    if taken:
+        yield chunk()
+
+
+def _made(chunks: Iterator[Chunk], submit: Callable[[Chunk], Any], pace: Pace, workers: int) -> Iterator[Made]:
+    """Table and tally of each chunk, as it ends. Raises what a chunk raises."""
+    for chunk, made in sent_out(chunks, submit, workers, failed=_failed, error=ExecutorError):
+        pace.learn(len(chunk.runs), chunk.weight, made[1].seconds)
+        yield made
+
+
+def _failed(chunk: Chunk, tries: int, error: BaseException) -> None:
+    """Raise the error unless the chunk is to be tried again: its worker died, or the connection to it."""
+    if isinstance(error, (InputError, SolverError)):
+        raise error
+    if tries >= TRIES or not isinstance(error, (BrokenExecutor, CancelledError, OSError)):
+        raise ExecutorError(f"runs from number {chunk.first}: {said(error)}") from error
+
+
+# --- results
+
+
+@dataclass
+class Summary:
+    """Contents of `Table.stats`: how many runs each path made, why not all in lanes, failures, s of the clock."""
+
+    runs: int = 0
+    chunks: int = 0
+    paths: Counter[str] = field(default_factory=Counter)
+    why_scalar: Counter[str] = field(default_factory=Counter)
+    failed: int = 0
+    failures: dict[int, str] = field(default_factory=dict)
+    warned: int = 0
+    begin: float = field(default_factory=clock.perf_counter)
+
+    def add(self, table: Table, made: Any) -> None:
+        """Note the tally of a chunk; the first failures are listed."""
+        self.runs += len(table)
+        self.chunks += 1
+        self.paths.update(made.paths)
+        self.why_scalar.update(made.why_scalar)
+        self.failed += len(made.failures)
+        for number, failure in made.failures.items():
+            if len(self.failures) < MOST_NOTED:
+                self.failures[number] = failure
+        if made.warnings and not self.warned:
+            number, line = next(iter(made.warnings.items()))
+            warnings.warn(f"columns[{number}]: {line}", InputWarning, stacklevel=2)
+        self.warned += len(made.warnings)
+
+    def as_dict(self) -> dict[str, Any]:
+        """For `Table.stats`."""
+        return {
+            "runs": self.runs,
+            "lanes": self.paths["lanes"],
+            "scalar": self.paths["scalar"],
+            "why_scalar": dict(self.why_scalar),
+            "failed": self.failed,
+            "failures": self.failures,
+            "doubtful_columns": self.warned,
+            "chunks": self.chunks,
+            "wall_time": clock.perf_counter() - self.begin,
+        }
+
+
+def _noted(made: Iterator[Made], summary: Summary, total: int | None, callback: Callback | None) -> Iterator[Table]:
+    for table, tally in made:
+        summary.add(table, tally)
+        if callback is not None:
+            callback(summary.runs, total)
+        yield table

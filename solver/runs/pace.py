@@ -1,0 +1,49 @@
+"""Size of the chunks of runs sent to workers: some seconds of work, estimated from the last chunk."""
+
+from __future__ import annotations
+
+import math
+
+from ..kernels.numba_ext.lanes import WIDTH
+
+CHUNK_SECONDS = 2.0  # of the clock, for a worker
+FIRST_SECONDS = 0.2  # of the first chunks, whose cost is a guess, and of the last ones
+LEAST_RUNS, MOST_RUNS = 16, 2000  # in a chunk: enough to refill lanes; not more, since the rows of a run take memory
+GROWTH = 4.0  # of a chunk over the previous one, at most: the next runs may differ from those
+
+
+class Pace:
+    """Decides when a chunk has enough runs. total: of all runs, None if unknown.
+
+    guess: s for a unit of weight, in the caller's measure of runs, before anything is known.
+    """
+
+    def __init__(self, total: int | None, workers: int, guess: float, seconds: float = CHUNK_SECONDS) -> None:
+        self._left, self._workers, self._wanted = total, workers, seconds
+        self._cost, self._seconds = guess, min(FIRST_SECONDS, seconds)
+        self._per_run, self._most = math.inf, MOST_RUNS
+
+    def learn(self, runs: int, weight: float, seconds: float) -> None:
+        """Update the cost by the time of the last chunk."""
+        self._cost, self._per_run = max(seconds, 1e-6) / weight, max(seconds, 1e-6) / runs
+        self._seconds = self._wanted
+        self._most = min(MOST_RUNS, int(GROWTH * max(runs, LEAST_RUNS)))
+
+    def sent(self, count: int) -> None:
+        """Note that `count` runs have been sent."""
+        if self._left is not None:
+            self._left -= count
+
+    def enough(self, count: int, weight: float) -> bool:
+        """Whether `count` runs of this weight make a chunk. Towards the end all workers should have some."""
+        if count % WIDTH:  # lanes would be empty
+            return False
+        if self._left is not None:
+            rest = self._left - count
+            whole = weight * self._cost * (1.0 + rest / count)  # s, with the rest, which would leave lanes empty
+            if self._workers == 1 and 0 < rest < LEAST_RUNS and whole <= self._wanted:
+                return False
+            share = self._left / (self._workers if self._per_run == math.inf else 2 * self._workers)
+            if count >= max(LEAST_RUNS, FIRST_SECONDS / self._per_run, share):
+                return True
+        return count >= self._most or weight * self._cost >= self._seconds

@@ -1,0 +1,167 @@
+"""One run: a column under a motion, and then on the still base until it is known whether it stands."""
+
+from __future__ import annotations
+
+import math
+import time as clock
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from ..column.column import Column
+from ..column.packing import FloatArray, InitialState
+from ..common.errors import SolverError
+from ..dynamics.kinematics import chain_of
+from ..dynamics.response import Response
+from ..dynamics.stepper import Stepper
+from ..dynamics.verdict import OVERTURNED, STANDING, UNDECIDED, cannot_fall
+from ..ground.motion import Motion
+from ..kernels.layout import spaces as at
+
+SETTLE = 60.0  # s, the longest that a column is followed after the motion, where no time is asked for
+BETWEEN_LOOKS = 0.25  # s, after the motion
+# fields of kernels/layout/spaces.py, COUNTS, that `Response.stats` contains
+COUNTED = ("steps", "implicit_steps", "elastic_steps", "rejected", "events", "evaluations", "sweeps", "looks")
+
+
+class Glance(NamedTuple):
+    """The state of a run under way, for a callback: ux m, theta rad, the peaks of |ux| so far m, (n,) each."""
+
+    ux: FloatArray
+    theta: FloatArray
+    peak_ux: FloatArray
+
+
+Callback = Callable[[float, Glance], object]
+
+
+class Verdict(NamedTuple):
+    """A word of verdict.py, and the sentence that says why."""
+
+    word: str
+    reason: str
+
+
+def single_run(
+    column: Column,
+    motion: Motion,
+    duration: float,
+    times: FloatArray,
+    initial: InitialState | None,
+    settle: float,
+    callback: Callback | None = None,
+) -> tuple[Response, FloatArray]:
+    """A run of `duration` s with rows at `times`, s; and the phases at these times (chain.py). Raises SolverError."""
+    stepper = Stepper(column, initial)
+    stop = motion.start + duration
+
+    def after_chunk(t: float) -> None:
+        if callback is not None:
+            phase, chain = phase_of(stepper), chain_of(column)
+            places = chain.places(phase)
+            callback(t, Glance(chain.top_displacements(phase), places.theta.copy(), stepper.peak_ux.copy()))
+
+    begin = clock.perf_counter()
+    snapshots = stepper.run(motion, stop, times, after_chunk)
+    wall_time = clock.perf_counter() - begin
+    stats = _stats(stepper, wall_time)
+    peaks = stepper.peaks
+    verdict, end = settled_verdict(stepper, stop, settle)
+    stats["settled_for"] = end - stop
+    response = Response(
+        column,
+        times,
+        lambda: stepper.rows_of(snapshots),
+        peaks=peaks,
+        overturned_joint=stepper.overturned_joint,
+        overturn_time=stepper.overturn_time,
+        stats=stats,
+        verdict=verdict.word,
+        reason=verdict.reason,
+    )
+    if "resultants" in column.settings.without:
+        response.observe()
+    return response, _of_chain(at.phases_in(snapshots), column)
+
+
+def phase_of(stepper: Stepper) -> FloatArray:
+    """Coordinates and rates of a stepper in the form of chain.py, a copy."""
+    return _of_chain(stepper.arrays.state[at.CONTROL.beside :], stepper.column).copy()
+
+
+def _of_chain(phases: FloatArray, column: Column) -> FloatArray:
+    """The phase in the form of chain.py, from arrays that begin with a phase of the stepper."""
+    rigid: FloatArray = phases[..., : 4 * column.n]
+    if not column.has_slips:
+        return rigid
+    places = [at.PHASE.fields.index(name) * column.n for name in ("slip", "slip_rate")]
+    return np.concatenate([rigid, *(phases[..., k : k + column.n] for k in places)], axis=-1)
+
+
+def settled_verdict(stepper: Stepper, stop: float, settle: float) -> tuple[Verdict, float]:
+    """The verdict on a run that ended at time `stop`, s, and the time at which it was found, `settle` later at most."""
+    t, other_law = stop, stepper.column.other_law
+    while not stepper.overturned_joint:
+        if cannot_fall(stepper.column, phase_of(stepper)):
+            return Verdict(STANDING, "its energy does not suffice to overturn it"), t
+        if other_law and stepper.arrays.counts[at.COUNTS.places["resting"]]:
+            return Verdict(STANDING, "it has come to rest"), t
+        if not t < stop + settle:
+            why = f"has not fallen, and with joint.{other_law} no energy tells whether it can"
+            why = why if other_law else "still has the energy to overturn"
+            return Verdict(UNDECIDED, f"{settle:g} s after the end it {why}"), t
+        end = min(t + BETWEEN_LOOKS, stop + settle)
+        try:
+            stepper.rest_until(t, end)
+        except SolverError as failure:
+            return Verdict(UNDECIDED, f"after the end, {failure}"), t
+        t = end
+    later = stepper.overturn_time - stop
+    when = f"{later:.4g} s after the end of the run" if later > 0.0 else "within the run"
+    return Verdict(OVERTURNED, f"over joint {stepper.overturned_joint}, {when}"), max(t, stop)
+
+
+def outcome(column: Column, phase: FloatArray, stop: float, settle: float) -> tuple[str, float, int]:
+    """The outcome of a column that has this phase (chain.py) at time `stop`, s, and a still base from then on.
+
+    Returns the word, the time of overturning, s, and the joint; NaN and 0 where it stands.
+    """
+    chain = chain_of(column)
+    places = chain.places(phase)
+    moved = (places.slip - chain.offset, places.slip_rate) if column.has_slips else (None, None)
+    stepper = Stepper(column, InitialState(places.theta, places.spin, places.opening, places.opening_rate, *moved))
+    verdict, _ = settled_verdict(stepper, stop, settle)
+    return verdict.word, stepper.overturn_time, stepper.overturned_joint
+
+
+def why_no_modes(stepper: Stepper) -> str:
+    """Why no step was by modes, whatever the motion; empty where they are taken as long as nothing opens or slides."""
+    settings = stepper.column.settings
+    if settings.formulation != "exact":
+        return f"formulation {settings.formulation}"
+    if settings.integrator != "auto":
+        return f"integrator {settings.integrator}"
+    if "elastic" in settings.without:
+        return "left out"
+    if stepper.column.n > at.MODAL_MOST:
+        return f"more than {at.MODAL_MOST} blocks"
+    has_modes = stepper.model.settings.has_modes
+    return "" if has_modes else "no stable rest in full contact, or dampers that couple the modes"
+
+
+def _stats(stepper: Stepper, wall_time: float) -> dict[str, float | int | str]:
+    control, counts = stepper.state.control, stepper.arrays.counts.tolist()
+    spent = max(stepper.time_spent, math.ulp(0.0))
+    return {
+        **{name: counts[at.COUNTS.places[name]] for name in COUNTED},
+        "why_no_modes": why_no_modes(stepper),
+        "full_contact": float(control.time_full / spent),
+        "rocking": float(control.time_rocking / spent),
+        "flight": float(control.time_flight / spent),
+        "at_rest": float(control.time_at_rest / spent),
+        "friction_work": float(stepper.state.phase.friction_work.sum()) if stepper.column.slides else 0.0,
+        "undamped_joints": sum(block.joint.damping == 0.0 for block in stepper.column.blocks),
+        "observed_rows": 0,
+        "wall_time": wall_time,
+    }

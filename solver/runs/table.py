@@ -1,0 +1,95 @@
+"""Results of many runs: columns of numbers and words by name, a row for each run."""
+
+from __future__ import annotations
+
+import csv
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..common.files import whole_file
+from ..dynamics.response import Response
+
+Columns = dict[str, NDArray[Any]]
+
+# columns of words, which are stored as numbers: a word for each of 10^6 runs takes as much memory as all the rest
+WORDS: dict[str, tuple[str, ...]] = {"verdict": ("undecided", "standing", "overturned"), "path": ("scalar", "lanes")}
+
+
+class Table:
+    """Columns by name, `table["peak_ux"]`: an array (runs,), or (runs, blocks) for values of every block or joint.
+
+    Block 1, the top one, comes first; NaN fills the columns beyond a column's number of blocks. `first`: number of the
+    first run. columns: words as numbers, named by WORDS. stats: how the runs were made (many.py). responses: by number
+    of the run, those requested in full.
+    """
+
+    def __init__(
+        self,
+        columns: Mapping[str, NDArray[Any]],
+        stats: Mapping[str, Any] | None = None,
+        responses: Mapping[int, Response] | None = None,
+        first: int = 0,
+    ) -> None:
+        self._columns = dict(columns)
+        self.stats: dict[str, Any] = dict(stats or {})
+        self.responses: dict[int, Response] = dict(responses or {})
+        self.first = first
+
+    def __getitem__(self, name: str) -> NDArray[Any]:
+        """The column of that name; KeyError lists the names."""
+        if name not in self._columns:
+            raise KeyError(f"{name}: not kept, only {', '.join(self._columns)}")
+        values = self._columns[name]
+        return np.array(WORDS[name])[values] if name in WORDS else values
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._columns
+
+    def __iter__(self) -> Iterator[str]:
+        """The names of the columns."""
+        return iter(self._columns)
+
+    def __len__(self) -> int:
+        """Number of runs."""
+        return len(next(iter(self._columns.values()), ()))
+
+    def __repr__(self) -> str:
+        return f"<Table of {len(self)} runs: {', '.join(self)}>"
+
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
+        """Write a line for each run, the number of the run first; a column of blocks as peak_ux[1], peak_ux[2] ..."""
+        names, columns = ["run"], [np.arange(self.first, self.first + len(self))]
+        for name in self._columns:
+            values = self[name]
+            if values.ndim == 1:
+                names.append(name)
+                columns.append(values)
+            else:
+                names += [f"{name}[{i + 1}]" for i in range(values.shape[1])]
+                columns += list(values.T)
+        with whole_file(path) as partial, open(partial, "w", newline="", encoding="utf-8") as file:
+            writer = csv.writer(file)
+            writer.writerow(names)
+            writer.writerows(zip(*(column.tolist() for column in columns), strict=True))
+
+
+def joined(parts: Sequence[Table]) -> Table:
+    """The tables of neighbouring runs as one; columns of blocks become as wide as the widest. Stats are left out."""
+    responses = {number: response for part in parts for number, response in part.responses.items()}
+    columns = {name: _stacked([part._columns[name] for part in parts]) for name in (parts[0] if parts else ())}
+    return Table(columns, responses=responses, first=parts[0].first if parts else 0)
+
+
+def _stacked(arrays: list[NDArray[Any]]) -> NDArray[Any]:
+    if arrays[0].ndim == 1:
+        return np.concatenate(arrays)
+    whole = np.full((sum(map(len, arrays)), max(array.shape[1] for array in arrays)), np.nan)
+    row = 0
+    for array in arrays:
+        whole[row : row + len(array), : array.shape[1]] = array
+        row += len(array)
+    return whole

@@ -1,0 +1,153 @@
+"""What a column stands statically: at rest, and under a steady horizontal acceleration up to where it topples.
+
+A base that accelerates steadily by a towards -x pushes every block by a times its mass towards +x. The places in which
+the column balances under it form a curve: from rest, over the largest acceleration that it balances, down to the place
+on its edge where it balances without any. balance.py follows it.
+"""
+
+from __future__ import annotations
+
+import csv
+import os
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..column.column import Column
+from ..column.packing import FloatArray
+from ..column.rest import check_rest, instability, is_stable
+from ..common.errors import SolverError, needing
+from ..common.files import whole_file
+from ..dynamics.linearization import StillColumn, undamped
+from .balance import BalanceCurve
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+@dataclass(frozen=True, eq=False)
+class Rest:
+    """A column under its weight alone, (n,) each, the top joint first."""
+
+    column: Column
+    settlement: FloatArray  # m, compression of the joint
+    N: FloatArray  # N
+    stress: FloatArray  # Pa, the largest in the joint
+    contact: FloatArray  # part of its width
+
+
+@dataclass(frozen=True, eq=False)
+class CapacityCurve:
+    """Places in which a column balances under a steady horizontal acceleration, m of them, from rest to the edge.
+
+    Histories (m, n) as in a `Response`: the top block and its joint first; the push is towards +x.
+    """
+
+    column: Column
+    acceleration: FloatArray  # (m,) m/s2, that pushes; of the base, towards -x
+    base_shear: FloatArray  # (m,) N, what the base holds against the push
+    base_moment: FloatArray  # (m,) N m, about the middle of the lowest joint, clockwise on the base
+    ux: FloatArray  # m, top faces
+    uz: FloatArray  # m, centroids, up, from the unloaded geometry
+    theta: FloatArray  # rad
+    N: FloatArray  # N
+    M: FloatArray  # N m
+    T: FloatArray  # N, along the joint
+    contact: FloatArray  # part of the width
+    sigma_max: FloatArray  # Pa
+    uplift: FloatArray  # (n,) m/s2, at which each joint begins to open; NaN if the column topples before
+    direction: int  # 1, or -1 for the curve of pushes towards -x
+
+    @property
+    def strongest(self) -> int:
+        """Row of the largest acceleration."""
+        return int(np.argmax(self.acceleration))
+
+    @property
+    def largest_acceleration(self) -> float:
+        """Largest steady acceleration that the column balances, m/s2."""
+        return float(self.acceleration[self.strongest])
+
+    @property
+    def overturning_displacement(self) -> float:
+        """Displacement of the top, m, at which the column balances without a push: beyond it, it falls."""
+        return float(abs(self.ux[-1, 0]))
+
+    @property
+    def friction(self) -> float:
+        """Largest T / N of any joint up to the largest acceleration: with less friction the column slides before."""
+        rows = slice(0, self.strongest + 1)
+        return float(np.max(np.abs(self.T[rows]) / self.N[rows]))
+
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
+        """Write a row for each place, under the names of a response. Raises OSError."""
+        joints = ("ux", "theta", "N", "M", "T", "contact", "sigma_max")
+        names = ["acceleration", "base.shear", "base.moment"]
+        names += [
+            f"{'block' if name in ('ux', 'theta') else 'joint'}[{i + 1}].{name}"
+            for name in joints
+            for i in range(self.column.n)
+        ]
+        parts = [self.acceleration[:, None], self.base_shear[:, None], self.base_moment[:, None]]
+        rows = np.hstack([*parts, *(getattr(self, name) for name in joints)])
+        with whole_file(path) as partial, open(partial, "w", newline="", encoding="utf-8") as file:
+            writer = csv.writer(file)
+            writer.writerow(names)
+            writer.writerows([[repr(float(value)) for value in row] for row in rows])
+
+    def plot(self, path: str | os.PathLike[str] | None = None) -> Figure:
+        """Draw the curve and the column; saved to `path` if given. Raises InputError without matplotlib, OSError."""
+        with needing("plot", "matplotlib"):
+            from ..plotting.static_plots import plot_capacity
+        return plot_capacity(self, path)
+
+
+def rest_of(column: Column) -> Rest:
+    """Settlement and stress of a column at rest.
+
+    Warns (InputWarning) as `simulate` does. Raises InputError without gravity.
+    """
+    check_rest(column, from_rest=False)
+    still = StillColumn(undamped(column.with_settings(formulation="exact")))
+    joints = still.row(still.rest).joints
+    return Rest(column, -still.rest[still.n :], *(getattr(joints, name) for name in ("N", "sigma_max", "contact")))
+
+
+def uplift_accelerations(column: Column) -> FloatArray:
+    """Steady base acceleration at which each joint begins to open, m/s2 (n,); NaN if the column topples before.
+
+    Raises as `capacity_curve` does.
+    """
+    return capacity_curve(column).uplift
+
+
+def capacity_curve(column: Column, direction: int = 1) -> CapacityCurve:
+    """Follow the balance of a column under a steady acceleration from rest to the edge, by finite rotations.
+
+    direction: 1 for a push towards +x, -1 towards -x. No joint slides.
+
+    Warns (InputWarning) as `simulate` does. Raises InputError without gravity, SolverError if the rest is not stable or
+    the curve cannot be followed.
+    """
+    if not column.g == 0.0 and not is_stable(column):
+        raise SolverError(instability(column))
+    check_rest(column, from_rest=False)
+    curve = BalanceCurve(undamped(column.with_settings(formulation="exact")), direction)
+    points = curve.follow()
+    rows = [curve.still.row(point.q, -direction * point.push) for point in points]
+    joints = {
+        name: np.array([getattr(row.joints, name) for row in rows])
+        for name in ("ux", "uz", "theta", "N", "M", "T", "contact", "sigma_max")
+    }
+    pushes = np.array([point.push for point in points])
+    opened = joints["contact"][: int(np.argmax(pushes)) + 1] < 1.0  # beyond the largest push nothing is at rest
+    return CapacityCurve(
+        column,
+        pushes,
+        np.array([direction * row.base.Fx for row in rows]),
+        np.array([direction * row.base.My for row in rows]),
+        **joints,
+        uplift=np.where(np.any(opened, axis=0), pushes[np.argmax(opened, axis=0)], np.nan),
+        direction=direction,
+    )

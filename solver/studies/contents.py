@@ -1,0 +1,124 @@
+"""What may stand in the journal of a study: what another program wrote there under a right checksum is refused."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from ..column.column import Column
+from ..common.errors import InputError, shown
+from ..common.files import check_file_name
+from ..runs.outputs import KEPT
+from ..runs.table import WORDS
+from .definition import KINDS, MOST_RUNS, SAMPLINGS
+from .motions import Measure
+
+ALWAYS = ("peak_ux", "verdict")  # kept by every study
+FAILED = "failed"  # the verdict on a run that the solver could not make
+
+
+def check_head(head: Mapping[str, Any]) -> None:
+    """Raise InputError unless a journal's first line describes a study."""
+    study = _part(head, "study", dict)
+    _part(head, "versions", dict)
+    runs, blocks = _whole(head, "runs", 1, MOST_RUNS), _whole(head, "blocks", 1, 10**6)
+    check_file_name("study.name", _part(study, "name", str))
+    for key, known in (("kind", KINDS), ("sampling", SAMPLINGS)):
+        _must(f"study.{key}", study.get(key), study.get(key) in known, f"one of {', '.join(known)}")
+    _whole(study, "seed", 0, math.inf)
+    samples = _whole(study, "samples", 1, MOST_RUNS)
+    columns = [Column.from_dict(_is(f"columns[{k}]", table, dict)) for k, table in enumerate(_list(study, "columns"))]
+    most = max((column.n for column in columns), default=0)
+    _must("blocks", blocks, blocks == most, f"{most}, the most of a column")
+    motions = [_is(f"motions[{k}]", table, dict) for k, table in enumerate(_list(study, "motions"))]
+    for table in motions:
+        _part(table, "name", str)
+    grid = _part(study, "grid", dict)
+    for name in grid:
+        _numbers(f"grid.{name}", _list(grid, name), finite=True)
+    made = len(columns) * len(motions) * samples * math.prod(map(len, grid.values()))
+    _must("runs", runs, runs == made, f"{made}, as the study has them")
+    for name, table in _part(study, "random", dict).items():
+        _part(_is(f"random.{name}", table, dict), "distribution", str)
+        _part(table, "each", bool)
+    _must("study.intensity", None, "intensity" in study, "a table, or null")
+    if study["intensity"] is not None:
+        Measure.from_table(_part(study, "intensity", dict))
+    _numbers("limits", _list(study, "limits"), finite=True)
+    _names("keep", _list(study, "keep"), tuple(KEPT), ALWAYS)
+    _names("varied", _list(head, "varied"), None, ("column", "motion", *grid))
+    _names("measured", _list(head, "measured"), ("pga", "pgv", "sa"), ("pga", "pgv"))
+
+
+def check_row(head: Mapping[str, Any], row: Any) -> None:
+    """Raise InputError unless a later line of that journal is a run: [number, values, measures, outputs, failure]."""
+    study = head["study"]
+    _must("run", row, isinstance(row, list) and len(row) == 5, "a list of number, values, measures, outputs, failure")
+    number, values, measures, outputs, failure = row
+    _must("run", number, type(number) is int and 0 <= number < head["runs"], f"a number below {head['runs']}")
+    for key, found, names in (("values", values, head["varied"]), ("measures", measures, head["measured"])):
+        _must(key, found, isinstance(found, list) and len(found) == len(names), f"a list of {len(names)} numbers")
+    _numbers("values", values, finite=True)
+    for name, value, count in zip(
+        ("column", "motion"), values, map(len, (study["columns"], study["motions"])), strict=False
+    ):
+        _must(name, value, value in range(count), f"a whole number below {count}")
+    _numbers("measures", [value for value in measures if value is not None])
+    _is("failure", failure, str)
+    if outputs is None:
+        return
+    _is("outputs", outputs, dict)
+    for name in study["keep"]:
+        value = outputs.get(name)
+        if name in WORDS:
+            known = (*WORDS[name], FAILED)
+            _must(name, value, value in known, f"one of {', '.join(known)}")
+        elif KEPT[name].kind is not None:
+            _numbers(name, [value])
+        else:
+            _must(
+                name,
+                value,
+                isinstance(value, list) and len(value) <= head["blocks"],
+                f"at most {head['blocks']} numbers",
+            )
+            _numbers(name, value)
+
+
+def _must(key: str, value: Any, right: bool, meaning: str) -> None:
+    if not right:
+        raise InputError(f"{key} = {shown(value)}: must be {meaning}")
+
+
+def _is(key: str, value: Any, kind: type) -> Any:
+    words = {dict: "a table", list: "a list", str: "a text", bool: "true or false"}
+    _must(key, value, isinstance(value, kind), words[kind])
+    return value
+
+
+def _part(table: Mapping[str, Any], key: str, kind: type) -> Any:
+    return _is(key, table.get(key), kind)
+
+
+def _list(table: Mapping[str, Any], key: str) -> list[Any]:
+    found: list[Any] = _part(table, key, list)
+    return found
+
+
+def _whole(table: Mapping[str, Any], key: str, low: float, high: float) -> int:
+    value = table.get(key)
+    _must(key, value, type(value) is int and low <= value <= high, f"a whole number, at least {low:g}")
+    return int(value)  # type: ignore[arg-type]
+
+
+def _numbers(key: str, values: list[Any], finite: bool = False) -> None:
+    for value in values:
+        is_number = type(value) is float or (type(value) is int and abs(value) < 2**63)
+        _must(key, value, is_number and (math.isfinite(value) or not finite), "a number")
+
+
+def _names(key: str, names: list[Any], known: tuple[str, ...] | None, needed: tuple[str, ...]) -> None:
+    """known: all that there may be, None for anything."""
+    texts = all(isinstance(name, str) and (known is None or name in known) for name in names)
+    _must(key, names, texts and len(set(names)) == len(names) and set(needed) <= set(names), "names, each once")

@@ -1,0 +1,281 @@
+"""The command line: its files hold what the solver computes, and a user's mistake ends in one line and exit code 2."""
+
+import csv
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from solver import Column, InputError, Motion, natural_frequencies, simulate
+from solver.commands.command_line import main
+from solver.ground.motion import STANDARD_GRAVITY
+
+ROOT = Path(__file__).resolve().parents[2]
+COLUMNS = ROOT / "examples" / "columns"
+PHOCAS = COLUMNS / "phocas.toml"
+
+AT2 = """PEER STRONG MOTION DATABASE RECORD
+A TEST, 000
+ACCELERATION TIME HISTORY IN UNITS OF G. FILTER POINTS: NONE
+NPTS=  5, DT= .02000 SEC
+  .1E-01  -.2000000E+00   .3
+  0.4 -0.05
+"""
+
+
+def solver(folder: Path, *arguments: object) -> subprocess.CompletedProcess[str]:
+    """Run `python -m solver` in a folder."""
+    return subprocess.run(
+        [sys.executable, "-m", "solver", *map(str, arguments)],
+        cwd=folder,
+        env=os.environ | {"PYTHONPATH": str(ROOT)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+
+def read(path: Path) -> tuple[list[str], np.ndarray]:
+    with path.open(encoding="utf-8", newline="") as file:
+        header, *rows = csv.reader(file)
+    return header, np.array(rows, dtype=np.float64)
+
+
+def printed_peaks(text: str) -> list[float]:
+    """Peaks in mm from what `simulate` prints."""
+    lines = text.splitlines()
+    first = next(k for k, line in enumerate(lines) if line.startswith("block")) + 1
+    return [float(line.split()[1]) for line in lines[first:] if line.split()[0].isdigit() and len(line.split()) == 2]
+
+
+@pytest.fixture
+def motion(tmp_path: Path) -> Motion:
+    """0.05 g at 3 Hz for 2 s, sampled, as motion.csv and in memory."""
+    Motion.harmonic(0.05 * STANDARD_GRAVITY, 3.0, 2.0).to_csv(tmp_path / "motion.csv", step=0.01)
+    return Motion.from_csv(tmp_path / "motion.csv")
+
+
+def test_histories_have_nine_digits_by_default(tmp_path: Path) -> None:
+    response = simulate(Column.from_toml(PHOCAS), Motion.harmonic(0.05 * STANDARD_GRAVITY, 3.0, 0.5), settle=0.0)
+    response.to_csv(tmp_path / "nine.csv")
+    response.to_csv(tmp_path / "all.csv", digits=17)
+    header, rows = read(tmp_path / "nine.csv")
+    full = read(tmp_path / "all.csv")[1]
+    np.testing.assert_array_equal(full[:, header.index("joint[2].M")], response.M[:, 1])
+    np.testing.assert_allclose(rows, full, rtol=5.1e-9)
+    assert np.any(rows != full)
+    numbers = (tmp_path / "nine.csv").read_text().partition("\n")[2].replace("\n", ",").split(",")
+    assert max(map(len, numbers)) <= 16  # -1.23456789e-123
+    with pytest.raises(InputError, match="digits = 18: must be a whole number from 1 to 17"):
+        response.to_csv(tmp_path / "none.csv", digits=18)
+
+
+def test_simulate_writes_what_the_solver_computes(tmp_path: Path, motion: Motion) -> None:
+    words = ("--digits", "17", "-o", "results.csv", "--plot", "response.png")
+    run = solver(tmp_path, "simulate", PHOCAS, "motion.csv", *words)
+    assert (run.returncode, run.stderr) == (0, "")
+    response = simulate(Column.from_toml(PHOCAS), motion)
+    header, rows = read(tmp_path / "results.csv")
+    assert header[0] == "time"
+    assert {f"joint[{i}].{name}" for i in (1, 2, 3) for name in ("N", "M", "S", "contact", "sigma_max")} < set(header)
+    assert {"base.Fx", "base.Fz", "base.My", "overturned"} < set(header)
+    np.testing.assert_array_equal(rows[:, 0], response.time)
+    assert rows[-1, 0] == pytest.approx(2.0)
+    np.testing.assert_array_equal(rows[:, header.index("block[3].ux")], response.ux[:, 2])
+    np.testing.assert_array_equal(rows[:, header.index("joint[2].M")], response.M[:, 1])
+    assert printed_peaks(run.stdout) == pytest.approx(1e3 * response.peak_ux, rel=1e-4)
+    assert "not overturned" in run.stdout
+    assert f"full contact {response.stats['full_contact']:.1%}" in run.stdout
+    assert run.stdout.splitlines()[-2:] == ["results.csv", "response.png"]
+    assert (tmp_path / "response.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_simulate_says_what_it_starts_from(tmp_path: Path, motion: Motion) -> None:
+    run = solver(tmp_path, "simulate", PHOCAS, "motion.csv", "--scale", 2)
+    assert "phocas: 3 blocks, 14.07 m, settles by " in run.stdout
+    column = Column.from_toml(PHOCAS)
+    assert f"first natural frequency {natural_frequencies(column)[0]:.4g} Hz, no joints damped\n" in run.stdout
+    assert "base: 2 s, PGA 0.1 g\n" in run.stdout
+
+
+def test_a_column_that_is_probably_not_meant(tmp_path: Path, motion: Motion) -> None:
+    text = (COLUMNS / "phocas-damped.toml").read_text(encoding="utf-8")
+    (tmp_path / "soft.toml").write_text(text.replace("5226944450.0", "1e5"), encoding="utf-8")
+    run = solver(tmp_path, "simulate", "soft.toml", "motion.csv")
+    assert run.returncode == 2
+    assert "phocas_damped cannot stand: its rest under gravity is not stable" in run.stderr
+    assert "settles by 3.26 m" in run.stderr
+    assert "standing" not in run.stdout
+    assert "not overturned" not in run.stdout
+    (tmp_path / "heavy.toml").write_text(
+        text.replace("27000.0 ", "2e9 ").replace("5226944450.0", "1e15").replace("1e-3", "1e-6"), encoding="utf-8"
+    )
+    run = solver(tmp_path, "simulate", "heavy.toml", "motion.csv", "--duration", 0.01)
+    assert run.returncode == 0
+    density, line = run.stderr.splitlines()
+    assert density.startswith("warning: block[1].mass = 2e+09: is 1.75e+08 kg/m3")
+    assert line.startswith("warning: joint 3: carries ")
+    assert "MPa, which no stone bears; mass is in kg" in line
+
+
+@pytest.mark.parametrize("command", ["modes", "statics", "calibrate"])
+def test_every_command_warns_of_it_once(command: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    light = tmp_path / "light.toml"
+    light.write_text(PHOCAS.read_text(encoding="utf-8").replace("27000.0", "600.0"), encoding="utf-8")
+    assert main([command, str(light)]) == 0
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith("warning: block[1].mass = 600: is 52.6 kg/m3 in 11.41 m3, should be 500 to 12000")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "hint"),
+    [
+        ("5226944450.0", "1e6", "the joints are too soft for the weight above them (block[3].joint.stiffness = 1e+06"),
+        ("5226944450.0", "1000.0", "block[3].joint.stiffness = 1000: block 3 settles by 326 m at rest"),
+        ("1.56", "0.01", "block[3].joint.stiffness = 5.22694e+09 settles by 1.52 m"),
+        ("5226944450.0", "1e20", "stiffness is in N/m3: 1 kgf/cm3 = 9.80665e6 N/m3"),
+    ],
+)
+def test_statics_of_what_is_no_structure_hints_at_units(
+    old: str, new: str, hint: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    odd = tmp_path / "odd.toml"
+    text = PHOCAS.read_text(encoding="utf-8").replace(old, new).replace("damping = 1e-3", "damping = 0.0")
+    odd.write_text(text, encoding="utf-8")
+    assert main(["statics", str(odd)]) == 2
+    error = capsys.readouterr().err.splitlines()[-1]
+    assert error.startswith(f"python -m solver: {odd}: ")
+    assert hint in error
+    assert "5000 points" not in error
+
+
+def test_simulate_takes_every_option(tmp_path: Path, motion: Motion) -> None:
+    options = "--scale -0.5 --duration 0.5 --output-step 0.1 --formulation exact --integrator auto --tolerance 1e-7"
+    run = solver(tmp_path, "simulate", PHOCAS, "motion.csv", *options.split(), "--digits", 17, "-o", "results.CSV")
+    assert (run.returncode, run.stderr) == (0, "")
+    wanted = simulate(
+        Column.from_toml(PHOCAS),
+        motion.scaled(-0.5),
+        duration=0.5,
+        output_step=0.1,
+        formulation="exact",
+        integrator="auto",
+        tolerance=1e-7,
+    )
+    header, rows = read(tmp_path / "results.CSV")
+    np.testing.assert_array_equal(rows[:, 0], wanted.time)
+    np.testing.assert_array_equal(rows[:, header.index("block[1].ux")], wanted.ux[:, 0])
+    run = solver(tmp_path, "simulate", PHOCAS, "motion.csv", "--duration", 0.1, "--step", 1e-3)
+    assert "100 steps" in run.stdout
+
+
+def test_simulate_reads_records(tmp_path: Path) -> None:
+    (tmp_path / "record.at2").write_text(AT2, encoding="utf-8")
+    run = solver(tmp_path, "simulate", COLUMNS / "phocas-damped.toml", "record.at2", "--duration", 1.0)
+    assert run.returncode == 0
+    response = simulate(Column.from_toml(COLUMNS / "phocas-damped.toml"), Motion.from_at2(tmp_path / "record.at2"), 1.0)
+    assert printed_peaks(run.stdout) == pytest.approx(1e3 * response.peak_ux, rel=1e-4)
+
+
+def test_simulate_tells_of_overturning(tmp_path: Path) -> None:
+    Motion.from_samples(0.5, np.full(5, 5.0)).to_csv(tmp_path / "push.csv")
+    run = solver(tmp_path, "simulate", COLUMNS / "phocas-damped.toml", "push.csv")
+    response = simulate(Column.from_toml(COLUMNS / "phocas-damped.toml"), Motion.from_csv(tmp_path / "push.csv"))
+    assert response.overturned
+    assert run.returncode == 0
+    assert f"overturned at {response.overturn_time:.4g} s over joint {response.overturned_joint}" in run.stdout
+
+
+def test_convert_writes_what_fmpy_reads(tmp_path: Path) -> None:
+    (tmp_path / "RECORD.AT2").write_text(AT2, encoding="utf-8")
+    run = solver(tmp_path, "convert", "RECORD.AT2", "motion.csv", "--scale", 2.0)
+    assert (run.returncode, run.stderr) == (0, "")
+    assert run.stdout.splitlines() == [
+        "RECORD.AT2: PEER AT2, 5 samples, 0.08 s; A TEST, 000",
+        "motion.csv: 5 samples, 0.08 s, largest acceleration 0.8 g",
+    ]
+    header, rows = read(tmp_path / "motion.csv")
+    assert header == ["time", "base.ax", "base.az", "base.jx", "base.jz"]
+    ax = 2.0 * STANDARD_GRAVITY * np.array([0.01, -0.2, 0.3, 0.4, -0.05])
+    np.testing.assert_allclose(rows[::2, 0], 0.02 * np.arange(5))
+    np.testing.assert_allclose(rows[::2, 1], ax)
+    np.testing.assert_allclose(rows[:-2:2, 3], np.diff(ax) / 0.02)
+    np.testing.assert_array_equal(rows[1::2, 3], rows[:-2:2, 3])  # just before the next sample
+    np.testing.assert_array_equal(rows[:, (2, 4)], 0.0)
+
+
+@pytest.mark.parametrize(
+    ("line", "message"),
+    [
+        ("", "required: COMMAND"),
+        ("draw", "'simulate', "),
+        ("simulate", "required: COLUMN.toml"),
+        ("simulate none.toml motion.csv", "none.toml: No such file"),
+        ("simulate motion.csv motion.csv", "motion.csv: must end in .toml"),
+        ("simulate {phocas} none.csv", "none.csv: No such file"),
+        ("simulate {phocas}", "MOTION: must be given, a record or --wavelet"),
+        ("simulate {phocas} {phocas}", "phocas.toml: no known header"),
+        ("simulate {phocas} motion.csv --scale much", "argument --scale"),
+        ("simulate {phocas} motion.csv --scale nan", "factor = nan"),
+        ("simulate {phocas} motion.csv --duration -1", "duration = -1"),
+        ("simulate {phocas} motion.csv --output-step 0", "output_step = 0"),
+        ("simulate {phocas} motion.csv --output-step 1e-15", "output_step = 1e-15: must be larger"),
+        ("simulate {phocas} motion.csv --duration 1e300", "must be larger, for at most"),
+        ("simulate {phocas} motion.csv --formulation exakt", "did you mean exact?"),
+        ("simulate {phocas} motion.csv --integrator euler", "solver.integrator = 'euler'"),
+        ("simulate {phocas} motion.csv --step 0", "solver.step = 0"),
+        ("simulate {phocas} motion.csv --tolerance 1", "solver.tolerance = 1"),
+        ("simulate {phocas} motion.csv -o results.txt", "results.txt: must end in .csv"),
+        ("simulate {phocas} motion.csv --plot response.txt", "response.txt: must end in .png"),
+        ("simulate {phocas} motion.csv -o none/results.csv", "none/results.csv: No such folder: none"),
+        ("simulate {phocas} motion.csv --plot none/response.png", "none/response.png: No such folder: none"),
+        ("simulate {phocas} motion.csv --step 0.5", "central differences are stable"),
+        ("simulate {phocas} motion.csv --digits 0", "--digits = 0: must be a whole number from 1 to 17"),
+        ("simulate {phocas} motion.csv --frob", "unrecognized arguments: --frob"),
+        ("simulate {phocas} motion.csv -o motion.csv", "motion.csv: must be another file than motion.csv"),
+        ("simulate {phocas} record.AT2 --vertical motion.csv -o ./motion.csv", "must be another file than motion.csv"),
+        ("simulate {phocas} motion.csv --duration 1e5 -o none/results.csv", "No such folder: none"),
+        ("record record.AT2 --plot none/record.png", "none/record.png: No such folder: none"),
+        ("convert motion.csv motion.csv", "motion.csv: must be another file than motion.csv, which it would overwrite"),
+        ("convert other.csv", "MOTION: must be given, a record or --wavelet"),
+        ("convert none.AT2 other.csv", "none.AT2: No such file"),
+        ("convert record.AT2 other.txt", "other.txt: must end in .csv"),
+        ("convert record.AT2 none/other.csv", "none/other.csv: No such folder: none"),
+    ],
+)
+def test_mistakes_end_in_one_line(
+    tmp_path: Path,
+    motion: Motion,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    line: str,
+    message: str,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "record.AT2").write_text(AT2, encoding="utf-8")
+    before = sorted(tmp_path.iterdir())
+    try:
+        code: object = main(line.format(phocas=PHOCAS).split())
+    except SystemExit as end:  # argparse's own
+        code = end.code
+    err = capsys.readouterr().err
+    assert code == 2
+    assert err.startswith("python -m solver: ")
+    assert err.count("\n") == 1
+    assert message in err
+    assert sorted(tmp_path.iterdir()) == before
+
+
+def test_a_mistake_ends_the_process_with_2(tmp_path: Path) -> None:
+    run = solver(tmp_path, "simulate", "none.toml", "motion.csv")
+    assert (run.returncode, run.stderr) == (2, "python -m solver: none.toml: No such file or directory\n")
+
+
+def test_help_tells_every_command(tmp_path: Path) -> None:
+    run = solver(tmp_path, "--help")
+    assert run.returncode == 0
+    assert "simulate" in run.stdout
+    assert "convert" in run.stdout

@@ -1,0 +1,131 @@
+"""The column is drawn where the response says that it is, and a film has as many pictures as it lasts."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from matplotlib.animation import FFMpegWriter
+from matplotlib.image import imread
+from PIL import Image
+from support.probe import phocas
+
+from solver import Column, InputError, Motion, Response, simulate
+from solver.ground.motion import STANDARD_GRAVITY
+from solver.plotting.drawings import SHOWN, corners_of
+
+
+@pytest.fixture(scope="module")
+def response() -> Response:
+    return simulate(phocas(1e-3), Motion.harmonic(0.05 * STANDARD_GRAVITY, 2.0, 1.5))
+
+
+@pytest.fixture(scope="module")
+def falling() -> Response:
+    """Rotations as large as they come."""
+    return simulate(phocas(1e-3), Motion.harmonic(0.6 * STANDARD_GRAVITY, 0.25, 3.0))
+
+
+def at_peak(response: Response) -> int:
+    return int(np.argmax(np.abs(response.ux[:, 0])))
+
+
+@pytest.mark.parametrize("which", ["response", "falling"])
+def test_blocks_are_where_the_response_has_them(which: str, request: pytest.FixtureRequest) -> None:
+    response: Response = request.getfixturevalue(which)
+    k = at_peak(response)
+    height = 3 * 4.69
+    for i, corners in enumerate(corners_of(response, k, 1.0)):
+        turn = response.theta[k, i]
+        left, right, top_right, top_left = corners
+        assert 0.5 * (top_left + top_right)[0] == pytest.approx(response.ux[k, i], abs=1e-12)
+        rest = height - (i + 0.5) * 4.69
+        assert corners.mean(axis=0)[1] == pytest.approx(rest + response.uz[k, i], abs=1e-12)
+        assert right - left == pytest.approx(1.56 * np.array([math.cos(turn), -math.sin(turn)]))
+        assert top_left - left == pytest.approx(4.69 * np.array([math.sin(turn), math.cos(turn)]))
+
+
+def test_the_scale_multiplies_rotations_and_openings(response: Response) -> None:
+    k, scale = at_peak(response), 40.0
+    drawn, true = corners_of(response, k, scale), corners_of(response, k, 1.0)
+
+    def joint(corners: list[np.ndarray], i: int) -> np.ndarray:
+        """Middle of the lower face of block i from the middle of the face below."""
+        below = 0.5 * (corners[i + 1][2] + corners[i + 1][3]) if i < 2 else np.zeros(2)
+        return 0.5 * (corners[i][0] + corners[i][1]) - below
+
+    for i in range(3):
+        assert np.hypot(*joint(drawn, i)) == pytest.approx(scale * np.hypot(*joint(true, i)), rel=1e-9)
+        tall = drawn[i][3] - drawn[i][0]
+        assert math.atan2(*tall) == pytest.approx(scale * response.theta[k, i])
+
+
+def test_the_deformed_column_states_its_time_and_scale(response: Response, tmp_path: Path) -> None:
+    figure = response.plot_column(tmp_path / "column.png")
+    k = at_peak(response)
+    title = figure.axes[0].get_title()
+    assert f"{response.time[k]:.3f} s" in title
+    factor = float(title.rpartition(" ")[2])
+    assert 0.4 * SHOWN * 14.07 < factor * np.max(np.abs(response.ux)) <= SHOWN * 14.07
+    assert np.std(imread(tmp_path / "column.png")[..., :3]) > 0.05
+    assert "deformation times 7" in response.plot_column(at=0.5, scale=7.0).axes[0].get_title()
+    assert "0.500 s" in response.plot_column(at=0.5).axes[0].get_title()
+
+
+def test_large_motion_is_drawn_to_scale(falling: Response) -> None:
+    assert falling.overturned
+    assert "deformation to scale" in falling.plot_column().axes[0].get_title()
+
+
+def test_a_column_at_rest_is_drawn() -> None:
+    still = simulate(phocas(1e-3), Motion.from_samples(0.1, np.zeros(11)))
+    assert "deformation to scale" in still.plot_column().axes[0].get_title()
+
+
+def test_a_film_lasts_as_long_as_the_motion(response: Response, tmp_path: Path) -> None:
+    response.film(tmp_path / "column.gif", fps=10, speed=0.5)
+    with Image.open(tmp_path / "column.gif") as film:
+        assert getattr(film, "n_frames", 1) == 31  # 3 s of film for 1.5 s of motion, both ends
+        assert film.info["duration"] == 100
+        first = np.asarray(film.convert("RGB"), dtype=float)
+        film.seek(12)
+        later = np.asarray(film.convert("RGB"), dtype=float)
+    assert np.mean(np.abs(later - first)) > 0.1
+    assert [path.name for path in tmp_path.iterdir()] == ["column.gif"]
+
+
+@pytest.mark.skipif(not FFMpegWriter.isAvailable(), reason="ffmpeg is not installed")
+def test_a_film_as_mp4(response: Response, tmp_path: Path) -> None:
+    response.film(tmp_path / "column.mp4", speed=2.0)
+    assert (tmp_path / "column.mp4").read_bytes()[4:8] == b"ftyp"
+
+
+def test_films_without_ffmpeg(monkeypatch: pytest.MonkeyPatch, response: Response, tmp_path: Path) -> None:
+    monkeypatch.setattr(FFMpegWriter, "isAvailable", classmethod(lambda cls: False))
+    with pytest.raises(InputError, match=r"column\.mp4: needs ffmpeg, which is not installed; \.gif does not"):
+        response.film(tmp_path / "column.mp4")
+    assert not list(tmp_path.iterdir())
+
+
+def test_what_makes_no_sense_is_refused(response: Response, tmp_path: Path) -> None:
+    for options, said in (
+        ({"at": 9.0}, r"^at = 9\.0: must be a time of the response, 0 to 1\.5 s"),
+        ({"scale": 0.0}, r"^scale = 0\.0: must be a positive factor"),
+        ({"path": tmp_path / "column.xyz"}, "must end in one of"),
+    ):
+        with pytest.raises(InputError, match=said):
+            response.plot_column(**options)
+    with pytest.raises(InputError, match=r"must end in \.gif or \.mp4"):
+        response.film(tmp_path / "column.png")
+    with pytest.raises(InputError, match=r"^speed = 0\.0001: makes 300001 pictures, must be larger"):
+        response.film(tmp_path / "column.gif", speed=1e-4)
+    with pytest.raises(InputError, match=r"^fps = 0: must be"):
+        response.film(tmp_path / "column.gif", fps=0)
+    assert not list(tmp_path.iterdir())
+
+
+def test_more_blocks_than_colours(tmp_path: Path) -> None:
+    column: Column = phocas(1e-3)
+    many = simulate(Column("many", column.blocks * 3), Motion.harmonic(0.1, 2.0, 0.2))
+    many.film(tmp_path / "many.gif")
+    assert (tmp_path / "many.gif").stat().st_size > 10_000

@@ -1,0 +1,191 @@
+"""The base motion on the command line: what is read, paired, scaled or made by formula, and what is refused."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from support.record_files import DT, SAMPLES, G, at2, cosmos_v2, knet, plain
+
+from solver import Motion
+from solver.commands.command_line import main
+from solver.ground import wavelets
+from solver.ground.intensity import intensity, spectrum
+
+COLUMN = """name = "one"
+[[block]]
+height = 2.0
+width = 1.0
+depth = 1.0
+mass = 5000.0
+[block.joint]
+stiffness = 1e9
+damping = 1e-3
+"""
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A column and records of several kinds, in the working directory."""
+    (tmp_path / "column.toml").write_text(COLUMN)
+    (tmp_path / "motion.csv").write_text("time,base.ax\n0,1\n1,0\n")
+    (tmp_path / "record.AT2").write_text(at2(), encoding="utf-8")
+    (tmp_path / "vertical.knet").write_text(knet("U-D"))
+    (tmp_path / "station.v2").write_text(cosmos_v2(3))
+    (tmp_path / "plain.txt").write_text(plain())
+    (tmp_path / "both.csv").write_text("time,base.ax,base.az\n0,1,1\n1,0,1\n")
+    (tmp_path / "zero.csv").write_text("time,base.ax\n0,0\n1,0\n")
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def converted(line: str) -> Motion:
+    """The motion that `convert` writes."""
+    assert main(["convert", *line.split(), "out.csv", "--force"]) == 0
+    return Motion.from_csv("out.csv")
+
+
+def test_a_pair_in_one_run(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    motion = converted("record.AT2 --vertical vertical.knet")
+    np.testing.assert_array_equal(motion.ax, Motion.from_file("record.AT2").ax)
+    np.testing.assert_array_equal(motion.az, Motion.from_file("vertical.knet").ax)
+    first, second, _ = capsys.readouterr().out.splitlines()
+    assert first == "record.AT2: PEER AT2, 200 samples, 1.99 s; TESTVILLE 01/01/00, D\u00fczce, 090"
+    assert second.startswith(
+        "vertical vertical.knet: K-NET ASCII, 200 samples, 1.99 s; 2006/01/18 23:25:00 TST002 U-D; mean of"
+    )
+
+
+def test_a_pair_out_of_one_file(folder: Path) -> None:
+    motion = converted("station.v2 --channel 1 --vertical station.v2 --vertical-channel 2 --scale 2")
+    np.testing.assert_allclose(motion.ax, 2.0 * SAMPLES, atol=2e-7)
+    np.testing.assert_array_equal(motion.az, -motion.ax)
+
+
+def test_units_go_to_the_plain_file_of_a_pair(folder: Path) -> None:
+    motion = converted(f"record.AT2 --vertical plain.txt --units g --dt {DT}")
+    np.testing.assert_allclose(motion.az, SAMPLES, atol=1e-8)
+    np.testing.assert_allclose(motion.ax, SAMPLES, atol=1e-6)
+
+
+def test_pga_scales_both_components(folder: Path) -> None:
+    plain, motion = converted("both.csv"), converted("both.csv --pga 0.25")
+    assert motion.pga == pytest.approx(0.25 * G, rel=1e-15)
+    np.testing.assert_allclose(motion.az / motion.ax[0], plain.az / plain.ax[0], rtol=1e-15)
+
+
+def test_paths_may_stand_behind_options(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for line in ("--pga .1 record.AT2 out.csv", "record.AT2 --pga .1 out.csv", "record.AT2 out.csv --pga .1"):
+        assert main(["convert", *line.split()]) == 0
+        assert Motion.from_csv("out.csv").pga == pytest.approx(0.1 * G, rel=1e-15)
+        Path("out.csv").unlink()
+    for line in ("column.toml --duration .1 record.AT2", "--duration .1 column.toml record.AT2"):
+        assert main(["simulate", *line.split()]) == 0
+        assert "record.AT2: PEER AT2" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("line", "motion"),
+    [
+        ("ricker --frequency 2", wavelets.ricker(1.0, 2.0)),
+        ("one-sine --frequency 2", wavelets.one_sine(1.0, 2.0)),
+        ("one-cosine --frequency 2", wavelets.one_cosine(1.0, 2.0)),
+        ("mavroeidis-papageorgiou --frequency .5 --cycles 2", wavelets.mavroeidis_papageorgiou(1.0, 0.5, 2.0)),
+        (
+            "mavroeidis-papageorgiou --frequency .5 --cycles 2 --phase 90",
+            wavelets.mavroeidis_papageorgiou(1.0, 0.5, 2.0, np.pi / 2.0),
+        ),
+        ("noise --frequency 2.5 --length 10 --seed 3", wavelets.filtered_noise(1.0, 2.5, 10.0, 3)),
+    ],
+)
+def test_wavelets_by_name(folder: Path, line: str, motion: Motion) -> None:
+    made = converted(f"--wavelet {line} --pga 0.3")
+    assert made.pga == pytest.approx(0.3 * G, rel=1e-15)
+    np.testing.assert_array_equal(made.ax, motion.scaled_to(0.3 * G).ax)
+    np.testing.assert_array_equal(made.time, motion.time)
+
+
+def test_simulate_says_what_the_file_was_taken_for(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(f"simulate column.toml plain.txt --units g --dt {DT} --duration 0.1".split()) == 0
+    assert capsys.readouterr().out.startswith("plain.txt: plain columns, 200 samples, 1.99 s\none: 1 block, ")
+    assert main(["simulate", "column.toml", "--wavelet", "one-sine", "--frequency", "5", "--pga", "0.1"]) == 0
+    assert "not overturned" in capsys.readouterr().out
+
+
+def test_record_prints_the_measures(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["record", "record.AT2", "both.csv", "--plot", "records.png"]) == 0
+    out = capsys.readouterr().out
+    motion = Motion.from_file("record.AT2")
+    found = intensity(motion)
+    assert f"PGA {motion.pga / G:.4g} g ({motion.pga:.4g} m/s2)" in out
+    assert f"PGV {found.pgv:.4g} m/s, PGD {found.pgd:.4g} m: integrated from rest, no baseline taken away" in out
+    assert f"Arias intensity {found.arias:.4g} m/s" in out
+    assert f"significant duration 5-95 % {found.significant_duration:.4g} s" in out
+    assert f"{spectrum(motion, [0.5]).psa[0] / G:8.4f}" in out
+    assert "  vertical PGA 0.102 g (1 m/s2)" in out
+    assert out.splitlines()[-1] == "records.png"
+    assert (folder / "records.png").read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize(
+    ("line", "message"),
+    [
+        ("simulate column.toml .", ".: Is a directory"),
+        (
+            "simulate column.toml plain.txt",
+            "plain.txt: no known header (PEER AT2, ESM, K-NET, COSMOS, CSV): units must be",
+        ),
+        ("simulate column.toml plain.txt --units g", "plain.txt: line 2: 1 values, must be time, ax and perhaps az"),
+        ("simulate column.toml plain.txt --units g --dt 0", "plain.txt: dt = 0"),
+        (
+            "simulate column.toml motion.csv --units g",
+            "--units: must be left out, motion.csv is CSV and says all itself",
+        ),
+        ("simulate column.toml motion.csv --channel 1", "motion.csv: channel = 1: must be left out, the file is CSV"),
+        ("simulate column.toml motion.csv --vertical-channel 1", "--vertical-channel 1: is for --vertical"),
+        ("simulate column.toml motion.csv --vertical none.AT2", "none.AT2: No such file"),
+        ("simulate column.toml both.csv --vertical record.AT2", "horizontal motion: has az beside ax"),
+        ("simulate column.toml motion.csv --pga -1", "pga = -9.80665: must be a positive acceleration in m/s2"),
+        ("simulate column.toml motion.csv --pga 1 --scale 1", "argument --scale: not allowed with argument --pga"),
+        ("simulate column.toml motion.csv --frequency 1", "--frequency 1.0: is for --wavelet"),
+        ("simulate column.toml motion.csv --wavelet ricker", "motion.csv: must be left out, or --wavelet"),
+        (
+            "simulate column.toml --wavelet boxcar --pga 1",
+            "--wavelet boxcar: must be ricker, one-sine, one-cosine, mavr",
+        ),
+        ("simulate column.toml --wavelet ricker --frequency 1", "--pga: must be given with --wavelet"),
+        ("simulate column.toml --wavelet ricker --pga 1", "--frequency: must be given with --wavelet ricker"),
+        (
+            "simulate column.toml --wavelet ricker --pga 1 --frequency -1",
+            "frequency = -1.0: must be a positive frequency",
+        ),
+        (
+            "simulate column.toml --wavelet ricker --pga 1 --frequency 1 --seed 3",
+            "--seed 3: is not for --wavelet ricker",
+        ),
+        ("simulate column.toml --wavelet ricker --pga 1 --frequency 1 --units g", "--units g: is for records, not for"),
+        (
+            "simulate column.toml --wavelet noise --pga 1 --frequency 1 --length 9",
+            "--seed: must be given with --wavelet",
+        ),
+        (
+            "simulate column.toml --wavelet noise --pga 1 --frequency 1 --length 9 --seed -1",
+            "seed = -1: must be a whole",
+        ),
+        ("simulate column.toml record.AT2 more.AT2", "unrecognized arguments: more.AT2"),
+        ("simulate column.toml record.AT2 --scale 1 more.AT2", "unrecognized arguments: more.AT2"),
+        ("convert record.AT2 out.csv more.csv", "unrecognized arguments: more.csv"),
+        ("record", "required: FILE"),
+        ("record none.AT2", "none.AT2: No such file"),
+        ("record record.AT2 --units g", "--units: must be left out, record.AT2 is PEER AT2 and says all itself"),
+        ("record record.AT2 --plot record.txt", "record.txt: must end in .png"),
+        ("record zero.csv", "zero.csv: the motion is zero throughout"),
+    ],
+)
+def test_mistakes_end_in_one_line(folder: Path, capsys: pytest.CaptureFixture[str], line: str, message: str) -> None:
+    assert main(line.split()) == 2
+    err = capsys.readouterr().err
+    assert err.startswith("python -m solver: ")
+    assert err.count("\n") == 1
+    assert message in err

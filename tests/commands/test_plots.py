@@ -1,0 +1,232 @@
+"""A picture shows the numbers it was given, and importing the solver does not bring in what draws it."""
+
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from matplotlib.colors import to_hex
+from matplotlib.figure import Figure
+from matplotlib.image import imread
+from support.child import call
+from support.inside import imports
+
+from solver import Block, Column, InputError, Joint, Motion, Response, simulate
+from solver.plotting import plots
+from solver.plotting.plots import COLUMNS, FEW_COLOURS, block_colours
+
+ROOT = Path(__file__).resolve().parents[2]
+PHOCAS = ROOT / "examples" / "columns" / "phocas.toml"
+
+
+def histories(n: int, samples: int = 500) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    """Times over 5 s and smooth histories of n blocks, the top one moving most."""
+    time = np.linspace(0.0, 5.0, samples)
+    shape = np.linspace(1.0, 1.0 / n, n)
+    wave = np.sin(7.0 * time)[:, None] * shape
+    scales = {"ux": 0.03, "theta": 2e-3, "N": 1e6, "M": 5e5, "S": 1e5, "T": 1e5, "sigma_max": 1e6}
+    return time, {name: scale * wave for name, scale in scales.items()} | {"contact": 0.5 + 0.5 * wave}
+
+
+def plot_histories(time: np.ndarray, given: dict[str, np.ndarray], title: str | None = None, **options: Any) -> Figure:
+    """The picture of histories of equal blocks."""
+    blocks = (Block(1.0, 1.0, 1.0, 2000.0, Joint(1e9, 1e-3)),) * given["ux"].shape[1]
+    return plots.plot_histories(time, given, Column("stack", blocks), title=title, **options)
+
+
+def headings(figure: Figure) -> list[str]:
+    return [axes.get_title(loc="left") for axes in figure.axes]
+
+
+def panel(figure: Figure, words: str):
+    """The one panel with these words in its heading."""
+    (found,) = [axes for axes in figure.axes if words in axes.get_title(loc="left")]
+    return found
+
+
+@pytest.fixture(scope="module")
+def response() -> Response:
+    return simulate(Column.from_toml(PHOCAS), Motion.harmonic(0.05 * 9.80665, 2.0, 2.0))
+
+
+@pytest.mark.parametrize(
+    ("imported", "absent"), [("solver", "matplotlib"), ("solver.plotting.plots", "matplotlib.pyplot")]
+)
+def test_import_has_no_side_effect(imported: str, absent: str) -> None:
+    assert call(imports.loaded_with, imported, [absent]) == []
+
+
+def test_response_is_drawn_as_it_is(response: Response) -> None:
+    figure = response.plot()
+    assert len(figure.axes) == 9
+    for words, name, factor in [
+        ("displacement", "ux", 1e3),
+        ("rotation", "theta", 1e3),
+        ("normal force", "N", 1e-3),
+        ("moment", "M", 1e-3),
+        ("shear", "S", 1e-3),
+        ("pressure", "sigma_max", 1e-6),
+    ]:
+        lines = {to_hex(line.get_color()).upper(): line for line in panel(figure, words).lines}
+        for i, colour in enumerate(block_colours(3)):
+            np.testing.assert_array_equal(lines[colour.upper()].get_xdata(), response.time)
+            np.testing.assert_array_equal(lines[colour.upper()].get_ydata(), factor * getattr(response, name)[:, i])
+    assert figure.get_suptitle() == "phocas"
+    assert all(axes.get_xlim() == (0.0, 2.0) for axes in figure.axes)
+
+
+def test_ground_motion_stands_on_top(response: Response) -> None:
+    ground = response.plot().axes[0]
+    assert "acceleration of the base" in ground.get_title(loc="left")
+    (line,) = ground.lines
+    assert np.max(line.get_ydata()) == pytest.approx(0.05, rel=1e-4)
+    assert response.motion is not None
+    ax, _ = response.motion.acceleration(np.asarray(line.get_xdata()))
+    np.testing.assert_allclose(np.asarray(line.get_ydata(), dtype=float), ax / 9.80665, atol=1e-15)
+
+
+@pytest.mark.parametrize("hold", [False, True])
+def test_samples_are_drawn_as_they_are_followed(hold: bool) -> None:
+    motion = Motion.from_samples(1.0, [1.0, 2.0, -1.0, 0.5, 0.5, 0.0], [0.0, 3.0, 0.0, 0.0, 0.0, 0.0], hold=hold)
+    ground = plot_histories(*histories(2), motion=motion).axes[0]
+    horizontal, vertical = ground.lines
+    inside = np.array([0.5, 1.2, 2.7])
+    for line, wanted in zip((horizontal, vertical), motion.acceleration(inside), strict=True):
+        drawn = np.interp(inside, np.asarray(line.get_xdata(), dtype=float), 9.80665 * np.asarray(line.get_ydata()))
+        np.testing.assert_allclose(drawn, wanted, atol=1e-12)
+
+
+def test_friction_is_drawn_where_the_joint_is_pressed(response: Response) -> None:
+    axes = panel(response.plot(), "friction")
+    lines = {to_hex(line.get_color()).upper(): np.asarray(line.get_ydata()) for line in axes.lines}
+    for i, colour in enumerate(block_colours(3)):
+        N, T = response.N[:, i], response.T[:, i]
+        pressed = 0.05 * N[0] < N
+        np.testing.assert_allclose(lines[colour.upper()][pressed], np.abs(T / N)[pressed])
+        assert np.all(np.isnan(lines[colour.upper()][~pressed]))
+
+
+def test_many_samples_are_drawn_by_their_envelopes() -> None:
+    time = np.linspace(0.0, 5.0, 100 * COLUMNS)
+    _, given = histories(2, len(time))
+    given["N"] = 1e6 * np.column_stack([2.0 + np.sin(900.0 * time), 3.0 + np.sin(900.0 * time)])
+    lines = panel(plot_histories(time, given), "normal force").lines
+    assert len(lines) == 4  # the least and the largest of each joint, so that both are seen
+    for line in lines:
+        assert len(line.get_xdata()) == COLUMNS
+    ends = sorted(float(np.median(line.get_ydata())) for line in lines)
+    assert ends == pytest.approx([1e3, 2e3, 3e3, 4e3], rel=1e-2)
+    # nothing is lost, however short it lasts
+    given["N"][31_234, 0] = 9e6
+    assert max(np.max(line.get_ydata()) for line in panel(plot_histories(time, given), "normal force").lines) == 9e3
+
+
+def test_contact_is_drawn_by_its_least() -> None:
+    time, given = histories(2, 4 * COLUMNS)
+    given["contact"] = np.ones((len(time), 2))
+    given["contact"][1001, 1] = 0.25
+    (image,) = panel(plot_histories(time, given), "contact").images
+    shown = np.asarray(image.get_array())
+    assert shown.shape == (2, COLUMNS)
+    assert np.all(shown[0] == 1.0)
+    assert shown[1, 250] == 0.25
+
+
+def test_an_ensemble_is_a_band(response: Response, monkeypatch: pytest.MonkeyPatch) -> None:
+    shape = response.time[:, None] * np.ones(3)
+    alone = panel(response.plot(), "displacement")
+    ensemble = SimpleNamespace(ux=np.array([0.01 * shape, 0.02 * shape, 0.03 * shape]))
+    monkeypatch.setitem(vars(response), "ensemble", ensemble)
+    with_band = panel(response.plot(), "displacement")
+    assert len(with_band.collections) == len(alone.collections) + 3
+    medians = [line for line in with_band.lines if line.get_linestyle() == "--"]
+    assert [np.max(line.get_ydata()) for line in medians] == pytest.approx([40.0] * 3)
+
+
+def test_a_column_without_weight_is_drawn() -> None:
+    time, given = histories(1)
+    block = Block(1.0, 1.0, 1.0, 2000.0, Joint(1e9, 1e-3))
+    figure = plots.plot_histories(time, given, Column("floating", (block,), g=0.0))
+    assert [text.get_text() for text in panel(figure, "friction").texts] == ["no gravity"]
+
+
+def test_smaller_motion_is_drawn_over_larger() -> None:
+    time, given = histories(3)
+    lines = panel(plot_histories(time, given), "displacement").lines
+    ranges = [np.ptp(line.get_ydata()) for line in lines]
+    assert ranges == sorted(ranges, reverse=True)
+
+
+@pytest.mark.parametrize(("largest", "unit", "factor"), [(0.999, "(mm)", 1e3), (1.0, "(m)", 1.0)])
+def test_unit_of_displacement(largest: float, unit: str, factor: float) -> None:
+    time, given = histories(2)
+    given["ux"] *= largest / np.max(np.abs(given["ux"]))
+    axes = panel(plot_histories(time, given), "displacement")
+    assert unit in axes.get_ylabel()
+    assert np.max(np.abs(axes.lines[0].get_ydata())) == pytest.approx(factor * largest)
+
+
+def test_overturning_is_marked_and_said() -> None:
+    time, given = histories(3)
+    figure = plot_histories(time, given, "a column", overturn_time=3.21)
+    assert figure.get_suptitle() == "a column: overturned at 3.21 s"
+    for axes in figure.axes:
+        assert [3.21, 3.21] in [np.asarray(line.get_xdata()).tolist() for line in axes.lines]
+
+
+def test_standing_column_has_no_mark() -> None:
+    time, given = histories(3)
+    figure = plot_histories(time, given, "a column")
+    assert figure.get_suptitle() == "a column"
+    assert all(len(line.get_xdata()) == len(time) for line in panel(figure, "rotation").lines)
+
+
+@pytest.mark.parametrize("n", [1, 2, len(FEW_COLOURS)])
+def test_few_blocks_have_a_legend(n: int) -> None:
+    figure = plot_histories(*histories(n))
+    (legend,) = figure.legends
+    texts = [text.get_text() for text in legend.get_texts()]
+    assert len(texts) == n
+    assert texts[0].startswith("block and joint 1")
+    assert n == 1 or texts[-1] == f"block and joint {n} (bottom)"
+
+
+@pytest.mark.parametrize("n", [len(FEW_COLOURS) + 1, 200])
+def test_many_blocks_have_a_colour_bar(n: int, tmp_path: Path) -> None:
+    figure = plot_histories(*histories(n), path=tmp_path / "many.png")
+    assert not figure.legends
+    assert len(set(block_colours(n))) > 0.9 * n
+    bar = figure.axes[-1]
+    assert [label.get_text() for label in bar.get_yticklabels()] == [
+        "block and joint 1 (top)",
+        f"block and joint {n} (bottom)",
+    ]
+    assert imread(tmp_path / "many.png").shape[:2] == (1500, 1500)
+
+
+def test_files(response: Response, tmp_path: Path) -> None:
+    response.plot(tmp_path / "picture.PNG")
+    pixels = imread(tmp_path / "picture.PNG", format="png")
+    assert pixels.shape[:2] == (1500, 1500)
+    assert np.std(pixels[..., :3]) > 0.05  # something is drawn
+    response.plot(tmp_path / "picture.pdf")
+    assert (tmp_path / "picture.pdf").read_bytes().startswith(b"%PDF")
+
+
+@pytest.mark.parametrize("name", ["picture.xyz", "picture", "picture.csv"])
+def test_unknown_format_is_refused(response: Response, tmp_path: Path, name: str) -> None:
+    with pytest.raises(InputError, match=r"must end in one of .*\.png"):
+        response.plot(tmp_path / name)
+    assert not list(tmp_path.iterdir())
+
+
+def test_missing_folder_is_an_error_of_the_system(response: Response, tmp_path: Path) -> None:
+    with pytest.raises(FileNotFoundError):
+        response.plot(tmp_path / "none" / "picture.png")
+
+
+def test_one_instant_is_no_history() -> None:
+    time, given = histories(2)
+    with pytest.raises(InputError, match="at least 2"):
+        plot_histories(time[:1], {name: values[:1] for name, values in given.items()})

@@ -1,0 +1,275 @@
+"""The integrators: coefficients, orders, reversibility, agreement with scipy's, independence of the caller's steps."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from itertools import pairwise
+from types import ModuleType
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from support.lagrange import Array, Reference
+from support.probe import G, coordinates, phocas, put_back
+
+from solver import Block, Column, InitialState, Joint, Settings
+from solver.dynamics.stepper import Stepper
+from solver.kernels.integrators import dormand_prince, order_8
+
+INTEGRATORS = ["auto", "central-difference"]
+FORMULATIONS = ["exact", "paper"]
+
+
+def shaken(stepper: Stepper, amplitude: float, frequency: float) -> Stepper:
+    stepper.base.wave_amplitude, stepper.base.wave_omega = amplitude, 2.0 * math.pi * frequency
+    return stepper
+
+
+# --- coefficients
+
+Tree = tuple["Tree", ...]  # a rooted tree is the tuple of the trees on its root
+
+
+def forests(order: int, largest: Tree | None = None) -> Iterator[tuple[Tree, ...]]:
+    """Every multiset of rooted trees with `order` nodes in all."""
+    if order == 0:
+        yield ()
+    for first in range(1, order + 1):
+        for tree in trees(first):
+            if largest is None or (nodes(tree), tree) <= (nodes(largest), largest):
+                for rest in forests(order - first, tree):
+                    yield (tree, *rest)
+
+
+def trees(order: int) -> list[Tree]:
+    return list(forests(order - 1))
+
+
+def nodes(tree: Tree) -> int:
+    return 1 + sum(nodes(branch) for branch in tree)
+
+
+def density(tree: Tree) -> int:
+    return nodes(tree) * math.prod(density(branch) for branch in tree)
+
+
+def stage_table(method: ModuleType) -> tuple[Array, Array, Array]:
+    """Stage weights (s, s), nodes (s,) and weights (s,) of an explicit method, the evaluation at the end included."""
+    numbers = {name: value for name, value in vars(method).items() if isinstance(value, float)}
+    stages = 1 + sum(name.startswith("C") for name in numbers)
+    a = np.zeros((stages + 1, stages + 1))
+    for i in range(1, stages):
+        a[i, :i] = [numbers.get(f"A{i}_{j}", 0.0) for j in range(i)]
+    a[stages, :stages] = [numbers.get(f"B_{j}", 0.0) for j in range(stages)]
+    c = np.array([0.0, *(numbers[f"C{i}"] for i in range(1, stages)), 1.0])
+    return a, c, a[stages]
+
+
+def error_weights(method: ModuleType, prefix: str, stages: int) -> Array:
+    """The row of the error estimate of that name, (s,)."""
+    row = [getattr(method, f"{prefix}_{j}", 0.0) for j in range(stages)]
+    row[-1] = getattr(method, f"{prefix}_LAST", 0.0)
+    return np.array(row)
+
+
+def residual(a: Array, weights: Array, tree: Tree) -> float:
+    """Defect of Butcher's order condition of a tree: sum of weights times elementary weights, less 1 / density."""
+
+    def stage_values(at_root: Tree) -> Array:
+        found = np.ones(len(weights))
+        for branch in at_root:
+            found *= a @ stage_values(branch)
+        return found
+
+    return float(weights @ stage_values(tree)) - 1.0 / density(tree)
+
+
+@pytest.mark.parametrize(
+    ("method", "estimates", "rounding"),
+    [(dormand_prince, {"ERROR": 4}, 2e-15), (order_8, {"ERROR_5": 5, "ERROR_3": 3}, 2e-13)],  # measured 4e-16, 2e-14
+)
+def test_tableau_satisfies_the_order_conditions(method: ModuleType, estimates: dict[str, int], rounding: float) -> None:
+    assert [len(trees(order)) for order in range(1, 9)] == [1, 1, 2, 4, 9, 20, 48, 115]
+    a, c, weights = stage_table(method)
+    assert np.sum(a, axis=1) == pytest.approx(c, abs=rounding)
+    candidates = {method.ORDER: weights}
+    candidates |= {order: weights - error_weights(method, name, len(weights)) for name, order in estimates.items()}
+    for order, row in candidates.items():
+        for below in range(1, order + 1):
+            assert max(abs(residual(a, row, tree)) for tree in trees(below)) < rounding
+        assert max(abs(residual(a, row, tree)) for tree in trees(order + 1)) > 1e-6  # not of a higher order
+
+
+# --- orders, in full contact where the forces are smooth
+
+
+def smooth_run(column: Column) -> tuple[Array, float]:
+    """Rotations (displacements, paper) after 0.5 s of 0.005 g at 2 Hz, which opens no joint, and their peak."""
+    stepper = shaken(Stepper(column), 0.005 * G, 2.0)
+    stepper.advance(0.0, 0.5)
+    assert stepper.state.control.time_full == pytest.approx(0.5, rel=1e-12)
+    peak = stepper.state.control.rotation_scale * stepper.model.blocks.turn_size[0]
+    return coordinates(stepper)[: column.n].copy(), float(peak)
+
+
+@pytest.mark.parametrize("formulation", FORMULATIONS)
+@pytest.mark.parametrize("eta", [0.0, 1e-3])
+def test_central_differences_are_of_order_two(formulation: str, eta: float) -> None:
+    expected, _ = smooth_run(phocas(eta, formulation=formulation, tolerance=1e-13))
+    errors = []
+    for step in (2e-4, 1e-4, 5e-5):
+        fixed = phocas(eta, formulation=formulation, integrator="central-difference", step=step)
+        errors.append(np.max(np.abs(smooth_run(fixed)[0] - expected)))
+    orders = np.log2(np.array(errors[:-1]) / errors[1:])
+    assert orders == pytest.approx(np.full(2, 2.0), abs=0.05)  # measured 1.996 to 2.000
+
+
+@pytest.mark.parametrize("formulation", FORMULATIONS)
+@pytest.mark.parametrize("eta", [0.0, 1e-3])
+def test_error_of_auto_is_proportional_to_the_tolerance(formulation: str, eta: float) -> None:
+    expected, peak = smooth_run(phocas(eta, formulation=formulation, tolerance=1e-13, without=("elastic",)))
+    errors = []
+    for tolerance in (1e-8, 1e-9, 1e-10):  # at larger ones stability limits the step
+        column = phocas(eta, formulation=formulation, tolerance=tolerance, without=("elastic",))
+        errors.append(np.max(np.abs(smooth_run(column)[0] - expected)) / peak)
+        assert errors[-1] == pytest.approx(0.0, abs=tolerance)  # measured 1e-4 to 0.03
+    slopes = np.log10(np.array(errors[:-1]) / errors[1:])
+    assert slopes == pytest.approx(np.ones(2), abs=0.35)  # measured 0.77 to 1.17
+
+
+@pytest.mark.parametrize(("formulation", "tolerance"), [("paper", 1e-12), ("exact", 1e-8)])
+def test_central_differences_run_backwards_retrace_their_path(formulation: str, tolerance: float) -> None:
+    column = phocas(formulation=formulation, integrator="central-difference")
+    stepper = Stepper(column, InitialState(rotation_rate=[0.03, 0.02, 0.01]))
+    begin = coordinates(stepper).copy()
+    stepper.advance(0.0, 0.3)
+    assert stepper.state.control.time_rocking > 0.25  # joints open and close on the way
+    coordinates(stepper)[6:] *= -1.0
+    far = np.max(np.abs(coordinates(stepper)[:3]))
+    stepper.advance(0.3, 0.3)
+    # paper: to rounding, measured 1e-14 of the way; exact: velocity terms are extrapolated, measured 9e-11
+    assert coordinates(stepper)[:3] == pytest.approx(begin[:3], abs=tolerance * far)
+
+
+# --- an independent integrator on independent equations
+
+
+def test_auto_agrees_with_dop853_on_lagranges_equations() -> None:
+    upper = Block(2.0, 1.0, 1.0, 4000.0, Joint(2e8, 1e-3))
+    lower = Block(1.5, 1.2, 1.0, 5000.0, Joint(3e8, 1e-3))
+    column = Column("two", (upper, lower), Settings(tolerance=1e-10))
+    amplitude, frequency, end = 0.3 * G, 2.0, 0.5
+    stepper = shaken(Stepper(column), amplitude, frequency)
+    reference = Reference.of(column)
+
+    def rates(t: float, y: Array) -> Array:
+        ax = amplitude * math.sin(2.0 * math.pi * frequency * t)
+        return np.concatenate([y[4:], reference.accelerations(y[:4], y[4:], ax)])
+
+    path = solve_ivp(rates, (0.0, end), coordinates(stepper).copy(), method="DOP853", rtol=1e-11, atol=1e-14).y
+    stepper.advance(0.0, end)
+    assert stepper.state.control.time_rocking > 0.4
+    scale = np.max(np.abs(path), axis=1)
+    assert coordinates(stepper) / scale == pytest.approx(path[:, -1] / scale, abs=1e-8)  # measured 1.4e-9
+
+
+# --- communication steps
+
+
+def scene(integrator: str, formulation: str = "exact") -> Stepper:
+    """A damped column, pushed, under a constant base acceleration: it rocks."""
+    column = phocas(1e-3, formulation=formulation, integrator=integrator, tolerance=1e-8)
+    stepper = Stepper(column, InitialState(rotation_rate=[0.03, 0.02, 0.01]))
+    stepper.base.ax = 0.2
+    return stepper
+
+
+def walk(stepper: Stepper, times: Array) -> Array:
+    for begin, end in pairwise(times):
+        stepper.advance(begin, end - begin)
+    return coordinates(stepper).copy()
+
+
+@pytest.mark.parametrize("h", [0.009999999999999998, 0.01, 0.010000000000000002])
+def test_step_that_arrives_with_a_rounding_error_is_cut_into_as_many(h: float) -> None:
+    stepper = scene("central-difference")
+    stepper.advance(0.0, h)
+    assert stepper.counts.steps == 100
+
+
+def test_step_that_does_not_fit_is_cut_into_equal_shorter_ones() -> None:
+    cut, fine = scene("central-difference"), scene("central-difference")
+    fine.model.settings.step = 1.05e-3 / 11
+    for stepper in (cut, fine):
+        stepper.advance(0.0, 1.05e-3)
+        assert stepper.counts.steps == 11
+    assert np.array_equal(coordinates(cut), coordinates(fine))
+
+
+@pytest.mark.parametrize("formulation", FORMULATIONS)
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+def test_communication_step_does_not_matter(formulation: str, integrator: str) -> None:
+    rng = np.random.default_rng(1)
+    grids = [
+        np.linspace(0.0, 0.5, 51),
+        np.linspace(0.0, 0.5, 501),
+        # uneven, on the grid of the fixed step
+        np.concatenate([[0.0], np.sort(rng.choice(np.arange(1, 5000), 60, replace=False)) * 1e-4, [0.5]]),
+    ]
+    whole = scene(integrator, formulation)
+    whole.advance(0.0, 0.5)
+    assert whole.state.control.time_rocking > 0.4
+    for grid in grids:
+        stepper = scene(integrator, formulation)
+        found = walk(stepper, grid)
+        # auto: measured 4e-9 of the largest rotation; central differences: 2e-12
+        bound = 5e-8 if integrator == "auto" else 1e-10
+        scale = stepper.state.control.rotation_scale * stepper.model.blocks.turn_size[0]
+        assert found[:3] == pytest.approx(coordinates(whole)[:3], abs=bound * scale)
+
+
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+def test_advance_lands_exactly(integrator: str) -> None:
+    stepper = scene(integrator)
+    stepper.base.jx, stepper.base.jz = 7.0, -3.0
+    times = np.array([0.0, 1.0 / 3.0, 0.7, 0.7 + 1e-7])
+    for begin, end in pairwise(times):
+        stepper.advance(begin, end - begin)
+        # the stored acceleration of the base is that of the end, to the last bit
+        assert stepper.state.control.base_ax == 0.2 + 7.0 * (begin + (end - begin))
+        assert stepper.state.control.base_az == -3.0 * (begin + (end - begin))
+    spent = stepper.time_spent
+    assert spent == pytest.approx(times[-1], rel=1e-12)  # measured 1e-14
+
+
+# --- bits
+
+
+@pytest.mark.parametrize("formulation", FORMULATIONS)
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+def test_same_input_gives_the_same_bits_also_after_a_restore(formulation: str, integrator: str) -> None:
+    times = np.linspace(0.0, 0.4, 41)
+    first, second, restored = (scene(integrator, formulation) for _ in range(3))
+    walk(first, times)
+    walk(second, times[:21])
+    put_back(second, restored)
+    walk(second, times[20:])
+    walk(restored, times[20:])
+    for other in (second, restored):
+        assert np.array_equal(first.arrays.state, other.arrays.state)
+        assert np.array_equal(first.arrays.counts, other.arrays.counts)
+    rows = [stepper.observe(0.4).copy() for stepper in (first, second, restored)]
+    assert np.array_equal(rows[0], rows[1])
+    assert np.array_equal(rows[0], rows[2])
+
+
+@pytest.mark.parametrize("formulation", FORMULATIONS)
+def test_looking_at_a_column_does_not_change_its_way(formulation: str) -> None:
+    times = np.linspace(0.0, 0.2, 21)
+    watched, unseen = scene("auto", formulation), scene("auto", formulation)
+    walk(unseen, times)
+    for begin, end in pairwise(times):
+        watched.observe(begin)
+        watched.advance(begin, end - begin)
+    assert np.array_equal(watched.arrays.state, unseen.arrays.state)

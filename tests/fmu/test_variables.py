@@ -1,0 +1,97 @@
+"""The table of variables: value references that never change, true limits, the words of the solver."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+from support.fmus import ROOT
+
+from fmu_src.description_parts import About, Experiment
+from fmu_src.model_description import model_description
+from fmu_src.variables import CHOICES, FAMILIES, FAMILY, REFERENCES, ROLES, column_from, variables
+from solver import Block, Column, InputError, Joint
+from solver.column.settings import FORMULATIONS, INTEGRATORS
+from solver.common.ranges import MAX_BLOCKS, NUMBERS
+
+KEPT = Path(__file__).with_name("value_references.txt")
+DAMPED = ROOT / "examples/columns/phocas-damped.toml"
+
+
+def stack(n: int) -> Column:
+    return Column("stack", (Block(1.0, 1.0, 1.0, 2000.0, Joint(1e9, 0.0)),) * n)
+
+
+def test_value_references_are_those_that_were_once_given() -> None:
+    """The file is added to, never changed: couplings and programs of users rely on these numbers."""
+    kept = {name: int(number) for name, number in map(str.split, KEPT.read_text(encoding="utf-8").splitlines())}
+    table = {variable.name: variable.reference for variable in variables(Column.from_toml(DAMPED))}
+    assert table == kept
+
+
+@pytest.mark.parametrize("n", [1, 3, MAX_BLOCKS])
+def test_the_rule_for_any_number_of_blocks(n: int) -> None:
+    table = variables(stack(n))
+    references = [variable.reference for variable in table]
+    assert len(set(references)) == len(references)
+    assert 0 not in references
+    for variable in table:
+        if "[" in variable.name:
+            owner, number, quantity = variable.name.replace("]", "").replace(".", "[").split("[")
+            assert variable.reference == FAMILY * FAMILIES[f"{owner}.{quantity}"] + int(number)
+        else:
+            assert variable.reference == REFERENCES[variable.name]
+
+
+def test_no_number_is_given_twice() -> None:
+    assert len(set(REFERENCES.values())) == len(REFERENCES)
+    assert len(set(FAMILIES.values())) == len(FAMILIES)
+    assert max(REFERENCES.values()) < FAMILY * min(FAMILIES.values())
+
+
+def test_inputs_come_first_then_outputs_then_parameters() -> None:
+    table = variables(stack(3))
+    root = model_description(About("stack", "{}", "", "1", Experiment(), {}, ""), list(reversed(table)))
+    for roles in (
+        [variable.causality for variable in table],
+        [element.get("causality") for element in root.iter("ScalarVariable")],
+    ):
+        assert roles == sorted(roles, key=ROLES.index)
+
+
+def test_limits_are_those_that_the_column_is_checked_by() -> None:
+    for variable in variables(stack(2)):
+        key = variable.name.rpartition(".")[2]
+        if variable.causality != "parameter" or variable.kind != "Real" or variable.name == "base.record_scale":
+            continue
+        least, most = NUMBERS[key][0]
+        of_joint = variable.name.startswith("joint") and key in ("width", "depth", "friction", "dowel")
+        optional = of_joint or key in ("centroid", "inertia")
+        assert (variable.minimum, variable.maximum) == (0.0 if optional else least, most), variable.name
+
+
+def test_enumerations_have_the_words_of_the_solver() -> None:
+    words = {name: tuple(choice.items) for name, choice in CHOICES.items()}
+    assert words == {"solver.formulation": FORMULATIONS, "solver.integrator": INTEGRATORS}
+    for choice in CHOICES.values():
+        assert set(choice.meanings) == set(choice.items)
+        assert [choice.word("key", number) for number in choice.items.values()] == list(choice.items)
+
+
+def test_the_table_gives_the_column_back() -> None:
+    column = Column.from_toml(DAMPED).with_settings(
+        formulation="paper", integrator="central-difference", without=("rest", "elastic")
+    )
+    values: dict[str, Any] = {variable.name: variable.start for variable in variables(column)}
+    assert column_from(column, values.__getitem__) == column
+    with pytest.raises(InputError, match=r"solver.formulation = 3: must be one of 1 \(exact\), 2 \(paper\)"):
+        column_from(column, (values | {"solver.formulation": 3}).__getitem__)
+
+
+def test_large_columns_do_not_list_what_grows_with_the_square_of_their_blocks() -> None:
+    for n in (3, 200):
+        by_name = {variable.name: variable for variable in variables(stack(n))}
+        assert (by_name["block[1].ux"].initially is None) == (n == 200)
+        assert by_name["base.R0x"].initially is not None
+        assert by_name["overturned"].initially == ()

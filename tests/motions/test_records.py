@@ -1,0 +1,205 @@
+"""One record reads to the same samples from every format, and a wrong file ends in one line that says what is right."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from support.record_files import CASES, DT, ENCODINGS, SAMPLES, Case, at2, cosmos_v2, csmip_v2, csv, esm, knet, plain
+
+from solver import InputError, Motion
+from solver.ground.records import format_of, read_record
+from stress.fuzz_files import mutated
+
+
+@pytest.mark.parametrize("encoding", ENCODINGS)
+@pytest.mark.parametrize("case", CASES.values(), ids=CASES)
+def test_every_format_gives_the_same_samples(tmp_path: Path, case: Case, encoding: str) -> None:
+    path = tmp_path / "record"
+    path.write_bytes(ENCODINGS[encoding](case.text))
+    record = read_record(path, **case.given)
+    assert record.format == case.format == format_of(path)
+    assert len(record.time) == len(SAMPLES)
+    np.testing.assert_allclose(record.time, DT * np.arange(len(SAMPLES)), rtol=0.0, atol=1e-15)
+    np.testing.assert_allclose(record.ax, SAMPLES, rtol=0.0, atol=case.off)
+    np.testing.assert_array_equal(record.az, 0.0)
+    motion = Motion.from_file(path, **case.given)
+    np.testing.assert_array_equal(motion.ax, record.ax)
+    assert motion.duration == pytest.approx(1.99, rel=1e-12)
+
+
+def test_the_synthetic_record_uses_the_digits_of_its_formats() -> None:
+    """A tolerance is worth nothing if the samples are smaller than it; and columns do touch."""
+    assert np.max(np.abs(SAMPLES)) > 1.0
+    assert max(case.off for case in CASES.values()) < 1e-5
+    assert len(re.findall(r"E[-+]\d\d-\.", CASES["at2 touching"].text)) > 50
+    assert len(re.findall(r"\d-\d", csmip_v2())) > 5
+
+
+def test_a_record_says_what_it_is_and_what_was_done(tmp_path: Path) -> None:
+    path = tmp_path / "record"
+    path.write_text(knet())
+    record = read_record(path)
+    assert record.title == "2006/01/18 23:25:00 TST002 N-S"
+    (note,) = record.notes
+    assert float(note.split()[2]) == pytest.approx(8003.0, abs=0.1)  # rounding of 200 counts: 0.01 measured
+    assert note.endswith("taken away")
+    assert abs(np.mean(record.ax)) < 1e-15  # 1e-17 measured
+    path.write_text(esm())
+    assert read_record(path).title == "TESTVILLE XX-2000-0001 XX TST HNE"
+    path.write_text(at2())
+    assert read_record(path).title == "TESTVILLE 01/01/00, D\u00fczce, 090"
+    assert read_record(path).notes == ()
+
+
+def test_a_third_plain_column_is_vertical(tmp_path: Path) -> None:
+    path = tmp_path / "record.txt"
+    path.write_text("% t ax az\n5.0 0.1 0.2\n5.5, 0.3, 0.4\n6.5;-.5;6D-1\n")
+    motion = Motion.from_file(path, units="m/s2")
+    np.testing.assert_array_equal(motion.time, [5.0, 5.5, 6.5])
+    np.testing.assert_array_equal(motion.ax, [0.1, 0.3, -0.5])
+    np.testing.assert_array_equal(motion.az, [0.2, 0.4, 0.6])
+
+
+@pytest.mark.parametrize(
+    ("text", "given", "said"),
+    [
+        # nothing is guessed
+        (plain(), {}, "no known header (PEER AT2, ESM, K-NET, COSMOS, CSV): units must be given"),
+        (plain(), {"dt": 0.01}, "no known header (PEER AT2, ESM, K-NET, COSMOS, CSV): units must be given"),
+        (plain(), {"units": "g"}, "line 2: 1 values, must be time, ax and perhaps az, or dt must be given"),
+        (plain(), {"dt": 0.01, "units": "mm/s2"}, "units = 'mm/s2': must be g, m/s2 or cm/s2"),
+        (plain(), {"dt": 0.01, "units": "G-force"}, "units = 'G-force': must be g, m/s2 or cm/s2"),
+        (plain(), {"dt": -0.01, "units": "g"}, "dt = -0.01: must be a positive time in s"),
+        (plain(), {"dt": 0.01, "units": "g", "channel": 1}, "channel = 1: must be left out"),
+        (
+            "0 1\n.01 2\n.02 3\n",
+            {"dt": 0.01, "units": "g"},
+            "dt: must be left out, the first column increases as times",
+        ),
+        ("0 1\n.01 2\n.01 3\n", {"units": "g"}, "line 3: time = 0.01: must be later than the row before, 0.01 s"),
+        ("0 1\n.01 2\n.02\n", {"units": "g"}, "line 3: 1 values, must be time, ax and perhaps az"),
+        ("a title\n1\n2\n", {"dt": 0.01, "units": "g"}, "line 1: 'a': must be a finite number"),
+        ("1\n2.0.1\n", {"dt": 0.01, "units": "g"}, "line 2: '2.0.1': must be a finite number"),
+        ("1\n", {"dt": 0.01, "units": "g"}, "1 samples, must be at least 2"),
+        ("", {"dt": 0.01, "units": "g"}, "0 samples, must be at least 2"),
+        ("", {}, "no known header"),
+        ("0 1\n", {"units": "g"}, "1 rows of samples, must be at least 2"),
+        ("1\0\n2\n", {"dt": 0.01, "units": "g"}, "is not text"),
+        # what says all itself
+        (at2(), {"units": "g"}, "units = g: must be left out, the file is PEER AT2 and says all itself"),
+        (at2(), {"dt": 0.01}, "dt = 0.01: must be left out, the file is PEER AT2 and says all itself"),
+        (csv(), {"channel": 2}, "channel = 2: must be left out, the file is CSV and says all itself"),
+        # PEER: other quantities
+        (
+            at2(units="VELOCITY TIME HISTORY IN UNITS OF CM/S"),
+            {},
+            "line 3: 'VELOCITY TIME HISTORY IN UNITS OF CM/S': must",
+        ),
+        (at2().replace("\n", "\n\n", 1), {}, "no known header"),
+        # ESM
+        (esm().replace("UNITS: cm/s^2", "UNITS: mm/s^2"), {}, "line 13: units = 'mm/s^2': must be g, m/s2 or cm/s2"),
+        (esm().replace("UNITS: cm/s^2", "UNITS: "), {}, "line 13: units = '': must be g, m/s2 or cm/s2"),
+        (esm().replace("UNITS", "UNIT"), {}, "UNITS: is missing in the header, which ends before line 19"),
+        (esm().replace(": ACCELERATION", ": VELOCITY"), {}, "line 17: DATA_TYPE = 'VELOCITY': must be ACCELERATION"),
+        (esm().replace("NDATA: 200", "NDATA: 201"), {}, "200 samples found, must be 201 as NDATA says in line 11"),
+        (esm().replace("S: 0.010000", "S: "), {}, "line 10: '': must be a finite number"),
+        (esm() + "end\n", {}, "line 219: 'end': must be a finite number"),
+        # K-NET
+        (
+            knet().replace("100Hz", "100"),
+            {},
+            "line 11: 'Sampling Freq(Hz) 100': must be like 'Sampling Freq(Hz) 100Hz'",
+        ),
+        (knet().replace("100Hz", "0Hz"), {}, "line 11: 'Sampling Freq(Hz) 0Hz': must be like"),
+        (knet().replace("(gal)/6", "(V)/6"), {}, "line 14: units = 'V': must be g, m/s2 or cm/s2"),
+        (knet().replace("/6182761", "/0"), {}, "line 14: 'Scale Factor      3920(gal)/0': must be like"),
+        (knet().replace("Time(s)  2", "Time(s)  3"), {}, "200 samples found, must be 300 as lines 11 and 12 say"),
+        (knet().replace("Memo.\n", ""), {}, "line 17: must begin with 'Memo', the last of 17 header lines"),
+        (knet().replace("     8003", "     8oo3", 1), {}, "line 39: '8oo3': must be a finite number"),
+        # COSMOS
+        (cosmos_v2(2), {}, "2 channels: channel must be given, one of 1 90 deg, 2 180 deg"),
+        (cosmos_v2(2), {"channel": 3}, "channel = 3: must be 1 to 2"),
+        (cosmos_v2(2), {"channel": 0}, "channel = 0: must be 1 to 2"),
+        (
+            cosmos_v2().replace("cm/s^2 (4)", "counts (50)"),
+            {},
+            "line 45: units = 'counts': must be g, m/s2 or cm/s2 (counts",
+        ),
+        (
+            cosmos_v2().replace("     0.010000", "  -999.000000"),
+            {},
+            "line 45: no sampling interval: value 34 of the real header",
+        ),
+        (cosmos_v2().replace("     200 acc", "     208 acc"), {}, "200 samples found, must be 208 as line 45 says"),
+        (cosmos_v2().replace("acceleration pts", "velocity pts"), {}, "no block of accelerations, must have one"),
+        (
+            csmip_v2().replace("  200 points of accel", "  201 points of accel"),
+            {},
+            "200 samples found, must be 201 as line 3",
+        ),
+        (csmip_v2().replace("in cm/sec2.", "in in/sec2."), {}, "line 3: units = 'in/sec2': must be g, m/s2 or cm/s2"),
+    ],
+)
+def test_a_wrong_record_ends_in_one_line(tmp_path: Path, text: str, given: dict[str, Any], said: str) -> None:
+    path = tmp_path / "record"
+    path.write_text(text)
+    with pytest.raises(InputError) as caught:
+        Motion.from_file(path, **given)
+    assert str(caught.value).startswith(f"{path}: {said}")
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("name", "units"),
+    [(name, units) for name, units in (("g", 9.80665), ("m/s2", 1.0), ("cm/s2", 0.01), ("Gal", 0.01))],
+)
+@pytest.mark.parametrize("spelling", ["{}", " {} ", "{}^"])
+def test_units_go_by_their_usual_spellings(tmp_path: Path, name: str, units: float, spelling: str) -> None:
+    spelt = spelling.format(name).replace("/s2^", "/s^2").rstrip("^")
+    path = tmp_path / "record"
+    path.write_text("0 1\n1 2\n")
+    for word in {spelt, spelt.upper(), spelt.replace("/s2", "/sec/sec"), spelt.replace("/s2", "/s**2")}:
+        np.testing.assert_array_equal(read_record(path, units=word).ax, [units, 2.0 * units])
+
+
+@settings(max_examples=50, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(st.data())
+@pytest.mark.parametrize("name", ["at2", "esm", "knet", "cosmos v2", "csmip v2", "csv", "plain in g", "plain in cm/s2"])
+def test_a_spoiled_record_is_read_or_refused_in_one_line(tmp_path: Path, name: str, data: st.DataObject) -> None:
+    """Whatever is cut, doubled, moved or overwritten in its first lines: no other error, no number that is none."""
+    case = CASES[name]
+    lines = case.text.splitlines(keepends=True)
+    first = 52 if "cosmos" in name else 22
+    path = tmp_path / "record"
+    path.write_bytes(data.draw(mutated("".join(lines[:first]))) + "".join(lines[first:]).encode())
+    said = f"{path}: "
+    try:
+        assert np.all(np.isfinite(Motion.from_file(path, **case.given).ax))
+    except InputError as error:
+        said = str(error)
+    assert said.startswith(f"{path}: ")
+    assert "\n" not in said
+
+
+REAL = [
+    "elcentro-1940-ns",
+    "northridge-1994-arleta-360",
+    "kobe-1995-nishi-akashi-090",
+    "cape-mendocino-1992-cpm000",
+    "chi-chi-1999-tcu052-n",
+]
+
+
+@pytest.mark.parametrize("name", REAL)
+def test_real_records_are_known_by_their_content(records: Path, tmp_path: Path, name: str) -> None:
+    text = (records / f"{name}.AT2").read_bytes()
+    path = tmp_path / "no-suffix"
+    path.write_bytes(text.replace(b"\n", b"\r\n"))
+    assert format_of(path) == "PEER AT2"
+    np.testing.assert_array_equal(Motion.from_file(path).ax, Motion.from_at2(records / f"{name}.AT2").ax)

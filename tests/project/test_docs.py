@@ -1,0 +1,129 @@
+"""The pages of the project: what code and pages refer to exists, and lines can be read in any editor."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+from support.fmus import ROOT
+
+import multiblock
+
+NOTES = sorted((ROOT / "docs" / "notes").glob("*.md"))
+PAGES = [ROOT / "README.md", ROOT / "CHANGELOG.md", *sorted((ROOT / "docs").glob("*.md")), *NOTES]
+CODE = ("solver", "fmu_src", "tests", "benchmarks", "examples", "stress")
+CITED = re.compile(r"theory\.md[,(`]*\s+(?:#\s*)?section\s+(\d+)")
+WIDTH = 100
+DATED = re.compile(r"^\*20\d\d-\d\d-\d\d\b[^*]*\*$", re.MULTILINE)  # when, which commit, which command
+# words that make a reader stop; a phrase may run over the end of a line of a comment
+WORDS = (
+    *("upon", "afresh", "anew", "so many", "what comes of", "by itself"),
+    *("go by", "told", "fates", "doubts", "nobody", "somebody"),
+)
+AVOIDED = re.compile(rf"\b(?:{'|'.join(WORDS)})\b".replace(" ", r"\s+(?:#\s*)?"), re.IGNORECASE)
+MAY_HAVE_THEM = ("CHANGELOG.md", "tests/project/test_docs.py")  # the past as it was written; the list itself
+
+
+def sources() -> list[Path]:
+    files = [ROOT / "build_fmu.py", ROOT / "multiblock" / "__main__.py"]
+    for folder in CODE:
+        files += [file for file in (ROOT / folder).rglob("*") if file.suffix in {".py", ".c", ".h", ".toml"}]
+    return files
+
+
+def prose(text: str) -> list[tuple[int, str]]:
+    """Lines with their numbers, without code, tables, and links that stand alone."""
+    lines, code = [], False
+    for number, line in enumerate(text.splitlines(), start=1):
+        if line.startswith("```"):
+            code = not code
+        elif not (code or line.startswith(("    ", "|", "![", "[", "<!--"))):
+            lines.append((number, line))
+    return lines
+
+
+def name_of(page: Path) -> str:
+    """A page as it is named in the results: its path in the project."""
+    return page.relative_to(ROOT).as_posix()
+
+
+def anchors(page: Path) -> set[str]:
+    """The fragments by which the sections of a page are linked: lower case, hyphens for blanks, no punctuation."""
+    titles = re.findall(r"^#+ (.*)$", page.read_text(encoding="utf-8"), re.MULTILINE)
+    return {re.sub(r"[^\w -]", "", title.lower()).replace(" ", "-") for title in titles}
+
+
+def test_every_section_of_the_theory_that_is_cited_exists() -> None:
+    sections = re.findall(r"^## (\d+)\. ", (ROOT / "docs" / "theory.md").read_text(encoding="utf-8"), re.MULTILINE)
+    assert sections == [str(k) for k in range(1, len(sections) + 1)]
+    cited: dict[str, list[str]] = {}
+    for file in [*sources(), *PAGES]:
+        for section in CITED.findall(file.read_text(encoding="utf-8")):
+            cited.setdefault(section, []).append(file.relative_to(ROOT).as_posix())
+    assert {section: files for section, files in cited.items() if section not in sections} == {}
+    # the check means nothing unless sections are cited
+    assert {"2", "3", "4", "5", "7"} <= set(cited)
+
+
+@pytest.mark.parametrize("page", PAGES, ids=name_of)
+def test_lines_are_wrapped(page: Path) -> None:
+    long = [number for number, line in prose(page.read_text(encoding="utf-8")) if len(line) > WIDTH]
+    assert long == []
+
+
+@pytest.mark.parametrize("page", PAGES, ids=name_of)
+def test_what_a_page_refers_to_exists(page: Path) -> None:
+    text = page.read_text(encoding="utf-8")
+    for target in re.findall(r"\]\(([^)#:]+)(?:#[^)]*)?\)", text):  # relative to the page
+        assert (page.parent / target).is_file(), target
+    named = re.findall(r"`((?:docs|examples|solver|fmu_src|tests|stress|benchmarks)/[\w./-]+|[\w-]+\.cff)`", text)
+    for name in named:
+        assert (ROOT / name).exists(), name
+    for name in re.findall(r"`(test_\w+\.py)`", text):
+        assert any((ROOT / "tests").rglob(name)), name
+
+
+@pytest.mark.parametrize("page", PAGES, ids=name_of)
+def test_sections_that_a_page_links_to_exist(page: Path) -> None:
+    for target, fragment in re.findall(r"\]\(([^)#:]*)#([^)]*)\)", page.read_text(encoding="utf-8")):
+        assert fragment in anchors(page.parent / target if target else page), f"{target}#{fragment}"
+
+
+@pytest.mark.parametrize("page", PAGES, ids=name_of)
+def test_programs_import_the_public_interface(page: Path) -> None:
+    programs = re.findall(r"^```python\n(.*?)^```", page.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
+    for module, names in re.findall(r"^from (solver\S*|multiblock\S*) import (.*)$", "\n".join(programs), re.MULTILINE):
+        assert module == "multiblock"
+        assert set(names.split(", ")) <= set(multiblock.__all__)
+
+
+def test_time_stepping_is_explained_in_1500_words() -> None:
+    assert len((ROOT / "docs" / "integrators.md").read_text(encoding="utf-8").split()) <= 1500
+
+
+def test_the_index_of_the_notes_has_each_of_them_once() -> None:
+    index = (ROOT / "docs" / "notes" / "README.md").read_text(encoding="utf-8")
+    listed = re.findall(r"^\| \[[^]]+\]\(([^)]+)\) \|", index, re.MULTILINE)
+    assert sorted(listed) == [note.name for note in NOTES if note.name != "README.md"]
+
+
+@pytest.mark.parametrize("note", [note for note in NOTES if note.name != "README.md"], ids=name_of)
+def test_tables_of_a_note_are_dated(note: Path) -> None:
+    sections = re.split(r"^## ", note.read_text(encoding="utf-8"), flags=re.MULTILINE)
+    assert [part.splitlines()[0] for part in sections if "\n|---" in part and not DATED.search(part)] == []
+
+
+def test_every_example_has_its_picture() -> None:
+    shown = (ROOT / "docs" / "columns.md").read_text(encoding="utf-8")
+    names = [path.stem for path in (ROOT / "examples" / "columns").glob("*.toml")]
+    assert names
+    assert [name for name in names if f"(images/column-{name}.png)" not in shown or f"`{name}.toml`" not in shown] == []
+
+
+def test_words_to_avoid() -> None:
+    files = [*ROOT.glob("*.py"), *ROOT.glob("*.md")]
+    for folder in (*CODE, "docs"):
+        files += [file for file in (ROOT / folder).rglob("*") if file.suffix in {".py", ".md", ".c", ".h"}]
+    found = {file.relative_to(ROOT).as_posix(): AVOIDED.findall(file.read_text(encoding="utf-8")) for file in files}
+    assert {name: words for name, words in found.items() if words and name not in MAY_HAVE_THEM} == {}

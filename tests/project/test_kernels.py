@@ -1,0 +1,66 @@
+"""Properties that the kernels promise as compiled code."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from numba import typeof
+from support.probe import phocas
+
+from solver.dynamics.stepper import SILENCE, Stepper
+from solver.kernels.api import entries
+from solver.kernels.layout import spaces as at
+from solver.kernels.numba_ext.jit import as_written, from_python
+from solver.kernels.numba_ext.views import Table, row_of
+
+NOTHING = np.zeros(0)
+_phase = at.PHASE.over
+
+
+@pytest.mark.parametrize(
+    ("entry", "further"),
+    [
+        (entries.observe_state, (*SILENCE.arguments, 0.0, NOTHING, NOTHING)),
+        pytest.param(entries.run, (*SILENCE.arguments, 0.0, 1e-3, NOTHING, NOTHING, True), marks=pytest.mark.long),
+    ],
+)
+def test_nothing_of_numbas_runtime_is_called(entry: Any, further: tuple[Any, ...]) -> None:
+    arguments = (3, *Stepper(phocas()).arrays, *further)
+    module, name = as_written(entry.py_func, tuple(map(typeof, arguments)))
+    assert not module.get_function(name).is_declaration
+    assert "NRT_" not in str(module)
+
+
+@from_python
+def write_together(n: int, array: Any) -> None:
+    """Write rows of a phase that cover several fields."""
+    phase = _phase(row_of(array), n)
+    for i in range(2 * n):
+        phase.coordinates[i] = 100.0 + i
+        phase.rates[i] = 200.0 + i
+        phase.accelerations[i] = 300.0 + i
+    for i in range(6 * n):
+        phase.slips[i] = 400.0 + i
+
+
+def test_fields_together_are_the_same_numbers_in_kernels_and_in_python() -> None:
+    n = 3
+    array = np.zeros(at.PHASE.size(n))
+    write_together(n, array)
+    phase = at.PHASE.see(array, n)
+    for first, name, fields in (
+        (100.0, "coordinates", ("theta", "opening")),
+        (200.0, "rates", ("theta_rate", "opening_rate")),
+        (300.0, "accelerations", ("theta_acceleration", "opening_acceleration")),
+        (400.0, "slips", at.PHASE.fields[at.RIGID_FIELDS :]),
+    ):
+        expected = first + np.arange(len(fields) * n)
+        assert np.array_equal(getattr(phase, name), expected)
+        assert np.array_equal(np.concatenate([getattr(phase, field) for field in fields]), expected)
+
+
+def test_only_neighbours_can_be_together() -> None:
+    with pytest.raises(AssertionError, match="not neighbours"):
+        Table("a", "b", "c", together={"ends": ("a", "c")})

@@ -1,0 +1,222 @@
+"""The project as it is installed: a wheel that works from any folder, extras that are named where they are missing."""
+
+from __future__ import annotations
+
+import os
+import pickle
+import re
+import shutil
+import subprocess
+import sys
+import tarfile
+import tomllib
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+from support.fmus import ROOT
+
+import build_fmu
+import fmu_src
+from multiblock.__main__ import main
+from solver import Column, InputError, Motion, __version__, simulate
+from solver.common import errors
+from solver.ground.motion import STANDARD_GRAVITY
+
+MOTION = Motion.harmonic(0.05 * STANDARD_GRAVITY, 2.0, 0.5)
+
+
+@pytest.fixture(scope="module")
+def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder that the wheel is installed in, away from the checkout; what it depends on is this interpreter's."""
+    folder = tmp_path_factory.mktemp("wheel")
+    pip: list[str | Path] = [sys.executable, "-m", "pip", "-q", "--disable-pip-version-check"]
+    source = folder / "source"  # a copy: a build leaves files behind
+    for name in ("solver", "fmu_src", "multiblock", "examples"):
+        shutil.copytree(ROOT / name, source / name, ignore=shutil.ignore_patterns("__pycache__"))
+    for name in ("pyproject.toml", "README.md", "LICENSE", "build_fmu.py"):
+        shutil.copy(ROOT / name, source)
+    wheel: list[str | Path] = [*pip, "wheel", "--no-deps", "--no-build-isolation", "--wheel-dir", folder, source]
+    subprocess.run(wheel, check=True, capture_output=True)
+    (made,) = folder.glob("*.whl")
+    assert made.name == f"multiblock_fmu-{__version__}-py3-none-any.whl"
+    subprocess.run([*pip, "install", "--no-deps", "--target", folder / "site", made], check=True, capture_output=True)
+    return folder / "site"
+
+
+def from_wheel(installed: Path, folder: Path, *command: object) -> subprocess.CompletedProcess[str]:
+    """Run a command of the installed project in `folder`, from which the checkout is out of reach."""
+    environment = os.environ | {"PYTHONPATH": str(installed)}
+    return subprocess.run(
+        [str(part) for part in command], cwd=folder, env=environment, capture_output=True, text=True, check=False
+    )
+
+
+@pytest.mark.long
+@pytest.mark.long  # compiles the kernels at a place of their own, as the next
+def test_the_wheel_works_from_any_folder(installed: Path, tmp_path: Path) -> None:
+    command = installed / "bin" / "multiblock"
+    done = from_wheel(installed, tmp_path, sys.executable, "-c", "import solver; print(solver.__file__)")
+    assert done.stdout.strip() == str(installed / "solver" / "__init__.py")
+    assert from_wheel(installed, tmp_path, command, "--version").stdout == f"multiblock-fmu {__version__}\n"
+    MOTION.to_csv(tmp_path / "motion.csv", step=0.01)
+    column = installed / build_fmu.COLUMNS_PACKAGE / "phocas-damped.toml"
+    done = from_wheel(installed, tmp_path, command, "simulate", column, "motion.csv", "-o", "out.csv")
+    assert (done.returncode, done.stderr) == (0, "")
+    expected = simulate(Column.from_toml(column), Motion.from_csv(tmp_path / "motion.csv")).peak_ux
+    printed = re.findall(r"^ +\d  +([\d.]+)$", done.stdout.partition("peak |ux| (mm)\n")[2], re.MULTILINE)
+    assert [float(peak) for peak in printed] == pytest.approx(1e3 * expected, rel=1e-4)
+
+
+@pytest.mark.long
+@pytest.mark.skipif(sys.platform == "win32", reason="pip puts the command elsewhere on Windows")
+def test_the_wheel_builds_the_default_column(installed: Path, tmp_path: Path) -> None:
+    done = from_wheel(installed, tmp_path, installed / "bin" / "multiblock", "build-fmu")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.strip() == "phocas_damped.fmu"
+    with zipfile.ZipFile(tmp_path / "phocas_damped.fmu") as fmu:
+        names = fmu.namelist()
+    assert any(re.fullmatch(r"resources/solver_\w+/runs/simulate\.py", name) for name in names)
+    assert "documentation/signs.png" in names
+    assert any("machine_code" in name for name in names)
+
+
+def test_every_name_of_the_command_line(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as ended:
+        main(["--help"])
+    assert ended.value.code == 0
+    printed = capsys.readouterr().out
+    assert all(name in printed for name in ("simulate", "convert", "build-fmu", "--version"))
+    assert main(["build-fmu", "none.toml"]) == 2
+    assert capsys.readouterr().err == "multiblock: none.toml: No such file or directory\n"
+    assert main(["build-fmu", "--frob"]) == 2
+    assert capsys.readouterr().err == "multiblock: unrecognized arguments: --frob (--help shows the options)\n"
+    assert build_fmu.main(["none.toml"]) == 2
+    assert capsys.readouterr().err == "build_fmu.py: none.toml: No such file or directory\n"
+
+
+def take_away(monkeypatch: pytest.MonkeyPatch, package: str) -> None:
+    """As if `package` were not installed, for imports to come."""
+    monkeypatch.setitem(sys.modules, package, None)
+    for name in [name for name in sys.modules if name.startswith(f"{package}.")]:
+        monkeypatch.setitem(sys.modules, name, None)
+
+
+@pytest.mark.parametrize(
+    ("absent", "extra", "line"),
+    [
+        ("matplotlib", "plot", "simulate {column} {motion} --plot x.png"),
+        ("pythonfmu", "fmu", "build-fmu {column} -o x.fmu"),
+        ("matplotlib", "native", "build-fmu {column} --native -o x.fmu"),
+    ],
+)
+def test_what_is_missing_is_named_with_its_extra(
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    tmp_path: Path,
+    absent: str,
+    extra: str,
+    line: str,
+) -> None:
+    take_away(monkeypatch, absent)
+    for name in ("documentation", "native"):  # to be imported again
+        monkeypatch.delattr(fmu_src, name, raising=False)
+    for name in [name for name in sys.modules if name.startswith(("fmu_src.native", "fmu_src.documentation"))]:
+        monkeypatch.delitem(sys.modules, name)
+    monkeypatch.chdir(tmp_path)
+    MOTION.to_csv("motion.csv", step=0.01)
+    assert main(line.format(column=build_fmu.DEFAULT_COLUMN, motion="motion.csv").split()) == 2
+    printed = capsys.readouterr()
+    assert printed.err == f'multiblock: {absent} is not installed: pip install -e "{ROOT}[{extra}]"\n'
+    assert printed.out == ""
+    assert [path.name for path in tmp_path.iterdir()] == ["motion.csv"]
+
+
+@pytest.mark.parametrize("name", ["a&\x01.csv", "a\0.csv", "\udcff.csv", "a<b.csv"])
+@pytest.mark.parametrize("options", [[], ["--native"]])
+def test_a_record_whose_name_no_fmu_can_hold(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], name: str, options: list[str]
+) -> None:
+    """The name of a record stands in the XML and in a path: a bad one would end in a traceback or an unreadable FMU."""
+    monkeypatch.chdir(tmp_path)
+    assert build_fmu.main([str(build_fmu.DEFAULT_COLUMN), "--record", name, *options]) == 2
+    err = capsys.readouterr().err
+    assert err.startswith("build_fmu.py: the name of --record = ")
+    assert "must be a file name of letters" in err
+    assert err.count("\n") == 1
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_an_fmu_is_overwritten_by_force_only(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "x.fmu"
+    path.write_text("before")
+    assert build_fmu.main([str(build_fmu.DEFAULT_COLUMN), "-o", str(path)]) == 2
+    assert capsys.readouterr().err == f"build_fmu.py: {path}: is there already, --force overwrites it\n"
+    assert path.read_text() == "before"
+
+
+def test_hints_can_be_typed(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    def hint() -> str:
+        with pytest.raises(InputError) as caught, errors.needing("plot", "absent"):
+            raise ModuleNotFoundError(name="absent")
+        return str(caught.value).partition(": ")[2]
+
+    monkeypatch.chdir(ROOT)
+    assert hint() == 'pip install -e ".[plot]"'
+    monkeypatch.setattr(errors, "__file__", str(tmp_path / "solver" / "errors.py"))  # no checkout
+    assert hint() == 'pip install "multiblock-fmu[plot]"'
+
+
+@pytest.mark.long  # an environment of setuptools' own is copied, as the wheel's
+def test_the_source_distribution_has_all_that_the_repository_has(tmp_path: Path) -> None:
+    listed = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=False).stdout.split(
+        "\n"
+    )
+    if listed == [""]:
+        pytest.skip("no repository here to compare with")
+    source = tmp_path / "source"
+    for name in filter(None, listed):
+        if (ROOT / name).is_file():
+            (source / name).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy(ROOT / name, source / name)
+    make = "from setuptools import build_meta; print(build_meta.build_sdist('made'))"
+    subprocess.run([sys.executable, "-c", make], cwd=source, check=True, capture_output=True)
+    (made,) = (source / "made").iterdir()
+    with tarfile.open(made) as archive:
+        within = {name.partition("/")[2] for name in archive.getnames()}
+    assert {name for name in listed if name and (ROOT / name).is_file()} <= within
+
+
+def test_drawing_names_its_extra(monkeypatch: pytest.MonkeyPatch) -> None:
+    response = simulate(Column.from_toml(build_fmu.DEFAULT_COLUMN), MOTION)
+    take_away(monkeypatch, "matplotlib")
+    monkeypatch.delitem(sys.modules, "solver.plotting.plots", raising=False)
+    monkeypatch.delattr("solver.plotting.plots", raising=False)
+    with pytest.raises(InputError, match=r'pip install -e ".*\[plot\]"$'):
+        response.plot()
+
+
+def test_a_response_can_be_pickled() -> None:
+    response = simulate(Column.from_toml(build_fmu.DEFAULT_COLUMN), MOTION)
+    again = pickle.loads(pickle.dumps(response))
+    assert again.column == response.column
+    assert again.stats == response.stats
+    for name in ("time", "ux", "uz", "theta", "N", "M", "S", "T", "contact", "sigma_max", "Fx", "Fz", "My", "peak_ux"):
+        np.testing.assert_array_equal(getattr(again, name), getattr(response, name))
+    assert again.overturned == response.overturned
+    assert pickle.loads(pickle.dumps(again)).ux.shape == response.ux.shape
+
+
+def test_one_version_everywhere() -> None:
+    citation = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+    assert f"version: {__version__}\n" in citation
+    assert f"\n## {__version__}\n" in (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+
+
+def test_every_package_is_installed() -> None:
+    settings = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    listed = settings["tool"]["setuptools"]["packages"]
+    found = [file.parent for name in ("solver", "fmu_src", "multiblock") for file in (ROOT / name).rglob("__init__.py")]
+    names = {".".join(folder.relative_to(ROOT).parts) for folder in found}
+    assert names == set(listed) - {build_fmu.COLUMNS_PACKAGE}

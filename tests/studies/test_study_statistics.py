@@ -1,0 +1,181 @@
+"""Curves and probabilities from runs: found again where they are known."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from solver import InputError
+from solver.dynamics.uncertainty import share_bounds as bounds_of_one
+from solver.studies import Results, fit_fragility, ida_curves, influences
+from solver.studies.statistics import binned, percentiles, share_bounds
+
+
+def made_up(
+    largest: Any, intensity: Any, kind: str = "fragility", samples: int = 0, grid: Any = None, beside: Any = None
+) -> Results:
+    """Results as if they had been run: infinite displacements are columns that fell."""
+    beside = beside or {}
+    study = {
+        "name": "made up",
+        "kind": kind,
+        "seed": 1,
+        "samples": samples or len(largest),
+        "sampling": "random",
+        "intensity": {"measure": "pga"},
+        "keep": ["peak_ux", "verdict"],
+        "limits": [],
+        "grid": grid or {},
+        "random": {name: {"distribution": "uniform", "each": False} for name in beside},
+        "columns": [{"name": "block", "block": [{"height": 3.0, "width": 1.0}]}],
+        "motions": [{"name": "pulse"}],
+    }
+    head = {
+        "study": study,
+        "varied": ["column", "motion", "intensity", *beside],
+        "measured": ["pga", "pgv"],
+        "blocks": 1,
+        "runs": len(largest),
+        "fingerprint": "",
+        "versions": {},
+    }
+    rows = []
+    for k, (u, im) in enumerate(zip(largest, intensity, strict=True)):
+        fell = math.isinf(u)
+        outputs = {"peak_ux": [2.0 if fell else u], "verdict": "overturned" if fell else "standing"}
+        rows.append([k, [0.0, 0.0, im, *(values[k] for values in beside.values())], [im, im], outputs, ""])
+    return Results(head, rows)
+
+
+@pytest.fixture(scope="module")
+def known() -> Results:
+    """20,000 runs of a column of capacity 0.5 g, deviation 0.4: what moves by more than 1 m falls."""
+    rng = np.random.default_rng(5)
+    im = rng.uniform(0.05, 2.0, 20000)
+    demand = (im / 0.5) ** 1.25 * np.exp(0.5 * rng.standard_normal(len(im)))
+    return made_up(np.where(demand > 1.0, math.inf, demand), im)
+
+
+def test_a_known_fragility_is_found(known: Results) -> None:
+    found = fit_fragility(known)
+    assert found.median == pytest.approx(0.5, rel=0.02)  # measured 0.2 %; the bounds are 1.3 % away
+    assert found.deviation == pytest.approx(0.4, rel=0.05)  # 0.5 / 1.25
+    assert found.median_bounds[0] < 0.5 < found.median_bounds[1]
+    assert found.deviation_bounds[0] < 0.4 < found.deviation_bounds[1]
+    assert (found.runs, found.name) == (20000, "pga")
+    # scipy's own search for the same likelihood, run by run
+    fell, x = known.overturned, np.log(known["pga"])
+
+    def loss(p: Any) -> float:
+        z = (x - p[0]) / math.exp(p[1])
+        return -float(np.sum(np.where(fell, stats.norm.logcdf(z), stats.norm.logsf(z))))
+
+    from scipy.optimize import minimize
+
+    best = minimize(loss, [-0.6, -1.0], method="Nelder-Mead", options={"xatol": 1e-8, "fatol": 1e-8}).x
+    # the grouping into 1000 neighbours: measured 2e-6
+    assert (math.log(found.median), math.log(found.deviation)) == pytest.approx(best, abs=1e-4)
+
+
+def test_fallen_columns_are_censored(known: Results) -> None:
+    """By the displacements of those that stand, at a limit that few of them reach; simple regression would be wrong."""
+    found = fit_fragility(known, limit=0.8, method="demand", resampled=20)
+    wanted = 0.5 * 0.8 ** (1.0 / 1.25)
+    assert found.median == pytest.approx(wanted, rel=0.02)
+    assert found.deviation == pytest.approx(0.4, rel=0.05)
+    by_failures = fit_fragility(known, limit=0.8, resampled=20)
+    assert by_failures.median == pytest.approx(found.median, rel=0.02)
+    # the bootstrap knows that demands tell more than mere failures
+    assert np.ptp(found.median_bounds) < np.ptp(by_failures.median_bounds)
+
+
+@pytest.mark.long
+def test_bounds_hold_as_often_as_they_say() -> None:
+    """Of 60 small studies the truth lies within the bounds of some 57."""
+    rng = np.random.default_rng(11)
+    hits = 0
+    for _ in range(60):
+        im = rng.uniform(0.1, 1.5, 150)
+        fell = rng.random(150) < stats.norm.cdf(np.log(im / 0.5) / 0.4)
+        found = fit_fragility(made_up(np.where(fell, math.inf, 0.1), im), resampled=100)
+        hits += found.median_bounds[0] < 0.5 < found.median_bounds[1]
+    assert hits >= 50  # fewer by chance: 1 in 1000; measured 56
+
+
+def test_the_seed_gives_the_same_bounds(known: Results) -> None:
+    one, other = (fit_fragility(known, resampled=10) for _ in range(2))
+    assert np.array_equal(one.curves, other.curves)
+
+
+def test_runs_that_do_not_tell_are_refused() -> None:
+    with pytest.raises(InputError, match="0 of 10 runs failed"):
+        fit_fragility(made_up(np.full(10, 0.1), np.linspace(0.1, 1.0, 10)))
+
+
+def test_bins_hold_all_runs(known: Results) -> None:
+    found = binned(known["pga"], known.overturned)
+    assert np.sum(found.runs) == 20000
+    assert np.sum(found.failed) == np.sum(known.overturned)
+    inside = stats.norm.cdf(np.log(found.middle / 0.5) / 0.4)
+    # a bin's share is that of its middle but for the curve's bend: 12 bounds of 95 %, one or two may fail
+    assert np.sum((found.low <= inside) & (inside <= found.high)) >= 10
+    levels = binned(np.repeat([0.1, 0.2, 0.4], 5), np.tile([True, False, True, False, False], 3))
+    assert levels.middle == pytest.approx([0.1, 0.2, 0.4])
+    assert (levels.runs.tolist(), levels.failed.tolist()) == ([5, 5, 5], [2, 2, 2])
+
+
+def test_binomial_bounds_are_those_of_the_solver() -> None:
+    count, size = np.array([0, 3, 20, 20]), np.array([20, 20, 20, 40])
+    low, high = share_bounds(count, size)
+    for k in range(4):
+        assert (low[k], high[k]) == pytest.approx(bounds_of_one(int(count[k]), int(size[k])), abs=1e-9)
+
+
+def test_curves_of_an_incremental_dynamic_analysis() -> None:
+    """Sample k moves by (k + 1) im and falls where that comes to more than 1.5."""
+    levels, samples = [0.1, 0.2, 0.4], 5
+    im = np.repeat(levels, samples)
+    u = im * np.tile(np.arange(1, samples + 1), 3)
+    results = made_up(np.where(u > 1.5, math.inf, u), im, "ida", samples, {"intensity": levels})
+    curves = ida_curves(results)
+    np.testing.assert_allclose(curves.percentiles[1], [0.3, 0.6, 1.2])
+    np.testing.assert_allclose(curves.percentiles[2], [0.4, 0.8, math.inf])
+    assert curves.overturned.tolist() == [0.0, 0.0, 0.4]
+    assert curves.each.shape == (5, 3)
+
+
+def test_runs_that_are_not_made_yet_are_in_no_share() -> None:
+    im = np.repeat([0.1, 0.2], 4)
+    u = np.array([0.1, 0.2, math.nan, math.nan, 0.3, math.inf, math.inf, math.nan])
+    results = made_up(u, im, "ida", 4, {"intensity": [0.1, 0.2]})
+    assert ida_curves(results).overturned == pytest.approx([0.0, 2.0 / 3.0])
+
+
+def test_percentiles_leave_out_what_was_not_made() -> None:
+    values = np.array([[1.0, math.nan], [math.inf, math.nan], [2.0, 3.0], [math.nan, 4.0]])
+    np.testing.assert_array_equal(percentiles(values), [[1.0, 3.0], [2.0, 4.0], [math.inf, 4.0]])
+
+
+def test_the_parameter_that_matters_comes_first() -> None:
+    rng = np.random.default_rng(2)
+    beside = {name: rng.random(2000) for name in ("joint.damping", "joint.stiffness", "block.width")}
+    u = np.exp(-3.0 * beside["joint.stiffness"] + 1.0 * beside["block.width"] + 0.1 * rng.standard_normal(2000))
+    found = influences(made_up(u, np.full(2000, 0.3), "montecarlo", 2000, None, beside))
+    assert [item.name for item in found] == ["joint.stiffness", "block.width", "joint.damping"]
+    assert found[0].rank < -0.8
+    low, high = found[0].displacement
+    # medians where the stiffness is 0.08 and 0.92 in the middle of its tails; measured 12.1
+    assert low / high == pytest.approx(math.exp(3.0 * 0.84), rel=0.15)
+
+
+def test_what_the_grid_does_is_in_no_rank() -> None:
+    """A stiffness that orders the runs at every level, though the level moves them far more."""
+    levels, samples = [0.1, 0.2, 0.4], 50
+    stiffness = np.tile(np.random.default_rng(3).random(samples), 3)
+    u = np.repeat([1e-3, 1e-1, 1e1], samples) * (1.0 + stiffness)
+    results = made_up(u, np.repeat(levels, samples), "ida", samples, {"intensity": levels}, {"stiffness": stiffness})
+    assert [item.rank for item in influences(results)] == [pytest.approx(1.0)]

@@ -1,0 +1,24 @@
+"""What an import brings with it."""
+
+from __future__ import annotations
+
+import importlib
+import sys
+
+
+def loaded_with(module: str, others: list[str]) -> list[str]:
+    """Which of `others` are loaded once `module` is imported."""
+    importlib.import_module(module)
+    return [name for name in others if name in sys.modules]
+
+
+def with_numba(version: str) -> str:
+    """The message of the import of the solver under a numba of that version."""
+    import numba
+
+    numba.__version__ = version
+    try:
+        importlib.import_module("solver")
+    except ImportError as error:
+        return str(error)
+    return ""

@@ -1,0 +1,41 @@
+"""Which outputs follow which variables in initialization."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from support.instance import Instance
+
+
+def followers(fmu: str) -> dict[str, list[str]]:
+    """Input or parameter -> the outputs that change when it alone is changed in initialization mode."""
+    variables = Instance(fmu).variables
+    outputs = [name for name, item in variables.items() if item.causality == "output"]
+    found: dict[str, set[str]] = {}
+    for formulation in ("exact", "paper"):
+        rotations = {"base.theta": 1e-3, "base.omega": 2e-3, "base.alpha": 0.1}
+        start: dict[str, Any] = {"base.ax": 0.4, "base.az": 0.3}
+        start |= rotations if formulation == "exact" else {"solver.formulation": formulation}
+        left_out = {"solver.integrator", *(rotations if formulation == "paper" else ("solver.formulation",))}
+        column = Instance(fmu, start, initialize=False)
+        column.fmi.setupExperiment()
+        column.fmi.enterInitializationMode()
+        before = column.get(*outputs)
+        for name, item in variables.items():
+            if item.causality == "output" or item.type == "String" or name in left_out:
+                continue
+            key = name.rpartition(".")[2]
+            general = ("friction", "offset", "inclination", "tilt")
+            if key == "dowel" or (key in general and formulation == "paper"):  # not allowed alone, or absent there
+                continue
+            (value,) = column.get(name)
+            given = {"centroid": 2.0, "inertia": 1e5, "offset": 0.01, "inclination": 1e-3, "tilt": 1e-3}.get(key)
+            other = 3 - value if item.type == "Enumeration" else given or (1.01 * value if value else 1.0)
+            column.set({name: other})
+            found.setdefault(name, set()).update(
+                output
+                for output, a, b in zip(outputs, before, column.get(*outputs), strict=True)
+                if abs(a - b) > 1e-9 * float(variables[output].nominal or 1.0)
+            )
+            column.set({name: value} | start)
+    return {name: sorted(names) for name, names in found.items()}

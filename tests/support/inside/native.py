@@ -1,0 +1,214 @@
+"""What only the native FMU can do, and whether it gives the bits of the other."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Sequence
+from math import pi, sin
+from typing import Any
+
+from fmpy.fmi2 import fmi2Boolean, fmi2Integer, fmi2Real, fmi2Status, fmi2String, fmi2ValueReference
+
+from support.inside.base import SPLIT
+from support.inside.neighbours import resident
+from support.instance import Instance
+
+OUTPUTS = [
+    f"{owner}[{i}].{name}"
+    for i in (1, 2, 3)
+    for owner, names in (("block", ("ux", "uz", "theta")), ("joint", ("N", "M", "S", "T")))
+    for name in names
+] + ["base.Fx", "base.Fz", "base.My"]
+Pair = tuple[list[float], list[float]]
+
+
+def compare(first: str, second: str, values: Sequence[dict[str, Any]]) -> list[tuple[bool, float]]:
+    """For each set of start values: whether all outputs of two FMUs have the same bits, and how far they are apart."""
+    found = []
+    for given in values:
+        start = {name: value for name, value in given.items() if name != "push"}
+        push = given.get("push", 1.5)
+        columns = [Instance(fmu, start) for fmu in (first, second)]
+        worst: dict[int, float] = {}
+        peak: dict[int, float] = {}
+        same = True
+        for k in range(400):
+            seen = []
+            for column in columns:
+                ax = push * sin(12.6 * 0.005 * k)
+                column.set({"base.ax": ax, "base.az": 0.2 * ax, "base.jx": 12.6 * push - 0.1 * push * k})
+                if k == 200:
+                    column.set({"g": 9.7, "joint[1].damping": 4e-3})
+                column.step(0.005 * k, 0.005)
+                seen.append(column.get())
+            same = same and seen[0] == seen[1]
+            for i, (a, b) in enumerate(zip(*seen, strict=True)):
+                worst[i] = max(worst.get(i, 0.0), abs(a - b))
+                peak[i] = max(peak.get(i, 1e-300), abs(b))
+        found.append((same, max(worst[i] / peak[i] for i in worst)))
+    return found
+
+
+def references(column: Instance, *names: str) -> Any:
+    """Value references of variables, as C has them."""
+    return (fmi2ValueReference * len(names))(*(column.variables[name].valueReference for name in names))
+
+
+def input_derivative(column: Instance, name: str, value: float, order: int = 1) -> int:
+    """The status of setting a derivative of an input."""
+    one = references(column, name), 1, (fmi2Integer * 1)(order), (fmi2Real * 1)(value)
+    return int(column.fmi.dll.fmi2SetRealInputDerivatives(column.fmi.component, *one))
+
+
+def directional(column: Instance, outputs: Sequence[str], inputs: Sequence[str], seeds: list[float]) -> list[float]:
+    """Directional derivative of outputs by inputs."""
+    of, by = (list(references(column, *names)) for names in (outputs, inputs))
+    return [float(value) for value in column.fmi.getDirectionalDerivative(of, by, seeds)]
+
+
+def rocking(fmu: str) -> Instance:
+    """A column that has rocked for 0.6 s."""
+    column = Instance(fmu, {"solver.tolerance": 1e-9})
+    for k in range(60):
+        column.set({"base.ax": 1.5 * sin(0.126 * k), "base.az": 0.3})
+        column.step(0.01 * k, 0.01)
+    return column
+
+
+def slopes(fmu: str) -> tuple[bool, list[int]]:
+    """Whether a derivative does what the slope does; the status of four derivatives."""
+
+    def follow(derivative: bool) -> list[Any]:
+        column, seen = Instance(fmu), []
+        for k in range(100):
+            slope = 15.0 - 0.3 * k
+            column.set({"base.ax": 1.5 * sin(0.126 * k)} | ({} if derivative else {"base.jx": slope}))
+            if derivative:
+                assert input_derivative(column, "base.ax", slope) == 0
+            column.step(0.01 * k, 0.01)
+            seen += column.get()
+        return seen
+
+    column = Instance(fmu)
+    statuses = [
+        input_derivative(column, "base.ax", 1.0, order=2),
+        input_derivative(column, "base.jx", 1.0),
+        input_derivative(column, "g", 1.0),
+        input_derivative(column, "base.jx", 0.0),
+    ]
+    return follow(True) == follow(False), statuses
+
+
+def errors_of_slopes(fmu: str) -> list[float]:
+    """Relative errors at the end of a harmonic: held at 0.01 and 0.005 s, by derivatives at 0.01 and 0.005 s."""
+
+    def last(h: float, derivative: bool) -> float:
+        def a(k: int) -> float:
+            return 0.6 * sin(4.0 * pi * k * h)
+
+        column = Instance(fmu, {"solver.tolerance": 1e-9})
+        for k in range(round(1.6 / h)):
+            column.set({"base.ax": a(k)})
+            if derivative:
+                input_derivative(column, "base.ax", (a(k + 1) - a(k)) / h)
+            column.step(k * h, h)
+        return float(column.get("block[1].ux")[0])
+
+    exact = last(0.0005, True)
+    return [abs(last(h, derivative) - exact) / abs(exact) for derivative in (False, True) for h in (0.01, 0.005)]
+
+
+def output_derivatives(fmu: str) -> Pair:
+    """Derivatives of outputs, and central differences of the outputs."""
+    column = rocking(fmu)
+    column.set({"base.ax": 0.4, "base.jx": 3.0})
+    state, h, seen = column.fmi.getFMUState(), 1e-5, []
+    column.step(0.6, h)
+    values, orders = (fmi2Real * len(OUTPUTS))(), (fmi2Integer * len(OUTPUTS))(*[1] * len(OUTPUTS))
+    status = column.fmi.dll.fmi2GetRealOutputDerivatives(
+        column.fmi.component, references(column, *OUTPUTS), len(OUTPUTS), orders, values
+    )
+    assert status == 0, status
+    for length in (0.0, 2 * h):
+        column.fmi.setFMUState(state)
+        if length:
+            column.step(0.6, length)
+        seen.append(column.get(*OUTPUTS))
+    return list(values), [(b - a) / (2 * h) for a, b in zip(*seen, strict=True)]
+
+
+def by_acceleration(fmu: str) -> list[Pair]:
+    """Directional derivatives by the base acceleration, and what the outputs change by."""
+    column, found = rocking(fmu), []
+    for given in ({}, {"base.ax": 0.7, "base.jz": 2.0}):
+        column.set(given)
+        before = column.get(*OUTPUTS)
+        derivative = directional(column, OUTPUTS, ["base.ax", "base.az"], [2.0, -3.0])
+        column.set({name: column.get(name)[0] + by for name, by in (("base.ax", 2.0), ("base.az", -3.0))})
+        after = column.get(*OUTPUTS)
+        found.append((derivative, [b - a for a, b in zip(before, after, strict=True)]))
+    return found
+
+
+def by_rotation(fmu: str, name: str, step: float) -> Pair:
+    """Directional derivatives by a rotation of the base, and differences of the outputs."""
+    outputs = [*OUTPUTS, *SPLIT]
+    column = rocking(fmu)
+    column.set({"base.theta": 1e-4, "base.omega": 2e-3, "base.alpha": 0.05})
+    found = directional(column, outputs, [name], [1.0])
+    at = column.get(name)[0]
+    seen = []
+    for value in (at - step, at + step):
+        column.set({name: value})
+        seen.append(column.get(*outputs))
+    return found, [(b - a) / (2.0 * step) for a, b in zip(*seen, strict=True)]
+
+
+def status(fmu: str) -> list[list[Any]]:
+    """Answers to questions about a step that was discarded."""
+    column = rocking(fmu)
+    dll, c = column.fmi.dll, column.fmi.component
+    kind, time, flag, text = fmi2Status(), fmi2Real(), fmi2Boolean(), fmi2String()
+    column.attempt("step", 0.0, 0.1)
+    return [
+        [dll.fmi2GetStatus(c, 0, ctypes.byref(kind)), kind.value],
+        [dll.fmi2GetRealStatus(c, 2, ctypes.byref(time)), round(time.value, 9)],
+        [dll.fmi2GetBooleanStatus(c, 3, ctypes.byref(flag)), flag.value],
+        [dll.fmi2GetStringStatus(c, 1, ctypes.byref(text)), (text.value or b"").decode()],
+        [dll.fmi2CancelStep(c)],
+    ]
+
+
+def around_the_limit(fmu: str, formulation: str, limit: float) -> list[str]:
+    """What initialization answers to a step of central differences just below and just above a limit."""
+    heard = []
+    for part in (1.0 - 1e-8, 1.0 + 3e-6):
+        column = Instance(fmu, initialize=False)
+        column.set({"solver.integrator": "central-difference", "solver.formulation": formulation})
+        column.set({"solver.step": part * limit})
+        heard.append(column.attempt("initialize"))
+    return heard
+
+
+def left_behind(fmu: str) -> int:
+    """Bytes that ten thousand lives leave behind."""
+    column = Instance(fmu)
+    dll, callbacks, guid = column.fmi.dll, column.fmi.callbacks, column.fmi.guid.encode()
+    state = ctypes.c_void_p()
+
+    def live() -> None:
+        c = dll.fmi2Instantiate(b"column", 1, guid, b"", ctypes.byref(callbacks), 0, 0)
+        assert dll.fmi2SetupExperiment(c, 0, 0.0, 0.0, 0, 0.0) == 0
+        assert dll.fmi2EnterInitializationMode(c) == 0
+        assert dll.fmi2ExitInitializationMode(c) == 0
+        assert dll.fmi2DoStep(c, 0.0, 0.01, 1) == 0
+        assert dll.fmi2GetFMUstate(c, ctypes.byref(state)) == 0
+        assert dll.fmi2FreeFMUstate(c, ctypes.byref(state)) == 0
+        dll.fmi2FreeInstance(c)
+
+    for _ in range(100):
+        live()
+    before = resident()
+    for _ in range(10000):
+        live()
+    return resident() - before

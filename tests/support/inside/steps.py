@@ -1,0 +1,46 @@
+"""Communication steps of any length until 4 s."""
+
+from __future__ import annotations
+
+import random
+from typing import Any
+
+from support.instance import Instance
+
+
+def plan(kind: str) -> list[float]:
+    """Lengths of the steps, s: a name, or one number."""
+    some = random.Random(5)
+    if kind == "whole":
+        return [4.0]
+    if kind == "uneven":  # from a microsecond to a third of a second
+        steps = [10.0 ** some.uniform(-6.0, -0.5) for _ in range(45)]
+        while sum(steps) >= 3.999:
+            steps.pop()
+        return [*steps, 4.0 - sum(steps)]
+    if kind == "slivers":
+        return [0.1 - 1e-6, 1e-6] * 40
+    if kind == "microseconds":  # while the column rocks
+        return [1.5, *[1e-6] * 20000, 4.0 - 1.52]
+    return [float(kind)] * round(4.0 / float(kind))
+
+
+def follow(fmu: str, values: dict[str, Any], kinds: tuple[str, ...], tries: bool = False) -> list[list[float]]:
+    """Displacement and shear of the top at the end of each plan.
+
+    tries: before each step another one is made and taken back.
+    """
+    ends = []
+    for kind in kinds:
+        column, some, t = Instance(fmu, values), random.Random(7), 0.0
+        for h in plan(kind):
+            if tries:
+                saved = column.fmi.getFMUState()
+                column.step(t, h * some.uniform(0.01, 2.0))
+                column.get()
+                column.fmi.setFMUState(saved)
+                column.fmi.freeFMUState(saved)
+            column.step(t, h)
+            t += h
+        ends.append(column.get("block[1].ux", "joint[1].S"))
+    return ends

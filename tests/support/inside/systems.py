@@ -1,0 +1,162 @@
+"""The SSPs of the coupling example in masters that open them, and what these hand over. The example must be in reach.
+
+Each way returns, after every step, the top displacement, the partner's x and the ground acceleration.
+"""
+
+from __future__ import annotations
+
+import zipfile
+from typing import Any
+from xml.etree import ElementTree
+
+import numpy as np
+from fmpy import read_model_description
+
+from support.instance import keep_what_is_unpacked_together
+
+STEP = 1e-3  # s
+SEEN = (("column", "block[1].ux"), ("", "x"), ("ground", "ground.ax"))
+CONNECTED = (("column", "base.R0x"), ("", "base.ax"), ("ground", "ground.ax"))  # FMPy shows connectors alone
+NAMES = {"isolator": "isolated", "soil": "on_soil"}
+VALUES = "{http://ssp-standard.org/SSP1/SystemStructureParameterValues}"
+
+
+def _seen(partner: str, seen: tuple[tuple[str, str], ...] = SEEN) -> list[tuple[str, str]]:
+    return [(part or partner, name) for part, name in seen]
+
+
+def parameters(folder: str, partner: str) -> dict[str, dict[str, float]]:
+    """What the sets of parameters inside the SSP say."""
+    found: dict[str, dict[str, float]] = {}
+    with zipfile.ZipFile(f"{folder}/{NAMES[partner]}.ssp") as archive:
+        for name in archive.namelist():
+            if name.endswith(".ssv"):
+                root = ElementTree.fromstring(archive.read(name))
+                part = name.removeprefix("resources/").removesuffix(".ssv")
+                found[part] = {
+                    item.get("name") or "": float(item[0].get("value") or "")
+                    for item in root.iter(f"{VALUES}Parameter")
+                }
+    return found
+
+
+def one_pass(folder: str, partner: str, steps: int, as_fmpy: bool = False) -> list[list[float]]:
+    """What masters do that make all steps, read all outputs once, and set all inputs once.
+
+    as_fmpy: nothing is handed over before the first step, and outputs are shown as they were before inputs were set.
+    """
+    from master import Fmu
+    from ssp import coupled
+
+    fmus = {part: f"{folder}/{part}.fmu" for part in ("ground", "column", partner)}
+    given = parameters(folder, partner)
+    parts = {part: Fmu(path, **given.get(part, {})) for part, path in fmus.items()}
+    connections = coupled(partner, fmus, {}, 1.0, STEP).connections  # type: ignore[arg-type]
+
+    def hand_over() -> None:
+        values = [parts[source].get(start)[0] for source, start, _, _ in connections]
+        for (_, _, target, end), value in zip(connections, values, strict=True):
+            parts[target].set(**{end: value})
+
+    for _ in () if as_fmpy else parts:
+        hand_over()
+    rows = []
+    for k in range(steps):
+        for each in parts.values():
+            each.step(k * STEP, STEP)
+        if not as_fmpy:
+            hand_over()
+        rows.append([parts[part].get(name)[0] for part, name in _seen(partner, CONNECTED if as_fmpy else SEEN)])
+        if as_fmpy:
+            hand_over()
+    return rows
+
+
+def sorted_master(folder: str, partner: str, steps: int) -> list[list[float]]:
+    """The same by the example's own master, the ground as a component."""
+    from master import Fmu, couple
+
+    given = parameters(folder, partner)
+    ground = Fmu(f"{folder}/ground.fmu", **given["ground"])
+    samples = []
+    for k in range(steps + 2):
+        samples += ground.get("ground.ax")
+        ground.step(k * STEP, STEP)
+    run = couple(
+        Fmu(f"{folder}/column.fmu"),
+        Fmu(f"{folder}/{partner}.fmu", **given.get(partner, {})),
+        lambda t: samples[round(t / STEP)],
+        STEP,
+        steps * STEP,
+    )
+    return np.column_stack([run["block[1].ux"], run["x"], samples[: steps + 1]])[1:].tolist()
+
+
+def as_one(folder: str, partner: str, steps: int) -> list[list[float]]:
+    """Top displacement and the partner's x of the same system solved as one, on the ground's own waves."""
+    from build import DEFAULT_COLUMN, WAVES
+    from reference import solve_as_one
+
+    from solver import Column
+
+    waves = np.loadtxt(f"{folder}/{WAVES}", delimiter=",", skiprows=1)
+    samples = np.interp(STEP * np.arange(steps + 2), waves[:, 0], waves[:, 1])
+    kind, given = ("soil" if partner == "soil" else "linear"), parameters(folder, partner)[partner]
+    run = solve_as_one(Column.from_toml(DEFAULT_COLUMN), kind, given, STEP, samples, steps * STEP, STEP)
+    return np.column_stack([run["top"], run["x"]])[1:].tolist()
+
+
+def libcosim(folder: str, partner: str, steps: int) -> list[list[float]]:
+    from libcosimpy.CosimExecution import CosimExecution
+    from libcosimpy.CosimObserver import CosimObserver
+
+    execution = CosimExecution.from_ssp_file(f"{folder}/{NAMES[partner]}.ssp", round(STEP * 1e9))
+    places = {info.name.decode(): info.index for info in execution.slave_infos()}
+    observer = CosimObserver.create_last_value()
+    execution.add_observer(observer)
+    wanted = [(places[part], _reference(folder, part, name)) for part, name in _seen(partner)]
+    rows = []
+    for _ in range(steps):
+        assert execution.step()
+        rows.append([observer.last_real_values(place, [reference])[0] for place, reference in wanted])
+    return rows
+
+
+def _reference(folder: str, part: str, name: str) -> int:
+    description: Any = read_model_description(f"{folder}/{part}.fmu")
+    return next(variable.valueReference for variable in description.modelVariables if variable.name == name)
+
+
+def ecos(folder: str, partner: str, steps: int) -> list[list[float]]:
+    from ecospy import EcosSimulation
+
+    keep_what_is_unpacked_together()
+    simulation = EcosSimulation(ssp_path=f"{folder}/{NAMES[partner]}.ssp", step_size=STEP)
+    simulation.init(parameter_set="defaults")
+    rows = []
+    for _ in range(steps):
+        simulation.step(1)
+        rows.append([simulation.get_real(f"{part}::{name}") for part, name in _seen(partner)])
+    simulation.terminate()
+    return rows
+
+
+def fmpy(folder: str, partner: str, steps: int) -> list[list[float]]:
+    """CONNECTED, with the sets of parameters handed over: FMPy does not look for them."""
+    from types import SimpleNamespace
+
+    from fmpy.ssp.simulation import simulate_ssp
+
+    given = [
+        SimpleNamespace(name=f"{part}.{name}", value=value)
+        for part, values in parameters(folder, partner).items()
+        for name, value in values.items()
+    ]
+    table = simulate_ssp(
+        f"{folder}/{NAMES[partner]}.ssp",
+        stop_time=(steps - 0.5) * STEP,
+        step_size=STEP,
+        parameter_set=SimpleNamespace(parameters=given),
+    )
+    assert {"column.block[1].ux", "column.joint[3].M", f"{partner}.x"} <= set(table.dtype.names)  # for a look
+    return np.column_stack([table[f"{part}.{name}"] for part, name in _seen(partner, CONNECTED)]).tolist()
