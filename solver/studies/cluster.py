@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from importlib import import_module
+from tempfile import TemporaryDirectory
 from types import TracebackType
 from typing import Any
 
@@ -36,15 +37,17 @@ class Cluster:
     def __init__(self, address: str = LOCAL, workers: int | None = None) -> None:
         with needing("dask", "distributed", "dask"):
             dask, distributed = (import_module(name) for name in ("dask", "distributed"))
+        self._scratch = TemporaryDirectory(prefix="multiblock-dask-", ignore_cleanup_errors=True)
         try:
             if address == LOCAL:
-                with dask.config.set(OF_OURS):
+                with dask.config.set(OF_OURS | {"temporary-directory": self._scratch.name}):
                     self._client: Any = distributed.Client(
                         n_workers=workers, threads_per_worker=1, dashboard_address=None, set_as_default=False
                     )
             else:
                 self._client = distributed.Client(address, timeout=CONNECT, set_as_default=False)
         except (OSError, ValueError, TimeoutError) as error:
+            self._scratch.cleanup()
             raise InputError(f"--dask {address}: no scheduler answers: {error}") from error
         self.address = address
 
@@ -73,6 +76,7 @@ class Cluster:
     def close(self) -> None:
         """Leave the cluster; workers that were started here end."""
         self._client.close(timeout=5)
+        self._scratch.cleanup()
 
     def __enter__(self) -> Cluster:
         return self

@@ -38,7 +38,7 @@ class Site:
 
     def _start(self, *words: str) -> subprocess.Popen[bytes]:
         line = [sys.executable, "-m", "distributed.cli.dask_" + words[0], *words[1:], "--no-dashboard"]
-        environment = os.environ | {"PYTHONPATH": str(ROOT)}
+        environment = os.environ | {"PYTHONPATH": str(ROOT), "DASK_TEMPORARY_DIRECTORY": str(self._file.parent)}
         return subprocess.Popen(
             [*line, "--scheduler-file", str(self._file)],
             env=environment,
