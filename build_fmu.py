@@ -39,8 +39,8 @@ from solver import Column, InputError
 from solver.column.rest import check_rest
 from solver.commands.command_files import add_force
 from solver.commands.command_line import program_parser, run_command
-from solver.common.errors import needing, reading
-from solver.common.files import check_file_name, check_outputs, identifier_of, whole_file
+from solver.common.errors import needing, reading, shown
+from solver.common.files import check_outputs, identifier_of, whole_file
 from solver.kernels.numba_ext.jit import CODE
 from solver.kernels.numba_ext.numba_parts import LINKING
 
@@ -149,6 +149,7 @@ def _default_column() -> Path:
 
 
 DEFAULT_COLUMN = _default_column()
+NOT_IN_NAMES = '<>:"/\\|?*'  # in a file name of Windows
 
 
 def build_native_fmu(
@@ -187,14 +188,26 @@ def build_native_fmu(
 
 def _column_and_output(column_file: Path, output: Path | None, record: Path | None) -> tuple[Column, Path]:
     column = Column.from_toml(column_file)
-    output = Path(f"{identifier_of(column.name)}.fmu") if output is None else output
+    if output is None:
+        output = Path(f"{identifier_of(column.name)}.fmu")
+        if output.exists():
+            print(f"{output}: was there already and is replaced", file=sys.stderr)
     if output.suffix != ".fmu":
         raise InputError(f"-o {output}: must end in .fmu")
     if record is not None:
-        check_file_name("the name of --record", record.name)
+        _check_record_name(record.name)
     with reading(column_file):
         check_rest(column)
     return column, output
+
+
+def _check_record_name(name: str) -> None:
+    """Raise InputError unless XML can hold the name of a record and every system can unpack a file of this name."""
+    if not name.isprintable() or any(letter in NOT_IN_NAMES for letter in name) or name[-1:] in (" ", "."):
+        raise InputError(
+            f"the name of --record = {shown(name)}: must have no control characters and none of {NOT_IN_NAMES}, and "
+            "not end with a dot or a space: rename the file"
+        )
 
 
 def build_fmu(column_file: Path, output: Path | None = None, record: Path | None = None) -> Path:
