@@ -28,6 +28,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from types import ModuleType
 
+import numba
+
 import fmu_src
 from fmu_src.host import MACHINE_CODE, content_hash
 from fmu_src.native import guard
@@ -42,7 +44,7 @@ from solver.commands.command_line import program_parser, run_command
 from solver.common.errors import needing, reading, shown
 from solver.common.files import check_outputs, identifier_of, whole_file
 from solver.kernels.numba_ext.jit import CODE
-from solver.kernels.numba_ext.numba_parts import LINKING
+from solver.kernels.numba_ext.numba_parts import LINKING, missing_for_linking
 
 COLUMNS_PACKAGE = "multiblock_columns"  # name of examples/columns/ in an installed project
 BUILDER_PACKAGES = ("pythonfmu", "matplotlib")
@@ -167,6 +169,9 @@ def build_native_fmu(
     platforms: of PLATFORMS[fmi], None: all of them. scalars: of FMI 3.0 without arrays. Raises InputError,
     OSError.
     """
+    if not LINKING:
+        lacks = ", ".join(missing_for_linking()) or "MULTIBLOCK_LINKING=0"
+        raise InputError(f"--native: needs kernels that are linked, and numba {numba.__version__} does not ({lacks})")
     with needing("native", *BUILDER_PACKAGES):
         from fmu_src.native.package import native_files, needs_report
     column, output = _column_and_output(column_file, output, record)

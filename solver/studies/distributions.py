@@ -110,9 +110,9 @@ def _normal(
 def _lognormal(
     quantile: FloatArray, median: float, deviation: float, low: float = 0.0, high: float = np.inf
 ) -> FloatArray:
-    with np.errstate(divide="ignore"):
+    with np.errstate(divide="ignore", over="ignore"):  # infinite numbers are refused by the run that gets one
         ends = np.log(low), np.log(high)
-    return np.exp(_normal(quantile, float(np.log(median)), deviation, *ends))
+        return np.exp(_normal(quantile, float(np.log(median)), deviation, *ends))
 
 
 def _triangular(quantile: FloatArray, low: float, mode: float, high: float) -> FloatArray:

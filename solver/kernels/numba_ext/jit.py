@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any
 
 import numba
-from llvmlite import binding as llvm
 from numba import cfunc, njit
 from numba.extending import overload, register_jitable
 
@@ -53,17 +52,12 @@ def native(*signature: Any) -> Callable[..., Any]:
 def as_written(function: Callable[..., Any], arguments: tuple[Any, ...]) -> tuple[Any, str]:
     """LLVM module of a kernel for these types of arguments, with all that it calls; its name in the module.
 
-    It returns 0 and writes its result to an address that comes first, as numba's functions do.
+    It returns 0 and writes its result to an address that comes first, as numba's functions do. Needs `LINKING`.
     """
     typed: Any = kernel(function)
     typed.compile(arguments)
     (found,) = typed.overloads.values()
-    name = found.fndesc.mangled_name
-    if LINKING:
-        module = found.library.with_called()
-    else:
-        (text,) = typed.inspect_llvm().values()  # each kernel has been optimized
-        module = llvm.parse_assembly(text)
+    name, module = found.fndesc.mangled_name, found.library.with_called()
     module.get_function(name).linkage = "external"
     return module, name
 
