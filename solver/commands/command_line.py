@@ -35,7 +35,7 @@ from .motion_options import (
     motion_of,
     read_with_options,
 )
-from .progress import ProgressLine, compile_kernels
+from .progress import Line, ProgressLine, compile_kernels
 from .record_report import report
 from .static import add_static_commands
 from .study import add_command as add_study
@@ -185,7 +185,7 @@ def _simulate(options: argparse.Namespace) -> None:
     check_picture(options.plot_column)
     if options.film is not None:
         with needing("plot", "matplotlib"):
-            from ..plotting.drawings import check_film
+            from ..plotting.film import check_film
         check_film(options.film)
     outputs = (options.output, options.plot, options.plot_column, options.film)
     check_outputs(outputs, (options.column, options.motion, options.vertical), options.force)
@@ -216,7 +216,7 @@ def _simulate(options: argparse.Namespace) -> None:
             lambda path: response.to_csv(path, options.digits),
             response.plot,
             response.plot_column,
-            response.film,
+            lambda path: _film(response, path),
         )
         for path, write in zip(outputs, writers, strict=True):
             if path is not None:
@@ -225,6 +225,15 @@ def _simulate(options: argparse.Namespace) -> None:
                 print(path)
     except MemoryError:
         raise SolverError("not enough memory for the response: a larger --output-step may help") from None
+
+
+def _film(response: Response, path: Path) -> None:
+    """Film a response, with a progress line on a terminal."""
+    if not sys.stderr.isatty():
+        response.film(path)
+        return
+    with Line(unit="picture") as line:
+        response.film(path, callback=line.show)
 
 
 def _run(column: Column, motion: Motion, duration: float | None, **options: Any) -> Response:

@@ -96,7 +96,7 @@ def read_with_options(path: Path, options: argparse.Namespace, channel: int | No
     plain = format_of(path) == PLAIN
     record = read_record(path, options.dt if plain else None, options.units if plain else None, channel)
     with reading(path):
-        return record, Motion.from_record(record)
+        return record, Motion.from_record(record).named(path.name)
 
 
 def check_file_options(paths: list[Path], options: argparse.Namespace) -> None:

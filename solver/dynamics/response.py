@@ -193,11 +193,19 @@ class Response:
             from ..plotting.drawings import plot_column
         return plot_column(self, path, at, scale)
 
-    def film(self, path: str | os.PathLike[str], scale: float | None = None, fps: int = 20, speed: float = 1.0) -> None:
+    def film(
+        self,
+        path: str | os.PathLike[str],
+        scale: float | None = None,
+        fps: int = 20,
+        speed: float = 1.0,
+        callback: Callable[[int, int], object] | None = None,
+    ) -> None:
         """Write a film of the column, a GIF or, if ffmpeg is installed, an MP4; `speed`: s of motion in a s of film.
 
+        callback: is given the number of pictures made, and of all.
         Raises InputError without matplotlib (the extra `plot`).
         """
         with needing("plot", "matplotlib"):
-            from ..plotting.drawings import film
-        film(self, path, scale, fps, speed)
+            from ..plotting.film import film
+        film(self, path, scale, fps, speed, callback)

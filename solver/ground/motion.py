@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 import os
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -36,6 +37,7 @@ class Motion:
     time: NDArray[np.float64]  # (m,) s, strictly increasing; time[0] is the start
     ax: NDArray[np.float64]  # (m,) m/s2, horizontal, +x to the right
     az: NDArray[np.float64]  # (m,) m/s2, vertical, +z up
+    name: str = field(default="", kw_only=True)  # for titles: of the file, or of the formula
     duration: float  # s; linear: time[-1] - time[0], held: more, the last sample holds until the end
     hold: bool = False
     amplitude: float = 0.0  # m/s2, of the harmonic part of ax
@@ -109,7 +111,14 @@ class Motion:
         ax, az, amplitude = factor * self.ax, factor * self.az, factor * self.amplitude
         if not max(np.abs(ax).max(), np.abs(az).max(), abs(amplitude)) <= LARGEST:
             return replace(self, ax=ax, az=az, amplitude=amplitude)  # which says what is wrong
-        return Motion.unchecked(self.time, ax, az, self.duration, self.hold, amplitude, self.frequency)
+        made = Motion.unchecked(self.time, ax, az, self.duration, self.hold, amplitude, self.frequency)
+        return made.named(self.name)
+
+    def named(self, name: str) -> Motion:
+        """Return the motion with a name for titles; the samples are shared."""
+        made: Motion = object.__new__(Motion)
+        made.__dict__.update(vars(self) | {"name": name})
+        return made
 
     def scaled_to(self, pga: float) -> Motion:
         """Return the motion scaled so that `pga` (m/s2) is its largest |ax|; az is scaled by the same factor.
@@ -138,7 +147,7 @@ class Motion:
         same = SAME_INSTANT * min(np.min(np.diff(self.time)), np.min(np.diff(vertical.time)))
         time = both[np.concatenate([[True], np.diff(both) > same])]
         ax, az = _at_instants(time, self, same), _at_instants(time, vertical, same)
-        return Motion(time, ax, az, float(time[-1] - time[0]))
+        return Motion(time, ax, az, float(time[-1] - time[0]), name=self.name)
 
     def mirrored(self) -> Motion:
         """Return the motion seen from behind: ax changes its sign, az does not."""
@@ -217,7 +226,8 @@ class Motion:
         duration = check_number("duration", duration, POSITIVE, "a positive time in s")
         amplitude = check_number("amplitude", amplitude, *ACCELERATION)
         time, zero = np.array([0.0, duration], dtype=np.float64), np.zeros(2)
-        return cls(time, zero, zero, duration, amplitude=amplitude, frequency=frequency)
+        name = f"a harmonic of {frequency:g} Hz"
+        return cls(time, zero, zero, duration, amplitude=amplitude, frequency=frequency, name=name)
 
     @classmethod
     def from_samples(cls, dt: float, ax: ArrayLike, az: ArrayLike | None = None, hold: bool = False) -> Motion:
@@ -249,7 +259,7 @@ class Motion:
         """
         record = read_record(path, dt, units, channel)
         with reading(path):
-            return cls.from_record(record)
+            return cls.from_record(record).named(Path(path).name)
 
     @classmethod
     def from_record(cls, record: Record) -> Motion:
@@ -270,7 +280,7 @@ class Motion:
         with reading(path):
             time = record.time
             duration = time[-1] - time[0] + (time[-1] - time[-2] if hold else 0.0)
-            return cls(time, record.ax, record.az, float(duration), hold)
+            return cls(time, record.ax, record.az, float(duration), hold, name=Path(path).name)
 
     @classmethod
     def from_at2(cls, path: str | os.PathLike[str]) -> Motion:
@@ -280,7 +290,7 @@ class Motion:
         """
         record = read_at2(path)
         with reading(path):
-            return cls.from_record(record)
+            return cls.from_record(record).named(Path(path).name)
 
 
 def _with_slopes(table: NDArray[np.float64], hold: bool) -> NDArray[np.float64]:

@@ -32,7 +32,7 @@ def ricker(amplitude: float, frequency: float) -> Motion:
     amplitude, frequency = _amplitude(amplitude), _frequency(frequency)
     time = _instants(2.0 * RICKER_HALF, frequency)
     x = (np.pi * frequency * (time - RICKER_HALF / frequency)) ** 2
-    return _motion(time, amplitude * (1.0 - 2.0 * x) * np.exp(-x))
+    return _motion(time, amplitude * (1.0 - 2.0 * x) * np.exp(-x)).named(f"a Ricker wavelet of {frequency:g} Hz")
 
 
 def one_sine(amplitude: float, frequency: float) -> Motion:
@@ -42,7 +42,7 @@ def one_sine(amplitude: float, frequency: float) -> Motion:
     """
     amplitude, frequency = _amplitude(amplitude), _frequency(frequency)
     time = _instants(1.0, frequency)
-    return _motion(time, amplitude * np.sin(2.0 * np.pi * frequency * time))
+    return _motion(time, amplitude * np.sin(2.0 * np.pi * frequency * time)).named(f"one sine of {frequency:g} Hz")
 
 
 def one_cosine(amplitude: float, frequency: float) -> Motion:
@@ -53,7 +53,7 @@ def one_cosine(amplitude: float, frequency: float) -> Motion:
     """
     amplitude, frequency = _amplitude(amplitude), _frequency(frequency)
     time = _instants(1.0, frequency)
-    return _motion(time, amplitude * np.cos(2.0 * np.pi * frequency * time))
+    return _motion(time, amplitude * np.cos(2.0 * np.pi * frequency * time)).named(f"one cosine of {frequency:g} Hz")
 
 
 def mavroeidis_papageorgiou(velocity: float, frequency: float, cycles: float, phase: float = 0.0) -> Motion:
@@ -73,7 +73,8 @@ def mavroeidis_papageorgiou(velocity: float, frequency: float, cycles: float, ph
     angle = 2.0 * np.pi * frequency * (time - 0.5 * cycles / frequency)
     bell = angle / cycles
     shape = np.sin(bell) * np.cos(angle + phase) + cycles * np.sin(angle + phase) * (1.0 + np.cos(bell))
-    return _motion(time, -velocity * np.pi * frequency / cycles * shape)
+    name = f"a Mavroeidis-Papageorgiou pulse of {frequency:g} Hz"
+    return _motion(time, -velocity * np.pi * frequency / cycles * shape).named(name)
 
 
 def filtered_noise(
@@ -114,7 +115,9 @@ def filtered_noise(
     weight = np.full(count + 1, dt)  # of the trapezoidal rule, exact for straight lines
     weight[[0, -1]] *= 0.5
     samples -= envelope * (np.sum(weight * samples) / np.sum(weight * envelope))
-    return _motion(dt * np.arange(count + 1, dtype=np.float64), amplitude / np.max(np.abs(samples)) * samples)
+    time = dt * np.arange(count + 1, dtype=np.float64)
+    made = _motion(time, amplitude / np.max(np.abs(samples)) * samples)
+    return made.named(f"noise of {frequency:g} Hz, seed {seed}")
 
 
 def _restoring(base: FloatArray, dt: float, frequency: float, damping: float) -> FloatArray:

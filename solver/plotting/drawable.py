@@ -26,6 +26,9 @@ class Shaken(Shapes, Protocol):
     """A Response."""
 
     @property
+    def peaks(self) -> dict[str, FloatArray]: ...
+
+    @property
     def time(self) -> FloatArray: ...
     @property
     def overturn_time(self) -> float: ...

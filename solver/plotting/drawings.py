@@ -1,30 +1,28 @@
-"""Drawings of the deformed column: a picture of one instant, a film of all. Imported late, for matplotlib."""
+"""Drawings of the deformed column at one instant. Imported late, for matplotlib."""
 
 from __future__ import annotations
 
 import math
 import os
-from pathlib import Path
 
 import numpy as np
-from matplotlib.animation import AbstractMovieWriter, FFMpegWriter, PillowWriter
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
 from ..column.packing import FloatArray
-from ..common.errors import POSITIVE, InputError, check_number
-from ..common.files import whole_file
+from ..common.errors import POSITIVE, check_number
 from .drawable import Shaken, Shapes
-from .plots import block_colours, draw_ground, save
+from .style import GREY, RED, header, save
+from .style import INK as INK
+from .style import STONE as STONE
+from .words import length, setting_of
 
-STONE, INK = "#cdbfa7", "#3b3a38"
 SHOWN = 0.15  # of the column's height: displacement of its top in a picture whose scale is not given
 NICE = (1.0, 2.0, 5.0)  # times powers of ten: scales to choose from
-FILMS = (".gif", ".mp4")
-FRAMES_PER_SECOND = 20
-MOST_FRAMES = 5000
-FILM_DPI = 80
+MOST_NUMBERED = 15  # joints that get a number; of more, every second, third ...
+BAR = 0.2  # of the width of a drawing: the longest scale bar
+LOST = 0.5  # of the height: displacement at which a column that falls is drawn
 
 
 def plot_column(
@@ -35,30 +33,30 @@ def plot_column(
 ) -> Figure:
     """Draw the deformed column, relative to its base; saved to `path` if given.
 
-    at: time in s, of which the nearest row is drawn; None: the row of the largest |ux| of any block. scale: factor on
-    rotations and openings; None: 1, 2 or 5 times a power of ten, so that the motion is seen, and 1 where it is large.
-    The picture states it. Raises InputError, OSError.
+    at: time in s, of which the nearest row is drawn; None: the row of the largest |ux| of any block, or, of a column
+    that falls, the last one before its top has moved by half the height. scale: factor on rotations and openings; None:
+    1, 2 or 5 times a power of ten, so that the motion is seen, and 1 where it is large. The picture states it, with a
+    bar as long as a displacement, heights and numbers of joints. Raises InputError, OSError.
     """
     k = _peak(response) if at is None else _row(response, at)
-    scale = _scale(response, scale)
-    figure = Figure(figsize=(4.2, 7.0), layout="constrained")
+    scale = scale_of(response, scale)
+    figure = Figure(figsize=(5.4, 7.4), layout="constrained")
     axes = figure.add_subplot()
     draw_column(axes, response, k, scale)
+    measure_column(axes, response, k, scale)
+    wide, tall = np.ptp(axes.get_xlim()), np.ptp(axes.get_ylim())
+    figure.set_size_inches(5.4, min(7.4, 5.3 * tall / wide + 0.8))
     top = int(np.argmax(np.abs(response.ux[k])))
-    axes.set_title(
-        f"{response.column.name} at {response.time[k]:.3f} s\n"
-        f"top of block {top + 1} at {1e3 * response.ux[k, top]:.3g} mm; {_scale_text(scale)}",
-        fontsize=9,
-    )
-    if path is not None:
-        save(figure, path)
-    return figure
+    line = f"At {response.time[k]:.3f} s the top of block {top + 1} is at {length(float(response.ux[k, top]))}."
+    header(figure, setting_of(response.column, response.motion), line)
+    return save(figure, path)
 
 
-def draw_column(axes: Axes, response: Shapes, k: int, scale: float) -> list[Polygon]:
+def draw_column(axes: Axes, response: Shapes, k: int, scale: float, linewidth: float = 1.0) -> list[Polygon]:
     """Draw row k of a response, rotations and openings times `scale`, on axes of equal units; returns the blocks."""
     patches = [
-        Polygon(corners, facecolor=STONE, edgecolor=INK, linewidth=1.0) for corners in corners_of(response, k, scale)
+        Polygon(corners, facecolor=STONE, edgecolor=INK, linewidth=linewidth)
+        for corners in corners_of(response, k, scale)
     ]
     for patch in patches:
         axes.add_patch(patch)
@@ -68,13 +66,45 @@ def draw_column(axes: Axes, response: Shapes, k: int, scale: float) -> list[Poly
         max(max(block.width, block.top_width or 0.0) for block in blocks),
     )
     reach = 0.6 * width + max(SHOWN * height, scale * float(np.max(np.abs(response.ux))))
-    axes.axhline(0.0, color=INK, linewidth=3.0)
+    axes.axhline(0.0, color=INK, linewidth=3.0 * linewidth)
     axes.plot([0.0, 0.0], [0.0, 1.03 * height], color=INK, linewidth=0.7, linestyle=":")
     axes.set(
         xlim=(-min(reach, 1.5 * height), min(reach, 1.5 * height)), ylim=(-0.03 * height, 1.1 * height), aspect="equal"
     )
     axes.set_axis_off()
     return patches
+
+
+def measure_column(axes: Axes, response: Shapes, k: int, scale: float) -> None:
+    """Add heights on the left, numbers of joints on the right, the factor in large figures, and a bar to its scale."""
+    corners = corners_of(response, k, scale)
+    n, height = len(corners), sum(block.height for block in response.column.blocks)
+    (left, _), (right, top) = np.min(corners, axis=(0, 1)), np.max(corners, axis=(0, 1))
+    left, right, low = left - 0.22 * height, right + 0.2 * height, -0.17 * height
+    every = math.ceil(n / MOST_NUMBERED)
+    for number, outline in enumerate(corners, start=1):
+        if (n - number) % every == 0:
+            end = max(outline[0], outline[1], key=lambda corner: float(corner[0]))
+            text = f"joint {number}" if number <= every else f"{number}"
+            above = 6.0 if number == n else 0.0  # the ground would strike it through
+            axes.annotate(text, end, (5.0, above), textcoords="offset points", fontsize=9, va="center", color=INK)
+    axes.set(xlim=(left, right), ylim=(low, max(1.04 * height, top + 0.03 * height)))
+    axes.text(left, 0.35 * low, rf"$\times$ {scale:g}", fontsize=22, color=RED, ha="left", va="top")
+    begin, bar = left + 0.42 * (right - left), _nice(BAR * (right - left) / scale)
+    axes.plot([begin, begin + scale * bar], 2 * [0.52 * low], color=RED, linewidth=3.0, solid_capstyle="butt")
+    axes.text(begin, 0.6 * low, f"{length(bar)} of motion", fontsize=9, color=RED, ha="left", va="top")
+    _rule_heights(axes, height, left)
+
+
+def _rule_heights(axes: Axes, height: float, place: float) -> None:
+    """A scale of heights, m, from the ground to the top of the column as built."""
+    every = _nice(height / 4.0)
+    marks = [every * k for k in range(math.ceil(height / every - 0.3))]
+    axes.plot([place, place], [0.0, height], color=GREY, linewidth=1.0)
+    for mark in [*marks, height]:
+        text = f"{mark:.4g} m" if mark == height else f"{mark:g}"
+        axes.plot([place, place + 0.015 * height], [mark, mark], color=GREY, linewidth=1.0)
+        axes.text(place + 0.025 * height, mark, text, fontsize=9, color=GREY, va="bottom" if mark == 0.0 else "center")
 
 
 def corners_of(response: Shapes, k: int, scale: float) -> list[FloatArray]:
@@ -111,71 +141,6 @@ def corners_of(response: Shapes, k: int, scale: float) -> list[FloatArray]:
     return found[::-1]
 
 
-def film(
-    response: Shaken,
-    path: str | os.PathLike[str],
-    scale: float | None = None,
-    fps: int = FRAMES_PER_SECOND,
-    speed: float = 1.0,
-) -> None:
-    """Write the column in motion beside its base acceleration and ux: a GIF, or an MP4 where ffmpeg is.
-
-    scale: as in `plot_column`. fps: pictures a second. speed: seconds of motion in a second of film.
-    Raises InputError, OSError.
-    """
-    check_film(path)
-    fps = round(check_number("fps", fps, (1.0, 100.0), "a whole number of pictures a second, from 1 to 100"))
-    speed = check_number("speed", speed, POSITIVE, "seconds of motion in a second of film, positive")
-    time = response.time
-    instants = np.arange(time[0], time[-1] + 1e-9, speed / fps)
-    if len(instants) > MOST_FRAMES:
-        raise InputError(
-            f"speed = {speed:g}: makes {len(instants)} pictures, must be larger, for at most {MOST_FRAMES}"
-        )
-    scale = _scale(response, scale)
-    figure = Figure(figsize=(9.0, 5.4))
-    grid = figure.add_gridspec(2, 2, width_ratios=(1.0, 1.7), hspace=0.4, left=0.02, right=0.97, bottom=0.1, top=0.9)
-    column = figure.add_subplot(grid[:, 0])
-    ground, moved = figure.add_subplot(grid[0, 1]), figure.add_subplot(grid[1, 1])
-    patches = draw_column(column, response, 0, scale)
-    draw_ground(ground, response.motion)
-    largest = np.max(np.abs(response.ux))
-    unit, factor = ("m", 1.0) if largest >= 1.0 else ("mm", 1e3)
-    for i, colour in enumerate(block_colours(response.column.n)):
-        moved.plot(time, factor * response.ux[:, i], color=colour, linewidth=0.8)
-        patches[i].set_facecolor(colour)
-        patches[i].set_alpha(0.75)
-    moved.set_title("displacement of the top faces", loc="left", fontsize=10)
-    moved.set(xlabel="time (s)", ylabel=f"$u_x$ ({unit})")
-    moved.grid(color="0.9", linewidth=0.6)
-    cursors = []
-    for axes in (ground, moved):
-        axes.set_xlim(time[0], time[-1])
-        axes.spines[["top", "right"]].set_visible(False)
-        cursors.append(axes.axvline(time[0], color="black", linewidth=0.8))
-    writer: AbstractMovieWriter = (
-        FFMpegWriter(fps=fps) if Path(path).suffix.lower() == ".mp4" else PillowWriter(fps=fps)
-    )
-    with whole_file(path) as partial, writer.saving(figure, os.fspath(partial), FILM_DPI):
-        for instant in instants:
-            k = _row(response, instant)
-            for patch, corners in zip(patches, corners_of(response, k, scale), strict=True):
-                patch.set_xy(corners)
-            for cursor in cursors:
-                cursor.set_xdata([time[k], time[k]])
-            column.set_title(f"{response.column.name}, {time[k]:.2f} s\n{_scale_text(scale)}", fontsize=9)
-            writer.grab_frame()
-
-
-def check_film(path: str | os.PathLike[str]) -> None:
-    """Raise InputError if a film of that name cannot be written here."""
-    suffix = Path(path).suffix.lower()
-    if suffix not in FILMS:
-        raise InputError(f"{path}: must end in {' or '.join(FILMS)}")
-    if suffix == ".mp4" and not FFMpegWriter.isAvailable():
-        raise InputError(f"{path}: needs ffmpeg, which is not installed; .gif does not")
-
-
 def _frame(theta: float) -> tuple[FloatArray, FloatArray]:
     """Unit vectors of a body turned clockwise by theta: up, and along its faces to the right."""
     sine, cosine = math.sin(theta), math.cos(theta)
@@ -188,7 +153,11 @@ def _across(half: float, turn: float, oblique: float) -> FloatArray:
 
 
 def _peak(response: Shaken) -> int:
-    return int(np.argmax(np.max(np.abs(response.ux), axis=1)))
+    moved = np.max(np.abs(response.ux), axis=1)
+    if response.overturn_time <= response.time[-1]:
+        far = np.flatnonzero(moved > LOST * sum(block.height for block in response.column.blocks))
+        return max(0, int(far[0]) - 1) if len(far) else len(moved) - 1
+    return int(np.argmax(moved))
 
 
 def _row(response: Shaken, at: float) -> int:
@@ -199,16 +168,16 @@ def _row(response: Shaken, at: float) -> int:
     return int(np.argmin(np.abs(time - at)))
 
 
-def _scale(response: Shaken, scale: float | None) -> float:
+def scale_of(response: Shapes, scale: float | None) -> float:
+    """The factor on the deformation: that given, or one at which it is seen. Raises InputError."""
     if scale is not None:
         return check_number("scale", scale, POSITIVE, "a positive factor on the deformation")
     largest = float(np.max(np.abs(response.ux)))
     wanted = SHOWN * sum(block.height for block in response.column.blocks) / max(largest, 1e-300)
-    if wanted <= 1.0 or largest < 1e-12:
-        return 1.0
-    power = 10.0 ** math.floor(math.log10(wanted))
-    return power * max(nice for nice in NICE if nice * power <= wanted)
+    return 1.0 if wanted <= 1.0 or largest < 1e-12 else _nice(wanted)
 
 
-def _scale_text(scale: float) -> str:
-    return "deformation to scale" if scale == 1.0 else f"deformation times {scale:g}"
+def _nice(most: float) -> float:
+    """The largest 1, 2 or 5 times a power of ten up to `most`."""
+    power = 10.0 ** math.floor(math.log10(most))
+    return float(f"{power * max(nice for nice in NICE if nice * power <= most * (1.0 + 1e-9)):.3g}")

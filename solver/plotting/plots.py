@@ -1,43 +1,44 @@
-"""Pictures of a response over time.
-
-This module, `drawings` and `record_plots` are the ones of the solver that import matplotlib; without pyplot they need
-no display and have no state.
-"""
+"""Pictures of a response over time: the motion, a panel for each quantity, and beside them what time does not show."""
 
 from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Any, Literal
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
-from matplotlib import colormaps
 from matplotlib.axes import Axes
-from matplotlib.cm import ScalarMappable
-from matplotlib.colors import LinearSegmentedColormap, ListedColormap, Normalize, to_hex
+from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
+from matplotlib.gridspec import SubplotSpec
 
 from ..column.column import Column
 from ..column.friction import friction_history
 from ..column.packing import FloatArray, carried_weights
 from ..common.errors import InputError
-from ..common.files import whole_file
 from ..ground.motion import STANDARD_GRAVITY, Motion
 from ..kernels.layout.spaces import COUNTS_FROM
 from .drawable import Shaken
+from .lines import draw_ensemble, draw_lines, least_of
+from .profiles import draw_last_moments, draw_offsets, draw_profiles
+from .style import FEW_COLOURS as FEW_COLOURS
+from .style import GREY, INK, RED, TINT, VERDICT_COLOURS, aside, header, name_of, show_names, tidy
+from .style import block_colours as block_colours
+from .style import save as save
+from .style import show_blocks as show_blocks
+from .words import setting_of, verdict_of
 
-Where = Literal["outside lower center", "outside upper center"]
-
-DPI = 150
-COLUMNS = 600  # pixels across a panel, about: finer detail cannot be distinguished
 GROUND_SAMPLES = 20_000  # of a harmonic, which has none of its own
-# Okabe and Ito's colours that stand out on white; the colour-blind can distinguish them too
-FEW_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 HISTORIES = ("ux", "theta", "N", "M", "S", "T", "contact", "sigma_max")
+OTHERS = ("uz", "slip")  # histories that add to the picture where they are given
+PEAK = "peak between rows"
+MISSED = 1.02  # times the largest row: a larger peak is marked
+FAR = 3.0  # times the largest row: larger peaks are marked there by an arrow outwards
+AFTER_FALL = 0.03  # of the time until a fall, drawn after it
+GONE = 1.0  # of the largest width: a column that falls and has moved by more does not come back
 
 
 @dataclass(frozen=True)
@@ -45,22 +46,42 @@ class _Panel:
     name: str  # history, or "T/N"
     heading: str
     label: str
+    unit: str = ""
     factor: float = 1.0  # from SI
+    peak: str = ""  # name among `Response.peaks`, where it is not `name`
     largest_only: bool = False  # where samples are dense: the minimum carries no information
 
 
 # row by row: the motion on the left, resultants on the right
 _PANELS = (
-    _Panel("ux", "(b) displacement of the top face", "$u_x$ (mm)", 1e3),
-    _Panel("N", "(f) normal force in the joint", "$N$ (kN)", 1e-3),
-    _Panel("theta", "(c) rotation", r"$\theta$ (mrad)", 1e3),
-    _Panel("M", "(g) moment in the joint", "$M$ (kN m)", 1e-3),
-    _Panel("contact", "(d) least width in contact: white all, dark none", "joint"),
-    _Panel("S", "(h) horizontal shear in the joint", "$S$ (kN)", 1e-3),
-    _Panel("sigma_max", "(e) largest pressure in the joint", r"$\sigma_{max}$ (MPa)", 1e-6, True),
-    _Panel("T/N", "(i) friction demand", "$|T|/N$"),
+    _Panel("ux", "displacement of the top face", "$u_x$", "mm", 1e3),
+    _Panel("N", "normal force in the joint", "$N$", "kN", 1e-3),
+    _Panel("theta", "rotation", r"$\theta$", "mrad", 1e3),
+    _Panel("M", "moment in the joint", "$M$", "kN m", 1e-3),
+    _Panel("contact", "width in contact, white: all", "joint"),
+    _Panel("S", "horizontal shear in the joint", "$S$", "kN", 1e-3),
+    _Panel("sigma_max", "largest pressure in the joint", r"$\sigma_{max}$", "MPa", 1e-6, "", True),
+    _Panel("T/N", "friction demand", "$|T|/N$", "", 1.0, "friction", True),
 )
-_LABEL_IN_METRES = "$u_x$ (m)"
+_SLIP = _Panel("slip", "slip of the block on the body below", "slip", "mm", 1e3)
+_IN_METRES = _Panel("ux", "displacement of the top face", "$u_x$", "m")
+
+
+@dataclass(frozen=True, eq=False)
+class _Shown:
+    """What is drawn: rows up to shortly after a fall, histories in SI units (nt, n), those that have lines."""
+
+    column: Column
+    time: FloatArray
+    histories: Mapping[str, FloatArray]
+    peaks: Mapping[str, FloatArray]  # of the continuous motion; none where the column falls
+    chosen: dict[int, str]  # block, from 0 -> colour
+    overturn_time: float  # s, NaN while it stands
+    gone: int  # rows until it cannot come back, all while it stands
+
+    @property
+    def falls(self) -> bool:
+        return self.gone < len(self.time)
 
 
 def plot_response(response: Shaken, path: str | os.PathLike[str] | None = None) -> Figure:
@@ -71,12 +92,14 @@ def plot_response(response: Shaken, path: str | os.PathLike[str] | None = None) 
     ensemble = getattr(response, "ensemble", None)
     return plot_histories(
         response.time,
-        {name: getattr(response, name) for name in HISTORIES},
+        {name: getattr(response, name) for name in (*HISTORIES, *OTHERS)},
         response.column,
         response.motion,
         overturn_time=response.overturn_time,
         path=path,
         ensemble=None if ensemble is None else ensemble.ux,
+        verdict=verdict_of(response),
+        peaks=response.peaks,
     )
 
 
@@ -89,55 +112,53 @@ def plot_histories(
     overturn_time: float = math.nan,
     path: str | os.PathLike[str] | None = None,
     ensemble: FloatArray | None = None,
+    verdict: tuple[str, str] | None = None,
+    peaks: Mapping[str, FloatArray] | None = None,
 ) -> Figure:
     """Draw the ground motion, and below it the histories of every block and of the joint under it.
 
     time: (nt,) s, equally spaced. histories: HISTORIES -> (nt, n) in SI units, block 1 (the top) first, as in
-    `Response`. motion: of the base, on the same clock; None: not drawn. title: None is the column's name.
-    overturn_time: s, NaN while the column stands. path: file to save to, in the format of its suffix.
-    ensemble: (3, nt, n) m, the 16 %, 50 % and 84 % points of ux among many runs; NaN where there are none.
+    `Response`; with uz the last moments before a fall are drawn, with slip that of a column that slides. motion: of the
+    base, on the same clock; None: not drawn. title: None is the column, the motion and its PGA. overturn_time: s, NaN
+    while the column stands; rows long after it are left out. path: file to save to, in the format of its suffix.
+    ensemble: (3, nt, n) m, the 16 %, 50 % and 84 % points of ux among many runs; NaN where there are none. verdict: a
+    word of `Response.verdict` and a sentence. peaks: of the continuous motion, as `Response.peaks`; marked where rows
+    miss them.
 
-    More samples than pixels are drawn as the band from their least to their largest, bordered by lines.
+    Of more blocks than colours, some have lines, a band holds all, and peaks are drawn over the height.
 
     Raises InputError on less than two instants or if matplotlib knows no format of that suffix, OSError if the file
     cannot be written.
     """
     if len(time) < 2:
         raise InputError(f"time: {len(time)} sample, must be at least 2 to draw a history")
-    figure = Figure(figsize=(10.0, 10.0), layout="constrained")
-    rows = len(_PANELS) // 2
-    grid = figure.add_gridspec(rows + 1, 2, height_ratios=(0.7, *(1.0,) * rows))
-    ground = figure.add_subplot(grid[0, :])
-    panels = [figure.add_subplot(grid[1 + k // 2, k % 2], sharex=ground) for k in range(len(_PANELS))]
-    colours = block_colours(column.n)
+    shown = _shown(time, histories, column, overturn_time, peaks or {})
+    figure, ground, panels = _layout(shown)
     draw_ground(ground, motion)
-    ground.set_title(f"(a) {ground.get_title(loc='left')}", loc="left", fontsize=10)
-    for axes, panel in zip(panels, _PANELS, strict=True):
-        if panel.name == "contact":
-            _draw_contact(axes, time, histories["contact"])
-        elif panel.name == "T/N":
-            _draw_friction(axes, time, histories, column, colours)
-        else:
-            _draw_panel(axes, time, panel, histories[panel.name], colours, ensemble)
-        axes.set_title(panel.heading, loc="left", fontsize=10)
-    for axes in (ground, *panels):
-        axes.set_xlim(time[0], time[-1])
-        axes.spines[["top", "right"]].set_visible(False)
-        if math.isfinite(overturn_time):
-            axes.axvline(overturn_time, color="black", linestyle="--", linewidth=1.0)
-        if axes in panels[:-2]:
-            axes.tick_params(labelbottom=False)
-    for axes in panels[-2:]:
+    for axes, panel in panels.items():
+        cut = None if ensemble is None or panel.name != "ux" else ensemble[:, : len(shown.time)]
+        _draw_panel(axes, panel, shown, cut)
+    rows = [axes for axes in figure.axes if axes is ground or axes in panels]
+    for axes in rows:
+        axes.set_xlim(shown.time[0], shown.time[-1])
+        _mark_fall(axes, shown)
+    for axes in list(panels)[-2:]:
         axes.set_xlabel("time (s)")
-    figure.align_ylabels()
-    show_blocks(figure, panels, colours, of="block and joint")
-    title = column.name if title is None else title
-    if math.isfinite(overturn_time):
-        title = f"{title}: overturned at {overturn_time:.2f} s".removeprefix(": ")
-    figure.suptitle(title)
-    if path is not None:
-        save(figure, path)
-    return figure
+    for axes in list(panels)[:-2]:
+        axes.tick_params(labelbottom=False)
+    _draw_beside(figure, shown)
+    for k, axes in enumerate(axes for axes in figure.axes if axes.get_title() or axes.get_title(loc="left")):
+        tidy(axes, grid=axes is ground or panels.get(axes, _SLIP).name != "contact")
+        axes.set_title(f"({chr(ord('a') + k % 26)}) {axes.get_title(loc='left')}", loc="left", fontsize=10)
+    figure.align_ylabels(rows)
+    names = [name_of(i, column.n, "block and joint") for i in sorted(shown.chosen)]
+    if len(shown.chosen) < column.n:
+        names[0] += "; grey: all"
+    marked = any(line.get_label() == PEAK for axes in panels for line in axes.lines)
+    show_names(figure, names, [shown.chosen[i] for i in sorted(shown.chosen)], mark=PEAK if marked else "")
+    word, sentence = verdict or verdict_of(SimpleNamespace(overturn_time=overturn_time, overturned_joint=0))
+    header(figure, setting_of(column, motion) if title is None else title, sentence, VERDICT_COLOURS.get(word, INK))
+    return save(figure, path)
 
 
 def draw_ground(axes: Axes, motion: Motion | None) -> None:
@@ -169,158 +190,184 @@ def _ground_lines(motion: Motion) -> tuple[FloatArray, FloatArray, FloatArray]:
     return motion.time, motion.ax, motion.az
 
 
-def block_colours(n: int) -> list[str]:
-    """One colour for each of n blocks from the top down; the colour-blind can distinguish them too."""
-    if n <= len(FEW_COLOURS):
-        return list(FEW_COLOURS[:n])
-    # the last tenth of the map is too pale for thin lines on white
-    return [to_hex(colour) for colour in colormaps["viridis"](np.linspace(0.0, 0.9, n))]
-
-
-def show_blocks(
-    figure: Figure,
-    axes: Sequence[Axes],
-    colours: Sequence[str],
-    where: Where = "outside lower center",
-    of: str = "block",
-) -> None:
-    """Show the colour of each block (`block_colours`): a legend at `where` for few, a colour bar aside for many."""
-    n = len(colours)
-    names = [f"{of} {i}" for i in range(1, n + 1)]
-    if n > 1:
-        names[-1] += " (bottom)"
-        names[0] += " (top)"
-    if n <= len(FEW_COLOURS):
-        handles = [Line2D([], [], color=colour, linewidth=2.0) for colour in colours]
-        figure.legend(handles, names, loc=where, ncols=min(n, 3), frameon=False)
-        return
-    mappable = ScalarMappable(Normalize(0.5, n + 0.5), ListedColormap(list(colours)))
-    bar = figure.colorbar(mappable, ax=list(axes), aspect=60, pad=0.01)
-    bar.set_ticks([1, n], labels=[names[0], names[-1]])
-    bar.ax.invert_yaxis()
-
-
-def save(figure: Figure, path: str | os.PathLike[str]) -> None:
-    """Write a figure in the format of the file's suffix. Raises InputError for an unknown suffix, OSError."""
-    known = sorted(figure.canvas.get_supported_filetypes())
-    if Path(path).suffix.lower().removeprefix(".") not in known:
-        raise InputError(f"{path}: must end in one of .{', .'.join(known)}")
-    with whole_file(path) as partial:
-        figure.savefig(partial, dpi=DPI)
-
-
-def _draw_panel(
-    axes: Axes, time: FloatArray, panel: _Panel, values: FloatArray, colours: Sequence[str], ensemble: FloatArray | None
-) -> None:
-    label, factor = panel.label, panel.factor
-    if panel.name == "ux":
-        if np.max(np.abs(values)) >= 1.0:
-            label, factor = _LABEL_IN_METRES, 1.0
-        if ensemble is not None:
-            _draw_ensemble(axes, time, factor * ensemble, colours)
-    _draw_histories(axes, time, factor * values, colours, panel.largest_only)
-    axes.set_ylabel(label)
-
-
-def _draw_histories(
-    axes: Axes, time: FloatArray, values: FloatArray, colours: Sequence[str], largest_only: bool = False
-) -> None:
-    """Draw one line per column of values, those with the largest range first so that they hide no other.
-
-    Histories with more samples than pixels would be a block of colour: their minimum and maximum are drawn, and the
-    band between them, pale enough to show what is behind it.
-    """
-    n = values.shape[1]
-    few = n <= len(FEW_COLOURS)
-    ranges = np.nan_to_num(np.fmax.reduce(values) - np.fmin.reduce(values))
-    order = np.argsort(-ranges, kind="stable")
-    dense = len(time) > 2 * COLUMNS
-    if dense:
-        instants, (least, largest) = _pixels(time), (_reduced(values, by) for by in (np.fmin, np.fmax))
-    for rank, i in enumerate(order):
-        style: dict[str, Any] = {"color": colours[i], "linewidth": 0.7 if few else 0.4, "zorder": 3.0 + rank / n}
-        if not dense:
-            axes.plot(time, values[:, i], **style)
-            continue
-        axes.plot(instants, largest[:, i], **style)
-        if not largest_only:
-            axes.plot(instants, least[:, i], **style)
-            band = {"color": colours[i], "alpha": 0.25 if few else 0.1, "linewidth": 0.0}
-            axes.fill_between(instants, least[:, i], largest[:, i], **band)
-    axes.grid(color="0.9", linewidth=0.6)
-    axes.set_axisbelow(True)
-
-
-def _draw_ensemble(axes: Axes, time: FloatArray, ensemble: FloatArray, colours: Sequence[str]) -> None:
-    """Draw the middle two thirds of an ensemble as a band, its median dashed."""
-    for i, colour in enumerate(colours):
-        low, median, high = ensemble[:, :, i]
-        axes.fill_between(time, low, high, color=colour, alpha=0.3, linewidth=0.0, zorder=1.0)
-        axes.plot(time, median, color=colour, linestyle="--", linewidth=0.7, zorder=2.0)
-    axes.text(
-        0.99, 0.02, "ensemble: 16 to 84 % (bands), median (dashed)", transform=axes.transAxes, ha="right", fontsize=7
-    )
-
-
-def _draw_friction(
-    axes: Axes, time: FloatArray, histories: Mapping[str, FloatArray], column: Column, colours: Sequence[str]
-) -> None:
-    """Draw |T| / N where the joint is pressed; without gravity there is no weight to compare N with."""
-    axes.set_ylabel("$|T|/N$")
+def _shown(
+    time: FloatArray,
+    histories: Mapping[str, FloatArray],
+    column: Column,
+    overturn_time: float,
+    peaks: Mapping[str, FloatArray],
+) -> _Shown:
+    """Leave out rows long after a fall, and choose the blocks that have lines."""
+    rows, falls = len(time), overturn_time <= time[-1]
+    if falls:
+        end = overturn_time + AFTER_FALL * (overturn_time - time[0])
+        rows = min(rows, max(2, int(np.searchsorted(time, end, side="right"))))
+    cut = {name: values[:rows] for name, values in histories.items()}
+    gone = rows
+    if falls:
+        widest = max(block.width for block in column.blocks)
+        beyond = np.flatnonzero(np.max(np.abs(cut["ux"]), axis=1) > GONE * widest)
+        gone = max(2, int(beyond[0])) if len(beyond) else rows
     carried = carried_weights(column)
-    if not np.all(carried > 0.0):
+    if np.all(carried > 0.0):
+        ratio = friction_history(cut["T"], cut["N"], carried)
+        cut["T/N"] = np.where(COUNTS_FROM * carried < cut["N"], ratio, math.nan)
+    kept = {} if math.isfinite(overturn_time) else dict(peaks)
+    return _Shown(column, time[:rows], cut, kept, _chosen(column.n, cut, gone), overturn_time, gone)
+
+
+def _chosen(n: int, histories: Mapping[str, FloatArray], rows: int) -> dict[int, str]:
+    """Blocks that have lines, with their colours: all, or the ends and those of the largest pressure and bend."""
+    if n <= len(FEW_COLOURS):
+        return dict(enumerate(FEW_COLOURS[:n]))
+    below = np.column_stack([histories["theta"][:rows, 1:], np.zeros(rows)])
+    joint = histories["theta"][:rows] - below
+    ranked = [
+        np.argsort(-np.max(np.nan_to_num(np.abs(values)), axis=0), kind="stable")
+        for values in (histories["sigma_max"][:rows], joint)
+    ]
+    found = [0, n - 1]
+    for order in ranked:  # those beside one that is chosen would look like it
+        found.append(next(int(i) for i in order if min(abs(i - j) for j in found) > n // 7))
+    return dict(zip(sorted(found), FEW_COLOURS, strict=False))
+
+
+def _layout(shown: _Shown) -> tuple[Figure, Axes, dict[Axes, _Panel]]:
+    """The figure, the panel of the ground, and those of the histories."""
+    wanted = [*_PANELS, *([_SLIP] if shown.column.slides and "slip" in shown.histories else [])]
+    rows = math.ceil(len(wanted) / 2)
+    beside = _has_profiles(shown) + _has_last_moments(shown)
+    figure = Figure(figsize=(10.0, 2.0 * (rows + 1 + 1.1 * beside)), layout="constrained")
+    heights = (0.7, *(1.0,) * rows, *(1.15,) * beside)
+    grid = figure.add_gridspec(rows + 1 + beside, 2, height_ratios=heights)
+    ground = figure.add_subplot(grid[0, :])
+    panels = {figure.add_subplot(grid[1 + k // 2, k % 2], sharex=ground): panel for k, panel in enumerate(wanted)}
+    return figure, ground, panels
+
+
+def _has_profiles(shown: _Shown) -> bool:
+    return len(shown.chosen) < shown.column.n
+
+
+def _has_last_moments(shown: _Shown) -> bool:
+    return bool(shown.overturn_time <= shown.time[-1]) and "uz" in shown.histories
+
+
+def _draw_beside(figure: Figure, shown: _Shown) -> None:
+    """Offsets left at the end, peaks over the height, the last moments before a fall."""
+    grid = figure.axes[0].get_subplotspec().get_gridspec()  # type: ignore[union-attr]
+    last = grid.nrows - 1 - _has_last_moments(shown)
+    if _has_profiles(shown):
+        draw_profiles(_split(figure, grid[last, :], 4), shown.column, _largest(shown), shown.chosen)
+        last -= 1
+    if _has_last_moments(shown):
+        places = SimpleNamespace(column=shown.column, **{name: shown.histories[name] for name in ("ux", "uz", "theta")})
+        draw_last_moments(_split(figure, grid[-1, :], 6), shown.time, places, shown.gone, shown.overturn_time)
+    if shown.column.slides and "slip" in shown.histories:
+        draw_offsets(figure.add_subplot(grid[last, 1]), 1e3 * shown.histories["slip"][-1])
+
+
+def _split(figure: Figure, place: SubplotSpec, count: int) -> list[Axes]:
+    """Panels side by side."""
+    parts = place.subgridspec(1, count)
+    return [figure.add_subplot(parts[0, k]) for k in range(count)]
+
+
+def _largest(shown: _Shown) -> dict[str, FloatArray]:
+    """Largest absolute values, (n,) each, of the motion where it stands, of the rows before it is lost."""
+    rows = {name: np.fmax.reduce(np.abs(values[: shown.gone])) for name, values in shown.histories.items()} | {
+        "contact": np.min(shown.histories["contact"][: shown.gone], axis=0)
+    }
+    if "T/N" in rows:
+        rows["friction"] = rows["T/N"]
+    return rows | dict(shown.peaks)
+
+
+def _mark_fall(axes: Axes, shown: _Shown) -> None:
+    """A dashed line at the moment of overturning, a tint from where the column does not come back."""
+    if not math.isfinite(shown.overturn_time):
+        return
+    axes.axvline(shown.overturn_time, color="black", linestyle="--", linewidth=1.0)
+    if shown.falls:
+        lost = float(shown.time[shown.gone])
+        axes.axvspan(lost, shown.time[-1], color=TINT, linewidth=0.0, zorder=0.0)
+        if axes is axes.figure.axes[0]:
+            axes.text(lost, 0.97, " falls", transform=axes.get_xaxis_transform(), va="top", fontsize=9, color=RED)
+
+
+def _draw_panel(axes: Axes, panel: _Panel, shown: _Shown, ensemble: FloatArray | None) -> None:
+    axes.set_title(panel.heading, loc="left")
+    if panel.name == "contact":
+        _draw_contact(axes, shown.time, shown.histories["contact"])
+        least = _largest(shown)["contact"]
+        aside(axes, f"least {np.min(least):.2g}, joint {np.argmin(least) + 1}")
+        return
+    if panel.name not in shown.histories:  # without gravity there is no weight to compare N with
+        axes.set_ylabel(panel.label)
         axes.text(0.5, 0.5, "no gravity", transform=axes.transAxes, ha="center", va="center")
         return
-    N = histories["N"]
-    ratio = friction_history(histories["T"], N, carried)
-    _draw_histories(axes, time, np.where(COUNTS_FROM * carried < N, ratio, math.nan), colours, largest_only=True)
-    axes.set_ylim(bottom=0.0)
-    axes.text(
-        0.99,
-        0.97,
-        f"where N is above {COUNTS_FROM:.0%} of the weight",
-        transform=axes.transAxes,
-        ha="right",
-        va="top",
-        fontsize=7,
-    )
+    values = shown.histories[panel.name]
+    if panel.name == "ux" and np.max(np.abs(values[: shown.gone])) >= 1.0:
+        panel = _IN_METRES
+    if ensemble is not None:
+        draw_ensemble(axes, shown.time, panel.factor * ensemble, list(shown.chosen.values()))
+    draw_lines(axes, shown.time, panel.factor * values, shown.chosen, panel.largest_only)
+    axes.set_ylabel(f"{panel.label} ({panel.unit})" if panel.unit else panel.label)
+    if panel.name == "T/N":
+        note = f"where N > {COUNTS_FROM:.0%} of the weight"
+        style: dict[str, Any] = {"fontsize": 7, "color": GREY, "bbox": {"color": "white", "alpha": 0.7, "pad": 0.5}}
+        axes.text(0.01, 0.97, note, transform=axes.transAxes, va="top", zorder=8.0, **style)
+    _limit(axes, panel, shown)
+    _mark_peak(axes, panel, shown)
+
+
+def _limit(axes: Axes, panel: _Panel, shown: _Shown) -> None:
+    """Fit the panel to the rows before a fall."""
+    if shown.falls:
+        values = panel.factor * shown.histories[panel.name][: shown.gone]
+        low, high = float(np.fmin.reduce(values, axis=None)), float(np.fmax.reduce(values, axis=None))
+        if high > low:
+            axes.set_ylim(low - 0.06 * (high - low), high + 0.06 * (high - low))
+    if panel.largest_only and np.isfinite(axes.get_ylim()[1]):
+        axes.set_ylim(bottom=0.0)
+
+
+def _mark_peak(axes: Axes, panel: _Panel, shown: _Shown) -> None:
+    """Write the largest value over the panel; mark peaks of the continuous motion that the rows miss, on the right."""
+    rows = np.nan_to_num(np.abs(shown.histories[panel.name][: shown.gone]))
+    largest = np.max(rows, axis=0)
+    true = shown.peaks.get(panel.peak or panel.name, largest)
+    top = int(np.argmax(true))
+    of = "block" if panel.name in ("ux", "theta", "slip") else "joint"
+    value = f"{panel.factor * true[top]:.4g} {panel.unit}".rstrip()
+    aside(axes, f"{'before the fall' if shown.falls else 'peak'} {value}, {of} {top + 1}")
+    missed = [i for i in (*shown.chosen, top) if true[i] > MISSED * max(largest[i], 1e-300)]
+    low, high = axes.get_ylim()
+    for i in missed:
+        k = int(np.argmax(rows[:, i]))
+        sign = -1.0 if shown.histories[panel.name][k, i] < 0.0 else 1.0
+        inside = true[i] <= FAR * np.max(largest)
+        place = sign * panel.factor * min(true[i], FAR * np.max(largest))
+        low, high = min(low, 1.08 * place), max(high, 1.08 * place)
+        marker = "<" if inside else "^" if sign > 0.0 else "v"
+        style: dict[str, Any] = {"color": shown.chosen.get(i, GREY), "markersize": 6.0, "clip_on": False, "zorder": 9.0}
+        axes.plot([1.0], [place], marker, transform=axes.get_yaxis_transform(), label=PEAK, **style)
+    axes.set_ylim(low, high)
 
 
 def _draw_contact(axes: Axes, time: FloatArray, contact: FloatArray) -> None:
     """Draw a strip per joint: joints open and close so often that lines would cover one another."""
     n = contact.shape[1]
-    least = _reduced(contact, np.fmin)
+    least = least_of(contact)
     half = 0.5 * (time[-1] - time[0]) / max(1, len(least) - 1)
     extent = (time[0] - half, time[-1] + half, n + 0.5, 0.5)
     shades = LinearSegmentedColormap.from_list("contact", ["0.2", "1.0"])
-    axes.imshow(least.T, cmap=shades, vmin=0.0, vmax=1.0, extent=extent, aspect="auto", interpolation="nearest")
+    axes.imshow(
+        least.T, cmap=shades, vmin=0.0, vmax=1.0, extent=extent, aspect="auto", interpolation="nearest", zorder=0.5
+    )
     axes.set_ylabel("joint")
     if n <= len(FEW_COLOURS):
         axes.set_yticks(range(1, n + 1))
         axes.hlines(np.arange(1, n) + 0.5, time[0], time[-1], color="0.6", linewidth=1.0)
     else:
-        axes.set_yticks([1, n])
-
-
-def _starts(count: int) -> Any:
-    """Index of the first sample of each pixel column."""
-    return np.unique(np.linspace(0, count, min(count, COLUMNS), endpoint=False).astype(np.int64))
-
-
-def _pixels(time: FloatArray) -> FloatArray:
-    """Middle of each pixel column, the first and the last at the ends."""
-    starts = _starts(len(time))
-    middles: FloatArray = 0.5 * (time[starts] + time[np.append(starts[1:], len(time)) - 1])
-    middles[0], middles[-1] = time[0], time[-1]
-    return middles
-
-
-def _reduced(values: FloatArray, by: Callable[..., Any]) -> FloatArray:
-    """The minimum or maximum (`by`) of the samples (nt, n) in each pixel column and the first of the next.
-
-    The first of the next is included so that the band of a steep line has no gaps. NaN is left out.
-    """
-    starts = _starts(len(values))
-    found: FloatArray = by.reduceat(values, starts, axis=0)  # type: ignore[attr-defined]
-    found[:-1] = by(found[:-1], values[starts[1:]])
-    return found
+        axes.set_yticks(np.unique(np.linspace(1, n, 5).round().astype(int)))

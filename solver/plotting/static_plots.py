@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
@@ -15,12 +16,12 @@ from ..column.column import Column
 from ..column.packing import FloatArray
 from ..ground.motion import STANDARD_GRAVITY
 from .drawable import Shapes
-from .drawings import SHOWN, draw_column
-from .plots import FEW_COLOURS, save
+from .drawings import SHOWN, draw_column, measure_column
+from .style import BLUE, GREY, RED, header, save, tidy
+from .words import length
 
 SMALL = 1e-6  # m: the amplitude of shapes, which drawings magnify
 TURNED, RAISED = 0.3, 0.1  # rad, and part of the lowest block's height: largest rotation and rise of a drawn shape
-CURVE, MARK = FEW_COLOURS[0], FEW_COLOURS[1]
 
 
 class DrawableModes(Shapes, Protocol):
@@ -70,7 +71,7 @@ class _Places:
 def plot_modes(modes: DrawableModes, path: str | os.PathLike[str] | None = None, most: int = 6) -> Figure:
     """Draw the first `most` shapes; saved to `path` if given. Raises InputError, OSError as `save` does."""
     count = min(most, len(modes.frequency))
-    figure = Figure(figsize=(1.0 + 2.1 * count, 5.6), layout="constrained")
+    figure = Figure(figsize=(max(4.0, 0.4 + 1.9 * count), 5.5), layout="constrained")
     height = sum(block.height for block in modes.column.blocks)
     for k, axes in enumerate(np.atleast_1d(figure.subplots(1, count))):
         ux, uz, theta = (SMALL * np.atleast_2d(values[k]) for values in (modes.ux, modes.uz, modes.theta))
@@ -82,14 +83,18 @@ def plot_modes(modes: DrawableModes, path: str | os.PathLike[str] | None = None,
         scale = min(most / max(float(np.max(np.abs(values))), 1e-300) for most, values in limits)
         for patch in draw_column(axes, _Places(modes.column, ux, uz, theta), 0, scale):
             patch.set_alpha(0.85)
-        mass = modes.mass_x[k] if modes.sways[k] else modes.mass_z[k]
-        moving = f"{'horizontal' if modes.sways[k] else 'vertical'} mass {abs(mass) / _mass(modes.column):.1%}"
-        damped = f"damping {modes.damping_ratio[k]:.2%}"
-        axes.set_title(f"{k + 1}: {modes.frequency[k]:.4g} Hz\n{damped}\n{moving}", fontsize=9)
-    figure.suptitle(f"{modes.column.name}: modes about rest")
-    if path is not None:
-        save(figure, path)
-    return figure
+        mass = abs(modes.mass_x[k] if modes.sways[k] else modes.mass_z[k]) / _mass(modes.column)
+        axes.set_title(f"{k + 1}: {modes.frequency[k]:.4g} Hz", fontsize=12, pad=30.0)
+        way = "sways" if modes.sways[k] else "moves up"
+        text = f"damping {100.0 * modes.damping_ratio[k]:.3g} %\n{way}, {mass:.1%} of the mass"
+        style = {"xycoords": "axes fraction", "textcoords": "offset points", "ha": "center", "va": "bottom"}
+        axes.annotate(text, (0.5, 1.0), (0.0, 3.0), fontsize=8, color=GREY, **style)
+    header(
+        figure,
+        f"{modes.column.name}: modes about rest",
+        "Shapes of small motion, drawn large; damping in % of critical.",
+    )
+    return save(figure, path)
 
 
 def plot_capacity(curve: DrawableCurve, path: str | os.PathLike[str] | None = None) -> Figure:
@@ -97,67 +102,102 @@ def plot_capacity(curve: DrawableCurve, path: str | os.PathLike[str] | None = No
 
     Raises InputError, OSError as `save` does.
     """
-    figure = Figure(figsize=(10.0, 6.4), layout="constrained")
-    grid = figure.add_gridspec(2, 3, width_ratios=(1.15, 1.15, 1.0))
+    figure = Figure(figsize=(11.0, 6.8), layout="constrained")
+    grid = figure.add_gridspec(2, 3, width_ratios=(1.15, 1.15, 1.1))
     strongest = curve.strongest
     top = curve.direction * curve.ux[:, 0]
     near = max(4.0 * float(top[strongest]), 1e-9)
-    mass = _mass(curve.column)
     for place, limit, heading in ((0, near, "up to the largest push and beyond"), (1, float(top[-1]), "to the edge")):
         shear = figure.add_subplot(grid[0, place])
         moment = figure.add_subplot(grid[1, place], sharex=shear)
-        factor, unit = (1.0, "m") if limit >= 1.0 else (1e3, "mm")
-        shown = top <= limit
-        shear.plot(factor * top[shown], 1e-3 * curve.base_shear[shown], color=CURVE)
-        moment.plot(factor * top[shown], 1e-3 * curve.base_moment[shown], color=CURVE)
-        shear.plot(factor * top[strongest], 1e-3 * curve.base_shear[strongest], "o", color=MARK)
-        for i, push in enumerate(curve.uplift):
-            if math.isfinite(push):
-                k = int(np.argmin(np.abs(curve.acceleration[: strongest + 1] - push)))
-                shear.plot(factor * top[k], 1e-3 * curve.base_shear[k], "o", color="black", markersize=3.5)
-                if place == 0:
-                    name = f"joint {i + 1} opens"
-                    shear.annotate(
-                        name,
-                        (factor * top[k], 1e-3 * curve.base_shear[k]),
-                        (6.0, -3.0),
-                        textcoords="offset points",
-                        fontsize=7,
-                    )
-        beside = shear.secondary_yaxis(
-            "right",
-            functions=(
-                lambda force: 1e3 / (mass * STANDARD_GRAVITY) * np.asarray(force),
-                lambda push: 1e-3 * mass * STANDARD_GRAVITY * np.asarray(push),
-            ),
-        )
-        beside.set_ylabel("acceleration (g)")
-        shear.set_title(f"({'ab'[place]}) {heading}", loc="left", fontsize=10)
-        shear.set_ylabel("base shear (kN)")
-        moment.set(xlabel=f"displacement of the top ({unit})", ylabel="base moment (kN m)")
-        for axes in (shear, moment):
-            _plain(axes)
+        _draw_curve(shear, moment, curve, limit)
+        shear.set_title(heading)
+        moment.set_title("moment at the base")
+        if place == 0:
+            _name_openings(shear, curve, limit)
+        for axes, letters in ((shear, "ab"), (moment, "cd")):
+            tidy(axes)
+            axes.set_title(f"({letters[place]}) {axes.get_title(loc='left')}", loc="left", fontsize=10)
+            axes.set_xlim(left=0.0)
+            axes.set_ylim(bottom=0.0)
+        _show_acceleration(shear, _mass(curve.column))
     drawn = figure.add_subplot(grid[:, 2])
     wanted = SHOWN * sum(block.height for block in curve.column.blocks) / max(float(top[strongest]), 1e-300)
     scale = max(1.0, float(f"{wanted:.0e}"))
-    draw_column(drawn, _Places(curve.column, curve.ux[: strongest + 1], curve.uz, curve.theta), strongest, scale)
-    drawn.set_title(
-        f"(c) at {curve.largest_acceleration / STANDARD_GRAVITY:.4g} g: top at {1e3 * top[strongest]:.4g} mm\n"
-        f"deformation times {scale:g}",
-        fontsize=9,
+    places = _Places(curve.column, curve.ux[: strongest + 1], curve.uz, curve.theta)
+    draw_column(drawn, places, strongest, scale)
+    measure_column(drawn, places, strongest, scale)
+    drawn.set_title("(e) at the largest push", loc="left", fontsize=10)
+    push = f"{curve.largest_acceleration / STANDARD_GRAVITY:.4g} g, the top moved by {length(float(top[strongest]))}"
+    header(figure, f"{curve.column.name}: balance under a steady acceleration", f"It balances at most {push}.")
+    return save(figure, path)
+
+
+def _draw_curve(shear: Axes, moment: Axes, curve: DrawableCurve, limit: float) -> None:
+    """Base shear and moment up to a displacement of the top, m, with dots where joints open."""
+    strongest, top = curve.strongest, curve.direction * curve.ux[:, 0]
+    factor, unit = (1.0, "m") if limit >= 1.0 else (1e3, "mm")
+    shown = top <= limit
+    for axes, values in ((shear, curve.base_shear), (moment, curve.base_moment)):
+        axes.plot(factor * top[shown], 1e-3 * values[shown], color=BLUE)
+        axes.plot(factor * top[strongest], 1e-3 * values[strongest], "o", color=RED)
+        for k in _openings(curve).values():
+            axes.plot(factor * top[k], 1e-3 * values[k], "o", color="black", markersize=3.5)
+    shear.set(ylabel="base shear (kN)")
+    moment.set(xlabel=f"displacement of the top ({unit})", ylabel="base moment (kN m)")
+
+
+def _openings(curve: DrawableCurve) -> dict[int, int]:
+    """Joint, from 1 -> row of the curve at which it opens."""
+    rising = curve.acceleration[: curve.strongest + 1]
+    return {i + 1: int(np.argmin(np.abs(rising - push))) for i, push in enumerate(curve.uplift) if math.isfinite(push)}
+
+
+def _name_openings(shear: Axes, curve: DrawableCurve, limit: float) -> None:
+    """Name the joints that open, one below the other, with lines to their dots."""
+    factor = 1.0 if limit >= 1.0 else 1e3
+    opened = sorted(_openings(curve).items(), key=lambda item: -curve.base_shear[item[1]])
+    if not opened:
+        return
+    reach = 1e-3 * float(np.max(curve.base_shear))
+    wanted = [1e-3 * float(curve.base_shear[k]) for _, k in opened]
+    gap = min(0.075 * reach, 0.8 * reach / len(opened))
+    for (joint, k), place, height in zip(opened, spread(wanted, gap, 0.5 * gap, 0.9 * reach), wanted, strict=True):
+        dot = factor * curve.direction * float(curve.ux[k, 0]), height
+        name = f"joint {joint} opens, {curve.acceleration[k] / STANDARD_GRAVITY:.3g} g"
+        line = {
+            "arrowstyle": "-",
+            "color": GREY,
+            "linewidth": 0.6,
+            "shrinkA": 0.0,
+            "shrinkB": 2.0,
+            "relpos": (0.0, 0.5),
+        }
+        shear.annotate(name, dot, (0.3 * factor * limit, place), fontsize=7, va="center", arrowprops=line)
+
+
+def spread(wanted: Sequence[float], gap: float, low: float, high: float) -> list[float]:
+    """Places from the highest down, near those that are wanted, `gap` apart, between low and high if there is room."""
+    places: list[float] = []
+    for height in wanted:
+        places.append(min(height, high if not places else places[-1] - gap))
+    floor = low
+    for k in range(len(places) - 1, -1, -1):
+        places[k] = max(places[k], floor)
+        floor = places[k] + gap
+    return places
+
+
+def _show_acceleration(shear: Axes, mass: float) -> None:
+    """The base shear as an acceleration of the whole mass, on the right."""
+    beside = shear.secondary_yaxis(
+        "right",
+        functions=(
+            lambda force: 1e3 / (mass * STANDARD_GRAVITY) * np.asarray(force),
+            lambda push: 1e-3 * mass * STANDARD_GRAVITY * np.asarray(push),
+        ),
     )
-    figure.suptitle(f"{curve.column.name}: balance under a steady acceleration")
-    if path is not None:
-        save(figure, path)
-    return figure
-
-
-def _plain(axes: Axes) -> None:
-    axes.set_xlim(left=0.0)
-    axes.set_ylim(bottom=0.0)
-    axes.grid(color="0.9", linewidth=0.6)
-    axes.set_axisbelow(True)
-    axes.spines[["top"]].set_visible(False)
+    beside.set_ylabel("acceleration (g)")
 
 
 def _mass(column: Column) -> float:

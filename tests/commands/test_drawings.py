@@ -1,18 +1,24 @@
 """The column is drawn where the response says that it is, and a film has as many pictures as it lasts."""
 
 import math
+from itertools import combinations
 from pathlib import Path
 
 import numpy as np
 import pytest
 from matplotlib.animation import FFMpegWriter
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
 from matplotlib.image import imread
+from matplotlib.text import Text
 from PIL import Image
 from support.probe import phocas
 
-from solver import Column, InputError, Motion, Response, simulate
+from solver import Block, Column, InputError, Joint, Motion, Response, simulate
 from solver.ground.motion import STANDARD_GRAVITY
 from solver.plotting.drawings import SHOWN, corners_of
+from solver.plotting.static_plots import spread
+from solver.statics.capacity import capacity_curve
 
 
 @pytest.fixture(scope="module")
@@ -60,26 +66,66 @@ def test_the_scale_multiplies_rotations_and_openings(response: Response) -> None
         assert math.atan2(*tall) == pytest.approx(scale * response.theta[k, i])
 
 
+def words(figure: Figure) -> list[str]:
+    return [text.get_text() for text in (*figure.texts, *figure.axes[0].texts)]
+
+
+def factor(figure: Figure) -> float:
+    """The factor printed on a picture."""
+    (text,) = [text for text in words(figure) if "times" in text]
+    return float(text.rpartition(" ")[2])
+
+
 def test_the_deformed_column_states_its_time_and_scale(response: Response, tmp_path: Path) -> None:
     figure = response.plot_column(tmp_path / "column.png")
     k = at_peak(response)
-    title = figure.axes[0].get_title()
-    assert f"{response.time[k]:.3f} s" in title
-    factor = float(title.rpartition(" ")[2])
-    assert 0.4 * SHOWN * 14.07 < factor * np.max(np.abs(response.ux)) <= SHOWN * 14.07
+    assert any(text.startswith(f"At {response.time[k]:.3f} s the top of block 1 is at") for text in words(figure))
+    assert 0.4 * SHOWN * 14.07 < factor(figure) * np.max(np.abs(response.ux)) <= SHOWN * 14.07
     assert np.std(imread(tmp_path / "column.png")[..., :3]) > 0.05
-    assert "deformation times 7" in response.plot_column(at=0.5, scale=7.0).axes[0].get_title()
-    assert "0.500 s" in response.plot_column(at=0.5).axes[0].get_title()
+    assert factor(response.plot_column(at=0.5, scale=7.0)) == 7.0
+    assert any("At 0.500 s" in text for text in words(response.plot_column(at=0.5)))
+
+
+def test_the_deformed_column_has_heights_numbers_and_a_scale_bar(response: Response) -> None:
+    figure = response.plot_column()
+    assert {"joint 1", "2", "3", "14.07 m"} <= set(words(figure))
+    (text,) = [text for text in words(figure) if text.endswith("of motion")]
+    lines = [np.array([line.get_xdata(), line.get_ydata()], dtype=float) for line in figure.axes[0].lines]
+    (bar,) = [x for x, z in lines if np.all(z < 0.0)]
+    assert text == f"{1e3 * np.ptp(bar) / factor(figure):.3g} mm of motion"
 
 
 def test_large_motion_is_drawn_to_scale(falling: Response) -> None:
     assert falling.overturned
-    assert "deformation to scale" in falling.plot_column().axes[0].get_title()
+    figure = falling.plot_column()
+    assert factor(figure) == 1.0
+    # the column is still on its way: half of its height has not been passed
+    top = np.asarray(figure.axes[0].patches[0].get_path().vertices)[2:4, 0].mean()
+    assert 0.3 * 14.07 < abs(top) <= 0.5 * 14.07
 
 
 def test_a_column_at_rest_is_drawn() -> None:
     still = simulate(phocas(1e-3), Motion.from_samples(0.1, np.zeros(11)))
-    assert "deformation to scale" in still.plot_column().axes[0].get_title()
+    assert factor(still.plot_column()) == 1.0
+
+
+def test_labels_are_spread() -> None:
+    wanted = [9.0, 8.9, 8.8, 2.0, 0.1, 0.05]
+    places = spread(wanted, 1.0, 0.0, 9.0)
+    assert np.max(np.diff(places)) <= -1.0 + 1e-12
+    assert places[0] <= 9.0
+    assert places[-1] >= 0.0
+    assert spread([5.0, 3.0], 1.0, 0.0, 9.0) == [5.0, 3.0]
+
+
+def test_no_two_names_of_joints_that_open_collide() -> None:
+    block = Block(0.6, 1.6, 1.6, 3000.0, Joint(5.2e9, 1e-3), section="circle")
+    figure = capacity_curve(Column("ten", (block,) * 10)).plot()
+    FigureCanvasAgg(figure).draw()
+    names = [text for text in figure.axes[0].texts if "opens" in text.get_text()]
+    boxes = [Text.get_window_extent(text) for text in names]
+    assert len(boxes) >= 8
+    assert not [1 for a, b in combinations(boxes, 2) if a.overlaps(b)]
 
 
 def test_a_film_lasts_as_long_as_the_motion(response: Response, tmp_path: Path) -> None:
@@ -91,6 +137,7 @@ def test_a_film_lasts_as_long_as_the_motion(response: Response, tmp_path: Path) 
         film.seek(12)
         later = np.asarray(film.convert("RGB"), dtype=float)
     assert np.mean(np.abs(later - first)) > 0.1
+    assert np.all(first[-1, 0] == 255.0)  # the paper stays white
     assert [path.name for path in tmp_path.iterdir()] == ["column.gif"]
 
 
@@ -122,6 +169,14 @@ def test_what_makes_no_sense_is_refused(response: Response, tmp_path: Path) -> N
     with pytest.raises(InputError, match=r"^fps = 0: must be"):
         response.film(tmp_path / "column.gif", fps=0)
     assert not list(tmp_path.iterdir())
+
+
+def test_a_film_says_how_far_it_is_and_ends_after_a_fall(falling: Response, tmp_path: Path) -> None:
+    seen: list[tuple[int, int]] = []
+    falling.film(tmp_path / "fall.gif", fps=10, callback=lambda done, total: seen.append((done, total)))
+    end = min(falling.time[-1], falling.overturn_time + 1.0)
+    assert seen == [(k, len(seen)) for k in range(1, len(seen) + 1)]
+    assert len(seen) == int(end / 0.1 + 1e-9) + 1
 
 
 def test_more_blocks_than_colours(tmp_path: Path) -> None:

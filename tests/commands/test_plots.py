@@ -6,15 +6,18 @@ from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.axes import Axes
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 from matplotlib.image import imread
+from matplotlib.lines import Line2D
 from support.child import call
 from support.inside import imports
 
 from solver import Block, Column, InputError, Joint, Motion, Response, simulate
 from solver.plotting import plots
-from solver.plotting.plots import COLUMNS, FEW_COLOURS, block_colours
+from solver.plotting.lines import COLUMNS, thinned
+from solver.plotting.plots import FEW_COLOURS, PEAK, block_colours
 
 ROOT = Path(__file__).resolve().parents[2]
 PHOCAS = ROOT / "examples" / "columns" / "phocas.toml"
@@ -45,6 +48,21 @@ def panel(figure: Figure, words: str):
     return found
 
 
+def heights(line: Line2D) -> list[float]:
+    return [float(value) for value in np.asarray(line.get_ydata())]
+
+
+def histories_of(axes: Axes) -> dict[str, Line2D]:
+    """Colour -> line of a panel, without the marks of peaks."""
+    return {to_hex(line.get_color()).upper(): line for line in axes.lines if line.get_label() != PEAK}
+
+
+def marks(axes: Axes) -> dict[str, tuple[float, str]]:
+    """Colour -> height and marker of the peaks that rows miss."""
+    found = [line for line in axes.lines if line.get_label() == PEAK]
+    return {to_hex(line.get_color()).upper(): (heights(line)[0], str(line.get_marker())) for line in found}
+
+
 @pytest.fixture(scope="module")
 def response() -> Response:
     return simulate(Column.from_toml(PHOCAS), Motion.harmonic(0.05 * 9.80665, 2.0, 2.0))
@@ -68,11 +86,12 @@ def test_response_is_drawn_as_it_is(response: Response) -> None:
         ("shear", "S", 1e-3),
         ("pressure", "sigma_max", 1e-6),
     ]:
-        lines = {to_hex(line.get_color()).upper(): line for line in panel(figure, words).lines}
+        lines = histories_of(panel(figure, words))
         for i, colour in enumerate(block_colours(3)):
             np.testing.assert_array_equal(lines[colour.upper()].get_xdata(), response.time)
             np.testing.assert_array_equal(lines[colour.upper()].get_ydata(), factor * getattr(response, name)[:, i])
-    assert figure.get_suptitle() == "phocas"
+    assert figure.get_suptitle() == "phocas under a harmonic of 2 Hz, PGA 0.05 g"
+    assert any(text.get_text().startswith("Stands: largest displacement") for text in figure.texts)
     assert all(axes.get_xlim() == (0.0, 2.0) for axes in figure.axes)
 
 
@@ -99,7 +118,7 @@ def test_samples_are_drawn_as_they_are_followed(hold: bool) -> None:
 
 def test_friction_is_drawn_where_the_joint_is_pressed(response: Response) -> None:
     axes = panel(response.plot(), "friction")
-    lines = {to_hex(line.get_color()).upper(): np.asarray(line.get_ydata()) for line in axes.lines}
+    lines = {colour: np.asarray(line.get_ydata()) for colour, line in histories_of(axes).items()}
     for i, colour in enumerate(block_colours(3)):
         N, T = response.N[:, i], response.T[:, i]
         pressed = 0.05 * N[0] < N
@@ -107,19 +126,61 @@ def test_friction_is_drawn_where_the_joint_is_pressed(response: Response) -> Non
         assert np.all(np.isnan(lines[colour.upper()][~pressed]))
 
 
-def test_many_samples_are_drawn_by_their_envelopes() -> None:
+def test_many_samples_are_one_line_through_their_extremes() -> None:
     time = np.linspace(0.0, 5.0, 100 * COLUMNS)
     _, given = histories(2, len(time))
     given["N"] = 1e6 * np.column_stack([2.0 + np.sin(900.0 * time), 3.0 + np.sin(900.0 * time)])
+    given["N"][31_234, 0] = 9e6  # nothing is lost, however short it lasts
     lines = panel(plot_histories(time, given), "normal force").lines
-    assert len(lines) == 4  # the least and the largest of each joint, so that both are seen
+    assert len(lines) == 2
     for line in lines:
-        assert len(line.get_xdata()) == COLUMNS
-    ends = sorted(float(np.median(line.get_ydata())) for line in lines)
-    assert ends == pytest.approx([1e3, 2e3, 3e3, 4e3], rel=1e-2)
-    # nothing is lost, however short it lasts
-    given["N"][31_234, 0] = 9e6
-    assert max(np.max(line.get_ydata()) for line in panel(plot_histories(time, given), "normal force").lines) == 9e3
+        assert len(line.get_xdata()) <= 2 * COLUMNS + 2
+        assert np.min(np.diff(line.get_xdata())) > 0.0
+    (spiked,) = [line for line in lines if np.max(line.get_ydata()) == 9e3]
+    k = int(np.argmax(spiked.get_ydata()))
+    assert spiked.get_xdata()[k] == time[31_234]
+
+
+def test_a_thinned_history_goes_through_samples_and_keeps_gaps() -> None:
+    time = np.linspace(0.0, 1.0, 20 * COLUMNS)
+    values = np.sin(40.0 * time)
+    values[500:3000] = np.nan
+    instants, line = thinned(time, values)
+    np.testing.assert_array_equal(line, values[np.searchsorted(time, instants)])
+    assert np.sum(np.isnan(line)) >= 2500 // 20 - 1
+    assert (instants[0], instants[-1]) == (0.0, 1.0)
+
+
+def test_peaks_between_rows_are_marked() -> None:
+    time, given = histories(3)
+    largest = np.max(np.abs(given["N"]), axis=0)
+    peaks = {"N": largest * np.array([1.0, 1.5, 20.0]), "M": np.max(np.abs(given["M"]), axis=0)}
+    figure = plot_histories(time, given, peaks=peaks)
+    axes, (_, second, third) = panel(figure, "normal force"), block_colours(3)
+    found = marks(axes)
+    assert set(found) == {second.upper(), third.upper()}
+    height, marker = found[second.upper()]
+    assert abs(height) == pytest.approx(1e-3 * peaks["N"][1])
+    assert marker == "<"
+    # so large that the rows could not be read: an arrow outwards, and the number over the panel
+    assert found[third.upper()][1] in "^v"
+    assert abs(found[third.upper()][0]) <= 3e-3 * np.max(largest) * (1.0 + 1e-12)
+    assert axes.get_title(loc="right") == f"peak {1e-3 * peaks['N'][2]:.4g} kN, joint 3"
+    low, high = axes.get_ylim()
+    assert all(low <= height <= high for height, _ in found.values())
+    assert not marks(panel(figure, "moment"))
+    assert figure.legends[0].get_texts()[-1].get_text() == PEAK
+
+
+def test_slips_and_what_is_left_of_them_are_drawn() -> None:
+    time, given = histories(2)
+    given["slip"] = np.linspace(0.0, 1.0, len(time))[:, None] * np.array([-4e-3, 2e-3])
+    blocks = (Block(1.0, 1.0, 1.0, 2000.0, Joint(1e9, 1e-3, friction=0.5)),) * 2
+    figure = plots.plot_histories(time, given, Column("stack", blocks))
+    assert np.min([np.min(line.get_ydata()) for line in panel(figure, "slip").lines]) == pytest.approx(-4.0)
+    bars = panel(figure, "offset left").patches
+    assert [bar.get_width() for bar in bars] == pytest.approx([-4.0, 2.0])
+    assert not [axes for axes in plot_histories(time, given).axes if "slip" in axes.get_title(loc="left")]
 
 
 def test_contact_is_drawn_by_its_least() -> None:
@@ -136,9 +197,11 @@ def test_contact_is_drawn_by_its_least() -> None:
 def test_an_ensemble_is_a_band(response: Response, monkeypatch: pytest.MonkeyPatch) -> None:
     shape = response.time[:, None] * np.ones(3)
     alone = panel(response.plot(), "displacement")
-    ensemble = SimpleNamespace(ux=np.array([0.01 * shape, 0.02 * shape, 0.03 * shape]))
+    ensemble = SimpleNamespace(ux=np.array([0.01 * shape, 0.02 * shape, 0.03 * shape]), overturned=1, size=16)
     monkeypatch.setitem(vars(response), "ensemble", ensemble)
-    with_band = panel(response.plot(), "displacement")
+    figure = response.plot()
+    assert any("1 of 16 varied runs overturn" in text.get_text() for text in figure.texts)
+    with_band = panel(figure, "displacement")
     assert len(with_band.collections) == len(alone.collections) + 3
     medians = [line for line in with_band.lines if line.get_linestyle() == "--"]
     assert [np.max(line.get_ydata()) for line in medians] == pytest.approx([40.0] * 3)
@@ -167,18 +230,43 @@ def test_unit_of_displacement(largest: float, unit: str, factor: float) -> None:
     assert np.max(np.abs(axes.lines[0].get_ydata())) == pytest.approx(factor * largest)
 
 
-def test_overturning_is_marked_and_said() -> None:
+def fallen() -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    """Histories of three blocks, 1 m wide, that fall from 2 s on, lie at 3 s and stay there."""
     time, given = histories(3)
-    figure = plot_histories(time, given, "a column", overturn_time=3.21)
-    assert figure.get_suptitle() == "a column: overturned at 3.21 s"
-    for axes in figure.axes:
-        assert [3.21, 3.21] in [np.asarray(line.get_xdata()).tolist() for line in axes.lines]
+    falling = np.clip(time - 2.0, 0.0, 1.0)[:, None] ** 2 * np.array([2.5, 1.5, 0.5])
+    given["ux"] = 0.1 * given["ux"] + falling
+    given["theta"] = given["theta"] + falling
+    return time, given | {"uz": np.zeros_like(falling)}
+
+
+def test_overturning_is_marked_and_said() -> None:
+    figure = plot_histories(*fallen(), title="a column", overturn_time=3.0)
+    assert figure.get_suptitle() == "a column"
+    assert "Overturned at 3.00 s." in [text.get_text() for text in figure.texts]
+    over_time = [axes for axes in figure.axes if axes.get_ylabel() not in ("",)]
+    for axes in over_time:
+        assert [3.0, 3.0] in [np.asarray(line.get_xdata()).tolist() for line in axes.lines]
+
+
+def test_a_fall_is_drawn_until_shortly_after_it() -> None:
+    time, given = fallen()
+    figure = plot_histories(time, given, overturn_time=3.0, peaks={"N": np.full(3, 1e9)})
+    displacement = panel(figure, "displacement")
+    assert displacement.get_xlim()[1] == pytest.approx(3.09, abs=time[1])
+    # fitted to what comes before: later the top has moved by more than the width
+    assert 1000.0 < displacement.get_ylim()[1] < 1300.0
+    assert "before the fall" in displacement.get_title(loc="right")
+    assert not marks(panel(figure, "normal force"))  # whose peaks may be those of the fall
+    texts = [text.get_text() for axes in figure.axes for text in axes.texts]
+    assert "3.00 s" in texts  # the last of the last moments
+    assert len(panel(figure, "last moments").patches) == 3
 
 
 def test_standing_column_has_no_mark() -> None:
     time, given = histories(3)
     figure = plot_histories(time, given, "a column")
     assert figure.get_suptitle() == "a column"
+    assert len(figure.texts) == 1  # the title: no verdict is known
     assert all(len(line.get_xdata()) == len(time) for line in panel(figure, "rotation").lines)
 
 
@@ -193,16 +281,22 @@ def test_few_blocks_have_a_legend(n: int) -> None:
 
 
 @pytest.mark.parametrize("n", [len(FEW_COLOURS) + 1, 200])
-def test_many_blocks_have_a_colour_bar(n: int, tmp_path: Path) -> None:
-    figure = plot_histories(*histories(n), path=tmp_path / "many.png")
-    assert not figure.legends
+def test_of_many_blocks_some_have_lines_and_all_a_band(n: int, tmp_path: Path) -> None:
+    time, given = histories(n)
+    figure = plot_histories(time, given, path=tmp_path / "many.png")
+    displacement = panel(figure, "displacement")
+    assert len(displacement.lines) == 4
+    (band,) = displacement.collections
+    corners = band.get_paths()[0].vertices
+    assert np.max(corners[:, 1]) == pytest.approx(1e3 * np.max(given["ux"]))
+    names = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert names[0] == "block and joint 1 (top); grey: all"
+    assert names[-1] == f"block and joint {n} (bottom)"
+    profile = panel(figure, "over the height").lines[0]
+    np.testing.assert_allclose(profile.get_xdata(), 1e3 * np.max(np.abs(given["ux"]), axis=0))
+    np.testing.assert_allclose(profile.get_ydata(), np.arange(n, 0, -1))
     assert len(set(block_colours(n))) > 0.9 * n
-    bar = figure.axes[-1]
-    assert [label.get_text() for label in bar.get_yticklabels()] == [
-        "block and joint 1 (top)",
-        f"block and joint {n} (bottom)",
-    ]
-    assert imread(tmp_path / "many.png").shape[:2] == (1500, 1500)
+    assert imread(tmp_path / "many.png").shape[1] == 1500
 
 
 def test_files(response: Response, tmp_path: Path) -> None:

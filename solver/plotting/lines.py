@@ -1,0 +1,93 @@
+"""Lines of histories: one a block or joint, of no more points than a panel has pixels."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from ..column.packing import FloatArray
+from .style import FEW_COLOURS
+
+COLUMNS = 600  # pixels across a panel, about: finer detail cannot be distinguished
+
+
+def draw_lines(
+    axes: Axes,
+    time: FloatArray,
+    values: FloatArray,
+    colours: dict[int, str],
+    largest_only: bool = False,
+) -> None:
+    """Draw one line for each column of values (nt, n) in `colours`, those of the largest range first.
+
+    Of more samples than pixels a line joins the least and the largest of each pixel, at their instants; with
+    `largest_only` the largest. If not all columns have a colour, a grey band holds all of them.
+    """
+    width = 0.8 if len(colours) <= len(FEW_COLOURS) // 2 else 0.6
+    if len(colours) < values.shape[1]:
+        least, largest = (np.asarray(by.reduce(_reduced(values, by), axis=1)) for by in (np.fmin, np.fmax))
+        axes.fill_between(_pixels(time), least, largest, color="0.88", linewidth=0.0, zorder=1.0)
+    ranges = {i: float(np.nan_to_num(np.fmax.reduce(values[:, i]) - np.fmin.reduce(values[:, i]))) for i in colours}
+    for rank, i in enumerate(sorted(colours, key=lambda i: -ranges[i])):
+        instants, line = thinned(time, values[:, i], largest_only)
+        axes.plot(instants, line, color=colours[i], linewidth=width, zorder=3.0 + rank / len(colours))
+
+
+def thinned(time: FloatArray, values: FloatArray, largest_only: bool = False) -> tuple[FloatArray, FloatArray]:
+    """Instants and values (m,) that look like the history (nt,): all of few; of many, the extremes of each pixel."""
+    if len(time) <= 2 * COLUMNS:
+        return time, values
+    if largest_only:
+        return _pixels(time), _reduced(values[:, None], np.fmax)[:, 0]
+    starts = starts_of(len(time))
+    kept = []
+    for first, last in zip(starts, [*starts[1:], len(time)], strict=True):
+        part = values[first:last]
+        if np.all(np.isnan(part)):
+            kept.append(first)
+        else:
+            kept += sorted({first + int(np.nanargmin(part)), first + int(np.nanargmax(part))})
+    chosen = np.unique([0, *kept, len(time) - 1])
+    return time[chosen], values[chosen]
+
+
+def draw_ensemble(axes: Axes, time: FloatArray, ensemble: FloatArray, colours: Sequence[str]) -> None:
+    """Draw the middle two thirds of an ensemble as a band, its median dashed."""
+    for i, colour in enumerate(colours):
+        low, median, high = ensemble[:, :, i]
+        axes.fill_between(time, low, high, color=colour, alpha=0.3, linewidth=0.0, zorder=1.0)
+        axes.plot(time, median, color=colour, linestyle="--", linewidth=0.7, zorder=2.0)
+    text = "ensemble: 16 to 84 % (bands), median (dashed)"
+    axes.text(0.99, 0.02, text, transform=axes.transAxes, ha="right", fontsize=7)
+
+
+def least_of(values: FloatArray) -> FloatArray:
+    """The least of the samples (nt, n) in each pixel column."""
+    return _reduced(values, np.fmin)
+
+
+def starts_of(count: int) -> Any:
+    """Index of the first sample of each pixel column."""
+    return np.unique(np.linspace(0, count, min(count, COLUMNS), endpoint=False).astype(np.int64))
+
+
+def _pixels(time: FloatArray) -> FloatArray:
+    """Middle of each pixel column, the first and the last at the ends."""
+    starts = starts_of(len(time))
+    middles: FloatArray = 0.5 * (time[starts] + time[np.append(starts[1:], len(time)) - 1])
+    middles[0], middles[-1] = time[0], time[-1]
+    return middles
+
+
+def _reduced(values: FloatArray, by: Callable[..., Any]) -> FloatArray:
+    """The minimum or maximum (`by`) of the samples (nt, n) in each pixel column and the first of the next.
+
+    The first of the next is included so that the band of a steep line has no gaps. NaN is left out.
+    """
+    starts = starts_of(len(values))
+    found: FloatArray = by.reduceat(values, starts, axis=0)  # type: ignore[attr-defined]
+    found[:-1] = by(found[:-1], values[starts[1:]])
+    return found

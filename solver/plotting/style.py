@@ -1,0 +1,121 @@
+"""One style for all pictures: colours, headings, legends, files. Without pyplot: no display, no state."""
+
+from __future__ import annotations
+
+import os
+import textwrap
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import ListedColormap, Normalize, to_hex
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from ..common.errors import InputError
+from ..common.files import whole_file
+
+Where = Literal["outside lower center", "outside upper center"]
+
+DPI = 150
+STONE, INK, GREY, GRID = "#cdbfa7", "#3b3a38", "#7a7873", "0.9"
+# Okabe and Ito's colours that stand out on white; the colour-blind can distinguish them too
+FEW_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
+BLUE, RED, GREEN = FEW_COLOURS[:3]
+TINT = "#f6e3d8"  # of the time in which a column falls
+# of the line under the title
+VERDICT_COLOURS = {"standing": "#00704f", "overturned": "#b04a00", "undecided": GREY}
+TITLE, LINE, LETTER = 13.0, 10.5, 0.112  # points of the title and the line below; in, a letter of the title across
+
+
+def header(figure: Figure, title: str, line: str = "", colour: str = INK) -> None:
+    """Put a bold title on the upper left, a coloured line below; a constrained layout keeps the space free."""
+    wide, tall = figure.get_size_inches()
+    titles = textwrap.wrap(title, int((wide - 0.2) / LETTER)) or [""]
+    lines = textwrap.wrap(line, int((wide - 0.2) / LETTER * TITLE / LINE))
+    figure.suptitle(
+        "\n".join(titles), x=0.1 / wide, y=1.0 - 0.08 / tall, ha="left", va="top", fontsize=TITLE, weight="bold"
+    )
+    below = 0.12 + 0.225 * len(titles)
+    if lines:
+        text = "\n".join(lines)
+        figure.text(0.1 / wide, 1.0 - below / tall, text, ha="left", va="top", fontsize=LINE, color=colour)
+    engine = figure.get_layout_engine()
+    if engine is not None:
+        engine.set(rect=(0.0, 0.0, 1.0, 1.0 - (below + 0.185 * len(lines) + 0.08) / tall))  # type: ignore[call-arg]
+
+
+def tidy(axes: Axes, grid: bool = True) -> None:
+    """Put the title on the left, a pale grid behind the lines, and no frame above and on the right."""
+    axes.set_title(axes.get_title() or axes.get_title(loc="left"), loc="left", fontsize=10)
+    axes.set_title("")
+    if grid:
+        axes.grid(color=GRID, linewidth=0.6)
+        axes.set_axisbelow(True)
+    axes.spines[["top", "right"]].set_visible(False)
+
+
+def aside(axes: Axes, text: str) -> None:
+    """Put a number in small letters on the right, over the panel."""
+    axes.set_title(text, loc="right", fontsize=8, color=GREY)
+
+
+def block_colours(n: int) -> list[str]:
+    """One colour for each of n blocks from the top down; the colour-blind can distinguish them too."""
+    if n <= len(FEW_COLOURS):
+        return list(FEW_COLOURS[:n])
+    # the last tenth of the map is too pale for thin lines on white
+    return [to_hex(colour) for colour in colormaps["viridis"](np.linspace(0.0, 0.9, n))]
+
+
+def name_of(i: int, n: int, of: str = "block") -> str:
+    """Name of block i of n, counted from 0: with its place at the ends."""
+    place = "" if n == 1 else {0: " (top)", n - 1: " (bottom)"}.get(i, "")
+    return f"{of} {i + 1}{place}"
+
+
+def show_blocks(
+    figure: Figure,
+    axes: Sequence[Axes],
+    colours: Sequence[str],
+    where: Where = "outside lower center",
+    of: str = "block",
+) -> None:
+    """Show the colour of each block (`block_colours`): a legend at `where` for few, a colour bar aside for many."""
+    n = len(colours)
+    if n <= len(FEW_COLOURS):
+        show_names(figure, [name_of(i, n, of) for i in range(n)], colours, where)
+        return
+    mappable = ScalarMappable(Normalize(0.5, n + 0.5), ListedColormap(list(colours)))
+    bar = figure.colorbar(mappable, ax=list(axes), aspect=60, pad=0.01)
+    bar.set_ticks([1, n], labels=[name_of(i, n, of) for i in (0, n - 1)])
+    bar.ax.invert_yaxis()
+
+
+def show_names(
+    figure: Figure, names: Sequence[str], colours: Sequence[str], where: Where = "outside lower center", mark: str = ""
+) -> None:
+    """Name colours, and the mark of a peak if it has a name, in a legend of the figure."""
+    handles = [Line2D([], [], color=colour, linewidth=2.0) for colour in colours]
+    if mark:
+        handles.append(Line2D([], [], color=GREY, marker="<", linestyle=""))
+    figure.legend(handles, [*names, *filter(None, [mark])], loc=where, ncols=min(len(handles), 3), frameon=False)
+
+
+def save(figure: Figure, path: str | os.PathLike[str] | None) -> Figure:
+    """The figure, written in the format of the file's suffix if there is a path.
+
+    Raises InputError for an unknown suffix, OSError.
+    """
+    if path is None:
+        return figure
+    known = sorted(figure.canvas.get_supported_filetypes())
+    if Path(path).suffix.lower().removeprefix(".") not in known:
+        raise InputError(f"{path}: must end in one of .{', .'.join(known)}")
+    with whole_file(path) as partial:
+        figure.savefig(partial, dpi=DPI)
+    return figure
