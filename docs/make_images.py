@@ -10,6 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
+from PIL import Image
 
 from multiblock import (
     Block,
@@ -24,23 +25,28 @@ from multiblock import (
 )
 from solver.dynamics.linearization import StillColumn
 from solver.ground.motion import STANDARD_GRAVITY
-from solver.plotting.drawings import corners_of, draw_column
+from solver.plotting.drawings import corners_of, draw_column, measure_column
 from solver.plotting.plots import draw_ground
 from solver.plotting.record_plots import plot_records
+from solver.plotting.style import BLUE, INK, RED, STONE, VERDICT_COLOURS, header, tidy
+from solver.plotting.words import setting_of, verdict_of
 from solver.statics.calibrate import with_joints
 from solver.statics.rocking import pulled_aside, restitution_from
 
 HERE = Path(__file__).resolve().parent
 EXAGGERATION = 50.0
-STONE = "#cdbfa7"
-INK = "#3b3a38"
-BLUE = "#0072b2"
-RED = "#d55e00"
+COLOURS = 96  # of a picture in a file
 ARROW = {"arrowstyle": "-|>", "color": RED, "linewidth": 1.6, "mutation_scale": 12}
 
 
 def arrow(axes: Axes, tail: tuple[float, float], tip: tuple[float, float], bend: float = 0.0) -> None:
     axes.annotate("", tip, tail, arrowprops=ARROW | {"connectionstyle": f"arc3,rad={bend}"})
+
+
+def shrink(name: str) -> None:
+    """Keep a picture's size small: few colours, which line drawings have anyway."""
+    path = HERE / "images" / name
+    Image.open(path).convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE).save(path, optimize=True)
 
 
 def block(axes: Axes, foot: tuple[float, float], lean: float, height: float = 1.4) -> None:
@@ -101,28 +107,36 @@ def phocas() -> None:
     """phocas.png: what the first line of the README computes, the damped Column of Phocas at 0.05 g and 2 Hz."""
     column = Column.from_toml(HERE.parent / "examples" / "columns" / "phocas-damped.toml")
     response = simulate(column, Motion.harmonic(0.05 * STANDARD_GRAVITY, 2.0, 20.0), output_step=0.002)
-    figure = Figure(figsize=(9.0, 5.0), layout="constrained")
-    grid = figure.add_gridspec(3, 2, width_ratios=(1.0, 2.6), height_ratios=(0.6, 1.0, 1.0))
+    figure = Figure(figsize=(9.0, 5.4), layout="constrained")
+    grid = figure.add_gridspec(3, 2, width_ratios=(1.0, 1.9), height_ratios=(0.6, 1.0, 1.0))
     drawing = figure.add_subplot(grid[:, 0])
     k = int(np.argmax(np.abs(response.ux[:, 0])))
     draw_column(drawing, response, k, EXAGGERATION)
-    drawing.set_title(f"Column of Phocas, 14 m, at its peak\n(deformation times {EXAGGERATION:.0f})", fontsize=9)
+    measure_column(drawing, response, k, EXAGGERATION)
     ground, top, contact = (figure.add_subplot(grid[row, 1]) for row in range(3))
     draw_ground(ground, response.motion)
     top.plot(response.time, 1e3 * response.ux[:, 0], color=BLUE, linewidth=0.9)
     top.plot(response.time[k], 1e3 * response.ux[k, 0], "o", color=RED, markersize=4)
-    top.set_ylabel("$u_x$ (mm)")
-    top.set_title("the top moves by", loc="left", fontsize=10)
+    top.set(title="the top moves by", ylabel="$u_x$ (mm)")
     contact.fill_between(response.time, response.contact[:, -1], color=BLUE, alpha=0.35, linewidth=0.0)
-    contact.set(ylabel="part", xlabel="time (s)", ylim=(0.0, 1.05))
-    contact.set_title("width of the base joint in contact", loc="left", fontsize=10)
+    contact.set(title="width of the base joint in contact", ylabel="part", xlabel="time (s)", ylim=(0.0, 1.05))
     for panel in (ground, top, contact):
+        tidy(panel)
         panel.set_xlim(0.0, response.time[-1])
-        panel.grid(color="0.9", linewidth=0.6)
-        panel.spines[["top", "right"]].set_visible(False)
         panel.tick_params(labelbottom=panel is contact)
     figure.align_ylabels()
+    word, sentence = verdict_of(response)
+    header(figure, setting_of(column, response.motion), sentence, VERDICT_COLOURS[word])
     figure.savefig(HERE / "images" / "phocas.png", dpi=130)
+    shrink("phocas.png")
+
+
+def fallen() -> None:
+    """fallen.png: the Doric column under a pulse that overturns it, as `simulate --plot` draws it."""
+    column = Column.from_toml(HERE.parent / "examples" / "columns" / "doric.toml")
+    response = simulate(column, wavelets.ricker(0.6 * STANDARD_GRAVITY, 0.5), 20.0)
+    response.plot(HERE / "images" / "fallen.png")
+    shrink("fallen.png")
 
 
 def records() -> None:
@@ -136,6 +150,7 @@ def records() -> None:
         "noise, 2.5 Hz, 20 s, seed 7": wavelets.filtered_noise(pga, 2.5, 20.0, 7),
     }
     plot_records(motions, HERE / "images" / "records.png")
+    shrink("records.png")
 
 
 def statics() -> None:
@@ -143,6 +158,8 @@ def statics() -> None:
     column = Column.from_toml(HERE.parent / "examples" / "columns" / "phocas-damped.toml")
     natural_modes(column).plot(HERE / "images" / "modes.png")
     capacity_curve(column).plot(HERE / "images" / "statics.png")
+    shrink("modes.png")
+    shrink("statics.png")
 
 
 def restitutions() -> None:
@@ -358,6 +375,7 @@ def shenton() -> None:
 if __name__ == "__main__":
     signs()
     phocas()
+    fallen()
     records()
     statics()
     restitutions()

@@ -28,7 +28,7 @@ from solver.commands.command_line import OneLineParser
 from solver.common.errors import check_number, reading
 from solver.common.files import whole_file
 from solver.ground.motion import STANDARD_GRAVITY
-from solver.plotting.plots import block_colours, save, show_blocks
+from solver.plotting.style import block_colours, save, show_blocks, tidy
 
 PROGRAM = "figure3.py"
 PHOCAS = Path(__file__).resolve().parent / "columns" / "phocas.toml"
@@ -181,7 +181,8 @@ def draw(runs: Sequence[Run], paragraphs: Sequence[str], path: Path | None = Non
     colours = block_colours(len(runs[0].peaks))
     for axes, amplitude in zip(panels, amplitudes, strict=True):
         _draw_amplitude(axes, [run for run in runs if run.amplitude == amplitude], colours)
-        axes.set_title(f"{amplitude:g} g", loc="left")
+        axes.set_title(f"{amplitude:g} g")
+        tidy(axes)
     panels[0].set_ylabel("peak displacement of the top face (mm)")
     show_blocks(figure, panels.tolist(), colours, "outside upper center")
     text = "\n".join(line for paragraph in paragraphs for line in textwrap.wrap(paragraph, width=140))
@@ -209,9 +210,6 @@ def _draw_amplitude(axes: Axes, runs: Sequence[Run], colours: Sequence[str]) -> 
     axes.set_yscale("log")
     axes.set_xlim(0.0, None)
     axes.set_xlabel("frequency (Hz)")
-    axes.grid(color="0.9", linewidth=0.6)
-    axes.set_axisbelow(True)
-    axes.spines[["top", "right"]].set_visible(False)
 
 
 def _peak(run: Run) -> float:

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from build_fmu import build_fmu
 from multiblock import Column, InputError, Motion
 from solver.commands.command_line import OneLineParser
-from solver.dynamics.response import BLOCK_HISTORIES
+from solver.dynamics.response import BLOCK_HISTORIES, PEAKS
 from solver.ground.motion import STANDARD_GRAVITY
 from solver.plotting.plots import plot_histories
 
@@ -64,11 +64,16 @@ def main() -> int:
     }
     overturned, overturn_time = bool(results["overturned"][-1]), float(results["overturn_time"][-1])
     table, picture = options.output_folder / "results.csv", options.output_folder / "results.png"
-    title = f"{column.name}, {options.amplitude:g} g at {options.frequency:g} Hz"
+    peaks = {
+        name: np.array([results[output.format(i=i)][-1] for i in range(1, column.n + 1)])
+        for name, output in PEAKS.items()
+        if "{i}" in output
+    }
+    verdict = None if overturned else ("", f"Not overturned within {motion.duration:g} s.")
     try:
         write_csv(table, results)
         fell = overturn_time if overturned else math.nan
-        plot_histories(results["time"], histories, column, motion, title, fell, picture)
+        plot_histories(results["time"], histories, column, motion, None, fell, picture, verdict=verdict, peaks=peaks)
     except OSError as error:
         print(f"{PROGRAM}: {error}", file=sys.stderr)
         return 2

@@ -13,17 +13,20 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
-import matplotlib.pyplot as plt
 import numpy as np
 from build import DEFAULT_COLUMN, build_all
 from master import Fmu, Run, couple
+from matplotlib.figure import Figure
 
 from multiblock import Column, InputError, Motion
+from solver.plotting.lines import thinned
+from solver.plotting.plots import draw_ground
+from solver.plotting.style import BLUE, RED, header, save, show_names, tidy
+from solver.plotting.words import length, setting_of
 
-G = 9.80665
 STEP = 1e-3  # s
 AFTER = 6.0  # s that are followed after the motion has ended
-FIXED, ISOLATED = "#d55e00", "#0072b2"
+FIXED, ISOLATED = RED, BLUE
 SLAB = 20e3  # kg
 # under 100 t: about 3 s beyond yielding, 5 % of the weight
 ISOLATORS: dict[str, dict[str, float]] = {
@@ -41,7 +44,7 @@ def pulse(velocity: float = 0.6, period: float = 1.2, cycles: float = 2.0) -> Mo
     time = np.arange(round(cycles * period / STEP) + 1) * STEP
     past = 2.0 * np.pi / period * (time - 0.5 * cycles * period)
     wave = velocity * 0.5 * (1.0 + np.cos(past / cycles)) * np.sin(past)
-    return Motion.from_samples(STEP, np.gradient(wave, STEP))
+    return Motion.from_samples(STEP, np.gradient(wave, STEP)).named("a near-fault pulse")
 
 
 def run_both(column: Column, fmus: dict[str, Path], motion: Motion, isolator: str) -> tuple[Run, Run]:
@@ -109,28 +112,35 @@ def report(column: Column, fixed: Run, isolated: Run) -> str:
     return "\n".join(lines)
 
 
-def draw(fixed: Run, isolated: Run, motion: Motion, path: Path) -> None:
+def draw(column: Column, fixed: Run, isolated: Run, motion: Motion, isolator: str, path: Path) -> None:
     """Column response, ground and isolator loop."""
-    figure, ((top, loop), (below, contact)) = plt.subplots(
-        2, 2, figsize=(10.0, 6.0), width_ratios=(1.8, 1.0), layout="constrained"
-    )
-    for run, color, name in ((fixed, FIXED, "fixed base"), (isolated, ISOLATED, "isolated")):
-        top.plot(run["time"], 1e3 * run["block[1].ux"], color=color, linewidth=1.2, label=name)
-        last = max(int(key[6:-9]) for key in run if str(key).endswith("].contact"))
-        contact.plot(run["time"], run[f"joint[{last}].contact"], color=color, linewidth=1.0)
-    top.set(ylabel="top of the column, mm", xlabel="t, s")
+    figure = Figure(figsize=(10.0, 6.4), layout="constrained")
+    (ground, loop), (top, contact) = figure.subplots(2, 2, width_ratios=(1.8, 1.0))
+    runs = ((fixed, FIXED, "fixed base"), (isolated, ISOLATED, "isolated"))
+    draw_ground(ground, motion)
+    for run, color, _ in runs:
+        top.plot(*thinned(run["time"], 1e3 * run["block[1].ux"]), color=color, linewidth=1.2)
+        contact.plot(*thinned(run["time"], run[f"joint[{column.n}].contact"]), color=color, linewidth=0.8)
     reach = 1.3 * max(1e3 * np.max(np.abs(isolated["block[1].ux"])), 20.0)
     if np.max(np.abs(fixed["block[1].ux"])) > 2.0:  # m: it has fallen
         reach = max(reach, 600.0)
         top.set_ylim(-reach, reach)
-    top.legend(frameon=False, loc="lower right")
-    ground = motion.acceleration(motion.start + fixed["time"])[0]
-    below.plot(fixed["time"], ground / G, color="0.3", linewidth=0.8)
-    below.set(ylabel="ground, g", xlabel="t, s")
     loop.plot(1e3 * isolated["x"], -1e-3 * isolated["force"], color=ISOLATED, linewidth=0.9)
-    loop.set(xlabel="isolator, mm", ylabel="force, kN")
-    contact.set(xlabel="t, s", ylabel="base joint in contact", ylim=(-0.05, 1.05))
-    figure.savefig(path, dpi=110)
+    ground.set_title("(a) acceleration of the ground", loc="left")
+    top.set(title="(c) displacement of the top", ylabel="$u_x$ (mm)", xlabel="time (s)")
+    loop.set(title="(b) isolator", xlabel="displacement (mm)", ylabel="force (kN)")
+    contact.set(title="(d) base joint, width in contact", ylabel="part", xlabel="time (s)", ylim=(-0.05, 1.05))
+    for axes in (ground, top, loop, contact):
+        tidy(axes)
+    for axes in (ground, top, contact):
+        axes.set_xlim(fixed["time"][0], fixed["time"][-1])
+    peaks = [f"{length(np.max(np.abs(run['block[1].ux'])))} {name}" for run, _, name in runs]
+    line = (
+        f"Largest displacement of the top: {', '.join(peaks)}. {length(abs(isolated['x'][-1]))} left in the isolator."
+    )
+    show_names(figure, [name for _, _, name in runs], [color for _, color, _ in runs])
+    header(figure, f"{setting_of(column, motion)}, {isolator}", line)
+    save(figure, path)
 
 
 def main() -> int:
@@ -152,7 +162,7 @@ def main() -> int:
         print(f"isolated.py: {error}", file=sys.stderr)
         return 2
     picture = options.output_folder / "isolated.png"
-    draw(fixed, isolated, motion, picture)
+    draw(column, fixed, isolated, motion, options.isolator, picture)
     print(report(column, fixed, isolated))
     print(picture)
     return 0

@@ -21,7 +21,7 @@ from .words import length, setting_of
 SHOWN = 0.15  # of the column's height: displacement of its top in a picture whose scale is not given
 NICE = (1.0, 2.0, 5.0)  # times powers of ten: scales to choose from
 MOST_NUMBERED = 15  # joints that get a number; of more, every second, third ...
-BAR = 0.2  # of the width of a drawing: the longest scale bar
+BAR = 0.3  # of the width of a drawing: the longest scale bar
 LOST = 0.5  # of the height: displacement at which a column that falls is drawn
 
 

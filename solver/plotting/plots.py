@@ -315,10 +315,11 @@ def _draw_panel(axes: Axes, panel: _Panel, shown: _Shown, ensemble: FloatArray |
     axes.set_ylabel(f"{panel.label} ({panel.unit})" if panel.unit else panel.label)
     if panel.name == "T/N":
         note = f"where N > {COUNTS_FROM:.0%} of the weight"
-        style: dict[str, Any] = {"fontsize": 7, "color": GREY, "bbox": {"color": "white", "alpha": 0.7, "pad": 0.5}}
-        axes.text(0.01, 0.97, note, transform=axes.transAxes, va="top", zorder=8.0, **style)
+        axes.text(0.01, 0.98, note, transform=axes.transAxes, va="top", fontsize=7, color=GREY)
     _limit(axes, panel, shown)
     _mark_peak(axes, panel, shown)
+    if panel.name == "T/N":
+        axes.set_ylim(top=1.12 * axes.get_ylim()[1])  # for the note
 
 
 def _limit(axes: Axes, panel: _Panel, shown: _Shown) -> None:

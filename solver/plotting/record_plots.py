@@ -14,7 +14,7 @@ from ..ground.intensity import DAMPING, NAMES, components, histories, lines_of, 
 from ..ground.motion import STANDARD_GRAVITY, Motion
 from .style import block_colours, header, save, tidy
 
-MOST_NAMED = 3  # motions whose PGA is written
+LONG_NAME = 40  # letters: two names in a line of the legend, not three
 _STYLES: dict[str, str] = {"ax": "-", "az": "--"}
 
 
@@ -39,6 +39,7 @@ def plot_records(motions: Mapping[str, Motion], path: str | os.PathLike[str] | N
             label = name if len(there) == 1 else f"{name}, {NAMES[component]}"
             ends = np.column_stack([lines.time[:-1], lines.time[1:]]).ravel()
             both = np.column_stack([lines.before, lines.after]).ravel()
+            label += f", PGA {np.max(np.abs(both)) / STANDARD_GRAVITY:.3g} g"
             acceleration.plot(ends, both / STANDARD_GRAVITY, **style)
             velocity.plot(base.time, base.velocity, **style)
             displacement.plot(base.time, base.displacement, **style)
@@ -56,9 +57,7 @@ def plot_records(motions: Mapping[str, Motion], path: str | os.PathLike[str] | N
         tidy(axes)
     left.align_ylabels()
     handles, labels = spectra.get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=min(3, len(labels)), frameon=False)
-    strengths = [f"{motion.pga / STANDARD_GRAVITY:.3g} g" for motion in motions.values()]
-    few = len(motions) <= MOST_NAMED
-    names = "; ".join(f"{name}: PGA {pga}" for name, pga in zip(motions, strengths, strict=True)) if few else ""
-    header(figure, f"{len(motions)} base motions" if len(motions) > 1 else "Base motion", names)
+    columns = 3 if max(map(len, labels)) < LONG_NAME else 2
+    figure.legend(handles, labels, loc="outside lower center", ncols=min(columns, len(labels)), frameon=False)
+    header(figure, f"{len(motions)} base motions" if len(motions) > 1 else f"Base motion {next(iter(motions))}")
     return save(figure, path)

@@ -73,7 +73,8 @@ def plot_modes(modes: DrawableModes, path: str | os.PathLike[str] | None = None,
     count = min(most, len(modes.frequency))
     figure = Figure(figsize=(max(4.0, 0.4 + 1.9 * count), 5.5), layout="constrained")
     height = sum(block.height for block in modes.column.blocks)
-    for k, axes in enumerate(np.atleast_1d(figure.subplots(1, count))):
+    above, below = figure.subplots(2, count, height_ratios=(0.14, 1.0), squeeze=False)
+    for k, (words, axes) in enumerate(zip(above, below, strict=True)):
         ux, uz, theta = (SMALL * np.atleast_2d(values[k]) for values in (modes.ux, modes.uz, modes.theta))
         limits = (
             (SHOWN * height, ux),
@@ -84,11 +85,11 @@ def plot_modes(modes: DrawableModes, path: str | os.PathLike[str] | None = None,
         for patch in draw_column(axes, _Places(modes.column, ux, uz, theta), 0, scale):
             patch.set_alpha(0.85)
         mass = abs(modes.mass_x[k] if modes.sways[k] else modes.mass_z[k]) / _mass(modes.column)
-        axes.set_title(f"{k + 1}: {modes.frequency[k]:.4g} Hz", fontsize=12, pad=30.0)
         way = "sways" if modes.sways[k] else "moves up"
-        text = f"damping {100.0 * modes.damping_ratio[k]:.3g} %\n{way}, {mass:.1%} of the mass"
-        style = {"xycoords": "axes fraction", "textcoords": "offset points", "ha": "center", "va": "bottom"}
-        axes.annotate(text, (0.5, 1.0), (0.0, 3.0), fontsize=8, color=GREY, **style)
+        text = f"damping {100.0 * modes.damping_ratio[k]:.3g} %\n{way}, {100.0 * mass:.3g} % of the mass"
+        words.text(0.5, 1.0, f"{k + 1}: {modes.frequency[k]:.4g} Hz", fontsize=12, ha="center", va="top")
+        words.text(0.5, 0.55, text, fontsize=8, color=GREY, ha="center", va="top")
+        words.set_axis_off()
     header(
         figure,
         f"{modes.column.name}: modes about rest",

@@ -138,7 +138,8 @@ def test_the_picture_shows_what_is_measured() -> None:
     assert np.max(displacement.get_lines()[0].get_ydata()) == pytest.approx(intensity(PULSE).pgd)
     assert np.max(spectra.get_lines()[1].get_ydata()) == pytest.approx(np.max(spectrum(HARMONIC).psa) / G)
     assert np.max(arias.get_lines()[0].get_ydata()) == pytest.approx(intensity(PULSE).arias)
-    assert [text.get_text() for text in figure.legends[0].get_texts()] == ["pulse", "harmonic"]
+    pga = f"PGA {A / G:.3g} g"
+    assert [text.get_text() for text in figure.legends[0].get_texts()] == [f"pulse, {pga}", f"harmonic, {pga}"]
 
 
 @pytest.mark.parametrize(
