@@ -14,6 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 from PIL import Image
 
 from ..column.packing import FloatArray
@@ -34,6 +35,7 @@ BLENDS = (1.0, 0.6, 0.25)  # of a colour with white, in a GIF: at the edges of l
 AFTER_FALL = 1.0  # s, filmed after a fall
 
 Progress = Callable[[int, int], object]
+Pixels = NDArray[np.uint8]  # (height, width, 4)
 
 
 def film(
@@ -61,13 +63,13 @@ def film(
             f"speed = {speed:g}: makes {len(instants)} pictures, must be larger, for at most {MOST_FRAMES}"
         )
     scene = _Scene(response, scale_of(response, scale), end)
-    frames = _counted(scene, np.searchsorted(time, instants - 1e-9), callback)
+    frames = _pictures(scene, np.searchsorted(time, instants - 1e-9), callback)
     with whole_file(path) as partial:
         if Path(path).suffix.lower() == ".mp4":
-            writer = FFMpegWriter(fps=fps)
+            writer = _PixelWriter(fps=fps)
             with writer.saving(scene.figure, os.fspath(partial), FILM_DPI):
-                for _ in frames:
-                    writer.grab_frame()
+                for picture in frames:
+                    writer.write(picture)
         else:
             _write_gif(scene, frames, fps, partial)
 
@@ -134,28 +136,33 @@ class _Scene:
         self.clock.set_text(f"{instant:.2f} s")
 
 
-def _counted(scene: _Scene, rows: Any, callback: Progress | None) -> Iterator[None]:
-    """Move the scene from row to row, and say so."""
+class _PixelWriter(FFMpegWriter):
+    """Sends ffmpeg pictures that are drawn already; `grab_frame` would draw each from nothing."""
+
+    def write(self, picture: Pixels) -> None:
+        """Add a picture."""
+        self._proc.stdin.write(picture.tobytes())  # type: ignore[attr-defined]
+
+
+def _pictures(scene: _Scene, rows: Any, callback: Progress | None) -> Iterator[Pixels]:
+    """Draw what moves over a picture of the rest, row by row: some 20 times faster than whole pictures."""
+    scene.canvas.draw()
+    still = scene.canvas.copy_from_bbox(scene.figure.bbox)
     last = len(scene.response.time) - 1
     for done, k in enumerate(rows, start=1):
         scene.show(min(int(k), last))
-        yield
+        scene.canvas.restore_region(still)
+        for artist in scene.moving:
+            scene.figure.draw_artist(artist)
+        yield np.asarray(scene.canvas.buffer_rgba())
         if callback is not None:
             callback(done, len(rows))
 
 
-def _write_gif(scene: _Scene, frames: Iterator[None], fps: int, path: Path) -> None:
-    """Draw what moves over a picture of the rest, in one palette: some 20 times faster than whole pictures."""
-    scene.canvas.draw()
-    still = scene.canvas.copy_from_bbox(scene.figure.bbox)
-    images: list[Image.Image] = []
+def _write_gif(scene: _Scene, frames: Iterator[Pixels], fps: int, path: Path) -> None:
+    """Write pictures in one palette, so that a picture keeps only the pixels that change."""
     palette = _palette(scene)
-    for _ in frames:
-        scene.canvas.restore_region(still)
-        for artist in scene.moving:
-            scene.figure.draw_artist(artist)
-        picture = Image.fromarray(np.asarray(scene.canvas.buffer_rgba())[..., :3])
-        images.append(picture.quantize(palette=palette, dither=Image.Dither.NONE))
+    images = [Image.fromarray(frame[..., :3]).quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames]
     images[0].save(
         path, format="GIF", save_all=True, append_images=images[1:], duration=round(1e3 / fps), loop=0, optimize=False
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -54,9 +54,9 @@ def thinned(time: FloatArray, values: FloatArray, largest_only: bool = False) ->
     return time[chosen], values[chosen]
 
 
-def draw_ensemble(axes: Axes, time: FloatArray, ensemble: FloatArray, colours: Sequence[str]) -> None:
+def draw_ensemble(axes: Axes, time: FloatArray, ensemble: FloatArray, colours: dict[int, str]) -> None:
     """Draw the middle two thirds of an ensemble as a band, its median dashed."""
-    for i, colour in enumerate(colours):
+    for i, colour in colours.items():
         low, median, high = ensemble[:, :, i]
         axes.fill_between(time, low, high, color=colour, alpha=0.3, linewidth=0.0, zorder=1.0)
         axes.plot(time, median, color=colour, linestyle="--", linewidth=0.7, zorder=2.0)

@@ -207,7 +207,8 @@ def _shown(
     if falls:
         widest = max(block.width for block in column.blocks)
         beyond = np.flatnonzero(np.max(np.abs(cut["ux"]), axis=1) > GONE * widest)
-        gone = max(2, int(beyond[0])) if len(beyond) else rows
+        gone = int(beyond[0]) if len(beyond) else int(np.searchsorted(time, overturn_time))
+        gone = min(max(2, gone), rows)
     carried = carried_weights(column)
     if np.all(carried > 0.0):
         ratio = friction_history(cut["T"], cut["N"], carried)
@@ -310,7 +311,7 @@ def _draw_panel(axes: Axes, panel: _Panel, shown: _Shown, ensemble: FloatArray |
     if panel.name == "ux" and np.max(np.abs(values[: shown.gone])) >= 1.0:
         panel = _IN_METRES
     if ensemble is not None:
-        draw_ensemble(axes, shown.time, panel.factor * ensemble, list(shown.chosen.values()))
+        draw_ensemble(axes, shown.time, panel.factor * ensemble, shown.chosen)
     draw_lines(axes, shown.time, panel.factor * values, shown.chosen, panel.largest_only)
     axes.set_ylabel(f"{panel.label} ({panel.unit})" if panel.unit else panel.label)
     if panel.name == "T/N":

@@ -16,6 +16,7 @@ from .style import GREY, GRID, INK
 
 MOST_LABELLED = 12  # bars with a number beside each
 MOST_FRICTION = 3.0  # |T| / N that the axis reaches: no friction is larger
+AT_LEAST = 0.5  # s, drawn before it in any case
 BEFORE = 0.25  # of the time in which a column falls, drawn before it
 # name of the peak, heading, factor from SI
 _PROFILES = (
@@ -77,7 +78,7 @@ def draw_last_moments(
 ) -> None:
     """Draw the column to scale at equal intervals, from shortly before it is lost (row `gone`) until it lies."""
     lost = float(time[min(gone, len(time) - 1)])
-    first = max(float(time[0]), lost - BEFORE * (overturn_time - lost))
+    first = max(float(time[0]), lost - max(BEFORE * (overturn_time - lost), AT_LEAST))
     rows = [int(np.argmin(np.abs(time - instant))) for instant in np.linspace(first, overturn_time, len(panels))]
     corners = np.concatenate([corner for k in rows for corner in corners_of(places, k, 1.0)])
     (left, _), (right, top) = corners.min(axis=0), corners.max(axis=0)
