@@ -21,8 +21,8 @@ from ..common.loading import INTERRUPTED, done
 from ..dynamics.response import DIGITS, Response, check_digits
 from ..dynamics.uncertainty import PERCENTILES, Ensemble, Spread
 from ..ground.motion import STANDARD_GRAVITY, Motion
-from ..runs.simulate import OUTPUT_STEP, simulate
-from ..runs.single_run import SETTLE
+from ..runs.simulate import simulate
+from ..runs.single_run import OUTPUT_STEP, SETTLE
 from . import column_report
 from .calibrate import add_calibrate_command
 from .command_files import PICTURES, add_force, check_picture, check_suffix, read_column

@@ -18,7 +18,7 @@ import numpy as np
 from ..column.column import Column
 from ..column.packing import FloatArray
 from ..common.errors import SolverError
-from .kinematics import Chain
+from .kinematics import Chain, chain_of
 from .linearization import StillColumn, stuck
 
 SAFE = 0.8  # of the margins at rest; the remainder covers nonlinear effects
@@ -40,7 +40,7 @@ class _Swinging(NamedTuple):
 
 def sticks_for_good(column: Column, phase: FloatArray) -> bool:
     """Whether no joint of a column with this phase (chain.py) slides or opens ever again on a still base."""
-    place = Chain(column).places(phase)
+    place = chain_of(column).places(phase)
     if column.n > MOST_BLOCKS or np.any(place.slip_rate != 0.0):
         return False
     try:

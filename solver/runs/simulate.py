@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -17,10 +16,9 @@ from ..dynamics.response import Response
 from ..dynamics.uncertainty import Spread
 from ..ground.motion import Motion
 from .ensemble import ensemble_of
-from .single_run import SETTLE, Callback, single_run
+from .single_run import OUTPUT_STEP, SETTLE, Callback, output_times, single_run
 from .trust import finer, judge
 
-OUTPUT_STEP = 0.005  # s, where none is asked for
 MOST_ROWS = 10**8
 MOST_RUNS = 10**5
 
@@ -74,9 +72,8 @@ def simulate(
         raise InputError(f"ensemble = {ensemble!r}: must be a number of runs, at most {MOST_RUNS}")
     make_kernels()
     check_rest(column, from_rest=initial is None)
-    times = motion.start + output_step * np.arange(math.floor(duration / output_step + 1e-9) + 1, dtype=np.float64)
+    times = output_times(motion, duration, output_step)
     response, phases = single_run(column, motion, duration, times, initial, settle, callback)
-    response.motion = motion
     if check:
         chain = chain_of(column)
         ux = chain.top_displacements(phases)

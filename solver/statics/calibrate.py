@@ -10,7 +10,7 @@ import math
 import os
 import warnings
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -65,13 +65,7 @@ def with_joints(column: Column, stiffness: ArrayLike | None = None, damping: Arr
     """
     moduli = _each("stiffness", column, stiffness, [block.joint.stiffness for block in column.blocks])
     etas = _each("damping", column, damping, [block.joint.damping for block in column.blocks])
-    return replace(
-        column,
-        blocks=tuple(
-            replace(block, joint=replace(block.joint, stiffness=modulus, damping=eta))
-            for block, modulus, eta in zip(column.blocks, moduli, etas, strict=True)
-        ),
-    )
+    return column.with_joints(moduli, etas)
 
 
 # --- modulus

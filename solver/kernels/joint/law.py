@@ -68,22 +68,18 @@ def loaded_part(left, right, damping, opening, slope, opening_rate, slope_rate):
     return lo, hi
 
 
+@by_width
 def pressed_part(left, right, opening, slope):
     """The part (lo, hi) of the contact in which the faces press each other, of one joint or of lanes."""
-    raise NotImplementedError("for kernels only")
+    if isinstance(slope, LanesType):
+        return _pressed_part_of_lanes
+    return lambda left, right, opening, slope: positive_part(-opening, slope, left, right)
 
 
 def _pressed_part_of_lanes(left, right, opening, slope):
     slope, right = slope + 0.0, greater(right, left)
     edge, rises = _within(opening / slope, left, right), slope >= 0.0
     return where(rises, edge, left), where(rises, right, edge)
-
-
-@by_width(pressed_part)
-def _choose_pressed(left, right, opening, slope):
-    if isinstance(slope, LanesType):
-        return _pressed_part_of_lanes
-    return lambda left, right, opening, slope: positive_part(-opening, slope, left, right)
 
 
 @leaf
@@ -169,9 +165,14 @@ def held_forces(regime, contact, law, opening, slope, opening_rate, slope_rate):
     return force, moment, length, min(on_left, on_right)
 
 
+@by_width
 def resultants(blocks, hold, i, opening, slope, opening_rate, slope_rate, slip=0.0):
     """N, M and loaded length of joint i; one column notes in `hold` whether the joint is outside its regime."""
-    raise NotImplementedError("for kernels only")
+    if not isinstance(opening, LanesType):
+        return _resultants_of_one
+    if isinstance(slip, LanesType):
+        return _resultants_of_round_lanes_that_slip if ROUND in blocks.names else _resultants_of_lanes_that_slip
+    return _resultants_of_round_lanes if ROUND in blocks.names else _resultants_of_lanes
 
 
 def _resultants_of_one(blocks, hold, i, opening, slope, opening_rate, slope_rate, slip=0.0):
@@ -227,15 +228,6 @@ def _resultants_of_round_lanes_that_slip(blocks, hold, i, opening, slope, openin
     slope = slope + 0.0
     near, far = _slipped_ends(blocks, i, slope, slip)
     return _round_resultants(blocks, i, near, far, opening, slope, opening_rate, slope_rate, mirrored(slip, slope))
-
-
-@by_width(resultants)
-def _choose(blocks, hold, i, opening, slope, opening_rate, slope_rate, slip=0.0):
-    if not isinstance(opening, LanesType):
-        return _resultants_of_one
-    if isinstance(slip, LanesType):
-        return _resultants_of_round_lanes_that_slip if ROUND in blocks.names else _resultants_of_lanes_that_slip
-    return _resultants_of_round_lanes if ROUND in blocks.names else _resultants_of_lanes
 
 
 @kernel

@@ -252,60 +252,49 @@ def rarely(typing, condition):
 # --- functions of numbers or lanes
 
 
+def _are_lanes(*kinds: Any) -> bool:
+    return any(isinstance(kind, (LanesType, MaskType)) for kind in kinds)
+
+
+@by_width
 def where(condition, a, b):
     """a where the condition holds, else b; both are evaluated."""
-    raise NotImplementedError("for kernels only")
+    if _are_lanes(condition, a, b):
+        return lambda condition, a, b: _select(condition, a, b)
+    return lambda condition, a, b: a if condition else b
 
 
+@by_width
 def any_of(condition):
     """Whether the condition holds in any lane."""
-    raise NotImplementedError("for kernels only")
+    return (lambda condition: bits(condition) != 0) if _are_lanes(condition) else lambda condition: condition
 
 
+@by_width
 def magnitude(x):
     """|x|."""
-    raise NotImplementedError("for kernels only")
+    return (lambda x: _abs(x)) if _are_lanes(x) else lambda x: abs(x)
 
 
+@by_width
 def square_root(x):
     """Square root of x."""
-    raise NotImplementedError("for kernels only")
+    return (lambda x: _sqrt(x)) if _are_lanes(x) else lambda x: np.sqrt(x)
 
 
+@by_width
 def lesser(a, b):
     """The lesser of two numbers; b if one is NaN."""
-    raise NotImplementedError("for kernels only")
+    return (lambda a, b: _select(a < b, a, b)) if _are_lanes(a, b) else lambda a, b: a if a < b else b
 
 
+@by_width
 def greater(a, b):
     """The greater of two numbers; b if one is NaN."""
-    raise NotImplementedError("for kernels only")
+    return (lambda a, b: _select(a > b, a, b)) if _are_lanes(a, b) else lambda a, b: a if a > b else b
 
 
+@by_width
 def nearest(x):
     """The nearest whole number."""
-    raise NotImplementedError("for kernels only")
-
-
-def _either(function: Callable[..., Any], scalar: Callable[..., Any], lanes: Callable[..., Any]) -> None:
-    """Compile `function` as one or the other, depending on whether any argument is lanes or a mask."""
-    count = scalar.__code__.co_argcount
-
-    def choose(*kinds):
-        return lanes if any(isinstance(kind, (LanesType, MaskType)) for kind in kinds) else scalar
-
-    chooser: Any = {
-        1: lambda x: choose(x),
-        2: lambda a, b: choose(a, b),
-        3: lambda condition, a, b: choose(condition, a, b),
-    }[count]
-    by_width(function)(chooser)
-
-
-_either(where, lambda condition, a, b: a if condition else b, lambda condition, a, b: _select(condition, a, b))
-_either(any_of, lambda x: x, lambda x: bits(x) != 0)
-_either(magnitude, lambda x: abs(x), lambda x: _abs(x))
-_either(square_root, lambda x: np.sqrt(x), lambda x: _sqrt(x))
-_either(lesser, lambda a, b: a if a < b else b, lambda a, b: _select(a < b, a, b))
-_either(greater, lambda a, b: a if a > b else b, lambda a, b: _select(a > b, a, b))
-_either(nearest, lambda x: np.rint(x), lambda x: _rint(x))
+    return (lambda x: _rint(x)) if _are_lanes(x) else lambda x: np.rint(x)

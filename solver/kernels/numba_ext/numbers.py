@@ -59,19 +59,22 @@ def angle_of(sine, cosine):
     return where(sine > cosine, 0.5 * math.pi - angle, angle)
 
 
+@by_width
 def sine_cosine(x):
     """sin(x) and cos(x); polynomials where the rest of the series is below rounding."""
-    raise NotImplementedError("for kernels only")
+    return _sine_cosine_of_lanes if isinstance(x, LanesType) else _sine_cosine_of_one
 
 
+@by_width
 def sine(x):
     """sin(x) for |x| up to 1e6."""
-    raise NotImplementedError("for kernels only")
+    return _sine_of_lanes if isinstance(x, LanesType) else lambda x: math.sin(x)
 
 
+@by_width
 def half_sine_cosine(x):
     """sin(x / 2) and cos(x / 2)."""
-    raise NotImplementedError("for kernels only")
+    return _half_sine_cosine_of_lanes if isinstance(x, LanesType) else _half_sine_cosine_of_one
 
 
 @leaf
@@ -135,18 +138,3 @@ def _half_sine_cosine_of_lanes(x):
 
 def _sine_of_lanes(x):
     return sine_cosine(x)[0]
-
-
-@by_width(sine_cosine)
-def _choose_both(x):
-    return _sine_cosine_of_lanes if isinstance(x, LanesType) else _sine_cosine_of_one
-
-
-@by_width(half_sine_cosine)
-def _choose_half(x):
-    return _half_sine_cosine_of_lanes if isinstance(x, LanesType) else _half_sine_cosine_of_one
-
-
-@by_width(sine)
-def _choose_sine(x):
-    return _sine_of_lanes if isinstance(x, LanesType) else lambda x: math.sin(x)
