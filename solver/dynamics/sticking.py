@@ -129,18 +129,7 @@ def _borne(column: Column, still: StillColumn) -> tuple[FloatArray, FloatArray, 
         asked, bears = joints.T + joints.N * np.sin(turned), friction * joints.N + dowel - rims
         return np.concatenate([(bears - asked)[sliding], (bears + asked)[sliding]])
 
-    still_stands = np.zeros(2 * still.n)
-
-    def derivatives(of_rate: bool) -> FloatArray:
-        columns = []
-        for k, size in enumerate(PART * still.sizes):
-            change = np.zeros(2 * still.n)
-            change[k] = size
-            ahead, back = (
-                margins(still.rest, sign * change) if of_rate else margins(still.rest + sign * change, still_stands)
-                for sign in (1.0, -1.0)
-            )
-            columns.append((ahead - back) / (2.0 * size))
-        return np.array(columns).T
-
-    return margins(still.rest, still_stands), derivatives(False), derivatives(True)
+    still_stands, sizes = np.zeros(2 * still.n), PART * still.sizes
+    by_place = still.derivatives(lambda change: margins(still.rest + change, still_stands), sizes)
+    by_rate = still.derivatives(lambda change: margins(still.rest, change), sizes)
+    return margins(still.rest, still_stands), -by_place, -by_rate
