@@ -57,6 +57,7 @@ class Joints(NamedTuple):
 class Chain:
     """The data of a column as rows of n numbers, the top block first."""
 
+    rectangles: NDArray[np.bool_]
     rest: FloatArray | None = None  # phase; the energy there is subtracted from others
 
     def __init__(self, column: Column) -> None:
@@ -89,12 +90,11 @@ class Chain:
         self.height, self.centroid, self.mass, self.inertia, self.width, self.stiffness, self.bore, *others = rows
         self.fall_angle, self.lean, self.tilt, self.offset, self.built_x = others
         # of the linear law these have the closed form of the energy below
-        self.rectangles: NDArray[np.bool_] = blocks.section.T == RECTANGLE
+        self.rectangles = blocks.section.T == RECTANGLE
         self.rigidity = self.stiffness * blocks.depth.T  # N/m2: per metre of the joint's width, if it is a rectangle
         ring = 0.25 * np.pi * (self.width**2 - self.bore**2)
-        self.spring = np.where(
-            self.rectangles, self.rigidity * self.width, self.stiffness * ring
-        )  # N/m, in full contact
+        # N/m, in full contact
+        self.spring = np.where(self.rectangles, self.rigidity * self.width, self.stiffness * ring)
         self.carried = np.cumsum(self.mass, axis=-1)  # kg, by the joint under each block
         self.weight = self.g * self.carried  # N
 

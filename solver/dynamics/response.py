@@ -12,7 +12,7 @@ import numpy as np
 from ..column.column import Column
 from ..column.friction import friction_demand, time_exceeded
 from ..column.packing import FloatArray
-from ..common.errors import InputError, needing, shown
+from ..common.errors import check_whole, needing
 from ..common.files import write_table
 from ..ground.motion import Motion
 from ..kernels.layout import spaces as at
@@ -35,9 +35,7 @@ PEAKS |= {name: f"{output}_peak" for name, output in BASE_HISTORIES.items()} | {
 
 def check_digits(key: str, digits: int) -> int:
     """Return a number of significant digits, 1 to 17. Raises InputError."""
-    if isinstance(digits, bool) or not isinstance(digits, int) or not 1 <= digits <= MOST_DIGITS:
-        raise InputError(f"{key} = {shown(digits)}: must be a whole number from 1 to {MOST_DIGITS}")
-    return digits
+    return check_whole(key, digits, 1, MOST_DIGITS, f"a whole number from 1 to {MOST_DIGITS}")
 
 
 class Response:

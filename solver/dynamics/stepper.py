@@ -86,6 +86,7 @@ class Stepper:
         theta: float = 0.0,
         omega: float = 0.0,
         alpha: float = 0.0,
+        *,
         since: float | None = None,
     ) -> None:
         """Set the motion of the base from time t on: accelerations m/s2, slopes m/s3, rotation rad, rad/s, rad/s2.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 import time as clock
 import warnings
 from collections import Counter
@@ -14,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from ..column.column import Column
-from ..common.errors import POSITIVE, InputError, InputWarning, SolverError, check_number, shown
+from ..common.errors import POSITIVE, InputError, InputWarning, SolverError, check_number, check_whole, shown
 from ..common.executors import TRIES, cores, said, sent_out, workers_of
 from ..ground.motion import Motion
 from .chunk import Chunk, Made, Run, make_packed, make_runs, packed, why_alone
@@ -112,8 +113,8 @@ def parts_of_many(
         if name not in KEPT:
             raise InputError(f"keep: {shown(name)}: must be of {', '.join(KEPT)}")
     settle = 0.0 if settle == 0 else check_number("settle", settle, POSITIVE, "a positive time in s")
-    if threads is not None and (isinstance(threads, bool) or not isinstance(threads, int) or threads < 1):
-        raise InputError(f"threads = {shown(threads)}: must be a number of threads, at least 1")
+    if threads is not None:
+        check_whole("threads", threads, 1, math.inf, "a number of threads, at least 1")
     total, runs = _runs(columns, motions, duration, tolerance)
     summary = Summary() if summary is None else summary
     workers = (threads or cores()) if executor is None else workers_of(executor)

@@ -25,6 +25,7 @@ from ..common.errors import (
     InputWarning,
     SolverError,
     check_number,
+    check_whole,
     needing,
     reading,
 )
@@ -240,8 +241,7 @@ def damping_from_ratio(column: Column, ratio: float, mode: int = 1) -> float:
     All joints in contact, small motion. Raises InputError, SolverError.
     """
     ratio = check_number("ratio", ratio, NOT_NEGATIVE, "a ratio of critical damping, zero or positive")
-    if isinstance(mode, bool) or not isinstance(mode, (int, np.integer)) or not 1 <= mode <= column.n:
-        raise InputError(f"mode = {mode!r}: must be the number of a mode that sways, 1 to {column.n}")
+    mode = check_whole("mode", mode, 1, column.n, f"the number of a mode that sways, 1 to {column.n}")
     modes = modes_about_rest(with_joints(column, damping=1.0))
     return ratio / float(modes.damping_ratio[modes.sways][mode - 1])
 

@@ -95,61 +95,30 @@ def _is_number(kind: Any) -> bool:
     return isinstance(kind, (LanesType, types.Float, types.Integer))
 
 
-def _register_binary(function: Any, result: Any, emit: Callable[..., Any]) -> None:
-    @infer_global(function)
-    class _Binary(AbstractTemplate):  # type: ignore[misc]
-        def generic(self, args: Any, kws: Any) -> Any:
-            if len(args) == 2 and LANES in args and all(_is_number(kind) for kind in args):
-                return signature(result, LANES, LANES)
-            return None
+def _register(function: Any, kinds: tuple[Any, ...], result: Any, emit: Callable[..., Any]) -> None:
+    """An operator of lanes or masks; numbers beside lanes become lanes."""
 
-    @lower_builtin(function, LANES, LANES)
+    @infer_global(function)
+    class _Operator(AbstractTemplate):  # type: ignore[misc]
+        def generic(self, args: Any, kws: Any) -> Any:
+            numbers = LANES in args and all(_is_number(kind) for kind in args)
+            same = len(args) == len(kinds) and (numbers if LANES in kinds else args == kinds)
+            return signature(result, *kinds) if same else None
+
+    @lower_builtin(function, *kinds)
     def _lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         return emit(builder, *args)
 
 
 for _function, _name in _ARITHMETIC.items():
-    _register_binary(_function, LANES, lambda builder, a, b, name=_name: getattr(builder, name)(a, b))
+    _register(_function, (LANES, LANES), LANES, lambda builder, a, b, name=_name: getattr(builder, name)(a, b))
 for _function, _sign in _COMPARISONS.items():
-    _register_binary(_function, MASK, lambda builder, a, b, sign=_sign: builder.fcmp_ordered(sign, a, b))
-_register_binary(operator.ne, MASK, lambda builder, a, b: builder.fcmp_unordered("!=", a, b))
-
-
-@infer_global(operator.neg)
-class _Negative(AbstractTemplate):  # type: ignore[misc]
-    def generic(self, args: Any, kws: Any) -> Any:
-        return signature(LANES, LANES) if args == (LANES,) else None
-
-
-@lower_builtin(operator.neg, LANES)
-def _lower_negative(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-    return builder.fneg(args[0])
-
-
-def _register_mask(function: Any, name: str) -> None:
-    @infer_global(function)
-    class _Binary(AbstractTemplate):  # type: ignore[misc]
-        def generic(self, args: Any, kws: Any) -> Any:
-            return signature(MASK, MASK, MASK) if args == (MASK, MASK) else None
-
-    @lower_builtin(function, MASK, MASK)
-    def _lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        return getattr(builder, name)(*args)
-
-
-_register_mask(operator.and_, "and_")
-_register_mask(operator.or_, "or_")
-
-
-@infer_global(operator.invert)
-class _Invert(AbstractTemplate):  # type: ignore[misc]
-    def generic(self, args: Any, kws: Any) -> Any:
-        return signature(MASK, MASK) if args == (MASK,) else None
-
-
-@lower_builtin(operator.invert, MASK)
-def _lower_invert(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-    return builder.not_(args[0])
+    _register(_function, (LANES, LANES), MASK, lambda builder, a, b, sign=_sign: builder.fcmp_ordered(sign, a, b))
+_register(operator.ne, (LANES, LANES), MASK, lambda builder, a, b: builder.fcmp_unordered("!=", a, b))
+_register(operator.neg, (LANES,), LANES, lambda builder, x: builder.fneg(x))
+_register(operator.and_, (MASK, MASK), MASK, lambda builder, a, b: builder.and_(a, b))
+_register(operator.or_, (MASK, MASK), MASK, lambda builder, a, b: builder.or_(a, b))
+_register(operator.invert, (MASK,), MASK, lambda builder, x: builder.not_(x))
 
 
 def _unary(name: str) -> Any:

@@ -116,9 +116,11 @@ def _of_any_size(x):
     return where(odd, quarter * c, where(back, -s, s)), where(odd, -(quarter * s), where(back, -c, c))
 
 
-def _sine_cosine_of_lanes(x):
-    first, second = _short(x)
-    large = magnitude(x) > SMALL
+@leaf
+def _with_long(short, x, most):
+    """Sine and cosine of lanes, by the short polynomials where |x| is at most `most`."""
+    first, second = short
+    large = magnitude(x) > most
     if rarely(any_of(large)):
         long_sine, long_cosine = _of_any_size(x)
         first = where(large, long_sine, first)
@@ -126,14 +128,12 @@ def _sine_cosine_of_lanes(x):
     return first, second
 
 
+def _sine_cosine_of_lanes(x):
+    return _with_long(_short(x), x, SMALL)
+
+
 def _half_sine_cosine_of_lanes(x):
-    first, second = _short_half(x)
-    large = magnitude(x) > 2.0 * SMALL
-    if rarely(any_of(large)):
-        long_sine, long_cosine = _of_any_size(0.5 * x)
-        first = where(large, long_sine, first)
-        second = where(large, long_cosine, second)
-    return first, second
+    return _with_long(_short_half(x), 0.5 * x, SMALL)
 
 
 def _sine_of_lanes(x):
