@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 from hypothesis import settings
-from support.fmus import ROOT, Fmus
+from support.fmus import DAMPED, LINUX, PHOCAS, ROOT, Fmus, built_once
 
 from solver.dynamics.first_run import make_kernels
 
@@ -36,10 +36,23 @@ def records() -> Path:
 
 @pytest.fixture(scope="session")
 def fmus(tmp_path_factory: pytest.TempPathFactory) -> Fmus:
-    """The FMUs of the two example columns, built once."""
-    folder = tmp_path_factory.mktemp("fmus")
-    columns = ROOT / "examples" / "columns"
-    return Fmus(
-        phocas=Fmus.build(columns / "phocas.toml", folder / "phocas.fmu"),
-        damped=Fmus.build(columns / "phocas-damped.toml", folder / "phocas-damped.fmu"),
-    )
+    """The FMUs of the two example columns."""
+    both = {
+        name: built_once(tmp_path_factory, f"{file.stem}.fmu", lambda path, file=file: Fmus.build(file, path))
+        for name, file in (("phocas", PHOCAS), ("damped", DAMPED))
+    }
+    return Fmus(**both)
+
+
+@pytest.fixture(scope="session")
+def native(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The damped example as a native FMU of FMI 2.0, for Linux, with its base as a terminal."""
+    pytest.importorskip("ziglang", reason="needs the extra native")
+    return built_once(tmp_path_factory, "native.fmu", lambda path: Fmus.build(DAMPED, path, *LINUX, "--terminals"))
+
+
+@pytest.fixture(scope="session")
+def native3(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The same of FMI 3.0, for all platforms."""
+    pytest.importorskip("ziglang", reason="needs the extra native")
+    return built_once(tmp_path_factory, "native3.fmu", lambda path: Fmus.build(DAMPED, path, "--native", "--fmi", "3"))

@@ -1,41 +1,23 @@
 """The command line: its files hold what the solver computes, and a user's mistake ends in one line and exit code 2."""
 
 import csv
-import os
 import subprocess
 import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
+from support.fmus import DAMPED, PHOCAS, finish
+from support.record_files import AT2
 
 from solver import Column, InputError, Motion, natural_frequencies, simulate
 from solver.commands.command_line import main
 from solver.ground.motion import STANDARD_GRAVITY
 
-ROOT = Path(__file__).resolve().parents[2]
-COLUMNS = ROOT / "examples" / "columns"
-PHOCAS = COLUMNS / "phocas.toml"
-
-AT2 = """PEER STRONG MOTION DATABASE RECORD
-A TEST, 000
-ACCELERATION TIME HISTORY IN UNITS OF G. FILTER POINTS: NONE
-NPTS=  5, DT= .02000 SEC
-  .1E-01  -.2000000E+00   .3
-  0.4 -0.05
-"""
-
 
 def solver(folder: Path, *arguments: object) -> subprocess.CompletedProcess[str]:
     """Run `python -m solver` in a folder."""
-    return subprocess.run(
-        [sys.executable, "-m", "solver", *map(str, arguments)],
-        cwd=folder,
-        env=os.environ | {"PYTHONPATH": str(ROOT)},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    return finish(sys.executable, "-m", "solver", *arguments, cwd=folder)
 
 
 def read(path: Path) -> tuple[list[str], np.ndarray]:
@@ -102,7 +84,7 @@ def test_simulate_says_what_it_starts_from(tmp_path: Path, motion: Motion) -> No
 
 
 def test_a_column_that_is_probably_not_meant(tmp_path: Path, motion: Motion) -> None:
-    text = (COLUMNS / "phocas-damped.toml").read_text(encoding="utf-8")
+    text = (DAMPED).read_text(encoding="utf-8")
     (tmp_path / "soft.toml").write_text(text.replace("5226944450.0", "1e5"), encoding="utf-8")
     run = solver(tmp_path, "simulate", "soft.toml", "motion.csv")
     assert run.returncode == 2
@@ -174,16 +156,16 @@ def test_simulate_takes_every_option(tmp_path: Path, motion: Motion) -> None:
 
 def test_simulate_reads_records(tmp_path: Path) -> None:
     (tmp_path / "record.at2").write_text(AT2, encoding="utf-8")
-    run = solver(tmp_path, "simulate", COLUMNS / "phocas-damped.toml", "record.at2", "--duration", 1.0)
+    run = solver(tmp_path, "simulate", DAMPED, "record.at2", "--duration", 1.0)
     assert run.returncode == 0
-    response = simulate(Column.from_toml(COLUMNS / "phocas-damped.toml"), Motion.from_at2(tmp_path / "record.at2"), 1.0)
+    response = simulate(Column.from_toml(DAMPED), Motion.from_at2(tmp_path / "record.at2"), 1.0)
     assert printed_peaks(run.stdout) == pytest.approx(1e3 * response.peak_ux, rel=1e-4)
 
 
 def test_simulate_tells_of_overturning(tmp_path: Path) -> None:
     Motion.from_samples(0.5, np.full(5, 5.0)).to_csv(tmp_path / "push.csv")
-    run = solver(tmp_path, "simulate", COLUMNS / "phocas-damped.toml", "push.csv")
-    response = simulate(Column.from_toml(COLUMNS / "phocas-damped.toml"), Motion.from_csv(tmp_path / "push.csv"))
+    run = solver(tmp_path, "simulate", DAMPED, "push.csv")
+    response = simulate(Column.from_toml(DAMPED), Motion.from_csv(tmp_path / "push.csv"))
     assert response.overturned
     assert run.returncode == 0
     assert f"overturned at {response.overturn_time:.4g} s over joint {response.overturned_joint}" in run.stdout

@@ -2,29 +2,20 @@
 
 from __future__ import annotations
 
-import os
 import sys
-from collections.abc import Callable
 from graphlib import TopologicalSorter
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 from fmpy import read_model_description
-from support.child import command, returned
-from support.fmus import REFUSED, ROOT, environment, run
+from support.child import call_with_example as example
+from support.fmus import REFUSED, ROOT, run
 from support.inside import coupled
 
 pytestmark = pytest.mark.long  # builds native FMUs
 
 EXAMPLE = ROOT / "examples" / "coupling"
-
-
-def example(function: Callable[..., object], *arguments: object) -> Any:
-    """What a function returns in a process that has the modules of the example in reach."""
-    modules = os.pathsep.join((str(EXAMPLE), environment()["PYTHONPATH"]))
-    return returned(run(*command(function, *arguments), PYTHONPATH=modules))
 
 
 @pytest.fixture(scope="module")

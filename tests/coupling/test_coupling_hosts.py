@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import importlib.util
 import math
-import os
 import shutil
 import subprocess
 import sys
 import zipfile
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -18,14 +16,12 @@ import numpy as np
 import pytest
 from fmpy import read_model_description
 from fmpy.ssp.ssd import read_ssd
-from support.child import command, returned
-from support.fmus import ROOT, environment, run
+from support.child import call_with_example as example
+from support.fmus import ROOT, run
 from support.inside import coupled, systems
 
 pytestmark = pytest.mark.long  # builds native FMUs
 
-if importlib.util.find_spec("ziglang") is None:
-    pytest.skip("needs ziglang, the extra native", allow_module_level=True)
 if not sys.platform.startswith("linux"):
     pytest.skip("the libraries are built for Linux", allow_module_level=True)
 
@@ -34,12 +30,6 @@ SPACES = {"ssd": "http://ssp-standard.org/SSP1/SystemStructureDescription", "ssc
 PARTNERS = ("isolator", "soil")
 STEPS = 300
 IN_C = 3000
-
-
-def example(function: Callable[..., object], *arguments: object, **variables: str) -> Any:
-    """The result of a function in a process that has the modules of the example on its path."""
-    modules = os.pathsep.join((str(EXAMPLE), environment()["PYTHONPATH"]))
-    return returned(run(*command(function, *arguments), PYTHONPATH=modules, **variables))
 
 
 @pytest.fixture(scope="module")
@@ -124,20 +114,8 @@ def test_the_ground_is_the_record(native: Path) -> None:
 @pytest.mark.parametrize("partner", PARTNERS)
 def test_a_host_in_c_runs_the_coupled_system(native: Path, tmp_path: Path, partner: str) -> None:
     host = tmp_path / "master"
-    options = ("-std=gnu11", "-Wall", "-Wextra", "-Werror", "-O1")
-    run(
-        sys.executable,
-        "-m",
-        "ziglang",
-        "cc",
-        "-target",
-        "x86_64-linux-gnu",
-        *options,
-        EXAMPLE / "master.c",
-        "-o",
-        host,
-        "-ldl",
-    )
+    options = ("-target", "x86_64-linux-gnu", "-std=gnu11", "-Wall", "-Wextra", "-Werror", "-O1")
+    run(sys.executable, "-m", "ziglang", "cc", *options, EXAMPLE / "master.c", "-o", host, "-ldl")
     wiring = native / "in_c" / f"{systems.NAMES[partner]}.txt"
     stop = str(IN_C * systems.STEP)
     done = subprocess.run([host, wiring, "0.001", stop], capture_output=True, text=True, env={}, check=False)

@@ -305,18 +305,6 @@ def test_a_block_pushed_off_slides_as_on_an_endless_face_until_it_tips(section: 
     assert np.array_equal(back.slip[:, 0], -found.slip[:, 0])
 
 
-@pytest.mark.parametrize("section", ["rectangle", "circle", "annulus"])
-def test_at_a_rim_energy_falls_by_the_work_of_friction_alone(section: str) -> None:
-    column = slider(0.2, eta=0.0, tolerance=1e-10, section=section)
-    chain = Chain(column)
-    stepper = Stepper(column, InitialState(slip_rate=[1.1, 0.0]))
-    first = chain.energy(phase_of(stepper))
-    stepper.rest_until(0.0, 0.5)
-    work = float(np.sum(stepper.state.phase.friction_work))
-    assert stepper.state.phase.slip[0] > 0.2
-    assert chain.energy(phase_of(stepper)) + work == pytest.approx(first, rel=1e-7)
-
-
 def test_an_offset_is_where_a_slip_begins() -> None:
     """A column with an initial slip equals one with that offset."""
     slid = Stepper(slider(0.5), InitialState(slip=[0.2, 0.0]))

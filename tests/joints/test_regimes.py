@@ -1,4 +1,4 @@
-"""Regimes of the joints: the held law, the range in which it is valid, and the moments at which steps are cut."""
+"""Regimes of the joints: the range in which it is valid, and the moments at which steps are cut."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 from support.joint_states import State, examples, states
-from support.joints import contact_regime, held_forces, joint_forces, regime_margin
+from support.joints import contact_regime, held_forces, regime_margin
 from support.probe import Array, G, coordinates, phocas
 
 from solver import InitialState, Motion, simulate
@@ -38,13 +38,6 @@ def regime_of(state: State) -> int:
 def margin(regime: int, state: State) -> float:
     _, width, _, *rest = astuple(state)
     return float(regime_margin(regime, width, *rest))
-
-
-@examples
-@given(states())
-def test_law_held_in_its_own_regime_is_the_law(state: State) -> None:
-    *held, _ = held_forces(regime_of(state), *astuple(state))
-    assert held == pytest.approx(joint_forces(*astuple(state)), rel=1e-12, abs=0.0)
 
 
 @examples

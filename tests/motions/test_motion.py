@@ -9,20 +9,13 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from support.record_files import AT2
 
 from solver.common.errors import InputError
 from solver.ground.motion import STANDARD_GRAVITY, Motion
 
 accelerations = st.lists(st.floats(-100.0, 100.0), min_size=2, max_size=20)
 steps = st.sampled_from([1e-3, 0.005, 0.01, 0.02, 0.1])
-
-AT2 = """PEER STRONG MOTION DATABASE RECORD
-A TEST, 000
-ACCELERATION TIME HISTORY IN UNITS OF G. FILTER POINTS: NONE
-NPTS=  5, DT= .02000 SEC
-  .1E-01  -.2000000E+00   .3
-  0.4 -0.05
-"""
 
 
 def written(folder: Path, text: str, name: str = "motion.txt") -> Path:

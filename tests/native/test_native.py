@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import math
 import re
 import sys
@@ -12,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from support.child import call, command, ended, returned
-from support.fmus import ROOT, Fmus, finish, run
+from support.fmus import DAMPED, LINUX, ROOT, Fmus, finish, run
 from support.inside import failures, inputs, states
 from support.inside import native as inside
 
@@ -21,18 +20,7 @@ from solver.column.packing import longest_stable_step
 
 pytestmark = pytest.mark.long  # builds native FMUs
 
-if importlib.util.find_spec("ziglang") is None:
-    pytest.skip("needs ziglang, the extra native", allow_module_level=True)
-
-DAMPED = ROOT / "examples/columns/phocas-damped.toml"
-LINUX = ("--native", "--platforms", "linux64")
 UNDAMPED: dict[str, object] = {f"joint[{i}].damping": 0.0 for i in (1, 2, 3)}
-
-
-@pytest.fixture(scope="module")
-def native(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The damped example as a native FMU."""
-    return Fmus.build(DAMPED, tmp_path_factory.mktemp("native") / "damped.fmu", *LINUX)
 
 
 def stack(folder: Path, n: int, joint: str) -> Path:
@@ -56,7 +44,6 @@ def test_three_blocks_give_the_numbers_of_the_pythonfmu(fmus: Fmus, native: Path
     results = compare(
         native,
         fmus.damped,
-        {},
         {"push": 0.05},
         {"solver.tolerance": 1e-9, "joint[2].damping": 2e-2},
         {"block[1].mass": 2e4, "block[2].centroid": 2.0, "block[3].inertia": 1e5, "joint[3].width": 1.2, "g": 9.0},

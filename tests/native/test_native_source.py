@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import shutil
 import sys
 import zipfile
@@ -12,20 +11,17 @@ from xml.etree import ElementTree
 import pytest
 from fmpy import extract, read_model_description
 from support.child import call
-from support.fmus import ROOT, Fmus, finish, run
-from support.inside import inputs, masters
+from support.fmus import DAMPED, LINUX, ROOT, Fmus, finish, run
+from support.inside import masters
 
 from build_fmu import main
 from fmu_src.native import symbols
 
-if importlib.util.find_spec("ziglang") is None:
-    pytest.skip("needs ziglang, the extra native", allow_module_level=True)
 if not sys.platform.startswith("linux"):
     pytest.skip("the libraries are built for Linux", allow_module_level=True)
 
 pytestmark = pytest.mark.long
 
-DAMPED = ROOT / "examples/columns/phocas-damped.toml"
 OPTIONS = ("-std=c11", "-O2", "-shared", "-fPIC", "-ffp-contract=off", "-Wall", "-Wextra", "-Werror")
 ZIG = (sys.executable, "-m", "ziglang", "cc", "-target")
 
@@ -33,7 +29,7 @@ ZIG = (sys.executable, "-m", "ziglang", "cc", "-target")
 @pytest.fixture(scope="module")
 def fmu(tmp_path_factory: pytest.TempPathFactory) -> Path:
     output = tmp_path_factory.mktemp("source") / "damped.fmu"
-    return Fmus.build(DAMPED, output, "--native", "--source", "--platforms", "linux64")
+    return Fmus.build(DAMPED, output, *LINUX, "--source")
 
 
 @pytest.fixture(scope="module")
@@ -69,7 +65,7 @@ def test_a_compiler_makes_the_library_of_it(fmu: Path, files: list[Path], tmp_pa
     run(*command, *OPTIONS, "-DFMI2_OVERRIDE_FUNCTION_PREFIX", *files, "-lm", "-o", library)
     (part,) = symbols.read(library.read_bytes())
     assert part.foreign == []
-    assert displacement(fmu, library, tmp_path) == call(inputs.pushed, fmu)
+    assert displacement(fmu, library, tmp_path) == call(masters.alone, fmu)[0]
 
 
 @pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc is not installed")
@@ -79,7 +75,7 @@ def test_it_links_with_what_gcc_adds_to_the_code(fmu: Path, files: list[Path], t
     library = tmp_path / "column.so"
     run("gcc", *OPTIONS, option, "-DFMI2_OVERRIDE_FUNCTION_PREFIX", *files, "-lm", "-o", library)
     if option == "-flto":  # the other wants its own library loaded first
-        assert displacement(fmu, library, tmp_path) == call(inputs.pushed, fmu)
+        assert displacement(fmu, library, tmp_path) == call(masters.alone, fmu)[0]
 
 
 def test_every_name_is_that_of_the_fmu(files: list[Path], tmp_path: Path) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -13,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 from numba import njit
-from support.fmus import ROOT
+from support.fmus import ROOT, finish
 from support.lagrange import Reference
 from support.probe import coordinates, look, phocas, random_column, random_state
 
@@ -322,12 +321,8 @@ def test_opensees_stands_on_its_joints():
 
 @pytest.mark.long  # compiles kernels of its own
 def test_command_writes_valid_json(tmp_path: Path):
-    done = subprocess.run(
-        [sys.executable, "-m", "benchmarks", "--quick", "--only", "evaluation", "--output-folder", str(tmp_path)],
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-    )
+    options = ("--quick", "--only", "evaluation", "--output-folder", tmp_path)
+    done = finish(sys.executable, "-m", "benchmarks", *options, cwd=ROOT)
     assert done.returncode == 0, done.stderr
     results = json.loads((tmp_path / "results.json").read_text(), parse_constant=pytest.fail)
     assert results["quick"] is True

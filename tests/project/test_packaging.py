@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import pickle
 import re
 import shutil
@@ -15,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support.fmus import ROOT
+from support.fmus import ROOT, finish
 
 import build_fmu
 import fmu_src
@@ -47,31 +46,15 @@ def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def from_wheel(installed: Path, folder: Path, *command: object) -> subprocess.CompletedProcess[str]:
     """Run a command of the installed project in `folder`, from which the checkout is out of reach."""
-    environment = os.environ | {"PYTHONPATH": str(installed)}
-    return subprocess.run(
-        [str(part) for part in command], cwd=folder, env=environment, capture_output=True, text=True, check=False
-    )
+    return finish(*command, cwd=folder, PYTHONPATH=str(installed))
 
 
-@pytest.mark.long
-@pytest.mark.long  # compiles the kernels at a place of their own, as the next
-def test_the_wheel_works_from_any_folder(installed: Path, tmp_path: Path) -> None:
-    command = installed / "bin" / "multiblock"
+@pytest.mark.long  # compiles the kernels at a place of their own
+@pytest.mark.skipif(sys.platform == "win32", reason="pip puts the command elsewhere on Windows")
+def test_the_wheel_builds_the_default_column_from_any_folder(installed: Path, tmp_path: Path) -> None:
+    """.ci/run simulates with it, where nothing but what the solver needs is installed."""
     done = from_wheel(installed, tmp_path, sys.executable, "-c", "import solver; print(solver.__file__)")
     assert done.stdout.strip() == str(installed / "solver" / "__init__.py")
-    assert from_wheel(installed, tmp_path, command, "--version").stdout == f"multiblock-fmu {__version__}\n"
-    MOTION.to_csv(tmp_path / "motion.csv", step=0.01)
-    column = installed / build_fmu.COLUMNS_PACKAGE / "phocas-damped.toml"
-    done = from_wheel(installed, tmp_path, command, "simulate", column, "motion.csv", "-o", "out.csv")
-    assert (done.returncode, done.stderr) == (0, "")
-    expected = simulate(Column.from_toml(column), Motion.from_csv(tmp_path / "motion.csv")).peak_ux
-    printed = re.findall(r"^ +\d  +([\d.]+)$", done.stdout.partition("peak |ux| (mm)\n")[2], re.MULTILINE)
-    assert [float(peak) for peak in printed] == pytest.approx(1e3 * expected, rel=1e-4)
-
-
-@pytest.mark.long
-@pytest.mark.skipif(sys.platform == "win32", reason="pip puts the command elsewhere on Windows")
-def test_the_wheel_builds_the_default_column(installed: Path, tmp_path: Path) -> None:
     done = from_wheel(installed, tmp_path, installed / "bin" / "multiblock", "build-fmu")
     assert (done.returncode, done.stderr) == (0, "")
     assert done.stdout.strip() == "phocas_damped.fmu"

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import re
 import shutil
-import subprocess
 import sys
 import tomllib
 from pathlib import Path
 
 import numpy as np
 import pytest
-from support.fmus import ROOT, environment, read_results
+from support.fmus import ROOT, finish, read_results
 
 from solver import Column
 
@@ -44,9 +43,7 @@ LONG = ("examples/", "benchmarks", "stress", "--native", "multiblock study")
 
 def paste(command: str, folder: Path) -> None:
     """Run a command of the README in a folder; fails unless it exits with 0."""
-    done = subprocess.run(
-        ["bash", "-c", command], cwd=folder, capture_output=True, text=True, env=environment(), check=False
-    )
+    done = finish("bash", "-c", command, cwd=folder)
     assert done.returncode == 0, f"{command}\n{done.stderr}"
 
 
@@ -98,9 +95,7 @@ def test_start_values_as_documented(checkout: Path) -> None:
 
 def test_python_programs(checkout: Path) -> None:
     for text in blocks("python"):
-        done = subprocess.run(
-            [sys.executable, "-c", text], cwd=checkout, capture_output=True, text=True, env=environment(), check=False
-        )
+        done = finish(sys.executable, "-c", text, cwd=checkout)
         assert done.returncode == 0, done.stderr
         assert "overturned: False" in done.stdout
         assert (checkout / "response.csv").is_file()
@@ -110,8 +105,3 @@ def test_python_programs(checkout: Path) -> None:
 def test_column_file() -> None:
     for text in blocks("toml"):
         assert Column.from_dict(tomllib.loads(text)).n == 1
-
-
-def test_pictures_and_pages_exist() -> None:
-    for target in re.findall(r"\]\(([^)#]+)", README) + re.findall(r"`(docs/[^`]+|CITATION\.cff)`", README):
-        assert (ROOT / target).is_file(), target

@@ -100,7 +100,6 @@ def test_what_leaves_its_bounds_is_noticed() -> None:
 
 
 @pytest.mark.long
-@pytest.mark.long
 def test_short_campaign(tmp_path: Path) -> None:
     options = ["--short", "--seed", "7", "--cases", str(CASES), "--output-folder", str(tmp_path)]
     assert command_line.main(["stability", *options]) == 0

@@ -15,8 +15,9 @@ from typing import Any
 import numpy as np
 import pytest
 from scipy import stats
+from support.columns import BLOCK
 from support.fmus import ROOT
-from support.study import BLOCK, TEXT, finished, same, start
+from support.study import TEXT, finished, same, start
 
 from solver import Column, InputError, Motion, simulate
 from solver.ground.motion import STANDARD_GRAVITY
