@@ -37,11 +37,10 @@ def records() -> Path:
 @pytest.fixture(scope="session")
 def fmus(tmp_path_factory: pytest.TempPathFactory) -> Fmus:
     """The FMUs of the two example columns."""
-    both = {
-        name: built_once(tmp_path_factory, f"{file.stem}.fmu", lambda path, file=file: Fmus.build(file, path))
-        for name, file in (("phocas", PHOCAS), ("damped", DAMPED))
-    }
-    return Fmus(**both)
+    return Fmus(
+        phocas=built_once(tmp_path_factory, "phocas.fmu", lambda path: Fmus.build(PHOCAS, path)),
+        damped=built_once(tmp_path_factory, "damped.fmu", lambda path: Fmus.build(DAMPED, path)),
+    )
 
 
 @pytest.fixture(scope="session")

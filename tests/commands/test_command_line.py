@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support.fmus import DAMPED, PHOCAS, finish
+from support.fmus import DAMPED, PHOCAS, finish_in
 from support.record_files import AT2
 
 from solver import Column, InputError, Motion, natural_frequencies, simulate
@@ -17,7 +17,7 @@ from solver.ground.motion import STANDARD_GRAVITY
 
 def solver(folder: Path, *arguments: object) -> subprocess.CompletedProcess[str]:
     """Run `python -m solver` in a folder."""
-    return finish(sys.executable, "-m", "solver", *arguments, cwd=folder)
+    return finish_in(folder, sys.executable, "-m", "solver", *arguments)
 
 
 def read(path: Path) -> tuple[list[str], np.ndarray]:

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 from support.child import call, command, returned
-from support.fmus import Fmus, finish, run, stack_file
+from support.fmus import Fmus, finish_in, run, stack_file
 from support.inside import masters
 
 H, STOP = 0.01, 2.0  # s
@@ -29,7 +29,7 @@ def alone(fmus: Fmus) -> list[float]:
 
 def said(*command: object, cwd: Path | None = None, **variables: str) -> tuple[str, str]:
     """Output and error output of a process; fails unless it ends with 0."""
-    done = finish(*command, cwd=cwd, **variables)
+    done = finish_in(cwd, *command, **variables)
     assert done.returncode == 0, f"exit code {done.returncode}: {done.stderr}"
     return done.stdout, done.stderr
 

@@ -119,7 +119,7 @@ def eleven(kind: str) -> tuple[list[Column], list[Motion], list[float]]:
 
 def bits_of(kind: str, runs: Sequence[tuple[Column, Motion, float]], threads: int = 1) -> list[bytes]:
     """All results of each run of a batch."""
-    columns, motions, durations = ([run[k] for run in runs] for k in range(3))
+    columns, motions, durations = ([run[0] for run in runs], [run[1] for run in runs], [run[2] for run in runs])
     found: list[Any]
     if kind == "swept":
         keep = ("peak_ux", "residual_ux", "residual_theta", "energy", "overturn_time", "overturned_joint", "steps")

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 from numba import njit
-from support.fmus import ROOT, finish
+from support.fmus import ROOT, finish_in
 from support.lagrange import Reference
 from support.probe import coordinates, look, phocas, random_column, random_state
 
@@ -322,7 +322,7 @@ def test_opensees_stands_on_its_joints():
 @pytest.mark.long  # compiles kernels of its own
 def test_command_writes_valid_json(tmp_path: Path):
     options = ("--quick", "--only", "evaluation", "--output-folder", tmp_path)
-    done = finish(sys.executable, "-m", "benchmarks", *options, cwd=ROOT)
+    done = finish_in(ROOT, sys.executable, "-m", "benchmarks", *options)
     assert done.returncode == 0, done.stderr
     results = json.loads((tmp_path / "results.json").read_text(), parse_constant=pytest.fail)
     assert results["quick"] is True

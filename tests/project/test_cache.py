@@ -7,13 +7,13 @@ from pathlib import Path
 
 import pytest
 from support.child import command, returned
-from support.fmus import DAMPED, ROOT, finish
+from support.fmus import DAMPED, ROOT, finish_in
 from support.inside import loads
 
 
 def loaded_kernel_says(project: Path) -> float:
     """Normal force of the top joint at rest, from a process of its own that caches beside the sources."""
-    done = finish(*command(loads.normal_force, "phocas.toml"), cwd=project, PYTHONPATH=str(project))
+    done = finish_in(project, *command(loads.normal_force, "phocas.toml"), PYTHONPATH=str(project))
     assert done.returncode == 0, done.stderr
     return float(returned(done.stdout))
 
@@ -34,7 +34,7 @@ def test_a_change_in_any_kernel_file_is_compiled_again(tmp_path: Path) -> None:
 
 @pytest.mark.long  # compiles the kernels
 def test_the_first_run_compiles_one_entry_and_finds_the_others_on_the_disk(tmp_path: Path) -> None:
-    done = finish(*command(loads.entries_compiled_here), cwd=tmp_path, NUMBA_CACHE_DIR=str(tmp_path))
+    done = finish_in(tmp_path, *command(loads.entries_compiled_here), NUMBA_CACHE_DIR=str(tmp_path))
     assert done.returncode == 0, done.stderr
     compiled = returned(done.stdout)
     assert compiled == {"run": 1, "assemble_column": 0, "observe_snapshots": 0, "observe_state": 0}

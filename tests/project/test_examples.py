@@ -14,7 +14,7 @@ from types import ModuleType
 import numpy as np
 import pytest
 from matplotlib.image import imread
-from support.fmus import DAMPED, PHOCAS, ROOT, finish
+from support.fmus import DAMPED, PHOCAS, ROOT, finish_in
 
 from solver import Column, InputError, Motion, Table, simulate
 from solver.ground.motion import STANDARD_GRAVITY
@@ -24,7 +24,7 @@ EXAMPLES = ROOT / "examples"
 
 def example(name: str, folder: Path, *arguments: object) -> subprocess.CompletedProcess[str]:
     """Run an example in a folder."""
-    return finish(sys.executable, EXAMPLES / name, *arguments, cwd=folder)
+    return finish_in(folder, sys.executable, EXAMPLES / name, *arguments)
 
 
 def read(path: Path) -> list[dict[str, str]]:

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support.fmus import ROOT, finish
+from support.fmus import ROOT, finish_in
 
 import build_fmu
 import fmu_src
@@ -46,7 +46,7 @@ def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def from_wheel(installed: Path, folder: Path, *command: object) -> subprocess.CompletedProcess[str]:
     """Run a command of the installed project in `folder`, from which the checkout is out of reach."""
-    return finish(*command, cwd=folder, PYTHONPATH=str(installed))
+    return finish_in(folder, *command, PYTHONPATH=str(installed))
 
 
 @pytest.mark.long  # compiles the kernels at a place of their own

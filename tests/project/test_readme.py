@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support.fmus import ROOT, finish, read_results
+from support.fmus import ROOT, finish_in, read_results
 
 from solver import Column
 
@@ -43,7 +43,7 @@ LONG = ("examples/", "benchmarks", "stress", "--native", "multiblock study")
 
 def paste(command: str, folder: Path) -> None:
     """Run a command of the README in a folder; fails unless it exits with 0."""
-    done = finish("bash", "-c", command, cwd=folder)
+    done = finish_in(folder, "bash", "-c", command)
     assert done.returncode == 0, f"{command}\n{done.stderr}"
 
 
@@ -95,7 +95,7 @@ def test_start_values_as_documented(checkout: Path) -> None:
 
 def test_python_programs(checkout: Path) -> None:
     for text in blocks("python"):
-        done = finish(sys.executable, "-c", text, cwd=checkout)
+        done = finish_in(checkout, sys.executable, "-c", text)
         assert done.returncode == 0, done.stderr
         assert "overturned: False" in done.stdout
         assert (checkout / "response.csv").is_file()

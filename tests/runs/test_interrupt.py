@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support.fmus import ROOT, finish
+from support.fmus import ROOT, finish, finish_in
 from support.probe import G, phocas
 
 from solver import Motion, simulate
@@ -167,7 +167,7 @@ def test_ctrl_c_while_modules_load(tmp_path: Path, name: str) -> None:
 @pytest.mark.parametrize("name", COMMANDS)
 @pytest.mark.parametrize("threads", ["0", "-1", "two"])
 def test_a_number_of_threads_that_numba_stumbles_over(tmp_path: Path, name: str, threads: str) -> None:
-    done = finish(sys.executable, *COMMANDS[name], "--version", cwd=tmp_path, NUMBA_NUM_THREADS=threads)
+    done = finish_in(tmp_path, sys.executable, *COMMANDS[name], "--version", NUMBA_NUM_THREADS=threads)
     expected = f"{name}: NUMBA_NUM_THREADS = {threads!r}: must be a whole number, at least 1, or not set\n"
     assert (done.returncode, done.stdout, done.stderr) == (2, "", expected)
 

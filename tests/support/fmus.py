@@ -30,10 +30,15 @@ def environment() -> dict[str, str]:
     return os.environ | {"PYTHONPATH": modules, "PATH": scripts + os.pathsep + os.environ.get("PATH", "")}
 
 
-def finish(*command: object, cwd: Path | None = None, **variables: str) -> subprocess.CompletedProcess[str]:
-    """Run a command to its end in a folder, whatever it exits with, with more variables in its environment."""
-    words, variables = [str(part) for part in command], environment() | variables
-    return subprocess.run(words, cwd=cwd, capture_output=True, text=True, env=variables, check=False)
+def finish(*command: object, **variables: str) -> subprocess.CompletedProcess[str]:
+    """Run a command to its end, whatever it exits with, with more variables in its environment."""
+    return finish_in(None, *command, **variables)
+
+
+def finish_in(folder: Path | None, *command: object, **variables: str) -> subprocess.CompletedProcess[str]:
+    """As `finish`, in a folder."""
+    words, given = [str(part) for part in command], environment() | variables
+    return subprocess.run(words, cwd=folder, capture_output=True, text=True, env=given, check=False)
 
 
 def run(*command: object, **variables: str) -> str:
