@@ -75,7 +75,11 @@ PULSES = [
 
 
 @pytest.mark.parametrize(
-    ("kind", "value", "printed"), PULSES, ids=[f"{kind.__name__} {value:g}" for kind, value, _ in PULSES]
+    ("kind", "value", "printed"),
+    [
+        pytest.param(*pulse, id=f"{pulse[0].__name__} {pulse[1]:g}", marks=() if pulse[1] == 2 else pytest.mark.long)
+        for pulse in PULSES
+    ],
 )
 def test_least_pulse_tends_to_housners(
     kind: Callable[[float], tuple[float, Callable[[float], Motion]]], value: float, printed: float

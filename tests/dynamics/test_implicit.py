@@ -298,8 +298,10 @@ def test_implicit_steps_of_a_rocking_column_in_mortar_err_little(tolerance: floa
     assert error_in_tolerances(phocas(0.05), motion, 6.0, tolerance) < 0.15  # measured 0.03 to 0.08
 
 
-@pytest.mark.parametrize("tolerance", [1e-2, 1e-3, 1e-4, 1e-5, 1e-6])
+@pytest.mark.parametrize(
+    "tolerance", [1e-3, *(pytest.param(tolerance, marks=pytest.mark.long) for tolerance in (1e-2, 1e-4, 1e-5, 1e-6))]
+)
 def test_phocas_in_mortar_under_a_record_keeps_the_tolerance(records: Path, tolerance: float) -> None:
-    """The motion amplifies a change of it by 200; 30 to 52 tolerances down to 1e-5 before the edges counted."""
+    """The motion amplifies a change of it by 200; without moving edges errors are 30 to 52 tolerances down to 1e-5."""
     motion = Motion.from_at2(records / "kobe-1995-nishi-akashi-090.AT2").scaled(0.8)
     assert error_in_tolerances(phocas(0.05), motion, 20.0, tolerance) < 10.0  # measured 4.3, 7.6, 6.7, 3.4, 0.2

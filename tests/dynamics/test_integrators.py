@@ -159,7 +159,7 @@ def test_auto_agrees_with_dop853_on_lagranges_equations() -> None:
     upper = Block(2.0, 1.0, 1.0, 4000.0, Joint(2e8, 1e-3))
     lower = Block(1.5, 1.2, 1.0, 5000.0, Joint(3e8, 1e-3))
     column = Column("two", (upper, lower), Settings(tolerance=1e-10))
-    amplitude, frequency, end = 0.3 * G, 2.0, 0.5
+    amplitude, frequency, end = 0.3 * G, 2.0, 0.3
     stepper = shaken(Stepper(column), amplitude, frequency)
     reference = Reference.of(column)
 
@@ -169,7 +169,7 @@ def test_auto_agrees_with_dop853_on_lagranges_equations() -> None:
 
     path = solve_ivp(rates, (0.0, end), coordinates(stepper).copy(), method="DOP853", rtol=1e-11, atol=1e-14).y
     stepper.advance(0.0, end)
-    assert stepper.state.control.time_rocking > 0.4
+    assert stepper.state.control.time_rocking > 0.2
     scale = np.max(np.abs(path), axis=1)
     assert coordinates(stepper) / scale == pytest.approx(path[:, -1] / scale, abs=1e-8)  # measured 1.4e-9
 

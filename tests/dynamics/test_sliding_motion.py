@@ -105,6 +105,7 @@ def test_two_blocks_that_rock_and_slide_against_another_integrator() -> None:
     assert found == pytest.approx(expected[:6], abs=1e-8 * np.max(np.abs(expected)))
 
 
+@pytest.mark.long  # test_benchmarks.py has other scenes of it
 def test_friction_that_is_regularized_less_and_less_comes_to_it() -> None:
     column = flat_block(tolerance=1e-10)
     reference = SlidingReference.of(column)

@@ -175,6 +175,7 @@ def test_recorded_motions_run_on_the_command_line(fmus: Fmus, tmp_path: Path, re
     assert 0.0 < np.max(np.abs(result["block[1].ux"])) < 14.07
 
 
+@pytest.mark.long  # as of native FMUs
 def test_a_free_name_becomes_an_identifier(tmp_path: Path) -> None:
     text = (DAMPED).read_text(encoding="utf-8")
     (tmp_path / "column.toml").write_text(text.replace('"phocas_damped"', '"my-doric 2"'), encoding="utf-8")

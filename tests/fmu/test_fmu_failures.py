@@ -12,7 +12,7 @@ from support.fmus import REFUSED, Fmus, finish
 from support.inside import failures
 
 
-@pytest.mark.parametrize("logging", [False, True])
+@pytest.mark.parametrize("logging", [True, pytest.param(False, marks=pytest.mark.long)])
 def test_a_wrong_call_is_answered_and_the_instance_lives_on(fmus: Fmus, logging: bool) -> None:
     done = ended(failures.python_answers, fmus.damped, logging)
     assert done.returncode == 0, done.stderr

@@ -124,6 +124,7 @@ def look_inside(
     return code
 
 
+@pytest.mark.long  # compiles the interpolation, as the next a step
 def test_interpolation_with_the_bump_is_of_a_higher_order() -> None:
     """On a free vibration in full contact, against a run that lands on the middle of the step."""
     gains = []
@@ -157,8 +158,9 @@ def _repeat(n, model, state, counts, base, work, t, step):
     return repeat_step(column, ORDER_8, t, step)
 
 
+@pytest.mark.long
 def test_a_step_made_again_up_to_a_change_is_judged_again() -> None:
-    """One beyond the limit of stability was taken, and threw small stiff blocks away at 1e9 rad/s."""
+    """A step beyond the limit of stability throws small stiff blocks away at 1e9 rad/s."""
     stepper = Stepper(phocas(), InitialState(rotation_rate=[0.03] * 3))
     stepper.advance(0.0, 0.1)
     rejected = int(stepper.counts.rejected)

@@ -141,7 +141,7 @@ def test_evaluation_in_c_in_held_regimes(n, tmp_path):
 
 
 @pytest.mark.parametrize("n", [1, 3, 8])
-def test_recursion_of_before_agrees_to_rounding(n):
+def test_articulated_recursion_agrees_to_rounding(n):
     rng = np.random.default_rng(n)
     for _ in range(20):
         column = random_column(rng, n)
