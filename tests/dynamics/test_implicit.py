@@ -267,14 +267,6 @@ def test_a_column_that_is_not_stiff_is_stepped_explicitly() -> None:
     assert response.stats["implicit_steps"] == 0
 
 
-def test_mirrored_motion_gives_the_mirrored_response_of_implicit_steps_to_the_last_bit() -> None:
-    motion = Motion.harmonic(0.1 * G, 2.0, 0.5)
-    run, mirrored = simulate(drums(12), motion), simulate(drums(12), motion.mirrored())
-    assert run.stats["implicit_steps"] > 100
-    assert np.array_equal(-run.ux, mirrored.ux)
-    assert np.array_equal(run.N, mirrored.N)
-
-
 def test_two_hundred_drums_are_followed_in_a_few_thousand_steps() -> None:
     response = simulate(drums(200), Motion.harmonic(0.05 * G, 2.0, 1.0), tolerance=1e-3)
     assert response.stats["steps"] + response.stats["rejected"] < 2000  # explicit: 2.5 million

@@ -329,25 +329,6 @@ def test_steady_motion_of_a_block_is_that_of_an_oscillator() -> None:
 # --- bits, communication steps
 
 
-def test_mirrored_motion_gives_the_mirrored_response_to_the_last_bit() -> None:
-    runs = [simulate(cut(3, 1e-3), Motion.harmonic(sign * 0.005 * G, 2.0, 2.0)) for sign in (1.0, -1.0)]
-    assert runs[0].stats["elastic_steps"] == runs[1].stats["elastic_steps"] > 0
-    for name in ("ux", "theta", "M", "S"):
-        assert np.array_equal(getattr(runs[0], name), -getattr(runs[1], name)), name
-    for name in ("uz", "N", "peak_ux"):
-        assert np.array_equal(getattr(runs[0], name), getattr(runs[1], name)), name
-
-
-@pytest.mark.parametrize("make", [leaning, chipped])
-def test_mirror_images_of_columns_off_their_axis_move_mirrored_to_the_last_bit(make: Any) -> None:
-    left, right = (simulate(make(1e-3, sign), Motion.harmonic(sign * 0.003 * G, 2.0, 2.0)) for sign in (1.0, -1.0))
-    assert left.stats["elastic_steps"] == right.stats["elastic_steps"] == left.stats["steps"]
-    for name in ("ux", "theta", "M", "S", "T"):
-        assert np.array_equal(getattr(left, name), -getattr(right, name)), name
-    for name in ("uz", "N", "peak_ux"):
-        assert np.array_equal(getattr(left, name), getattr(right, name)), name
-
-
 def shaken(column: Column) -> Stepper:
     stepper = Stepper(column)
     stepper.base.wave_amplitude, stepper.base.wave_omega = 0.005 * G, 4.0 * math.pi

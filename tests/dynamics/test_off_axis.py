@@ -173,14 +173,6 @@ def test_energy_is_kept_without_damping() -> None:
     assert chain.energy(phase_of(stepper)) == pytest.approx(first, rel=1e-8)  # measured 1e-10
 
 
-def test_the_mirror_image_moves_mirrored_to_the_last_bit() -> None:
-    left, right = (simulate(crooked(1e-3, sign, tolerance=1e-5), wave(sign * 0.05)) for sign in (1.0, -1.0))
-    for name in ("ux", "theta", "M", "S", "T"):
-        assert np.array_equal(getattr(left, name), -getattr(right, name))
-    for name in ("uz", "N", "contact", "sigma_max"):
-        assert np.array_equal(getattr(left, name), getattr(right, name))
-
-
 def test_at_rest_a_run_shows_the_settled_column_and_says_that_it_stands() -> None:
     column = crooked(1e-3, tolerance=1e-6)
     response = simulate(column, Motion.from_samples(0.01, np.zeros(51)))

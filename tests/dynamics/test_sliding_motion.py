@@ -152,15 +152,6 @@ def test_a_column_that_bears_all_moves_as_one_that_cannot_slide() -> None:
     assert np.array_equal(one.peak_ux, other.peak_ux)
 
 
-def test_a_motion_to_the_other_side_is_mirrored_to_the_last_bit() -> None:
-    motion = Motion.harmonic(4.5, 2.0, 1.0)
-    column = two_blocks(1e-3, 1e-6)
-    one, other = simulate(column, motion, settle=0.0), simulate(column, motion.scaled(-1.0), settle=0.0)
-    assert np.array_equal(one.slip, -other.slip)
-    assert np.array_equal(one.ux, -other.ux)
-    assert np.array_equal(one.N, other.N)
-
-
 def test_a_state_put_back_goes_on_with_the_same_bits() -> None:
     column = two_blocks(1e-3, 1e-6)
     kept, other = Stepper(column, InitialState(slip_rate=[0.5, -0.2])), Stepper(column)
