@@ -1,11 +1,12 @@
 """Fixtures shared by the tests."""
 
 import signal
+import sys
 from pathlib import Path
 
 import pytest
 from hypothesis import settings
-from support.fmus import DAMPED, LINUX, PHOCAS, ROOT, Fmus, built_once
+from support.fmus import DAMPED, LINUX, PHOCAS, ROOT, Fmus, built_once, run
 
 from solver.dynamics.first_run import make_kernels
 
@@ -55,3 +56,21 @@ def native3(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The same of FMI 3.0, for all platforms."""
     pytest.importorskip("ziglang", reason="needs the extra native")
     return built_once(tmp_path_factory, "native3.fmu", lambda path: Fmus.build(DAMPED, path, "--native", "--fmi", "3"))
+
+
+@pytest.fixture(scope="session")
+def coupled(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The FMUs and SSPs of examples/coupling, with Python but for the ground."""
+    return built_once(tmp_path_factory, "coupled", lambda path: coupling(path))
+
+
+@pytest.fixture(scope="session")
+def native_coupled(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The same without Python."""
+    return built_once(tmp_path_factory, "native_coupled", lambda path: coupling(path, "--native"))
+
+
+def coupling(folder: Path, *options: str) -> str:
+    """Build the coupled systems by the example's own command, for Linux."""
+    program = ROOT / "examples" / "coupling" / "build.py"
+    return run(sys.executable, program, "-o", folder, "--platforms", "linux64", *options)

@@ -254,10 +254,3 @@ def test_mistakes_end_in_one_line(
 def test_a_mistake_ends_the_process_with_2(tmp_path: Path) -> None:
     run = solver(tmp_path, "simulate", "none.toml", "motion.csv")
     assert (run.returncode, run.stderr) == (2, "python -m solver: none.toml: No such file or directory\n")
-
-
-def test_help_tells_every_command(tmp_path: Path) -> None:
-    run = solver(tmp_path, "--help")
-    assert run.returncode == 0
-    assert "simulate" in run.stdout
-    assert "convert" in run.stdout

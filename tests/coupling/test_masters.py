@@ -47,7 +47,12 @@ def package(name: str) -> Path:
     return Path(spec.origin).parent
 
 
-def test_the_table_of_masters_has_every_cell_run_or_the_reason_why_not(tmp_path: Path) -> None:
+def test_the_table_of_masters_has_every_cell_run_or_the_reason_why_not(
+    fmus: Fmus, native: Path, native3: Path, native_coupled: Path, tmp_path: Path
+) -> None:
+    for name, built in (("python", fmus.damped), ("native", native), ("fmi3", native3)):
+        (tmp_path / f"{name}.fmu").symlink_to(built)
+    (tmp_path / "coupled").symlink_to(native_coupled)
     table = (sys.executable, Path(__file__).parents[1] / "masters" / "run.py", "--folder", tmp_path)
     head, _, *rows = run(*table).splitlines()  # exit code 0: none that is there complains
     cells = {

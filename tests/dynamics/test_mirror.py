@@ -7,32 +7,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from support.off_axis import changed
+from support.off_axis import chipped, crooked, leaning
 from support.probe import PHOCAS_STIFFNESS, G, phocas, random_column
 
 from solver import Block, Column, Joint, Motion, Settings, simulate
 from solver.dynamics.response import BASE_HISTORIES, BLOCK_HISTORIES
 
 ODD = {"ux", "theta", "M", "S", "T", "Fx", "My", "slip"}  # change their sign in the mirror
-
-
-def leaning(sign: float) -> Column:
-    """Off the axis in several ways, all joints in full contact at rest."""
-    column = changed(phocas(1e-3), 1, tilt=-0.004 * sign, offset=0.08 * sign, inclination=0.005 * sign)
-    return changed(column, 2, tilt=0.05 * sign, offset=-0.03 * sign, inclination=-0.05 * sign)
-
-
-def chipped(sign: float) -> Column:
-    """With a chipped edge."""
-    strips = ((1.56,) * 7 + (0.0,))[:: int(sign)]
-    return changed(phocas(1e-3), 3, section="strips", strips=strips)
-
-
-def crooked(sign: float) -> Column:
-    """Off the axis and chipped: it rocks."""
-    column = changed(phocas(1e-3), 1, tilt=-0.01 * sign, offset=0.11 * sign, inclination=0.02 * sign)
-    column = changed(column, 2, offset=-0.04 * sign, inclination=-0.006 * sign)
-    return changed(column, 3, section="strips", strips=(1.3, 1.5, 1.5, 1.5, 1.2, 0.0)[:: int(sign)])
 
 
 def of(block: Block, n: int, **settings: Any) -> Any:
@@ -46,9 +27,9 @@ FLAT = Block(1.2, 0.9, 0.9, 2000.0, Joint(5e8, 1e-3, friction=0.25))
 # column by sign, amplitude (g), frequency (Hz), duration (s), what its statistics must show
 CASES: dict[str, tuple[Any, float, float, float, str]] = {
     "modes": (lambda sign: phocas(1e-3), 0.005, 2.0, 2.0, "elastic_steps"),
-    "modes off the axis": (leaning, 0.003, 2.0, 2.0, "elastic_steps"),
-    "modes of a chipped column": (chipped, 0.003, 2.0, 2.0, "elastic_steps"),
-    "off the axis": (crooked, 0.05, 2.0, 2.0, "rocking"),
+    "modes off the axis": (lambda sign: leaning(sign=sign), 0.003, 2.0, 2.0, "elastic_steps"),
+    "modes of a chipped column": (lambda sign: chipped(sign=sign), 0.003, 2.0, 2.0, "elastic_steps"),
+    "off the axis": (lambda sign: crooked(sign=sign), 0.05, 2.0, 2.0, "rocking"),
     "implicit": (of(DRUM, 12), 0.1, 2.0, 0.5, "implicit_steps"),
     "round": (of(ROUND, 3), 0.2, 1.0, 2.0, "rocking"),
     "sliding": (of(FLAT, 2, tolerance=1e-6), 0.46, 2.0, 1.0, "events"),

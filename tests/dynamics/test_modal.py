@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
 import pytest
 from scipy.linalg import expm
 from support.lagrange import Reference
-from support.off_axis import changed, reference_rest
-from support.probe import Array, G, coordinates, monolith, phocas, put_back, random_column, with_gravity
+from support.off_axis import changed, chipped, leaning, reference_rest
+from support.probe import Array, G, coordinates, forced, monolith, phocas, put_back, random_column, walk, with_gravity
 
 from solver import (
     Block,
@@ -41,17 +40,6 @@ def cut(n: int, eta: float, **settings: Any) -> Column:
     """The Column of Phocas in n equal blocks, joints damped by eta s."""
     block = Block(14.07 / n, 1.56, 1.56, 81000.0 / n, Joint(533 * 9.80665e6, eta))
     return Column("cut", (block,) * n, Settings(**settings))
-
-
-def leaning(eta: float, sign: float = 1.0, **joint: Any) -> Column:
-    """Phocas off its axis in several ways, all joints in full contact at rest; sign -1: its mirror image."""
-    column = changed(cut(3, eta), 1, tilt=-0.004 * sign, offset=0.08 * sign, inclination=0.005 * sign, **joint)
-    return changed(column, 2, tilt=0.05 * sign, offset=-0.03 * sign, inclination=-0.05 * sign, **joint)
-
-
-def chipped(eta: float, sign: float = 1.0) -> Column:
-    """Phocas with a chipped edge."""
-    return changed(cut(3, eta), 3, section="strips", strips=(1.56,) * 7 + (0.0,) if sign > 0.0 else (0.0, *(1.56,) * 7))
 
 
 def shifted(eta: float, section: str) -> Column:
@@ -330,15 +318,7 @@ def test_steady_motion_of_a_block_is_that_of_an_oscillator() -> None:
 
 
 def shaken(column: Column) -> Stepper:
-    stepper = Stepper(column)
-    stepper.base.wave_amplitude, stepper.base.wave_omega = 0.005 * G, 4.0 * math.pi
-    return stepper
-
-
-def walk(stepper: Stepper, times: Array) -> Array:
-    for begin, end in pairwise(times):
-        stepper.advance(begin, end - begin)
-    return coordinates(stepper).copy()
+    return forced(Stepper(column), 0.005 * G, 2.0)
 
 
 @pytest.mark.parametrize("h", [1e-4, 1e-3, 0.01, 0.1])

@@ -225,12 +225,15 @@ def test_at2_headers(tmp_path: Path, size: str, units: str) -> None:
         ("chi-chi-1999-tcu052-n", 18000, 0.005, 0.419),
     ],
 )
-def test_recorded_ground_motions(records: Path, name: str, count: int, dt: float, pga: float) -> None:
+def test_recorded_ground_motions(records: Path, tmp_path: Path, name: str, count: int, dt: float, pga: float) -> None:
+    """Known by their content too."""
     motion = Motion.from_at2(records / f"{name}.AT2")
     assert len(motion.time) == count
     assert motion.time[1] == dt
     assert motion.duration == (count - 1) * dt
     assert motion.pga / STANDARD_GRAVITY == pytest.approx(pga, abs=5e-4)
+    (tmp_path / "no-suffix").write_bytes((records / f"{name}.AT2").read_bytes().replace(b"\n", b"\r\n"))
+    assert_same(Motion.from_file(tmp_path / "no-suffix"), motion)
 
 
 # a horizontal and a vertical record

@@ -17,7 +17,6 @@ from support.child import call, command, returned
 from support.fmus import DAMPED, LINUX, Fmus, finish, run, stack_file
 from support.inside import fmi3, masters
 
-from build_fmu import main
 from fmu_src.native import library, symbols
 from fmu_src.native.platforms import PLATFORMS
 
@@ -157,11 +156,6 @@ def test_without_arrays_it_has_the_variables_of_fmi_2(native: Path, tmp_path: Pa
         assert returned(found) == pytest.approx(expected, rel=1e-12)
 
 
-def test_scalars_are_for_fmi_3(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main([str(DAMPED), "--native", "--scalars"]) == 2
-    assert "--scalars: with --fmi 3 only" in capsys.readouterr().err
-
-
 def test_a_free_name_becomes_an_identifier(tmp_path: Path) -> None:
     text = DAMPED.read_text(encoding="utf-8").replace('"phocas_damped"', '"2nd my-doric.v1"')
     (tmp_path / "column.toml").write_text(text, encoding="utf-8")
@@ -178,10 +172,3 @@ def test_a_free_name_becomes_an_identifier(tmp_path: Path) -> None:
             assert f"binaries/{platform}/_2nd_my_doric_v1.so" in archive.namelist()
         found.append(call(way, fmu, outputs[1:]))
     assert found[0] == found[1]
-
-
-def test_pythonfmu_knows_no_fmi_3(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main([str(DAMPED), "--fmi", "3"]) == 2
-    assert "--fmi 3: with --native only" in capsys.readouterr().err
-    assert main([str(DAMPED), "--terminals"]) == 2
-    assert "--terminals: with --native only" in capsys.readouterr().err

@@ -139,6 +139,22 @@ def test_an_fmu_is_overwritten_by_force_only(tmp_path: Path, capsys: pytest.Capt
     assert path.read_text() == "before"
 
 
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ("--native --scalars", "--scalars: with --fmi 3 only"),
+        ("--fmi 3", "--fmi 3: with --native only"),
+        ("--terminals", "--terminals: with --native only"),
+        ("--source", "--source: with --native only"),
+        ("--native --platforms linux64,amiga", "amiga: must be of linux64, win64, darwin64, aarch64-linux"),
+    ],
+)
+def test_options_that_an_fmu_does_not_have(capsys: pytest.CaptureFixture[str], options: str, said: str) -> None:
+    assert build_fmu.main([str(build_fmu.DEFAULT_COLUMN), *options.split()]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert said in line
+
+
 def test_hints_can_be_typed(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     def hint() -> str:
         with pytest.raises(InputError) as caught, errors.needing("plot", "absent"):
@@ -181,13 +197,16 @@ def test_drawing_names_its_extra(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_a_response_can_be_pickled() -> None:
-    response = simulate(Column.from_toml(build_fmu.DEFAULT_COLUMN), MOTION)
+    response = simulate(Column.from_toml(build_fmu.DEFAULT_COLUMN), MOTION, check=True, ensemble=2)
     again = pickle.loads(pickle.dumps(response))
     assert again.column == response.column
     assert again.stats == response.stats
     for name in ("time", "ux", "uz", "theta", "N", "M", "S", "T", "contact", "sigma_max", "Fx", "Fz", "My", "peak_ux"):
         np.testing.assert_array_equal(getattr(again, name), getattr(response, name))
-    assert again.overturned == response.overturned
+    for name in ("overturned", "verdict", "reason", "horizon"):
+        assert getattr(again, name) == getattr(response, name)
+    assert again.estimated_error.ux == response.estimated_error.ux
+    np.testing.assert_array_equal(again.ensemble.ux, response.ensemble.ux)
     assert pickle.loads(pickle.dumps(again)).ux.shape == response.ux.shape
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import pickle
 from collections.abc import Callable, Sequence
 
 import numpy as np
@@ -196,17 +195,6 @@ def test_a_column_that_has_fallen_within_the_run_is_not_followed() -> None:
     run = simulate(phocas(1e-3), Motion.harmonic(0.1 * G, 0.25, 20.0))
     assert (run.verdict, run.stats["settled_for"]) == ("overturned", 0.0)
     assert run.overturn_time < 20.0
-
-
-def test_a_verdict_is_pickled() -> None:
-    column: Column = phocas(1e-3)
-    run = simulate(column, half_sine(0.5 * G, 0.5), check=True, ensemble=2)
-    assert run.estimated_error is not None
-    assert run.ensemble is not None
-    again = pickle.loads(pickle.dumps(run))
-    assert (again.verdict, again.reason, again.horizon) == (run.verdict, run.reason, run.horizon)
-    assert again.estimated_error.ux == run.estimated_error.ux
-    assert again.ensemble.verdicts == run.ensemble.verdicts
 
 
 # --- many columns at once

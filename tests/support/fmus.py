@@ -75,12 +75,20 @@ def built_once(made: pytest.TempPathFactory, name: str, build: Callable[[Path], 
     """A file or folder that the first worker which needs it builds for all of them; `build` takes its path."""
     root = made.getbasetemp()
     root = root.parent if "PYTEST_XDIST_WORKER" in os.environ else root
+    built = root / f"{name}.built"
     with (root / f"{name}.lock").open("w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
-        if not (root / name).exists():
-            build(root / f"part.{name}")
-            (root / f"part.{name}").rename(root / name)
+        if not built.exists():
+            build(root / name)
+            built.touch()
     return root / name
+
+
+def c_host(folder: Path, target: str = "x86_64-linux-gnu") -> Path:
+    """The host in C (tests/masters/host.c), compiled for a target."""
+    source, host = ROOT / "tests" / "masters" / "host.c", folder / "host"
+    run(sys.executable, "-m", "ziglang", "cc", "-target", target, "-O1", source, "-o", host, "-ldl")
+    return host
 
 
 def stack_file(folder: Path, n: int, text: str = "") -> Path:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Sequence
-from math import pi, sin
+from math import sin
 from typing import Any
 
 from fmpy.fmi2 import fmi2Boolean, fmi2Integer, fmi2Real, fmi2Status, fmi2String, fmi2ValueReference
@@ -97,25 +97,6 @@ def slopes(fmu: str) -> tuple[bool, list[int]]:
         input_derivative(column, "base.jx", 0.0),
     ]
     return follow(True) == follow(False), statuses
-
-
-def errors_of_slopes(fmu: str) -> list[float]:
-    """Relative errors at the end of a harmonic: held at 0.01 and 0.005 s, by derivatives at 0.01 and 0.005 s."""
-
-    def last(h: float, derivative: bool) -> float:
-        def a(k: int) -> float:
-            return 0.6 * sin(4.0 * pi * k * h)
-
-        column = Instance(fmu, {"solver.tolerance": 1e-9})
-        for k in range(round(1.6 / h)):
-            column.set({"base.ax": a(k)})
-            if derivative:
-                input_derivative(column, "base.ax", (a(k + 1) - a(k)) / h)
-            column.step(k * h, h)
-        return float(column.get("block[1].ux")[0])
-
-    exact = last(0.0005, True)
-    return [abs(last(h, derivative) - exact) / abs(exact) for derivative in (False, True) for h in (0.01, 0.005)]
 
 
 def output_derivatives(fmu: str) -> Pair:
