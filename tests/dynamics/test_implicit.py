@@ -78,6 +78,7 @@ def test_solution_is_that_of_the_dense_system(make: Callable[..., Column], seed:
     rng = np.random.default_rng(seed)
     column = make(rng, n)
     q, rate, _ = sliding_state(rng, column, 0.3)
+    q[2 * n :] *= column.has_slips
     model, tangent, phase = pack_model(column).copy(), np.zeros(TANGENT.size(n)), np.zeros(at.PHASE.size(n))
     phase[: 4 * n] = np.concatenate([q[: 2 * n], rate[: 2 * n]])
     at.PHASE.see(phase, n).slip[:] = q[2 * n :]

@@ -352,7 +352,7 @@ def test_restored_state_goes_on_to_the_last_bit() -> None:
 # --- long runs
 
 
-@pytest.mark.parametrize("part", [1e-3, 0.5])
+@pytest.mark.parametrize("part", [0.5, pytest.param(1e-3, marks=pytest.mark.long)])
 def test_undamped_elastic_motion_keeps_its_energy(part: float) -> None:
     column = cut(3, 0.0)  # default tolerance
     modes = Modes(column)

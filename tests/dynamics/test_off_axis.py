@@ -183,7 +183,7 @@ def test_a_damped_run_settles_and_stands() -> None:
     assert simulate(column, Motion.harmonic(1.5 * G, 0.5, 2.0), settle=5.0).verdict == "overturned"
 
 
-@pytest.mark.parametrize("seed", [0, 1, *(pytest.param(seed, marks=pytest.mark.long) for seed in range(2, 5))])
+@pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.long) for seed in range(1, 5))])
 def test_no_column_is_found_with_less_energy_than_the_least(seed: int) -> None:
     """A search over rotations and openings, by the reference's energies; a block at its limit to either side."""
     rng = np.random.default_rng(seed)

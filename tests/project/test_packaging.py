@@ -205,6 +205,8 @@ def test_a_response_can_be_pickled() -> None:
         np.testing.assert_array_equal(getattr(again, name), getattr(response, name))
     for name in ("overturned", "verdict", "reason", "horizon"):
         assert getattr(again, name) == getattr(response, name)
+    assert response.estimated_error is not None
+    assert response.ensemble is not None
     assert again.estimated_error.ux == response.estimated_error.ux
     np.testing.assert_array_equal(again.ensemble.ux, response.ensemble.ux)
     assert pickle.loads(pickle.dumps(again)).ux.shape == response.ux.shape

@@ -79,7 +79,7 @@ def test_energy_that_is_not_the_inputs_is_noticed() -> None:
     run = follow(case.column, held.scaled(1.01), np.append(held.time, held.end))
     failures: list[str] = []
     figures: dict[str, float] = {}
-    stability._check_energy(case.column, held, run, failures, figures)
+    stability.check_energy(case.column, held, run, failures, figures)
     assert figures["energy gained"] > stability.LIMITS["energy gained"]
 
 
@@ -95,7 +95,7 @@ def test_what_leaves_its_bounds_is_noticed() -> None:
         rows = run.rows.copy()
         rows[5, place] = value
         failures: list[str] = []
-        stability._check_rows(column, replace(run, rows=rows), failures, {})
+        stability.check_rows(column, replace(run, rows=rows), failures, {})
         assert any(said in failure for failure in failures)
 
 
