@@ -33,10 +33,6 @@ def plot_histories(time: np.ndarray, given: dict[str, np.ndarray], title: str | 
     return plots.plot_histories(time, given, Column("stack", blocks), title=title, **options)
 
 
-def headings(figure: Figure) -> list[str]:
-    return [axes.get_title(loc="left") for axes in figure.axes]
-
-
 def panel(figure: Figure, words: str):
     """The one panel with these words in its heading."""
     (found,) = [axes for axes in figure.axes if words in axes.get_title(loc="left")]

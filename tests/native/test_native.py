@@ -213,7 +213,7 @@ def test_directional_derivatives_by_the_rotation_of_the_base(
 
 
 def test_status_is_answered(native: Path) -> None:
-    assert call(inside.status, native) == [[0, 3], [0, 0.6], [0, 0], [0, ""], [3]]
+    assert call(inside.status, native) == [[[0] * 4, 3, 0.6, 0, ""], 3]
 
 
 # --- faults
