@@ -160,6 +160,7 @@ def test_where_others_can_write_to_the_cache_nothing_of_it_is_used(fmus: Fmus, t
     assert not [*home.rglob("solver_*")]
 
 
+@pytest.mark.long
 @pytest.mark.skipif(os.name == "nt", reason="folders of a user on Windows are his own")
 def test_what_python_adds_to_a_copy_under_any_umask_does_not_spoil_it(fmus: Fmus, tmp_path: Path) -> None:
     mask = os.umask(0o002)  # as where every user has a group of his own

@@ -294,8 +294,12 @@ def tolerances(fmu: str) -> list[float]:
     return seen
 
 
-def with_tolerance(fmu: str, experiment: float | None, parameter: float | None) -> list[Any]:
-    """Outputs of a run under the experiment's tolerance, the parameter's, or neither."""
+def with_tolerances(fmu: str, pairs: list[tuple[float | None, float | None]]) -> list[list[Any]]:
+    """Outputs of runs under the experiment's tolerance, the parameter's, or neither."""
+    return [_with_tolerance(fmu, *pair) for pair in pairs]
+
+
+def _with_tolerance(fmu: str, experiment: float | None, parameter: float | None) -> list[Any]:
     column = Instance(fmu, {} if parameter is None else {"solver.tolerance": parameter}, initialize=False)
     column.fmi.setupExperiment(tolerance=experiment)
     column.fmi.enterInitializationMode()
