@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -12,7 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 from numba import njit
-from support.fmus import ROOT, finish_in
+from support.fmus import ROOT, finish_in, run
 from support.lagrange import Reference
 from support.probe import coordinates, look, phocas, random_column, random_state
 
@@ -412,6 +413,19 @@ def test_what_may_be_believed_is_measured():
     assert f"{costs['evaluations']:.2f}" in text
     assert "1 overturned later, 1 standing" in text
     assert "0.000 (0.00 to 0.37, does not contain it)" in text
+
+
+@pytest.mark.long
+def test_the_fmus_benchmark_prints_a_figure_for_each_part() -> None:
+    parts = ("state", "getters", "threads", "exits")
+    out = run(sys.executable, "-m", "benchmarks.fmu", *parts, "--rounds", 1, "--processes", 4)
+    lines = out.splitlines()
+    assert [line.split()[0] for line in lines] == list(parts)
+    state, getters, threads, exits = lines
+    assert re.search(r"get \+ set \+ free [\d.]+ us \(n = 3\)", state)
+    assert re.search(r"\d+ outputs: [\d.]+ s, empty [\d.]+ s, [\d.]+ times", getters)
+    assert re.search(r"in two threads [\d.]+ s: [\d.]+ times as fast", threads)
+    assert "status 0 in 4 of 4 processes, 1 different result" in exits
 
 
 # --- joints that slide
