@@ -12,7 +12,7 @@ from support.fmus import REFUSED, Fmus, finish
 from support.inside import failures
 
 
-@pytest.mark.parametrize("logging", [False, True])
+@pytest.mark.parametrize("logging", [True, pytest.param(False, marks=pytest.mark.long)])
 def test_a_wrong_call_is_answered_and_the_instance_lives_on(fmus: Fmus, logging: bool) -> None:
     done = ended(failures.python_answers, fmus.damped, logging)
     assert done.returncode == 0, done.stderr
@@ -25,14 +25,6 @@ def test_a_wrong_call_is_answered_and_the_instance_lives_on(fmus: Fmus, logging:
         assert line.count("\n") == 1
         if logging:
             assert reason in entry
-
-
-def test_a_scale_that_is_no_number_is_refused_without_a_record_too(fmus: Fmus) -> None:
-    done = ended(failures.scale_that_is_no_number, fmus.damped)
-    heard, lives = returned(done.stdout)
-    assert REFUSED in heard
-    assert lives
-    assert "base.record_scale = nan: must be a finite number" in done.stderr
 
 
 def test_what_cannot_be_stepped_over_leaves_the_column_as_it_was(fmus: Fmus) -> None:

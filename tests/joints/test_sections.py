@@ -386,10 +386,3 @@ def test_implicit_and_explicit_steps_of_a_round_column_lead_to_the_same_motion()
     explicit = simulate(column, motion, tolerance=1e-7, without=("implicit",))
     assert implicit.stats["implicit_steps"] > 0.2 * implicit.stats["steps"]
     assert np.max(np.abs(implicit.ux - explicit.ux)) < 1e-4 * explicit.peak_ux[0]
-
-
-def test_mirrored_motion_gives_the_mirrored_response_to_the_last_bit() -> None:
-    motion = Motion.harmonic(2.0, 1.0, 2.0)
-    run, mirrored = simulate(drums(1e-3), motion), simulate(drums(1e-3), motion.mirrored())
-    assert np.array_equal(-run.ux, mirrored.ux)
-    assert np.array_equal(run.N, mirrored.N)

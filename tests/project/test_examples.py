@@ -3,7 +3,6 @@
 import csv
 import importlib.util
 import math
-import os
 import runpy
 import subprocess
 import sys
@@ -15,26 +14,17 @@ from types import ModuleType
 import numpy as np
 import pytest
 from matplotlib.image import imread
+from support.fmus import DAMPED, PHOCAS, ROOT, finish_in
 
 from solver import Column, InputError, Motion, Table, simulate
 from solver.ground.motion import STANDARD_GRAVITY
 
-ROOT = Path(__file__).resolve().parents[2]
 EXAMPLES = ROOT / "examples"
-PHOCAS = EXAMPLES / "columns" / "phocas.toml"
-DAMPED = EXAMPLES / "columns" / "phocas-damped.toml"
 
 
-def example(name: str, folder: Path, *arguments: object, path: str = str(ROOT)) -> subprocess.CompletedProcess[str]:
+def example(name: str, folder: Path, *arguments: object) -> subprocess.CompletedProcess[str]:
     """Run an example in a folder."""
-    return subprocess.run(
-        [sys.executable, str(EXAMPLES / name), *map(str, arguments)],
-        cwd=folder,
-        env=os.environ | {"PYTHONPATH": path},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    return finish_in(folder, sys.executable, EXAMPLES / name, *arguments)
 
 
 def read(path: Path) -> list[dict[str, str]]:

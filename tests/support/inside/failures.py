@@ -6,7 +6,7 @@ import sys
 from collections.abc import Callable
 from typing import Any
 
-from support.inside.lives import INF, NAN, WrongCall, answers, fresh, started, terminated, usual
+from support.inside.lives import INF, NAN, WrongCall, answers, fresh, started, terminated
 from support.instance import Instance
 
 # how the instance was made, the call, what is said
@@ -108,16 +108,6 @@ def impossible_steps(fmu: str) -> list[str]:
         heard.append(column.attempt("step", 1e-2, 1e-2))
     column.fmi.freeInstance()
     return heard
-
-
-def scale_that_is_no_number(fmu: str) -> tuple[str, bool]:
-    """What initialization answers, and whether the instance lives on."""
-    column = fresh(fmu)
-    column.set({"base.record_scale": NAN})
-    heard = column.attempt("initialize")
-    lives = usual(column) == usual(column)
-    column.close()
-    return heard, lives
 
 
 def bad_inputs_and_parameters(fmu: str) -> tuple[list[str], list[Any], list[Any]]:
