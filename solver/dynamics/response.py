@@ -149,7 +149,7 @@ class Response:
     def to_csv(self, path: str | os.PathLike[str], digits: int = DIGITS) -> None:
         """Write every history under the name of the FMU's output, in the order of the FMU's outputs.
 
-                digits: significant ones of every number, 1 to 17; 17 give every float64 in full.
+        digits: significant ones of every number, 1 to 17; 17 give every float64 in full.
         With an ensemble, the percentiles of its ux follow as ensemble.block[i].ux.p16, p50, p84: nan after all have
         fallen.
         """
