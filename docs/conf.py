@@ -1,16 +1,16 @@
-"""The documentation site: `python -m sphinx -W -n docs site`. Pages are Markdown; tables.py fills in what code knows."""
+"""The site: `python -m sphinx -W -n docs site`. Pages are Markdown; tables.py fills in what the code knows."""
 
 import sys
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-import multiblock
 import tables
+
+import multiblock
 
 project = "multiblock-fmu"
 author = "the authors of multiblock-fmu"
-project_copyright = "MIT licence"
 release = version = multiblock.__version__
 
 extensions = [
@@ -38,6 +38,7 @@ html_theme = "furo"
 html_title = f"multiblock-fmu {release}"
 html_theme_options = {"navigation_with_keys": True}
 html_copy_source = False
+html_show_copyright = False
 
 
 def setup(app):

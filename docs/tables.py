@@ -32,7 +32,7 @@ PAGES = re.compile(r"^<!-- pages: (\S+) -->$", re.MULTILINE)
 
 # keys from which others follow, which no class has
 DERIVED = {
-    "name": "name of the column, and of its FMU",
+    "name": "name of the column, and of its FMU: letters, digits, `_`, `-`, `.` and space",
     "g": "m/s2, acceleration of gravity; left out: 9.80665",
     "block": "a table [[block]] for each block, from the top down: see below",
     "joint": "defaults for the joints of all blocks: see below",
@@ -111,13 +111,15 @@ def comments_of(owner: type) -> dict[str, str]:
 def keys_of(part: str, keys: Iterable[str], owner: type | None = None) -> str:
     """The keys of a table of the column file: meaning, and the values that are taken."""
     meanings = comments_of(owner) if owner else {}
-    required = [item.name for item in fields(owner) if item.default is MISSING] if owner else []
+    required = (
+        [item.name for item in fields(owner) if item.default is MISSING] if owner else ["name", "block", "load.mass"]
+    )
     rows = []
     for key in keys:
         full = f"{part}.{key}" if part else key
         meaning = DERIVED.get(full) or meanings.get(key) or DERIVED.get(key, "")
         limits = WORDS.get(full) or (NUMBERS[key][1] if key in NUMBERS else "")
-        needed = "required" if key in required and full not in ALTERNATIVES else ""
+        needed = "required" if {key, full} & set(required) and full not in ALTERNATIVES else ""
         rows.append([code(key), meaning.replace("None:", "left out:"), needed, limits])
     return table(["key", "meaning", "", "value"], rows)
 
@@ -130,7 +132,12 @@ def formulas() -> str:
     return table(
         ["formula", "needs", "may have", "size"],
         (
-            [code(name), ", ".join(map(code, formula.needs)), ", ".join(map(code, formula.optional)), code(formula.amplitude)]
+            [
+                code(name),
+                ", ".join(map(code, formula.needs)),
+                ", ".join(map(code, formula.optional)),
+                code(formula.amplitude),
+            ]
             for name, formula in motions.FORMULAS.items()
         ),
     )
@@ -141,11 +148,14 @@ STUDY = {
     "kind": "which picture and table are made: " + ", ".join(map(code, definition.KINDS)),
     "column": "path of a column file, relative to this file",
     "columns": "a list of such paths, in place of column",
-    "motion": "a table [[motion]] for each motion: record with " + ", ".join(map(code, motions._OF_RECORDS[1:]))
-    + ", or formula; and `name`, " + ", ".join(map(code, motions.BESIDE)),
+    "motion": "a table [[motion]] for each motion: record with "
+    + ", ".join(map(code, motions._OF_RECORDS[1:]))
+    + ", or formula; and `name`, "
+    + ", ".join(map(code, motions.BESIDE)),
     "grid": "values of what varies, each with each other: a list, or {from, to, count} with spacing",
     "random": "a distribution for what is random; `relative` multiplies, `each` has a number for each block",
-    "intensity": "what motions are scaled to: `measure` of " + ", ".join(map(code, motions.MEASURES))
+    "intensity": "what motions are scaled to: `measure` of "
+    + ", ".join(map(code, motions.MEASURES))
     + "; of sa also `period` (s) and `damping`",
     "samples": "number of samples of the random parameters, at every point of the grid; left out: 1",
     "sampling": ", ".join(map(code, definition.SAMPLINGS)),
@@ -199,15 +209,16 @@ def python_names() -> str:
         elif callable(thing):
             parts["Functions"].append(f".. autofunction:: multiblock.{name}")
     return "\n\n".join(
-        f"## {title}\n\n" + "\n\n".join(f"```{{eval-rst}}\n{line}\n```" for line in lines) for title, lines in parts.items()
+        f"## {title}\n\n" + "\n\n".join(f"```{{eval-rst}}\n{line}\n```" for line in lines)
+        for title, lines in parts.items()
     )
 
 
 def as_restructured_text(app: object, what: str, name: str, thing: object, options: object, lines: list[str]) -> None:
     """Make a docstring of this project, which is plain text, one that Sphinx reads (event autodoc-process-docstring).
 
-    Lines that begin with names and a colon become items of a list, and so do the fields of a dataclass with the comments
-    beside them.
+    Lines that begin with names and a colon become items of a list, and so do the fields of a dataclass with their
+    comments.
     """
     if what == "class" and is_dataclass(thing):
         lines += ["", *(f"{field}: {comment}" for field, comment in comments_of(thing).items())]
