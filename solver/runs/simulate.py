@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Sequence
 
 import numpy as np
@@ -27,7 +28,7 @@ MOST_RUNS = 10**5
 
 def simulate(
     column: Column,
-    motion: Motion,
+    motion: Motion | str | os.PathLike[str],
     duration: float | None = None,
     formulation: str | None = None,
     integrator: str | None = None,
@@ -42,7 +43,7 @@ def simulate(
     spread: Spread | None = None,
     callback: Callback | None = None,
 ) -> Response:
-    """Response of a column to a base motion, from the start of the motion.
+    """Response of a column to a base motion, or to a record in a file, from the start of the motion.
 
     duration: s; None: that of the motion. Beyond the motion the base does not accelerate.
     formulation, integrator, step (s), tolerance (relative to the peak), without (names of column.SKIPS: short cuts that
@@ -62,6 +63,8 @@ def simulate(
     Warns (InputWarning) of values that are probably not intended (rest.py, `warnings_of`). Raises InputError for a
     wrong value or a rest that is not stable if the run starts from it, SolverError if the solver cannot go on.
     """
+    if isinstance(motion, (str, os.PathLike)):
+        motion = Motion.from_file(motion)
     column = column.with_settings(
         formulation=formulation, integrator=integrator, step=step, tolerance=tolerance, without=without
     )
