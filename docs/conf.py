@@ -38,6 +38,8 @@ html_theme = "furo"
 html_title = f"multiblock-fmu {release}"
 html_theme_options = {"navigation_with_keys": True}
 html_copy_source = False
+html_static_path = ["style"]
+html_css_files = ["site.css"]
 html_show_copyright = False
 
 

@@ -18,7 +18,7 @@ FIRST_LINE, LONGER = 10.0, 1.5  # s until a first line in a pipe; later each int
 
 
 class Line:
-    """A line of tqdm, or its bar in a notebook, if installed, for work that takes longer than 2 s; to be used as a context."""
+    """A line of tqdm (in a notebook its bar), if installed, for work that takes longer than 2 s; a context."""
 
     def __init__(self, **form: Any) -> None:
         self._form = form  # as tqdm takes it
