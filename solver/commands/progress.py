@@ -18,7 +18,7 @@ FIRST_LINE, LONGER = 10.0, 1.5  # s until a first line in a pipe; later each int
 
 
 class Line:
-    """A line of tqdm, if installed, for work that takes longer than 2 s; to be used as a context."""
+    """A line of tqdm (in a notebook its bar), if installed, for work that takes longer than 2 s; a context."""
 
     def __init__(self, **form: Any) -> None:
         self._form = form  # as tqdm takes it
@@ -29,11 +29,11 @@ class Line:
         """Draw the part of the total, if known, that is reached."""
         if self._bar is None and clock.monotonic() - self._begin > PATIENCE:
             try:
-                from tqdm import tqdm
+                from tqdm import auto
             except ModuleNotFoundError:
                 self._begin = float("inf")
                 return
-            self._bar = tqdm(total=total, initial=reached, leave=False, file=sys.stderr, **self._form)
+            self._bar = auto.tqdm(total=total, initial=reached, leave=False, file=sys.stderr, **self._form)
         if self._bar is not None:
             self._bar.n = reached
             self._bar.refresh()

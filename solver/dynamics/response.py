@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -14,6 +14,8 @@ from ..column.friction import friction_demand, time_exceeded
 from ..column.packing import FloatArray
 from ..common.errors import check_whole, needing
 from ..common.files import write_table
+from ..common.frames import Frame, Framed
+from ..common.notebook import Shown, counted, history, rows_of
 from ..ground.motion import Motion
 from ..kernels.layout import spaces as at
 from .uncertainty import PERCENTILES, Ensemble, ErrorEstimate
@@ -28,6 +30,8 @@ BLOCK_HISTORIES = {
     name: f"{'block' if name in ('ux', 'uz', 'theta') else 'joint'}[{{i}}].{name}" for name in at.OUTPUTS.fields
 }
 BASE_HISTORIES = {name: f"base.{name}" for name in at.REACTION.fields}
+UNITS = dict.fromkeys(("ux", "uz", "slip"), "m") | dict.fromkeys(("N", "S", "T", "Fx", "Fz"), "N")
+UNITS |= {"time": "s", "theta": "rad", "M": "N m", "My": "N m", "sigma_max": "Pa"}
 # names of `Response.peaks` -> names among the outputs of the FMU, in the order of the kernels (layout.py, PEAKS)
 PEAKS = {name: f"{output}_{'least' if name == 'contact' else 'peak'}" for name, output in BLOCK_HISTORIES.items()}
 PEAKS |= {name: f"{output}_peak" for name, output in BASE_HISTORIES.items()} | {"friction": "joint[{i}].friction_peak"}
@@ -38,7 +42,7 @@ def check_digits(key: str, digits: int) -> int:
     return check_whole(key, digits, 1, MOST_DIGITS, f"a whole number from 1 to {MOST_DIGITS}")
 
 
-class Response:
+class Response(Framed, Shown):
     """Histories (nt, n), block and joint 1 (the top) first; base reaction (nt,).
 
     time (s); ux (m), top face relative to the base, +x; uz (m), centroid, up, from the unloaded geometry; theta (rad),
@@ -94,6 +98,27 @@ class Response:
 
         self.motion: Motion | None = None  # of the base; drawn above the histories
 
+    def _facts(self) -> tuple[str, ...]:
+        facts = [f"of {self.column.name}", self.verdict, f"{1e3 * float(np.max(self.peak_ux)):.4g} mm at most"]
+        if self.overturned:
+            facts.append(f"fell at {self.overturn_time:.4g} s over joint {self.overturned_joint}")
+        if self.ensemble is not None:
+            facts.append(f"{self.ensemble.overturned} of {self.ensemble.size} varied columns overturned")
+        return *facts, counted(len(self.time), "row")
+
+    def _lines(self) -> Iterable[Sequence[object]]:
+        shown = {"ux": ("|ux| (mm)", 1e3), "N": ("N (kN)", 1e-3), "sigma_max": ("pressure (MPa)", 1e-6)}
+        shown |= {"contact": ("least contact", 1.0), "friction": ("|T| / N", 1.0)}
+        found = {head: scale * self.peaks[name] for name, (head, scale) in shown.items() if name in self.peaks}
+        return rows_of({"peaks of block, joint": np.arange(1, self.column.n + 1), **found})
+
+    def _picture(self) -> str:
+        return history(self.time, 1e3 * self.ux[:, 0], "top (mm)")
+
+    def _frame(self) -> Frame:
+        columns = {name: getattr(self, name) for name in (*BLOCK_HISTORIES, *BASE_HISTORIES)}
+        return Frame(("time", self.time), columns, UNITS, {"column": self.column.name, "verdict": self.verdict})
+
     def __getstate__(self) -> dict[str, Any]:
         """For pickle and copy: the histories themselves, not the solver that computes them. Raises SolverError."""
         self.observe()
@@ -146,7 +171,7 @@ class Response:
     def to_csv(self, path: str | os.PathLike[str], digits: int = DIGITS) -> None:
         """Write every history under the name of the FMU's output, in the order of the FMU's outputs.
 
-                digits: significant ones of every number, 1 to 17; 17 give every float64 in full.
+        digits: significant ones of every number, 1 to 17; 17 give every float64 in full.
         With an ensemble, the percentiles of its ux follow as ensemble.block[i].ux.p16, p50, p84: nan after all have
         fallen.
         """

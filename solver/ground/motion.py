@@ -11,6 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..common.errors import FINITE, NOT_NEGATIVE, POSITIVE, InputError, check_number, reading, shown
 from ..common.files import whole_file
+from ..common.frames import Frame, Framed
+from ..common.notebook import Shown, counted, history
 from .records import STANDARD_GRAVITY as STANDARD_GRAVITY
 from .records import Record, read_record
 from .records.columns import LEAD, SLOPES
@@ -19,11 +21,12 @@ from .records.reader import read_at2, read_csv
 LARGEST = 1e6  # m/s2: a larger acceleration is a mistake of units, and no column can be followed under it
 ACCELERATION = (-LARGEST, LARGEST), "a finite acceleration in m/s2, at most 1e6 either way"
 MOST_CYCLES = 1e6  # of a harmonic whose crests are looked for
+DRAWN = 5000  # instants of a harmonic in its picture
 SAME_INSTANT = 1e-6  # of the shortest sampling interval: two records' instants that close differ by rounding
 
 
-@dataclass(frozen=True, eq=False)
-class Motion:
+@dataclass(frozen=True, eq=False, repr=False)
+class Motion(Framed, Shown):
     """Base acceleration over start <= t <= end; before and after, it is zero.
 
     ax(t) = samples + amplitude sin(2 pi frequency (t - start)), az(t) = samples. Between two samples the acceleration
@@ -69,6 +72,21 @@ class Motion:
             raise InputError(f"duration = {self.duration}: must be more than the {sampled} s from first to last sample")
         if not self.hold and not math.isclose(self.duration, sampled, rel_tol=1e-9):
             raise InputError(f"duration = {self.duration}: must be the {sampled} s from first to last sample")
+
+    def _facts(self) -> tuple[str, ...]:
+        kind = f"harmonic of {self.frequency:g} Hz" if self.amplitude else counted(len(self.time), "sample")
+        beside = ["held"] * self.hold + ["vertical too"] * bool(np.any(self.az))
+        return "of the base", f"{self.duration:.4g} s", f"PGA {self.pga / STANDARD_GRAVITY:.4g} g", kind, *beside
+
+    def _picture(self) -> str:
+        time = np.linspace(self.start, self.end, DRAWN) if self.amplitude else self.time
+        return history(time, self.acceleration(time)[0] / STANDARD_GRAVITY, "acceleration (g)")
+
+    def _frame(self) -> Frame:
+        """The samples; a harmonic has only its start and its end."""
+        columns = {"ax": self.ax, "az": self.az}
+        beside = {"hold": int(self.hold), "amplitude": self.amplitude, "frequency": self.frequency}
+        return Frame(("time", self.time), columns, {"time": "s", "ax": "m/s2", "az": "m/s2"}, beside)
 
     @property
     def start(self) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 
 from ..column.column import Column
@@ -23,7 +24,7 @@ MOST_RUNS = 10**5
 
 def simulate(
     column: Column,
-    motion: Motion,
+    motion: Motion | str | os.PathLike[str],
     duration: float | None = None,
     formulation: str | None = None,
     integrator: str | None = None,
@@ -38,7 +39,7 @@ def simulate(
     spread: Spread | None = None,
     callback: Callback | None = None,
 ) -> Response:
-    """Response of a column to a base motion, from the start of the motion.
+    """Response of a column to a base motion, or to a record in a file, from the start of the motion.
 
     duration: s; None: that of the motion. Beyond the motion the base does not accelerate.
     formulation, integrator, step (s), tolerance (relative to the peak), without (names of column.SKIPS: short cuts that
@@ -58,6 +59,8 @@ def simulate(
     Warns (InputWarning) of values that are probably not intended (rest.py, `warnings_of`). Raises InputError for a
     wrong value or a rest that is not stable if the run starts from it, SolverError if the solver cannot go on.
     """
+    if isinstance(motion, (str, os.PathLike)):
+        motion = Motion.from_file(motion)
     column = column.with_settings(
         formulation=formulation, integrator=integrator, step=step, tolerance=tolerance, without=without
     )

@@ -10,7 +10,7 @@ import hashlib
 import json
 import math
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from pathlib import Path
@@ -23,6 +23,7 @@ from .. import __version__
 from ..column.column import Column
 from ..common.errors import FINITE, POSITIVE, InputError, check_number, check_whole, needing, reading, shown
 from ..common.files import check_file_name, toml_of
+from ..common.notebook import Shown, counted
 from ..common.ranges import check_choice, check_keys
 from ..ground.intensity import pgv
 from ..ground.motion import STANDARD_GRAVITY, Motion
@@ -83,8 +84,8 @@ class Planned(NamedTuple):
     measures: dict[str, float]  # of the motion as it is run: pga g, pgv m/s, sa g
 
 
-@dataclass(frozen=True, eq=False)
-class Study:
+@dataclass(frozen=True, eq=False, repr=False)
+class Study(Shown):
     """What is run, and how the runs differ; see the module. Raises InputError on what does not go together.
 
     grid: name -> values. random: name -> parameter. Names are those of parameters.py, `motion.KEY` of a number of the
@@ -157,6 +158,17 @@ class Study:
         for name, parameter in self.random.items():
             if parameter.each and len({column.n for column in self.columns}) > 1:
                 raise InputError(f"random.{name}.each: must be left out for columns of different numbers of blocks")
+
+    def _facts(self) -> tuple[str, ...]:
+        numbers = {"run": self.runs, "column": len(self.columns), "motion": len(self.motions), "sample": self.samples}
+        return self.name, self.kind, *(counted(number, word) for word, number in numbers.items())
+
+    def _lines(self) -> Iterable[Sequence[object]]:
+        yield "varied", "by"
+        yield from (
+            (name, f"{len(values)} values, {values[0]:g} to {values[-1]:g}") for name, values in self.grid.items()
+        )
+        yield from ((name, parameter.distribution.kind) for name, parameter in self.random.items())
 
     # what is run
 
