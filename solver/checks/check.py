@@ -21,7 +21,7 @@ from ..dynamics.first_run import make_kernels
 from ..dynamics.response import Response
 from ..dynamics.uncertainty import share_bounds
 from ..ground.motion import STANDARD_GRAVITY, Motion
-from ..runs.many import Callback, simulate_many
+from ..runs.many import Callback
 from ..runs.simulate import simulate
 from ..runs.table import Table
 from ..statics.modes import natural_frequencies
@@ -30,7 +30,7 @@ from .artificial import artificial_motions
 from .by_hand import ByHand, by_hand
 from .kinematic import Mechanism, mechanism
 from .limits import Plan
-from .margin import Margin, margin_of, varied
+from .margin import Margin, margin_of, run_all, varied
 from .scaling import LEAST_PART, MotionSpectra, ScaledMotion
 from .spectra import Spectral, TargetSpectrum
 from .table import Row, rows_of
@@ -102,7 +102,7 @@ class Check:
         if np.isfinite(fell).any():
             return int(np.argmin(fell))
         if self.margin is not None and not self.margin.is_open:
-            return self.margin.governing
+            return self.margin.place
         return int(np.argmax([response.peak_ux[0] for response in self.responses]))
 
     @property
@@ -129,7 +129,7 @@ class Check:
         also = f" But it fails in: {failed}." if failed else ""
         if self.margin is None:
             return f"How much more shaking it bears was not looked for.{also}"
-        least = self.margin.least
+        least = self.margin.stands
         if self.margin.is_open:
             return f"Even {least:.2g} times this shaking overturned none of them.{also}"
         if least >= 1.0:
@@ -251,21 +251,16 @@ def checked(
     check_rest(column, from_rest=True)
     found = mechanism(column, plan.confidence_factor) if found is None else found
     own = 1.0 / float(natural_frequencies(column)[0])
-    responses = tuple(simulate(column, scaled.motion, check=True) for scaled in action.motions)
-    pairs = [
-        pair
-        for place, scaled in enumerate(action.motions)
-        for pair in varied(column, scaled.motion, plan.ensemble, plan.spread, place)
+    responses = tuple(simulate(column, scaled.motion) for scaled in action.motions)
+    ensembles = [
+        varied(column, scaled, plan.ensemble, plan.spread, place) for place, scaled in enumerate(action.motions)
     ]
-    runs = simulate_many(
-        [held for held, _ in pairs],
-        [motion for _, motion in pairs],
-        keep=("peak_ux", "verdict", "overturn_time"),
-        callback=callback,
-    )
-    margin = margin_of(column, action.motions, plan.spread, callback=callback) if plan.margin else None
+    pairs = [pair for ensemble in ensembles for pair in ensemble]
+    runs = run_all(pairs, ("peak_ux", "verdict", "overturn_time"), callback)
+    falls = np.any((runs["verdict"] != "standing").reshape(len(ensembles), -1), axis=1)
+    margin = margin_of(ensembles, falls, callback) if plan.margin else None
     edge = found.curve.overturning_displacement
-    rows = rows_of(column, responses, runs, plan.limits, margin, edge)
+    rows = rows_of(column, responses, runs, plan.limits, margin, edge, [scaled.name for scaled in action.motions])
     hand = by_hand(column, found, action.spectrum, action.target is not None, own, action.motions, plan.limits)
     return Check(column, action, plan, rows, hand, margin, responses, runs, own)
 

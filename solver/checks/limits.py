@@ -47,7 +47,7 @@ class Plan:
     """How a column is checked. Raises InputError."""
 
     limits: Limits = field(default_factory=Limits)
-    ensemble: int = 16  # runs of each motion with varied data
+    ensemble: int = 8  # runs of each motion with varied data
     spread: Spread = UNCERTAIN
     margin: bool = True  # whether to look for the factor at which it begins to fall
     confidence_factor: float = CONFIDENCE_FACTOR

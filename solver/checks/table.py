@@ -69,11 +69,12 @@ def rows_of(
     limits: Limits,
     margin: Margin | None,
     edge: float,
+    names: Sequence[str],
 ) -> tuple[Row, ...]:
     """The rows, from the run of each motion, the table of all varied runs and the margin.
 
     edge: displacement of the top at which it balances without a push, m. A motion under which the column falls asks
-    for an infinite displacement, pressure and slip.
+    for an infinite displacement, pressure and slip. names: of the motions.
     """
     fell = np.array([response.verdict != "standing" for response in responses])
 
@@ -83,7 +84,7 @@ def rows_of(
         return found
 
     return (
-        *_overturning(table, limits, margin),
+        *_overturning(table, limits, margin, names),
         _displacement(responses, table, largest(lambda response: response.peak_ux[0]), limits, edge),
         _pressure(column, largest(lambda response: response.peaks["sigma_max"]), limits),
         *_sliding(column, responses, largest, limits),
@@ -91,7 +92,7 @@ def rows_of(
     )
 
 
-def _overturning(table: Table, limits: Limits, margin: Margin | None) -> list[Row]:
+def _overturning(table: Table, limits: Limits, margin: Margin | None, names: Sequence[str]) -> list[Row]:
     verdicts = table["verdict"]
     size, fallen = len(verdicts), int(np.sum(verdicts == "overturned"))
     open_ones = int(np.sum(verdicts == "undecided"))
@@ -101,10 +102,10 @@ def _overturning(table: Table, limits: Limits, margin: Margin | None) -> list[Ro
     share = (fallen + open_ones) / size
     rows = [Row("overturning", share, limits.share, PERCENT, note=f"{note}; {low:.1%} to {high:.1%} at 95 % confidence")]
     if margin is not None:
-        named = margin.motions[margin.governing]
-        note = f"no run falls up to {margin.least:.3g} times the motion, least under {named}; mean {margin.mean:.3g}"
-        values = tuple(bound.stands for bound in margin.bounds)
-        rows.append(Row("overturning, margin", 1.0, margin.least, FACTOR, named, note, values))
+        note = f"no run falls up to {margin.stands:.3g} times the motion, the most looked at"
+        if not margin.is_open:
+            note = f"the first run falls between {margin.stands:.3g} and {margin.falls:.3g} times {names[margin.place]}"
+        rows.append(Row("overturning, margin", 1.0, margin.stands, FACTOR, note=note))
     return rows
 
 
