@@ -126,7 +126,7 @@ class Check:
     def margin_sentence(self) -> str:
         """How far it is from falling, in one plain sentence; and what else fails."""
         failed = ", ".join(row.name for row in self.rows if row.passes is False and not row.name.startswith("overturn"))
-        also = f" But it fails in: {failed}." if failed else ""
+        also = f" It also fails in: {failed}." if failed else ""
         if self.margin is None:
             return f"How much more shaking it bears was not looked for.{also}"
         least = self.margin.stands

@@ -61,6 +61,24 @@ class Row:
         """Whether the demand is within the capacity; None where nothing is compared."""
         return None if math.isnan(self.ratio) else self.ratio <= 1.0
 
+    @property
+    def texts(self) -> tuple[str, str, str, str, str, str]:
+        """Name, place, demand, capacity, ratio and outcome, for the eye."""
+        return (
+            self.name,
+            self.where,
+            self.shown(self.demand),
+            "" if math.isnan(self.capacity) else self.shown(self.capacity),
+            "" if not math.isfinite(self.ratio) else f"{self.ratio:.2f}",
+            {True: "passes", False: "FAILS", None: "not compared"}[self.passes],
+        )
+
+    def shown(self, value: float) -> str:
+        """A value of this row with its unit."""
+        if math.isinf(value):
+            return "falls"
+        return f"{self.unit.factor * value:.3g} {self.unit.name}".rstrip()
+
 
 def rows_of(
     column: Column,
