@@ -43,7 +43,9 @@ def fitted_motion(target: Spectral, seed: int, length: float = LENGTH) -> Motion
     """One motion whose spectrum follows the target, the best of the iterations."""
     count = round(length / DT)
     envelope = _envelope(count)
-    samples = envelope * np.random.RandomState(seed).standard_normal(count + 1)  # equal numbers in all versions of numpy
+    samples = envelope * np.random.RandomState(seed).standard_normal(
+        count + 1
+    )  # equal numbers in all versions of numpy
     wanted, padded = np.log(target.psa(PERIODS)), 2 * (count + 1)
     frequency = np.fft.rfftfreq(padded, DT)
     passed = np.clip(frequency / LOWEST - 0.5, 0.0, 1.0)

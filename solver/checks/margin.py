@@ -46,7 +46,9 @@ class Margin:
         return math.isinf(self.falls)
 
 
-def margin_of(ensembles: Sequence[Sequence[Pair]], falls: NDArray[np.bool_], callback: Callback | None = None) -> Margin:
+def margin_of(
+    ensembles: Sequence[Sequence[Pair]], falls: NDArray[np.bool_], callback: Callback | None = None
+) -> Margin:
     """The margin from varied columns and motions, an ensemble for each motion, and which of them have falls at 1.
 
     The same columns are used at every factor. Runs without a verdict count as falls. Only motions under which runs

@@ -29,7 +29,7 @@ class Unit:
 
 
 MM, MPA, PERCENT, PLAIN = Unit("mm", 1e3), Unit("MPa", 1e-6), Unit("%", 100.0), Unit()
-FACTOR = Unit("x the motion")
+FACTOR = Unit("x")
 
 
 @dataclass(frozen=True)
@@ -118,7 +118,9 @@ def _overturning(table: Table, limits: Limits, margin: Margin | None, names: Seq
     _, high = share_bounds(fallen + open_ones, size)
     note = f"{fallen} of {size} runs fall" + (f", {open_ones} undecided" if open_ones else "")
     share = (fallen + open_ones) / size
-    rows = [Row("overturning", share, limits.share, PERCENT, note=f"{note}; {low:.1%} to {high:.1%} at 95 % confidence")]
+    rows = [
+        Row("overturning", share, limits.share, PERCENT, note=f"{note}; {low:.1%} to {high:.1%} at 95 % confidence")
+    ]
     if margin is not None:
         note = f"no run falls up to {margin.stands:.3g} times the motion, the most looked at"
         if not margin.is_open:
@@ -127,9 +129,7 @@ def _overturning(table: Table, limits: Limits, margin: Margin | None, names: Seq
     return rows
 
 
-def _displacement(
-    responses: Sequence[Response], table: Table, values: FloatArray, limits: Limits, edge: float
-) -> Row:
+def _displacement(responses: Sequence[Response], table: Table, values: FloatArray, limits: Limits, edge: float) -> Row:
     stands = table["verdict"] == "standing"
     tops = table["peak_ux"][stands, 0]
     band = tuple(np.percentile(tops, PERCENTILES).tolist()) if tops.size else ()
@@ -192,9 +192,7 @@ def _opening(values: FloatArray, limits: Limits, fell: NDArray[np.bool_]) -> Row
     return _of_joint("opening", i, demand, capacity, PERCENT, note, values)
 
 
-def _of_joint(
-    name: str, i: int, demand: FloatArray, capacity: float, unit: Unit, note: str, values: FloatArray
-) -> Row:
+def _of_joint(name: str, i: int, demand: FloatArray, capacity: float, unit: Unit, note: str, values: FloatArray) -> Row:
     """A row of the joint in place i; values (motions, joints)."""
     own = values[:, i]
     band = tuple(np.percentile(own, PERCENTILES).tolist()) if np.isfinite(own).all() else ()

@@ -142,9 +142,7 @@ def _check(options: argparse.Namespace) -> None:
     print(*action_lines(action), sep="\n", flush=True)
     checks = [_checked(options.column, column, action, plan, found)]
     print(*check_lines(checks[0]), sep="\n", flush=True)
-    checks += [
-        _checked(path, variant, action, plan) for path, variant in zip(options.variant, variants, strict=True)
-    ]
+    checks += [_checked(path, variant, action, plan) for path, variant in zip(options.variant, variants, strict=True)]
     if variants:
         print(*variants_lines(checks), sep="\n")
     if options.output is not None:
@@ -191,9 +189,7 @@ def _target(options: argparse.Namespace) -> TargetSpectrum | None:
     if name == "ec8":
         return eurocode8(options.ag * STANDARD_GRAVITY, options.soil, 1 if options.type is None else options.type)
     if name == "ntc2018":
-        return ntc2018(
-            options.ag * STANDARD_GRAVITY, options.f0, options.tc, options.soil, options.topography or "T1"
-        )
+        return ntc2018(options.ag * STANDARD_GRAVITY, options.f0, options.tc, options.soil, options.topography or "T1")
     if not name.lower().endswith(".csv"):
         raise InputError(f"--spectrum {name}: must be {', '.join(SPECTRA)} or a table FILE.csv")
     return spectrum_from_csv(name)

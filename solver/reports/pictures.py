@@ -57,10 +57,10 @@ def column_picture(column: Column) -> Figure:
     for number, block in enumerate(column.blocks, start=1):
         foot -= block.height
         if (column.n - number) % every == 0:
-            axes.text(aside, foot, f"{number}", fontsize=7, va="center", color=INK)
+            axes.text(aside, foot, f"{number}", fontsize=10, va="center", color=INK)
     axes.annotate("", (-aside, 0.0), (-aside, height), arrowprops={"arrowstyle": "<->", "color": INK, "lw": 0.8})
-    axes.text(-1.1 * aside, 0.5 * height, f"{height:.4g} m", rotation=90, ha="right", va="center", fontsize=8)
-    axes.set_title("joints", loc="right", fontsize=7)
+    axes.text(-1.1 * aside, 0.5 * height, f"{height:.4g} m", rotation=90, ha="right", va="center", fontsize=11)
+    axes.set_title("joints", loc="right", fontsize=10)
     axes.set(xlim=(-0.62 * widest - 0.16 * height, 0.62 * widest + 0.16 * height), ylim=(-0.03 * height, 1.05 * height))
     return figure
 
