@@ -1,4 +1,4 @@
-"""Motions made to fit a spectrum, where there are no records: noise in an envelope, its spectrum corrected step by step.
+"""Motions made to fit a spectrum, where there are no records: noise in an envelope, corrected step by step.
 
 As EN 1998-1, 3.2.3.1.2 describes artificial accelerograms. Each iteration multiplies the Fourier coefficients of the
 motion by target over response at the same period, without a change of phase (Gasparini and Vanmarcke 1976 do so with
@@ -6,6 +6,8 @@ the amplitudes before the envelope), then keeps what is inside the envelope and 
 """
 
 from __future__ import annotations
+
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,9 +45,8 @@ def fitted_motion(target: Spectral, seed: int, length: float = LENGTH) -> Motion
     """One motion whose spectrum follows the target, the best of the iterations."""
     count = round(length / DT)
     envelope = _envelope(count)
-    samples = envelope * np.random.RandomState(seed).standard_normal(
-        count + 1
-    )  # equal numbers in all versions of numpy
+    # RandomState: equal numbers in all versions of numpy
+    samples = envelope * np.random.RandomState(seed).standard_normal(count + 1)
     wanted, padded = np.log(target.psa(PERIODS)), 2 * (count + 1)
     frequency = np.fft.rfftfreq(padded, DT)
     passed = np.clip(frequency / LOWEST - 0.5, 0.0, 1.0)
@@ -62,7 +63,7 @@ def fitted_motion(target: Spectral, seed: int, length: float = LENGTH) -> Motion
     return Motion.from_samples(DT, best)
 
 
-def _psa(coefficients: FloatArray, frequency: FloatArray, padded: int) -> FloatArray:
+def _psa(coefficients: NDArray[np.complex128], frequency: NDArray[Any], padded: int) -> FloatArray:
     """Pseudo-acceleration at PERIODS from the Fourier coefficients: faster than step by step, and near enough here."""
     omega, found = 2.0 * np.pi * frequency, np.empty(len(PERIODS))
     for k, own in enumerate(2.0 * np.pi / PERIODS):

@@ -210,8 +210,8 @@ def action_on(
         low, high = spans if periods is None else (float(periods[0]), float(periods[1]))
         if given:
             scaled = scaling.scaled_to_spectrum(given, target, (low, high), least)
-            how = f"each to a mean of 1 over the target from {low:.3g} to {high:.3g} s, all so that their mean is no less "
-            return Action(tuple(scaled), f"{how}than {least:g} of it", target, (low, high))
+            how = f"each to a mean of 1 over the target from {low:.3g} to {high:.3g} s, all so that their mean is no "
+            return Action(tuple(scaled), f"{how}less than {least:g} of it", target, (low, high))
         made = artificial_motions(target, artificial, seed)
         how = f"artificial motions made to follow the target, seeds from {seed}"
         return Action(tuple(ScaledMotion(*pair) for pair in made.items()), how, target, (low, high))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, fields
+from typing import Any
 
 from ..common.errors import POSITIVE, InputError, check_number
 from ..dynamics.uncertainty import Spread
@@ -14,10 +15,9 @@ MOST_RUNS = 10_000
 UNCERTAIN = Spread(stiffness=0.2, damping=0.5, motion=0.01)
 
 
-def _limit(default: float | None, meaning: str, least: float = 0.0, most: float = POSITIVE[1]) -> float:
+def _limit(default: float | None, meaning: str, least: float = 0.0, most: float = POSITIVE[1]) -> Any:
     """A limit, its meaning for messages, options and reports, and its range; None: not limited."""
-    made: float = field(default=default, metadata={"meaning": meaning, "range": (least, most)})
-    return made
+    return field(default=default, metadata={"meaning": meaning, "range": (least, most)})
 
 
 @dataclass(frozen=True)

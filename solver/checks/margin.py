@@ -61,16 +61,17 @@ def margin_of(
         pairs = [(held, applied("", motion, factor).motion) for k in places for held, motion in ensembles[k]]
         made += len(pairs)
         stands = run_all(pairs, ("verdict",), callback)["verdict"] == "standing"
-        return places[~np.all(stands.reshape(len(places), -1), axis=1)]
+        found: NDArray[np.int64] = places[~np.all(stands.reshape(len(places), -1), axis=1)]
+        return found
 
     everything = np.arange(len(ensembles))
     fell = everything[falls]
     if fell.size:
-        low = high = 1.0
-        while low > LEAST and (still := falling(fell, low := low / STEP)).size:
-            fell, high = still, low
-        if low <= LEAST:
-            return Margin(0.0, high, int(fell[0]), made)
+        low, high = 1.0 / STEP, 1.0
+        while (still := falling(fell, low)).size:
+            fell, low, high = still, low / STEP, low
+            if low < LEAST:
+                return Margin(0.0, high, int(fell[0]), made)
     else:
         low, high = 1.0, STEP
         while not (fell := falling(everything, high)).size:

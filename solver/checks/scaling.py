@@ -20,10 +20,7 @@ FloatArray = NDArray[np.float64]
 FEWEST, MEAN_FROM = 3, 7  # motions: EN 1998-1, 4.3.3.4.3(3)
 LEAST_PART = 0.9  # of the target, that the mean spectrum keeps: EN 1998-1, 3.2.3.1.2(4)
 PERIODS_OF_FIT = 40
-VERTICAL_RANGE = (
-    0.05,
-    1.0,
-)  # s, in which vertical components are fitted: the plateau of the codes and the branch after
+VERTICAL_RANGE = (0.05, 1.0)  # s, of the fit of vertical components: plateau and next branch of the codes
 
 
 class ScaledMotion(NamedTuple):

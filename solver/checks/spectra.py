@@ -121,7 +121,9 @@ class TableSpectrum:
         """Pseudo-acceleration, m/s2, at periods, s."""
         t = np.maximum(np.asarray(period, dtype=np.float64), self.period[0])
         within = np.exp(np.interp(np.log(t), np.log(self.period), np.log(self.values)))
-        return damping_factor(damping) * within * np.minimum(1.0, self.period[-1] / t) ** 2
+        beyond: FloatArray = np.minimum(1.0, self.period[-1] / t) ** 2
+        found: FloatArray = damping_factor(damping) * within * beyond
+        return found
 
 
 @dataclass(frozen=True, eq=False)

@@ -118,9 +118,8 @@ def _overturning(table: Table, limits: Limits, margin: Margin | None, names: Seq
     _, high = share_bounds(fallen + open_ones, size)
     note = f"{fallen} of {size} runs fall" + (f", {open_ones} undecided" if open_ones else "")
     share = (fallen + open_ones) / size
-    rows = [
-        Row("overturning", share, limits.share, PERCENT, note=f"{note}; {low:.1%} to {high:.1%} at 95 % confidence")
-    ]
+    note += f"; {low:.1%} to {high:.1%} at 95 % confidence"
+    rows = [Row("overturning", share, limits.share, PERCENT, note=note)]
     if margin is not None:
         note = f"no run falls up to {margin.stands:.3g} times the motion, the most looked at"
         if not margin.is_open:
