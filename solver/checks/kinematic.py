@@ -1,7 +1,8 @@
 """The kinematic verification of a local mechanism: Circolare 21/01/2019 n. 7 to NTC 2018, C8.7.1.2.1.
 
 The curve of pushes is that of `statics.capacity`: finite rotations, elastic joints, so that it has an elastic branch as
-C8.7.1.2.1.3 asks for elements that are free to vibrate. The mechanism is the one in which the curve ends.
+C8.7.1.2.1.3 asks for elements that are free to vibrate. The mechanism is the one in which the curve ends: all above one
+joint turns about an edge of it.
 """
 
 from __future__ import annotations
@@ -36,21 +37,27 @@ class Mechanism:
     confidence_factor: float
 
     @cached_property
+    def joint(self) -> int:
+        """Place of the joint about whose edge it turns where the curve ends, from the top."""
+        below = np.append(self.curve.theta[-1, 1:], 0.0)
+        return int(np.argmax(np.abs(self.curve.theta[-1] - below)))
+
+    @cached_property
     def shape(self) -> FloatArray:
-        """Horizontal displacements of the centroids, m (n,), where the curve ends."""
-        column, end = self.curve.column, -1
-        found = np.empty(column.n)
-        for i, block in enumerate(column.blocks):
-            tilt = (block.joint.inclination or 0.0) + (block.tilt or 0.0)
-            above = block.height - block.resolved_centroid
-            turned = math.sin(tilt + self.curve.theta[end, i]) - math.sin(tilt)
-            found[i] = self.curve.ux[end, i] - above * turned
-        return self.curve.direction * found
+        """Virtual horizontal displacements of the centroids (n,), and last of the top: heights above the joint, m."""
+        found, foot = np.zeros(self.curve.column.n + 1), 0.0
+        for i in range(self.joint, -1, -1):
+            block = self.curve.column.blocks[i]
+            found[i] = foot + block.resolved_centroid
+            foot += block.height
+        found[-1] = foot
+        return found
 
     @cached_property
     def _sums(self) -> tuple[float, float, float]:
         mass = np.array([block.mass for block in self.curve.column.blocks])
-        return float(np.sum(mass)), float(mass @ self.shape), float(mass @ self.shape**2)
+        centroids = self.shape[:-1]
+        return float(np.sum(mass)), float(mass @ centroids), float(mass @ centroids**2)
 
     @property
     def alpha0(self) -> float:
@@ -68,7 +75,7 @@ class Mechanism:
         """Spectral displacements along the curve, m (C8.7.1.4), of the top as the point of control."""
         _, first, second = self._sums
         top = self.curve.direction * self.curve.ux[:, 0]
-        found: FloatArray = top * second / (float(top[-1]) * first)
+        found: FloatArray = top * second / (self.shape[-1] * first)
         return found
 
     @cached_property
