@@ -36,6 +36,7 @@ from .motion_options import (
     motion_of,
     read_with_options,
 )
+from .new import add_new_command
 from .progress import ProgressLine, compile_kernels
 from .record_report import report
 from .static import add_static_commands
@@ -177,6 +178,7 @@ def add_commands(commands: argparse._SubParsersAction[OneLineParser]) -> None:
     )
     add_force(convert)
     add_check_command(commands)
+    add_new_command(commands)
     add_static_commands(commands)
     add_calibrate_command(commands)
     add_study(commands)
