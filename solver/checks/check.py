@@ -42,7 +42,7 @@ LONGEST_PERIOD = 4.0  # s, at which the spectra of codes end
 Motions = Mapping[str, Motion] | Iterable[Motion | str | os.PathLike[str]]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Action:
     """What a column is checked against: motions as they are applied, and the spectrum that they stand for."""
 
@@ -66,7 +66,7 @@ class Action:
         return f"largest of {count} motions{few}" if count > 1 else f"one motion{few}"
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Check:
     """A checked column: rows of demand and capacity, the margin, methods by hand, and every run behind them.
 
@@ -83,6 +83,10 @@ class Check:
     responses: tuple[Response, ...]
     runs: Table
     period: float  # s, of the first mode about rest
+
+    def __repr__(self) -> str:
+        answer = "passes" if self.passes else "fails"
+        return f"<Check of {self.column.name}, {len(self.action.motions)} motions: {answer}. {self.verdict}>"
 
     @property
     def passes(self) -> bool:

@@ -17,6 +17,7 @@ from jinja2 import Environment, StrictUndefined
 from .. import __version__
 from ..checks.check import Check
 from ..checks.margin import TOLERANCE
+from ..checks.table import three_digits
 from ..column.block import Block
 from ..column.column import Column
 from ..common.files import whole_file
@@ -90,7 +91,7 @@ def _motions(check: Check) -> list[dict[str, str]]:
                 "vertical": f"{scaled.vertical_factor:.3g}" if vertical else "none",
                 "pga": f"{scaled.motion.pga / STANDARD_GRAVITY:.3g}",
                 "pgv": f"{pgv(scaled.motion):.3g}",
-                "top": "" if response.overturned else f"{1e3 * response.peak_ux[0]:.3g}",
+                "top": "" if response.overturned else three_digits(1e3 * response.peak_ux[0]),
                 "verdict": response.verdict,
             }
         )

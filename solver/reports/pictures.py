@@ -57,7 +57,7 @@ def column_picture(column: Column) -> Figure:
     for number, block in enumerate(column.blocks, start=1):
         foot -= block.height
         if (column.n - number) % every == 0:
-            axes.text(aside, foot, f"{number}", fontsize=10, va="center", color=INK)
+            axes.text(aside, foot, f"{number}", fontsize=10, va="center" if number < column.n else "bottom", color=INK)
     axes.annotate("", (-aside, 0.0), (-aside, height), arrowprops={"arrowstyle": "<->", "color": INK, "lw": 0.8})
     axes.text(-1.1 * aside, 0.5 * height, f"{height:.4g} m", rotation=90, ha="right", va="center", fontsize=11)
     axes.set_title("joints", loc="right", fontsize=10)

@@ -55,7 +55,11 @@ def test_rows_have_the_largest_of_runs_made_apart(found: Check) -> None:
     pressure = row(found, "pressure at the edge")
     assert pressure.demand == max(run.peaks["sigma_max"][0] for run in runs)
     assert pressure.capacity == 2e6
-    assert row(found, "friction asked for").passes is None
+    asked = row(found, "friction asked for")
+    assert asked.passes is None
+    # exceeded for as long as it says, within a row of 5 ms at each crossing; measured: 0.0452 s
+    exceeded = [run.time_exceeded(asked.demand)[0] for run in runs]
+    assert max(exceeded) == pytest.approx(0.05, abs=0.01)
     assert found.action.statistic == "largest of 3 motions"
 
 
