@@ -21,7 +21,7 @@ from ..runs.many import Callback, simulate_many
 from ..runs.table import Table
 from .scaling import ScaledMotion, applied
 
-STEP = 1.25  # factor between two steps
+STEP = 1.4  # factor between two steps
 MOST, LEAST = 4.0, 0.05  # factors looked at
 NARROW = 1.04  # ratio of the two bounds at which the bisection ends
 # of varied runs: peaks of eight drums under El Centro differ in the fourth digit from those at 1e-4, and the spread of

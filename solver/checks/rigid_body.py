@@ -12,14 +12,17 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..column.column import Column
 from ..common.errors import InputError
 from .spectra import Spectral
 
-ANGLES = 2000  # of which the rotation is looked for
+FloatArray = NDArray[np.float64]
+
+ANGLES = 400  # among which the rotation is looked for; and frequencies for sliding
 SLIDING_DAMPING = 0.10
-SLOWEST, FASTEST = 0.02, 100.0  # Hz: frequencies looked at for sliding
+SLOWEST, FASTEST = 0.05, 33.0  # Hz: frequencies looked at for sliding; at the fastest the ground itself
 
 
 @dataclass(frozen=True)
@@ -79,10 +82,12 @@ class RigidBody:
         angles = self.edge_angle * np.arange(1, ANGLES + 1) / ANGLES
         frequency = np.array([self.frequency(float(theta), g) for theta in angles])
         demand = action.psa(1.0 / frequency, min(self.damping, 0.999))
-        short = np.flatnonzero(demand > np.array([self.capacity(float(theta), g) for theta in angles]))
+        missing = demand - np.array([self.capacity(float(theta), g) for theta in angles])
+        short = np.flatnonzero(missing > 0.0)
         if not short.size:
             return float(angles[0])
-        return math.inf if short[-1] == len(angles) - 1 else float(angles[short[-1] + 1])
+        last = int(short[-1])
+        return math.inf if last == ANGLES - 1 else _crossing(angles, missing, last)
 
 
 def rigid_bodies(column: Column) -> list[RigidBody]:
@@ -114,5 +119,15 @@ def sliding_distance(friction: float, vertical: float, action: Spectral, g: floa
     if strength <= 0.0:
         return math.inf
     frequency = np.geomspace(SLOWEST, FASTEST, ANGLES)
-    reached = np.flatnonzero(action.psa(1.0 / frequency, SLIDING_DAMPING) >= strength)
-    return strength / (2.0 * math.pi * float(frequency[reached[0]])) ** 2 if reached.size else 0.0
+    missing = np.log(action.psa(1.0 / frequency, SLIDING_DAMPING) / strength)
+    reached = np.flatnonzero(missing >= 0.0)
+    if not reached.size:
+        return 0.0
+    first = int(reached[0])
+    found = math.exp(_crossing(np.log(frequency), missing, first - 1)) if first else SLOWEST
+    return strength / (2.0 * math.pi * found) ** 2
+
+
+def _crossing(x: FloatArray, y: FloatArray, k: int) -> float:
+    """Where y is zero between places k and k + 1, by a straight line."""
+    return float(x[k] - y[k] * (x[k + 1] - x[k]) / (y[k + 1] - y[k]))

@@ -83,7 +83,7 @@ def test_rotation_balances_demand_and_capacity() -> None:
     theta = body.rotation(action, G)
     assert 0.0 < theta < body.edge_angle
     demand = float(action.psa(1.0 / body.frequency(theta, G), body.damping))
-    assert body.capacity(theta, G) == pytest.approx(demand, rel=5e-3)  # steps of 1/2000 of the edge; measured: 1e-3
+    assert body.capacity(theta, G) == pytest.approx(demand, rel=1e-4)  # measured: 4e-6
     assert body.rotation(spectra.eurocode8(0.05 * G, "A"), G) == 0.0  # below b / h it does not rock
     assert body.rotation(spectra.eurocode8(5.0 * G, "C"), G) == math.inf
 
@@ -96,7 +96,7 @@ def test_sliding_distance_on_a_falling_branch() -> None:
     frequency = strength / (plateau * 0.5)
     expected = strength / (2.0 * math.pi * frequency) ** 2
     found = sliding_distance(0.3, 0.2 * G, action, G)
-    assert found == pytest.approx(expected, rel=1e-2)  # frequencies 0.4 % apart
+    assert found == pytest.approx(expected, rel=1e-9)  # a straight line in logarithms there
     assert sliding_distance(3.0, 0.0, spectra.eurocode8(0.2 * G, "A"), G) == 0.0
     assert sliding_distance(0.5, 3.0 * G, action, G) == math.inf
 

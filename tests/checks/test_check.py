@@ -25,7 +25,7 @@ from multiblock import (
     wavelets,
 )
 from solver.checks.check import Action, checked
-from solver.checks.margin import MOST, NARROW, TOLERANCE, margin_of, varied
+from solver.checks.margin import MOST, NARROW, STEP, TOLERANCE, margin_of, varied
 from solver.checks.scaling import ScaledMotion, applied
 from solver.checks.table import Row
 
@@ -88,7 +88,7 @@ def test_margin_of_a_stronger_motion_is_smaller(found: Check) -> None:
     weak = [[(column, motion.scaled(1e-3)) for column, motion in ensemble] for ensemble in ensembles]
     still = margin_of(weak, np.array([False] * 3))
     assert still.is_open
-    assert still.stands > MOST / 1.25
+    assert still.stands > MOST / STEP
 
 
 def test_sentences_say_what_was_found(found: Check) -> None:
