@@ -24,11 +24,11 @@ def test_kinematics_of_one_rigid_block() -> None:
     found = mechanism(column(1), 1.0)
     assert found.joint == 0
     assert found.mass_part == pytest.approx(1.0, rel=1e-12)
-    assert found.alpha0 == pytest.approx(0.5, rel=5e-3)  # measured: 1.6e-3 less
+    assert found.alpha0 == pytest.approx(0.5, rel=5e-3)  # measured: 3.9e-3 less
     edge = math.atan(0.5)
     angles = np.linspace(0.0, edge, 10_001)
     top = np.sin(angles) + 0.25 * (1.0 - np.cos(angles))  # of the middle of the top face, about the edge
-    assert found.d0 == pytest.approx(0.5 * top[-1], rel=2e-3)  # measured: 1e-5
+    assert found.d0 == pytest.approx(0.5 * top[-1], rel=2e-3)  # measured: 8e-5
     turned = float(np.interp(0.4 * top[-1], top, angles))
     expected = 1.68 * math.pi * math.sqrt(0.4 * 0.5 * top[-1] / (G * math.tan(edge - turned)))
     assert found.period() == pytest.approx(expected, rel=5e-3)
@@ -83,7 +83,7 @@ def test_rotation_balances_demand_and_capacity() -> None:
     theta = body.rotation(action, G)
     assert 0.0 < theta < body.edge_angle
     demand = float(action.psa(1.0 / body.frequency(theta, G), body.damping))
-    assert body.capacity(theta, G) == pytest.approx(demand, rel=1e-4)  # measured: 4e-6
+    assert body.capacity(theta, G) == pytest.approx(demand, rel=1e-4)  # measured: 6e-6
     assert body.rotation(spectra.eurocode8(0.05 * G, "A"), G) == 0.0  # below b / h it does not rock
     assert body.rotation(spectra.eurocode8(5.0 * G, "C"), G) == math.inf
 
