@@ -82,6 +82,14 @@ class Row:
             {True: "passes", False: "FAILS", None: "not compared"}[self.passes],
         )
 
+    @property
+    def brief(self) -> str:
+        """Demand and ratio for a table of variants; of a factor on the motion what the column bears."""
+        if self.unit is FACTOR:
+            return f"bears {self.shown(self.capacity)}"
+        *_, demand, _, ratio, outcome = self.texts
+        return demand if self.passes is None else f"{demand} ({ratio or outcome.lower()})"
+
     def shown(self, value: float) -> str:
         """A value of this row with its unit."""
         if math.isinf(value):

@@ -41,22 +41,16 @@ def check_lines(check: Check) -> list[str]:
 def variants_lines(checks: Sequence[Check]) -> list[str]:
     """Ratios of each check, a column for each variant; the first is the column itself."""
     width = max(22, *(len(check.column.name) for check in checks))
-    lines = ["variants under the same motions, demand over capacity:"]
+    lines = ["variants under the same motions, demand and its ratio to the capacity:"]
     lines.append(f"{'':26s}" + "".join(f"  {check.column.name:>{width}s}" for check in checks))
     names = list(dict.fromkeys(row.name for check in checks for row in check.rows))
     for name in names:
         cells = []
         for check in checks:
             row = next((row for row in check.rows if row.name == name), None)
-            cells.append("" if row is None else variant_cell(row))
+            cells.append("" if row is None else row.brief)
         lines.append(f"{name:26s}" + "".join(f"  {cell:>{width}s}" for cell in cells))
     return lines
-
-
-def variant_cell(row: Row) -> str:
-    """Demand, and ratio where something is compared."""
-    *_, demand, _, ratio, outcome = row.texts
-    return f"{demand} ({ratio or outcome})" if row.passes is not None else demand
 
 
 def _table(rows: Sequence[Row]) -> list[str]:
