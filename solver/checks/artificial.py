@@ -41,6 +41,14 @@ def artificial_motions(target: Spectral, count: int, seed: int = 0, length: floa
     return {f"artificial {seed + k}": fitted_motion(target, seed + k, length) for k in range(count)}
 
 
+def with_vertical(motions: dict[str, Motion], target: Spectral, seed: int) -> dict[str, Motion]:
+    """The motions with vertical components that follow a target of their own, and are independent of the horizontal."""
+    return {
+        name: motion.with_vertical(fitted_motion(target, (seed + k + 2**31) % 2**32, motion.duration))
+        for k, (name, motion) in enumerate(motions.items())
+    }
+
+
 def fitted_motion(target: Spectral, seed: int, length: float = LENGTH) -> Motion:
     """One motion whose spectrum follows the target, the best of the iterations."""
     count = round(length / DT)

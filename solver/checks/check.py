@@ -26,7 +26,7 @@ from ..runs.simulate import simulate
 from ..runs.table import Table
 from ..statics.modes import natural_frequencies
 from . import scaling
-from .artificial import artificial_motions
+from .artificial import artificial_motions, with_vertical
 from .by_hand import ByHand, by_hand
 from .kinematic import Mechanism, mechanism
 from .limits import Plan
@@ -198,6 +198,7 @@ def action_on(
     periods: Sequence[float] | None = None,
     least: float = LEAST_PART,
     artificial: int = ARTIFICIAL,
+    vertical: bool = False,
     seed: int = 0,
 ) -> Action:
     """The motions scaled as asked for: by at most one of target, pga and sa. Raises InputError as `check` does."""
@@ -217,6 +218,10 @@ def action_on(
             how = f"each to a mean of 1 over the target from {low:.3g} to {high:.3g} s, all so that their mean is no "
             return Action(tuple(scaled), f"{how}less than {least:g} of it", target, (low, high))
         made = artificial_motions(target, artificial, seed)
+        if vertical:
+            if target.vertical is None:
+                raise InputError(f"vertical: {target.name} has no vertical spectrum, must be left out")
+            made = with_vertical(made, target.vertical, seed)
         how = f"artificial motions made to follow the target, seeds from {seed}"
         return Action(tuple(ScaledMotion(*pair) for pair in made.items()), how, target, (low, high))
     if not given:
@@ -280,13 +285,15 @@ def check(
     periods: Sequence[float] | None = None,
     least: float = LEAST_PART,
     artificial: int = ARTIFICIAL,
+    vertical: bool = False,
     seed: int = 0,
     plan: Plan | None = None,
     callback: Callback | None = None,
 ) -> Check:
     """Check a column against an action: does it stand, by how much, and what else is asked of it.
 
-    motions: by name, or in a row, or paths of records; without any, `artificial` ones that follow the target.
+    motions: by name, or in a row, or paths of records; without any, `artificial` ones that follow the target, with
+    `vertical` its vertical spectrum too.
     target (checks/spectra.py), pga (m/s2, and vertical_pga of the vertical components), sa (m/s2, of 5 % damping at the
     first period): at most one, to which the motions are scaled; without any they are taken as given.
     periods: range in s in which spectra follow the target; None: from 0.2 of the first period to the period at 0.4 of
@@ -311,6 +318,7 @@ def check(
         periods=periods,
         least=least,
         artificial=artificial,
+        vertical=vertical,
         seed=seed,
     )
     return checked(column, action, plan, found, callback)

@@ -76,6 +76,7 @@ def _add_action(parser: argparse.ArgumentParser) -> None:
         metavar="N",
         help=f"motions made where no record is given (default: {ARTIFICIAL})",
     )
+    action.add_argument("--artificial-vertical", action="store_true", help="with vertical components, by the codes")
     action.add_argument("--seed", type=int, default=0, metavar="N", help="of the first of them (default: 0)")
 
 
@@ -137,6 +138,7 @@ def _check(options: argparse.Namespace) -> None:
             periods=options.periods,
             least=options.least,
             artificial=options.artificial,
+            vertical=options.artificial_vertical,
             seed=options.seed,
         )
     print(*action_lines(action), sep="\n", flush=True)

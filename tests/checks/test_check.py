@@ -22,6 +22,7 @@ from multiblock import (
     simulate,
     simulate_many,
     spectra,
+    spectrum,
     wavelets,
 )
 from solver.checks.check import Action, checked
@@ -175,6 +176,19 @@ def test_artificial_motions_where_none_are_given() -> None:
     assert made.action.periods is not None
     assert made.action.periods[0] == pytest.approx(0.2 * made.period)
     assert made.passes
+
+
+def test_artificial_motions_have_vertical_components_where_wanted() -> None:
+    target = spectra.eurocode8(0.05 * G, "A")
+    assert target.vertical is not None
+    plan = Plan(ensemble=1, margin=False)
+    motion = check(BLOCK, target=target, artificial=1, vertical=True, plan=plan).action.motions[0].motion
+    periods = np.geomspace(0.05, 2.0, 20)
+    ratio = spectrum(motion, periods, component="az").psa / target.vertical.psa(periods)
+    assert 0.8 < ratio.min() < ratio.max() < 1.2  # measured: 0.90 to 1.13
+    assert abs(np.corrcoef(motion.ax, motion.az)[0, 1]) < 0.1
+    with pytest.raises(InputError, match="vertical: flat has no vertical spectrum, must be left out"):
+        check(BLOCK, target=replace(target, name="flat", vertical=None), vertical=True, plan=plan)
 
 
 def test_table_is_written_with_each_motion(found: Check, tmp_path: Path) -> None:
