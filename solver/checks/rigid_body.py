@@ -22,7 +22,7 @@ FloatArray = NDArray[np.float64]
 
 ANGLES = 400  # among which the rotation is looked for; and frequencies for sliding
 SLIDING_DAMPING = 0.10
-SLOWEST, FASTEST = 0.05, 33.0  # Hz: frequencies looked at for sliding; at the fastest the ground itself
+SLOWEST, FASTEST = 0.05, 33.0  # Hz: frequencies looked at for sliding
 
 
 @dataclass(frozen=True)
@@ -77,7 +77,7 @@ class RigidBody:
 
         The least rotation from which on the capacity exceeds the demand, up to the edge.
         """
-        if float(action.psa(1.0 / FASTEST)) <= g * self.slenderness:
+        if float(action.psa(0.0)) <= g * self.slenderness:
             return 0.0
         angles = self.edge_angle * np.arange(1, ANGLES + 1) / ANGLES
         frequency = np.array([self.frequency(float(theta), g) for theta in angles])

@@ -39,9 +39,12 @@ class MotionSpectra:
     motions: tuple[Motion, ...]
 
     def psa(self, period: ArrayLike, damping: float = DAMPING) -> FloatArray:
-        """Pseudo-acceleration of the horizontal components, m/s2, at periods, s; of any shape."""
+        """Pseudo-acceleration of ax, m/s2, at periods, s, of any shape; that of the ground at 0."""
         period = np.asarray(period, dtype=np.float64)
-        each = np.array([spectrum(motion, np.atleast_1d(period).ravel(), damping).psa for motion in self.motions])
+        each = np.repeat([[motion.pga] for motion in self.motions], period.size, axis=1)
+        moving = period.ravel() > 0.0
+        for k, motion in enumerate(self.motions if moving.any() else ()):
+            each[k, moving] = spectrum(motion, period.ravel()[moving], damping).psa
         taken: FloatArray = statistic(each).reshape(period.shape)
         return taken
 

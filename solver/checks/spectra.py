@@ -75,7 +75,7 @@ class Spectral(Protocol):
     """What gives a pseudo-acceleration: a spectrum of a code, or of motions."""
 
     def psa(self, period: ArrayLike, damping: float = DAMPING) -> FloatArray:
-        """m/s2 at periods, s, and a damping of critical."""
+        """m/s2 at periods, s, and a damping of critical; at period 0 that of the ground."""
         ...
 
 

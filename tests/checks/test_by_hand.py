@@ -84,7 +84,9 @@ def test_rotation_balances_demand_and_capacity() -> None:
     assert 0.0 < theta < body.edge_angle
     demand = float(action.psa(1.0 / body.frequency(theta, G), body.damping))
     assert body.capacity(theta, G) == pytest.approx(demand, rel=1e-4)  # measured: 6e-6
-    assert body.rotation(spectra.eurocode8(0.05 * G, "A"), G) == 0.0  # below b / h it does not rock
+    # it begins to rock where the ground reaches b / h = 0.2 g
+    assert body.rotation(spectra.eurocode8(0.199 * G, "A"), G) == 0.0
+    assert body.rotation(spectra.eurocode8(0.201 * G, "A"), G) > 0.0
     assert body.rotation(spectra.eurocode8(5.0 * G, "C"), G) == math.inf
 
 

@@ -56,6 +56,7 @@ def test_the_largest_of_few_counts_and_the_mean_of_many() -> None:
     motions = tuple(NOISE.values())
     each = [spectrum(motion, [0.3, 0.6]).psa for motion in motions]
     np.testing.assert_array_equal(MotionSpectra(motions).psa([0.3, 0.6]), np.max(each, axis=0))
+    assert MotionSpectra(motions).psa(0.0) == max(motion.pga for motion in motions)
 
 
 def test_mistakes_are_refused() -> None:
