@@ -164,7 +164,7 @@ def _pressure(column: Column, values: FloatArray, limits: Limits) -> Row:
         i = int(np.flatnonzero(known)[np.argmax((demand / strength)[known])])
         note = f"strength over {limits.strength_factor:g}"
     else:
-        i, note = int(np.argmax(demand)), "not compared: no joint has a strength"
+        i, note = int(np.argmax(demand)), "no joint has a strength"
     return _of_joint("pressure at the edge", i, demand, float(strength[i]), MPA, note, values)
 
 
@@ -193,7 +193,7 @@ def _sliding(
         given = math.nan if limits.friction is None else limits.friction
         note = f"|T| / N that is exceeded for {LASTING:g} s in all; this joint cannot slide in the model"
         if limits.friction is None:
-            note = f"not compared: the joint has no friction. {note}"
+            note = f"no friction is given; {note}"
         rows.append(_of_joint("friction asked for", i, demand, given, PLAIN, note, values))
     return rows
 
@@ -215,7 +215,7 @@ def _opening(values: FloatArray, limits: Limits, fell: NDArray[np.bool_]) -> Row
     i = int(np.argmax(demand))
     capacity, note = limits.opening, "part of the width"
     if capacity is None:
-        capacity, note = math.nan, "not limited: a rocking joint opens; part of the width"
+        capacity, note = math.nan, "a rocking joint opens, no limit is given; part of the width"
     return _of_joint("opening", i, demand, capacity, PERCENT, note, values)
 
 
