@@ -19,7 +19,7 @@ from ..common.errors import InputError, shown
 from ..common.files import whole_file
 from ..dynamics.first_run import make_kernels
 from ..dynamics.response import Response
-from ..dynamics.uncertainty import share_bounds
+from ..dynamics.uncertainty import PERCENTILES, share_bounds
 from ..ground.motion import STANDARD_GRAVITY, Motion
 from ..runs.many import Callback
 from ..runs.simulate import simulate
@@ -38,6 +38,8 @@ from .table import Row, rows_of
 ARTIFICIAL = 7  # motions made where no record is given: as many as have their mean count
 SHORTEST_PART, LONGEST_PART = 0.2, 2.0  # of the first period: EN 1998-1, 3.2.3.1.2(4)
 LONGEST_PERIOD = 4.0  # s, at which the spectra of codes end
+
+BANDS = tuple(f"p{percent}" for percent in PERCENTILES)
 
 Motions = Mapping[str, Motion] | Iterable[Motion | str | os.PathLike[str]]
 
@@ -176,10 +178,10 @@ class Check:
         names = [scaled.name for scaled in self.action.motions]
         with whole_file(path) as partial, open(partial, "w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file)
-            writer.writerow(["check", "where", "demand", "capacity", "ratio", "passes", "note", *names])
+            writer.writerow(["check", "where", "demand", "capacity", "ratio", "passes", "note", *BANDS, *names])
             for row in (*self.rows, *self.by_hand.rows):
                 head = [row.name, row.where, row.demand, row.capacity, row.ratio, row.passes, row.note]
-                writer.writerow([*head, *row.values])
+                writer.writerow([*head, *(row.band or ("",) * len(BANDS)), *row.values])
 
 
 def _percent(share: float) -> str:

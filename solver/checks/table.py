@@ -83,6 +83,15 @@ class Row:
         )
 
     @property
+    def remark(self) -> str:
+        """The note, and the percentiles."""
+        if not self.band:
+            return self.note
+        percent = ", ".join(map(str, PERCENTILES))
+        values = ", ".join(three_digits(self.unit.factor * value) for value in self.band)
+        return f"{self.note}; {percent} % points {values} {self.unit.name}".rstrip()
+
+    @property
     def brief(self) -> str:
         """Demand and ratio for a table of variants; of a factor on the motion what the column bears."""
         if self.unit is FACTOR:

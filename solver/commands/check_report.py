@@ -61,4 +61,4 @@ def _table(rows: Sequence[Row]) -> list[str]:
         "  ".join(f"{text:{'>' if 2 <= j <= 4 else '<'}{widths[j]}s}" for j, text in enumerate(line)).rstrip()
         for line in cells
     ]
-    return [*lines, *(f"  {row.name}: {row.note}" for row in rows if row.note)]
+    return [*lines, *(f"  {row.name}: {row.remark}" for row in rows)]

@@ -52,7 +52,10 @@ def test_rows_have_the_largest_of_runs_made_apart(found: Check) -> None:
     top = row(found, "displacement of the top")
     assert top.values == tuple(run.peak_ux[0] for run in runs)
     assert top.demand == max(top.values)
-    assert top.capacity == pytest.approx(0.4 * 0.5, rel=0.06)  # edge: about its width, measured 0.511 m
+    stands = found.runs["peak_ux"][found.runs["verdict"] == "standing", 0]
+    assert top.band == tuple(np.percentile(stands, [16, 50, 84]))
+    assert f"16, 50, 84 % points {1e3 * top.band[0]:.3g}, " in top.remark
+    assert top.capacity == pytest.approx(0.4 * 0.5, rel=0.06)  # on its edge: about its width, measured 0.486 m
     pressure = row(found, "pressure at the edge")
     assert pressure.demand == max(run.peaks["sigma_max"][0] for run in runs)
     assert pressure.capacity == 2e6
@@ -194,7 +197,7 @@ def test_artificial_motions_have_vertical_components_where_wanted() -> None:
 def test_table_is_written_with_each_motion(found: Check, tmp_path: Path) -> None:
     found.to_csv(tmp_path / "table.csv")
     lines = (tmp_path / "table.csv").read_text(encoding="utf-8").splitlines()
-    assert lines[0] == "check,where,demand,capacity,ratio,passes,note,0.8 Hz,1.2 Hz,2.0 Hz"
+    assert lines[0] == "check,where,demand,capacity,ratio,passes,note,p16,p50,p84,0.8 Hz,1.2 Hz,2.0 Hz"
     assert len(lines) == 1 + len(found.rows) + len(found.by_hand.rows)
 
 
