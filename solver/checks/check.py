@@ -262,7 +262,7 @@ def checked(
     check_rest(column, from_rest=True)
     found = mechanism(column, plan.confidence_factor) if found is None else found
     own = 1.0 / float(natural_frequencies(column)[0])
-    responses = tuple(simulate(column, scaled.motion) for scaled in action.motions)
+    responses = tuple(_worse_way(column, scaled.motion) for scaled in action.motions)
     ensembles = [
         varied(column, scaled, plan.ensemble, plan.spread, place) for place, scaled in enumerate(action.motions)
     ]
@@ -274,6 +274,13 @@ def checked(
     rows = rows_of(column, responses, runs, plan.limits, margin, edge, [scaled.name for scaled in action.motions])
     hand = by_hand(column, found, action.spectrum, action.target is not None, own, action.motions, plan.limits)
     return Check(column, action, plan, rows, hand, margin, responses, runs, own)
+
+
+def _worse_way(column: Column, motion: Motion) -> Response:
+    """The run of a column; of one that is not symmetric the worse of the motion and its mirror image."""
+    ways = (motion, motion.mirrored()) if column.off_axis else (motion,)
+    runs = [simulate(column, way) for way in ways]
+    return max(runs, key=lambda run: (run.verdict != "standing", run.peak_ux[0]))
 
 
 def check(

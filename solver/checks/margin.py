@@ -88,9 +88,15 @@ def margin_of(
 
 
 def varied(column: Column, scaled: ScaledMotion, runs: int, spread: Spread, place: int) -> list[Pair]:
-    """`runs` columns and motions around the given ones; the same for the same seed and place."""
+    """`runs` columns and motions around the given ones; the same for the same seed and place.
+
+    The sign of a record is by chance: if the column is not symmetric, every second motion is mirrored.
+    """
     rng = np.random.default_rng([spread.seed, place])
-    return [vary(column, scaled.motion, spread, rng) for _ in range(runs)]
+    made = [vary(column, scaled.motion, spread, rng) for _ in range(runs)]
+    if column.off_axis:
+        made[1::2] = [(held, motion.mirrored()) for held, motion in made[1::2]]
+    return made
 
 
 def run_all(pairs: Sequence[Pair], keep: Sequence[str], callback: Callback | None) -> Table:
