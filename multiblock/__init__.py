@@ -23,6 +23,10 @@ from solver import (
     simulate_many,
     studies,
 )
+from solver.checks import spectra
+from solver.checks.artificial import artificial_motions
+from solver.checks.check import Check, check
+from solver.checks.limits import Limits, Plan
 from solver.commands.progress import RunsLine
 from solver.dynamics.uncertainty import Ensemble, ErrorEstimate
 from solver.ground import wavelets
@@ -40,6 +44,7 @@ __version__ = _solver.__version__
 __all__ = [
     "Block",
     "CapacityCurve",
+    "Check",
     "Cluster",
     "Column",
     "Ensemble",
@@ -50,8 +55,10 @@ __all__ = [
     "InputWarning",
     "Intensity",
     "Joint",
+    "Limits",
     "Modes",
     "Motion",
+    "Plan",
     "Response",
     "Rest",
     "Results",
@@ -63,8 +70,10 @@ __all__ = [
     "Study",
     "Table",
     "__version__",
+    "artificial_motions",
     "calibrate",
     "capacity_curve",
+    "check",
     "housner_restitution",
     "intensity",
     "natural_frequencies",
@@ -76,6 +85,7 @@ __all__ = [
     "run_study",
     "simulate",
     "simulate_many",
+    "spectra",
     "spectrum",
     "studies",
     "uplift_accelerations",

@@ -43,6 +43,7 @@ class Joint:
     dowel: float | None = None  # N, shear that the joint bears beside friction, and goes on bearing as it slides
     offset: float | None = None  # m, of the block over what is under it as built, along the joint to +x
     inclination: float | None = None  # rad, of the joint against the base as built, clockwise
+    strength: float | None = None  # Pa, pressure that the faces bear; compared with by checks, the motion ignores it
 
     def __post_init__(self) -> None:
         if isinstance(self.strips, list):  # as TOML and JSON have it
@@ -291,7 +292,7 @@ def _resolved(block: Block, rule: Rule) -> object:
 
 
 def check_friction(key: str, joint: Joint) -> None:
-    for name in ("friction", "dowel"):
+    for name in ("friction", "dowel", "strength"):
         if getattr(joint, name) is not None:
             check(f"{key}.{name}", getattr(joint, name))
     if joint.dowel is not None and joint.friction is None:

@@ -26,6 +26,7 @@ from ..runs.simulate import simulate
 from ..runs.single_run import OUTPUT_STEP, SETTLE
 from . import column_report
 from .calibrate import add_calibrate_command
+from .check import add_check_command
 from .command_files import PICTURES, add_force, check_picture, check_suffix, read_column, write_outputs
 from .motion_options import (
     FORMATS,
@@ -36,6 +37,7 @@ from .motion_options import (
     motion_of,
     read_with_options,
 )
+from .new import add_new_command
 from .progress import ProgressLine, compile_kernels
 from .record_report import report
 from .static import add_static_commands
@@ -110,6 +112,9 @@ def _parsed(parser: argparse.ArgumentParser, arguments: Sequence[str] | None) ->
     names = getattr(options, "paths", ())
     values = [getattr(options, name) for name in names if getattr(options, name) is not None]
     late = [Path(text) for text in rest if not text.startswith("-")]
+    if hasattr(options, "many") and len(late) == len(rest):  # the name of an option that is a list of paths
+        setattr(options, options.many, [*getattr(options, options.many), *late])
+        return options
     if len(late) < len(rest) or (len(values) + len(late) > len(names) and late):
         parser.error(f"unrecognized arguments: {' '.join(rest)}")
     if late:
@@ -119,7 +124,7 @@ def _parsed(parser: argparse.ArgumentParser, arguments: Sequence[str] | None) ->
 
 
 def add_commands(commands: argparse._SubParsersAction[OneLineParser]) -> None:
-    """Add `simulate`, `record`, `convert`, `modes`, `statics`, `calibrate` and `study`."""
+    """Add `simulate`, `check`, `new`, `record`, `convert`, `modes`, `statics`, `calibrate` and `study`."""
     run = commands.add_parser("simulate", help="response of a column to a base motion")
     run.set_defaults(command=_simulate, paths=("motion",))
     run.add_argument("column", type=Path, metavar="COLUMN.toml", help="blocks, joints and solver settings")
@@ -173,6 +178,8 @@ def add_commands(commands: argparse._SubParsersAction[OneLineParser]) -> None:
         "output", type=Path, metavar="MOTION.csv", help="time, base.ax, base.az, slopes base.jx, base.jz"
     )
     add_force(convert)
+    add_check_command(commands)
+    add_new_command(commands)
     add_static_commands(commands)
     add_calibrate_command(commands)
     add_study(commands)

@@ -92,6 +92,7 @@ def take_away(monkeypatch: pytest.MonkeyPatch, package: str) -> None:
         ("matplotlib", "plot", "simulate {column} {motion} --plot x.png"),
         ("pythonfmu", "fmu", "build-fmu {column} -o x.fmu"),
         ("matplotlib", "native", "build-fmu {column} --native -o x.fmu"),
+        ("jinja2", "report", "check {column} {motion} --report x.html"),
     ],
 )
 def test_what_is_missing_is_named_with_its_extra(
@@ -105,7 +106,9 @@ def test_what_is_missing_is_named_with_its_extra(
     take_away(monkeypatch, absent)
     for name in ("documentation", "native"):  # to be imported again
         monkeypatch.delattr(fmu_src, name, raising=False)
-    for name in [name for name in sys.modules if name.startswith(("fmu_src.native", "fmu_src.documentation"))]:
+    for name in [
+        name for name in sys.modules if name.startswith(("fmu_src.native", "fmu_src.documentation", "solver.reports"))
+    ]:
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.chdir(tmp_path)
     MOTION.to_csv("motion.csv", step=0.01)
