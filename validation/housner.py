@@ -6,6 +6,7 @@ import math
 from pathlib import Path
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from multiblock import Block, Column, Joint, Motion, Response, calibrate, housner_restitution, simulate
 from solver.statics.rocking import pulled_aside
@@ -94,7 +95,7 @@ def compute(data: Path | None) -> Outcome:
     return Outcome(lines, numbers, draw(periods, decays))
 
 
-def draw(periods: dict[str, list[float]], decays: dict[str, list[list[float]]]) -> object:
+def draw(periods: dict[str, list[float]], decays: dict[str, list[list[float]]]) -> Figure:
     """Quarter periods over the modulus; peaks over the number of impacts."""
     figure, axes = panels(2)
     left, right = axes[0]

@@ -7,12 +7,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from multiblock import Block, Column, Joint, calibrate, simulate_many, wavelets
 
 from .case import Case, Outcome
 from .pictures import BLUE, GREY, INK, RED, label, panels
-from .rigid_block import FloatArray, overturning
+from .rigid_block import Flags, FloatArray, overturning
 
 HEIGHT, WIDTH, DEPTH, MASS = 1.0, 0.25, 0.754, 503.0  # m, kg: alpha 0.245
 G = 9.80665  # m/s2
@@ -33,19 +34,19 @@ def block(stiffness: float, restitution: float) -> Column:
     return calibrate.with_joints(column, damping=calibrate.damping_from_restitution(column, restitution))
 
 
-def falls(column: Column, amplitude: FloatArray, speed: FloatArray) -> FloatArray:
+def falls(column: Column, amplitude: FloatArray, speed: FloatArray) -> Flags:
     """Whether the pulses overturn the block; amplitude over g tan(alpha), speed over p."""
     motions = (wavelets.one_sine(UNIT * a, w * P / (2.0 * math.pi)) for a, w in zip(amplitude, speed, strict=True))
     table = simulate_many(column, motions, tolerance=TOLERANCE, keep=("verdict",), settle=SETTLE)
-    return np.asarray(table["verdict"] == "overturned")
+    return np.asarray(table["verdict"] == "overturned", dtype=bool)
 
 
-def rigid(amplitude: FloatArray, speed: FloatArray, restitution: float) -> FloatArray:
+def rigid(amplitude: FloatArray, speed: FloatArray, restitution: float) -> Flags:
     """The same of Housner's block."""
     return overturning(amplitude * WIDTH / HEIGHT / ALPHA, speed, ALPHA, restitution) >= 0
 
 
-def edges(fallen: FloatArray, amplitudes: FloatArray) -> list[float]:
+def edges(fallen: Flags, amplitudes: FloatArray) -> list[float]:
     """Amplitudes at which the verdict changes: half way between neighbours."""
     changes = np.flatnonzero(np.diff(fallen.astype(int)))
     return [float(0.5 * (amplitudes[k] + amplitudes[k + 1])) for k in changes]
@@ -73,13 +74,13 @@ def compute(data: Path | None) -> Outcome:
         f"{len(here)} pulses, k = {MAP_STIFFNESS:g} N/m3: {100 * agreement:.1f} % have the verdict of the rigid block",
         f"amplitudes over g tan(alpha) at which the verdict changes, restitution {RESTITUTION}:",
     ]
-    for w, row in rows.items():
-        lines += [f"  omega/p {w}, {name:>6s}: " + ", ".join(f"{x:.3f}" for x in row[name]) for name in row]
+    for line, row in rows.items():
+        lines += [f"  omega/p {line}, {name:>6s}: " + ", ".join(f"{x:.3f}" for x in row[name]) for name in row]
     figure = draw(speed, amplitude, here, truth, rows)
     return Outcome(lines, {"agreement": agreement, "pulses": len(here), "edges": rows}, figure)
 
 
-def draw(speed: FloatArray, amplitude: FloatArray, here: FloatArray, truth: FloatArray, rows: dict[str, Any]) -> Any:
+def draw(speed: FloatArray, amplitude: FloatArray, here: Flags, truth: Flags, rows: dict[str, Any]) -> Figure:
     """The map, and the edges over the modulus."""
     figure, axes = panels(2)
     left, right = axes[0]

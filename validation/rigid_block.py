@@ -9,6 +9,7 @@ from numba import njit, vectorize
 from numpy.typing import NDArray
 
 FloatArray = NDArray[np.float64]
+Flags = NDArray[np.bool_]
 STEPS = 200  # to a pulse or 1 / p, the shorter: RK4 then errs by less than 1e-8 of alpha
 AFTER = 12.0  # times 1 / p after the pulse, within which a block falls or has turned back
 RESTS = 1e-4  # alpha p: a block that leaves an impact more slowly stays where it is
@@ -29,7 +30,7 @@ def overturning(
 
 
 @njit
-def _acceleration(theta: float, side: float, time: float, pulse: tuple[float, float], alpha: float, slender: bool):  # type: ignore[no-untyped-def]
+def _acceleration(theta, side, time, pulse, alpha, slender):
     amplitude, speed = pulse
     push = amplitude * math.sin(speed * time) if time * speed < 2.0 * math.pi else 0.0
     if slender:
@@ -39,7 +40,7 @@ def _acceleration(theta: float, side: float, time: float, pulse: tuple[float, fl
 
 
 @njit
-def _step(theta, rate, side, time, h, pulse, alpha, slender):  # type: ignore[no-untyped-def]
+def _step(theta, rate, side, time, h, pulse, alpha, slender):
     """A step of the classical Runge-Kutta method."""
     half = 0.5 * h
     a1 = _acceleration(theta, side, time, pulse, alpha, slender)
@@ -49,8 +50,8 @@ def _step(theta, rate, side, time, h, pulse, alpha, slender):  # type: ignore[no
     return theta + h * (rate + h * (a1 + a2 + a3) / 6.0), rate + h * (a1 + 2.0 * (a2 + a3) + a4) / 6.0
 
 
-@vectorize(["int64(float64, float64, float64, float64, boolean)"])  # type: ignore[untyped-decorator]
-def _overturning(amplitude, speed, alpha, restitution, slender):  # type: ignore[no-untyped-def]
+@vectorize(["int64(float64, float64, float64, float64, boolean)"])
+def _overturning(amplitude, speed, alpha, restitution, slender):
     lift = 1.0 if slender else math.tan(alpha) / alpha
     if amplitude <= lift:
         return -1
