@@ -1,6 +1,6 @@
 """The cases, in the order in which they run."""
 
-from . import closed_forms, codes, free_rocking, housner, overturning, shaken_rocks
+from . import closed_forms, codes, drums, free_rocking, housner, overturning, shaken_rocks, size
 from .case import Case
 
 CASES: tuple[Case, ...] = (
@@ -10,4 +10,6 @@ CASES: tuple[Case, ...] = (
     shaken_rocks.CASE,
     free_rocking.CASE,
     codes.CASE,
+    size.CASE,
+    drums.CASE,
 )

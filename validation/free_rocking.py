@@ -14,7 +14,7 @@ from solver.statics.rocking import pulled_aside, restitution_from
 
 from .case import Case, Outcome
 from .housner import IMPACTS, decay, let_go, peaks_of, quarter_period
-from .pictures import BLUE, GREEN, GREY, INK, RED, label, panels
+from .pictures import BLUE, INK, RED, label, panels
 from .rigid_block import FloatArray
 
 G = 9.80665  # m/s2
@@ -128,16 +128,19 @@ def draw(least: dict[str, FloatArray], rigid: FloatArray, rows: dict[str, Any]) 
     """The least restitution over slenderness, with what was measured; deviations of the best joint of each block."""
     figure, axes = panels(2)
     left, right = axes[0]
-    left.plot(ALPHAS, rigid, color=INK, linewidth=1.5, label="Housner")
+    left.axhline(1.0, color=INK, linewidth=1.0)
     for (face, found), marker in zip(least.items(), ("o-", "s--"), strict=True):
-        for row, k, colour in zip(found, STIFFNESSES, (GREY, BLUE, GREEN, RED), strict=True):
-            if k in (STIFFNESSES[1], STIFFNESSES[-1]):
-                left.plot(ALPHAS, row, marker, color=colour, markersize=3, linewidth=0.9, label=f"{face}, k = {k:.0e}")
-    for name, (width, height, wanted, _) in MEASURED.items():
-        left.plot(math.atan(width / height), wanted, "*", color=INK, markersize=7, label=None)
-        left.annotate(name, (math.atan(width / height), wanted), fontsize=6, xytext=(4, -7), textcoords="offset points")
-    left.legend(fontsize=7, loc="lower left")
-    label(left, "alpha, rad", "restitution", "least of any damping; stars: measured")
+        for k, colour in ((1, BLUE), (3, RED)):
+            name = f"{face}, k = {STIFFNESSES[k]:.0e} N/m3"
+            left.plot(ALPHAS, found[k] / rigid, marker, color=colour, markersize=3, linewidth=0.9, label=name)
+    for (name, (width, height, wanted, _)), above in zip(MEASURED.items(), (6, 6, -9, -9, -9, 6), strict=True):
+        alpha = math.atan(width / height)
+        place = (alpha, wanted / housner(alpha))
+        left.plot(*place, "*", color=INK, markersize=7)
+        left.annotate(name, place, fontsize=6, xytext=(3, above), textcoords="offset points")
+    left.set_ylim(0.6, 1.2)
+    left.legend(fontsize=7, loc="upper left")
+    label(left, "alpha, rad", "restitution over Housner's", "least of any damping; stars: measured")
     names = list(rows)
     for face, colour, shift in (("full face", BLUE, -0.18), ("edges alone", RED, 0.18)):
         best = [min((deviation(row) for row in rows[name] if row["face"] == face), default=math.inf) for name in names]
@@ -158,7 +161,7 @@ CASE = Case(
     title="measured restitutions: which joints have them, with the right peaks and times",
     source="Peña and others (2007), as quoted; ElGawady, Ma, Butterworth and Ingham; size of the latter's assumed, 1 m",
     model="one block; its face bears everywhere, or at its two edges alone",
-    fitted="the damping, to the measured restitution of the first impact; the modulus and the kind of face are tried",
+    fitted="the damping, to the measured restitution of the first impact; modulus and kind of face are tried",
     predicted="peaks and times of four impacts; which restitutions no damping reaches",
     compute=compute,
 )

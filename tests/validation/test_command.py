@@ -14,12 +14,22 @@ from support.fmus import ROOT
 sys.path.insert(0, str(ROOT))  # the cases are not installed
 
 from solver import InputError
-from validation import command_line, rocks, shaken_rocks
+from validation import codes, command_line, drums, rocks, shaken_rocks, size
 from validation.cases import CASES
 from validation.shaken_rocks import Model
 
 STILL = np.zeros(200)
 G = 9.80665
+COLUMN = """
+name = "two"
+[[block]]
+repeat = 2
+height = 1.0
+width = 0.4
+depth = 0.4
+density = 2500.0
+joint = { stiffness = 1e9, damping = 3e-3 }
+"""
 
 
 def write_test(folder: Path, number: int, ax: np.ndarray) -> None:
@@ -109,3 +119,56 @@ def test_what_is_not_finite_is_null_in_json() -> None:
         "a": [None, 1.0],
         "b": [True],
     }
+
+
+def test_measured_columns_are_placed_in_an_ensemble(tmp_path: Path) -> None:
+    folder = tmp_path / drums.FOLDER
+    folder.mkdir()
+    (folder / "column.toml").write_text(COLUMN)
+    time = 0.01 * np.arange(101)
+    rows = np.column_stack([time, 3.0 * np.sin(2.0 * np.pi * time)])
+    np.savetxt(folder / "pulse.csv", rows, delimiter=",", header="time,base.ax", comments="")
+    (folder / "tests.csv").write_text(
+        "column,motion,scale,fell,peak,residual\ncolumn.toml,pulse.csv,0.2,0,100.0,\ncolumn.toml,pulse.csv,9,1,,\n"
+    )
+    small, large = drums.compute(tmp_path).numbers.values()
+    assert small["share"] == 0.0
+    assert small["peak"] == 1.0  # all of the ensemble move by less than 100 m
+    assert np.isnan(small["residual"])  # not measured
+    assert large["share"] == 1.0
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("column,motion\n", "line 1: must be column,motion,scale,fell,peak,residual"),
+        ("column,motion,scale,fell,peak,residual\na,b,1,yes,,\n", "line 2: fell = 'yes': must be 1, or 0 if it stood"),
+        ("column,motion,scale,fell,peak,residual\na,b,x,1,,\n", "line 2: scale = 'x': must be a number"),
+    ],
+)
+def test_a_wrong_table_of_tests_is_answered_in_one_line(tmp_path: Path, text: str, said: str) -> None:
+    (tmp_path / "tests.csv").write_text(text)
+    with pytest.raises(InputError) as wrong:
+        drums.read(tmp_path)
+    assert str(tmp_path / "tests.csv") in str(wrong.value)
+    assert said in str(wrong.value)
+
+
+def test_blocks_of_one_shape_are_compared_far_from_overturning() -> None:
+    heights = np.array(size.HEIGHTS)
+    peak = np.outer(np.ones(len(heights)), [0.01, 0.02])  # m: the same for all sizes
+    fallen = np.zeros(peak.shape, dtype=bool)
+    fallen[0, 0] = True
+    rows = size.compared(peak, fallen, heights)
+    assert [row["far"] for row in rows] == [1, 2, 2, 2, 2, 2]  # of 1 m: one fell, the other is just within 0.3
+    assert all(row["ratio"][1] == pytest.approx(1.0) for row in rows)
+
+
+def test_seven_drums_are_those_of_the_example() -> None:
+    column = codes.column(4e9, 0.0)
+    assert sum(block.height for block in column.blocks) == pytest.approx(5.95)
+    assert (column.blocks[-1].width, column.blocks[0].top_width) == pytest.approx((1.11, 0.90))
+    assert sum(block.mass for block in column.blocks) == pytest.approx(2620.0 * 5.95 * 0.5 * (1.11 + 0.90))
+    motion = codes.motion()
+    for t in (0.4, 1.2, 2.0):  # s
+        assert motion.acceleration(t)[0] == pytest.approx(codes.acceleration(t))
