@@ -1,6 +1,6 @@
 """The cases, in the order in which they run."""
 
-from . import closed_forms, codes, drums, free_rocking, housner, overturning, shaken_rocks, size
+from . import closed_forms, codes, drums, free_rocking, housner, overturning, reference_study, shaken_rocks, size
 from .case import Case
 
 CASES: tuple[Case, ...] = (
@@ -11,5 +11,6 @@ CASES: tuple[Case, ...] = (
     free_rocking.CASE,
     codes.CASE,
     size.CASE,
+    reference_study.CASE,
     drums.CASE,
 )

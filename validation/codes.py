@@ -71,7 +71,7 @@ def by_opensees(stiffness: float, damping: float) -> History:
     ops.pattern("UniformExcitation", 3, 1, "-accel", 3)
     ux, _ = opensees.follow(ops, top, ("HHT", 0.9), "Newton", STEP, LENGTH)
     ops.wipe()
-    return STEP * np.arange(len(ux)), ux
+    return STEP * np.arange(len(ux), dtype=np.float64), ux
 
 
 def by_mujoco(time_constant: float) -> History:
@@ -106,7 +106,7 @@ def by_mujoco(time_constant: float) -> History:
         mujoco.mj_step(model, state)
         x, _, angle = state.qpos[3 * last : 3 * last + 3]
         rows.append(x + half * math.sin(angle))
-    return STEP * np.arange(1, len(rows) + 1), np.array(rows)
+    return STEP * np.arange(1, len(rows) + 1, dtype=np.float64), np.array(rows)
 
 
 def compute(data: Path | None) -> Outcome:

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.ticker import NullFormatter
 
 from multiblock import Block, Column, Joint, Motion, simulate_many
 
@@ -182,9 +183,10 @@ def draw(tests: Tests, best: dict[str, Judged]) -> Figure:
     left.legend(fontsize=8)
     right.legend(fontsize=8, loc="lower right")
     label(left, "share of the ensemble that falls", "share of the tests that fell", "calibration, bounds of 95 %")
-    label(right, "PGV, m/s", "share that falls", "observed (points), predicted (lines), PGV curve (dotted)")
+    label(right, "PGV, m/s", "share that falls", "points: observed; lines: predicted; dotted: PGV curve")
     right.set_xscale("log")
     right.set_xticks([0.05, 0.1, 0.2, 0.4], ["0.05", "0.1", "0.2", "0.4"])
+    right.xaxis.set_minor_formatter(NullFormatter())
     return figure
 
 
