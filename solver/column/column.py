@@ -6,7 +6,7 @@ import os
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from functools import cached_property
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from ..common import ranges
 from ..common.errors import InputError, reading, shown
@@ -16,6 +16,9 @@ from .block import Block, Joint, check_block, check_friction
 from .column_file import parts_from, plain
 from .contact import Contact, check_contacts, contacts_of
 from .settings import Settings, check_settings
+
+if TYPE_CHECKING:
+    from ..space.structure import Structure
 
 
 @dataclass(frozen=True)
@@ -146,6 +149,12 @@ class Column:
         Code outside kernels/joint/law.py that assumes the linear law checks this first.
         """
         return next((block.joint.other_law for block in self.blocks if block.joint.other_law), "")
+
+    def in_space(self) -> Structure:
+        """The same blocks and joints as a structure in space (`Structure.stack`). Raises InputError."""
+        from ..space.structure import Structure
+
+        return Structure.stack(self)
 
     @classmethod
     def from_toml(cls, path: str | os.PathLike[str]) -> Column:

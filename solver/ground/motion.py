@@ -41,7 +41,7 @@ class Motion:
     hold: bool = False
     amplitude: float = 0.0  # m/s2, of the harmonic part of ax
     frequency: float = 0.0  # Hz, of the harmonic part; positive where an amplitude is not 0
-    ay: NDArray[np.float64] = field(default_factory=lambda: _NONE)  # (m,) m/s2, horizontal across the plane of a column: of structures; none: zeros
+    ay: NDArray[np.float64] = field(default_factory=lambda: _NONE)  # (m,) m/s2, across x, for structures; none: zeros
     amplitude_y: float = 0.0  # m/s2, of the harmonic part of ay
 
     def __post_init__(self) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Any, overload
 
 import numpy as np
 
@@ -15,7 +16,12 @@ from ..dynamics.first_run import make_kernels
 from ..dynamics.kinematics import chain_of
 from ..dynamics.response import Response
 from ..dynamics.uncertainty import Spread
-from ..ground.motion import Motion
+from ..ground.motion import Motion, check_in_plane
+from ..space.ensemble import ensemble_in_space
+from ..space.response import SpatialResponse
+from ..space.run import Callback as SpatialCallback
+from ..space.run import SpatialState, simulate_structure
+from ..space.structure import Structure
 from .ensemble import ensemble_of
 from .single_run import SETTLE, Callback, single_run
 from .trust import finer, judge
@@ -25,8 +31,14 @@ MOST_ROWS = 10**8
 MOST_RUNS = 10**5
 
 
+@overload
+def simulate(column: Column, motion: Motion, duration: float | None = None, *args: Any, **options: Any) -> Response: ...
+@overload
 def simulate(
-    column: Column,
+    column: Structure, motion: Motion, duration: float | None = None, *args: Any, **options: Any
+) -> SpatialResponse: ...
+def simulate(
+    column: Column | Structure,
     motion: Motion,
     duration: float | None = None,
     formulation: str | None = None,
@@ -35,14 +47,16 @@ def simulate(
     tolerance: float | None = None,
     without: Sequence[str] | None = None,
     output_step: float | None = None,
-    initial: InitialState | None = None,
+    initial: InitialState | SpatialState | None = None,
     settle: float = SETTLE,
     check: bool = False,
     ensemble: int = 0,
     spread: Spread | None = None,
-    callback: Callback | None = None,
-) -> Response:
-    """Response of a column to a base motion, from the start of the motion.
+    callback: Callback | SpatialCallback | None = None,
+) -> Response | SpatialResponse:
+    """Response of a column, or of a structure in space, to a base motion, from the start of the motion.
+
+    A structure has neither formulation nor integrator nor step; its `initial` is a SpatialState.
 
     duration: s; None: that of the motion. Beyond the motion the base does not accelerate.
     formulation, integrator, step (s), tolerance (relative to the peak), without (names of column.SKIPS: short cuts that
@@ -62,9 +76,17 @@ def simulate(
     Warns (InputWarning) of values that are probably not intended (rest.py, `warnings_of`). Raises InputError for a
     wrong value or a rest that is not stable if the run starts from it, SolverError if the solver cannot go on.
     """
-    column = column.with_settings(
-        formulation=formulation, integrator=integrator, step=step, tolerance=tolerance, without=without
-    )
+    if isinstance(column, Structure):
+        given = {"formulation": formulation, "integrator": integrator, "step": step}
+        for name, value in given.items():
+            if value is not None:
+                raise InputError(f"{name} = {value}: must be left out, structures in space have none")
+        column = column.with_settings(tolerance=tolerance, without=without)
+    else:
+        check_in_plane(motion)
+        column = column.with_settings(
+            formulation=formulation, integrator=integrator, step=step, tolerance=tolerance, without=without
+        )
     duration = motion.duration if duration is None else _positive("duration", duration)
     output_step = OUTPUT_STEP if output_step is None else _positive("output_step", output_step)
     if duration / output_step > MOST_ROWS:
@@ -72,9 +94,14 @@ def simulate(
     settle = 0.0 if settle == 0 else _positive("settle", settle)
     if isinstance(ensemble, bool) or not isinstance(ensemble, (int, np.integer)) or not 0 <= ensemble <= MOST_RUNS:
         raise InputError(f"ensemble = {ensemble!r}: must be a number of runs, at most {MOST_RUNS}")
+    times = motion.start + output_step * np.arange(math.floor(duration / output_step + 1e-9) + 1, dtype=np.float64)
+    if isinstance(column, Structure):
+        found = simulate_structure(column, motion, duration, times, initial, settle, check, callback)  # type: ignore
+        if ensemble:
+            found.ensemble = ensemble_in_space(found, motion, duration, settle, ensemble, spread or Spread())
+        return found
     make_kernels()
     check_rest(column, from_rest=initial is None)
-    times = motion.start + output_step * np.arange(math.floor(duration / output_step + 1e-9) + 1, dtype=np.float64)
     response, phases = single_run(column, motion, duration, times, initial, settle, callback)
     response.motion = motion
     if check:

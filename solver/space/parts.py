@@ -10,6 +10,7 @@ import numpy as np
 from ..common.errors import InputError
 from .faces import Face, FloatArray, polygon_moments
 
+TOLERANCE = 1e-5  # of a structure that has none of its own
 BASE = "base"  # name of the body that everything stands on
 
 

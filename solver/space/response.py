@@ -15,6 +15,7 @@ from ..dynamics.uncertainty import Ensemble, ErrorEstimate
 from ..ground.motion import Motion
 from ..kernels.space import layout as at
 from .faces import FloatArray
+from .shapes import turned
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -156,16 +157,6 @@ class SpatialResponse:
         with needing("plot", "matplotlib"):
             from .pictures import plot_plan
         return plot_plan(self, path, blocks)
-
-
-def turned(rotation: FloatArray, arm: FloatArray) -> FloatArray:
-    """By how much rotations (rows, 3), rad, displace the end of an arm (3,) or (rows, 3), m."""
-    angle = np.linalg.norm(rotation, axis=-1, keepdims=True)
-    first = np.sinc(angle / np.pi)  # sine over angle
-    second = 0.5 * np.sinc(0.5 * angle / np.pi) ** 2
-    across = np.cross(rotation, arm)
-    moved: FloatArray = first * across + second * np.cross(rotation, across)
-    return moved
 
 
 def _places(structure: Structure) -> dict[str, tuple[int, int]]:

@@ -6,6 +6,7 @@ indeterminate rests as if it had been built at once and then slowly released.
 
 from __future__ import annotations
 
+from copy import copy
 from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -59,7 +60,15 @@ def _rest_of(structure: Structure) -> Rest:
         at.SETTINGS.see(settings).gravity = structure.g * step / loads
         _balance(stepper, linear, delta, CLOSE * weight)
         stepper.observe(keep=True)
-    return _finished(stepper, stepper.stiffness(delta))
+    return _finished(stepper, _sticking(stepper).stiffness(delta))
+
+
+def _sticking(stepper: Stepper) -> Stepper:
+    """The same state with joints that stick: what slides has no stiffness that is symmetric."""
+    other = copy(stepper)
+    other.model = stepper.model._replace(joints=stepper.model.joints.copy())
+    at.JOINTS.see(other.model.joints, len(stepper.structure.joints)).friction[:] = np.inf
+    return other
 
 
 def start_from(stepper: Stepper, rest: Rest) -> None:

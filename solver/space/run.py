@@ -21,7 +21,7 @@ from .stepper import Stepper
 from .structure import Structure
 
 BETWEEN_LOOKS = 0.25  # s, after the motion
-SAFE = 0.1  # of the least energy that lifts what a joint carries over its edge
+SAFE = 0.5  # of the least energy that lifts what a joint carries over its edge
 FINER, LEAST_TOLERANCE = 0.1, 1e-12  # of the run that checks another
 AGREE = 10.0  # tolerances
 
@@ -153,11 +153,14 @@ def resultants_of(stepper: Stepper) -> object:
 def least_barrier(structure: Structure, rest: Rest) -> float:
     """The least energy, J, that lifts what some joint carries at rest over its edge, everything above being rigid.
 
-    Without weight it is zero.
+    A block that stands on several joints does not fall over the edge of one. Without weight it is zero.
     """
+    uppers = [joint.upper for joint in structure.joints]
     top = max(float(np.max(block.corners[:, 2])) for block in structure.blocks)
     first, least = 6 * structure.n, math.inf
     for j, joint in enumerate(structure.joints):
+        if uppers.count(joint.upper) > 1:
+            continue
         carried = float(rest.row[first + j])
         edge = joint.face.size if joint.face.radius else _inner_radius(joint.face.outline)
         height = max(0.5 * (top - float(joint.face.centre[2])), structure.blocks[joint.upper].size)
@@ -172,7 +175,7 @@ def _inner_radius(outline: FloatArray) -> float:
 
 
 def _follow(response: SpatialResponse, stepper: Stepper, rest: Rest, stop: float, settle: float) -> float:
-    """Set the verdict; the structure is followed on a still base for at most `settle` s. Returns the time reached, s."""
+    """Set the verdict, which may take `settle` s more on a still base. Returns the time reached, s."""
     structure, t = response.structure, stop
     still = Stepper(structure)
     start_from(still, rest)
@@ -226,5 +229,3 @@ def _judge(response: SpatialResponse, closer: SpatialResponse) -> None:
             f"and {closer.verdict} at {closer.structure.tolerance:g}"
         )
         response.verdict = UNDECIDED
-
-

@@ -52,7 +52,9 @@ class Stepper:
     def stiffness(self, delta: FloatArray) -> FloatArray:
         """The tangent stiffness about the phase, (6 n, 6 n): see entries.py."""
         matrix = np.zeros(36 * self.structure.n**2)
-        stiffness_of(*self.sizes, self.model, self.state, self.phase, np.zeros_like(self.phase), self.rates, delta, matrix)
+        stiffness_of(
+            *self.sizes, self.model, self.state, self.phase, np.zeros_like(self.phase), self.rates, delta, matrix
+        )
         return matrix.reshape(6 * self.structure.n, -1)
 
     def run(
@@ -63,7 +65,7 @@ class Stepper:
         times: FloatArray,
         after_chunk: Callable[[float], None] | None = None,
     ) -> FloatArray:
-        """Follow a motion, or a still base, from t to `stop`, s; an output row for each of `times`. Raises SolverError."""
+        """Follow a motion, or a still base, from t to `stop`, s; a row for each of `times`. Raises SolverError."""
         record = _SILENCE if motion is None else self._drive(motion)
         rows = np.zeros((len(times), at.row_size(*self.sizes)))
         self.counts.next_row = 0

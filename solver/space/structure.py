@@ -14,12 +14,12 @@ from ..common import ranges
 from ..common.errors import InputError, reading, shown
 from ..common.files import check_file_name, toml_of
 from .arrays import Model, model_of
-from .parts import BASE, Joint, Solid, Tie
+from .parts import BASE, TOLERANCE, Joint, Solid, Tie
+from .stack import stacked
+from .structure_file import parts_from
 
 if TYPE_CHECKING:
     from ..column.column import Column
-
-TOLERANCE = 1e-5
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,23 +125,19 @@ class Structure:
 
     @classmethod
     def from_toml(cls, path: str | os.PathLike[str]) -> Structure:
-        """Read a structure from a TOML file; its keys are those of `from_dict`. Raises InputError that begins with it."""
+        """Read a structure from a TOML file; its keys are those of `from_dict`. Raises InputError."""
         with reading(path):
             return cls.from_dict(toml_of(path))
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> Structure:
         """Build a structure from the mapping that the TOML file holds (docs/structures.md). Raises InputError."""
-        from .structure_file import structure_from
-
-        return structure_from(data)
+        return cls(**parts_from(data))
 
     @classmethod
     def stack(cls, column: Column) -> Structure:
         """The blocks of a column in space, the top one first. Raises InputError for what has no such form."""
-        from .stack import structure_of
-
-        return structure_of(column)
+        return cls(**stacked(column))
 
 
 def _is_mirrored(joint: Joint) -> bool:

@@ -80,4 +80,3 @@ def square(x, y, p):
     """The integral of p^2 over a triangle."""
     area = 0.5 * ((x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0]))
     return area / 6.0 * (p[0] * (p[0] + p[1]) + p[1] * (p[1] + p[2]) + p[2] * (p[2] + p[0]))
-

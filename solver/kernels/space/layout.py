@@ -100,6 +100,7 @@ OK, STEP_TOO_SMALL = 0, -1
 PAUSED = 1  # as many steps as were allowed have been made; not an error
 PACK = 8  # rows of a step are padded to whole packs
 
+
 @in_both
 def padded(count: int) -> int:
     """The length of a row that sums take in packs."""
@@ -120,7 +121,7 @@ def rows_size(n: int, m: int, k: int) -> int:
 
 _OF_BLOCK, _OF_JOINT, _OF_BASE = len(OF_BLOCK), len(OF_JOINT), len(OF_BASE)
 _PER_BODY = PHASE.per_n
-SEEN = 4  # output rows of a step: at its start, in its middle, at its end, of a trial
+SEEN = 5  # output rows of a step: at its start, in its middle, at its end, of a trial; what is allowed
 
 
 def work_size(n: int, m: int, k: int) -> int:
@@ -151,5 +152,3 @@ class Scene(NamedTuple):
     kept_plastic: object
     scratch: object
     rows: object  # phases and rates of a step, then output rows
-
-__all__ = ["Numbers", "Space"]

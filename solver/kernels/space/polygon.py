@@ -102,5 +102,3 @@ def polygon_square(scene, j, p):
     for k in range(2, left):
         total += square((x[0], x[k - 1], x[k]), (y[0], y[k - 1], y[k]), (ps[0], ps[k - 1], ps[k]))
     return total
-
-

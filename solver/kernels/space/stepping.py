@@ -226,7 +226,7 @@ def _finish(scene, shaking, watch, segment, t, h):
 
 @kernel
 def advance(scene, shaking, watch, phase, t, stop, most):
-    """Take the structure from t to `stop`, s, in at most `most` steps; `control.reached` is where it is. Returns a code.
+    """Take the structure from t to `stop`, s, in at most `most` steps; it is at `control.reached`. Returns a code.
 
     phase: that at t, replaced by the one reached. A structure that has fallen keeps its state.
     """

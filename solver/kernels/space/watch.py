@@ -17,7 +17,8 @@ _phase = PHASE.over
 _PER_BODY = PHASE.per_n
 _BLOCKS = len(OF_BLOCK)
 _CONTACT = OF_JOINT.index("contact")
-GAIN = 1e-4  # of a peak, or of the largest of its kind: a rise above it that is smaller is not looked for
+PROMISE = 0.1  # of the tolerance: a peak whose predicted rise is smaller has been found
+QUIET = 1e-3  # of the largest peak of its kind: smaller ones are searched to a tolerance relative to this
 
 
 class Watch(NamedTuple):
@@ -34,7 +35,8 @@ def row(scene, k):
     return scene.rows[k * padded(_PER_BODY * scene.n) :]
 
 
-START, RATES, STAGE, END, BETWEEN, BETWEEN_RATES, ROWS = 0, 1, STAGES + 1, STAGES + 2, STAGES + 3, STAGES + 4, STAGES + 5
+START, RATES = 0, 1
+STAGE, END, BETWEEN, BETWEEN_RATES, ROWS = range(1 + STAGES, 6 + STAGES)
 
 
 @leaf
@@ -104,28 +106,62 @@ def raise_peaks(scene, values):
         scene.peaks[j] = max(scene.peaks[j], there)
 
 
+@leaf
+def _allow_field(scene, allowed, first, count):
+    """By how much the quantities of a field may pass their peaks without a search."""
+    largest = 0.0
+    for j in range(first, first + count):
+        largest = max(largest, scene.peaks[j])
+    part = PROMISE * scene.settings.tolerance
+    for j in range(first, first + count):
+        allowed[j] = part * max(scene.peaks[j], QUIET * largest)
+
+
+@kernel
+def _allow(scene, allowed):
+    """`_allow_field` of all fields; of the base, forces and moments."""
+    n, m = scene.n, scene.m
+    for field in range(2):  # displacements, rotations
+        _allow_field(scene, allowed, 3 * field * n, 3 * n)
+    first = _BLOCKS * n
+    for field in range(len(OF_JOINT)):
+        _allow_field(scene, allowed, first + field * m, m)
+    first += len(OF_JOINT) * m
+    _allow_field(scene, allowed, first, scene.k)
+    for half in range(2):
+        _allow_field(scene, allowed, first + scene.k + 3 * half, 3)
+
+
 @kernel
 def track_peaks(scene, shaking, segment, t, h):
     """Raise the peaks by the step just made, whose end has been evaluated last."""
     count = row_size(scene.n, scene.m, scene.k)
-    begin, middle, end, trial = seen(scene, 0), seen(scene, 1), seen(scene, 2), seen(scene, 3)
+    begin, middle, end = seen(scene, 0), seen(scene, 1), seen(scene, 2)
     show(scene, _phase(row(scene, END), scene.n), end)
     raise_peaks(scene, end)
     if scene.settings.watches != 0.0:
         look(scene, shaking, segment, t, h, 0.5, middle)
         raise_peaks(scene, middle)
-        first = _BLOCKS * scene.n + _CONTACT * scene.m
-        for j in range(count):
-            sign = -1.0 if middle[j] < 0.0 else 1.0
-            sign = -sign if first <= j < first + scene.m else sign
-            a, b, c = sign * begin[j], sign * middle[j], sign * end[j]
-            bend, rise = 2.0 * b - a - c, c - a
-            if bend <= 0.0 or abs(rise) >= 2.0 * bend:
-                continue
-            top = b + rise * rise / (8.0 * bend)
-            top += 1.0 if first <= j < first + scene.m else 0.0
-            if top > scene.peaks[j] * (1.0 + GAIN):
-                look(scene, shaking, segment, t, h, 0.5 + rise / (4.0 * bend), trial)
-                raise_peaks(scene, trial)
+        _find_tops(scene, shaking, segment, t, h)
     for j in range(count):
         begin[j] = end[j]
+
+
+@kernel
+def _find_tops(scene, shaking, segment, t, h):
+    """Look where a parabola through both ends and the middle of the step rises above a peak."""
+    begin, middle, end = seen(scene, 0), seen(scene, 1), seen(scene, 2)
+    trial, allowed = seen(scene, 3), seen(scene, 4)
+    _allow(scene, allowed)
+    first = _BLOCKS * scene.n + _CONTACT * scene.m  # contacts: the open part counts
+    for j in range(row_size(scene.n, scene.m, scene.k)):
+        is_contact = first <= j < first + scene.m
+        sign = -1.0 if (middle[j] < 0.0) != is_contact else 1.0
+        a, b, c = sign * begin[j], sign * middle[j], sign * end[j]
+        bend, rise = 2.0 * b - a - c, c - a
+        if bend <= 0.0 or abs(rise) >= 2.0 * bend:
+            continue
+        top = b + rise * rise / (8.0 * bend) + (1.0 if is_contact else 0.0)
+        if top > scene.peaks[j] + allowed[j]:
+            look(scene, shaking, segment, t, h, 0.5 + rise / (4.0 * bend), trial)
+            raise_peaks(scene, trial)
