@@ -6,7 +6,7 @@ import os
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 from ..common import ranges
 from ..common.errors import InputError, reading, shown
@@ -16,9 +16,6 @@ from .block import Block, Joint, check_block, check_friction
 from .column_file import parts_from, plain
 from .contact import Contact, check_contacts, contacts_of
 from .settings import Settings, check_settings
-
-if TYPE_CHECKING:
-    from ..space.structure import Structure
 
 
 @dataclass(frozen=True)
@@ -150,9 +147,9 @@ class Column:
         """
         return next((block.joint.other_law for block in self.blocks if block.joint.other_law), "")
 
-    def in_space(self) -> Structure:
+    def in_space(self) -> Any:
         """The same blocks and joints as a structure in space (`Structure.stack`). Raises InputError."""
-        from ..space.structure import Structure
+        from ..space.structure import Structure  # above this package: imported when it is called
 
         return Structure.stack(self)
 

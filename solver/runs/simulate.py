@@ -9,9 +9,9 @@ from typing import Any, overload
 import numpy as np
 
 from ..column.column import Column
-from ..column.packing import InitialState
+from ..column.packing import FloatArray, InitialState
 from ..column.rest import check_rest
-from ..common.errors import POSITIVE, InputError, SolverError, check_number
+from ..common.errors import POSITIVE, InputError, SolverError, check_number, shown
 from ..dynamics.first_run import make_kernels
 from ..dynamics.kinematics import chain_of
 from ..dynamics.response import Response
@@ -32,10 +32,38 @@ MOST_RUNS = 10**5
 
 
 @overload
-def simulate(column: Column, motion: Motion, duration: float | None = None, *args: Any, **options: Any) -> Response: ...
+def simulate(
+    column: Column,
+    motion: Motion,
+    duration: float | None = None,
+    formulation: str | None = None,
+    integrator: str | None = None,
+    step: float | None = None,
+    tolerance: float | None = None,
+    without: Sequence[str] | None = None,
+    output_step: float | None = None,
+    initial: InitialState | None = None,
+    settle: float = SETTLE,
+    check: bool = False,
+    ensemble: int = 0,
+    spread: Spread | None = None,
+    callback: Callback | None = None,
+) -> Response: ...
 @overload
 def simulate(
-    column: Structure, motion: Motion, duration: float | None = None, *args: Any, **options: Any
+    column: Structure,
+    motion: Motion,
+    duration: float | None = None,
+    *,
+    tolerance: float | None = None,
+    without: Sequence[str] | None = None,
+    output_step: float | None = None,
+    initial: SpatialState | None = None,
+    settle: float = SETTLE,
+    check: bool = False,
+    ensemble: int = 0,
+    spread: Spread | None = None,
+    callback: SpatialCallback | None = None,
 ) -> SpatialResponse: ...
 def simulate(
     column: Column | Structure,
@@ -47,12 +75,12 @@ def simulate(
     tolerance: float | None = None,
     without: Sequence[str] | None = None,
     output_step: float | None = None,
-    initial: InitialState | SpatialState | None = None,
+    initial: Any = None,
     settle: float = SETTLE,
     check: bool = False,
     ensemble: int = 0,
     spread: Spread | None = None,
-    callback: Callback | SpatialCallback | None = None,
+    callback: Any = None,
 ) -> Response | SpatialResponse:
     """Response of a column, or of a structure in space, to a base motion, from the start of the motion.
 
@@ -76,17 +104,6 @@ def simulate(
     Warns (InputWarning) of values that are probably not intended (rest.py, `warnings_of`). Raises InputError for a
     wrong value or a rest that is not stable if the run starts from it, SolverError if the solver cannot go on.
     """
-    if isinstance(column, Structure):
-        given = {"formulation": formulation, "integrator": integrator, "step": step}
-        for name, value in given.items():
-            if value is not None:
-                raise InputError(f"{name} = {value}: must be left out, structures in space have none")
-        column = column.with_settings(tolerance=tolerance, without=without)
-    else:
-        check_in_plane(motion)
-        column = column.with_settings(
-            formulation=formulation, integrator=integrator, step=step, tolerance=tolerance, without=without
-        )
     duration = motion.duration if duration is None else _positive("duration", duration)
     output_step = OUTPUT_STEP if output_step is None else _positive("output_step", output_step)
     if duration / output_step > MOST_ROWS:
@@ -94,12 +111,36 @@ def simulate(
     settle = 0.0 if settle == 0 else _positive("settle", settle)
     if isinstance(ensemble, bool) or not isinstance(ensemble, (int, np.integer)) or not 0 <= ensemble <= MOST_RUNS:
         raise InputError(f"ensemble = {ensemble!r}: must be a number of runs, at most {MOST_RUNS}")
+    spread = Spread() if spread is None else spread
     times = motion.start + output_step * np.arange(math.floor(duration / output_step + 1e-9) + 1, dtype=np.float64)
     if isinstance(column, Structure):
-        found = simulate_structure(column, motion, duration, times, initial, settle, check, callback)  # type: ignore
+        for name, value in {"formulation": formulation, "integrator": integrator, "step": step}.items():
+            if value is not None:
+                raise InputError(f"{name} = {shown(value)}: must be left out, structures in space have none")
+        structure = column.with_settings(tolerance=tolerance, without=without)
+        found = simulate_structure(structure, motion, duration, times, initial, settle, check, callback)
         if ensemble:
-            found.ensemble = ensemble_in_space(found, motion, duration, settle, ensemble, spread or Spread())
+            found.ensemble = ensemble_in_space(found, motion, duration, settle, ensemble, spread)
         return found
+    check_in_plane(motion)
+    column = column.with_settings(
+        formulation=formulation, integrator=integrator, step=step, tolerance=tolerance, without=without
+    )
+    return _in_plane(column, motion, duration, times, initial, settle, check, ensemble, spread, callback)
+
+
+def _in_plane(
+    column: Column,
+    motion: Motion,
+    duration: float,
+    times: FloatArray,
+    initial: InitialState | None,
+    settle: float,
+    check: bool,
+    ensemble: int,
+    spread: Spread,
+    callback: Callback | None,
+) -> Response:
     make_kernels()
     check_rest(column, from_rest=initial is None)
     response, phases = single_run(column, motion, duration, times, initial, settle, callback)
@@ -114,7 +155,6 @@ def simulate(
         else:
             judge(response, closer, ux, chain.top_displacements(phases))
     if ensemble:
-        spread = Spread() if spread is None else spread
         response.ensemble = ensemble_of(response, motion, duration, initial, settle, ensemble, spread, callback)
     return response
 

@@ -129,4 +129,5 @@ def _holds(outside: Face, inside: Face) -> bool:
 def without_doubles(outline: FloatArray) -> FloatArray:
     """A polygon without corners that coincide."""
     apart = np.hypot(*(outline - np.roll(outline, 1, axis=0)).T) > NEAR * float(np.max(np.abs(outline)))
-    return outline[apart]
+    kept: FloatArray = outline[apart]
+    return kept

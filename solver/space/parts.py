@@ -69,8 +69,8 @@ class Joint:
             outer, inner = self.face.radius, self.face.bore
             second = 0.25 * math.pi * (outer**4 - inner**4)
             return math.pi * (outer**2 - inner**2), second, second, 0.0
-        area, _, second = polygon_moments(self.face.outline)
-        return area, float(second[0, 0]), float(second[1, 1]), float(second[0, 1])
+        area, _, about = polygon_moments(self.face.outline)
+        return area, float(about[0, 0]), float(about[1, 1]), float(about[0, 1])
 
     def arm(self) -> float:
         """Mean distance of the section from its centre, m: that of friction against twisting."""

@@ -102,7 +102,9 @@ def _weights(structure: Structure) -> FloatArray:
 def _deltas(structure: Structure, settlement: float) -> FloatArray:
     """A displacement, m, and the rotations, rad, that move as far, for each coordinate."""
     sizes = np.array([block.size for block in structure.blocks])
-    return np.column_stack([np.ones((structure.n, 3)), np.repeat(1.0 / sizes[:, None], 3, axis=1)]).ravel() * settlement
+    parts = np.column_stack([np.ones((structure.n, 3)), np.repeat(1.0 / sizes[:, None], 3, axis=1)])
+    deltas: FloatArray = settlement * parts.ravel()
+    return deltas
 
 
 def _solved(structure: Structure, stiffness: FloatArray, load: FloatArray) -> FloatArray:

@@ -102,7 +102,9 @@ def single_run(
 
     begin = clock.perf_counter()
     rows = stepper.run(motion, motion.start, stop, times, after_chunk)
-    stats = {name: int(getattr(stepper.counts, name)) for name in ("steps", "rejected", "evaluations", "looks")}
+    stats: dict[str, float] = {
+        name: int(getattr(stepper.counts, name)) for name in ("steps", "rejected", "evaluations", "looks")
+    }
     stats["wall_time"] = clock.perf_counter() - begin
     response = SpatialResponse(structure, times, rows, stepper.state.peaks.copy(), stats)
     stats["settled_for"] = _follow(response, stepper, rest, stop, settle) - stop

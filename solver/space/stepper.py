@@ -99,8 +99,8 @@ class Stepper:
         shakes = motion.amplitude or motion.amplitude_y
         base.omega = 2.0 * math.pi * motion.frequency if shakes else 0.0
         base.phase = -base.omega * motion.start
-        samples = motion.time, motion.ax, motion.ay, motion.az
+        samples = [motion.time, motion.ax, motion.ay, motion.az]
         if motion.end > motion.time[-1]:  # the last held sample lasts until the motion ends
-            samples = np.append(motion.time, motion.end), *(np.append(a, 0.0) for a in samples[1:])
+            samples = [np.append(motion.time, motion.end), *(np.append(a, 0.0) for a in samples[1:])]
         time, ax, ay, az = (np.require(a, np.float64, ["C", "W"]) for a in samples)
         return time, ax, ay, az

@@ -40,7 +40,7 @@ _OF_TIES = {
 
 
 def parts_from(data: Mapping[str, Any]) -> dict[str, Any]:
-    """The fields of the structure in `data` (docs/structures.md). Raises InputError on an unknown, missing or wrong key."""
+    """The fields of the structure in `data` (docs/structures.md). Raises InputError for a wrong key."""
     _check_keys("", data, _KEYS)
     if "name" not in data:
         raise InputError('name: missing, must be a file name: letters, digits, "_", "-", "." and space')
@@ -53,9 +53,8 @@ def parts_from(data: Mapping[str, Any]) -> dict[str, Any]:
     for number, (upper, supports) in enumerate(solids.standing, start=1):
         key = f"block[{number}]"
         own = solids.laws[upper]
-        bed = _bed(f"{key}.joint", {**law, **own}) if supports else None
         for lower in supports:
-            below = len(blocks) if lower < 0 else lower
+            bed, below = _bed(f"{key}.joint", {**law, **own}), len(blocks) if lower < 0 else lower
             joints += joints_between(blocks, upper, below, bed, f"{key}.on")
     for number, table in enumerate(explicit, start=1):
         joints += _joints_from(f"joint[{number}]", table, law, blocks)

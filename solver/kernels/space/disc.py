@@ -15,6 +15,7 @@ from .bed import Bed, add, nothing, triangle, value, whole
 # 2/3 of the integral of sin^4 over sin^5, in powers of sin^2, the highest first: 1 / cos = sum of these times sin^2k
 ACROSS = tuple(2.0 / 3.0 * math.comb(2 * k, k) / 4**k / (5 + 2 * k) for k in range(TERMS))[::-1]
 TINY = 1e-300
+PARALLEL = 1e-14  # sine of the angle between two chords that are taken as parallel
 assert len(SERIES) == TERMS
 
 
@@ -85,6 +86,11 @@ def _two_chords(radius, p, q, slope_p, slope_q):
     px, py, off_p, p_begin, p_end = _chord(radius, slope_p, p)
     qx, qy, off_q, q_begin, q_end = _chord(radius, slope_q, q)
     bed = nothing()
+    turn = px * qy - py * qx  # sine of the angle between the chords
+    if abs(turn) <= PARALLEL and px * qx + py * qy > 0.0:  # both cut the same side away: the farther one counts
+        if off_p > off_q:
+            return _segment(bed, radius, q, px, py, off_p)
+        return _segment(bed, radius, q, qx, qy, off_q)
     # ends of either chord on the positive side of the other function
     begins_p, ends_p = value(q, p_begin[0], p_begin[1]) > 0.0, value(q, p_end[0], p_end[1]) > 0.0
     begins_q, ends_q = value(p, q_begin[0], q_begin[1]) > 0.0, value(p, q_end[0], q_end[1]) > 0.0
@@ -99,9 +105,7 @@ def _two_chords(radius, p, q, slope_p, slope_q):
         return _segment(bed, radius, q, qx, qy, off_q)
     if begins_p == ends_p:
         return bed
-    turn = px * qy - py * qx  # sine of the angle between the chords, which cross in the disc
-    if turn == 0.0:
-        return bed
+    # they cross in the disc
     x, y = (off_p * qy - off_q * py) / turn, (off_q * px - off_p * qx) / turn
     if begins_p:
         bed = _side(bed, q, (x, y), q_end, p_begin)

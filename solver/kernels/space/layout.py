@@ -104,19 +104,23 @@ PACK = 8  # rows of a step are padded to whole packs
 @in_both
 def padded(count: int) -> int:
     """The length of a row that sums take in packs."""
-    return (count + PACK - 1) // PACK * PACK
+    whole: int = (count + PACK - 1) // PACK
+    return whole * PACK
 
 
 @in_both
 def row_size(n: int, m: int, k: int) -> int:
     """Numbers of an output row."""
-    return _OF_BLOCK * n + _OF_JOINT * m + k + _OF_BASE
+    size: int = _OF_BLOCK * n + _OF_JOINT * m + k + _OF_BASE
+    return size
 
 
 @in_both
 def rows_size(n: int, m: int, k: int) -> int:
     """Numbers of the rows of a step: phases and rates, then output rows."""
-    return (STAGES + 5) * padded(_PER_BODY * n) + SEEN * row_size(n, m, k)
+    phases: int = (STAGES + 5) * padded(_PER_BODY * n)
+    outputs: int = SEEN * row_size(n, m, k)
+    return phases + outputs
 
 
 _OF_BLOCK, _OF_JOINT, _OF_BASE = len(OF_BLOCK), len(OF_JOINT), len(OF_BASE)

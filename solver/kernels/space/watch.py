@@ -24,7 +24,7 @@ QUIET = 1e-3  # of the largest peak of its kind: smaller ones are searched to a 
 class Watch(NamedTuple):
     """Instants, s, at which output rows are taken."""
 
-    count: int
+    size: int
     times: object
     rows: object
 
