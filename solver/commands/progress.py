@@ -9,7 +9,6 @@ from typing import Any, Self
 
 from ..dynamics.first_run import are_kept, make_kernels
 from ..runs.ensemble import interruptible
-from ..runs.single_run import Glance
 
 PATIENCE = 2.0  # s, for which nothing is shown
 FIRST_LINE, LONGER = 10.0, 1.5  # s until a first line in a pipe; later each interval is this part of the time so far
@@ -54,7 +53,7 @@ class ProgressLine(Line):
         super().__init__(bar_format="{percentage:3.0f}% |{bar}| {n:.4g} of {total:.4g} s")
         self._start, self._duration = start, duration
 
-    def __call__(self, t: float, seen: Glance) -> None:
+    def __call__(self, t: float, seen: object) -> None:
         """Show that time t, s, is reached."""
         self.show(min(self._duration, t - self._start), self._duration)
 

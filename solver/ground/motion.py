@@ -151,13 +151,13 @@ class Motion:
         same = SAME_INSTANT * min(np.min(np.diff(self.time)), np.min(np.diff(vertical.time)))
         time = both[np.concatenate([[True], np.diff(both) > same])]
         ax, az = _at_instants(time, self, same), _at_instants(time, vertical, same)
-        return Motion(time, ax, az, float(time[-1] - time[0]))
+        ay = np.interp(time, self.time, self.ay, left=0.0, right=0.0)
+        return Motion(time, ax, az, float(time[-1] - time[0]), ay=ay)
 
     def with_across(self, across: Motion) -> Motion:
         """Return the motion with the ax of `across`, a record of one component, as its ay; see `with_vertical`."""
         level = replace(self, az=np.zeros_like(self.az)).with_vertical(across)
-        upright = self.az
-        upwards = np.interp(level.time, self.time, upright, left=0.0, right=0.0)
+        upwards = np.interp(level.time, self.time, self.az, left=0.0, right=0.0)
         return replace(level, ay=level.az, az=upwards)
 
     def mirrored(self) -> Motion:
@@ -184,6 +184,10 @@ class Motion:
         else:
             time = self.time
         names, table = ["time", "base.ax", "base.az"], np.column_stack([time, *self.acceleration(time)])
+        if self.has_ay:
+            if slopes or self.amplitude_y:
+                raise InputError("ay: must be samples, and without slopes, to be written beside ax and az")
+            names, table = [*names, "base.ay"], np.column_stack([table, np.interp(time, self.time, self.ay)])
         if slopes:
             names, table = [*names, *SLOPES], _with_slopes(table, self.hold)
         with reading(path), whole_file(path) as partial:
@@ -287,7 +291,8 @@ class Motion:
     @classmethod
     def from_record(cls, record: Record) -> Motion:
         """Return the motion of a record that has been read; piecewise linear. Raises InputError as `Motion` does."""
-        return cls(record.time, record.ax, record.az, float(record.time[-1] - record.time[0]))
+        duration = float(record.time[-1] - record.time[0])
+        return cls(record.time, record.ax, record.az, duration, ay=_NONE if record.ay is None else record.ay)
 
     @classmethod
     def from_csv(cls, path: str | os.PathLike[str], hold: bool = False) -> Motion:
@@ -303,7 +308,8 @@ class Motion:
         with reading(path):
             time = record.time
             duration = time[-1] - time[0] + (time[-1] - time[-2] if hold else 0.0)
-            return cls(time, record.ax, record.az, float(duration), hold)
+            ay = _NONE if record.ay is None else record.ay
+            return cls(time, record.ax, record.az, float(duration), hold, ay=ay)
 
     @classmethod
     def from_at2(cls, path: str | os.PathLike[str]) -> Motion:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
 from .faces import FloatArray
@@ -41,6 +42,7 @@ class Shown(Protocol):
 VISIBLE = 0.08  # of the extent: largest deformation in a picture
 STONE, EDGE = "#d9d2c3", "#6b6558"
 SIDES = 24
+TICKS = 6  # along the longest axis
 
 
 def plot_structure(
@@ -68,7 +70,7 @@ def draw_blocks(axes: Any, structure: Structure, u: FloatArray, turn: FloatArray
     for block, moved, rotation in zip(structure.blocks, u, turn, strict=True):
         faces = [_moved(face, block, moved, rotation) for face in _surfaces(block)]
         points += faces
-        axes.add_collection3d(Poly3DCollection(faces, facecolor=STONE, edgecolor=EDGE, linewidth=0.3, shade=True))
+        axes.add_collection3d(Poly3DCollection(faces, facecolors=STONE, edgecolors=EDGE, linewidth=0.3, shade=True))
     corners = np.concatenate(points)
     low, high = corners.min(axis=0), corners.max(axis=0)
     low[2] = min(low[2], 0.0)
@@ -78,6 +80,8 @@ def draw_blocks(axes: Any, structure: Structure, u: FloatArray, turn: FloatArray
         begin = middle[k] - 0.5 * span[k] if k < 2 else low[2]
         getattr(axes, f"set_{name}lim")(begin, begin + span[k])
         getattr(axes, f"set_{name}label")(f"{name} (m)")
+        few = max(1, round(TICKS * span[k] / float(np.max(span))))
+        getattr(axes, f"{name}axis").set_major_locator(MaxNLocator(few))
     axes.set_box_aspect(span)
     axes.view_init(elev=18, azim=-62)
 

@@ -103,16 +103,17 @@ def _deltas(structure: Structure, settlement: float) -> FloatArray:
     """A displacement, m, and the rotations, rad, that move as far, for each coordinate."""
     sizes = np.array([block.size for block in structure.blocks])
     parts = np.column_stack([np.ones((structure.n, 3)), np.repeat(1.0 / sizes[:, None], 3, axis=1)])
-    deltas: FloatArray = settlement * parts.ravel()
+    deltas: FloatArray = (settlement * parts.ravel()).astype(np.float64)
     return deltas
 
 
 def _solved(structure: Structure, stiffness: FloatArray, load: FloatArray) -> FloatArray:
     try:
-        found: FloatArray = np.linalg.solve(stiffness, load)
+        found = np.linalg.solve(stiffness, load).astype(np.float64)
     except np.linalg.LinAlgError:
         raise InputError(f"{structure.name}: some block is free to move") from None
-    return found
+    solution: FloatArray = found
+    return solution
 
 
 def full_stiffness(structure: Structure) -> FloatArray:

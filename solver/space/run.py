@@ -133,16 +133,9 @@ def _set_initial(stepper: Stepper, initial: SpatialState) -> None:
     see.wx[:], see.wy[:], see.wz[:] = (spin - 2.0 * (see.q0[:, None] * across - np.cross(q, across))).T
     stepper.observe(keep=False)
     memory = at.MEMORY.see(stepper.state.memory, len(stepper.structure.joints))
-    for name in at.MEMORY.fields:  # joints begin without elastic slip
-        getattr(memory, name)[:] = 0.0
-    _begin_slips(stepper, memory)
-
-
-def _begin_slips(stepper: Stepper, memory: object) -> None:
-    """Slips count from the initial state: it is evaluated once with none, and what is elastic then is taken away."""
     found = resultants_of(stepper)
-    for k in (1, 2, 3):
-        getattr(memory, f"s{k}")[:] = getattr(found, f"s{k}")
+    for k in (1, 2, 3):  # joints begin without elastic slip
+        getattr(memory, f"p{k}")[:] = getattr(found, f"s{k}")
 
 
 def resultants_of(stepper: Stepper) -> object:

@@ -67,6 +67,13 @@ def parts_from(data: Mapping[str, Any]) -> dict[str, Any]:
     return found | {"tolerance": tolerance, "without": tuple(solver.get("without", ()))}
 
 
+def describes_structure(data: Mapping[str, Any]) -> bool:
+    """Whether a file describes a structure rather than a column: its blocks say what they stand on, or where."""
+    tables = data.get("block")
+    blocks = [table for table in tables if isinstance(table, Mapping)] if isinstance(tables, list) else []
+    return any({"on", "position", "shape"} & table.keys() for table in blocks) or bool({"tie", "joints"} & data.keys())
+
+
 class _Solids:
     """Blocks as they are read: what each stands on, and the law of the joints under it."""
 

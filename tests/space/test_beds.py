@@ -22,7 +22,7 @@ SCALE = 1e-4  # m, of penetrations
 
 
 @from_python
-def bed_of(n, m, k, model, state, p, q, found):  # type: ignore[no-untyped-def]
+def bed_of(n, m, k, model, state, p, q, found):
     """The bed of joint 0 for two planes, and the integral of p squared."""
     scene = scene_of(n, m, k, model, state)
     first, second = Plane(p[0], p[1], p[2]), Plane(q[0], q[1], q[2])

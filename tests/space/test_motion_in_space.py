@@ -7,8 +7,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from support.structures import MODULUS, G, run, stack, with_law
+from support.probe import G, phocas
+from support.structures import MODULUS, run, stack, with_law
 
+from solver import simulate
 from solver.ground.motion import Motion
 from solver.space.builders import arch
 from solver.space.faces import FloatArray
@@ -35,12 +37,8 @@ def test_planar_limit(ratio: float, off: float) -> None:
 
 
 def test_first_second_in_the_plane_tends_to_the_planar_column() -> None:
-    from support.columns import phocas_damped
-
-    from solver import simulate
-
     motion = Motion.harmonic(0.05 * G, 2.0, 1.0)
-    column = phocas_damped()
+    column = phocas(eta=1e-3)
     planar = simulate(column, motion, tolerance=1e-7)
     found = run(with_law(Structure.stack(column), shear_ratio=40.0), motion)
     top = found.displacement(0, (0.0, 0.0, 0.5 * 4.69))[:, 0]
@@ -106,9 +104,11 @@ def test_sliding_block_of_newmark(angle: float) -> None:
     structure = Structure.from_dict({"name": "slab", "joints": law, "block": [block], "solver": {"tolerance": 1e-6}})
     response = run(structure, Motion.harmonic(0.5 * G, 2.0, 0.25, direction=angle), 1.0)
     # rigid-plastic: 24.8998 mm; measured 24.8997 on either way
-    assert math.hypot(response.ux[-1, 0], response.uy[-1, 0]) == pytest.approx(0.0248998, rel=4e-5)
+    along = math.cos(angle) * response.ux[-1, 0] + math.sin(angle) * response.uy[-1, 0]
+    across = math.cos(angle) * response.uy[-1, 0] - math.sin(angle) * response.ux[-1, 0]
+    assert along == pytest.approx(-0.0248998, rel=4e-5)
+    assert abs(across) <= 1e-9 * abs(along)
     assert response.slip[-1, 0] == pytest.approx(0.0248998, rel=4e-5)
-    assert math.atan2(response.uy[-1, 0], response.ux[-1, 0]) == pytest.approx(angle - math.pi * 0.0, abs=1e-6) or True
 
 
 def test_round_column_is_the_same_in_any_direction() -> None:
@@ -127,10 +127,10 @@ def test_round_column_is_the_same_in_any_direction() -> None:
 
 
 def _wobble(section: str, across: float) -> float:
-    """How far three drums end up moving across, m, under two cycles of 0.35 g along x and a part of it across."""
+    """How far three blocks move across, m, under two cycles of 0.35 g 1 Hz along x and four of a part of it across."""
     time = np.linspace(0.0, 2.0, 2001)
-    ax = 0.35 * G * np.sin(2.0 * math.pi * time)
-    motion = Motion.from_samples(1e-3, ax, ay=across * ax)
+    ax, ay = (0.35 * G * np.sin(2.0 * math.pi * frequency * time) for frequency in (1.0, 2.0))
+    motion = Motion.from_samples(1e-3, ax, ay=across * ay)
     structure = stack(section=section, tolerance=1e-6)
     response = run(structure, motion, 12.0)
     top = response.displacement("b2", (0.0, 0.0, 0.5 * 4.69))
@@ -139,11 +139,14 @@ def _wobble(section: str, across: float) -> float:
 
 @pytest.mark.long
 def test_round_drums_wobble_and_square_ones_do_not() -> None:
-    # theory.md section 12: 52 mm of round ones, 0.745 mm of square ones in proportion to what is across
-    assert _wobble("circle", 1e-3) > 0.02
-    few, many = _wobble("rectangle", 1e-3), _wobble("rectangle", 1e-2)
-    assert few < 2e-3
-    assert many / few == pytest.approx(10.0, rel=0.1)
+    # what is across in phase with what is along turns the plane of a round column, no more; here its frequency differs.
+    # Measured: round 29.7 mm, 52.9 mm; square 0.029 mm, 0.29 mm, in proportion
+    few, more = (_wobble("circle", part) for part in (1e-4, 1e-3))
+    assert few > 0.01
+    assert more < 4.0 * few
+    few, more = (_wobble("rectangle", part) for part in (1e-4, 1e-3))
+    assert more < 1e-3
+    assert more == pytest.approx(10.0 * few, rel=0.1)
 
 
 def _frame(gamma: float, modulus: float) -> float:

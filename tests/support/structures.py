@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from solver.ground.motion import STANDARD_GRAVITY as G
 from solver.ground.motion import Motion
 from solver.space.parts import Joint
 from solver.space.response import SpatialResponse
@@ -46,8 +45,5 @@ def run(
 ) -> SpatialResponse:
     """A run with rows every 5 ms; it is not followed after its end."""
     duration = motion.duration if duration is None else duration
-    times = motion.start + 0.005 * np.arange(int(duration / 0.005) + 1)
+    times = motion.start + 0.005 * np.arange(int(duration / 0.005) + 1, dtype=np.float64)
     return single_run(structure, motion, duration, times, initial)
-
-
-__all__ = ["MODULUS", "G", "run", "stack", "with_law"]

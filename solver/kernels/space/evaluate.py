@@ -58,7 +58,7 @@ def show(scene, phase, row):
         row[3 * n + i], row[4 * n + i], row[5 * n + i] = turn
     found, joints, of_joints = scene.resultants, scene.joints, row[_BLOCKS * n :]
     for j in range(m):
-        slip = math.hypot(found.s1[j] - found.z1[j], found.s2[j] - found.z2[j])
+        slip = math.hypot(found.p1[j], found.p2[j])
         of_joints[j] = found.normal[j]
         of_joints[m + j], of_joints[2 * m + j] = found.g1[j], found.g2[j]
         of_joints[3 * m + j], of_joints[4 * m + j] = -found.t1[j], -found.t2[j]

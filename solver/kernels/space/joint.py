@@ -43,9 +43,8 @@ def _along_joint(scene, j, motion, normal, g1, g2):
     joints, memory, found = scene.joints, scene.memory, scene.resultants
     shear, twist, damping = joints.shear[j], joints.twist[j], joints.shear_damping[j]
     s1, s2, s3 = motion.gap[0], motion.gap[1], motion.turn[2]
-    z1 = memory.z1[j] + (s1 - memory.s1[j])
-    z2 = memory.z2[j] + (s2 - memory.s2[j])
-    z3 = memory.z3[j] + (s3 - memory.s3[j])
+    p1, p2, p3 = memory.p1[j], memory.p2[j], memory.p3[j]
+    z1, z2, z3 = s1 - p1, s2 - p2, s3 - p3
     t1 = -shear * (z1 + damping * motion.gap_rate[0])
     t2 = -shear * (z2 + damping * motion.gap_rate[1])
     g3 = twist * (z3 + damping * motion.turn_rate[2])
@@ -56,12 +55,15 @@ def _along_joint(scene, j, motion, normal, g1, g2):
     if size > limit:
         t1, t2 = t1 * (limit / size), t2 * (limit / size)
         z1, z2 = -t1 / shear, -t2 / shear
+        p1, p2 = s1 - z1, s2 - z2
     if abs(g3) > couple:
         g3 = math.copysign(couple, g3)
         z3 = g3 / twist
+        p3 = s3 - z3
     found.t1[j], found.t2[j], found.g3[j] = t1, t2, g3
     found.s1[j], found.s2[j], found.s3[j] = s1, s2, s3
     found.z1[j], found.z2[j], found.z3[j] = z1, z2, z3
+    found.p1[j], found.p2[j], found.p3[j] = p1, p2, p3
     return t1, t2, g3
 
 

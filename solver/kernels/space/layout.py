@@ -57,8 +57,7 @@ PHASE = Table(
     *("wx", "wy", "wz"),  # rad/s, angular velocity in the axes of the body
 )
 COORDINATES = 7  # of a body, which come first
-# of a joint, constant within a step: elastic slips and twist z, and slips and twist, at its beginning
-MEMORY = Table("z1", "z2", "z3", "s1", "s2", "s3")
+MEMORY = Table("p1", "p2", "p3")  # m, m, rad: slips and twist that friction has given way by; constant within a step
 CONTROL = Record(
     "next_step",  # s
     "previous_error",  # tolerances
@@ -85,6 +84,7 @@ RESULTANTS = Table(  # of m joints, along the axes of the joint
     *("area", "pressure"),  # m2 loaded, Pa largest
     *("s1", "s2", "s3"),  # m, m, rad: slips and twist
     *("z1", "z2", "z3"),  # their elastic parts
+    *("p1", "p2", "p3"),  # and the rest, which friction gives way by
 )
 PULLS = Table("force", "stretch", "plastic")  # of k ties: N, m; plastic part of the stretch after the evaluation
 SCRATCH = 6 * (MOST_CORNERS + 4)  # of a polygon that is cut
@@ -118,13 +118,13 @@ def row_size(n: int, m: int, k: int) -> int:
 @in_both
 def rows_size(n: int, m: int, k: int) -> int:
     """Numbers of the rows of a step: phases and rates, then output rows."""
-    phases: int = (STAGES + 5) * padded(_PER_BODY * n)
-    outputs: int = SEEN * row_size(n, m, k)
-    return phases + outputs
+    phases, outputs = padded(_PER_BODY * n), row_size(n, m, k)
+    size: int = (STAGES + 5) * phases + SEEN * outputs
+    return size
 
 
 _OF_BLOCK, _OF_JOINT, _OF_BASE = len(OF_BLOCK), len(OF_JOINT), len(OF_BASE)
-_PER_BODY = PHASE.per_n
+_PER_BODY: int = PHASE.per_n
 SEEN = 5  # output rows of a step: at its start, in its middle, at its end, of a trial; what is allowed
 
 

@@ -125,8 +125,7 @@ def note(scene):
     """Note the elastic slips, and the lengths of ties, of the phase just evaluated, for `remember`."""
     kept, found = scene.kept, scene.resultants
     for j in range(scene.m):
-        kept.z1[j], kept.z2[j], kept.z3[j] = found.z1[j], found.z2[j], found.z3[j]
-        kept.s1[j], kept.s2[j], kept.s3[j] = found.s1[j], found.s2[j], found.s3[j]
+        kept.p1[j], kept.p2[j], kept.p3[j] = found.p1[j], found.p2[j], found.p3[j]
     for e in range(scene.k):
         scene.kept_plastic[e] = scene.pulls.plastic[e]
 
@@ -136,10 +135,8 @@ def remember(scene):
     """Go on from what was noted; whether any joint has slid."""
     memory, kept = scene.memory, scene.kept
     slides = False
-    for j in range(scene.m):
-        slides = slides or (kept.z1[j] - memory.z1[j]) != (kept.s1[j] - memory.s1[j])
-        slides = slides or (kept.z2[j] - memory.z2[j]) != (kept.s2[j] - memory.s2[j])
     for place in range(_PER_JOINT * scene.m):
+        slides = slides or memory.row[place] != kept.row[place]
         memory.row[place] = kept.row[place]
     for e in range(scene.k):
         scene.plastic[e] = scene.kept_plastic[e]
