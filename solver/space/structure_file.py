@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..common.errors import FINITE, InputError, check_number, shown
-from ..common.ranges import LENGTH, NUMBERS, check, check_choice, listed
+from ..common.ranges import LENGTH, MAX_BLOCKS, NUMBERS, check, check_choice, listed
 from .contacts import joints_between, turned_face
 from .faces import Face, FloatArray, polygon_moments
 from .parts import BASE, TOLERANCE, Bed, Joint, Solid, Tie
@@ -23,7 +23,7 @@ _OF_SHAPE = {
     "drum": ("diameter", "top_diameter", "bore", "height"),
     "prism": ("outline", "depth"),
 }
-_BLOCK = ("name", "shape", "on", "at", "position", "rotation", "mass", "density", "joint")
+_BLOCK = ("name", "shape", "on", "at", "position", "rotation", "mass", "density", "joint", "repeat")
 _JOINT = ("between", "at", "normal", "section", "width", "depth", "diameter", "bore", "outline", *_LAW)
 _TIE = ("between", "from", "to", "stiffness", "damping", "slack", "pretension", "tension_only", "yield")
 _OWN_RANGES = {
@@ -48,10 +48,10 @@ def parts_from(data: Mapping[str, Any]) -> dict[str, Any]:
     solids = _Solids()
     joints: list[Joint] = []
     for number, table in enumerate(_tables("block", data), start=1):
-        solids.add(f"block[{number}]", table)
+        for part in _repeated(f"block[{number}]", table):
+            solids.add(f"block[{number}]", part)
     blocks = tuple(solids.found)
-    for number, (upper, supports) in enumerate(solids.standing, start=1):
-        key = f"block[{number}]"
+    for upper, (key, supports) in enumerate(solids.standing):
         own = solids.laws[upper]
         for lower in supports:
             bed, below = _bed(f"{key}.joint", {**law, **own}), len(blocks) if lower < 0 else lower
@@ -67,6 +67,31 @@ def parts_from(data: Mapping[str, Any]) -> dict[str, Any]:
     return found | {"tolerance": tolerance, "without": tuple(solver.get("without", ()))}
 
 
+def _repeated(key: str, table: Mapping[str, Any]) -> list[Mapping[str, Any]]:
+    """The blocks of a table, each on the one before: name.1, name.2, ...; drums taper over all of them together."""
+    if "repeat" not in table:
+        return [table]
+    count = table["repeat"]
+    if isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= MAX_BLOCKS:
+        raise InputError(f"{key}.repeat = {shown(count)}: must be a whole number from 1 to {MAX_BLOCKS}")
+    for word, why in (("name", "the blocks count from it"), ("on", "the lowest one stands on it")):
+        if not isinstance(table.get(word), str):
+            raise InputError(f"{key}.{word} = {shown(table.get(word))}: must be a name beside repeat, {why}")
+    found = []
+    for k in range(count):
+        part = {word: value for word, value in table.items() if word != "repeat"} | {"name": f"{table['name']}.{k + 1}"}
+        if k:
+            part["on"] = f"{table['name']}.{k}"
+        if "top_diameter" in table:
+            wide, narrow = (_number(key, table, word) for word in ("diameter", "top_diameter"))
+            ends = [wide + (narrow - wide) * place / count for place in (k, k + 1)]
+            part["diameter"], part["top_diameter"] = ends
+        if k:
+            part.pop("at", None)
+        found.append(part)
+    return found
+
+
 def describes_structure(data: Mapping[str, Any]) -> bool:
     """Whether a file describes a structure rather than a column: its blocks say what they stand on, or where."""
     tables = data.get("block")
@@ -79,7 +104,7 @@ class _Solids:
 
     def __init__(self) -> None:
         self.found: list[Solid] = []
-        self.standing: list[tuple[int, list[int]]] = []
+        self.standing: list[tuple[str, list[int]]] = []  # key of the table
         self.laws: list[Mapping[str, Any]] = []
 
     def add(self, key: str, table: Mapping[str, Any]) -> None:
@@ -96,7 +121,7 @@ class _Solids:
         solid = _solid_from(key, name, shape, table, self._place(key, table, supports))
         self.found.append(solid)
         self.laws.append(own)
-        self.standing.append((len(self.found) - 1, supports))
+        self.standing.append((key, supports))
 
     def _named(self, key: str, table: Mapping[str, Any]) -> list[int]:
         """Numbers of what a block stands on; -1 for the base until the number of blocks is known."""

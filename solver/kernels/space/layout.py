@@ -119,8 +119,8 @@ def row_size(n: int, m: int, k: int) -> int:
 def rows_size(n: int, m: int, k: int) -> int:
     """Numbers of the rows of a step: phases and rates, then output rows."""
     phases, outputs = padded(_PER_BODY * n), row_size(n, m, k)
-    size: int = (STAGES + 5) * phases + SEEN * outputs
-    return size
+    size = (STAGES + 5) * phases + SEEN * outputs
+    return int(size)
 
 
 _OF_BLOCK, _OF_JOINT, _OF_BASE = len(OF_BLOCK), len(OF_JOINT), len(OF_BASE)
