@@ -84,11 +84,9 @@ def simulate(
 ) -> Response | SpatialResponse:
     """Response of a column, or of a structure in space, to a base motion, from the start of the motion.
 
-    A structure has neither formulation nor integrator nor step; its `initial` is a SpatialState.
-
     duration: s; None: that of the motion. Beyond the motion the base does not accelerate.
-    formulation, integrator, step (s), tolerance (relative to the peak), without (names of column.SKIPS: short cuts that
-    are not to be taken; "peaks": those of ux only are kept): None keeps the column's.
+    formulation, integrator, step (s; structures have none of these), tolerance (relative to the peak), without (names
+    of column.SKIPS: short cuts that are not to be taken; "peaks": those of ux only are kept): None keeps the column's.
     output_step: s between the rows of the response; None: 0.005. It has no influence on the steps, and the peaks are
     those of the motion between the rows as well.
     initial: None is rest in static equilibrium.

@@ -8,8 +8,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..kernels.space import layout as at
-from .faces import FloatArray
-from .parts import Joint, Solid, Tie
+from .blocks.faces import FloatArray
+from .blocks.parts import Joint, Solid, Tie
 
 FLOOR = 1e-3  # of the motion under which the structure settles as it is loaded: the least that errors are measured by
 FIRST = 0.1  # of the time in which the fastest joint turns by a radian
@@ -118,7 +118,7 @@ def _fill_joint(table: Any, j: int, joint: Joint, solids: tuple[Solid, ...], pla
     table.shear[j], table.twist[j] = shear * area, shear * (ixx + iyy)
     table.shear_damping[j] = bed.damping if bed.shear_damping is None else bed.shear_damping
     table.friction[j] = math.inf if bed.friction is None else bed.friction
-    table.dowel[j], table.arm[j], table.reach[j] = bed.dowel, joint.arm(), face.size
+    table.dowel[j], table.arm[j] = bed.dowel, joint.arm()
     table.section[j] = at.ROUND if face.radius else at.POLYGON
     table.outer[j], table.inner[j] = face.radius, face.bore
     table.first[j], table.corners[j] = place, len(face.outline)

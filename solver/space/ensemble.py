@@ -10,7 +10,7 @@ from ..common.errors import SolverError
 from ..dynamics.uncertainty import PERCENTILES, Ensemble, Spread
 from ..dynamics.verdict import OVERTURNED, UNDECIDED
 from ..ground.motion import Motion
-from .faces import FloatArray
+from .blocks.faces import FloatArray
 from .response import SpatialResponse
 from .run import single_run
 from .structure import Structure

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..common.errors import InputError
-from .faces import FloatArray
+from .blocks.faces import FloatArray
 from .rest import full_stiffness, rest_of
 from .structure import Structure
 

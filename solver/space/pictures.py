@@ -11,9 +11,9 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
-from .faces import FloatArray
-from .parts import Solid
-from .shapes import turned
+from .blocks.faces import FloatArray
+from .blocks.parts import Solid
+from .blocks.shapes import turned
 
 if TYPE_CHECKING:
     from .structure import Structure

@@ -14,8 +14,8 @@ from ..dynamics.response import DIGITS, check_digits
 from ..dynamics.uncertainty import Ensemble, ErrorEstimate
 from ..ground.motion import Motion
 from ..kernels.space import layout as at
-from .faces import FloatArray
-from .shapes import turned
+from .blocks.faces import FloatArray
+from .blocks.shapes import turned
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -15,7 +15,7 @@ import numpy as np
 from ..common.errors import InputError
 from ..kernels.space import layout as at
 from .arrays import centroid_of
-from .faces import FloatArray
+from .blocks.faces import FloatArray
 from .stepper import Stepper
 
 if TYPE_CHECKING:

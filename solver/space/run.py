@@ -14,7 +14,7 @@ from ..dynamics.uncertainty import ErrorEstimate
 from ..dynamics.verdict import OVERTURNED, STANDING, UNDECIDED
 from ..ground.motion import Motion
 from ..kernels.space import layout as at
-from .faces import FloatArray
+from .blocks.faces import FloatArray
 from .response import SpatialResponse
 from .rest import Rest, rest_of, start_from
 from .stepper import Stepper

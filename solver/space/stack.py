@@ -11,10 +11,10 @@ from ..column.block import Block
 from ..common.errors import InputError
 from ..kernels.sections.faces import STRIPS, is_round
 from ..kernels.sections.faces import Face as PlaneFace
-from .contacts import GROUND
-from .faces import Face, shared
-from .parts import Bed, Joint, Solid
-from .shapes import box, drum, rectangle
+from .blocks.contacts import GROUND
+from .blocks.faces import Face, shared
+from .blocks.parts import Bed, Joint, Solid
+from .blocks.shapes import box, drum, rectangle
 
 if TYPE_CHECKING:
     from ..column.column import Column

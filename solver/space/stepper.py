@@ -13,7 +13,7 @@ from ..ground.motion import Motion
 from ..kernels.space import layout as at
 from ..kernels.space.entries import observe_structure, run_structure, stiffness_of
 from .arrays import Model, State, phase_of, state_of
-from .faces import FloatArray
+from .blocks.faces import FloatArray
 
 if TYPE_CHECKING:
     from .structure import Structure

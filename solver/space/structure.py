@@ -14,7 +14,7 @@ from ..common import ranges
 from ..common.errors import InputError, reading, shown
 from ..common.files import check_file_name, toml_of
 from .arrays import Model, model_of
-from .parts import BASE, TOLERANCE, Joint, Solid, Tie
+from .blocks.parts import BASE, TOLERANCE, Joint, Solid, Tie
 from .stack import stacked
 from .structure_file import parts_from
 

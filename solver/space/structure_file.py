@@ -9,10 +9,10 @@ import numpy as np
 
 from ..common.errors import FINITE, InputError, check_number, shown
 from ..common.ranges import LENGTH, MAX_BLOCKS, NUMBERS, check, check_choice, listed
-from .contacts import joints_between, turned_face
-from .faces import Face, FloatArray, polygon_moments
-from .parts import BASE, TOLERANCE, Bed, Joint, Solid, Tie
-from .shapes import box, drum, prism, rectangle, rotation_matrix
+from .blocks.contacts import joints_between, turned_face
+from .blocks.faces import Face, FloatArray, polygon_moments
+from .blocks.parts import BASE, TOLERANCE, Bed, Joint, Solid, Tie
+from .blocks.shapes import box, drum, prism, rectangle, rotation_matrix
 
 SHAPES = ("box", "drum", "prism")
 SECTIONS = ("rectangle", "circle", "ring", "polygon")
@@ -77,9 +77,11 @@ def _repeated(key: str, table: Mapping[str, Any]) -> list[Mapping[str, Any]]:
     for word, why in (("name", "the blocks count from it"), ("on", "the lowest one stands on it")):
         if not isinstance(table.get(word), str):
             raise InputError(f"{key}.{word} = {shown(table.get(word))}: must be a name beside repeat, {why}")
-    found = []
+    found: list[Mapping[str, Any]] = []
     for k in range(count):
-        part = {word: value for word, value in table.items() if word != "repeat"} | {"name": f"{table['name']}.{k + 1}"}
+        part: dict[str, Any] = {word: value for word, value in table.items() if word != "repeat"} | {
+            "name": f"{table['name']}.{k + 1}"
+        }
         if k:
             part["on"] = f"{table['name']}.{k}"
         if "top_diameter" in table:

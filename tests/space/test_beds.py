@@ -14,7 +14,7 @@ from solver.kernels.space.bed import Plane
 from solver.kernels.space.disc import round_bed, round_square
 from solver.kernels.space.entries import scene_of
 from solver.kernels.space.polygon import polygon_bed, polygon_square
-from solver.space.faces import FloatArray
+from solver.space.blocks.faces import FloatArray
 from solver.space.stepper import Stepper
 from solver.space.structure import Structure
 

@@ -12,8 +12,8 @@ from support.structures import MODULUS, run, stack, with_law
 
 from solver import simulate
 from solver.ground.motion import Motion
+from solver.space.blocks.faces import FloatArray
 from solver.space.builders import arch
-from solver.space.faces import FloatArray
 from solver.space.rest import rest_of, start_from
 from solver.space.run import SpatialState, _set_initial
 from solver.space.stepper import Stepper

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from solver.ground.motion import Motion
-from solver.space.parts import Joint
+from solver.space.blocks.parts import Joint
 from solver.space.response import SpatialResponse
 from solver.space.run import SpatialState, single_run
 from solver.space.structure import Structure

@@ -1,4 +1,4 @@
-"""The pressure on a joint: its resultants over the part of the section that is loaded (theory.md section 12).
+"""The pressure on a joint: its resultants over the part of the section that is loaded (theory.md section 13).
 
 The penetration p and what the damper makes of it, q = p + damping dp/dt, are linear over the section. The pressure is
 stiffness times q where p and q are positive: the section cut by two half-planes. All integrals are sums of positive

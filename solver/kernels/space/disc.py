@@ -9,14 +9,13 @@ import math
 
 from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.numbers import angle_of
-from ..sections.circle import SERIES, SMALL, TERMS, circle_part
+from ..sections.circle import SMALL, TERMS, circle_part
 from .bed import Bed, add, nothing, triangle, value, whole
 
 # 2/3 of the integral of sin^4 over sin^5, in powers of sin^2, the highest first: 1 / cos = sum of these times sin^2k
 ACROSS = tuple(2.0 / 3.0 * math.comb(2 * k, k) / 4**k / (5 + 2 * k) for k in range(TERMS))[::-1]
 TINY = 1e-300
 PARALLEL = 1e-14  # sine of the angle between two chords that are taken as parallel
-assert len(SERIES) == TERMS
 
 
 @leaf

@@ -1,4 +1,4 @@
-"""The joint of six components: no-tension bed, elastic along itself up to Coulomb's limit (theory.md section 12)."""
+"""The joint of six components: no-tension bed, elastic along itself up to Coulomb's limit (theory.md section 13)."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""Bodies and joints in motion: rotations, and relative motion of the faces of a joint (theory.md section 12)."""
+"""Bodies and joints in motion: rotations, and relative motion of the faces of a joint (theory.md section 13)."""
 
 import math
 from typing import NamedTuple

@@ -38,7 +38,7 @@ JOINTS = Table(
     *("friction", "dowel"),  # coefficient, infinite where nothing slides; N
     "section",  # POLYGON or ROUND
     *("area", "ixx", "iyy", "ixy"),  # m2; m4, integrals of x^2, y^2, x y about the centre, which is the centroid
-    *("reach", "arm"),  # m, of the farthest point from the centre; mean distance of the section from it
+    "arm",  # m, mean distance of the section from the centre
     *("outer", "inner"),  # m, radii of a round section
     *("first", "corners"),  # place and number of the corners of a polygon
 )
@@ -56,7 +56,6 @@ PHASE = Table(
     *("vx", "vy", "vz"),  # m/s
     *("wx", "wy", "wz"),  # rad/s, angular velocity in the axes of the body
 )
-COORDINATES = 7  # of a body, which come first
 MEMORY = Table("p1", "p2", "p3")  # m, m, rad: slips and twist that friction has given way by; constant within a step
 CONTROL = Record(
     "next_step",  # s
@@ -130,7 +129,8 @@ SEEN = 5  # output rows of a step: at its start, in its middle, at its end, of a
 
 def work_size(n: int, m: int, k: int) -> int:
     """Length of the work array: its parts in the order of `entries.scene_of`."""
-    return rows_size(n, m, k) + POSES.size(n + 1) + RESULTANTS.size(m) + PULLS.size(k) + MEMORY.size(m) + k + SCRATCH
+    of_evaluation = POSES.size(n + 1) + RESULTANTS.size(m) + PULLS.size(k) + MEMORY.size(m) + k + SCRATCH
+    return int(rows_size(n, m, k)) + of_evaluation
 
 
 class Scene(NamedTuple):

@@ -244,7 +244,7 @@ def advance(scene, shaking, watch, phase, t, stop, most):
             t = stop
             break
         end = stop
-        if segment + 1 < shaking.size and shaking.times[segment + 1] < stop * (1.0 - 1e-15):
+        if segment + 1 < shaking.size and shaking.times[segment + 1] < stop:
             end = shaking.times[segment + 1]
         most_step = control.next_step
         if shaking.base.omega != 0.0:

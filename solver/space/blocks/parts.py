@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..common.errors import InputError
+from ...common.errors import InputError
 from .faces import Face, FloatArray, polygon_moments
 
 TOLERANCE = 1e-5  # of a structure that has none of its own
@@ -43,7 +43,7 @@ class Solid:
 
 @dataclass(frozen=True)
 class Bed:
-    """The law of a joint: no tension across, elastic along itself up to Coulomb's limit (theory.md section 12)."""
+    """The law of a joint: no tension across, elastic along itself up to Coulomb's limit (theory.md section 13)."""
 
     stiffness: float  # N/m3, Winkler modulus
     damping: float  # s

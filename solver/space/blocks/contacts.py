@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..common.errors import InputError
+from ...common.errors import InputError
 from .faces import Face, FloatArray, shared
 from .parts import BASE, Bed, Joint, Solid
 from .shapes import rectangle
