@@ -117,6 +117,8 @@ class _Solids:
         name = table.get("name", f"block{len(self.found) + 1}")
         if not isinstance(name, str) or not name:
             raise InputError(f"{key}.name = {shown(name)}: must be a word")
+        if name == BASE or any(solid.name == name for solid in self.found):
+            raise InputError(f"{key}.name = {shown(name)}: must be another name, it is taken")
         own = table.get("joint", {})
         _check_keys(f"{key}.joint.", own, _LAW)
         supports = self._named(key, table)

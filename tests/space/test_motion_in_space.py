@@ -13,8 +13,8 @@ from support.structures import MODULUS, run, stack, with_law
 from solver import simulate
 from solver.ground.motion import Motion
 from solver.space.blocks.faces import FloatArray
-from solver.space.builders import arch
-from solver.space.rest import rest_of, start_from
+from solver.space.builders import arch, colonnade
+from solver.space.rest import _move, residual_of, rest_of, start_from
 from solver.space.run import SpatialState, _set_initial
 from solver.space.stepper import Stepper
 from solver.space.structure import Structure
@@ -95,6 +95,32 @@ def test_forces_are_in_balance_with_momentum() -> None:
         across = np.cross(q, own)
         moment += own + 2.0 * (see.q0[i] * across + np.cross(q, across))
     assert force[3:] == pytest.approx(-moment, rel=1e-9)  # measured 1e-13
+
+
+@pytest.mark.parametrize("name", ["arch", "trilith", "drums"])
+def test_forces_are_the_slopes_of_the_energy(name: str) -> None:
+    """At random places, with large rotations and faces that are inclined, without damping and friction."""
+    rng = np.random.default_rng(7)
+    law = {"stiffness": 1e8, "damping": 0.0}
+    structure = {
+        "arch": lambda: arch(5, 5.0, 1.0, 1.0, law, angle=2.5),
+        "trilith": lambda: colonnade(2, 2, 3.0, 1.0, 3.0, law),
+        "drums": lambda: stack(3, "circle", damping=0.0),
+    }[name]()
+    stepper, n = Stepper(structure), structure.n
+    _move(stepper, rng.normal(size=6 * n) * np.tile([0.01] * 3 + [0.1] * 3, n))
+    force, phase = residual_of(stepper), stepper.phase.copy()
+    work = 1e-6
+    for k in range(6 * n):
+        change = np.zeros(6 * n)
+        change[k] = work
+        energies = []
+        for way in (1.0, -1.0):
+            stepper.phase[:] = phase
+            _move(stepper, way * change)
+            energies.append(stepper.observe())
+        slope = -0.5 * (energies[0] - energies[1]) / work
+        assert slope == pytest.approx(force[k], abs=1e-7 * float(np.max(np.abs(force))))
 
 
 @pytest.mark.parametrize("angle", [0.0, math.radians(36.0)])
