@@ -9,11 +9,13 @@ from pathlib import Path
 
 import numpy as np
 
-from ..common.errors import InputError, reading
+from ..common.errors import InputError, needing, reading
 from ..common.files import check_outputs, toml_of
+from ..dynamics.first_run import are_kept
 from ..dynamics.response import check_digits
 from ..dynamics.uncertainty import Spread
 from ..ground.motion import STANDARD_GRAVITY, Motion
+from ..kernels.space.entries import run_structure
 from ..runs.simulate import simulate
 from ..space.modes import modes_in_space
 from ..space.response import SpatialResponse
@@ -38,17 +40,23 @@ def is_structure_file(path: Path) -> bool:
 
 def simulate_in_space(options: argparse.Namespace) -> None:
     """Run and print; write the files asked for. Raises InputError, SolverError, OSError."""
-    for name in ("formulation", "integrator", "step", "film"):
+    for name in ("formulation", "integrator", "step"):
         if getattr(options, name) is not None:
             raise InputError(f"--{name}: must be left out, structures in space have none")
     if options.output is not None:
         check_suffix(options.output, ".csv")
     check_picture(options.plot)
     check_picture(options.plot_column)
-    outputs = (options.output, options.plot, options.plot_column)
+    if options.film is not None:
+        with needing("plot", "matplotlib"):
+            from ..plotting.drawings import check_film
+        check_film(options.film)
+    outputs = (options.output, options.plot, options.plot_column, options.film)
     check_outputs(outputs, (options.column, options.motion, options.vertical, options.across), options.force)
     check_digits("--digits", options.digits)
     structure = Structure.from_toml(options.column)
+    if not are_kept(run_structure):
+        print("compiling the kernels, once", flush=True)
     motion, lines = motion_of(options)
     print(*lines, _report(structure, motion), sep="\n", flush=True)
     stiffness, damping, shaking = options.spread
@@ -58,6 +66,7 @@ def simulate_in_space(options: argparse.Namespace) -> None:
         lambda path: response.to_csv(path, options.digits),
         response.plot,
         response.plot_structure,
+        response.film,
     )
     for path, write in zip(outputs, writers, strict=True):
         if path is not None:

@@ -7,10 +7,14 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
+from matplotlib.animation import AbstractMovieWriter, FFMpegWriter, PillowWriter
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
+from ..common.errors import POSITIVE, check_number
+from ..common.files import whole_file
+from ..plotting.drawings import FILM_DPI, check_film
 from .blocks.faces import FloatArray
 from .blocks.parts import Solid
 from .blocks.shapes import turned
@@ -39,6 +43,7 @@ class Shown(Protocol):
     def contact(self) -> FloatArray: ...
 
 
+ROOM = 0.12  # of the extent: around a structure that is filmed
 VISIBLE = 0.08  # of the extent: largest deformation in a picture
 STONE, EDGE = "#d9d2c3", "#6b6558"
 SIDES = 24
@@ -50,12 +55,8 @@ def plot_structure(
 ) -> Figure:
     """The structure at an instant, deformation enlarged."""
     k = _row_at(response, at)
-    u = np.stack([response.ux[k], response.uy[k], response.uz[k]], axis=-1)
-    turn = response.rotation[k]
-    extent = max(float(np.max(np.ptp(_all_corners(response.structure), axis=0))), 1e-9)
-    if scale is None:
-        largest = max(float(np.max(np.abs(u))), 1e-12)
-        scale = min(max(1.0, _round(VISIBLE * extent / largest)), 1e4)
+    scale = _scale_of(response, k) if scale is None else scale
+    u, turn = _places(response, k)
     figure = Figure(figsize=(6.4, 6.4), layout="constrained")
     axes = figure.add_subplot(projection="3d")
     draw_blocks(axes, response.structure, scale * u, scale * turn)
@@ -64,15 +65,41 @@ def plot_structure(
     return _saved(figure, path)
 
 
-def draw_blocks(axes: Any, structure: Structure, u: FloatArray, turn: FloatArray) -> None:
-    """Blocks displaced by u, m (n, 3), and turned, rad (n, 3), into axes in three dimensions."""
+def film(response: Shown, path: str | os.PathLike[str], scale: float | None, fps: int, speed: float) -> None:
+    """The structure in motion, deformation enlarged; fps: pictures a second, speed: s of motion in a second of film."""
+    check_film(path)
+    fps = round(check_number("fps", fps, (1.0, 100.0), "a whole number of pictures a second, from 1 to 100"))
+    speed = check_number("speed", speed, POSITIVE, "seconds of motion in a second of film, positive")
+    time, scale = response.time, _scale_of(response, _row_at(response, None)) if scale is None else scale
+    figure = Figure(figsize=(5.6, 5.6), layout="constrained")
+    axes = figure.add_subplot(projection="3d")
+    writer: AbstractMovieWriter = FFMpegWriter(fps=fps) if os.fspath(path).endswith(".mp4") else PillowWriter(fps=fps)
+    with whole_file(path) as partial, writer.saving(figure, os.fspath(partial), FILM_DPI):
+        for instant in np.arange(time[0], time[-1] + 1e-9, speed / fps):
+            k = _row_at(response, float(instant))
+            axes.clear()
+            u, turn = _places(response, k)
+            draw_blocks(axes, response.structure, scale * u, scale * turn, _limits(response.structure))
+            axes.set_title(f"{time[k]:.2f} s, deformation x {scale:g}", fontsize=10)
+            writer.grab_frame()
+
+
+def draw_blocks(
+    axes: Any,
+    structure: Structure,
+    u: FloatArray,
+    turn: FloatArray,
+    limits: tuple[FloatArray, FloatArray] | None = None,
+) -> None:
+    """Blocks displaced by u, m (n, 3), and turned, rad (n, 3), into axes in space; limits: of the axes, m."""
     points = []
     for block, moved, rotation in zip(structure.blocks, u, turn, strict=True):
         faces = [_moved(face, block, moved, rotation) for face in _surfaces(block)]
         points += faces
         axes.add_collection3d(Poly3DCollection(faces, facecolors=STONE, edgecolors=EDGE, linewidth=0.3, shade=True))
     corners = np.concatenate(points)
-    low, high = corners.min(axis=0), corners.max(axis=0)
+    low, high = (corners.min(axis=0), corners.max(axis=0)) if limits is None else limits
+    low = low.copy()
     low[2] = min(low[2], 0.0)
     middle, half = 0.5 * (low + high), 0.5 * float(np.max(high - low))
     span = np.maximum(high - low, 0.25 * 2.0 * half)
@@ -128,6 +155,28 @@ def _row_at(response: Shown, at: float | None) -> int:
 
 def _all_corners(structure: Structure) -> FloatArray:
     return np.concatenate([block.corners for block in structure.blocks])
+
+
+def _limits(structure: Structure) -> tuple[FloatArray, FloatArray]:
+    """Corners of a box around the structure, with room for its motion, m."""
+    corners = _all_corners(structure)
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    room = ROOM * float(np.max(high - low))
+    return low - room * np.array([1.0, 1.0, 0.0]), high + room
+
+
+def _places(response: Shown, k: int) -> tuple[FloatArray, FloatArray]:
+    """Displacements and rotations of all blocks at row k, (n, 3) each."""
+    u = np.stack([response.ux[k], response.uy[k], response.uz[k]], axis=-1)
+    turn: FloatArray = response.rotation[k]
+    return u, turn
+
+
+def _scale_of(response: Shown, k: int) -> float:
+    """A scale by which the deformation at row k is seen; 1 where it is large."""
+    extent = max(float(np.max(np.ptp(_all_corners(response.structure), axis=0))), 1e-9)
+    largest = max(float(np.max(np.abs(_places(response, k)[0]))), 1e-12)
+    return min(max(1.0, _round(VISIBLE * extent / largest)), 1e4)
 
 
 def _surfaces(block: Solid) -> list[FloatArray]:

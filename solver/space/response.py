@@ -149,6 +149,15 @@ class SpatialResponse:
             from .pictures import plot_structure
         return plot_structure(self, path, at, scale)
 
+    def film(self, path: str | os.PathLike[str], scale: float | None = None, fps: int = 20, speed: float = 1.0) -> None:
+        """Write a film of the structure, a GIF or, if ffmpeg is installed, an MP4; `speed`: s of motion in a s of film.
+
+        Raises InputError without matplotlib (the extra `plot`).
+        """
+        with needing("plot", "matplotlib"):
+            from .pictures import film
+        film(self, path, scale, fps, speed)
+
     def plot_plan(self, path: str | os.PathLike[str] | None = None, blocks: Sequence[str | int] = (0,)) -> Figure:
         """Draw the orbits of blocks in plan.
 

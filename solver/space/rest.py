@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from copy import copy
 from functools import lru_cache
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -16,10 +16,9 @@ from ..common.errors import InputError
 from ..kernels.space import layout as at
 from .arrays import centroid_of
 from .blocks.faces import FloatArray
+from .blocks.parts import Joint, Solid, Tie
 from .stepper import Stepper
-
-if TYPE_CHECKING:
-    from .structure import Structure
+from .structure import Structure
 
 LOADS = 4  # steps of the weight, where joints may slide
 MOST_ITERATIONS = 200
@@ -40,11 +39,13 @@ class Rest(NamedTuple):
 
 def rest_of(structure: Structure) -> Rest:
     """The rest of a structure. Raises InputError if it has none that is stable."""
-    return _rest_of(structure)
+    return _rest_of(structure.blocks, structure.joints, structure.ties, structure.g)
 
 
 @lru_cache(maxsize=64)
-def _rest_of(structure: Structure) -> Rest:
+def _rest_of(blocks: tuple[Solid, ...], joints: tuple[Joint, ...], ties: tuple[Tie, ...], g: float) -> Rest:
+    """The rest does not depend on the settings of a run."""
+    structure = Structure("structure", blocks, joints, ties, g)
     stepper = Stepper(structure)
     linear = full_stiffness(structure)
     weight = structure.weight

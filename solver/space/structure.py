@@ -112,6 +112,8 @@ class Structure:
 
     def with_settings(self, *, tolerance: float | None = None, without: Sequence[str] | None = None) -> Structure:
         """A copy with other settings; None keeps the present one. Raises InputError."""
+        if tolerance is None and without is None:
+            return self
         tolerance = self.tolerance if tolerance is None else tolerance
         return replace(self, tolerance=tolerance, without=self.without if without is None else tuple(without))
 

@@ -9,11 +9,23 @@ from typing import Any
 
 import numpy as np
 import pytest
+from PIL import Image
 from support.fmus import ROOT
 from support.probe import G, random_column
 from support.structures import MODULUS, run, stack, with_law
 
-from multiblock import Column, InputError, Motion, Structure, arch, colonnade, modes_in_space, simulate, wall
+from multiblock import (
+    Column,
+    InputError,
+    Motion,
+    Structure,
+    arch,
+    colonnade,
+    modes_in_space,
+    simulate,
+    simulate_many,
+    wall,
+)
 from solver.commands.command_line import main
 from solver.space.blocks.faces import clipped, polygon_moments
 from solver.space.blocks.shapes import rotation_matrix
@@ -212,6 +224,29 @@ def test_response_and_its_files(tmp_path: Path) -> None:
     response.plot_plan(tmp_path / "plan.png", ("beam",))
     again = simulate(structure, motion, settle=0.0)
     assert np.array_equal(again.rows, response.rows)  # the same bits
+
+
+def test_many_structures_in_one_table() -> None:
+    structure = Structure.from_dict(TRILITH)
+    motions = [Motion.harmonic(level * G, 1.4, 0.4, direction=0.4) for level in (0.1, 0.2, 0.3)]
+    table = simulate_many(structure, motions, keep=("peak_ux", "least_contact", "verdict", "steps"), settle=0.0)
+    alone = simulate(structure, motions[1], settle=0.0)
+    assert table["peak_ux"].shape == (3, 3)
+    assert np.array_equal(table["peak_ux"][1], alone.peaks["ux"])
+    assert np.array_equal(table["least_contact"][1], alone.peaks["contact"])
+    assert table["verdict"][1] == alone.verdict
+    assert table["steps"][1] == alone.stats["steps"]
+    with pytest.raises(InputError, match="keep: 'energy'"):
+        simulate_many(structure, motions, keep=("energy",))
+    with pytest.raises(InputError, match="ay: a column moves in its plane"):
+        simulate_many(random_column(np.random.default_rng(1), 2), motions)
+
+
+def test_film(tmp_path: Path) -> None:
+    response = simulate(Structure.from_dict(TRILITH), Motion.harmonic(0.3 * G, 1.4, 0.4, direction=0.4), settle=0.0)
+    response.film(tmp_path / "film.gif", fps=10)
+    with Image.open(tmp_path / "film.gif") as picture:
+        assert getattr(picture, "n_frames", 1) == 5
 
 
 def test_what_planes_and_structures_have_not_is_refused() -> None:
