@@ -169,6 +169,12 @@ class Column(Shown):
         """
         return next((block.joint.other_law for block in self.blocks if block.joint.other_law), "")
 
+    def in_space(self) -> Any:
+        """The same blocks and joints as a structure in space (`Structure.stack`). Raises InputError."""
+        from ..space.structure import Structure  # above this package: imported when it is called
+
+        return Structure.stack(self)
+
     @classmethod
     def from_toml(cls, path: str | os.PathLike[str]) -> Column:
         """Read a column from a TOML file; its keys are those of `from_dict`.

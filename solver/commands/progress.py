@@ -10,7 +10,6 @@ from typing import Any, Self
 from ..dynamics.first_run import are_kept, make_kernels
 from ..kernels.numba_ext.numba_parts import LINKING
 from ..runs.ensemble import interruptible
-from ..runs.single_run import Glance
 
 PLAIN_TAKES = ", by numba's own pipeline: two minutes and more"
 PATIENCE = 2.0  # s, for which nothing is shown
@@ -56,7 +55,7 @@ class ProgressLine(Line):
         super().__init__(bar_format="{percentage:3.0f}% |{bar}| {n:.4g} of {total:.4g} s")
         self._start, self._duration = start, duration
 
-    def __call__(self, t: float, seen: Glance) -> None:
+    def __call__(self, t: float, seen: object) -> None:
         """Show that time t, s, is reached."""
         self.show(min(self._duration, t - self._start), self._duration)
 

@@ -21,7 +21,7 @@ MOTION = Motion.harmonic(0.05 * G, 2.0, 4.0)
 
 
 def ensemble_of(*arguments: object, **options: object) -> Ensemble:
-    found = simulate(*arguments, **options).ensemble  # type: ignore[arg-type]
+    found = simulate(*arguments, **options).ensemble  # type: ignore[call-overload]
     assert found is not None
     return found
 
