@@ -68,22 +68,11 @@ def simulate_many(
     finish is "undecided", its numbers are NaN and `table.stats["failures"]` says why.
     Raises InputError for a wrong value, ExecutorError where the executor fails. Warns as `simulate`, once for all.
     """
+    given = locals()  # passed on as they are
     summary = Summary()
     parts: list[Table] = []
     try:
-        for part in parts_of_many(
-            columns,
-            motions,
-            duration=duration,
-            tolerance=tolerance,
-            keep=keep,
-            executor=executor,
-            threads=threads,
-            settle=settle,
-            responses=responses,
-            callback=callback,
-            summary=summary,
-        ):
+        for part in parts_of_many(**given, summary=summary):
             parts.append(part)
     except ExecutorError as lost:
         lost.finished = parts
