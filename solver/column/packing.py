@@ -40,7 +40,7 @@ LEAST_STEP = 1e-9  # s, below any limit of stability
 
 @dataclass(frozen=True)
 class InitialState:
-    """Where a run starts; None is rest, static equilibrium under gravity.
+    """The start of a run; None is rest, static equilibrium under gravity.
 
     Sequences of n numbers, block 1 (the top) first, counted from the column as built: `rotation` rad clockwise,
     `rotation_rate` rad/s, `opening` m of the joint under each block along its normal (negative: compressed),

@@ -153,7 +153,7 @@ def _executor(options: argparse.Namespace) -> Iterator[Any]:
 
 
 def summary(results: Results) -> str:
-    """What the runs come to, in some lines."""
+    """The results of the runs, in some lines."""
     study = results.study
     fell, failed = int(np.sum(results.overturned)), int(np.sum(results["failure"] != ""))
     undecided = int(np.sum(results["verdict"] == "undecided"))
