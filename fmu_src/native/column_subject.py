@@ -37,7 +37,6 @@ from ..variables import (
 )
 from .table import Check, Chosen, Subject
 
-ENTRIES = "solver.kernels.api.pointers:ENTRIES"  # of the kernels
 # input -> the input that is its slope
 SLOPES = {"base.ax": "base.jx", "base.az": "base.jz", "base.theta": "base.omega", "base.omega": "base.alpha"}
 CODES = {FORMULATION.name: FORMULATION_CODES, INTEGRATOR.name: INTEGRATOR_CODES}
