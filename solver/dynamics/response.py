@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -42,6 +43,7 @@ def check_digits(key: str, digits: int) -> int:
     return check_whole(key, digits, 1, MOST_DIGITS, f"a whole number from 1 to {MOST_DIGITS}")
 
 
+@dataclass(eq=False, repr=False)
 class Response(Framed, Shown):
     """Histories (nt, n), block and joint 1 (the top) first; base reaction (nt,).
 
@@ -69,34 +71,19 @@ class Response(Framed, Shown):
     Histories are computed from the motion when one of them is first used, which may raise SolverError.
     """
 
-    def __init__(
-        self,
-        column: Column,
-        time: FloatArray,
-        observe: Callable[[], FloatArray],
-        peaks: dict[str, FloatArray],
-        overturned_joint: int,
-        overturn_time: float,
-        stats: dict[str, Any],
-        verdict: str = "undecided",
-        reason: str = "",
-    ) -> None:
-        """`observe` returns the output rows (nt, 10 n + 3)."""
-        self.column = column
-        self.time = time
-        self._observe = observe
-        self.peaks = peaks
-        self.overturned = overturned_joint > 0
-        self.overturned_joint = overturned_joint
-        self.overturn_time = overturn_time
-        self.stats = stats
-        self.verdict = verdict
-        self.reason = reason
-        self.estimated_error: ErrorEstimate | None = None
-        self.horizon: float | None = None
-        self.ensemble: Ensemble | None = None
-
-        self.motion: Motion | None = None  # of the base; drawn above the histories
+    column: Column
+    time: FloatArray
+    _observe: Callable[[], FloatArray]  # returns the output rows (nt, 10 n + 3)
+    peaks: dict[str, FloatArray]
+    overturned_joint: int
+    overturn_time: float
+    stats: dict[str, Any]
+    verdict: str = "undecided"
+    reason: str = ""
+    estimated_error: ErrorEstimate | None = None
+    horizon: float | None = None
+    ensemble: Ensemble | None = None
+    motion: Motion | None = None  # of the base; drawn above the histories
 
     def _facts(self) -> tuple[str, ...]:
         facts = [f"of {self.column.name}", self.verdict, f"{1e3 * float(np.max(self.peak_ux)):.4g} mm at most"]
@@ -154,6 +141,11 @@ class Response(Framed, Shown):
     Fx = property(lambda self: self._base("Fx"))
     Fz = property(lambda self: self._base("Fz"))
     My = property(lambda self: self._base("My"))
+
+    @property
+    def overturned(self) -> bool:
+        """Whether the column falls, within the run or after it."""
+        return self.overturned_joint > 0
 
     @property
     def peak_ux(self) -> FloatArray:

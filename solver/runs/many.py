@@ -70,6 +70,7 @@ def simulate_many(
     finish is "undecided", its numbers are NaN and `table.stats["failures"]` says why.
     Raises InputError for a wrong value, ExecutorError where the executor fails. Warns as `simulate`, once for all.
     """
+    given = locals()  # passed on as they are
     if are_structures(columns):
         if executor is not None or responses:
             raise InputError("executor: must be left out, as responses, structures run in threads")
@@ -78,19 +79,7 @@ def simulate_many(
     summary = Summary()
     parts: list[Table] = []
     try:
-        for part in parts_of_many(
-            columns,  # type: ignore[arg-type]  # the others have been made
-            motions,
-            duration=duration,
-            tolerance=tolerance,
-            keep=keep,
-            executor=executor,
-            threads=threads,
-            settle=settle,
-            responses=responses,
-            callback=callback,
-            summary=summary,
-        ):
+        for part in parts_of_many(**given, summary=summary):
             parts.append(part)
     except ExecutorError as lost:
         lost.finished = parts

@@ -24,7 +24,6 @@ from .ensemble import ensemble_of
 from .single_run import OUTPUT_STEP, SETTLE, Callback, output_times, single_run
 from .trust import finer, judge
 
-MOST_ROWS = 10**8
 MOST_RUNS = 10**5
 
 
@@ -103,12 +102,10 @@ def simulate(
         motion = Motion.from_file(motion)
     duration = motion.duration if duration is None else _positive("duration", duration)
     output_step = OUTPUT_STEP if output_step is None else _positive("output_step", output_step)
-    if duration / output_step > MOST_ROWS:
-        raise InputError(f"output_step = {output_step}: must be larger, for at most {MOST_ROWS} rows in {duration} s")
+    times = output_times(motion, duration, output_step)
     settle = 0.0 if settle == 0 else _positive("settle", settle)
     ensemble = check_whole("ensemble", ensemble, 0, MOST_RUNS, f"a number of runs, at most {MOST_RUNS}")
     spread = Spread() if spread is None else spread
-    times = output_times(motion, duration, output_step)
     if isinstance(column, Structure):
         for name, value in {"formulation": formulation, "integrator": integrator, "step": step}.items():
             if value is not None:

@@ -1,4 +1,4 @@
-"""What a column stands statically: at rest, and under a steady horizontal acceleration up to where it topples.
+"""Static capacity of a column: at rest, and under a steady horizontal acceleration up to where it topples.
 
 A base that accelerates steadily by a towards -x pushes every block by a times its mass towards +x. The places in which
 the column balances under it form a curve: from rest, over the largest acceleration that it balances, down to the place

@@ -72,7 +72,7 @@ class Random:
         return cls(Distribution.from_table(key, numbers), table.get("relative", False), table.get("each", False))
 
     def to_table(self) -> dict[str, Any]:
-        """What `from_table` turns into this very parameter."""
+        """The table that `from_table` turns into this very parameter."""
         return {**self.distribution.to_table(), "relative": self.relative, "each": self.each}
 
 
@@ -86,7 +86,7 @@ class Planned(NamedTuple):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Study(Shown):
-    """What is run, and how the runs differ; see the module. Raises InputError on what does not go together.
+    """The runs, and how they differ; see the module. Raises InputError on values that do not go together.
 
     grid: name -> values. random: name -> parameter. Names are those of parameters.py, `motion.KEY` of a number of the
     motions, and `intensity`: the value of `measure` that the motion is scaled to. samples: of the random parameters, by
@@ -208,7 +208,7 @@ class Study(Shown):
         return Planned(Run(column, motion, duration), values, measures)
 
     def values(self, number: int) -> dict[str, float]:
-        """What is varied, by name, for a run."""
+        """The varied numbers of a run, by name."""
         place = np.unravel_index(number, self.shape)
         values = {"column": float(place[0]), "motion": float(place[1])}
         for (name, items), k in zip(self.grid.items(), place[2:-1], strict=True):
@@ -222,7 +222,7 @@ class Study(Shown):
         return parameter is not None and parameter.relative
 
     def _numbers(self, values: Mapping[str, float], shaking: Shaking) -> dict[str, float]:
-        """What is varied of a motion, by its keys."""
+        """The varied numbers of a motion, by its keys."""
         found = {}
         for name, (key, relative) in _of_motions(self).items():
             value = values[name]
@@ -327,7 +327,7 @@ class Study(Shown):
 
 
 def versions() -> dict[str, str]:
-    """What the numbers depend on beside the study: results of other versions are not to be mixed with."""
+    """Versions that the numbers depend on: results of other versions are not to be mixed with them."""
     import numba
 
     found = {"multiblock-fmu": __version__, "kernels": SOURCES, "numpy": np.__version__, "numba": numba.__version__}

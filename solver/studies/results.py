@@ -1,4 +1,4 @@
-"""What came of the runs of a study: one table, as arrays, as CSV, as NetCDF."""
+"""Results of the runs of a study: one table, as arrays, as CSV, as NetCDF."""
 
 from __future__ import annotations
 

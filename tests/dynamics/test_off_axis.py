@@ -161,6 +161,8 @@ def test_energy_is_kept_without_damping() -> None:
     stepper = Stepper(column, InitialState(rotation_rate=[0.01, 0.008, 0.004]))
     chain = Chain(column)
     first = chain.energy(phase_of(stepper))
+    assert chain.rest is not None
+    assert chain.rest is not None
     assert chain.energy(chain.rest) == 0.0
     stepper.rest_until(0.0, 2.0)
     assert stepper.counts.events > 5  # joints have opened and closed
