@@ -1,4 +1,4 @@
-"""What a master does wrong: one logged sentence, a status that says so, and an instance that lives on."""
+"""Mistakes of a master: one logged sentence, a status that says so, and an instance that lives on."""
 
 from __future__ import annotations
 
