@@ -17,7 +17,7 @@ def pytest_configure() -> None:
 
 
 def pytest_sessionstart(session: pytest.Session) -> None:
-    """What most tests need is compiled once, on two cores, before workers begin that would each do so."""
+    """Compile the kernels of most tests once, on two cores, before each worker begins to."""
     if session.config.getoption("numprocesses", None):
         make_kernels()
 

@@ -164,7 +164,6 @@ def test_record_prints_the_measures(folder: Path, capsys: pytest.CaptureFixture[
             "seed = -1: must be a whole",
         ),
         ("simulate column.toml record.AT2 more.AT2", "unrecognized arguments: more.AT2"),
-        ("convert record.AT2 out.csv more.csv", "unrecognized arguments: more.csv"),
         ("record", "required: FILE"),
         ("record none.AT2", "none.AT2: No such file"),
         ("record record.AT2 --units g", "--units: must be left out, record.AT2 is PEER AT2 and says all itself"),

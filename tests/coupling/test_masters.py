@@ -23,7 +23,7 @@ COMPLAINTS = ("error", "warn", "fatal", "fail")
 
 @pytest.fixture(scope="module")
 def alone(fmus: Fmus) -> list[float]:
-    """What the column does under FMPy."""
+    """The column under FMPy."""
     return list(call(masters.alone, fmus.damped))
 
 
@@ -35,7 +35,7 @@ def said(*command: object, cwd: Path | None = None, **variables: str) -> tuple[s
 
 
 def libraries() -> str:
-    """Where pip puts shared libraries, such as the tbb that ecos is linked with."""
+    """The folder of pip's shared libraries, such as the tbb that ecos is linked with."""
     return os.pathsep.join((str(Path(sys.prefix) / "lib"), os.environ.get("LD_LIBRARY_PATH", "")))
 
 

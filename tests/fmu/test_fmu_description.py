@@ -1,4 +1,4 @@
-"""What the FMU says about itself: model description, documentation, archive."""
+"""The FMU describes itself: model description, documentation, archive."""
 
 from __future__ import annotations
 
@@ -106,7 +106,7 @@ def test_initial_unknowns_follow_what_is_declared_and_nothing_else(fmus: Fmus, r
 
 
 def direct_inputs(name: str) -> set[str]:
-    """What an output of a column of three blocks follows without delay."""
+    """Inputs that an output of a column of three blocks follows without delay."""
     if name.endswith(("_peak", "_least", ".slip")):
         return set()
     if name.endswith((".ux", ".uz")) or name.startswith("base.m"):

@@ -1,4 +1,4 @@
-"""What a master does wrong: one logged sentence, a status that says so, and an instance that lives on."""
+"""Mistakes of a master: one logged sentence, a status that says so, and an instance that lives on."""
 
 from __future__ import annotations
 
@@ -71,8 +71,7 @@ def test_a_process_without_an_instance_frees_the_wrapper_once(fmus: Fmus) -> Non
 
 def test_tunable_parameters_act_from_the_next_step_on(fmus: Fmus) -> None:
     """A joint damped ten times as much dissipates more; the very change is that of an instance built with it."""
-    little, then_much, then_little = (
-        call(failures.ring, fmus.damped, *dampings) for dampings in ((1e-3, 1e-3), (1e-3, 1e-2), (1e-2, 1e-3))
-    )
+    dampings = [(1e-3, 1e-3), (1e-3, 1e-2), (1e-2, 1e-3)]
+    little, then_much, then_little = call(failures.rings, fmus.damped, dampings)
     assert then_much < 0.5 * little
     assert then_little > 2.0 * then_much

@@ -1,4 +1,4 @@
-"""What no master should do to an FMU, and the answer: an Error with a reason, from an instance that lives on."""
+"""Calls that no master should make to an FMU: the answer is an Error with a reason, and the instance lives on."""
 
 from __future__ import annotations
 

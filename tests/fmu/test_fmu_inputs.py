@@ -1,4 +1,4 @@
-"""What the base does: held inputs, slopes, a record inside the FMU; and what is said when it looks like a mistake."""
+"""The motion of the base: held inputs, slopes, a record inside the FMU; warnings where it looks like a mistake."""
 
 from __future__ import annotations
 

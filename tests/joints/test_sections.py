@@ -69,7 +69,7 @@ def _ask(model: Array, opening: float, slope: float, opening_rate: float, slope_
 
 
 def ask(name: str, *state: float, damping: float = 0.0) -> Array:
-    """What `_ask` says of a joint of this name; opening, slope and their rates, or lo and hi in the first two."""
+    """The numbers of `_ask` for a joint of this name; opening, slope and their rates, or lo and hi in the first two."""
     block = Block(2.0, WIDTH, WIDTH, 1e4, replace(JOINTS[name], damping=damping))
     out = np.zeros(14)
     _ask(pack_model(Column("one", (block,))), *(*state, 0.0, 0.0, 0.0, 0.0)[:4], out)

@@ -229,7 +229,7 @@ def named(phase: Any, joints: Any, slips: bool) -> dict[str, Array]:
 
 
 def found_in_lanes(kind: str, n: int, models: Array, phases: Array, motions: Array) -> dict[str, Array]:
-    """What lanes give, (n, 8) each."""
+    """The same quantities from lanes, (n, 8) each."""
     space, _ = KINDS[kind]
     buffer = np.zeros((space.size(n), WIDTH))
     seen, place = space.see(buffer, n), space.size(n) - at.WORK.size(n)  # where `start` is, the first of the work
@@ -304,7 +304,7 @@ def test_sine_and_cosine_in_lanes_are_those_of_math(largest: float) -> None:
 
 
 def test_sine_and_cosine_in_lanes_about_the_multiples_of_a_quarter_turn() -> None:
-    """Where the reduction loses most: the sine or the cosine is next to nothing."""
+    """The reduction loses most there: the sine or the cosine is next to nothing."""
     x = np.repeat(np.arange(-64.0, 64.0), 8) * 0.5 * math.pi
     x += np.tile([0.0, 1e-15, 1e-9, 1e-3, -1e-9, -1e-3, 0.785, -0.785], 128)
     sines, cosines, only = np.zeros_like(x), np.zeros_like(x), np.zeros_like(x)
@@ -336,7 +336,7 @@ def test_sine_and_cosine_of_a_half_are_those_to_the_last_bit(largest: float) -> 
 
 @from_python
 def functions_in_lanes(x: Array, y: Array, found: Array) -> int:
-    """What lanes.py offers, of eight numbers each."""
+    """All functions of lanes.py, of eight numbers each."""
     a, b, f = lanes_of(x)[0], lanes_of(y)[0], lanes_of(found)
     f[0], f[1], f[2], f[3], f[4] = magnitude(a), square_root(magnitude(a)), lesser(a, b), greater(a, b), nearest(a)
     f[5] = where((a > b) & ~(b == 0.0) | (a <= -1.0), a, 2)

@@ -1,4 +1,4 @@
-"""What `build_fmu.py --native` makes: libraries for three systems, what they need, and a host without Python."""
+"""The results of `build_fmu.py --native`: libraries for three systems, what they need, and a host without Python."""
 
 from __future__ import annotations
 
@@ -136,7 +136,7 @@ def written(folder: Path) -> Path:
 
 
 def compile_core(folder: Path) -> str:
-    """What the compiler says to core.c with the headers in a folder; nothing if it is content."""
+    """The compiler's messages about core.c with the headers in a folder; nothing if it is content."""
     core = library.sources(2)[0]
     options = ("-std=c11", "-Wall", "-Wextra", "-Werror", "-c", f"-I{folder}", core, "-o", folder / "core.o")
     return finish(sys.executable, "-m", "ziglang", "cc", *options).stderr
@@ -148,7 +148,7 @@ def test_the_core_knows_no_names_of_a_standard() -> None:
 
 
 def test_every_kernel_is_given_all_its_arguments_by_name() -> None:
-    """What a list of named initializers leaves out would be zero, and no compiler says so."""
+    """An argument that a list of named initializers leaves out is zero, and no compiler says so."""
     core = library.sources(2)[0].read_text(encoding="utf-8")
     groups = {
         name: re.findall(r"\.(\w+) = ", text)

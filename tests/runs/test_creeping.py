@@ -1,4 +1,4 @@
-"""What may slide and still rocks: how far it may creep, and with how much energy it cannot fall from there."""
+"""Columns that may slide and still rock: how far it may creep, and with how much energy it cannot fall from there."""
 
 from __future__ import annotations
 

@@ -164,7 +164,7 @@ def test_ctrl_c_while_modules_load(tmp_path: Path, name: str) -> None:
     assert (process.returncode, err) == (130, f"{name}: interrupted\n")
 
 
-@pytest.mark.parametrize(("name", "threads"), zip(COMMANDS, ("0", "-1", "two"), strict=True))
+@pytest.mark.parametrize(("name", "threads"), [*zip(COMMANDS, ("0", "-1", "two"), strict=True)])
 def test_a_number_of_threads_that_numba_stumbles_over(tmp_path: Path, name: str, threads: str) -> None:
     done = finish_in(tmp_path, sys.executable, *COMMANDS[name], "--version", NUMBA_NUM_THREADS=threads)
     expected = f"{name}: NUMBA_NUM_THREADS = {threads!r}: must be a whole number, at least 1, or not set\n"

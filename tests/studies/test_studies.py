@@ -474,7 +474,7 @@ def test_killed_at_any_moment_it_loses_nothing_and_repeats_nothing(folder: Path)
 
 
 @pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="children are looked for in /proc")
-@pytest.mark.parametrize("how", [signal.SIGTERM, signal.SIGKILL])
+@pytest.mark.parametrize("how", [signal.SIGKILL, pytest.param(signal.SIGTERM, marks=pytest.mark.long)])
 def test_workers_end_with_the_process_that_started_them(folder: Path, how: signal.Signals) -> None:
     """Measured: 0.1 s."""
     (folder / "study.toml").write_text(TEXT.format(samples=200_000), encoding="utf-8")

@@ -30,7 +30,7 @@ def command(function: Callable[..., object], *arguments: object, **named: object
 
 
 def call(function: Callable[..., object], *arguments: object, **named: object) -> Any:
-    """What the function returns there; fails unless the process exits with 0."""
+    """The value that the function returns there; fails unless the process exits with 0."""
     return returned(run(*command(function, *arguments, **named)))
 
 

@@ -167,8 +167,12 @@ def under_numba(fmu: str, version: str) -> None:
     Instance(fmu)
 
 
-def ring(fmu: str, damping: float, later: float) -> float:
-    """Largest displacement of the top at the end of a free motion whose damping is changed when it begins."""
+def rings(fmu: str, dampings: list[tuple[float, float]]) -> list[float]:
+    """Largest displacements of the top at the end of free motions whose damping is changed when they begin."""
+    return [_ring(fmu, *pair) for pair in dampings]
+
+
+def _ring(fmu: str, damping: float, later: float) -> float:
     joints = [f"joint[{i}].damping" for i in (1, 2, 3)]
     column = Instance(fmu, dict.fromkeys(joints, damping))
     column.set({"base.ax": 0.5})
