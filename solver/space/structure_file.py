@@ -236,12 +236,9 @@ def _joints_from(key: str, table: Mapping[str, Any], law: Mapping[str, Any], blo
     if not size > 0.0:
         raise InputError(f"{key}.normal = {shown(table['normal'])}: must have a length")
     normal = normal / size
-    along = np.array([1.0, 0.0, 0.0]) if abs(normal[0]) < 0.9 else np.array([0.0, 1.0, 0.0])
-    along = along - (along @ normal) * normal
-    axes = np.column_stack([np.zeros(3), np.zeros(3), normal])
     place = _vector(f"{key}.at", table["at"], 3)
-    flat = Face(place, axes, np.zeros((0, 2)), 1.0)
-    frame = turned_face(flat, along / np.linalg.norm(along)).axes
+    across = np.column_stack([np.zeros(3), np.zeros(3), normal])
+    frame = turned_face(Face(place, across, np.zeros((0, 2)), 1.0)).axes
     section = table.get("section", "rectangle")
     check_choice(f"{key}.section", section, SECTIONS)
     if section in ("circle", "ring"):

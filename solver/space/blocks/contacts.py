@@ -24,20 +24,21 @@ def joints_between(
     if not found:
         names = [*(solid.name for solid in solids), BASE]
         raise InputError(f"{key}: {names[upper]} and {names[lower]} share no face: they must lie on each other")
-    return [Joint(upper, lower, _level(face), bed, key) for face in found]
+    return [Joint(upper, lower, turned_face(face), bed, key) for face in found]
 
 
-def _level(face: Face) -> Face:
-    """The face with its first axis along x as far as that lies in it."""
-    normal, x = face.normal, np.array([1.0, 0.0, 0.0])
-    along = x - (x @ normal) * normal
-    if np.linalg.norm(along) < 0.1:
-        along = np.array([0.0, 1.0, 0.0]) - normal[1] * normal
-    return turned_face(face, along / np.linalg.norm(along))
+def axis_of(normal: FloatArray) -> FloatArray:
+    """The first axis of a face: in the plane x, z, so that the second one is y where the normal lies in that plane."""
+    along = np.array([normal[2], 0.0, -normal[0]])
+    if np.linalg.norm(along) < 0.1:  # the normal is along y
+        along = np.array([1.0, 0.0, 0.0]) - normal[0] * normal
+    axis: FloatArray = along / np.linalg.norm(along)
+    return axis
 
 
-def turned_face(face: Face, along: FloatArray) -> Face:
-    """The face with this direction, in its plane, as its first axis."""
+def turned_face(face: Face) -> Face:
+    """The face with its axes as `axis_of` has them."""
+    along = axis_of(face.normal)
     axes = np.column_stack([along, np.cross(face.normal, along), face.normal])
     axes[np.abs(axes) < 1e-15] = 0.0
     outline = face.outline @ (face.axes[:, :2].T @ axes[:, :2]) if not face.radius else face.outline
