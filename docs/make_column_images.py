@@ -12,7 +12,8 @@ from matplotlib.patches import Circle, Polygon, Rectangle
 from multiblock import Block, Column, capacity_curve, natural_frequencies
 from solver.column.packing import FloatArray
 from solver.ground.motion import STANDARD_GRAVITY
-from solver.plotting.drawings import INK, STONE, corners_of
+from solver.plotting.drawings import corners_of
+from solver.plotting.style import INK, STONE
 
 HERE = Path(__file__).resolve().parent
 EXAMPLES = HERE.parent / "examples" / "columns"

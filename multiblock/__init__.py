@@ -23,11 +23,20 @@ from solver import (
     simulate_many,
     studies,
 )
+from solver.checks import spectra
+from solver.checks.artificial import artificial_motions
+from solver.checks.check import Check, check
+from solver.checks.limits import Limits, Plan
 from solver.commands.progress import RunsLine
 from solver.dynamics.uncertainty import Ensemble, ErrorEstimate
 from solver.ground import wavelets
 from solver.ground.intensity import Intensity, Spectrum, intensity, pgv, spectrum
 from solver.runs.many import ExecutorError, parts_of_many
+from solver.space.builders import arch, colonnade, wall
+from solver.space.modes import SpatialModes, modes_in_space
+from solver.space.response import SpatialResponse
+from solver.space.run import SpatialState
+from solver.space.structure import Structure
 from solver.statics import calibrate
 from solver.statics.capacity import CapacityCurve, Rest, capacity_curve, rest_of, uplift_accelerations
 from solver.statics.modes import Modes, natural_modes
@@ -40,6 +49,7 @@ __version__ = _solver.__version__
 __all__ = [
     "Block",
     "CapacityCurve",
+    "Check",
     "Cluster",
     "Column",
     "Ensemble",
@@ -50,23 +60,34 @@ __all__ = [
     "InputWarning",
     "Intensity",
     "Joint",
+    "Limits",
     "Modes",
     "Motion",
+    "Plan",
     "Response",
     "Rest",
     "Results",
     "RunsLine",
     "Settings",
     "SolverError",
+    "SpatialModes",
+    "SpatialResponse",
+    "SpatialState",
     "Spectrum",
     "Spread",
+    "Structure",
     "Study",
     "Table",
     "__version__",
+    "arch",
+    "artificial_motions",
     "calibrate",
     "capacity_curve",
+    "check",
+    "colonnade",
     "housner_restitution",
     "intensity",
+    "modes_in_space",
     "natural_frequencies",
     "natural_modes",
     "parts_of_many",
@@ -76,9 +97,11 @@ __all__ = [
     "run_study",
     "simulate",
     "simulate_many",
+    "spectra",
     "spectrum",
     "studies",
     "uplift_accelerations",
+    "wall",
     "wavelets",
 ]
 

@@ -16,9 +16,9 @@ from typing import Any
 import numpy as np
 from build import DEFAULT_COLUMN, build_all
 from master import Fmu, Run, couple
-from matplotlib.figure import Figure
 
 from multiblock import Column, InputError, Motion
+from solver.plotting.figures import Figure
 from solver.plotting.lines import thinned
 from solver.plotting.plots import draw_ground
 from solver.plotting.style import BLUE, RED, header, save, show_names, tidy

@@ -43,6 +43,7 @@ class Joint:
     dowel: float | None = None  # N, shear that the joint bears beside friction, and goes on bearing as it slides
     offset: float | None = None  # m, of the block over what is under it as built, along the joint to +x
     inclination: float | None = None  # rad, of the joint against the base as built, clockwise
+    strength: float | None = None  # Pa, pressure that the faces bear; compared with by checks, the motion ignores it
 
     def __post_init__(self) -> None:
         if isinstance(self.strips, list):  # as TOML and JSON have it
@@ -130,7 +131,7 @@ class Block:
 
     @property
     def contact_face(self) -> Face:
-        """What the block may touch with what is under it."""
+        """The face with which the block may touch the body under it."""
         found: Face = face_of(float(self.joint_section), self.joint_width, self.joint_depth, self.joint_bore)
         return found
 
@@ -142,7 +143,7 @@ class Block:
 
     @property
     def top_face(self) -> Face:
-        """What may bear a block on this one."""
+        """The face that may bear a block on this one."""
         width, depth = self.top_width or self.width, self.top_depth or self.depth
         found: Face = face_of(self.shape[0], width, depth, self.bore or 0.0)
         return found
@@ -166,7 +167,7 @@ class Block:
 
 @dataclass(frozen=True)
 class Rule:
-    """What a number of a block, or of its joint, is held to beside the range of its key in NUMBERS."""
+    """Limits of a number of a block, or of its joint, beside the range of its key in NUMBERS."""
 
     key: str
     of_joint: bool = False
@@ -291,7 +292,7 @@ def _resolved(block: Block, rule: Rule) -> object:
 
 
 def check_friction(key: str, joint: Joint) -> None:
-    for name in ("friction", "dowel"):
+    for name in ("friction", "dowel", "strength"):
         if getattr(joint, name) is not None:
             check(f"{key}.{name}", getattr(joint, name))
     if joint.dowel is not None and joint.friction is None:

@@ -7,6 +7,7 @@ import os
 import sys
 import warnings
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -21,11 +22,12 @@ from ..common.loading import INTERRUPTED, done
 from ..dynamics.response import DIGITS, Response, check_digits
 from ..dynamics.uncertainty import PERCENTILES, Ensemble, Spread
 from ..ground.motion import STANDARD_GRAVITY, Motion
-from ..runs.simulate import OUTPUT_STEP, simulate
-from ..runs.single_run import SETTLE
+from ..runs.simulate import simulate
+from ..runs.single_run import OUTPUT_STEP, SETTLE
 from . import column_report
 from .calibrate import add_calibrate_command
-from .command_files import PICTURES, add_force, check_picture, check_suffix, read_column
+from .check import add_check_command
+from .command_files import PICTURES, add_force, check_picture, check_suffix, read_column, write_outputs
 from .motion_options import (
     FORMATS,
     add_file_options,
@@ -35,9 +37,11 @@ from .motion_options import (
     motion_of,
     read_with_options,
 )
+from .new import add_new_command
 from .progress import Line, ProgressLine, compile_kernels
 from .record_report import report
 from .static import add_static_commands
+from .structure import is_structure_file, simulate_in_space
 from .study import add_command as add_study
 
 BASE_PEAKS = ("Fx", "Fz", "My"), ("kN", "kN", "kN m")
@@ -109,6 +113,9 @@ def _parsed(parser: argparse.ArgumentParser, arguments: Sequence[str] | None) ->
     names = getattr(options, "paths", ())
     values = [getattr(options, name) for name in names if getattr(options, name) is not None]
     late = [Path(text) for text in rest if not text.startswith("-")]
+    if hasattr(options, "many") and len(late) == len(rest):  # the name of an option that is a list of paths
+        setattr(options, options.many, [*getattr(options, options.many), *late])
+        return options
     if len(late) < len(rest) or (len(values) + len(late) > len(names) and late):
         parser.error(f"unrecognized arguments: {' '.join(rest)}")
     if late:
@@ -118,7 +125,7 @@ def _parsed(parser: argparse.ArgumentParser, arguments: Sequence[str] | None) ->
 
 
 def add_commands(commands: argparse._SubParsersAction[OneLineParser]) -> None:
-    """Add `simulate`, `record`, `convert`, `modes`, `statics`, `calibrate` and `study`."""
+    """Add `simulate`, `check`, `new`, `record`, `convert`, `modes`, `statics`, `calibrate` and `study`."""
     run = commands.add_parser("simulate", help="response of a column to a base motion")
     run.set_defaults(command=_simulate, paths=("motion",))
     run.add_argument("column", type=Path, metavar="COLUMN.toml", help="blocks, joints and solver settings")
@@ -172,12 +179,17 @@ def add_commands(commands: argparse._SubParsersAction[OneLineParser]) -> None:
         "output", type=Path, metavar="MOTION.csv", help="time, base.ax, base.az, slopes base.jx, base.jz"
     )
     add_force(convert)
+    add_check_command(commands)
+    add_new_command(commands)
     add_static_commands(commands)
     add_calibrate_command(commands)
     add_study(commands)
 
 
 def _simulate(options: argparse.Namespace) -> None:
+    if is_structure_file(options.column):
+        simulate_in_space(options)
+        return
     # obstacles to an output are reported before the run, not after it
     if options.output is not None:
         check_suffix(options.output, ".csv")
@@ -218,11 +230,7 @@ def _simulate(options: argparse.Namespace) -> None:
             response.plot_column,
             lambda path: _film(response, path),
         )
-        for path, write in zip(outputs, writers, strict=True):
-            if path is not None:
-                with reading(path):
-                    write(path)
-                print(path)
+        write_outputs(zip(outputs, writers, strict=True))
     except MemoryError:
         raise SolverError("not enough memory for the response: a larger --output-step may help") from None
 
@@ -258,9 +266,7 @@ def _record(options: argparse.Namespace) -> None:
     if options.plot is not None:
         from ..plotting.record_plots import plot_records
 
-        with reading(options.plot):
-            plot_records(motions, options.plot)
-        print(options.plot)
+        write_outputs([(options.plot, partial(plot_records, motions))])
 
 
 def _convert(options: argparse.Namespace) -> None:

@@ -1,4 +1,4 @@
-"""What goes wrong on the user's side, always said in one line."""
+"""Errors on the user's side, always said in one line."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import reprlib
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
-from numbers import Real
+from numbers import Integral, Real
 from pathlib import Path
 
 # Closed ranges of float64 for `check_number`.
@@ -22,7 +22,7 @@ class InputError(ValueError):
 
 
 class InputWarning(UserWarning):
-    """What is computed as given and probably not meant: one line with the key, the value and what would be right."""
+    """A value that is used as given and probably not meant: one line with key, value and what would be right."""
 
 
 class SolverError(ValueError):
@@ -52,6 +52,16 @@ def check_number(key: str, value: object, limits: tuple[float, float], meaning: 
     return number
 
 
+def check_whole(key: str, value: object, least: int, most: float, meaning: str) -> int:
+    """Return `value` if it is a whole number from `least` to `most`; `meaning` completes "must be ...".
+
+    Raises InputError.
+    """
+    if isinstance(value, bool) or not isinstance(value, Integral) or not least <= int(value) <= most:
+        raise InputError(f"{key} = {shown(value)}: must be {meaning}")
+    return int(value)
+
+
 def shown(value: object) -> str:
     """Return a short repr of `value` for a one-line message; a number is shown as a user would write it."""
     return str(value) if isinstance(value, Real) else reprlib.repr(value)
@@ -70,7 +80,7 @@ def needing(extra: str, *packages: str) -> Iterator[None]:
 
 
 def _how_to_install(extra: str) -> str:
-    """What can be typed here: in a checkout, or where the project has been installed without one."""
+    """The command that installs it: in a checkout, or where the project has been installed without one."""
     root = Path(__file__).resolve().parents[2]
     if not (root / "pyproject.toml").is_file():
         return f'pip install "multiblock-fmu[{extra}]"'

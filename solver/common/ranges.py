@@ -1,9 +1,9 @@
-"""What the numbers and the words of a column may be, by key; how a wrong one is answered."""
+"""Ranges of the numbers and words of a column, by key; the answers to wrong ones."""
 
 from __future__ import annotations
 
 import difflib
-from collections.abc import Collection
+from collections.abc import Collection, Iterable
 
 from .errors import InputError, check_number, shown
 
@@ -31,6 +31,7 @@ NUMBERS: dict[str, tuple[tuple[float, float], str]] = {
     "damping": ((0.0, 1e6), "a time in s, zero or positive, at most 1e6"),
     "friction": ((1e-6, 1e3), "a positive coefficient of friction, at most 1e3; without it the joint never slides"),
     "dowel": ((0.0, 1e15), "a force in N, zero or positive, at most 1e15"),
+    "strength": ((1.0, 1e15), "a positive pressure in Pa, from 1 to 1e15"),
     "offset": ((-1e6, 1e6), "a length in m, positive to +x, at most 1e6 either way"),
     "inclination": ((-0.5, 0.5), "an angle in rad, clockwise, from -0.5 to 0.5"),
     "tilt": ((-0.5, 0.5), "an angle in rad, clockwise, from -0.5 to 0.5"),
@@ -49,6 +50,14 @@ def check_choice(key: str, value: object, known: Collection[str]) -> None:
     """Raise InputError if `value` is none of the `known` names."""
     if not isinstance(value, str) or value not in known:
         raise InputError(f"{key} = {shown(value)}: must be one of {listed(known, value)}")
+
+
+def check_keys(prefix: str, table: Iterable[str], known: Collection[str], of: str = "") -> None:
+    """Raise InputError, which begins with `prefix`, for a key of a table that is none of the `known` ones."""
+    for key in table:
+        if key not in known:
+            written = repr(key).strip("'\"")  # a quoted key of TOML may hold anything, even a line break
+            raise InputError(f"{prefix}{written}: unknown key{of}, must be one of {listed(known, key)}")
 
 
 def listed(known: Collection[str], value: object) -> str:

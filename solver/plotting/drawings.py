@@ -7,15 +7,13 @@ import os
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
 from ..column.packing import FloatArray
 from ..common.errors import POSITIVE, check_number
 from .drawable import Shaken, Shapes
-from .style import GREY, RED, header, save
-from .style import INK as INK
-from .style import STONE as STONE
+from .figures import Figure
+from .style import GREY, INK, RED, STONE, header, save
 from .words import length, setting_of
 
 SHOWN = 0.15  # of the column's height: displacement of its top in a picture whose scale is not given

@@ -13,7 +13,6 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_rgb
-from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from PIL import Image
 
@@ -22,6 +21,7 @@ from ..common.errors import POSITIVE, InputError, check_number
 from ..common.files import whole_file
 from .drawable import Shaken
 from .drawings import corners_of, draw_column, scale_of
+from .figures import Figure
 from .lines import thinned
 from .plots import draw_ground
 from .style import FEW_COLOURS, GRID, INK, RED, STONE, VERDICT_COLOURS, header, tidy

@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import LinearSegmentedColormap
-from matplotlib.figure import Figure
 from matplotlib.gridspec import SubplotSpec
 
 from ..column.column import Column
@@ -22,13 +21,10 @@ from ..common.errors import InputError
 from ..ground.motion import STANDARD_GRAVITY, Motion
 from ..kernels.layout.spaces import COUNTS_FROM
 from .drawable import Shaken
+from .figures import Figure
 from .lines import draw_ensemble, draw_lines, least_of
 from .profiles import draw_last_moments, draw_offsets, draw_profiles
-from .style import FEW_COLOURS as FEW_COLOURS
-from .style import GREY, INK, RED, TINT, VERDICT_COLOURS, aside, header, name_of, show_names, tidy
-from .style import block_colours as block_colours
-from .style import save as save
-from .style import show_blocks as show_blocks
+from .style import FEW_COLOURS, GREY, INK, RED, TINT, VERDICT_COLOURS, aside, header, name_of, save, show_names, tidy
 from .words import setting_of, verdict_of
 
 GROUND_SAMPLES = 20_000  # of a harmonic, which has none of its own

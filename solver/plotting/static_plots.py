@@ -10,13 +10,13 @@ from typing import Any, Protocol
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from ..column.column import Column
 from ..column.packing import FloatArray
 from ..ground.motion import STANDARD_GRAVITY
 from .drawable import Shapes
 from .drawings import SHOWN, draw_column, measure_column
+from .figures import Figure
 from .style import BLUE, GREY, RED, header, save, tidy
 from .words import length
 

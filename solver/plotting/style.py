@@ -13,11 +13,11 @@ from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import ListedColormap, Normalize, to_hex
-from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from ..common.errors import InputError
 from ..common.files import whole_file
+from .figures import Figure
 
 Where = Literal["outside lower center", "outside upper center"]
 

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-import csv
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections import Counter
+from collections.abc import ItemsView, Iterable, Iterator, KeysView, Mapping, Sequence, ValuesView
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common.files import whole_file
+from ..common.files import write_table
+from ..common.frames import Frame, Framed
+from ..common.notebook import Shown, counted, rows_of
 from ..dynamics.response import Response
 
 Columns = dict[str, NDArray[Any]]
@@ -19,12 +21,12 @@ Columns = dict[str, NDArray[Any]]
 WORDS: dict[str, tuple[str, ...]] = {"verdict": ("undecided", "standing", "overturned"), "path": ("scalar", "lanes")}
 
 
-class Table:
+class Table(Framed, Shown):
     """Columns by name, `table["peak_ux"]`: an array (runs,), or (runs, blocks) for values of every block or joint.
 
-    Block 1, the top one, comes first; NaN fills the columns beyond a column's number of blocks. `first`: number of the
-    first run. columns: words as numbers, named by WORDS. stats: how the runs were made (many.py). responses: by number
-    of the run, those requested in full.
+    A mapping, but its length is the number of runs. Block 1, the top one, comes first; NaN fills the columns beyond a
+    column's number of blocks. `first`: number of the first run. columns: words as numbers, named by WORDS. stats: how
+    the runs were made (many.py). responses: by number of the run, those requested in full.
     """
 
     def __init__(
@@ -57,24 +59,40 @@ class Table:
         """Number of runs."""
         return len(next(iter(self._columns.values()), ()))
 
-    def __repr__(self) -> str:
-        return f"<Table of {len(self)} runs: {', '.join(self)}>"
+    def keys(self) -> KeysView[str]:
+        """The names of the columns."""
+        return self._columns.keys()
+
+    def values(self) -> ValuesView[NDArray[Any]]:
+        """The columns."""
+        return {name: self[name] for name in self}.values()
+
+    def items(self) -> ItemsView[str, NDArray[Any]]:
+        """Names and columns."""
+        return {name: self[name] for name in self}.items()
+
+    def get(self, name: str, default: Any = None) -> Any:
+        """The column of that name, or `default`."""
+        return self[name] if name in self._columns else default
+
+    def _facts(self) -> tuple[str, ...]:
+        return f"of {counted(len(self), 'run')}", *counts(self.get("verdict", ())), ", ".join(self)
+
+    def _lines(self) -> Iterable[Sequence[object]]:
+        return rows_of(self._frame().flat())
+
+    def _frame(self) -> Frame:
+        return Frame(("run", np.arange(self.first, self.first + len(self))), dict(self.items()))
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write a line for each run, the number of the run first; a column of blocks as peak_ux[1], peak_ux[2] ..."""
-        names, columns = ["run"], [np.arange(self.first, self.first + len(self))]
-        for name in self._columns:
-            values = self[name]
-            if values.ndim == 1:
-                names.append(name)
-                columns.append(values)
-            else:
-                names += [f"{name}[{i + 1}]" for i in range(values.shape[1])]
-                columns += list(values.T)
-        with whole_file(path) as partial, open(partial, "w", newline="", encoding="utf-8") as file:
-            writer = csv.writer(file)
-            writer.writerow(names)
-            writer.writerows(zip(*(column.tolist() for column in columns), strict=True))
+        columns = self._frame().flat()
+        write_table(path, columns, zip(*(column.tolist() for column in columns.values()), strict=True))
+
+
+def counts(verdicts: Iterable[str]) -> list[str]:
+    """How often each verdict occurs, in words."""
+    return [f"{number} {verdict}" for verdict, number in sorted(Counter(map(str, verdicts)).items())]
 
 
 def joined(parts: Sequence[Table]) -> Table:
@@ -93,3 +111,13 @@ def _stacked(arrays: list[NDArray[Any]]) -> NDArray[Any]:
         whole[row : row + len(array), : array.shape[1]] = array
         row += len(array)
     return whole
+
+
+def single_columns(columns: Mapping[str, NDArray[Any]]) -> tuple[list[str], list[NDArray[Any]]]:
+    """Names and values of columns of one number a run: one of blocks becomes peak_ux[1], peak_ux[2] ..."""
+    names: list[str] = []
+    singles: list[NDArray[Any]] = []
+    for name, values in columns.items():
+        names += [name] if values.ndim == 1 else [f"{name}[{i}]" for i in range(1, values.shape[1] + 1)]
+        singles += [values] if values.ndim == 1 else list(values.T)
+    return names, singles

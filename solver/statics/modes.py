@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import math
 import os
 from dataclasses import dataclass
@@ -15,7 +14,8 @@ from ..column.column import Column
 from ..column.packing import FloatArray
 from ..column.rest import check_rest
 from ..common.errors import SolverError, needing
-from ..common.files import whole_file
+from ..common.files import write_table
+from ..common.frames import Frame, Framed
 from ..dynamics.linearization import StillColumn, stuck, undamped
 
 if TYPE_CHECKING:
@@ -25,7 +25,7 @@ PART = 1e-2  # of the rotation that opens a joint: size of finite differences
 
 
 @dataclass(frozen=True, eq=False)
-class Modes:
+class Modes(Framed):
     """The 2 n modes of a column, by frequency. Shapes (2 n, n): block 1, the top block, first.
 
     A shape is scaled so that the largest of its ux and uz is 1 m; block i then has the rotation theta rad.
@@ -41,16 +41,18 @@ class Modes:
     mass_x: FloatArray  # (2 n,) kg, effective mass under horizontal motion; the rest of the mass follows the base
     mass_z: FloatArray  # (2 n,) kg, under vertical motion
 
+    def _frame(self) -> Frame:
+        units = {"frequency": "Hz", "mass_x": "kg", "mass_z": "kg", "ux": "m", "uz": "m", "theta": "rad"}
+        columns = {name: getattr(self, name) for name in ("frequency", "damping_ratio", "sways", *list(units)[1:])}
+        return Frame(("mode", np.arange(1, len(self.frequency) + 1)), columns, units, {"column": self.column.name})
+
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write a row for each mode: frequency, damping ratio, effective masses, shape. Raises OSError."""
         names = ["mode", "frequency", "damping_ratio", "mass_x", "mass_z"]
         names += [f"block[{i + 1}].{name}" for name in ("ux", "uz", "theta") for i in range(self.column.n)]
         parts = [self.frequency[:, None], self.damping_ratio[:, None], self.mass_x[:, None], self.mass_z[:, None]]
         rows = np.hstack([*parts, self.ux, self.uz, self.theta])
-        with whole_file(path) as partial, open(partial, "w", newline="", encoding="utf-8") as file:
-            writer = csv.writer(file)
-            writer.writerow(names)
-            writer.writerows([[k, *map(repr, map(float, row))] for k, row in enumerate(rows, start=1)])
+        write_table(path, names, ([k, *map(repr, map(float, row))] for k, row in enumerate(rows, start=1)))
 
     def plot(self, path: str | os.PathLike[str] | None = None, most: int = 6) -> Figure:
         """Draw the first `most` shapes; saved to `path` if given. Raises InputError without matplotlib, OSError."""

@@ -10,7 +10,7 @@ import hashlib
 import json
 import math
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from pathlib import Path
@@ -21,8 +21,10 @@ from numpy.typing import NDArray
 
 from .. import __version__
 from ..column.column import Column
-from ..common.errors import FINITE, POSITIVE, InputError, check_number, needing, reading, shown
+from ..common.errors import FINITE, POSITIVE, InputError, check_number, check_whole, needing, reading, shown
 from ..common.files import check_file_name, toml_of
+from ..common.notebook import Shown, counted
+from ..common.ranges import check_choice, check_keys
 from ..ground.intensity import pgv
 from ..ground.motion import STANDARD_GRAVITY, Motion
 from ..kernels.numba_ext.jit import SOURCES
@@ -70,7 +72,7 @@ class Random:
         return cls(Distribution.from_table(key, numbers), table.get("relative", False), table.get("each", False))
 
     def to_table(self) -> dict[str, Any]:
-        """What `from_table` turns into this very parameter."""
+        """The table that `from_table` turns into this very parameter."""
         return {**self.distribution.to_table(), "relative": self.relative, "each": self.each}
 
 
@@ -82,9 +84,9 @@ class Planned(NamedTuple):
     measures: dict[str, float]  # of the motion as it is run: pga g, pgv m/s, sa g
 
 
-@dataclass(frozen=True, eq=False)
-class Study:
-    """What is run, and how the runs differ; see the module. Raises InputError on what does not go together.
+@dataclass(frozen=True, eq=False, repr=False)
+class Study(Shown):
+    """The runs, and how they differ; see the module. Raises InputError on values that do not go together.
 
     grid: name -> values. random: name -> parameter. Names are those of parameters.py, `motion.KEY` of a number of the
     motions, and `intensity`: the value of `measure` that the motion is scaled to. samples: of the random parameters, by
@@ -109,14 +111,13 @@ class Study:
 
     def __post_init__(self) -> None:
         check_file_name("name", self.name)
-        _check_choice("kind", self.kind, KINDS)
-        _check_choice("sampling", self.sampling, SAMPLINGS)
+        check_choice("kind", self.kind, KINDS)
+        check_choice("sampling", self.sampling, SAMPLINGS)
         if not self.columns or not self.motions:
             raise InputError("column, motion: must be one of each at least")
         for key, least in (("samples", 1), ("seed", 0)):
-            value = getattr(self, key)
-            if isinstance(value, bool) or not isinstance(value, int) or value < least:
-                raise InputError(f"{key} = {shown(value)}: must be a whole number, at least {least}")
+            value = check_whole(key, getattr(self, key), least, math.inf, f"a whole number, at least {least}")
+            object.__setattr__(self, key, value)
         if self.duration is not None:
             check_number("duration", self.duration, POSITIVE, "a positive time in s")
         if self.limits and self.kind != LIMITED:
@@ -124,7 +125,7 @@ class Study:
         for k, limit in enumerate(self.limits, start=1):
             check_number(f"limits[{k}]", limit, POSITIVE, "a positive displacement in m")
         for name in self.keep:
-            _check_choice("keep", name, tuple(KEPT))
+            check_choice("keep", name, tuple(KEPT))
         for name in ("peak_ux", "verdict"):
             if name not in self.keep:
                 raise InputError(f"keep: must have {name}, which every picture and table goes by")
@@ -157,6 +158,17 @@ class Study:
         for name, parameter in self.random.items():
             if parameter.each and len({column.n for column in self.columns}) > 1:
                 raise InputError(f"random.{name}.each: must be left out for columns of different numbers of blocks")
+
+    def _facts(self) -> tuple[str, ...]:
+        numbers = {"run": self.runs, "column": len(self.columns), "motion": len(self.motions), "sample": self.samples}
+        return self.name, self.kind, *(counted(number, word) for word, number in numbers.items())
+
+    def _lines(self) -> Iterable[Sequence[object]]:
+        yield "varied", "by"
+        yield from (
+            (name, f"{len(values)} values, {values[0]:g} to {values[-1]:g}") for name, values in self.grid.items()
+        )
+        yield from ((name, parameter.distribution.kind) for name, parameter in self.random.items())
 
     # what is run
 
@@ -196,7 +208,7 @@ class Study:
         return Planned(Run(column, motion, duration), values, measures)
 
     def values(self, number: int) -> dict[str, float]:
-        """What is varied, by name, for a run."""
+        """The varied numbers of a run, by name."""
         place = np.unravel_index(number, self.shape)
         values = {"column": float(place[0]), "motion": float(place[1])}
         for (name, items), k in zip(self.grid.items(), place[2:-1], strict=True):
@@ -210,7 +222,7 @@ class Study:
         return parameter is not None and parameter.relative
 
     def _numbers(self, values: Mapping[str, float], shaking: Shaking) -> dict[str, float]:
-        """What is varied of a motion, by its keys."""
+        """The varied numbers of a motion, by its keys."""
         found = {}
         for name, (key, relative) in _of_motions(self).items():
             value = values[name]
@@ -271,9 +283,7 @@ class Study:
     @classmethod
     def from_dict(cls, data: Mapping[str, Any], folder: str | os.PathLike[str] = ".") -> Study:
         """Build a study from the mapping that a TOML file holds (docs/studies.md). Raises InputError."""
-        for key in data:
-            if key not in _KEYS:
-                raise InputError(f"{key}: unknown key, must be one of {', '.join(_KEYS)}")
+        check_keys("", data, _KEYS)
         for key in ("name", "kind"):
             if key not in data:
                 raise InputError(f"{key}: missing, must be a text")
@@ -317,7 +327,7 @@ class Study:
 
 
 def versions() -> dict[str, str]:
-    """What the numbers depend on beside the study: results of other versions are not to be mixed with."""
+    """Versions that the numbers depend on: results of other versions are not to be mixed with them."""
     import numba
 
     found = {"multiblock-fmu": __version__, "kernels": SOURCES, "numpy": np.__version__, "numba": numba.__version__}
@@ -329,11 +339,9 @@ def versions() -> dict[str, str]:
 def axis(key: str, values: object) -> tuple[float, ...]:
     """Values of a grid: a list of numbers, or {from, to, count} with spacing = "linear" or "log". Raises InputError."""
     if isinstance(values, Mapping):
-        for name in values:
-            if name not in ("from", "to", "count", "spacing"):
-                raise InputError(f"{key}.{name}: unknown key, must be one of from, to, count, spacing")
+        check_keys(f"{key}.", values, ("from", "to", "count", "spacing"))
         spacing = values.get("spacing", "linear")
-        _check_choice(f"{key}.spacing", spacing, ("linear", "log"))
+        check_choice(f"{key}.spacing", spacing, ("linear", "log"))
         limits = POSITIVE if spacing == "log" else FINITE
         first, last = (check_number(f"{key}.{name}", values.get(name), limits, "a number") for name in ("from", "to"))
         count = check_number(f"{key}.count", values.get("count"), (2, 1e6), "a whole number, at least 2")
@@ -438,11 +446,6 @@ def _without_number(name: str) -> str:
 def _thinned(values: tuple[float, ...]) -> tuple[float, ...]:
     places = np.linspace(0, len(values) - 1, min(QUICK_VALUES, len(values)))
     return tuple(values[round(place)] for place in places.tolist())
-
-
-def _check_choice(key: str, value: object, known: Sequence[str]) -> None:
-    if value not in known:
-        raise InputError(f"{key} = {shown(value)}: must be one of {', '.join(known)}")
 
 
 def _table(key: str, data: Mapping[str, Any]) -> Mapping[str, Any]:

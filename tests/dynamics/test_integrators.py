@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from support.lagrange import Array, Reference
-from support.probe import G, coordinates, phocas, put_back
+from support.probe import G, coordinates, forced, phocas, put_back, walk
 
 from solver import Block, Column, InitialState, Joint, Settings
 from solver.dynamics.stepper import Stepper
@@ -19,11 +19,6 @@ from solver.kernels.integrators import dormand_prince, order_8
 
 INTEGRATORS = ["auto", "central-difference"]
 FORMULATIONS = ["exact", "paper"]
-
-
-def shaken(stepper: Stepper, amplitude: float, frequency: float) -> Stepper:
-    stepper.base.wave_amplitude, stepper.base.wave_omega = amplitude, 2.0 * math.pi * frequency
-    return stepper
 
 
 # --- coefficients
@@ -56,6 +51,11 @@ def density(tree: Tree) -> int:
 
 def stage_table(method: ModuleType) -> tuple[Array, Array, Array]:
     """Stage weights (s, s), nodes (s,) and weights (s,) of an explicit method, the evaluation at the end included."""
+    if method is order_8:
+        last = order_8.END
+        a = np.zeros((last + 1, last + 1))
+        a[: last + 1, :last] = order_8.WEIGHTS[: last + 1]
+        return a, np.append(order_8.NODES, 1.0), a[last]
     numbers = {name: value for name, value in vars(method).items() if isinstance(value, float)}
     stages = 1 + sum(name.startswith("C") for name in numbers)
     a = np.zeros((stages + 1, stages + 1))
@@ -68,6 +68,8 @@ def stage_table(method: ModuleType) -> tuple[Array, Array, Array]:
 
 def error_weights(method: ModuleType, prefix: str, stages: int) -> Array:
     """The row of the error estimate of that name, (s,)."""
+    if method is order_8:
+        return np.append(order_8.WEIGHTS[getattr(order_8, prefix)], 0.0)
     row = [getattr(method, f"{prefix}_{j}", 0.0) for j in range(stages)]
     row[-1] = getattr(method, f"{prefix}_LAST", 0.0)
     return np.array(row)
@@ -106,7 +108,7 @@ def test_tableau_satisfies_the_order_conditions(method: ModuleType, estimates: d
 
 def smooth_run(column: Column) -> tuple[Array, float]:
     """Rotations (displacements, paper) after 0.5 s of 0.005 g at 2 Hz, which opens no joint, and their peak."""
-    stepper = shaken(Stepper(column), 0.005 * G, 2.0)
+    stepper = forced(Stepper(column), 0.005 * G, 2.0)
     stepper.advance(0.0, 0.5)
     assert stepper.state.control.time_full == pytest.approx(0.5, rel=1e-12)
     peak = stepper.state.control.rotation_scale * stepper.model.blocks.turn_size[0]
@@ -159,8 +161,8 @@ def test_auto_agrees_with_dop853_on_lagranges_equations() -> None:
     upper = Block(2.0, 1.0, 1.0, 4000.0, Joint(2e8, 1e-3))
     lower = Block(1.5, 1.2, 1.0, 5000.0, Joint(3e8, 1e-3))
     column = Column("two", (upper, lower), Settings(tolerance=1e-10))
-    amplitude, frequency, end = 0.3 * G, 2.0, 0.5
-    stepper = shaken(Stepper(column), amplitude, frequency)
+    amplitude, frequency, end = 0.3 * G, 2.0, 0.3
+    stepper = forced(Stepper(column), amplitude, frequency)
     reference = Reference.of(column)
 
     def rates(t: float, y: Array) -> Array:
@@ -169,7 +171,7 @@ def test_auto_agrees_with_dop853_on_lagranges_equations() -> None:
 
     path = solve_ivp(rates, (0.0, end), coordinates(stepper).copy(), method="DOP853", rtol=1e-11, atol=1e-14).y
     stepper.advance(0.0, end)
-    assert stepper.state.control.time_rocking > 0.4
+    assert stepper.state.control.time_rocking > 0.2
     scale = np.max(np.abs(path), axis=1)
     assert coordinates(stepper) / scale == pytest.approx(path[:, -1] / scale, abs=1e-8)  # measured 1.4e-9
 
@@ -183,12 +185,6 @@ def scene(integrator: str, formulation: str = "exact") -> Stepper:
     stepper = Stepper(column, InitialState(rotation_rate=[0.03, 0.02, 0.01]))
     stepper.base.ax = 0.2
     return stepper
-
-
-def walk(stepper: Stepper, times: Array) -> Array:
-    for begin, end in pairwise(times):
-        stepper.advance(begin, end - begin)
-    return coordinates(stepper).copy()
 
 
 @pytest.mark.parametrize("h", [0.009999999999999998, 0.01, 0.010000000000000002])

@@ -8,8 +8,9 @@ time.
 
 import hashlib
 from collections.abc import Callable
+from functools import wraps
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 import numba
 from numba import cfunc, njit
@@ -62,8 +63,19 @@ def as_written(function: Callable[..., Any], arguments: tuple[Any, ...]) -> tupl
     return module, name
 
 
-def by_width(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Decorator that chooses the code behind `function` by the types of its arguments: numbers or lanes."""
+def by_width(chooses: Callable[..., Any]) -> Callable[..., Any]:
+    """A function of kernels whose code `chooses` returns by the types of its arguments: numbers or lanes."""
+
+    @wraps(chooses)
+    def function(*_: Any, **__: Any) -> NoReturn:
+        raise NotImplementedError("for kernels only")
+
+    another_width(function)(chooses)
+    return function
+
+
+def another_width(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Decorator of what chooses code for types of arguments for which `function` has none yet."""
     chooses: Callable[..., Any] = overload(function, jit_options={**_INSIDE, "forceinline": True})  # type: ignore
     return chooses
 

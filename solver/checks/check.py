@@ -1,0 +1,333 @@
+"""A check of a column against a seismic action, from the motions to the answer in plain words."""
+
+from __future__ import annotations
+
+import csv
+import hashlib
+import json
+import os
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+
+from ..column.column import Column
+from ..column.rest import check_rest
+from ..common.errors import InputError, shown
+from ..common.files import whole_file
+from ..dynamics.first_run import make_kernels
+from ..dynamics.response import Response
+from ..dynamics.uncertainty import PERCENTILES, share_bounds
+from ..ground.motion import STANDARD_GRAVITY, Motion
+from ..runs.many import Callback
+from ..runs.simulate import simulate
+from ..runs.table import Table
+from ..statics.modes import natural_frequencies
+from . import scaling
+from .artificial import artificial_motions, with_vertical
+from .by_hand import ByHand, by_hand
+from .kinematic import Mechanism, mechanism
+from .limits import Plan
+from .margin import Margin, margin_of, run_all, varied
+from .scaling import LEAST_PART, MotionSpectra, ScaledMotion
+from .spectra import Spectral, TargetSpectrum
+from .table import Row, rows_of
+
+ARTIFICIAL = 7  # motions made where no record is given: as many as have their mean count
+SHORTEST_PART, LONGEST_PART = 0.2, 2.0  # of the first period: EN 1998-1, 3.2.3.1.2(4)
+LONGEST_PERIOD = 4.0  # s, at which the spectra of codes end
+
+BANDS = tuple(f"p{percent}" for percent in PERCENTILES)
+
+Motions = Mapping[str, Motion] | Iterable[Motion | str | os.PathLike[str]]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Action:
+    """What a column is checked against: motions as they are applied, and the spectrum that they stand for."""
+
+    motions: tuple[ScaledMotion, ...]
+    how: str  # they were scaled, in words
+    target: TargetSpectrum | None = None
+    periods: tuple[float, float] | None = None  # s, range in which their spectra follow the target
+
+    @cached_property
+    def spectrum(self) -> Spectral:
+        """The target, or what the motions themselves have."""
+        return self.target or MotionSpectra(tuple(scaled.motion for scaled in self.motions))
+
+    @property
+    def statistic(self) -> str:
+        """Which of the values of several motions counts, in words."""
+        count = len(self.motions)
+        if count >= scaling.MEAN_FROM:
+            return f"mean of {count} motions"
+        few = "" if count >= scaling.FEWEST else f"; codes ask for at least {scaling.FEWEST}"
+        return f"largest of {count} motions{few}" if count > 1 else f"one motion{few}"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Check:
+    """A checked column: rows of demand and capacity, the margin, methods by hand, and every run behind them.
+
+    responses: of the column itself, one for each motion. runs: table of the varied columns, `plan.ensemble` for each
+    motion, one motion after the other.
+    """
+
+    column: Column
+    action: Action
+    plan: Plan
+    rows: tuple[Row, ...]
+    by_hand: ByHand
+    margin: Margin | None
+    responses: tuple[Response, ...]
+    runs: Table
+    period: float  # s, of the first mode about rest
+
+    def __repr__(self) -> str:
+        answer = "passes" if self.passes else "fails"
+        return f"<Check of {self.column.name}, {len(self.action.motions)} motions: {answer}. {self.verdict}>"
+
+    @property
+    def passes(self) -> bool:
+        """Whether no row that is compared fails."""
+        return all(row.passes is not False for row in self.rows)
+
+    @property
+    def fallen(self) -> tuple[int, int, int]:
+        """How many of the varied runs fall, how many are undecided, and how many there are."""
+        verdicts = self.runs["verdict"]
+        return int(np.sum(verdicts == "overturned")), int(np.sum(verdicts == "undecided")), len(verdicts)
+
+    @property
+    def governing(self) -> int:
+        """Place of the motion that is worst: it falls first, or has the least margin, or moves the top most."""
+        fell = [response.overturn_time if response.overturned else np.inf for response in self.responses]
+        if np.isfinite(fell).any():
+            return int(np.argmin(fell))
+        if self.margin is not None and not self.margin.is_open:
+            return self.margin.place
+        return int(np.argmax([response.peak_ux[0] for response in self.responses]))
+
+    @property
+    def verdict(self) -> str:
+        """What was found, in one plain sentence."""
+        fallen, undecided, size = self.fallen
+        _, high = share_bounds(fallen + undecided, size)
+        low, _ = share_bounds(fallen, size)
+        if not fallen + undecided:
+            return (
+                f"None of {size} simulated columns fell: with 95 % confidence at most {_percent(high)} of such columns "
+                "would fall in such shaking."
+            )
+        open_ones = f" and {undecided} may fall" if undecided else ""
+        return (
+            f"{fallen} of {size} simulated columns fell{open_ones}: with 95 % confidence {_percent(low)} to "
+            f"{_percent(high)} of such columns would fall in such shaking."
+        )
+
+    @property
+    def margin_sentence(self) -> str:
+        """How far it is from falling, in one plain sentence; and what else fails."""
+        failed = ", ".join(row.name for row in self.rows if row.passes is False and not row.name.startswith("overturn"))
+        also = f" It also fails in: {failed}." if failed else ""
+        if self.margin is None:
+            return f"How much more shaking it bears was not looked for.{also}"
+        least = self.margin.stands
+        if self.margin.is_open:
+            return f"Even {least:.2g} times this shaking overturned none of them.{also}"
+        if least >= 1.0:
+            return f"The shaking can grow to about {least:.2g} times before the first of them falls.{also}"
+        if least > 0.0:
+            return f"They all stand only if the shaking is reduced to about {least:.2g} of this.{also}"
+        return f"Some fall even under a small part of this shaking.{also}"
+
+    @property
+    def agreement(self) -> tuple[str, ...]:
+        """Where the methods by hand and the time histories agree, a line for each."""
+        stands = self.fallen[0] + self.fallen[1] == 0
+        lines = []
+        for row in self.by_hand.rows:
+            if row.passes is None:
+                continue
+            other, found = stands, "no run falls" if stands else "runs fall"
+            if row.name.startswith("sliding"):
+                slips = [one for one in self.rows if one.name == "slip"]
+                if not slips:
+                    continue
+                other, found = bool(slips[0].passes), f"slip {slips[0].ratio:.2f} of the limit"
+            word = "agrees" if row.passes is other else "disagrees"
+            lines.append(f"{row.name}: {'passes' if row.passes else 'fails'}, time histories: {found}; {word}")
+        return tuple(lines)
+
+    @cached_property
+    def fingerprint(self) -> str:
+        """SHA-256 of the column, the motions as applied, and the plan."""
+        digest = hashlib.sha256()
+        digest.update(json.dumps([self.column.to_dict(), asdict(self.plan)], sort_keys=True).encode())
+        for scaled in self.action.motions:
+            digest.update(scaled.name.encode())
+            for values in (scaled.motion.time, scaled.motion.ax, scaled.motion.az):
+                digest.update(values.tobytes())
+        return digest.hexdigest()
+
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
+        """Write a line for each row of the table and of the methods by hand, in SI. Raises OSError."""
+        names = [scaled.name for scaled in self.action.motions]
+        with whole_file(path) as partial, open(partial, "w", newline="", encoding="utf-8") as file:
+            writer = csv.writer(file)
+            writer.writerow(["check", "where", "demand", "capacity", "ratio", "passes", "note", *BANDS, *names])
+            for row in (*self.rows, *self.by_hand.rows):
+                head = [row.name, row.where, row.demand, row.capacity, row.ratio, row.passes, row.note]
+                writer.writerow([*head, *(row.band or ("",) * len(BANDS)), *row.values])
+
+
+def _percent(share: float) -> str:
+    return f"{100.0 * share:.2g} %"
+
+
+def action_on(
+    column: Column,
+    found: Mechanism,
+    motions: Motions = (),
+    *,
+    target: TargetSpectrum | None = None,
+    pga: float | None = None,
+    vertical_pga: float | None = None,
+    sa: float | None = None,
+    periods: Sequence[float] | None = None,
+    least: float = LEAST_PART,
+    artificial: int = ARTIFICIAL,
+    vertical: bool = False,
+    seed: int = 0,
+) -> Action:
+    """The motions scaled as asked for: by at most one of target, pga and sa. Raises InputError as `check` does."""
+    given = _named(motions)
+    if sum(value is not None for value in (target, pga, sa)) > 1:
+        raise InputError("target, pga, sa: must be one of them, motions cannot be scaled to several")
+    if vertical_pga is not None and pga is None:
+        raise InputError("vertical_pga: must be left out without pga")
+    if periods is not None and target is None:
+        raise InputError("periods: must be left out without a target spectrum")
+    own = 1.0 / float(natural_frequencies(column)[0])
+    if target is not None:
+        spans = (SHORTEST_PART * own, max(LONGEST_PART * own, min(found.period(), LONGEST_PERIOD)))
+        low, high = spans if periods is None else (float(periods[0]), float(periods[1]))
+        if given:
+            scaled = scaling.scaled_to_spectrum(given, target, (low, high), least)
+            how = f"each to a mean of 1 over the target from {low:.3g} to {high:.3g} s, all so that their mean is no "
+            return Action(tuple(scaled), f"{how}less than {least:g} of it", target, (low, high))
+        made = artificial_motions(target, artificial, seed)
+        if vertical:
+            if target.vertical is None:
+                raise InputError(f"vertical: {target.name} has no vertical spectrum, must be left out")
+            made = with_vertical(made, target.vertical, seed)
+        how = f"artificial motions made to follow the target, seeds from {seed}"
+        return Action(tuple(ScaledMotion(*pair) for pair in made.items()), how, target, (low, high))
+    if not given:
+        raise InputError("motions: none given, must be records, or a target spectrum that artificial ones follow")
+    if pga is not None:
+        scaled = scaling.scaled_to_pga(given, pga, vertical_pga)
+        return Action(tuple(scaled), f"each to a largest horizontal acceleration of {pga / STANDARD_GRAVITY:.4g} g")
+    if sa is not None:
+        scaled = scaling.scaled_to_sa(given, own, sa)
+        how = f"each to a spectral acceleration of {sa / STANDARD_GRAVITY:.4g} g at the first period, {own:.4g} s"
+        return Action(tuple(scaled), how)
+    return Action(tuple(ScaledMotion(*pair) for pair in given.items()), "as given")
+
+
+def _named(motions: Motions) -> dict[str, Motion]:
+    if isinstance(motions, Mapping):
+        found = dict(motions)
+    else:
+        found = {}
+        for number, given in enumerate(motions, start=1):
+            name = f"motion {number}" if isinstance(given, Motion) else Path(given).stem
+            found[name if name not in found else f"{name} {number}"] = (
+                given if isinstance(given, Motion) else Motion.from_file(given)
+            )
+    for name, motion in found.items():
+        if not isinstance(motion, Motion):
+            raise InputError(f"{name} = {shown(motion)}: must be a Motion or the path of a record")
+    return found
+
+
+def checked(
+    column: Column, action: Action, plan: Plan, found: Mechanism | None = None, callback: Callback | None = None
+) -> Check:
+    """The check of a column under motions that are already scaled, as for variants. Raises as `check` does."""
+    make_kernels()
+    check_rest(column, from_rest=True)
+    found = mechanism(column, plan.confidence_factor) if found is None else found
+    own = 1.0 / float(natural_frequencies(column)[0])
+    responses = tuple(_worse_way(column, scaled.motion) for scaled in action.motions)
+    ensembles = [
+        varied(column, scaled, plan.ensemble, plan.spread, place) for place, scaled in enumerate(action.motions)
+    ]
+    pairs = [pair for ensemble in ensembles for pair in ensemble]
+    runs = run_all(pairs, ("peak_ux", "verdict", "overturn_time"), callback)
+    falls = np.any((runs["verdict"] != "standing").reshape(len(ensembles), -1), axis=1)
+    margin = margin_of(ensembles, falls, callback) if plan.margin else None
+    edge = found.curve.overturning_displacement
+    rows = rows_of(column, responses, runs, plan.limits, margin, edge, [scaled.name for scaled in action.motions])
+    hand = by_hand(column, found, action.spectrum, action.target is not None, own, action.motions, plan.limits)
+    return Check(column, action, plan, rows, hand, margin, responses, runs, own)
+
+
+def _worse_way(column: Column, motion: Motion) -> Response:
+    """The run of a column; of one that is not symmetric the worse of the motion and its mirror image."""
+    ways = (motion, motion.mirrored()) if column.off_axis else (motion,)
+    runs = [simulate(column, way) for way in ways]
+    return max(runs, key=lambda run: (run.verdict != "standing", run.peak_ux[0]))
+
+
+def check(
+    column: Column,
+    motions: Motions = (),
+    *,
+    target: TargetSpectrum | None = None,
+    pga: float | None = None,
+    vertical_pga: float | None = None,
+    sa: float | None = None,
+    periods: Sequence[float] | None = None,
+    least: float = LEAST_PART,
+    artificial: int = ARTIFICIAL,
+    vertical: bool = False,
+    seed: int = 0,
+    plan: Plan | None = None,
+    callback: Callback | None = None,
+) -> Check:
+    """Check a column against an action: does it stand, by how much, and what else is asked of it.
+
+    motions: by name, or in a row, or paths of records; without any, `artificial` ones that follow the target, with
+    `vertical` its vertical spectrum too.
+    target (checks/spectra.py), pga (m/s2, and vertical_pga of the vertical components), sa (m/s2, of 5 % damping at the
+    first period): at most one, to which the motions are scaled; without any they are taken as given.
+    periods: range in s in which spectra follow the target; None: from 0.2 of the first period to the period at 0.4 of
+    the displacement on the edge (C8.7.1.10), at most 4 s and at least twice the first period. least: part of the target
+    below which the mean spectrum must not be. plan: limits, ensembles, margin (limits.py); None: its defaults.
+    callback: as in `simulate_many`, for each set of runs.
+
+    Raises InputError for a wrong value, SolverError if the column does not stand at rest or a run cannot be finished.
+    """
+    plan = Plan() if plan is None else plan
+    make_kernels()
+    check_rest(column, from_rest=True)
+    found = mechanism(column, plan.confidence_factor)
+    action = action_on(
+        column,
+        found,
+        motions,
+        target=target,
+        pga=pga,
+        vertical_pga=vertical_pga,
+        sa=sa,
+        periods=periods,
+        least=least,
+        artificial=artificial,
+        vertical=vertical,
+        seed=seed,
+    )
+    return checked(column, action, plan, found, callback)

@@ -1,0 +1,57 @@
+"""Limits that demands are compared with, and the options of a check; each has a stated default."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, fields
+from typing import Any
+
+from ..common.errors import POSITIVE, InputError, check_number
+from ..dynamics.uncertainty import Spread
+from .kinematic import CONFIDENCE_FACTOR, LIFE_SAFETY
+
+MOST_RUNS = 10_000
+
+# what is not known of a real column, as standard deviations of logarithms: docs/check.md
+UNCERTAIN = Spread(stiffness=0.2, damping=0.5, motion=0.01)
+
+
+def _limit(default: float | None, meaning: str, least: float = 0.0, most: float = POSITIVE[1]) -> Any:
+    """A limit, its meaning for messages, options and reports, and its range; None: not limited."""
+    return field(default=default, metadata={"meaning": meaning, "range": (least, most)})
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Capacities of the table of checks. Raises InputError for one out of range."""
+
+    share: float = _limit(0.0, "share of the runs that may fall", 0.0, 1.0)
+    displacement: float = _limit(
+        LIFE_SAFETY, "part of the displacement at which the column balances on its edge, of the top", 1e-3, 1.0
+    )
+    strength_factor: float = _limit(1.0, "the strength is divided by it", 0.1, 100.0)
+    slip: float = _limit(0.05, "part of the width of the joint, of the largest slip", 0.0, 1.0)
+    residual: float = _limit(0.02, "part of the width of the joint, of the slip that is left", 0.0, 1.0)
+    opening: float | None = _limit(None, "part of the width of the joint that may open; not limited if not given")
+    friction: float | None = _limit(None, "coefficient of joints that have none in the column file", 1e-3, 10.0)
+
+    def __post_init__(self) -> None:
+        for item in fields(self):
+            value = getattr(self, item.name)
+            if value is not None:
+                low, high = item.metadata["range"]
+                check_number(f"limits.{item.name}", value, (low, high), f"{item.metadata['meaning']}, from {low:g}")
+
+
+@dataclass(frozen=True)
+class Plan:
+    """How a column is checked. Raises InputError."""
+
+    limits: Limits = field(default_factory=Limits)
+    ensemble: int = 8  # runs of each motion with varied data
+    spread: Spread = UNCERTAIN
+    margin: bool = True  # whether to look for the factor at which it begins to fall
+    confidence_factor: float = CONFIDENCE_FACTOR
+
+    def __post_init__(self) -> None:
+        if isinstance(self.ensemble, bool) or not isinstance(self.ensemble, int) or not 1 <= self.ensemble <= MOST_RUNS:
+            raise InputError(f"ensemble = {self.ensemble}: must be a number of runs from 1 to {MOST_RUNS}")

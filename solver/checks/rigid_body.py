@@ -1,0 +1,133 @@
+"""The approximate method for an unanchored rigid body: ASCE/SEI 43-05, appendix A.
+
+The part of the column above one joint as a single rigid body, of half width b and with its centroid at a height h.
+Rocking (A.2): an oscillator of the same energy as the body turned by theta, damped as by Housner's impacts, two to a
+cycle. Sliding (A.1): an oscillator that takes twice the force of friction. The corrections of A.2 for vertical motion
+(FV) and of A.1 for the second horizontal component (FH) are left out: the model is planar.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..column.column import Column
+from ..common.errors import InputError
+from .spectra import Spectral
+
+FloatArray = NDArray[np.float64]
+
+ANGLES = 400  # among which the rotation is looked for; and frequencies for sliding
+SLIDING_DAMPING = 0.10
+SLOWEST, FASTEST = 0.05, 33.0  # Hz: frequencies looked at for sliding
+
+
+@dataclass(frozen=True)
+class RigidBody:
+    """The part of a column above a joint, as one body."""
+
+    joint: int  # from the top, 1 is the highest
+    mass: float  # kg
+    half_width: float  # m, from below the centroid to the nearer edge of the joint's contact
+    centroid: float  # m, above the joint
+    inertia: float  # kg m2, about the edge
+
+    @property
+    def slenderness(self) -> float:
+        """a = b / h."""
+        return self.half_width / self.centroid
+
+    @property
+    def edge_angle(self) -> float:
+        """Rotation, rad, at which it balances on its edge."""
+        return math.atan(self.slenderness)
+
+    @property
+    def restitution(self) -> float:
+        """C_R = 1 - 2 a^2 / C_I, C_I = I / (M h^2): Housner's, of the rates before and after an impact."""
+        return 1.0 - 2.0 * self.mass * self.half_width**2 / self.inertia
+
+    @property
+    def damping(self) -> float:
+        """beta_e, of critical, with gamma = -2 ln C_R."""
+        if self.restitution <= 0.0:
+            raise InputError(f"joint {self.joint}: the part above is too stocky to rock as ASCE 43 assumes")
+        gamma = -2.0 * math.log(self.restitution)
+        return gamma / math.hypot(2.0 * math.pi, gamma)
+
+    def frequency(self, theta: float, g: float) -> float:
+        """f_e, Hz, of the oscillator of a rotation theta, rad."""
+        return math.sqrt(2.0 * self.mass * g * self.centroid * self._rise(theta) / self.inertia) / (
+            2.0 * math.pi * theta
+        )
+
+    def capacity(self, theta: float, g: float) -> float:
+        """Spectral acceleration, m/s2, that turns the body by theta, rad."""
+        return 2.0 * g * self._rise(theta) / theta
+
+    def _rise(self, theta: float) -> float:
+        """f1 - 1 = cos theta + a sin theta - 1: rise of the centroid over h."""
+        return math.cos(theta) + self.slenderness * math.sin(theta) - 1.0
+
+    def rotation(self, action: Spectral, g: float) -> float:
+        """Largest rotation, rad, under an action; inf where it falls, 0 where it does not begin to rock.
+
+        The least rotation from which on the capacity exceeds the demand, up to the edge.
+        """
+        if float(action.psa(0.0)) <= g * self.slenderness:
+            return 0.0
+        angles = self.edge_angle * np.arange(1, ANGLES + 1) / ANGLES
+        frequency = np.array([self.frequency(float(theta), g) for theta in angles])
+        demand = action.psa(1.0 / frequency, min(self.damping, 0.999))
+        missing = demand - np.array([self.capacity(float(theta), g) for theta in angles])
+        short = np.flatnonzero(missing > 0.0)
+        if not short.size:
+            return float(angles[0])
+        last = int(short[-1])
+        return math.inf if last == ANGLES - 1 else _crossing(angles, missing, last)
+
+
+def rigid_bodies(column: Column) -> list[RigidBody]:
+    """The parts above each joint, the top joint first, each standing straight."""
+    found: list[RigidBody] = []
+    mass = height = inertia = 0.0  # of the part above: its centroid above the joint, inertia about the centroid
+    for number, (block, contact) in enumerate(zip(column.blocks, column.contacts, strict=True), start=1):
+        both, own, raised = mass + block.mass, block.resolved_centroid, height + block.height
+        middle = (mass * raised + block.mass * own) / both
+        inertia += block.resolved_inertia + mass * (raised - middle) ** 2 + block.mass * (own - middle) ** 2
+        mass, height = both, middle
+        half = min(-contact.left, contact.right)
+        found.append(RigidBody(number, mass, half, height, inertia + mass * (height**2 + half**2)))
+    return found
+
+
+def governing_body(column: Column) -> RigidBody:
+    """The part that the least push sets in motion."""
+    return min(rigid_bodies(column), key=lambda body: body.slenderness)
+
+
+def sliding_distance(friction: float, vertical: float, action: Spectral, g: float) -> float:
+    """Largest slip, m (A-1) to (A-3): mu (1 - 0.4 A_v / g), c_s = 2 mu_e g, delta = c_s / (2 pi f_es)^2.
+
+    friction: coefficient; vertical: largest vertical acceleration A_v, m/s2; f_es is the lowest frequency at which the
+    spectrum of 10 % damping reaches c_s; 0 where it does not.
+    """
+    strength = 2.0 * friction * (1.0 - 0.4 * vertical / g) * g
+    if strength <= 0.0:
+        return math.inf
+    frequency = np.geomspace(SLOWEST, FASTEST, ANGLES)
+    missing = np.log(action.psa(1.0 / frequency, SLIDING_DAMPING) / strength)
+    reached = np.flatnonzero(missing >= 0.0)
+    if not reached.size:
+        return 0.0
+    first = int(reached[0])
+    found = math.exp(_crossing(np.log(frequency), missing, first - 1)) if first else SLOWEST
+    return strength / (2.0 * math.pi * found) ** 2
+
+
+def _crossing(x: FloatArray, y: FloatArray, k: int) -> float:
+    """Where y is zero between places k and k + 1, by a straight line."""
+    return float(x[k] - y[k] * (x[k + 1] - x[k]) / (y[k + 1] - y[k]))

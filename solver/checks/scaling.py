@@ -1,0 +1,153 @@
+"""Motions scaled to an action: to a peak, to the spectral acceleration at one period, to a spectrum over periods."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..common.errors import POSITIVE, InputError, check_number
+from ..ground.intensity import Component, spectrum
+from ..ground.motion import Motion
+from .spectra import DAMPING, Spectral, TargetSpectrum
+
+FloatArray = NDArray[np.float64]
+
+FEWEST, MEAN_FROM = 3, 7  # motions: EN 1998-1, 4.3.3.4.3(3)
+LEAST_PART = 0.9  # of the target, that the mean spectrum keeps: EN 1998-1, 3.2.3.1.2(4)
+PERIODS_OF_FIT = 40
+VERTICAL_RANGE = (0.05, 1.0)  # s, of the fit of vertical components: plateau and next branch of the codes
+
+
+class ScaledMotion(NamedTuple):
+    """A motion as it is applied, and the factors that it was scaled by."""
+
+    name: str
+    motion: Motion
+    factor: float = 1.0
+    vertical_factor: float = 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class MotionSpectra:
+    """The spectrum of several motions taken as one: the mean of seven and more, the largest of fewer."""
+
+    motions: tuple[Motion, ...]
+
+    def psa(self, period: ArrayLike, damping: float = DAMPING) -> FloatArray:
+        """Pseudo-acceleration of ax, m/s2, at periods, s, of any shape; that of the ground at 0."""
+        period = np.asarray(period, dtype=np.float64)
+        each = np.repeat([[motion.pga] for motion in self.motions], period.size, axis=1)
+        moving = period.ravel() > 0.0
+        for k, motion in enumerate(self.motions if moving.any() else ()):
+            each[k, moving] = spectrum(motion, period.ravel()[moving], damping).psa
+        taken: FloatArray = statistic(each).reshape(period.shape)
+        return taken
+
+
+def statistic(values: ArrayLike) -> FloatArray:
+    """What counts of values of several motions, along the first axis: the mean of seven and more, else the largest.
+
+    EN 1998-1, 4.3.3.4.3(3). An infinite value, of a column that falls, makes a mean infinite.
+    """
+    values = np.asarray(values, dtype=np.float64)
+    taken: FloatArray = np.asarray(np.mean(values, axis=0) if len(values) >= MEAN_FROM else np.max(values, axis=0))
+    return taken
+
+
+def applied(name: str, motion: Motion, factor: float, vertical_factor: float | None = None) -> ScaledMotion:
+    """The motion with its components times factors; None: the vertical one goes along."""
+    vertical = factor if vertical_factor is None else vertical_factor
+    scaled = replace(motion, ax=factor * motion.ax, az=vertical * motion.az, amplitude=factor * motion.amplitude)
+    return ScaledMotion(name, scaled, factor, vertical)
+
+
+def scaled_to_pga(motions: Mapping[str, Motion], pga: float, vertical_pga: float | None = None) -> list[ScaledMotion]:
+    """Each motion to the same largest horizontal acceleration, m/s2; the vertical goes along, or has its own.
+
+    Raises InputError for a motion that is zero.
+    """
+    pga = check_number("pga", pga, POSITIVE, "an acceleration in m/s2")
+    found = []
+    for name, motion in motions.items():
+        largest = float(np.max(np.abs(motion.az)))
+        vertical = vertical_pga / largest if vertical_pga is not None and largest else None
+        found.append(applied(name, motion, pga / _nonzero(name, motion.pga), vertical))
+    return found
+
+
+def scaled_to_sa(motions: Mapping[str, Motion], period: float, sa: float) -> list[ScaledMotion]:
+    """Each motion to the same spectral acceleration sa, m/s2, of 5 % damping at one period, s; vertical goes along."""
+    sa = check_number("sa", sa, POSITIVE, "an acceleration in m/s2")
+    return [
+        applied(name, motion, sa / _nonzero(name, float(spectrum(motion, [period]).psa[0])))
+        for name, motion in motions.items()
+    ]
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """Motions, one component of them, and the target that they are fitted to over a range of periods, s."""
+
+    motions: Mapping[str, Motion]
+    target: Spectral
+    range: tuple[float, float]
+    component: Component = "ax"
+
+    @cached_property
+    def periods(self) -> FloatArray:
+        """Where the spectra are compared, s."""
+        return np.geomspace(*self.range, PERIODS_OF_FIT)
+
+    @cached_property
+    def ratios(self) -> FloatArray:
+        """Response over target of each motion, (motions, periods)."""
+        found = [spectrum(motion, self.periods, component=self.component).psa for motion in self.motions.values()]
+        return np.array(found) / self.target.psa(self.periods)
+
+    def factors(self, least: float) -> list[float]:
+        """A factor for each motion.
+
+        First each to a geometric mean of 1 over the target; then all by one more, so that the mean of their spectra is
+        nowhere below `least` times the target. It does not make them smaller.
+        """
+        own = np.exp(-np.mean(np.log(self.ratios), axis=1))
+        mean = np.mean(self.ratios * own[:, None], axis=0)
+        common = max(1.0, least / float(np.min(mean)))
+        return [float(common * factor) for factor in own]
+
+
+def scaled_to_spectrum(
+    motions: Mapping[str, Motion], target: TargetSpectrum, periods: Sequence[float], least: float = LEAST_PART
+) -> list[ScaledMotion]:
+    """Motions whose spectra follow a target over a range of periods, s; vertical components follow the vertical one.
+
+    least: part of the target below which the mean of their spectra must not be (`Fit.factors`); 0: no such rule.
+    Raises InputError.
+    """
+    shortest, longest = (check_number("periods", t, (1e-3, 100.0), "periods in s, up to 100") for t in periods)
+    if not shortest < longest:
+        raise InputError(f"periods = {shortest:g} {longest:g}: must be the shorter first")
+    least = check_number("least", least, (0.0, 1.0), "a part of the target from 0 to 1")
+    for name, motion in motions.items():
+        _nonzero(name, motion.pga)
+    factors = Fit(motions, target, (shortest, longest)).factors(least)
+    upright = {name: motion for name, motion in motions.items() if np.any(motion.az)}
+    vertical: dict[str, float] = {}
+    if target.vertical is not None and upright:
+        fit = Fit(upright, target.vertical, VERTICAL_RANGE, "az")
+        vertical = dict(zip(upright, fit.factors(least), strict=True))
+    return [
+        applied(name, motion, factor, vertical.get(name))
+        for (name, motion), factor in zip(motions.items(), factors, strict=True)
+    ]
+
+
+def _nonzero(name: str, size: float) -> float:
+    if not size > 0.0:
+        raise InputError(f"{name}: the motion is zero throughout and cannot be scaled")
+    return size

@@ -1,0 +1,221 @@
+"""Elastic spectra that codes ask for, and spectra from tables: pseudo-acceleration over period and damping.
+
+EN 1998-1:2004, 3.2.2.2 and 3.2.2.3, with the recommended values of its tables 3.2 to 3.4; NTC 2018 (D.M. 17/01/2018),
+3.2.3.2.1 and 3.2.3.2.2. Both have one shape, between the corner periods TB, TC and TD.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..common.errors import InputError, check_number, reading, shown
+from ..common.files import MB, content_of
+from ..common.ranges import listed
+from ..ground.motion import STANDARD_GRAVITY
+
+FloatArray = NDArray[np.float64]
+
+DAMPING = 0.05  # of critical, of the spectra that codes print
+LEAST_ETA = 0.55
+SOILS = ("A", "B", "C", "D", "E")
+# S, TB s, TC s, TD s by type and ground: EN 1998-1, tables 3.2 and 3.3
+_EUROCODE = {
+    1: dict(
+        zip(
+            SOILS,
+            (
+                (1.0, 0.15, 0.4, 2.0),
+                (1.2, 0.15, 0.5, 2.0),
+                (1.15, 0.20, 0.6, 2.0),
+                (1.35, 0.20, 0.8, 2.0),
+                (1.4, 0.15, 0.5, 2.0),
+            ),
+            strict=True,
+        )
+    ),
+    2: dict(
+        zip(
+            SOILS,
+            (
+                (1.0, 0.05, 0.25, 1.2),
+                (1.35, 0.05, 0.25, 1.2),
+                (1.5, 0.10, 0.25, 1.2),
+                (1.8, 0.10, 0.30, 1.2),
+                (1.6, 0.05, 0.25, 1.2),
+            ),
+            strict=True,
+        )
+    ),
+}
+_VERTICAL_PART = {1: 0.9, 2: 0.45}  # avg / ag: table 3.4
+_VERTICAL_CORNERS = (0.05, 0.15, 1.0)  # s, of both codes
+# NTC 2018, table 3.2.IV: least, constant and slope of SS in F0 ag / g, most; factor and exponent of CC in TC*
+_NTC = {
+    "A": ((1.0, 1.0, 0.0, 1.0), (1.0, 0.0)),
+    "B": ((1.0, 1.4, -0.4, 1.2), (1.1, -0.2)),
+    "C": ((1.0, 1.7, -0.6, 1.5), (1.05, -0.33)),
+    "D": ((0.9, 2.4, -1.5, 1.8), (1.25, -0.5)),
+    "E": ((1.0, 2.0, -1.1, 1.6), (1.15, -0.4)),
+}
+_NTC_TOPOGRAPHY = {"T1": 1.0, "T2": 1.2, "T3": 1.2, "T4": 1.4}  # table 3.2.V, at the top of the slope
+MOST_TABLE = MB
+UNITS = {"g": STANDARD_GRAVITY, "m/s2": 1.0}
+
+
+class Spectral(Protocol):
+    """What gives a pseudo-acceleration: a spectrum of a code, or of motions."""
+
+    def psa(self, period: ArrayLike, damping: float = DAMPING) -> FloatArray:
+        """m/s2 at periods, s, and a damping of critical; at period 0 that of the ground."""
+        ...
+
+
+def damping_factor(damping: float) -> float:
+    """The factor eta of EN 1998-1 (3.6) and NTC 2018 (3.2.4) on a spectrum of 5 %; damping of critical."""
+    return max(math.sqrt(10.0 / (5.0 + 100.0 * damping)), LEAST_ETA)
+
+
+@dataclass(frozen=True)
+class CornerSpectrum:
+    """A spectrum with corner periods: EN 1998-1 (3.2) to (3.5), NTC 2018 (3.2.2) and (3.2.10).
+
+    Beyond 4 s, where EN 1998-1 ends, the displacement stays constant.
+    """
+
+    pga: float  # m/s2, at period 0, on the ground there
+    amplification: float  # of the plateau over pga at 5 % damping
+    tb: float  # s
+    tc: float  # s
+    td: float  # s
+
+    def psa(self, period: ArrayLike, damping: float = DAMPING) -> FloatArray:
+        """Pseudo-acceleration, m/s2, at periods, s."""
+        t = np.asarray(period, dtype=np.float64)
+        top = damping_factor(damping) * self.amplification
+        beyond = np.maximum(t, self.tc)
+        falling = self.tc / beyond * np.minimum(1.0, self.td / beyond)
+        return self.pga * np.where(t < self.tb, 1.0 + t / self.tb * (top - 1.0), top * falling)
+
+
+@dataclass(frozen=True, eq=False)
+class TableSpectrum:
+    """A spectrum of 5 % damping from a table, interpolated in logarithms.
+
+    Before the first period it is constant, beyond the last it falls with the square of the period. Other dampings by
+    the factor of the codes (`damping_factor`).
+    """
+
+    period: FloatArray  # (m,) s, increasing
+    values: FloatArray  # (m,) m/s2
+
+    def psa(self, period: ArrayLike, damping: float = DAMPING) -> FloatArray:
+        """Pseudo-acceleration, m/s2, at periods, s."""
+        t = np.maximum(np.asarray(period, dtype=np.float64), self.period[0])
+        within = np.exp(np.interp(np.log(t), np.log(self.period), np.log(self.values)))
+        beyond: FloatArray = np.minimum(1.0, self.period[-1] / t) ** 2
+        found: FloatArray = damping_factor(damping) * within * beyond
+        return found
+
+
+@dataclass(frozen=True, eq=False)
+class TargetSpectrum:
+    """The action that a check asks for: a horizontal spectrum, and a vertical one where the source has it."""
+
+    name: str
+    horizontal: Spectral
+    vertical: Spectral | None = None
+
+    def psa(self, period: ArrayLike, damping: float = DAMPING) -> FloatArray:
+        """Horizontal pseudo-acceleration, m/s2, at periods, s."""
+        return self.horizontal.psa(period, damping)
+
+
+def eurocode8(ag: float, soil: str, kind: int = 1) -> TargetSpectrum:
+    """EN 1998-1:2004, elastic spectrum of type 1 or 2 (`kind`) on ground A to E; recommended values.
+
+    ag: m/s2, design ground acceleration on ground A, the importance factor included. Raises InputError.
+    """
+    ag = _acceleration(ag)
+    if kind not in _EUROCODE:
+        raise InputError(f"type = {shown(kind)}: must be 1 or 2")
+    factor, *corners = _EUROCODE[kind][_soil(soil)]
+    return TargetSpectrum(
+        f"EN 1998-1 type {kind}, ground {soil}, ag {ag / STANDARD_GRAVITY:.4g} g",
+        CornerSpectrum(factor * ag, 2.5, *corners),
+        CornerSpectrum(_VERTICAL_PART[kind] * ag, 3.0, *_VERTICAL_CORNERS),
+    )
+
+
+def ntc2018(ag: float, f0: float, tc_star: float, soil: str, topography: str = "T1") -> TargetSpectrum:
+    """NTC 2018, elastic spectrum of a site and a limit state, from ag (m/s2), F0 and TC* (s) of its annexes.
+
+    soil: category A to E; topography: T1 to T4. Raises InputError.
+    """
+    ag = _acceleration(ag)
+    f0 = check_number("F0", f0, (1.0, 10.0), "an amplification from 1 to 10; NTC 2018 has 2.2 and more")
+    tc_star = check_number("TC", tc_star, (0.01, 5.0), "TC* in s, from 0.01 to 5")
+    (least, constant, slope, most), (factor, power) = _NTC[_soil(soil)]
+    if topography not in _NTC_TOPOGRAPHY:
+        raise InputError(f"topography = {shown(topography)}: must be one of {listed(_NTC_TOPOGRAPHY, topography)}")
+    in_g, slope_factor = ag / STANDARD_GRAVITY, _NTC_TOPOGRAPHY[topography]
+    ground = min(max(constant + slope * f0 * in_g, least), most)
+    tc = factor * tc_star**power * tc_star
+    vertical = 1.35 * math.sqrt(in_g) * ag * slope_factor  # ag Fv / F0, (3.2.11)
+    return TargetSpectrum(
+        f"NTC 2018, soil {soil}, topography {topography}, ag {in_g:.4g} g, F0 {f0:g}, TC* {tc_star:g} s",
+        CornerSpectrum(ground * slope_factor * ag, f0, tc / 3.0, tc, 4.0 * in_g + 1.6),
+        CornerSpectrum(vertical, f0, *_VERTICAL_CORNERS),
+    )
+
+
+def spectrum_from_csv(path: str | os.PathLike[str]) -> TargetSpectrum:
+    """Read a spectrum of 5 % damping from a table; its first line is `period,g` or `period,m/s2`.
+
+    Periods in s, increasing and positive. Raises InputError that begins with `path`.
+    """
+    with reading(path):
+        rows = list(csv.reader(io.StringIO(content_of(path, MOST_TABLE).decode("utf-8"))))
+        header = [name.strip().lower() for name in rows[0]] if rows else []
+        if len(header) != 2 or header[0] != "period" or header[1] not in UNITS:
+            raise InputError("line 1: must be period,g or period,m/s2")
+        period, values = _numbers(rows[1:])
+    return TargetSpectrum(os.fspath(path), TableSpectrum(period, UNITS[header[1]] * values))
+
+
+def _numbers(rows: Sequence[Sequence[str]]) -> tuple[FloatArray, FloatArray]:
+    found: list[tuple[float, float]] = []
+    for line, row in enumerate(rows, start=2):
+        if not row:
+            continue
+        try:
+            period, value = (float(text) for text in row)
+        except ValueError:
+            raise InputError(f"line {line}: {shown(','.join(row))}, must be a period in s and a value") from None
+        if not (0.0 < period < math.inf and 0.0 < value < math.inf):
+            raise InputError(f"line {line}: {shown(','.join(row))}, must be two positive numbers")
+        if found and not found[-1][0] < period:
+            raise InputError(f"line {line}: period {period:g} s, must be above the one before, {found[-1][0]:g} s")
+        found.append((period, value))
+    if len(found) < 2:
+        raise InputError("must have at least two periods")
+    period, value = np.array(found).T
+    return period, value
+
+
+def _acceleration(ag: float) -> float:
+    return check_number("ag", ag, (1e-3, 100.0), "an acceleration in m/s2, from 0.001 to 100")
+
+
+def _soil(soil: str) -> str:
+    if soil not in SOILS:
+        raise InputError(f"soil = {shown(soil)}: must be one of {listed(SOILS, soil)}")
+    return soil

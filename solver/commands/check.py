@@ -1,0 +1,221 @@
+"""The command `check`: does a column stand under an action, by how much, and which measure helps."""
+
+from __future__ import annotations
+
+import argparse
+import shlex
+import sys
+from collections.abc import Mapping
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+from ..checks.check import ARTIFICIAL, Action, Check, action_on, checked
+from ..checks.kinematic import mechanism
+from ..checks.limits import UNCERTAIN, Limits, Plan
+from ..checks.scaling import LEAST_PART
+from ..checks.spectra import SOILS, TargetSpectrum, eurocode8, ntc2018, spectrum_from_csv
+from ..column.column import Column
+from ..column.rest import check_stable
+from ..common.errors import InputError, needing, reading
+from ..common.files import check_outputs
+from ..common.ranges import listed
+from ..dynamics.uncertainty import Spread
+from ..ground.motion import STANDARD_GRAVITY, Motion
+from .check_report import action_lines, check_lines, variants_lines
+from .command_files import add_force, check_suffix, read_column
+from .motion_options import FORMATS, add_file_options, check_file_options, file_line, read_with_options
+from .progress import RunsLine, compile_kernels
+
+SPECTRA = ("ec8", "ntc2018")
+_OF_SPECTRUM = {"ec8": ("ag", "soil", "type"), "ntc2018": ("ag", "soil", "f0", "tc", "topography")}
+_NEEDED = {"ec8": ("ag", "soil"), "ntc2018": ("ag", "soil", "f0", "tc")}
+
+
+def add_check_command(commands: argparse._SubParsersAction[Any]) -> None:
+    """Add `check`."""
+    parser = commands.add_parser("check", help="does it stand, by how much: demand beside capacity, margin, report")
+    parser.set_defaults(command=_check, many="records")
+    parser.add_argument("column", type=Path, metavar="COLUMN.toml", help="blocks, joints and solver settings")
+    parser.add_argument("records", type=Path, nargs="*", metavar="RECORD", help=FORMATS)
+    parser.add_argument("--vertical", type=Path, nargs="+", metavar="FILE", help="vertical components, in that order")
+    add_file_options(parser)
+    _add_action(parser)
+    _add_plan(parser)
+    parser.add_argument(
+        "--variant", type=Path, action="append", default=[], metavar="FILE.toml", help="another column beside; again"
+    )
+    parser.add_argument("-o", "--output", type=Path, metavar="FILE.csv", help="write the table, with each motion")
+    parser.add_argument("--report", type=Path, metavar="FILE.html", help="write a report with pictures, to be printed")
+    add_force(parser)
+
+
+def _add_action(parser: argparse.ArgumentParser) -> None:
+    action = parser.add_argument_group("the action; without any the records are taken as they are")
+    one = action.add_mutually_exclusive_group()
+    one.add_argument("--pga", type=float, metavar="G", help="largest horizontal acceleration of each record, g")
+    one.add_argument("--sa", type=float, metavar="G", help="spectral acceleration of each at the first period, g")
+    one.add_argument("--spectrum", metavar="NAME", help="ec8, ntc2018, or a table FILE.csv of period,g or period,m/s2")
+    action.add_argument("--vertical-pga", type=float, metavar="G", help="with --pga: of the vertical components, g")
+    action.add_argument("--ag", type=float, metavar="G", help="design acceleration on rock, importance included, g")
+    action.add_argument("--soil", metavar="CLASS", help=", ".join(SOILS))
+    action.add_argument("--type", type=int, metavar="N", help="of ec8: 1 or 2 (default: 1)")
+    action.add_argument("--f0", type=float, metavar="F0", help="of ntc2018")
+    action.add_argument("--tc", type=float, metavar="S", help="TC* of ntc2018, s")
+    action.add_argument("--topography", metavar="CLASS", help="of ntc2018: T1 to T4 (default: T1)")
+    action.add_argument(
+        "--periods", type=float, nargs=2, metavar=("S", "S"), help="range in which spectra follow the target"
+    )
+    action.add_argument(
+        "--least", type=float, default=LEAST_PART, metavar="PART", help=f"of the target, kept (default: {LEAST_PART:g})"
+    )
+    action.add_argument(
+        "--artificial",
+        type=int,
+        default=ARTIFICIAL,
+        metavar="N",
+        help=f"motions made where no record is given (default: {ARTIFICIAL})",
+    )
+    action.add_argument("--artificial-vertical", action="store_true", help="with vertical components, by the codes")
+    action.add_argument("--seed", type=int, default=0, metavar="N", help="of the first of them (default: 0)")
+
+
+def _add_plan(parser: argparse.ArgumentParser) -> None:
+    usual = Plan()
+    plan = parser.add_argument_group("what is compared")
+    keys = ", ".join(f"{item.name} {item.default if item.default is not None else 'none'}" for item in fields(Limits))
+    plan.add_argument(
+        "--limit", action="append", default=[], metavar="KEY=VALUE", help=f"a limit; again (defaults: {keys})"
+    )
+    plan.add_argument(
+        "--ensemble", type=int, default=usual.ensemble, metavar="RUNS", help=f"a motion (default: {usual.ensemble})"
+    )
+    plan.add_argument(
+        "--spread",
+        type=float,
+        nargs=3,
+        default=(UNCERTAIN.stiffness, UNCERTAIN.damping, UNCERTAIN.motion),
+        metavar=("STIFFNESS", "DAMPING", "MOTION"),
+        help=f"of the varied data (default: {UNCERTAIN.stiffness:g} {UNCERTAIN.damping:g} {UNCERTAIN.motion:g})",
+    )
+    plan.add_argument("--spread-seed", type=int, default=UNCERTAIN.seed, metavar="N", help="(default: 0)")
+    plan.add_argument("--no-margin", action="store_true", help="do not look for the factor at which it begins to fall")
+    plan.add_argument(
+        "--confidence-factor",
+        type=float,
+        default=usual.confidence_factor,
+        metavar="FC",
+        help=f"of the Circolare (default: {usual.confidence_factor:g})",
+    )
+
+
+def _check(options: argparse.Namespace) -> None:
+    if options.output is not None:
+        check_suffix(options.output, ".csv")
+    if options.report is not None:
+        check_suffix(options.report, ".html", ".htm")
+        with needing("report", "jinja2", "matplotlib"):
+            from ..reports.html import write_report
+    inputs = (options.column, *options.records, *(options.vertical or ()), *options.variant)
+    check_outputs((options.output, options.report), inputs, options.force)
+    column = read_column(options.column)
+    variants = [read_column(path) for path in options.variant]
+    plan = _plan(options)
+    target = _target(options)
+    motions = _motions(options)
+    compile_kernels()
+    with reading(options.column):
+        check_stable(column)
+        found = mechanism(column, plan.confidence_factor)
+        action = action_on(
+            column,
+            found,
+            motions,
+            target=target,
+            pga=_in_g(options.pga),
+            vertical_pga=_in_g(options.vertical_pga),
+            sa=_in_g(options.sa),
+            periods=options.periods,
+            least=options.least,
+            artificial=options.artificial,
+            vertical=options.artificial_vertical,
+            seed=options.seed,
+        )
+    print(*action_lines(action), sep="\n", flush=True)
+    checks = [_checked(options.column, column, action, plan, found)]
+    print(*check_lines(checks[0]), sep="\n", flush=True)
+    checks += [_checked(path, variant, action, plan) for path, variant in zip(options.variant, variants, strict=True)]
+    if variants:
+        print(*variants_lines(checks), sep="\n")
+    if options.output is not None:
+        checks[0].to_csv(options.output)
+        print(options.output)
+    if options.report is not None:
+        with reading(options.report):
+            write_report(checks, options.report, shlex.join(["multiblock", *sys.argv[1:]]))
+        print(options.report)
+
+
+def _checked(path: Path, column: Column, action: Action, plan: Plan, found: Any = None) -> Check:
+    with reading(path), RunsLine() as line:
+        return checked(column, action, plan, found, line if sys.stderr.isatty() else None)
+
+
+def _plan(options: argparse.Namespace) -> Plan:
+    known = {item.name for item in fields(Limits)}
+    limits: dict[str, float] = {}
+    for text in options.limit:
+        key, _, value = text.partition("=")
+        if key not in known:
+            raise InputError(f"--limit {text}: must be KEY=VALUE with one of {listed(sorted(known), key)}")
+        try:
+            limits[key] = float(value)
+        except ValueError:
+            raise InputError(f"--limit {text}: must be {key}= and a number") from None
+    stiffness, damping, motion = options.spread
+    spread = Spread(stiffness, damping, motion, options.spread_seed)
+    return Plan(Limits(**limits), options.ensemble, spread, not options.no_margin, options.confidence_factor)
+
+
+def _target(options: argparse.Namespace) -> TargetSpectrum | None:
+    name = options.spectrum
+    takes = _OF_SPECTRUM.get(name, ())
+    for key in dict.fromkeys(key for keys in _OF_SPECTRUM.values() for key in keys):
+        value = getattr(options, key)
+        if value is not None and key not in takes:
+            raise InputError(f"--{key} {value}: is for --spectrum {' or '.join(SPECTRA)} that has it")
+        if value is None and key in _NEEDED.get(name, ()):
+            raise InputError(f"--{key}: must be given with --spectrum {name}")
+    if name is None:
+        return None
+    if name == "ec8":
+        return eurocode8(options.ag * STANDARD_GRAVITY, options.soil, 1 if options.type is None else options.type)
+    if name == "ntc2018":
+        return ntc2018(options.ag * STANDARD_GRAVITY, options.f0, options.tc, options.soil, options.topography or "T1")
+    if not name.lower().endswith(".csv"):
+        raise InputError(f"--spectrum {name}: must be {', '.join(SPECTRA)} or a table FILE.csv")
+    return spectrum_from_csv(name)
+
+
+def _motions(options: argparse.Namespace) -> Mapping[str, Motion]:
+    """The records by the names of their files, each with its vertical component."""
+    vertical = options.vertical or []
+    if vertical and len(vertical) != len(options.records):
+        raise InputError(f"--vertical: {len(vertical)} files, must be {len(options.records)}, one for each record")
+    paths = [*options.records, *vertical]
+    if paths:
+        check_file_options(paths, options)
+    found: dict[str, Motion] = {}
+    for k, path in enumerate(options.records):
+        record, motion = read_with_options(path, options, options.channel)
+        print(file_line(path, record))
+        if vertical:
+            record, upright = read_with_options(vertical[k], options, options.channel)
+            print(f"vertical {file_line(vertical[k], record)}")
+            motion = motion.with_vertical(upright)
+        found[path.stem if path.stem not in found else str(path)] = motion
+    return found
+
+
+def _in_g(value: float | None) -> float | None:
+    return None if value is None else value * STANDARD_GRAVITY

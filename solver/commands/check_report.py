@@ -1,0 +1,64 @@
+"""A check for the terminal: the motions, the tables, the answer in two sentences."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..checks.check import Action, Check
+from ..checks.table import Row
+from ..ground.intensity import pgv
+from ..ground.motion import STANDARD_GRAVITY
+
+HEADINGS = ("check", "where", "demand", "capacity", "ratio", "")
+
+
+def action_lines(action: Action) -> list[str]:
+    """The target and each motion with its factors."""
+    lines = [f"action: {action.target.name}" if action.target else "action: the motions themselves"]
+    lines.append(f"motions: {action.how}; counted: {action.statistic}")
+    width = max(len(scaled.name) for scaled in action.motions)
+    lines.append(f"{'motion':{width}s}  factor  vertical  PGA (g)  vertical (g)  PGV (m/s)")
+    for scaled in action.motions:
+        vertical = float(np.max(np.abs(scaled.motion.az)))
+        upright = f"{scaled.vertical_factor:8.4g}" if vertical else " " * 8
+        pga, rise = scaled.motion.pga / STANDARD_GRAVITY, vertical / STANDARD_GRAVITY
+        lines.append(
+            f"{scaled.name:{width}s}  {scaled.factor:6.4g}  {upright}  {pga:7.4g}  {rise:12.4g}  "
+            f"{pgv(scaled.motion):9.4g}"
+        )
+    return lines
+
+
+def check_lines(check: Check) -> list[str]:
+    """The tables with their notes, where methods disagree, and the two sentences."""
+    lines = [f"{check.column.name}, first period {check.period:.4g} s", *_table(check.rows)]
+    lines += ["by hand:", *_table(check.by_hand.rows), *check.agreement]
+    return [*lines, check.verdict, check.margin_sentence, f"inputs {check.fingerprint[:16]}"]
+
+
+def variants_lines(checks: Sequence[Check]) -> list[str]:
+    """Ratios of each check, a column for each variant; the first is the column itself."""
+    width = max(22, *(len(check.column.name) for check in checks))
+    lines = ["variants under the same motions, demand and its ratio to the capacity:"]
+    lines.append(f"{'':26s}" + "".join(f"  {check.column.name:>{width}s}" for check in checks))
+    names = list(dict.fromkeys(row.name for check in checks for row in check.rows))
+    for name in names:
+        cells = []
+        for check in checks:
+            row = next((row for row in check.rows if row.name == name), None)
+            cells.append("" if row is None else row.brief)
+        lines.append(f"{name:26s}" + "".join(f"  {cell:>{width}s}" for cell in cells))
+    return lines
+
+
+def _table(rows: Sequence[Row]) -> list[str]:
+    """The rows, and below them their notes."""
+    cells = [HEADINGS, *(row.texts for row in rows)]
+    widths = [max(len(line[k]) for line in cells) for k in range(len(HEADINGS))]
+    lines = [
+        "  ".join(f"{text:{'>' if 2 <= j <= 4 else '<'}{widths[j]}s}" for j, text in enumerate(line)).rstrip()
+        for line in cells
+    ]
+    return [*lines, *(f"  {row.name}: {row.remark}" for row in rows)]

@@ -1,0 +1,237 @@
+"""The command `new`: asks about a column and writes its file, with comments and the sources of its values."""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import io
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from ..column.column import Column
+from ..column.materials import MATERIALS, Material
+from ..common.errors import InputError, check_number, reading
+from ..common.files import MB, check_file_name, check_outputs, content_of, whole_file
+from ..common.ranges import LENGTH, NUMBERS, listed
+from .command_files import add_force, check_suffix
+
+DAMPING = 1e-3  # s
+SURVEYS = (("height", "width", "depth"), ("height", "diameter"))
+
+
+class Question(NamedTuple):
+    """A question for a number: words, the answer to an empty line, range and meaning, factor to SI."""
+
+    text: str
+    usual: float
+    limits: tuple[tuple[float, float], str] = LENGTH
+    factor: float = 1.0
+
+
+class Shape(NamedTuple):
+    """What may stand there: words, the questions, and the blocks that follow from the answers."""
+
+    text: str
+    questions: dict[str, Question]
+    blocks: Callable[[dict[str, float]], list[dict[str, float]]]
+
+
+def _drums(asked: dict[str, float]) -> list[dict[str, float]]:
+    return _stack(asked, "diameter")
+
+
+def _tapered(asked: dict[str, float]) -> list[dict[str, float]]:
+    return _stack(asked, "width")
+
+
+def _stack(asked: dict[str, float], across: str) -> list[dict[str, float]]:
+    """Equal heights; sizes fall in a straight line from the bottom to the top."""
+    count = int(asked["count"])
+    height, bottom, top = asked["height"] / count, asked["bottom"], asked["top"]
+    blocks = []
+    for k in range(count):  # from the top
+        upper, lower = (top + (bottom - top) * place / count for place in (k, k + 1))
+        block = {"height": height, across: lower}
+        if upper != lower:
+            block[f"top_{across}"] = upper
+        if across == "width":
+            block |= {"depth": lower} | ({"top_depth": upper} if upper != lower else {})
+        blocks.append(block)
+    return blocks
+
+
+def _statue(asked: dict[str, float]) -> list[dict[str, float]]:
+    statue = {"height": asked["height"], "width": asked["width"], "depth": asked["depth"], "mass": asked["mass"]}
+    pedestal = {key: asked[f"pedestal_{key}"] for key in ("height", "width", "depth")}
+    return [statue, pedestal]
+
+
+_COUNT = ((1.0, 1000.0), "a whole number from 1 to 1000")
+SHAPES = {
+    "drums": Shape(
+        "a column of round drums",
+        {
+            "count": Question("number of drums", 6, _COUNT),
+            "height": Question("height of all drums together (m)", 6.0),
+            "bottom": Question("diameter at the bottom (m)", 1.0),
+            "top": Question("diameter at the top (m)", 0.85),
+        },
+        _drums,
+    ),
+    "statue": Shape(
+        "a statue on a pedestal",
+        {
+            "height": Question("height of the statue (m)", 1.8),
+            "width": Question("width of its base, in the direction of the motion (m)", 0.5),
+            "depth": Question("depth of its base, across (m)", 0.5),
+            "mass": Question("mass of the statue (kg)", 500.0, NUMBERS["mass"]),
+            "pedestal_height": Question("height of the pedestal (m)", 1.0),
+            "pedestal_width": Question("width of the pedestal, in the direction of the motion (m)", 0.7),
+            "pedestal_depth": Question("depth of the pedestal, across (m)", 0.7),
+        },
+        _statue,
+    ),
+    "tapered": Shape(
+        "an obelisk, a pinnacle or a chimney that narrows, square",
+        {
+            "count": Question("number of blocks", 4, _COUNT),
+            "height": Question("height of all blocks together (m)", 4.0),
+            "bottom": Question("width at the bottom (m)", 0.8),
+            "top": Question("width at the top (m)", 0.5),
+        },
+        _tapered,
+    ),
+    "survey": Shape("blocks from a survey, a table FILE.csv", {}, lambda asked: []),
+}
+
+
+def add_new_command(commands: argparse._SubParsersAction[Any]) -> None:
+    """Add `new`."""
+    parser = commands.add_parser("new", help="asks about a column and writes its file, with comments")
+    parser.set_defaults(command=_new)
+    parser.add_argument("column", type=Path, metavar="COLUMN.toml", help="the file to write")
+    add_force(parser)
+
+
+def _new(options: argparse.Namespace) -> None:
+    path: Path = options.column
+    check_suffix(path, ".toml")
+    check_outputs((path,), (), options.force)
+    name = check_file_name("name", path.stem)
+    shape = _choice("what stands there", {key: shape.text for key, shape in SHAPES.items()}, "drums")
+    blocks = _survey() if shape == "survey" else []
+    if not blocks:
+        asked = {key: _number(question) for key, question in SHAPES[shape].questions.items()}
+        if "count" in asked and asked["count"] != int(asked["count"]):
+            raise InputError(f"{asked['count']:g}: must be {_COUNT[1]}")
+        blocks = SHAPES[shape].blocks(asked)
+    material = _choice("material", {key: found.source for key, found in MATERIALS.items()}, "marble")
+    damping = _number(Question("damping eta of the joints (s); 1e-3 is 1 % at 3 Hz", DAMPING, NUMBERS["damping"]))
+    friction = _choice("joints may slide", {"yes": "by friction", "no": "they never slide"}, "no") == "yes"
+    dowel = 0.0
+    if friction:
+        force = ((0.0, 1e9), "a force in kN, zero or positive")
+        dowel = _number(Question("shear that dowels bear in each joint (kN), 0 without", 0.0, force, 1e3))
+    text = column_text(name, SHAPES[shape].text, blocks, material, damping, friction, dowel)
+    with reading(path), whole_file(path) as partial:
+        partial.write_text(text, encoding="utf-8")
+    column = Column.from_toml(path)
+    height = sum(block.height for block in column.blocks)
+    mass = sum(block.mass for block in column.blocks)
+    print(f"{path}: {column.n} blocks, {height:.4g} m, {mass:.5g} kg. Next:")
+    print(f"  multiblock statics {path}")
+    print(f"  multiblock check {path} --spectrum ec8 --ag 0.25 --soil B --report report.html")
+
+
+def column_text(
+    name: str,
+    what: str,
+    blocks: Sequence[dict[str, float]],
+    material: str,
+    damping: float,
+    friction: bool = False,
+    dowel: float = 0.0,
+) -> str:
+    """The text of a column file, with comments. blocks: keys of a block from the top down, without joint and density.
+
+    dowel: N. Raises nothing; `Column.from_toml` checks what is written.
+    """
+    found: Material = MATERIALS[material]
+    lines = [
+        f"# {what[0].upper()}{what[1:]}. Lengths in m, masses in kg, blocks from the top down.",
+        f"# {material}: {found.source}",
+        "# Better than any table: measure a natural frequency, and `multiblock calibrate --frequencies`.",
+        f'name = "{name}"',
+        "",
+        "[joint]                      # of every block, under it",
+        f"damping = {damping!r}            # s, eta: a mode of frequency f has the damping ratio pi f eta",
+        f"strength = {found.strength!r}    # Pa, pressure at the edge is compared with it",
+    ]
+    if friction:
+        lines.append(f"friction = {found.friction!r}         # coefficient; without it the joints never slide")
+    if dowel:
+        lines.append(f"dowel = {dowel!r}            # N, shear borne beside friction")
+    why = "H / E of masonry" if found.has_joints else "1 / (H / E + 1 / 5e9): a dry joint, estimated"
+    for block in blocks:
+        lines += ["", "[[block]]"]
+        if "diameter" in block:
+            lines.append('section = "circle"')
+        lines += [f"{key} = {value:.10g}" for key, value in block.items()]
+        if "mass" not in block:
+            lines.append(f"density = {found.density:.10g}           # kg/m3")
+        lines.append(f"joint.stiffness = {found.modulus(block['height']):.4g}  # N/m3, {why}")
+    return "\n".join(lines) + "\n"
+
+
+def _survey() -> list[dict[str, float]]:
+    """The blocks of a table: height,width,depth or height,diameter, a line a block from the top down; m."""
+    path = Path(_answer("table, with the first line height,width,depth or height,diameter", "survey.csv"))
+    with reading(path):
+        rows = [row for row in csv.reader(io.StringIO(content_of(path, MB).decode("utf-8"))) if row]
+        header = tuple(key.strip().lower() for key in rows[0]) if rows else ()
+        if header not in SURVEYS:
+            raise InputError("line 1: must be height,width,depth or height,diameter, in m")
+        blocks = []
+        for line, row in enumerate(rows[1:], start=2):
+            if len(row) != len(header):
+                raise InputError(f"line {line}: {len(row)} values, must be {len(header)}")
+            values = (_parsed(f"line {line}: {key}", text, LENGTH) for key, text in zip(header, row, strict=True))
+            blocks.append(dict(zip(header, values, strict=True)))
+        if not blocks:
+            raise InputError("must have a line for each block")
+    return blocks
+
+
+def _choice(text: str, choices: dict[str, str], usual: str) -> str:
+    for key, meaning in choices.items():
+        print(f"  {key}: {meaning}")
+    chosen = _answer(text, usual)
+    if chosen not in choices:
+        raise InputError(f"{text} = {chosen}: must be one of {listed(choices, chosen)}")
+    return chosen
+
+
+def _number(question: Question) -> float:
+    answer = _answer(question.text, f"{question.usual:g}")
+    return question.factor * _parsed(question.text, answer, question.limits)
+
+
+def _parsed(key: str, text: str, limits: tuple[tuple[float, float], str]) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        raise InputError(f"{key} = {text}: must be {limits[1]}") from None
+    return check_number(key, value, *limits)
+
+
+def _answer(text: str, usual: str) -> str:
+    """The answer on the terminal, or from a pipe; an empty line takes what is usual, shown in brackets."""
+    print(f"{text} [{usual}]: ", end="", flush=True)
+    line = sys.stdin.readline()
+    if not line:
+        raise InputError(f"{text}: no answer, the input has ended")
+    if not sys.stdin.isatty():
+        print(line.strip())
+    return line.strip() or usual

@@ -1,0 +1,113 @@
+"""Pictures of a check, as PNG inside HTML: the column, the spectra, the governing run."""
+
+from __future__ import annotations
+
+import base64
+import io
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from ..checks.check import Check
+from ..checks.scaling import MEAN_FROM
+from ..column.column import Column
+from ..column.packing import FloatArray
+from ..dynamics.response import Response
+from ..ground.intensity import spectrum
+from ..ground.motion import STANDARD_GRAVITY
+from ..plotting.drawings import draw_column, plot_column
+from ..plotting.plots import HISTORIES, plot_histories
+from ..plotting.style import INK, block_colours
+
+DPI = 140
+PERIODS = np.geomspace(0.04, 4.0, 100)  # s
+MOST_NUMBERED = 15  # joints that get a number; of more, every second, third ...
+AFTER_FALL = 0.5  # s, drawn after a fall
+LABELS = {0.05: "0.05", 0.1: "0.1", 0.2: "0.2", 0.5: "0.5", 1.0: "1", 2.0: "2", 4.0: "4"}
+
+
+@dataclass(frozen=True, eq=False)
+class _Rest:
+    """The column as built, for `drawings`."""
+
+    column: Column
+    ux: FloatArray
+    uz: FloatArray
+    theta: FloatArray
+
+
+def embedded(figure: Figure) -> str:
+    """The address of a picture that has the picture inside."""
+    buffer = io.BytesIO()
+    figure.savefig(buffer, dpi=DPI, format="png")
+    return "data:image/png;base64," + base64.b64encode(buffer.getvalue()).decode("ascii")
+
+
+def column_picture(column: Column) -> Figure:
+    """The column as built, with its height and the numbers of its joints."""
+    height = sum(block.height for block in column.blocks)
+    figure = Figure(figsize=(2.6, 4.6), layout="constrained")
+    axes = figure.add_subplot()
+    zero = np.zeros((1, column.n))
+    draw_column(axes, _Rest(column, zero, zero, zero), 0, 1.0)
+    widest = max(max(block.width, block.top_width or 0.0) for block in column.blocks)
+    aside, foot = 0.62 * widest, height
+    every = math.ceil(column.n / MOST_NUMBERED)
+    for number, block in enumerate(column.blocks, start=1):
+        foot -= block.height
+        if (column.n - number) % every == 0:
+            axes.text(aside, foot, f"{number}", fontsize=10, va="center" if number < column.n else "bottom", color=INK)
+    axes.annotate("", (-aside, 0.0), (-aside, height), arrowprops={"arrowstyle": "<->", "color": INK, "lw": 0.8})
+    axes.text(-1.1 * aside, 0.5 * height, f"{height:.4g} m", rotation=90, ha="right", va="center", fontsize=11)
+    axes.set_title("joints", loc="right", fontsize=10)
+    axes.set(xlim=(-0.62 * widest - 0.16 * height, 0.62 * widest + 0.16 * height), ylim=(-0.03 * height, 1.05 * height))
+    return figure
+
+
+def spectra_picture(check: Check) -> Figure:
+    """Spectra of the motions as applied, what counts of them, and the target with the range of the fit."""
+    action = check.action
+    figure = Figure(figsize=(7.0, 3.5), layout="constrained")
+    axes = figure.add_subplot()
+    if action.periods is not None:
+        axes.axvspan(*action.periods, color="0.95", label="range of the fit")
+    found = [spectrum(scaled.motion, PERIODS).psa / STANDARD_GRAVITY for scaled in action.motions]
+    for scaled, values, colour in zip(action.motions, found, block_colours(len(found)), strict=True):
+        axes.plot(PERIODS, values, color=colour, linewidth=0.9, label=scaled.name)
+    if len(found) > 1:
+        which = "mean, which counts" if len(found) >= MEAN_FROM else "mean"
+        axes.plot(PERIODS, np.mean(found, axis=0), color="black", linewidth=1.8, label=which)
+    if action.target is not None:
+        target = action.target.psa(PERIODS) / STANDARD_GRAVITY
+        axes.plot(PERIODS, target, color="black", linestyle="--", linewidth=1.6, label="target")
+    axes.axvline(check.period, color="0.5", linestyle=":", linewidth=1.0)
+    axes.text(check.period, 0.99, " $T_1$", transform=axes.get_xaxis_transform(), va="top", fontsize=8, color="0.35")
+    axes.set(xscale="log", xlabel="period (s)", ylabel="pseudo-acceleration (g), 5 % damping", ylim=(0.0, None))
+    axes.set_xlim(PERIODS[0], PERIODS[-1])
+    axes.set_xticks(list(LABELS), labels=list(LABELS.values()))
+    axes.minorticks_off()
+    axes.grid(color="0.9", linewidth=0.6)
+    axes.spines[["top", "right"]].set_visible(False)
+    figure.legend(loc="outside right upper", fontsize=7, frameon=False)
+    return figure
+
+
+def histories_picture(response: Response, title: str) -> Figure:
+    """The histories of a run, cut off shortly after a fall."""
+    rows = len(response.time)
+    if response.overturned:
+        rows = max(2, int(np.searchsorted(response.time, response.overturn_time + AFTER_FALL)))
+    histories = {name: getattr(response, name)[:rows] for name in HISTORIES}
+    return plot_histories(
+        response.time[:rows], histories, response.column, response.motion, title, response.overturn_time
+    )
+
+
+def deformed_picture(response: Response) -> Figure:
+    """The column at its largest displacement, or at the moment at which it counts as fallen."""
+    at = None
+    if response.overturned:
+        at = float(min(response.overturn_time, response.time[-1]))
+    return plot_column(response, at=at)

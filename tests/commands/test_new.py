@@ -1,0 +1,76 @@
+"""The command `new`: the file that it writes is the column that was described."""
+
+import io
+import math
+import sys
+from pathlib import Path
+
+import pytest
+
+from multiblock import Column
+from solver.column.materials import DRY_JOINT, MATERIALS
+from solver.commands.command_line import main
+
+
+def ask(monkeypatch: pytest.MonkeyPatch, path: Path, *answers: str) -> int:
+    monkeypatch.setattr(sys, "stdin", io.StringIO("".join(f"{answer}\n" for answer in answers)))
+    return main(["new", str(path)])
+
+
+def test_drums(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / "my-column.toml"
+    assert ask(monkeypatch, path, "drums", "4", "6", "1.2", "0.8", "marble", "2e-3", "yes", "30") == 0
+    column = Column.from_toml(path)
+    assert (column.name, column.n) == ("my-column", 4)
+    cone = math.pi * 6.0 / 3.0 * (0.6**2 + 0.6 * 0.4 + 0.4**2)
+    assert sum(block.mass for block in column.blocks) == pytest.approx(2700.0 * cone, rel=1e-9)
+    assert (column.blocks[0].top_width, column.blocks[3].width) == (0.8, 1.2)
+    joint = column.blocks[0].joint
+    assert (joint.damping, joint.friction, joint.dowel, joint.strength) == (2e-3, 0.577, 3e4, 70e6)
+    assert joint.stiffness == pytest.approx(1.0 / (1.5 / 54e9 + 1.0 / DRY_JOINT), rel=1e-3)
+    assert "makeitfrom.com" in path.read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("shape", ["drums", "statue", "tapered"])
+@pytest.mark.parametrize("material", MATERIALS)
+def test_empty_answers_make_a_column(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, shape: str, material: str
+) -> None:
+    questions = {"drums": 4, "statue": 7, "tapered": 4}[shape]
+    assert ask(monkeypatch, tmp_path / "a.toml", shape, *[""] * questions, material, "", "") == 0
+    column = Column.from_toml(tmp_path / "a.toml")
+    assert all(block.joint.friction is None for block in column.blocks)
+    assert all(block.joint.strength == MATERIALS[material].strength for block in column.blocks)
+
+
+def test_survey(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    table = tmp_path / "survey.csv"
+    table.write_text("height,width,depth\n1.0,0.6,0.7\n0.5,0.9,0.8\n", encoding="utf-8")
+    assert ask(monkeypatch, tmp_path / "a.toml", "survey", str(table), "brick", "", "") == 0
+    column = Column.from_toml(tmp_path / "a.toml")
+    assert [(block.height, block.width, block.depth) for block in column.blocks] == [(1.0, 0.6, 0.7), (0.5, 0.9, 0.8)]
+    assert column.blocks[1].joint.stiffness == pytest.approx(1.5e9 / 0.5)
+    table.write_text("height,diameter\n1.0,wide\n", encoding="utf-8")
+    assert ask(monkeypatch, tmp_path / "b.toml", "survey", str(table)) == 2
+    assert f"{table}: line 2: diameter = wide: must be a positive length in m" in capsys.readouterr().err
+    assert not (tmp_path / "b.toml").exists()
+
+
+@pytest.mark.parametrize(
+    ("answers", "message"),
+    [
+        (("drum",), "what stands there = drum: must be one of drums, statue, tapered, survey; did you mean drums?"),
+        (("drums", "2.5", "", "", ""), "2.5: must be a whole number from 1 to 1000"),
+        (("drums", "2", "tall"), "height of all drums together (m) = tall: must be a positive length in m"),
+        (("drums",), "number of drums: no answer, the input has ended"),
+    ],
+)
+def test_mistakes_end_in_one_line(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    answers: tuple[str, ...],
+    message: str,
+) -> None:
+    assert ask(monkeypatch, tmp_path / "a.toml", *answers) == 2
+    assert message in capsys.readouterr().err
