@@ -115,6 +115,16 @@ def test_harmonic_scales_and_mirrors() -> None:
     assert motion.mirrored().amplitude == -1.0
 
 
+def test_a_motion_keeps_its_name(tmp_path: Path) -> None:
+    harmonic = Motion.harmonic(1.0, 2.0, 3.0)
+    assert {m.name for m in (harmonic, harmonic.scaled(2.0), harmonic.mirrored())} == {"a harmonic of 2 Hz"}
+    Motion.from_samples(0.1, [0.0, 1.0, 0.0]).to_csv(tmp_path / "quake.csv")
+    read = Motion.from_csv(tmp_path / "quake.csv")
+    for motion in (read, Motion.from_file(tmp_path / "quake.csv"), read.scaled_to(3.0), read.with_vertical(read)):
+        assert motion.name == "quake.csv"
+    assert Motion.from_samples(0.1, [0.0, 1.0]).name == ""
+
+
 def test_samples_are_copied_and_read_only() -> None:
     ax = np.ones(3)
     motion = Motion.from_samples(0.1, ax)
