@@ -28,6 +28,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from types import ModuleType
 
+import numba
+
 import fmu_src
 from fmu_src.host import MACHINE_CODE, content_hash
 from fmu_src.native import guard
@@ -39,10 +41,10 @@ from solver import Column, InputError
 from solver.column.rest import check_rest
 from solver.commands.command_files import add_force
 from solver.commands.command_line import program_parser, run_command
-from solver.common.errors import needing, reading
-from solver.common.files import check_file_name, check_outputs, identifier_of, whole_file
+from solver.common.errors import needing, reading, shown
+from solver.common.files import check_outputs, identifier_of, whole_file
 from solver.kernels.numba_ext.jit import CODE
-from solver.kernels.numba_ext.numba_parts import LINKING
+from solver.kernels.numba_ext.numba_parts import LINKING, missing_for_linking
 
 COLUMNS_PACKAGE = "multiblock_columns"  # name of examples/columns/ in an installed project
 BUILDER_PACKAGES = ("pythonfmu", "matplotlib")
@@ -149,6 +151,7 @@ def _default_column() -> Path:
 
 
 DEFAULT_COLUMN = _default_column()
+NOT_IN_NAMES = '<>:"/\\|?*'  # in a file name of Windows
 
 
 def build_native_fmu(
@@ -166,6 +169,9 @@ def build_native_fmu(
     platforms: of PLATFORMS[fmi], None: all of them. scalars: of FMI 3.0 without arrays. Raises InputError,
     OSError.
     """
+    if not LINKING:
+        lacks = ", ".join(missing_for_linking()) or "MULTIBLOCK_LINKING=0"
+        raise InputError(f"--native: needs kernels that are linked, and numba {numba.__version__} does not ({lacks})")
     with needing("native", *BUILDER_PACKAGES):
         from fmu_src.native.package import native_files, needs_report
     column, output = _column_and_output(column_file, output, record)
@@ -187,14 +193,26 @@ def build_native_fmu(
 
 def _column_and_output(column_file: Path, output: Path | None, record: Path | None) -> tuple[Column, Path]:
     column = Column.from_toml(column_file)
-    output = Path(f"{identifier_of(column.name)}.fmu") if output is None else output
+    if output is None:
+        output = Path(f"{identifier_of(column.name)}.fmu")
+        if output.exists():
+            print(f"{output}: was there already and is replaced", file=sys.stderr)
     if output.suffix != ".fmu":
         raise InputError(f"-o {output}: must end in .fmu")
     if record is not None:
-        check_file_name("the name of --record", record.name)
+        _check_record_name(record.name)
     with reading(column_file):
         check_rest(column)
     return column, output
+
+
+def _check_record_name(name: str) -> None:
+    """Raise InputError unless XML can hold the name of a record and every system can unpack a file of this name."""
+    if not name.isprintable() or any(letter in NOT_IN_NAMES for letter in name) or name[-1:] in (" ", "."):
+        raise InputError(
+            f"the name of --record = {shown(name)}: must have no control characters and none of {NOT_IN_NAMES}, and "
+            "not end with a dot or a space: rename the file"
+        )
 
 
 def build_fmu(column_file: Path, output: Path | None = None, record: Path | None = None) -> Path:

@@ -25,7 +25,7 @@ from solver.runs.single_run import SETTLE, phase_of, settled_verdict
 from .scenes import G
 
 KINDS = ("on its axis", "off its axis", "sliding")
-COUNTS, QUICK_COUNTS = (500, 100, 400), (4, 2, 4)
+COUNTS, QUICK_COUNTS = (1000, 200, 800), (4, 2, 4)
 SEED = 7
 BAND = 0.03  # of the boundary, either way
 SCALES = 4  # within it, of each column

@@ -13,6 +13,7 @@ import hashlib
 import json
 import math
 import sys
+from functools import partialmethod
 from pathlib import Path
 from typing import Any, NoReturn
 from xml.etree.ElementTree import Element
@@ -34,11 +35,7 @@ from .model_description import FLAGS, column_description, model_description
 from .record import Record, read_motion, usual_experiment
 from .state import Mode
 from .variables import (
-    AX,
-    AZ,
     INPUTS,
-    JX,
-    JZ,
     OVERTURN_JOINT,
     OVERTURN_TIME,
     OVERTURNED,
@@ -59,7 +56,6 @@ COLUMN_FILE = "column.json"
 GUID_FILE = "guid.txt"
 RECORD_FOLDER = "record"  # holds the record inside the FMU, if there is one
 ARRAYS = ("state", "counts", "base")  # of the stepper: all that differs from one moment to another
-ROTATION = slice(JZ + 1, len(INPUTS))  # of the table: theta, omega, alpha
 # what the calls of FMI 2.0 get and set -> kinds of variables
 ACCESS = {"Real": ("Real",), "Integer": ("Integer", "Enumeration"), "Boolean": ("Boolean",), "String": ("String",)}
 
@@ -167,7 +163,7 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
         try:
             self._build()
             if self._stepper:
-                self._drive(self._stepper, self._time)
+                self._stepper.drive(self._time, *self._values[: len(INPUTS)], since=self._input_time)
                 self._stepper.stand_on_base()
                 self._inputs_stand, self._outdated = False, True
         except Exception as error:
@@ -233,7 +229,7 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
             if self._retune:
                 self._apply_parameters(stepper)
             self._input_time = start
-            stepper.drive(start, values[AX], values[JX], values[AZ], values[JZ], *values[ROTATION])
+            stepper.drive(start, *values[: len(INPUTS)])
             stepper.advance(start, step)
         except BaseException:
             arrays.state[:], arrays.counts[:] = before
@@ -307,38 +303,6 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
 
     # --- variables
 
-    def get_real(self, vrs: list[int]) -> list[float]:
-        """Values of Real variables; outputs are brought up to date with time and inputs first."""
-        return self._get(vrs, "Real")
-
-    def get_integer(self, vrs: list[int]) -> list[int]:
-        """Values of Integer variables and enumerations."""
-        return self._get(vrs, "Integer")
-
-    def get_boolean(self, vrs: list[int]) -> list[bool]:
-        """Values of Boolean variables."""
-        return self._get(vrs, "Boolean")
-
-    def get_string(self, vrs: list[int]) -> list[str]:
-        """Values of String variables."""
-        return self._get(vrs, "String")
-
-    def set_real(self, vrs: list[int], values: list[float]) -> None:
-        """Set inputs and tunable parameters before any step, fixed parameters before the end of initialization."""
-        self._set(vrs, values, "Real")
-
-    def set_integer(self, vrs: list[int], values: list[int]) -> None:
-        """Set enumerations before the end of initialization."""
-        self._set(vrs, values, "Integer")
-
-    def set_boolean(self, vrs: list[int], values: list[bool]) -> None:
-        """No Boolean can be set."""
-        self._set(vrs, values, "Boolean")
-
-    def set_string(self, vrs: list[int], values: list[str]) -> None:
-        """Set parameters before the end of initialization."""
-        self._set(vrs, values, "String")
-
     def _get(self, vrs: list[int], kind: str) -> list[Any]:
         try:
             request = self._requests[kind]
@@ -374,6 +338,13 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
         if self._mode == Mode.STEPPING and variable.variability == "fixed":
             self._fail(rules.FIXED % variable.name)
 
+    # As PythonFMU calls them. Outputs are brought up to date with time and inputs first. Inputs and tunable parameters
+    # can be set before any step, other parameters before the end of initialization, no Boolean.
+    get_real, set_real = partialmethod(_get, kind="Real"), partialmethod(_set, kind="Real")
+    get_integer, set_integer = partialmethod(_get, kind="Integer"), partialmethod(_set, kind="Integer")
+    get_boolean, set_boolean = partialmethod(_get, kind="Boolean"), partialmethod(_set, kind="Boolean")
+    get_string, set_string = partialmethod(_get, kind="String"), partialmethod(_set, kind="String")
+
     def _update(self) -> None:
         """Bring the outputs up to date."""
         if self._mode == Mode.INSTANTIATED:
@@ -387,7 +358,7 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
             self._apply_parameters(stepper)
             self._retune = False
         if not self._inputs_stand:
-            self._drive(stepper, self._time)
+            stepper.drive(self._time, *self._values[: len(INPUTS)], since=self._input_time)
         if self._mode == Mode.INITIALIZATION:
             stepper.stand_on_base()
         self._values[self._row] = stepper.observe(self._time).tolist()
@@ -397,22 +368,6 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
         word = "overturned" if joint else "standing" if stepper.counts.resting else "undecided"
         self._tell_verdict(stepper.overturn_time if joint else -1.0, joint, joint > 0, VERDICT.items[word])
         self._outdated = False
-
-    def _drive(self, stepper: Stepper, t: float) -> None:
-        """Let the base follow the inputs from time t on."""
-        values = self._values
-        elapsed = t - self._input_time
-        theta, omega, alpha = values[ROTATION]
-        stepper.drive(
-            t,
-            values[AX] + values[JX] * elapsed,
-            values[JX],
-            values[AZ] + values[JZ] * elapsed,
-            values[JZ],
-            theta + elapsed * (omega + 0.5 * elapsed * alpha),
-            omega + elapsed * alpha,
-            alpha,
-        )
 
     # --- parameters
 

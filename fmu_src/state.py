@@ -9,7 +9,7 @@ import hashlib
 import json
 import math
 from enum import StrEnum
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, get_origin, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,18 +21,6 @@ from .variables import Variable
 
 FORMAT = "multiblock-fmu state 3"
 KINDS = ("<f8", "<i8")  # of arrays
-FIELDS: dict[str, tuple[type, ...]] = {  # of a snapshot -> what they may be
-    "mode": (str,),
-    "time": (float,),
-    "input_time": (float,),
-    "shaken": (bool,),
-    "retune": (bool,),
-    "inputs_stand": (bool,),
-    "tolerance_set": (bool,),
-    "values": (list,),
-    "built_from": (list,),
-    "record": (str,),
-}
 # kinds of variables -> what their values may be, whole ones within those of C
 TYPES = {"Real": (float, int), "Integer": (int,), "Enumeration": (int,), "Boolean": (bool,), "String": (str,)}
 INTEGERS = 2**31
@@ -150,8 +138,8 @@ def _array(kind: str, numbers: list[float]) -> NDArray[Any]:
 
 def _checked(snapshot: Snapshot) -> Snapshot:
     """The snapshot, if its fields are of the right kind. Raises ValueError."""
-    for name, kinds in FIELDS.items():
-        if type(getattr(snapshot, name)) not in kinds:
+    for name, kind in get_type_hints(Snapshot).items():
+        if name not in ("stamp", "arrays") and type(getattr(snapshot, name)) is not (get_origin(kind) or kind):
             raise ValueError(f"{name} is of another kind")
     if snapshot.mode not in set(Mode) or not all(isinstance(part, str) for part in snapshot.stamp):
         raise ValueError("mode or stamp are none")

@@ -275,6 +275,12 @@ static int build(Instance *instance, int from_rest, char *reason) {
                  record, SAMPLES ? " or " : "", SAMPLES ? RECORD_NAME : "");
         return 0;
     }
+    if (has_record && fabs(now->reals[AT_RECORD_SCALE]) > MOST_RECORD_SCALE) {
+        char most[NUMBER];
+        snprintf(reason, MESSAGE, "base.record_scale = %s: must be at most %s, so that no acceleration exceeds 1e6 m/s2",
+                 shown(now->reals[AT_RECORD_SCALE], text), shown(MOST_RECORD_SCALE, most));
+        return 0;
+    }
     int fixed_step = IS_COLUMN && described[GIVEN_INTEGRATOR] == CENTRAL_DIFFERENCE;
     double *scratch = malloc(sizeof(double) * (size_t)(fixed_step ? FIXED_STEP_ROOM : ROOM));
     if (!scratch) return snprintf(reason, MESSAGE, "out of memory"), 0;

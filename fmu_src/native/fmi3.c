@@ -26,27 +26,24 @@ typedef struct {
 _Static_assert(sizeof(fmi3ValueReference) == sizeof(Reference) && sizeof(fmi3Float64) == sizeof(double) &&
                    sizeof(fmi3Int32) == sizeof(int),
                "the types of FMI 3.0 are those of the core");
-_Static_assert((int)ST_OK == fmi3OK && (int)ST_WARNING == fmi3Warning && (int)ST_DISCARD == fmi3Discard &&
-                   (int)ST_ERROR == fmi3Error,
-               "the statuses of FMI 3.0 are those of the core");
+#define FMI(name) fmi3##name
+#define STATE(before, after) fmi3##before##FMUState##after
+#define DESERIALIZE fmi3DeserializeFMUState
+#define EXPORT FMI3_Export
+typedef fmi3Instance Component;
+
+#include "face.h"
 
 static void tell(void *host, Status status, const char *text) {
-    static const char *const categories[] = {[ST_OK] = "logAll", [ST_WARNING] = "logStatusWarning",
-                                             [ST_DISCARD] = "logStatusDiscard", [ST_ERROR] = "logStatusError"};
     const Face *face = host;
     if (face->logger && (status != ST_OK || face->logging))
-        face->logger(face->environment, (fmi3Status)status, categories[status], text);
+        face->logger(face->environment, (fmi3Status)status, category_of(status), text);
 }
 
 static fmi3Status refuse(const Face *face, const char *format, unsigned number) {
     if (face) core_say(face->column, ST_ERROR, format, number);
     return fmi3Error;
 }
-
-/* The body of a call: the core carries it out if the instance exists. */
-#define ANSWER(call)                                                                                                   \
-    Face *face = instance;                                                                                             \
-    return face ? (fmi3Status)(call) : fmi3Error
 
 /* --- life */
 
@@ -87,21 +84,6 @@ FMI3_Export fmi3Instance fmi3InstantiateCoSimulation(
     return NULL;
 }
 
-FMI3_Export void fmi3FreeInstance(fmi3Instance instance) {
-    Face *face = instance;
-    if (face) core_free(face->column);
-    free(face);
-}
-
-FMI3_Export fmi3Status fmi3SetDebugLogging(fmi3Instance instance, fmi3Boolean on, size_t count,
-                                           const fmi3String categories[]) {
-    Face *face = instance;
-    (void)count, (void)categories;
-    if (!face) return fmi3Error;
-    face->logging = on;
-    return fmi3OK;
-}
-
 FMI3_Export fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Boolean has_tolerance,
                                                    fmi3Float64 tolerance, fmi3Float64 start, fmi3Boolean has_stop,
                                                    fmi3Float64 stop) {
@@ -110,14 +92,6 @@ FMI3_Export fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Bo
     Status status = core_set_up(face->column, start, has_stop ? &stop : NULL, has_tolerance ? &tolerance : NULL);
     return (fmi3Status)(status == ST_OK ? core_enter_initialization(face->column) : status);
 }
-
-FMI3_Export fmi3Status fmi3ExitInitializationMode(fmi3Instance instance) {
-    ANSWER(core_exit_initialization(face->column));
-}
-
-FMI3_Export fmi3Status fmi3Terminate(fmi3Instance instance) { ANSWER(core_terminate(face->column)); }
-
-FMI3_Export fmi3Status fmi3Reset(fmi3Instance instance) { ANSWER((core_reset(face->column), ST_OK)); }
 
 /* --- variables: an array stands for its elements, which the core knows one by one */
 
@@ -305,53 +279,6 @@ FMI3_Export fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance, const
     size_t elements = written_out(face, unknowns, unknown_count, value_count);
     if (!elements) return fmi3Error;
     return (fmi3Status)core_directional(face->column, face->list, elements, knowns, known_count, seeds, values);
-}
-
-/* --- state */
-
-FMI3_Export fmi3Status fmi3GetFMUState(fmi3Instance instance, fmi3FMUState *state) {
-    Face *face = instance;
-    if (!face || !core_has(face->column, state, 1, "state")) return fmi3Error;
-    Saved *saved = *state;
-    if (core_save(face->column, &saved) != ST_OK) return fmi3Error;
-    *state = saved;
-    return fmi3OK;
-}
-
-FMI3_Export fmi3Status fmi3SetFMUState(fmi3Instance instance, fmi3FMUState state) {
-    ANSWER(core_restore(face->column, state));
-}
-
-FMI3_Export fmi3Status fmi3FreeFMUState(fmi3Instance instance, fmi3FMUState *state) {
-    if (!instance) return fmi3Error;
-    if (state) {
-        core_release(*state);
-        *state = NULL;
-    }
-    return fmi3OK;
-}
-
-FMI3_Export fmi3Status fmi3SerializedFMUStateSize(fmi3Instance instance, fmi3FMUState state, size_t *size) {
-    Face *face = instance;
-    if (!face || !core_has(face->column, state, 1, "state") || !core_has(face->column, size, 1, "size"))
-        return fmi3Error;
-    *size = core_bytes();
-    return fmi3OK;
-}
-
-FMI3_Export fmi3Status fmi3SerializeFMUState(fmi3Instance instance, fmi3FMUState state, fmi3Byte bytes[],
-                                             size_t size) {
-    ANSWER(core_to_bytes(face->column, state, bytes, size));
-}
-
-FMI3_Export fmi3Status fmi3DeserializeFMUState(fmi3Instance instance, const fmi3Byte bytes[], size_t size,
-                                               fmi3FMUState *state) {
-    Face *face = instance;
-    Saved *saved = NULL;
-    if (!face || !core_has(face->column, state, 1, "state")) return fmi3Error;
-    if (core_from_bytes(face->column, bytes, size, &saved) != ST_OK) return fmi3Error;
-    *state = saved;
-    return fmi3OK;
 }
 
 /* --- calls of the standard that the model description rules out */

@@ -60,7 +60,9 @@ typedef struct {
     fmi2Status last_step;
     fmi2CallbackFunctions functions; /* PythonFMU's library keeps where they are */
     char name[TEXT];
-} Instance;
+} Face;
+
+#include "status.h"
 
 /* --- what is said */
 
@@ -69,14 +71,9 @@ static void silent(fmi2ComponentEnvironment environment, fmi2String name, fmi2St
     (void)environment, (void)name, (void)status, (void)category, (void)text;
 }
 
-static void say(const Instance *instance, fmi2Status status, const char *text) {
+static void say(const Face *instance, fmi2Status status, const char *text) {
     char escaped[MESSAGE];
-    size_t length = 0;
-    for (const char *at = text; *at && length + 2 < sizeof escaped; at++) { /* the host's logger takes it for a format */
-        if (*at == '%') escaped[length++] = '%';
-        escaped[length++] = *at;
-    }
-    escaped[length] = 0;
+    escape(text, escaped, sizeof escaped);
     fprintf(stderr, "%s: %s\n", instance->name, text); /* as the slave itself does */
     instance->functions.logger(instance->functions.componentEnvironment, instance->name, status,
                                status == fmi2Discard ? "logStatusDiscard" : "logStatusError", escaped);
@@ -147,7 +144,7 @@ FMI2_Export fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2St
                                           const fmi2CallbackFunctions *functions, fmi2Boolean visible,
                                           fmi2Boolean logging) {
     char path[PATH], reason[MESSAGE] = "";
-    Instance *instance = calloc(1, sizeof *instance);
+    Face *instance = calloc(1, sizeof *instance);
     if (!instance) return NULL;
     if (functions) instance->functions = *functions;
     if (!instance->functions.logger) instance->functions.logger = silent;
@@ -167,7 +164,7 @@ FMI2_Export fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2St
 }
 
 FMI2_Export void fmi2FreeInstance(fmi2Component component) {
-    Instance *instance = component;
+    Face *instance = component;
     if (!instance) return;
     inner.FreeInstance(instance->component);
     free(instance);
@@ -177,7 +174,7 @@ FMI2_Export void fmi2FreeInstance(fmi2Component component) {
 static fmi2Status answer(fmi2Status status) { return status == fmi2Fatal ? fmi2Error : status; }
 
 /* Whether one of three pointers is missing to `count` values: PythonFMU's library would follow it all the same. */
-static int lacks(const Instance *instance, size_t count, const void *first, const void *second, const void *third) {
+static int lacks(const Face *instance, size_t count, const void *first, const void *second, const void *third) {
     if (!count || (first && second && third)) return 0;
     say(instance, fmi2Error, "a pointer is NULL");
     return 1;
@@ -186,7 +183,7 @@ static int lacks(const Instance *instance, size_t count, const void *first, cons
 #define NEEDS(count, first, second, third) lacks(instance, count, first, second, third)
 #define HAND_OVER(name, declared, missing, given)                                                                      \
     FMI2_Export fmi2Status fmi2##name declared {                                                                       \
-        Instance *instance = component;                                                                                \
+        Face *instance = component;                                                                                \
         return instance && !(missing) ? answer(inner.name given) : fmi2Error;                                          \
     }
 #define ITS instance->component
@@ -201,22 +198,15 @@ HAND_OVER(SetupExperiment,
 HAND_OVER(EnterInitializationMode, (fmi2Component component), 0, (ITS))
 HAND_OVER(ExitInitializationMode, (fmi2Component component), 0, (ITS))
 HAND_OVER(Terminate, (fmi2Component component), 0, (ITS))
-HAND_OVER(GetReal, (fmi2Component component, const Reference of[], size_t count, fmi2Real values[]),
-          NEEDS(count, of, values, values), (ITS, of, count, values))
-HAND_OVER(GetInteger, (fmi2Component component, const Reference of[], size_t count, fmi2Integer values[]),
-          NEEDS(count, of, values, values), (ITS, of, count, values))
-HAND_OVER(GetBoolean, (fmi2Component component, const Reference of[], size_t count, fmi2Boolean values[]),
-          NEEDS(count, of, values, values), (ITS, of, count, values))
-HAND_OVER(GetString, (fmi2Component component, const Reference of[], size_t count, fmi2String values[]),
-          NEEDS(count, of, values, values), (ITS, of, count, values))
-HAND_OVER(SetReal, (fmi2Component component, const Reference of[], size_t count, const fmi2Real values[]),
-          NEEDS(count, of, values, values), (ITS, of, count, values))
-HAND_OVER(SetInteger, (fmi2Component component, const Reference of[], size_t count, const fmi2Integer values[]),
-          NEEDS(count, of, values, values), (ITS, of, count, values))
-HAND_OVER(SetBoolean, (fmi2Component component, const Reference of[], size_t count, const fmi2Boolean values[]),
-          NEEDS(count, of, values, values), (ITS, of, count, values))
-HAND_OVER(SetString, (fmi2Component component, const Reference of[], size_t count, const fmi2String values[]),
-          NEEDS(count, of, values, values), (ITS, of, count, values))
+#define ACCESS(kind)                                                                                                   \
+    HAND_OVER(Get##kind, (fmi2Component component, const Reference of[], size_t count, fmi2##kind values[]),           \
+              NEEDS(count, of, values, values), (ITS, of, count, values))                                              \
+    HAND_OVER(Set##kind, (fmi2Component component, const Reference of[], size_t count, const fmi2##kind values[]),     \
+              NEEDS(count, of, values, values), (ITS, of, count, values))
+ACCESS(Real)
+ACCESS(Integer)
+ACCESS(Boolean)
+ACCESS(String)
 HAND_OVER(GetFMUstate, (fmi2Component component, fmi2FMUstate *state),
           NEEDS(1, state, state, state), (ITS, state))
 HAND_OVER(SetFMUstate, (fmi2Component component, fmi2FMUstate state), NEEDS(1, state, state, state), (ITS, state))
@@ -243,58 +233,29 @@ HAND_OVER(GetRealOutputDerivatives,
 HAND_OVER(CancelStep, (fmi2Component component), 0, (ITS))
 
 FMI2_Export fmi2Status fmi2Reset(fmi2Component component) { /* makes a new slave: without one Fatal is true */
-    Instance *instance = component;
+    Face *instance = component;
     if (!instance) return fmi2Error;
     instance->last_step = fmi2OK;
     return inner.Reset(instance->component);
 }
 
 FMI2_Export fmi2Status fmi2DoStep(fmi2Component component, fmi2Real start, fmi2Real step, fmi2Boolean no_return) {
-    Instance *instance = component;
+    Face *instance = component;
     if (!instance) return fmi2Error;
     return instance->last_step = answer(inner.DoStep(instance->component, start, step, no_return));
 }
 
 /* --- how the last step ended: PythonFMU's library says that the slave wants to end the run after any that is discarded */
 
-static fmi2Status no_status(const Instance *instance, int kind) {
-    char reason[MESSAGE];
-    if (!instance) return fmi2Error;
-    snprintf(reason, sizeof reason, "status %d: is not known of this kind", kind);
-    say(instance, fmi2Discard, reason);
-    return fmi2Discard;
+static fmi2Status refuse(Face *instance, fmi2Status status, const char *text) {
+    say(instance, status, text);
+    return status;
 }
 
-FMI2_Export fmi2Status fmi2GetStatus(fmi2Component component, const fmi2StatusKind kind, fmi2Status *value) {
-    const Instance *instance = component;
-    if (!instance || kind != fmi2DoStepStatus) return no_status(instance, kind);
-    if (lacks(instance, 1, value, value, value)) return fmi2Error;
-    *value = instance->last_step;
-    return fmi2OK;
-}
+static int has(const Face *instance, const void *value) { return !lacks(instance, 1, value, value, value); }
 
-FMI2_Export fmi2Status fmi2GetRealStatus(fmi2Component component, const fmi2StatusKind kind, fmi2Real *value) {
-    const Instance *instance = component;
-    if (!instance || kind != fmi2LastSuccessfulTime) return no_status(instance, kind);
-    if (lacks(instance, 1, value, value, value)) return fmi2Error;
-    return inner.GetRealStatus(instance->component, kind, value);
-}
+static fmi2Status last_step(const Face *instance) { return instance->last_step; }
 
-FMI2_Export fmi2Status fmi2GetIntegerStatus(fmi2Component component, const fmi2StatusKind kind, fmi2Integer *value) {
-    (void)value;
-    return no_status(component, kind);
-}
-
-FMI2_Export fmi2Status fmi2GetBooleanStatus(fmi2Component component, const fmi2StatusKind kind, fmi2Boolean *value) {
-    if (!component || kind != fmi2Terminated) return no_status(component, kind);
-    if (lacks(component, 1, value, value, value)) return fmi2Error;
-    *value = fmi2False;
-    return fmi2OK;
-}
-
-FMI2_Export fmi2Status fmi2GetStringStatus(fmi2Component component, const fmi2StatusKind kind, fmi2String *value) {
-    if (!component || kind != fmi2PendingStatus) return no_status(component, kind);
-    if (lacks(component, 1, value, value, value)) return fmi2Error;
-    *value = "";
-    return fmi2OK;
+static fmi2Status last_time(const Face *instance, fmi2Real *value) {
+    return inner.GetRealStatus(instance->component, fmi2LastSuccessfulTime, value);
 }

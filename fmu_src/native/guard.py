@@ -12,7 +12,7 @@ from ..host import CACHE_FOLDER, user_cache
 from .library import OPTIONS, compile_c, has_tools
 from .platforms import PLATFORMS
 
-SOURCE = Path(__file__).with_name("guard.c")
+SOURCE, STATUS = (Path(__file__).with_name(name) for name in ("guard.c", "status.h"))
 NEIGHBOUR = "pythonfmu.so"  # what guard.c looks for beside itself
 FOLDER = "binaries/linux64"
 WITHOUT = (  # for the page inside the FMU
@@ -35,7 +35,8 @@ def guarded(files: dict[str, bytes]) -> dict[str, bytes]:
 def _library() -> bytes:
     """The guard as a library; it does not depend on the column and is kept in the user's cache."""
     (target,) = PLATFORMS[2]["linux64"].targets
-    made_with = SOURCE.read_text(encoding="utf-8") + importlib.metadata.version("ziglang") + " ".join(OPTIONS)
+    texts = "".join(file.read_text(encoding="utf-8") for file in (SOURCE, STATUS))
+    made_with = texts + importlib.metadata.version("ziglang") + " ".join(OPTIONS)
     kept = user_cache() / CACHE_FOLDER / "guard" / hashlib.sha256(made_with.encode()).hexdigest()[:16]
     if kept.is_file():
         return kept.read_bytes()

@@ -19,7 +19,7 @@ from .machine_code import COLUMN, Kernels, object_code
 from .platforms import PLATFORMS, WINDOWS, Target
 
 FACES = {2: "fmi2.c", 3: "fmi3.c"}  # version of FMI -> the face around the core
-OWN_HEADERS = (Path(__file__).with_name("core.h"),)
+OWN_HEADERS = tuple(Path(__file__).with_name(name) for name in ("core.h", "face.h", "status.h"))
 OPTIONS = (
     *("-std=c11", "-O2", "-fPIC", "-fvisibility=hidden", "-ffp-contract=off"),
     *("-Wall", "-Wextra", "-Werror"),

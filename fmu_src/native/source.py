@@ -12,7 +12,7 @@ import re
 from pathlib import Path
 from xml.etree.ElementTree import Element, SubElement, tostring
 
-from .library import FACES, headers, sources
+from .library import FACES, OWN_HEADERS, headers, sources
 from .machine_code import PREFIX, Kernels, object_code
 from .platforms import LINUX, LINUX_ARM, MACOS, MACOS_ARM, WINDOWS, Target
 
@@ -49,7 +49,7 @@ def source_files(name: str, generated: dict[str, str], kernels: Kernels, fmi: in
     """The files of sources/ by their paths in the FMU; generated: contract.h and table.h. Raises OSError."""
     own = f"{name}_{PREFIX}"
     core, face = sources(fmi)
-    texts = {path.name: path.read_text(encoding="utf-8") for path in (core, face, core.with_name("core.h"))}
+    texts = {path.name: path.read_text(encoding="utf-8") for path in (core, face, *OWN_HEADERS)}
     texts |= {file: re.sub(rf"\b{PREFIX}(?=\w)", own, text) for file, text in generated.items()}
     texts |= {file: (headers() / file).read_text(encoding="utf-8") for file in FMI_HEADERS[fmi]}
     for file in FMI_HEADERS[fmi]:  # FMPy's of FMI 2.0 knows no prefix

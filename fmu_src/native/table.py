@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from solver.common.ranges import NUMBERS
-from solver.ground.motion import Motion
+from solver.ground.motion import LARGEST, Motion
 from solver.kernels.api import pointers
 
 from .. import rules
@@ -300,9 +300,11 @@ def _record(contents: Contents) -> list[str]:
     count = 0 if motion is None else len(motion.time)
     dt = 0.0 if motion is None else Record(motion).dt
     pga = 0.0 if motion is None else motion.pga
+    largest = 0.0 if motion is None else max(np.abs(motion.ax).max(), np.abs(motion.az).max())
     lines = _enum({"SAMPLES": count})
     lines.append(f"#define USUAL_STEP {_number(dt or STEP_SIZE)}")
     lines += [f"#define RECORD_DT {_number(dt)}", f"#define RECORD_LARGEST {_number(pga)}"]
+    lines.append(f"#define MOST_RECORD_SCALE {_number(LARGEST / largest if largest > 0.0 else LARGEST)}")
     lines.append(f"#define RECORD_NAME {_quoted(contents.record_name)}")
     for name in ("time", "ax", "az"):
         samples = np.zeros(0) if motion is None else getattr(motion, name)

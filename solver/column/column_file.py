@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from ..common.errors import InputError, InputWarning, check_number, shown
-from ..common.ranges import LENGTH, MAX_BLOCKS, NUMBERS, check, check_choice, listed
+from ..common.errors import InputError, InputWarning, check_number, check_whole, shown
+from ..common.ranges import LENGTH, MAX_BLOCKS, NUMBERS, check, check_choice, check_keys
 from .block import BLOCK_SECTIONS, Block, Joint, check_block
 from .settings import Settings
 
@@ -39,7 +39,7 @@ def parts_from(data: Mapping[str, Any]) -> dict[str, Any]:
 
     Raises InputError on an unknown, missing or wrong key.
     """
-    _check_keys("", data, _COLUMN_KEYS)
+    check_keys("", data, _COLUMN_KEYS)
     if "name" not in data:
         raise InputError('name: missing, must be a file name: letters, digits, "_", "-", "." and space')
     joint_defaults = _table("joint", data, _JOINT_KEYS)
@@ -57,19 +57,12 @@ def parts_from(data: Mapping[str, Any]) -> dict[str, Any]:
     return {"name": data["name"], "blocks": blocks, "settings": Settings(**settings), **gravity}
 
 
-def _check_keys(prefix: str, table: Mapping[str, Any], known: Collection[str]) -> None:
-    for key in table:
-        if key not in known:
-            written = repr(key).strip("'\"")  # a quoted key of TOML may hold anything, even a line break
-            raise InputError(f"{prefix}{written}: unknown key, must be one of {listed(known, key)}")
-
-
 def _table(key: str, data: Mapping[str, Any], known: Collection[str]) -> Mapping[str, Any]:
     """Return the optional table under the last part of `key`, empty if absent, with nothing but `known` keys."""
     table = data.get(key.rpartition(".")[2], {})
     if not isinstance(table, Mapping):
         raise InputError(f"{key} = {shown(table)}: must be a table with the keys {', '.join(known)}")
-    _check_keys(f"{key}.", table, known)
+    check_keys(f"{key}.", table, known)
     return table
 
 
@@ -93,10 +86,9 @@ def _blocks_from(data: Mapping[str, Any], joint_defaults: Mapping[str, Any]) -> 
     tables: list[tuple[str, Mapping[str, Any]]] = []
     for number, table in enumerate(_block_tables(data), start=1):
         key, times = f"block[{number}]", table.get("repeat", 1)
-        _check_keys(f"{key}.", table, _BLOCK_KEYS)
-        if isinstance(times, bool) or not isinstance(times, int) or not 1 <= times <= MAX_BLOCKS:
-            raise InputError(f"{key}.repeat = {shown(times)}: must be a whole number from 1 to {MAX_BLOCKS}")
-        tables += [(key, table)] * times
+        check_keys(f"{key}.", table, _BLOCK_KEYS)
+        meaning = f"a whole number from 1 to {MAX_BLOCKS}"
+        tables += [(key, table)] * check_whole(f"{key}.repeat", times, 1, MAX_BLOCKS, meaning)
     profile = _profile_from(data)
     blocks: list[Block] = []
     foot = 0.0  # height of the bottom face above the base
@@ -199,7 +191,7 @@ def _loaded(key: str, table: Mapping[str, Any], block: Block) -> Block:
     load = table["load"]
     if not isinstance(load, Mapping):
         raise InputError(f"{key}.load = {shown(load)}: must be a table with the keys {', '.join(_LOAD_KEYS)}")
-    _check_keys(f"{key}.load.", load, _LOAD_KEYS)
+    check_keys(f"{key}.load.", load, _LOAD_KEYS)
     above = _number(f"{key}.load", load, "above") if "above" in load else 0.0
     mass, centroid, inertia = with_load(
         block.mass,

@@ -93,6 +93,18 @@ def copied(arrays: Arrays) -> Arrays:
     )
 
 
+def coordinates_of(rigid: FloatArray, slips: FloatArray, n: int) -> FloatArray:
+    """Coordinates and rates as dynamics/kinematics.py has them, (..., 4 n), or (..., 6 n) where there are slips.
+
+    rigid, slips: arrays that begin with the first and with the second part of phases; the latter may be empty.
+    """
+    moving = rigid[..., : 4 * n]
+    if not slips.shape[-1]:
+        return moving
+    places = [(at.PHASE.fields.index(name) - at.RIGID_FIELDS) * n for name in ("slip", "slip_rate")]
+    return np.concatenate([moving, *(slips[..., k : k + n] for k in places)], axis=-1)
+
+
 def pack_model(column: Column) -> FloatArray:
     """The packed model, read-only (layout/spaces.py, MODEL). Raises InputError for a fixed step that is not stable."""
     return _assembled(column).model

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Callable, Iterable
 from pathlib import Path
 
 from ..column.column import Column
-from ..common.errors import InputError, needing
+from ..common.errors import InputError, needing, reading
 
 PICTURES = (".png", ".pdf", ".svg")
 
@@ -28,6 +29,15 @@ def check_picture(path: Path | None) -> None:
 def add_force(parser: argparse.ArgumentParser) -> None:
     """Add --force, for what `files.check_outputs` refuses."""
     parser.add_argument("--force", action="store_true", help="overwrite files that are there")
+
+
+def write_outputs(outputs: Iterable[tuple[Path | None, Callable[[Path], object]]]) -> None:
+    """Write the files that are wanted, and print their names. Raises InputError that begins with the path."""
+    for path, write in outputs:
+        if path is not None:
+            with reading(path):
+                write(path)
+            print(path)
 
 
 def check_suffix(path: Path, *known: str) -> None:

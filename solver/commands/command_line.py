@@ -7,6 +7,7 @@ import os
 import sys
 import warnings
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -21,12 +22,12 @@ from ..common.loading import INTERRUPTED, done
 from ..dynamics.response import DIGITS, Response, check_digits
 from ..dynamics.uncertainty import PERCENTILES, Ensemble, Spread
 from ..ground.motion import STANDARD_GRAVITY, Motion
-from ..runs.simulate import OUTPUT_STEP, simulate
-from ..runs.single_run import SETTLE
+from ..runs.simulate import simulate
+from ..runs.single_run import OUTPUT_STEP, SETTLE
 from . import column_report
 from .calibrate import add_calibrate_command
 from .check import add_check_command
-from .command_files import PICTURES, add_force, check_picture, check_suffix, read_column
+from .command_files import PICTURES, add_force, check_picture, check_suffix, read_column, write_outputs
 from .motion_options import (
     FORMATS,
     add_file_options,
@@ -225,11 +226,7 @@ def _simulate(options: argparse.Namespace) -> None:
             response.plot_column,
             response.film,
         )
-        for path, write in zip(outputs, writers, strict=True):
-            if path is not None:
-                with reading(path):
-                    write(path)
-                print(path)
+        write_outputs(zip(outputs, writers, strict=True))
     except MemoryError:
         raise SolverError("not enough memory for the response: a larger --output-step may help") from None
 
@@ -256,9 +253,7 @@ def _record(options: argparse.Namespace) -> None:
     if options.plot is not None:
         from ..plotting.record_plots import plot_records
 
-        with reading(options.plot):
-            plot_records(motions, options.plot)
-        print(options.plot)
+        write_outputs([(options.plot, partial(plot_records, motions))])
 
 
 def _convert(options: argparse.Namespace) -> None:

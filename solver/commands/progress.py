@@ -8,9 +8,11 @@ from types import TracebackType
 from typing import Any, Self
 
 from ..dynamics.first_run import are_kept, make_kernels
+from ..kernels.numba_ext.numba_parts import LINKING
 from ..runs.ensemble import interruptible
 from ..runs.single_run import Glance
 
+PLAIN_TAKES = ", by numba's own pipeline: two minutes and more"
 PATIENCE = 2.0  # s, for which nothing is shown
 FIRST_LINE, LONGER = 10.0, 1.5  # s until a first line in a pipe; later each interval is this part of the time so far
 
@@ -97,5 +99,5 @@ def compile_kernels() -> None:
     They are made in another thread: an interruption acts at once.
     """
     if not are_kept():
-        print("compiling the kernels, once", flush=True)
+        print("compiling the kernels, once" + ("" if LINKING else PLAIN_TAKES), flush=True)
         interruptible(make_kernels)

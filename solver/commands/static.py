@@ -9,9 +9,9 @@ from typing import Any
 from ..column.rest import check_stable
 from ..common.errors import reading
 from ..common.files import check_outputs
-from ..statics.capacity import CapacityCurve, capacity_curve, rest_of
-from ..statics.modes import Modes, natural_modes
-from .command_files import PICTURES, add_force, check_picture, check_suffix, read_column
+from ..statics.capacity import capacity_curve, rest_of
+from ..statics.modes import natural_modes
+from .command_files import PICTURES, add_force, check_picture, check_suffix, read_column, write_outputs
 from .progress import compile_kernels
 from .static_report import modes_report, statics_report
 
@@ -39,7 +39,7 @@ def _modes(options: argparse.Namespace) -> None:
         check_stable(column)
         modes = natural_modes(column)
     print(modes_report(modes))
-    _write(options, modes)
+    write_outputs(((options.output, modes.to_csv), (options.plot, modes.plot)))
 
 
 def _statics(options: argparse.Namespace) -> None:
@@ -50,7 +50,7 @@ def _statics(options: argparse.Namespace) -> None:
         curve = capacity_curve(column)
         rest = rest_of(column)
     print(statics_report(rest, curve))
-    _write(options, curve)
+    write_outputs(((options.output, curve.to_csv), (options.plot, curve.plot)))
 
 
 def _check(options: argparse.Namespace) -> None:
@@ -58,11 +58,3 @@ def _check(options: argparse.Namespace) -> None:
         check_suffix(options.output, ".csv")
     check_picture(options.plot)
     check_outputs((options.output, options.plot), (options.column,), options.force)
-
-
-def _write(options: argparse.Namespace, found: Modes | CapacityCurve) -> None:
-    for path, write in ((options.output, found.to_csv), (options.plot, found.plot)):
-        if path is not None:
-            with reading(path):
-                write(path)
-            print(path)

@@ -8,7 +8,7 @@ import reprlib
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
-from numbers import Real
+from numbers import Integral, Real
 from pathlib import Path
 
 # Closed ranges of float64 for `check_number`.
@@ -50,6 +50,16 @@ def check_number(key: str, value: object, limits: tuple[float, float], meaning: 
     if not low <= number <= high:
         raise InputError(f"{key} = {shown(value)}: must be {meaning}")
     return number
+
+
+def check_whole(key: str, value: object, least: int, most: float, meaning: str) -> int:
+    """Return `value` if it is a whole number from `least` to `most`; `meaning` completes "must be ...".
+
+    Raises InputError.
+    """
+    if isinstance(value, bool) or not isinstance(value, Integral) or not least <= int(value) <= most:
+        raise InputError(f"{key} = {shown(value)}: must be {meaning}")
+    return int(value)
 
 
 def shown(value: object) -> str:

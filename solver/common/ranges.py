@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Collection
+from collections.abc import Collection, Iterable
 
 from .errors import InputError, check_number, shown
 
@@ -50,6 +50,14 @@ def check_choice(key: str, value: object, known: Collection[str]) -> None:
     """Raise InputError if `value` is none of the `known` names."""
     if not isinstance(value, str) or value not in known:
         raise InputError(f"{key} = {shown(value)}: must be one of {listed(known, value)}")
+
+
+def check_keys(prefix: str, table: Iterable[str], known: Collection[str], of: str = "") -> None:
+    """Raise InputError, which begins with `prefix`, for a key of a table that is none of the `known` ones."""
+    for key in table:
+        if key not in known:
+            written = repr(key).strip("'\"")  # a quoted key of TOML may hold anything, even a line break
+            raise InputError(f"{prefix}{written}: unknown key{of}, must be one of {listed(known, key)}")
 
 
 def listed(known: Collection[str], value: object) -> str:

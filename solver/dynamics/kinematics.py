@@ -25,6 +25,12 @@ from ..kernels.sections.faces import RECTANGLE
 PARALLEL = 1e-30  # rad: faces are taken as parallel below this
 
 
+_OF_BLOCKS = (  # fields of the packed model; the last four: as built, which are 0 on the axis
+    *("height", "centroid", "mass", "inertia", "width", "stiffness", "bore", "fall_angle"),
+    *("lean", "tilt", "offset", "built_x"),
+)
+
+
 class Places(NamedTuple):
     """Rotations rad, openings m and slips m of the blocks and the joints under them, and their rates: (..., n) each."""
 
@@ -51,45 +57,17 @@ class Joints(NamedTuple):
 class Chain:
     """The data of a column as rows of n numbers, the top block first."""
 
-    g: FloatArray | float  # m/s2
-    # as built, of a column off its axis: joints and blocks turned, rad, offsets and tops to +x, m (layout.py, BLOCKS)
-    lean: FloatArray | float = 0.0
-    tilt: FloatArray | float = 0.0
-    offset: FloatArray | float = 0.0
-    built_x: FloatArray | float = 0.0
-    # of many columns: N/m3 and N/m of the joints in full contact; m, inner diameters of annuli
-    stiffness: FloatArray
-    spring: FloatArray
-    bore: FloatArray
+    rectangles: NDArray[np.bool_]
+    rest: FloatArray | None = None  # phase; the energy there is subtracted from others
 
     def __init__(self, column: Column) -> None:
-        blocks, contacts = column.blocks, column.contacts
-        self.n, self.g = column.n, column.g
-        self.exact = column.settings.formulation == "exact"
-        self.height = np.array([block.height for block in blocks])
-        self.centroid = np.array([block.resolved_centroid for block in blocks])
-        self.mass = np.array([block.mass for block in blocks])
-        self.inertia = np.array([block.resolved_inertia for block in blocks])
-        # rectangles of the linear law have the closed form of the energy below
-        self.rectangles = np.array([contact.section == RECTANGLE and not column.other_law for contact in contacts])
-        self.width = np.array([contact.width for contact in contacts])
-        self.off_axis = column.off_axis
-        self.above_rest = self.off_axis or bool(column.other_law)  # the energy at rest is subtracted
-        if column.has_slips or not np.all(self.rectangles):
-            self.model = pack_model(column)
-            seen = at.MODEL.see(self.model, column.n).blocks
-            self.width = np.array(seen.width)
-            if self.off_axis:
-                self.lean, self.tilt, self.built_x = seen.lean, seen.tilt, seen.built_x
-                self.offset = seen.offset
-            if self.above_rest:
-                rest, zeros = at.STATE.see(arrays_of(column).state, column.n).phase, np.zeros(self.n)
-                self.rest = np.concatenate([rest.theta, rest.opening, zeros, zeros, rest.slip, zeros])
-        # N/m2: per metre of the joint's width, if it is a rectangle
-        self.rigidity = np.array([block.joint.stiffness for block in blocks]) * [contact.depth for contact in contacts]
-        self.carried = np.cumsum(self.mass)  # kg, by the joint under each block
-        self.weight = self.g * self.carried  # N
+        self._read(pack_model(column), column.n)
+        self.rectangles = self.rectangles & (not column.other_law)
         self.settled = settlements(column)
+        self.off_axis = column.off_axis
+        if self.off_axis or column.other_law:
+            rest, zeros = at.STATE.see(arrays_of(column).state, column.n).phase, np.zeros(self.n)
+            self.rest = np.concatenate([rest.theta, rest.opening, zeros, zeros, rest.slip, zeros])
 
     @classmethod
     def of_many(cls, models: FloatArray, n: int) -> Chain:
@@ -98,21 +76,27 @@ class Chain:
         models: packed (packing.py), a row for each column; no joint is made of strips.
         """
         chain = cls.__new__(cls)
+        chain._read(models, n)
+        chain.settled = chain.weight / chain.spring
+        chain.off_axis = False
+        return chain
+
+    def _read(self, models: FloatArray, n: int) -> None:
         seen = at.MODEL.see(models.T, n)
         settings, blocks = seen.settings, seen.blocks
-        chain.model, chain.n, chain.exact = models, n, bool(settings.formulation[0] == at.EXACT)
-        chain.off_axis = chain.above_rest = False
-        for name in ("height", "centroid", "mass", "inertia", "width", "stiffness", "bore"):
-            setattr(chain, name, getattr(blocks, name).T.copy())
-        chain.rectangles = blocks.section.T == RECTANGLE
-        chain.rigidity = chain.stiffness * blocks.depth.T
-        ring = 0.25 * np.pi * (chain.width**2 - chain.bore**2)
-        chain.spring = np.where(chain.rectangles, chain.rigidity * chain.width, chain.stiffness * ring)
-        chain.g = settings.gravity[:, None].copy()
-        chain.carried = np.cumsum(chain.mass, axis=-1)
-        chain.weight = chain.g * chain.carried
-        chain.settled = chain.weight / chain.spring
-        return chain
+        self.model, self.n, self.exact = models, n, bool(np.all(settings.formulation == at.EXACT))
+        self.g: FloatArray = np.array(settings.gravity)[..., None]  # m/s2
+        rows: list[FloatArray] = [getattr(blocks, name).T.copy() for name in _OF_BLOCKS]
+        self.height, self.centroid, self.mass, self.inertia, self.width, self.stiffness, self.bore, *others = rows
+        self.fall_angle, self.lean, self.tilt, self.offset, self.built_x = others
+        # of the linear law these have the closed form of the energy below
+        self.rectangles = blocks.section.T == RECTANGLE
+        self.rigidity = self.stiffness * blocks.depth.T  # N/m2: per metre of the joint's width, if it is a rectangle
+        ring = 0.25 * np.pi * (self.width**2 - self.bore**2)
+        # N/m, in full contact
+        self.spring = np.where(self.rectangles, self.rigidity * self.width, self.stiffness * ring)
+        self.carried = np.cumsum(self.mass, axis=-1)  # kg, by the joint under each block
+        self.weight = self.g * self.carried  # N
 
     def some(self, which: IntArray) -> Chain:
         """The data of some of many columns."""
@@ -150,7 +134,7 @@ class Chain:
     def energies(self, phase: FloatArray) -> FloatArray:
         """`energy` of several phases, one a row."""
         found = self._energies(phase)
-        return found - self._energies(self.rest) if self.above_rest else found
+        return found if self.rest is None else found - self._energies(self.rest)
 
     def _energies(self, phase: FloatArray) -> FloatArray:
         """Energies above the straight column under its weight; of other columns above a fixed reference."""
@@ -234,7 +218,7 @@ class Chain:
 
         Rotations of either sign count from the column as built.
         """
-        mean, offset = 0.5 * (turn + turn_below) + self.lean[i], float(self.offset[i])  # type: ignore[index]
+        mean, offset = 0.5 * (turn + turn_below) + self.lean[i], float(self.offset[i])
         slope, full_weight = 2.0 * np.sin(0.5 * (turn - turn_below)), self.weight[i]
         weight = full_weight * np.cos(mean)
         moved: FloatArray = offset * (0.5 * slope * weight - full_weight * np.sin(mean))

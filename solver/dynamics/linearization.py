@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -50,23 +51,19 @@ class StillColumn:
 
     def stiffness(self, q: FloatArray, part: float, ax: float = 0.0) -> FloatArray:
         """M^-1 K, (2 n, 2 n): minus the derivatives of the accelerations, from central differences by part * sizes."""
-        return self._derivatives(lambda change: self.accelerations(q + change, ax), part * self.sizes)
+        return self.derivatives(lambda change: self.accelerations(q + change, ax), part * self.sizes)
 
     def damping(self, q: FloatArray, part: float) -> FloatArray:
         """M^-1 C, (2 n, 2 n): minus the derivatives of the accelerations by the rates."""
         slowest = max(1.0, *(block.joint.damping for block in self.column.blocks))  # s
-        return self._derivatives(lambda change: self.accelerations(q, rates=change), part / slowest * self.sizes)
+        return self.derivatives(lambda change: self.accelerations(q, rates=change), part / slowest * self.sizes)
 
-    def _derivatives(self, of: Any, changes: FloatArray) -> FloatArray:
-        found = np.zeros((2 * self.n, 2 * self.n))
-        change = np.zeros(2 * self.n)
-        for k, size in enumerate(changes):
-            change[k] = size
-            ahead = of(change)
-            change[k] = -size
-            found[:, k] = (of(change) - ahead) / (2.0 * size)
-            change[k] = 0.0
-        return found
+    def derivatives(self, of: Callable[[FloatArray], FloatArray], changes: FloatArray) -> FloatArray:
+        """Minus the derivatives of a row of numbers, a column for each coordinate, from central differences."""
+        columns = []
+        for change, size in zip(np.diag(changes), changes, strict=True):
+            columns.append((of(-change) - of(change)) / (2.0 * size))
+        return np.array(columns).T
 
     def _observe(self, q: FloatArray, ax: float, az: float = 0.0, rates: FloatArray | None = None) -> FloatArray:
         n, phase = self.n, self._phase

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import os
 from collections.abc import Callable
 from functools import cached_property
@@ -13,8 +12,8 @@ import numpy as np
 from ..column.column import Column
 from ..column.friction import friction_demand, time_exceeded
 from ..column.packing import FloatArray
-from ..common.errors import InputError, needing, shown
-from ..common.files import whole_file
+from ..common.errors import check_whole, needing
+from ..common.files import write_table
 from ..ground.motion import Motion
 from ..kernels.layout import spaces as at
 from .uncertainty import PERCENTILES, Ensemble, ErrorEstimate
@@ -36,9 +35,7 @@ PEAKS |= {name: f"{output}_peak" for name, output in BASE_HISTORIES.items()} | {
 
 def check_digits(key: str, digits: int) -> int:
     """Return a number of significant digits, 1 to 17. Raises InputError."""
-    if isinstance(digits, bool) or not isinstance(digits, int) or not 1 <= digits <= MOST_DIGITS:
-        raise InputError(f"{key} = {shown(digits)}: must be a whole number from 1 to {MOST_DIGITS}")
-    return digits
+    return check_whole(key, digits, 1, MOST_DIGITS, f"a whole number from 1 to {MOST_DIGITS}")
 
 
 class Response:
@@ -167,11 +164,8 @@ class Response:
                 parts.append(band)
         names.append("overturned")
         parts.append((self.time >= self.overturn_time)[:, None].astype(float))
-        with whole_file(path) as partial, open(partial, "w", newline="", encoding="utf-8") as file:
-            writer = csv.writer(file)
-            writer.writerow(names)
-            write = f"%.{check_digits('digits', digits)}g".__mod__
-            writer.writerows([[write(value) for value in row] for row in np.hstack(parts).tolist()])
+        write = f"%.{check_digits('digits', digits)}g".__mod__
+        write_table(path, names, ([write(value) for value in row] for row in np.hstack(parts).tolist()))
 
     def plot(self, path: str | os.PathLike[str] | None = None) -> Figure:
         """Draw ground motion, displacements, rotations, forces and contact over time; saved to `path` if given.

@@ -80,17 +80,23 @@ class Stepper:
         self,
         t: float,
         ax: float = 0.0,
-        jx: float = 0.0,
         az: float = 0.0,
+        jx: float = 0.0,
         jz: float = 0.0,
         theta: float = 0.0,
         omega: float = 0.0,
         alpha: float = 0.0,
+        *,
+        since: float | None = None,
     ) -> None:
-        """Set the motion of the base from time t on: accelerations m/s2, slopes m/s3, rotation rad, rad/s, rad/s2."""
-        base = self.arrays.base
-        base[0], base[1], base[2], base[3], base[4] = t, ax, jx, az, jz
-        base[_ROTATION], base[_ROTATION + 1], base[_ROTATION + 2] = theta, omega, alpha
+        """Set the motion of the base from time t on: accelerations m/s2, slopes m/s3, rotation rad, rad/s, rad/s2.
+
+        since: s, the time that all of these are given for; None: t.
+        """
+        base, elapsed = self.arrays.base, 0.0 if since is None else t - since
+        base[:5] = t, ax + jx * elapsed, jx, az + jz * elapsed, jz
+        turn = theta + elapsed * (omega + 0.5 * elapsed * alpha)
+        base[_ROTATION : _ROTATION + 3] = turn, omega + elapsed * alpha, alpha
 
     def advance(self, t: float, h: float) -> None:
         """Advance from t to t + h, s, under `base` and `record`; all peaks are kept. Raises SolverError."""

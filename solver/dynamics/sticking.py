@@ -18,7 +18,7 @@ import numpy as np
 from ..column.column import Column
 from ..column.packing import FloatArray
 from ..common.errors import SolverError
-from .kinematics import Chain
+from .kinematics import Chain, chain_of
 from .linearization import StillColumn, stuck
 
 SAFE = 0.8  # of the margins at rest; the remainder covers nonlinear effects
@@ -40,7 +40,7 @@ class _Swinging(NamedTuple):
 
 def sticks_for_good(column: Column, phase: FloatArray) -> bool:
     """Whether no joint of a column with this phase (chain.py) slides or opens ever again on a still base."""
-    place = Chain(column).places(phase)
+    place = chain_of(column).places(phase)
     if column.n > MOST_BLOCKS or np.any(place.slip_rate != 0.0):
         return False
     try:
@@ -129,18 +129,7 @@ def _borne(column: Column, still: StillColumn) -> tuple[FloatArray, FloatArray, 
         asked, bears = joints.T + joints.N * np.sin(turned), friction * joints.N + dowel - rims
         return np.concatenate([(bears - asked)[sliding], (bears + asked)[sliding]])
 
-    still_stands = np.zeros(2 * still.n)
-
-    def derivatives(of_rate: bool) -> FloatArray:
-        columns = []
-        for k, size in enumerate(PART * still.sizes):
-            change = np.zeros(2 * still.n)
-            change[k] = size
-            ahead, back = (
-                margins(still.rest, sign * change) if of_rate else margins(still.rest + sign * change, still_stands)
-                for sign in (1.0, -1.0)
-            )
-            columns.append((ahead - back) / (2.0 * size))
-        return np.array(columns).T
-
-    return margins(still.rest, still_stands), derivatives(False), derivatives(True)
+    still_stands, sizes = np.zeros(2 * still.n), PART * still.sizes
+    by_place = still.derivatives(lambda change: margins(still.rest + change, still_stands), sizes)
+    by_rate = still.derivatives(lambda change: margins(still.rest, change), sizes)
+    return margins(still.rest, still_stands), -by_place, -by_rate

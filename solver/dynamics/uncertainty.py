@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common.errors import NOT_NEGATIVE, InputError, check_number
+from ..common.errors import NOT_NEGATIVE, InputError, check_number, check_whole
 
 FloatArray = NDArray[np.float64]
 
@@ -54,8 +54,7 @@ class Spread:
             check_number(f"spread.{key}", getattr(self, key), NOT_NEGATIVE, "a relative size, zero or positive")
             if getattr(self, key) > 1.0:
                 raise InputError(f"spread.{key} = {getattr(self, key)}: must be at most 1, it is a relative size")
-        if not isinstance(self.seed, int) or isinstance(self.seed, bool) or self.seed < 0:
-            raise InputError(f"spread.seed = {self.seed!r}: must be a whole number, zero or positive")
+        check_whole("spread.seed", self.seed, 0, math.inf, "a whole number, zero or positive")
 
     @property
     def size(self) -> float:

@@ -23,10 +23,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..column.column import Column
-from ..column.packing import FloatArray, IntArray, model_of
+from ..column.packing import FloatArray, IntArray, pack_model
 from .creeping import levers_left, on_its_axis
 from .kinematics import Chain, chain_of
-from .leaning import leans_for_good
+from .leaning import leans_for_good, least_of_chain
 from .sticking import sticks_for_good
 
 OVERTURNED, STANDING, UNDECIDED = "overturned", "standing", "undecided"
@@ -68,8 +68,7 @@ def cannot_fall(column: Column, phase: FloatArray) -> bool:
 
 def is_held(column: Column, energy: float, turned: FloatArray) -> bool:
     """Whether a column with this energy, J, and blocks turned by `turned` either way, rad (n,), stands for ever."""
-    held = (_held_within(column, part) for part in PARTS)
-    return any(energy <= most and bool((turned < limits).all()) for most, limits in held)
+    return bool(_barriers(column).hold(np.zeros(1, dtype=np.int64), np.array([energy]), turned[None])[0])
 
 
 def creeps_no_further(column: Column, phase: FloatArray) -> bool:
@@ -118,15 +117,12 @@ def least_energies(chain: Chain, part: float, grazed: float) -> tuple[FloatArray
 
 
 class Barriers:
-    """The barriers of many columns, whose data `chain` has (Chain.of_many); each is computed when it is needed.
+    """The barriers of many columns, whose data `chain` has (Chain.of_many); each is computed when it is needed."""
 
-    fall_angles: rad (columns, n), of the blocks (kernels/layout/spaces.py, BLOCKS).
-    """
-
-    def __init__(self, chain: Chain, fall_angles: FloatArray) -> None:
-        self._chain, self._fall_angles = chain, fall_angles
-        self._rounding = REST * chain.g[:, 0] * np.sum(chain.mass * chain.width, axis=-1)  # type: ignore[index]
-        self._limits = np.array([limits_at(chain, fall_angles, part) for part in PARTS])
+    def __init__(self, chain: Chain) -> None:
+        self._chain = chain
+        self._rounding = REST * chain.g[:, 0] * np.sum(chain.mass * chain.width, axis=-1)
+        self._limits = np.array([limits_at(chain, part) for part in PARTS])
         self._ceilings = np.array([turned_together(chain, limits) for limits in self._limits])
         self._energies = np.full(self._ceilings.shape, np.nan)
 
@@ -156,31 +152,22 @@ class Barriers:
             self._limits[k, few] = found.limits
 
 
+@lru_cache(maxsize=256)
+def _barriers(column: Column) -> Barriers:
+    """Those of one column."""
+    return Barriers(Chain.of_many(pack_model(column)[None], column.n))
+
+
 def barrier(column: Column) -> Barrier:
     """The energy that a column needs to fall, above rest; zero where its rest is not stable."""
-    return max((_barrier_of(column, part) for part in PARTS), key=lambda found: float(found.energy))
+    chain = chain_of(column)
+    found = max((least_energy(chain, limits_at(chain, part)) for part in PARTS), key=lambda each: float(each.energy))
+    return Barrier(max(0.0, float(found.energy)), found.limits)
 
 
-@lru_cache(maxsize=256)
-def _held_within(column: Column, part: float) -> Barrier:
-    """The energy below which a column whose blocks are within these limits stands."""
-    found = _barrier_of(column, part)
-    widths = zip(column.blocks, column.contacts, strict=True)
-    rounding = REST * column.g * sum(block.mass * contact.width for block, contact in widths)
-    return Barrier(SAFE[column.settings.formulation] * found.energy + rounding, found.limits)
-
-
-@lru_cache(maxsize=256)
-def _barrier_of(column: Column, part: float) -> Barrier:
-    """The barrier of limits that are this part of the angles on edge; no less than zero."""
-    chain, fall_angles = chain_of(column), np.asarray(model_of(column).blocks.fall_angle, dtype=np.float64)
-    energy, limits = least_energy(chain, limits_at(chain, fall_angles, part))
-    return Barrier(max(0.0, float(energy)), limits)
-
-
-def limits_at(chain: Chain, fall_angles: FloatArray, part: float) -> FloatArray:
+def limits_at(chain: Chain, part: float) -> FloatArray:
     """Limits of the blocks that are this part of the angles on edge, rad (..., n), of one column or of many."""
-    most = fall_angles.copy()
+    most = chain.fall_angle.copy()
     # a joint reaches its limit only if one of its two blocks has turned by half of it
     half = 0.5 * most[..., :-1]
     most[..., :-1] = np.minimum(most[..., :-1], half)
@@ -235,18 +222,12 @@ def least_energy(chain: Chain, limits: FloatArray) -> Barrier:
     """
     angles, last = _grid(limits)
     slope, cosine = _bends(angles)
-    number = np.arange(GRID + 1)
     own = -2.0 * np.sin(0.5 * angles) ** 2
-    # least energy of all blocks above, by the rotation of a block: all within the limits, and at least one at its limit
-    within, reached = np.zeros_like(angles), np.full_like(angles, np.inf)
-    for i in range(chain.n):
-        if i > 0:
-            between = np.take(chain.bent_energy(i - 1, slope, cosine)[..., 0, :], _PAIR, axis=-1)
-            within, reached = (np.min(least[..., :, None] + between, axis=-2) for least in (within, reached))
-        released, end = chain.toppling[..., i, None] * own, last[..., i, None]
-        within, reached = within + released, reached + released
-        reached = np.where(number == end, np.minimum(within, reached), reached)
-        within[number >= end] = np.inf
-        reached[number > end] = np.inf
+
+    def between(i: int) -> FloatArray:
+        return np.asarray(np.take(chain.bent_energy(i, slope, cosine)[..., 0, :], _PAIR, axis=-1))
+
     on_base = chain.joint_energy(chain.n - 1, angles[..., :, None], np.zeros(1))[..., 0]
-    return Barrier(np.min(reached + on_base, axis=-1), np.take_along_axis(angles, last, axis=-1))
+    released = [chain.toppling[..., i, None] * own for i in range(chain.n)]
+    energy = least_of_chain(released, between, on_base, np.arange(GRID + 1), last)
+    return Barrier(energy, np.take_along_axis(angles, last, axis=-1))

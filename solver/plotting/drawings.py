@@ -50,9 +50,7 @@ def plot_column(
         f"top of block {top + 1} at {1e3 * response.ux[k, top]:.3g} mm; {_scale_text(scale)}",
         fontsize=9,
     )
-    if path is not None:
-        save(figure, path)
-    return figure
+    return save(figure, path)
 
 
 def draw_column(axes: Axes, response: Shapes, k: int, scale: float) -> list[Polygon]:

@@ -135,9 +135,7 @@ def plot_histories(
     if math.isfinite(overturn_time):
         title = f"{title}: overturned at {overturn_time:.2f} s".removeprefix(": ")
     figure.suptitle(title)
-    if path is not None:
-        save(figure, path)
-    return figure
+    return save(figure, path)
 
 
 def draw_ground(axes: Axes, motion: Motion | None) -> None:
@@ -200,13 +198,29 @@ def show_blocks(
     bar.ax.invert_yaxis()
 
 
-def save(figure: Figure, path: str | os.PathLike[str]) -> None:
-    """Write a figure in the format of the file's suffix. Raises InputError for an unknown suffix, OSError."""
+def tidy(axes: Axes, grid: bool = True) -> None:
+    """Put the title on the left, a pale grid behind what is drawn, and no frame above and on the right."""
+    axes.set_title(axes.get_title() or axes.get_title(loc="left"), loc="left", fontsize=10)
+    axes.set_title("")
+    if grid:
+        axes.grid(color="0.9", linewidth=0.6)
+        axes.set_axisbelow(True)
+    axes.spines[["top", "right"]].set_visible(False)
+
+
+def save(figure: Figure, path: str | os.PathLike[str] | None) -> Figure:
+    """The figure, written in the format of the file's suffix if there is a path.
+
+    Raises InputError for an unknown suffix, OSError.
+    """
+    if path is None:
+        return figure
     known = sorted(figure.canvas.get_supported_filetypes())
     if Path(path).suffix.lower().removeprefix(".") not in known:
         raise InputError(f"{path}: must end in one of .{', .'.join(known)}")
     with whole_file(path) as partial:
         figure.savefig(partial, dpi=DPI)
+    return figure
 
 
 def _draw_panel(

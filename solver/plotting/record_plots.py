@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from ..common.errors import InputError
 from ..ground.intensity import DAMPING, NAMES, components, histories, lines_of, spectrum
 from ..ground.motion import STANDARD_GRAVITY, Motion
-from .plots import block_colours, save
+from .plots import block_colours, save, tidy
 
 _STYLES: dict[str, str] = {"ax": "-", "az": "--"}
 
@@ -52,14 +52,8 @@ def plot_records(motions: Mapping[str, Motion], path: str | os.PathLike[str] | N
     spectra.minorticks_off()
     arias.set(title="(e) Arias intensity up to each instant", ylabel="m/s", xlabel="time (s)", ylim=(0.0, None))
     for axes in (acceleration, velocity, displacement, spectra, arias):
-        axes.set_title(axes.get_title(), loc="left", fontsize=10)
-        axes.set_title("")
-        axes.grid(color="0.9", linewidth=0.6)
-        axes.set_axisbelow(True)
-        axes.spines[["top", "right"]].set_visible(False)
+        tidy(axes)
     left.align_ylabels()
     handles, labels = spectra.get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=min(3, len(labels)), frameon=False)
-    if path is not None:
-        save(figure, path)
-    return figure
+    return save(figure, path)

@@ -87,9 +87,7 @@ def plot_modes(modes: DrawableModes, path: str | os.PathLike[str] | None = None,
         damped = f"damping {modes.damping_ratio[k]:.2%}"
         axes.set_title(f"{k + 1}: {modes.frequency[k]:.4g} Hz\n{damped}\n{moving}", fontsize=9)
     figure.suptitle(f"{modes.column.name}: modes about rest")
-    if path is not None:
-        save(figure, path)
-    return figure
+    return save(figure, path)
 
 
 def plot_capacity(curve: DrawableCurve, path: str | os.PathLike[str] | None = None) -> Figure:
@@ -147,9 +145,7 @@ def plot_capacity(curve: DrawableCurve, path: str | os.PathLike[str] | None = No
         fontsize=9,
     )
     figure.suptitle(f"{curve.column.name}: balance under a steady acceleration")
-    if path is not None:
-        save(figure, path)
-    return figure
+    return save(figure, path)
 
 
 def _plain(axes: Axes) -> None:

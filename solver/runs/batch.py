@@ -8,15 +8,16 @@ the runs beside it, nor on their order.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..column.column import Column
-from ..column.packing import Arrays, FloatArray, arrays_at, copied
+from ..column.packing import Arrays, FloatArray, arrays_at, coordinates_of, copied
 from ..common.errors import InputError
 from ..common.turns import others_turn
 from ..ground.motion import Motion
@@ -56,17 +57,21 @@ BANDS = "a round face on a straight one"  # the same of a column
 STAGES = 6  # evaluations of a step
 LINE = 64  # bytes that the processor reads at once: lanes that lie across two of them cost a tenth more
 
-# entries by the kind of lanes; each kind is compiled separately
-ENTRIES = {
-    "plain": run_lanes,
-    "round": run_round,
-    "slipping": run_slipping,
-    "round, slipping": run_round_slipping,
-    "strips, slipping": run_stripped,
-    "swept": run_swept,
-}
 
-KNOW = tuple(ENTRIES)  # the later, the more sections; kinds with slips, without and swept never share lanes
+class Kind(NamedTuple):
+    """A kind of lanes; each is compiled separately."""
+
+    follow: Callable[..., None]  # entry
+    slips: bool = False  # whether the columns have slips
+    section: str = "rectangle"  # beside rectangles, that of some joint
+    swept: bool = False  # formulation `paper`, for which lanes keep no rows
+
+
+# the later, the more sections; kinds with slips, without and swept never share lanes
+PLAIN, ROUND = Kind(run_lanes), Kind(run_round, section="circle")
+SLIPPING, ROUND_SLIPPING = Kind(run_slipping, True), Kind(run_round_slipping, True, "circle")
+STRIPPED, SWEPT = Kind(run_stripped, True, "strips"), Kind(run_swept, swept=True)
+KINDS = (PLAIN, ROUND, SLIPPING, ROUND_SLIPPING, STRIPPED, SWEPT)
 
 _NONE = np.empty(0)
 
@@ -109,15 +114,15 @@ def why_not_in_lanes(column: Column) -> str:
     return "stiff joints" if _is_stiff(column) else ""
 
 
-def kind_of(column: Column) -> str:
-    """The kind of lanes that makes the runs of a column, a name of ENTRIES."""
+def kind_of(column: Column) -> Kind:
+    """The kind of lanes that makes the runs of a column."""
     if column.settings.formulation == "paper":
-        return "swept"
+        return SWEPT
     if column.has_strips:
-        return "strips, slipping"
+        return STRIPPED
     if column.has_rectangles_only:
-        return "slipping" if column.has_slips else "plain"
-    return "round, slipping" if column.has_slips else "round"
+        return SLIPPING if column.has_slips else PLAIN
+    return ROUND_SLIPPING if column.has_slips else ROUND
 
 
 def _is_stiff(column: Column) -> bool:
@@ -218,7 +223,7 @@ def follow_in_lanes(
     rows = _NONE if times is None else np.ascontiguousarray(times, dtype=np.float64)
     flag = np.zeros(1) if flag is None else flag
     kinds = {kind_of(column) for column in columns}
-    kind = max(kinds, key=KNOW.index)  # with the same bits as the other kinds for the sections these know
+    kind = max(kinds, key=KINDS.index)  # with the same bits as the other kinds for the sections these know
     batch = _Batch(columns[0].n, len(columns), _Records(motions, durations), rows, kind)
     for k, (column, motion, duration) in enumerate(zip(columns, motions, durations, strict=True)):
         if not flag[0]:
@@ -228,22 +233,16 @@ def follow_in_lanes(
 
 
 def rest_in_lanes(
-    models: FloatArray, n: int, kind: str, phases: FloatArray, begin: FloatArray, end: FloatArray, flag: FloatArray
+    models: FloatArray, n: int, kind: Kind, phases: FloatArray, begin: FloatArray, end: FloatArray, flag: FloatArray
 ) -> BatchResult:
     """Follow columns of n blocks on a still base, in one thread and unchecked; `flag` as for `follow_in_lanes`.
 
-    models: as of BatchResult. kind: of ENTRIES. phases: (columns, 4 n) at the times `begin`, s.
+    models: as of BatchResult. phases: (columns, 4 n) at the times `begin`, s.
     """
     batch = _Batch(n, len(phases), _Records((), ()), _NONE, kind)
     batch.go_on(models, phases, begin, end)
     batch.finish(flag)
     return batch.result()
-
-
-def fall_angles(models: FloatArray, n: int) -> FloatArray:
-    """Rotations, rad (columns, n), beyond which blocks cannot come back."""
-    angles: FloatArray = at.MODEL.see(models.T, n).blocks.fall_angle.T
-    return angles
 
 
 class _Records:
@@ -271,12 +270,9 @@ class _Records:
 class _Batch:
     """Runs as rows for the kernels (kernels/batch/runs.py), and room for the first part of one run at a time."""
 
-    def __init__(self, n: int, count: int, records: _Records, rows: FloatArray, kind: str) -> None:
-        self.n = n
-        self._swept = kind == "swept"  # formulation `paper`, for which lanes keep no rows
-        self._slipping = kind.endswith("slipping")  # whether the columns have slips
-        self._follow = ENTRIES[kind]
-        self._slips = np.zeros((count, SLIP_FIELDS * n if self._slipping else 0))
+    def __init__(self, n: int, count: int, records: _Records, rows: FloatArray, kind: Kind) -> None:
+        self.n, self._kind = n, kind
+        self._slips = np.zeros((count, SLIP_FIELDS * n if kind.slips else 0))
         self._records = records
         self._rows = rows
         self._models = np.zeros((count, at.MODEL.size(n)))
@@ -299,7 +295,7 @@ class _Batch:
         wave = (motion.amplitude, omega, -omega * start)
         first, size = self._records.place(motion)
         self._keep_slips(k, phase)
-        if self._swept or not model[_HAS_MODES] or _enters_at_once(column, model[_ORDER], motion, size):
+        if self._kind.swept or not model[_HAS_MODES] or _enters_at_once(column, model[_ORDER], motion, size):
             self._outcomes[k, OUTCOME.beside + n :] = phase[: 4 * n]
             self._waits(k, phase[: 4 * n], (start, start, stop, 1.0, *wave, first, size, 0, 0.0, 0.0))
             return
@@ -345,7 +341,7 @@ class _Batch:
 
     def _keep_slips(self, k: int, phase: FloatArray) -> None:
         """Store the second part of a phase, if columns have slips, as that of run k."""
-        if self._slipping:
+        if self._kind.slips:
             self._slips[k] = phase[at.RIGID_FIELDS * self.n : at.PHASE_FIELDS * self.n]
 
     def _waits(self, k: int, phase: FloatArray, entering: tuple[float, ...]) -> None:
@@ -365,12 +361,12 @@ class _Batch:
         lanes = aligned(WIDTH * SPACE.size(self.n))
         found = outcomes.reshape(-1)
         with others_turn():
-            self._follow(
+            self._kind.follow(
                 self.n, lanes, some.size, models, phases, slips.reshape(-1), runs, found, *self._records.rows,
                 self._rows, snapshots.reshape(-1), flag,
             )  # fmt: skip
         tried = np.sum(outcomes[:, _TRIED] - self._outcomes[some][:, _TRIED], axis=1)
-        self._evaluations[some] += ((1 if self._swept else STAGES) * tried).astype(np.int64)
+        self._evaluations[some] += ((1 if self._kind.swept else STAGES) * tried).astype(np.int64)
         self._outcomes[some], self._snapshots[some], self._slips[some] = outcomes, snapshots, slips
 
     def result(self) -> BatchResult:
@@ -384,17 +380,12 @@ class _Batch:
             finished=code >= at.OK,
             steps=steps.astype(np.int64),
             evaluations=self._evaluations,
-            ends=self._of_chain(self._outcomes[:, OUTCOME.beside + n :], self._slips),
-            phases=self._of_chain(self._snapshots[:, :, : 4 * n], self._snapshots[:, :, at.RIGID_FIELDS * n :]),
+            ends=coordinates_of(self._outcomes[:, OUTCOME.beside + n :], self._slips, n),
+            phases=coordinates_of(
+                self._snapshots, self._snapshots[:, :, at.RIGID_FIELDS * n :][..., : self._slips.shape[1]], n
+            ),
             models=self._models,
         )
-
-    def _of_chain(self, rigid: FloatArray, slips: FloatArray) -> FloatArray:
-        """Coordinates and rates as chain.py has them, from both parts of phases."""
-        if not self._slipping:
-            return rigid
-        places = [(at.PHASE.fields.index(name) - at.RIGID_FIELDS) * self.n for name in ("slip", "slip_rate")]
-        return np.concatenate([rigid, *(slips[..., k : k + self.n] for k in places)], axis=-1)
 
 
 _HAS_MODES = at.SETTINGS.fields.index("has_modes")

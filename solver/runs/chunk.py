@@ -9,7 +9,7 @@ import time as clock
 from collections import Counter
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from multiprocessing import parent_process
 from typing import Any, NamedTuple
 
@@ -23,18 +23,18 @@ from ..column.rest import check_stable, warnings_of
 from ..column.settings import Settings
 from ..common.errors import InputError, SolverError
 from ..common.turns import my_turn, others_turn
-from ..dynamics.kinematics import Chain
+from ..dynamics.kinematics import Chain, chain_of
 from ..dynamics.response import Response
-from ..dynamics.verdict import OVERTURNED, STANDING, UNDECIDED
+from ..dynamics.verdict import OVERTURNED, UNDECIDED
 from ..ground.motion import Motion
-from .batch import ENTRIES, HELD, BatchResult, follow_in_lanes, kind_of, why_not_in_lanes
+from .batch import HELD, KINDS, BatchResult, Kind, follow_in_lanes, kind_of, why_not_in_lanes
 from .outputs import KEPT, WATCHED, WATCHED_ALL, WATCHED_OF_BASE
 from .settling import outcomes_of
-from .single_run import Callback, outcome, single_run
+from .single_run import Callback, outcome, output_times, single_run
 from .table import WORDS, Columns, Table
 
 SCALAR, LANES = "scalar", "lanes"
-OUTPUT_STEP = 0.005  # s, of a response that is kept
+LEFT = ("residual_ux", "residual_theta", "residual_slip", "energy")  # results from the phase at the end
 
 
 class Run(NamedTuple):
@@ -127,17 +127,17 @@ def _made(chunk: Chunk, flag: FloatArray) -> Made:
     return Table(columns, responses=responses, first=chunk.first), tally
 
 
-@lru_cache(maxsize=len(ENTRIES))
-def load_kernels(kind: str) -> None:
+@lru_cache(maxsize=len(KINDS))
+def load_kernels(kind: Kind) -> None:
     """Load the kernels of a kind of lanes into this process, which takes as long as thousands of runs.
 
     Called before the clock starts, so compile time is not counted.
     """
-    joint = Joint(1e9, 1e-3, friction=1.0 if kind.endswith("slipping") else None)
-    if kind.startswith("strips"):
+    joint = Joint(1e9, 1e-3, friction=1.0 if kind.slips else None)
+    if kind.section == "strips":
         joint = replace(joint, section="strips", strips=(1.0,))
-    block = Block(1.0, 1.0, 1.0, 1e3, joint, section="circle" if kind.startswith("round") else "rectangle")
-    solver = ("paper", "central-difference") if kind == "swept" else ("exact", "auto")
+    block = Block(1.0, 1.0, 1.0, 1e3, joint, section="circle" if kind.section == "circle" else "rectangle")
+    solver = ("paper", "central-difference") if kind.swept else ("exact", "auto")
     column = Column("block", (block,), Settings(*solver))
     gentle, strong = (Motion.harmonic(amplitude, 1.0, 1e-3) for amplitude in (1e-3, 100.0))
     follow_in_lanes([column, column], [gentle, strong], [1e-3, 1e-3])
@@ -185,7 +185,7 @@ def empty_columns(chunk: Chunk) -> Columns:
 def _in_lanes(chunk: Chunk, columns: Columns, tally: Tally, flag: FloatArray) -> dict[int, str]:
     """Make the runs that lanes can make into the columns. Returns the places of the others, and the reasons."""
     alone: dict[int, str] = {}
-    groups: dict[tuple[int, str], list[int]] = {}
+    groups: dict[tuple[int, Kind], list[int]] = {}
     known: dict[int, str] = {}  # of the same column
     for place, (column, motion, _) in enumerate(chunk.runs):
         if id(column) not in known:
@@ -216,21 +216,17 @@ def _fill(
 ) -> None:
     """Write the results of runs with equal numbers of blocks, in lanes of one kind, into the columns."""
     n = runs[0].column.n
-    fell = batch.overturned_joint > 0
-    if kind_of(runs[0].column).endswith("slipping"):
-        words, times, joints = _verdicts_one_by_one(runs, batch, settle, flag)
-        left = _left_one_by_one(runs, batch)
+    wanted = [name for name in LEFT if name in columns]
+    if kind_of(runs[0].column).slips:
+        chain = None
+        chains = [chain_of(run.column) for run in runs]
+        left = {name: np.array([*map(partial(_at_the_end, name), chains, batch.ends)]) for name in wanted}
     else:
         chain = Chain.of_many(batch.models, n)
-        words, times, joints = _verdicts(runs, batch, chain, settle, flag)
-        left = {
-            "residual_ux": chain.top_displacements(batch.ends),
-            "residual_theta": chain.places(batch.ends).theta,
-            "residual_slip": np.zeros_like(batch.peak_ux),
-            "energy": chain.energies(batch.ends),
-        }
+        left = {name: np.array(_at_the_end(name, chain, batch.ends)) for name in wanted}
     for values in left.values():
-        values[fell] = math.nan
+        values[batch.overturned_joint > 0] = math.nan
+    words, times, joints = _verdicts(runs, batch, chain, settle, flag)
     made: Columns = {
         **left,
         "peak_ux": batch.peak_ux,
@@ -248,46 +244,27 @@ def _fill(
             values[places] = made[name]
 
 
-def _left_one_by_one(runs: Sequence[Run], batch: BatchResult) -> dict[str, FloatArray]:
-    """Results from the phases at the ends of runs of columns that have slips."""
-    known = {id(run.column): Chain(run.column) for run in runs}
-    found: dict[str, list[Any]] = {name: [] for name in ("residual_ux", "residual_theta", "residual_slip", "energy")}
-    for run, end in zip(runs, batch.ends, strict=True):
-        for name, values in found.items():
-            values.append(_at_the_end(name, known[id(run.column)], end))
-    return {name: np.array(values) for name, values in found.items()}
-
-
-def _verdicts_one_by_one(
-    runs: Sequence[Run], batch: BatchResult, settle: float, flag: FloatArray
-) -> tuple[IntArray, FloatArray, IntArray]:
-    """As `_verdicts`, of columns that have slips."""
-    joints, times = batch.overturned_joint.copy(), batch.overturn_time.copy()
-    code = WORDS["verdict"].index
-    words = np.where(joints > 0, code(OVERTURNED), code(STANDING))
-    for k in np.flatnonzero(batch.finished & (joints == 0)).tolist():
-        if flag[0]:
-            break
-        column, motion, duration = runs[k]
-        word, times[k], joints[k] = outcome(column, batch.ends[k], motion.start + duration, settle)
-        words[k] = code(word)
-    return words, times, joints
-
-
 def _verdicts(
-    runs: Sequence[Run], batch: BatchResult, chain: Chain, settle: float, flag: FloatArray
+    runs: Sequence[Run], batch: BatchResult, chain: Chain | None, settle: float, flag: FloatArray
 ) -> tuple[IntArray, FloatArray, IntArray]:
-    """Numbers of the words, times of overturning (NaN: it stands) and joints; undecided runs are followed further."""
-    joints, times = batch.overturned_joint.copy(), batch.overturn_time.copy()
-    words = np.full(len(runs), WORDS["verdict"].index(OVERTURNED))  # or not finished: such runs are made again alone
+    """Numbers of the words, times of overturning (NaN: it stands) and joints; undecided runs are followed further.
+
+    chain: None for columns that have slips, which are followed one by one.
+    """
+    joints, times, code = batch.overturned_joint.copy(), batch.overturn_time.copy(), WORDS["verdict"].index
+    words = np.full(len(runs), code(OVERTURNED))  # or not finished: such runs are made again alone
     ended = np.flatnonzero(batch.finished & (joints == 0))
-    if ended.size:
-        some = [runs[k] for k in ended.tolist()]
-        stops = np.array([run.motion.start + run.duration for run in some])
-        columns = [run.column for run in some]
-        words[ended], times[ended], joints[ended] = outcomes_of(
-            columns, chain.some(ended), batch.ends[ended], stops, settle, flag
-        )
+    stops = np.array([run.motion.start + run.duration for run in runs])
+    if chain is not None and ended.size:
+        columns = [runs[k].column for k in ended.tolist()]
+        found = outcomes_of(columns, chain.some(ended), batch.ends[ended], stops[ended], settle, flag)
+        words[ended], times[ended], joints[ended] = found
+    elif chain is None:
+        for k in ended.tolist():
+            if flag[0]:
+                break
+            word, times[k], joints[k] = outcome(runs[k].column, batch.ends[k], float(stops[k]), settle)
+            words[k] = code(word)
     return words, times, joints
 
 
@@ -296,11 +273,8 @@ def _verdicts(
 
 def _response(run: Run, settle: float, look: Callback) -> Response:
     """The whole response of a run, with the rows of `simulate`."""
-    count = math.floor(run.duration / OUTPUT_STEP + 1e-9) + 1
-    times = run.motion.start + OUTPUT_STEP * np.arange(count, dtype=np.float64)
-    response, _ = single_run(run.column, run.motion, run.duration, times, None, settle, look)
-    response.motion = run.motion
-    return response
+    times = output_times(run.motion, run.duration)
+    return single_run(run.column, run.motion, run.duration, times, None, settle, look)[0]
 
 
 def _alone(run: Run, chunk: Chunk, columns: Columns, place: int, look: Callback) -> str:
@@ -337,15 +311,16 @@ def _value(name: str, column: Column, response: Response, phase: FloatArray, sta
         return response.peaks[WATCHED[name]]
     if name in WATCHED_OF_BASE:
         return response.peaks[WATCHED_OF_BASE[name]][0]
-    if name == "energy" or name.startswith("residual"):
-        return _at_the_end(name, Chain(column), phase) if stands else math.nan
+    if name in LEFT:
+        return _at_the_end(name, chain_of(column), phase) if stands else math.nan
     return getattr(response, name)
 
 
 def _at_the_end(name: str, chain: Chain, phase: FloatArray) -> Any:
+    """One of LEFT, of a column with this phase, or of many with a phase each."""
     if name == "energy":
-        return chain.energy(phase)
+        return chain.energies(phase)
     if name == "residual_ux":
         return chain.top_displacements(phase)
     places = chain.places(phase)
-    return places.theta if name == "residual_theta" else np.broadcast_to(places.slip - chain.offset, chain.n)
+    return places.theta if name == "residual_theta" else np.broadcast_to(places.slip - chain.offset, places.theta.shape)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import replace
 from threading import Thread
 from typing import Any
 
@@ -13,7 +12,7 @@ import numpy as np
 from ..column.column import Column
 from ..column.packing import FloatArray, InitialState
 from ..common.errors import SolverError
-from ..dynamics.kinematics import Chain
+from ..dynamics.kinematics import chain_of
 from ..dynamics.response import Response
 from ..dynamics.uncertainty import PERCENTILES, Ensemble, Spread
 from ..dynamics.verdict import OVERTURNED, UNDECIDED
@@ -73,18 +72,12 @@ def vary(column: Column, motion: Motion, spread: Spread, rng: np.random.Generato
         drawn: list[float] = np.clip(np.exp(size * rng.standard_normal(count)), LEAST_CHANGE, MOST_CHANGE).tolist()
         return drawn
 
-    n = column.n
-    blocks = tuple(
-        replace(block, joint=replace(joint, stiffness=joint.stiffness * stiffness, damping=joint.damping * damping))
-        for block, joint, stiffness, damping in zip(
-            column.blocks,
-            (block.joint for block in column.blocks),
-            factors(spread.stiffness, n),
-            factors(spread.damping, n),
-            strict=True,
-        )
-    )
-    return replace(column, blocks=blocks), motion.scaled(factors(spread.motion, 1)[0])
+    joints = [block.joint for block in column.blocks]
+    stiffness = [
+        joint.stiffness * factor for joint, factor in zip(joints, factors(spread.stiffness, column.n), strict=True)
+    ]
+    damping = [joint.damping * factor for joint, factor in zip(joints, factors(spread.damping, column.n), strict=True)]
+    return column.with_joints(stiffness, damping), motion.scaled(factors(spread.motion, 1)[0])
 
 
 def runs_in_lanes(response: Response, motion: Motion, initial: InitialState | None) -> bool:
@@ -119,7 +112,7 @@ def _alone(
     except SolverError:
         nothing = np.full((len(times), column.n), math.nan)
         return UNDECIDED, math.nan, nothing[0], nothing
-    return response.verdict, response.overturn_time, response.peak_ux, Chain(column).top_displacements(phases)
+    return response.verdict, response.overturn_time, response.peak_ux, chain_of(column).top_displacements(phases)
 
 
 def _in_lanes(
@@ -136,7 +129,7 @@ def _in_lanes(
         verdict, fall = OVERTURNED, float(batch.overturn_time[k])
         if not batch.overturned_joint[k]:
             verdict, fall, _ = outcome(column, batch.phases[k, -1], motion.start + duration, settle)
-        made.append((verdict, fall, batch.peak_ux[k], Chain(column).top_displacements(batch.phases[k, :-1])))
+        made.append((verdict, fall, batch.peak_ux[k], chain_of(column).top_displacements(batch.phases[k, :-1])))
     return made
 
 

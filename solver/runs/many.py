@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 import time as clock
 import warnings
 from collections import Counter
@@ -14,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from ..column.column import Column
-from ..common.errors import POSITIVE, InputError, InputWarning, SolverError, check_number, shown
+from ..common.errors import POSITIVE, InputError, InputWarning, SolverError, check_number, check_whole, shown
 from ..common.executors import TRIES, cores, said, sent_out, workers_of
 from ..ground.motion import Motion
 from .chunk import Chunk, Made, Run, make_packed, make_runs, packed, why_alone
@@ -28,6 +29,7 @@ ALONE, SWEPT = 10.0, 300.0  # times that: a single run, and one in the formulati
 SWEPT_IN_LANES = 1.3e-3  # s: and over its fixed step in lanes
 MOST_SAMPLES = 2**20  # of the records in a chunk, so that memory does not grow with the number of runs
 MOST_NOTED = 100  # failures that are listed
+_ENDED = object()
 
 Callback = Callable[[int, int | None], object]
 
@@ -111,8 +113,8 @@ def parts_of_many(
         if name not in KEPT:
             raise InputError(f"keep: {shown(name)}: must be of {', '.join(KEPT)}")
     settle = 0.0 if settle == 0 else check_number("settle", settle, POSITIVE, "a positive time in s")
-    if threads is not None and (isinstance(threads, bool) or not isinstance(threads, int) or threads < 1):
-        raise InputError(f"threads = {shown(threads)}: must be a number of threads, at least 1")
+    if threads is not None:
+        check_whole("threads", threads, 1, math.inf, "a number of threads, at least 1")
     total, runs = _runs(columns, motions, duration, tolerance)
     summary = Summary() if summary is None else summary
     workers = (threads or cores()) if executor is None else workers_of(executor)
@@ -144,7 +146,7 @@ def _runs(columns: Any, motions: Any, durations: Any, tolerances: Any) -> tuple[
         listed = ", ".join(f"{count} {key}" for key, count in lengths.items())
         raise InputError(f"{listed}: must be as many of each, or a single one for all runs")
     total = next(iter(lengths.values()), None) if several else 1
-    return total, _iterated(given, several, total)
+    return total, _iterated(given, several)
 
 
 def _is_several(key: str, value: Any) -> bool:
@@ -158,45 +160,25 @@ def _is_several(key: str, value: Any) -> bool:
     return True
 
 
-def _iterated(given: dict[str, Any], several: dict[str, Any], total: int | None) -> Iterator[Run]:
+def _iterated(given: dict[str, Any], several: dict[str, Any]) -> Iterator[Run]:
     sources = [iter(several[key]) if key in several else itertools.repeat(given[key]) for key in given]
     last: tuple[Any, Any] = (None, None)  # column and tolerance as given
-    for k in itertools.count() if several else range(1):
-        values = []
-        for key, source in zip(given, sources, strict=True):
-            try:
-                values.append(next(source))
-            except StopIteration:
-                ended = key
-                break
-        else:
-            column, motion, duration, tolerance = values
-            if last[0] is not column or last[1] != tolerance:
-                last = column, tolerance
-                made = _with_tolerance(k, column, tolerance)
-            if not isinstance(motion, Motion):
-                raise InputError(f"motions[{k}] = {shown(motion)}: must be a Motion")
-            span = motion.duration if duration is None else duration
-            span = check_number(f"duration[{k}]", span, POSITIVE, "a positive time in s")
-            yield Run(made, motion, span)
-            continue
-        _check_all_end(ended, k, given, several, sources, values)
-        return
-
-
-def _check_all_end(
-    ended: str, k: int, given: dict[str, Any], several: dict[str, Any], sources: list[Any], values: list[Any]
-) -> None:
-    """Raise InputError unless all that is iterated ends where the first one, named `ended`, did."""
-    keys = list(given)
-    longer = [key for key in keys[: len(values)] if key in several]
-    longer += [
-        key
-        for key, source in zip(keys[len(values) + 1 :], sources[len(values) + 1 :], strict=True)
-        if key in several and next(source, several) is not several
-    ]
-    if longer:
-        raise InputError(f"{ended}: ends after {k}, {longer[0]} does not: must be as many of each")
+    rows = itertools.zip_longest(*sources, fillvalue=_ENDED) if several else [tuple(given.values())]
+    for k, values in enumerate(rows):
+        ended = [key for key, value in zip(given, values, strict=True) if value is _ENDED]
+        longer = [key for key in several if key not in ended]
+        if ended and longer:
+            raise InputError(f"{ended[0]}: ends after {k}, {longer[0]} does not: must be as many of each")
+        if ended:
+            return
+        column, motion, duration, tolerance = values
+        if last[0] is not column or last[1] != tolerance:
+            last = column, tolerance
+            made = _with_tolerance(k, column, tolerance)
+        if not isinstance(motion, Motion):
+            raise InputError(f"motions[{k}] = {shown(motion)}: must be a Motion")
+        span = motion.duration if duration is None else duration
+        yield Run(made, motion, check_number(f"duration[{k}]", span, POSITIVE, "a positive time in s"))
 
 
 def _with_tolerance(k: int, column: Any, tolerance: Any) -> Column:

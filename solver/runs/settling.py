@@ -12,7 +12,7 @@ from ..column.column import Column
 from ..column.packing import FloatArray, IntArray
 from ..dynamics.kinematics import Chain
 from ..dynamics.verdict import OVERTURNED, STANDING, UNDECIDED, Barriers, surely_stand
-from .batch import fall_angles, kind_of, rest_in_lanes
+from .batch import kind_of, rest_in_lanes
 from .single_run import BETWEEN_LOOKS, outcome
 from .table import WORDS
 
@@ -47,7 +47,7 @@ def outcomes_of(
         return found
     columns, chain, phases, stops = [columns[k] for k in left], chain.some(left), phases[left], stops[left]
     first, same = _alike(columns)  # one column may be listed for many motions
-    barriers = Barriers(chain.some(first), fall_angles(chain.model[first], chain.n))
+    barriers = Barriers(chain.some(first))
     numbers, some = left, np.arange(len(left))  # of the columns left: places among those given, and among the rows here
     looks = 0
     while some.size and not flag[0]:

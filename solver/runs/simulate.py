@@ -2,25 +2,21 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
-
-import numpy as np
 
 from ..column.column import Column
 from ..column.packing import InitialState
 from ..column.rest import check_rest
-from ..common.errors import POSITIVE, InputError, SolverError, check_number
+from ..common.errors import POSITIVE, InputError, SolverError, check_number, check_whole
 from ..dynamics.first_run import make_kernels
 from ..dynamics.kinematics import chain_of
 from ..dynamics.response import Response
 from ..dynamics.uncertainty import Spread
 from ..ground.motion import Motion
 from .ensemble import ensemble_of
-from .single_run import SETTLE, Callback, single_run
+from .single_run import OUTPUT_STEP, SETTLE, Callback, output_times, single_run
 from .trust import finer, judge
 
-OUTPUT_STEP = 0.005  # s, where none is asked for
 MOST_ROWS = 10**8
 MOST_RUNS = 10**5
 
@@ -70,25 +66,22 @@ def simulate(
     if duration / output_step > MOST_ROWS:
         raise InputError(f"output_step = {output_step}: must be larger, for at most {MOST_ROWS} rows in {duration} s")
     settle = 0.0 if settle == 0 else _positive("settle", settle)
-    if isinstance(ensemble, bool) or not isinstance(ensemble, (int, np.integer)) or not 0 <= ensemble <= MOST_RUNS:
-        raise InputError(f"ensemble = {ensemble!r}: must be a number of runs, at most {MOST_RUNS}")
+    ensemble = check_whole("ensemble", ensemble, 0, MOST_RUNS, f"a number of runs, at most {MOST_RUNS}")
     make_kernels()
     check_rest(column, from_rest=initial is None)
-    times = motion.start + output_step * np.arange(math.floor(duration / output_step + 1e-9) + 1, dtype=np.float64)
+    times = output_times(motion, duration, output_step)
     response, phases = single_run(column, motion, duration, times, initial, settle, callback)
-    response.motion = motion
     if check:
-        chain = chain_of(column)
-        ux = chain.top_displacements(phases)
+        top_displacements = chain_of(column).top_displacements
+        ux = top_displacements(phases)
         try:
             closer, phases = single_run(finer(column), motion, duration, times, initial, settle, callback)
+            judge(response, closer, ux, top_displacements(phases))
         except SolverError as failure:
             judge(response, failure, ux, None)
-        else:
-            judge(response, closer, ux, chain.top_displacements(phases))
     if ensemble:
-        spread = Spread() if spread is None else spread
-        response.ensemble = ensemble_of(response, motion, duration, initial, settle, ensemble, spread, callback)
+        varied = spread or Spread()
+        response.ensemble = ensemble_of(response, motion, duration, initial, settle, ensemble, varied, callback)
     return response
 
 

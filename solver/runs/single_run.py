@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..column.column import Column
-from ..column.packing import FloatArray, InitialState
+from ..column.packing import FloatArray, InitialState, coordinates_of
 from ..common.errors import SolverError
 from ..dynamics.kinematics import chain_of
 from ..dynamics.response import Response
@@ -19,6 +19,7 @@ from ..dynamics.verdict import OVERTURNED, STANDING, UNDECIDED, cannot_fall
 from ..ground.motion import Motion
 from ..kernels.layout import spaces as at
 
+OUTPUT_STEP = 0.005  # s between the rows of a response, where none is asked for
 SETTLE = 60.0  # s, the longest that a column is followed after the motion, where no time is asked for
 BETWEEN_LOOKS = 0.25  # s, after the motion
 # fields of kernels/layout/spaces.py, COUNTS, that `Response.stats` contains
@@ -82,21 +83,26 @@ def single_run(
     )
     if "resultants" in column.settings.without:
         response.observe()
-    return response, _of_chain(at.phases_in(snapshots), column)
+    response.motion = motion
+    return response, _coordinates(at.phases_in(snapshots), column)
 
 
 def phase_of(stepper: Stepper) -> FloatArray:
-    """Coordinates and rates of a stepper in the form of chain.py, a copy."""
-    return _of_chain(stepper.arrays.state[at.CONTROL.beside :], stepper.column).copy()
+    """Coordinates and rates of a stepper as dynamics/kinematics.py has them, a copy."""
+    return _coordinates(stepper.arrays.state[at.CONTROL.beside :], stepper.column).copy()
 
 
-def _of_chain(phases: FloatArray, column: Column) -> FloatArray:
-    """The phase in the form of chain.py, from arrays that begin with a phase of the stepper."""
-    rigid: FloatArray = phases[..., : 4 * column.n]
-    if not column.has_slips:
-        return rigid
-    places = [at.PHASE.fields.index(name) * column.n for name in ("slip", "slip_rate")]
-    return np.concatenate([rigid, *(phases[..., k : k + column.n] for k in places)], axis=-1)
+def _coordinates(phases: FloatArray, column: Column) -> FloatArray:
+    """The same from arrays that begin with a phase of the stepper."""
+    slips = phases[..., at.RIGID_FIELDS * column.n :]
+    return coordinates_of(phases, slips if column.has_slips else slips[..., :0], column.n)
+
+
+def output_times(motion: Motion, duration: float, step: float = OUTPUT_STEP) -> FloatArray:
+    """Times of the rows of a response, s."""
+    count = math.floor(duration / step + 1e-9) + 1
+    times: FloatArray = motion.start + step * np.arange(count, dtype=np.float64)
+    return times
 
 
 def settled_verdict(stepper: Stepper, stop: float, settle: float) -> tuple[Verdict, float]:

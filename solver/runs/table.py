@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
@@ -10,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common.files import whole_file
+from ..common.files import write_table
 from ..dynamics.response import Response
 
 Columns = dict[str, NDArray[Any]]
@@ -62,19 +61,9 @@ class Table:
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write a line for each run, the number of the run first; a column of blocks as peak_ux[1], peak_ux[2] ..."""
-        names, columns = ["run"], [np.arange(self.first, self.first + len(self))]
-        for name in self._columns:
-            values = self[name]
-            if values.ndim == 1:
-                names.append(name)
-                columns.append(values)
-            else:
-                names += [f"{name}[{i + 1}]" for i in range(values.shape[1])]
-                columns += list(values.T)
-        with whole_file(path) as partial, open(partial, "w", newline="", encoding="utf-8") as file:
-            writer = csv.writer(file)
-            writer.writerow(names)
-            writer.writerows(zip(*(column.tolist() for column in columns), strict=True))
+        runs = np.arange(self.first, self.first + len(self))
+        names, columns = single_columns({"run": runs, **{name: self[name] for name in self}})
+        write_table(path, names, zip(*(column.tolist() for column in columns), strict=True))
 
 
 def joined(parts: Sequence[Table]) -> Table:
@@ -93,3 +82,13 @@ def _stacked(arrays: list[NDArray[Any]]) -> NDArray[Any]:
         whole[row : row + len(array), : array.shape[1]] = array
         row += len(array)
     return whole
+
+
+def single_columns(columns: Mapping[str, NDArray[Any]]) -> tuple[list[str], list[NDArray[Any]]]:
+    """Names and values of columns of one number a run: one of blocks becomes peak_ux[1], peak_ux[2] ..."""
+    names: list[str] = []
+    singles: list[NDArray[Any]] = []
+    for name, values in columns.items():
+        names += [name] if values.ndim == 1 else [f"{name}[{i}]" for i in range(1, values.shape[1] + 1)]
+        singles += [values] if values.ndim == 1 else list(values.T)
+    return names, singles

@@ -10,7 +10,7 @@ import math
 import os
 import warnings
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -25,6 +25,7 @@ from ..common.errors import (
     InputWarning,
     SolverError,
     check_number,
+    check_whole,
     needing,
     reading,
 )
@@ -65,13 +66,7 @@ def with_joints(column: Column, stiffness: ArrayLike | None = None, damping: Arr
     """
     moduli = _each("stiffness", column, stiffness, [block.joint.stiffness for block in column.blocks])
     etas = _each("damping", column, damping, [block.joint.damping for block in column.blocks])
-    return replace(
-        column,
-        blocks=tuple(
-            replace(block, joint=replace(block.joint, stiffness=modulus, damping=eta))
-            for block, modulus, eta in zip(column.blocks, moduli, etas, strict=True)
-        ),
-    )
+    return column.with_joints(moduli, etas)
 
 
 # --- modulus
@@ -246,8 +241,7 @@ def damping_from_ratio(column: Column, ratio: float, mode: int = 1) -> float:
     All joints in contact, small motion. Raises InputError, SolverError.
     """
     ratio = check_number("ratio", ratio, NOT_NEGATIVE, "a ratio of critical damping, zero or positive")
-    if isinstance(mode, bool) or not isinstance(mode, (int, np.integer)) or not 1 <= mode <= column.n:
-        raise InputError(f"mode = {mode!r}: must be the number of a mode that sways, 1 to {column.n}")
+    mode = check_whole("mode", mode, 1, column.n, f"the number of a mode that sways, 1 to {column.n}")
     modes = modes_about_rest(with_joints(column, damping=1.0))
     return ratio / float(modes.damping_ratio[modes.sways][mode - 1])
 

@@ -7,7 +7,6 @@ on its edge where it balances without any. balance.py follows it.
 
 from __future__ import annotations
 
-import csv
 import os
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -18,7 +17,7 @@ from ..column.column import Column
 from ..column.packing import FloatArray
 from ..column.rest import check_rest, instability, is_stable
 from ..common.errors import SolverError, needing
-from ..common.files import whole_file
+from ..common.files import write_table
 from ..dynamics.linearization import StillColumn, undamped
 from .balance import BalanceCurve
 
@@ -91,10 +90,7 @@ class CapacityCurve:
         ]
         parts = [self.acceleration[:, None], self.base_shear[:, None], self.base_moment[:, None]]
         rows = np.hstack([*parts, *(getattr(self, name) for name in joints)])
-        with whole_file(path) as partial, open(partial, "w", newline="", encoding="utf-8") as file:
-            writer = csv.writer(file)
-            writer.writerow(names)
-            writer.writerows([[repr(float(value)) for value in row] for row in rows])
+        write_table(path, names, ([repr(float(value)) for value in row] for row in rows))
 
     def plot(self, path: str | os.PathLike[str] | None = None) -> Figure:
         """Draw the curve and the column; saved to `path` if given. Raises InputError without matplotlib, OSError."""

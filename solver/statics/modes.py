@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import math
 import os
 from dataclasses import dataclass
@@ -15,7 +14,7 @@ from ..column.column import Column
 from ..column.packing import FloatArray
 from ..column.rest import check_rest
 from ..common.errors import SolverError, needing
-from ..common.files import whole_file
+from ..common.files import write_table
 from ..dynamics.linearization import StillColumn, stuck, undamped
 
 if TYPE_CHECKING:
@@ -47,10 +46,7 @@ class Modes:
         names += [f"block[{i + 1}].{name}" for name in ("ux", "uz", "theta") for i in range(self.column.n)]
         parts = [self.frequency[:, None], self.damping_ratio[:, None], self.mass_x[:, None], self.mass_z[:, None]]
         rows = np.hstack([*parts, self.ux, self.uz, self.theta])
-        with whole_file(path) as partial, open(partial, "w", newline="", encoding="utf-8") as file:
-            writer = csv.writer(file)
-            writer.writerow(names)
-            writer.writerows([[k, *map(repr, map(float, row))] for k, row in enumerate(rows, start=1)])
+        write_table(path, names, ([k, *map(repr, map(float, row))] for k, row in enumerate(rows, start=1)))
 
     def plot(self, path: str | os.PathLike[str] | None = None, most: int = 6) -> Figure:
         """Draw the first `most` shapes; saved to `path` if given. Raises InputError without matplotlib, OSError."""

@@ -10,7 +10,7 @@ from ..column.column import Column
 from ..column.packing import InitialState
 from ..column.rest import instability, is_stable
 from ..common.errors import InputError, SolverError, check_number
-from ..dynamics.kinematics import Chain
+from ..dynamics.kinematics import chain_of
 from ..dynamics.linearization import undamped
 from ..dynamics.stepper import Stepper
 from ..runs.single_run import phase_of
@@ -74,7 +74,7 @@ def pulled_aside(column: Column, release: float = RELEASE) -> tuple[InitialState
 def restitution_from(column: Column, start: InitialState, top: float) -> float:
     """`restitution` from a place that `pulled_aside` has found. Raises SolverError."""
     column = column.with_settings(formulation="exact", integrator="auto")
-    chain, stepper = Chain(column), Stepper(column, start)
+    chain, stepper = chain_of(column), Stepper(column, start)
     falling = math.sqrt(float(np.sum(chain.height)) / column.g)  # s
     before, t, farthest = chain.energy(phase_of(stepper)), 0.0, 0.0
     while t < LONGEST * falling:

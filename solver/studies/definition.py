@@ -21,8 +21,9 @@ from numpy.typing import NDArray
 
 from .. import __version__
 from ..column.column import Column
-from ..common.errors import FINITE, POSITIVE, InputError, check_number, needing, reading, shown
+from ..common.errors import FINITE, POSITIVE, InputError, check_number, check_whole, needing, reading, shown
 from ..common.files import check_file_name, toml_of
+from ..common.ranges import check_choice, check_keys
 from ..ground.intensity import pgv
 from ..ground.motion import STANDARD_GRAVITY, Motion
 from ..kernels.numba_ext.jit import SOURCES
@@ -109,14 +110,13 @@ class Study:
 
     def __post_init__(self) -> None:
         check_file_name("name", self.name)
-        _check_choice("kind", self.kind, KINDS)
-        _check_choice("sampling", self.sampling, SAMPLINGS)
+        check_choice("kind", self.kind, KINDS)
+        check_choice("sampling", self.sampling, SAMPLINGS)
         if not self.columns or not self.motions:
             raise InputError("column, motion: must be one of each at least")
         for key, least in (("samples", 1), ("seed", 0)):
-            value = getattr(self, key)
-            if isinstance(value, bool) or not isinstance(value, int) or value < least:
-                raise InputError(f"{key} = {shown(value)}: must be a whole number, at least {least}")
+            value = check_whole(key, getattr(self, key), least, math.inf, f"a whole number, at least {least}")
+            object.__setattr__(self, key, value)
         if self.duration is not None:
             check_number("duration", self.duration, POSITIVE, "a positive time in s")
         if self.limits and self.kind != LIMITED:
@@ -124,7 +124,7 @@ class Study:
         for k, limit in enumerate(self.limits, start=1):
             check_number(f"limits[{k}]", limit, POSITIVE, "a positive displacement in m")
         for name in self.keep:
-            _check_choice("keep", name, tuple(KEPT))
+            check_choice("keep", name, tuple(KEPT))
         for name in ("peak_ux", "verdict"):
             if name not in self.keep:
                 raise InputError(f"keep: must have {name}, which every picture and table goes by")
@@ -271,9 +271,7 @@ class Study:
     @classmethod
     def from_dict(cls, data: Mapping[str, Any], folder: str | os.PathLike[str] = ".") -> Study:
         """Build a study from the mapping that a TOML file holds (docs/studies.md). Raises InputError."""
-        for key in data:
-            if key not in _KEYS:
-                raise InputError(f"{key}: unknown key, must be one of {', '.join(_KEYS)}")
+        check_keys("", data, _KEYS)
         for key in ("name", "kind"):
             if key not in data:
                 raise InputError(f"{key}: missing, must be a text")
@@ -329,11 +327,9 @@ def versions() -> dict[str, str]:
 def axis(key: str, values: object) -> tuple[float, ...]:
     """Values of a grid: a list of numbers, or {from, to, count} with spacing = "linear" or "log". Raises InputError."""
     if isinstance(values, Mapping):
-        for name in values:
-            if name not in ("from", "to", "count", "spacing"):
-                raise InputError(f"{key}.{name}: unknown key, must be one of from, to, count, spacing")
+        check_keys(f"{key}.", values, ("from", "to", "count", "spacing"))
         spacing = values.get("spacing", "linear")
-        _check_choice(f"{key}.spacing", spacing, ("linear", "log"))
+        check_choice(f"{key}.spacing", spacing, ("linear", "log"))
         limits = POSITIVE if spacing == "log" else FINITE
         first, last = (check_number(f"{key}.{name}", values.get(name), limits, "a number") for name in ("from", "to"))
         count = check_number(f"{key}.count", values.get("count"), (2, 1e6), "a whole number, at least 2")
@@ -438,11 +434,6 @@ def _without_number(name: str) -> str:
 def _thinned(values: tuple[float, ...]) -> tuple[float, ...]:
     places = np.linspace(0, len(values) - 1, min(QUICK_VALUES, len(values)))
     return tuple(values[round(place)] for place in places.tolist())
-
-
-def _check_choice(key: str, value: object, known: Sequence[str]) -> None:
-    if value not in known:
-        raise InputError(f"{key} = {shown(value)}: must be one of {', '.join(known)}")
 
 
 def _table(key: str, data: Mapping[str, Any]) -> Mapping[str, Any]:

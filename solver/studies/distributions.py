@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..common.errors import FINITE, POSITIVE, InputError, check_number, needing, shown
+from ..common.ranges import check_keys
 
 FloatArray = NDArray[np.float64]
 
@@ -28,7 +29,6 @@ _CAN_BE_CUT = ("normal", "lognormal")
 _POSITIVE = {("loguniform", "low"), ("lognormal", "median"), ("lognormal", "low"), ("normal", "deviation")}
 _POSITIVE |= {("lognormal", "deviation"), ("lognormal", "high")}
 KINDS = tuple(_NEEDS)
-KEYS = ("distribution", "low", "high", "mode", "mean", "median", "deviation", "values")
 
 
 @dataclass(frozen=True)
@@ -50,9 +50,7 @@ class Distribution:
         if kind not in _NEEDS:
             raise InputError(f"{key}.distribution = {shown(kind)}: must be one of {', '.join(KINDS)}")
         allowed = _NEEDS[kind] + (_TAILS if kind in _CAN_BE_CUT else ())
-        for name in table:
-            if name != "distribution" and name not in allowed:
-                raise InputError(f"{key}.{name}: unknown key of {kind}, must be one of {', '.join(allowed)}")
+        check_keys(f"{key}.", [name for name in table if name != "distribution"], allowed, f" of {kind}")
         numbers: list[tuple[str, Any]] = []
         for name in allowed:
             if name not in table:
@@ -110,9 +108,9 @@ def _normal(
 def _lognormal(
     quantile: FloatArray, median: float, deviation: float, low: float = 0.0, high: float = np.inf
 ) -> FloatArray:
-    with np.errstate(divide="ignore"):
+    with np.errstate(divide="ignore", over="ignore"):  # infinite numbers are refused by the run that gets one
         ends = np.log(low), np.log(high)
-    return np.exp(_normal(quantile, float(np.log(median)), deviation, *ends))
+        return np.exp(_normal(quantile, float(np.log(median)), deviation, *ends))
 
 
 def _triangular(quantile: FloatArray, low: float, mode: float, high: float) -> FloatArray:

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from ..common.errors import FINITE, POSITIVE, InputError, check_number, shown
+from ..common.ranges import check_keys
 from ..ground import wavelets
 from ..ground.intensity import pgv, spectrum
 from ..ground.motion import STANDARD_GRAVITY, Motion
@@ -95,9 +96,7 @@ class Measure:
         if name not in MEASURES:
             raise InputError(f"intensity.measure = {shown(name)}: must be one of {', '.join(MEASURES)}")
         known = ("measure", "period", "damping") if name == "sa" else ("measure",)
-        for key in table:
-            if key not in known:
-                raise InputError(f"intensity.{key}: unknown key of {name}, must be one of {', '.join(known)}")
+        check_keys("intensity.", table, known, f" of {name}")
         if name != "sa":
             return cls(name)
         period = check_number("intensity.period", table.get("period"), POSITIVE, "a positive time in s")
@@ -135,9 +134,7 @@ class Shaking:
             raise InputError(f"{key}.formula = {shown(formula)}: must be one of {', '.join(FORMULAS)}")
         numbers = cls.numbers_of(formula)
         known = ("name", "formula", *numbers) if formula else ("name", *_OF_RECORDS, *numbers)
-        for item in table:
-            if item not in known:
-                raise InputError(f"{key}.{item}: unknown key, must be one of {', '.join(known)}")
+        check_keys(f"{key}.", table, known)
         given = {
             item: check_number(f"{key}.{item}", table[item], FINITE, "a number") for item in numbers & table.keys()
         }

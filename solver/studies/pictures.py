@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from ..common.errors import InputError
 from ..dynamics.uncertainty import PERCENTILES
-from ..plotting.plots import FEW_COLOURS, block_colours, save, show_blocks
+from ..plotting.plots import FEW_COLOURS, block_colours, save, show_blocks, tidy
 from .motions import Measure
 from .results import Results
 from .statistics import (
@@ -48,9 +48,7 @@ def draw(results: Results, path: str | os.PathLike[str] | None = None) -> Figure
         if name not in results.study["grid"]:
             raise InputError(f"grid.{name}: missing, the picture of kind = {results.study['kind']} needs it")
     figure = _DRAW[results.study["kind"]](results)
-    if path is not None:
-        save(figure, path)
-    return figure
+    return save(figure, path)
 
 
 def draw_sweep(results: Results) -> Figure:
@@ -90,7 +88,7 @@ def draw_sweep(results: Results) -> Figure:
             axes.legend(loc="upper right", bbox_to_anchor=(1.0, 0.95), frameon=False)
         axes.set_yscale("log")
         axes.set(title=f"{level:g} g", xlabel="frequency (Hz)")
-        _tidy(axes)
+        tidy(axes)
     panels[0].set_ylabel("peak displacement of the top face (mm)")
     if boundary:
         _draw_boundary(figure.add_subplot(grid[1, :]), figure, results, levels, frequencies)
@@ -129,7 +127,7 @@ def _draw_boundary(axes: Axes, figure: Figure, results: Results, levels: FloatAr
     if np.nanmax(share) > 0.0 and np.nanmin(share) < 1.0:
         axes.contour(frequencies, levels, np.nan_to_num(share), [0.5], colors="black", linewidths=1.2)
     axes.set(title="overturning: half of the runs along the line", xlabel="frequency (Hz)", ylabel="amplitude (g)")
-    _tidy(axes, grid=False)
+    tidy(axes, grid=False)
 
 
 def draw_ida(results: Results) -> Figure:
@@ -161,7 +159,7 @@ def draw_ida(results: Results) -> Figure:
     fallen.legend(frameon=False, loc="upper left")
     fallen.set(title="how they ended", xlabel="share of the runs", xlim=(-0.02, 1.02))
     for panel in (axes, fallen):
-        _tidy(panel)
+        tidy(panel)
     return _captioned(figure, results)
 
 
@@ -204,7 +202,7 @@ def _draw_fits(axes: Axes, results: Results, name: str, texts: list[str]) -> Non
     )
     if axes.get_legend_handles_labels()[0]:
         axes.legend(frameon=False, loc="best")
-    _tidy(axes)
+    tidy(axes)
 
 
 def _draw_scenarios(axes: Axes, results: Results, limit: float | None) -> None:
@@ -235,7 +233,7 @@ def _draw_scenarios(axes: Axes, results: Results, limit: float | None) -> None:
     axes.set(xlabel="magnitude", ylabel="share of the runs", ylim=(-0.02, None))
     axes.set_title(f"{what}; bounds: 95 % binomial", loc="left", fontsize=10)
     axes.legend(frameon=False, loc="best")
-    _tidy(axes)
+    tidy(axes)
 
 
 def draw_curve(axes: Axes, found: Fragility, colour: str, name: str) -> None:
@@ -298,7 +296,7 @@ def draw_spectrum(results: Results) -> Figure:
         axes.set_xticks(
             [tick for tick in (0.5, 1, 2, 5, 10, 20, 50) if sizes[0] * height <= tick <= sizes[-1] * height]
         )
-        _tidy(axes, grid=False)
+        tidy(axes, grid=False)
     for axes in panels[-1]:
         axes.set_xlabel("height of the column (m)")
     for axes in panels[:, 0]:
@@ -338,18 +336,9 @@ def draw_tornado(results: Results) -> Figure:
     right.set(title="overturned", xlabel="share of the runs")
     rank.set(title="rank correlation", xlabel="with the displacement")
     for axes in (left, right, rank):
-        _tidy(axes)
+        tidy(axes)
     text = "Of the runs with the lowest (blue) and the highest (red) 16 % of each parameter; the line: of all runs."
     return _captioned(figure, results, text)
-
-
-def _tidy(axes: Axes, grid: bool = True) -> None:
-    axes.set_title(axes.get_title() or axes.get_title(loc="left"), loc="left", fontsize=10)
-    axes.set_title("")
-    if grid:
-        axes.grid(color="0.9", linewidth=0.6)
-        axes.set_axisbelow(True)
-    axes.spines[["top", "right"]].set_visible(False)
 
 
 def _measure(results: Results) -> str:

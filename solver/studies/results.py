@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import importlib.util
 import itertools
 import json
@@ -15,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..common.errors import InputError, needing, reading
-from ..common.files import whole_file
+from ..common.files import whole_file, write_table
 from ..runs.outputs import KEPT
-from ..runs.table import WORDS, Columns
+from ..runs.table import WORDS, Columns, single_columns
 from .contents import FAILED, check_head, check_row
 from .journal import read_journal
 
@@ -101,20 +100,16 @@ class Results:
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write a line a run, every float64 in full, nothing where there is no value. Raises InputError, OSError."""
-        names, columns = [], []
-        for name, values in self.columns.items():
-            if values.ndim == 1:
-                names.append(name)
-                columns.append(values)
-            else:
-                names += [f"{name}[{i}]" for i in range(1, values.shape[1] + 1)]
-                columns += list(values.T)
-        with reading(path), whole_file(path) as partial, open(partial, "w", newline="", encoding="utf-8") as file:
-            writer = csv.writer(file)
-            writer.writerow(names)
-            for first in range(0, len(self), ROWS_AT_ONCE):
-                some = (column[first : first + ROWS_AT_ONCE].tolist() for column in columns)
-                writer.writerows(zip(*([_text(value) for value in values] for values in some), strict=True))
+        names, columns = single_columns(self.columns)
+        rows = (
+            row
+            for first in range(0, len(self), ROWS_AT_ONCE)
+            for row in zip(
+                *(map(_text, column[first : first + ROWS_AT_ONCE].tolist()) for column in columns), strict=True
+            )
+        )
+        with reading(path):
+            write_table(path, names, rows)
 
     @staticmethod
     def can_write_netcdf() -> bool:

@@ -19,45 +19,26 @@ Randoms = Mapping[str, Random | Mapping[str, Any]]
 
 
 def sweep(
-    column: Columns,
-    frequencies: Sequence[float],
-    amplitudes: Sequence[float],
-    duration: float = 20.0,
-    *,
-    random: Randoms | None = None,
-    samples: int = 1,
-    seed: int = 0,
-    name: str = "sweep",
-    **options: Any,
+    column: Columns, frequencies: Sequence[float], amplitudes: Sequence[float], duration: float = 20.0, **options: Any
 ) -> Results:
     """Harmonic base motion of every frequency, Hz, and amplitude, g, for `duration`, s: Figure 3 of the paper.
 
-    random, samples: the column as it may be as well, an ensemble at each point, whose spread tells where the response
-    is chaotic. options: of `run_study`; and `keep`, `tolerance` as of `Study`. Raises InputError as both do.
+    options: of `run_study`; and of `Study`: name, random, samples, seed, keep, tolerance. With random parameters there
+    is an ensemble at each point, whose spread tells where the response is chaotic. Raises InputError as both do.
     """
     motion = Shaking("harmonic", "harmonic", {"duration": float(duration)})
     grid = {INTENSITY: amplitudes, "motion.frequency": frequencies}
-    return _run("sweep", name, column, motion, grid, random, samples, seed, Measure("pga"), options)
+    return _run("sweep", column, motion, grid, Measure("pga"), options)
 
 
 def ida(
-    column: Columns,
-    motions: Motions,
-    levels: Sequence[float],
-    *,
-    measure: Measure | None = None,
-    random: Randoms | None = None,
-    samples: int = 1,
-    seed: int = 0,
-    name: str = "ida",
-    **options: Any,
+    column: Columns, motions: Motions, levels: Sequence[float], *, measure: Measure | None = None, **options: Any
 ) -> Results:
     """Incremental dynamic analysis: each motion scaled to each level of the measure (None: PGA, g).
 
     `statistics.ida_curves` takes the percentiles from the results. The rest as in `sweep`.
     """
-    grid = {INTENSITY: levels}
-    return _run("ida", name, column, motions, grid, random, samples, seed, measure or Measure("pga"), options)
+    return _run("ida", column, motions, {INTENSITY: levels}, measure or Measure("pga"), options)
 
 
 def fragility(
@@ -68,37 +49,27 @@ def fragility(
     *,
     levels: Sequence[float] | None = None,
     measure: Measure | None = None,
-    seed: int = 0,
-    name: str = "fragility",
     **options: Any,
 ) -> Results:
     """Runs of which `statistics.fit_fragility` makes a probability of failure over the measure (None: PGA, g).
 
     levels: to which each motion is scaled; None: `random` has "intensity", or the motions are as strong as they are.
-    The rest as in `sweep`.
+    The rest as in `sweep`; `limits` too.
     """
     grid = {} if levels is None else {INTENSITY: levels}
-    return _run("fragility", name, column, motions, grid, random, samples, seed, measure or Measure("pga"), options)
+    options |= {"random": random, "samples": samples}
+    return _run("fragility", column, motions, grid, measure or Measure("pga"), options)
 
 
 def spectrum(
-    column: Column,
-    motions: Motions,
-    sizes: Sequence[float],
-    slendernesses: Sequence[float],
-    *,
-    random: Randoms | None = None,
-    samples: int = 1,
-    seed: int = 0,
-    name: str = "spectrum",
-    **options: Any,
+    column: Column, motions: Motions, sizes: Sequence[float], slendernesses: Sequence[float], **options: Any
 ) -> Results:
     """Rocking spectrum: the column in every size, a factor on all lengths, and slenderness, height over width.
 
     See parameters.py for what else changes with them. The rest as in `sweep`.
     """
     grid = {"column.size": sizes, "column.slenderness": slendernesses}
-    return _run("spectrum", name, column, motions, grid, random, samples, seed, None, options)
+    return _run("spectrum", column, motions, grid, None, options)
 
 
 def montecarlo(
@@ -107,47 +78,37 @@ def montecarlo(
     random: Randoms,
     samples: int,
     *,
-    sampling: str = "latin-hypercube",
     measure: Measure | None = None,
-    seed: int = 0,
-    name: str = "montecarlo",
     **options: Any,
 ) -> Results:
     """Samples of the random parameters under each motion; sampling: latin-hypercube, sobol or random.
 
     `statistics.influences` tells which parameter does most. The rest as in `sweep`.
     """
-    options["sampling"] = sampling
-    return _run("montecarlo", name, column, motions, {}, random, samples, seed, measure, options)
+    return _run("montecarlo", column, motions, {}, measure, options | {"random": random, "samples": samples})
 
 
-_OF_STUDY = ("keep", "tolerance", "duration", "limits", "sampling")
+_OF_STUDY = ("name", "samples", "seed", "keep", "tolerance", "duration", "limits", "sampling")
 
 
 def _run(
     kind: str,
-    name: str,
     column: Columns,
     motions: Motions,
     grid: Mapping[str, Sequence[float]],
-    random: Randoms | None,
-    samples: int,
-    seed: int,
     measure: Measure | None,
     options: dict[str, Any],
 ) -> Results:
-    of_study = {key: options.pop(key) for key in _OF_STUDY if key in options}
+    of_study = {"name": kind} | {key: options.pop(key) for key in _OF_STUDY if key in options}
+    random: Randoms = options.pop("random", None) or {}
     folder: str | Path | None = options.pop("folder", None)
     study = Study(
-        name=name,
         kind=kind,
         columns=(column,) if isinstance(column, Column) else tuple(column),
         motions=_shakings(motions),
         grid={key: tuple(float(value) for value in values) for key, values in grid.items()},
-        random={key: _random(key, parameter) for key, parameter in (random or {}).items()},
+        random={key: _random(key, parameter) for key, parameter in random.items()},
         measure=measure,
-        samples=samples,
-        seed=seed,
         **of_study,
     )
     return run_study(study, folder, **options)

@@ -56,6 +56,11 @@ def density(tree: Tree) -> int:
 
 def stage_table(method: ModuleType) -> tuple[Array, Array, Array]:
     """Stage weights (s, s), nodes (s,) and weights (s,) of an explicit method, the evaluation at the end included."""
+    if method is order_8:
+        last = order_8.END
+        a = np.zeros((last + 1, last + 1))
+        a[: last + 1, :last] = order_8.WEIGHTS[: last + 1]
+        return a, np.append(order_8.NODES, 1.0), a[last]
     numbers = {name: value for name, value in vars(method).items() if isinstance(value, float)}
     stages = 1 + sum(name.startswith("C") for name in numbers)
     a = np.zeros((stages + 1, stages + 1))
@@ -68,6 +73,8 @@ def stage_table(method: ModuleType) -> tuple[Array, Array, Array]:
 
 def error_weights(method: ModuleType, prefix: str, stages: int) -> Array:
     """The row of the error estimate of that name, (s,)."""
+    if method is order_8:
+        return np.append(order_8.WEIGHTS[getattr(order_8, prefix)], 0.0)
     row = [getattr(method, f"{prefix}_{j}", 0.0) for j in range(stages)]
     row[-1] = getattr(method, f"{prefix}_LAST", 0.0)
     return np.array(row)

@@ -326,6 +326,10 @@ def test_a_record_inside_gives_the_numbers_of_the_pythonfmu(tmp_path: Path) -> N
         coarse = h > 0.01 and "base.record" not in values
         for done in (first, second):
             assert ("the record's is 0.01 s" in done.stdout + done.stderr) == coarse
+    for fmu in pair:
+        done = ended(inputs.whole_history, fmu, {"base.record_scale": 1e6}, 0.1)
+        assert done.returncode == 1
+        assert "base.record_scale = 1000000" in done.stdout + done.stderr or "at most 1e6" in done.stdout + done.stderr
 
 
 # --- life

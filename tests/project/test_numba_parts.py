@@ -11,6 +11,8 @@ from support.child import ended, returned
 from support.fmus import ROOT, Fmus, finish
 from support.inside import failures, imports
 
+import build_fmu
+from solver import InputError
 from solver.kernels.numba_ext import numba_parts
 
 SMOKE = ROOT / "tests" / "project" / "numba_smoke.py"
@@ -80,6 +82,12 @@ def test_an_fmu_under_a_numba_that_is_too_old_says_what_to_install(fmus: Fmus) -
     assert first.startswith("phocas_damped: needs Python 3.11 or newer with numpy and numba 0.59 or newer")
     assert "pip install 'numba>=0.59,<1'" in first
     assert "numba 0.58.1 is too old" in first
+
+
+def test_a_native_fmu_is_refused_where_kernels_cannot_be_linked(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(build_fmu, "LINKING", False)
+    with pytest.raises(InputError, match=r"--native: needs kernels that are linked, and numba .* does not"):
+        build_fmu.build_native_fmu(build_fmu.DEFAULT_COLUMN)
 
 
 @pytest.mark.long  # compiles all kernels by numba's own pipeline, a few minutes

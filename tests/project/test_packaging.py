@@ -146,7 +146,7 @@ def test_a_record_whose_name_no_fmu_can_hold(
     assert build_fmu.main([str(build_fmu.DEFAULT_COLUMN), "--record", name, *options]) == 2
     err = capsys.readouterr().err
     assert err.startswith("build_fmu.py: the name of --record = ")
-    assert "must be a file name of letters" in err
+    assert "must have no control characters" in err
     assert err.count("\n") == 1
     assert list(tmp_path.iterdir()) == []
 

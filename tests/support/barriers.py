@@ -10,7 +10,7 @@ import pytest
 from solver import Column, Motion
 from solver.dynamics.kinematics import Chain
 from solver.dynamics.verdict import GRAZED, SHARES, Barriers, barrier, is_held, least_energies
-from solver.runs.batch import fall_angles, run_batch
+from solver.runs.batch import run_batch
 from support.probe import Array, random_state
 
 
@@ -37,7 +37,7 @@ def assert_what_is_held_is_what_is_held_of_each(columns: Sequence[Column], rng: 
     energy = np.array([barrier(column).energy for column in columns]) * rng.uniform(0.0, 4.0, len(columns)) ** 2
     turned = rng.uniform(0.0, 0.1, (len(columns), n))
     wanted = [is_held(column, e, t) for column, e, t in zip(columns, energy.tolist(), turned, strict=True)]
-    barriers = Barriers(Chain.of_many(models, n), fall_angles(models, n))
+    barriers = Barriers(Chain.of_many(models, n))
     some = rng.permutation(len(columns))
     for part in (some[:5], some):
         assert barriers.hold(part, energy[part], turned[part]).tolist() == [wanted[k] for k in part]

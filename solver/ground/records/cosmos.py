@@ -63,10 +63,7 @@ def read(lines: list[str], channel: int | None = None) -> Record:
         raise InputError(f"channel = {channel}: must be 1 to {len(blocks)}")
     block = blocks[channel - 1]
     units = re.sub(r"\(\s*\d+\s*\)", "", block.heading["units"]).strip()
-    try:
-        factor = factor_of(units)
-    except InputError as error:
-        raise InputError(f"line {block.line}: {error} (counts are raw: take the V1 or V2 file)") from error
+    factor = factor_of(units, block.line, " (counts are raw: take the V1 or V2 file)")
     samples = _samples(lines, block)
     if len(samples) != int(block.heading["count"]):
         raise InputError(f"{len(samples)} samples found, must be {block.heading['count']} as line {block.line} says")

@@ -35,10 +35,7 @@ def read(lines: list[str]) -> Record:
     if kind.upper() != "ACCELERATION":
         raise InputError(f"line {line}: {_TYPE} = {kind[:80]!r}: must be ACCELERATION")
     line, units = header[_UNITS]
-    try:
-        factor = factor_of(units)
-    except InputError as error:
-        raise InputError(f"line {line}: {error}") from error
+    factor = factor_of(units, line)
     line, count = header[_COUNT]
     samples = rows_of_numbers(lines, first)
     if len(samples) != number(line, count):

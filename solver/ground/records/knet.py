@@ -43,10 +43,7 @@ def read(lines: list[str]) -> Record:
     full, unit, counts = _values(lines, _SCALE)
     per_second = _positive(lines, _FREQUENCY, frequency)
     factor = _positive(lines, _SCALE, full) / _positive(lines, _SCALE, counts)
-    try:
-        factor *= factor_of(unit)
-    except InputError as error:
-        raise InputError(f"line {_SCALE + 1}: {error}") from error
+    factor *= factor_of(unit, _SCALE + 1)
     samples = np.array(rows_of_numbers(lines, _HEADER))
     wanted = per_second * _positive(lines, _DURATION, duration)
     if len(samples) != wanted:

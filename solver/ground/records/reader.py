@@ -60,12 +60,4 @@ def read_csv(path: str | os.PathLike[str]) -> Record:
 def _format(lines: list[str]) -> str:
     if columns.recognised(lines):
         return columns.CSV
-    if knet.recognised(lines):
-        return knet.NAME
-    if esm.recognised(lines):
-        return esm.NAME
-    if peer.recognised(lines):
-        return peer.NAME
-    if cosmos.recognised(lines):
-        return cosmos.NAME
-    return columns.PLAIN
+    return next((known.NAME for known in (knet, esm, peer, cosmos) if known.recognised(lines)), columns.PLAIN)

@@ -48,7 +48,7 @@ from ..layout.spaces import (
 )
 from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.numbers import sine_cosine
-from ..numba_ext.views import Record
+from ..numba_ext.views import Record, clear, copy
 from ..sections.faces import ENDLESS, FITS, RECTANGLE, Face, face_of, misfit
 from ..sections.section import contact_of, full_stiffness, is_off_centre, lay_out
 from ..stepping.advance import advance, take_phase
@@ -91,6 +91,7 @@ _SETTINGS_FIELDS, _BLOCK_FIELDS = GIVEN_SETTINGS.beside, GIVEN.beside
 _ROW_FIELDS, _ROW_BESIDE = ROW.per_n, ROW.beside
 _WORK_PER_N, _WORK_BESIDE = WORK.per_n, WORK.beside
 _CONTROL_FIELDS, _STATE_PER_N = STATE.beside, STATE.per_n
+_COUNTS, _BASE, _SPLIT = COUNTS.beside, BASE.beside, SPLIT.beside
 
 
 def model_room(n: int) -> int:
@@ -124,7 +125,7 @@ def assemble(column, given, from_rest, scratch, detail):
     used, and the rest is unchanged; but NO_REST leaves no motion either. given, scratch, detail: rows.
     """
     model, state, counts, base, _, work = column
-    n, settings, blocks = model.n, model.settings, model.blocks
+    n, settings = model.n, model.settings
     described = _given_settings(given, 0)
     settings.n = n
     settings.gravity = described.g
@@ -136,65 +137,21 @@ def assemble(column, given, from_rest, scratch, detail):
     settings.has_modes = 0.0
     settings.slides = 0.0
     settings.off_axis = 0.0
-    linear = True
     for i in range(n):
-        row = given[_SETTINGS_FIELDS + _BLOCK_FIELDS * i :]
-        block = _given_block(row, 0)
-        blocks.height[i] = block.height
-        blocks.mass[i] = block.mass
-        centroid, inertia = homogeneous(
-            block.mass,
-            block.section,
-            block.height,
-            block.width,
-            block.depth,
-            block.top_width,
-            block.top_depth,
-            block.bore,
-        )
-        blocks.centroid[i] = centroid if block.centroid == 0.0 else block.centroid
-        blocks.inertia[i] = inertia if block.inertia == 0.0 else block.inertia
-        for k in range(_LAW_FIELDS):
-            blocks.law[k * n + i] = row[_LAW_GIVEN + k]
-            linear = linear and (k < _LINEAR_FIELDS or row[_LAW_GIVEN + k] == 0.0)
-        below = Face(float(RECTANGLE), ENDLESS, ENDLESS, 0.0)
-        if i + 1 < n:
-            below = _top_face(given[_SETTINGS_FIELDS + _BLOCK_FIELDS * (i + 1) :])
-        width = block.width if block.joint_width == 0.0 else block.joint_width
-        depth = block.depth if block.joint_depth == 0.0 else block.joint_depth
-        bottom = face_of(block.section, block.width, block.depth, block.bore)
-        own, depths = face_of(block.joint_section, width, depth, block.joint_bore), row[_DEPTHS_GIVEN:]
-        wide, deep = block.joint_width != 0.0, block.joint_depth != 0.0
-        fault = misfit(own, bottom, below, wide, deep, int(block.strips), depths)
-        if fault.kind != FITS:
-            detail[0], detail[1], detail[2] = i + 1.0, fault.kind, fault.strip
-            detail[3], detail[4] = fault.value, fault.bound
-            return MISFIT
-        lay_out(blocks, i, own, block.strips, depths, below)
-        blocks.friction[i] = block.joint_friction
-        blocks.dowel[i] = block.joint_dowel if block.joint_friction > 0.0 else RIGID
-        settings.slides = 1.0 if block.joint_friction > 0.0 else settings.slides
-        blocks.offset[i], blocks.lean[i] = block.joint_offset, block.joint_inclination
-        blocks.tilt[i] = block.joint_inclination + block.tilt
-        if block.joint_offset != 0.0 or blocks.lean[i] != 0.0 or blocks.tilt[i] != 0.0:
-            settings.off_axis = 1.0
-        if is_off_centre(block.strips, depths):
-            settings.off_axis = 1.0
-        if not math.isfinite(blocks.inertia[i]):
-            detail[0] = i + 1.0
-            return TOO_LARGE
+        code = _describe(model, given, i, detail)
+        if code != OK:
+            return code
     settings.slides = max(settings.slides, settings.off_axis)
     if settings.slides != 0.0 and (settings.formulation != EXACT or settings.integrator != AUTO):
         return NOT_GENERAL
-    if settings.slides != 0.0 and not linear:
+    if settings.slides != 0.0 and not _is_linear(given, n):
         return NOT_LINEAR
     derive(model)
     if settings.integrator == CENTRAL_DIFFERENCE:
         detail[0] = longest_stable_step(column, scratch)
         if settings.step > detail[0] * (1.0 + STEP_SLACK):
             return NOT_STABLE
-    for i in range(_WORK_PER_N * n + _WORK_BESIDE):  # responses of the modes of another model
-        work.row[i] = 0.0
+    clear(work.row, _WORK_PER_N * n + _WORK_BESIDE)  # responses of the modes of another model
     begin_slips(model, work)
     rest = work.between
     stands = _rest_of(model, rest, work.room)
@@ -202,16 +159,68 @@ def assemble(column, given, from_rest, scratch, detail):
     if settings.formulation == EXACT and asked and n <= MODAL_MOST and stands:
         settings.has_modes = 1.0 if normal_modes(model, rest, scratch) else 0.0
     if from_rest != 0:
-        for i in range(_STATE_PER_N * n + _CONTROL_FIELDS):
-            state.row[i] = 0.0
+        clear(state.row, _STATE_PER_N * n + _CONTROL_FIELDS)
         if not stands:
             return NO_REST
-        for i in range(phase_size(work)):
-            state.phase.row[i] = rest.row[i]
+        copy(state.phase.row, rest.row, phase_size(work))
         reset(counts, base)
     elif counts.overturned == 0:
         state.control.base_ax = math.nan  # belongs to no input: the accelerations will be recomputed
     return OK
+
+
+@kernel
+def _describe(model, given, i, detail):
+    """Take block i and the joint under it from what is given, and the contact from the faces. Returns a code."""
+    n, settings, blocks = model.n, model.settings, model.blocks
+    row = given[_SETTINGS_FIELDS + _BLOCK_FIELDS * i :]
+    block = _given_block(row, 0)
+    blocks.height[i] = block.height
+    blocks.mass[i] = block.mass
+    wide, deep, over = block.width, block.depth, (block.top_width, block.top_depth, block.bore)
+    centroid, inertia = homogeneous(block.mass, block.section, block.height, wide, deep, *over)
+    blocks.centroid[i] = centroid if block.centroid == 0.0 else block.centroid
+    blocks.inertia[i] = inertia if block.inertia == 0.0 else block.inertia
+    for k in range(_LAW_FIELDS):
+        blocks.law[k * n + i] = row[_LAW_GIVEN + k]
+    below = Face(float(RECTANGLE), ENDLESS, ENDLESS, 0.0)
+    if i + 1 < n:
+        below = _top_face(given[_SETTINGS_FIELDS + _BLOCK_FIELDS * (i + 1) :])
+    width = wide if block.joint_width == 0.0 else block.joint_width
+    depth = deep if block.joint_depth == 0.0 else block.joint_depth
+    bottom = face_of(block.section, wide, deep, block.bore)
+    own, depths = face_of(block.joint_section, width, depth, block.joint_bore), row[_DEPTHS_GIVEN:]
+    has_width, has_depth = block.joint_width != 0.0, block.joint_depth != 0.0
+    fault = misfit(own, bottom, below, has_width, has_depth, int(block.strips), depths)
+    if fault.kind != FITS:
+        detail[0], detail[1], detail[2] = i + 1.0, fault.kind, fault.strip
+        detail[3], detail[4] = fault.value, fault.bound
+        return MISFIT
+    lay_out(blocks, i, own, block.strips, depths, below)
+    blocks.friction[i] = block.joint_friction
+    blocks.dowel[i] = block.joint_dowel if block.joint_friction > 0.0 else RIGID
+    settings.slides = 1.0 if block.joint_friction > 0.0 else settings.slides
+    blocks.offset[i], blocks.lean[i] = block.joint_offset, block.joint_inclination
+    blocks.tilt[i] = block.joint_inclination + block.tilt
+    if block.joint_offset != 0.0 or blocks.lean[i] != 0.0 or blocks.tilt[i] != 0.0:
+        settings.off_axis = 1.0
+    if is_off_centre(block.strips, depths):
+        settings.off_axis = 1.0
+    if not math.isfinite(blocks.inertia[i]):
+        detail[0] = i + 1.0
+        return TOO_LARGE
+    return OK
+
+
+@leaf
+def _is_linear(given, n):
+    """Whether all joints have the linear law."""
+    for i in range(n):
+        row = given[_SETTINGS_FIELDS + _BLOCK_FIELDS * i :]
+        for k in range(_LINEAR_FIELDS, _LAW_FIELDS):
+            if row[_LAW_GIVEN + k] != 0.0:
+                return False
+    return True
 
 
 @kernel
@@ -224,8 +233,7 @@ def _rest_of(model, rest, room):
     settle(model, rest, 0.0)
     if settings.off_axis == 0.0:
         return _carry(model)
-    for i in range(model.n):
-        rest.slip[i] = blocks.offset[i]
+    copy(rest.slip, blocks.offset, model.n)
     stands = not settings.gravity > 0.0 or find_rest(model, rest, room)
     for i in range(model.n):
         blocks.rest_turn[i] = rest.theta[i] if stands else math.inf  # nowhere
@@ -257,45 +265,11 @@ def _top_face(row):
 @kernel
 def reset(counts, base):
     """Counts and base of a column that has not moved yet."""
-    counts.steps = 0
-    counts.rejected = 0
-    counts.evaluations = 0
-    counts.sweeps = 0
-    counts.overturned = 0
-    counts.started = 0
-    counts.next_row = 0
-    counts.implicit = 0
-    counts.implicit_steps = 0
-    counts.since_probe = 0
-    counts.events = 0
-    counts.unheld = 0
-    counts.elastic_steps = 0
-    counts.elastic_wait = 0
-    counts.in_flight = 0
-    counts.resting = 0
-    counts.looks = 0
-    counts.until_opening = 0
-    base.t0 = 0.0
-    base.ax = 0.0
-    base.jx = 0.0
-    base.az = 0.0
-    base.jz = 0.0
-    base.wave_amplitude = 0.0
-    base.wave_omega = 0.0
-    base.wave_phase = 0.0
-    base.theta = 0.0
-    base.omega = 0.0
-    base.alpha = 0.0
+    clear(counts.row, _COUNTS)
+    clear(base.row, _BASE)
     base.anchor = -math.inf  # nowhere
-    base.anchor_sine = 0.0
-    base.anchor_cosine = 0.0
     base.segment = -1.0
-    base.piece_begin = 0.0
     base.piece_end = math.inf
-    base.piece_ax = 0.0
-    base.piece_jx = 0.0
-    base.piece_az = 0.0
-    base.piece_jz = 0.0
 
 
 # --- the base
@@ -365,32 +339,18 @@ def look(column, inputs, new_inputs, upright, elapsed, t, row, split):
     return see(column, base_of(column, t), row, split)
 
 
-@kernel
-def clear(row, split, n):
-    """Output row and split of zeros."""
-    for i in range(_ROW_FIELDS * n + _ROW_BESIDE):
-        row.row[i] = 0.0
-    _add_split(split, split, -1.0)
+@leaf
+def _clear_output(row, split, n):
+    clear(row.row, _ROW_FIELDS * n + _ROW_BESIDE)
+    clear(split.row, _SPLIT)
 
 
 @kernel
 def _add(row, split, other, other_split, factor, n):
     for i in range(_ROW_FIELDS * n + _ROW_BESIDE):
         row.row[i] += factor * other.row[i]
-    _add_split(split, other_split, factor)
-
-
-@kernel
-def _add_split(split, other, factor):
-    split.R0x += factor * other.R0x
-    split.R0z += factor * other.R0z
-    split.R0m += factor * other.R0m
-    split.mxx += factor * other.mxx
-    split.mxz += factor * other.mxz
-    split.mxt += factor * other.mxt
-    split.mzz += factor * other.mzz
-    split.mzt += factor * other.mzt
-    split.mtt += factor * other.mtt
+    for i in range(_SPLIT):
+        split.row[i] += factor * other_split.row[i]
 
 
 @kernel
@@ -402,13 +362,12 @@ def rates(column, t, row, split, other, other_split):
     """
     model, work = column.model, column.work
     n = model.n
-    clear(row, split, n)
+    _clear_output(row, split, n)
     if column.counts.overturned > 0:
         return OK
     code = see(column, base_motion(column.base, column.samples, t), other, other_split)
     between, saved = work.between, work.end
-    for i in range(phase_size(work)):
-        saved.row[i] = between.row[i]
+    copy(saved.row, between.row, phase_size(work))
     past = RATE_PART * model.settings.first_step
     for _ in range(2):
         for i in range(2 * n):
@@ -445,7 +404,7 @@ def feedthrough(column, seeds, elapsed, t, row, split, other, other_split):
     """
     model, work = column.model, column.work
     n = model.n
-    clear(row, split, n)
+    _clear_output(row, split, n)
     if column.counts.overturned > 0:
         return OK
     seed = _base_inputs(seeds, 0)
@@ -462,7 +421,7 @@ def feedthrough(column, seeds, elapsed, t, row, split, other, other_split):
         _add(row, split, other, other_split, 1.0, n)
         code = min(code, see(column, motion, other, other_split))
         _add(row, split, other, other_split, -1.0, n)
-        _add_split(split, split, -1.0)  # the split does not depend on the accelerations
+        clear(split.row, _SPLIT)  # it does not depend on the accelerations
     else:
         code = min(code, see(column, motion, other, other_split))
         phase = work.between

@@ -8,7 +8,7 @@ from ..joint.energy import least_energy
 from ..joint.law import joint_potential, law_of
 from ..layout.spaces import MODEL, OK, ROW, SNAPSHOT, SPLIT
 from ..numba_ext.jit import entry
-from ..numba_ext.views import row_of
+from ..numba_ext.views import copy, row_of
 from ..output.watch import Watch
 from ..sections.circle import ring_part
 from ..sections.faces import Face
@@ -60,8 +60,7 @@ def observe_snapshots(n, model, state, counts, base, work, snapshots, rows, coun
     stored, filled, size = row_of(snapshots), row_of(rows), size_of_snapshot(column.work)
     for k in range(count):
         snapshot = _snapshot(stored[size * k :], n)
-        for i in range(phase_size(column.work)):
-            between.row[i] = snapshot.phase.row[i]
+        copy(between.row, snapshot.phase.row, phase_size(column.work))
         motion = Motion(snapshot.base.ax, snapshot.base.az, 0.0, 0.0, 0.0)
         code = observe(column, between, motion, _row(filled[k * (_ROW_FIELDS * n + _ROW_BESIDE) :], n))
         if code != OK:

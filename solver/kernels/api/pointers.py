@@ -106,24 +106,7 @@ def rates(n, model, state, counts, base, work, t, count, times, ax, az, scale, r
 
 
 def feedthrough(
-    n,
-    model,
-    state,
-    counts,
-    base,
-    work,
-    seeds,
-    elapsed,
-    t,
-    count,
-    times,
-    ax,
-    az,
-    scale,
-    row,
-    split,
-    other,
-    other_split,
+    n, model, state, counts, base, work, seeds, elapsed, t, count, times, ax, az, scale, row, split, other, other_split
 ):
     """`engine.feedthrough`."""
     column = _column(n, model, state, counts, base, work, _samples(count, times, ax, az, scale))

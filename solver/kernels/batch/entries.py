@@ -10,64 +10,47 @@ _space, _slipping = SPACE.over, SLIPPING_SPACE.over
 _round, _round_slipping, _stripped = ROUND_SPACE.over, ROUND_SLIPPING_SPACE.over, STRIPPED_SPACE.over
 
 
+# Arguments of an entry: number of blocks, buffer of lanes, then those of `_queue_of`; all but n and count are arrays.
+
+
 @leaf
 def _queue_of(count, models, phases, slips, runs, outcomes, times, ax, az, row_times, snapshots, flag):
-    return Queue(
-        count,
-        row_of(models),
-        row_of(phases),
-        row_of(slips),
-        row_of(runs),
-        row_of(outcomes),
-        row_of(times),
-        row_of(ax),
-        row_of(az),
-        row_of(row_times),
-        row_times.size,
-        row_of(snapshots),
-        row_of(flag),
-    )
+    runs_of = (row_of(models), row_of(phases), row_of(slips), row_of(runs), row_of(outcomes))
+    records = (row_of(times), row_of(ax), row_of(az))
+    return Queue(count, *runs_of, *records, row_of(row_times), row_times.size, row_of(snapshots), row_of(flag))
 
 
 @entry
-def run_lanes(n, buffer, count, models, phases, slips, runs, outcomes, times, ax, az, row_times, snapshots, flag):
-    """`follow_queue`: all runs of columns of n blocks, eight at a time. All but n and count are arrays."""
-    queue = _queue_of(count, models, phases, slips, runs, outcomes, times, ax, az, row_times, snapshots, flag)
-    follow_queue(batch_over(_space(lanes_of(buffer), n), buffer, queue))
+def run_lanes(n, buffer, *queue):
+    """`follow_queue`: all runs of columns of n blocks, eight at a time."""
+    follow_queue(batch_over(_space(lanes_of(buffer), n), buffer, _queue_of(*queue)))
 
 
 @entry
-def run_round(n, buffer, count, models, phases, slips, runs, outcomes, times, ax, az, row_times, snapshots, flag):
+def run_round(n, buffer, *queue):
     """All runs of columns with round joints. A separate entry: users without them do not pay its compile time."""
-    queue = _queue_of(count, models, phases, slips, runs, outcomes, times, ax, az, row_times, snapshots, flag)
-    follow_queue(batch_over(_round(lanes_of(buffer), n), buffer, queue))
+    follow_queue(batch_over(_round(lanes_of(buffer), n), buffer, _queue_of(*queue)))
 
 
 @entry
-def run_slipping(n, buffer, count, models, phases, slips, runs, outcomes, times, ax, az, row_times, snapshots, flag):
+def run_slipping(n, buffer, *queue):
     """All runs of columns with slips; a separate entry for the same reason."""
-    queue = _queue_of(count, models, phases, slips, runs, outcomes, times, ax, az, row_times, snapshots, flag)
-    follow_queue(batch_over(_slipping(lanes_of(buffer), n), buffer, queue))
+    follow_queue(batch_over(_slipping(lanes_of(buffer), n), buffer, _queue_of(*queue)))
 
 
 @entry
-def run_round_slipping(
-    n, buffer, count, models, phases, slips, runs, outcomes, times, ax, az, row_times, snapshots, flag
-):
+def run_round_slipping(n, buffer, *queue):
     """All runs of columns with round joints and slips; a separate entry for the same reason."""
-    queue = _queue_of(count, models, phases, slips, runs, outcomes, times, ax, az, row_times, snapshots, flag)
-    follow_queue(batch_over(_round_slipping(lanes_of(buffer), n), buffer, queue))
+    follow_queue(batch_over(_round_slipping(lanes_of(buffer), n), buffer, _queue_of(*queue)))
 
 
 @entry
-def run_stripped(n, buffer, count, models, phases, slips, runs, outcomes, times, ax, az, row_times, snapshots, flag):
+def run_stripped(n, buffer, *queue):
     """All runs of columns with strips, with slips or without; a separate entry for the same reason."""
-    queue = _queue_of(count, models, phases, slips, runs, outcomes, times, ax, az, row_times, snapshots, flag)
-    follow_queue(batch_over(_stripped(lanes_of(buffer), n), buffer, queue))
+    follow_queue(batch_over(_stripped(lanes_of(buffer), n), buffer, _queue_of(*queue)))
 
 
 @entry
-def run_swept(n, buffer, count, models, phases, slips, runs, outcomes, times, ax, az, row_times, snapshots, flag):
+def run_swept(n, buffer, *queue):
     """`follow_swept`, the same of the first-order formulation; no snapshots."""
-    queue = _queue_of(count, models, phases, slips, runs, outcomes, times, ax, az, row_times, snapshots, flag)
-    follow_swept(batch_over(_space(lanes_of(buffer), n), buffer, queue))
+    follow_swept(batch_over(_space(lanes_of(buffer), n), buffer, _queue_of(*queue)))

@@ -6,7 +6,7 @@ from ..formulations.base_motion import SOON, record_line
 from ..formulations.dispatch import evaluate_at
 from ..formulations.exact import Motion, exact_accelerations
 from ..layout.spaces import OK
-from ..numba_ext.jit import by_width, kernel, leaf
+from ..numba_ext.jit import another_width, kernel, leaf
 from ..numba_ext.lanes import (
     WIDTH,
     LanesType,
@@ -109,7 +109,7 @@ def evaluate_lanes(batch, phase, t):
     return OK
 
 
-@by_width(evaluate_at)
+@another_width(evaluate_at)
 def _choose(column, phase, t):
     if isinstance(t, LanesType):
         return lambda column, phase, t: evaluate_lanes(column, phase, t)

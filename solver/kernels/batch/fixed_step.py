@@ -12,6 +12,7 @@ from ..integrators.central_difference import correct, predict
 from ..layout.spaces import HAS_OVERTURNED, NOT_CONVERGED, OK, SLACK
 from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.lanes import WIDTH, bits, greater, magnitude, where
+from ..numba_ext.views import copy
 from .evaluate import anchor_far_waves, motion_of_lanes, single
 from .follow import end_at_falls, finish, follow_record, load, pass_queue, peak_over
 
@@ -27,8 +28,7 @@ def sweep_lanes(batch, phase, t, wanted):
     found, before = phase.accelerations, work.between.row
     settled = ~wanted
     for _ in range(MAX_SWEEPS):
-        for i in range(2 * n):
-            before[i] = found[i]
+        copy(before, found, 2 * n)
         now = has_settled(phase, sweep_once(model, phase, motion, work.joints, sweeps), lift, n)
         for i in range(2 * n):
             found[i] = where(settled, before[i], found[i])
@@ -55,8 +55,7 @@ def start_swept(batch, fresh):
     """Accelerations and peaks at the start of the lanes in the mask `fresh`. Returns those whose runs end, by bits."""
     work, n = batch.work, batch.model.n
     anchor_far_waves(batch.base, batch.lane.t)
-    for i in range(6 * n):
-        work.end.row[i] = work.start.row[i]
+    copy(work.end.row, work.start.row, 6 * n)
     settled = sweep_lanes(batch, work.end, batch.lane.t, fresh)
     for i in range(2 * n):
         work.start.accelerations[i] = where(fresh, work.end.accelerations[i], work.start.accelerations[i])
@@ -101,8 +100,7 @@ def step_swept(batch):
     begin, end, peaks = work.start, work.end, batch.state.peaks
     for i in range(n):
         peaks[i] = peak_over(peaks[i], begin.theta[i], begin.theta_rate[i], end.theta[i], end.theta_rate[i], step, good)
-    for i in range(6 * n):
-        begin.row[i] = end.row[i]
+    copy(begin.row, end.row, 6 * n)
     lanes.steps += where(good, 1.0, 0.0)
     lanes.made, lanes.t = made, t
     return _end_segments(batch, bits(busy & last), fell, ended)

@@ -35,7 +35,7 @@ from ..numba_ext.lanes import (
     where,
     with_lane,
 )
-from ..numba_ext.views import lanes_of
+from ..numba_ext.views import clear, copy, lanes_of
 from ..stepping.advance import KINKS, LEAST_STEP
 from ..stepping.condition import FLIGHT_PART, moment_of_overturning, widest_joint
 from ..stepping.control import GROW, LEAST_ERROR, SAFETY, SHRINK, most_work
@@ -72,19 +72,16 @@ def load(batch, k, number):
     queue = batch.queue
     one = single(batch, k)
     n = one.n
-    for i in range(_PER_N * n + _BESIDE):
-        one.row[i] = 0.0
+    clear(one.row, _PER_N * n + _BESIDE)
     size = _MODEL_PER_N * n + _MODEL_BESIDE
     for i in range(size):
         one.model.row[i] = queue.models[size * number + i]
     begins = start_at(queue, number, n)
-    for i in range(4 * n):
-        one.work.start.row[i] = begins[i]
+    copy(one.work.start.row, begins, 4 * n)
     if can_slide(batch.model):
         begin_slips(one.model, one.work)
         slips = slips_at(queue, number, n)
-        for i in range(SLIP_FIELDS * n):
-            one.work.start.slips[i] = slips[i]
+        copy(one.work.start.slips, slips, SLIP_FIELDS * n)
         take_directions(one.work, one.work.start)
     run = run_of(queue, number)
     one.lane.run = number
@@ -109,8 +106,7 @@ def load(batch, k, number):
     one.lane.steps = so_far.record.steps
     one.lane.rejected = so_far.record.rejected
     one.lane.most_tried = so_far.record.steps + so_far.record.rejected + most_work(settings, run.stop - run.start)
-    for i in range(n):
-        one.state.peaks[i] = so_far.peaks[i]
+    copy(one.state.peaks, so_far.peaks, n)
 
 
 @leaf
@@ -129,8 +125,7 @@ def start(batch, fresh):
     """Accelerations and scales at the start of the lanes in the mask `fresh`. Returns 0: none of their runs ends."""
     work, n = batch.work, batch.model.n
     between, begin = work.between, work.start
-    for i in range(4 * n):
-        between.row[i] = begin.row[i]
+    copy(between.row, begin.row, 4 * n)
     anchor_waves(batch.base, batch.lane.t)
     evaluate_lanes(batch, between, batch.lane.t)
     for i in range(2 * n):
@@ -157,14 +152,11 @@ def finish(batch, k, code):
     outcome.record.overturned = widest_joint(one.model, one.work.start) if code == HAS_OVERTURNED else 0
     outcome.record.steps = one.lane.steps
     outcome.record.rejected = one.lane.rejected
-    for i in range(n):
-        outcome.peaks[i] = one.state.peaks[i]
-    for i in range(4 * n):
-        outcome.phase[i] = one.work.start.row[i]
+    copy(outcome.peaks, one.state.peaks, n)
+    copy(outcome.phase, one.work.start.row, 4 * n)
     if can_slide(batch.model):
         slips = slips_at(batch.queue, int(one.lane.run), n)
-        for i in range(SLIP_FIELDS * n):
-            slips[i] = one.work.start.slips[i]
+        copy(slips, one.work.start.slips, SLIP_FIELDS * n)
     one.lane.run = NO_RUN
     one.lane.count = 0.0
     one.base.piece_end = math.inf
@@ -222,8 +214,7 @@ def end_at_falls(batch, fell, step):
                 made = lane(step, k) * moment_of_overturning(one, lane(step, k))
                 one.state.control.overturn_time = one.lane.t + made
                 step = with_lane(step, k, made)
-                for i in range(phase_size(one.work)):
-                    one.work.end.row[i] = one.work.between.row[i]
+                copy(one.work.end.row, one.work.between.row, phase_size(one.work))
     return step
 
 

@@ -13,6 +13,7 @@ from ..joint.sliding import has_no_slips
 from ..layout.spaces import PHASE_FIELDS
 from ..numba_ext.jit import by_width, kernel, leaf
 from ..numba_ext.lanes import WIDTH, any_of, bits, greater, lane, lesser, where, with_lane
+from ..numba_ext.views import copy
 from ..sections.section import ends_of
 from ..stepping.sliding import NEAR, NEVER, any_passes_zero, first_stop
 from .evaluate import evaluate_lanes, single
@@ -31,48 +32,32 @@ NODES = (dormand_prince.C2, dormand_prince.C3, dormand_prince.C4)  # where they 
 # --- what the stepping of any lanes asks
 
 
+@by_width
 def steps_to_stops(batch, step):
     """Steps shortened to just after a joint is expected to stop, s."""
-    raise NotImplementedError("for kernels only")
+    return (lambda batch, step: step) if has_no_slips(batch.types[0]) else _steps_to_stops
 
 
+@by_width
 def end_at_changes(batch, step, good):
     """Let the step of the good lanes end where a joint first begins or ceases to slide.
 
     Returns the steps, s, and the mask of the lanes in which there is a change.
     """
-    raise NotImplementedError("for kernels only")
-
-
-def decide_slips(batch, changed):
-    """Let the joints of the lanes in a mask stick or slide as their forces want, and find their accelerations."""
-    raise NotImplementedError("for kernels only")
-
-
-def slid_off(model, phase, i):
-    """Mask of the lanes in which block i has slid off what is under it."""
-    raise NotImplementedError("for kernels only")
-
-
-@by_width(steps_to_stops)
-def _choose_steps(batch, step):
-    return (lambda batch, step: step) if has_no_slips(batch.types[0]) else _steps_to_stops
-
-
-@by_width(end_at_changes)
-def _choose_end(batch, step, good):
     if has_no_slips(batch.types[0]):
         return lambda batch, step, good: (step, good & ~good)
     return lambda batch, step, good: _end_at_changes(batch, step, good)
 
 
-@by_width(decide_slips)
-def _choose_decide(batch, changed):
+@by_width
+def decide_slips(batch, changed):
+    """Let the joints of the lanes in a mask stick or slide as their forces want, and find their accelerations."""
     return (lambda batch, changed: None) if has_no_slips(batch.types[0]) else _decide
 
 
-@by_width(slid_off)
-def _choose_slid(model, phase, i):
+@by_width
+def slid_off(model, phase, i):
+    """Mask of the lanes in which block i has slid off what is under it."""
     if has_no_slips(model):
         return lambda model, phase, i: phase.theta[i] != phase.theta[i]
     return _slid_off
@@ -122,8 +107,7 @@ def _end_at_changes(batch, step, good):
         _take(end.accelerations, between.accelerations, changed, 2 * n)
         _take(end.friction_power, between.friction_power, changed, 2 * n)  # accelerations of slips
     batch.lane.shear_margin = where(good & ~changed, batch.lane.shear_margin_ahead, batch.lane.shear_margin)
-    for i in range(work.n):
-        work.end.sliding[i] = work.joints.sliding[i]
+    copy(work.end.sliding, work.joints.sliding, work.n)
     return step, changed
 
 
@@ -136,8 +120,7 @@ def _take(to, row, lanes, count):
 
 @leaf
 def _take_all(to, phase):
-    for i in range(PHASE_FIELDS * to.n):
-        to.row[i] = phase.row[i]
+    copy(to.row, phase.row, PHASE_FIELDS * to.n)
 
 
 @kernel
@@ -244,5 +227,4 @@ def _decide_for(batch, changed):
         for i in range(n):
             begin.sliding[i] = where(changed, joints.sliding[i], begin.sliding[i])
         batch.lane.shear_margin = where(changed, _least_margin(joints, n), batch.lane.shear_margin)
-    for i in range(n):
-        joints.sliding[i] = begin.sliding[i]
+    copy(joints.sliding, begin.sliding, n)

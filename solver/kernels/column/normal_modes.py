@@ -13,6 +13,7 @@ from typing import NamedTuple
 from ..layout.modal import inverses_of, limits_of, mode_of, shapes_of
 from ..layout.spaces import INTERPOLATION_BOUND, INTERPOLATION_PART, modal_size
 from ..numba_ext.jit import kernel, leaf
+from ..numba_ext.views import clear
 from .rest import joint_about
 
 # Damping that couples the modes is left to the nonlinear remainder, which is assumed to change little within a step:
@@ -158,8 +159,7 @@ def _linear_about(model, rest, s):
     """M (upper part), K, the joints' dashpots, forces of the base; returns whether every joint is in full contact."""
     n, blocks, gravity = model.n, model.blocks, model.settings.gravity
     w = 2 * n
-    for i in range(w * w):
-        s.normal[i] = 0.0
+    clear(s.normal, w * w)
     carried = 0.0
     for i in range(n):
         lever = gravity * (carried * blocks.height[i] + blocks.mass[i] * blocks.centroid[i])

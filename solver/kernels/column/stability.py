@@ -5,6 +5,7 @@ import math
 from ..formulations.dispatch import evaluate
 from ..formulations.exact import STILL
 from ..numba_ext.jit import kernel
+from ..numba_ext.views import clear
 from .assembly import settle
 
 LEAST_COMPRESSION = 1e-6  # m, given to the joints so that they are in contact if gravity does not compress them
@@ -34,8 +35,7 @@ def longest_stable_step(column, scratch):
     n = model.n
     matrix, other, damping = scratch, scratch[n * n :], scratch[2 * n * n :]
     evaluations, sweeps = counts.evaluations, counts.sweeps
-    for i in range(6 * n):
-        rest.row[i] = 0.0
+    clear(rest.row, 6 * n)
     settle(model, rest, LEAST_COMPRESSION)
     tilt = math.inf
     most = 0.0

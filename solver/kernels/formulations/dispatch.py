@@ -47,23 +47,22 @@ def evaluate(column, phase, motion):
     return OK
 
 
+@by_width
 def evaluate_at(column, phase, t):
     """`evaluate` under the motion of the base at time t, for one column or for lanes (batch/)."""
-    raise NotImplementedError("for kernels only")
+    return None if isinstance(t, LanesType) else _evaluate_one_at
 
 
 def _evaluate_one_at(column, phase, t):
     return evaluate(column, phase, base_motion(column.base, column.samples, t))
 
 
-@by_width(evaluate_at)
-def _choose(column, phase, t):
-    return None if isinstance(t, LanesType) else _evaluate_one_at
-
-
+@by_width
 def evaluate_stage(column, phase, t):
     """`evaluate_at` for a stage of a Runge-Kutta step, which has no guess of the accelerations yet."""
-    raise NotImplementedError("for kernels only")
+    if isinstance(t, LanesType):
+        return lambda column, phase, t: evaluate_at(column, phase, t)
+    return _evaluate_stage_of_one
 
 
 def _evaluate_stage_of_one(column, phase, t):
@@ -73,13 +72,6 @@ def _evaluate_stage_of_one(column, phase, t):
             phase.theta_acceleration[i] = start.theta_acceleration[i]
             phase.opening_acceleration[i] = start.opening_acceleration[i]
     return evaluate_at(column, phase, t)
-
-
-@by_width(evaluate_stage)
-def _choose_stage(column, phase, t):
-    if isinstance(t, LanesType):
-        return lambda column, phase, t: evaluate_at(column, phase, t)
-    return _evaluate_stage_of_one
 
 
 @leaf

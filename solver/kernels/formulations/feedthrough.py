@@ -14,6 +14,7 @@ from ..joint.sliding import can_slide
 from ..layout.spaces import OK
 from ..numba_ext.jit import kernel
 from ..numba_ext.numbers import sine_cosine
+from ..numba_ext.views import copy
 from .dispatch import evaluate, is_exact
 from .exact import Motion, joint_row
 from .first_order import sweep_rows
@@ -63,8 +64,7 @@ def _paper_effective_mass(column, phase, motion):
     model, work = column.model, column.work
     n = model.n
     aside = work.start  # not in use while outputs are computed
-    for i in range(6 * n):
-        aside.row[i] = phase.row[i]
+    copy(aside.row, phase.row, 6 * n)
     rows = sweep_rows(work.room)
     force = rows.horizontal[n - 1]
     change = model.settings.gravity + 1.0

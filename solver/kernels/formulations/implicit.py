@@ -8,6 +8,8 @@ its potential, and the contribution of the moving edge. The elimination is that 
 offsets are.
 """
 
+from typing import NamedTuple
+
 from ..joint.law import joint_tangent, law_of, loaded_part
 from ..joint.sliding import opening_felt, opening_rate_felt, slip_of
 from ..numba_ext.jit import kernel, leaf
@@ -74,98 +76,116 @@ def _about(stiffness, beyond):
     return along, mixed + beyond * along, second + beyond * (2.0 * mixed + beyond * along)
 
 
+class _Stiffness(NamedTuple):
+    """Of a joint, as the rows of TANGENT name it."""
+
+    k_11: float
+    k_12: float
+    k_22: float
+    edge_11: float
+    edge_12: float
+    edge_22: float
+
+
+@leaf
+def _stiffness_of(model, phase, i, slope, slope_rate, cos_half):
+    """Stiffness of the loaded part of joint i, and of its moving edge."""
+    blocks = model.blocks
+    eta = blocks.damping[i]
+    slip, slip_rate = slip_of(model, phase, i)
+    contact = contact_of(blocks, i, slip)
+    felt = opening_felt(phase.opening[i], slip, slope)
+    felt_rate = opening_rate_felt(phase.opening_rate[i], slip, slip_rate, slope, slope_rate)
+    lo, hi = loaded_part(contact.left, contact.right, eta, felt, slope, felt_rate, slope_rate)
+    mean, gradient = felt + eta * felt_rate, slope + eta * slope_rate
+    k_22, k_12, k_11 = _about(joint_tangent(contact, law_of(blocks, i), lo, hi, mean, gradient), 0.5 * slip)
+    edge, strip = _edge_that_moves(contact, eta, felt, slope, felt_rate, slope_rate, lo, hi)
+    edge_22, edge_12, edge_11 = 0.0, 0.0, 0.0
+    if strip != 0.0:
+        edge_22, edge_12, edge_11 = _about(strip_stiffness(contact, blocks.stiffness[i], edge, strip), 0.5 * slip)
+    square = cos_half * cos_half
+    return _Stiffness(k_11 * square, k_12 * -cos_half, k_22, edge_11 * square, edge_12 * -cos_half, edge_22)
+
+
+class _Part(NamedTuple):
+    """Inertia of the part above a joint in its frame: by rotation, tangent and normal."""
+
+    aa: float
+    at: float
+    an: float
+    tt: float
+    nt: float
+    nn: float
+
+
+@leaf
+def _with_block(part, cosine, sine, mass, inertia, arm_t, arm_n):
+    """The part turned into the frame of the joint below, with the block; its centroid is at the arm, m."""
+    # t' = c t + s n of the upper frame: components along this joint's t and n
+    t_t = part.tt * cosine + part.nt * sine
+    t_n = part.nt * cosine + part.nn * sine
+    n_t = part.nt * cosine - part.tt * sine
+    n_n = part.nn * cosine - part.nt * sine
+    return _Part(
+        part.aa + inertia,
+        (part.at * cosine + part.an * sine) - arm_t,
+        (part.an * cosine - part.at * sine) + arm_n,
+        mass + (t_t * cosine + t_n * sine),
+        n_t * cosine + n_n * sine,
+        mass + (n_n * cosine - n_t * sine),
+    )
+
+
+@leaf
+def _half_turns(model, phase, i):
+    """Sine and cosine of half the turn of joint i; of its tangent against the block above; and the body below."""
+    below = phase.theta[i + 1] if i + 1 < model.n else 0.0
+    half = 0.5 * (phase.theta[i] - below)
+    middle = sine_cosine(half)
+    if model.settings.off_axis == 0.0:
+        return middle, middle, middle
+    blocks = model.blocks
+    lean, tilt_below = blocks.lean[i], blocks.tilt[i + 1] if i + 1 < model.n else 0.0
+    return middle, sine_cosine(half + (blocks.tilt[i] - lean)), sine_cosine(half + (lean - tilt_below))
+
+
 @kernel
 def factorize(model, phase, tangent, step_part):
     """Prepare the solution at a phase; joint i is weighted with step_part^2 + step_part * its damping."""
-    n = model.n
-    blocks = model.blocks
-    rows = _tangent(tangent, n)
-    j_aa = 0.0  # the part above block i, in the frame of joint i - 1
-    j_t = 0.0
-    j_n = 0.0
-    m_tt = 0.0
-    m_nt = 0.0
-    m_nn = 0.0
-    cos_above = 1.0
-    sin_above = 0.0
+    n, blocks, rows = model.n, model.blocks, _tangent(tangent, model.n)
+    part = _Part(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)  # above block i, in the frame of joint i - 1
+    cos_above, sin_above = 1.0, 0.0
     square = step_part * step_part
     for i in range(n):
-        height = blocks.height[i]
-        mass = blocks.mass[i]
-        over = blocks.upper[i]
-        turn = phase.theta[i]
-        spin = phase.theta_rate[i]
-        opening = phase.opening[i]
-        turn_below = 0.0
-        spin_below = 0.0
-        if i + 1 < n:
-            turn_below = phase.theta[i + 1]
-            spin_below = phase.theta_rate[i + 1]
-        sin_half, cos_half = sine_cosine(0.5 * (turn - turn_below))
-        sin_over, cos_over, sin_under, cos_under = sin_half, cos_half, sin_half, cos_half
-        if model.settings.off_axis != 0.0:
-            lean, tilt_below = blocks.lean[i], blocks.tilt[i + 1] if i + 1 < n else 0.0
-            sin_over, cos_over = sine_cosine(0.5 * (turn - turn_below) + (blocks.tilt[i] - lean))
-            sin_under, cos_under = sine_cosine(0.5 * (turn - turn_below) + (lean - tilt_below))
-        # joint: stiffness of the loaded part
-        eta = blocks.damping[i]
-        slip, slip_rate = slip_of(model, phase, i)
-        contact = contact_of(blocks, i, slip)
-        slope = 2.0 * sin_half
-        slope_rate = cos_half * (spin - spin_below)
-        felt = opening_felt(opening, slip, slope)
-        felt_rate = opening_rate_felt(phase.opening_rate[i], slip, slip_rate, slope, slope_rate)
-        lo, hi = loaded_part(contact.left, contact.right, eta, felt, slope, felt_rate, slope_rate)
-        mean, gradient = felt + eta * felt_rate, slope + eta * slope_rate
-        k_22, k_12, k_11 = _about(joint_tangent(contact, law_of(blocks, i), lo, hi, mean, gradient), 0.5 * slip)
-        k_12 *= -cos_half
-        k_11 *= cos_half * cos_half
-        weight = step_part * (step_part + eta)
-        edge, strip = _edge_that_moves(contact, eta, felt, slope, felt_rate, slope_rate, lo, hi)
-        edge_22, edge_12, edge_11 = 0.0, 0.0, 0.0
-        if strip != 0.0:
-            edge_22, edge_12, edge_11 = _about(strip_stiffness(contact, blocks.stiffness[i], edge, strip), 0.5 * slip)
-            edge_12 *= -cos_half
-            edge_11 *= cos_half * cos_half
-        # turn the part above into this frame, add the block
+        mass, over, opening = blocks.mass[i], blocks.upper[i], phase.opening[i]
+        spin_below = phase.theta_rate[i + 1] if i + 1 < n else 0.0
+        (sin_half, cos_half), (sin_over, cos_over), (sin_under, cos_under) = _half_turns(model, phase, i)
+        slope_rate = cos_half * (phase.theta_rate[i] - spin_below)
+        joint = _stiffness_of(model, phase, i, 2.0 * sin_half, slope_rate, cos_half)
+        weight = step_part * (step_part + blocks.damping[i])
         cos_beta = cos_above * cos_over - sin_above * sin_over
         sin_beta = sin_above * cos_over + cos_above * sin_over
-        # t' = c t + s n of the upper frame: components along this joint's t and n
-        t_t = m_tt * cos_beta + m_nt * sin_beta
-        t_n = m_nt * cos_beta + m_nn * sin_beta
-        n_t = m_nt * cos_beta - m_tt * sin_beta
-        n_n = m_nn * cos_beta - m_nt * sin_beta
-        m_tt = mass + (t_t * cos_beta + t_n * sin_beta)
-        m_nt = n_t * cos_beta + n_n * sin_beta
-        m_nn = mass + (n_n * cos_beta - n_t * sin_beta)
         swing = mass * over
-        j_t, j_n = (
-            (j_t * cos_beta + j_n * sin_beta) - swing * cos_over,
-            (j_n * cos_beta - j_t * sin_beta) + swing * sin_over,
-        )
-        j_aa += swing * over + blocks.inertia[i]
+        inertia = swing * over + blocks.inertia[i]
+        part = _with_block(part, cos_beta, sin_beta, mass, inertia, swing * cos_over, swing * sin_over)
+        j_aa, j_t, j_n, m_tt, m_nt, m_nn = part
         # eliminate relative rotation and opening
-        b_t = 0.5 * opening + height * cos_over
-        b_n = -height * sin_over - 0.5 * slip
+        slip, _ = slip_of(model, phase, i)
+        b_t = 0.5 * opening + blocks.height[i] * cos_over
+        b_n = -blocks.height[i] * sin_over - 0.5 * slip
         e_t = b_t + 0.5 * opening
         e_n = b_n - 0.5 * slip
         h1_a = j_aa + (b_t * j_t + b_n * j_n)
         h1_t = j_t + (m_tt * b_t + m_nt * b_n)
         h1_n = j_n + (m_nt * b_t + m_nn * b_n)
-        h2_a = j_n
-        h2_t = m_nt
-        h2_n = m_nn
-        d_11 = (b_t * h1_t + b_n * h1_n) + (h1_a + (weight * k_11 + square * edge_11))
-        d_12 = h1_n + (weight * k_12 + square * edge_12)
-        d_22 = h2_n + (weight * k_22 + square * edge_22)
+        h2_a, h2_t, h2_n = j_n, m_nt, m_nn
+        d_11 = (b_t * h1_t + b_n * h1_n) + (h1_a + (weight * joint.k_11 + square * joint.edge_11))
+        d_12 = h1_n + (weight * joint.k_12 + square * joint.edge_12)
+        d_22 = h2_n + (weight * joint.k_22 + square * joint.edge_22)
         per = 1.0 / (d_11 * d_22 - d_12 * d_12)
         d_11, d_12, d_22 = d_22 * per, -d_12 * per, d_11 * per
-        w_a = d_11 * h1_a + d_12 * h2_a
-        w_t = d_11 * h1_t + d_12 * h2_t
-        w_n = d_11 * h1_n + d_12 * h2_n
-        v_a = d_12 * h1_a + d_22 * h2_a
-        v_t = d_12 * h1_t + d_22 * h2_t
-        v_n = d_12 * h1_n + d_22 * h2_n
+        w_a, w_t, w_n = d_11 * h1_a + d_12 * h2_a, d_11 * h1_t + d_12 * h2_t, d_11 * h1_n + d_12 * h2_n
+        v_a, v_t, v_n = d_12 * h1_a + d_22 * h2_a, d_12 * h1_t + d_22 * h2_t, d_12 * h1_n + d_22 * h2_n
         j_aa -= h1_a * w_a + h2_a * v_a
         j_t -= h1_t * w_a + h2_t * v_a
         j_n -= h1_n * w_a + h2_n * v_a
@@ -174,8 +194,7 @@ def factorize(model, phase, tangent, step_part):
         m_nn -= h1_n * w_n + h2_n * v_n
         # refer to the top face of the body below
         up_t, up_n = j_t + (m_tt * e_t + m_nt * e_n), j_n + (m_nt * e_t + m_nn * e_n)
-        j_aa += e_t * (j_t + up_t) + e_n * (j_n + up_n)
-        j_t, j_n = up_t, up_n
+        part = _Part(j_aa + (e_t * (j_t + up_t) + e_n * (j_n + up_n)), up_t, up_n, m_tt, m_nt, m_nn)
         # all of this as one matrix, which solutions apply faster
         lever_t, lever_n = b_t * cos_beta - b_n * sin_beta, b_t * sin_beta + b_n * cos_beta
         turn_a, open_a = -(w_a + e_t * w_t + e_n * w_n), -(v_a + e_t * v_t + e_n * v_n)
@@ -190,17 +209,10 @@ def factorize(model, phase, tangent, step_part):
         rows.pass_tn[i] = sin_beta - (w_t * lever_n + v_t * cos_beta)
         rows.pass_nt[i] = -sin_beta - (w_n * lever_t - v_n * sin_beta)
         rows.pass_nn[i] = cos_beta - (w_n * lever_n + v_n * cos_beta)
-        rows.d_11[i] = d_11
-        rows.d_12[i] = d_12
-        rows.d_22[i] = d_22
-        rows.k_11[i] = k_11
-        rows.k_12[i] = k_12
-        rows.k_22[i] = k_22
-        rows.edge_11[i] = edge_11
-        rows.edge_12[i] = edge_12
-        rows.edge_22[i] = edge_22
-        cos_above = cos_under
-        sin_above = sin_under
+        rows.d_11[i], rows.d_12[i], rows.d_22[i] = d_11, d_12, d_22
+        rows.k_11[i], rows.k_12[i], rows.k_22[i] = joint.k_11, joint.k_12, joint.k_22
+        rows.edge_11[i], rows.edge_12[i], rows.edge_22[i] = joint.edge_11, joint.edge_12, joint.edge_22
+        cos_above, sin_above = cos_under, sin_under
 
 
 @kernel

@@ -7,6 +7,7 @@ from ..joint.sliding import can_slide
 from ..layout.spaces import OK, PHASE_FIELDS, RIGID_FIELDS, SNAPSHOT
 from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.lanes import magnitude, where
+from ..numba_ext.views import copy
 from .dispatch import evaluate
 
 _SNAPSHOT_BESIDE = SNAPSHOT.beside
@@ -27,8 +28,7 @@ def size_of_snapshot(work):
 @leaf
 def keep_slips(work, phase):
     """Give a phase the slips, if there are any, of the start of the step."""
-    for i in range(phase_size(work) - RIGID_FIELDS * work.n):
-        phase.slips[i] = work.start.slips[i]
+    copy(phase.slips, work.start.slips, phase_size(work) - RIGID_FIELDS * work.n)
 
 
 @leaf
@@ -40,15 +40,13 @@ def begin_slips(model, work):
 @kernel
 def take_directions(work, phase):
     """Let the joints slide in the directions that a phase holds."""
-    for i in range(int(work.slips.count)):
-        work.joints.sliding[i] = phase.sliding[i]
+    copy(work.joints.sliding, phase.sliding, int(work.slips.count))
 
 
 @kernel
 def note_directions(work, phase):
     """Store in a phase how the joints slide."""
-    for i in range(int(work.slips.count)):
-        phase.sliding[i] = work.joints.sliding[i]
+    copy(phase.sliding, work.joints.sliding, int(work.slips.count))
 
 
 @leaf

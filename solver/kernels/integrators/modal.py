@@ -12,6 +12,7 @@ I_(k-1): they satisfy omega^2 I_k + beta I_(k-1) + I_(k-2) = h^k / k! with I_(-1
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -29,7 +30,7 @@ from ..layout.spaces import (
     RESPONSES,
 )
 from ..numba_ext.jit import kernel, leaf
-from ..numba_ext.views import Numbers, Record, Space, Table
+from ..numba_ext.views import Numbers, Record, Space, Table, copy
 from ..sections.section import ends_of
 from .stage import stage
 
@@ -353,76 +354,148 @@ def attempt(column, t, h):
     return code, error
 
 
+class _Drive(NamedTuple):
+    """The base over a step: at its start, with gravity, in the line and the wave that it follows; and the step."""
+
+    ax: float  # m/s2
+    jx: float  # m/s3
+    lift: float  # m/s2, of gravity too
+    jz: float
+    amplitude: float  # m/s2, of the wave
+    omega: float  # 1/s
+    wave_sine: float  # m/s2
+    wave_cosine: float
+    known: bool  # whether the trend of the remainder is that of the step before
+    span: float  # s, the step on the grid, and
+    excess: float  # the rest of it
+
+
+@kernel
+def _respond_to(column, drive, responses, half, is_first):
+    """Modal coordinates and rates in the middle of the step (half 0), or at its end by the values known by then."""
+    model, work = column.model, column.work
+    first, mean = stage(work, 2), stage(work, 3)
+    to = mean if half == 0 else stage(work, 4)
+    omega, per_step = drive.omega, 1.0 / drive.span
+    for k in range(2 * work.n):
+        mode = mode_of(model, k)
+        response = _response_of(responses, k)
+        over = response.half if half == 0 else response.whole
+        p, v = first.coordinates[k], first.rates[k]
+        square, push, lift = mode.square, mode.push, mode.lift
+        force = push * drive.ax + lift * drive.lift
+        slope = push * drive.jx + lift * drive.jz
+        force_sine, force_cosine = push * drive.wave_sine, push * drive.wave_cosine
+        if half == 0 and is_first:
+            first.accelerations[k] += mode.damping * v + square * p - (force + force_sine)
+        remainder = first.accelerations[k]
+        # the trend of the remainder continues from the step before; at the end it is taken through the value in the
+        # middle
+        curvature = work.curvatures[k] if drive.known else 0.0
+        if half == 1:
+            slope += 2.0 * (mean.accelerations[k] - remainder) * per_step - 0.25 * drive.span * curvature
+        elif drive.known:
+            slope += work.slopes[k]
+        force += remainder
+        to.coordinates[k] = (
+            (over.rest * p + over.impulse * v)
+            + (over.steady * force + over.ramp * slope + over.parabola * curvature)
+            + (over.cosine * force_sine + over.sine * force_cosine)
+        )
+        to.rates[k] = (
+            (over.impulse_rate * v - square * over.impulse * p)
+            + (over.impulse * force + over.steady * slope + over.ramp * curvature)
+            + ((over.impulse - omega * over.sine) * force_sine + omega * over.cosine * force_cosine)
+        )
+
+
+@kernel
+def _correct(column, drive, responses, ax_then, lift_then, is_last):
+    """Correct the end for the remainder as a parabola; the error in tolerances, of that or of interpolation."""
+    model, work, settings = column.model, column.work, column.model.settings
+    first, mean, last = stage(work, 2), stage(work, 3), stage(work, 4)
+    omega, span, per_step = drive.omega, drive.span, 1.0 / drive.span
+    wrong, wrong_rate, hidden = 0.0, 0.0, 0.0
+    for k in range(2 * work.n):
+        mode = mode_of(model, k)
+        response = _response_of(responses, k)
+        over, still = response.whole, response.steady
+        beta, square, push, lift = mode.damping, mode.square, mode.push, mode.lift
+        r_0, r_1 = first.accelerations[k], last.accelerations[k]
+        bend = 2.0 * (r_0 - 2.0 * mean.accelerations[k] + r_1)  # r = r_0 + (...) s + bend s^2, s from 0 to 1
+        # responses to s and s^2: coordinates, rates
+        line, parabola = over.ramp * per_step, 2.0 * over.parabola * per_step * per_step
+        line_rate, parabola_rate = over.steady * per_step, 2.0 * over.ramp * per_step * per_step
+        change = bend - 0.5 * span * span * (work.curvatures[k] if drive.known else 0.0)
+        p = last.coordinates[k] + change * (parabola - 0.5 * line)
+        v = last.rates[k] + change * (parabola_rate - 0.5 * line_rate)
+        force = push * ax_then + lift * lift_then + r_1
+        v += drive.excess * (force - beta * v - square * p)
+        p += drive.excess * v
+        last.coordinates[k] = p
+        last.rates[k] = v
+        last.accelerations[k] = force - beta * v - square * p
+
+        wrong += mode.size * abs(bend * (line - parabola))
+        wrong_rate += mode.size * abs(bend * (line_rate - parabola_rate))
+        # the free motion: without the response to the forces
+        slope = (r_1 - r_0 - bend) * per_step
+        work.slopes[k] = slope + 2.0 * bend * per_step if is_last else slope
+        work.curvatures[k] = 2.0 * bend * per_step * per_step
+        force = r_0 + push * drive.ax + lift * drive.lift
+        slope += push * drive.jx + lift * drive.jz
+        per_square, in_phase, across = still.per_square, push * still.sine, push * still.cosine
+        hidden += still.forced * abs(drive.amplitude)
+        slope *= per_square
+        forced = in_phase * drive.wave_sine + across * drive.wave_cosine
+        p = first.coordinates[k] - per_square * (force - beta * slope) - forced
+        v = first.rates[k] - slope - omega * (in_phase * drive.wave_cosine - across * drive.wave_sine)
+        hidden += still.free * (abs(p) + still.per_rate * abs(v))
+    control = column.state.control
+    allowed, allowed_rate = settings.tolerance * control.rotation_scale, settings.tolerance * control.rate_scale
+    error = limits_of(model).third * max(wrong / allowed, wrong_rate / allowed_rate)
+    hidden /= INTERPOLATION_PART * allowed
+    return max(error, hidden ** (ORDER / INTERPOLATION_ORDER)) if hidden > 0.0 else error
+
+
 @kernel
 def _sweep(column, t, h, is_first, is_last):
     """One sweep of `attempt`; the remainder it finds serves the next sweep, that of the last one the next step."""
     model, base, samples, work = column.model, column.base, column.samples, column.work
-    settings, control = model.settings, column.state.control
-    n = model.n
+    n, gravity = model.n, model.settings.gravity
     size = 2 * n
     middle, end = stage(work, 1), work.end
     # modal coordinates, rates and, instead of accelerations, remainders: at the start, in the middle, at the end
     first, mean, last = stage(work, 2), stage(work, 3), stage(work, 4)
     shapes, inverses, parts = shapes_of(model), inverses_of(model), parts_of(model)
-    slopes, curvatures = work.slopes, work.curvatures
     known = work.trend.known != 0.0
     work.trend.known = 0.0
     amplitude = wave_amplitude(base, samples)
     omega = base.wave_omega if amplitude != 0.0 else 0.0
-    on_grid = math.floor(h * GRID + 0.5) / GRID
-    excess, per_step = h - on_grid, 1.0 / on_grid
-    responses = _responses(model, work, on_grid, omega)
+    span = math.floor(h * GRID + 0.5) / GRID
+    responses = _responses(model, work, span, omega)
 
     if is_first and known:  # the last step has ended here
-        for i in range(3 * size):
-            first.row[i] = last.row[i]
+        copy(first.row, last.row, 3 * size)
     elif is_first:
         _multiply(inverses, work.start.row, first.row, n, parts, 3)
     ax, jx, az, jz = base_line(base, samples, t)
     sine, cosine = wave(base, t) if amplitude != 0.0 else (0.0, 0.0)
-    wave_sine, wave_cosine = amplitude * sine, amplitude * cosine
-    late = 0.5 * omega * excess
+    waves = (amplitude * sine, amplitude * cosine)
+    drive = _Drive(ax, jx, gravity + az, jz, amplitude, omega, waves[0], waves[1], known, span, h - span)
+    late = 0.5 * omega * drive.excess
     turn_sine = responses.made_for.sine + late * responses.made_for.cosine
     turn_cosine = responses.made_for.cosine - late * responses.made_for.sine
     ax_then, lift_then, margin = 0.0, 0.0, 0.0
     for half in range(2):  # in the middle, then at the end with the values known by then
         here = middle if half == 0 else end
         to = mean if half == 0 else last
-        for k in range(size):
-            mode = mode_of(model, k)
-            response = _response_of(responses, k)
-            over = response.half if half == 0 else response.whole
-            p, v = first.coordinates[k], first.rates[k]
-            square, push, lift = mode.square, mode.push, mode.lift
-            force = push * ax + lift * (settings.gravity + az)
-            slope = push * jx + lift * jz
-            force_sine, force_cosine = push * wave_sine, push * wave_cosine
-            if half == 0 and is_first:
-                first.accelerations[k] += mode.damping * v + square * p - (force + force_sine)
-            remainder = first.accelerations[k]
-            # the trend of the remainder continues from the step before; at the end it is taken through the value in the
-            # middle
-            curvature = curvatures[k] if known else 0.0
-            if half == 1:
-                slope += 2.0 * (mean.accelerations[k] - remainder) * per_step - 0.25 * on_grid * curvature
-            elif known:
-                slope += slopes[k]
-            force += remainder
-            to.coordinates[k] = (
-                (over.rest * p + over.impulse * v)
-                + (over.steady * force + over.ramp * slope + over.parabola * curvature)
-                + (over.cosine * force_sine + over.sine * force_cosine)
-            )
-            to.rates[k] = (
-                (over.impulse_rate * v - square * over.impulse * p)
-                + (over.impulse * force + over.steady * slope + over.ramp * curvature)
-                + ((over.impulse - omega * over.sine) * force_sine + omega * over.cosine * force_cosine)
-            )
+        _respond_to(column, drive, responses, half, is_first)
         _multiply(shapes, to.row, here.row, n, parts, 2)
         then = t + (0.5 * h if half == 0 else h)
         sine, cosine = sine * turn_cosine + cosine * turn_sine, cosine * turn_cosine - sine * turn_sine
         motion = base_motion_beside(base, samples, then, sine)
-        ax_then, lift_then = motion.ax, settings.gravity + motion.az
+        ax_then, lift_then = motion.ax, gravity + motion.az
         code = evaluate(column, here, motion)
         if code != OK:
             return code, 0.0
@@ -439,48 +512,7 @@ def _sweep(column, t, h, is_first, is_last):
             mode = mode_of(model, k)
             pushed = mode.push * ax_then + mode.lift * lift_then
             to.accelerations[k] += mode.damping * to.rates[k] + mode.square * to.coordinates[k] - pushed
-
-    wrong, wrong_rate, hidden = 0.0, 0.0, 0.0
-    for k in range(size):
-        mode = mode_of(model, k)
-        response = _response_of(responses, k)
-        over, still = response.whole, response.steady
-        beta, square, push, lift = mode.damping, mode.square, mode.push, mode.lift
-        r_0, r_1 = first.accelerations[k], last.accelerations[k]
-        bend = 2.0 * (r_0 - 2.0 * mean.accelerations[k] + r_1)  # r = r_0 + (...) s + bend s^2, s from 0 to 1
-        # responses to s and s^2: coordinates, rates
-        line, parabola = over.ramp * per_step, 2.0 * over.parabola * per_step * per_step
-        line_rate, parabola_rate = over.steady * per_step, 2.0 * over.ramp * per_step * per_step
-        change = bend - 0.5 * on_grid * on_grid * (curvatures[k] if known else 0.0)
-        p = last.coordinates[k] + change * (parabola - 0.5 * line)
-        v = last.rates[k] + change * (parabola_rate - 0.5 * line_rate)
-        force = push * ax_then + lift * lift_then + r_1
-        v += excess * (force - beta * v - square * p)
-        p += excess * v
-        last.coordinates[k] = p
-        last.rates[k] = v
-        last.accelerations[k] = force - beta * v - square * p
-
-        wrong += mode.size * abs(bend * (line - parabola))
-        wrong_rate += mode.size * abs(bend * (line_rate - parabola_rate))
-        # the free motion: without the response to the forces
-        slope = (r_1 - r_0 - bend) * per_step
-        slopes[k] = slope + 2.0 * bend * per_step if is_last else slope
-        curvatures[k] = 2.0 * bend * per_step * per_step
-        force = r_0 + push * ax + lift * (settings.gravity + az)
-        slope += push * jx + lift * jz
-        per_square, in_phase, across = still.per_square, push * still.sine, push * still.cosine
-        hidden += still.forced * abs(amplitude)
-        slope *= per_square
-        forced = in_phase * wave_sine + across * wave_cosine
-        p = first.coordinates[k] - per_square * (force - beta * slope) - forced
-        v = first.rates[k] - slope - omega * (in_phase * wave_cosine - across * wave_sine)
-        hidden += still.free * (abs(p) + still.per_rate * abs(v))
+    error = _correct(column, drive, responses, ax_then, lift_then, is_last)
     _multiply(shapes, last.row, end.row, n, parts, 3)
-    allowed = settings.tolerance * control.rotation_scale
-    error = limits_of(model).third * max(wrong / allowed, wrong_rate / (settings.tolerance * control.rate_scale))
-    hidden /= INTERPOLATION_PART * allowed
-    if hidden > 0.0:
-        error = max(error, hidden ** (ORDER / INTERPOLATION_ORDER))
     work.trend.known = 1.0 if error <= 1.0 else 0.0
     return (OK if math.isfinite(error) else OPENS), error

@@ -18,7 +18,7 @@ from ..formulations.implicit import factorize, solve
 from ..formulations.slips import keep_slips, phase_size
 from ..layout.spaces import OK, RIGID_FIELDS
 from ..numba_ext.jit import kernel, leaf
-from ..numba_ext.views import packs, packs_of
+from ..numba_ext.views import copy, packs, packs_of
 from .error import error_in_tolerances
 from .stage import stage
 
@@ -65,13 +65,6 @@ M = _over_gammas(WEIGHTS[None, :])[0]
 E = _over_gammas((WEIGHTS - EMBEDDED)[None, :])[0]
 
 
-# coefficients of the sums below, by stage and by those before it
-A1_0, A2_0, A2_1, A3_0, A3_1, A3_2 = (float(A[i, j]) for i in range(STAGES) for j in range(i))
-C1_0, C2_0, C2_1, C3_0, C3_1, C3_2 = (float(C[i, j]) for i in range(STAGES) for j in range(i))
-M_0, M_1, M_2, M_3 = M.tolist()
-E_0, E_1, E_2, E_3 = E.tolist()
-
-
 @leaf
 def _solve(column, u, part):
     """Finish an inner stage; its F_q, and h gamma F_v in the place of u_v, are known."""
@@ -81,65 +74,60 @@ def _solve(column, u, part):
         u.coordinates[i] = part * (u.rates[i] + u.accelerations[i])
 
 
+@leaf
+def _summed(work, weights, count, i):
+    """Element i of the sum of the inner stages up to `count`."""
+    found = weights[0] * packs_of(stage(work, 1).row)[i]
+    for k in range(1, count):
+        found += weights[k] * packs_of(stage(work, k + 1).row)[i]
+    return found
+
+
+@leaf
+def _summed_rates(work, weights, count, i):
+    """As `_summed`, of what stands in the place of the rates."""
+    found = weights[0] * packs_of(stage(work, 1).rates)[i]
+    for k in range(1, count):
+        found += weights[k] * packs_of(stage(work, k + 1).rates)[i]
+    return found
+
+
 @kernel
 def attempt(column, t, h):
     """One step of h seconds from work.start to work.end; returns (code, error in tolerances)."""
     work = column.work
     n = work.n
     # an inner stage keeps (u_q, u_v, F_q); the phase at which its accelerations are taken is the fifth
-    one, two, three, four, here = stage(work, 1), stage(work, 2), stage(work, 3), stage(work, 4), stage(work, 5)
+    here = stage(work, STAGES + 1)
     every, half = packs(work.start.row, 4 * n), packs(work.start.row, 2 * n)
     y, v, f = packs_of(work.start.row), packs_of(work.start.rates), packs_of(work.start.accelerations)
     y_here, v_here, f_here = packs_of(here.row), packs_of(here.rates), packs_of(here.accelerations)
-    u1, v1, f1 = packs_of(one.row), packs_of(one.rates), packs_of(one.accelerations)
-    u2, v2, f2 = packs_of(two.row), packs_of(two.rates), packs_of(two.accelerations)
-    u3, v3, f3 = packs_of(three.row), packs_of(three.rates), packs_of(three.accelerations)
-    u4, v4, f4 = packs_of(four.row), packs_of(four.rates), packs_of(four.accelerations)
     end, error = packs_of(work.end.row), packs_of(work.between.row)
     part, per = h * GAMMA, 1.0 / h
     factorize(column.model, work.start, work.tangent, part)
-    # F_q after u_v; the last pack of eight reaches beyond its end
-    for i in range(half):
-        v1[i] = part * f[i]
-    for i in range(half):
-        f1[i] = v[i]
-    _solve(column, one, part)
+    for k in range(STAGES):
+        one = stage(work, k + 1)
+        u_v, f_q = packs_of(one.rates), packs_of(one.accelerations)
+        # F_q after u_v; the last pack of eight reaches beyond its end
+        if k == 0:
+            for i in range(half):
+                u_v[i] = part * f[i]
+            copy(f_q, v, half)
+        else:
+            for i in range(every):
+                y_here[i] = y[i] + _summed(work, A[k], k, i)
+            keep_slips(work, here)
+            code = evaluate_at(column, here, t + NODES[k] * h)
+            if code != OK:
+                return code, 0.0
+            for i in range(half):
+                u_v[i] = part * (f_here[i] + per * _summed_rates(work, C[k], k, i))
+            for i in range(half):
+                f_q[i] = v_here[i] + per * _summed(work, C[k], k, i)
+        _solve(column, one, part)
     for i in range(every):
-        y_here[i] = y[i] + A1_0 * u1[i]
-    keep_slips(work, here)
-    code = evaluate_at(column, here, t + NODES[1] * h)
-    if code != OK:
-        return code, 0.0
-    for i in range(half):
-        v2[i] = part * (f_here[i] + per * (C1_0 * v1[i]))
-    for i in range(half):
-        f2[i] = v_here[i] + per * (C1_0 * u1[i])
-    _solve(column, two, part)
-    for i in range(every):
-        y_here[i] = y[i] + (A2_0 * u1[i] + A2_1 * u2[i])
-    keep_slips(work, here)
-    code = evaluate_at(column, here, t + NODES[2] * h)
-    if code != OK:
-        return code, 0.0
-    for i in range(half):
-        v3[i] = part * (f_here[i] + per * (C2_0 * v1[i] + C2_1 * v2[i]))
-    for i in range(half):
-        f3[i] = v_here[i] + per * (C2_0 * u1[i] + C2_1 * u2[i])
-    _solve(column, three, part)
-    for i in range(every):
-        y_here[i] = y[i] + (A3_0 * u1[i] + A3_1 * u2[i] + A3_2 * u3[i])
-    keep_slips(work, here)
-    code = evaluate_at(column, here, t + NODES[3] * h)
-    if code != OK:
-        return code, 0.0
-    for i in range(half):
-        v4[i] = part * (f_here[i] + per * (C3_0 * v1[i] + C3_1 * v2[i] + C3_2 * v3[i]))
-    for i in range(half):
-        f4[i] = v_here[i] + per * (C3_0 * u1[i] + C3_1 * u2[i] + C3_2 * u3[i])
-    _solve(column, four, part)
-    for i in range(every):
-        end[i] = y[i] + (M_0 * u1[i] + M_1 * u2[i] + M_2 * u3[i] + M_3 * u4[i])
-        error[i] = E_0 * u1[i] + E_1 * u2[i] + E_2 * u3[i] + E_3 * u4[i]
+        end[i] = y[i] + _summed(work, M, STAGES, i)
+        error[i] = _summed(work, E, STAGES, i)
     keep_slips(work, work.end)
     for i in range(RIGID_FIELDS * n, phase_size(work)):
         work.between.row[i] = 0.0

@@ -15,13 +15,9 @@ def stage(work, k):
     return _phase(work.stages[PHASE_FIELDS * n * (k - 1) :], n)
 
 
+@by_width
 def summed(work):
     """Number of leading values of a phase that a step sums, each with its rate 2 n places behind it."""
-    raise NotImplementedError("for kernels only")
-
-
-@by_width(summed)
-def _choose(work):
     if has_no_slips(work):
         return lambda work: 4 * work.n
     if work.kind is LANES:

@@ -68,22 +68,18 @@ def loaded_part(left, right, damping, opening, slope, opening_rate, slope_rate):
     return lo, hi
 
 
+@by_width
 def pressed_part(left, right, opening, slope):
     """The part (lo, hi) of the contact in which the faces press each other, of one joint or of lanes."""
-    raise NotImplementedError("for kernels only")
+    if isinstance(slope, LanesType):
+        return _pressed_part_of_lanes
+    return lambda left, right, opening, slope: positive_part(-opening, slope, left, right)
 
 
 def _pressed_part_of_lanes(left, right, opening, slope):
     slope, right = slope + 0.0, greater(right, left)
     edge, rises = _within(opening / slope, left, right), slope >= 0.0
     return where(rises, edge, left), where(rises, right, edge)
-
-
-@by_width(pressed_part)
-def _choose_pressed(left, right, opening, slope):
-    if isinstance(slope, LanesType):
-        return _pressed_part_of_lanes
-    return lambda left, right, opening, slope: positive_part(-opening, slope, left, right)
 
 
 @leaf
@@ -169,9 +165,12 @@ def held_forces(regime, contact, law, opening, slope, opening_rate, slope_rate):
     return force, moment, length, min(on_left, on_right)
 
 
+@by_width
 def resultants(blocks, hold, i, opening, slope, opening_rate, slope_rate, slip=0.0):
     """N, M and loaded length of joint i; one column notes in `hold` whether the joint is outside its regime."""
-    raise NotImplementedError("for kernels only")
+    if not isinstance(opening, LanesType):
+        return _resultants_of_one
+    return _resultants_of_round_lanes if ROUND in blocks.names else _resultants_of_lanes
 
 
 def _resultants_of_one(blocks, hold, i, opening, slope, opening_rate, slope_rate, slip=0.0):
@@ -185,57 +184,36 @@ def _resultants_of_one(blocks, hold, i, opening, slope, opening_rate, slope_rate
     return normal, moment, length
 
 
-def _resultants_of_lanes(blocks, hold, i, opening, slope, opening_rate, slope_rate, slip=0.0):
-    near, far = blocks.left[i], blocks.right[i]  # the contact is its own mirror image
-    rigidity, damping = blocks.rigidity[i], blocks.damping[i]
-    return joint_forces_in_lanes(near, far, rigidity, damping, opening, slope, opening_rate, slope_rate)
+@by_width
+def _image(blocks, i, slope, slip):
+    """Ends of the contact and slip of joint i in lanes, in the mirror image where the slope is negative; the slope."""
+    if isinstance(slip, LanesType):
+        return _slipped_image
+    return lambda blocks, i, slope, slip: (blocks.left[i], blocks.right[i], 0.0, slope)  # its own mirror image
 
 
-@leaf
-def _slipped_ends(blocks, i, slope, slip):
-    """Ends of the contact of joint i in lanes, which has slipped, in the image in which the slope rises."""
+def _slipped_image(blocks, i, slope, slip):
+    slope = slope + 0.0  # minus zero becomes zero
     left, right = ends_of(blocks, i, slip)
     right = greater(right, left)  # faces that no longer meet touch over no length
     falls = slope < 0.0
-    return where(falls, -right, left), where(falls, -left, right)
+    return where(falls, -right, left), where(falls, -left, right), mirrored(slip, slope), slope
 
 
-def _resultants_of_lanes_that_slip(blocks, hold, i, opening, slope, opening_rate, slope_rate, slip=0.0):
-    slope = slope + 0.0  # minus zero becomes zero
-    near, far = _slipped_ends(blocks, i, slope, slip)
+def _resultants_of_lanes(blocks, hold, i, opening, slope, opening_rate, slope_rate, slip=0.0):
+    near, far, _, slope = _image(blocks, i, slope, slip)
     rigidity, damping = blocks.rigidity[i], blocks.damping[i]
     return joint_forces_in_lanes(near, far, rigidity, damping, opening, slope, opening_rate, slope_rate)
 
 
-@leaf
-def _round_resultants(blocks, i, near, far, opening, slope, opening_rate, slope_rate, slip):
-    """Of joint i in lanes, whichever of their sections each has; near, far, slip: in that image."""
+def _resultants_of_round_lanes(blocks, hold, i, opening, slope, opening_rate, slope_rate, slip=0.0):
+    near, far, slip, slope = _image(blocks, i, slope, slip)
     damping = blocks.damping[i]
     one, other, mean, gradient = loaded_part_in_lanes(near, far, damping, opening, slope, opening_rate, slope_rate)
     lo, hi = lesser(one, other), greater(one, other)
     length = hi - lo
     force, moment = forces_over_in_lanes(blocks, i, slip, slope, lo, hi, length, mean, gradient)
     return force, mirrored(moment, slope), length
-
-
-def _resultants_of_round_lanes(blocks, hold, i, opening, slope, opening_rate, slope_rate, slip=0.0):
-    near, far = blocks.left[i], blocks.right[i]
-    return _round_resultants(blocks, i, near, far, opening, slope, opening_rate, slope_rate, 0.0)
-
-
-def _resultants_of_round_lanes_that_slip(blocks, hold, i, opening, slope, opening_rate, slope_rate, slip=0.0):
-    slope = slope + 0.0
-    near, far = _slipped_ends(blocks, i, slope, slip)
-    return _round_resultants(blocks, i, near, far, opening, slope, opening_rate, slope_rate, mirrored(slip, slope))
-
-
-@by_width(resultants)
-def _choose(blocks, hold, i, opening, slope, opening_rate, slope_rate, slip=0.0):
-    if not isinstance(opening, LanesType):
-        return _resultants_of_one
-    if isinstance(slip, LanesType):
-        return _resultants_of_round_lanes_that_slip if ROUND in blocks.names else _resultants_of_lanes_that_slip
-    return _resultants_of_round_lanes if ROUND in blocks.names else _resultants_of_lanes
 
 
 @kernel

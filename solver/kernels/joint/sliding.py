@@ -27,13 +27,9 @@ def has_no_slips(space):
     return space.kind is LANES and MARK not in space.names
 
 
+@by_width
 def can_slide(model):
     """Whether slips are coordinates of the column: some joint may slide, or it is off its axis."""
-    raise NotImplementedError("for kernels only")
-
-
-@by_width(can_slide)
-def _choose(model):
     if has_no_slips(model):
         return lambda model: False
     if model.kind is LANES:
@@ -41,13 +37,9 @@ def _choose(model):
     return lambda model: model.settings.slides != 0.0
 
 
+@by_width
 def slip_if(slides, model, phase, i):
     """Slip of joint i and its rate, where slips are coordinates."""
-    raise NotImplementedError("for kernels only")
-
-
-@by_width(slip_if)
-def _choose_slip(slides, model, phase, i):
     if has_no_slips(model):
         return lambda slides, model, phase, i: (0.0, 0.0)
     if model.kind is LANES:
@@ -79,16 +71,12 @@ def drift(normal, sine, at_rim):
     return at_rim - normal * sine
 
 
+@by_width
 def rim_force(blocks, i, opening, slope, slip):
     """What the rim that cuts the contact of joint i off pushes the block above outwards by, N, towards +x.
 
     The elastic energy that a slip of a metre takes off the contact: else energy would be lost or won by it.
     """
-    raise NotImplementedError("for kernels only")
-
-
-@by_width(rim_force)
-def _choose_rim_force(blocks, i, opening, slope, slip):
     if isinstance(slip, LanesType):
         return _rim_force_of_lanes
     if isinstance(slope, LanesType):

@@ -8,11 +8,11 @@ time.
 
 import hashlib
 from collections.abc import Callable
+from functools import wraps
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 import numba
-from llvmlite import binding as llvm
 from numba import cfunc, njit
 from numba.extending import overload, register_jitable
 
@@ -53,23 +53,29 @@ def native(*signature: Any) -> Callable[..., Any]:
 def as_written(function: Callable[..., Any], arguments: tuple[Any, ...]) -> tuple[Any, str]:
     """LLVM module of a kernel for these types of arguments, with all that it calls; its name in the module.
 
-    It returns 0 and writes its result to an address that comes first, as numba's functions do.
+    It returns 0 and writes its result to an address that comes first, as numba's functions do. Needs `LINKING`.
     """
     typed: Any = kernel(function)
     typed.compile(arguments)
     (found,) = typed.overloads.values()
-    name = found.fndesc.mangled_name
-    if LINKING:
-        module = found.library.with_called()
-    else:
-        (text,) = typed.inspect_llvm().values()  # each kernel has been optimized
-        module = llvm.parse_assembly(text)
+    name, module = found.fndesc.mangled_name, found.library.with_called()
     module.get_function(name).linkage = "external"
     return module, name
 
 
-def by_width(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Decorator that chooses the code behind `function` by the types of its arguments: numbers or lanes."""
+def by_width(chooses: Callable[..., Any]) -> Callable[..., Any]:
+    """A function of kernels whose code `chooses` returns by the types of its arguments: numbers or lanes."""
+
+    @wraps(chooses)
+    def function(*_: Any, **__: Any) -> NoReturn:
+        raise NotImplementedError("for kernels only")
+
+    another_width(function)(chooses)
+    return function
+
+
+def another_width(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Decorator of what chooses code for types of arguments for which `function` has none yet."""
     chooses: Callable[..., Any] = overload(function, jit_options={**_INSIDE, "forceinline": True})  # type: ignore
     return chooses
 

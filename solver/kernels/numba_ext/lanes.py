@@ -95,61 +95,30 @@ def _is_number(kind: Any) -> bool:
     return isinstance(kind, (LanesType, types.Float, types.Integer))
 
 
-def _register_binary(function: Any, result: Any, emit: Callable[..., Any]) -> None:
-    @infer_global(function)
-    class _Binary(AbstractTemplate):  # type: ignore[misc]
-        def generic(self, args: Any, kws: Any) -> Any:
-            if len(args) == 2 and LANES in args and all(_is_number(kind) for kind in args):
-                return signature(result, LANES, LANES)
-            return None
+def _register(function: Any, kinds: tuple[Any, ...], result: Any, emit: Callable[..., Any]) -> None:
+    """An operator of lanes or masks; numbers beside lanes become lanes."""
 
-    @lower_builtin(function, LANES, LANES)
+    @infer_global(function)
+    class _Operator(AbstractTemplate):  # type: ignore[misc]
+        def generic(self, args: Any, kws: Any) -> Any:
+            numbers = LANES in args and all(_is_number(kind) for kind in args)
+            same = len(args) == len(kinds) and (numbers if LANES in kinds else args == kinds)
+            return signature(result, *kinds) if same else None
+
+    @lower_builtin(function, *kinds)
     def _lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         return emit(builder, *args)
 
 
 for _function, _name in _ARITHMETIC.items():
-    _register_binary(_function, LANES, lambda builder, a, b, name=_name: getattr(builder, name)(a, b))
+    _register(_function, (LANES, LANES), LANES, lambda builder, a, b, name=_name: getattr(builder, name)(a, b))
 for _function, _sign in _COMPARISONS.items():
-    _register_binary(_function, MASK, lambda builder, a, b, sign=_sign: builder.fcmp_ordered(sign, a, b))
-_register_binary(operator.ne, MASK, lambda builder, a, b: builder.fcmp_unordered("!=", a, b))
-
-
-@infer_global(operator.neg)
-class _Negative(AbstractTemplate):  # type: ignore[misc]
-    def generic(self, args: Any, kws: Any) -> Any:
-        return signature(LANES, LANES) if args == (LANES,) else None
-
-
-@lower_builtin(operator.neg, LANES)
-def _lower_negative(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-    return builder.fneg(args[0])
-
-
-def _register_mask(function: Any, name: str) -> None:
-    @infer_global(function)
-    class _Binary(AbstractTemplate):  # type: ignore[misc]
-        def generic(self, args: Any, kws: Any) -> Any:
-            return signature(MASK, MASK, MASK) if args == (MASK, MASK) else None
-
-    @lower_builtin(function, MASK, MASK)
-    def _lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        return getattr(builder, name)(*args)
-
-
-_register_mask(operator.and_, "and_")
-_register_mask(operator.or_, "or_")
-
-
-@infer_global(operator.invert)
-class _Invert(AbstractTemplate):  # type: ignore[misc]
-    def generic(self, args: Any, kws: Any) -> Any:
-        return signature(MASK, MASK) if args == (MASK,) else None
-
-
-@lower_builtin(operator.invert, MASK)
-def _lower_invert(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-    return builder.not_(args[0])
+    _register(_function, (LANES, LANES), MASK, lambda builder, a, b, sign=_sign: builder.fcmp_ordered(sign, a, b))
+_register(operator.ne, (LANES, LANES), MASK, lambda builder, a, b: builder.fcmp_unordered("!=", a, b))
+_register(operator.neg, (LANES,), LANES, lambda builder, x: builder.fneg(x))
+_register(operator.and_, (MASK, MASK), MASK, lambda builder, a, b: builder.and_(a, b))
+_register(operator.or_, (MASK, MASK), MASK, lambda builder, a, b: builder.or_(a, b))
+_register(operator.invert, (MASK,), MASK, lambda builder, x: builder.not_(x))
 
 
 def _unary(name: str) -> Any:
@@ -252,60 +221,49 @@ def rarely(typing, condition):
 # --- functions of numbers or lanes
 
 
+def _are_lanes(*kinds: Any) -> bool:
+    return any(isinstance(kind, (LanesType, MaskType)) for kind in kinds)
+
+
+@by_width
 def where(condition, a, b):
     """a where the condition holds, else b; both are evaluated."""
-    raise NotImplementedError("for kernels only")
+    if _are_lanes(condition, a, b):
+        return lambda condition, a, b: _select(condition, a, b)
+    return lambda condition, a, b: a if condition else b
 
 
+@by_width
 def any_of(condition):
     """Whether the condition holds in any lane."""
-    raise NotImplementedError("for kernels only")
+    return (lambda condition: bits(condition) != 0) if _are_lanes(condition) else lambda condition: condition
 
 
+@by_width
 def magnitude(x):
     """|x|."""
-    raise NotImplementedError("for kernels only")
+    return (lambda x: _abs(x)) if _are_lanes(x) else lambda x: abs(x)
 
 
+@by_width
 def square_root(x):
     """Square root of x."""
-    raise NotImplementedError("for kernels only")
+    return (lambda x: _sqrt(x)) if _are_lanes(x) else lambda x: np.sqrt(x)
 
 
+@by_width
 def lesser(a, b):
     """The lesser of two numbers; b if one is NaN."""
-    raise NotImplementedError("for kernels only")
+    return (lambda a, b: _select(a < b, a, b)) if _are_lanes(a, b) else lambda a, b: a if a < b else b
 
 
+@by_width
 def greater(a, b):
     """The greater of two numbers; b if one is NaN."""
-    raise NotImplementedError("for kernels only")
+    return (lambda a, b: _select(a > b, a, b)) if _are_lanes(a, b) else lambda a, b: a if a > b else b
 
 
+@by_width
 def nearest(x):
     """The nearest whole number."""
-    raise NotImplementedError("for kernels only")
-
-
-def _either(function: Callable[..., Any], scalar: Callable[..., Any], lanes: Callable[..., Any]) -> None:
-    """Compile `function` as one or the other, depending on whether any argument is lanes or a mask."""
-    count = scalar.__code__.co_argcount
-
-    def choose(*kinds):
-        return lanes if any(isinstance(kind, (LanesType, MaskType)) for kind in kinds) else scalar
-
-    chooser: Any = {
-        1: lambda x: choose(x),
-        2: lambda a, b: choose(a, b),
-        3: lambda condition, a, b: choose(condition, a, b),
-    }[count]
-    by_width(function)(chooser)
-
-
-_either(where, lambda condition, a, b: a if condition else b, lambda condition, a, b: _select(condition, a, b))
-_either(any_of, lambda x: x, lambda x: bits(x) != 0)
-_either(magnitude, lambda x: abs(x), lambda x: _abs(x))
-_either(square_root, lambda x: np.sqrt(x), lambda x: _sqrt(x))
-_either(lesser, lambda a, b: a if a < b else b, lambda a, b: _select(a < b, a, b))
-_either(greater, lambda a, b: a if a > b else b, lambda a, b: _select(a > b, a, b))
-_either(nearest, lambda x: np.rint(x), lambda x: _rint(x))
+    return (lambda x: _rint(x)) if _are_lanes(x) else lambda x: np.rint(x)

@@ -59,19 +59,22 @@ def angle_of(sine, cosine):
     return where(sine > cosine, 0.5 * math.pi - angle, angle)
 
 
+@by_width
 def sine_cosine(x):
     """sin(x) and cos(x); polynomials where the rest of the series is below rounding."""
-    raise NotImplementedError("for kernels only")
+    return _sine_cosine_of_lanes if isinstance(x, LanesType) else _sine_cosine_of_one
 
 
+@by_width
 def sine(x):
     """sin(x) for |x| up to 1e6."""
-    raise NotImplementedError("for kernels only")
+    return _sine_of_lanes if isinstance(x, LanesType) else lambda x: math.sin(x)
 
 
+@by_width
 def half_sine_cosine(x):
     """sin(x / 2) and cos(x / 2)."""
-    raise NotImplementedError("for kernels only")
+    return _half_sine_cosine_of_lanes if isinstance(x, LanesType) else _half_sine_cosine_of_one
 
 
 @leaf
@@ -113,9 +116,11 @@ def _of_any_size(x):
     return where(odd, quarter * c, where(back, -s, s)), where(odd, -(quarter * s), where(back, -c, c))
 
 
-def _sine_cosine_of_lanes(x):
-    first, second = _short(x)
-    large = magnitude(x) > SMALL
+@leaf
+def _with_long(short, x, most):
+    """Sine and cosine of lanes, by the short polynomials where |x| is at most `most`."""
+    first, second = short
+    large = magnitude(x) > most
     if rarely(any_of(large)):
         long_sine, long_cosine = _of_any_size(x)
         first = where(large, long_sine, first)
@@ -123,30 +128,13 @@ def _sine_cosine_of_lanes(x):
     return first, second
 
 
+def _sine_cosine_of_lanes(x):
+    return _with_long(_short(x), x, SMALL)
+
+
 def _half_sine_cosine_of_lanes(x):
-    first, second = _short_half(x)
-    large = magnitude(x) > 2.0 * SMALL
-    if rarely(any_of(large)):
-        long_sine, long_cosine = _of_any_size(0.5 * x)
-        first = where(large, long_sine, first)
-        second = where(large, long_cosine, second)
-    return first, second
+    return _with_long(_short_half(x), 0.5 * x, SMALL)
 
 
 def _sine_of_lanes(x):
     return sine_cosine(x)[0]
-
-
-@by_width(sine_cosine)
-def _choose_both(x):
-    return _sine_cosine_of_lanes if isinstance(x, LanesType) else _sine_cosine_of_one
-
-
-@by_width(half_sine_cosine)
-def _choose_half(x):
-    return _half_sine_cosine_of_lanes if isinstance(x, LanesType) else _half_sine_cosine_of_one
-
-
-@by_width(sine)
-def _choose_sine(x):
-    return _sine_of_lanes if isinstance(x, LanesType) else lambda x: math.sin(x)

@@ -4,7 +4,7 @@ Everything that is saved, restored or handed to compiled callers is in flat arra
 them through
 
 - a *row*: `row[i]` is number i; `row[k:]` the row that begins there;
-- a *record* of single numbers: `control.next_step` is read and written;
+- a *record* of single numbers: `control.next_step` is read and written, `control.row` is all of it;
 - a *table* of fields of n numbers each: `blocks.mass` is a row;
 - a *space* of such parts, one after the other: `state.control.next_step`, `state.phase.theta[i]`.
 
@@ -23,8 +23,9 @@ from types import SimpleNamespace
 from typing import Any
 
 from numba import types
-from numba.extending import intrinsic, models, overload, register_model
+from numba.extending import intrinsic, models, register_model
 
+from .jit import by_width, leaf
 from .lanes import LANES, WIDTH
 from .numba_parts import (
     AbstractTemplate,
@@ -184,11 +185,13 @@ class _RecordNames(AttributeTemplate):  # type: ignore[misc]
     key = RecordType
 
     def generic_resolve(self, record: Any, name: str) -> Any:
-        return _value(record.kind) if name in record.fields else None
+        return _value(record.kind) if name in record.fields else RowType(record.kind) if name == "row" else None
 
 
 @lower_getattr_generic(RecordType)
 def _record_get(context: Any, builder: Any, kind: Any, start: Any, name: str) -> Any:
+    if name not in kind.fields:
+        return start
     place = ir.Constant(_INT64, kind.fields.index(name))
     return _load(builder, kind.kind, _address(builder, kind.kind, start, place))
 
@@ -289,16 +292,26 @@ def packs_of(typing, row):
     return RowType(LANES)(row), generate
 
 
+@by_width
 def packs(row, count):
     """Number of elements of `packs_of(row)` that hold `count` of its numbers; the last may reach beyond them."""
-    raise NotImplementedError("for kernels only")
-
-
-@overload(packs)
-def _packs(row, count):
     if row.kind is LANES:
         return lambda row, count: count
     return lambda row, count: (count + WIDTH - 1) // WIDTH
+
+
+@leaf
+def copy(to, row, count):
+    """Copy the first `count` elements of a row into another one."""
+    for i in range(count):
+        to[i] = row[i]
+
+
+@leaf
+def clear(row, count):
+    """Make the first `count` elements of a row zero."""
+    for i in range(count):
+        row[i] = 0.0
 
 
 # --- the layout

@@ -19,6 +19,7 @@ from ..integrators.stage import stage
 from ..joint.sliding import can_slide
 from ..layout.spaces import COUNTS_FROM, OK, OUTPUTS, PEAKS, PIECES, ROW
 from ..numba_ext.jit import kernel, leaf
+from ..numba_ext.views import copy
 
 _peaks, _row = PEAKS.over, ROW.over
 _PER_N, _BESIDE = PEAKS.per_n, PEAKS.beside
@@ -51,8 +52,7 @@ def begin_extremes(column, motion, evaluated):
     if evaluated:
         _show(column, work.start, work.joints, motion, end)
     else:
-        for i in range(phase_size(work)):
-            work.between.row[i] = work.start.row[i]
+        copy(work.between.row, work.start.row, phase_size(work))
         _see(column, motion, end)
     _raise_peaks(column, end)
     _allow(column)
@@ -139,8 +139,7 @@ def _see_within(column, t, h, s, seen):
     """`_see` at fraction s of the step from t to t + h."""
     work = column.work
     interpolate_phase(work, h, s)
-    for i in range(int(work.slips.count)):  # the joints slide as during the step
-        work.between.sliding[i] = work.end.sliding[i]
+    copy(work.between.sliding, work.end.sliding, int(work.slips.count))  # the joints slide as during the step
     _see(column, base_motion(column.base, column.samples, t + s * h), seen)
 
 

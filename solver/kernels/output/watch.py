@@ -20,6 +20,7 @@ from ..integrators.interpolation import (
 from ..joint.sliding import can_slide
 from ..layout.spaces import EXTREMES, SLACK, SNAPSHOT
 from ..numba_ext.jit import kernel, leaf
+from ..numba_ext.views import copy
 from .peaks import begin_extremes, track_extremes
 
 _snapshot = SNAPSHOT.over
@@ -165,8 +166,7 @@ def take_held_snapshots(column, watch, t, h):
     size = size_of_snapshot(work)
     while row_due(counts, watch, t, h):
         snapshot = _snapshot(watch.snapshots[size * counts.next_row :], work.n)
-        for i in range(phase_size(work)):
-            snapshot.phase.row[i] = state.phase.row[i]
+        copy(snapshot.phase.row, state.phase.row, phase_size(work))
         snapshot.base.ax = state.control.base_ax
         snapshot.base.az = state.control.base_az
         counts.next_row += 1

@@ -51,25 +51,17 @@ class Contact(NamedTuple):
     round_bore: float  # m
 
 
+@by_width
 def knows_round(blocks):
     """Whether joints may be round: not in lanes of rectangles, which are compiled without."""
-    raise NotImplementedError("for kernels only")
-
-
-@by_width(knows_round)
-def _choose_knows(blocks):
     if blocks.kind is LANES and ROUND not in blocks.names:
         return lambda blocks: False
     return lambda blocks: True
 
 
+@by_width
 def knows_strips(blocks):
     """Whether the joints of lanes may be made of strips."""
-    raise NotImplementedError("for kernels only")
-
-
-@by_width(knows_strips)
-def _choose_strips(blocks):
     known = STRIPPED in blocks.names
     return lambda blocks: known
 
@@ -91,13 +83,9 @@ def ends_of(blocks, i, slip):
     return left, right
 
 
+@by_width
 def ends_if_band(blocks, i, section, slip, left, right):
     """Ends of the contact, cut off by a bore where a round face and a straight one share it; lanes have none."""
-    raise NotImplementedError("for kernels only")
-
-
-@by_width(ends_if_band)
-def _choose_ends(blocks, i, section, slip, left, right):
     if blocks.kind is LANES:
         return lambda blocks, i, section, slip, left, right: (left, right)
     return _ends_of_band
@@ -187,9 +175,10 @@ def _part_forces(part, stiffness, mean, gradient):
     return force, middle * force + (pressure * first + steep * second)
 
 
+@by_width
 def part_in_lanes(blocks, i, slip, lo, hi):
     """As `_part`, of joint i in lanes, of which each is a circle or an annulus."""
-    raise NotImplementedError("for kernels only")
+    return _part_in_lanes_that_slip if isinstance(slip, LanesType) else _part_in_lanes
 
 
 def _part_in_lanes(blocks, i, slip, lo, hi):
@@ -206,11 +195,6 @@ def _part_in_lanes_that_slip(blocks, i, slip, lo, hi):
         middle, area = where(slipped, found[0], middle), where(slipped, found[1], area)
         first, second = where(slipped, found[2], first), where(slipped, found[3], second)
     return middle, area, first, second
-
-
-@by_width(part_in_lanes)
-def _choose_part(blocks, i, slip, lo, hi):
-    return _part_in_lanes_that_slip if isinstance(slip, LanesType) else _part_in_lanes
 
 
 @leaf

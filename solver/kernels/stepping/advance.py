@@ -36,6 +36,7 @@ from ..layout.spaces import (
     TOO_MUCH_WORK,
 )
 from ..numba_ext.jit import kernel, leaf
+from ..numba_ext.views import copy
 from ..output.watch import begin_watching, take_held_snapshots, watch_step
 from .condition import has_fallen, is_quiet, moment_of_overturning, rests, take_stock, widest_joint
 from .control import accepts, accepts_elastic, elastic_step, general_step, most_work
@@ -80,8 +81,7 @@ def take_phase(column, motion, phase):
     """
     state = column.state
     n = column.model.n
-    for i in range(phase_size(column.work)):
-        phase.row[i] = state.phase.row[i]
+    copy(phase.row, state.phase.row, phase_size(column.work))
     turn, spin = motion.theta - state.control.base_theta, motion.omega - state.control.base_omega
     if turn != 0.0 or spin != 0.0:
         for i in range(n):
@@ -244,8 +244,7 @@ def end_within(column, t, h, fraction, fine):
     """End the step of h seconds at this fraction of it. Returns a code."""
     work = column.work
     interpolate_phase(work, h, fraction)
-    for i in range(phase_size(work)):
-        work.end.row[i] = work.between.row[i]
+    copy(work.end.row, work.between.row, phase_size(work))
     begin(work, fine)
     return evaluate_at(column, work.end, t + fraction * h)
 
@@ -292,8 +291,7 @@ def finish_step(column, watch, t, step):
         counts.overturned = widest_joint(model, work.end)
     note_directions(work, work.end)
     watch_step(column, watch, t, step)
-    for i in range(phase_size(work)):
-        work.start.row[i] = work.end.row[i]
+    copy(work.start.row, work.end.row, phase_size(work))
     take_directions(work, work.start)
     if work.slips.change != 0.0:
         work.slips.change = 0.0
@@ -327,8 +325,7 @@ def _rest_until(column, watch, t, left):
     """Leave a column that rests as it is, for `left` s."""
     control = column.state.control
     column.counts.resting = 1
-    for i in range(phase_size(column.work)):
-        column.state.phase.row[i] = column.work.start.row[i]
+    copy(column.state.phase.row, column.work.start.row, phase_size(column.work))
     keep_base(control, STILL)
     control.time_full += left
     control.time_at_rest += left
@@ -402,8 +399,7 @@ def advance(column, t, h, watch):
             if code != OK:
                 return code
 
-    for i in range(phase_size(work)):
-        state.phase.row[i] = work.start.row[i]
+    copy(state.phase.row, work.start.row, phase_size(work))
     motion = base_motion(base, samples, t + elapsed)
     state.control.reached = t + elapsed
     keep_base(state.control, motion)

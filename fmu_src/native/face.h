@@ -1,0 +1,77 @@
+/* Life and state, which FMI 2.0 and 3.0 ask for alike. A face includes this after its type Face, with the names of its
+   version: FMI(name), STATE(before, after), EXPORT and Component. */
+
+_Static_assert((int)ST_OK == FMI(OK) && (int)ST_WARNING == FMI(Warning) && (int)ST_DISCARD == FMI(Discard) &&
+                   (int)ST_ERROR == FMI(Error),
+               "the statuses of FMI are those of the core");
+
+static const char *category_of(Status status) {
+    static const char *const categories[] = {[ST_OK] = "logAll", [ST_WARNING] = "logStatusWarning",
+                                             [ST_DISCARD] = "logStatusDiscard", [ST_ERROR] = "logStatusError"};
+    return categories[status];
+}
+
+#define CALL(name) EXPORT FMI(Status) FMI(name)
+
+/* The body of a call: the core carries it out if the instance exists. */
+#define ANSWER(call)                                                                                                   \
+    Face *face = instance;                                                                                             \
+    return face ? (FMI(Status))(call) : FMI(Error)
+
+EXPORT void FMI(FreeInstance)(Component instance) {
+    Face *face = instance;
+    if (face) core_free(face->column);
+    free(face);
+}
+
+CALL(SetDebugLogging)(Component instance, FMI(Boolean) on, size_t count, const FMI(String) categories[]) {
+    (void)count, (void)categories;
+    ANSWER((face->logging = on, ST_OK));
+}
+
+CALL(ExitInitializationMode)(Component instance) { ANSWER(core_exit_initialization(face->column)); }
+
+CALL(Terminate)(Component instance) { ANSWER(core_terminate(face->column)); }
+
+CALL(Reset)(Component instance) { ANSWER((core_reset(face->column), ST_OK)); }
+
+EXPORT FMI(Status) STATE(Get, )(Component instance, STATE(, ) *state) {
+    Face *face = instance;
+    if (!face || !core_has(face->column, state, 1, "state")) return FMI(Error);
+    Saved *saved = *state;
+    if (core_save(face->column, &saved) != ST_OK) return FMI(Error);
+    *state = saved;
+    return FMI(OK);
+}
+
+EXPORT FMI(Status) STATE(Set, )(Component instance, STATE(, ) state) { ANSWER(core_restore(face->column, state)); }
+
+EXPORT FMI(Status) STATE(Free, )(Component instance, STATE(, ) *state) {
+    if (!instance) return FMI(Error);
+    if (state) {
+        core_release(*state);
+        *state = NULL;
+    }
+    return FMI(OK);
+}
+
+EXPORT FMI(Status) STATE(Serialized, Size)(Component instance, STATE(, ) state, size_t *size) {
+    Face *face = instance;
+    if (!face || !core_has(face->column, state, 1, "state") || !core_has(face->column, size, 1, "size"))
+        return FMI(Error);
+    *size = core_bytes();
+    return FMI(OK);
+}
+
+EXPORT FMI(Status) STATE(Serialize, )(Component instance, STATE(, ) state, FMI(Byte) bytes[], size_t size) {
+    ANSWER(core_to_bytes(face->column, state, bytes, size));
+}
+
+EXPORT FMI(Status) DESERIALIZE(Component instance, const FMI(Byte) bytes[], size_t size, STATE(, ) *state) {
+    Face *face = instance;
+    Saved *saved = NULL;
+    if (!face || !core_has(face->column, state, 1, "state")) return FMI(Error);
+    if (core_from_bytes(face->column, bytes, size, &saved) != ST_OK) return FMI(Error);
+    *state = saved;
+    return FMI(OK);
+}
