@@ -1,4 +1,4 @@
-"""What a person finds in the FMU: a drawing of the column and a page that explains every variable.
+"""Documentation inside the FMU: a drawing of the column and a page that explains every variable.
 
 Needed by the builder only; the FMU carries the results.
 """

@@ -1,4 +1,4 @@
-"""What both FMUs insist on, and in which words: the Python slave and the native core (native/table.py) share these.
+"""Rules of both FMUs, and their messages: the Python slave and the native core (native/table.py) share these.
 
 The messages are formats of C's printf, which Python's % understands as well.
 """

@@ -441,5 +441,5 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
 
 
 def _message_of(error: Exception) -> str:
-    """What went wrong, never nothing."""
+    """The message of an error, never empty."""
     return str(error) or repr(error)

@@ -28,7 +28,7 @@ _DIGEST = 64  # characters that the bytes begin with
 
 
 class Mode(StrEnum):
-    """Where an instance is in its life."""
+    """The phase of life of an instance."""
 
     INSTANTIATED = "instantiated"
     INITIALIZATION = "initialization"
@@ -99,7 +99,7 @@ def _check_values(values: list[Any], table: list[Variable]) -> None:
 
 
 class Unreadable(NamedTuple):
-    """What bytes turn into that are no state: the wrapper has no other way to hear of it in time."""
+    """Stands for bytes that are no state: the wrapper has no other way to hear of it in time."""
 
     reason: str
 

@@ -21,12 +21,6 @@ from solver.common.ranges import MAX_BLOCKS, NUMBERS
 from solver.dynamics.response import BASE_HISTORIES, BLOCK_HISTORIES, PEAKS
 from solver.ground.motion import STANDARD_GRAVITY
 
-# places of the inputs in the table
-AX = 0
-AZ = 1
-JX = 2
-JZ = 3
-
 # Value references. A number once given stays: a new variable takes the next free one, a dropped one leaves a gap.
 REFERENCES = {
     # inputs: from 1

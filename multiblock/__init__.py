@@ -32,6 +32,11 @@ from solver.dynamics.uncertainty import Ensemble, ErrorEstimate
 from solver.ground import wavelets
 from solver.ground.intensity import Intensity, Spectrum, intensity, pgv, spectrum
 from solver.runs.many import ExecutorError, parts_of_many
+from solver.space.builders import arch, colonnade, wall
+from solver.space.modes import SpatialModes, modes_in_space
+from solver.space.response import SpatialResponse
+from solver.space.run import SpatialState
+from solver.space.structure import Structure
 from solver.statics import calibrate
 from solver.statics.capacity import CapacityCurve, Rest, capacity_curve, rest_of, uplift_accelerations
 from solver.statics.modes import Modes, natural_modes
@@ -65,17 +70,24 @@ __all__ = [
     "RunsLine",
     "Settings",
     "SolverError",
+    "SpatialModes",
+    "SpatialResponse",
+    "SpatialState",
     "Spectrum",
     "Spread",
+    "Structure",
     "Study",
     "Table",
     "__version__",
+    "arch",
     "artificial_motions",
     "calibrate",
     "capacity_curve",
     "check",
+    "colonnade",
     "housner_restitution",
     "intensity",
+    "modes_in_space",
     "natural_frequencies",
     "natural_modes",
     "parts_of_many",
@@ -89,6 +101,7 @@ __all__ = [
     "spectrum",
     "studies",
     "uplift_accelerations",
+    "wall",
     "wavelets",
 ]
 

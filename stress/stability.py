@@ -114,9 +114,9 @@ def examine(case: Case) -> dict[str, Any]:
     if usual.failure:
         failures.append(f"gave up: {usual.failure}")
         return found
-    _check_rows(column, usual, failures, figures)
+    check_rows(column, usual, failures, figures)
     if motion.hold:
-        _check_energy(column, motion, usual, failures, figures)
+        check_energy(column, motion, usual, failures, figures)
     _check_mirror(column, motion, usual, failures)
     if (usual.stats["steps"] + usual.stats["rejected"]) * column.n < AFFORDABLE:
         _check_agreement(case, usual, failures, figures, tolerance)
@@ -124,7 +124,7 @@ def examine(case: Case) -> dict[str, Any]:
     return found
 
 
-def _check_rows(column: Column, run: Track, failures: list[str], figures: dict[str, float]) -> None:
+def check_rows(column: Column, run: Track, failures: list[str], figures: dict[str, float]) -> None:
     """Finite; N >= 0, |M| <= N b / 2, contact within 0..1."""
     n = column.n
     if not np.all(np.isfinite(run.rows)):
@@ -151,7 +151,7 @@ def _standing(run: Track) -> int:
     return int(np.searchsorted(run.times, run.overturn_time)) if run.overturned else len(run.times)
 
 
-def _check_energy(column: Column, motion: Motion, run: Track, failures: list[str], figures: dict[str, float]) -> None:
+def check_energy(column: Column, motion: Motion, run: Track, failures: list[str], figures: dict[str, float]) -> None:
     """Energy never exceeds that at the start plus the work of the base; without damping it is never less."""
     count = _standing(run)
     if count < 2:

@@ -1,11 +1,12 @@
 """Fixtures shared by the tests."""
 
 import signal
+import sys
 from pathlib import Path
 
 import pytest
 from hypothesis import settings
-from support.fmus import ROOT, Fmus
+from support.fmus import DAMPED, LINUX, PHOCAS, ROOT, Fmus, built_once, run
 
 from solver.dynamics.first_run import make_kernels
 
@@ -16,7 +17,7 @@ def pytest_configure() -> None:
 
 
 def pytest_sessionstart(session: pytest.Session) -> None:
-    """What most tests need is compiled once, on two cores, before workers begin that would each do so."""
+    """Compile the kernels of most tests once, on two cores, before each worker begins to."""
     if session.config.getoption("numprocesses", None):
         make_kernels()
 
@@ -36,10 +37,40 @@ def records() -> Path:
 
 @pytest.fixture(scope="session")
 def fmus(tmp_path_factory: pytest.TempPathFactory) -> Fmus:
-    """The FMUs of the two example columns, built once."""
-    folder = tmp_path_factory.mktemp("fmus")
-    columns = ROOT / "examples" / "columns"
+    """The FMUs of the two example columns."""
     return Fmus(
-        phocas=Fmus.build(columns / "phocas.toml", folder / "phocas.fmu"),
-        damped=Fmus.build(columns / "phocas-damped.toml", folder / "phocas-damped.fmu"),
+        phocas=built_once(tmp_path_factory, "phocas.fmu", lambda path: Fmus.build(PHOCAS, path)),
+        damped=built_once(tmp_path_factory, "damped.fmu", lambda path: Fmus.build(DAMPED, path)),
     )
+
+
+@pytest.fixture(scope="session")
+def native(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The damped example as a native FMU of FMI 2.0, for Linux, with its base as a terminal."""
+    pytest.importorskip("ziglang", reason="needs the extra native")
+    return built_once(tmp_path_factory, "native.fmu", lambda path: Fmus.build(DAMPED, path, *LINUX, "--terminals"))
+
+
+@pytest.fixture(scope="session")
+def native3(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The same of FMI 3.0, for all platforms."""
+    pytest.importorskip("ziglang", reason="needs the extra native")
+    return built_once(tmp_path_factory, "native3.fmu", lambda path: Fmus.build(DAMPED, path, "--native", "--fmi", "3"))
+
+
+@pytest.fixture(scope="session")
+def coupled(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The FMUs and SSPs of examples/coupling, with Python but for the ground."""
+    return built_once(tmp_path_factory, "coupled", lambda path: coupling(path))
+
+
+@pytest.fixture(scope="session")
+def native_coupled(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The same without Python."""
+    return built_once(tmp_path_factory, "native_coupled", lambda path: coupling(path, "--native"))
+
+
+def coupling(folder: Path, *options: str) -> str:
+    """Build the coupled systems by the example's own command, for Linux."""
+    program = ROOT / "examples" / "coupling" / "build.py"
+    return run(sys.executable, program, "-o", folder, "--platforms", "linux64", *options)

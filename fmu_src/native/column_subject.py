@@ -11,8 +11,8 @@ from solver.column.block import (
     knows_section,
 )
 from solver.column.column import Column
-from solver.column.packing import FORMULATION_CODES, INTEGRATOR_CODES, SKIP_CODES, shape_of
-from solver.column.settings import SKIPS
+from solver.column.packing import shape_of
+from solver.column.settings import FORMULATION_CODES, INTEGRATOR_CODES, SKIP_CODES
 from solver.common.ranges import LENGTH, NUMBERS
 from solver.dynamics.stepper import REASONS
 from solver.kernels.api import engine, pointers
@@ -37,7 +37,6 @@ from ..variables import (
 )
 from .table import Check, Chosen, Subject
 
-ENTRIES = "solver.kernels.api.pointers:ENTRIES"  # of the kernels
 # input -> the input that is its slope
 SLOPES = {"base.ax": "base.jx", "base.az": "base.jz", "base.theta": "base.omega", "base.omega": "base.alpha"}
 CODES = {FORMULATION.name: FORMULATION_CODES, INTEGRATOR.name: INTEGRATOR_CODES}
@@ -96,7 +95,7 @@ def column_subject(column: Column) -> Subject:
         given=_given(column),
         choices=[
             *(Chosen(name, "NUMBERED", _items(choice)) for name, choice in CHOICES.items()),
-            Chosen("solver.without", "ANY_WORDS", [(0, SKIP_CODES[word], word) for word in SKIPS]),
+            Chosen("solver.without", "ANY_WORDS", [(0, code, word) for word, code in SKIP_CODES.items()]),
         ],
         checks=_checks(column),
         reasons=REASONS,

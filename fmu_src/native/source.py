@@ -41,7 +41,7 @@ OWN_PREFIX = """#ifdef FMI2_FUNCTION_PREFIX
 
 
 def compiled_files(name: str) -> list[str]:
-    """What is to be compiled and linked; all else in sources/ is included by these."""
+    """The files to compile and link; they include all others in sources/."""
     return [f"{name}_core.c", f"{name}_fmi.c", f"{name}_kernels.c"]
 
 

@@ -1,4 +1,4 @@
-"""What a shared library needs from outside and what it offers, read from its file: ELF, PE and Mach-O."""
+"""Symbols that a shared library needs from outside and offers, read from its file: ELF, PE and Mach-O."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class Symbols:
 
     @property
     def foreign(self) -> list[str]:
-        """What belongs to Python or numba's runtime."""
+        """Symbols and libraries of Python or of numba's runtime."""
         return [name for name in (*self.needed, *self.libraries) if PYTHON.match(name.rpartition("/")[2])]
 
 

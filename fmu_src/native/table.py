@@ -1,4 +1,4 @@
-"""What the C core is compiled with, written from the tables of Python: nothing of it is kept by hand.
+"""Headers that the C core is compiled with, written from the tables of Python: none is kept by hand.
 
 contract.h  of what is simulated: the kernels with their arguments by name, sizes and codes, limits, messages
 table.h     what differs from one FMU to another: variables, start values, checks of the parameters, the record
@@ -43,7 +43,7 @@ PLACES = (
 
 @dataclass(frozen=True)
 class Chosen:
-    """What a parameter chooses: by an enumeration's number (NUMBERED), or as text (ONE_WORD, ANY_WORDS)."""
+    """The choice that a parameter makes: by an enumeration's number (NUMBERED), or as text (ONE_WORD, ANY_WORDS)."""
 
     name: str
     way: str
@@ -52,7 +52,7 @@ class Chosen:
 
 @dataclass(frozen=True)
 class Subject:
-    """What is simulated, as the core has to know it. What is not a column has neither codes nor places of columns."""
+    """The simulated body, as the core has to know it. One that is no column has neither codes nor places of columns."""
 
     is_column: bool
     sizes: dict[str, int]
@@ -96,7 +96,7 @@ class Check:
 
 @dataclass(frozen=True)
 class Contents:
-    """What one FMU is made for."""
+    """The content of one FMU."""
 
     subject: Subject
     table: list[Variable]

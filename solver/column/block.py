@@ -131,7 +131,7 @@ class Block:
 
     @property
     def contact_face(self) -> Face:
-        """What the block may touch with what is under it."""
+        """The face with which the block may touch the body under it."""
         found: Face = face_of(float(self.joint_section), self.joint_width, self.joint_depth, self.joint_bore)
         return found
 
@@ -143,7 +143,7 @@ class Block:
 
     @property
     def top_face(self) -> Face:
-        """What may bear a block on this one."""
+        """The face that may bear a block on this one."""
         width, depth = self.top_width or self.width, self.top_depth or self.depth
         found: Face = face_of(self.shape[0], width, depth, self.bore or 0.0)
         return found
@@ -167,7 +167,7 @@ class Block:
 
 @dataclass(frozen=True)
 class Rule:
-    """What a number of a block, or of its joint, is held to beside the range of its key in NUMBERS."""
+    """Limits of a number of a block, or of its joint, beside the range of its key in NUMBERS."""
 
     key: str
     of_joint: bool = False

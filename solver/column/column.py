@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from functools import cached_property
 from typing import Any, TypeVar
@@ -11,6 +11,7 @@ from typing import Any, TypeVar
 from ..common import ranges
 from ..common.errors import InputError, reading, shown
 from ..common.files import check_file_name, toml_of
+from ..common.notebook import Shown, counted, outlines
 from ..kernels.sections.faces import ON_BAND, ON_RING, RECTANGLE, STRIPS
 from .block import Block, Joint, check_block, check_friction
 from .column_file import parts_from, plain
@@ -18,8 +19,8 @@ from .contact import Contact, check_contacts, contacts_of
 from .settings import Settings, check_settings
 
 
-@dataclass(frozen=True)
-class Column:
+@dataclass(frozen=True, repr=False)
+class Column(Shown):
     """Superimposed rigid blocks, listed from the TOP down; the last joint rests on the base.
 
     Raises InputError on a value out of range, however the column was made; keys count blocks from 1, the top one.
@@ -52,6 +53,27 @@ class Column:
 
     def __getstate__(self) -> dict[str, Any]:
         return {key: value for key, value in self.__dict__.items() if key != "_hash"}  # each process has its own
+
+    def _facts(self) -> tuple[str, ...]:
+        height, mass = (sum(getattr(block, name) for block in self.blocks) for name in ("height", "mass"))
+        return self.name, counted(self.n, "block"), f"{height:.4g} m high", f"{1e-3 * mass:.4g} t"
+
+    def _lines(self) -> Iterable[Sequence[object]]:
+        yield "block", "height (m)", "width (m)", "mass (t)", "stiffness (N/m3)", "damping (s)", "friction"
+        for number, block in enumerate(self.blocks, start=1):
+            joint = block.joint
+            friction = "no sliding" if joint.friction is None else joint.friction
+            yield number, block.height, block.width, 1e-3 * block.mass, joint.stiffness, joint.damping, friction
+
+    def _picture(self) -> str:
+        shapes, foot, middle = [], 0.0, 0.0
+        for block in reversed(self.blocks):  # as if nothing leaned: a lean is too small to be seen
+            middle += block.joint.offset or 0.0
+            top, half, upper = foot + block.height, 0.5 * block.width, 0.5 * (block.top_width or block.width)
+            left, right = middle - half, middle + half
+            shapes.append(((left, foot), (right, foot), (middle + upper, top), (middle - upper, top)))
+            foot = top
+        return outlines(shapes)
 
     @property
     def n(self) -> int:
@@ -146,6 +168,12 @@ class Column:
         Code outside kernels/joint/law.py that assumes the linear law checks this first.
         """
         return next((block.joint.other_law for block in self.blocks if block.joint.other_law), "")
+
+    def in_space(self) -> Any:
+        """The same blocks and joints as a structure in space (`Structure.stack`). Raises InputError."""
+        from ..space.structure import Structure  # above this package: imported when it is called
+
+        return Structure.stack(self)
 
     @classmethod
     def from_toml(cls, path: str | os.PathLike[str]) -> Column:

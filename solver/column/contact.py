@@ -1,4 +1,4 @@
-"""What touches under each block: its contact face as far as the face below reaches, middle over middle as built."""
+"""The contact under each block: its contact face as far as the face below reaches, middle over middle as built."""
 
 from __future__ import annotations
 

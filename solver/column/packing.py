@@ -28,28 +28,19 @@ from ..kernels.api.entries import assemble_column
 from ..kernels.layout import spaces as at
 from .block import Block
 from .column import Column
+from .settings import FORMULATION_CODES, INTEGRATOR_CODES, SKIP_CODES
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 _of_block, _of_joint = attrgetter(*GIVEN_BLOCK), attrgetter(*GIVEN_JOINT)
 _TOLERANCE, _WITHOUT = GIVEN_SETTINGS.fields.index("tolerance"), GIVEN_SETTINGS.fields.index("without")
-FORMULATION_CODES = {"exact": at.EXACT, "paper": at.PAPER}
-INTEGRATOR_CODES = {"auto": at.AUTO, "central-difference": at.CENTRAL_DIFFERENCE}
 LEAST_STEP = 1e-9  # s, below any limit of stability
-SKIP_CODES = {
-    "elastic": at.ELASTIC,
-    "rest": at.REST,
-    "dashpots": at.DASHPOTS,
-    "resultants": at.RESULTANTS,
-    "implicit": at.IMPLICIT,
-    "peaks": at.EXTREMES,
-}
 
 
 @dataclass(frozen=True)
 class InitialState:
-    """Where a run starts; None is rest, static equilibrium under gravity.
+    """The start of a run; None is rest, static equilibrium under gravity.
 
     Sequences of n numbers, block 1 (the top) first, counted from the column as built: `rotation` rad clockwise,
     `rotation_rate` rad/s, `opening` m of the joint under each block along its normal (negative: compressed),

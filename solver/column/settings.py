@@ -6,11 +6,20 @@ from dataclasses import dataclass
 
 from ..common.errors import InputError, shown
 from ..common.ranges import check, check_choice
+from ..kernels.layout import spaces as at
 
-FORMULATIONS = ("exact", "paper")
-INTEGRATORS = ("auto", "central-difference")
-# what can be left out: short cuts, to check or to measure them, and the peaks of all but ux
-SKIPS = ("elastic", "rest", "dashpots", "resultants", "implicit", "peaks")
+# names -> codes of the kernels
+FORMULATION_CODES = {"exact": at.EXACT, "paper": at.PAPER}
+INTEGRATOR_CODES = {"auto": at.AUTO, "central-difference": at.CENTRAL_DIFFERENCE}
+SKIP_CODES = {  # what can be left out: short cuts, to check or to measure them, and the peaks of all but ux
+    "elastic": at.ELASTIC,
+    "rest": at.REST,
+    "dashpots": at.DASHPOTS,
+    "resultants": at.RESULTANTS,
+    "implicit": at.IMPLICIT,
+    "peaks": at.EXTREMES,
+}
+FORMULATIONS, INTEGRATORS, SKIPS = tuple(FORMULATION_CODES), tuple(INTEGRATOR_CODES), tuple(SKIP_CODES)
 
 
 @dataclass(frozen=True)

@@ -41,6 +41,7 @@ from .new import add_new_command
 from .progress import ProgressLine, compile_kernels
 from .record_report import report
 from .static import add_static_commands
+from .structure import is_structure_file, simulate_in_space
 from .study import add_command as add_study
 
 BASE_PEAKS = ("Fx", "Fz", "My"), ("kN", "kN", "kN m")
@@ -186,6 +187,9 @@ def add_commands(commands: argparse._SubParsersAction[OneLineParser]) -> None:
 
 
 def _simulate(options: argparse.Namespace) -> None:
+    if is_structure_file(options.column):
+        simulate_in_space(options)
+        return
     # obstacles to an output are reported before the run, not after it
     if options.output is not None:
         check_suffix(options.output, ".csv")

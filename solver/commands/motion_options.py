@@ -41,7 +41,7 @@ _WAVELETS = {
     ),
 }
 _OF_WAVELETS = ("frequency", "cycles", "phase", "length", "seed")
-_OF_RECORDS = ("vertical", "dt", "units", "channel", "vertical_channel")
+_OF_RECORDS = ("vertical", "across", "dt", "units", "channel", "vertical_channel")
 
 
 def add_file_options(parser: argparse.ArgumentParser) -> None:
@@ -56,6 +56,9 @@ def add_motion_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("motion", type=Path, nargs="?", metavar="MOTION", help=FORMATS)
     records = parser.add_argument_group("records")
     records.add_argument("--vertical", type=Path, metavar="FILE", help="the vertical component that goes with it")
+    records.add_argument(
+        "--across", type=Path, metavar="FILE", help="the other horizontal one, of a structure in space"
+    )
     records.add_argument("--vertical-channel", type=int, metavar="N", help="the same as --channel, of --vertical")
     add_file_options(parser)
     strength = parser.add_mutually_exclusive_group()
@@ -113,10 +116,14 @@ def file_line(path: Path, record: Record) -> str:
 
 
 def _recorded(options: argparse.Namespace) -> tuple[Motion, list[str]]:
-    paths = [path for path in (options.motion, options.vertical) if path is not None]
+    paths = [path for path in (options.motion, options.vertical, options.across) if path is not None]
     check_file_options(paths, options)
     record, motion = read_with_options(options.motion, options, options.channel)
     lines = [file_line(options.motion, record)]
+    if options.across is not None:
+        record, across = read_with_options(options.across, options, options.channel)
+        motion = motion.with_across(across)
+        lines.append(f"across {file_line(options.across, record)}")
     if options.vertical is None:
         _refuse(options, ("vertical_channel",), "is for --vertical")
         return motion, lines

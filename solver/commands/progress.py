@@ -10,7 +10,6 @@ from typing import Any, Self
 from ..dynamics.first_run import are_kept, make_kernels
 from ..kernels.numba_ext.numba_parts import LINKING
 from ..runs.ensemble import interruptible
-from ..runs.single_run import Glance
 
 PLAIN_TAKES = ", by numba's own pipeline: two minutes and more"
 PATIENCE = 2.0  # s, for which nothing is shown
@@ -18,7 +17,7 @@ FIRST_LINE, LONGER = 10.0, 1.5  # s until a first line in a pipe; later each int
 
 
 class Line:
-    """A line of tqdm, if installed, for work that takes longer than 2 s; to be used as a context."""
+    """A line of tqdm (in a notebook its bar), if installed, for work that takes longer than 2 s; a context."""
 
     def __init__(self, **form: Any) -> None:
         self._form = form  # as tqdm takes it
@@ -29,11 +28,11 @@ class Line:
         """Draw the part of the total, if known, that is reached."""
         if self._bar is None and clock.monotonic() - self._begin > PATIENCE:
             try:
-                from tqdm import tqdm
+                from tqdm import auto
             except ModuleNotFoundError:
                 self._begin = float("inf")
                 return
-            self._bar = tqdm(total=total, initial=reached, leave=False, file=sys.stderr, **self._form)
+            self._bar = auto.tqdm(total=total, initial=reached, leave=False, file=sys.stderr, **self._form)
         if self._bar is not None:
             self._bar.n = reached
             self._bar.refresh()
@@ -56,7 +55,7 @@ class ProgressLine(Line):
         super().__init__(bar_format="{percentage:3.0f}% |{bar}| {n:.4g} of {total:.4g} s")
         self._start, self._duration = start, duration
 
-    def __call__(self, t: float, seen: Glance) -> None:
+    def __call__(self, t: float, seen: object) -> None:
         """Show that time t, s, is reached."""
         self.show(min(self._duration, t - self._start), self._duration)
 

@@ -1,4 +1,4 @@
-"""What a record comes to, for the terminal."""
+"""The measures of a record, for the terminal."""
 
 from __future__ import annotations
 

@@ -7,13 +7,14 @@ import sys
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
+from functools import partial
 from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ..common.errors import InputError, needing, reading
+from ..common.errors import InputError, reading
 from ..common.executors import end_with_parent
 from ..common.files import check_outputs
 from ..runs.pace import CHUNK_SECONDS
@@ -22,10 +23,8 @@ from ..studies.execution import run_study
 from ..studies.journal import SUFFIX
 from ..studies.results import Results, results_of
 from ..studies.statistics import fit_fragility, ida_curves, influences
-from .command_files import add_force
+from .command_files import add_force, check_picture, write_outputs
 from .progress import PlainLine, RunsLine, compile_kernels
-
-PICTURES = (".png", ".pdf", ".svg")
 
 
 def add_command(commands: Any) -> None:
@@ -120,13 +119,10 @@ def _plot(options: argparse.Namespace) -> None:
     folder = options.study.parent if options.study.suffix == SUFFIX else options.output_folder
     path = options.output or folder / f"{results.study['name']}.png"  # which is this command's own
     check_outputs((options.output,), (options.study,), options.force)
-    if path.suffix.lower() not in PICTURES:
-        raise InputError(f"{path}: must end in {' or '.join(PICTURES)}")
-    with needing("plot", "matplotlib"):
-        from ..studies.pictures import draw
-    with reading(path):
-        draw(results, path)
-    print(path)
+    check_picture(path)
+    from ..studies.pictures import draw
+
+    write_outputs([(path, partial(draw, results))])
 
 
 def _study(options: argparse.Namespace) -> Study:
@@ -157,7 +153,7 @@ def _executor(options: argparse.Namespace) -> Iterator[Any]:
 
 
 def summary(results: Results) -> str:
-    """What the runs come to, in some lines."""
+    """The results of the runs, in some lines."""
     study = results.study
     fell, failed = int(np.sum(results.overturned)), int(np.sum(results["failure"] != ""))
     undecided = int(np.sum(results["verdict"] == "undecided"))

@@ -1,1 +1,1 @@
-"""What every package uses: errors, files, ranges of numbers, work sent to threads and processes."""
+"""Tools of every package: errors, files, ranges of numbers, work sent to threads and processes."""

@@ -1,4 +1,4 @@
-"""What goes wrong on the user's side, always said in one line."""
+"""Errors on the user's side, always said in one line."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class InputError(ValueError):
 
 
 class InputWarning(UserWarning):
-    """What is computed as given and probably not meant: one line with the key, the value and what would be right."""
+    """A value that is used as given and probably not meant: one line with key, value and what would be right."""
 
 
 class SolverError(ValueError):
@@ -80,7 +80,7 @@ def needing(extra: str, *packages: str) -> Iterator[None]:
 
 
 def _how_to_install(extra: str) -> str:
-    """What can be typed here: in a checkout, or where the project has been installed without one."""
+    """The command that installs it: in a checkout, or where the project has been installed without one."""
     root = Path(__file__).resolve().parents[2]
     if not (root / "pyproject.toml").is_file():
         return f'pip install "multiblock-fmu[{extra}]"'

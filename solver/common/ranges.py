@@ -1,4 +1,4 @@
-"""What the numbers and the words of a column may be, by key; how a wrong one is answered."""
+"""Ranges of the numbers and words of a column, by key; the answers to wrong ones."""
 
 from __future__ import annotations
 

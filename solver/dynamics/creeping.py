@@ -11,7 +11,6 @@ This is no proof, for a joint may slide while it bears less. The creep of column
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -19,7 +18,7 @@ import numpy as np
 from ..column.column import Column
 from ..column.packing import FloatArray
 from .kinematics import chain_of
-from .linearization import stuck
+from .linearization import with_all_joints
 
 SHARE = 0.5  # of the weight on a joint, which it bears while it slides
 
@@ -41,8 +40,5 @@ def levers_left(column: Column, slip: FloatArray, energy: float) -> float:
 @lru_cache(maxsize=256)
 def on_its_axis(column: Column) -> Column | None:
     """The column without offsets, whose joints never slide; None for columns that are off axis in another way."""
-    blocks = stuck(column).blocks
-    straight = replace(
-        column, blocks=tuple(replace(block, joint=replace(block.joint, offset=None)) for block in blocks)
-    )
+    straight = with_all_joints(column, friction=None, dowel=None, offset=None)
     return None if straight.off_axis else straight

@@ -25,12 +25,12 @@ from ..kernels.numba_ext.jit import CODE
 from .stepper import SILENCE
 
 
-def are_kept() -> bool:
-    """Whether the machine code of the kernels is in the cache on disk, or in this process."""
-    if run.overloads:  # type: ignore[attr-defined]
+def are_kept(entry: Any = run) -> bool:
+    """Whether the machine code of an entry is in the cache on disk, or in this process."""
+    if entry.overloads:
         return True
-    folder = run.stats.cache_path  # type: ignore[attr-defined]
-    return folder is not None and any(Path(folder).glob(f"*run_{CODE}*.nbc"))
+    folder = entry.stats.cache_path
+    return folder is not None and any(Path(folder).glob(f"*.{entry.__name__}_{CODE}*.nbc"))
 
 
 def make_kernels() -> None:

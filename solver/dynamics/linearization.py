@@ -75,15 +75,16 @@ class StillColumn:
 
 def undamped(column: Column) -> Column:
     """The column without damping, its joints rigid in shear."""
-    return _with_joints(column, damping=0.0, friction=None, dowel=None)
+    return with_all_joints(column, damping=0.0, friction=None, dowel=None)
 
 
 def stuck(column: Column) -> Column:
     """The column with joints that never slide."""
-    return _with_joints(column, friction=None, dowel=None)
+    return with_all_joints(column, friction=None, dowel=None)
 
 
-def _with_joints(column: Column, **changes: float | None) -> Column:
+def with_all_joints(column: Column, **changes: float | None) -> Column:
+    """The column with other properties of all joints."""
     return replace(
         column,
         blocks=tuple(replace(block, joint=replace(block.joint, **changes)) for block in column.blocks),  # type: ignore

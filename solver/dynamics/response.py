@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -14,6 +15,8 @@ from ..column.friction import friction_demand, time_exceeded
 from ..column.packing import FloatArray
 from ..common.errors import check_whole, needing
 from ..common.files import write_table
+from ..common.frames import Frame, Framed
+from ..common.notebook import Shown, counted, history, rows_of
 from ..ground.motion import Motion
 from ..kernels.layout import spaces as at
 from .uncertainty import PERCENTILES, Ensemble, ErrorEstimate
@@ -28,6 +31,8 @@ BLOCK_HISTORIES = {
     name: f"{'block' if name in ('ux', 'uz', 'theta') else 'joint'}[{{i}}].{name}" for name in at.OUTPUTS.fields
 }
 BASE_HISTORIES = {name: f"base.{name}" for name in at.REACTION.fields}
+UNITS = dict.fromkeys(("ux", "uz", "slip"), "m") | dict.fromkeys(("N", "S", "T", "Fx", "Fz"), "N")
+UNITS |= {"time": "s", "theta": "rad", "M": "N m", "My": "N m", "sigma_max": "Pa"}
 # names of `Response.peaks` -> names among the outputs of the FMU, in the order of the kernels (layout.py, PEAKS)
 PEAKS = {name: f"{output}_{'least' if name == 'contact' else 'peak'}" for name, output in BLOCK_HISTORIES.items()}
 PEAKS |= {name: f"{output}_peak" for name, output in BASE_HISTORIES.items()} | {"friction": "joint[{i}].friction_peak"}
@@ -38,7 +43,8 @@ def check_digits(key: str, digits: int) -> int:
     return check_whole(key, digits, 1, MOST_DIGITS, f"a whole number from 1 to {MOST_DIGITS}")
 
 
-class Response:
+@dataclass(eq=False, repr=False)
+class Response(Framed, Shown):
     """Histories (nt, n), block and joint 1 (the top) first; base reaction (nt,).
 
     time (s); ux (m), top face relative to the base, +x; uz (m), centroid, up, from the unloaded geometry; theta (rad),
@@ -65,34 +71,40 @@ class Response:
     Histories are computed from the motion when one of them is first used, which may raise SolverError.
     """
 
-    def __init__(
-        self,
-        column: Column,
-        time: FloatArray,
-        observe: Callable[[], FloatArray],
-        peaks: dict[str, FloatArray],
-        overturned_joint: int,
-        overturn_time: float,
-        stats: dict[str, Any],
-        verdict: str = "undecided",
-        reason: str = "",
-    ) -> None:
-        """`observe` returns the output rows (nt, 10 n + 3)."""
-        self.column = column
-        self.time = time
-        self._observe = observe
-        self.peaks = peaks
-        self.overturned = overturned_joint > 0
-        self.overturned_joint = overturned_joint
-        self.overturn_time = overturn_time
-        self.stats = stats
-        self.verdict = verdict
-        self.reason = reason
-        self.estimated_error: ErrorEstimate | None = None
-        self.horizon: float | None = None
-        self.ensemble: Ensemble | None = None
+    column: Column
+    time: FloatArray
+    _observe: Callable[[], FloatArray]  # returns the output rows (nt, 10 n + 3)
+    peaks: dict[str, FloatArray]
+    overturned_joint: int
+    overturn_time: float
+    stats: dict[str, Any]
+    verdict: str = "undecided"
+    reason: str = ""
+    estimated_error: ErrorEstimate | None = None
+    horizon: float | None = None
+    ensemble: Ensemble | None = None
+    motion: Motion | None = None  # of the base; drawn above the histories
 
-        self.motion: Motion | None = None  # of the base; drawn above the histories
+    def _facts(self) -> tuple[str, ...]:
+        facts = [f"of {self.column.name}", self.verdict, f"{1e3 * float(np.max(self.peak_ux)):.4g} mm at most"]
+        if self.overturned:
+            facts.append(f"fell at {self.overturn_time:.4g} s over joint {self.overturned_joint}")
+        if self.ensemble is not None:
+            facts.append(f"{self.ensemble.overturned} of {self.ensemble.size} varied columns overturned")
+        return *facts, counted(len(self.time), "row")
+
+    def _lines(self) -> Iterable[Sequence[object]]:
+        shown = {"ux": ("|ux| (mm)", 1e3), "N": ("N (kN)", 1e-3), "sigma_max": ("pressure (MPa)", 1e-6)}
+        shown |= {"contact": ("least contact", 1.0), "friction": ("|T| / N", 1.0)}
+        found = {head: scale * self.peaks[name] for name, (head, scale) in shown.items() if name in self.peaks}
+        return rows_of({"peaks of block, joint": np.arange(1, self.column.n + 1), **found})
+
+    def _picture(self) -> str:
+        return history(self.time, 1e3 * self.ux[:, 0], "top (mm)")
+
+    def _frame(self) -> Frame:
+        columns = {name: getattr(self, name) for name in (*BLOCK_HISTORIES, *BASE_HISTORIES)}
+        return Frame(("time", self.time), columns, UNITS, {"column": self.column.name, "verdict": self.verdict})
 
     def __getstate__(self) -> dict[str, Any]:
         """For pickle and copy: the histories themselves, not the solver that computes them. Raises SolverError."""
@@ -131,6 +143,11 @@ class Response:
     My = property(lambda self: self._base("My"))
 
     @property
+    def overturned(self) -> bool:
+        """Whether the column falls, within the run or after it."""
+        return self.overturned_joint > 0
+
+    @property
     def peak_ux(self) -> FloatArray:
         """The peaks of ux, m (n,)."""
         return self.peaks["ux"]
@@ -146,7 +163,7 @@ class Response:
     def to_csv(self, path: str | os.PathLike[str], digits: int = DIGITS) -> None:
         """Write every history under the name of the FMU's output, in the order of the FMU's outputs.
 
-                digits: significant ones of every number, 1 to 17; 17 give every float64 in full.
+        digits: significant ones of every number, 1 to 17; 17 give every float64 in full.
         With an ensemble, the percentiles of its ux follow as ensemble.block[i].ux.p16, p50, p84: nan after all have
         fallen.
         """

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..common.errors import POSITIVE, InputError, check_number
+from ..common.frames import Frame, Framed
 from . import oscillator
 from .motion import STANDARD_GRAVITY, Motion
 
@@ -71,12 +72,17 @@ class Intensity:
 
 
 @dataclass(frozen=True, eq=False)
-class Spectrum:
+class Spectrum(Framed):
     """Largest response of oscillators, the free vibration after the motion included."""
 
     period: FloatArray  # (p,) s
     sd: FloatArray  # (p,) m, relative displacement
     damping: float  # of critical
+
+    def _frame(self) -> Frame:
+        columns = {"sd": self.sd, "psv": self.psv, "psa": self.psa}
+        units = {"period": "s", "sd": "m", "psv": "m/s", "psa": "m/s2"}
+        return Frame(("period", self.period), columns, units, {"damping": self.damping})
 
     @property
     def psv(self) -> FloatArray:

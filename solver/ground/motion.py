@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import math
 import os
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..common.errors import FINITE, NOT_NEGATIVE, POSITIVE, InputError, check_number, reading, shown
 from ..common.files import whole_file
+from ..common.frames import Frame, Framed
+from ..common.notebook import Shown, counted, history
 from .records import STANDARD_GRAVITY as STANDARD_GRAVITY
 from .records import Record, read_record
 from .records.columns import LEAD, SLOPES
@@ -19,11 +21,13 @@ from .records.reader import read_at2, read_csv
 LARGEST = 1e6  # m/s2: a larger acceleration is a mistake of units, and no column can be followed under it
 ACCELERATION = (-LARGEST, LARGEST), "a finite acceleration in m/s2, at most 1e6 either way"
 MOST_CYCLES = 1e6  # of a harmonic whose crests are looked for
+DRAWN = 5000  # instants of a harmonic in its picture
+_NONE: NDArray[np.float64] = np.zeros(0)
 SAME_INSTANT = 1e-6  # of the shortest sampling interval: two records' instants that close differ by rounding
 
 
-@dataclass(frozen=True, eq=False)
-class Motion:
+@dataclass(frozen=True, eq=False, repr=False)
+class Motion(Framed, Shown):
     """Base acceleration over start <= t <= end; before and after, it is zero.
 
     ax(t) = samples + amplitude sin(2 pi frequency (t - start)), az(t) = samples. Between two samples the acceleration
@@ -39,12 +43,16 @@ class Motion:
     duration: float  # s; linear: time[-1] - time[0], held: more, the last sample holds until the end
     hold: bool = False
     amplitude: float = 0.0  # m/s2, of the harmonic part of ax
-    frequency: float = 0.0  # Hz, of the harmonic part of ax; positive where amplitude is not 0
+    frequency: float = 0.0  # Hz, of the harmonic part; positive where an amplitude is not 0
+    ay: NDArray[np.float64] = field(default_factory=lambda: _NONE)  # (m,) m/s2, across x, for structures; none: zeros
+    amplitude_y: float = 0.0  # m/s2, of the harmonic part of ay
 
     def __post_init__(self) -> None:
-        for key, unit in (("time", "s"), ("ax", "m/s2"), ("az", "m/s2")):
+        if self.ay is _NONE:
+            object.__setattr__(self, "ay", np.zeros_like(self.ax, dtype=np.float64))
+        for key, unit in (("time", "s"), ("ax", "m/s2"), ("ay", "m/s2"), ("az", "m/s2")):
             object.__setattr__(self, key, _checked_samples(key, getattr(self, key), unit))
-        for key in ("ax", "az"):
+        for key in ("ax", "ay", "az"):
             count = len(getattr(self, key))
             if count != len(self.time):
                 raise InputError(f"{key}: {count} samples, must be {len(self.time)}, one for each time")
@@ -61,7 +69,8 @@ class Motion:
         if not isinstance(self.hold, (bool, np.bool_)):
             raise InputError(f"hold = {shown(self.hold)}: must be True or False")
         check_number("amplitude", self.amplitude, *ACCELERATION)
-        limits = POSITIVE if self.amplitude else NOT_NEGATIVE
+        check_number("amplitude_y", self.amplitude_y, *ACCELERATION)
+        limits = POSITIVE if self.amplitude or self.amplitude_y else NOT_NEGATIVE
         check_number("frequency", self.frequency, limits, "a positive frequency in Hz")
         check_number("duration", self.duration, POSITIVE, "a positive time in s")
         sampled = float(self.time[-1] - self.time[0])
@@ -69,6 +78,21 @@ class Motion:
             raise InputError(f"duration = {self.duration}: must be more than the {sampled} s from first to last sample")
         if not self.hold and not math.isclose(self.duration, sampled, rel_tol=1e-9):
             raise InputError(f"duration = {self.duration}: must be the {sampled} s from first to last sample")
+
+    def _facts(self) -> tuple[str, ...]:
+        kind = f"harmonic of {self.frequency:g} Hz" if self.amplitude else counted(len(self.time), "sample")
+        beside = ["held"] * self.hold + ["vertical too"] * bool(np.any(self.az))
+        return "of the base", f"{self.duration:.4g} s", f"PGA {self.pga / STANDARD_GRAVITY:.4g} g", kind, *beside
+
+    def _picture(self) -> str:
+        time = np.linspace(self.start, self.end, DRAWN) if self.amplitude else self.time
+        return history(time, self.acceleration(time)[0] / STANDARD_GRAVITY, "acceleration (g)")
+
+    def _frame(self) -> Frame:
+        """The samples; a harmonic has only its start and its end."""
+        columns = {"ax": self.ax, "az": self.az}
+        beside = {"hold": int(self.hold), "amplitude": self.amplitude, "frequency": self.frequency}
+        return Frame(("time", self.time), columns, {"time": "s", "ax": "m/s2", "az": "m/s2"}, beside)
 
     @property
     def start(self) -> float:
@@ -79,6 +103,11 @@ class Motion:
     def end(self) -> float:
         """Last instant of the motion, s."""
         return self.start + self.duration if self.hold else float(self.time[-1])
+
+    @property
+    def has_ay(self) -> bool:
+        """Whether the base accelerates along y as well."""
+        return bool(self.amplitude_y) or bool(np.any(self.ay))
 
     @property
     def pga(self) -> float:
@@ -107,8 +136,10 @@ class Motion:
         """Return the motion with every acceleration multiplied by `factor`. Raises InputError beyond 1e6 m/s2."""
         factor = check_number("factor", factor, FINITE, "a finite number")
         ax, az, amplitude = factor * self.ax, factor * self.az, factor * self.amplitude
-        if not max(np.abs(ax).max(), np.abs(az).max(), abs(amplitude)) <= LARGEST:
-            return replace(self, ax=ax, az=az, amplitude=amplitude)  # which says what is wrong
+        largest = max(np.abs(ax).max(), np.abs(az).max(), abs(amplitude))
+        if self.has_ay or not largest <= LARGEST:  # it says what is wrong
+            ay, amplitude_y = factor * self.ay, factor * self.amplitude_y
+            return replace(self, ax=ax, ay=ay, az=az, amplitude=amplitude, amplitude_y=amplitude_y)
         return Motion.unchecked(self.time, ax, az, self.duration, self.hold, amplitude, self.frequency)
 
     def scaled_to(self, pga: float) -> Motion:
@@ -138,7 +169,14 @@ class Motion:
         same = SAME_INSTANT * min(np.min(np.diff(self.time)), np.min(np.diff(vertical.time)))
         time = both[np.concatenate([[True], np.diff(both) > same])]
         ax, az = _at_instants(time, self, same), _at_instants(time, vertical, same)
-        return Motion(time, ax, az, float(time[-1] - time[0]))
+        ay = np.interp(time, self.time, self.ay, left=0.0, right=0.0)
+        return Motion(time, ax, az, float(time[-1] - time[0]), ay=ay)
+
+    def with_across(self, across: Motion) -> Motion:
+        """Return the motion with the ax of `across`, a record of one component, as its ay; see `with_vertical`."""
+        level = replace(self, az=np.zeros_like(self.az)).with_vertical(across)
+        upwards = np.interp(level.time, self.time, self.az, left=0.0, right=0.0)
+        return replace(level, ay=level.az, az=upwards)
 
     def mirrored(self) -> Motion:
         """Return the motion seen from behind: ax changes its sign, az does not."""
@@ -164,6 +202,10 @@ class Motion:
         else:
             time = self.time
         names, table = ["time", "base.ax", "base.az"], np.column_stack([time, *self.acceleration(time)])
+        if self.has_ay:
+            if slopes or self.amplitude_y:
+                raise InputError("ay: must be samples, and without slopes, to be written beside ax and az")
+            names, table = [*names, "base.ay"], np.column_stack([table, np.interp(time, self.time, self.ay)])
         if slopes:
             names, table = [*names, *SLOPES], _with_slopes(table, self.hold)
         with reading(path), whole_file(path) as partial:
@@ -198,18 +240,20 @@ class Motion:
         The arrays are float64, not copied, and become read-only.
         """
         made: Motion = object.__new__(cls)
-        for samples in (time, ax, az):
+        ay = np.zeros_like(ax)
+        for samples in (time, ax, ay, az):
             samples.setflags(write=False)
         made.__dict__.update(
             time=time, ax=ax, az=az, duration=duration, hold=hold, amplitude=amplitude, frequency=frequency
         )
+        made.__dict__.update(ay=ay, amplitude_y=0.0)
         return made
 
     @classmethod
-    def harmonic(cls, amplitude: float, frequency: float, duration: float) -> Motion:
+    def harmonic(cls, amplitude: float, frequency: float, duration: float, direction: float = 0.0) -> Motion:
         """Return ax = amplitude sin(2 pi frequency t) over 0 <= t <= duration; m/s2, Hz, s.
 
-        `Motion.harmonic(0.05 * 9.80665, 1.0, 10.0)` is 0.05 g at 1 Hz for 10 s.
+        `Motion.harmonic(0.05 * 9.80665, 1.0, 10.0)` is 0.05 g at 1 Hz for 10 s. direction: rad from x to y, in plan.
 
         Raises InputError unless amplitude is finite, frequency and duration positive.
         """
@@ -217,11 +261,21 @@ class Motion:
         duration = check_number("duration", duration, POSITIVE, "a positive time in s")
         amplitude = check_number("amplitude", amplitude, *ACCELERATION)
         time, zero = np.array([0.0, duration], dtype=np.float64), np.zeros(2)
-        return cls(time, zero, zero, duration, amplitude=amplitude, frequency=frequency)
+        if direction == 0.0:
+            return cls(time, zero, zero, duration, amplitude=amplitude, frequency=frequency)
+        along, across = math.cos(direction), math.sin(check_number("direction", direction, FINITE, "an angle in rad"))
+        return cls(time, zero, zero, duration, False, along * amplitude, frequency, amplitude_y=across * amplitude)
 
     @classmethod
-    def from_samples(cls, dt: float, ax: ArrayLike, az: ArrayLike | None = None, hold: bool = False) -> Motion:
-        """Return a motion of samples at k dt; dt in s, ax and az (m,) m/s2, no az meaning zeros.
+    def from_samples(
+        cls,
+        dt: float,
+        ax: ArrayLike,
+        az: ArrayLike | None = None,
+        hold: bool = False,
+        ay: ArrayLike | None = None,
+    ) -> Motion:
+        """Return a motion of samples at k dt; dt in s, ax, ay and az (m,) m/s2, none meaning zeros.
 
         For arrays of other programs, e.g. obspy or eqsig (docs/records.md).
         Linear, it lasts (m - 1) dt and needs 2 samples; held, m dt and 1 sample. Raises InputError as `Motion` does.
@@ -230,7 +284,8 @@ class Motion:
         ax = _checked_samples("ax", ax, "m/s2")
         time = dt * np.arange(len(ax), dtype=np.float64)
         duration = dt * len(ax) if hold else float(time[-1])
-        return cls(time, ax, np.zeros_like(ax) if az is None else np.asarray(az), duration, hold)
+        up, across = (np.zeros_like(ax) if given is None else np.asarray(given) for given in (az, ay))
+        return cls(time, ax, up, duration, hold, ay=across)
 
     @classmethod
     def from_file(
@@ -254,7 +309,8 @@ class Motion:
     @classmethod
     def from_record(cls, record: Record) -> Motion:
         """Return the motion of a record that has been read; piecewise linear. Raises InputError as `Motion` does."""
-        return cls(record.time, record.ax, record.az, float(record.time[-1] - record.time[0]))
+        duration = float(record.time[-1] - record.time[0])
+        return cls(record.time, record.ax, record.az, duration, ay=_NONE if record.ay is None else record.ay)
 
     @classmethod
     def from_csv(cls, path: str | os.PathLike[str], hold: bool = False) -> Motion:
@@ -270,7 +326,8 @@ class Motion:
         with reading(path):
             time = record.time
             duration = time[-1] - time[0] + (time[-1] - time[-2] if hold else 0.0)
-            return cls(time, record.ax, record.az, float(duration), hold)
+            ay = _NONE if record.ay is None else record.ay
+            return cls(time, record.ax, record.az, float(duration), hold, ay=ay)
 
     @classmethod
     def from_at2(cls, path: str | os.PathLike[str]) -> Motion:
@@ -281,6 +338,12 @@ class Motion:
         record = read_at2(path)
         with reading(path):
             return cls.from_record(record)
+
+
+def check_in_plane(motion: Motion) -> None:
+    """Raise InputError for a motion that leaves the plane of a column."""
+    if motion.has_ay:
+        raise InputError("ay: a column moves in its plane, must be zero; Structure.stack(column) moves in space")
 
 
 def _with_slopes(table: NDArray[np.float64], hold: bool) -> NDArray[np.float64]:

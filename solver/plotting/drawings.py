@@ -9,13 +9,13 @@ from pathlib import Path
 import numpy as np
 from matplotlib.animation import AbstractMovieWriter, FFMpegWriter, PillowWriter
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
 from ..column.packing import FloatArray
 from ..common.errors import POSITIVE, InputError, check_number
 from ..common.files import whole_file
 from .drawable import Shaken, Shapes
+from .figures import Figure
 from .plots import block_colours, draw_ground, save
 
 STONE, INK = "#cdbfa7", "#3b3a38"

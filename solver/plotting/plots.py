@@ -18,7 +18,6 @@ from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LinearSegmentedColormap, ListedColormap, Normalize, to_hex
-from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from ..column.column import Column
@@ -29,6 +28,7 @@ from ..common.files import whole_file
 from ..ground.motion import STANDARD_GRAVITY, Motion
 from ..kernels.layout.spaces import COUNTS_FROM
 from .drawable import Shaken
+from .figures import Figure
 
 Where = Literal["outside lower center", "outside upper center"]
 

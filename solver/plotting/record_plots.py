@@ -7,11 +7,11 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from ..common.errors import InputError
 from ..ground.intensity import DAMPING, NAMES, components, histories, lines_of, spectrum
 from ..ground.motion import STANDARD_GRAVITY, Motion
+from .figures import Figure
 from .plots import block_colours, save, tidy
 
 _STYLES: dict[str, str] = {"ax": "-", "az": "--"}

@@ -9,13 +9,13 @@ from typing import Any, Protocol
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from ..column.column import Column
 from ..column.packing import FloatArray
 from ..ground.motion import STANDARD_GRAVITY
 from .drawable import Shapes
 from .drawings import SHOWN, draw_column
+from .figures import Figure
 from .plots import FEW_COLOURS, save
 
 SMALL = 1e-6  # m: the amplitude of shapes, which drawings magnify

@@ -68,10 +68,15 @@ class Kind(NamedTuple):
 
 
 # the later, the more sections; kinds with slips, without and swept never share lanes
-PLAIN, ROUND = Kind(run_lanes), Kind(run_round, section="circle")
-SLIPPING, ROUND_SLIPPING = Kind(run_slipping, True), Kind(run_round_slipping, True, "circle")
-STRIPPED, SWEPT = Kind(run_stripped, True, "strips"), Kind(run_swept, swept=True)
-KINDS = (PLAIN, ROUND, SLIPPING, ROUND_SLIPPING, STRIPPED, SWEPT)
+KINDS = {
+    "plain": Kind(run_lanes),
+    "round": Kind(run_round, section="circle"),
+    "slipping": Kind(run_slipping, True),
+    "round, slipping": Kind(run_round_slipping, True, "circle"),
+    "strips, slipping": Kind(run_stripped, True, "strips"),
+    "swept": Kind(run_swept, swept=True),
+}
+KNOW = tuple(KINDS)
 
 _NONE = np.empty(0)
 
@@ -114,15 +119,15 @@ def why_not_in_lanes(column: Column) -> str:
     return "stiff joints" if _is_stiff(column) else ""
 
 
-def kind_of(column: Column) -> Kind:
-    """The kind of lanes that makes the runs of a column."""
+def kind_of(column: Column) -> str:
+    """The kind of lanes that makes the runs of a column, a name of KINDS."""
     if column.settings.formulation == "paper":
-        return SWEPT
+        return "swept"
     if column.has_strips:
-        return STRIPPED
+        return "strips, slipping"
     if column.has_rectangles_only:
-        return SLIPPING if column.has_slips else PLAIN
-    return ROUND_SLIPPING if column.has_slips else ROUND
+        return "slipping" if column.has_slips else "plain"
+    return "round, slipping" if column.has_slips else "round"
 
 
 def _is_stiff(column: Column) -> bool:
@@ -223,7 +228,7 @@ def follow_in_lanes(
     rows = _NONE if times is None else np.ascontiguousarray(times, dtype=np.float64)
     flag = np.zeros(1) if flag is None else flag
     kinds = {kind_of(column) for column in columns}
-    kind = max(kinds, key=KINDS.index)  # with the same bits as the other kinds for the sections these know
+    kind = max(kinds, key=KNOW.index)  # with the same bits as the other kinds for the sections these know
     batch = _Batch(columns[0].n, len(columns), _Records(motions, durations), rows, kind)
     for k, (column, motion, duration) in enumerate(zip(columns, motions, durations, strict=True)):
         if not flag[0]:
@@ -233,11 +238,11 @@ def follow_in_lanes(
 
 
 def rest_in_lanes(
-    models: FloatArray, n: int, kind: Kind, phases: FloatArray, begin: FloatArray, end: FloatArray, flag: FloatArray
+    models: FloatArray, n: int, kind: str, phases: FloatArray, begin: FloatArray, end: FloatArray, flag: FloatArray
 ) -> BatchResult:
     """Follow columns of n blocks on a still base, in one thread and unchecked; `flag` as for `follow_in_lanes`.
 
-    models: as of BatchResult. phases: (columns, 4 n) at the times `begin`, s.
+    models: as of BatchResult. kind: of KINDS. phases: (columns, 4 n) at the times `begin`, s.
     """
     batch = _Batch(n, len(phases), _Records((), ()), _NONE, kind)
     batch.go_on(models, phases, begin, end)
@@ -270,9 +275,9 @@ class _Records:
 class _Batch:
     """Runs as rows for the kernels (kernels/batch/runs.py), and room for the first part of one run at a time."""
 
-    def __init__(self, n: int, count: int, records: _Records, rows: FloatArray, kind: Kind) -> None:
-        self.n, self._kind = n, kind
-        self._slips = np.zeros((count, SLIP_FIELDS * n if kind.slips else 0))
+    def __init__(self, n: int, count: int, records: _Records, rows: FloatArray, kind: str) -> None:
+        self.n, self._kind = n, KINDS[kind]
+        self._slips = np.zeros((count, SLIP_FIELDS * n if self._kind.slips else 0))
         self._records = records
         self._rows = rows
         self._models = np.zeros((count, at.MODEL.size(n)))

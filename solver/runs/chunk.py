@@ -27,7 +27,7 @@ from ..dynamics.kinematics import Chain, chain_of
 from ..dynamics.response import Response
 from ..dynamics.verdict import OVERTURNED, UNDECIDED
 from ..ground.motion import Motion
-from .batch import HELD, KINDS, BatchResult, Kind, follow_in_lanes, kind_of, why_not_in_lanes
+from .batch import HELD, KINDS, BatchResult, follow_in_lanes, kind_of, why_not_in_lanes
 from .outputs import KEPT, WATCHED, WATCHED_ALL, WATCHED_OF_BASE
 from .settling import outcomes_of
 from .single_run import Callback, outcome, output_times, single_run
@@ -128,11 +128,12 @@ def _made(chunk: Chunk, flag: FloatArray) -> Made:
 
 
 @lru_cache(maxsize=len(KINDS))
-def load_kernels(kind: Kind) -> None:
+def load_kernels(name: str) -> None:
     """Load the kernels of a kind of lanes into this process, which takes as long as thousands of runs.
 
     Called before the clock starts, so compile time is not counted.
     """
+    kind = KINDS[name]
     joint = Joint(1e9, 1e-3, friction=1.0 if kind.slips else None)
     if kind.section == "strips":
         joint = replace(joint, section="strips", strips=(1.0,))
@@ -185,7 +186,7 @@ def empty_columns(chunk: Chunk) -> Columns:
 def _in_lanes(chunk: Chunk, columns: Columns, tally: Tally, flag: FloatArray) -> dict[int, str]:
     """Make the runs that lanes can make into the columns. Returns the places of the others, and the reasons."""
     alone: dict[int, str] = {}
-    groups: dict[tuple[int, Kind], list[int]] = {}
+    groups: dict[tuple[int, str], list[int]] = {}
     known: dict[int, str] = {}  # of the same column
     for place, (column, motion, _) in enumerate(chunk.runs):
         if id(column) not in known:
@@ -217,7 +218,7 @@ def _fill(
     """Write the results of runs with equal numbers of blocks, in lanes of one kind, into the columns."""
     n = runs[0].column.n
     wanted = [name for name in LEFT if name in columns]
-    if kind_of(runs[0].column).slips:
+    if KINDS[kind_of(runs[0].column)].slips:
         chain = None
         chains = [chain_of(run.column) for run in runs]
         left = {name: np.array([*map(partial(_at_the_end, name), chains, batch.ends)]) for name in wanted}

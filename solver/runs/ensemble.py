@@ -147,7 +147,7 @@ def _percentiles(values: FloatArray) -> FloatArray:
 
 
 def interruptible(work: Callable[[], Any]) -> Any:
-    """What `work` returns; it runs in a thread, so that an interruption is noticed during a long call."""
+    """The result of `work`, which runs in a thread, so that an interruption is noticed during a long call."""
     outcome: list[Any] = []
     failure: list[BaseException] = []
 

@@ -17,8 +17,10 @@ import numpy as np
 from ..column.column import Column
 from ..common.errors import POSITIVE, InputError, InputWarning, SolverError, check_number, check_whole, shown
 from ..common.executors import TRIES, cores, said, sent_out, workers_of
-from ..ground.motion import Motion
+from ..ground.motion import Motion, check_in_plane
+from ..space.structure import Structure
 from .chunk import Chunk, Made, Run, make_packed, make_runs, packed, why_alone
+from .many_in_space import are_structures, simulate_structures
 from .outputs import KEPT
 from .pace import Pace
 from .single_run import SETTLE
@@ -41,7 +43,7 @@ class ExecutorError(SolverError):
 
 
 def simulate_many(
-    columns: Column | Iterable[Column],
+    columns: Column | Structure | Iterable[Column] | Sequence[Structure],
     motions: Motion | Iterable[Motion],
     *,
     duration: float | Iterable[float | None] | None = None,
@@ -53,7 +55,7 @@ def simulate_many(
     responses: Collection[int] = (),
     callback: Callback | None = None,
 ) -> Table:
-    """Runs of column k under motion k, each from rest, as a table with a row for each.
+    """Runs of column k under motion k, each from rest, as a table with a row for each; or of structures in space.
 
     columns, motions, duration (s; None: that of the motion), tolerance (relative to the peak; None: that of the
     column): one for all runs, or one for each run. They may differ in everything. Iterables are read as needed, so that
@@ -68,22 +70,16 @@ def simulate_many(
     finish is "undecided", its numbers are NaN and `table.stats["failures"]` says why.
     Raises InputError for a wrong value, ExecutorError where the executor fails. Warns as `simulate`, once for all.
     """
+    given = locals()  # passed on as they are
+    if are_structures(columns):
+        if executor is not None or responses:
+            raise InputError("executor: must be left out, as responses, structures run in threads")
+        settings = duration, tolerance, keep, threads, settle, callback
+        return simulate_structures(columns, motions, *settings)  # type: ignore[arg-type]
     summary = Summary()
     parts: list[Table] = []
     try:
-        for part in parts_of_many(
-            columns,
-            motions,
-            duration=duration,
-            tolerance=tolerance,
-            keep=keep,
-            executor=executor,
-            threads=threads,
-            settle=settle,
-            responses=responses,
-            callback=callback,
-            summary=summary,
-        ):
+        for part in parts_of_many(**given, summary=summary):
             parts.append(part)
     except ExecutorError as lost:
         lost.finished = parts
@@ -177,6 +173,7 @@ def _iterated(given: dict[str, Any], several: dict[str, Any]) -> Iterator[Run]:
             made = _with_tolerance(k, column, tolerance)
         if not isinstance(motion, Motion):
             raise InputError(f"motions[{k}] = {shown(motion)}: must be a Motion")
+        check_in_plane(motion)
         span = motion.duration if duration is None else duration
         yield Run(made, motion, check_number(f"duration[{k}]", span, POSITIVE, "a positive time in s"))
 

@@ -2,28 +2,35 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
+from typing import Any, overload
 
 from ..column.column import Column
-from ..column.packing import InitialState
+from ..column.packing import FloatArray, InitialState
 from ..column.rest import check_rest
-from ..common.errors import POSITIVE, InputError, SolverError, check_number, check_whole
+from ..common.errors import POSITIVE, InputError, SolverError, check_number, check_whole, shown
 from ..dynamics.first_run import make_kernels
 from ..dynamics.kinematics import chain_of
 from ..dynamics.response import Response
 from ..dynamics.uncertainty import Spread
-from ..ground.motion import Motion
+from ..ground.motion import Motion, check_in_plane
+from ..space.ensemble import ensemble_in_space
+from ..space.response import SpatialResponse
+from ..space.run import Callback as SpatialCallback
+from ..space.run import SpatialState, simulate_structure
+from ..space.structure import Structure
 from .ensemble import ensemble_of
 from .single_run import OUTPUT_STEP, SETTLE, Callback, output_times, single_run
 from .trust import finer, judge
 
-MOST_ROWS = 10**8
 MOST_RUNS = 10**5
 
 
+@overload
 def simulate(
     column: Column,
-    motion: Motion,
+    motion: Motion | str | os.PathLike[str],
     duration: float | None = None,
     formulation: str | None = None,
     integrator: str | None = None,
@@ -37,12 +44,45 @@ def simulate(
     ensemble: int = 0,
     spread: Spread | None = None,
     callback: Callback | None = None,
-) -> Response:
-    """Response of a column to a base motion, from the start of the motion.
+) -> Response: ...
+@overload
+def simulate(
+    column: Structure,
+    motion: Motion | str | os.PathLike[str],
+    duration: float | None = None,
+    *,
+    tolerance: float | None = None,
+    without: Sequence[str] | None = None,
+    output_step: float | None = None,
+    initial: SpatialState | None = None,
+    settle: float = SETTLE,
+    check: bool = False,
+    ensemble: int = 0,
+    spread: Spread | None = None,
+    callback: SpatialCallback | None = None,
+) -> SpatialResponse: ...
+def simulate(
+    column: Column | Structure,
+    motion: Motion | str | os.PathLike[str],
+    duration: float | None = None,
+    formulation: str | None = None,
+    integrator: str | None = None,
+    step: float | None = None,
+    tolerance: float | None = None,
+    without: Sequence[str] | None = None,
+    output_step: float | None = None,
+    initial: Any = None,
+    settle: float = SETTLE,
+    check: bool = False,
+    ensemble: int = 0,
+    spread: Spread | None = None,
+    callback: Any = None,
+) -> Response | SpatialResponse:
+    """Response of a column, or of a structure in space, to a base motion or a record in a file, from its start.
 
     duration: s; None: that of the motion. Beyond the motion the base does not accelerate.
-    formulation, integrator, step (s), tolerance (relative to the peak), without (names of column.SKIPS: short cuts that
-    are not to be taken; "peaks": those of ux only are kept): None keeps the column's.
+    formulation, integrator, step (s; structures have none of these), tolerance (relative to the peak), without (names
+    of column.SKIPS: short cuts that are not to be taken; "peaks": those of ux only are kept): None keeps the column's.
     output_step: s between the rows of the response; None: 0.005. It has no influence on the steps, and the peaks are
     those of the motion between the rows as well.
     initial: None is rest in static equilibrium.
@@ -58,18 +98,44 @@ def simulate(
     Warns (InputWarning) of values that are probably not intended (rest.py, `warnings_of`). Raises InputError for a
     wrong value or a rest that is not stable if the run starts from it, SolverError if the solver cannot go on.
     """
+    if isinstance(motion, (str, os.PathLike)):
+        motion = Motion.from_file(motion)
+    duration = motion.duration if duration is None else _positive("duration", duration)
+    output_step = OUTPUT_STEP if output_step is None else _positive("output_step", output_step)
+    times = output_times(motion, duration, output_step)
+    settle = 0.0 if settle == 0 else _positive("settle", settle)
+    ensemble = check_whole("ensemble", ensemble, 0, MOST_RUNS, f"a number of runs, at most {MOST_RUNS}")
+    spread = Spread() if spread is None else spread
+    if isinstance(column, Structure):
+        for name, value in {"formulation": formulation, "integrator": integrator, "step": step}.items():
+            if value is not None:
+                raise InputError(f"{name} = {shown(value)}: must be left out, structures in space have none")
+        structure = column.with_settings(tolerance=tolerance, without=without)
+        found = simulate_structure(structure, motion, duration, times, initial, settle, check, callback)
+        if ensemble:
+            found.ensemble = ensemble_in_space(found, motion, duration, settle, ensemble, spread)
+        return found
+    check_in_plane(motion)
     column = column.with_settings(
         formulation=formulation, integrator=integrator, step=step, tolerance=tolerance, without=without
     )
-    duration = motion.duration if duration is None else _positive("duration", duration)
-    output_step = OUTPUT_STEP if output_step is None else _positive("output_step", output_step)
-    if duration / output_step > MOST_ROWS:
-        raise InputError(f"output_step = {output_step}: must be larger, for at most {MOST_ROWS} rows in {duration} s")
-    settle = 0.0 if settle == 0 else _positive("settle", settle)
-    ensemble = check_whole("ensemble", ensemble, 0, MOST_RUNS, f"a number of runs, at most {MOST_RUNS}")
+    return _in_plane(column, motion, duration, times, initial, settle, check, ensemble, spread, callback)
+
+
+def _in_plane(
+    column: Column,
+    motion: Motion,
+    duration: float,
+    times: FloatArray,
+    initial: InitialState | None,
+    settle: float,
+    check: bool,
+    ensemble: int,
+    spread: Spread,
+    callback: Callback | None,
+) -> Response:
     make_kernels()
     check_rest(column, from_rest=initial is None)
-    times = output_times(motion, duration, output_step)
     response, phases = single_run(column, motion, duration, times, initial, settle, callback)
     if check:
         top_displacements = chain_of(column).top_displacements
@@ -80,8 +146,7 @@ def simulate(
         except SolverError as failure:
             judge(response, failure, ux, None)
     if ensemble:
-        varied = spread or Spread()
-        response.ensemble = ensemble_of(response, motion, duration, initial, settle, ensemble, varied, callback)
+        response.ensemble = ensemble_of(response, motion, duration, initial, settle, ensemble, spread, callback)
     return response
 
 

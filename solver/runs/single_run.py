@@ -11,7 +11,7 @@ import numpy as np
 
 from ..column.column import Column
 from ..column.packing import FloatArray, InitialState, coordinates_of
-from ..common.errors import SolverError
+from ..common.errors import InputError, SolverError
 from ..dynamics.kinematics import chain_of
 from ..dynamics.response import Response
 from ..dynamics.stepper import Stepper
@@ -20,6 +20,7 @@ from ..ground.motion import Motion
 from ..kernels.layout import spaces as at
 
 OUTPUT_STEP = 0.005  # s between the rows of a response, where none is asked for
+MOST_ROWS = 10**8
 SETTLE = 60.0  # s, the longest that a column is followed after the motion, where no time is asked for
 BETWEEN_LOOKS = 0.25  # s, after the motion
 # fields of kernels/layout/spaces.py, COUNTS, that `Response.stats` contains
@@ -99,7 +100,9 @@ def _coordinates(phases: FloatArray, column: Column) -> FloatArray:
 
 
 def output_times(motion: Motion, duration: float, step: float = OUTPUT_STEP) -> FloatArray:
-    """Times of the rows of a response, s."""
+    """Times of the rows of a response, s. Raises InputError for too many rows."""
+    if duration / step > MOST_ROWS:
+        raise InputError(f"output_step = {step}: must be larger, for at most {MOST_ROWS} rows in {duration} s")
     count = math.floor(duration / step + 1e-9) + 1
     times: FloatArray = motion.start + step * np.arange(count, dtype=np.float64)
     return times

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections import Counter
+from collections.abc import ItemsView, Iterable, Iterator, KeysView, Mapping, Sequence, ValuesView
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..common.files import write_table
+from ..common.frames import Frame, Framed
+from ..common.notebook import Shown, counted, rows_of
 from ..dynamics.response import Response
 
 Columns = dict[str, NDArray[Any]]
@@ -18,12 +21,12 @@ Columns = dict[str, NDArray[Any]]
 WORDS: dict[str, tuple[str, ...]] = {"verdict": ("undecided", "standing", "overturned"), "path": ("scalar", "lanes")}
 
 
-class Table:
+class Table(Framed, Shown):
     """Columns by name, `table["peak_ux"]`: an array (runs,), or (runs, blocks) for values of every block or joint.
 
-    Block 1, the top one, comes first; NaN fills the columns beyond a column's number of blocks. `first`: number of the
-    first run. columns: words as numbers, named by WORDS. stats: how the runs were made (many.py). responses: by number
-    of the run, those requested in full.
+    A mapping, but its length is the number of runs. Block 1, the top one, comes first; NaN fills the columns beyond a
+    column's number of blocks. `first`: number of the first run. columns: words as numbers, named by WORDS. stats: how
+    the runs were made (many.py). responses: by number of the run, those requested in full.
     """
 
     def __init__(
@@ -56,14 +59,40 @@ class Table:
         """Number of runs."""
         return len(next(iter(self._columns.values()), ()))
 
-    def __repr__(self) -> str:
-        return f"<Table of {len(self)} runs: {', '.join(self)}>"
+    def keys(self) -> KeysView[str]:
+        """The names of the columns."""
+        return self._columns.keys()
+
+    def values(self) -> ValuesView[NDArray[Any]]:
+        """The columns."""
+        return {name: self[name] for name in self}.values()
+
+    def items(self) -> ItemsView[str, NDArray[Any]]:
+        """Names and columns."""
+        return {name: self[name] for name in self}.items()
+
+    def get(self, name: str, default: Any = None) -> Any:
+        """The column of that name, or `default`."""
+        return self[name] if name in self._columns else default
+
+    def _facts(self) -> tuple[str, ...]:
+        return f"of {counted(len(self), 'run')}", *counts(self.get("verdict", ())), ", ".join(self)
+
+    def _lines(self) -> Iterable[Sequence[object]]:
+        return rows_of(self._frame().flat())
+
+    def _frame(self) -> Frame:
+        return Frame(("run", np.arange(self.first, self.first + len(self))), dict(self.items()))
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write a line for each run, the number of the run first; a column of blocks as peak_ux[1], peak_ux[2] ..."""
-        runs = np.arange(self.first, self.first + len(self))
-        names, columns = single_columns({"run": runs, **{name: self[name] for name in self}})
-        write_table(path, names, zip(*(column.tolist() for column in columns), strict=True))
+        columns = self._frame().flat()
+        write_table(path, columns, zip(*(column.tolist() for column in columns.values()), strict=True))
+
+
+def counts(verdicts: Iterable[str]) -> list[str]:
+    """How often each verdict occurs, in words."""
+    return [f"{number} {verdict}" for verdict, number in sorted(Counter(map(str, verdicts)).items())]
 
 
 def joined(parts: Sequence[Table]) -> Table:

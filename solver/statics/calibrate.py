@@ -202,27 +202,21 @@ def _warned(fit: ModulusFit) -> ModulusFit:
                 if fit.each
                 else f"one factor on all moduli does not suit it; {fit.moduli.size} frequencies give each joint its own"
             )
-            warnings.warn(
-                f"frequency {mode}: {measured:g} Hz measured, {fitted:.5g} Hz of the fit, {off:+.1%}: {why}",
-                InputWarning,
-                stacklevel=3,
-            )
+            _warn(f"frequency {mode}: {measured:g} Hz measured, {fitted:.5g} Hz of the fit, {off:+.1%}: {why}")
     for joint in np.flatnonzero(~fit.determined):
-        warnings.warn(
-            f"joint {joint + 1}: its modulus is not determined, {SPREAD:.0%} in the frequencies is more than "
-            f"{UNDETERMINED:.0%} in it",
-            InputWarning,
-            stacklevel=3,
-        )
+        what = f"{SPREAD:.0%} in the frequencies is more than {UNDETERMINED:.0%} in it"
+        _warn(f"joint {joint + 1}: its modulus is not determined, {what}")
     if fit.another is not None:
         listed = ", ".join(f"{modulus:.4g}" for modulus in fit.another)
-        warnings.warn(
+        _warn(
             f"moduli of {listed} N/m3 have these frequencies too: ratios nearer to the true ones in the column file, "
-            "or shapes of the modes, tell which are meant",
-            InputWarning,
-            stacklevel=3,
+            "or shapes of the modes, tell which are meant"
         )
     return fit
+
+
+def _warn(line: str) -> None:
+    warnings.warn(line, InputWarning, stacklevel=4)
 
 
 def sway_frequencies(column: Column) -> FloatArray:

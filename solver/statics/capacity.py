@@ -1,4 +1,4 @@
-"""What a column stands statically: at rest, and under a steady horizontal acceleration up to where it topples.
+"""Static capacity of a column: at rest, and under a steady horizontal acceleration up to where it topples.
 
 A base that accelerates steadily by a towards -x pushes every block by a times its mass towards +x. The places in which
 the column balances under it form a curve: from rest, over the largest acceleration that it balances, down to the place
@@ -18,7 +18,9 @@ from ..column.packing import FloatArray
 from ..column.rest import check_rest, instability, is_stable
 from ..common.errors import SolverError, needing
 from ..common.files import write_table
+from ..common.frames import Frame, Framed
 from ..dynamics.linearization import StillColumn, undamped
+from ..dynamics.response import UNITS
 from .balance import BalanceCurve
 
 if TYPE_CHECKING:
@@ -37,7 +39,7 @@ class Rest:
 
 
 @dataclass(frozen=True, eq=False)
-class CapacityCurve:
+class CapacityCurve(Framed):
     """Places in which a column balances under a steady horizontal acceleration, m of them, from rest to the edge.
 
     Histories (m, n) as in a `Response`: the top block and its joint first; the push is towards +x.
@@ -57,6 +59,15 @@ class CapacityCurve:
     sigma_max: FloatArray  # Pa
     uplift: FloatArray  # (n,) m/s2, at which each joint begins to open; NaN if the column topples before
     direction: int  # 1, or -1 for the curve of pushes towards -x
+
+    def _frame(self) -> Frame:
+        pushes, joints = (
+            ("acceleration", "base_shear", "base_moment"),
+            ("ux", "uz", "theta", "N", "M", "T", "contact", "sigma_max"),
+        )
+        units = {"acceleration": "m/s2", "base_shear": "N", "base_moment": "N m", **UNITS}
+        columns = {name: getattr(self, name) for name in (*pushes, *joints)}
+        return Frame(("place", np.arange(len(self.acceleration))), columns, units, {"column": self.column.name})
 
     @property
     def strongest(self) -> int:

@@ -15,6 +15,7 @@ from ..column.packing import FloatArray
 from ..column.rest import check_rest
 from ..common.errors import SolverError, needing
 from ..common.files import write_table
+from ..common.frames import Frame, Framed
 from ..dynamics.linearization import StillColumn, stuck, undamped
 
 if TYPE_CHECKING:
@@ -24,7 +25,7 @@ PART = 1e-2  # of the rotation that opens a joint: size of finite differences
 
 
 @dataclass(frozen=True, eq=False)
-class Modes:
+class Modes(Framed):
     """The 2 n modes of a column, by frequency. Shapes (2 n, n): block 1, the top block, first.
 
     A shape is scaled so that the largest of its ux and uz is 1 m; block i then has the rotation theta rad.
@@ -39,6 +40,11 @@ class Modes:
     theta: FloatArray  # rad, clockwise
     mass_x: FloatArray  # (2 n,) kg, effective mass under horizontal motion; the rest of the mass follows the base
     mass_z: FloatArray  # (2 n,) kg, under vertical motion
+
+    def _frame(self) -> Frame:
+        units = {"frequency": "Hz", "mass_x": "kg", "mass_z": "kg", "ux": "m", "uz": "m", "theta": "rad"}
+        columns = {name: getattr(self, name) for name in ("frequency", "damping_ratio", "sways", *list(units)[1:])}
+        return Frame(("mode", np.arange(1, len(self.frequency) + 1)), columns, units, {"column": self.column.name})
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write a row for each mode: frequency, damping ratio, effective masses, shape. Raises OSError."""

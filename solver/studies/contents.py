@@ -1,4 +1,4 @@
-"""What may stand in the journal of a study: what another program wrote there under a right checksum is refused."""
+"""Valid content of the journal of a study: other content under a right checksum is refused."""
 
 from __future__ import annotations
 

@@ -10,7 +10,7 @@ import hashlib
 import json
 import math
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from pathlib import Path
@@ -23,6 +23,7 @@ from .. import __version__
 from ..column.column import Column
 from ..common.errors import FINITE, POSITIVE, InputError, check_number, check_whole, needing, reading, shown
 from ..common.files import check_file_name, toml_of
+from ..common.notebook import Shown, counted
 from ..common.ranges import check_choice, check_keys
 from ..ground.intensity import pgv
 from ..ground.motion import STANDARD_GRAVITY, Motion
@@ -71,7 +72,7 @@ class Random:
         return cls(Distribution.from_table(key, numbers), table.get("relative", False), table.get("each", False))
 
     def to_table(self) -> dict[str, Any]:
-        """What `from_table` turns into this very parameter."""
+        """The table that `from_table` turns into this very parameter."""
         return {**self.distribution.to_table(), "relative": self.relative, "each": self.each}
 
 
@@ -83,9 +84,9 @@ class Planned(NamedTuple):
     measures: dict[str, float]  # of the motion as it is run: pga g, pgv m/s, sa g
 
 
-@dataclass(frozen=True, eq=False)
-class Study:
-    """What is run, and how the runs differ; see the module. Raises InputError on what does not go together.
+@dataclass(frozen=True, eq=False, repr=False)
+class Study(Shown):
+    """The runs, and how they differ; see the module. Raises InputError on values that do not go together.
 
     grid: name -> values. random: name -> parameter. Names are those of parameters.py, `motion.KEY` of a number of the
     motions, and `intensity`: the value of `measure` that the motion is scaled to. samples: of the random parameters, by
@@ -158,6 +159,17 @@ class Study:
             if parameter.each and len({column.n for column in self.columns}) > 1:
                 raise InputError(f"random.{name}.each: must be left out for columns of different numbers of blocks")
 
+    def _facts(self) -> tuple[str, ...]:
+        numbers = {"run": self.runs, "column": len(self.columns), "motion": len(self.motions), "sample": self.samples}
+        return self.name, self.kind, *(counted(number, word) for word, number in numbers.items())
+
+    def _lines(self) -> Iterable[Sequence[object]]:
+        yield "varied", "by"
+        yield from (
+            (name, f"{len(values)} values, {values[0]:g} to {values[-1]:g}") for name, values in self.grid.items()
+        )
+        yield from ((name, parameter.distribution.kind) for name, parameter in self.random.items())
+
     # what is run
 
     @property
@@ -196,7 +208,7 @@ class Study:
         return Planned(Run(column, motion, duration), values, measures)
 
     def values(self, number: int) -> dict[str, float]:
-        """What is varied, by name, for a run."""
+        """The varied numbers of a run, by name."""
         place = np.unravel_index(number, self.shape)
         values = {"column": float(place[0]), "motion": float(place[1])}
         for (name, items), k in zip(self.grid.items(), place[2:-1], strict=True):
@@ -210,7 +222,7 @@ class Study:
         return parameter is not None and parameter.relative
 
     def _numbers(self, values: Mapping[str, float], shaking: Shaking) -> dict[str, float]:
-        """What is varied of a motion, by its keys."""
+        """The varied numbers of a motion, by its keys."""
         found = {}
         for name, (key, relative) in _of_motions(self).items():
             value = values[name]
@@ -315,7 +327,7 @@ class Study:
 
 
 def versions() -> dict[str, str]:
-    """What the numbers depend on beside the study: results of other versions are not to be mixed with."""
+    """Versions that the numbers depend on: results of other versions are not to be mixed with them."""
     import numba
 
     found = {"multiblock-fmu": __version__, "kernels": SOURCES, "numpy": np.__version__, "numba": numba.__version__}

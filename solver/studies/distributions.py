@@ -77,7 +77,7 @@ class Distribution:
         return value
 
     def to_table(self) -> dict[str, Any]:
-        """What `from_table` turns into this very distribution."""
+        """The table that `from_table` turns into this very distribution."""
         plain = {key: list(value) if isinstance(value, tuple) else value for key, value in self.numbers}
         return {"distribution": self.kind, **plain}
 

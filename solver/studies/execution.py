@@ -65,7 +65,7 @@ def run_study(
 
 
 def head_of(study: Study) -> dict[str, Any]:
-    """What stands first in a journal."""
+    """The first line of a journal."""
     return {
         "study": study.to_dict(),
         "fingerprint": study.fingerprint,
@@ -146,7 +146,7 @@ def _portions(left: Sequence[int], pace: Pace) -> Iterator[list[int]]:
 
 
 def _guess(study: Study, number: int) -> float:
-    """What a run may take, s, going by that of a number."""
+    """Estimated duration of a run, s, from the run of this number."""
     try:
         return guessed_cost(study.run(number).run, study.keep)
     except InputError:

@@ -10,12 +10,12 @@ from collections.abc import Callable
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import BoundaryNorm
-from matplotlib.figure import Figure
 from matplotlib.ticker import ScalarFormatter
 from numpy.typing import NDArray
 
 from ..common.errors import InputError
 from ..dynamics.uncertainty import PERCENTILES
+from ..plotting.figures import Figure
 from ..plotting.plots import FEW_COLOURS, block_colours, save, show_blocks, tidy
 from .motions import Measure
 from .results import Results

@@ -1,4 +1,4 @@
-"""What came of the runs of a study: one table, as arrays, as CSV, as NetCDF."""
+"""Results of the runs of a study: one table, as arrays, as CSV, as NetCDF."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import itertools
 import json
 import math
 import os
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -15,8 +15,10 @@ from numpy.typing import NDArray
 
 from ..common.errors import InputError, needing, reading
 from ..common.files import whole_file, write_table
+from ..common.frames import Frame, Framed
+from ..common.notebook import Shown, rows_of
 from ..runs.outputs import KEPT
-from ..runs.table import WORDS, Columns, single_columns
+from ..runs.table import WORDS, Columns, counts
 from .contents import FAILED, check_head, check_row
 from .journal import read_journal
 
@@ -26,7 +28,7 @@ ROWS_AT_ONCE = 4096
 NAMED = "motion_name"
 
 
-class Results:
+class Results(Framed, Shown):
     """Finished runs of a study by number: `results["peak_ux"]` is (runs, blocks), other columns (runs,).
 
     Names: `run`; what is varied (`column`, `motion`, `joint.stiffness` ...); `motion_name`, a text; measures of the
@@ -100,32 +102,31 @@ class Results:
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write a line a run, every float64 in full, nothing where there is no value. Raises InputError, OSError."""
-        names, columns = single_columns(self.columns)
+        columns = self._frame().flat()
         rows = (
             row
             for first in range(0, len(self), ROWS_AT_ONCE)
             for row in zip(
-                *(map(_text, column[first : first + ROWS_AT_ONCE].tolist()) for column in columns), strict=True
+                *(map(_text, column[first : first + ROWS_AT_ONCE].tolist()) for column in columns.values()),
+                strict=True,
             )
         )
         with reading(path):
-            write_table(path, names, rows)
+            write_table(path, columns, rows)
 
     @staticmethod
     def can_write_netcdf() -> bool:
         """Whether what it takes is installed."""
         return all(importlib.util.find_spec(name) is not None for name in ("xarray", "h5netcdf", "h5py"))
 
-    def to_xarray(self) -> Any:
-        """An xarray.Dataset over the dimensions run and block, with units; the study and the versions as attributes."""
-        with needing("studies", "xarray"):
-            import xarray
-        data = {}
-        for name, values in self.columns.items():
-            if name != "run":
-                dimensions = ("run",) if values.ndim == 1 else ("run", "block")
-                attributes = {"units": UNITS[name]} if name in UNITS else {}
-                data[name] = (dimensions, _words(values) if values.dtype.kind == "U" else values, attributes)
+    def _facts(self) -> tuple[str, ...]:
+        return f"of {self.study['name']}", f"{len(self)} of {self.head['runs']} runs", *counts(self["verdict"])
+
+    def _lines(self) -> Iterable[Sequence[object]]:
+        return rows_of(self._frame().flat())
+
+    def _frame(self) -> Frame:
+        """With units; the study and the versions as attributes."""
         attributes = {
             "title": self.study["name"],
             "study": json.dumps(self.study),
@@ -133,8 +134,8 @@ class Results:
             "versions": json.dumps(self.head["versions"]),
             "runs": self.head["runs"],
         }
-        coordinates = {"run": self["run"], "block": np.arange(1, self.head["blocks"] + 1)}
-        return xarray.Dataset(data, coordinates, attributes)
+        columns = {name: values for name, values in self.columns.items() if name != "run"}
+        return Frame(("run", self["run"]), columns, UNITS, attributes)
 
     def to_netcdf(self, path: str | os.PathLike[str]) -> None:
         """Write NetCDF 4, whole or not at all. Raises InputError."""
@@ -173,13 +174,6 @@ def _output(name: str, found: list[dict[str, Any] | None], blocks: int) -> NDArr
         if outputs is not None:
             row[: len(outputs[name])] = outputs[name]
     return table
-
-
-def _words(values: NDArray[Any]) -> NDArray[Any]:
-    """Texts as objects, of which equal ones are the same."""
-    different, which = np.unique(values, return_inverse=True)
-    found: NDArray[Any] = different.astype(object)[which]
-    return found
 
 
 def _text(value: Any) -> str:

@@ -1,41 +1,37 @@
 """The command line: its files hold what the solver computes, and a user's mistake ends in one line and exit code 2."""
 
 import csv
-import os
-import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import pytest
+from support.fmus import DAMPED, PHOCAS, finish_in
+from support.record_files import AT2
 
 from solver import Column, InputError, Motion, natural_frequencies, simulate
 from solver.commands.command_line import main
 from solver.ground.motion import STANDARD_GRAVITY
 
-ROOT = Path(__file__).resolve().parents[2]
-COLUMNS = ROOT / "examples" / "columns"
-PHOCAS = COLUMNS / "phocas.toml"
 
-AT2 = """PEER STRONG MOTION DATABASE RECORD
-A TEST, 000
-ACCELERATION TIME HISTORY IN UNITS OF G. FILTER POINTS: NONE
-NPTS=  5, DT= .02000 SEC
-  .1E-01  -.2000000E+00   .3
-  0.4 -0.05
-"""
+class Ended(NamedTuple):
+    """A command that has ended."""
+
+    returncode: int
+    stdout: str
+    stderr: str
 
 
-def solver(folder: Path, *arguments: object) -> subprocess.CompletedProcess[str]:
-    """Run `python -m solver` in a folder."""
-    return subprocess.run(
-        [sys.executable, "-m", "solver", *map(str, arguments)],
-        cwd=folder,
-        env=os.environ | {"PYTHONPATH": str(ROOT)},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+Solver = Callable[..., Ended]
+
+
+@pytest.fixture
+def solver(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Solver:
+    """`python -m solver` in the folder of the test, in this process."""
+    monkeypatch.chdir(tmp_path)
+    return lambda *words: Ended(main([str(word) for word in words]), *capsys.readouterr())
 
 
 def read(path: Path) -> tuple[list[str], np.ndarray]:
@@ -75,7 +71,7 @@ def test_histories_have_nine_digits_by_default(tmp_path: Path) -> None:
 
 def test_simulate_writes_what_the_solver_computes(tmp_path: Path, motion: Motion) -> None:
     words = ("--digits", "17", "-o", "results.csv", "--plot", "response.png")
-    run = solver(tmp_path, "simulate", PHOCAS, "motion.csv", *words)
+    run = finish_in(tmp_path, sys.executable, "-m", "solver", "simulate", PHOCAS, "motion.csv", *words)
     assert (run.returncode, run.stderr) == (0, "")
     response = simulate(Column.from_toml(PHOCAS), motion)
     header, rows = read(tmp_path / "results.csv")
@@ -93,18 +89,18 @@ def test_simulate_writes_what_the_solver_computes(tmp_path: Path, motion: Motion
     assert (tmp_path / "response.png").read_bytes().startswith(b"\x89PNG")
 
 
-def test_simulate_says_what_it_starts_from(tmp_path: Path, motion: Motion) -> None:
-    run = solver(tmp_path, "simulate", PHOCAS, "motion.csv", "--scale", 2)
+def test_simulate_says_what_it_starts_from(tmp_path: Path, motion: Motion, solver: Solver) -> None:
+    run = solver("simulate", PHOCAS, "motion.csv", "--scale", 2)
     assert "phocas: 3 blocks, 14.07 m, settles by " in run.stdout
     column = Column.from_toml(PHOCAS)
     assert f"first natural frequency {natural_frequencies(column)[0]:.4g} Hz, no joints damped\n" in run.stdout
     assert "base: 2 s, PGA 0.1 g\n" in run.stdout
 
 
-def test_a_column_that_is_probably_not_meant(tmp_path: Path, motion: Motion) -> None:
-    text = (COLUMNS / "phocas-damped.toml").read_text(encoding="utf-8")
+def test_a_column_that_is_probably_not_meant(tmp_path: Path, motion: Motion, solver: Solver) -> None:
+    text = (DAMPED).read_text(encoding="utf-8")
     (tmp_path / "soft.toml").write_text(text.replace("5226944450.0", "1e5"), encoding="utf-8")
-    run = solver(tmp_path, "simulate", "soft.toml", "motion.csv")
+    run = solver("simulate", "soft.toml", "motion.csv")
     assert run.returncode == 2
     assert "phocas_damped cannot stand: its rest under gravity is not stable" in run.stderr
     assert "settles by 3.26 m" in run.stderr
@@ -113,7 +109,7 @@ def test_a_column_that_is_probably_not_meant(tmp_path: Path, motion: Motion) -> 
     (tmp_path / "heavy.toml").write_text(
         text.replace("27000.0 ", "2e9 ").replace("5226944450.0", "1e15").replace("1e-3", "1e-6"), encoding="utf-8"
     )
-    run = solver(tmp_path, "simulate", "heavy.toml", "motion.csv", "--duration", 0.01)
+    run = solver("simulate", "heavy.toml", "motion.csv", "--duration", 0.01)
     assert run.returncode == 0
     density, line = run.stderr.splitlines()
     assert density.startswith("warning: block[1].mass = 2e+09: is 1.75e+08 kg/m3")
@@ -152,9 +148,9 @@ def test_statics_of_what_is_no_structure_hints_at_units(
     assert "5000 points" not in error
 
 
-def test_simulate_takes_every_option(tmp_path: Path, motion: Motion) -> None:
+def test_simulate_takes_every_option(tmp_path: Path, motion: Motion, solver: Solver) -> None:
     options = "--scale -0.5 --duration 0.5 --output-step 0.1 --formulation exact --integrator auto --tolerance 1e-7"
-    run = solver(tmp_path, "simulate", PHOCAS, "motion.csv", *options.split(), "--digits", 17, "-o", "results.CSV")
+    run = solver("simulate", PHOCAS, "motion.csv", *options.split(), "--digits", 17, "-o", "results.CSV")
     assert (run.returncode, run.stderr) == (0, "")
     wanted = simulate(
         Column.from_toml(PHOCAS),
@@ -168,30 +164,30 @@ def test_simulate_takes_every_option(tmp_path: Path, motion: Motion) -> None:
     header, rows = read(tmp_path / "results.CSV")
     np.testing.assert_array_equal(rows[:, 0], wanted.time)
     np.testing.assert_array_equal(rows[:, header.index("block[1].ux")], wanted.ux[:, 0])
-    run = solver(tmp_path, "simulate", PHOCAS, "motion.csv", "--duration", 0.1, "--step", 1e-3)
+    run = solver("simulate", PHOCAS, "motion.csv", "--duration", 0.1, "--step", 1e-3)
     assert "100 steps" in run.stdout
 
 
-def test_simulate_reads_records(tmp_path: Path) -> None:
+def test_simulate_reads_records(tmp_path: Path, solver: Solver) -> None:
     (tmp_path / "record.at2").write_text(AT2, encoding="utf-8")
-    run = solver(tmp_path, "simulate", COLUMNS / "phocas-damped.toml", "record.at2", "--duration", 1.0)
+    run = solver("simulate", DAMPED, "record.at2", "--duration", 1.0)
     assert run.returncode == 0
-    response = simulate(Column.from_toml(COLUMNS / "phocas-damped.toml"), Motion.from_at2(tmp_path / "record.at2"), 1.0)
+    response = simulate(Column.from_toml(DAMPED), Motion.from_at2(tmp_path / "record.at2"), 1.0)
     assert printed_peaks(run.stdout) == pytest.approx(1e3 * response.peak_ux, rel=1e-4)
 
 
-def test_simulate_tells_of_overturning(tmp_path: Path) -> None:
+def test_simulate_tells_of_overturning(tmp_path: Path, solver: Solver) -> None:
     Motion.from_samples(0.5, np.full(5, 5.0)).to_csv(tmp_path / "push.csv")
-    run = solver(tmp_path, "simulate", COLUMNS / "phocas-damped.toml", "push.csv")
-    response = simulate(Column.from_toml(COLUMNS / "phocas-damped.toml"), Motion.from_csv(tmp_path / "push.csv"))
+    run = solver("simulate", DAMPED, "push.csv")
+    response = simulate(Column.from_toml(DAMPED), Motion.from_csv(tmp_path / "push.csv"))
     assert response.overturned
     assert run.returncode == 0
     assert f"overturned at {response.overturn_time:.4g} s over joint {response.overturned_joint}" in run.stdout
 
 
-def test_convert_writes_what_fmpy_reads(tmp_path: Path) -> None:
+def test_convert_writes_what_fmpy_reads(tmp_path: Path, solver: Solver) -> None:
     (tmp_path / "RECORD.AT2").write_text(AT2, encoding="utf-8")
-    run = solver(tmp_path, "convert", "RECORD.AT2", "motion.csv", "--scale", 2.0)
+    run = solver("convert", "RECORD.AT2", "motion.csv", "--scale", 2.0)
     assert (run.returncode, run.stderr) == (0, "")
     assert run.stdout.splitlines() == [
         "RECORD.AT2: PEER AT2, 5 samples, 0.08 s; A TEST, 000",
@@ -217,12 +213,8 @@ def test_convert_writes_what_fmpy_reads(tmp_path: Path) -> None:
         ("simulate motion.csv motion.csv", "motion.csv: must end in .toml"),
         ("simulate {phocas} none.csv", "none.csv: No such file"),
         ("simulate {phocas}", "MOTION: must be given, a record or --wavelet"),
-        ("simulate {phocas} {phocas}", "phocas.toml: no known header"),
         ("simulate {phocas} motion.csv --scale much", "argument --scale"),
-        ("simulate {phocas} motion.csv --scale nan", "factor = nan"),
-        ("simulate {phocas} motion.csv --duration -1", "duration = -1"),
         ("simulate {phocas} motion.csv --output-step 0", "output_step = 0"),
-        ("simulate {phocas} motion.csv --output-step 1e-15", "output_step = 1e-15: must be larger"),
         ("simulate {phocas} motion.csv --duration 1e300", "must be larger, for at most"),
         ("simulate {phocas} motion.csv --formulation exakt", "did you mean exact?"),
         ("simulate {phocas} motion.csv --integrator euler", "solver.integrator = 'euler'"),
@@ -240,8 +232,6 @@ def test_convert_writes_what_fmpy_reads(tmp_path: Path) -> None:
         ("simulate {phocas} motion.csv --duration 1e5 -o none/results.csv", "No such folder: none"),
         ("record record.AT2 --plot none/record.png", "none/record.png: No such folder: none"),
         ("convert motion.csv motion.csv", "motion.csv: must be another file than motion.csv, which it would overwrite"),
-        ("convert other.csv", "MOTION: must be given, a record or --wavelet"),
-        ("convert none.AT2 other.csv", "none.AT2: No such file"),
         ("convert record.AT2 other.txt", "other.txt: must end in .csv"),
         ("convert record.AT2 none/other.csv", "none/other.csv: No such folder: none"),
     ],
@@ -270,12 +260,5 @@ def test_mistakes_end_in_one_line(
 
 
 def test_a_mistake_ends_the_process_with_2(tmp_path: Path) -> None:
-    run = solver(tmp_path, "simulate", "none.toml", "motion.csv")
+    run = finish_in(tmp_path, sys.executable, "-m", "solver", "simulate", "none.toml", "motion.csv")
     assert (run.returncode, run.stderr) == (2, "python -m solver: none.toml: No such file or directory\n")
-
-
-def test_help_tells_every_command(tmp_path: Path) -> None:
-    run = solver(tmp_path, "--help")
-    assert run.returncode == 0
-    assert "simulate" in run.stdout
-    assert "convert" in run.stdout

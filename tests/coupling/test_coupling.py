@@ -2,46 +2,28 @@
 
 from __future__ import annotations
 
-import os
-import sys
-from collections.abc import Callable
 from graphlib import TopologicalSorter
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 from fmpy import read_model_description
-from support.child import command, returned
-from support.fmus import REFUSED, ROOT, environment, run
-from support.inside import coupled
+from support.child import call_with_example as example
+from support.fmus import REFUSED, ROOT, run
+from support.inside import coupled as inside
 
 pytestmark = pytest.mark.long  # builds native FMUs
 
 EXAMPLE = ROOT / "examples" / "coupling"
 
 
-def example(function: Callable[..., object], *arguments: object) -> Any:
-    """What a function returns in a process that has the modules of the example in reach."""
-    modules = os.pathsep.join((str(EXAMPLE), environment()["PYTHONPATH"]))
-    return returned(run(*command(function, *arguments), PYTHONPATH=modules))
-
-
-@pytest.fixture(scope="module")
-def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Folder with the FMUs and the SSP of the example, built by its own command."""
-    folder = tmp_path_factory.mktemp("coupled")
-    run(sys.executable, EXAMPLE / "build.py", "-o", folder)
-    return folder
-
-
 @pytest.mark.parametrize("partner", ["isolator", "soil"])
-def test_initialization_has_no_algebraic_loop(built: Path, partner: str) -> None:
+def test_initialization_has_no_algebraic_loop(coupled: Path, partner: str) -> None:
     """Outputs of initialization and what they follow, within the FMUs and through the connections."""
     follows: dict[tuple[str, str], set[tuple[str, str]]] = {}
     variables = {}
     for part in ("column", partner):
-        description = read_model_description(str(built / f"{part}.fmu"))
+        description = read_model_description(str(coupled / f"{part}.fmu"))
         variables[part] = {variable.name for variable in description.modelVariables}
         for unknown in description.initialUnknowns:
             assert unknown.dependencies is not None
@@ -57,10 +39,10 @@ def test_initialization_has_no_algebraic_loop(built: Path, partner: str) -> None
 
 
 @pytest.mark.parametrize("damping", [1e-3, 0.0])
-def test_the_split_reaction_couples_what_the_plain_one_blows_up(built: Path, damping: float) -> None:
+def test_the_split_reaction_couples_what_the_plain_one_blows_up(coupled: Path, damping: float) -> None:
     ways = [(1e-3, "plain"), (2e-3, "line"), (1e-3, "line"), (5e-4, "line"), (1e-3, "iterated"), (1e-3, "parabola")]
     window, agreement, (plain, coarse, middle, fine, iterated, parabola) = example(
-        coupled.on_linear_isolators, built, damping, 0.01, ways
+        inside.on_linear_isolators, coupled, damping, 0.01, ways
     )
     assert window > 400
     assert agreement < 1e-5
@@ -74,15 +56,15 @@ def test_the_split_reaction_couples_what_the_plain_one_blows_up(built: Path, dam
     assert iterated[2] == pytest.approx(iterated[3], rel=1e-4)
 
 
-def test_a_heavy_slab_bears_the_plain_reaction(built: Path) -> None:
-    _, _, (plain, split) = example(coupled.on_linear_isolators, built, 1e-3, 100.0, [(1e-3, "plain"), (1e-3, "")])
+def test_a_heavy_slab_bears_the_plain_reaction(coupled: Path) -> None:
+    _, _, (plain, split) = example(inside.on_linear_isolators, coupled, 1e-3, 100.0, [(1e-3, "plain"), (1e-3, "")])
     assert plain[0] < 1.0  # stable
     assert split[0] < 2e-3
 
 
-def test_every_partner_agrees_with_the_system_solved_as_one(built: Path) -> None:
+def test_every_partner_agrees_with_the_system_solved_as_one(coupled: Path) -> None:
     ways = [(1e-3, ""), (5e-4, ""), (1e-3, "iterated")]
-    for name, seen in example(coupled.on_every_partner, built, ways).items():
+    for name, seen in example(inside.on_every_partner, coupled, ways).items():
         (top, other, given, taken), (finer, _, _, _), (again, _, _, _) = seen
         assert top < 2e-3, name
         assert other < (2e-2 if "soil" in name else 2e-3), name  # the foundation hardly rotates
@@ -91,8 +73,8 @@ def test_every_partner_agrees_with_the_system_solved_as_one(built: Path) -> None
         assert given == pytest.approx(taken, rel=2e-3), name
 
 
-def test_a_slab_alone_is_an_oscillator(built: Path) -> None:
-    seen = example(coupled.slab, built / "isolator.fmu")
+def test_a_slab_alone_is_an_oscillator(coupled: Path) -> None:
+    seen = example(inside.slab, coupled / "isolator.fmu")
     t = 1e-3 * np.arange(1, 4001)
     # x'' + x' + 40 x = -sin 5 t from rest
     steady = np.imag(-np.exp(5j * t) / (40.0 - 25.0 + 5j))
@@ -103,17 +85,17 @@ def test_a_slab_alone_is_an_oscillator(built: Path) -> None:
     assert np.max(np.abs(np.array(seen) - exact)) < 1e-4 * np.max(np.abs(exact))
 
 
-def test_a_foundation_alone_follows_the_cones(built: Path) -> None:
-    ends = example(coupled.foundation, built / "soil.fmu")
+def test_a_foundation_alone_follows_the_cones(coupled: Path) -> None:
+    ends = example(inside.foundation, coupled / "soil.fmu")
     shear, r, nu = 1900.0 * 250.0**2, 3.0, 0.3
     springs = [8 * shear * r / (2 - nu), 4 * shear * r / (1 - nu), 8 * shear * r**3 / (3 * (1 - nu))]
     assert np.array(ends) == pytest.approx(np.diag(1e6 / np.array(springs)), rel=1e-6, abs=1e-12)
 
 
-def test_partners_are_sound_fmus_whose_state_can_be_kept(built: Path) -> None:
+def test_partners_are_sound_fmus_whose_state_can_be_kept(coupled: Path) -> None:
     for name in ("isolator", "soil"):
-        assert "No problems found" in run("fmpy", "validate", built / f"{name}.fmu")
-        found = example(coupled.kept_state, built / f"{name}.fmu")
+        assert "No problems found" in run("fmpy", "validate", coupled / f"{name}.fmu")
+        found = example(inside.kept_state, coupled / f"{name}.fmu")
         assert found["same"]
         assert found["moved"]
         assert f"({REFUSED})" in found["backwards"]

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import importlib.util
 import math
-import os
 import shutil
 import subprocess
 import sys
 import zipfile
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -18,14 +16,13 @@ import numpy as np
 import pytest
 from fmpy import read_model_description
 from fmpy.ssp.ssd import read_ssd
-from support.child import command, returned
-from support.fmus import ROOT, environment, run
-from support.inside import coupled, systems
+from support.child import call_with_example as example
+from support.fmus import ROOT, run
+from support.inside import coupled as inside
+from support.inside import systems
 
 pytestmark = pytest.mark.long  # builds native FMUs
 
-if importlib.util.find_spec("ziglang") is None:
-    pytest.skip("needs ziglang, the extra native", allow_module_level=True)
 if not sys.platform.startswith("linux"):
     pytest.skip("the libraries are built for Linux", allow_module_level=True)
 
@@ -36,29 +33,7 @@ STEPS = 300
 IN_C = 3000
 
 
-def example(function: Callable[..., object], *arguments: object, **variables: str) -> Any:
-    """The result of a function in a process that has the modules of the example on its path."""
-    modules = os.pathsep.join((str(EXAMPLE), environment()["PYTHONPATH"]))
-    return returned(run(*command(function, *arguments), PYTHONPATH=modules, **variables))
-
-
-@pytest.fixture(scope="module")
-def native(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Folder with the FMUs without Python and the SSPs, built by the example's own command."""
-    folder = tmp_path_factory.mktemp("native")
-    run(sys.executable, EXAMPLE / "build.py", "-o", folder, "--native", "--platforms", "linux64")
-    return folder
-
-
-@pytest.fixture(scope="module")
-def with_python(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Folder with the FMUs as PythonFMUs and the SSPs; the ground without Python."""
-    folder = tmp_path_factory.mktemp("python")
-    run(sys.executable, EXAMPLE / "build.py", "-o", folder, "--platforms", "linux64")
-    return folder
-
-
-def test_partners_without_python_give_the_bits_of_those_with(native: Path, with_python: Path) -> None:
+def test_partners_without_python_give_the_bits_of_those_with(native_coupled: Path, coupled: Path) -> None:
     ways: list[tuple[str, dict[str, Any]]] = [
         ("isolator", {"slope": "line"}),
         ("isolator", {"kind": "lead-rubber"}),
@@ -66,16 +41,16 @@ def test_partners_without_python_give_the_bits_of_those_with(native: Path, with_
         ("soil", {"weight": 7.9e5}),
     ]
     for partner, parameters in ways:
-        same, moved = example(coupled.same, native, with_python, partner, parameters)
+        same, moved = example(inside.same, native_coupled, coupled, partner, parameters)
         assert same, (partner, parameters)
         assert moved > 1e-5
 
 
-def test_partners_without_python_are_sound_fmus(native: Path) -> None:
+def test_partners_without_python_are_sound_fmus(native_coupled: Path) -> None:
     for name in (*PARTNERS, "ground"):
-        assert "No problems found" in run("fmpy", "validate", native / f"{name}.fmu")
+        assert "No problems found" in run("fmpy", "validate", native_coupled / f"{name}.fmu")
     for name in PARTNERS:
-        found = example(coupled.kept_state, native / f"{name}.fmu")
+        found = example(inside.kept_state, native_coupled / f"{name}.fmu")
         assert found["same"]
         assert found["moved"]
         assert "(error)" in found["backwards"]
@@ -91,28 +66,28 @@ def test_partners_without_python_are_sound_fmus(native: Path) -> None:
         ("soil", {"mass": math.inf}),
     ],
 )
-def test_what_a_partner_cannot_be_is_refused(native: Path, with_python: Path, name: str, parameters: Any) -> None:
-    for folder in (native, with_python):
-        assert "error" in example(coupled.refused, folder / f"{name}.fmu", parameters).lower()
-    assert example(coupled.refused, native / f"{name}.fmu", {}) == ""
+def test_what_a_partner_cannot_be_is_refused(native_coupled: Path, coupled: Path, name: str, parameters: Any) -> None:
+    for folder in (native_coupled, coupled):
+        assert "error" in example(inside.refused, folder / f"{name}.fmu", parameters).lower()
+    assert example(inside.refused, native_coupled / f"{name}.fmu", {}) == ""
 
 
-def test_on_partners_without_python_the_system_is_as_if_solved_as_one(native: Path) -> None:
-    for name, seen in example(coupled.on_every_partner, native, [(1e-3, "")]).items():
+def test_on_partners_without_python_the_system_is_as_if_solved_as_one(native_coupled: Path) -> None:
+    for name, seen in example(inside.on_every_partner, native_coupled, [(1e-3, "")]).items():
         ((top, other, given, taken),) = seen
         assert top < 2e-3, name
         assert other < (2e-2 if "soil" in name else 2e-3), name  # the foundation hardly rotates
         assert given == pytest.approx(taken, rel=2e-3), name
 
 
-def test_the_ground_is_the_record(native: Path) -> None:
-    table = np.loadtxt(native / "waves.csv", delimiter=",", skiprows=1)
+def test_the_ground_is_the_record(native_coupled: Path) -> None:
+    table = np.loadtxt(native_coupled / "waves.csv", delimiter=",", skiprows=1)
 
     def record(t: Any) -> Any:
         return np.interp(t, table[:, 0], table[:, 1])
 
     for step, given in ((1e-3, 1e-3), (1e-3, 0.0), (0.025, 0.025), (0.003, 0.0)):
-        seen = np.array(example(coupled.ground, native / "ground.fmu", step, given, 200))
+        seen = np.array(example(inside.ground, native_coupled / "ground.fmu", step, given, 200))
         t = step * np.arange(200)
         assert seen[:, 0] == pytest.approx(record(t), abs=1e-14)
         begin = 0 if given else 1  # the length of the first step is not known
@@ -122,31 +97,19 @@ def test_the_ground_is_the_record(native: Path) -> None:
 
 
 @pytest.mark.parametrize("partner", PARTNERS)
-def test_a_host_in_c_runs_the_coupled_system(native: Path, tmp_path: Path, partner: str) -> None:
+def test_a_host_in_c_runs_the_coupled_system(native_coupled: Path, tmp_path: Path, partner: str) -> None:
     host = tmp_path / "master"
-    options = ("-std=gnu11", "-Wall", "-Wextra", "-Werror", "-O1")
-    run(
-        sys.executable,
-        "-m",
-        "ziglang",
-        "cc",
-        "-target",
-        "x86_64-linux-gnu",
-        *options,
-        EXAMPLE / "master.c",
-        "-o",
-        host,
-        "-ldl",
-    )
-    wiring = native / "in_c" / f"{systems.NAMES[partner]}.txt"
+    options = ("-target", "x86_64-linux-gnu", "-std=gnu11", "-Wall", "-Wextra", "-Werror", "-O1")
+    run(sys.executable, "-m", "ziglang", "cc", *options, EXAMPLE / "master.c", "-o", host, "-ldl")
+    wiring = native_coupled / "in_c" / f"{systems.NAMES[partner]}.txt"
     stop = str(IN_C * systems.STEP)
     done = subprocess.run([host, wiring, "0.001", stop], capture_output=True, text=True, env={}, check=False)
     assert done.returncode == 0, done.stderr
     rows = np.array([[float(word) for word in line.split(",")] for line in done.stdout.splitlines()])[1:, 1:]
-    expected = np.array(example(systems.sorted_master, native, partner, IN_C))[:, :2]
+    expected = np.array(example(systems.sorted_master, native_coupled, partner, IN_C))[:, :2]
     assert np.max(np.abs(expected), axis=0) == pytest.approx(np.max(np.abs(rows), axis=0))
     assert np.all(np.max(np.abs(rows - expected), axis=0) < 1e-9 * np.max(np.abs(expected), axis=0))
-    truth = np.array(example(systems.as_one, native, partner, IN_C))
+    truth = np.array(example(systems.as_one, native_coupled, partner, IN_C))
     top, other = np.max(np.abs(rows - truth), axis=0) / np.max(np.abs(truth), axis=0)
     assert top < 1e-4  # measured 2e-6, 2e-5
     assert other < (2e-2 if partner == "soil" else 1e-6)  # measured 5e-3, of a tenth of a millimetre, and 5e-8
@@ -159,8 +122,8 @@ def test_a_host_in_c_runs_the_coupled_system(native: Path, tmp_path: Path, partn
 
 
 @pytest.mark.parametrize("name", ["isolated", "on_soil", "isolated_inputs", "on_soil_inputs"])
-def test_an_ssp_connects_what_there_is(native: Path, name: str) -> None:
-    file = native / f"{name}.ssp"
+def test_an_ssp_connects_what_there_is(native_coupled: Path, name: str) -> None:
+    file = native_coupled / f"{name}.ssp"
     read_ssd(str(file))  # checks it by the schema
     with zipfile.ZipFile(file) as archive:
         root = ElementTree.fromstring(archive.read("SystemStructure.ssd"))
@@ -170,7 +133,7 @@ def test_an_ssp_connects_what_there_is(native: Path, name: str) -> None:
     for component in root.iterfind(".//ssd:Component", SPACES):
         part, source = component.get("name") or "", component.get("source") or ""
         assert source in names
-        description = read_model_description(str(native / f"{part}.fmu"))
+        description = read_model_description(str(native_coupled / f"{part}.fmu"))
         variables[part] = {variable.name: variable for variable in description.modelVariables}
         for connector in component.iterfind("ssd:Connectors/ssd:Connector", SPACES):
             variable = variables[part][connector.get("name") or ""]
@@ -212,7 +175,7 @@ def test_an_ssp_connects_what_there_is(native: Path, name: str) -> None:
     assert float(master.get("stepSize") or "") == systems.STEP
 
 
-@pytest.fixture(scope="module", params=["native", "with_python"])
+@pytest.fixture(scope="module", params=["native_coupled", "coupled"])
 def folder(request: pytest.FixtureRequest) -> Path:
     found: Path = request.getfixturevalue(request.param)
     return found
@@ -228,7 +191,7 @@ def test_the_ssp_runs_where_every_value_is_handed_over_once_a_step(
     libraries = Path(sys.prefix) / "lib"
     if way == "ecos" and not list(libraries.glob("libtbb.so.12")):
         pytest.skip("ecospy needs libtbb.so.12, which pip install tbb brings")
-    if way == "ecos" and folder.name.startswith("python"):
+    if way == "ecos" and folder.name == "coupled":
         pytest.skip("ecos in Python loads PythonFMUs as tests/coupling/test_masters.py shows")
     seen = np.array(example(getattr(systems, way), folder, partner, STEPS, LD_LIBRARY_PATH=str(libraries)))
     once = np.array(example(systems.one_pass, folder, partner, STEPS))
@@ -247,17 +210,17 @@ def test_the_ssp_runs_in_fmpy(folder: Path, partner: str) -> None:
     assert np.all(np.max(np.abs(seen - once), axis=0) < 1e-9 * np.max(np.abs(once), axis=0))
 
 
-def test_the_ssp_runs_in_omsimulator(native: Path, tmp_path: Path) -> None:
+def test_the_ssp_runs_in_omsimulator(native_coupled: Path, tmp_path: Path) -> None:
     binary = shutil.which("OMSimulator")
     if binary is None:
         pytest.skip("OMSimulator is not installed: its package on PyPI fetches the program from its own server")
     result = tmp_path / "result.csv"
     stop = STEPS * systems.STEP
-    run(binary, "--mode=cs", f"--stopTime={stop}", f"--resultFile={result}", native / "isolated.ssp")
+    run(binary, "--mode=cs", f"--stopTime={stop}", f"--resultFile={result}", native_coupled / "isolated.ssp")
     header = result.read_text(encoding="utf-8").splitlines()[0].replace('"', "").split(",")
     table = np.loadtxt(result, delimiter=",", skiprows=1)
     table = table[np.append(np.diff(table[:, 0]) > 0.0, True)]  # two rows an instant: the last has the values after it
     (place,) = (k for k, name in enumerate(header) if name.endswith("column.block[1].ux"))
-    expected = np.array(example(systems.sorted_master, native, "isolator", STEPS))[:, 0]
+    expected = np.array(example(systems.sorted_master, native_coupled, "isolator", STEPS))[:, 0]
     count = min(len(table) - 1, STEPS)
     assert table[1 : count + 1, place] == pytest.approx(expected[:count], abs=1e-9 * np.max(np.abs(expected)))

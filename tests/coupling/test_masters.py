@@ -5,14 +5,13 @@ from __future__ import annotations
 import importlib.util
 import os
 import shutil
-import subprocess
 import sys
 import sysconfig
 from pathlib import Path
 
 import pytest
 from support.child import call, command, returned
-from support.fmus import Fmus, environment, run
+from support.fmus import Fmus, finish_in, run, stack_file
 from support.inside import masters
 
 H, STOP = 0.01, 2.0  # s
@@ -24,26 +23,19 @@ COMPLAINTS = ("error", "warn", "fatal", "fail")
 
 @pytest.fixture(scope="module")
 def alone(fmus: Fmus) -> list[float]:
-    """What the column does under FMPy."""
+    """The column under FMPy."""
     return list(call(masters.alone, fmus.damped))
 
 
 def said(*command: object, cwd: Path | None = None, **variables: str) -> tuple[str, str]:
     """Output and error output of a process; fails unless it ends with 0."""
-    done = subprocess.run(
-        [str(part) for part in command],
-        capture_output=True,
-        text=True,
-        env=environment() | variables,
-        cwd=cwd,
-        check=False,
-    )
+    done = finish_in(cwd, *command, **variables)
     assert done.returncode == 0, f"exit code {done.returncode}: {done.stderr}"
     return done.stdout, done.stderr
 
 
 def libraries() -> str:
-    """Where pip puts shared libraries, such as the tbb that ecos is linked with."""
+    """The folder of pip's shared libraries, such as the tbb that ecos is linked with."""
     return os.pathsep.join((str(Path(sys.prefix) / "lib"), os.environ.get("LD_LIBRARY_PATH", "")))
 
 
@@ -55,7 +47,12 @@ def package(name: str) -> Path:
     return Path(spec.origin).parent
 
 
-def test_the_table_of_masters_has_every_cell_run_or_the_reason_why_not(tmp_path: Path) -> None:
+def test_the_table_of_masters_has_every_cell_run_or_the_reason_why_not(
+    fmus: Fmus, native: Path, native3: Path, native_coupled: Path, tmp_path: Path
+) -> None:
+    for name, built in (("python", fmus.damped), ("native", native), ("fmi3", native3)):
+        (tmp_path / f"{name}.fmu").symlink_to(built)
+    (tmp_path / "coupled").symlink_to(native_coupled)
     table = (sys.executable, Path(__file__).parents[1] / "masters" / "run.py", "--folder", tmp_path)
     head, _, *rows = run(*table).splitlines()  # exit code 0: none that is there complains
     cells = {
@@ -114,10 +111,7 @@ def test_ecos_on_the_command_line_starts_python_itself(fmus: Fmus, tmp_path: Pat
 @pytest.mark.parametrize("n", [1, 3, 40])
 def test_fmu_manipulation_toolbox_checks_any_column(fmus: Fmus, tmp_path: Path, n: int) -> None:
     package("fmu_manipulation_toolbox")
-    block = "[[block]]\nheight = 1.0\nwidth = 1.0\ndepth = 1.0\ndensity = 2000.0\n"
-    column = tmp_path / "stack.toml"
-    column.write_text('name = "stack"\n' + block * n + "[joint]\nstiffness = 1e12\ndamping = 1e-3\n")
-    out, err = said("fmutool", "-input", fmus.build(column, tmp_path / "stack.fmu"), "-check")
+    out, err = said("fmutool", "-input", fmus.build(stack_file(tmp_path, n), tmp_path / "stack.fmu"), "-check")
     assert "seems to be compliant" in out + err
     assert "No semantic error" in out + err
     assert not any(word in (out + err) for word in ("ERROR", "WARNING"))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -12,8 +13,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from support.columns import off_axis_column
 from support.joints import contact_regime, joint_forces
-from support.lagrange import Reference
-from support.probe import PHOCAS_STIFFNESS, Array, G, phocas, random_column, random_state, sliding_state
+from support.probe import PHOCAS_STIFFNESS, Array, G, phocas, random_column, sliding_state
 from support.sliding import SlidingReference
 
 from solver import Block, Column, Joint, Motion, simulate
@@ -72,35 +72,14 @@ def joint_matrices(column: Column, tangent: Array, part: float) -> tuple[Array, 
 
 @settings(deadline=None, max_examples=40)
 @given(seed=st.integers(0, 2**32 - 1), n=st.integers(1, 6), part=st.floats(1e-5, 1e-1))
-def test_solution_is_that_of_the_dense_system(seed: int, n: int, part: float) -> None:
+@pytest.mark.parametrize("make", [random_column, off_axis_column])
+def test_solution_is_that_of_the_dense_system(make: Callable[..., Column], seed: int, n: int, part: float) -> None:
+    """Joints that have slid stick: slips and offsets are lengths of the chain."""
     rng = np.random.default_rng(seed)
-    column = random_column(rng, n)
-    q, rate = random_state(rng, column, 0.3)
-    model, tangent = pack_model(column).copy(), np.zeros(TANGENT.size(n))
-    factorized(n, model, np.concatenate([q, rate, np.zeros(2 * n)]), tangent, part)
-    weighted, plain = joint_matrices(column, tangent, part)
-    a, v = rng.normal(size=2 * n), rng.normal(size=2 * n)
-    solved = a.copy()
-    add_solution(n, model, tangent, solved, v, part)
-    system = Reference.of(column).mass_matrix(q) + weighted
-    forces = -weighted @ a - part**2 * plain @ v
-    residual = system @ (solved - a) - forces
-    scale = np.abs(system) @ np.abs(solved - a) + np.abs(forces)
-    rounding = np.finfo(float).eps * np.max(np.abs(system) @ np.abs(a))  # digits of z lost in the sum a + z
-    assert np.max(np.abs(residual)) <= 1e-7 * np.max(scale) + rounding  # measured 4e-9 over 2000 seeds
-
-
-@settings(deadline=None, max_examples=40)
-@given(seed=st.integers(0, 2**32 - 1), n=st.integers(1, 6), part=st.floats(1e-5, 1e-1))
-def test_solution_is_that_of_the_dense_system_of_a_column_off_its_axis_that_has_slid(
-    seed: int, n: int, part: float
-) -> None:
-    """Its joints stick: slips and offsets are lengths of the chain."""
-    rng = np.random.default_rng(seed)
-    column = off_axis_column(rng, n)
+    column = make(rng, n)
     q, rate, _ = sliding_state(rng, column, 0.3)
-    model, tangent = pack_model(column).copy(), np.zeros(TANGENT.size(n))
-    phase = np.zeros(at.PHASE.size(n))
+    q[2 * n :] *= column.has_slips
+    model, tangent, phase = pack_model(column).copy(), np.zeros(TANGENT.size(n)), np.zeros(at.PHASE.size(n))
     phase[: 4 * n] = np.concatenate([q[: 2 * n], rate[: 2 * n]])
     at.PHASE.see(phase, n).slip[:] = q[2 * n :]
     factorized(n, model, phase, tangent, part)
@@ -112,8 +91,8 @@ def test_solution_is_that_of_the_dense_system_of_a_column_off_its_axis_that_has_
     forces = -weighted @ a - part**2 * plain @ v
     residual = system @ (solved - a) - forces
     scale = np.abs(system) @ np.abs(solved - a) + np.abs(forces)
-    rounding = np.finfo(float).eps * np.max(np.abs(system) @ np.abs(a))
-    assert np.max(np.abs(residual)) <= 1e-7 * np.max(scale) + rounding
+    rounding = np.finfo(float).eps * np.max(np.abs(system) @ np.abs(a))  # digits of z lost in the sum a + z
+    assert np.max(np.abs(residual)) <= 1e-7 * np.max(scale) + rounding  # measured 4e-9 over 2000 seeds
 
 
 @settings(deadline=None, max_examples=40)
@@ -267,14 +246,6 @@ def test_a_column_that_is_not_stiff_is_stepped_explicitly() -> None:
     assert response.stats["implicit_steps"] == 0
 
 
-def test_mirrored_motion_gives_the_mirrored_response_of_implicit_steps_to_the_last_bit() -> None:
-    motion = Motion.harmonic(0.1 * G, 2.0, 0.5)
-    run, mirrored = simulate(drums(12), motion), simulate(drums(12), motion.mirrored())
-    assert run.stats["implicit_steps"] > 100
-    assert np.array_equal(-run.ux, mirrored.ux)
-    assert np.array_equal(run.N, mirrored.N)
-
-
 def test_two_hundred_drums_are_followed_in_a_few_thousand_steps() -> None:
     response = simulate(drums(200), Motion.harmonic(0.05 * G, 2.0, 1.0), tolerance=1e-3)
     assert response.stats["steps"] + response.stats["rejected"] < 2000  # explicit: 2.5 million
@@ -298,8 +269,10 @@ def test_implicit_steps_of_a_rocking_column_in_mortar_err_little(tolerance: floa
     assert error_in_tolerances(phocas(0.05), motion, 6.0, tolerance) < 0.15  # measured 0.03 to 0.08
 
 
-@pytest.mark.parametrize("tolerance", [1e-2, 1e-3, 1e-4, 1e-5, 1e-6])
+@pytest.mark.parametrize(
+    "tolerance", [1e-3, *(pytest.param(tolerance, marks=pytest.mark.long) for tolerance in (1e-2, 1e-4, 1e-5, 1e-6))]
+)
 def test_phocas_in_mortar_under_a_record_keeps_the_tolerance(records: Path, tolerance: float) -> None:
-    """The motion amplifies a change of it by 200; 30 to 52 tolerances down to 1e-5 before the edges counted."""
+    """The motion amplifies a change of it by 200; without moving edges errors are 30 to 52 tolerances down to 1e-5."""
     motion = Motion.from_at2(records / "kobe-1995-nishi-akashi-090.AT2").scaled(0.8)
     assert error_in_tolerances(phocas(0.05), motion, 20.0, tolerance) < 10.0  # measured 4.3, 7.6, 6.7, 3.4, 0.2

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
 import pytest
 from scipy.linalg import expm
 from support.lagrange import Reference
-from support.off_axis import changed, reference_rest
-from support.probe import Array, G, coordinates, monolith, phocas, put_back, random_column, with_gravity
+from support.off_axis import changed, chipped, leaning, reference_rest
+from support.probe import Array, G, coordinates, forced, monolith, phocas, put_back, random_column, walk, with_gravity
 
 from solver import (
     Block,
@@ -41,17 +40,6 @@ def cut(n: int, eta: float, **settings: Any) -> Column:
     """The Column of Phocas in n equal blocks, joints damped by eta s."""
     block = Block(14.07 / n, 1.56, 1.56, 81000.0 / n, Joint(533 * 9.80665e6, eta))
     return Column("cut", (block,) * n, Settings(**settings))
-
-
-def leaning(eta: float, sign: float = 1.0, **joint: Any) -> Column:
-    """Phocas off its axis in several ways, all joints in full contact at rest; sign -1: its mirror image."""
-    column = changed(cut(3, eta), 1, tilt=-0.004 * sign, offset=0.08 * sign, inclination=0.005 * sign, **joint)
-    return changed(column, 2, tilt=0.05 * sign, offset=-0.03 * sign, inclination=-0.05 * sign, **joint)
-
-
-def chipped(eta: float, sign: float = 1.0) -> Column:
-    """Phocas with a chipped edge."""
-    return changed(cut(3, eta), 3, section="strips", strips=(1.56,) * 7 + (0.0,) if sign > 0.0 else (0.0, *(1.56,) * 7))
 
 
 def shifted(eta: float, section: str) -> Column:
@@ -329,35 +317,8 @@ def test_steady_motion_of_a_block_is_that_of_an_oscillator() -> None:
 # --- bits, communication steps
 
 
-def test_mirrored_motion_gives_the_mirrored_response_to_the_last_bit() -> None:
-    runs = [simulate(cut(3, 1e-3), Motion.harmonic(sign * 0.005 * G, 2.0, 2.0)) for sign in (1.0, -1.0)]
-    assert runs[0].stats["elastic_steps"] == runs[1].stats["elastic_steps"] > 0
-    for name in ("ux", "theta", "M", "S"):
-        assert np.array_equal(getattr(runs[0], name), -getattr(runs[1], name)), name
-    for name in ("uz", "N", "peak_ux"):
-        assert np.array_equal(getattr(runs[0], name), getattr(runs[1], name)), name
-
-
-@pytest.mark.parametrize("make", [leaning, chipped])
-def test_mirror_images_of_columns_off_their_axis_move_mirrored_to_the_last_bit(make: Any) -> None:
-    left, right = (simulate(make(1e-3, sign), Motion.harmonic(sign * 0.003 * G, 2.0, 2.0)) for sign in (1.0, -1.0))
-    assert left.stats["elastic_steps"] == right.stats["elastic_steps"] == left.stats["steps"]
-    for name in ("ux", "theta", "M", "S", "T"):
-        assert np.array_equal(getattr(left, name), -getattr(right, name)), name
-    for name in ("uz", "N", "peak_ux"):
-        assert np.array_equal(getattr(left, name), getattr(right, name)), name
-
-
 def shaken(column: Column) -> Stepper:
-    stepper = Stepper(column)
-    stepper.base.wave_amplitude, stepper.base.wave_omega = 0.005 * G, 4.0 * math.pi
-    return stepper
-
-
-def walk(stepper: Stepper, times: Array) -> Array:
-    for begin, end in pairwise(times):
-        stepper.advance(begin, end - begin)
-    return coordinates(stepper).copy()
+    return forced(Stepper(column), 0.005 * G, 2.0)
 
 
 @pytest.mark.parametrize("h", [1e-4, 1e-3, 0.01, 0.1])
@@ -391,7 +352,7 @@ def test_restored_state_goes_on_to_the_last_bit() -> None:
 # --- long runs
 
 
-@pytest.mark.parametrize("part", [1e-3, 0.5])
+@pytest.mark.parametrize("part", [0.5, pytest.param(1e-3, marks=pytest.mark.long)])
 def test_undamped_elastic_motion_keeps_its_energy(part: float) -> None:
     column = cut(3, 0.0)  # default tolerance
     modes = Modes(column)

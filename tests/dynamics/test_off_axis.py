@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 from support.lagrange import Array
-from support.off_axis import changed, reference_rest
+from support.off_axis import changed, crooked, reference_rest
 from support.probe import PHOCAS_STIFFNESS, G, phocas
 
 from solver import Block, Column, InitialState, InputError, Joint, Motion, Settings, simulate
@@ -30,14 +30,6 @@ from solver.studies.parameters import column_with
 def shaft(eta: float = 0.0, tolerance: float = 1e-8, **settings: Any) -> Column:
     """Phocas, to be changed."""
     return phocas(eta, tolerance=tolerance, **settings)
-
-
-def crooked(eta: float = 0.0, sign: float = 1.0, **settings: Any) -> Column:
-    """A shaft with a bit of everything; sign -1: its mirror image."""
-    strips = (1.3, 1.5, 1.5, 1.5, 1.2, 0.0)
-    column = changed(shaft(eta, **settings), 1, tilt=-0.01 * sign, offset=0.11 * sign, inclination=0.02 * sign)
-    column = changed(column, 2, offset=-0.04 * sign, inclination=-0.006 * sign)
-    return changed(column, 3, section="strips", strips=strips[:: int(sign)])
 
 
 def wave(a: float, duration: float = 2.0) -> Motion:
@@ -67,7 +59,9 @@ def test_an_offset_block_rests_as_its_weight_asks_for(offset: float) -> None:
     assert np.array_equal(joints.slip, np.zeros(3))  # an offset is no slip
 
 
-@pytest.mark.parametrize("column", [crooked(), changed(shaft(), 1, offset=-0.7), changed(shaft(), 2, tilt=0.03)])
+@pytest.mark.parametrize(
+    "column", [crooked(0.0, tolerance=1e-8), changed(shaft(), 1, offset=-0.7), changed(shaft(), 2, tilt=0.03)]
+)
 def test_nothing_accelerates_at_rest(column: Column) -> None:
     still = StillColumn(column)
     assert np.max(np.abs(still.accelerations(still.rest))) < 1e-10  # measured 1e-13; Lagrange's equations have the same
@@ -163,22 +157,16 @@ def test_frequencies_are_those_of_lagranges_equations() -> None:
 
 
 def test_energy_is_kept_without_damping() -> None:
-    column = crooked(tolerance=1e-10)
+    column = crooked(0.0, tolerance=1e-10)
     stepper = Stepper(column, InitialState(rotation_rate=[0.01, 0.008, 0.004]))
     chain = Chain(column)
     first = chain.energy(phase_of(stepper))
+    assert chain.rest is not None
+    assert chain.rest is not None
     assert chain.energy(chain.rest) == 0.0
     stepper.rest_until(0.0, 2.0)
     assert stepper.counts.events > 5  # joints have opened and closed
     assert chain.energy(phase_of(stepper)) == pytest.approx(first, rel=1e-8)  # measured 1e-10
-
-
-def test_the_mirror_image_moves_mirrored_to_the_last_bit() -> None:
-    left, right = (simulate(crooked(1e-3, sign, tolerance=1e-5), wave(sign * 0.05)) for sign in (1.0, -1.0))
-    for name in ("ux", "theta", "M", "S", "T"):
-        assert np.array_equal(getattr(left, name), -getattr(right, name))
-    for name in ("uz", "N", "contact", "sigma_max"):
-        assert np.array_equal(getattr(left, name), getattr(right, name))
 
 
 def test_at_rest_a_run_shows_the_settled_column_and_says_that_it_stands() -> None:
@@ -197,7 +185,7 @@ def test_a_damped_run_settles_and_stands() -> None:
     assert simulate(column, Motion.harmonic(1.5 * G, 0.5, 2.0), settle=5.0).verdict == "overturned"
 
 
-@pytest.mark.parametrize("seed", [0, 1, *(pytest.param(seed, marks=pytest.mark.long) for seed in range(2, 5))])
+@pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.long) for seed in range(1, 5))])
 def test_no_column_is_found_with_less_energy_than_the_least(seed: int) -> None:
     """A search over rotations and openings, by the reference's energies; a block at its limit to either side."""
     rng = np.random.default_rng(seed)
@@ -303,18 +291,6 @@ def test_a_block_pushed_off_slides_as_on_an_endless_face_until_it_tips(section: 
     assert found.slip[-1, 0] == pytest.approx(reach, rel=2e-3)
     back = simulate(column, motion, initial=InitialState(slip_rate=[-speed, 0.0]), settle=0.0)
     assert np.array_equal(back.slip[:, 0], -found.slip[:, 0])
-
-
-@pytest.mark.parametrize("section", ["rectangle", "circle", "annulus"])
-def test_at_a_rim_energy_falls_by_the_work_of_friction_alone(section: str) -> None:
-    column = slider(0.2, eta=0.0, tolerance=1e-10, section=section)
-    chain = Chain(column)
-    stepper = Stepper(column, InitialState(slip_rate=[1.1, 0.0]))
-    first = chain.energy(phase_of(stepper))
-    stepper.rest_until(0.0, 0.5)
-    work = float(np.sum(stepper.state.phase.friction_work))
-    assert stepper.state.phase.slip[0] > 0.2
-    assert chain.energy(phase_of(stepper)) + work == pytest.approx(first, rel=1e-7)
 
 
 def test_an_offset_is_where_a_slip_begins() -> None:

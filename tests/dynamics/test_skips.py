@@ -70,7 +70,7 @@ def test_joints_without_dashpots_need_none() -> None:
     assert damped.stats["undamped_joints"] == 0
 
 
-def test_resultants_are_worked_out_when_somebody_asks() -> None:
+def test_resultants_are_computed_when_they_are_read() -> None:
     later, at_once = both("resultants", phocas(1e-3), Motion.harmonic(0.05 * G, 2.0, 1.0))
     assert later.stats["observed_rows"] == 0
     assert at_once.stats["observed_rows"] == len(at_once.time)

@@ -105,6 +105,7 @@ def test_two_blocks_that_rock_and_slide_against_another_integrator() -> None:
     assert found == pytest.approx(expected[:6], abs=1e-8 * np.max(np.abs(expected)))
 
 
+@pytest.mark.long  # test_benchmarks.py has other scenes of it
 def test_friction_that_is_regularized_less_and_less_comes_to_it() -> None:
     column = flat_block(tolerance=1e-10)
     reference = SlidingReference.of(column)
@@ -149,15 +150,6 @@ def test_a_column_that_bears_all_moves_as_one_that_cannot_slide() -> None:
     for name in ("ux", "theta", "N", "T", "Fx"):
         assert np.array_equal(getattr(one, name), getattr(other, name)), name
     assert np.array_equal(one.peak_ux, other.peak_ux)
-
-
-def test_a_motion_to_the_other_side_is_mirrored_to_the_last_bit() -> None:
-    motion = Motion.harmonic(4.5, 2.0, 1.0)
-    column = two_blocks(1e-3, 1e-6)
-    one, other = simulate(column, motion, settle=0.0), simulate(column, motion.scaled(-1.0), settle=0.0)
-    assert np.array_equal(one.slip, -other.slip)
-    assert np.array_equal(one.ux, -other.ux)
-    assert np.array_equal(one.N, other.N)
 
 
 def test_a_state_put_back_goes_on_with_the_same_bits() -> None:

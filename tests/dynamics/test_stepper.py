@@ -84,7 +84,7 @@ def test_a_change_that_is_not_stable_is_refused() -> None:
     [{"ax": -1.1e6}, {"az": 1e14}, {"jz": 1e14}, {"jx": -1.1e8}, {"omega": 2e6}, {"alpha": 1e7}, {"theta": 2e6}],
 )
 def test_inputs_beyond_a_million_are_refused(given: dict[str, float]) -> None:
-    """Under an acceleration of 1e14 m/s2 a step did not end."""
+    """Under an acceleration of 1e14 m/s2 a step does not end."""
     stepper = Stepper(Column.from_toml(ROOT / "examples/columns/phocas-damped.toml"))
     stepper.drive(0.0, **given)
     before = stepper.arrays.state.copy()

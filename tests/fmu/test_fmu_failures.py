@@ -1,4 +1,4 @@
-"""What a master does wrong: one logged sentence, a status that says so, and an instance that lives on."""
+"""Mistakes of a master: one logged sentence, a status that says so, and an instance that lives on."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from support.fmus import REFUSED, Fmus, finish
 from support.inside import failures
 
 
-@pytest.mark.parametrize("logging", [False, True])
+@pytest.mark.parametrize("logging", [True, pytest.param(False, marks=pytest.mark.long)])
 def test_a_wrong_call_is_answered_and_the_instance_lives_on(fmus: Fmus, logging: bool) -> None:
     done = ended(failures.python_answers, fmus.damped, logging)
     assert done.returncode == 0, done.stderr
@@ -25,14 +25,6 @@ def test_a_wrong_call_is_answered_and_the_instance_lives_on(fmus: Fmus, logging:
         assert line.count("\n") == 1
         if logging:
             assert reason in entry
-
-
-def test_a_scale_that_is_no_number_is_refused_without_a_record_too(fmus: Fmus) -> None:
-    done = ended(failures.scale_that_is_no_number, fmus.damped)
-    heard, lives = returned(done.stdout)
-    assert REFUSED in heard
-    assert lives
-    assert "base.record_scale = nan: must be a finite number" in done.stderr
 
 
 def test_what_cannot_be_stepped_over_leaves_the_column_as_it_was(fmus: Fmus) -> None:
@@ -79,8 +71,7 @@ def test_a_process_without_an_instance_frees_the_wrapper_once(fmus: Fmus) -> Non
 
 def test_tunable_parameters_act_from_the_next_step_on(fmus: Fmus) -> None:
     """A joint damped ten times as much dissipates more; the very change is that of an instance built with it."""
-    little, then_much, then_little = (
-        call(failures.ring, fmus.damped, *dampings) for dampings in ((1e-3, 1e-3), (1e-3, 1e-2), (1e-2, 1e-3))
-    )
+    dampings = [(1e-3, 1e-3), (1e-3, 1e-2), (1e-2, 1e-3)]
+    little, then_much, then_little = call(failures.rings, fmus.damped, dampings)
     assert then_much < 0.5 * little
     assert then_little > 2.0 * then_much

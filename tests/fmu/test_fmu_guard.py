@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from fmpy import extract, read_model_description
 from support.child import call, ended, returned
-from support.fmus import ROOT, Fmus, finish, read_results, run
+from support.fmus import DAMPED, Fmus, c_host, finish, read_results, run
 from support.inside import guarded
 
 import build_fmu
@@ -69,8 +69,7 @@ def test_the_status_of_the_last_step(fmus: Fmus) -> None:
 
 
 def test_a_host_without_python_hears_what_is_missing(fmus: Fmus, tmp_path: Path) -> None:
-    host = tmp_path / "host"
-    run(sys.executable, "-m", "ziglang", "cc", "-O1", ROOT / "tests/masters/host.c", "-o", host, "-ldl")
+    host = c_host(tmp_path)
     folder = Path(extract(str(fmus.damped), unzipdir=tmp_path / "fmu"))
     guid = read_model_description(str(fmus.damped)).guid
     binary = folder / "binaries/linux64/phocas_damped.so"
@@ -85,8 +84,7 @@ def test_without_a_compiler_the_fmu_says_what_is_missing(
 ) -> None:
     monkeypatch.setattr(build_fmu, "has_tools", lambda: False)
     monkeypatch.setattr(guard, "has_tools", lambda: False)
-    column = ROOT / "examples/columns/phocas-damped.toml"
-    assert build_fmu.main([str(column), "-o", str(tmp_path / "bare.fmu")]) == 0
+    assert build_fmu.main([str(DAMPED), "-o", str(tmp_path / "bare.fmu")]) == 0
     assert capsys.readouterr().err == ""
     with zipfile.ZipFile(tmp_path / "bare.fmu") as archive:
         assert [name for name in archive.namelist() if "linux64" in name] == ["binaries/linux64/phocas_damped.so"]

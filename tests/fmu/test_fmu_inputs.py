@@ -1,4 +1,4 @@
-"""What the base does: held inputs, slopes, a record inside the FMU; and what is said when it looks like a mistake."""
+"""The motion of the base: held inputs, slopes, a record inside the FMU; warnings where it looks like a mistake."""
 
 from __future__ import annotations
 
@@ -10,19 +10,18 @@ import pytest
 from fmpy import read_model_description
 from support import child
 from support.child import call, ended
-from support.fmus import ROOT, Fmus, finish
+from support.fmus import DAMPED, ROOT, Fmus, finish
 from support.inside import inputs
 
 from solver import Column, Motion, simulate
 
-COLUMN = ROOT / "examples/columns/phocas-damped.toml"
 AMPLITUDE, FREQUENCY, STOP = 0.6, 2.0, 1.6  # m/s2, Hz, s
 TIGHT = {"solver.tolerance": 1e-9}
 
 
 def errors(fmu: Path, way: str, steps: tuple[float, ...]) -> list[float]:
     """Largest error of ux at each communication step, in parts of the peak, against the harmonic itself."""
-    column = Column.from_toml(COLUMN)
+    column = Column.from_toml(DAMPED)
     response = simulate(column, Motion.harmonic(AMPLITUDE, FREQUENCY, STOP), STOP, tolerance=1e-9, output_step=0.1)
     found = []
     for h in steps:
@@ -44,7 +43,7 @@ def test_a_record_inside_is_followed_whatever_the_communication_step(fmus: Fmus,
     motion = Motion.from_samples(0.01, AMPLITUDE * np.sin(2.0 * np.pi * FREQUENCY * time), 0.1 * np.cos(time))
     record = tmp_path / "record.csv"
     motion.to_csv(record)
-    fmu = Fmus.build(COLUMN, tmp_path / "with_record.fmu", "--record", record)
+    fmu = Fmus.build(DAMPED, tmp_path / "with_record.fmu", "--record", record)
     record.rename(tmp_path / "elsewhere.csv")
     description = read_model_description(str(fmu))
     start = {variable.name: variable.start for variable in description.modelVariables}
@@ -52,7 +51,7 @@ def test_a_record_inside_is_followed_whatever_the_communication_step(fmus: Fmus,
     experiment = description.defaultExperiment
     assert float(experiment.stopTime) == pytest.approx(STOP)
     assert float(experiment.stepSize) == pytest.approx(0.01)
-    response = simulate(Column.from_toml(COLUMN), motion, STOP, tolerance=1e-9, output_step=0.1)
+    response = simulate(Column.from_toml(DAMPED), motion, STOP, tolerance=1e-9, output_step=0.1)
     seen = call(inputs.record_inside, fmu, TIGHT, tmp_path / "elsewhere.csv")
     peak = response.peak_ux[0]
     assert np.max(np.abs(np.array(seen["inside"]) - response.ux[1:, 0])) < 1e-7 * peak  # measured 2e-9
@@ -122,7 +121,7 @@ def test_a_wrong_record_is_refused_by_the_fmu_and_by_its_builder(
     record = tmp_path / name
     if text is not None:
         record.write_text(text)
-    build = [sys.executable, ROOT / "build_fmu.py", COLUMN, "-o", tmp_path / "x.fmu", "--record", record]
+    build = [sys.executable, ROOT / "build_fmu.py", DAMPED, "-o", tmp_path / "x.fmu", "--record", record]
     for done, code in ((ended(inputs.wrong_record, fmus.damped, record), 0), (finish(*build), 2)):
         assert done.returncode == code, done.stderr
         (line,) = done.stderr.strip().splitlines()

@@ -1,17 +1,16 @@
-"""How the FMU starts where the machine code fits and where it does not, where nothing can be kept, and in a race."""
+"""The start of an FMU where the machine code fits and where not, where nothing can be kept, and in a race."""
 
 from __future__ import annotations
 
 import marshal
 import os
 import subprocess
-import sys
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from support.child import command, returned
-from support.fmus import ROOT, Fmus, environment
+from support.child import call, command, returned
+from support.fmus import DAMPED, Fmus, environment
 from support.inside import starts
 
 from solver import Motion
@@ -49,17 +48,14 @@ def test_a_record_compiles_nothing_more(fmus: Fmus, tmp_path: Path) -> None:
     assert counts(start(fmus.damped, tmp_path, record=tmp_path / "record.csv"))[:2] == (3, 0)
 
 
-def test_the_account_that_builds_compiles_nothing_more(fmus: Fmus, tmp_path: Path) -> None:
-    column = ROOT / "examples" / "columns" / "phocas-damped.toml"
-    home = environment() | {"HOME": str(tmp_path), "XDG_CACHE_HOME": str(tmp_path / ".cache")}
-    build = [sys.executable, str(ROOT / "build_fmu.py"), str(column), "-o", str(tmp_path / "own.fmu")]
-    subprocess.run(build, env=home, check=True, capture_output=True)
-    assert counts(start(tmp_path / "own.fmu", tmp_path))[:2] == (3, 0)
+@pytest.mark.long
+def test_the_account_that_builds_compiles_nothing_more(tmp_path: Path) -> None:
+    home = {"HOME": str(tmp_path), "XDG_CACHE_HOME": str(tmp_path / ".cache")}
+    assert counts(start(Fmus.build(DAMPED, tmp_path / "own.fmu", **home), tmp_path))[:2] == (3, 0)
 
 
 def test_python_finds_what_the_builder_has_compiled(fmus: Fmus) -> None:
-    done = subprocess.run(command(starts.simulate), env=environment(), check=True, capture_output=True, text=True)
-    assert returned(done.stdout) == [0, 0]
+    assert call(starts.simulate) == [0, 0]
 
 
 @pytest.mark.long
@@ -115,19 +111,23 @@ def plant(copy: Path, marker: Path, cached: bool) -> None:
     kept.write_bytes(kept.read_bytes()[:16] + marshal.dumps(compile(text, str(module), "exec")))
 
 
+HARMS: dict[str, Callable[[Path], object]] = {
+    "module missing": lambda copy: (copy / "column/column.py").unlink(),
+    "code cut": lambda copy: cut(copy, "*.nbc"),
+    "code missing": lambda copy: sorted(copy.rglob("*.nbc"))[0].unlink(),
+    "index cut": lambda copy: cut(copy, "*.nbi"),
+    "bytecode cut": lambda copy: cut(copy, "__init__.*.pyc"),
+    "module cut": lambda copy: cut(copy, "column/column.py"),
+    "library added": lambda copy: (copy / "errors.so").write_bytes(b"no library"),
+}
+
+
 @pytest.mark.parametrize(
-    "harm",
-    [
-        lambda copy: (copy / "column/column.py").unlink(),
-        lambda copy: sorted(copy.rglob("*.nbc"))[0].unlink(),
-        *(lambda copy, kind=kind: cut(copy, kind) for kind in ("*.nbc", "*.nbi", "__init__.*.pyc", "column/column.py")),
-        lambda copy: (copy / "errors.so").write_bytes(b"no library"),
-    ],
-    ids=["module missing", "code missing", "code cut", "index cut", "bytecode cut", "module cut", "library added"],
+    "harm", ["code cut", *(pytest.param(it, marks=pytest.mark.long) for it in HARMS if it != "code cut")]
 )
-def test_a_damaged_copy_is_passed_over(fmus: Fmus, tmp_path: Path, harm: Callable[[Path], object]) -> None:
+def test_a_damaged_copy_is_passed_over(fmus: Fmus, tmp_path: Path, harm: str) -> None:
     usual = counts(start(fmus.damped, tmp_path))
-    harm(copy_of(tmp_path))
+    HARMS[harm](copy_of(tmp_path))
     assert counts(start(fmus.damped, tmp_path)) == usual
     assert counts(start(fmus.damped, tmp_path)) == usual
     copies = sorted(folder.name for folder in (tmp_path / ".cache" / "multiblock-fmu").iterdir())
@@ -136,8 +136,10 @@ def test_a_damaged_copy_is_passed_over(fmus: Fmus, tmp_path: Path, harm: Callabl
 
 
 @pytest.mark.skipif(os.name == "nt", reason="folders of a user on Windows are his own")
-@pytest.mark.parametrize("cached", [False, True])
-@pytest.mark.parametrize("opened", ["copy", "cache"])
+@pytest.mark.parametrize(
+    ("cached", "opened"),
+    [(True, "copy"), *(pytest.param(*case, marks=pytest.mark.long) for case in ((False, "copy"), (True, "cache")))],
+)
 def test_code_that_others_may_have_planted_does_not_run(fmus: Fmus, tmp_path: Path, cached: bool, opened: str) -> None:
     usual = counts(start(fmus.damped, tmp_path))
     copy = copy_of(tmp_path)
@@ -158,6 +160,7 @@ def test_where_others_can_write_to_the_cache_nothing_of_it_is_used(fmus: Fmus, t
     assert not [*home.rglob("solver_*")]
 
 
+@pytest.mark.long
 @pytest.mark.skipif(os.name == "nt", reason="folders of a user on Windows are his own")
 def test_what_python_adds_to_a_copy_under_any_umask_does_not_spoil_it(fmus: Fmus, tmp_path: Path) -> None:
     mask = os.umask(0o002)  # as where every user has a group of his own

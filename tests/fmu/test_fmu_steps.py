@@ -42,7 +42,7 @@ def test_no_communication_step_changes_the_result(
     results = call(steps.follow, fmus.damped, values | {"base.record": str(pulse)}, kinds)
     column = Column.from_toml(ROOT / "examples/columns/phocas-damped.toml")
     settings = {key.removeprefix("solver."): value for key, value in values.items()}
-    response = simulate(column, Motion.from_csv(pulse), STOP, output_step=0.01, **settings)  # type: ignore[arg-type]
+    response = simulate(column, Motion.from_csv(pulse), STOP, output_step=0.01, **settings)  # type: ignore[call-overload]
     assert response.contact.min() < 0.2
     for kind, (ux, shear) in zip(kinds, results, strict=True):
         assert abs(ux - response.ux[-1, 0]) < tolerance * response.peak_ux[0], kind

@@ -23,7 +23,7 @@ def stack(n: int) -> Column:
     return Column("stack", (Block(1.0, 1.0, 1.0, 2000.0, Joint(1e9, 0.0)),) * n)
 
 
-def test_value_references_are_those_that_were_once_given() -> None:
+def test_value_references_never_change() -> None:
     """The file is added to, never changed: couplings and programs of users rely on these numbers."""
     kept = {name: int(number) for name, number in map(str.split, KEPT.read_text(encoding="utf-8").splitlines())}
     table = {variable.name: variable.reference for variable in variables(Column.from_toml(DAMPED))}

@@ -1,4 +1,4 @@
-"""What holds for a column as soon as the law of a joint is not the linear one, whichever law that is.
+"""Properties of a column as soon as the law of a joint is not the linear one, whichever law that is.
 
 There is no other law; the damping stands for the parameter of one here.
 """
@@ -66,7 +66,7 @@ def test_sections_that_the_law_is_not_written_for_are_refused() -> None:
 
 
 def damping_limits(of: Column) -> list[tuple[float, float]]:
-    """What the native FMU lets a host set the dampings to."""
+    """Limits within which a host can set the dampings of the native FMU."""
     return [check.limits for check in column_subject(of).checks if check.name.endswith(".damping")]
 
 

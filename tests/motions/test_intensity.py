@@ -178,7 +178,7 @@ def test_peak_of_one_history_is_that_of_several() -> None:
 
 @pytest.mark.parametrize("time", [[0.0, 1.0, 1e15], [0.0, 1e-15, 1.0], [0.0, 0.005, 1e7]])
 def test_spans_that_no_spectrum_can_follow(time: list[float]) -> None:
-    """They asked for 256 GiB, or did not end."""
+    """A spectrum of them takes 256 GiB, or does not end."""
     motion = Motion(np.array(time), np.array([0.0, 1.0, 0.5]), np.zeros(3), time[-1])
     with pytest.raises(InputError, match=r"time: samples .* s apart, must be closer and more even"):
         spectrum(motion)

@@ -9,20 +9,13 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from support.record_files import AT2
 
 from solver.common.errors import InputError
 from solver.ground.motion import STANDARD_GRAVITY, Motion
 
 accelerations = st.lists(st.floats(-100.0, 100.0), min_size=2, max_size=20)
 steps = st.sampled_from([1e-3, 0.005, 0.01, 0.02, 0.1])
-
-AT2 = """PEER STRONG MOTION DATABASE RECORD
-A TEST, 000
-ACCELERATION TIME HISTORY IN UNITS OF G. FILTER POINTS: NONE
-NPTS=  5, DT= .02000 SEC
-  .1E-01  -.2000000E+00   .3
-  0.4 -0.05
-"""
 
 
 def written(folder: Path, text: str, name: str = "motion.txt") -> Path:
@@ -232,12 +225,15 @@ def test_at2_headers(tmp_path: Path, size: str, units: str) -> None:
         ("chi-chi-1999-tcu052-n", 18000, 0.005, 0.419),
     ],
 )
-def test_recorded_ground_motions(records: Path, name: str, count: int, dt: float, pga: float) -> None:
+def test_recorded_ground_motions(records: Path, tmp_path: Path, name: str, count: int, dt: float, pga: float) -> None:
+    """Known by their content too."""
     motion = Motion.from_at2(records / f"{name}.AT2")
     assert len(motion.time) == count
     assert motion.time[1] == dt
     assert motion.duration == (count - 1) * dt
     assert motion.pga / STANDARD_GRAVITY == pytest.approx(pga, abs=5e-4)
+    (tmp_path / "no-suffix").write_bytes((records / f"{name}.AT2").read_bytes().replace(b"\n", b"\r\n"))
+    assert_same(Motion.from_file(tmp_path / "no-suffix"), motion)
 
 
 # a horizontal and a vertical record

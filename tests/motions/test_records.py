@@ -185,21 +185,3 @@ def test_a_spoiled_record_is_read_or_refused_in_one_line(tmp_path: Path, name: s
         said = str(error)
     assert said.startswith(f"{path}: ")
     assert "\n" not in said
-
-
-REAL = [
-    "elcentro-1940-ns",
-    "northridge-1994-arleta-360",
-    "kobe-1995-nishi-akashi-090",
-    "cape-mendocino-1992-cpm000",
-    "chi-chi-1999-tcu052-n",
-]
-
-
-@pytest.mark.parametrize("name", REAL)
-def test_real_records_are_known_by_their_content(records: Path, tmp_path: Path, name: str) -> None:
-    text = (records / f"{name}.AT2").read_bytes()
-    path = tmp_path / "no-suffix"
-    path.write_bytes(text.replace(b"\n", b"\r\n"))
-    assert format_of(path) == "PEER AT2"
-    np.testing.assert_array_equal(Motion.from_file(path).ax, Motion.from_at2(records / f"{name}.AT2").ax)

@@ -14,41 +14,25 @@ import pytest
 from fmpy import read_model_description
 from lxml import etree  # type: ignore[import-untyped]
 from support.child import call, command, returned
-from support.fmus import ROOT, Fmus, finish, run
+from support.fmus import DAMPED, LINUX, Fmus, finish, run, stack_file
 from support.inside import fmi3, masters
 
-from build_fmu import main
 from fmu_src.native import library, symbols
 from fmu_src.native.platforms import PLATFORMS
 
 pytestmark = pytest.mark.long  # builds native FMUs
 
-if importlib.util.find_spec("ziglang") is None:
-    pytest.skip("needs ziglang, the extra native", allow_module_level=True)
 if not sys.platform.startswith("linux"):
     pytest.skip("the libraries are built for Linux", allow_module_level=True)
 
-DAMPED = ROOT / "examples/columns/phocas-damped.toml"
 BASE_PORT = 7 + 9  # motion; reaction and effective mass
 
 
-@pytest.fixture(scope="module")
-def fmu2(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("fmi2")
-    return Fmus.build(DAMPED, folder / "damped.fmu", "--native", "--platforms", "linux64", "--terminals")
-
-
-@pytest.fixture(scope="module")
-def fmu3(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """For all platforms."""
-    return Fmus.build(DAMPED, tmp_path_factory.mktemp("fmi3") / "damped.fmu", "--native", "--fmi", "3")
-
-
-def test_it_is_valid(fmu3: Path) -> None:
-    assert "No problems found" in run("fmpy", "validate", fmu3)
-    description = read_model_description(str(fmu3))
+def test_it_is_valid(native3: Path) -> None:
+    assert "No problems found" in run("fmpy", "validate", native3)
+    description = read_model_description(str(native3))
     assert description.fmiVersion == "3.0"
-    with zipfile.ZipFile(fmu3) as archive:
+    with zipfile.ZipFile(native3) as archive:
         root = etree.fromstring(archive.read("modelDescription.xml"))
     given = [item.get("name") for item in root.find("ModelVariables") if item.get("intermediateUpdate") == "true"]
     assert given == ["base.ax", "base.az"]
@@ -66,17 +50,16 @@ def test_it_is_valid(fmu3: Path) -> None:
 
 @pytest.mark.parametrize("n", [1, 12])
 def test_columns_of_other_sizes_are_valid(tmp_path: Path, n: int) -> None:
-    block = "[[block]]\nheight = 1.0\nwidth = 1.0\ndepth = 1.0\ndensity = 2000.0\n"
-    column = tmp_path / "stack.toml"
-    column.write_text('name = "stack"\n' + block * n + "[joint]\nstiffness = 1e12\ndamping = 1e-3\n")
     options = ("--native", "--fmi", "3", "--platforms", "x86_64-linux")
-    assert "No problems found" in run("fmpy", "validate", Fmus.build(column, tmp_path / "stack.fmu", *options))
+    assert "No problems found" in run(
+        "fmpy", "validate", Fmus.build(stack_file(tmp_path, n), tmp_path / "stack.fmu", *options)
+    )
 
 
-def test_the_base_is_one_terminal(fmu2: Path, fmu3: Path) -> None:
+def test_the_base_is_one_terminal(native: Path, native3: Path) -> None:
     folder = Path(fmpy.__file__).parent / "schema" / "fmi3"
     schema = etree.XMLSchema(etree.parse(str(folder / "fmi3TerminalsAndIcons.xsd")))
-    for fmu in (fmu2, fmu3):
+    for fmu in (native, native3):
         with zipfile.ZipFile(fmu) as archive:
             root = etree.fromstring(archive.read("terminalsAndIcons/terminalsAndIcons.xml"))
         assert schema.validate(root), schema.error_log
@@ -88,21 +71,21 @@ def test_the_base_is_one_terminal(fmu2: Path, fmu3: Path) -> None:
         assert set(members) <= known
 
 
-def test_fmi_3_has_an_icon_and_fmi_2_no_terminals_by_default(fmu3: Path, tmp_path: Path) -> None:
-    plain = Fmus.build(DAMPED, tmp_path / "plain.fmu", "--native", "--platforms", "linux64")
+def test_fmi_3_has_an_icon_and_fmi_2_no_terminals_by_default(native3: Path, tmp_path: Path) -> None:
+    plain = Fmus.build(DAMPED, tmp_path / "plain.fmu", *LINUX)
     with zipfile.ZipFile(plain) as archive:
         assert not [name for name in archive.namelist() if name.startswith("terminalsAndIcons")]
         assert "model.png" in archive.namelist()
-    with zipfile.ZipFile(fmu3) as archive:
+    with zipfile.ZipFile(native3) as archive:
         assert archive.read("terminalsAndIcons/icon.png").startswith(b"\x89PNG")
         assert "model.png" not in archive.namelist()
-    for fmu in (plain, fmu3):
+    for fmu in (plain, native3):
         variables = {variable.name: variable for variable in read_model_description(str(fmu)).modelVariables}
         assert "no file is read" in variables["base.record"].description
 
 
-def test_it_gives_the_bits_of_fmi_2(fmu2: Path, fmu3: Path) -> None:
-    found = call(fmi3.beside, fmu2, fmu3)
+def test_it_gives_the_bits_of_fmi_2(native: Path, native3: Path) -> None:
+    found = call(fmi3.beside, native, native3)
     assert found["same"]
     assert found["moved"] > 1.0
     assert found["time"] == [0.5]  # where the state was saved
@@ -113,15 +96,15 @@ def test_it_gives_the_bits_of_fmi_2(fmu2: Path, fmu3: Path) -> None:
     assert found["overturned"] == [False, 0, 1, ""] or found["overturned"] == [False, 0, 1, b""]
 
 
-def test_a_motion_given_within_a_step_is_followed(fmu2: Path, fmu3: Path) -> None:
-    exact = np.array(call(fmi3.followed, fmu2, fmu3, 1e-3, 300))
+def test_a_motion_given_within_a_step_is_followed(native: Path, native3: Path) -> None:
+    exact = np.array(call(fmi3.followed, native, native3, 1e-3, 300))
     assert np.array_equal(exact[:, 0], exact[:, 1])
-    coarse = np.array(call(fmi3.followed, fmu2, fmu3, 0.02, 25))
+    coarse = np.array(call(fmi3.followed, native, native3, 0.02, 25))
     assert np.max(np.abs(coarse[:, 0] - coarse[:, 1])) < 1e-9 * np.max(np.abs(coarse))  # 1e-13 was seen
 
 
-def test_what_it_refuses(fmu3: Path) -> None:
-    found = call(fmi3.refusals, fmu3)
+def test_what_it_refuses(native3: Path) -> None:
+    found = call(fmi3.refusals, native3)
     assert found.pop("answers")
     assert [found.pop(name) for name in ("exchange", "nothing")] == [None, 3]
     assert all("Failed to instantiate" in found.pop(name) for name in ("events", "token", "unnamed"))
@@ -135,15 +118,15 @@ def test_what_it_refuses(fmu3: Path) -> None:
     assert [name for name, said in found.items() if said == "ok"] == []
 
 
-def test_fmpy_simulates_it(fmu3: Path, tmp_path: Path) -> None:
+def test_fmpy_simulates_it(native3: Path, tmp_path: Path) -> None:
     result = tmp_path / "result.csv"
-    assert finish("fmpy", "simulate", fmu3, "--stop-time", "0.5", "--output-file", result).returncode == 0
+    assert finish("fmpy", "simulate", native3, "--stop-time", "0.5", "--output-file", result).returncode == 0
     header = result.read_text(encoding="utf-8").splitlines()[0]
     assert "block.ux" in header
 
 
-def test_libraries_for_five_systems_offer_the_whole_interface(fmu3: Path) -> None:
-    with zipfile.ZipFile(fmu3) as archive:
+def test_libraries_for_five_systems_offer_the_whole_interface(native3: Path) -> None:
+    with zipfile.ZipFile(native3) as archive:
         names = [name for name in archive.namelist() if name.startswith("binaries/")]
         parts = {name.split("/")[1]: symbols.read(archive.read(name)) for name in names}
     assert set(parts) == set(PLATFORMS[3])
@@ -156,26 +139,21 @@ def test_libraries_for_five_systems_offer_the_whole_interface(fmu3: Path) -> Non
         assert part.foreign == []
 
 
-def test_without_arrays_it_has_the_variables_of_fmi_2(fmu2: Path, tmp_path: Path) -> None:
+def test_without_arrays_it_has_the_variables_of_fmi_2(native: Path, tmp_path: Path) -> None:
     options = ("--native", "--fmi", "3", "--scalars", "--platforms", "x86_64-linux")
     scalars = Fmus.build(DAMPED, tmp_path / "scalars.fmu", *options)
     assert "No problems found" in run("fmpy", "validate", scalars)
-    two, three = (read_model_description(str(fmu)).modelVariables for fmu in (fmu2, scalars))
+    two, three = (read_model_description(str(fmu)).modelVariables for fmu in (native, scalars))
     references = {variable.name: variable.valueReference for variable in three}
     assert {variable.name: variable.valueReference for variable in two} | {"time": 0} == references
     assert not any(variable.dimensions for variable in three)
     outputs = ["block[1].ux", "block[3].theta", "joint[2].N", "base.Fx", "joint[3].contact"]
-    expected = call(masters.alone, fmu2, outputs)
+    expected = call(masters.alone, native, outputs)
     assert call(masters.alone3, scalars, outputs) == expected
     if importlib.util.find_spec("ecospy") and list((Path(sys.prefix) / "lib").glob("libtbb.so.12")):
         libraries = {"LD_LIBRARY_PATH": str(Path(sys.prefix) / "lib")}
         found = run(*command(masters.ecos, scalars, outputs), **libraries)  # reads one value where there is an array
         assert returned(found) == pytest.approx(expected, rel=1e-12)
-
-
-def test_scalars_are_for_fmi_3(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main([str(DAMPED), "--native", "--scalars"]) == 2
-    assert "--scalars: with --fmi 3 only" in capsys.readouterr().err
 
 
 def test_a_free_name_becomes_an_identifier(tmp_path: Path) -> None:
@@ -194,10 +172,3 @@ def test_a_free_name_becomes_an_identifier(tmp_path: Path) -> None:
             assert f"binaries/{platform}/_2nd_my_doric_v1.so" in archive.namelist()
         found.append(call(way, fmu, outputs[1:]))
     assert found[0] == found[1]
-
-
-def test_pythonfmu_knows_no_fmi_3(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main([str(DAMPED), "--fmi", "3"]) == 2
-    assert "--fmi 3: with --native only" in capsys.readouterr().err
-    assert main([str(DAMPED), "--terminals"]) == 2
-    assert "--terminals: with --native only" in capsys.readouterr().err

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import math
 import re
 import sys
@@ -12,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from support.child import call, command, ended, returned
-from support.fmus import ROOT, Fmus, finish, run
+from support.fmus import DAMPED, LINUX, ROOT, Fmus, finish, run
 from support.inside import failures, inputs, states
 from support.inside import native as inside
 
@@ -21,18 +20,7 @@ from solver.column.packing import longest_stable_step
 
 pytestmark = pytest.mark.long  # builds native FMUs
 
-if importlib.util.find_spec("ziglang") is None:
-    pytest.skip("needs ziglang, the extra native", allow_module_level=True)
-
-DAMPED = ROOT / "examples/columns/phocas-damped.toml"
-LINUX = ("--native", "--platforms", "linux64")
 UNDAMPED: dict[str, object] = {f"joint[{i}].damping": 0.0 for i in (1, 2, 3)}
-
-
-@pytest.fixture(scope="module")
-def native(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The damped example as a native FMU."""
-    return Fmus.build(DAMPED, tmp_path_factory.mktemp("native") / "damped.fmu", *LINUX)
 
 
 def stack(folder: Path, n: int, joint: str) -> Path:
@@ -56,7 +44,6 @@ def test_three_blocks_give_the_numbers_of_the_pythonfmu(fmus: Fmus, native: Path
     results = compare(
         native,
         fmus.damped,
-        {},
         {"push": 0.05},
         {"solver.tolerance": 1e-9, "joint[2].damping": 2e-2},
         {"block[1].mass": 2e4, "block[2].centroid": 2.0, "block[3].inertia": 1e5, "joint[3].width": 1.2, "g": 9.0},
@@ -199,13 +186,6 @@ def test_input_derivatives_are_the_slopes_of_the_inputs(native: Path) -> None:
     assert statuses == [3, 3, 3, 0]
 
 
-def test_input_derivatives_are_an_order_better_than_held_inputs(native: Path) -> None:
-    coarse, fine, coarse_linear, fine_linear = call(inside.errors_of_slopes, native)
-    assert 1.7 < coarse / fine < 2.4  # measured 2.0
-    assert 3.3 < coarse_linear / fine_linear < 5.0  # measured 4.0
-    assert coarse_linear < coarse / 10.0
-
-
 def test_output_derivatives_are_the_rates_of_the_outputs(native: Path) -> None:
     found, differences = np.array(call(inside.output_derivatives, native))
     sizes = np.abs(differences) + 1e-6 * np.max(np.abs(differences))
@@ -233,7 +213,7 @@ def test_directional_derivatives_by_the_rotation_of_the_base(
 
 
 def test_status_is_answered(native: Path) -> None:
-    assert call(inside.status, native) == [[0, 3], [0, 0.6], [0, 0], [0, ""], [3]]
+    assert call(inside.status, native) == [[[0] * 4, 3, 0.6, 0, ""], 3]
 
 
 # --- faults

@@ -1,4 +1,4 @@
-"""What `build_fmu.py --native` makes: libraries for three systems, what they need, and a host without Python."""
+"""The results of `build_fmu.py --native`: libraries for three systems, what they need, and a host without Python."""
 
 from __future__ import annotations
 
@@ -17,24 +17,19 @@ from typing import cast
 import pytest
 from fmpy import extract, read_model_description
 from support.child import call
-from support.fmus import ROOT, Fmus, finish, run
-from support.inside import inputs
+from support.fmus import DAMPED, LINUX, ROOT, Fmus, built_once, c_host, finish, run
+from support.inside import masters
 
 from build_fmu import main
 from fmu_src import rules
 from fmu_src.native import column_subject, library, symbols, table
 from fmu_src.native.package import contents_of
 from solver import Column
-from solver.column.packing import SKIP_CODES
-from solver.column.settings import SKIPS
+from solver.column.settings import SKIP_CODES, SKIPS
 from solver.kernels.api import pointers
 
 pytestmark = pytest.mark.long  # builds native FMUs
 
-if importlib.util.find_spec("ziglang") is None:
-    pytest.skip("needs ziglang, the extra native", allow_module_level=True)
-
-DAMPED = ROOT / "examples/columns/phocas-damped.toml"
 MATHEMATICS = {"asin", "atan2", "cos", "exp", "expm1", "hypot", "log", "pow", "sin", "sincos"}
 FORMATS = {
     "linux64": ["ELF x86-64"],
@@ -47,7 +42,7 @@ FORMATS = {
 @pytest.fixture(scope="module")
 def fmu(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The damped example for all platforms."""
-    return Fmus.build(DAMPED, tmp_path_factory.mktemp("native") / "damped.fmu", "--native")
+    return built_once(tmp_path_factory, "all_platforms.fmu", lambda path: Fmus.build(DAMPED, path, "--native"))
 
 
 def test_libraries_for_three_systems_need_no_python(fmu: Path) -> None:
@@ -77,21 +72,7 @@ def test_a_symbol_of_python_is_found() -> None:
 def test_a_host_in_c_runs_it(fmu: Path, tmp_path: Path) -> None:
     if not sys.platform.startswith("linux"):
         pytest.skip("the host is built for Linux")
-    host = tmp_path / "host"
-    compile_host = [
-        sys.executable,
-        "-m",
-        "ziglang",
-        "cc",
-        "-target",
-        "x86_64-linux-gnu",
-        "-O1",
-        ROOT / "tests/masters/host.c",
-        "-o",
-        host,
-        "-ldl",
-    ]
-    run(*compile_host)
+    host = c_host(tmp_path)
     folder = Path(extract(str(fmu), unzipdir=tmp_path / "fmu"))
     description = read_model_description(str(fmu))
     reference = {variable.name: str(variable.valueReference) for variable in description.modelVariables}
@@ -103,20 +84,18 @@ def test_a_host_in_c_runs_it(fmu: Path, tmp_path: Path) -> None:
     done = subprocess.run([str(word) for word in command], capture_output=True, text=True, env={}, check=False)
     assert done.returncode == 0, done.stderr
     once, again = (float(word) for word in done.stdout.split())
-    assert once == again == call(inputs.pushed, fmu)
+    assert once == again == call(masters.alone, fmu)[0]
 
 
 def test_the_library_for_arm_gives_the_digits_of_x86(fmu: Path, tmp_path: Path) -> None:
     emulator, system = shutil.which("qemu-aarch64"), Path("/usr/aarch64-linux-gnu")
     if emulator is None or not system.is_dir():
         pytest.skip("needs qemu-aarch64 and the C library for ARM: apt install qemu-user libc6-arm64-cross")
-    host = tmp_path / "host"
-    target = ("-target", "aarch64-linux-gnu.2.17", "-O1")
-    run(sys.executable, "-m", "ziglang", "cc", *target, ROOT / "tests/masters/host.c", "-o", host, "-ldl")
+    host = c_host(tmp_path, "aarch64-linux-gnu.2.17")
     binary = Path(extract(str(fmu), unzipdir=tmp_path / "fmu")) / "binaries/aarch64-linux/phocas_damped.so"
     guid = read_model_description(str(fmu)).guid
     once, again = map(float, run(emulator, "-L", system, host, binary, "file:///nowhere", guid, "1", "10001").split())
-    assert once == again == pytest.approx(call(inputs.pushed, fmu), rel=1e-12)
+    assert once == again == pytest.approx(call(masters.alone, fmu)[0], rel=1e-12)
 
 
 def test_what_is_needed_is_printed_and_the_same_input_builds_the_same_bytes(tmp_path: Path) -> None:
@@ -124,7 +103,7 @@ def test_what_is_needed_is_printed_and_the_same_input_builds_the_same_bytes(tmp_
     for k in range(2):
         output = tmp_path / f"{k}.fmu"
         done = finish(
-            *(sys.executable, ROOT / "build_fmu.py", DAMPED, "-o", output, "--native", "--platforms", "linux64"),
+            *(sys.executable, ROOT / "build_fmu.py", DAMPED, "-o", output, *LINUX),
             SOURCE_DATE_EPOCH="1700000000",
         )
         assert done.returncode == 0
@@ -132,14 +111,6 @@ def test_what_is_needed_is_printed_and_the_same_input_builds_the_same_bytes(tmp_
         assert "library linked: linux64, " in done.stderr
         built.append(output.read_bytes())
     assert built[0] == built[1]
-
-
-def test_a_wrong_platform_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main([str(DAMPED), "--native", "--platforms", "linux64,amiga"]) == 2
-    assert (
-        capsys.readouterr().err
-        == "build_fmu.py: --platforms amiga: must be of linux64, win64, darwin64, aarch64-linux\n"
-    )
 
 
 def test_without_ziglang_the_build_says_so(
@@ -165,7 +136,7 @@ def written(folder: Path) -> Path:
 
 
 def compile_core(folder: Path) -> str:
-    """What the compiler says to core.c with the headers in a folder; nothing if it is content."""
+    """The compiler's messages about core.c with the headers in a folder; nothing if it is content."""
     core = library.sources(2)[0]
     options = ("-std=c11", "-Wall", "-Wextra", "-Werror", "-c", f"-I{folder}", core, "-o", folder / "core.o")
     return finish(sys.executable, "-m", "ziglang", "cc", *options).stderr
@@ -177,7 +148,7 @@ def test_the_core_knows_no_names_of_a_standard() -> None:
 
 
 def test_every_kernel_is_given_all_its_arguments_by_name() -> None:
-    """What a list of named initializers leaves out would be zero, and no compiler says so."""
+    """An argument that a list of named initializers leaves out is zero, and no compiler says so."""
     core = library.sources(2)[0].read_text(encoding="utf-8")
     groups = {
         name: re.findall(r"\.(\w+) = ", text)
@@ -200,7 +171,6 @@ def test_a_kernel_that_takes_another_argument_does_not_compile(tmp_path: Path) -
 
 
 def test_one_more_short_cut_is_one_more_row(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(column_subject, "SKIPS", (*SKIPS, "another"))
     monkeypatch.setattr(column_subject, "SKIP_CODES", SKIP_CODES | {"another": 1024})
     folder = written(tmp_path / "headers")
     text = (folder / "table.h").read_text(encoding="utf-8")

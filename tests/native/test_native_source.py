@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import shutil
 import sys
 import zipfile
@@ -12,28 +11,23 @@ from xml.etree import ElementTree
 import pytest
 from fmpy import extract, read_model_description
 from support.child import call
-from support.fmus import ROOT, Fmus, finish, run
-from support.inside import inputs, masters
+from support.fmus import DAMPED, LINUX, Fmus, built_once, c_host, run
+from support.inside import masters
 
-from build_fmu import main
 from fmu_src.native import symbols
 
-if importlib.util.find_spec("ziglang") is None:
-    pytest.skip("needs ziglang, the extra native", allow_module_level=True)
 if not sys.platform.startswith("linux"):
     pytest.skip("the libraries are built for Linux", allow_module_level=True)
 
 pytestmark = pytest.mark.long
 
-DAMPED = ROOT / "examples/columns/phocas-damped.toml"
 OPTIONS = ("-std=c11", "-O2", "-shared", "-fPIC", "-ffp-contract=off", "-Wall", "-Wextra", "-Werror")
 ZIG = (sys.executable, "-m", "ziglang", "cc", "-target")
 
 
 @pytest.fixture(scope="module")
 def fmu(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    output = tmp_path_factory.mktemp("source") / "damped.fmu"
-    return Fmus.build(DAMPED, output, "--native", "--source", "--platforms", "linux64")
+    return built_once(tmp_path_factory, "source.fmu", lambda path: Fmus.build(DAMPED, path, *LINUX, "--source"))
 
 
 @pytest.fixture(scope="module")
@@ -48,10 +42,8 @@ def files(fmu: Path, tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
 
 def displacement(fmu: Path, library: Path, folder: Path) -> float:
     """Of the top, under the C host; fails unless it ends with 0."""
-    host = folder / "host"
-    run(*ZIG, "x86_64-linux-gnu", "-O1", ROOT / "tests/masters/host.c", "-o", host, "-ldl")
     guid = read_model_description(str(fmu)).guid
-    once, again = map(float, run(host, library, "file:///nowhere", guid, "1", "10001").split())
+    once, again = map(float, run(c_host(folder), library, "file:///nowhere", guid, "1", "10001").split())
     assert once == again
     return once
 
@@ -69,7 +61,7 @@ def test_a_compiler_makes_the_library_of_it(fmu: Path, files: list[Path], tmp_pa
     run(*command, *OPTIONS, "-DFMI2_OVERRIDE_FUNCTION_PREFIX", *files, "-lm", "-o", library)
     (part,) = symbols.read(library.read_bytes())
     assert part.foreign == []
-    assert displacement(fmu, library, tmp_path) == call(inputs.pushed, fmu)
+    assert displacement(fmu, library, tmp_path) == call(masters.alone, fmu)[0]
 
 
 @pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc is not installed")
@@ -79,7 +71,7 @@ def test_it_links_with_what_gcc_adds_to_the_code(fmu: Path, files: list[Path], t
     library = tmp_path / "column.so"
     run("gcc", *OPTIONS, option, "-DFMI2_OVERRIDE_FUNCTION_PREFIX", *files, "-lm", "-o", library)
     if option == "-flto":  # the other wants its own library loaded first
-        assert displacement(fmu, library, tmp_path) == call(inputs.pushed, fmu)
+        assert displacement(fmu, library, tmp_path) == call(masters.alone, fmu)[0]
 
 
 def test_every_name_is_that_of_the_fmu(files: list[Path], tmp_path: Path) -> None:
@@ -100,8 +92,8 @@ def test_it_compiles_for_the_other_targets(files: list[Path], tmp_path: Path, ta
 
 @pytest.fixture(scope="module")
 def fmu3(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    output = tmp_path_factory.mktemp("source3") / "damped.fmu"
-    return Fmus.build(DAMPED, output, "--native", "--source", "--fmi", "3", "--platforms", "x86_64-linux")
+    options = ("--native", "--source", "--fmi", "3", "--platforms", "x86_64-linux")
+    return built_once(tmp_path_factory, "source3.fmu", lambda path: Fmus.build(DAMPED, path, *options))
 
 
 @pytest.mark.parametrize("compiler", ["gcc", "zig"])
@@ -127,9 +119,3 @@ def test_fmi_3_describes_its_build_and_runs_as_compiled(fmu3: Path, tmp_path: Pa
             archive.write(file, file.relative_to(folder))
     assert call(masters.alone3, changed, names) == expected
     assert abs(expected[1]) > 1e-3  # m, it moves
-
-
-def test_a_pythonfmu_has_no_such_source(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main([str(DAMPED), "--source"]) == 2
-    assert "--source: with --native only" in capsys.readouterr().err
-    assert finish(sys.executable, ROOT / "build_fmu.py", DAMPED, "--source").returncode == 2

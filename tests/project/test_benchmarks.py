@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-import subprocess
+import re
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 from numba import njit
-from support.fmus import ROOT
+from support.fmus import ROOT, finish_in, run
 from support.lagrange import Reference
 from support.probe import coordinates, look, phocas, random_column, random_state
 
@@ -142,7 +142,7 @@ def test_evaluation_in_c_in_held_regimes(n, tmp_path):
 
 
 @pytest.mark.parametrize("n", [1, 3, 8])
-def test_recursion_of_before_agrees_to_rounding(n):
+def test_articulated_recursion_agrees_to_rounding(n):
     rng = np.random.default_rng(n)
     for _ in range(20):
         column = random_column(rng, n)
@@ -322,12 +322,8 @@ def test_opensees_stands_on_its_joints():
 
 @pytest.mark.long  # compiles kernels of its own
 def test_command_writes_valid_json(tmp_path: Path):
-    done = subprocess.run(
-        [sys.executable, "-m", "benchmarks", "--quick", "--only", "evaluation", "--output-folder", str(tmp_path)],
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-    )
+    options = ("--quick", "--only", "evaluation", "--output-folder", tmp_path)
+    done = finish_in(ROOT, sys.executable, "-m", "benchmarks", *options)
     assert done.returncode == 0, done.stderr
     results = json.loads((tmp_path / "results.json").read_text(), parse_constant=pytest.fail)
     assert results["quick"] is True
@@ -417,6 +413,19 @@ def test_what_may_be_believed_is_measured():
     assert f"{costs['evaluations']:.2f}" in text
     assert "1 overturned later, 1 standing" in text
     assert "0.000 (0.00 to 0.37, does not contain it)" in text
+
+
+@pytest.mark.long
+def test_the_fmus_benchmark_prints_a_figure_for_each_part() -> None:
+    parts = ("state", "getters", "threads", "exits")
+    out = run(sys.executable, "-m", "benchmarks.fmu", *parts, "--rounds", 1, "--processes", 4)
+    lines = out.splitlines()
+    assert [line.split()[0] for line in lines] == list(parts)
+    state, getters, threads, exits = lines
+    assert re.search(r"get \+ set \+ free [\d.]+ us \(n = 3\)", state)
+    assert re.search(r"\d+ outputs: [\d.]+ s, empty [\d.]+ s, [\d.]+ times", getters)
+    assert re.search(r"in two threads [\d.]+ s: [\d.]+ times as fast", threads)
+    assert "status 0 in 4 of 4 processes, 1 different result" in exits
 
 
 # --- joints that slide

@@ -2,28 +2,18 @@
 
 from __future__ import annotations
 
-import os
 import shutil
-import subprocess
 from pathlib import Path
 
 import pytest
 from support.child import command, returned
-from support.fmus import ROOT
+from support.fmus import DAMPED, ROOT, finish_in
 from support.inside import loads
 
 
 def loaded_kernel_says(project: Path) -> float:
     """Normal force of the top joint at rest, from a process of its own that caches beside the sources."""
-    variables = os.environ | {"PYTHONPATH": str(project)}
-    done = subprocess.run(
-        command(loads.normal_force, "phocas.toml"),
-        cwd=project,
-        capture_output=True,
-        text=True,
-        env=variables,
-        check=False,
-    )
+    done = finish_in(project, *command(loads.normal_force, "phocas.toml"), PYTHONPATH=str(project))
     assert done.returncode == 0, done.stderr
     return float(returned(done.stdout))
 
@@ -31,7 +21,7 @@ def loaded_kernel_says(project: Path) -> float:
 @pytest.mark.long  # compiles the kernels twice
 def test_a_change_in_any_kernel_file_is_compiled_again(tmp_path: Path) -> None:
     shutil.copytree(ROOT / "solver", tmp_path / "solver", ignore=shutil.ignore_patterns("__pycache__"))
-    shutil.copy(ROOT / "examples" / "columns" / "phocas-damped.toml", tmp_path / "phocas.toml")
+    shutil.copy(DAMPED, tmp_path / "phocas.toml")
     first = loaded_kernel_says(tmp_path)
     assert loaded_kernel_says(tmp_path) == first
     outputs = tmp_path / "solver" / "kernels" / "formulations" / "outputs.py"
@@ -44,10 +34,7 @@ def test_a_change_in_any_kernel_file_is_compiled_again(tmp_path: Path) -> None:
 
 @pytest.mark.long  # compiles the kernels
 def test_the_first_run_compiles_one_entry_and_finds_the_others_on_the_disk(tmp_path: Path) -> None:
-    variables = os.environ | {"PYTHONPATH": str(ROOT), "NUMBA_CACHE_DIR": str(tmp_path)}
-    done = subprocess.run(
-        command(loads.entries_compiled_here), cwd=tmp_path, capture_output=True, text=True, env=variables, check=False
-    )
+    done = finish_in(tmp_path, *command(loads.entries_compiled_here), NUMBA_CACHE_DIR=str(tmp_path))
     assert done.returncode == 0, done.stderr
     compiled = returned(done.stdout)
     assert compiled == {"run": 1, "assemble_column": 0, "observe_snapshots": 0, "observe_state": 0}

@@ -11,8 +11,8 @@ from support.fmus import ROOT
 import multiblock
 
 NOTES = sorted((ROOT / "docs" / "notes").glob("*.md"))
-PAGES = [ROOT / "README.md", ROOT / "CHANGELOG.md", *sorted((ROOT / "docs").glob("*.md")), *NOTES]
-CODE = ("solver", "fmu_src", "tests", "benchmarks", "examples", "stress")
+PAGES = [ROOT / "README.md", ROOT / "CHANGELOG.md", *sorted((ROOT / "docs").rglob("*.md"))]
+CODE = ("solver", "fmu_src", "tests", "benchmarks", "examples", "stress", "validation")
 CITED = re.compile(r"theory\.md[,(`]*\s+(?:#\s*)?section\s+(\d+)")
 WIDTH = 100
 DATED = re.compile(r"^\*20\d\d-\d\d-\d\d\b[^*]*\*$", re.MULTILINE)  # when, which commit, which command

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import pickle
 import re
 import shutil
@@ -15,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support.fmus import ROOT
+from support.fmus import ROOT, finish_in
 
 import build_fmu
 import fmu_src
@@ -47,31 +46,15 @@ def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def from_wheel(installed: Path, folder: Path, *command: object) -> subprocess.CompletedProcess[str]:
     """Run a command of the installed project in `folder`, from which the checkout is out of reach."""
-    environment = os.environ | {"PYTHONPATH": str(installed)}
-    return subprocess.run(
-        [str(part) for part in command], cwd=folder, env=environment, capture_output=True, text=True, check=False
-    )
+    return finish_in(folder, *command, PYTHONPATH=str(installed))
 
 
-@pytest.mark.long
-@pytest.mark.long  # compiles the kernels at a place of their own, as the next
-def test_the_wheel_works_from_any_folder(installed: Path, tmp_path: Path) -> None:
-    command = installed / "bin" / "multiblock"
+@pytest.mark.long  # compiles the kernels at a place of their own
+@pytest.mark.skipif(sys.platform == "win32", reason="pip puts the command elsewhere on Windows")
+def test_the_wheel_builds_the_default_column_from_any_folder(installed: Path, tmp_path: Path) -> None:
+    """.ci/run simulates with it, where nothing but what the solver needs is installed."""
     done = from_wheel(installed, tmp_path, sys.executable, "-c", "import solver; print(solver.__file__)")
     assert done.stdout.strip() == str(installed / "solver" / "__init__.py")
-    assert from_wheel(installed, tmp_path, command, "--version").stdout == f"multiblock-fmu {__version__}\n"
-    MOTION.to_csv(tmp_path / "motion.csv", step=0.01)
-    column = installed / build_fmu.COLUMNS_PACKAGE / "phocas-damped.toml"
-    done = from_wheel(installed, tmp_path, command, "simulate", column, "motion.csv", "-o", "out.csv")
-    assert (done.returncode, done.stderr) == (0, "")
-    expected = simulate(Column.from_toml(column), Motion.from_csv(tmp_path / "motion.csv")).peak_ux
-    printed = re.findall(r"^ +\d  +([\d.]+)$", done.stdout.partition("peak |ux| (mm)\n")[2], re.MULTILINE)
-    assert [float(peak) for peak in printed] == pytest.approx(1e3 * expected, rel=1e-4)
-
-
-@pytest.mark.long
-@pytest.mark.skipif(sys.platform == "win32", reason="pip puts the command elsewhere on Windows")
-def test_the_wheel_builds_the_default_column(installed: Path, tmp_path: Path) -> None:
     done = from_wheel(installed, tmp_path, installed / "bin" / "multiblock", "build-fmu")
     assert (done.returncode, done.stderr) == (0, "")
     assert done.stdout.strip() == "phocas_damped.fmu"
@@ -159,6 +142,22 @@ def test_an_fmu_is_overwritten_by_force_only(tmp_path: Path, capsys: pytest.Capt
     assert path.read_text() == "before"
 
 
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ("--native --scalars", "--scalars: with --fmi 3 only"),
+        ("--fmi 3", "--fmi 3: with --native only"),
+        ("--terminals", "--terminals: with --native only"),
+        ("--source", "--source: with --native only"),
+        ("--native --platforms linux64,amiga", "amiga: must be of linux64, win64, darwin64, aarch64-linux"),
+    ],
+)
+def test_options_that_an_fmu_does_not_have(capsys: pytest.CaptureFixture[str], options: str, said: str) -> None:
+    assert build_fmu.main([str(build_fmu.DEFAULT_COLUMN), *options.split()]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert said in line
+
+
 def test_hints_can_be_typed(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     def hint() -> str:
         with pytest.raises(InputError) as caught, errors.needing("plot", "absent"):
@@ -201,13 +200,18 @@ def test_drawing_names_its_extra(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_a_response_can_be_pickled() -> None:
-    response = simulate(Column.from_toml(build_fmu.DEFAULT_COLUMN), MOTION)
+    response = simulate(Column.from_toml(build_fmu.DEFAULT_COLUMN), MOTION, check=True, ensemble=2)
     again = pickle.loads(pickle.dumps(response))
     assert again.column == response.column
     assert again.stats == response.stats
     for name in ("time", "ux", "uz", "theta", "N", "M", "S", "T", "contact", "sigma_max", "Fx", "Fz", "My", "peak_ux"):
         np.testing.assert_array_equal(getattr(again, name), getattr(response, name))
-    assert again.overturned == response.overturned
+    for name in ("overturned", "verdict", "reason", "horizon"):
+        assert getattr(again, name) == getattr(response, name)
+    assert response.estimated_error is not None
+    assert response.ensemble is not None
+    assert again.estimated_error.ux == response.estimated_error.ux
+    np.testing.assert_array_equal(again.ensemble.ux, response.ensemble.ux)
     assert pickle.loads(pickle.dumps(again)).ux.shape == response.ux.shape
 
 

@@ -8,6 +8,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from support.columns import BLOCK
 from support.record_files import DT, SAMPLES, at2, cosmos_v2, plain
 
 from solver import Motion
@@ -17,22 +18,12 @@ PAGE = (Path(__file__).resolve().parents[2] / "docs" / "records.md").read_text(e
 BLOCKS = re.findall(r"^```(\w+)\n(.*?)^```", PAGE, flags=re.MULTILINE | re.DOTALL)
 COMMANDS = [line for kind, text in BLOCKS if kind == "sh" for line in text.splitlines()]
 PROGRAMS = [text for kind, text in BLOCKS if kind == "python"]
-COLUMN = """name = "one"
-[[block]]
-height = 2.0
-width = 1.0
-depth = 1.0
-mass = 5000.0
-[block.joint]
-stiffness = 1e9
-damping = 1e-2
-"""
 
 
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """The files that the page speaks of, in the working directory."""
-    (tmp_path / "COLUMN.toml").write_text(COLUMN)
+    (tmp_path / "COLUMN.toml").write_text(BLOCK)
     for name in ("RECORD.AT2", "horizontal.AT2", "vertical.AT2"):
         (tmp_path / name).write_text(at2(), encoding="utf-8")
     (tmp_path / "record.txt").write_text(plain(0.01))
@@ -68,5 +59,3 @@ def test_programs(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
 def test_the_formats_listed_are_those_that_are_read() -> None:
     for name in ("PEER AT2", "ESM ASCII", "K-NET", "KiK-net", "COSMOS V1 and V2", "CSV", "plain columns"):
         assert f"| {name}" in PAGE or f", {name}" in PAGE
-    for target in re.findall(r"\]\(([^)]+)\)", PAGE):
-        assert (Path(__file__).resolve().parents[2] / "docs" / target).is_file()

@@ -1,4 +1,4 @@
-"""What may slide and still rocks: how far it may creep, and with how much energy it cannot fall from there."""
+"""Columns that may slide and still rock: how far it may creep, and with how much energy it cannot fall from there."""
 
 from __future__ import annotations
 
@@ -85,7 +85,7 @@ def test_a_column_with_less_energy_than_it_may_have_does_not_fall() -> None:
 
 
 def test_a_column_that_rocks_with_friction_is_soon_known_to_stand() -> None:
-    """It was, 140 s later, when no joint could open any more."""
+    """Not only once no joint can open any more, 140 s later."""
     run = simulate(rough(phocas(1e-3), 0.7), Motion.harmonic(0.15 * G, 1.0, 10.0))
     assert run.verdict == "standing"
     assert run.stats["settled_for"] < 10.0

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import math
-import pickle
 from pathlib import Path
 
 import numpy as np
@@ -22,7 +21,7 @@ MOTION = Motion.harmonic(0.05 * G, 2.0, 4.0)
 
 
 def ensemble_of(*arguments: object, **options: object) -> Ensemble:
-    found = simulate(*arguments, **options).ensemble  # type: ignore[arg-type]
+    found = simulate(*arguments, **options).ensemble  # type: ignore[call-overload]
     assert found is not None
     return found
 
@@ -151,11 +150,9 @@ def test_percentiles_are_of_the_runs_that_stand() -> None:
     assert np.all(np.isnan(found.ux[:, time > last]))
 
 
-def test_ensembles_are_pickled_and_written(tmp_path: Path) -> None:
+def test_ensembles_are_written(tmp_path: Path) -> None:
     run = simulate(phocas(1e-3), MOTION, duration=0.5, ensemble=3)
     assert run.ensemble is not None
-    again = pickle.loads(pickle.dumps(run))
-    assert np.array_equal(again.ensemble.ux, run.ensemble.ux)
     run.to_csv(tmp_path / "run.csv", digits=17)
     with open(tmp_path / "run.csv", encoding="utf-8") as file:
         header, *rows = csv.reader(file)

@@ -14,6 +14,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from support.fmus import ROOT, finish, finish_in
 from support.probe import G, phocas
 
 from solver import Motion, simulate
@@ -21,7 +22,6 @@ from solver.commands import progress
 from solver.dynamics.stepper import Stepper
 from solver.runs.single_run import Glance
 
-ROOT = Path(__file__).parents[2]
 if sys.platform == "win32":
     pytest.skip("signals of POSIX", allow_module_level=True)
 
@@ -115,26 +115,6 @@ def test_ctrl_c_ends_a_run_at_once(tall: Path, options: tuple[str, ...]) -> None
     assert took < 5.0
 
 
-@pytest.mark.long
-def test_ctrl_c_ends_an_ensemble_at_once(tall: Path) -> None:
-    """Lanes are one call of a kernel, of a minute or more here."""
-    script = (
-        "import sys; from solver import *; from solver.runs.ensemble import *\n"
-        "from solver.dynamics.uncertainty import Spread\n"
-        "from types import SimpleNamespace\n"
-        "from solver.commands.command_line import run_command, program_parser\n"
-        "c, m = Column.from_toml('tall.toml'), Motion.from_csv('motion.csv')\n"
-        "import numpy as np\n"
-        "r = SimpleNamespace(column=c, time=np.arange(3.0), stats={'implicit_steps': 0, 'steps': 1})\n"
-        "parser = program_parser('lanes', '')\n"
-        "parser.set_defaults(command=lambda _: ensemble_of(r, m, m.duration, None, 0.0, 8, Spread()))\n"
-        "sys.exit(run_command(parser, []))\n"
-    )
-    process, took, _, err = interrupted(tall, "-c", script)
-    assert (process.returncode, err) == (130, "lanes: interrupted\n")
-    assert took < 5.0
-
-
 @pytest.mark.long  # processes that run for seconds before they are interrupted, as the next
 def test_ctrl_c_while_kernels_are_compiled_ends_at_once(tall: Path) -> None:
     """With an empty cache that is what the command begins with."""
@@ -166,7 +146,7 @@ SLOW = "import time\nprint('loading', flush=True)\ntime.sleep(60.0)\n"
 
 @pytest.mark.parametrize("name", COMMANDS)
 def test_ctrl_c_while_modules_load(tmp_path: Path, name: str) -> None:
-    """It ended in a traceback of an import."""
+    """No traceback of an import."""
     (tmp_path / "numba.py").write_text(SLOW)
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(tmp_path), str(ROOT)])}
     with subprocess.Popen(
@@ -184,24 +164,16 @@ def test_ctrl_c_while_modules_load(tmp_path: Path, name: str) -> None:
     assert (process.returncode, err) == (130, f"{name}: interrupted\n")
 
 
-@pytest.mark.parametrize("name", COMMANDS)
-@pytest.mark.parametrize("threads", ["0", "-1", "two"])
+@pytest.mark.parametrize(("name", "threads"), [*zip(COMMANDS, ("0", "-1", "two"), strict=True)])
 def test_a_number_of_threads_that_numba_stumbles_over(tmp_path: Path, name: str, threads: str) -> None:
-    done = subprocess.run(
-        [sys.executable, *COMMANDS[name], "--version"],
-        cwd=tmp_path,
-        env={**os.environ, "PYTHONPATH": str(ROOT), "NUMBA_NUM_THREADS": threads},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    done = finish_in(tmp_path, sys.executable, *COMMANDS[name], "--version", NUMBA_NUM_THREADS=threads)
     expected = f"{name}: NUMBA_NUM_THREADS = {threads!r}: must be a whole number, at least 1, or not set\n"
     assert (done.returncode, done.stdout, done.stderr) == (2, "", expected)
 
 
 def test_who_imports_the_solver_keeps_ctrl_c() -> None:
     script = "import signal, solver; assert signal.getsignal(signal.SIGINT) is signal.default_int_handler"
-    subprocess.run([sys.executable, "-c", script], env={**os.environ, "PYTHONPATH": str(ROOT)}, check=True)
+    assert finish(sys.executable, "-c", script).returncode == 0
 
 
 # --- from Python

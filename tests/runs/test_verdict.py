@@ -3,28 +3,39 @@
 from __future__ import annotations
 
 import math
-import pickle
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import pytest
 from scipy.optimize import minimize
-from support.barriers import (
-    assert_the_quick_bound_is_below_the_barrier,
-    assert_what_is_held_is_what_is_held_of_each,
-    models_of,
-)
+from support.columns import random_drums
+from support.housner import half_sine_amplitude, rectangle_amplitude
 from support.lagrange import Reference
-from support.probe import G, monolith, phocas, random_column, random_state, settled
+from support.probe import Array, G, monolith, phocas, random_column, random_state, settled
 
 from solver import Column, InitialState, InputError, Motion, simulate
+from solver.column.packing import pack_model
 from solver.column.rest import is_stable
 from solver.dynamics.kinematics import Chain
 from solver.dynamics.stepper import Stepper
-from solver.dynamics.verdict import SAFE, barrier, cannot_fall, least_energy
+from solver.dynamics.verdict import (
+    GRAZED,
+    SAFE,
+    SHARES,
+    Barriers,
+    barrier,
+    cannot_fall,
+    is_held,
+    least_energies,
+    least_energy,
+)
 from solver.kernels.layout import spaces as at
 from solver.runs.settling import outcomes_of
 from solver.runs.single_run import outcome
 from solver.runs.table import WORDS
+
+ALPHA = 0.78 / (14.07 / 2)  # rad, angle of the diagonal of the monolith
+P = math.sqrt(G / (4.0 / 3.0 * math.hypot(14.07 / 2, 0.78)))  # 1/s, its frequency parameter
 
 
 def half_sine(amplitude: float, length: float) -> Motion:
@@ -74,7 +85,7 @@ def test_barrier_of_a_stiff_block_is_the_rise_of_its_centroid_to_above_its_edge(
         assert 1.0 - below < energy <= 1.0
 
 
-@pytest.mark.parametrize("seed", [0, 1, *(pytest.param(seed, marks=pytest.mark.long) for seed in range(2, 6))])
+@pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.long) for seed in range(1, 6))])
 def test_no_column_is_found_with_less_energy_than_the_least(seed: int) -> None:
     rng = np.random.default_rng(seed)
     column = random_column(rng, int(rng.integers(2, 5)), softest=1e8)
@@ -120,7 +131,7 @@ def test_a_column_below_the_barrier_stands_however_it_is_pushed() -> None:
         assert not cannot_fall(column, phase)
 
 
-def test_a_soft_column_that_does_not_stand_by_itself_has_no_barrier() -> None:
+def test_a_soft_column_that_does_not_stand_has_no_barrier() -> None:
     soft = monolith(stiffness=1e7)  # k b^3 t / 12 is less than the weight times the height of its centroid
     assert barrier(soft).energy == 0.0
     with pytest.raises(InputError, match="cannot stand"):
@@ -130,24 +141,9 @@ def test_a_soft_column_that_does_not_stand_by_itself_has_no_barrier() -> None:
 # --- pulses after which a column falls
 
 
-def critical_half_sine(length: float) -> float:
-    """Least amplitude in parts of alpha g that overturns a rigid block (../shared/validation/cases.md)."""
-    p = math.sqrt(G / (4.0 / 3.0 * math.hypot(14.07 / 2, 0.78)))
-    frequency = math.pi / length / p
-
-    def missing(psi: float) -> float:
-        return (math.cos(psi) + math.exp(-(math.pi - psi) / frequency)) / math.sin(psi) - frequency
-
-    low, high = 1e-3, math.pi / 2
-    for _ in range(60):
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if missing(middle) > 0.0 else (low, middle)
-    return 1.0 / math.sin(low)
-
-
 def test_half_sines_overturn_one_block_after_they_have_ended() -> None:
-    column, alpha = monolith(eta=1e-3), 0.78 / (14.07 / 2)
-    critical = critical_half_sine(1.0) * alpha * G
+    column = monolith(eta=1e-3)
+    critical = half_sine_amplitude(math.pi / P) * ALPHA * G
     for factor in np.linspace(1.05, 4.0, 12):
         run = simulate(column, half_sine(factor * critical, 1.0), tolerance=1e-4)
         assert (run.verdict, run.overturned, run.overturned_joint) == ("overturned", True, 1)
@@ -161,9 +157,8 @@ def test_half_sines_overturn_one_block_after_they_have_ended() -> None:
 
 
 def test_rectangles_overturn_one_block_after_they_have_ended() -> None:
-    column, alpha = monolith(eta=1e-3), 0.78 / (14.07 / 2)
-    p = math.sqrt(G / (4.0 / 3.0 * math.hypot(14.07 / 2, 0.78)))
-    critical = alpha * G / (1.0 - math.exp(-p * 1.0))
+    column = monolith(eta=1e-3)
+    critical = rectangle_amplitude(P) * ALPHA * G
     for factor, verdict in ((0.85, "standing"), (1.05, "overturned"), (2.0, "overturned")):
         run = simulate(column, rectangle(factor * critical, 1.0), tolerance=1e-4)
         assert run.verdict == verdict
@@ -201,37 +196,53 @@ def test_a_column_that_has_fallen_within_the_run_is_not_followed() -> None:
     assert run.overturn_time < 20.0
 
 
-def test_a_verdict_is_pickled() -> None:
-    column: Column = phocas(1e-3)
-    run = simulate(column, half_sine(0.5 * G, 0.5), check=True, ensemble=2)
-    assert run.estimated_error is not None
-    assert run.ensemble is not None
-    again = pickle.loads(pickle.dumps(run))
-    assert (again.verdict, again.reason, again.horizon) == (run.verdict, run.reason, run.horizon)
-    assert again.estimated_error.ux == run.estimated_error.ux
-    assert again.ensemble.verdicts == run.ensemble.verdicts
-
-
-@pytest.mark.parametrize("n", [1, 2, 4])
-def test_the_quick_bound_for_many_columns_is_never_above_the_barrier(n: int) -> None:
-    rng = np.random.default_rng(n)
-    columns = [column for column in (random_column(rng, n, softest=1e7) for _ in range(60)) if is_stable(column)]
-    columns.append(phocas(1e-3) if n != 1 else monolith(eta=1e-3))
-    columns = [column for column in columns if column.n == n]
-    assert_the_quick_bound_is_below_the_barrier(columns, rng)
-
-
 # --- many columns at once
 
+some_columns = pytest.mark.parametrize(
+    ("make", "n"), [(random_column, 1), (random_column, 2), (random_column, 5), (random_drums, 1), (random_drums, 3)]
+)
 
-@pytest.mark.parametrize("n", [1, 3, 6])
-def test_what_is_held_of_many_columns_is_what_is_held_of_each(n: int) -> None:
+
+def drawn(make: Callable[..., Column], n: int) -> tuple[list[Column], np.random.Generator]:
+    """Columns that stand."""
     rng = np.random.default_rng(n)
-    columns = [column for column in (random_column(rng, n, softest=1e7) for _ in range(70)) if is_stable(column)]
-    assert_what_is_held_is_what_is_held_of_each(columns, rng)
+    return [column for column in (make(rng, n, softest=1e7) for _ in range(60)) if is_stable(column)], rng
 
 
-def test_columns_settle_in_lanes_as_they_do_by_themselves() -> None:
+def models_of(columns: Sequence[Column]) -> Array:
+    """Packed models, a row for each column."""
+    return np.array([pack_model(column)[: at.MODEL.size(column.n)] for column in columns])
+
+
+@some_columns
+def test_the_quick_bound_for_many_columns_is_never_above_the_barrier(make: Callable[..., Column], n: int) -> None:
+    """Energies of many columns are also those of each."""
+    columns, rng = drawn(make, n)
+    chain = Chain.of_many(models_of(columns), n)
+    bounds = [least_energies(chain, part, grazed)[0] for part in SHARES for grazed in GRAZED]
+    assert np.any(np.max(bounds, axis=0) > 0.0)
+    assert np.all(np.max(bounds, axis=0) < [barrier(column).energy for column in columns])  # measured: at most 0.99
+    states = [np.concatenate(random_state(rng, column, 1e-3)) for column in columns]
+    energies = chain.energies(np.array(states))
+    assert energies == pytest.approx([Chain(c).energy(x) for c, x in zip(columns, states, strict=True)], rel=1e-9)
+
+
+@some_columns
+def test_what_is_held_of_many_columns_is_what_is_held_of_each(make: Callable[..., Column], n: int) -> None:
+    """Whichever are evaluated together, and with up to four times the energy of the barrier."""
+    columns, rng = drawn(make, n)
+    models = models_of(columns)
+    energy = np.array([barrier(column).energy for column in columns]) * rng.uniform(0.0, 4.0, len(columns)) ** 2
+    turned = rng.uniform(0.0, 0.1, (len(columns), n))
+    wanted = [is_held(column, e, t) for column, e, t in zip(columns, energy.tolist(), turned, strict=True)]
+    barriers = Barriers(Chain.of_many(models, n))
+    some = rng.permutation(len(columns))
+    for part in (some[:5], some):
+        assert barriers.hold(part, energy[part], turned[part]).tolist() == [wanted[k] for k in part]
+    assert 0 < sum(wanted) < len(wanted)
+
+
+def test_columns_settle_in_lanes_as_they_do_alone() -> None:
     """Blocks that rock when their base comes to rest: most fall then, some stand, two are not known in time."""
     column, settle = phocas(2e-3), 3.0
     spins = np.linspace(0.02, 0.4, 24)

@@ -178,7 +178,7 @@ def test_initial_states_that_make_no_sense(given: dict[str, Any], said: str) -> 
 
 def test_what_is_no_initial_state() -> None:
     with pytest.raises(InputError, match=r"^initial = \[0\.0\]: must be an InitialState$"):
-        simulate(phocas(), SHAKE, initial=[0.0])  # type: ignore[arg-type]
+        simulate(phocas(), SHAKE, initial=[0.0])  # type: ignore[call-overload]
 
 
 @pytest.mark.parametrize("hold", ["no", 1, None])
@@ -195,7 +195,7 @@ def test_initial_states_of_any_number() -> None:
 
 
 def test_times_of_a_run_are_numbers() -> None:
-    assert len(simulate(phocas(), SHAKE, np.float32(0.0625), output_step=np.int64(1)).time) == 1  # type: ignore[arg-type]
+    assert len(simulate(phocas(), SHAKE, np.float32(0.0625), output_step=np.int64(1)).time) == 1  # type: ignore[call-overload]
     values: tuple[Any, ...] = (True, "1", np.bool_(True), np.nan, np.array([1.0]))
     for key in ("duration", "output_step"):
         for value in values:

@@ -12,8 +12,9 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from support.columns import BLOCK
 from support.fmus import ROOT
-from support.study import BLOCK, TEXT, finished, same, start
+from support.study import TEXT, finished, same, start
 
 from solver import InputError
 from solver.studies import Results, Study, run_study

@@ -15,8 +15,9 @@ from typing import Any
 import numpy as np
 import pytest
 from scipy import stats
+from support.columns import BLOCK
 from support.fmus import ROOT
-from support.study import BLOCK, TEXT, finished, same, start
+from support.study import TEXT, finished, same, start
 
 from solver import Column, InputError, Motion, simulate
 from solver.ground.motion import STANDARD_GRAVITY
@@ -473,9 +474,9 @@ def test_killed_at_any_moment_it_loses_nothing_and_repeats_nothing(folder: Path)
 
 
 @pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="children are looked for in /proc")
-@pytest.mark.parametrize("how", [signal.SIGTERM, signal.SIGKILL])
+@pytest.mark.parametrize("how", [signal.SIGKILL, pytest.param(signal.SIGTERM, marks=pytest.mark.long)])
 def test_workers_end_with_the_process_that_started_them(folder: Path, how: signal.Signals) -> None:
-    """They stayed for ever. Measured: 0.1 s."""
+    """Measured: 0.1 s."""
     (folder / "study.toml").write_text(TEXT.format(samples=200_000), encoding="utf-8")
     process = start(folder, "run", "study.toml", "--processes", 2)
     while finished(folder) < 20:

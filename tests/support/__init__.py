@@ -1,1 +1,1 @@
-"""What tests share: columns at random, references of our own, FMUs and the processes they run in."""
+"""Shared by tests: columns at random, references of our own, FMUs and the processes they run in."""

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import importlib
 import json
+import os
 import subprocess
 import sys
 from collections.abc import Callable
@@ -16,7 +17,7 @@ from typing import Any
 
 if __name__ == "__main__":  # whatever PYTHONPATH is there
     sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-from support.fmus import finish, run
+from support.fmus import ROOT, environment, finish, run
 
 CHILD_FILE = __file__
 MARK = "returned: "  # before the result, among whatever else the process prints
@@ -29,8 +30,14 @@ def command(function: Callable[..., object], *arguments: object, **named: object
 
 
 def call(function: Callable[..., object], *arguments: object, **named: object) -> Any:
-    """What the function returns there; fails unless the process exits with 0."""
+    """The value that the function returns there; fails unless the process exits with 0."""
     return returned(run(*command(function, *arguments, **named)))
+
+
+def call_with_example(function: Callable[..., object], *arguments: object, **variables: str) -> Any:
+    """As `call`, with the modules of examples/coupling in reach and more variables in the environment."""
+    modules = os.pathsep.join((str(ROOT / "examples" / "coupling"), environment()["PYTHONPATH"]))
+    return returned(run(*command(function, *arguments), PYTHONPATH=modules, **variables))
 
 
 def ended(function: Callable[..., object], *arguments: object, **named: object) -> subprocess.CompletedProcess[str]:

@@ -12,15 +12,21 @@ from solver import Block, Column, InputError, Joint, Motion, Settings
 from solver.column.packing import pack_model
 from solver.column.rest import is_stable
 from solver.dynamics.stepper import Stepper
-from support.lanes import (
-    RECORDS,
-)
-from support.probe import (
-    G,
-    random_column,
-)
+from solver.kernels.layout.spaces import MOST_STRIPS
+from support.probe import G, random_column
 
 MU = 0.3
+BLOCK = """name = "block"
+[[block]]
+height = 3.0
+width = 1.0
+depth = 1.0
+mass = 7500.0
+[block.joint]
+stiffness = 1e9
+damping = 1e-3
+"""  # the file of a column
+RECORDS = ("elcentro-1940-ns.AT2", "northridge-1994-arleta-360.AT2", "kobe-1995-nishi-akashi-090.AT2")
 
 
 def flat_block(mu: float = MU, dowel: float | None = None, tolerance: float = 1e-8) -> Column:
@@ -91,6 +97,22 @@ def rough(column: Column, rng: np.random.Generator) -> Column:
             if joint.bore is not None and joint.bore < most:
                 section, bore = "annulus", joint.bore
         blocks.append(replace(block, joint=joint, section=section, bore=bore))
+    return replace(column, blocks=tuple(blocks))
+
+
+def in_strips(column: Column, rng: np.random.Generator, part: float = 0.7) -> Column:
+    """The column with about `part` of its joints made of strips, whose depths differ by half; some edges have none."""
+    blocks: list[Block] = []
+    for block in column.blocks:
+        count = int(rng.integers(1, MOST_STRIPS + 1))
+        depths = rng.uniform(0.5, 1.0, count) * block.joint_depth
+        if count > 8:
+            depths[: rng.integers(0, 2)] = depths[count - rng.integers(0, 2) :] = 0.0
+        strips = replace(block.joint, section="strips", strips=tuple(depths.tolist()), depth=None, bore=None)
+        if blocks and blocks[-1].joint.section == "strips":  # on straight faces: on round ones lanes do not take them
+            block = replace(block, section="rectangle", bore=None)
+        made = replace(block, joint=strips, section="rectangle", bore=None) if rng.random() < part else block
+        blocks.append(made)
     return replace(column, blocks=tuple(blocks))
 
 

@@ -1,18 +1,24 @@
-"""FMUs for the tests, built as a user builds them, and processes to run them in."""
+"""FMUs for the tests, built as a user builds them and once for all workers, and processes to run them in."""
 
 from __future__ import annotations
 
 import csv
+import fcntl
 import importlib.util
 import os
 import subprocess
 import sys
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
+COLUMNS = ROOT / "examples" / "columns"
+PHOCAS, DAMPED = COLUMNS / "phocas.toml", COLUMNS / "phocas-damped.toml"
+LINUX = ("--native", "--platforms", "linux64")
 # the status of what a PythonFMU refuses, with its guard and without
 REFUSED = "error" if importlib.util.find_spec("ziglang") and sys.platform.startswith("linux") else "fatal"
 
@@ -26,9 +32,13 @@ def environment() -> dict[str, str]:
 
 def finish(*command: object, **variables: str) -> subprocess.CompletedProcess[str]:
     """Run a command to its end, whatever it exits with, with more variables in its environment."""
-    return subprocess.run(
-        [str(part) for part in command], capture_output=True, text=True, env=environment() | variables, check=False
-    )
+    return finish_in(None, *command, **variables)
+
+
+def finish_in(folder: Path | None, *command: object, **variables: str) -> subprocess.CompletedProcess[str]:
+    """As `finish`, in a folder."""
+    words, given = [str(part) for part in command], environment() | variables
+    return subprocess.run(words, cwd=folder, capture_output=True, text=True, env=given, check=False)
 
 
 def run(*command: object, **variables: str) -> str:
@@ -59,3 +69,31 @@ class Fmus:
         """Build one more with the project's own command, with more variables in its environment."""
         run(sys.executable, ROOT / "build_fmu.py", column, "-o", output, *options, **variables)
         return output
+
+
+def built_once(made: pytest.TempPathFactory, name: str, build: Callable[[Path], object]) -> Path:
+    """A file or folder that the first worker which needs it builds for all of them; `build` takes its path."""
+    root = made.getbasetemp()
+    root = root.parent if "PYTEST_XDIST_WORKER" in os.environ else root
+    built = root / f"{name}.built"
+    with (root / f"{name}.lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not built.exists():
+            build(root / name)
+            built.touch()
+    return root / name
+
+
+def c_host(folder: Path, target: str = "x86_64-linux-gnu") -> Path:
+    """The host in C (tests/masters/host.c), compiled for a target."""
+    source, host = ROOT / "tests" / "masters" / "host.c", folder / "host"
+    run(sys.executable, "-m", "ziglang", "cc", "-target", target, "-O1", source, "-o", host, "-ldl")
+    return host
+
+
+def stack_file(folder: Path, n: int, text: str = "") -> Path:
+    """The file of a column of n equal blocks, which begins with `text`."""
+    block = "[[block]]\nheight = 1.0\nwidth = 1.0\ndepth = 1.0\ndensity = 2000.0\n"
+    path = folder / "stack.toml"
+    path.write_text(f'name = "stack"\n{text}{block * n}[joint]\nstiffness = 1e12\ndamping = 1e-3\n')
+    return path

@@ -100,6 +100,19 @@ def coordinates(stepper: Stepper) -> Array:
     return stepper.arrays.state[at.CONTROL.beside :][: 4 * stepper.n]
 
 
+def forced(stepper: Stepper, amplitude: float, frequency: float) -> Stepper:
+    """The stepper on a base that accelerates by amplitude m/s2 at frequency Hz."""
+    stepper.base.wave_amplitude, stepper.base.wave_omega = amplitude, 2.0 * np.pi * frequency
+    return stepper
+
+
+def walk(stepper: Stepper, times: Array) -> Array:
+    """Coordinates and rates (4n,) after a call from each time, s, to the next."""
+    for begin, end in pairwise(times):
+        stepper.advance(begin, end - begin)
+    return coordinates(stepper).copy()
+
+
 def put_back(kept: Stepper, into: Stepper) -> None:
     """Copy the state of one stepper to another: it is in these three arrays."""
     for name in ("state", "counts", "base"):

@@ -9,6 +9,14 @@ from typing import Any
 import numpy as np
 
 G = 9.80665
+# of five samples, for what is read wrong
+AT2 = """PEER STRONG MOTION DATABASE RECORD
+A TEST, 000
+ACCELERATION TIME HISTORY IN UNITS OF G. FILTER POINTS: NONE
+NPTS=  5, DT= .02000 SEC
+  .1E-01  -.2000000E+00   .3
+  0.4 -0.05
+"""
 DT = 0.01
 _TIME = DT * np.arange(200)
 _WAVE = 2.0 * np.exp(-(((_TIME - 0.8) / 0.3) ** 2)) * np.sin(2.0 * np.pi * 3.0 * _TIME)

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import os
 import subprocess
 import sys
 from pathlib import Path
 
-from solver.studies import (
-    Results,
-)
-from support.fmus import ROOT
+from solver.studies import Results
+from support.fmus import environment
 
 TEXT = """
 name = "small"
@@ -38,19 +35,6 @@ high = 2.0
 """
 
 
-BLOCK = """
-name = "block"
-[[block]]
-height = 3.0
-width = 1.0
-depth = 1.0
-mass = 7500.0
-[block.joint]
-stiffness = 1e9
-damping = 1e-3
-"""
-
-
 def same(one: Results, other: Results) -> bool:
     """Whether two tables are the same to the last bit."""
     return list(one) == list(other) and all(
@@ -63,10 +47,8 @@ def command(folder: Path, *words: object) -> list[str]:
 
 
 def start(folder: Path, *words: object) -> subprocess.Popen[str]:
-    environment = os.environ | {"PYTHONPATH": str(ROOT)}
-    return subprocess.Popen(
-        command(folder, *words), env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=folder
-    )
+    pipe = subprocess.PIPE
+    return subprocess.Popen(command(folder, *words), env=environment(), stdout=pipe, stderr=pipe, text=True, cwd=folder)
 
 
 def finished(folder: Path) -> int:

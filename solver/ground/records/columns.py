@@ -15,7 +15,7 @@ from .units import KNOWN, factor_of
 CSV, PLAIN = "CSV", "plain columns"
 SEPARATORS = (";", "\t", ",")
 COMMENTS = ("#", "%", "!", "//")
-_SAMPLES = ("base.ax", "base.az")
+_SAMPLES = ("base.ax", "base.ay", "base.az")
 SLOPES = ("base.jx", "base.jz")  # within the steps of a master; a record has them from its samples
 # of a sampling interval: how long before a sample stands the row with the slopes up to there, as masters draw straight
 # lines between rows. Longer than what FMPy takes for the same instant, and than what times are rounded by.
@@ -28,14 +28,14 @@ def recognised(lines: list[str]) -> bool:
 
 
 def read_csv(lines: list[str]) -> Record:
-    """Return the record of `time,base.ax,base.az` in s and m/s2; one of the two may be absent, meaning zeros.
+    """Return the record of `time,base.ax,base.ay,base.az` in s and m/s2; those that are absent are zeros.
 
     Between `;` or tabs as well, names in any case, blank lines at the end. Slopes base.jx and base.jz, as `convert`
     writes them, are passed over with the rows that are there for their sake. Raises InputError.
     """
     separator, header = _header(lines)
     given, slopes = [name for name in header[1:] if name not in SLOPES], [name for name in header if name in SLOPES]
-    known = sorted(given) in (["base.ax"], ["base.az"], [*_SAMPLES]) and len(set(slopes)) == len(slopes)
+    known = bool(given) and set(given) <= set(_SAMPLES) and len(set(header)) == len(header)
     if header[:1] != ["time"] or not known:
         raise InputError(
             f"line 1: {lines[0].strip()[:80]!r}: must be 'time,base.ax,base.az' (or without one of base.ax, base.az)"
@@ -57,7 +57,8 @@ def read_csv(lines: list[str]) -> Record:
         table = table[np.concatenate([[True], ~leads, [True]])]
     columns = dict(zip(header, table.T, strict=True))
     zero = np.zeros(len(table))
-    return Record(CSV, columns["time"], columns.get("base.ax", zero), columns.get("base.az", zero))
+    ax, ay, az = (columns.get(name, zero) for name in _SAMPLES)
+    return Record(CSV, columns["time"], ax, az, ay=ay if np.any(ay) else None)
 
 
 def read_plain(lines: list[str], dt: float | None, units: str | None) -> Record:

@@ -23,6 +23,7 @@ class Record:
     az: FloatArray  # (m,) m/s2; zeros where the file has one component
     title: str = ""  # event, station and direction in the file's own words
     notes: tuple[str, ...] = ()  # changes made to the samples, e.g. a mean subtracted
+    ay: FloatArray | None = None  # (m,) m/s2, across ax, where the file has it
 
 
 def equally_spaced(

@@ -97,6 +97,13 @@ def general_step(column, left):
     return explicit, step
 
 
+@leaf
+def growth(previous_error, error, per_order):
+    """Length of the next step over that of the one just made, from the errors of the last two, in tolerances."""
+    factor = SAFETY * math.exp(per_order * (PROPORTIONAL * math.log(previous_error) - INTEGRAL * math.log(error)))
+    return min(GROW, max(SHRINK, factor))
+
+
 @kernel
 def accepts(column, method, step, code, error):
     """Whether a step just tried is accurate enough; sets the length of the next one either way."""
@@ -114,10 +121,7 @@ def accepts(column, method, step, code, error):
         control.previous_error = 1.0
         return False
     error = max(error, LEAST_ERROR)
-    factor = SAFETY * math.exp(
-        per_order * (PROPORTIONAL * math.log(control.previous_error) - INTEGRAL * math.log(error))
-    )
-    factor = min(GROW, max(SHRINK, factor))
+    factor = growth(control.previous_error, error, per_order)
     # a step that was cut short does not change the longer one proposed before
     whole = step >= control.next_step * (1.0 - SLACK)
     if whole:

@@ -6,7 +6,7 @@ import sys
 from collections.abc import Callable
 from typing import Any
 
-from support.inside.lives import INF, NAN, WrongCall, answers, fresh, started, terminated, usual
+from support.inside.lives import INF, NAN, WrongCall, answers, fresh, started, terminated
 from support.instance import Instance
 
 # how the instance was made, the call, what is said
@@ -110,16 +110,6 @@ def impossible_steps(fmu: str) -> list[str]:
     return heard
 
 
-def scale_that_is_no_number(fmu: str) -> tuple[str, bool]:
-    """What initialization answers, and whether the instance lives on."""
-    column = fresh(fmu)
-    column.set({"base.record_scale": NAN})
-    heard = column.attempt("initialize")
-    lives = usual(column) == usual(column)
-    column.close()
-    return heard, lives
-
-
 def bad_inputs_and_parameters(fmu: str) -> tuple[list[str], list[Any], list[Any]]:
     """Answers to steps over what is no input or parameter; outputs after a good step, with and without them before."""
     column = started(fmu)
@@ -177,8 +167,12 @@ def under_numba(fmu: str, version: str) -> None:
     Instance(fmu)
 
 
-def ring(fmu: str, damping: float, later: float) -> float:
-    """Largest displacement of the top at the end of a free motion whose damping is changed when it begins."""
+def rings(fmu: str, dampings: list[tuple[float, float]]) -> list[float]:
+    """Largest displacements of the top at the end of free motions whose damping is changed when they begin."""
+    return [_ring(fmu, *pair) for pair in dampings]
+
+
+def _ring(fmu: str, damping: float, later: float) -> float:
     joints = [f"joint[{i}].damping" for i in (1, 2, 3)]
     column = Instance(fmu, dict.fromkeys(joints, damping))
     column.set({"base.ax": 0.5})

@@ -54,29 +54,31 @@ def instantiate(fmu: str, place: str) -> list[bool]:
     return found
 
 
+def last_step(column: Instance) -> list[Any]:
+    """Answers to the four questions about the last step: their statuses, its status, time (s), end and message."""
+    dll, c = column.fmi.dll, ctypes.c_void_p(column.fmi.component)
+    status, time, flag, text = fmi2Status(), fmi2Real(), fmi2Boolean(), fmi2String()
+    codes = [
+        dll.fmi2GetStatus(c, 0, ctypes.byref(status)),
+        dll.fmi2GetRealStatus(c, 2, ctypes.byref(time)),
+        dll.fmi2GetBooleanStatus(c, 3, ctypes.byref(flag)),
+        dll.fmi2GetStringStatus(c, 1, ctypes.byref(text)),
+    ]
+    return [codes, status.value, round(time.value, 9), flag.value, (text.value or b"").decode()]
+
+
 def statuses(fmu: str) -> dict[str, Any]:
     """Answers to questions about steps: a good one, a discarded one, a good one, three wrong ones."""
     column = Instance(fmu, {"base.ax": 0.5})
-    dll, c = column.fmi.dll, ctypes.c_void_p(column.fmi.component)
-    status, time, flag, text = fmi2Status(), fmi2Real(), fmi2Boolean(), fmi2String()
-
-    def answers() -> list[Any]:
-        codes = [
-            dll.fmi2GetStatus(c, 0, ctypes.byref(status)),
-            dll.fmi2GetRealStatus(c, 2, ctypes.byref(time)),
-            dll.fmi2GetBooleanStatus(c, 3, ctypes.byref(flag)),
-            dll.fmi2GetStringStatus(c, 1, ctypes.byref(text)),
-        ]
-        return [codes, status.value, round(time.value, 9), flag.value, (text.value or b"").decode()]
-
+    dll, c, status = column.fmi.dll, ctypes.c_void_p(column.fmi.component), fmi2Status()
     column.step(0.0, 0.1)
-    seen = [answers()]
+    seen = [last_step(column)]
     column.set({"base.ax": NAN})
     column.attempt("step", 0.1, 0.1)
-    seen.append(answers())
+    seen.append(last_step(column))
     column.set({"base.ax": 0.5})
     column.step(0.1, 0.1)
-    seen.append(answers())
+    seen.append(last_step(column))
     wrong = [column.attempt("step", 0.2, h) for h in (0.0, -0.1, NAN)]
     after = [dll.fmi2GetStatus(c, 0, ctypes.byref(status)), status.value]
     unknown = [dll.fmi2GetIntegerStatus(c, 0, ctypes.byref(status)), dll.fmi2GetStatus(c, 1, ctypes.byref(status))]

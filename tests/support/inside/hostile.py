@@ -130,17 +130,21 @@ def _listening(fmu: str) -> tuple[Instance, list[str]]:
     return column, said
 
 
-def nulls(fmu: str) -> tuple[Heard, bool, bool]:
-    """Messages about NULL pointers; whether the instance behaves as before; whether one is made without callbacks."""
+def nulls(fmu: str) -> tuple[Heard, bool]:
+    """Messages about NULL pointers; whether the instance behaves as before."""
     column, said = _listening(fmu)
     before = column.get()
     heard = _nulls("fmi2", column.fmi.dll, column.fmi.component, FMI2_CALLS, said)
     same = column.get() == before
     column.step(0.1, 0.1)
-    instantiate = column.fmi.dll.fmi2Instantiate
-    made = bool(instantiate(b"column", 1, column.fmi.guid.encode(), b"", None, 0, 0))
     column.close()
-    return heard, same, made
+    return heard, same
+
+
+def made_without_callbacks(fmu: str) -> bool:
+    """Whether an instance is made."""
+    fmi = Instance(fmu).fmi
+    return bool(fmi.dll.fmi2Instantiate(b"column", 1, fmi.guid.encode(), b"", None, 0, 0))
 
 
 def nulls3(fmu: str) -> tuple[Heard, bool]:
@@ -228,17 +232,6 @@ def impossible_states(fmu: str) -> tuple[list[str], bool]:
     return heard, same
 
 
-def python_nulls(fmu: str) -> tuple[Heard, bool]:
-    """As `nulls`, of a PythonFMU, whose state is that of an own library."""
-    column, said = _listening(fmu)
-    before = column.get()
-    heard = _nulls("fmi2", column.fmi.dll, column.fmi.component, FMI2_CALLS, said)
-    same = column.get() == before
-    column.step(0.1, 0.1)
-    column.close()
-    return heard, same
-
-
 def beyond(fmu: str) -> list[Any]:
     """Steps to the stop time, one with a rounding error, and beyond it; then after a reset, where there is none."""
     column = Instance(fmu, initialize=False)
@@ -301,8 +294,12 @@ def tolerances(fmu: str) -> list[float]:
     return seen
 
 
-def with_tolerance(fmu: str, experiment: float | None, parameter: float | None) -> list[Any]:
-    """Outputs of a run under the experiment's tolerance, the parameter's, or neither."""
+def with_tolerances(fmu: str, pairs: list[tuple[float | None, float | None]]) -> list[list[Any]]:
+    """Outputs of runs under the experiment's tolerance, the parameter's, or neither."""
+    return [_with_tolerance(fmu, *pair) for pair in pairs]
+
+
+def _with_tolerance(fmu: str, experiment: float | None, parameter: float | None) -> list[Any]:
     column = Instance(fmu, {} if parameter is None else {"solver.tolerance": parameter}, initialize=False)
     column.fmi.setupExperiment(tolerance=experiment)
     column.fmi.enterInitializationMode()

@@ -40,7 +40,6 @@ def record_inside(fmu: str, values: dict[str, Any], elsewhere: str) -> dict[str,
         "half pga": Instance(fmu, half).get("base.record_pga")[0],
         "without": history(fmu, values | {"base.record": ""}, "none", 0.1),
         "by path": history(fmu, path, "none", 0.1),
-        "by path and pushed": history(fmu, path | half, "linear", 0.1),
     }
 
 
@@ -70,14 +69,6 @@ def wrong_record(fmu: str, record: str) -> str:
     column.fmi.reset()
     column.initialize()
     return heard
-
-
-def pushed(fmu: str) -> float:
-    """Displacement of the top after 200 steps of 0.01 s under 0.5 m/s2."""
-    column = Instance(fmu, {"base.ax": 0.5})
-    for k in range(200):
-        column.step(0.01 * k, 0.01)
-    return float(column.get("block[1].ux")[0])
 
 
 def whole_history(fmu: str, values: dict[str, Any], h: float) -> list[Any]:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Sequence
-from math import pi, sin
+from math import sin
 from typing import Any
 
-from fmpy.fmi2 import fmi2Boolean, fmi2Integer, fmi2Real, fmi2Status, fmi2String, fmi2ValueReference
+from fmpy.fmi2 import fmi2Integer, fmi2Real, fmi2ValueReference
 
 from support.inside.base import SPLIT
+from support.inside.guarded import last_step
 from support.inside.neighbours import resident
 from support.instance import Instance
 
@@ -99,25 +100,6 @@ def slopes(fmu: str) -> tuple[bool, list[int]]:
     return follow(True) == follow(False), statuses
 
 
-def errors_of_slopes(fmu: str) -> list[float]:
-    """Relative errors at the end of a harmonic: held at 0.01 and 0.005 s, by derivatives at 0.01 and 0.005 s."""
-
-    def last(h: float, derivative: bool) -> float:
-        def a(k: int) -> float:
-            return 0.6 * sin(4.0 * pi * k * h)
-
-        column = Instance(fmu, {"solver.tolerance": 1e-9})
-        for k in range(round(1.6 / h)):
-            column.set({"base.ax": a(k)})
-            if derivative:
-                input_derivative(column, "base.ax", (a(k + 1) - a(k)) / h)
-            column.step(k * h, h)
-        return float(column.get("block[1].ux")[0])
-
-    exact = last(0.0005, True)
-    return [abs(last(h, derivative) - exact) / abs(exact) for derivative in (False, True) for h in (0.01, 0.005)]
-
-
 def output_derivatives(fmu: str) -> Pair:
     """Derivatives of outputs, and central differences of the outputs."""
     column = rocking(fmu)
@@ -164,19 +146,11 @@ def by_rotation(fmu: str, name: str, step: float) -> Pair:
     return found, [(b - a) / (2.0 * step) for a, b in zip(*seen, strict=True)]
 
 
-def status(fmu: str) -> list[list[Any]]:
-    """Answers to questions about a step that was discarded."""
+def status(fmu: str) -> list[Any]:
+    """Answers to questions about a step that was refused, and to its cancellation."""
     column = rocking(fmu)
-    dll, c = column.fmi.dll, column.fmi.component
-    kind, time, flag, text = fmi2Status(), fmi2Real(), fmi2Boolean(), fmi2String()
     column.attempt("step", 0.0, 0.1)
-    return [
-        [dll.fmi2GetStatus(c, 0, ctypes.byref(kind)), kind.value],
-        [dll.fmi2GetRealStatus(c, 2, ctypes.byref(time)), round(time.value, 9)],
-        [dll.fmi2GetBooleanStatus(c, 3, ctypes.byref(flag)), flag.value],
-        [dll.fmi2GetStringStatus(c, 1, ctypes.byref(text)), (text.value or b"").decode()],
-        [dll.fmi2CancelStep(c)],
-    ]
+    return [last_step(column), column.fmi.dll.fmi2CancelStep(column.fmi.component)]
 
 
 def around_the_limit(fmu: str, formulation: str, limit: float) -> list[str]:

@@ -1,0 +1,262 @@
+"""Parts of the site that the code knows: `<!-- from the code: NAME -->` in a page is replaced by what NAME gives here.
+
+A page shows on GitHub without them, and never differs from the code on the site. `<!-- pages: PATTERN -->` is replaced
+by the pages that there are.
+"""
+
+from __future__ import annotations
+
+import inspect
+import io
+import re
+import shutil
+import tokenize
+from collections.abc import Iterable, Sequence
+from dataclasses import MISSING, fields, is_dataclass
+from pathlib import Path
+
+import multiblock
+from fmu_src.variables import Variable, variables
+from multiblock import Block, Column, Joint, Settings
+from solver.column import column_file
+from solver.column.block import BLOCK_SECTIONS
+from solver.column.settings import FORMULATIONS, INTEGRATORS, SKIPS
+from solver.common.ranges import NUMBERS
+from solver.kernels.sections.faces import SECTIONS
+from solver.runs.outputs import KEPT
+from solver.studies import definition, distributions, motions
+
+DOCS = Path(__file__).parent
+MARK = re.compile(r"^<!-- from the code: ([\w-]+) -->$", re.MULTILINE)
+PAGES = re.compile(r"^<!-- pages: (\S+) -->$", re.MULTILINE)
+
+# keys from which others follow, which no class has
+DERIVED = {
+    "name": "name of the column, and of its FMU: letters, digits, `_`, `-`, `.` and space",
+    "g": "m/s2, acceleration of gravity; left out: 9.80665",
+    "block": "a table [[block]] for each block, from the top down: see below",
+    "joint": "defaults for the joints of all blocks: see below",
+    "solver": "a table: see below",
+    "block.mass": "kg; or density",
+    "block.joint": "the joint under the block; `[joint]` has what is left out here",
+    "block.section": "left out: rectangle",
+    "solver.formulation": "finite rotations, or first order as in the paper; left out: exact",
+    "solver.integrator": "error-controlled, or the paper's at a fixed step; left out: auto",
+    "solver.step": "s, of an integrator with a fixed step; left out: 1e-4",
+    "solver.tolerance": "relative to the peak, of an integrator that chooses its steps; left out: 1e-5",
+    "solver.without": "short cuts that are not to be taken, and peaks that are not to be kept",
+    "joint.section": "of the contact; left out: the block's",
+    "top_depth": "m, of the top face of a block that tapers; left out: that of the bottom face",
+    "profile": "pairs [height above the base, diameter] in m, for round blocks without a diameter",
+    "density": "kg/m3, in place of mass",
+    "diameter": "m, in place of width and depth where the section is round",
+    "top_diameter": "m, in place of top_width and top_depth where the section is round",
+    "load": "a table: a point mass that rests on the block and turns with it",
+    "repeat": "number of blocks that the table stands for",
+    "load.mass": "kg",
+    "load.above": "m, centroid of the load above the top face of the block",
+}
+ALTERNATIVES = ("block.width", "block.depth", "block.mass", "block.joint")  # required unless another key is given
+WORDS = {
+    "solver.formulation": " or ".join(FORMULATIONS),
+    "solver.integrator": " or ".join(INTEGRATORS),
+    "solver.without": f"a list of {', '.join(SKIPS)}",
+    "block.section": ", ".join(BLOCK_SECTIONS),
+    "joint.section": ", ".join(SECTIONS),
+}
+
+
+def fill_in(app: object, page: str, source: list[str]) -> None:
+    """Replace each mark of a page (event source-read). An unknown name is a KeyError."""
+    source[0] = PAGES.sub(lambda mark: "\n".join(pages(mark[1])), MARK.sub(lambda mark: PARTS[mark[1]](), source[0]))
+
+
+def pages(pattern: str) -> list[str]:
+    """Names of the pages and notebooks of a pattern, as a list of contents has them."""
+    found = (path.relative_to(DOCS) for path in DOCS.glob(pattern) if path.suffix in (".md", ".ipynb"))
+    return sorted(path.with_suffix("").as_posix() for path in found)
+
+
+def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """A table of Markdown."""
+    lines = [head, ["---"] * len(head), *rows]
+    return "\n".join(f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in line)} |" for line in lines)
+
+
+def code(text: str) -> str:
+    """Text as code, nothing where there is none."""
+    return f"`{text}`" if text else ""
+
+
+# keys of the column file
+
+
+def comments_of(owner: type) -> dict[str, str]:
+    """The comment beside each field of a dataclass: its unit and meaning."""
+    found: dict[str, str] = {}
+    name, inside = "", 0
+    for token in tokenize.generate_tokens(io.StringIO(inspect.getsource(owner)).readline):
+        inside += (token.string in "([{") - (token.string in ")]}") if token.type == tokenize.OP else 0
+        if token.type == tokenize.NAME and not inside and token.line.lstrip().startswith(f"{token.string}:"):
+            name = token.string
+        elif token.type == tokenize.COMMENT and name:
+            found.setdefault(name, token.string.lstrip("# "))
+        elif token.type == tokenize.NEWLINE:
+            continue
+        elif token.type == tokenize.NAME and token.string == "def":
+            break
+    return found
+
+
+def keys_of(part: str, keys: Iterable[str], owner: type | None = None) -> str:
+    """The keys of a table of the column file: meaning, and the values that are taken."""
+    meanings = comments_of(owner) if owner else {}
+    required = (
+        [item.name for item in fields(owner) if item.default is MISSING] if owner else ["name", "block", "load.mass"]
+    )
+    rows = []
+    for key in keys:
+        full = f"{part}.{key}" if part else key
+        meaning = DERIVED.get(full) or meanings.get(key) or DERIVED.get(key, "")
+        limits = WORDS.get(full) or (NUMBERS[key][1] if key in NUMBERS else "")
+        needed = "required" if {key, full} & set(required) and full not in ALTERNATIVES else ""
+        rows.append([code(key), meaning.replace("None:", "left out:"), needed, limits])
+    return table(["key", "meaning", "", "value"], rows)
+
+
+# the study file
+
+
+def formulas() -> str:
+    """The formulas of motions, and their numbers."""
+    return table(
+        ["formula", "needs", "may have", "size"],
+        (
+            [
+                code(name),
+                ", ".join(map(code, formula.needs)),
+                ", ".join(map(code, formula.optional)),
+                code(formula.amplitude),
+            ]
+            for name, formula in motions.FORMULAS.items()
+        ),
+    )
+
+
+STUDY = {
+    "name": "a file name; results are NAME.journal, NAME.csv and so on",
+    "kind": "which picture and table are made: " + ", ".join(map(code, definition.KINDS)),
+    "column": "path of a column file, relative to this file",
+    "columns": "a list of such paths, in place of column",
+    "motion": "a table [[motion]] for each motion: record with "
+    + ", ".join(map(code, motions._OF_RECORDS[1:]))
+    + ", or formula; and `name`, "
+    + ", ".join(map(code, motions.BESIDE)),
+    "grid": "values of what varies, each with each other: a list, or {from, to, count} with spacing",
+    "random": "a distribution for what is random; `relative` multiplies, `each` has a number for each block",
+    "intensity": "what motions are scaled to: `measure` of "
+    + ", ".join(map(code, motions.MEASURES))
+    + "; of sa also `period` (s) and `damping`",
+    "samples": "number of samples of the random parameters, at every point of the grid; left out: 1",
+    "sampling": ", ".join(map(code, definition.SAMPLINGS)),
+    "seed": "a whole number; left out: 0",
+    "keep": "outputs in the table: see below",
+    "tolerance": "of every run; left out: the column's",
+    "duration": "s, of every run; left out: that of its motion",
+    "limits": "m, largest displacements that count as failure too, of a fragility",
+}
+
+
+def study_keys() -> str:
+    """The keys of a study file."""
+    return table(["key", "meaning"], ([code(key), STUDY.get(key, "")] for key in definition._KEYS))
+
+
+# the FMU
+
+
+def fmu_variables(causality: str) -> str:
+    """The variables of one causality, those of blocks and joints once for all."""
+    block = Block(1.0, 1.0, 1.0, 1.0, Joint(1e9, 1e-3))
+    rows = [_row(item) for item in variables(Column("one", (block,))) if item.causality == causality]
+    return table(["name", "unit", "type", "meaning"], rows)
+
+
+def _row(variable: Variable) -> list[str]:
+    name = variable.name.replace("[1]", "[i]")
+    meaning = re.sub(r"\b(block|joint) 1\b", r"\1 i", variable.description)
+    if variable.choice:
+        meaning += ": " + ", ".join(f"{number} {word}" for word, number in variable.choice.items.items())
+    if variable.variability == "tunable":
+        meaning += "; may change during a run"
+    return [code(name), variable.unit, variable.kind, meaning]
+
+
+# the Python interface
+
+
+def python_names() -> str:
+    """Every public name of `multiblock`, with its docstring."""
+    parts: dict[str, list[str]] = {"Functions": [], "Classes": [], "Exceptions and warnings": [], "Modules": []}
+    for name in multiblock.__all__:
+        thing = getattr(multiblock, name)
+        if inspect.ismodule(thing):
+            elsewhere = [key for key in multiblock.__all__ if hasattr(thing, key)]  # once on the page
+            parts["Modules"].append(f".. automodule:: {thing.__name__}\n   :exclude-members: {', '.join(elsewhere)}")
+        elif inspect.isclass(thing):
+            error = issubclass(thing, (Exception, Warning))
+            parts["Exceptions and warnings" if error else "Classes"].append(f".. autoclass:: multiblock.{name}")
+        elif callable(thing):
+            parts["Functions"].append(f".. autofunction:: multiblock.{name}")
+    return "\n\n".join(
+        f"## {title}\n\n" + "\n\n".join(f"```{{eval-rst}}\n{line}\n```" for line in lines)
+        for title, lines in parts.items()
+    )
+
+
+def as_restructured_text(app: object, what: str, name: str, thing: object, options: object, lines: list[str]) -> None:
+    """Make a docstring of this project, which is plain text, one that Sphinx reads (event autodoc-process-docstring).
+
+    Lines that begin with names and a colon become items of a list, and so do the fields of a dataclass with their
+    comments.
+    """
+    if what == "class" and is_dataclass(thing):
+        lines += ["", *(f"{field}: {comment}" for field, comment in comments_of(thing).items())]
+    made: list[str] = []
+    for line in lines:
+        text = re.sub(r"([*|])|(?<=\w)_(?=\W|$)", lambda found: "\\" + found[0], line)
+        if re.match(r"[A-Za-z_]\w*( \(\w+\))?(, [A-Za-z_]\w*)*( \([^)]*\))?: \S", line) and what != "attribute":
+            if made and made[-1].strip() and not made[-1].startswith(("* ", "  ")):
+                made.append("")
+            text = f"* {text}"
+        elif made and made[-1].startswith(("* ", "  ")) and text.strip():
+            text = f"  {text.lstrip()}"
+        made.append(text)
+    lines[:] = made
+
+
+def copy_notebooks(app: object) -> None:
+    """Bring the notebooks of the examples into the folder that Sphinx reads."""
+    for notebook in sorted((DOCS.parent / "examples" / "notebooks").glob("*.ipynb")):
+        (DOCS / "notebooks").mkdir(exist_ok=True)
+        shutil.copy(notebook, DOCS / "notebooks")
+
+
+PARTS = {
+    "column-keys": lambda: keys_of("", column_file._COLUMN_KEYS),
+    "block-keys": lambda: keys_of("block", column_file._BLOCK_KEYS, Block),
+    "load-keys": lambda: keys_of("load", column_file._LOAD_KEYS),
+    "joint-keys": lambda: keys_of("joint", column_file._JOINT_KEYS, Joint),
+    "solver-keys": lambda: keys_of("solver", column_file._SETTINGS_KEYS, Settings),
+    "study-keys": study_keys,
+    "formulas": formulas,
+    "distributions": lambda: table(
+        ["distribution", "numbers"],
+        ([code(name), ", ".join(map(code, needs))] for name, needs in distributions._NEEDS.items()),
+    ),
+    "kept": lambda: table(["output", "unit"], ([code(name), kept.unit] for name, kept in KEPT.items())),
+    "inputs": lambda: fmu_variables("input"),
+    "outputs": lambda: fmu_variables("output"),
+    "parameters": lambda: fmu_variables("parameter"),
+    "python-names": python_names,
+}

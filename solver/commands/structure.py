@@ -1,0 +1,135 @@
+"""`simulate` of a structure in space: checks, report and summary."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+from ..common.errors import InputError, needing, reading
+from ..common.files import check_outputs, toml_of
+from ..dynamics.first_run import are_kept
+from ..dynamics.response import check_digits
+from ..dynamics.uncertainty import Spread
+from ..ground.motion import STANDARD_GRAVITY, Motion
+from ..kernels.space.entries import run_structure
+from ..runs.simulate import simulate
+from ..space.modes import modes_in_space
+from ..space.response import SpatialResponse
+from ..space.run import Callback as SpatialCallback
+from ..space.structure import Structure
+from ..space.structure_file import describes_structure
+from .command_files import check_picture, check_suffix
+from .motion_options import motion_of
+from .progress import ProgressLine
+
+MOST_LINES = 20  # of a table
+MOST_BLOCKS = 60  # with more, natural frequencies take too long for a report
+
+
+def is_structure_file(path: Path) -> bool:
+    """Whether a file describes a structure in space; False as well where it cannot be read, which a column says."""
+    try:
+        return path.suffix == ".toml" and describes_structure(toml_of(path))
+    except (OSError, ValueError):
+        return False
+
+
+def simulate_in_space(options: argparse.Namespace) -> None:
+    """Run and print; write the files asked for. Raises InputError, SolverError, OSError."""
+    for name in ("formulation", "integrator", "step"):
+        if getattr(options, name) is not None:
+            raise InputError(f"--{name}: must be left out, structures in space have none")
+    if options.output is not None:
+        check_suffix(options.output, ".csv")
+    check_picture(options.plot)
+    check_picture(options.plot_column)
+    if options.film is not None:
+        with needing("plot", "matplotlib"):
+            from ..plotting.drawings import check_film
+        check_film(options.film)
+    outputs = (options.output, options.plot, options.plot_column, options.film)
+    check_outputs(outputs, (options.column, options.motion, options.vertical, options.across), options.force)
+    check_digits("--digits", options.digits)
+    structure = Structure.from_toml(options.column)
+    if not are_kept(run_structure):
+        print("compiling the kernels, once", flush=True)
+    motion, lines = motion_of(options)
+    print(*lines, _report(structure, motion), sep="\n", flush=True)
+    stiffness, damping, shaking = options.spread
+    response = _run(structure, motion, options, Spread(stiffness, damping, shaking, options.spread_seed))
+    print(_summary(response))
+    writers: tuple[Callable[[Path], object], ...] = (
+        lambda path: response.to_csv(path, options.digits),
+        response.plot,
+        response.plot_structure,
+        response.film,
+    )
+    for path, write in zip(outputs, writers, strict=True):
+        if path is not None:
+            with reading(path):
+                write(path)
+            print(path)
+
+
+def _run(structure: Structure, motion: Motion, options: argparse.Namespace, spread: Spread) -> SpatialResponse:
+    duration = motion.duration if options.duration is None else options.duration
+
+    def run(callback: SpatialCallback | None) -> SpatialResponse:
+        return simulate(
+            structure,
+            motion,
+            duration,
+            tolerance=options.tolerance,
+            output_step=options.output_step,
+            settle=options.settle,
+            check=not options.no_check,
+            ensemble=options.ensemble,
+            spread=spread,
+            callback=callback,
+        )
+
+    if not sys.stderr.isatty():
+        return run(None)
+    with ProgressLine(motion.start, duration) as line:
+        return run(line)
+
+
+def _report(structure: Structure, motion: Motion) -> str:
+    """Size and first natural frequencies of the structure; peaks of the motion."""
+    top = max(float(np.max(block.corners[:, 2])) for block in structure.blocks)
+    parts = [f"{structure.n} blocks, {len(structure.joints)} joints, {len(structure.ties)} ties, {top:.4g} m"]
+    if structure.n <= MOST_BLOCKS:
+        lowest = ", ".join(f"{value:.4g}" for value in modes_in_space(structure).frequency[:3])
+        parts.append(f"first natural frequencies {lowest} Hz")
+    peaks = {"x": motion.pga, "y": float(np.max(np.abs(motion.ay))), "z": float(np.max(np.abs(motion.az)))}
+    shaken = ", ".join(f"{name} {peak / STANDARD_GRAVITY:.4g} g" for name, peak in peaks.items() if peak)
+    return f"{structure.name}: {', '.join(parts)}\nbase: {motion.duration:.4g} s, {shaken}"
+
+
+def _summary(response: SpatialResponse) -> str:
+    """The results of a run, for the terminal."""
+    structure, peaks, stats = response.structure, response.peaks, response.stats
+    lines = ["block           peak |ux| (mm)  |uy| (mm)  |uz| (mm)"]
+    moved = zip(structure.names, *(1e3 * peaks[name] for name in ("ux", "uy", "uz")), strict=True)
+    lines += [f"{name[:14]:14s}  {x:14.5g} {y:10.5g} {z:10.5g}" for name, x, y, z in moved][:MOST_LINES]
+    lines += [f"... {structure.n - MOST_LINES} more blocks"] if structure.n > MOST_LINES else []
+    lines.append("joint           peak N (kN)  least contact  pressure (MPa)  slip (mm)")
+    columns = 1e-3 * peaks["N"], peaks["contact"], 1e-6 * peaks["sigma_max"], 1e3 * peaks["slip"]
+    joints = zip(structure.joint_names, *columns, strict=True)
+    lines += [f"{name[:14]:14s}  {n:11.5g} {c:14.4g} {p:15.4g} {s:10.4g}" for name, n, c, p, s in joints][:MOST_LINES]
+    left = len(structure.joints) - MOST_LINES
+    lines += [f"... {left} more joints"] if left > 0 else []
+    if structure.ties:
+        lines.append("ties: peak forces (kN) " + ", ".join(f"{1e-3 * force:.4g}" for force in peaks["tie"]))
+    lines.append(f"{response.verdict}: {response.reason}")
+    if response.estimated_error is not None and response.horizon is not None:
+        error = response.estimated_error
+        lines.append(f"estimated error: {error.ux:.1e} of the peak; predictable until {response.horizon:.4g} s")
+    if response.ensemble is not None:
+        lines.append(f"{response.ensemble.size} runs: {response.ensemble.overturned} overturned")
+    lines.append(f"{stats['steps']} steps in {stats['wall_time']:.2f} s")
+    return "\n".join(lines)

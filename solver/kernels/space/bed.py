@@ -1,0 +1,82 @@
+"""The pressure on a joint: its resultants over the part of the section that is loaded (theory.md section 13).
+
+The penetration p and what the damper makes of it, q = p + damping dp/dt, are linear over the section. The pressure is
+stiffness times q where p and q are positive: the section cut by two half-planes. All integrals are sums of positive
+parts, so that slivers keep their digits.
+"""
+
+from typing import NamedTuple
+
+from ..numba_ext.jit import leaf
+
+
+class Plane(NamedTuple):
+    """at + along_x x + along_y y, over the section of a joint."""
+
+    at: float
+    along_x: float
+    along_y: float
+
+
+class Bed(NamedTuple):
+    """Integrals over the loaded part."""
+
+    force: float  # of q, m3
+    first_x: float  # of q x and q y, m4
+    first_y: float
+    area: float  # m2
+    largest: float  # of q, m
+
+
+@leaf
+def nothing():
+    """A joint without contact."""
+    return Bed(0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+@leaf
+def value(plane, x, y):
+    """The function at a place."""
+    return plane.at + plane.along_x * x + plane.along_y * y
+
+
+@leaf
+def whole(joints, j, q, largest):
+    """The bed of joint j in full contact; its axes begin at the centroid of the section."""
+    force = q.at * joints.area[j]
+    first_x = q.along_x * joints.ixx[j] + q.along_y * joints.ixy[j]
+    first_y = q.along_x * joints.ixy[j] + q.along_y * joints.iyy[j]
+    return Bed(force, first_x, first_y, joints.area[j], largest)
+
+
+@leaf
+def triangle(x, y, q):
+    """Area of a triangle, and the integrals of a linear function q times 1, x and y; three corners each.
+
+    The first corner is where x and y count from.
+    """
+    area = 0.5 * ((x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0]))
+    total = q[0] + q[1] + q[2]
+    third, twelfth = area / 3.0, area / 12.0
+    first_x = twelfth * (total * (x[0] + x[1] + x[2]) + (q[0] * x[0] + q[1] * x[1] + q[2] * x[2]))
+    first_y = twelfth * (total * (y[0] + y[1] + y[2]) + (q[0] * y[0] + q[1] * y[1] + q[2] * y[2]))
+    return area, third * total, first_x, first_y
+
+
+@leaf
+def add(bed, area, force, first_x, first_y):
+    """A bed with another part."""
+    return Bed(bed.force + force, bed.first_x + first_x, bed.first_y + first_y, bed.area + area, bed.largest)
+
+
+@leaf
+def highest(bed, largest):
+    """A bed with this largest value, if it is larger."""
+    return Bed(bed.force, bed.first_x, bed.first_y, bed.area, max(bed.largest, largest))
+
+
+@leaf
+def square(x, y, p):
+    """The integral of p^2 over a triangle."""
+    area = 0.5 * ((x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0]))
+    return area / 6.0 * (p[0] * (p[0] + p[1]) + p[1] * (p[1] + p[2]) + p[2] * (p[2] + p[0]))

@@ -1,0 +1,138 @@
+"""Entries called from Python: a structure over flat arrays."""
+
+from ..numba_ext.jit import entry, kernel
+from ..numba_ext.views import row_of
+from .base import Shaking
+from .evaluate import energy, evaluate, show
+from .layout import (
+    BASE,
+    BODIES,
+    CONTROL,
+    COUNTS,
+    JOINTS,
+    MEMORY,
+    PHASE,
+    POSES,
+    PULLS,
+    RESULTANTS,
+    SETTINGS,
+    TIES,
+    Scene,
+    rows_size,
+)
+from .stepping import advance, note, remember
+from .watch import Watch
+
+_settings, _bodies, _joints, _ties, _phase = SETTINGS.over, BODIES.over, JOINTS.over, TIES.over, PHASE.over
+_memory, _control, _counts, _base = MEMORY.over, CONTROL.over, COUNTS.over, BASE.over
+_poses, _resultants, _pulls = POSES.over, RESULTANTS.over, PULLS.over
+_POSE, _RESULTANT, _PULL, _MEMORY = POSES.per_n, RESULTANTS.per_n, PULLS.per_n, MEMORY.per_n
+
+
+@kernel
+def scene_of(n, m, k, model, state):
+    """The scene of a structure of n blocks, m joints and k ties; model, state: its arrays (arrays.py)."""
+    settings, bodies, joints, ties, corners = model
+    memory, plastic, control, counts, peaks, work = state
+    rows = row_of(work)
+    poses = rows[rows_size(n, m, k) :]
+    resultants = poses[_POSE * (n + 1) :]
+    pulls = resultants[_RESULTANT * m :]
+    kept = pulls[_PULL * k :]
+    kept_plastic = kept[_MEMORY * m :]
+    return Scene(
+        n,
+        m,
+        k,
+        _settings(row_of(settings), 0),
+        _bodies(row_of(bodies), n + 1),
+        _joints(row_of(joints), m),
+        _ties(row_of(ties), k),
+        row_of(corners),
+        _memory(row_of(memory), m),
+        row_of(plastic),
+        _control(row_of(control), 0),
+        _counts(row_of(counts), 0),
+        row_of(peaks),
+        _poses(poses, n + 1),
+        _resultants(resultants, m),
+        _pulls(pulls, k),
+        _memory(kept, m),
+        kept_plastic,
+        kept_plastic[k:],
+        rows,
+    )
+
+
+@entry
+def run_structure(n, m, k, model, state, phase, record, base, at, rows, t, stop, most):
+    """`stepping.advance` over a record (times, ax, ay, az), with an output row at each of the times `at`."""
+    times, ax, ay, az = record
+    shaking = Shaking(times.size, row_of(times), row_of(ax), row_of(ay), row_of(az), _base(row_of(base), 0))
+    watch = Watch(at.size, row_of(at), row_of(rows))
+    return advance(scene_of(n, m, k, model, state), shaking, watch, row_of(phase), t, stop, most)
+
+
+@entry
+def observe_structure(n, m, k, model, state, phase, rates, ax, ay, az, row, keep):
+    """Evaluate a phase under an acceleration of the base, m/s2: its rates, output row and energy, J, which is returned.
+
+    keep: whether elastic slips and lengths of ties are kept.
+    """
+    scene = scene_of(n, m, k, model, state)
+    seen = _phase(row_of(phase), n)
+    evaluate(scene, seen, _phase(row_of(rates), n), ax, ay, az)
+    show(scene, seen, row_of(row))
+    if keep:
+        note(scene)
+        remember(scene)
+    return energy(scene, seen)
+
+
+@entry
+def stiffness_of(n, m, k, model, state, phase, scratch, rates, delta, matrix):
+    """Tangent stiffness about a phase without rates: matrix (6 n x 6 n) by rows, N and N m per m and rad.
+
+    Forces on the centroids by displacements and rotations about the axes of the base, by central differences of `delta`
+    (a number for each coordinate, m or rad). The elastic slips are those of the state.
+    """
+    scene = scene_of(n, m, k, model, state)
+    size = 6 * n
+    from_, to, found = row_of(phase), row_of(scratch), row_of(matrix)
+    turned, poses = _phase(to, n), scene.poses
+    for column in range(size):
+        i, axis = column // 6, column % 6
+        for way in range(2):
+            for place in range(13 * n):
+                to[place] = from_[place]
+            step = delta[column] if way == 0 else -delta[column]
+            if axis < 3:
+                to[axis * n + i] += step
+            else:
+                _turn(turned, i, axis - 3, step)
+            evaluate(scene, turned, _phase(row_of(rates), n), 0.0, 0.0, 0.0)
+            per = -0.5 / step
+            for other in range(n):
+                place = 6 * other * size + column
+                for part in range(6):
+                    if way == 0:
+                        found[place + part * size] = 0.0
+                found[place] += per * poses.fx[other]
+                found[place + size] += per * poses.fy[other]
+                found[place + 2 * size] += per * poses.fz[other]
+                found[place + 3 * size] += per * poses.mx[other]
+                found[place + 4 * size] += per * poses.my[other]
+                found[place + 5 * size] += per * poses.mz[other]
+
+
+@kernel
+def _turn(phase, i, axis, angle):
+    """Turn body i by an angle, rad, about an axis of the base, to the second order."""
+    half = 0.5 * angle
+    x, y, z = half if axis == 0 else 0.0, half if axis == 1 else 0.0, half if axis == 2 else 0.0
+    scalar = (1.0 - half * half) ** 0.5
+    q0, q1, q2, q3 = phase.q0[i], phase.q1[i], phase.q2[i], phase.q3[i]
+    phase.q0[i] = scalar * q0 - x * q1 - y * q2 - z * q3
+    phase.q1[i] = scalar * q1 + x * q0 + y * q3 - z * q2
+    phase.q2[i] = scalar * q2 + y * q0 + z * q1 - x * q3
+    phase.q3[i] = scalar * q3 + z * q0 + x * q2 - y * q1

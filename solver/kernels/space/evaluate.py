@@ -1,0 +1,73 @@
+"""The equations of motion of a structure, its energy, and all that a user sees of it at one instant."""
+
+import math
+
+from ..numba_ext.jit import kernel, leaf
+from .joint import joint_energy, load_joint
+from .kinematics import accelerate_bodies, pose_bodies
+from .layout import OF_BASE, OF_BLOCK, OF_JOINT
+from .tie import load_tie, tie_energy
+
+_BLOCKS, _JOINTS, _BASE = len(OF_BLOCK), len(OF_JOINT), len(OF_BASE)
+
+
+@kernel
+def evaluate(scene, phase, rates, ax, ay, az):
+    """Rates of a phase under an acceleration of the base, m/s2; forces and resultants are left in the scene."""
+    pose_bodies(scene, phase)
+    for j in range(scene.m):
+        load_joint(scene, phase, j)
+    for e in range(scene.k):
+        load_tie(scene, phase, e)
+    accelerate_bodies(scene, phase, rates, ax, ay, az)
+
+
+@kernel
+def energy(scene, phase):
+    """Mechanical energy of a phase that has just been evaluated, J; zero of weight as built."""
+    bodies, total = scene.bodies, 0.0
+    for i in range(scene.n):
+        v = phase.vx[i] * phase.vx[i] + phase.vy[i] * phase.vy[i] + phase.vz[i] * phase.vz[i]
+        x, y, z = phase.wx[i], phase.wy[i], phase.wz[i]
+        turning = bodies.jxx[i] * x * x + bodies.jyy[i] * y * y + bodies.jzz[i] * z * z
+        turning += 2.0 * (bodies.jxy[i] * x * y + bodies.jxz[i] * x * z + bodies.jyz[i] * y * z)
+        total += 0.5 * (bodies.mass[i] * v + turning) + bodies.mass[i] * scene.settings.gravity * phase.uz[i]
+    for j in range(scene.m):
+        total += joint_energy(scene, phase, j)
+    for e in range(scene.k):
+        total += tie_energy(scene, e)
+    return total
+
+
+@leaf
+def _rotation_vector(q0, q1, q2, q3):
+    """Axis times angle, rad, of a unit quaternion."""
+    sign = -1.0 if q0 < 0.0 else 1.0
+    sine = math.sqrt(q1 * q1 + q2 * q2 + q3 * q3)
+    per = sign * (2.0 * math.atan2(sine, sign * q0) / sine if sine > 1e-9 else 2.0)
+    return per * q1, per * q2, per * q3
+
+
+@kernel
+def show(scene, phase, row):
+    """Fill an output row from a phase that has just been evaluated: by field, then by block or joint."""
+    n, m, k = scene.n, scene.m, scene.k
+    for i in range(n):
+        row[i], row[n + i], row[2 * n + i] = phase.ux[i], phase.uy[i], phase.uz[i]
+        turn = _rotation_vector(phase.q0[i], phase.q1[i], phase.q2[i], phase.q3[i])
+        row[3 * n + i], row[4 * n + i], row[5 * n + i] = turn
+    found, joints, of_joints = scene.resultants, scene.joints, row[_BLOCKS * n :]
+    for j in range(m):
+        slip = math.hypot(found.p1[j], found.p2[j])
+        of_joints[j] = found.normal[j]
+        of_joints[m + j], of_joints[2 * m + j] = found.g1[j], found.g2[j]
+        of_joints[3 * m + j], of_joints[4 * m + j] = -found.t1[j], -found.t2[j]
+        of_joints[5 * m + j] = found.g3[j]
+        of_joints[6 * m + j] = min(1.0, found.area[j] / joints.area[j])
+        of_joints[7 * m + j], of_joints[8 * m + j] = found.pressure[j], slip
+    of_ties = of_joints[_JOINTS * m :]
+    for e in range(k):
+        of_ties[e] = scene.pulls.force[e]
+    base, poses = of_ties[k:], scene.poses
+    base[0], base[1], base[2] = poses.fx[n], poses.fy[n], poses.fz[n]
+    base[3], base[4], base[5] = poses.mx[n], poses.my[n], poses.mz[n]

@@ -1,0 +1,105 @@
+"""The joint of six components: no-tension bed, elastic along itself up to Coulomb's limit (theory.md section 13)."""
+
+import math
+
+from ..numba_ext.jit import kernel, leaf
+from .bed import Plane
+from .disc import round_bed, round_square
+from .kinematics import cross, dot, out_of, plus, push, relative_motion
+from .layout import POLYGON
+from .polygon import polygon_bed, polygon_square
+
+
+@leaf
+def _bed(scene, j, p, q):
+    if scene.joints.section[j] == POLYGON:
+        return polygon_bed(scene, j, p, q)
+    return round_bed(scene, j, p, q)
+
+
+@leaf
+def penetration(motion):
+    """The penetration over the section, m."""
+    return Plane(-motion.gap[2], motion.turn[1], -motion.turn[0])
+
+
+@leaf
+def _limits(joints, j, normal, g1, g2):
+    """Largest force along a joint, N, and largest twisting couple, N m.
+
+    The couple is that of friction about the centre: with the arm of a uniform pressure, or that of the resultant if it
+    is farther out.
+    """
+    force = joints.friction[j] * normal if normal > 0.0 else 0.0
+    arm = joints.arm[j]
+    if normal > 0.0:
+        arm = max(arm, math.sqrt(g1 * g1 + g2 * g2) / normal)
+    return force + joints.dowel[j], (force + joints.dowel[j]) * arm
+
+
+@leaf
+def _along_joint(scene, j, motion, normal, g1, g2):
+    """Forces along a joint on the upper block, N, and the twisting couple on its energy, N m; keeps elastic slips."""
+    joints, memory, found = scene.joints, scene.memory, scene.resultants
+    shear, twist, damping = joints.shear[j], joints.twist[j], joints.shear_damping[j]
+    s1, s2, s3 = motion.gap[0], motion.gap[1], motion.turn[2]
+    p1, p2, p3 = memory.p1[j], memory.p2[j], memory.p3[j]
+    z1, z2, z3 = s1 - p1, s2 - p2, s3 - p3
+    t1 = -shear * (z1 + damping * motion.gap_rate[0])
+    t2 = -shear * (z2 + damping * motion.gap_rate[1])
+    g3 = twist * (z3 + damping * motion.turn_rate[2])
+    limit, couple = math.inf, math.inf
+    if joints.friction[j] != math.inf:
+        limit, couple = _limits(joints, j, normal, g1, g2)
+    size = math.sqrt(t1 * t1 + t2 * t2)
+    if size > limit:
+        t1, t2 = t1 * (limit / size), t2 * (limit / size)
+        z1, z2 = -t1 / shear, -t2 / shear
+        p1, p2 = s1 - z1, s2 - z2
+    if abs(g3) > couple:
+        g3 = math.copysign(couple, g3)
+        z3 = g3 / twist
+        p3 = s3 - z3
+    found.t1[j], found.t2[j], found.g3[j] = t1, t2, g3
+    found.s1[j], found.s2[j], found.s3[j] = s1, s2, s3
+    found.z1[j], found.z2[j], found.z3[j] = z1, z2, z3
+    found.p1[j], found.p2[j], found.p3[j] = p1, p2, p3
+    return t1, t2, g3
+
+
+@kernel
+def load_joint(scene, phase, j):
+    """Add the forces of joint j to those on its two bodies; its resultants are kept."""
+    joints, found = scene.joints, scene.resultants
+    motion = relative_motion(scene, phase, j)
+    p = penetration(motion)
+    eta, k = joints.damping[j], joints.stiffness[j]
+    rate = motion.turn_rate
+    q = Plane(p.at - eta * motion.gap_rate[2], p.along_x + eta * rate[1], p.along_y - eta * rate[0])
+    bed = _bed(scene, j, p, q)
+    normal, g1, g2 = k * bed.force, -k * bed.first_y, k * bed.first_x
+    found.normal[j], found.g1[j], found.g2[j] = normal, g1, g2
+    found.area[j], found.pressure[j] = bed.area, k * bed.largest
+    t1, t2, g3 = _along_joint(scene, j, motion, normal, g1, g2)
+    force, couple = (t1, t2, normal), (g1, g2, g3)
+    across = cross(motion.gap, force)
+    vector, per = motion.vector, motion.per_scalar
+    own = plus((-g1, -g2, -g3), vector, per * dot(vector, couple))
+    lever = cross(across, vector)
+    on_a = plus(plus(own, across, -0.5), lever, 0.5 * per)
+    on_b = plus(plus((-own[0], -own[1], -own[2]), across, -0.5), lever, -0.5 * per)
+    e1, e2, e3 = motion.e1, motion.e2, motion.e3
+    force = out_of(e1, e2, e3, force)
+    push(scene.poses, int(joints.upper[j]), motion.arm_a, force, out_of(e1, e2, e3, on_a), 1.0)
+    push(scene.poses, int(joints.lower[j]), motion.arm_b, force, out_of(e1, e2, e3, on_b), -1.0)
+
+
+@kernel
+def joint_energy(scene, phase, j):
+    """Elastic energy of joint j, J; its resultants are those of this phase."""
+    joints, found = scene.joints, scene.resultants
+    p = penetration(relative_motion(scene, phase, j))
+    square = polygon_square(scene, j, p) if joints.section[j] == POLYGON else round_square(scene, j, p)
+    shear = found.z1[j] * found.z1[j] + found.z2[j] * found.z2[j]
+    twist = found.z3[j] * found.z3[j]
+    return 0.5 * (joints.stiffness[j] * square + joints.shear[j] * shear + joints.twist[j] * twist)

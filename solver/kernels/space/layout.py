@@ -1,0 +1,158 @@
+"""The layout of the flat arrays of a structure in space, by name (numba_ext/views.py lays the names over them).
+
+n blocks, m joints, k ties. The base is body n: it has a place in the tables of bodies, and does not move relative to
+itself. Rotations count from the structure as built, so that the axes of a body are those of the base then.
+"""
+
+from typing import NamedTuple
+
+from ..numba_ext.jit import in_both
+from ..numba_ext.views import Record, Table
+
+SETTINGS = Record(
+    "gravity",  # m/s2
+    "tolerance",  # of a step, relative to the largest motion
+    "first_step",  # s
+    "extent",  # m, by which displacements become rotations of the whole
+    "motion_floor",  # rad, least motion that errors are measured against
+    "rate_floor",  # rad/s
+    "in_plane",  # 1: the motion stays in the plane x, z by symmetry
+    "watches",  # 1: peaks of forces too, not of displacements alone
+)
+BODIES = Table(
+    *("mass", "per_mass"),  # kg, 1/kg
+    *("jxx", "jyy", "jzz", "jxy", "jxz", "jyz"),  # kg m2, inertia about the centroid, along the axes as built
+    *("ixx", "iyy", "izz", "ixy", "ixz", "iyz"),  # 1/(kg m2), its inverse
+    *("x", "y", "z"),  # m, centroid as built
+    "size",  # m, by which rotations become displacements
+    "drop",  # m: a block this far below its place as built has fallen
+)
+POLYGON, ROUND = 0.0, 1.0  # sections
+MOST_CORNERS = 64  # of a section
+JOINTS = Table(
+    *("upper", "lower"),  # numbers of the bodies A and B
+    *("ax", "ay", "az", "bx", "by", "bz"),  # m, the centre of the joint from the centroids of A and B, as built
+    *("e1x", "e1y", "e1z", "e2x", "e2y", "e2z", "e3x", "e3y", "e3z"),  # axes as built; e3 points from B to A
+    *("stiffness", "damping"),  # N/m3, s
+    *("shear", "twist", "shear_damping"),  # N/m, N m/rad, s
+    *("friction", "dowel"),  # coefficient, infinite where nothing slides; N
+    "section",  # POLYGON or ROUND
+    *("area", "ixx", "iyy", "ixy"),  # m2; m4, integrals of x^2, y^2, x y about the centre, which is the centroid
+    "arm",  # m, mean distance of the section from the centre
+    *("outer", "inner"),  # m, radii of a round section
+    *("first", "corners"),  # place and number of the corners of a polygon
+)
+TIES = Table(
+    *("one", "other"),  # numbers of the bodies
+    *("ax", "ay", "az", "bx", "by", "bz"),  # m, the ends from the centroids, as built
+    *("stiffness", "damping"),  # N/m, N s/m
+    "length",  # m, at which it begins to pull
+    "tension_only",
+    "yields_at",  # N, infinite where it does not
+)
+PHASE = Table(
+    *("ux", "uy", "uz"),  # m, displacement of the centroid
+    *("q0", "q1", "q2", "q3"),  # rotation from the place as built, a unit quaternion
+    *("vx", "vy", "vz"),  # m/s
+    *("wx", "wy", "wz"),  # rad/s, angular velocity in the axes of the body
+)
+MEMORY = Table("p1", "p2", "p3")  # m, m, rad: slips and twist that friction has given way by; constant within a step
+CONTROL = Record(
+    "next_step",  # s
+    "previous_error",  # tolerances
+    "largest",  # rad, motion so far
+    "largest_rate",  # rad/s
+    "fall_time",  # s
+    "reached",  # s
+)
+COUNTS = Record("steps", "rejected", "evaluations", "looks", "fallen", "started", "next_row", "resting")
+BASE = Record(
+    *("amplitude_x", "amplitude_y"),  # m/s2, of the harmonic part
+    *("omega", "phase"),  # rad/s, rad
+    "held",  # 1: samples are held, 0: joined by straight lines
+)
+# of an evaluation
+POSES = Table(  # of n + 1 bodies
+    *("r11", "r12", "r13", "r21", "r22", "r23", "r31", "r32", "r33"),  # rotation less the identity
+    *("wx", "wy", "wz"),  # rad/s, along the axes of the base
+    *("fx", "fy", "fz", "mx", "my", "mz"),  # N, N m about the centroid, along the axes of the base
+)
+RESULTANTS = Table(  # of m joints, along the axes of the joint
+    *("normal", "g1", "g2", "g3"),  # N, N m: derivatives of the energy by the relative rotation
+    *("t1", "t2"),  # N, on the upper block
+    *("area", "pressure"),  # m2 loaded, Pa largest
+    *("s1", "s2", "s3"),  # m, m, rad: slips and twist
+    *("z1", "z2", "z3"),  # their elastic parts
+    *("p1", "p2", "p3"),  # and the rest, which friction gives way by
+)
+PULLS = Table("force", "stretch", "plastic")  # of k ties: N, m; plastic part of the stretch after the evaluation
+SCRATCH = 6 * (MOST_CORNERS + 4)  # of a polygon that is cut
+STAGES = 7
+
+# --- an output row
+OF_BLOCK = ("ux", "uy", "uz", "rx", "ry", "rz")
+OF_JOINT = ("N", "Mx", "My", "Tx", "Ty", "Mz", "contact", "sigma_max", "slip")
+OF_BASE = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
+
+# codes
+OK, STEP_TOO_SMALL = 0, -1
+PAUSED = 1  # as many steps as were allowed have been made; not an error
+PACK = 8  # rows of a step are padded to whole packs
+
+
+@in_both
+def padded(count: int) -> int:
+    """The length of a row that sums take in packs."""
+    whole: int = (count + PACK - 1) // PACK
+    return whole * PACK
+
+
+@in_both
+def row_size(n: int, m: int, k: int) -> int:
+    """Numbers of an output row."""
+    size: int = _OF_BLOCK * n + _OF_JOINT * m + k + _OF_BASE
+    return size
+
+
+@in_both
+def rows_size(n: int, m: int, k: int) -> int:
+    """Numbers of the rows of a step: phases and rates, then output rows."""
+    phases, outputs = padded(_PER_BODY * n), row_size(n, m, k)
+    size = (STAGES + 5) * phases + SEEN * outputs
+    return int(size)
+
+
+_OF_BLOCK, _OF_JOINT, _OF_BASE = len(OF_BLOCK), len(OF_JOINT), len(OF_BASE)
+_PER_BODY: int = PHASE.per_n
+SEEN = 5  # output rows of a step: at its start, in its middle, at its end, of a trial; what is allowed
+
+
+def work_size(n: int, m: int, k: int) -> int:
+    """Length of the work array: its parts in the order of `entries.scene_of`."""
+    of_evaluation = POSES.size(n + 1) + RESULTANTS.size(m) + PULLS.size(k) + MEMORY.size(m) + k + SCRATCH
+    return int(rows_size(n, m, k)) + of_evaluation
+
+
+class Scene(NamedTuple):
+    """A structure as the kernels see it: sizes, what describes it, what it remembers, and room for an evaluation."""
+
+    n: int
+    m: int
+    k: int
+    settings: object
+    bodies: object
+    joints: object
+    ties: object
+    corners: object
+    memory: object
+    plastic: object  # m, of each tie
+    control: object
+    counts: object
+    peaks: object
+    poses: object
+    resultants: object
+    pulls: object
+    kept: object  # memory and plastic as they will be after the step
+    kept_plastic: object
+    scratch: object
+    rows: object  # phases and rates of a step, then output rows

@@ -1,0 +1,167 @@
+"""The motion inside a step: interpolation, output rows, and peaks of the continuous motion.
+
+A step is seen at its ends and half-way. Parabolas through the three show which quantities may pass their peak within
+the step; it is evaluated where they do.
+"""
+
+import math
+from typing import NamedTuple
+
+from ..integrators.interpolation import quintic_through, value_of
+from ..numba_ext.jit import kernel, leaf
+from .base import acceleration
+from .evaluate import evaluate, show
+from .layout import OF_BLOCK, OF_JOINT, PHASE, STAGES, padded, row_size
+
+_phase = PHASE.over
+_PER_BODY = PHASE.per_n
+_BLOCKS = len(OF_BLOCK)
+_CONTACT = OF_JOINT.index("contact")
+PROMISE = 0.1  # of the tolerance: a peak whose predicted rise is smaller has been found
+QUIET = 1e-3  # of the largest peak of its kind: smaller ones are searched to a tolerance relative to this
+
+
+class Watch(NamedTuple):
+    """Instants, s, at which output rows are taken."""
+
+    size: int
+    times: object
+    rows: object
+
+
+@leaf
+def row(scene, k):
+    """Row k of those of a step: its start, its rates at the stages, a stage, its end, one between, its rates."""
+    return scene.rows[k * padded(_PER_BODY * scene.n) :]
+
+
+START, RATES = 0, 1
+STAGE, END, BETWEEN, BETWEEN_RATES, ROWS = range(1 + STAGES, 6 + STAGES)
+
+
+@leaf
+def seen(scene, k):
+    """Output row k of those of a step: its start, its middle, its end, a trial."""
+    return scene.rows[ROWS * padded(_PER_BODY * scene.n) + k * row_size(scene.n, scene.m, scene.k) :]
+
+
+@leaf
+def _quaternion_curve(phase, rates, i):
+    """Second derivatives of the quaternion of body i."""
+    q = phase.q0[i], phase.q1[i], phase.q2[i], phase.q3[i]
+    p = rates.q0[i], rates.q1[i], rates.q2[i], rates.q3[i]
+    x, y, z = phase.wx[i], phase.wy[i], phase.wz[i]
+    a, b, c = rates.wx[i], rates.wy[i], rates.wz[i]
+    return (
+        -0.5 * (p[1] * x + p[2] * y + p[3] * z + q[1] * a + q[2] * b + q[3] * c),
+        0.5 * (p[0] * x + p[2] * z - p[3] * y + q[0] * a + q[2] * c - q[3] * b),
+        0.5 * (p[0] * y + p[3] * x - p[1] * z + q[0] * b + q[3] * a - q[1] * c),
+        0.5 * (p[0] * z + p[1] * y - p[2] * x + q[0] * c + q[1] * b - q[2] * a),
+    )
+
+
+@kernel
+def interpolate(scene, h, s):
+    """Fill in the phase at fraction s of the step: quintics through places, rates and accelerations at both ends."""
+    n = scene.n
+    start, end, between = _phase(row(scene, START), n), _phase(row(scene, END), n), _phase(row(scene, BETWEEN), n)
+    first, last = _phase(row(scene, RATES), n), _phase(row(scene, RATES + STAGES - 1), n)
+    for place in range(3 * n):  # the fields ux, uy, uz are neighbours, as are their rates
+        q0, v0, a0 = start.ux[place], first.ux[place], first.vx[place]
+        q1, v1, a1 = end.ux[place], last.ux[place], last.vx[place]
+        between.ux[place], between.vx[place] = value_of(quintic_through(h, q0, v0, a0, q1, v1, a1, 0.0), s)
+    for i in range(n):
+        a, b = _quaternion_curve(start, first, i), _quaternion_curve(end, last, i)
+        q0, p0 = value_of(quintic_through(h, start.q0[i], first.q0[i], a[0], end.q0[i], last.q0[i], b[0], 0.0), s)
+        q1, p1 = value_of(quintic_through(h, start.q1[i], first.q1[i], a[1], end.q1[i], last.q1[i], b[1], 0.0), s)
+        q2, p2 = value_of(quintic_through(h, start.q2[i], first.q2[i], a[2], end.q2[i], last.q2[i], b[2], 0.0), s)
+        q3, p3 = value_of(quintic_through(h, start.q3[i], first.q3[i], a[3], end.q3[i], last.q3[i], b[3], 0.0), s)
+        per = 1.0 / (q0 * q0 + q1 * q1 + q2 * q2 + q3 * q3)
+        between.wx[i] = 2.0 * per * (q0 * p1 - q1 * p0 - q2 * p3 + q3 * p2)
+        between.wy[i] = 2.0 * per * (q0 * p2 - q2 * p0 - q3 * p1 + q1 * p3)
+        between.wz[i] = 2.0 * per * (q0 * p3 - q3 * p0 - q1 * p2 + q2 * p1)
+        size = math.sqrt(per)
+        between.q0[i], between.q1[i], between.q2[i], between.q3[i] = size * q0, size * q1, size * q2, size * q3
+
+
+@kernel
+def look(scene, shaking, segment, t, h, s, into):
+    """The output row at fraction s of the step from t to t + h."""
+    scene.counts.looks += 1
+    interpolate(scene, h, s)
+    ax, ay, az = acceleration(shaking, segment, t + s * h)
+    between = _phase(row(scene, BETWEEN), scene.n)
+    evaluate(scene, between, _phase(row(scene, BETWEEN_RATES), scene.n), ax, ay, az)
+    show(scene, between, into)
+
+
+@kernel
+def raise_peaks(scene, values):
+    """Raise the peaks by an output row; of contacts the part that is open counts."""
+    first = _BLOCKS * scene.n + _CONTACT * scene.m
+    for j in range(row_size(scene.n, scene.m, scene.k)):
+        there = abs(values[j])
+        if first <= j < first + scene.m:
+            there = 1.0 - there
+        scene.peaks[j] = max(scene.peaks[j], there)
+
+
+@leaf
+def _allow_field(scene, allowed, first, count):
+    """By how much the quantities of a field may pass their peaks without a search."""
+    largest = 0.0
+    for j in range(first, first + count):
+        largest = max(largest, scene.peaks[j])
+    part = PROMISE * scene.settings.tolerance
+    for j in range(first, first + count):
+        allowed[j] = part * max(scene.peaks[j], QUIET * largest)
+
+
+@kernel
+def _allow(scene, allowed):
+    """`_allow_field` of all fields; of the base, forces and moments."""
+    n, m = scene.n, scene.m
+    for field in range(2):  # displacements, rotations
+        _allow_field(scene, allowed, 3 * field * n, 3 * n)
+    first = _BLOCKS * n
+    for field in range(len(OF_JOINT)):
+        _allow_field(scene, allowed, first + field * m, m)
+    first += len(OF_JOINT) * m
+    _allow_field(scene, allowed, first, scene.k)
+    for half in range(2):
+        _allow_field(scene, allowed, first + scene.k + 3 * half, 3)
+
+
+@kernel
+def track_peaks(scene, shaking, segment, t, h):
+    """Raise the peaks by the step just made, whose end has been evaluated last."""
+    count = row_size(scene.n, scene.m, scene.k)
+    begin, middle, end = seen(scene, 0), seen(scene, 1), seen(scene, 2)
+    show(scene, _phase(row(scene, END), scene.n), end)
+    raise_peaks(scene, end)
+    if scene.settings.watches != 0.0:
+        look(scene, shaking, segment, t, h, 0.5, middle)
+        raise_peaks(scene, middle)
+        _find_tops(scene, shaking, segment, t, h)
+    for j in range(count):
+        begin[j] = end[j]
+
+
+@kernel
+def _find_tops(scene, shaking, segment, t, h):
+    """Look where a parabola through both ends and the middle of the step rises above a peak."""
+    begin, middle, end = seen(scene, 0), seen(scene, 1), seen(scene, 2)
+    trial, allowed = seen(scene, 3), seen(scene, 4)
+    _allow(scene, allowed)
+    first = _BLOCKS * scene.n + _CONTACT * scene.m  # contacts: the open part counts
+    for j in range(row_size(scene.n, scene.m, scene.k)):
+        is_contact = first <= j < first + scene.m
+        sign = -1.0 if (middle[j] < 0.0) != is_contact else 1.0
+        a, b, c = sign * begin[j], sign * middle[j], sign * end[j]
+        bend, rise = 2.0 * b - a - c, c - a
+        if bend <= 0.0 or abs(rise) >= 2.0 * bend:
+            continue
+        top = b + rise * rise / (8.0 * bend) + (1.0 if is_contact else 0.0)
+        if top > scene.peaks[j] + allowed[j]:
+            look(scene, shaking, segment, t, h, 0.5 + rise / (4.0 * bend), trial)
+            raise_peaks(scene, trial)

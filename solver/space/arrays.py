@@ -1,0 +1,154 @@
+"""The flat arrays of a structure, for the kernels (kernels/space/layout.py)."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..kernels.space import layout as at
+from .blocks.faces import FloatArray
+from .blocks.parts import Joint, Solid, Tie
+
+FLOOR = 1e-3  # of the motion under which the structure settles as it is loaded: the least that errors are measured by
+FIRST = 0.1  # of the time in which the fastest joint turns by a radian
+
+
+class Model(NamedTuple):
+    """What describes a structure: the arguments `model` of the entries."""
+
+    settings: FloatArray
+    bodies: FloatArray
+    joints: FloatArray
+    ties: FloatArray
+    corners: FloatArray
+
+
+class State(NamedTuple):
+    """What a run changes, and its work array: the arguments `state` of the entries."""
+
+    memory: FloatArray
+    plastic: FloatArray
+    control: FloatArray
+    counts: Any
+    peaks: FloatArray
+    work: FloatArray
+
+
+def model_of(
+    solids: tuple[Solid, ...], joints: tuple[Joint, ...], ties: tuple[Tie, ...], g: float, tolerance: float
+) -> Model:
+    """The arrays of a structure."""
+    n, m, k = len(solids), len(joints), len(ties)
+    model = Model(
+        np.zeros(at.SETTINGS.beside),
+        np.zeros(at.BODIES.size(n + 1)),
+        np.zeros(at.JOINTS.size(m)),
+        np.zeros(at.TIES.size(k)),
+        np.concatenate([np.zeros(0), *(joint.face.outline.ravel() for joint in joints)]),
+    )
+    _fill_bodies(at.BODIES.see(model.bodies, n + 1), solids)
+    table = at.JOINTS.see(model.joints, m)
+    place = 0
+    for j, joint in enumerate(joints):
+        _fill_joint(table, j, joint, solids, place)
+        place += len(joint.face.outline)
+    for e, tie in enumerate(ties):
+        _fill_tie(at.TIES.see(model.ties, k), e, tie, solids)
+    _fill_settings(at.SETTINGS.see(model.settings), table, solids, joints, g, tolerance)
+    return model
+
+
+def state_of(n: int, m: int, k: int) -> State:
+    """The state of a structure as built, without weight."""
+    return State(
+        np.zeros(at.MEMORY.size(m)),
+        np.zeros(k),
+        np.zeros(at.CONTROL.beside),
+        np.zeros(at.COUNTS.beside, dtype=np.int64),
+        np.zeros(at.row_size(n, m, k)),
+        np.zeros(at.work_size(n, m, k)),
+    )
+
+
+def phase_of(n: int) -> FloatArray:
+    """The phase of n blocks as built, padded to what the kernels sum."""
+    phase = np.zeros(at.padded(at.PHASE.size(n)))
+    at.PHASE.see(phase, n).q0[:] = 1.0
+    return phase
+
+
+def centroid_of(solids: tuple[Solid, ...], i: int) -> FloatArray:
+    """Centroid of a body, m; of the base its origin."""
+    return solids[i].centroid if i < len(solids) else np.zeros(3)
+
+
+def _fill_bodies(table: Any, solids: tuple[Solid, ...]) -> None:
+    for i, solid in enumerate(solids):
+        table.mass[i], table.per_mass[i] = solid.mass, 1.0 / solid.mass
+        for prefix, tensor in (("j", solid.inertia), ("i", np.linalg.inv(solid.inertia))):
+            for name, (row, column) in {
+                "xx": (0, 0),
+                "yy": (1, 1),
+                "zz": (2, 2),
+                "xy": (0, 1),
+                "xz": (0, 2),
+                "yz": (1, 2),
+            }.items():
+                getattr(table, prefix + name)[i] = tensor[row, column]
+        table.x[i], table.y[i], table.z[i] = solid.centroid
+        table.size[i], table.drop[i] = solid.size, solid.drop
+
+
+def _fill_joint(table: Any, j: int, joint: Joint, solids: tuple[Solid, ...], place: int) -> None:
+    face, bed = joint.face, joint.bed
+    table.upper[j], table.lower[j] = joint.upper, joint.lower
+    for prefix, body in (("a", joint.upper), ("b", joint.lower)):
+        arm = face.centre - centroid_of(solids, body)
+        for axis, length in zip("xyz", arm, strict=True):
+            getattr(table, prefix + axis)[j] = length
+    for k in range(3):
+        for axis, part in zip("xyz", face.axes[:, k], strict=True):
+            getattr(table, f"e{k + 1}{axis}")[j] = part
+    area, ixx, iyy, ixy = joint.moments()
+    table.area[j], table.ixx[j], table.iyy[j], table.ixy[j] = area, ixx, iyy, ixy
+    table.stiffness[j], table.damping[j] = bed.stiffness, bed.damping
+    shear = bed.shear_ratio * bed.stiffness
+    table.shear[j], table.twist[j] = shear * area, shear * (ixx + iyy)
+    table.shear_damping[j] = bed.damping if bed.shear_damping is None else bed.shear_damping
+    table.friction[j] = math.inf if bed.friction is None else bed.friction
+    table.dowel[j], table.arm[j] = bed.dowel, joint.arm()
+    table.section[j] = at.ROUND if face.radius else at.POLYGON
+    table.outer[j], table.inner[j] = face.radius, face.bore
+    table.first[j], table.corners[j] = place, len(face.outline)
+
+
+def _fill_tie(table: Any, e: int, tie: Tie, solids: tuple[Solid, ...]) -> None:
+    table.one[e], table.other[e] = tie.one, tie.other
+    for prefix, arm in (("a", tie.from_), ("b", tie.to)):
+        for axis, length in zip("xyz", arm, strict=True):
+            getattr(table, prefix + axis)[e] = length
+    built = centroid_of(solids, tie.other) + tie.to - centroid_of(solids, tie.one) - tie.from_
+    table.stiffness[e], table.damping[e] = tie.stiffness, tie.damping
+    table.length[e] = float(np.linalg.norm(built)) + tie.slack - tie.pretension / tie.stiffness
+    table.tension_only[e] = 1.0 if tie.tension_only else 0.0
+    table.yields_at[e] = math.inf if tie.yield_ is None else tie.yield_
+
+
+def _fill_settings(
+    settings: Any, table: Any, solids: tuple[Solid, ...], joints: tuple[Joint, ...], g: float, tolerance: float
+) -> None:
+    corners = np.concatenate([solid.corners for solid in solids])
+    extent = max(float(np.max(corners[:, 2])), 0.1 * float(np.max(np.ptp(corners, axis=0))))
+    fastest = 1e-12
+    for j, joint in enumerate(joints):
+        for body in (joint.upper, joint.lower):
+            if body < len(solids):
+                fastest = max(fastest, float(table.stiffness[j] * table.area[j]) / solids[body].mass)
+    settings.gravity, settings.tolerance = g, tolerance
+    settings.first_step = FIRST / math.sqrt(2.0 * fastest)
+    settings.extent = extent
+    settings.motion_floor = max(1e-12, FLOOR * max(g, 1e-3) / fastest / extent)
+    settings.rate_floor = settings.motion_floor * math.sqrt(max(g, 1e-3) / extent)
+    settings.watches = 1.0

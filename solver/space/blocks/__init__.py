@@ -1,0 +1,1 @@
+"""Blocks as built, their faces, and the joints where faces meet."""

@@ -1,0 +1,133 @@
+"""Plane faces of blocks, and the part that two of them share."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+
+NEAR = 1e-6  # of the size of a face: planes and edges closer than this are the same
+SIDES = 60  # of the polygon, of equal area, in place of a round face that another one cuts
+
+
+@dataclass(frozen=True, eq=False)
+class Face:
+    """A plane face: a polygon, or a disc or ring about its centre.
+
+    outline: (corners, 2) m, anticlockwise seen against the normal, along the first two of the axes from the centre;
+    empty where the face is round.
+    """
+
+    centre: FloatArray  # (3,) m
+    axes: FloatArray  # (3, 3), columns e1, e2 and the normal away from the block
+    outline: FloatArray
+    radius: float = 0.0  # m, of a round face
+    bore: float = 0.0  # m, radius of the hole
+
+    @property
+    def normal(self) -> FloatArray:
+        """The normal away from the block."""
+        return self.axes[:, 2]
+
+    @property
+    def size(self) -> float:
+        """Distance of the farthest point from the centre, m."""
+        return self.radius or float(np.max(np.hypot(*self.outline.T)))
+
+    def points(self, sides: int = 24) -> FloatArray:
+        """Points of the rim in space, (points, 3) m."""
+        return self.centre + self._rim(sides) @ self.axes[:, :2].T
+
+    def _rim(self, sides: int) -> FloatArray:
+        if not self.radius:
+            return self.outline
+        angle = 2.0 * math.pi * np.arange(sides) / sides
+        return self.radius * np.column_stack([np.cos(angle), np.sin(angle)])
+
+    def seen_from(self, other: Face) -> FloatArray:
+        """The rim along the axes of another face, anticlockwise there; a round face as a polygon of equal area."""
+        rim = self._rim(SIDES)
+        if self.radius:
+            rim = rim * math.sqrt(2.0 * math.pi / (SIDES * math.sin(2.0 * math.pi / SIDES)))
+        flat = (self.centre + rim @ self.axes[:, :2].T - other.centre) @ other.axes[:, :2]
+        return flat if polygon_moments(flat)[0] > 0.0 else flat[::-1].copy()
+
+
+def polygon_moments(corners: FloatArray) -> tuple[float, FloatArray, FloatArray]:
+    """Area m2, first moments (2,) m3 and second ones (2, 2) m4 of a polygon, by Green's formulas."""
+    a, b = corners, np.roll(corners, -1, axis=0)
+    doubled = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
+    area = 0.5 * float(np.sum(doubled))
+    first: FloatArray = (doubled @ (a + b)) / 6.0
+    total = a + b
+    second: FloatArray = (np.einsum("k,ki,kj->ij", doubled, a, a) + np.einsum("k,ki,kj->ij", doubled, b, b)) / 24.0
+    second = second + np.einsum("k,ki,kj->ij", doubled, total, total) / 24.0
+    return area, first, second
+
+
+def clipped(corners: FloatArray, by: FloatArray) -> FloatArray:
+    """The part of a convex polygon within another one, both anticlockwise; empty if there is none."""
+    left = [tuple(point) for point in corners.tolist()]
+    for (x0, y0), (x1, y1) in zip(by.tolist(), np.roll(by, -1, axis=0).tolist(), strict=True):
+        depth = [(x1 - x0) * (y - y0) - (y1 - y0) * (x - x0) for x, y in left]
+        kept: list[tuple[float, ...]] = []
+        for k, (point, d) in enumerate(zip(left, depth, strict=True)):
+            before, b = left[k - 1], depth[k - 1]
+            if (b > 0.0) != (d > 0.0):
+                part = b / (b - d)
+                kept.append(tuple(p + part * (q - p) for p, q in zip(before, point, strict=True)))
+            if d > 0.0:
+                kept.append(point)
+        left = kept
+    return np.array(left) if len(left) > 2 else np.empty((0, 2))
+
+
+def shared(upper: Face, lower: Face) -> Face | None:
+    """The part that two faces share, with the axes of the lower one; None if they do not touch.
+
+    They touch where their planes coincide and their normals are opposite. The centre is the centroid of that part.
+    """
+    size = min(upper.size, lower.size)
+    between = upper.centre - lower.centre
+    if float(upper.normal @ lower.normal) > -1.0 + NEAR or abs(float(between @ lower.normal)) > NEAR * size:
+        return None
+    off = float(np.linalg.norm(between - (between @ lower.normal) * lower.normal))
+    if upper.radius and lower.radius and off <= NEAR * size:
+        outer, inner = min(upper.radius, lower.radius), max(upper.bore, lower.bore)
+        return replace(lower, radius=outer, bore=inner) if outer > inner else None
+    for inside, outside in ((upper, lower), (lower, upper)):
+        if inside.radius and _holds(outside, inside):
+            centre = inside.centre - ((inside.centre - lower.centre) @ lower.normal) * lower.normal
+            return Face(centre, lower.axes, np.empty((0, 2)), inside.radius, inside.bore)
+    if upper.bore or lower.bore:
+        return None
+    outline = clipped(upper.seen_from(lower), lower.seen_from(lower))
+    if not len(outline):
+        return None
+    area, first, _ = polygon_moments(outline)
+    if area <= NEAR * size * size:
+        return None
+    middle = first / area
+    return Face(lower.centre + lower.axes[:, :2] @ middle, lower.axes, without_doubles(outline - middle))
+
+
+def _holds(outside: Face, inside: Face) -> bool:
+    """Whether a round face lies within another one."""
+    centre = (inside.centre - outside.centre) @ outside.axes[:, :2]
+    if outside.radius:
+        return not outside.bore and float(np.hypot(*centre)) + inside.radius <= outside.radius * (1.0 + NEAR)
+    a, b = outside.outline, np.roll(outside.outline, -1, axis=0)
+    side = b - a
+    depth = (side[:, 0] * (centre[1] - a[:, 1]) - side[:, 1] * (centre[0] - a[:, 0])) / np.hypot(*side.T)
+    return bool(np.min(depth) >= inside.radius * (1.0 - NEAR))
+
+
+def without_doubles(outline: FloatArray) -> FloatArray:
+    """A polygon without corners that coincide."""
+    apart = np.hypot(*(outline - np.roll(outline, 1, axis=0)).T) > NEAR * float(np.max(np.abs(outline)))
+    kept: FloatArray = outline[apart]
+    return kept

@@ -1,0 +1,122 @@
+"""The parts of a structure in space: blocks, joints between two faces, ties. All lengths and places are as built."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ...common.errors import InputError
+from .faces import Face, FloatArray, polygon_moments
+
+TOLERANCE = 1e-5  # of a structure that has none of its own
+BASE = "base"  # name of the body that everything stands on
+
+
+@dataclass(frozen=True, eq=False)
+class Solid:
+    """A rigid block as built, along the axes of the base."""
+
+    name: str
+    mass: float  # kg
+    centroid: FloatArray  # (3,) m
+    inertia: FloatArray  # (3, 3) kg m2 about the centroid
+    faces: tuple[Face, ...]  # plane ones, by which it may touch others
+    axes: FloatArray = field(default_factory=lambda: np.eye(3))  # (3, 3), its own axes by columns
+
+    @property
+    def size(self) -> float:
+        """Radius of gyration, m: by it rotations become displacements."""
+        return math.sqrt(float(np.trace(self.inertia)) / (2.0 * self.mass))
+
+    @property
+    def corners(self) -> FloatArray:
+        """Corners of all faces, (points, 3) m."""
+        return np.concatenate([face.points() for face in self.faces])
+
+    @property
+    def drop(self) -> float:
+        """Half of the least extent, m: a block that lies lower by that has fallen."""
+        return 0.5 * float(np.min(np.ptp(self.corners, axis=0)))
+
+
+@dataclass(frozen=True)
+class Bed:
+    """The law of a joint: no tension across, elastic along itself up to Coulomb's limit (theory.md section 13)."""
+
+    stiffness: float  # N/m3, Winkler modulus
+    damping: float  # s
+    shear_ratio: float = 0.4  # of the modulus along the joint
+    shear_damping: float | None = None  # s; None: as damping
+    friction: float | None = None  # Coulomb's coefficient; None: the joint never slides
+    dowel: float = 0.0  # N, borne beside friction
+
+
+@dataclass(frozen=True, eq=False)
+class Joint:
+    """A contact between two blocks, or a block and the base; the face's normal points from `lower` to `upper`."""
+
+    upper: int  # number of the block, from 0
+    lower: int  # the base is the number after the last block's
+    face: Face  # centred at its centroid
+    bed: Bed
+    key: str = ""  # of the table it is from, for messages
+
+    def moments(self) -> tuple[float, float, float, float]:
+        """Area m2, and integrals of x^2, y^2 and x y, m4, about the centre."""
+        if self.face.radius:
+            outer, inner = self.face.radius, self.face.bore
+            second = 0.25 * math.pi * (outer**4 - inner**4)
+            return math.pi * (outer**2 - inner**2), second, second, 0.0
+        area, _, about = polygon_moments(self.face.outline)
+        return area, float(about[0, 0]), float(about[1, 1]), float(about[0, 1])
+
+    def arm(self) -> float:
+        """Mean distance of the section from its centre, m: that of friction against twisting."""
+        if self.face.radius:
+            outer, inner = self.face.radius, self.face.bore
+            return 2.0 / 3.0 * (outer**3 - inner**3) / (outer**2 - inner**2)
+        total = area = 0.0
+        for a, b in zip(self.face.outline, np.roll(self.face.outline, -1, axis=0), strict=True):
+            total += _first_polar(a, b)
+            area += 0.5 * float(a[0] * b[1] - a[1] * b[0])
+        return total / area
+
+
+def _first_polar(a: FloatArray, b: FloatArray) -> float:
+    """The integral of the distance from the origin over the triangle of the origin, a and b, m3.
+
+    With the distance d of the side from the origin it is d^3 / 3 times the integral of 1 / cos^3 over the angle.
+    """
+    side = b - a
+    length = float(np.hypot(*side))
+    d = float(a[0] * b[1] - a[1] * b[0]) / length if length else 0.0
+    if d == 0.0:
+        return 0.0
+    tangents = float(a @ side) / (length * d), float(b @ side) / (length * d)
+    first, last = (0.5 * (t * math.hypot(1.0, t) + math.asinh(t)) for t in tangents)
+    return d**3 / 3.0 * (last - first)
+
+
+@dataclass(frozen=True, eq=False)
+class Tie:
+    """A rod, clamp, tendon or damper between points of two blocks, or of a block and the base."""
+
+    one: int
+    other: int
+    from_: FloatArray  # (3,) m, along the axes of the base, from the centroid of its block; of the base from its origin
+    to: FloatArray
+    stiffness: float  # N/m
+    damping: float = 0.0  # N s/m
+    slack: float = 0.0  # m, by which it may lengthen before it pulls
+    pretension: float = 0.0  # N, as built
+    tension_only: bool = True
+    yield_: float | None = None  # N; None: it does not yield
+
+    def check(self, key: str) -> None:
+        """Raise InputError for values that exclude each other."""
+        if self.slack > 0.0 and self.pretension > 0.0:
+            raise InputError(f"{key}.slack = {self.slack}: must be 0 beside a pretension")
+        if self.yield_ is not None and self.pretension > self.yield_:
+            raise InputError(f"{key}.pretension = {self.pretension}: must not exceed yield = {self.yield_} N")

@@ -1,0 +1,210 @@
+"""Rest under weight, from the structure as built and without weight, by Newton's method.
+
+The weight is put on in steps where joints may slide, and they remember each: a structure that is statically
+indeterminate rests as if it had been built at once and then slowly released.
+"""
+
+from __future__ import annotations
+
+from copy import copy
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+
+from ..common.errors import InputError
+from ..kernels.space import layout as at
+from .arrays import centroid_of
+from .blocks.faces import FloatArray
+from .blocks.parts import Joint, Solid, Tie
+from .stepper import Stepper
+from .structure import Structure
+
+LOADS = 4  # steps of the weight, where joints may slide
+MOST_ITERATIONS = 200
+CLOSE = 1e-11  # of the weight: forces that are left
+PERTURBED = 1e-3  # of the settlement: displacements for the tangent
+SOFTENING = 1e-4  # of the stiffness in full contact: first addition to a tangent that does not lead to rest
+
+
+class Rest(NamedTuple):
+    """A structure at rest: phase, memory of joints and ties, output row, tangent stiffness (entries.py)."""
+
+    phase: FloatArray
+    memory: FloatArray
+    plastic: FloatArray
+    row: FloatArray
+    stiffness: FloatArray
+
+
+def rest_of(structure: Structure) -> Rest:
+    """The rest of a structure. Raises InputError if it has none that is stable."""
+    return _rest_of(structure.blocks, structure.joints, structure.ties, structure.g)
+
+
+@lru_cache(maxsize=64)
+def _rest_of(blocks: tuple[Solid, ...], joints: tuple[Joint, ...], ties: tuple[Tie, ...], g: float) -> Rest:
+    """The rest does not depend on the settings of a run."""
+    structure = Structure("structure", blocks, joints, ties, g)
+    stepper = Stepper(structure)
+    linear = full_stiffness(structure)
+    weight = structure.weight
+    if not weight > 0.0:
+        return _finished(stepper, linear)
+    settlement = _solved(structure, linear, _weights(structure))
+    delta = PERTURBED * _deltas(structure, float(np.max(np.abs(settlement))))
+    _move(stepper, settlement / _loads(structure))
+    settings = stepper.model.settings.copy()
+    stepper.model = stepper.model._replace(settings=settings)
+    loads = _loads(structure)
+    for step in range(1, loads + 1):
+        at.SETTINGS.see(settings).gravity = structure.g * step / loads
+        _balance(stepper, linear, delta, CLOSE * weight)
+        stepper.observe(keep=True)
+    return _finished(stepper, _sticking(stepper).stiffness(delta))
+
+
+def _sticking(stepper: Stepper) -> Stepper:
+    """The same state with joints that stick: what slides has no stiffness that is symmetric."""
+    other = copy(stepper)
+    other.model = stepper.model._replace(joints=stepper.model.joints.copy())
+    at.JOINTS.see(other.model.joints, len(stepper.structure.joints)).friction[:] = np.inf
+    return other
+
+
+def start_from(stepper: Stepper, rest: Rest) -> None:
+    """Put a stepper at rest."""
+    stepper.phase[:] = rest.phase
+    stepper.state.memory[:] = rest.memory
+    stepper.state.plastic[:] = rest.plastic
+
+
+def _loads(structure: Structure) -> int:
+    return LOADS if any(joint.bed.friction is not None for joint in structure.joints) else 1
+
+
+def _finished(stepper: Stepper, stiffness: FloatArray) -> Rest:
+    stepper.observe(keep=True)
+    symmetric = 0.5 * (stiffness + stiffness.T)
+    try:
+        np.linalg.cholesky(symmetric)
+    except np.linalg.LinAlgError:
+        raise InputError(f"{stepper.structure.name}: its rest is not stable, it falls without any motion") from None
+    state = stepper.state
+    return Rest(stepper.phase.copy(), state.memory.copy(), state.plastic.copy(), stepper.row.copy(), stiffness)
+
+
+def _weights(structure: Structure) -> FloatArray:
+    load = np.zeros(6 * structure.n)
+    load[2::6] = [-structure.g * block.mass for block in structure.blocks]
+    return load
+
+
+def _deltas(structure: Structure, settlement: float) -> FloatArray:
+    """A displacement, m, and the rotations, rad, that move as far, for each coordinate."""
+    sizes = np.array([block.size for block in structure.blocks])
+    parts = np.column_stack([np.ones((structure.n, 3)), np.repeat(1.0 / sizes[:, None], 3, axis=1)])
+    deltas: FloatArray = (settlement * parts.ravel()).astype(np.float64)
+    return deltas
+
+
+def _solved(structure: Structure, stiffness: FloatArray, load: FloatArray) -> FloatArray:
+    try:
+        found = np.linalg.solve(stiffness, load).astype(np.float64)
+    except np.linalg.LinAlgError:
+        raise InputError(f"{structure.name}: some block is free to move") from None
+    solution: FloatArray = found
+    return solution
+
+
+def full_stiffness(structure: Structure) -> FloatArray:
+    """Stiffness with all joints in full contact and all ties taut, as built and without weight, (6 n, 6 n)."""
+    n = structure.n
+    matrix = np.zeros((6 * (n + 1), 6 * (n + 1)))
+    for joint in structure.joints:
+        area, ixx, iyy, ixy = joint.moments()
+        across, along = joint.bed.stiffness, joint.bed.shear_ratio * joint.bed.stiffness
+        own = np.diag([along * area, along * area, across * area, across * iyy, across * ixx, along * (ixx + iyy)])
+        own[3, 4] = own[4, 3] = -across * ixy
+        motion = np.zeros((6, 12))
+        for k, (body, sign) in enumerate(((joint.upper, 1.0), (joint.lower, -1.0))):
+            motion[:, 6 * k : 6 * k + 6] = sign * _moved(structure, joint.face.axes, joint.face.centre, body)
+        _add(matrix, motion.T @ own @ motion, joint.upper, joint.lower)
+    for tie in structure.ties:
+        ends = [centroid_of(structure.blocks, tie.one) + tie.from_, centroid_of(structure.blocks, tie.other) + tie.to]
+        way = (ends[1] - ends[0]) / np.linalg.norm(ends[1] - ends[0])
+        parts = [
+            -way @ _moved(structure, np.eye(3), ends[0], tie.one)[:3],
+            way @ _moved(structure, np.eye(3), ends[1], tie.other)[:3],
+        ]
+        motion = np.concatenate(parts)[None, :]
+        _add(matrix, tie.stiffness * motion.T @ motion, tie.one, tie.other)
+    return matrix[: 6 * n, : 6 * n]
+
+
+def _moved(structure: Structure, axes: FloatArray, point: FloatArray, body: int) -> FloatArray:
+    """Displacement and rotation, along axes, at a point of a body by its six coordinates, (6, 6)."""
+    x, y, z = point - centroid_of(structure.blocks, body)
+    lever = np.array([[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]])
+    return np.block([[axes.T, axes.T @ lever], [np.zeros((3, 3)), axes.T]])
+
+
+def _add(matrix: FloatArray, part: FloatArray, one: int, other: int) -> None:
+    places = np.concatenate([6 * one + np.arange(6), 6 * other + np.arange(6)])
+    matrix[np.ix_(places, places)] += part
+
+
+def _move(stepper: Stepper, change: FloatArray) -> None:
+    """Displace and turn the blocks by small amounts about the axes of the base, (6 n,)."""
+    parts, see = change.reshape(-1, 6), stepper.see
+    see.ux += parts[:, 0]
+    see.uy += parts[:, 1]
+    see.uz += parts[:, 2]
+    half = 0.5 * parts[:, 3:]
+    scalar = np.sqrt(np.maximum(0.0, 1.0 - np.sum(half**2, axis=1)))
+    q0, q = see.q0.copy(), np.column_stack([see.q1, see.q2, see.q3])
+    see.q0[:] = scalar * q0 - np.sum(half * q, axis=1)
+    see.q1[:], see.q2[:], see.q3[:] = (scalar[:, None] * q + q0[:, None] * half + np.cross(half, q)).T
+
+
+def residual_of(stepper: Stepper) -> FloatArray:
+    """Forces and moments on the blocks that are not in balance, N and N m about the axes of the base, (6 n,)."""
+    stepper.observe()
+    rates = at.PHASE.see(stepper.rates, stepper.structure.n)
+    see = stepper.see
+    found = np.zeros((stepper.structure.n, 6))
+    for i, block in enumerate(stepper.structure.blocks):
+        found[i, :3] = block.mass * np.array([rates.vx[i], rates.vy[i], rates.vz[i]])
+        own = block.inertia @ np.array([rates.wx[i], rates.wy[i], rates.wz[i]])
+        q0, q = see.q0[i], np.array([see.q1[i], see.q2[i], see.q3[i]])
+        across = np.cross(q, own)
+        found[i, 3:] = own + 2.0 * (q0 * across + np.cross(q, across))
+    return found.ravel()
+
+
+def _balance(stepper: Stepper, linear: FloatArray, delta: FloatArray, close: float) -> None:
+    """Newton's method; where a step does not lessen what is left, the tangent is stiffened and it is tried again."""
+    structure = stepper.structure
+    per = delta / delta[0]  # moments count over the size of the block
+    left = residual_of(stepper)
+    size = float(np.max(np.abs(left * per)))
+    softening = 0.0
+    tangent = stepper.stiffness(delta)
+    for _ in range(MOST_ITERATIONS):
+        if size <= close:
+            return
+        change = _solved(structure, tangent + softening * linear, left)
+        before = stepper.phase.copy()
+        _move(stepper, change)
+        now = residual_of(stepper)
+        new = float(np.max(np.abs(now * per)))
+        if new < size:
+            left, size = now, new
+            softening = 0.1 * softening if softening > SOFTENING else 0.0
+            tangent = stepper.stiffness(delta)
+        else:
+            stepper.phase[:] = before
+            softening = max(SOFTENING, 4.0 * softening)
+            if softening > 1e3:
+                break
+    raise InputError(f"{structure.name}: no rest found, it does not stand under its weight")

@@ -1,0 +1,156 @@
+"""The structure: rigid blocks in space, the joints between their faces, ties; and the settings of a run."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..common import ranges
+from ..common.errors import InputError, reading, shown
+from ..common.files import check_file_name, toml_of
+from .arrays import Model, model_of
+from .blocks.parts import BASE, TOLERANCE, Joint, Solid, Tie
+from .stack import stacked
+from .structure_file import parts_from
+
+if TYPE_CHECKING:
+    from ..column.column import Column
+
+
+@dataclass(frozen=True, eq=False)
+class Structure:
+    """Rigid blocks in space, joints between two faces, ties. x, y horizontal, z up; the base is the plane z = 0.
+
+    Raises InputError for a block that touches nothing, and for names that occur twice.
+    """
+
+    name: str
+    blocks: tuple[Solid, ...]
+    joints: tuple[Joint, ...]
+    ties: tuple[Tie, ...] = ()
+    g: float = 9.80665  # m/s2
+    tolerance: float = TOLERANCE  # error relative to the largest motion
+    without: tuple[str, ...] = ()  # "peaks": those of displacements only
+
+    def __post_init__(self) -> None:
+        check_file_name("name", self.name)
+        ranges.check("g", self.g)
+        ranges.check("solver.tolerance", self.tolerance)
+        if not 1 <= len(self.blocks) <= ranges.MAX_BLOCKS:
+            raise InputError(f"block: {len(self.blocks)} blocks, must be 1 to {ranges.MAX_BLOCKS}")
+        for name in self.without:
+            ranges.check_choice("solver.without", name, ("peaks",))
+        for i, name in enumerate(self.names):
+            if name in self.names[:i] or name == BASE:
+                raise InputError(f"block[{i + 1}].name = {shown(name)}: must be another name, it is taken")
+        self._check_held()
+
+    def _check_held(self) -> None:
+        """Every block is connected with the base by joints and ties."""
+        held, grows = {self.n}, True
+        links = [(joint.upper, joint.lower) for joint in self.joints] + [(tie.one, tie.other) for tie in self.ties]
+        while grows:
+            reached = {end for link in links if held & set(link) for end in link}
+            grows = not reached <= held
+            held |= reached
+        for i, name in enumerate(self.names):
+            if i not in held:
+                raise InputError(f"block[{i + 1}] = {shown(name)}: touches nothing that stands on the base")
+
+    @property
+    def n(self) -> int:
+        """Number of blocks."""
+        return len(self.blocks)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the blocks."""
+        return tuple(block.name for block in self.blocks)
+
+    @cached_property
+    def joint_names(self) -> tuple[str, ...]:
+        """Upper and lower body of each joint; with a number where two bodies share several."""
+        names = (*self.names, BASE)
+        plain = [f"{names[joint.upper]}-{names[joint.lower]}" for joint in self.joints]
+        return tuple(
+            name if plain.count(name) == 1 else f"{name}.{plain[: j + 1].count(name)}" for j, name in enumerate(plain)
+        )
+
+    def number(self, block: str | int) -> int:
+        """Number of a block from its name; numbers, from 0, stay. Raises InputError for an unknown one."""
+        if isinstance(block, str):
+            ranges.check_choice("block", block, self.names)
+            return self.names.index(block)
+        if not 0 <= block < self.n:
+            raise InputError(f"block = {block}: must be a number from 0 to {self.n - 1}, or a name")
+        return int(block)
+
+    @cached_property
+    def model(self) -> Model:
+        """The arrays for the kernels."""
+        return model_of(self.blocks, self.joints, self.ties, self.g, self.tolerance)
+
+    @property
+    def weight(self) -> float:
+        """Weight of all blocks, N."""
+        return self.g * sum(block.mass for block in self.blocks)
+
+    @property
+    def is_plane(self) -> bool:
+        """Whether blocks and joints are their own mirror images about the plane x, z."""
+        blocks = all(
+            abs(block.centroid[1]) <= 1e-9 * block.size and not np.any(block.inertia[[0, 1], [1, 2]])
+            for block in self.blocks
+        )
+        ties = all(tie.from_[1] == 0.0 and tie.to[1] == 0.0 for tie in self.ties)
+        return blocks and ties and all(map(_is_mirrored, self.joints))
+
+    def with_settings(self, *, tolerance: float | None = None, without: Sequence[str] | None = None) -> Structure:
+        """A copy with other settings; None keeps the present one. Raises InputError."""
+        if tolerance is None and without is None:
+            return self
+        tolerance = self.tolerance if tolerance is None else tolerance
+        return replace(self, tolerance=tolerance, without=self.without if without is None else tuple(without))
+
+    def with_joints(self, stiffness: Sequence[float], damping: Sequence[float]) -> Structure:
+        """A copy whose joints have these moduli, N/m3, and dampings, s, a number for each joint."""
+        joints = tuple(
+            replace(joint, bed=replace(joint.bed, stiffness=float(k), damping=float(eta)))
+            for joint, k, eta in zip(self.joints, stiffness, damping, strict=True)
+        )
+        return replace(self, joints=joints)
+
+    @classmethod
+    def from_toml(cls, path: str | os.PathLike[str]) -> Structure:
+        """Read a structure from a TOML file; its keys are those of `from_dict`. Raises InputError."""
+        with reading(path):
+            return cls.from_dict(toml_of(path))
+
+    @classmethod
+    def from_dict(cls, data: Mapping[str, Any]) -> Structure:
+        """Build a structure from the mapping that the TOML file holds (docs/structures.md). Raises InputError."""
+        return cls(**parts_from(data))
+
+    @classmethod
+    def stack(cls, column: Column) -> Structure:
+        """The blocks of a column in space, the top one first. Raises InputError for what has no such form."""
+        return cls(**stacked(column))
+
+
+def _is_mirrored(joint: Joint) -> bool:
+    """Whether a face is its own mirror image about the plane x, z, with axes in it or across it."""
+    face = joint.face
+    across = np.abs(face.axes[1, :])
+    in_plane = bool(np.all((across < 1e-9) | (across > 1.0 - 1e-9))) and across[2] < 1e-9
+    if not in_plane or abs(face.centre[1]) > 1e-9 * face.size:
+        return False
+    if face.radius:
+        return True
+    points = face.outline @ face.axes[:, :2].T
+    mirrored = points * np.array([1.0, -1.0, 1.0])
+    return all(np.min(np.linalg.norm(points - point, axis=1)) <= 1e-9 * face.size for point in mirrored)

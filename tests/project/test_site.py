@@ -1,0 +1,147 @@
+"""The documentation site: its commands and programs work as they stand there, and its tables have all that code has."""
+
+from __future__ import annotations
+
+import importlib
+import re
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+from support import pages
+from support.fmus import ROOT, read_results
+
+from fmu_src.variables import FAMILIES, REFERENCES
+from multiblock import Column
+
+DOCS = pages.DOCS
+TUTORIALS = sorted((DOCS / "tutorials").glob("*.md"))
+GALLERY = DOCS / "gallery.md"
+FMU = DOCS / "tutorials" / "5-first-fmu.md"
+(STATUE,) = pages.blocks(DOCS / "tutorials" / "2-your-column.md", "toml")
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The working directory: a checkout, with the column that the tutorials write."""
+    (tmp_path / "statue.toml").write_text(STATUE, encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    return pages.checkout(tmp_path)
+
+
+@pytest.mark.parametrize("page", [page for page in TUTORIALS if page != FMU], ids=lambda page: page.stem)
+def test_tutorials(folder: Path, page: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for command in pages.commands(page):
+        pages.call(command)
+    for program in pages.blocks(page, "python"):
+        exec(program, {})
+    printed = capsys.readouterr().out
+    shown = [line for text in pages.blocks(page, "") for line in text.splitlines()]
+    # between none and all a verdict may depend on the last digits
+    certain = [line for line in shown if not re.match(r"[\d.]+ x .*: [1-6] of 7", line)]
+    assert [line for line in certain if line not in printed] == []
+    assert not shown or certain
+
+
+def test_first_fmu(folder: Path) -> None:
+    for command in pages.commands(FMU):
+        if "--native" not in command:
+            pages.paste(command, folder)
+    inside, outside = read_results(folder / "shaken.csv"), read_results(folder / "out.csv")
+    assert inside["time"][-1] == outside["time"][-1] == pytest.approx(30.0)
+    assert max(abs(inside["block[1].ux"])) == pytest.approx(max(abs(outside["block[1].ux"])), rel=0.1)
+    named = re.search(r"`--start-values ([^`]*)`", FMU.read_text(encoding="utf-8"))
+    assert named is not None
+    values = " ".join(named[1].split())
+    pages.paste(f"fmpy simulate column.fmu --stop-time 0.01 --output-file one.csv --start-values {values}", folder)
+    settlement = 81000 * 9.80665 / (2e9 * 1.56**2)  # of the base joint, now softer
+    assert read_results(folder / "one.csv")["block[3].uz"][0] == pytest.approx(-settlement, rel=1e-9)
+
+
+@pytest.mark.long
+def test_first_native_fmu(folder: Path) -> None:
+    (command,) = (command for command in pages.commands(FMU) if "--native" in command)
+    pages.paste(command, folder)
+
+
+def test_results_page(folder: Path) -> None:
+    for program in pages.blocks(DOCS / "results.md", "python"):
+        exec(program, {})
+
+
+def test_column_file_page() -> None:
+    for text in pages.blocks(DOCS / "reference" / "column-file.md", "toml"):
+        assert Column.from_dict(tomllib.loads(text)).n == 1
+
+
+# gallery
+
+
+def is_of_studies(command: str) -> bool:
+    return command.startswith("multiblock study")
+
+
+def test_gallery_of_columns(folder: Path) -> None:
+    for command in pages.commands(GALLERY):
+        if command.startswith("multiblock") and not is_of_studies(command):
+            pages.call(command)
+
+
+@pytest.mark.long
+def test_gallery_of_studies(folder: Path) -> None:
+    found = [command for command in pages.commands(GALLERY) if is_of_studies(command)]
+    for command in found:
+        quick = [] if "--samples" in command or "fragility" in command else ["--quick"]
+        pages.call(command, *quick)
+
+
+@pytest.mark.long
+def test_programs_of_the_gallery_and_campaigns(folder: Path) -> None:
+    found = [*pages.commands(GALLERY), *pages.commands(DOCS / "speed.md")]
+    programs = [command for command in found if command.startswith("python ")]
+    assert len(programs) == 5
+    for command in programs:
+        pages.paste(command, folder)
+    for name in ("figure3.csv", "figure3.png", "isolated.png", "results.png"):
+        assert (folder / "results" / name).stat().st_size > 5_000, name
+
+
+def test_gallery_has_every_example() -> None:
+    text = GALLERY.read_text(encoding="utf-8")
+    found = [path for name in ("columns", "studies") for path in (ROOT / "examples" / name).glob("*.toml")]
+    examples = [path.relative_to(ROOT).as_posix() for path in found]
+    assert len(examples) >= 16
+    assert [name for name in examples if f"{name} " not in text and f"{name}\n" not in text] == []
+    for name in re.findall(r"\]\((images/[^)]+)\)", text):
+        assert (DOCS / name).is_file(), name
+
+
+# what the code fills in
+
+
+@pytest.fixture(scope="module")
+def parts() -> dict[str, str]:
+    """Every part of the site that the code knows."""
+    sys.path.insert(0, str(DOCS))
+    try:
+        tables = importlib.import_module("tables")
+    finally:
+        sys.path.remove(str(DOCS))
+    marks = [mark for page in DOCS.rglob("*.md") for mark in tables.MARK.findall(page.read_text(encoding="utf-8"))]
+    assert sorted(marks) == sorted(tables.PARTS)  # each stands in one page
+    return {name: make() for name, make in tables.PARTS.items()}
+
+
+def test_every_key_has_a_meaning(parts: dict[str, str]) -> None:
+    for name in ("column-keys", "block-keys", "load-keys", "joint-keys", "solver-keys", "study-keys"):
+        rows = [row.split(" | ") for row in parts[name].splitlines()[2:]]
+        assert rows
+        assert [row[0] for row in rows if not row[1].strip()] == [], name
+    assert "N/m3, Winkler modulus" in parts["joint-keys"]
+
+
+def test_every_variable_of_the_fmu_is_listed(parts: dict[str, str]) -> None:
+    text = parts["inputs"] + parts["outputs"] + parts["parameters"]
+    names = [*REFERENCES, *(family.replace(".", "[i].") for family in FAMILIES)]
+    assert [name for name in names if f"| `{name}` |" not in text] == []

@@ -1,0 +1,141 @@
+"""Histories and tables in pandas and xarray, and how objects show themselves in a notebook."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+from support.fmus import ROOT
+
+from multiblock import (
+    Column,
+    Motion,
+    Response,
+    Study,
+    Table,
+    capacity_curve,
+    natural_modes,
+    simulate,
+    simulate_many,
+    spectrum,
+    wavelets,
+)
+from solver.common.frames import Framed
+from solver.common.notebook import Shown, history, outlines
+
+PHOCAS = Column.from_toml(ROOT / "examples" / "columns" / "phocas-damped.toml")
+STATUE = Column.from_toml(ROOT / "examples" / "columns" / "statue.toml")
+PULSE = wavelets.ricker(3.0, 1.0)
+
+
+@pytest.fixture(scope="module")
+def response() -> Response:
+    return simulate(PHOCAS, PULSE)
+
+
+@pytest.fixture(scope="module")
+def table() -> Table:
+    return simulate_many(
+        [PHOCAS, STATUE, PHOCAS], [PULSE, PULSE, PULSE.scaled(3.0)], keep=("peak_ux", "verdict", "path")
+    )
+
+
+@pytest.fixture(scope="module")
+def framed(response: Response, table: Table) -> list[Framed]:
+    return [response, table, PULSE, spectrum(PULSE, [0.5, 1.0]), natural_modes(PHOCAS), capacity_curve(PHOCAS)]
+
+
+def test_both_have_every_number(framed: list[Framed]) -> None:
+    for item in framed:
+        data, frame = item.to_xarray(), item.to_pandas()
+        (index,) = set(data.sizes) - {"block"}
+        np.testing.assert_array_equal(frame.index, data[index])
+        assert frame.index.name == index
+        columns = 0
+        for name, values in data.items():
+            blocks = values.sizes.get("block", 0)
+            names = [f"{name}[{i}]" for i in range(1, blocks + 1)] if blocks else [name]
+            np.testing.assert_array_equal(frame[names].to_numpy().reshape(values.shape), values.to_numpy())
+            columns += len(names)
+        assert columns == frame.shape[1] > 0
+
+
+def test_values_and_units_are_those_of_the_response(response: Response) -> None:
+    data = response.to_xarray()
+    for name in ("ux", "theta", "N", "contact", "Fx"):
+        np.testing.assert_array_equal(data[name], getattr(response, name))
+    assert [data[name].attrs.get("units") for name in ("time", "ux", "M", "sigma_max")] == ["s", "m", "N m", "Pa"]
+    assert data.attrs["verdict"] == response.verdict
+
+
+def test_a_table_is_a_mapping(table: Table) -> None:
+    found = dict(table)
+    assert list(found) == list(table.keys()) == ["peak_ux", "verdict", "path"]
+    for name, values in table.items():
+        np.testing.assert_array_equal(values, found[name])
+    assert len(list(table.values())) == 3
+    assert table.get("steps") is None
+    assert table.get("peak_ux") is not None
+    assert len(table) == len(table.to_pandas()) == 3
+    assert np.isnan(table.to_pandas().loc[1, "peak_ux[3]"])  # the statue has two blocks
+    assert set(table.to_pandas()["verdict"]) <= {"standing", "overturned", "undecided"}
+
+
+def test_a_record_may_be_a_path(tmp_path: Path) -> None:
+    path = tmp_path / "pulse.csv"
+    PULSE.to_csv(path)
+    for motion in (path, str(path)):
+        np.testing.assert_array_equal(simulate(STATUE, motion).peak_ux, simulate(STATUE, PULSE).peak_ux)
+
+
+# what is shown
+
+
+def test_lines_are_short(response: Response, table: Table) -> None:
+    study = Study.from_toml(ROOT / "examples" / "studies" / "ida.toml")
+    lines = [repr(item) for item in (PHOCAS, PULSE, Motion.harmonic(1.0, 2.0, 3.0), response, table, study)]
+    assert max(map(len, lines)) < 100
+    assert lines[0] == "<Column phocas_damped: 3 blocks, 14.07 m high, 81 t>"
+    assert lines[1] == "<Motion of the base: 4 s, PGA 0.3059 g, 1601 samples>"
+    assert f"{1e3 * response.peak_ux.max():.4g} mm at most" in lines[3]
+    assert "5000 runs" in lines[5]
+
+
+def test_html_is_well_formed_and_small(response: Response, table: Table) -> None:
+    many = Column("many", PHOCAS.blocks * 100)
+    for item in (PHOCAS, STATUE, many, PULSE, Motion.harmonic(1.0, 2.0, 3.0), response, table):
+        assert isinstance(item, Shown)
+        html = item._repr_html_()
+        ElementTree.fromstring(html.replace("<br>", "<br/>"))
+        assert len(html) < 40_000
+        assert html.count("<tr>") <= 8  # head, six rows, dots
+
+
+def test_a_column_is_drawn_to_scale() -> None:
+    path = re.search(r'd="([^"]*)"', PHOCAS._picture())
+    assert path is not None
+    x, z = np.array(re.findall(r"([\d.]+) ([\d.]+)", path[1]), dtype=float).T
+    assert np.ptp(x) / np.ptp(z) == pytest.approx(1.56 / 14.07, rel=0.01)  # 0.1 px of 18
+    assert outlines([[(0, 0), (1, 0), (1, 1)]]).count("M") == 1
+
+
+def test_a_history_keeps_its_peaks() -> None:
+    values = np.zeros(100_000)
+    values[31_234] = 2.0
+    values[77_777] = -1.0
+    drawn = history(np.linspace(0.0, 10.0, len(values)), values, "a<b")
+    assert "a&lt;b, -1 to 2, over 10 s" in drawn
+    points = re.search(r'points="([^"]*)"', drawn)
+    assert points is not None
+    heights = [float(point.split(",")[1]) for point in points[1].split()]
+    assert (min(heights), max(heights)) == (0.0, 120.0)  # px, from the top: the picture has room for the text below
+    assert len(heights) <= 600
+
+
+def test_a_figure_shows_itself(response: Response) -> None:
+    png = response.plot_column()._repr_png_()  # type: ignore[attr-defined]
+    assert png.startswith(b"\x89PNG")
+    assert len(png) > 5_000

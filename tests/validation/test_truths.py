@@ -1,0 +1,64 @@
+"""The truths that cases compare with: Housner's block against closed forms of others."""
+
+from __future__ import annotations
+
+import math
+import sys
+
+import numpy as np
+import pytest
+from support.fmus import ROOT
+
+from solver import Block, Column, Joint
+
+sys.path.insert(0, str(ROOT))  # the cases are not installed
+
+from validation.closed_forms import similar
+from validation.housner import decay, peaks_of, quarter_period
+from validation.overturning import around, edges
+from validation.rigid_block import overturning
+
+
+# amplitude over alpha g: falls without an impact from, with one impact (restitution 0.9) from; closed forms, to 1e-4
+@pytest.mark.parametrize(
+    ("speed", "without", "with_one"),
+    [(1.0, 1.4183, 1.1320), (2.0, 2.3499, 1.2252), (4.0, 5.2390, 1.7954), (6.0, 9.4170, 5.1642)],
+)
+def test_a_slender_rigid_block_falls_at_the_closed_forms(speed: float, without: float, with_one: float) -> None:
+    # just below and above each closed form; the integration errs by less than 2e-4
+    amplitude = np.array([with_one - 3e-4, with_one + 3e-4, without + 3e-4, without + 0.2])
+    impacts = overturning(amplitude, np.full(4, speed), 0.01, 0.9, slender=True)
+    assert impacts.tolist() == [-1, 1, 0, 0]
+
+
+def test_a_pulse_that_cannot_lift_the_block_leaves_it() -> None:
+    assert overturning(np.array([0.5, 1.0]), np.array([1e-2, 1e-2]), 0.2, 0.9).tolist() == [-1, -1]
+
+
+def test_quarter_periods_are_those_of_exact_angles() -> None:
+    alpha, p = 0.110423, 1.019371  # printed to 5 digits
+    for part, known in ((0.1, 0.45866), (0.5, 1.29239), (0.9, 2.93661)):
+        assert quarter_period(part * alpha, alpha, p) == pytest.approx(known, abs=2e-5)
+
+
+def test_decay_is_that_of_housner() -> None:
+    assert decay(0.5, 0.936, 4) == pytest.approx([0.4144, 0.3486, 0.2960, 0.2529], abs=5e-5)  # printed to 4 digits
+
+
+def test_peaks_between_zeros() -> None:
+    time = np.linspace(0.0, 2.0, 2001)
+    theta = np.exp(-time) * np.cos(2.0 * np.pi * time)  # peaks every half a second, the last one unfinished
+    assert peaks_of(theta) == pytest.approx(np.exp(-0.5 * np.arange(4)), rel=0.02)  # damping moves them by 1 %
+
+
+def test_edges_of_a_line_of_the_map() -> None:
+    amplitudes = np.array([1.0, 2.0, 3.0, 4.0])
+    assert edges(np.array([False, True, True, False]), amplitudes) == [1.5, 3.5]
+    assert around([2.0])[[0, -1]] == pytest.approx([1.6, 2.16], abs=0.021)
+
+
+def test_a_similar_column_has_the_same_material() -> None:
+    column = Column("one", (Block(2.0, 1.0, 1.0, 5000.0, Joint(1e9, 1e-3)),))
+    block = similar(column, 0.25).blocks[0]
+    assert (block.height, block.mass / (block.height * block.width * block.depth)) == pytest.approx((0.5, 2500.0))
+    assert (block.joint.stiffness, block.joint.damping) == pytest.approx((1e9, 1e-3 * math.sqrt(0.25)))

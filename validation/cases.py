@@ -1,0 +1,16 @@
+"""The cases, in the order in which they run."""
+
+from . import closed_forms, codes, drums, free_rocking, housner, overturning, reference_study, shaken_rocks, size
+from .case import Case
+
+CASES: tuple[Case, ...] = (
+    closed_forms.CASE,
+    housner.CASE,
+    overturning.CASE,
+    shaken_rocks.CASE,
+    free_rocking.CASE,
+    codes.CASE,
+    size.CASE,
+    reference_study.CASE,
+    drums.CASE,
+)
