@@ -168,8 +168,11 @@ class Check:
         digest.update(json.dumps([self.column.to_dict(), asdict(self.plan)], sort_keys=True).encode())
         for scaled in self.action.motions:
             digest.update(scaled.name.encode())
-            for values in (scaled.motion.time, scaled.motion.ax, scaled.motion.az):
+            motion = scaled.motion
+            for values in (motion.time, motion.ax, motion.ay, motion.az):
                 digest.update(values.tobytes())
+            harmonic = (motion.amplitude, motion.amplitude_y, motion.frequency)
+            digest.update(repr((motion.hold, motion.duration, *harmonic)).encode())
         return digest.hexdigest()
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
