@@ -12,9 +12,9 @@ from matplotlib.figure import Figure
 from benchmarks import opensees
 from multiblock import Block, Column, Joint, Motion, simulate
 
-from .case import Case, Outcome
-from .pictures import BLUE, GREEN, GREY, INK, RED, label, panels
-from .rigid_block import FloatArray
+from ..case import Case, Outcome
+from ..pictures import BLUE, GREEN, GREY, INK, RED, label, panels
+from ..rigid_block import FloatArray
 
 G = 9.80665  # m/s2
 DRUMS, HEIGHT, CAPITAL = 7, 5.95, 0.21  # m: of the whole, of the slab on top
