@@ -156,7 +156,7 @@ def draw(found: dict[str, History]) -> Figure:
 CASE = Case(
     name="codes",
     title="a column of seven drums in this solver, OpenSees and MuJoCo",
-    source="sizes and pulse of an example of HybriDFEM (github.com/thlgrs/HybriDFEM), after Dimitrakopoulos",
+    source="sizes and pulse of an example of HybriDFEM (github.com/thlgrs/HybriDFEM)",
     model="seven tapered drums and a slab, rectangles 1 m deep, no sliding but in MuJoCo (friction 0.7)",
     fitted="nothing",
     predicted="displacement of the top",
