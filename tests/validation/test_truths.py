@@ -14,11 +14,11 @@ from solver.statics.rocking import restitution
 
 sys.path.insert(0, str(ROOT))  # the cases are not installed
 
-from validation.closed_forms import COLUMNS, similar
-from validation.free_rocking import block, housner
-from validation.housner import decay, peaks_of, quarter_period
-from validation.overturning import around, edges
-from validation.reference_study import FRICTION, round_and_sliding
+from validation.cases.closed_forms import COLUMNS, similar
+from validation.cases.free_rocking import block, housner
+from validation.cases.housner import decay, peaks_of, quarter_period
+from validation.cases.overturning import around, edges
+from validation.cases.reference_study import FRICTION, round_and_sliding
 from validation.rigid_block import overturning
 
 

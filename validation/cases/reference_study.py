@@ -12,10 +12,10 @@ from matplotlib.figure import Figure
 from multiblock import Column, Results, Study, run_study
 from solver.studies.statistics import Fragility, failed_of, fit_fragility
 
-from .case import Case, Outcome
-from .pictures import BLUE, RED, label, panels
+from ..case import Case, Outcome
+from ..pictures import BLUE, RED, label, panels
 
-STUDY = Path(__file__).parents[1] / "examples" / "studies" / "reference.toml"
+STUDY = Path(__file__).parents[2] / "examples" / "studies" / "reference.toml"
 SAMPLES = 20  # at each of the 20 points
 FRICTION = 0.7
 DIAMETER = 1.65  # m
