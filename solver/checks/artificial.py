@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common.errors import InputError, check_number
+from ..common.errors import check_number, check_whole
 from ..ground.motion import Motion
 from .spectra import DAMPING, Spectral
 
@@ -33,10 +33,8 @@ def artificial_motions(target: Spectral, count: int, seed: int = 0, length: floa
 
     Between 0.05 and 4 s a spectrum stays within about 10 % of the target (tests/checks). Raises InputError.
     """
-    if isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= 1000:
-        raise InputError(f"artificial = {count}: must be a number of motions from 1 to 1000")
-    if isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed < 2**32 - count:
-        raise InputError(f"seed = {seed}: must be a whole number, zero or positive, below 2**32")
+    count = check_whole("artificial", count, 1, 1000, "a number of motions from 1 to 1000")
+    seed = check_whole("seed", seed, 0, 2**32 - count, "a whole number, zero or positive, below 2**32")
     length = check_number("length", length, (10.0, 600.0), "a time in s, from 10 to 600")
     return {f"artificial {seed + k}": fitted_motion(target, seed + k, length) for k in range(count)}
 

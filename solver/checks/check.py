@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import hashlib
 import json
 import os
@@ -16,7 +15,7 @@ import numpy as np
 from ..column.column import Column
 from ..column.rest import check_rest
 from ..common.errors import InputError, shown
-from ..common.files import whole_file
+from ..common.files import write_table
 from ..dynamics.first_run import make_kernels
 from ..dynamics.response import Response
 from ..dynamics.uncertainty import PERCENTILES, share_bounds
@@ -169,19 +168,26 @@ class Check:
         digest.update(json.dumps([self.column.to_dict(), asdict(self.plan)], sort_keys=True).encode())
         for scaled in self.action.motions:
             digest.update(scaled.name.encode())
-            for values in (scaled.motion.time, scaled.motion.ax, scaled.motion.az):
+            motion = scaled.motion
+            for values in (motion.time, motion.ax, motion.ay, motion.az):
                 digest.update(values.tobytes())
+            harmonic = (motion.amplitude, motion.amplitude_y, motion.frequency)
+            digest.update(repr((motion.hold, motion.duration, *harmonic)).encode())
         return digest.hexdigest()
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write a line for each row of the table and of the methods by hand, in SI. Raises OSError."""
         names = [scaled.name for scaled in self.action.motions]
-        with whole_file(path) as partial, open(partial, "w", newline="", encoding="utf-8") as file:
-            writer = csv.writer(file)
-            writer.writerow(["check", "where", "demand", "capacity", "ratio", "passes", "note", *BANDS, *names])
-            for row in (*self.rows, *self.by_hand.rows):
-                head = [row.name, row.where, row.demand, row.capacity, row.ratio, row.passes, row.note]
-                writer.writerow([*head, *(row.band or ("",) * len(BANDS)), *row.values])
+        rows = [
+            (
+                *(row.name, row.where, row.demand, row.capacity, row.ratio, row.passes, row.note),
+                *(row.band or ("",) * len(BANDS)),
+                *row.values,
+            )
+            for row in (*self.rows, *self.by_hand.rows)
+        ]
+        head = ["check", "where", "demand", "capacity", "ratio", "passes", "note", *BANDS]
+        write_table(path, [*head, *names], rows)
 
 
 def _percent(share: float) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, fields
 from typing import Any
 
-from ..common.errors import POSITIVE, InputError, check_number
+from ..common.errors import POSITIVE, check_number, check_whole
 from ..dynamics.uncertainty import Spread
 from .kinematic import CONFIDENCE_FACTOR, LIFE_SAFETY
 
@@ -53,5 +53,4 @@ class Plan:
     confidence_factor: float = CONFIDENCE_FACTOR
 
     def __post_init__(self) -> None:
-        if isinstance(self.ensemble, bool) or not isinstance(self.ensemble, int) or not 1 <= self.ensemble <= MOST_RUNS:
-            raise InputError(f"ensemble = {self.ensemble}: must be a number of runs from 1 to {MOST_RUNS}")
+        check_whole("ensemble", self.ensemble, 1, MOST_RUNS, f"a number of runs from 1 to {MOST_RUNS}")

@@ -62,7 +62,9 @@ def statistic(values: ArrayLike) -> FloatArray:
 def applied(name: str, motion: Motion, factor: float, vertical_factor: float | None = None) -> ScaledMotion:
     """The motion with its components times factors; None: the vertical one goes along."""
     vertical = factor if vertical_factor is None else vertical_factor
-    scaled = replace(motion, ax=factor * motion.ax, az=vertical * motion.az, amplitude=factor * motion.amplitude)
+    scaled = motion.scaled(factor)
+    if vertical != factor:
+        scaled = replace(scaled, az=vertical * motion.az)
     return ScaledMotion(name, scaled, factor, vertical)
 
 

@@ -7,6 +7,7 @@ import shlex
 import sys
 from collections.abc import Mapping
 from dataclasses import fields
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +24,7 @@ from ..common.ranges import listed
 from ..dynamics.uncertainty import Spread
 from ..ground.motion import STANDARD_GRAVITY, Motion
 from .check_report import action_lines, check_lines, variants_lines
-from .command_files import add_force, check_suffix, read_column
+from .command_files import add_force, check_suffix, read_column, write_outputs
 from .motion_options import FORMATS, add_file_options, check_file_options, file_line, read_with_options
 from .progress import RunsLine, compile_kernels
 
@@ -115,7 +116,8 @@ def _check(options: argparse.Namespace) -> None:
     if options.report is not None:
         check_suffix(options.report, ".html", ".htm")
         with needing("report", "jinja2", "matplotlib"):
-            from ..reports.html import write_report
+            import jinja2  # noqa: F401
+            import matplotlib  # noqa: F401
     inputs = (options.column, *options.records, *(options.vertical or ()), *options.variant)
     check_outputs((options.output, options.report), inputs, options.force)
     column = read_column(options.column)
@@ -147,13 +149,13 @@ def _check(options: argparse.Namespace) -> None:
     checks += [_checked(path, variant, action, plan) for path, variant in zip(options.variant, variants, strict=True)]
     if variants:
         print(*variants_lines(checks), sep="\n")
-    if options.output is not None:
-        checks[0].to_csv(options.output)
-        print(options.output)
-    if options.report is not None:
-        with reading(options.report):
-            write_report(checks, options.report, shlex.join(["multiblock", *sys.argv[1:]]))
-        print(options.report)
+    write_outputs([(options.output, checks[0].to_csv), (options.report, partial(_write_report, checks))])
+
+
+def _write_report(checks: list[Check], path: Path) -> None:
+    from ..reports.html import write_report
+
+    write_report(checks, path, shlex.join(["multiblock", *sys.argv[1:]]))
 
 
 def _checked(path: Path, column: Column, action: Action, plan: Plan, found: Any = None) -> Check:

@@ -83,7 +83,7 @@ class Motion(Framed, Shown):
 
     def _facts(self) -> tuple[str, ...]:
         kind = f"harmonic of {self.frequency:g} Hz" if self.amplitude else counted(len(self.time), "sample")
-        beside = ["held"] * self.hold + ["vertical too"] * bool(np.any(self.az))
+        beside = ["held"] * self.hold + ["across too"] * self.has_ay + ["vertical too"] * bool(np.any(self.az))
         return "of the base", f"{self.duration:.4g} s", f"PGA {self.pga / STANDARD_GRAVITY:.4g} g", kind, *beside
 
     def _picture(self) -> str:
@@ -92,9 +92,9 @@ class Motion(Framed, Shown):
 
     def _frame(self) -> Frame:
         """The samples; a harmonic has only its start and its end."""
-        columns = {"ax": self.ax, "az": self.az}
+        columns = {"ax": self.ax, **({"ay": self.ay} if self.has_ay else {}), "az": self.az}
         beside = {"hold": int(self.hold), "amplitude": self.amplitude, "frequency": self.frequency}
-        return Frame(("time", self.time), columns, {"time": "s", "ax": "m/s2", "az": "m/s2"}, beside)
+        return Frame(("time", self.time), columns, {"time": "s"} | dict.fromkeys(columns, "m/s2"), beside)
 
     @property
     def start(self) -> float:

@@ -39,7 +39,10 @@ class Rest(NamedTuple):
 
 def rest_of(structure: Structure) -> Rest:
     """The rest of a structure. Raises InputError if it has none that is stable."""
-    return _rest_of(structure.blocks, structure.joints, structure.ties, structure.g)
+    try:
+        return _rest_of(structure.blocks, structure.joints, structure.ties, structure.g)
+    except InputError as error:
+        raise InputError(f"{structure.name}: {error}") from None
 
 
 @lru_cache(maxsize=64)
@@ -89,7 +92,7 @@ def _finished(stepper: Stepper, stiffness: FloatArray) -> Rest:
     try:
         np.linalg.cholesky(symmetric)
     except np.linalg.LinAlgError:
-        raise InputError(f"{stepper.structure.name}: its rest is not stable, it falls without any motion") from None
+        raise InputError("its rest is not stable, it falls without any motion") from None
     state = stepper.state
     return Rest(stepper.phase.copy(), state.memory.copy(), state.plastic.copy(), stepper.row.copy(), stiffness)
 
@@ -112,7 +115,7 @@ def _solved(structure: Structure, stiffness: FloatArray, load: FloatArray) -> Fl
     try:
         found = np.linalg.solve(stiffness, load).astype(np.float64)
     except np.linalg.LinAlgError:
-        raise InputError(f"{structure.name}: some block is free to move") from None
+        raise InputError("some block is free to move") from None
     solution: FloatArray = found
     return solution
 
@@ -207,4 +210,4 @@ def _balance(stepper: Stepper, linear: FloatArray, delta: FloatArray, close: flo
             softening = max(SOFTENING, 4.0 * softening)
             if softening > 1e3:
                 break
-    raise InputError(f"{structure.name}: no rest found, it does not stand under its weight")
+    raise InputError("no rest found, it does not stand under its weight")

@@ -13,13 +13,15 @@ import numpy as np
 from ..common import ranges
 from ..common.errors import InputError, reading, shown
 from ..common.files import check_file_name, toml_of
-from .arrays import Model, model_of
+from .arrays import Model, centroid_of, model_of
 from .blocks.parts import BASE, TOLERANCE, Joint, Solid, Tie
 from .stack import stacked
 from .structure_file import parts_from
 
 if TYPE_CHECKING:
     from ..column.column import Column
+
+LEAST_LENGTH = 1e-6  # m, of a tie
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,6 +50,10 @@ class Structure:
         for i, name in enumerate(self.names):
             if name in self.names[:i] or name == BASE:
                 raise InputError(f"block[{i + 1}].name = {shown(name)}: must be another name, it is taken")
+        for e, tie in enumerate(self.ties, start=1):
+            apart = centroid_of(self.blocks, tie.other) + tie.to - centroid_of(self.blocks, tie.one) - tie.from_
+            if np.linalg.norm(apart) < LEAST_LENGTH:
+                raise InputError(f"tie[{e}].to: is the same place as from, must be {LEAST_LENGTH} m apart at least")
         self._check_held()
 
     def _check_held(self) -> None:

@@ -162,6 +162,11 @@ def test_fingerprint_is_of_the_inputs(found: Check) -> None:
     assert other.fingerprint != found.fingerprint
     scaled = tuple(ScaledMotion(one.name, one.motion.scaled(1.0 + 1e-15), 1.0) for one in found.action.motions)
     assert replace(found, action=Action(scaled, "")).fingerprint != found.fingerprint
+    prints = set()
+    for amplitude in (1.0, 2.0):  # a harmonic has no samples of its own
+        harmonic = ScaledMotion("", Motion.harmonic(amplitude, 1.0, 2.0))
+        prints.add(replace(found, action=Action((harmonic,), "")).fingerprint)
+    assert len(prints) == 2
 
 
 def test_motions_may_be_files(tmp_path: Path) -> None:

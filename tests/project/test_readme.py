@@ -59,7 +59,7 @@ def test_shell_commands(checkout: Path, monkeypatch: pytest.MonkeyPatch) -> None
     result = read_results(checkout / "shaken.csv")
     assert result["time"][-1] == pytest.approx(30.0)
     assert np.max(np.abs(result["block[1].ux"])) > 1e-3
-    for name in ("response.csv", "response.png", "drums.png"):
+    for name in ("response.csv", "response.png", "report.html"):
         assert (checkout / name).stat().st_size > 5_000, name
 
 

@@ -72,6 +72,11 @@ WRONG = [
     (("block", 0, "mass"), 1.0, "block[1].density: must be given"),
     (("tie",), [{"between": ["left", "left"], "from": [0, 0, 0], "to": [0, 0, 0], "stiffness": 1.0}], "two different"),
     (("tie",), [{"between": ["left", "base"], "from": [0, 0, 0], "stiffness": 1.0}], "tie[1].to: missing"),
+    (
+        ("tie",),
+        [{"between": ["left", "base"], "from": [0, 0, -2], "to": [0, 0, 0], "stiffness": 1.0}],
+        "tie[1].to: is the",
+    ),
     (("joint",), [{"between": ["left", "right"]}], "joint[1]: left and right share no face"),
     (("solver",), {"tolerance": 2.0}, "solver.tolerance = 2.0"),
 ]
@@ -104,7 +109,7 @@ def test_a_block_that_nothing_holds_is_refused() -> None:
 def test_a_rest_that_is_not_stable_is_refused() -> None:
     tall = {"name": "t", "on": "base", "width": 0.1, "depth": 0.1, "height": 50.0, "density": 2500.0}
     soft = Structure.from_dict({"name": "tall", "joints": {"stiffness": 1e7, "damping": 0.0}, "block": [tall]})
-    with pytest.raises(InputError, match=r"not stable|no rest"):
+    with pytest.raises(InputError, match=r"^tall: (its rest is not stable|no rest)"):
         rest_of(soft)
 
 

@@ -14,9 +14,9 @@ from support.fmus import ROOT
 sys.path.insert(0, str(ROOT))  # the cases are not installed
 
 from solver import InputError
-from validation import codes, command_line, drums, rocks, shaken_rocks, size
-from validation.cases import CASES
-from validation.shaken_rocks import Model
+from validation import command_line, rocks
+from validation.cases import CASES, codes, drums, shaken_rocks, size
+from validation.cases.shaken_rocks import Model
 
 STILL = np.zeros(200)
 G = 9.80665

@@ -11,7 +11,7 @@ from support.fmus import ROOT
 sys.path.insert(0, str(ROOT))  # the cases are not installed
 
 from validation import scores
-from validation.shaken_rocks import DEVIATIONS, MEDIANS, RATIOS, Model, ensembles, judge, judge_lognormal
+from validation.cases.shaken_rocks import DEVIATIONS, MEDIANS, RATIOS, Model, ensembles, judge, judge_lognormal
 
 PGV = np.geomspace(0.02, 0.8, 400)  # m/s
 

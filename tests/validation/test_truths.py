@@ -10,12 +10,15 @@ import pytest
 from support.fmus import ROOT
 
 from solver import Block, Column, Joint
+from solver.statics.rocking import restitution
 
 sys.path.insert(0, str(ROOT))  # the cases are not installed
 
-from validation.closed_forms import similar
-from validation.housner import decay, peaks_of, quarter_period
-from validation.overturning import around, edges
+from validation.cases.closed_forms import COLUMNS, similar
+from validation.cases.free_rocking import block, housner
+from validation.cases.housner import decay, peaks_of, quarter_period
+from validation.cases.overturning import around, edges
+from validation.cases.reference_study import FRICTION, round_and_sliding
 from validation.rigid_block import overturning
 
 
@@ -62,3 +65,21 @@ def test_a_similar_column_has_the_same_material() -> None:
     block = similar(column, 0.25).blocks[0]
     assert (block.height, block.mass / (block.height * block.width * block.depth)) == pytest.approx((0.5, 2500.0))
     assert (block.joint.stiffness, block.joint.damping) == pytest.approx((1e9, 1e-3 * math.sqrt(0.25)))
+
+
+def test_a_face_that_bears_at_its_edges_loses_as_much_as_housner() -> None:
+    width, height = 0.365, 1.0  # m: alpha 0.35
+    rigid = housner(math.atan(width / height))
+    everywhere, edges_alone = (restitution(block(width, height, 1e11, 0.1, edges)) for edges in (False, True))
+    assert edges_alone == pytest.approx(rigid, rel=0.04)  # 0.02 to 0.03 above
+    assert everywhere > 1.07 * rigid  # 0.09 above: the contact rolls from edge to edge
+
+
+def test_round_drums_keep_their_mass_and_modulus() -> None:
+    column = Column.from_toml(COLUMNS / "pronaos.toml")
+    drums = round_and_sliding(column).blocks
+    assert [drum.mass for drum in drums] == [block.mass for block in column.blocks]
+    assert all(drum.joint.friction == FRICTION and drum.section == "circle" for drum in drums)
+    pairs = zip(drums, column.blocks, strict=True)
+    areas = [0.25 * math.pi * drum.width**2 / (old.width * old.depth) for drum, old in pairs]
+    assert areas == pytest.approx(np.ones(len(areas)), rel=1e-3)  # depths of the file have four digits

@@ -20,11 +20,11 @@ from multiblock import (
     simulate,
 )
 
-from .case import Case, Outcome
-from .pictures import BLUE, RED, label, panels
-from .rigid_block import FloatArray
+from ..case import Case, Outcome
+from ..pictures import BLUE, RED, label, panels
+from ..rigid_block import FloatArray
 
-COLUMNS = Path(__file__).parents[1] / "examples" / "columns"
+COLUMNS = Path(__file__).parents[2] / "examples" / "columns"
 G = 9.80665  # m/s2
 SCALE = 0.1  # of the model in the test of similarity
 # m at s: 0.05 g, 2 Hz, top of Phocas undamped; OpenSees peaks at 30.62 mm in the first 3 s (docs/accuracy.md)

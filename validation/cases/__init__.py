@@ -1,7 +1,7 @@
-"""The cases, in the order in which they run."""
+"""The cases, one module each, in the order in which they run."""
 
+from ..case import Case
 from . import closed_forms, codes, drums, free_rocking, housner, overturning, reference_study, shaken_rocks, size
-from .case import Case
 
 CASES: tuple[Case, ...] = (
     closed_forms.CASE,

@@ -13,11 +13,11 @@ from matplotlib.ticker import NullFormatter
 
 from multiblock import Block, Column, Joint, Motion, simulate_many
 
-from . import scores
-from .case import Case, Outcome
-from .pictures import BLUE, GREY, RED, label, panels
-from .rigid_block import Flags, FloatArray
-from .rocks import Tests, read
+from .. import scores
+from ..case import Case, Outcome
+from ..pictures import BLUE, GREY, RED, label, panels
+from ..rigid_block import Flags, FloatArray
+from ..rocks import Tests, read
 
 MASS, DEPTH = 353.0, 0.6  # kg, m
 RATIOS = np.geomspace(0.07, 0.26, 14)  # width over height

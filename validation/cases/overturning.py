@@ -11,9 +11,9 @@ from matplotlib.figure import Figure
 
 from multiblock import Block, Column, Joint, calibrate, simulate_many, wavelets
 
-from .case import Case, Outcome
-from .pictures import BLUE, GREY, INK, RED, label, panels
-from .rigid_block import Flags, FloatArray, overturning
+from ..case import Case, Outcome
+from ..pictures import BLUE, GREY, INK, RED, label, panels
+from ..rigid_block import Flags, FloatArray, overturning
 
 HEIGHT, WIDTH, DEPTH, MASS = 1.0, 0.25, 0.754, 503.0  # m, kg: alpha 0.245
 G = 9.80665  # m/s2

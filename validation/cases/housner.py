@@ -11,9 +11,9 @@ from matplotlib.figure import Figure
 from multiblock import Block, Column, Joint, Motion, Response, calibrate, housner_restitution, simulate
 from solver.statics.rocking import pulled_aside
 
-from .case import Case, Outcome
-from .pictures import BLUE, GREEN, INK, RED, label, panels
-from .rigid_block import FloatArray
+from ..case import Case, Outcome
+from ..pictures import BLUE, GREEN, INK, RED, label, panels
+from ..rigid_block import FloatArray
 
 G = 9.80665  # m/s2
 HEIGHT, WIDTH, MASS = 14.07, 1.56, 81000.0  # m, m, kg: the Column of Phocas as one block

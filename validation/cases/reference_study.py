@@ -10,17 +10,17 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from multiblock import Column, Results, Study, run_study
-from solver.studies.statistics import failed_of, fit_fragility
+from solver.studies.statistics import Fragility, failed_of, fit_fragility
 
-from .case import Case, Outcome
-from .pictures import BLUE, RED, label, panels
+from ..case import Case, Outcome
+from ..pictures import BLUE, RED, label, panels
 
-STUDY = Path(__file__).parents[1] / "examples" / "studies" / "reference.toml"
+STUDY = Path(__file__).parents[2] / "examples" / "studies" / "reference.toml"
 SAMPLES = 20  # at each of the 20 points
 FRICTION = 0.7
 DIAMETER = 1.65  # m
 LIMITS = {"0.15 D": 0.15 * DIAMETER, "0.35 D": 0.35 * DIAMETER, "overturned": None}
-RESIDUAL = 0.005  # of D, relative offset of neighbours after the motion
+RESAMPLED = 40  # for the bounds
 
 
 def round_and_sliding(column: Column) -> Column:
@@ -40,50 +40,43 @@ def variants(samples: int) -> dict[str, Study]:
     return {"rectangles, stuck": study, f"round, friction {FRICTION}": slid}
 
 
-def fragilities(results: Results) -> dict[str, dict[str, Any]]:
-    """Median, its 95 % bounds and deviation over PGA (m/s2) and PGV (m/s) for each of LIMITS."""
-    found: dict[str, dict[str, Any]] = {}
-    for name, limit in LIMITS.items():
-        fits = {measure: fit_fragility(results, measure, limit) for measure in ("pga", "pgv")}
-        found[name] = {
-            measure: [fit.median, *fit.median_bounds, fit.deviation] for measure, fit in fits.items()
-        }  # fmt: skip
-    return found
+def fragilities(results: Results) -> dict[str, Fragility]:
+    """Lognormal fragilities over PGV (m/s), of each of LIMITS."""
+    return {name: fit_fragility(results, "pgv", limit, resampled=RESAMPLED) for name, limit in LIMITS.items()}
 
 
 def compute(data: Path | None) -> Outcome:
     """Both variants."""
     lines: list[str] = []
     numbers: dict[str, dict[str, Any]] = {}
-    made: dict[str, Results] = {}
+    made: dict[str, tuple[Results, dict[str, Fragility]]] = {}
     for name, study in variants(SAMPLES).items():
-        results = made[name] = run_study(study)
+        results = run_study(study)
         found = fragilities(results)
-        numbers[name] = found
+        made[name] = results, found
+        numbers[name] = {limit: [fit.median, *fit.median_bounds, fit.deviation] for limit, fit in found.items()}
         lines.append(f"{name}: {len(results)} runs, {np.mean(results.overturned):.3f} overturned")
-        for limit, measures in found.items():
-            median, low, high, deviation = measures["pgv"]
+        for limit, (median, low, high, deviation) in numbers[name].items():
             lines.append(f"  {limit:10s} PGV {median:.2f} m/s ({low:.2f} to {high:.2f}), deviation {deviation:.2f}")
         if "residual_slip" in results:
             slip = np.nanmax(np.abs(results["residual_slip"][~results.overturned]), axis=1) / DIAMETER
             left = [float(np.nanquantile(slip, q)) for q in (0.5, 0.84, 0.99)]
-            numbers[name]["residual"] = {"quantiles": left}
+            numbers[name]["residual"] = left
             lines.append(
-                "  largest offset of neighbouring drums that remains, over D, of those that stand (50, 84, 99 %): "
+                "  largest slip of a drum that remains, over D, of columns that stand (50, 84, 99 %): "
                 + ", ".join(f"{value:.4f}" for value in left)
             )
     return Outcome(lines, numbers, draw(made))
 
 
-def draw(made: dict[str, Results]) -> Figure:
+def draw(made: dict[str, tuple[Results, dict[str, Fragility]]]) -> Figure:
     """Fragilities over PGV; share beyond 0.35 D over magnitude at the nearest distance."""
     figure, axes = panels(2)
     left, right = axes[0]
-    grid = np.geomspace(0.05, 3.0, 100)
-    for (name, results), colour in zip(made.items(), (BLUE, RED), strict=True):
-        for (limit, value), line in zip(LIMITS.items(), (":", "--", "-"), strict=True):
-            curve = fit_fragility(results, "pgv", value).probability(grid)
-            left.plot(grid, curve, line, color=colour, linewidth=1.1, label=f"{name}: {limit}")
+    grid = np.geomspace(0.1, 3.0, 100)
+    for (name, (results, found)), colour in zip(made.items(), (BLUE, RED), strict=True):
+        for (limit, fit), line in zip(found.items(), (":", "--", "-"), strict=True):
+            left.plot(grid, fit.probability(grid), line, color=colour, linewidth=1.1, label=f"{name}: {limit}")
         magnitude, near = results["motion.magnitude"], results["motion.distance"] <= 5.0
         failed = failed_of(results, LIMITS["0.35 D"])
         levels = np.unique(magnitude)

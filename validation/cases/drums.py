@@ -11,9 +11,9 @@ import numpy as np
 
 from multiblock import Column, InputError, Motion, calibrate, simulate_many
 
-from .case import Case, Outcome, data_folder
-from .pictures import BLUE, RED, label, panels
-from .rigid_block import FloatArray
+from ..case import Case, Outcome, data_folder
+from ..pictures import BLUE, RED, label, panels
+from ..rigid_block import FloatArray
 
 FOLDER = "multidrum"
 ADVICE = (
@@ -126,7 +126,7 @@ def compute(data: Path | None) -> Outcome:
 CASE = Case(
     name="drums",
     title="multidrum columns on shaking tables: verdicts, peaks and offsets within the scatter of an ensemble",
-    source="tests.csv of the user's data; the tests that it is meant for are named in validation/drums.py",
+    source="tests.csv of the user's data; the tests that it is meant for are named in validation/cases/drums.py",
     model="the column files beside it, modulus and damping varied by 30 %, motion by 2 %, 30 runs each",
     fitted="nothing",
     predicted="share that falls; where measured peaks and offsets lie in the ensemble",

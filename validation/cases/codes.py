@@ -12,9 +12,9 @@ from matplotlib.figure import Figure
 from benchmarks import opensees
 from multiblock import Block, Column, Joint, Motion, simulate
 
-from .case import Case, Outcome
-from .pictures import BLUE, GREEN, GREY, INK, RED, label, panels
-from .rigid_block import FloatArray
+from ..case import Case, Outcome
+from ..pictures import BLUE, GREEN, GREY, INK, RED, label, panels
+from ..rigid_block import FloatArray
 
 G = 9.80665  # m/s2
 DRUMS, HEIGHT, CAPITAL = 7, 5.95, 0.21  # m: of the whole, of the slab on top
@@ -156,7 +156,7 @@ def draw(found: dict[str, History]) -> Figure:
 CASE = Case(
     name="codes",
     title="a column of seven drums in this solver, OpenSees and MuJoCo",
-    source="sizes and pulse of an example of HybriDFEM (github.com/thlgrs/HybriDFEM), after Dimitrakopoulos",
+    source="sizes and pulse of an example of HybriDFEM (github.com/thlgrs/HybriDFEM)",
     model="seven tapered drums and a slab, rectangles 1 m deep, no sliding but in MuJoCo (friction 0.7)",
     fitted="nothing",
     predicted="displacement of the top",

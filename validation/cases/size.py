@@ -11,9 +11,9 @@ from matplotlib.figure import Figure
 
 from multiblock import Block, Column, Joint, Motion, simulate_many, wavelets
 
-from .case import Case, Outcome
-from .pictures import BLUE, GREY, RED, label, panels
-from .rigid_block import Flags, FloatArray
+from ..case import Case, Outcome
+from ..pictures import BLUE, GREY, RED, label, panels
+from ..rigid_block import Flags, FloatArray
 
 G = 9.80665  # m/s2
 ALPHA, DENSITY = 0.15, 2700.0  # rad, kg/m3

@@ -12,10 +12,10 @@ from matplotlib.figure import Figure
 from multiblock import Block, Column, InputError, Joint, SolverError, calibrate
 from solver.statics.rocking import pulled_aside, restitution_from
 
-from .case import Case, Outcome
+from ..case import Case, Outcome
+from ..pictures import BLUE, INK, RED, label, panels
+from ..rigid_block import FloatArray
 from .housner import IMPACTS, decay, let_go, peaks_of, quarter_period
-from .pictures import BLUE, INK, RED, label, panels
-from .rigid_block import FloatArray
 
 G = 9.80665  # m/s2
 DENSITY, DEPTH, HEIGHT = 2700.0, 0.5, 1.0  # kg/m3, m, m: of blocks of which the sources give the slenderness alone
