@@ -235,7 +235,8 @@ _LARGEST = "Largest absolute value of the motion so far"
 _FRICTION = ("", "|T| / N of joint {i}, where N is above 0.05 of the weight carried at rest", None, None, ())
 _SPLIT = "of the base reaction (Fx, Fz, My) = R0 - m (ax, az, alpha)"
 _MASS = "Effective mass met by the base, {} " + _SPLIT
-# the split of the reaction in the order of the kernels (layout.py, SPLIT): unit, description, inputs it depends on
+# the split of the reaction in the order of the kernels (layout/spaces.py, SPLIT): unit, description, the inputs that it
+# depends on
 _SPLIT_OUTPUTS: dict[str, tuple[str, str, tuple[str, ...]]] = {
     "base.R0x": ("N", f"Horizontal part R0 {_SPLIT}", _TURNING),
     "base.R0z": ("N", f"Vertical part R0 {_SPLIT}", _TURNING),
@@ -358,7 +359,7 @@ def _split_outputs(column: Column) -> list[Variable]:
 
 
 def _peak_outputs(column: Column) -> list[Variable]:
-    """Extremes since the last reset, in the order of the kernels (layout.py, PEAKS)."""
+    """Extremes since the last reset, in the order of the kernels (layout/spaces.py, PEAKS)."""
     sizes = _sizes(column)
     common: dict[str, Any] = {"variability": "discrete", "minimum": 0.0, "initially": ()}
     rows = []

@@ -30,7 +30,7 @@ class SolverError(ValueError):
 
 
 class TooMuchWorkError(SolverError):
-    """A step took more evaluations than any motion that can be followed: a shorter step does not help."""
+    """A call or a run took more evaluations than any motion that can be followed: a shorter step does not help."""
 
 
 def check_number(key: str, value: object, limits: tuple[float, float], meaning: str) -> float:

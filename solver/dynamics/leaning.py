@@ -23,7 +23,7 @@ SAFE = 0.97  # of the least energy; the rest covers the error of the grid
 
 
 def leans_for_good(column: Column, phase: FloatArray) -> bool:
-    """Whether a column with this phase (chain.py) stands for ever on a base that stays still."""
+    """Whether a column with this phase (kinematics.py) stands for ever on a base that stays still."""
     chain = chain_of(column)
     energy, turned = chain.energy(phase), np.abs(chain.places(phase).theta)
     found = (least_energy(column, part) for part in PARTS)

@@ -33,7 +33,7 @@ BLOCK_HISTORIES = {
 BASE_HISTORIES = {name: f"base.{name}" for name in at.REACTION.fields}
 UNITS = dict.fromkeys(("ux", "uz", "slip"), "m") | dict.fromkeys(("N", "S", "T", "Fx", "Fz"), "N")
 UNITS |= {"time": "s", "theta": "rad", "M": "N m", "My": "N m", "sigma_max": "Pa"}
-# names of `Response.peaks` -> names among the outputs of the FMU, in the order of the kernels (layout.py, PEAKS)
+# names of `Response.peaks` -> names among the outputs of the FMU, in the order of the kernels (layout/spaces.py, PEAKS)
 PEAKS = {name: f"{output}_{'least' if name == 'contact' else 'peak'}" for name, output in BLOCK_HISTORIES.items()}
 PEAKS |= {name: f"{output}_peak" for name, output in BASE_HISTORIES.items()} | {"friction": "joint[{i}].friction_peak"}
 
@@ -73,7 +73,7 @@ class Response(Framed, Shown):
 
     column: Column
     time: FloatArray
-    _observe: Callable[[], FloatArray]  # returns the output rows (nt, 10 n + 3)
+    _observe: Callable[[], FloatArray]  # returns the output rows (nt, ROW of layout/spaces.py)
     peaks: dict[str, FloatArray]
     overturned_joint: int
     overturn_time: float

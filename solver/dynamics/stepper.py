@@ -110,7 +110,7 @@ class Stepper:
 
     @property
     def split(self) -> FloatArray:
-        """Base reaction of the row last observed as R0 - M a: R0 and the effective mass M (layout.py, SPLIT)."""
+        """Base reaction of the row last observed as R0 - M a: R0 and the effective mass M (layout/spaces.py, SPLIT)."""
         return self._split
 
     def stand_on_base(self) -> None:

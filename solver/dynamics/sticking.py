@@ -39,7 +39,7 @@ class _Swinging(NamedTuple):
 
 
 def sticks_for_good(column: Column, phase: FloatArray) -> bool:
-    """Whether no joint of a column with this phase (chain.py) slides or opens ever again on a still base."""
+    """Whether no joint of a column with this phase (kinematics.py) slides or opens ever again on a still base."""
     place = chain_of(column).places(phase)
     if column.n > MOST_BLOCKS or np.any(place.slip_rate != 0.0):
         return False

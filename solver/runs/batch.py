@@ -91,7 +91,7 @@ class BatchResult:
     finished: NDArray[np.bool_]  # False if the step needed for the tolerance became too small
     steps: NDArray[np.int64]
     evaluations: NDArray[np.int64]
-    ends: FloatArray  # (runs, 4 n or 6 n) coordinates and rates at the end, as chain.py has them
+    ends: FloatArray  # (runs, 4 n or 6 n) coordinates and rates at the end, as kinematics.py has them
     phases: FloatArray  # (runs, rows, 4 n or 6 n) coordinates and rates at the times asked for
     models: FloatArray  # packed models, a row for each run
 

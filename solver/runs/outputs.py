@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..dynamics.response import BASE_HISTORIES, BLOCK_HISTORIES
+from ..dynamics.response import BASE_HISTORIES, BLOCK_HISTORIES, UNITS
 
 
 class Kept(NamedTuple):
@@ -22,14 +22,12 @@ WATCHED = {
 }
 WATCHED_OF_BASE = {f"peak_{name}": name for name in BASE_HISTORIES}
 WATCHED_ALL = WATCHED.keys() | WATCHED_OF_BASE.keys()
-_UNITS = {"uz": "m", "theta": "rad", "N": "N", "M": "N m", "S": "N", "T": "N", "sigma_max": "Pa", "slip": "m"}
-_UNITS |= {"Fx": "N", "Fz": "N", "My": "N m"}
 # peaks: of the absolute values within the duration; docs/studies.md says what each is. verdict, path: numbers of
 # table.WORDS.
 KEPT: dict[str, Kept] = {
     "peak_ux": Kept("m"),
-    **{name: Kept(_UNITS.get(watched, "")) for name, watched in WATCHED.items()},
-    **{name: Kept(_UNITS[watched], np.float64) for name, watched in WATCHED_OF_BASE.items()},
+    **{name: Kept(UNITS.get(watched, "")) for name, watched in WATCHED.items()},
+    **{name: Kept(UNITS[watched], np.float64) for name, watched in WATCHED_OF_BASE.items()},
     "residual_ux": Kept("m"),
     "residual_theta": Kept("rad"),
     "residual_slip": Kept("m"),

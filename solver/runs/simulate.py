@@ -82,7 +82,8 @@ def simulate(
 
     duration: s; None: that of the motion. Beyond the motion the base does not accelerate.
     formulation, integrator, step (s; structures have none of these), tolerance (relative to the peak), without (names
-    of column.SKIPS: short cuts that are not to be taken; "peaks": those of ux only are kept): None keeps the column's.
+    of settings.SKIPS: short cuts that are not to be taken; "peaks": those of ux only are kept): None keeps those of
+    the column.
     output_step: s between the rows of the response; None: 0.005. It has no influence on the steps, and the peaks are
     those of the motion between the rows as well.
     initial: None is rest in static equilibrium.
@@ -95,8 +96,8 @@ def simulate(
     callback: called as callback(t, single_run.Glance) with the time s reached, some times a second of the clock and
     at the end of each run; what it raises ends `simulate`.
 
-    Warns (InputWarning) of values that are probably not intended (rest.py, `warnings_of`). Raises InputError for a
-    wrong value or a rest that is not stable if the run starts from it, SolverError if the solver cannot go on.
+    Warns (InputWarning) of values that are probably not intended (column/rest.py, `warnings_of`). Raises InputError for
+    a wrong value or a rest that is not stable if the run starts from it, SolverError if the solver cannot go on.
     """
     if isinstance(motion, (str, os.PathLike)):
         motion = Motion.from_file(motion)

@@ -54,7 +54,7 @@ def single_run(
     settle: float,
     callback: Callback | None = None,
 ) -> tuple[Response, FloatArray]:
-    """A run of `duration` s with rows at `times`, s; and the phases at these times (chain.py). Raises SolverError."""
+    """A run of `duration` s with rows at `times`, s; and the phases (kinematics.py) at these. Raises SolverError."""
     stepper = Stepper(column, initial)
     stop = motion.start + duration
 
@@ -132,7 +132,7 @@ def settled_verdict(stepper: Stepper, stop: float, settle: float) -> tuple[Verdi
 
 
 def outcome(column: Column, phase: FloatArray, stop: float, settle: float) -> tuple[str, float, int]:
-    """The outcome of a column that has this phase (chain.py) at time `stop`, s, and a still base from then on.
+    """The outcome of a column that has this phase (kinematics.py) at time `stop`, s, and a still base from then on.
 
     Returns the word, the time of overturning, s, and the joint; NaN and 0 where it stands.
     """

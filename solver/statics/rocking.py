@@ -43,7 +43,7 @@ def restitution(column: Column, release: float = RELEASE) -> float:
     """Square root of the part of its energy that a column keeps from the release to the turn on the other side.
 
     For a rigid block it is the rotation rate after over before the impact. The column is pulled aside as on its
-    capacity curve (statics.py) and released on a still base. release: the place, in parts of the displacement of the
+    capacity curve (capacity.py) and released on a still base. release: the place, in parts of the displacement of the
     top from which it falls; from 0.02 to 0.95.
 
     Raises InputError for another `release` or without gravity, SolverError if the column is not stable or falls.

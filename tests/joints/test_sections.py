@@ -325,7 +325,7 @@ SHAPES: list[dict[str, Any]] = [
 
 @pytest.mark.parametrize("joint", SHAPES)
 def test_an_undamped_column_that_rocks_keeps_its_energy(joint: dict[str, Any]) -> None:
-    """Forces and kinetics agree with the energies of chain.py over dozens of openings."""
+    """Forces and kinetics agree with the energies of kinematics.py over dozens of openings."""
     column = drums(**joint)
     start = InitialState(rotation_rate=[0.05] * 3)
     stepper = Stepper(column.with_settings(tolerance=1e-8), start)

@@ -98,6 +98,17 @@ def test_programs_import_the_public_interface(page: Path) -> None:
         assert set(names.split(", ")) <= set(multiblock.__all__)
 
 
+def test_files_of_python_that_code_names_exist() -> None:
+    """By the end of their path, in comments, docstrings and messages."""
+    have = [f"/{name_of(file)}" for file in [*sources(), *(ROOT / "docs").glob("*.py")]]
+    named: dict[str, str] = {}
+    for file in sources():
+        for name in re.findall(r"(?<![\w/.\"'-])(?:\w+/)*\w+\.py\b(?![\"'])", file.read_text(encoding="utf-8")):
+            named[name] = name_of(file)
+    assert len(named) > 50  # measured: 111
+    assert {name: file for name, file in named.items() if not any(path.endswith(f"/{name}") for path in have)} == {}
+
+
 def test_time_stepping_is_explained_in_1500_words() -> None:
     assert len((ROOT / "docs" / "integrators.md").read_text(encoding="utf-8").split()) <= 1500
 

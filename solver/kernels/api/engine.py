@@ -1,7 +1,7 @@
 """Operations on a column, from its parameters to its outputs: the one engine behind every caller.
 
 `Stepper`, both FMUs and programs without Python call these functions, through arrays (entries.py) or through pointers
-(pointers.py). A column is the bundle of layout.py's spaces.
+(pointers.py). A column is the bundle of the spaces in layout/spaces.py.
 """
 
 import math
@@ -67,7 +67,7 @@ GIVEN = Record(*GIVEN_BLOCK, *(f"joint_{name}" for name in GIVEN_JOINT), *GIVEN_
 # inputs of the base, set by a caller: accelerations, their slopes, rotation
 BASE_INPUTS = Record("ax", "az", "jx", "jz", "theta", "omega", "alpha")
 
-# codes of `assemble`, beside those of layout.py
+# codes of `assemble`, beside those of layout/spaces.py
 NOT_STABLE = -10  # the fixed step is beyond the limit, which is left in the detail
 TOO_LARGE = -11  # the moment of inertia of a block, whose number is left in the detail, is beyond float64
 NO_REST = -12  # a column that is off its axis, or has joints of another law, does not stand under its own weight

@@ -24,7 +24,7 @@ RUN = Record(
     "rotation_scale",  # rad and
     "rate_scale",  # rad/s, the largest so far
 )
-# outcome of a run: a code of layout.py, time and joint of overturning (0: it did not), steps; peaks, initially those of
+# outcome of a run: a code of spaces.py, time and joint of overturning (0: it did not), steps; peaks, initially those of
 # the motion before; coordinates and rates at its end
 OUTCOME = Space(
     record=Record("code", "time", "overturned", "steps", "rejected"), peaks=Numbers(per_n=1), phase=Numbers(per_n=4)

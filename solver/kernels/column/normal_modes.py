@@ -71,7 +71,7 @@ def _scratch(row, n):
 
 @kernel
 def normal_modes(model, rest, scratch):
-    """Fill model.modal with the modal data listed in layout.py; return whether there are any.
+    """Fill model.modal with the modal data listed in spaces.py; return whether there are any.
 
     rest: a phase; scratch: a row. There are none without gravity, which leaves the joints open, where a joint is not in
     full contact at rest or the rest is not stable, and where damping couples the modes.

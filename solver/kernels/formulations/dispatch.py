@@ -11,7 +11,7 @@ from .first_order import difference, paper_accelerations, tilt
 
 
 class Column(NamedTuple):
-    """A column in motion: the spaces and records of layout.py, in the one order in which kernels take them."""
+    """A column in motion: the spaces and records of spaces.py, in the one order in which kernels take them."""
 
     model: object
     state: object

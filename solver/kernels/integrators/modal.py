@@ -36,7 +36,7 @@ from .stage import stage
 
 ORDER = 4  # of the estimated error
 INTERPOLATION_ORDER = 6
-OPENS = 2  # code, beside those of layout.py: a joint does not stay in full contact, or begins to slide
+OPENS = 2  # code, beside those of spaces.py: a joint does not stay in full contact, or begins to slide
 CHANGES = 2.0  # the shear margin left at the end of a half step must be this many times its change over it
 
 # the responses of a mode

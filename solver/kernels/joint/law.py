@@ -27,7 +27,7 @@ from .regimes import ANY, OPEN, open_margin, side_margin, sides
 
 
 class Law(NamedTuple):
-    """Parameters of the pressure on a joint, beside its contact and its motion: the fields LAW of layout.py."""
+    """Parameters of the pressure on a joint, beside its contact and its motion: the fields LAW of spaces.py."""
 
     stiffness: float  # N/m3
     damping: float  # s

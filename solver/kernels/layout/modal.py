@@ -1,4 +1,4 @@
-"""The modal data at the end of a packed model: limits, modes, shapes and their inverses (layout.py)."""
+"""The modal data at the end of a packed model: limits, modes, shapes and their inverses (spaces.py)."""
 
 from ..numba_ext.jit import leaf
 from .spaces import MODAL_LIMITS, MODE
