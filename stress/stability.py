@@ -92,10 +92,11 @@ def _cut(motion: Motion, pieces: int) -> Motion:
     ends = np.append(motion.time, motion.end) if motion.hold else motion.time
     time = (ends[:-1, None] + np.diff(ends)[:, None] * shares).ravel()
     if motion.hold:
-        return replace(motion, time=time, ax=np.repeat(motion.ax, pieces), az=np.repeat(motion.az, pieces))
-    time = np.append(time, motion.time[-1])
-    samples = {name: np.interp(time, motion.time, getattr(motion, name)) for name in ("ax", "az")}
-    return replace(motion, time=time, **samples)
+        ax, ay, az = (np.repeat(values, pieces) for values in (motion.ax, motion.ay, motion.az))
+    else:
+        time = np.append(time, motion.time[-1])
+        ax, ay, az = (np.interp(time, motion.time, values) for values in (motion.ax, motion.ay, motion.az))
+    return replace(motion, time=time, ax=ax, ay=ay, az=az)
 
 
 def examine(case: Case) -> dict[str, Any]:
