@@ -105,7 +105,7 @@ def test_ecos_on_the_command_line_starts_python_itself(fmus: Fmus, tmp_path: Pat
     assert "[error]" not in out + err
     assert "zero for the whole run" in err  # ecos has no way to set an input here: our own warning, and no other
     assert err.count("\n") == 1
-    assert (tmp_path / "phocas-damped.csv").stat().st_size > 1000
+    assert (tmp_path / f"{fmus.damped.stem}.csv").stat().st_size > 1000
 
 
 @pytest.mark.parametrize("n", [1, 3, 40])
