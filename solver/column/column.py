@@ -121,7 +121,7 @@ class Column(Shown):
         tolerance: float | None = None,
         without: Sequence[str] | None = None,
     ) -> Column:
-        """Return a copy with other settings; None keeps the present one. Raises InputError as `Column` does."""
+        """Return the column with other settings; None keeps the present one. Raises InputError as `Column` does."""
         given = {
             "formulation": formulation,
             "integrator": integrator,
@@ -130,6 +130,8 @@ class Column(Shown):
             "without": without,
         }
         changes: dict[str, Any] = {key: value for key, value in given.items() if value is not None}
+        if not changes:
+            return self  # with the contacts that it has found
         changed = _changed(self, settings=replace(self.settings, **changes))
         _check_settings(changed)
         return changed

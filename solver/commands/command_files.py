@@ -8,6 +8,7 @@ from pathlib import Path
 
 from ..column.column import Column
 from ..common.errors import InputError, needing, reading
+from ..common.files import check_outputs
 
 PICTURES = (".png", ".pdf", ".svg")
 
@@ -24,6 +25,21 @@ def check_picture(path: Path | None) -> None:
         check_suffix(path, *PICTURES)
         with needing("plot", "matplotlib"):
             import matplotlib  # noqa: F401
+
+
+def outputs_of_run(options: argparse.Namespace) -> tuple[Path | None, ...]:
+    """The table, pictures and film that `simulate` is to write, checked. Raises InputError."""
+    if options.output is not None:
+        check_suffix(options.output, ".csv")
+    check_picture(options.plot)
+    check_picture(options.plot_column)
+    if options.film is not None:
+        with needing("plot", "matplotlib"):
+            from ..plotting.film import check_film
+        check_film(options.film)
+    outputs = (options.output, options.plot, options.plot_column, options.film)
+    check_outputs(outputs, (options.column, options.motion, options.vertical, options.across), options.force)
+    return outputs
 
 
 def add_force(parser: argparse.ArgumentParser) -> None:

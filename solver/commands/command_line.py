@@ -16,7 +16,7 @@ import numpy as np
 from .. import __version__
 from ..column.column import Column
 from ..column.settings import FORMULATIONS, INTEGRATORS
-from ..common.errors import InputError, InputWarning, SolverError, needing, reading
+from ..common.errors import InputError, InputWarning, SolverError, reading
 from ..common.files import check_outputs
 from ..common.loading import INTERRUPTED, done
 from ..dynamics.response import DIGITS, Response, check_digits
@@ -27,7 +27,7 @@ from ..runs.single_run import OUTPUT_STEP, SETTLE
 from . import column_report
 from .calibrate import add_calibrate_command
 from .check import add_check_command
-from .command_files import PICTURES, add_force, check_picture, check_suffix, read_column, write_outputs
+from .command_files import PICTURES, add_force, check_picture, check_suffix, outputs_of_run, read_column, write_outputs
 from .motion_options import (
     FORMATS,
     add_file_options,
@@ -191,16 +191,7 @@ def _simulate(options: argparse.Namespace) -> None:
         simulate_in_space(options)
         return
     # obstacles to an output are reported before the run, not after it
-    if options.output is not None:
-        check_suffix(options.output, ".csv")
-    check_picture(options.plot)
-    check_picture(options.plot_column)
-    if options.film is not None:
-        with needing("plot", "matplotlib"):
-            from ..plotting.film import check_film
-        check_film(options.film)
-    outputs = (options.output, options.plot, options.plot_column, options.film)
-    check_outputs(outputs, (options.column, options.motion, options.vertical), options.force)
+    outputs = outputs_of_run(options)
     check_digits("--digits", options.digits)
     column = read_column(options.column)
     motion, lines = motion_of(options)

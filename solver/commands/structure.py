@@ -9,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ..common.errors import InputError, needing, reading
-from ..common.files import check_outputs, toml_of
+from ..common.errors import InputError
+from ..common.files import toml_of
 from ..dynamics.first_run import are_kept
 from ..dynamics.response import check_digits
 from ..dynamics.uncertainty import Spread
@@ -22,7 +22,7 @@ from ..space.response import SpatialResponse
 from ..space.run import Callback as SpatialCallback
 from ..space.structure import Structure
 from ..space.structure_file import describes_structure
-from .command_files import check_picture, check_suffix
+from .command_files import outputs_of_run, write_outputs
 from .motion_options import motion_of
 from .progress import ProgressLine
 
@@ -43,16 +43,7 @@ def simulate_in_space(options: argparse.Namespace) -> None:
     for name in ("formulation", "integrator", "step"):
         if getattr(options, name) is not None:
             raise InputError(f"--{name}: must be left out, structures in space have none")
-    if options.output is not None:
-        check_suffix(options.output, ".csv")
-    check_picture(options.plot)
-    check_picture(options.plot_column)
-    if options.film is not None:
-        with needing("plot", "matplotlib"):
-            from ..plotting.film import check_film
-        check_film(options.film)
-    outputs = (options.output, options.plot, options.plot_column, options.film)
-    check_outputs(outputs, (options.column, options.motion, options.vertical, options.across), options.force)
+    outputs = outputs_of_run(options)
     check_digits("--digits", options.digits)
     structure = Structure.from_toml(options.column)
     if not are_kept(run_structure):
@@ -68,11 +59,7 @@ def simulate_in_space(options: argparse.Namespace) -> None:
         response.plot_structure,
         response.film,
     )
-    for path, write in zip(outputs, writers, strict=True):
-        if path is not None:
-            with reading(path):
-                write(path)
-            print(path)
+    write_outputs(zip(outputs, writers, strict=True))
 
 
 def _run(structure: Structure, motion: Motion, options: argparse.Namespace, spread: Spread) -> SpatialResponse:

@@ -138,6 +138,8 @@ class Barriers:
         within &= np.all(turned < NEXT * self._limits[:, some], axis=-1)
         for k in np.flatnonzero(within.any(axis=-1)).tolist():
             left = np.flatnonzero(within[k] & ~held)
+            if not left.size:
+                continue
             places = some[left]
             self._find(k, np.unique(places[np.isnan(self._energies[k, places])]))
             enough = safe * self._energies[k, places] + rounding[left]
