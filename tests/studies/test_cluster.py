@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import signal
@@ -50,7 +51,8 @@ class Site:
 
     def _address(self) -> str:
         for _ in range(600):
-            if self._file.exists():
+            # The scheduler does not write its file in one go: it may be missing, empty or begun.
+            with contextlib.suppress(FileNotFoundError, json.JSONDecodeError):
                 address: str = json.loads(self._file.read_text(encoding="utf-8"))["address"]
                 return address
             time.sleep(0.1)
