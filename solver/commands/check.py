@@ -153,7 +153,7 @@ def _check(options: argparse.Namespace) -> None:
 
 
 def _write_report(checks: list[Check], path: Path) -> None:
-    from ..reports.html import write_report
+    from ..checks.report.html import write_report
 
     write_report(checks, path, shlex.join(["multiblock", *sys.argv[1:]]))
 

@@ -219,7 +219,7 @@ def test_table_is_written_with_each_motion(found: Check, tmp_path: Path) -> None
 
 
 def test_report_has_everything_inside(found: Check, tmp_path: Path) -> None:
-    from solver.reports.html import write_report
+    from solver.checks.report.html import write_report
 
     path = tmp_path / "report.html"
     write_report([found, found], path, "multiblock check <block>")

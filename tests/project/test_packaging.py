@@ -107,7 +107,7 @@ def test_what_is_missing_is_named_with_its_extra(
     for name in ("documentation", "native"):  # to be imported again
         monkeypatch.delattr(fmu_src, name, raising=False)
     for name in [
-        name for name in sys.modules if name.startswith(("fmu_src.native", "fmu_src.documentation", "solver.reports"))
+        name for name in sys.modules if name.startswith(("fmu_src.native", "fmu_src.documentation", "solver.checks.report"))
     ]:
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.chdir(tmp_path)

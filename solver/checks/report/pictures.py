@@ -10,16 +10,16 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.figure import Figure
 
-from ..checks.check import Check
-from ..checks.scaling import MEAN_FROM
-from ..column.column import Column
-from ..column.packing import FloatArray
-from ..dynamics.response import Response
-from ..ground.intensity import spectrum
-from ..ground.motion import STANDARD_GRAVITY
-from ..plotting.drawings import draw_column, plot_column
-from ..plotting.plots import HISTORIES, plot_histories
-from ..plotting.style import INK, block_colours
+from ...column.column import Column
+from ...column.packing import FloatArray
+from ...dynamics.response import Response
+from ...ground.intensity import spectrum
+from ...ground.motion import STANDARD_GRAVITY
+from ...plotting.drawings import draw_column, plot_column
+from ...plotting.plots import HISTORIES, plot_histories
+from ...plotting.style import INK, block_colours
+from ..check import Check
+from ..scaling import MEAN_FROM
 
 DPI = 140
 PERIODS = np.geomspace(0.04, 4.0, 100)  # s

@@ -14,15 +14,15 @@ import numba
 import numpy as np
 from jinja2 import Environment, StrictUndefined
 
-from .. import __version__
-from ..checks.check import Check
-from ..checks.margin import TOLERANCE
-from ..checks.table import three_digits
-from ..column.block import Block
-from ..column.column import Column
-from ..common.files import whole_file
-from ..ground.intensity import pgv
-from ..ground.motion import STANDARD_GRAVITY
+from ... import __version__
+from ...column.block import Block
+from ...column.column import Column
+from ...common.files import whole_file
+from ...ground.intensity import pgv
+from ...ground.motion import STANDARD_GRAVITY
+from ..check import Check
+from ..margin import TOLERANCE
+from ..table import three_digits
 from .pictures import column_picture, deformed_picture, embedded, histories_picture, spectra_picture
 
 LIMITS_OF_THE_MODEL = (
