@@ -106,9 +106,8 @@ def test_what_is_missing_is_named_with_its_extra(
     take_away(monkeypatch, absent)
     for name in ("documentation", "native"):  # to be imported again
         monkeypatch.delattr(fmu_src, name, raising=False)
-    for name in [
-        name for name in sys.modules if name.startswith(("fmu_src.native", "fmu_src.documentation", "solver.checks.report"))
-    ]:
+    needed = ("fmu_src.native", "fmu_src.documentation", "solver.checks.report")
+    for name in [name for name in sys.modules if name.startswith(needed)]:
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.chdir(tmp_path)
     MOTION.to_csv("motion.csv", step=0.01)
