@@ -15,7 +15,7 @@ from solver.column.packing import shape_of
 from solver.column.settings import FORMULATION_CODES, INTEGRATOR_CODES, SKIP_CODES
 from solver.common.ranges import LENGTH, NUMBERS
 from solver.dynamics.stepper import REASONS
-from solver.kernels.api import engine, pointers
+from solver.kernels.api import engine
 from solver.kernels.layout import spaces as at
 
 from .. import rules
@@ -35,7 +35,7 @@ from ..variables import (
     VERDICT_NOW,
     Choice,
 )
-from .table import Check, Chosen, Subject
+from .table import REFUSALS, Check, Chosen, Subject
 
 # input -> the input that is its slope
 SLOPES = {"base.ax": "base.jx", "base.az": "base.jz", "base.theta": "base.omega", "base.omega": "base.alpha"}
@@ -49,17 +49,17 @@ def column_subject(column: Column) -> Subject:
         is_column=True,
         sizes={
             "N": n,
-            "MODEL": pointers.model_room(n),
+            "MODEL": engine.model_room(n),
             "STATE": at.STATE.size(n),
             "COUNTS": at.COUNTS.beside,
             "BASE": at.BASE.beside,
             "WORK": at.WORK.size(n),
             "ROW": at.ROW.size(n),
             "SPLIT": at.SPLIT.beside,
-            "ROOM": pointers.scratch_room(n, False),
-            "FIXED_STEP_ROOM": pointers.scratch_room(n, True),
+            "ROOM": engine.scratch_room(n, False),
+            "FIXED_STEP_ROOM": engine.scratch_room(n, True),
         },
-        codes={f"GIVEN_{name.upper()}": place for place, name in enumerate(pointers.GIVEN_SETTINGS)}
+        codes={f"GIVEN_{name.upper()}": place for place, name in enumerate(engine.GIVEN_SETTINGS.fields)}
         | {f"STATE_{name.upper()}": place for place, name in enumerate(at.CONTROL.fields)}
         | {
             "PEAKS": at.PEAKS.size(n),
@@ -69,14 +69,9 @@ def column_subject(column: Column) -> Subject:
             "BASE_SEGMENT": at.BASE.fields.index("segment"),
             "COUNT_OVERTURNED": at.COUNTS.fields.index("overturned"),
             "CENTRAL_DIFFERENCE": at.CENTRAL_DIFFERENCE,
-            "NO_REST": pointers.NO_REST,
-            "NOT_GENERAL": pointers.NOT_GENERAL,
-            "NOT_LINEAR": pointers.NOT_LINEAR,
-            "NOT_STABLE": pointers.NOT_STABLE,
-            "MISFIT": pointers.MISFIT,
-            "TOO_LARGE": pointers.TOO_LARGE,
             "TOO_MUCH_WORK": at.TOO_MUCH_WORK,
         }
+        | {name: getattr(engine, name) for name in REFUSALS}
         | {f"VERDICT_{word.upper()}": number for word, number in VERDICT.items.items()},
         places={
             "PEAKS": "block[1].ux_peak",
@@ -108,10 +103,10 @@ def _items(choice: Choice) -> list[tuple[int, int, str]]:
 
 
 def _given(column: Column) -> list[str | float]:
-    names: list[str | float] = [name if name == "g" else f"solver.{name}" for name in pointers.GIVEN_SETTINGS]
+    names: list[str | float] = [name if name == "g" else f"solver.{name}" for name in engine.GIVEN_SETTINGS.fields]
     for i, block in enumerate(column.blocks, start=1):
-        names += [f"block[{i}].{name}" for name in pointers.GIVEN_BLOCK]
-        for name in pointers.GIVEN_JOINT:
+        names += [f"block[{i}].{name}" for name in engine.GIVEN_BLOCK]
+        for name in engine.GIVEN_JOINT:
             fixed = float(getattr(block.joint, name) or 0.0)
             names.append(f"joint[{i}].{name}" if name in JOINT_PARAMETERS else fixed)
         names += shape_of(block)

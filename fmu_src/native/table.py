@@ -14,7 +14,7 @@ import numpy as np
 
 from solver.common.ranges import NUMBERS
 from solver.ground.motion import LARGEST, Motion
-from solver.kernels.api import pointers
+from solver.kernels.api import engine, pointers
 
 from .. import rules
 from ..record import Record
@@ -28,9 +28,9 @@ C_TYPES = {"float64": "double ", "int64": "int64_t ", "float64*": "double *", "i
 STORED = {"Real": "REAL", "Integer": "INTEGER", "Enumeration": "INTEGER", "Boolean": "BOOLEAN", "String": "STRING"}
 # what the core asks for by name: sizes that depend on what is inside; where columns alone keep something
 SIZES = ("N", "MODEL", "STATE", "COUNTS", "BASE", "WORK", "ROW", "SPLIT", "ROOM", "FIXED_STEP_ROOM")
+REFUSALS = ("MISFIT", "NO_REST", "NOT_GENERAL", "NOT_LINEAR", "NOT_STABLE", "TOO_LARGE")  # codes of `assemble`
 COLUMN_CODES = (
-    *("GIVEN_INTEGRATOR", "GIVEN_STEP", "CENTRAL_DIFFERENCE", "COUNT_OVERTURNED"),
-    *("MISFIT", "NO_REST", "NOT_GENERAL", "NOT_LINEAR", "NOT_STABLE", "TOO_LARGE", "TOO_MUCH_WORK"),
+    *("GIVEN_INTEGRATOR", "GIVEN_STEP", "CENTRAL_DIFFERENCE", "COUNT_OVERTURNED", *REFUSALS, "TOO_MUCH_WORK"),
     *("STATE_OVERTURN_TIME", "STATE_TIME_FULL", "STATE_TIME_ROCKING", "STATE_TIME_FLIGHT"),
     *("PEAKS", "STATE_PEAKS", "PEAK_CONTACT", "COUNT_RESTING", "BASE_SEGMENT"),
     *("VERDICT_OVERTURNED", "VERDICT_STANDING", "VERDICT_UNDECIDED"),
@@ -118,7 +118,7 @@ def headers(contents: Contents) -> dict[str, str]:
 def contract(subject: Subject) -> str:
     """The kernels and what goes by their tables."""
     sizes = {name: subject.sizes[name] for name in SIZES}
-    sizes |= {"BASE_INPUTS": len(subject.inputs), "GIVEN": len(subject.given), "DETAILS": pointers.DETAILS}
+    sizes |= {"BASE_INPUTS": len(subject.inputs), "GIVEN": len(subject.given), "DETAILS": engine.DETAILS}
     codes = {"IS_COLUMN": int(subject.is_column)} | {name: subject.codes.get(name, 0) for name in COLUMN_CODES}
     lines = ["#include <stdint.h>", *_enum(sizes), *_enum(codes)]
     lines.append(f"#define TIME_SLACK {rules.TIME_SLACK!r}")

@@ -172,7 +172,7 @@ class Column(Shown):
         return next((block.joint.other_law for block in self.blocks if block.joint.other_law), "")
 
     def in_space(self) -> Any:
-        """The same blocks and joints as a structure in space (`Structure.stack`). Raises InputError."""
+        """These blocks and joints as a structure in space (`Structure.stack`). Raises InputError."""
         from ..space.structure import Structure  # above this package: imported when it is called
 
         return Structure.stack(self)

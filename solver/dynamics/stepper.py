@@ -26,6 +26,7 @@ REASONS = {
     "do not suffice; the input or the state is not a physical one, or a fixed step is far too short",
     at.INPUT_TOO_LARGE: "an input of the base is, or becomes, larger than 1e6 (m/s2, rad, rad/s, rad/s2)",
     at.ROTATES: 'the base rotates: formulation = "paper" has no such motion, "exact" has',
+    at.UNKNOWN_METHOD: "the settings ask for an integrator that the kernels do not have",
 }
 
 # A run is followed in chunks, after each of which an interruption is noticed: evaluations times blocks in each, about

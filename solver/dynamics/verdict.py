@@ -3,7 +3,7 @@
 On a still base the mechanical energy of a column never grows: its joints return at most the energy they took. To fall,
 some block has to turn beyond its angle of no return. So let every block i have a limit alpha_i below that angle. A
 column stands for ever if all blocks are within their limits and its energy is less than that of any column with one
-block at its limit and the others within theirs. `barrier` is that least energy, for the limits that make it largest.
+block at its limit and the others within theirs. The barrier is that least energy, for the limits that make it largest.
 
 With rigid joints the energy above rest is a sum over blocks and joints of x = sin(theta),
 -A_i (1 - sqrt(1 - x_i^2)) + B_i |x_i - x_(i+1)|. A_i is the toppling moment of the block and the load on it, B_i the
@@ -158,13 +158,6 @@ class Barriers:
 def _barriers(column: Column) -> Barriers:
     """Those of one column."""
     return Barriers(Chain.of_many(pack_model(column)[None], column.n))
-
-
-def barrier(column: Column) -> Barrier:
-    """The energy that a column needs to fall, above rest; zero where its rest is not stable."""
-    chain = chain_of(column)
-    found = max((least_energy(chain, limits_at(chain, part)) for part in PARTS), key=lambda each: float(each.energy))
-    return Barrier(max(0.0, float(found.energy)), found.limits)
 
 
 def limits_at(chain: Chain, part: float) -> FloatArray:

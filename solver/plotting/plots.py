@@ -65,7 +65,7 @@ _IN_METRES = _Panel("ux", "displacement of the top face", "$u_x$", "m")
 
 @dataclass(frozen=True, eq=False)
 class _Shown:
-    """What is drawn: rows up to shortly after a fall, histories in SI units (nt, n), those that have lines."""
+    """The data of a picture: rows up to shortly after a fall, histories in SI units (nt, n), those that have lines."""
 
     column: Column
     time: FloatArray

@@ -94,7 +94,7 @@ def phase_of(stepper: Stepper) -> FloatArray:
 
 
 def _coordinates(phases: FloatArray, column: Column) -> FloatArray:
-    """The same from arrays that begin with a phase of the stepper."""
+    """Coordinates and rates from arrays that begin with a phase of the stepper."""
     slips = phases[..., at.RIGID_FIELDS * column.n :]
     return coordinates_of(phases, slips if column.has_slips else slips[..., :0], column.n)
 

@@ -111,13 +111,3 @@ def _stacked(arrays: list[NDArray[Any]]) -> NDArray[Any]:
         whole[row : row + len(array), : array.shape[1]] = array
         row += len(array)
     return whole
-
-
-def single_columns(columns: Mapping[str, NDArray[Any]]) -> tuple[list[str], list[NDArray[Any]]]:
-    """Names and values of columns of one number a run: one of blocks becomes peak_ux[1], peak_ux[2] ..."""
-    names: list[str] = []
-    singles: list[NDArray[Any]] = []
-    for name, values in columns.items():
-        names += [name] if values.ndim == 1 else [f"{name}[{i}]" for i in range(1, values.shape[1] + 1)]
-        singles += [values] if values.ndim == 1 else list(values.T)
-    return names, singles

@@ -11,13 +11,13 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from scipy.optimize import minimize_scalar
+from support.barriers import barrier
 from support.probe import Array
 
 from solver import Block, Column, InitialState, Joint, Motion, natural_frequencies, simulate
 from solver.column.packing import pack_model
 from solver.dynamics.kinematics import Chain
 from solver.dynamics.stepper import Stepper
-from solver.dynamics.verdict import barrier
 from solver.kernels.joint.law import held_forces, joint_forces, joint_potential, law_of
 from solver.kernels.joint.regimes import OPEN, contact_regime
 from solver.kernels.layout import spaces as at

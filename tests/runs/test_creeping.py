@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from support.barriers import barrier
 from support.probe import G, monolith, phocas, settled
 
 from solver import Column, InitialState, Motion, simulate
@@ -14,7 +15,7 @@ from solver.dynamics.creeping import SHARE, levers_left, on_its_axis
 from solver.dynamics.kinematics import Chain
 from solver.dynamics.leaning import PARTS, least_energy
 from solver.dynamics.stepper import Stepper
-from solver.dynamics.verdict import CREEPS, barrier, cannot_fall, creeps_no_further
+from solver.dynamics.verdict import CREEPS, cannot_fall, creeps_no_further
 from solver.runs.single_run import phase_of
 
 

@@ -8,6 +8,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 import pytest
 from scipy.optimize import minimize
+from support.barriers import barrier
 from support.columns import random_drums
 from support.housner import half_sine_amplitude, rectangle_amplitude
 from support.lagrange import Reference
@@ -23,7 +24,6 @@ from solver.dynamics.verdict import (
     SAFE,
     SHARES,
     Barriers,
-    barrier,
     cannot_fall,
     is_held,
     least_energies,

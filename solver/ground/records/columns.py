@@ -70,8 +70,8 @@ def read_plain(lines: list[str], dt: float | None, units: str | None) -> Record:
     """
     if units is None:
         raise InputError(
-            "no known header (PEER AT2, ESM, K-NET, COSMOS, CSV): units must be given to read it as plain columns, "
-            f"{KNOWN}"
+            "no known header (PEER AT2, ESM, K-NET, COSMOS, CSV): units must be given (--units) to read it as plain "
+            f"columns, {KNOWN}"
         )
     factor = factor_of(units)
     rows: list[list[float]] = []
@@ -91,7 +91,7 @@ def read_plain(lines: list[str], dt: float | None, units: str | None) -> Record:
     for k in range(len(rows)):
         if len(rows[k]) not in (2, 3) or len(rows[k]) != len(rows[0]):
             raise InputError(
-                f"line {at[k]}: {len(rows[k])} values, must be time, ax and perhaps az, or dt must be given"
+                f"line {at[k]}: {len(rows[k])} values, must be time, ax and perhaps az, or dt must be given (--dt)"
             )
         _check_order(at[k], rows[max(k - 1, 0) : k + 1])
     if len(rows) < 2:

@@ -13,46 +13,13 @@ from ..numba_ext.jit import leaf
 from ..numba_ext.views import row_at
 from ..output.watch import Watch
 from . import engine
-from .engine import (
-    DETAILS,
-    GIVEN_BLOCK,
-    GIVEN_JOINT,
-    MISFIT,
-    NO_REST,
-    NOT_GENERAL,
-    NOT_LINEAR,
-    NOT_STABLE,
-    TOO_LARGE,
-    column_over,
-    model_room,
-    scratch_room,
-)
 
-__all__ = [
-    "DETAILS",
-    "ENTRIES",
-    "GIVEN_BLOCK",
-    "GIVEN_FIELDS",
-    "GIVEN_JOINT",
-    "GIVEN_SETTINGS",
-    "MISFIT",
-    "NOT_GENERAL",
-    "NOT_LINEAR",
-    "NOT_STABLE",
-    "NO_REST",
-    "TOO_LARGE",
-    "model_room",
-    "scratch_room",
-]
-
-GIVEN_SETTINGS = engine.GIVEN_SETTINGS.fields
-GIVEN_FIELDS = engine.GIVEN.beside
 _row, _split = ROW.over, SPLIT.over
 
 
 @leaf
 def _column(n, model, state, counts, base, work, samples):
-    return column_over(n, row_at(model), row_at(state), row_at(counts), row_at(base), samples, row_at(work))
+    return engine.column_over(n, row_at(model), row_at(state), row_at(counts), row_at(base), samples, row_at(work))
 
 
 @leaf
@@ -94,8 +61,8 @@ def look(
 ):
     """`engine.look`."""
     column = _column(n, model, state, counts, base, work, _samples(count, times, ax, az, scale))
-    visible = _row(row_at(row), n), _split(row_at(split), 0)
-    return engine.look(column, row_at(inputs), new_inputs, upright, elapsed, t, visible[0], visible[1])
+    here, parts = _row(row_at(row), n), _split(row_at(split), 0)
+    return engine.look(column, row_at(inputs), new_inputs, upright, elapsed, t, here, parts)
 
 
 def rates(n, model, state, counts, base, work, t, count, times, ax, az, scale, row, split, other, other_split):

@@ -2,6 +2,7 @@
 
 from typing import NamedTuple
 
+from ..layout.spaces import UNKNOWN_METHOD
 from ..numba_ext.jit import kernel, leaf
 from . import central_difference, dormand_prince, modal, order_8, rosenbrock
 
@@ -12,7 +13,6 @@ LINEARLY_IMPLICIT = 3
 MODES = 4
 UNKNOWN = 5
 NONE = 6  # no step at all
-UNKNOWN_METHOD = -5  # code
 
 
 class Traits(NamedTuple):

@@ -1,4 +1,4 @@
-"""What a joint of any section has of energy: for judging a column, not for moving it."""
+"""Energy of a joint of any section: for the verdict on a column, not for its motion."""
 
 from ..numba_ext.jit import kernel
 from ..sections.section import part_stiffness

@@ -1,4 +1,4 @@
-"""What bounds the loaded part of a joint on either side: its regime, in which the forces are smooth.
+"""The bounds of the loaded part of a joint on either side: its regime, in which the forces are smooth.
 
 A regime is OPEN, or FULL + left + RIGHT * right with each side a CORNER, TOUCH or PULL.
 """
@@ -54,13 +54,13 @@ def contact_regime(left_end, right_end, damping, opening, slope, opening_rate, s
 
 @leaf
 def sides(regime):
-    """What bounds the loaded part on the left and on the right in a regime that is not OPEN."""
+    """The bounds of the loaded part on the left and on the right in a regime that is not OPEN."""
     return regime & 3, (regime >> 2) & 3
 
 
 @leaf
 def side_margin(bound, corner, damping, opening, slope, mean, gradient):
-    """Where the loaded part ends by this bound, m from the centre, and how far the bound is from giving way, m.
+    """End of the loaded part by this bound, m from the centre, and how far the bound is from giving way, m.
 
     mean, gradient: opening and slope as the damper feels them; corner: the end of the joint on that side, m.
     """

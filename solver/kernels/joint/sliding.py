@@ -73,7 +73,7 @@ def drift(normal, sine, at_rim):
 
 @by_width
 def rim_force(blocks, i, opening, slope, slip):
-    """What the rim that cuts the contact of joint i off pushes the block above outwards by, N, towards +x.
+    """Force of the rim that cuts off the contact of joint i on the block above, outwards, N, towards +x.
 
     The elastic energy that a slip of a metre takes off the contact: else energy would be lost or won by it.
     """

@@ -1,1 +1,1 @@
-"""What lies where in the flat arrays."""
+"""The places of all numbers in the flat arrays."""

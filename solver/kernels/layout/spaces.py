@@ -308,6 +308,7 @@ NOT_FINITE = -3
 ROTATES = -4  # the base, which the formulation does not know
 TOO_MUCH_WORK = -5  # more evaluations than any column takes
 INPUT_TOO_LARGE = -6
+UNKNOWN_METHOD = -7
 MOST_INPUT = 1e6  # of each input of the base, in its unit
 
 

@@ -1,1 +1,1 @@
-"""What the kernels need of numba: compilation, eight columns at once, names over flat buffers."""
+"""The parts of numba that kernels need: compilation, eight columns at once, names over flat buffers."""

@@ -1,1 +1,1 @@
-"""What is kept of a run: peaks and snapshots."""
+"""Results kept of a run: peaks and snapshots."""

@@ -15,7 +15,7 @@ from .strips import COUNT, DEPTHS, edge_of
 
 @leaf
 def _kink(radius, half):
-    """Where a circle is as deep as a band of this half depth, m to either side of its centre."""
+    """Abscissas at which a circle is as deep as a band of this half depth, m to either side of its centre."""
     return math.sqrt((radius - half) * (radius + half)) if radius > half else 0.0
 
 
@@ -81,7 +81,7 @@ def band_part(strips, outer, inner, centre, lo, hi):
 
 @leaf
 def _first_touched(strips, k, inner, centre, lo, hi):
-    """What of strip k from lo to hi is not all over the bore: its ends, m; lo >= hi: nothing."""
+    """Ends, m, of the part of strip k from lo to hi that is not all over the bore; lo >= hi: nothing."""
     half = 0.5 * strips[DEPTHS + k]
     lo, hi = max(lo, edge_of(strips, k)), min(hi, edge_of(strips, k + 1))
     over = _kink(inner, half)
@@ -110,7 +110,7 @@ def ends_of_band(strips, inner, centre, left, right):
 
 @kernel
 def _push_on_strip(strips, k, radius, slip, lo, hi, stiffness, opening, slope):
-    """What the energy over the arcs of a circle about -slip that bound strip k falls by for a slip of 1 m, J/m."""
+    """Decrease of the energy over the arcs of a circle about -slip that bound strip k, for a slip of 1 m, J/m."""
     half = 0.5 * strips[DEPTHS + k]
     lo, hi = max(max(lo, edge_of(strips, k)), -radius - slip), min(min(hi, edge_of(strips, k + 1)), radius - slip)
     kink, left, right = _kink(radius, half), 0.0, 0.0
@@ -126,7 +126,7 @@ def _push_on_strip(strips, k, radius, slip, lo, hi, stiffness, opening, slope):
 
 @kernel
 def band_push(strips, outer, inner, slip, lo, hi, stiffness, opening, slope):
-    """What the rims of an annulus below push the strips above outwards by, pressed from lo to hi: N, towards +x."""
+    """Force of the rims of an annulus below on the strips above, pressed from lo to hi: N, outwards, towards +x."""
     force, count = 0.0, int(strips[COUNT])
     for k in range((count + 1) // 2):
         other = count - 1 - k

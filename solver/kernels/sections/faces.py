@@ -69,7 +69,7 @@ def lies_within(face: Face, other: Face) -> bool:
 
 @in_both
 def common(own: Face, below: Face) -> Face:
-    """What two faces that are not made of strips have in common.
+    """The common part of two faces that are not made of strips.
 
     ON_RING or ON_BAND where that is none of SECTIONS: between these widths, and no deeper.
     """

@@ -13,7 +13,7 @@ from .circle import circle_part
 
 @leaf
 def meeting(below, own, slip):
-    """Where a circle of the radius `below` about -slip and one of the radius `own` about 0 have the same chord, m."""
+    """Abscissa, m, of the common chord of a circle of the radius `below` about -slip and one of `own` about 0."""
     return 0.5 * ((below - own) * (below + own) - slip * slip) / slip
 
 

@@ -38,7 +38,7 @@ NEAR = 1e-4  # of the width of a contact: half of the part over which its depth 
 
 
 class Contact(NamedTuple):
-    """Where the faces of a joint can touch; abscissas in m from the middle of the block."""
+    """The part in which the faces of a joint can touch; abscissas in m from the middle of the block."""
 
     section: float  # its code, also LENS, ON_RING or ON_BAND (faces.py)
     left: float  # ends of the contact

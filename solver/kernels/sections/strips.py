@@ -14,7 +14,7 @@ COUNT, PITCH, DEPTHS = 0, 1, 2  # places in the row
 
 @leaf
 def edge_of(strips, k):
-    """Where strip k begins, m; its mirror image is minus it, to the last bit."""
+    """Beginning of strip k, m; its mirror image is minus it, to the last bit."""
     return strips[PITCH] * (k - 0.5 * strips[COUNT])
 
 
