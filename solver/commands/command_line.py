@@ -14,7 +14,6 @@ from typing import Any, NoReturn
 import numpy as np
 
 from .. import __version__
-from ..column.column import Column
 from ..column.settings import FORMULATIONS, INTEGRATORS
 from ..common.errors import InputError, InputWarning, SolverError, reading
 from ..common.files import check_outputs
@@ -24,7 +23,7 @@ from ..dynamics.uncertainty import PERCENTILES, Ensemble, Spread
 from ..ground.motion import STANDARD_GRAVITY, Motion
 from ..runs.simulate import simulate
 from ..runs.single_run import OUTPUT_STEP, SETTLE
-from . import column_report
+from . import column_report, structure
 from .calibrate import add_calibrate_command
 from .check import add_check_command
 from .command_files import PICTURES, add_force, check_picture, check_suffix, outputs_of_run, read_column, write_outputs
@@ -41,7 +40,6 @@ from .new import add_new_command
 from .progress import Line, ProgressLine, compile_kernels
 from .record_report import report
 from .static import add_static_commands
-from .structure import is_structure_file, simulate_in_space
 from .study import add_command as add_study
 
 BASE_PEAKS = ("Fx", "Fz", "My"), ("kN", "kN", "kN m")
@@ -131,38 +129,7 @@ def add_commands(commands: argparse._SubParsersAction[OneLineParser]) -> None:
     run.add_argument("column", type=Path, metavar="COLUMN.toml", help="blocks, joints and solver settings")
     add_motion_options(run)
     run.add_argument("--duration", type=float, metavar="S", help="s (default: that of the motion)")
-    run.add_argument("--output-step", type=float, metavar="S", help=f"s between two rows (default: {OUTPUT_STEP})")
-    run.add_argument("--formulation", help=f"{' or '.join(FORMULATIONS)} (default: the column's, as all that follow)")
-    run.add_argument("--integrator", help=" or ".join(INTEGRATORS))
-    run.add_argument("--step", type=float, metavar="S", help="s, of an integrator with a fixed step")
-    run.add_argument("--tolerance", type=float, help="error relative to the peak, of one that chooses its steps")
-    run.add_argument(
-        "--settle",
-        type=float,
-        default=SETTLE,
-        metavar="S",
-        help=f"s after the end in which to find out whether it falls (default: {SETTLE:g}; 0: none)",
-    )
-    run.add_argument("--no-check", action="store_true", help="do not repeat the run to estimate its error")
-    usual = Spread()
-    run.add_argument("--ensemble", type=int, default=0, metavar="RUNS", help="number of runs varied by the spread")
-    run.add_argument(
-        "--spread",
-        type=float,
-        nargs=3,
-        default=(usual.stiffness, usual.damping, usual.motion),
-        metavar=("STIFFNESS", "DAMPING", "MOTION"),
-        help=f"relative sizes (default: {usual.stiffness:g} {usual.damping:g} {usual.motion:g})",
-    )
-    run.add_argument("--spread-seed", type=int, default=usual.seed, metavar="N", help=f"(default: {usual.seed})")
-    run.add_argument("-o", "--output", type=Path, metavar="FILE.csv", help="write the histories")
-    run.add_argument("--plot", type=Path, metavar="FILE.png", help=f"draw the histories ({', '.join(PICTURES)})")
-
-    run.add_argument("--plot-column", type=Path, metavar="FILE.png", help="draw the deformed column at its peak")
-    run.add_argument("--film", type=Path, metavar="FILE.gif", help="film the column (.gif; .mp4 where ffmpeg is)")
-    run.add_argument(
-        "--digits", type=int, default=DIGITS, metavar="N", help=f"significant ones of -o (default: {DIGITS}; 17: all)"
-    )
+    _add_run_options(run)
     add_force(run)
 
     record = commands.add_parser("record", help="how strong records are: peaks, Arias intensity, response spectrum")
@@ -186,40 +153,56 @@ def add_commands(commands: argparse._SubParsersAction[OneLineParser]) -> None:
     add_study(commands)
 
 
+def _add_run_options(run: argparse.ArgumentParser) -> None:
+    """Add the options of `simulate`, in its groups."""
+    accuracy = run.add_argument_group("accuracy (default: the column's)")
+    accuracy.add_argument("--tolerance", type=float, help="error relative to the peak, unless the step is fixed")
+    accuracy.add_argument("--formulation", help=" or ".join(FORMULATIONS))
+    accuracy.add_argument("--integrator", help=" or ".join(INTEGRATORS))
+    accuracy.add_argument("--step", type=float, metavar="S", help="s, of an integrator with a fixed step")
+    out = run.add_argument_group("output")
+    out.add_argument("--output-step", type=float, metavar="S", help=f"s between two rows (default: {OUTPUT_STEP})")
+    out.add_argument("-o", "--output", type=Path, metavar="FILE.csv", help="write the histories")
+    words = f"significant ones of -o (default: {DIGITS}; 17: all)"
+    out.add_argument("--digits", type=int, default=DIGITS, metavar="N", help=words)
+    out.add_argument("--plot", type=Path, metavar="FILE.png", help=f"draw the histories ({', '.join(PICTURES)})")
+    out.add_argument("--plot-column", type=Path, metavar="FILE.png", help="draw the deformed column at its peak")
+    out.add_argument("--film", type=Path, metavar="FILE.gif", help="film the column (.gif; .mp4 where ffmpeg is)")
+    words = f"s after the end in which to find out whether it falls (default: {SETTLE:g}; 0: none)"
+    verdict = run.add_argument_group("verdict")
+    verdict.add_argument("--settle", type=float, default=SETTLE, metavar="S", help=words)
+    trust = run.add_argument_group("trust")
+    trust.add_argument("--no-check", action="store_true", help="do not repeat the run to estimate its error")
+    trust.add_argument("--ensemble", type=int, default=0, metavar="RUNS", help="number of runs varied by the spread")
+    *usual, seed = (getattr(Spread(), name) for name in ("stiffness", "damping", "motion", "seed"))
+    words = "relative sizes (default: {:g} {:g} {:g})".format(*usual)
+    names = ("STIFFNESS", "DAMPING", "MOTION")
+    trust.add_argument("--spread", type=float, nargs=3, default=usual, metavar=names, help=words)
+    trust.add_argument("--spread-seed", type=int, default=seed, metavar="N", help=f"(default: {seed})")
+
+
 def _simulate(options: argparse.Namespace) -> None:
-    if is_structure_file(options.column):
-        simulate_in_space(options)
-        return
+    in_space = structure.is_structure_file(options.column)
     # obstacles to an output are reported before the run, not after it
     outputs = outputs_of_run(options)
     check_digits("--digits", options.digits)
-    column = read_column(options.column)
+    subject: Any = structure.read_structure(options) if in_space else read_column(options.column)
     motion, lines = motion_of(options)
-    compile_kernels()  # the report needs them too
-    print(*lines, column_report.report(column, motion), sep="\n", flush=True)
-    stiffness, damping, shaking = options.spread
-    spread = Spread(stiffness, damping, shaking, options.spread_seed)
+    if not in_space:
+        compile_kernels()  # the report needs them too
+    report_of, summary_of = (structure.report, structure.summary) if in_space else (column_report.report, _summary)
+    print(*lines, report_of(subject, motion), sep="\n", flush=True)
+    names = ("formulation", "integrator", "step", "tolerance", "output_step", "settle", "ensemble")
+    given = {name: getattr(options, name) for name in names}
+    given |= {"check": not options.no_check, "spread": Spread(*options.spread, seed=options.spread_seed)}
     try:
-        response = _run(
-            column,
-            motion,
-            duration=options.duration,
-            formulation=options.formulation,
-            integrator=options.integrator,
-            step=options.step,
-            tolerance=options.tolerance,
-            output_step=options.output_step,
-            settle=options.settle,
-            check=not options.no_check,
-            ensemble=options.ensemble,
-            spread=spread,
-        )
-        print(_summary(response))
+        response = _run(subject, motion, options.duration, **given)
+        print(summary_of(response))
         writers: tuple[Callable[[Path], object], ...] = (
             lambda path: response.to_csv(path, options.digits),
             response.plot,
-            response.plot_column,
-            lambda path: _film(response, path),
+            response.plot_structure if in_space else response.plot_column,
+            response.film if in_space else partial(_film, response),
         )
         write_outputs(zip(outputs, writers, strict=True))
     except MemoryError:
@@ -235,12 +218,12 @@ def _film(response: Response, path: Path) -> None:
         response.film(path, callback=line.show)
 
 
-def _run(column: Column, motion: Motion, duration: float | None, **options: Any) -> Response:
+def _run(subject: Any, motion: Motion, duration: float | None, **options: Any) -> Any:
     """`simulate`, with a progress line on a terminal."""
     if not sys.stderr.isatty():
-        return simulate(column, motion, duration, **options)
+        return simulate(subject, motion, duration, **options)
     with ProgressLine(motion.start, motion.duration if duration is None else duration) as line:
-        return simulate(column, motion, duration, callback=line, **options)
+        return simulate(subject, motion, duration, callback=line, **options)
 
 
 def _record(options: argparse.Namespace) -> None:

@@ -44,7 +44,7 @@ _OF_WAVELETS = ("frequency", "cycles", "phase", "length", "seed")
 _OF_RECORDS = ("vertical", "across", "dt", "units", "channel", "vertical_channel")
 
 
-def add_file_options(parser: argparse.ArgumentParser) -> None:
+def add_file_options(parser: argparse._ActionsContainer) -> None:
     """Add the options needed for files that do not state everything themselves."""
     parser.add_argument("--dt", type=float, metavar="S", help="s between the samples of plain columns without times")
     parser.add_argument("--units", metavar="UNIT", help=f"of plain columns: {KNOWN}")
@@ -60,8 +60,8 @@ def add_motion_options(parser: argparse.ArgumentParser) -> None:
         "--across", type=Path, metavar="FILE", help="the other horizontal one, of a structure in space"
     )
     records.add_argument("--vertical-channel", type=int, metavar="N", help="the same as --channel, of --vertical")
-    add_file_options(parser)
-    strength = parser.add_mutually_exclusive_group()
+    add_file_options(records)
+    strength = parser.add_argument_group("strength").add_mutually_exclusive_group()
     strength.add_argument("--scale", type=float, help="factor on the base acceleration")
     strength.add_argument(
         "--pga", type=float, metavar="G", help="largest horizontal acceleration, g; vertical goes along"

@@ -1,10 +1,8 @@
-"""`simulate` of a structure in space: checks, report and summary."""
+"""A structure in space on the command line: reading, report and summary of a run."""
 
 from __future__ import annotations
 
 import argparse
-import sys
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -12,19 +10,12 @@ import numpy as np
 from ..common.errors import InputError
 from ..common.files import toml_of
 from ..dynamics.first_run import are_kept
-from ..dynamics.response import check_digits
-from ..dynamics.uncertainty import Spread
 from ..ground.motion import STANDARD_GRAVITY, Motion
 from ..kernels.space.entries import run_structure
-from ..runs.simulate import simulate
 from ..space.modes import modes_in_space
 from ..space.response import SpatialResponse
-from ..space.run import Callback as SpatialCallback
 from ..space.structure import Structure
 from ..space.structure_file import describes_structure
-from .command_files import outputs_of_run, write_outputs
-from .motion_options import motion_of
-from .progress import ProgressLine
 
 MOST_LINES = 20  # of a table
 MOST_BLOCKS = 60  # with more, natural frequencies take too long for a report
@@ -38,54 +29,18 @@ def is_structure_file(path: Path) -> bool:
         return False
 
 
-def simulate_in_space(options: argparse.Namespace) -> None:
-    """Run and print; write the files asked for. Raises InputError, SolverError, OSError."""
+def read_structure(options: argparse.Namespace) -> Structure:
+    """The structure to be simulated, after a notice if its kernels must be compiled. Raises InputError, OSError."""
     for name in ("formulation", "integrator", "step"):
         if getattr(options, name) is not None:
             raise InputError(f"--{name}: must be left out, structures in space have none")
-    outputs = outputs_of_run(options)
-    check_digits("--digits", options.digits)
     structure = Structure.from_toml(options.column)
     if not are_kept(run_structure):
         print("compiling the kernels, once", flush=True)
-    motion, lines = motion_of(options)
-    print(*lines, _report(structure, motion), sep="\n", flush=True)
-    stiffness, damping, shaking = options.spread
-    response = _run(structure, motion, options, Spread(stiffness, damping, shaking, options.spread_seed))
-    print(_summary(response))
-    writers: tuple[Callable[[Path], object], ...] = (
-        lambda path: response.to_csv(path, options.digits),
-        response.plot,
-        response.plot_structure,
-        response.film,
-    )
-    write_outputs(zip(outputs, writers, strict=True))
+    return structure
 
 
-def _run(structure: Structure, motion: Motion, options: argparse.Namespace, spread: Spread) -> SpatialResponse:
-    duration = motion.duration if options.duration is None else options.duration
-
-    def run(callback: SpatialCallback | None) -> SpatialResponse:
-        return simulate(
-            structure,
-            motion,
-            duration,
-            tolerance=options.tolerance,
-            output_step=options.output_step,
-            settle=options.settle,
-            check=not options.no_check,
-            ensemble=options.ensemble,
-            spread=spread,
-            callback=callback,
-        )
-
-    if not sys.stderr.isatty():
-        return run(None)
-    with ProgressLine(motion.start, duration) as line:
-        return run(line)
-
-
-def _report(structure: Structure, motion: Motion) -> str:
+def report(structure: Structure, motion: Motion) -> str:
     """Size and first natural frequencies of the structure; peaks of the motion."""
     top = max(float(np.max(block.corners[:, 2])) for block in structure.blocks)
     parts = [f"{structure.n} blocks, {len(structure.joints)} joints, {len(structure.ties)} ties, {top:.4g} m"]
@@ -97,7 +52,7 @@ def _report(structure: Structure, motion: Motion) -> str:
     return f"{structure.name}: {', '.join(parts)}\nbase: {motion.duration:.4g} s, {shaken}"
 
 
-def _summary(response: SpatialResponse) -> str:
+def summary(response: SpatialResponse) -> str:
     """The results of a run, for the terminal."""
     structure, peaks, stats = response.structure, response.peaks, response.stats
     lines = ["block           peak |ux| (mm)  |uy| (mm)  |uz| (mm)"]

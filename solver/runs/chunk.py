@@ -30,7 +30,7 @@ from ..ground.motion import Motion
 from .batch import HELD, KINDS, BatchResult, follow_in_lanes, kind_of, why_not_in_lanes
 from .outputs import KEPT, WATCHED, WATCHED_ALL, WATCHED_OF_BASE
 from .settling import outcomes_of
-from .single_run import Callback, outcome, output_times, single_run
+from .single_run import Callback, Plan, outcome, output_times, single_run
 from .table import WORDS, Columns, Table
 
 SCALAR, LANES = "scalar", "lanes"
@@ -275,7 +275,7 @@ def _verdicts(
 def _response(run: Run, settle: float, look: Callback) -> Response:
     """The whole response of a run, with the rows of `simulate`."""
     times = output_times(run.motion, run.duration)
-    return single_run(run.column, run.motion, run.duration, times, None, settle, look)[0]
+    return single_run(run.column, Plan(run.motion, run.duration, times, None, settle, look))[0]
 
 
 def _alone(run: Run, chunk: Chunk, columns: Columns, place: int, look: Callback) -> str:
@@ -285,7 +285,7 @@ def _alone(run: Run, chunk: Chunk, columns: Columns, place: int, look: Callback)
     if WATCHED_ALL.isdisjoint(chunk.keep):
         column = column.with_settings(without=(*column.settings.without, "peaks"))  # but those of ux
     try:
-        response, phases = single_run(column, run.motion, run.duration, end, None, chunk.settle, look)
+        response, phases = single_run(column, Plan(run.motion, run.duration, end, None, chunk.settle, look))
     except SolverError as failure:
         return str(failure)
     stands = not response.overturn_time <= end[0]

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..column.column import Column
-from ..column.packing import FloatArray, InitialState
+from ..column.packing import FloatArray
 from ..common.errors import SolverError
 from ..dynamics.kinematics import chain_of
 from ..dynamics.response import Response
@@ -18,32 +18,22 @@ from ..dynamics.uncertainty import PERCENTILES, Ensemble, Spread
 from ..dynamics.verdict import OVERTURNED, UNDECIDED
 from ..ground.motion import Motion
 from .batch import run_batch
-from .single_run import Callback, outcome, single_run
+from .single_run import Plan, outcome, single_run
 
 MOST_DAMPED = 0.5  # of the steps implicit: beyond it lanes, which step explicitly, gain nothing
 LISTEN = 0.05  # s between two checks for an interruption
 LEAST_CHANGE, MOST_CHANGE = 1e-3, 1e3  # of a value by its factor: a column may hold a wider range
 
 
-def ensemble_of(
-    response: Response,
-    motion: Motion,
-    duration: float,
-    initial: InitialState | None,
-    settle: float,
-    size: int,
-    spread: Spread,
-    callback: Callback | None = None,
-) -> Ensemble:
-    """`size` runs around the one that gave a response, with rows at the same times."""
+def ensemble_of(response: Response, plan: Plan, size: int, spread: Spread) -> Ensemble:
+    """`size` runs around the one by a plan that gave a response."""
     rng = np.random.default_rng(spread.seed)
-    varied = [vary(response.column, motion, spread, rng) for _ in range(size)]
-    columns, motions = [column for column, _ in varied], [shaken for _, shaken in varied]
-    lanes = runs_in_lanes(response, motion, initial)
+    varied = [vary(response.column, plan.motion, spread, rng) for _ in range(size)]
+    lanes = runs_in_lanes(response, plan)
     made = (
-        _in_lanes(columns, motions, duration, response.time - motion.start, settle)
+        _in_lanes(varied, plan)
         if lanes
-        else [_alone(*run, duration, response.time, initial, settle, callback) for run in varied]
+        else [_alone(column, plan._replace(motion=shaken)) for column, shaken in varied]
     )
     verdicts, times, peaks, histories = zip(*made, strict=True)
     peak_ux, overturn_time = np.array(peaks), np.array(times)
@@ -80,7 +70,7 @@ def vary(column: Column, motion: Motion, spread: Spread, rng: np.random.Generato
     return column.with_joints(stiffness, damping), motion.scaled(factors(spread.motion, 1)[0])
 
 
-def runs_in_lanes(response: Response, motion: Motion, initial: InitialState | None) -> bool:
+def runs_in_lanes(response: Response, plan: Plan) -> bool:
     """Whether eight runs can go at once, and that is faster."""
     settings = response.column.settings
     fits = (
@@ -91,44 +81,35 @@ def runs_in_lanes(response: Response, motion: Motion, initial: InitialState | No
         and set(settings.without) <= {"peaks"}
     )
     explicit = response.stats["implicit_steps"] <= MOST_DAMPED * response.stats["steps"]
-    return fits and explicit and not motion.hold and initial is None
+    return fits and explicit and not plan.motion.hold and plan.initial is None
 
 
 Made = tuple[str, float, FloatArray, FloatArray]  # verdict, time of overturning s, peaks (n,), ux (nt, n)
 
 
-def _alone(
-    column: Column,
-    motion: Motion,
-    duration: float,
-    times: FloatArray,
-    initial: InitialState | None,
-    settle: float,
-    callback: Callback | None,
-) -> Made:
+def _alone(column: Column, plan: Plan) -> Made:
     try:
         column = column.with_settings(without=(*column.settings.without, "peaks"))
-        response, phases = single_run(column, motion, duration, times, initial, settle, callback)
+        response, phases = single_run(column, plan)
     except SolverError:
-        nothing = np.full((len(times), column.n), math.nan)
+        nothing = np.full((len(plan.times), column.n), math.nan)
         return UNDECIDED, math.nan, nothing[0], nothing
     return response.verdict, response.overturn_time, response.peak_ux, chain_of(column).top_displacements(phases)
 
 
-def _in_lanes(
-    columns: list[Column], motions: list[Motion], duration: float, times: FloatArray, settle: float
-) -> list[Made]:
-    batch = interruptible(
-        lambda: run_batch(columns, motions, [duration] * len(columns), times=np.append(times, duration))
-    )
+def _in_lanes(varied: list[tuple[Column, Motion]], plan: Plan) -> list[Made]:
+    columns, motions = zip(*varied, strict=True)
+    start, duration = plan.motion.start, plan.duration
+    times = np.append(plan.times - start, duration)
+    batch = interruptible(lambda: run_batch(columns, motions, [duration] * len(columns), times=times))
     made: list[Made] = []
-    for k, (column, motion) in enumerate(zip(columns, motions, strict=True)):
+    for k, (column, motion) in enumerate(varied):
         if not batch.finished[k]:
-            made.append(_alone(column, motion, duration, motion.start + times, None, settle, None))
+            made.append(_alone(column, plan._replace(motion=motion, callback=None)))
             continue
         verdict, fall = OVERTURNED, float(batch.overturn_time[k])
         if not batch.overturned_joint[k]:
-            verdict, fall, _ = outcome(column, batch.phases[k, -1], motion.start + duration, settle)
+            verdict, fall, _ = outcome(column, batch.phases[k, -1], start + duration, plan.settle)
         made.append((verdict, fall, batch.peak_ux[k], chain_of(column).top_displacements(batch.phases[k, :-1])))
     return made
 

@@ -57,14 +57,20 @@ def simulate_many(
 ) -> Table:
     """Runs of column k under motion k, each from rest, as a table with a row for each; or of structures in space.
 
-    columns, motions, duration (s; None: that of the motion), tolerance (relative to the peak; None: that of the
-    column): one for all runs, or one for each run. They may differ in everything. Iterables are read as needed, so that
-    memory does not grow with the number of runs, but for the table.
-    keep: results that the table holds, names of outputs.KEPT.
-    executor: anything with `submit`, such as a process pool or a client of Dask; None: threads of this process, as many
-    as `threads` or as it has cores.
-    settle: as in `simulate`. responses: numbers of runs of which the whole Response is kept, in `table.responses`.
-    callback: called as callback(runs done, runs in all or None) as they end; what it raises ends `simulate_many`.
+    columns, motions, duration (s; None: that of the motion), tolerance: one for all runs, or one for each run. They may
+    differ in everything. Iterables are read as needed, so that memory does not grow with the number of runs, but for
+    the table. The options are in the groups of `simulate`, and one of their own:
+
+    Accuracy. tolerance: relative to the peak; None: that of the column.
+
+    Output. keep: results that the table holds, names of outputs.KEPT. responses: numbers of runs of which the whole
+    Response is kept, in `table.responses`. callback: called as callback(runs done, runs in all or None) as they end;
+    what it raises ends `simulate_many`.
+
+    Verdict. settle: as in `simulate`.
+
+    Work. executor: anything with `submit`, such as a process pool or a client of Dask; None: threads of this process,
+    as many as `threads` or as it has cores.
 
     The numbers are the same, bit for bit, whatever the threads, workers and the order. A run that the solver cannot
     finish is "undecided", its numbers are NaN and `table.stats["failures"]` says why.

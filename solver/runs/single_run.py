@@ -45,35 +45,38 @@ class Verdict(NamedTuple):
     reason: str
 
 
-def single_run(
-    column: Column,
-    motion: Motion,
-    duration: float,
-    times: FloatArray,
-    initial: InitialState | None,
-    settle: float,
-    callback: Callback | None = None,
-) -> tuple[Response, FloatArray]:
-    """A run of `duration` s with rows at `times`, s; and the phases (kinematics.py) at these. Raises SolverError."""
-    stepper = Stepper(column, initial)
-    stop = motion.start + duration
+class Plan(NamedTuple):
+    """A run of whichever column: its motion, how long it takes, s, and the times of its rows, s."""
+
+    motion: Motion
+    duration: float
+    times: FloatArray
+    initial: InitialState | None = None  # None: rest
+    settle: float = 0.0  # s, the longest that the column is followed after the duration
+    callback: Callback | None = None
+
+
+def single_run(column: Column, plan: Plan) -> tuple[Response, FloatArray]:
+    """The response of a column, and its phases (kinematics.py) at the times of the rows. Raises SolverError."""
+    stepper = Stepper(column, plan.initial)
+    stop = plan.motion.start + plan.duration
 
     def after_chunk(t: float) -> None:
-        if callback is not None:
+        if plan.callback is not None:
             phase, chain = phase_of(stepper), chain_of(column)
             places = chain.places(phase)
-            callback(t, Glance(chain.top_displacements(phase), places.theta.copy(), stepper.peak_ux.copy()))
+            plan.callback(t, Glance(chain.top_displacements(phase), places.theta.copy(), stepper.peak_ux.copy()))
 
     begin = clock.perf_counter()
-    snapshots = stepper.run(motion, stop, times, after_chunk)
+    snapshots = stepper.run(plan.motion, stop, plan.times, after_chunk)
     wall_time = clock.perf_counter() - begin
     stats = _stats(stepper, wall_time)
     peaks = stepper.peaks
-    verdict, end = settled_verdict(stepper, stop, settle)
+    verdict, end = settled_verdict(stepper, stop, plan.settle)
     stats["settled_for"] = end - stop
     response = Response(
         column,
-        times,
+        plan.times,
         lambda: stepper.rows_of(snapshots),
         peaks=peaks,
         overturned_joint=stepper.overturned_joint,
@@ -84,7 +87,7 @@ def single_run(
     )
     if "resultants" in column.settings.without:
         response.observe()
-    response.motion = motion
+    response.motion = plan.motion
     return response, _coordinates(at.phases_in(snapshots), column)
 
 

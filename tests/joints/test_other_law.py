@@ -18,6 +18,7 @@ from solver.dynamics.kinematics import Chain
 from solver.kernels.api.engine import GIVEN, GIVEN_SETTINGS
 from solver.runs.batch import run_batch, why_not_in_lanes
 from solver.runs.ensemble import runs_in_lanes
+from solver.runs.single_run import Plan
 
 ETA = 1e-2
 BLOCK = Block(2.0, 1.0, 1.2, 5e3, Joint(1e9, ETA))
@@ -44,7 +45,8 @@ def test_runs_are_not_made_in_lanes() -> None:
         InputError, match=r"^columns\[0\]: must have joints of the linear law, none with joint.damping$"
     ):
         run_batch([column()], [motion])
-    assert not runs_in_lanes(simulate(column(), motion, settle=0), motion, None)
+    response = simulate(column(), motion, settle=0)
+    assert not runs_in_lanes(response, Plan(motion, 0.1, response.time))
 
 
 @pytest.mark.usefixtures("other")

@@ -19,7 +19,7 @@ from solver.column.packing import pack_model
 from solver.column.rest import is_stable
 from solver.dynamics.kinematics import Chain
 from solver.runs.batch import run_batch
-from solver.runs.single_run import single_run
+from solver.runs.single_run import Plan, single_run
 
 KINDS = ("plain", "slipping", "round", "round, slipping", "strips, slipping", "swept")
 each_kind = pytest.mark.parametrize(
@@ -217,7 +217,7 @@ def histories(columns: Sequence[Column], motions: Sequence[Motion], duration: fl
     found = []
     for column, motion in zip(columns, motions, strict=True):
         closer = column.with_settings(tolerance=1e-9, without=("peaks",))
-        _, phases = single_run(closer, motion, duration, motion.start + times, None, 0.0)
+        _, phases = single_run(closer, Plan(motion, duration, motion.start + times))
         found.append(history(column, phases))
     return found
 
@@ -302,7 +302,7 @@ def test_columns_that_begin_by_modes_go_on_in_lanes_once_they_open_or_slide() ->
     for tolerance in (1e-3, 1e-5):
         result = run_batch(columns, motions, tolerance=tolerance, times=times)
         for k, (column, motion) in enumerate(zip(columns, motions, strict=True)):
-            truth, phases = single_run(column.with_settings(tolerance=1e-10), motion, 3.0, times, None, 0.0)
+            truth, phases = single_run(column.with_settings(tolerance=1e-10), Plan(motion, 3.0, times))
             apart = np.max(np.abs(history(column, result.phases[k]) - history(column, phases)))
             assert apart < 2.0 * tolerance * np.max(np.abs(truth.peak_ux))  # measured 0.14
             slid.append(np.ptp(phases[:, 12]) > 1e-4)
