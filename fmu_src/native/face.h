@@ -18,6 +18,16 @@ static const char *category_of(Status status) {
     Face *face = instance;                                                                                             \
     return face ? (FMI(Status))(call) : FMI(Error)
 
+/* A call that gets variables of a kind which the core gives one by one; a face says what the call is given (GIVEN_TO),
+   how it begins (BEGIN), and which list of references then counts (LIST, ELEMENTS). */
+#define GETTER(name, kind, value)                                                                                      \
+    CALL(Get##name)(Component instance, GIVEN_TO(FMI(name))) {                                                         \
+        BEGIN;                                                                                                         \
+        if (core_readable(face->column, LIST, ELEMENTS, kind, values) != ST_OK) return FMI(Error);                     \
+        for (size_t k = 0; k < ELEMENTS; k++) values[k] = value(face->column, LIST[k]);                                \
+        return FMI(OK);                                                                                                \
+    }
+
 EXPORT void FMI(FreeInstance)(Component instance) {
     Face *face = instance;
     if (face) core_free(face->column);

@@ -82,29 +82,16 @@ FMI2_Export fmi2Status fmi2GetReal(fmi2Component instance, const fmi2ValueRefere
     ANSWER(core_get_reals(face->column, references, count, values));
 }
 
-FMI2_Export fmi2Status fmi2GetInteger(fmi2Component instance, const fmi2ValueReference references[], size_t count,
-                                      fmi2Integer values[]) {
-    Face *face = instance;
-    if (!face || core_readable(face->column, references, count, INTEGER, values) != ST_OK) return fmi2Error;
-    for (size_t k = 0; k < count; k++) values[k] = (fmi2Integer)core_whole(face->column, references[k]);
-    return fmi2OK;
-}
+#define GIVEN_TO(own) const fmi2ValueReference references[], size_t count, own values[]
+#define BEGIN                                                                                                          \
+    Face *face = instance;                                                                                             \
+    if (!face) return fmi2Error
+#define LIST references
+#define ELEMENTS count
 
-FMI2_Export fmi2Status fmi2GetBoolean(fmi2Component instance, const fmi2ValueReference references[], size_t count,
-                                      fmi2Boolean values[]) {
-    Face *face = instance;
-    if (!face || core_readable(face->column, references, count, BOOLEAN, values) != ST_OK) return fmi2Error;
-    for (size_t k = 0; k < count; k++) values[k] = core_whole(face->column, references[k]) ? fmi2True : fmi2False;
-    return fmi2OK;
-}
-
-FMI2_Export fmi2Status fmi2GetString(fmi2Component instance, const fmi2ValueReference references[], size_t count,
-                                     fmi2String values[]) {
-    Face *face = instance;
-    if (!face || core_readable(face->column, references, count, STRING, values) != ST_OK) return fmi2Error;
-    for (size_t k = 0; k < count; k++) values[k] = core_text(face->column, references[k]);
-    return fmi2OK;
-}
+GETTER(Integer, INTEGER, (fmi2Integer)core_whole)
+GETTER(Boolean, BOOLEAN, !!core_whole)
+GETTER(String, STRING, core_text)
 
 FMI2_Export fmi2Status fmi2SetReal(fmi2Component instance, const fmi2ValueReference references[], size_t count,
                                    const fmi2Real values[]) {

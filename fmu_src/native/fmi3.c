@@ -138,14 +138,14 @@ FMI3_Export fmi3Status fmi3SetFloat64(fmi3Instance instance, const fmi3ValueRefe
     return (fmi3Status)core_set_reals(face->column, face->list, elements, values);
 }
 
-/* Integers and enumerations. */
-FMI3_Export fmi3Status fmi3GetInt64(fmi3Instance instance, const fmi3ValueReference references[], size_t count,
-                                    fmi3Int64 values[], size_t value_count) {
-    WRITE_OUT;
-    if (core_readable(face->column, face->list, elements, INTEGER, values) != ST_OK) return fmi3Error;
-    for (size_t k = 0; k < elements; k++) values[k] = core_whole(face->column, face->list[k]);
-    return fmi3OK;
-}
+#define GIVEN_TO(own) const fmi3ValueReference references[], size_t count, own values[], size_t value_count
+#define BEGIN WRITE_OUT
+#define LIST face->list
+#define ELEMENTS elements
+
+GETTER(Int64, INTEGER, core_whole) /* enumerations, too */
+GETTER(Boolean, BOOLEAN, !!core_whole)
+GETTER(String, STRING, core_text)
 
 FMI3_Export fmi3Status fmi3SetInt64(fmi3Instance instance, const fmi3ValueReference references[], size_t count,
                                     const fmi3Int64 values[], size_t value_count) {
@@ -156,26 +156,10 @@ FMI3_Export fmi3Status fmi3SetInt64(fmi3Instance instance, const fmi3ValueRefere
     return fmi3OK;
 }
 
-FMI3_Export fmi3Status fmi3GetBoolean(fmi3Instance instance, const fmi3ValueReference references[], size_t count,
-                                      fmi3Boolean values[], size_t value_count) {
-    WRITE_OUT;
-    if (core_readable(face->column, face->list, elements, BOOLEAN, values) != ST_OK) return fmi3Error;
-    for (size_t k = 0; k < elements; k++) values[k] = core_whole(face->column, face->list[k]) != 0;
-    return fmi3OK;
-}
-
 FMI3_Export fmi3Status fmi3SetBoolean(fmi3Instance instance, const fmi3ValueReference references[], size_t count,
                                       const fmi3Boolean values[], size_t value_count) {
     (void)value_count; /* no Boolean can be set */
     ANSWER(core_settable(face->column, references, count, BOOLEAN, values));
-}
-
-FMI3_Export fmi3Status fmi3GetString(fmi3Instance instance, const fmi3ValueReference references[], size_t count,
-                                     fmi3String values[], size_t value_count) {
-    WRITE_OUT;
-    if (core_readable(face->column, face->list, elements, STRING, values) != ST_OK) return fmi3Error;
-    for (size_t k = 0; k < elements; k++) values[k] = core_text(face->column, face->list[k]);
-    return fmi3OK;
 }
 
 FMI3_Export fmi3Status fmi3SetString(fmi3Instance instance, const fmi3ValueReference references[], size_t count,

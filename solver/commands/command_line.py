@@ -194,7 +194,8 @@ def _simulate(options: argparse.Namespace) -> None:
     print(*lines, report_of(subject, motion), sep="\n", flush=True)
     names = ("formulation", "integrator", "step", "tolerance", "output_step", "settle", "ensemble")
     given = {name: getattr(options, name) for name in names}
-    given |= {"check": not options.no_check, "spread": Spread(*options.spread, seed=options.spread_seed)}
+    stiffness, damping, shaking = options.spread
+    given |= {"check": not options.no_check, "spread": Spread(stiffness, damping, shaking, options.spread_seed)}
     try:
         response = _run(subject, motion, options.duration, **given)
         print(summary_of(response))
