@@ -60,6 +60,7 @@ LEFT_AT_HOME = {
     "oscillator.py",
     "plotting",
     "rocking.py",
+    "static_plots.py",
     "studies",
     "wavelets.py",
     "__main__.py",

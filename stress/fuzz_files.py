@@ -18,7 +18,7 @@ from hypothesis import HealthCheck, Phase, given, seed, settings
 from hypothesis import strategies as st
 
 from solver import Column, InputError, Motion
-from solver.commands.record_report import report
+from solver.commands.reports import motion_report
 from solver.commands.study import summary
 from solver.common.errors import reading
 from solver.dynamics.stepper import Stepper
@@ -217,7 +217,7 @@ def record_problem(path: Path) -> str | None:
     try:
         motion = Motion.from_file(path)
         with reading(path):
-            text = report(motion)
+            text = motion_report(motion)
     except InputError as error:
         return _message_problem(path, error)
     return None if text and "\n\n" not in text else f"said: {text!r}"

@@ -122,17 +122,11 @@ class Column(Shown):
         without: Sequence[str] | None = None,
     ) -> Column:
         """Return the column with other settings; None keeps the present one. Raises InputError as `Column` does."""
-        given = {
-            "formulation": formulation,
-            "integrator": integrator,
-            "step": step,
-            "tolerance": tolerance,
-            "without": without,
-        }
-        changes: dict[str, Any] = {key: value for key, value in given.items() if value is not None}
+        given = {"formulation": formulation, "integrator": integrator, "step": step, "tolerance": tolerance}
+        changes = {key: value for key, value in (given | {"without": without}).items() if value is not None}
         if not changes:
             return self  # with the contacts that it has found
-        changed = _changed(self, settings=replace(self.settings, **changes))
+        changed = _changed(self, settings=replace(self.settings, **changes))  # type: ignore[arg-type]
         _check_settings(changed)
         return changed
 

@@ -23,7 +23,7 @@ from ..dynamics.uncertainty import PERCENTILES, Ensemble, Spread
 from ..ground.motion import STANDARD_GRAVITY, Motion
 from ..runs.simulate import simulate
 from ..runs.single_run import OUTPUT_STEP, SETTLE
-from . import column_report, structure
+from . import structure
 from .calibrate import add_calibrate_command
 from .check import add_check_command
 from .command_files import PICTURES, add_force, check_picture, check_suffix, outputs_of_run, read_column, write_outputs
@@ -38,7 +38,7 @@ from .motion_options import (
 )
 from .new import add_new_command
 from .progress import Line, ProgressLine, compile_kernels
-from .record_report import report
+from .reports import column_report, motion_report
 from .static import add_static_commands
 from .study import add_command as add_study
 
@@ -190,7 +190,7 @@ def _simulate(options: argparse.Namespace) -> None:
     motion, lines = motion_of(options)
     if not in_space:
         compile_kernels()  # the report needs them too
-    report_of, summary_of = (structure.report, structure.summary) if in_space else (column_report.report, _summary)
+    report_of, summary_of = (structure.report, structure.summary) if in_space else (column_report, _summary)
     print(*lines, report_of(subject, motion), sep="\n", flush=True)
     names = ("formulation", "integrator", "step", "tolerance", "output_step", "settle", "ensemble")
     given = {name: getattr(options, name) for name in names}
@@ -237,7 +237,7 @@ def _record(options: argparse.Namespace) -> None:
         motions[path.name if path.name not in motions else str(path)] = motion
         print(file_line(path, record))
         with reading(path):
-            print(report(motion))
+            print(motion_report(motion))
     if options.plot is not None:
         from ..plotting.record_plots import plot_records
 

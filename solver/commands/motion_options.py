@@ -3,43 +3,20 @@
 from __future__ import annotations
 
 import argparse
-import math
-from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 
 from ..common.errors import InputError, reading
-from ..ground import wavelets
 from ..ground.motion import STANDARD_GRAVITY, Motion
 from ..ground.records import Record, format_of, read_record
 from ..ground.records.columns import PLAIN
 from ..ground.records.units import KNOWN
+from ..studies.motions import FORMULAS
 
 FORMATS = "record: PEER AT2, ESM, K-NET, COSMOS, CSV in s and m/s2, plain columns"
 
 
-@dataclass(frozen=True)
-class _Wavelet:
-    needs: tuple[str, ...]  # options
-    takes: tuple[str, ...]  # options that may be left out
-    make: Callable[[argparse.Namespace], Motion]  # of any amplitude but zero
-
-
-_WAVELETS = {
-    "ricker": _Wavelet(("frequency",), (), lambda o: wavelets.ricker(1.0, o.frequency)),
-    "one-sine": _Wavelet(("frequency",), (), lambda o: wavelets.one_sine(1.0, o.frequency)),
-    "one-cosine": _Wavelet(("frequency",), (), lambda o: wavelets.one_cosine(1.0, o.frequency)),
-    "mavroeidis-papageorgiou": _Wavelet(
-        ("frequency", "cycles"),
-        ("phase",),
-        lambda o: wavelets.mavroeidis_papageorgiou(1.0, o.frequency, o.cycles, math.radians(o.phase or 0.0)),
-    ),
-    "noise": _Wavelet(
-        ("frequency", "length", "seed"),
-        (),
-        lambda o: wavelets.filtered_noise(1.0, o.frequency, o.length, o.seed),
-    ),
-}
+WAVELETS = ("ricker", "one-sine", "one-cosine", "mavroeidis-papageorgiou", "noise")  # of studies/motions.py, FORMULAS
+_OPTIONS = {"duration": "length"}  # numbers of a formula whose option has another name: --duration is that of the run
 _OF_WAVELETS = ("frequency", "cycles", "phase", "length", "seed")
 _OF_RECORDS = ("vertical", "across", "dt", "units", "channel", "vertical_channel")
 
@@ -67,7 +44,7 @@ def add_motion_options(parser: argparse.ArgumentParser) -> None:
         "--pga", type=float, metavar="G", help="largest horizontal acceleration, g; vertical goes along"
     )
     group = parser.add_argument_group("in place of a record")
-    group.add_argument("--wavelet", metavar="NAME", help=", ".join(_WAVELETS))
+    group.add_argument("--wavelet", metavar="NAME", help=", ".join(WAVELETS))
     group.add_argument("--frequency", type=float, metavar="HZ", help="Hz; of noise: of the ground it is filtered by")
     group.add_argument("--cycles", type=float, metavar="N", help="under the bell of mavroeidis-papageorgiou")
     group.add_argument("--phase", type=float, metavar="DEG", help="degrees, of mavroeidis-papageorgiou (default: 0)")
@@ -133,17 +110,20 @@ def _recorded(options: argparse.Namespace) -> tuple[Motion, list[str]]:
 
 def _wavelet(options: argparse.Namespace) -> Motion:
     name = options.wavelet
-    if name not in _WAVELETS:
-        raise InputError(f"--wavelet {name}: must be {', '.join(_WAVELETS)}")
+    if name not in WAVELETS:
+        raise InputError(f"--wavelet {name}: must be {', '.join(WAVELETS)}")
     if options.pga is None or options.scale is not None:
         raise InputError("--pga: must be given with --wavelet, the largest acceleration in g")
-    wavelet = _WAVELETS[name]
-    for key in wavelet.needs:
-        if getattr(options, key) is None:
-            raise InputError(f"--{key}: must be given with --wavelet {name}")
-    others = tuple(key for key in _OF_WAVELETS if key not in wavelet.needs + wavelet.takes)
+    formula = FORMULAS[name]
+    option_of = {number: _OPTIONS.get(number, number) for number in (*formula.needs, *formula.optional)}
+    for number in formula.needs:
+        if getattr(options, option_of[number]) is None:
+            raise InputError(f"--{option_of[number]}: must be given with --wavelet {name}")
+    others = tuple(key for key in _OF_WAVELETS if key not in option_of.values())
     _refuse(options, others, f"is not for --wavelet {name}")
-    return wavelet.make(options)
+    given = {number: getattr(options, option) for number, option in option_of.items()}
+    numbers = {number: value for number, value in given.items() if value is not None}
+    return formula.makes(**{formula.amplitude: 1.0}, **numbers)  # of any size: it is scaled to --pga
 
 
 def _refuse(options: argparse.Namespace, keys: tuple[str, ...], why: str) -> None:

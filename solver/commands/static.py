@@ -13,7 +13,7 @@ from ..statics.capacity import capacity_curve, rest_of
 from ..statics.modes import natural_modes
 from .command_files import PICTURES, add_force, check_picture, check_suffix, read_column, write_outputs
 from .progress import compile_kernels
-from .static_report import modes_report, statics_report
+from .reports import modes_report, statics_report
 
 
 def add_static_commands(commands: argparse._SubParsersAction[Any]) -> None:

@@ -76,7 +76,7 @@ def simulate_many(
     finish is "undecided", its numbers are NaN and `table.stats["failures"]` says why.
     Raises InputError for a wrong value, ExecutorError where the executor fails. Warns as `simulate`, once for all.
     """
-    given = locals()  # passed on as they are
+    given = dict(locals())  # passed on as they are
     if are_structures(columns):
         if executor is not None or responses:
             raise InputError("executor: must be left out, as responses, structures run in threads")

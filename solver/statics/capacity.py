@@ -106,7 +106,7 @@ class CapacityCurve(Framed):
     def plot(self, path: str | os.PathLike[str] | None = None) -> Figure:
         """Draw the curve and the column; saved to `path` if given. Raises InputError without matplotlib, OSError."""
         with needing("plot", "matplotlib"):
-            from ..plotting.static_plots import plot_capacity
+            from .static_plots import plot_capacity
         return plot_capacity(self, path)
 
 

@@ -57,7 +57,7 @@ class Modes(Framed):
     def plot(self, path: str | os.PathLike[str] | None = None, most: int = 6) -> Figure:
         """Draw the first `most` shapes; saved to `path` if given. Raises InputError without matplotlib, OSError."""
         with needing("plot", "matplotlib"):
-            from ..plotting.static_plots import plot_modes
+            from .static_plots import plot_modes
         return plot_modes(self, path, most)
 
 

@@ -17,8 +17,8 @@ from support.probe import phocas
 from solver import Block, Column, InputError, Joint, Motion, Response, simulate
 from solver.ground.motion import STANDARD_GRAVITY
 from solver.plotting.drawings import SHOWN, corners_of
-from solver.plotting.static_plots import spread
 from solver.statics.capacity import capacity_curve
+from solver.statics.static_plots import spread
 
 
 @pytest.fixture(scope="module")

@@ -10,7 +10,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from solver import InputError, Motion
-from solver.commands.record_report import report
+from solver.commands.reports import motion_report
 from solver.ground import oscillator
 from solver.ground.intensity import components, histories, intensity, pgv, spectrum
 from solver.ground.motion import STANDARD_GRAVITY as G
@@ -120,8 +120,8 @@ def test_components() -> None:
     one, other = intensity(pair), intensity(pair, "az")
     assert (other.pga, other.pgv, other.arias) == pytest.approx((2.0 * one.pga, 2.0 * one.pgv, 4.0 * one.arias))
     np.testing.assert_allclose(spectrum(pair, component="az").sd, 2.0 * spectrum(pair).sd, rtol=1e-14)
-    assert "horizontal PGA" in report(pair)
-    assert "vertical PGA" in report(pair)
+    assert "horizontal PGA" in motion_report(pair)
+    assert "vertical PGA" in motion_report(pair)
     assert histories(pair).husid[-1] == one.arias
     # two lines in every panel, one of them dashed
     figure = plot_records({"pair": pair})

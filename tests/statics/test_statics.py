@@ -26,7 +26,7 @@ from solver import (
 )
 from solver.column.rest import is_stable
 from solver.commands.command_line import main
-from solver.commands.static_report import statics_report
+from solver.commands.reports import statics_report
 from solver.dynamics.stepper import Stepper
 from solver.statics.capacity import CapacityCurve, capacity_curve, rest_of, uplift_accelerations
 from solver.statics.modes import natural_modes

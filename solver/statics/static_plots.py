@@ -6,7 +6,7 @@ import math
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -14,48 +14,17 @@ from matplotlib.axes import Axes
 from ..column.column import Column
 from ..column.packing import FloatArray
 from ..ground.motion import STANDARD_GRAVITY
-from .drawable import Shapes
-from .drawings import SHOWN, draw_column, measure_column
-from .figures import Figure
-from .style import BLUE, GREY, RED, header, save, tidy
-from .words import length
+from ..plotting.drawings import SHOWN, draw_column, measure_column
+from ..plotting.figures import Figure
+from ..plotting.style import BLUE, GREY, RED, header, save, tidy
+from ..plotting.words import length
+
+if TYPE_CHECKING:
+    from .capacity import CapacityCurve
+    from .modes import Modes
 
 SMALL = 1e-6  # m: the amplitude of shapes, which drawings magnify
 TURNED, RAISED = 0.3, 0.1  # rad, and part of the lowest block's height: largest rotation and rise of a drawn shape
-
-
-class DrawableModes(Shapes, Protocol):
-    """The fields needed of Modes."""
-
-    @property
-    def frequency(self) -> FloatArray: ...
-    @property
-    def damping_ratio(self) -> FloatArray: ...
-    @property
-    def sways(self) -> Any: ...
-    @property
-    def mass_x(self) -> FloatArray: ...
-    @property
-    def mass_z(self) -> FloatArray: ...
-
-
-class DrawableCurve(Shapes, Protocol):
-    """The fields needed of a CapacityCurve."""
-
-    @property
-    def acceleration(self) -> FloatArray: ...
-    @property
-    def base_shear(self) -> FloatArray: ...
-    @property
-    def base_moment(self) -> FloatArray: ...
-    @property
-    def uplift(self) -> FloatArray: ...
-    @property
-    def direction(self) -> int: ...
-    @property
-    def strongest(self) -> int: ...
-    @property
-    def largest_acceleration(self) -> float: ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +37,7 @@ class _Places:
     theta: FloatArray
 
 
-def plot_modes(modes: DrawableModes, path: str | os.PathLike[str] | None = None, most: int = 6) -> Figure:
+def plot_modes(modes: Modes, path: str | os.PathLike[str] | None = None, most: int = 6) -> Figure:
     """Draw the first `most` shapes; saved to `path` if given. Raises InputError, OSError as `save` does."""
     count = min(most, len(modes.frequency))
     figure = Figure(figsize=(max(4.0, 0.4 + 1.9 * count), 5.5), layout="constrained")
@@ -98,7 +67,7 @@ def plot_modes(modes: DrawableModes, path: str | os.PathLike[str] | None = None,
     return save(figure, path)
 
 
-def plot_capacity(curve: DrawableCurve, path: str | os.PathLike[str] | None = None) -> Figure:
+def plot_capacity(curve: CapacityCurve, path: str | os.PathLike[str] | None = None) -> Figure:
     """Draw base shear and moment over the top's displacement, and the column at its largest push; saved to `path`.
 
     Raises InputError, OSError as `save` does.
@@ -134,7 +103,7 @@ def plot_capacity(curve: DrawableCurve, path: str | os.PathLike[str] | None = No
     return save(figure, path)
 
 
-def _draw_curve(shear: Axes, moment: Axes, curve: DrawableCurve, limit: float) -> None:
+def _draw_curve(shear: Axes, moment: Axes, curve: CapacityCurve, limit: float) -> None:
     """Base shear and moment up to a displacement of the top, m, with dots where joints open."""
     strongest, top = curve.strongest, curve.direction * curve.ux[:, 0]
     factor, unit = (1.0, "m") if limit >= 1.0 else (1e3, "mm")
@@ -148,13 +117,13 @@ def _draw_curve(shear: Axes, moment: Axes, curve: DrawableCurve, limit: float) -
     moment.set(xlabel=f"displacement of the top ({unit})", ylabel="base moment (kN m)")
 
 
-def _openings(curve: DrawableCurve) -> dict[int, int]:
+def _openings(curve: CapacityCurve) -> dict[int, int]:
     """Joint, from 1 -> row of the curve at which it opens."""
     rising = curve.acceleration[: curve.strongest + 1]
     return {i + 1: int(np.argmin(np.abs(rising - push))) for i, push in enumerate(curve.uplift) if math.isfinite(push)}
 
 
-def _name_openings(shear: Axes, curve: DrawableCurve, limit: float) -> None:
+def _name_openings(shear: Axes, curve: CapacityCurve, limit: float) -> None:
     """Name the joints that open, one below the other, with lines to their dots."""
     factor = 1.0 if limit >= 1.0 else 1e3
     opened = sorted(_openings(curve).items(), key=lambda item: -curve.base_shear[item[1]])

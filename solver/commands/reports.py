@@ -1,0 +1,119 @@
+"""Text for the terminal: a column before a run, a record, a column at rest."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ..column.column import Column
+from ..column.packing import settlements
+from ..common.errors import SolverError
+from ..ground.intensity import DAMPING, NAMES, Component, components, intensity, spectrum
+from ..ground.motion import STANDARD_GRAVITY, Motion
+from ..statics.capacity import CapacityCurve, Rest
+from ..statics.modes import Modes, natural_frequencies
+
+MOST_BLOCKS = 100  # with more, natural frequencies take too long for a report
+PERIODS = (0.1, 0.2, 0.3, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 4.0)  # s
+NO_BASELINE = "integrated from rest, no baseline taken away"
+MOST_MODES = 12  # printed on the terminal
+
+
+def column_report(column: Column, motion: Motion) -> str:
+    """Return two lines: size, settlement and first natural frequency of the column; peak of the motion."""
+    settled, lowest = settlements(column), math.nan
+    if column.g > 0.0 and column.n <= MOST_BLOCKS:
+        try:
+            lowest = float(natural_frequencies(column)[0])
+        except SolverError:  # not stable; the run says so
+            lowest = math.nan
+    height = sum(block.height for block in column.blocks)
+    parts = [f"{column.n} block{'s' if column.n > 1 else ''}, {height:.4g} m", f"settles by {_length(settled.sum())}"]
+    if math.isfinite(lowest):
+        parts.append(f"first natural frequency {lowest:.4g} Hz")
+    undamped = sum(block.joint.damping == 0.0 for block in column.blocks)
+    if undamped:
+        parts.append(f"{'no' if undamped == column.n else 'not all'} joints damped")
+    return f"{column.name}: {', '.join(parts)}\n{_motion(motion)}"
+
+
+def _motion(motion: Motion) -> str:
+    parts = [f"base: {motion.duration:.4g} s", f"PGA {motion.pga / STANDARD_GRAVITY:.4g} g"]
+    if np.any(motion.az):
+        parts.append(f"vertical {np.max(np.abs(motion.az)) / STANDARD_GRAVITY:.4g} g")
+    return ", ".join(parts)
+
+
+def _length(metres: float) -> str:
+    return f"{metres:.3g} m" if metres >= 0.1 else f"{1e3 * metres:.3g} mm"
+
+
+def motion_report(motion: Motion) -> str:
+    """Return the measures of every component that is not zero. Raises InputError if all are."""
+    there = components(motion)
+    if there == ["ax"]:
+        return _component(motion, "ax", "")
+    return "\n".join(_component(motion, component, f"{NAMES[component]} ") for component in there)
+
+
+def _component(motion: Motion, component: Component, name: str) -> str:
+    found, oscillators = intensity(motion, component), spectrum(motion, PERIODS, component=component)
+    left = f"{found.final_velocity:.2g} m/s and {found.final_displacement:.2g} m at the end"
+    return "\n".join(
+        [
+            f"  {name}PGA {found.pga / STANDARD_GRAVITY:.4g} g ({found.pga:.4g} m/s2)",
+            f"  {name}PGV {found.pgv:.4g} m/s, PGD {found.pgd:.4g} m: {NO_BASELINE}; {left}",
+            f"  {name}Arias intensity {found.arias:.4g} m/s",
+            f"  {name}significant duration 5-95 % {found.significant_duration:.4g} s, "
+            f"from {found.start:.4g} s to {found.end:.4g} s",
+            f"  {name}pseudo-acceleration, {DAMPING:.0%} damping",
+            "  period (s)" + "".join(f"{period:8g}" for period in PERIODS),
+            "  PSA (g)   " + "".join(f"{psa / STANDARD_GRAVITY:8.4f}" for psa in oscillators.psa),
+        ]
+    )
+
+
+def modes_report(modes: Modes) -> str:
+    """Return a table of the first modes."""
+    column, count = modes.column, min(MOST_MODES, len(modes.frequency))
+    mass = sum(block.mass for block in column.blocks)
+    lines = [
+        f"{column.name}: {count} of {len(modes.frequency)} modes about rest, {column.settings.formulation} formulation",
+        "mode  frequency (Hz)  damping (%)  effective mass (%)",
+    ]
+    for k in range(count):
+        part = (modes.mass_x if modes.sways[k] else modes.mass_z)[k] / mass
+        lines.append(
+            f"{k + 1:4d}  {modes.frequency[k]:14.6g}  {100.0 * modes.damping_ratio[k]:11.4g}  {100.0 * part:7.2f} "
+            f"{'horizontal' if modes.sways[k] else 'vertical'}"
+        )
+    return "\n".join(lines)
+
+
+def statics_report(rest: Rest, curve: CapacityCurve) -> str:
+    """Return the joints at rest and when they open, and the push that the column balances."""
+    g, strongest = STANDARD_GRAVITY, curve.strongest
+    lines = [
+        f"{rest.column.name}: settles by {1e3 * float(np.sum(rest.settlement)):.4g} mm",
+        "joint  settlement (mm)  N (kN)      stress (MPa)  opens at (g)",
+    ]
+    for i in range(rest.column.n):
+        opens = f"{curve.uplift[i] / g:.5g}"
+        if math.isnan(curve.uplift[i]):
+            opens = "as it topples" if np.any(curve.contact[:, i] < 1.0) else "never"
+        lines.append(
+            f"{i + 1:5d}  {1e3 * rest.settlement[i]:15.5g}  {1e-3 * rest.N[i]:10.5g}  {1e-6 * rest.stress[i]:12.5g}  "
+            f"{opens}"
+        )
+    return "\n".join(
+        [
+            *lines,
+            f"balances a steady {curve.largest_acceleration / g:.5g} g at most: base shear "
+            f"{1e-3 * curve.base_shear[strongest]:.5g} kN, moment {1e-3 * curve.base_moment[strongest]:.5g} kN m, "
+            f"largest stress {1e-6 * float(np.max(curve.sigma_max[strongest])):.4g} MPa; top at "
+            f"{1e3 * abs(float(curve.ux[strongest, 0])):.5g} mm",
+            f"falls without a push once the top is displaced by {curve.overturning_displacement:.5g} m",
+            f"with less friction than {curve.friction:.3g} it slides before",
+        ]
+    )
