@@ -178,9 +178,9 @@ class Chain:
         simple = self.rectangles & (slip == 0.0)
         if not simple.all():
             others = np.zeros((opening.size // self.n, self.n))
-            slipped = np.broadcast_to(slip, opening.shape)
+            slipped = slip + np.zeros(opening.shape)
             rows = (np.ascontiguousarray(values).reshape(-1, self.n) for values in (opening, slope, slipped))
-            models = np.broadcast_to(self.model, (len(others), self.model.shape[-1]))
+            models = self.model if self.model.ndim > 1 else [self.model] * len(others)
             for model, each_opening, each_slope, each_slip, row in zip(models, *rows, others, strict=True):
                 joint_potentials(self.n, model, each_opening, each_slope, each_slip, row)
             found = np.where(simple, found, others.reshape(opening.shape))

@@ -68,7 +68,7 @@ def cannot_fall(column: Column, phase: FloatArray) -> bool:
 
 def is_held(column: Column, energy: float, turned: FloatArray) -> bool:
     """Whether a column with this energy, J, and blocks turned by `turned` either way, rad (n,), stands for ever."""
-    return bool(_barriers(column).hold(np.zeros(1, dtype=np.int64), np.array([energy]), turned[None])[0])
+    return _barriers(column).hold_first(energy, turned)
 
 
 def creeps_no_further(column: Column, phase: FloatArray) -> bool:
@@ -136,15 +136,30 @@ class Barriers:
         rounding = self._rounding[some]
         within = energy <= safe * self._ceilings[:, some] + rounding  # of each of the parts
         within &= np.all(turned < NEXT * self._limits[:, some], axis=-1)
-        for k in np.flatnonzero(within.any(axis=-1)).tolist():
-            left = np.flatnonzero(within[k] & ~held)
+        for k, possible in enumerate(within):
+            if held.all():
+                break
+            left = np.flatnonzero(possible & ~held)
             if not left.size:
                 continue
             places = some[left]
-            self._find(k, np.unique(places[np.isnan(self._energies[k, places])]))
+            if (missing := np.isnan(self._energies[k, places])).any():
+                self._find(k, np.unique(places[missing]))
             enough = safe * self._energies[k, places] + rounding[left]
             held[left] = (energy[left] <= enough) & np.all(turned[left] < self._limits[k, places], axis=-1)
         return held
+
+    def hold_first(self, energy: float, turned: FloatArray) -> bool:
+        """`hold` of the first column alone, without the cost of arrays: every run asks once a look."""
+        safe, rounding = SAFE["exact" if self._chain.exact else "paper"], self._rounding[0]
+        for k, ceiling in enumerate(self._ceilings[:, 0].tolist()):
+            if energy > safe * ceiling + rounding:
+                continue
+            if np.isnan(self._energies[k, 0]):
+                self._find(k, np.zeros(1, dtype=np.int64))
+            if energy <= safe * self._energies[k, 0] + rounding and (turned < self._limits[k, 0]).all():
+                return True
+        return False
 
     def _find(self, k: int, missing: IntArray) -> None:
         for first in range(0, len(missing), TOGETHER):
