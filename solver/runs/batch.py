@@ -23,37 +23,24 @@ from ..common.turns import others_turn
 from ..ground.motion import Motion
 from ..kernels.api.entries import run
 from ..kernels.batch.entries import (
+    run_fixed_steps,
     run_lanes,
     run_round,
     run_round_slipping,
     run_slipping,
     run_stripped,
-    run_swept,
 )
 from ..kernels.batch.runs import OUTCOME, RUN, SLIP_FIELDS, SPACE
-from ..kernels.integrators import dormand_prince
 from ..kernels.layout import spaces as at
 from ..kernels.numba_ext.lanes import WIDTH
+from .lane_policy import BANDS, enters_at_once, kind_of
 
 # The error of steps across changes of regime exceeds the estimate: they get this part of the tolerance.
 # Measured on columns of 1 and 3 blocks (eta 1e-3 and 5e-3 s; harmonics, three records at half scale; tolerances of 1e-3
 # to 1e-6; amplification below 100): errors of up to 11 tolerances without, 2.7 with it, for 1.3 times the steps.
 TOLERANCE_PART = 0.3
 
-MOST_BLOCKS = 64  # in lanes; the data of more do not fit into the cache
-TIGHTEST = 1e-7  # tolerance: below it, single runs with the explicit method of order 8 are no slower
-# Explicit steps of a joint damped beyond its critical damping are short: 1 / (0.25 damping frequency^2). Lanes gain
-# while there are no more of them than this a second, at a tolerance of 1e-3; at a tighter one all steps are shorter.
-# Measured (Phocas, eta 1e-3 to 5e-2 s): as fast as `simulate` at 5000 of them (1e-3) and 15000 (1e-5).
-MOST_STEPS = 2500.0  # 1/s
-CRITICAL = 2.0  # damping times frequency
-# A modal step ends at every sample of a record, and costs as much as six in lanes: with more samples a second than
-# this, modes are slower, unless explicit steps are short. Measured (the shaft of Phocas in six drums, five records of
-# 50 to 200 samples a second): twice as slow, and five times where joints stay closed.
-SAMPLES, AT_ONCE = 20.0, 1500.0  # 1/s: of a record; explicit steps
 MOST_ASSEMBLED = 64  # columns whose arrays are kept for their other runs
-HELD = "held samples"  # why a run is not made in lanes
-BANDS = "a round face on a straight one"  # the same of a column
 STAGES = 6  # evaluations of a step
 LINE = 64  # bytes that the processor reads at once: lanes that lie across two of them cost a tenth more
 
@@ -64,17 +51,17 @@ class Kind(NamedTuple):
     follow: Callable[..., None]  # entry
     slips: bool = False  # whether the columns have slips
     section: str = "rectangle"  # beside rectangles, that of some joint
-    swept: bool = False  # formulation `paper`, for which lanes keep no rows
+    fixed_step: bool = False  # formulation `paper`, for which lanes keep no rows
 
 
-# the later, the more sections; kinds with slips, without and swept never share lanes
+# the later, the more sections; kinds with slips, without and of fixed steps never share lanes
 KINDS = {
     "plain": Kind(run_lanes),
     "round": Kind(run_round, section="circle"),
     "slipping": Kind(run_slipping, True),
     "round, slipping": Kind(run_round_slipping, True, "circle"),
     "strips, slipping": Kind(run_stripped, True, "strips"),
-    "swept": Kind(run_swept, swept=True),
+    "fixed step": Kind(run_fixed_steps, fixed_step=True),
 }
 KNOW = tuple(KINDS)
 
@@ -94,79 +81,6 @@ class BatchResult:
     ends: FloatArray  # (runs, 4 n or 6 n) coordinates and rates at the end, as kinematics.py has them
     phases: FloatArray  # (runs, rows, 4 n or 6 n) coordinates and rates at the times asked for
     models: FloatArray  # packed models, a row for each run
-
-
-def why_not_in_lanes(column: Column) -> str:
-    """Why runs of a column are not made in lanes; empty where they are, unless the motion has HELD samples."""
-    settings = column.settings
-    swept = settings.formulation == "paper"
-    if swept and settings.integrator != "central-difference":
-        return f"formulation paper with the integrator {settings.integrator}"
-    if not swept and settings.integrator != "auto":
-        return f"integrator {settings.integrator}"
-    if set(settings.without) - {"peaks"}:
-        return "short cuts left out"
-    if column.other_law:  # the kernels of lanes have the linear law only
-        return f"joint.{column.other_law}"
-    if column.n > MOST_BLOCKS:
-        return f"more than {MOST_BLOCKS} blocks"
-    if swept:
-        return "" if column.has_rectangles_only else "formulation paper with other joints than rectangles"
-    if settings.tolerance < TIGHTEST:
-        return "tight tolerance"
-    if column.has_bands:
-        return BANDS
-    return "stiff joints" if _is_stiff(column) else ""
-
-
-def kind_of(column: Column) -> str:
-    """The kind of lanes that makes the runs of a column, a name of KINDS."""
-    if column.settings.formulation == "paper":
-        return "swept"
-    if column.has_strips:
-        return "strips, slipping"
-    if column.has_rectangles_only:
-        return "slipping" if column.has_slips else "plain"
-    return "round, slipping" if column.has_slips else "round"
-
-
-def _is_stiff(column: Column) -> bool:
-    """Whether damping makes explicit steps so short that single implicit runs are no slower."""
-    damping, squares = _dampers(column)
-    if damping * math.sqrt(2.0 * squares) <= CRITICAL:
-        return False
-    most: float = MOST_STEPS * (1e-3 / column.settings.tolerance) ** 0.25
-    return 0.5 * damping * squares > most
-
-
-def _dampers(column: Column) -> tuple[float, float]:
-    """The largest damping, s, and half the square of a bound of the frequencies, 1/s2 (kernels/column/assembly.py)."""
-    squares, above = 0.0, 0.0
-    for block, spring in zip(column.blocks, column.springs, strict=True):
-        squares, above = max(squares, (spring + above) / block.mass), spring
-    return max(block.joint.damping for block in column.blocks), squares
-
-
-def _enters_at_once(column: Column, order: float, motion: Motion, samples: int) -> bool:
-    """Whether a run enters its lane at once, without a first part made by modes."""
-    if order != dormand_prince.ORDER:
-        return False
-    if samples:
-        damping, squares = _dampers(column)
-        steps = max(0.3 * math.sqrt(2.0 * squares), 0.5 * damping * squares)
-        return samples > SAMPLES * (motion.time[-1] - motion.time[0]) and steps < AT_ONCE
-    return motion.amplitude > _opening_acceleration(column)
-
-
-def _opening_acceleration(column: Column) -> float:
-    """Steady base acceleration, m/s2, at which the first joint opens."""
-    least, carried, moment = math.inf, 0.0, 0.0  # kg above the joint; kg m of them about it
-    for block, contact in zip(column.blocks, column.contacts, strict=True):
-        moment += carried * block.height + block.mass * block.resolved_centroid
-        carried += block.mass
-        kern = contact.second / (0.5 * contact.width * contact.area)  # m, how far off the middle the load may be
-        least = min(least, column.g * carried * kern / moment)
-    return least
 
 
 def run_batch(
@@ -300,7 +214,7 @@ class _Batch:
         wave = (motion.amplitude, omega, -omega * start)
         first, size = self._records.place(motion)
         self._keep_slips(k, phase)
-        if self._kind.swept or not model[_HAS_MODES] or _enters_at_once(column, model[_ORDER], motion, size):
+        if self._kind.fixed_step or not model[_HAS_MODES] or enters_at_once(column, model[_ORDER], motion, size):
             self._outcomes[k, OUTCOME.beside + n :] = phase[: 4 * n]
             self._waits(k, phase[: 4 * n], (start, start, stop, 1.0, *wave, first, size, 0, 0.0, 0.0))
             return
@@ -371,7 +285,7 @@ class _Batch:
                 self._rows, snapshots.reshape(-1), flag,
             )  # fmt: skip
         tried = np.sum(outcomes[:, _TRIED] - self._outcomes[some][:, _TRIED], axis=1)
-        self._evaluations[some] += ((1 if self._kind.swept else STAGES) * tried).astype(np.int64)
+        self._evaluations[some] += ((1 if self._kind.fixed_step else STAGES) * tried).astype(np.int64)
         self._outcomes[some], self._snapshots[some], self._slips[some] = outcomes, snapshots, slips
 
     def result(self) -> BatchResult:

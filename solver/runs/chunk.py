@@ -27,7 +27,8 @@ from ..dynamics.kinematics import Chain, chain_of
 from ..dynamics.response import Response
 from ..dynamics.verdict import OVERTURNED, UNDECIDED
 from ..ground.motion import Motion
-from .batch import HELD, KINDS, BatchResult, follow_in_lanes, kind_of, why_not_in_lanes
+from .batch import KINDS, BatchResult, follow_in_lanes
+from .lane_policy import HELD, kind_of, why_not_in_lanes
 from .outputs import KEPT, WATCHED, WATCHED_ALL, WATCHED_OF_BASE
 from .settling import outcomes_of
 from .single_run import Callback, Plan, outcome, output_times, single_run
@@ -138,7 +139,7 @@ def load_kernels(name: str) -> None:
     if kind.section == "strips":
         joint = replace(joint, section="strips", strips=(1.0,))
     block = Block(1.0, 1.0, 1.0, 1e3, joint, section="circle" if kind.section == "circle" else "rectangle")
-    solver = ("paper", "central-difference") if kind.swept else ("exact", "auto")
+    solver = ("paper", "central-difference") if kind.fixed_step else ("exact", "auto")
     column = Column("block", (block,), Settings(*solver))
     gentle, strong = (Motion.harmonic(amplitude, 1.0, 1e-3) for amplitude in (1e-3, 100.0))
     follow_in_lanes([column, column], [gentle, strong], [1e-3, 1e-3])

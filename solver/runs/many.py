@@ -27,8 +27,8 @@ from .single_run import SETTLE
 from .table import Table, joined
 
 FIRST_COST = 2e-5  # s for a block and a second of motion in lanes, before any run is measured
-ALONE, SWEPT = 10.0, 300.0  # times that: a single run, and one in the formulation of the paper
-SWEPT_IN_LANES = 1.3e-3  # s: and over its fixed step in lanes
+ALONE, FIXED = 10.0, 300.0  # times that: a single run, and one in the formulation of the paper
+FIXED_IN_LANES = 1.3e-3  # s: and over its fixed step in lanes
 MOST_SAMPLES = 2**20  # of the records in a chunk, so that memory does not grow with the number of runs
 MOST_NOTED = 100  # failures that are listed
 _ENDED = object()
@@ -198,23 +198,23 @@ def _with_tolerance(k: int, column: Any, tolerance: Any) -> Column:
 # --- in chunks
 
 
-def _dearness(column: Column, keep: tuple[str, ...]) -> float:
+def _relative_cost(column: Column, keep: tuple[str, ...]) -> float:
     """Rough cost of a run, relative to one in lanes."""
     alone, settings = bool(why_alone(column, keep)), column.settings
     if settings.formulation == "exact":
         return ALONE if alone else 1.0
-    return SWEPT if alone else SWEPT_IN_LANES / settings.step
+    return FIXED if alone else FIXED_IN_LANES / settings.step
 
 
 def guessed_cost(run: Run, keep: tuple[str, ...]) -> float:
     """Estimated duration of a run, s, before any is measured."""
-    return FIRST_COST * run.column.n * run.duration * _dearness(run.column, keep)
+    return FIRST_COST * run.column.n * run.duration * _relative_cost(run.column, keep)
 
 
 def _chunks(
     runs: Iterator[Run], pace: Pace, keep: tuple[str, ...], settle: float, whole: frozenset[int]
 ) -> Iterator[Chunk]:
-    first, samples, weight, dear = 0, 0, 0.0, 1.0
+    first, samples, weight, cost = 0, 0, 0.0, 1.0
     taken: list[Run] = []
     records: set[int] = set()
     column: Column | None = None
@@ -226,8 +226,8 @@ def _chunks(
     for run in runs:
         taken.append(run)
         if run.column is not column:
-            column, dear = run.column, _dearness(run.column, keep)
-        weight += run.column.n * run.duration * dear
+            column, cost = run.column, _relative_cost(run.column, keep)
+        weight += run.column.n * run.duration * cost
         if id(run.motion) not in records:
             records.add(id(run.motion))
             samples += len(run.motion.time)

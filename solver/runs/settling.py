@@ -12,7 +12,8 @@ from ..column.column import Column
 from ..column.packing import FloatArray, IntArray
 from ..dynamics.kinematics import Chain
 from ..dynamics.verdict import OVERTURNED, STANDING, UNDECIDED, Barriers, surely_stand
-from .batch import kind_of, rest_in_lanes
+from .batch import rest_in_lanes
+from .lane_policy import kind_of
 from .single_run import BETWEEN_LOOKS, outcome
 from .table import WORDS
 

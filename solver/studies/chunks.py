@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 from ..column.rest import check_stable
 from ..common.errors import InputError
 from ..common.turns import my_turn
-from ..runs.batch import kind_of
 from ..runs.chunk import Chunk, load_kernels, make_runs
+from ..runs.lane_policy import kind_of
 from ..runs.single_run import SETTLE
 from .definition import Planned, Study
 

@@ -20,7 +20,7 @@ from solver.column.rest import is_stable
 from solver.column.settings import FORMULATIONS, INTEGRATORS, Settings
 from solver.common.errors import InputError, InputWarning
 from solver.common.ranges import MAX_BLOCKS
-from solver.runs.batch import why_not_in_lanes
+from solver.runs.lane_policy import why_not_in_lanes
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples" / "columns"
 

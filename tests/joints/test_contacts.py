@@ -21,7 +21,8 @@ from solver.kernels.layout import spaces as at
 from solver.kernels.numba_ext.jit import from_python
 from solver.kernels.numba_ext.views import row_of
 from solver.kernels.sections.section import contact_of
-from solver.runs.batch import run_batch, why_not_in_lanes
+from solver.runs.batch import run_batch
+from solver.runs.lane_policy import why_not_in_lanes
 from solver.runs.many import simulate_many
 from solver.runs.single_run import phase_of
 from solver.statics.capacity import capacity_curve

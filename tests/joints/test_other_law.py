@@ -16,8 +16,9 @@ from fmu_src.native.column_subject import column_subject
 from solver import Block, Column, InputError, Joint, Motion, simulate
 from solver.dynamics.kinematics import Chain
 from solver.kernels.api.engine import GIVEN, GIVEN_SETTINGS
-from solver.runs.batch import run_batch, why_not_in_lanes
+from solver.runs.batch import run_batch
 from solver.runs.ensemble import runs_in_lanes
+from solver.runs.lane_policy import why_not_in_lanes
 from solver.runs.single_run import Plan
 
 ETA = 1e-2

@@ -18,10 +18,11 @@ from solver import Block, Column, InputError, Joint, Motion, simulate, simulate_
 from solver.column.packing import pack_model
 from solver.column.rest import is_stable
 from solver.dynamics.kinematics import Chain
+from solver.runs.batch import KINDS as BATCH_KINDS
 from solver.runs.batch import run_batch
 from solver.runs.single_run import Plan, single_run
 
-KINDS = ("plain", "slipping", "round", "round, slipping", "strips, slipping", "swept")
+KINDS = ("plain", "slipping", "round", "round, slipping", "strips, slipping", "fixed step")
 each_kind = pytest.mark.parametrize(
     "kind", [KINDS[0], *(pytest.param(kind, marks=pytest.mark.long) for kind in KINDS[1:])]
 )  # each compiles its lanes; the quick tests need those of the first anyway
@@ -36,13 +37,13 @@ def with_joints(column: Column, **joint: Any) -> Column:
 def of_kind(kind: str, eta: float = 2e-3, friction: float = 0.5) -> Column:
     """The Column of Phocas with joints that belong to this kind of lanes."""
     column = phocas(eta)
-    if kind == "swept":
+    if kind == "fixed step":
         return column.with_settings(formulation="paper", integrator="central-difference", step=2e-4)
     if kind.startswith("round"):
         column = replace(column, blocks=tuple(replace(block, section="circle") for block in column.blocks))
     elif kind.startswith("strips"):
         column = with_joints(column, section="strips", strips=(1.0, 0.5, 1.0))
-    return with_joints(column, friction=friction) if kind.endswith("slipping") else column
+    return with_joints(column, friction=friction) if BATCH_KINDS[kind].slips else column
 
 
 # --- beside single runs
@@ -51,10 +52,10 @@ def of_kind(kind: str, eta: float = 2e-3, friction: float = 0.5) -> Column:
 @each_kind
 def test_runs_are_those_of_simulate(kind: str) -> None:
     """Of columns thrown down at several speeds, and of some that stand: verdicts, falls, peaks, ends."""
-    swept = kind == "swept"  # at the fixed step of the column
+    fixed_step = kind == "fixed step"  # at the fixed step of the column
     columns = [of_kind(kind)] * 8 + [of_kind(kind, friction=0.08)] * 4
     lanes, closer = (
-        columns if swept else [column.with_settings(tolerance=tolerance) for column in columns]
+        columns if fixed_step else [column.with_settings(tolerance=tolerance) for column in columns]
         for tolerance in (1e-6, 1e-9)
     )
     pairs = [*itertools.product((0.3, 0.4, 0.5, 0.7), (0.3, 0.5)), (0.05, 2.0), (0.1, 1.5), (0.05, 1.0), (0.15, 2.5)]
@@ -63,7 +64,7 @@ def test_runs_are_those_of_simulate(kind: str) -> None:
     table = simulate_many(lanes, motions, keep=keep)
     assert list(table["path"]) == ["lanes"] * len(motions)
     assert {"standing", "overturned"} <= set(table["verdict"])
-    assert (np.max(np.abs(table["residual_slip"][-4:])) > 1e-3) == kind.endswith("slipping")
+    assert (np.max(np.abs(table["residual_slip"][-4:])) > 1e-3) == BATCH_KINDS[kind].slips
     for k, motion in enumerate(motions):
         single = simulate(closer[k], motion, output_step=motion.duration)
         largest = float(np.max(single.peak_ux))
@@ -73,12 +74,12 @@ def test_runs_are_those_of_simulate(kind: str) -> None:
             assert table["overturn_time"][k] == pytest.approx(single.overturn_time, abs=1e-5)
             assert table["peak_ux"][k] == pytest.approx(single.peak_ux, rel=1e-5)
         else:  # changes of regime are not located in lanes
-            assert table["peak_ux"][k] == pytest.approx(single.peak_ux, abs=(1e-7 if swept else 1e-4) * largest)
-            assert table["residual_ux"][k] == pytest.approx(single.ux[-1], abs=(1e-5 if swept else 1e-3) * largest)
+            assert table["peak_ux"][k] == pytest.approx(single.peak_ux, abs=(1e-7 if fixed_step else 1e-4) * largest)
+            assert table["residual_ux"][k] == pytest.approx(single.ux[-1], abs=(1e-5 if fixed_step else 1e-3) * largest)
             assert table["residual_slip"][k] == pytest.approx(single.slip[-1], abs=1e-3 * largest)
     ensemble = simulate(lanes[-1], motions[-1], ensemble=2, settle=0.0).ensemble
     assert ensemble is not None
-    assert ensemble.in_lanes != swept
+    assert ensemble.in_lanes != fixed_step
 
 
 @pytest.mark.parametrize("n", [1, 2, 5])
@@ -113,10 +114,10 @@ def eleven(kind: str) -> tuple[list[Column], list[Motion], list[float]]:
     """
     columns = []
     for k in range(11):
-        own = kind if k % 3 or kind == "swept" else ("slipping" if kind.endswith("slipping") else "plain")
-        eta = (0.0, 1e-4, 1e-3)[k // 4] if kind == "swept" else 10.0 ** (-3.0 + 0.15 * k)
+        own = kind if k % 3 or kind == "fixed step" else ("slipping" if BATCH_KINDS[kind].slips else "plain")
+        eta = (0.0, 1e-4, 1e-3)[k // 4] if kind == "fixed step" else 10.0 ** (-3.0 + 0.15 * k)
         column = of_kind(own, eta, 0.06 + 0.02 * (k % 4))
-        columns.append(column.with_settings(step=(1e-4, 2e-4, 1.7e-4)[k % 3]) if kind == "swept" else column)
+        columns.append(column.with_settings(step=(1e-4, 2e-4, 1.7e-4)[k % 3]) if kind == "fixed step" else column)
     motions = [Motion.harmonic((0.04 + 0.02 * k) * G, f, 2.0) for k, f in enumerate((1.0, 2.0, 3.0, 1.5))]
     motions += [noise(seed, 2.0) for seed in range(6)] + [Motion.harmonic(0.6 * G, 0.4, 3.0)]
     return columns, motions, [2.0, 1.5, 1.0, 2.0, 1.3, 2.0, 2.0, 1.7, 2.0, 0.5, 3.0]
@@ -126,7 +127,7 @@ def bits_of(kind: str, runs: Sequence[tuple[Column, Motion, float]], threads: in
     """All results of each run of a batch."""
     columns, motions, durations = ([run[0] for run in runs], [run[1] for run in runs], [run[2] for run in runs])
     found: list[Any]
-    if kind == "swept":
+    if kind == "fixed step":
         keep = ("peak_ux", "residual_ux", "residual_theta", "energy", "overturn_time", "overturned_joint", "steps")
         table = simulate_many(columns, motions, duration=durations, keep=keep, threads=threads)
         assert table.stats["lanes"] == len(table)

@@ -2,7 +2,7 @@
 
 from ..numba_ext.jit import entry, leaf
 from ..numba_ext.views import lanes_of, row_of
-from .fixed_step import follow_swept
+from .fixed_step import follow_fixed_steps
 from .follow import batch_over, follow_queue
 from .runs import ROUND_SLIPPING_SPACE, ROUND_SPACE, SLIPPING_SPACE, SPACE, STRIPPED_SPACE, Queue
 
@@ -51,6 +51,6 @@ def run_stripped(n, buffer, *queue):
 
 
 @entry
-def run_swept(n, buffer, *queue):
-    """`follow_swept`, the same of the first-order formulation; no snapshots."""
-    follow_swept(batch_over(_space(lanes_of(buffer), n), buffer, _queue_of(*queue)))
+def run_fixed_steps(n, buffer, *queue):
+    """`follow_fixed_steps`, the same of the first-order formulation; no snapshots."""
+    follow_fixed_steps(batch_over(_space(lanes_of(buffer), n), buffer, _queue_of(*queue)))

@@ -51,7 +51,7 @@ def divide(one):
 
 
 @kernel
-def start_swept(batch, fresh):
+def start_fixed(batch, fresh):
     """Accelerations and peaks at the start of the lanes in the mask `fresh`. Returns those whose runs end, by bits."""
     work, n = batch.work, batch.model.n
     anchor_far_waves(batch.base, batch.lane.t)
@@ -69,7 +69,7 @@ def start_swept(batch, fresh):
 
 
 @kernel
-def fallen_swept(model, phase):
+def fallen_fixed(model, phase):
     """As `follow.fallen`, of rotations that follow from displacements."""
     n = model.n
     beyond = phase.theta[n - 1] != phase.theta[n - 1]
@@ -83,7 +83,7 @@ def fallen_swept(model, phase):
 
 
 @kernel
-def step_swept(batch):
+def step_fixed(batch):
     """One step of every lane that has a run. Returns the lanes whose run has ended, and one more bit, as `step_on`."""
     work, lanes, n = batch.work, batch.lane, batch.model.n
     busy, step = lanes.run >= 0.0, lanes.step
@@ -94,7 +94,7 @@ def step_swept(batch):
     predict(work, step)
     good = sweep_lanes(batch, work.end, t, busy)
     correct(work, step)
-    over = good & fallen_swept(batch.model, work.end)
+    over = good & fallen_fixed(batch.model, work.end)
     fell, ended = bits(over), bits(busy & ~good)
     step = end_at_falls(batch, fell, step)
     begin, end, peaks = work.start, work.end, batch.state.peaks
@@ -108,7 +108,7 @@ def step_swept(batch):
 
 @kernel
 def _end_segments(batch, last, fell, failed):
-    """Go on with what follows in the lanes whose steps are at their end; finish runs. Returns as `step_swept`."""
+    """Go on with what follows in the lanes whose steps are at their end; finish runs. Returns as `step_fixed`."""
     ended = failed
     if last | fell | failed == 0:
         return ended
@@ -131,7 +131,7 @@ def _end_segments(batch, last, fell, failed):
 
 
 @kernel
-def load_swept(batch, k, number):
+def load_fixed(batch, k, number):
     """Put a run into lane k, as `follow.load`."""
     load(batch, k, number)
     one = single(batch, k)
@@ -141,6 +141,6 @@ def load_swept(batch, k, number):
 
 
 @kernel
-def follow_swept(batch):
+def follow_fixed_steps(batch):
     """As `follow.follow_queue`, of runs of the first-order formulation."""
-    pass_queue(batch, load_swept, start_swept, step_swept)
+    pass_queue(batch, load_fixed, start_fixed, step_fixed)
