@@ -34,7 +34,7 @@ import fmu_src
 from fmu_src.host import MACHINE_CODE, content_hash
 from fmu_src.native import guard
 from fmu_src.native.library import has_tools
-from fmu_src.native.platforms import PLATFORMS
+from fmu_src.native.platforms import PLATFORMS, USUAL_FORM, Form
 from fmu_src.record import read_motion
 from fmu_src.variables import variables
 from solver import Column, InputError
@@ -134,8 +134,8 @@ def _build(options: argparse.Namespace) -> None:
         check_outputs((options.output,), (options.column, options.record), options.force)
     if options.native:
         platforms = options.platforms.split(",") if options.platforms else None
-        more = (options.fmi, options.source, options.terminals, options.scalars)
-        path = build_native_fmu(options.column, options.output, options.record, platforms, *more)
+        form = Form(options.fmi, options.source, options.terminals, options.scalars)
+        path = build_native_fmu(options.column, options.output, options.record, platforms, form)
     elif options.fmi != 2 or options.source or options.terminals:
         option = "--source" if options.source else "--terminals" if options.terminals else f"--fmi {options.fmi}"
         raise InputError(f"{option}: with --native only")
@@ -160,15 +160,11 @@ def build_native_fmu(
     output: Path | None = None,
     record: Path | None = None,
     platforms: Sequence[str] | None = None,
-    fmi: int = 2,
-    source: bool = False,
-    with_terminals: bool = False,
-    scalars: bool = False,
+    form: Form = USUAL_FORM,
 ) -> Path:
     """Build the FMU that needs no Python and return its path; prints what its libraries need from outside.
 
-    platforms: of PLATFORMS[fmi], None: all of them. scalars: of FMI 3.0 without arrays. Raises InputError,
-    OSError.
+    platforms: of PLATFORMS[form.fmi], None: all of them. Raises InputError, OSError.
     """
     if not LINKING:
         lacks = ", ".join(missing_for_linking()) or "MULTIBLOCK_LINKING=0"
@@ -176,16 +172,14 @@ def build_native_fmu(
     with needing("native", *BUILDER_PACKAGES):
         from fmu_src.native.package import native_files, needs_report
     column, output = _column_and_output(column_file, output, record)
-    known = PLATFORMS[fmi]
+    known = PLATFORMS[form.fmi]
     platforms = [*known] if platforms is None else platforms
     for platform in platforms:
         if platform not in known:
             raise InputError(f"--platforms {platform}: must be of {', '.join(known)}")
     motion = None if record is None else read_motion(record)
     record_name = record.name if record else ""
-    files, needs = native_files(
-        column, list(dict.fromkeys(platforms)), motion, record_name, fmi, source, with_terminals, scalars
-    )
+    files, needs = native_files(column, list(dict.fromkeys(platforms)), motion, record_name, form)
     print(needs_report(needs), file=sys.stderr)
     output.parent.mkdir(parents=True, exist_ok=True)
     write_archive(output, files)

@@ -22,7 +22,7 @@ from ..variables import variables
 from .column_subject import column_subject
 from .library import BESIDE_WINDOWS, OWN_HEADERS, libraries, sources
 from .machine_code import COLUMN, Kernels, made_with
-from .platforms import PLATFORMS
+from .platforms import PLATFORMS, USUAL_FORM, Form
 from .source import describe_sources, source_files
 from .symbols import Symbols
 from .table import Contents, headers
@@ -53,12 +53,12 @@ XML = b'<?xml version="1.0" encoding="UTF-8"?>\n'
 
 
 def contents_of(
-    column: Column, record: Motion | None = None, record_name: str = "", fmi: int = 2, scalars: bool = False
+    column: Column, record: Motion | None = None, record_name: str = "", form: Form = USUAL_FORM
 ) -> Contents:
     """The content of the FMU of a column, under a GUID that follows from everything its libraries are made of."""
     table = variables(column, record_name, reads_files=False)
-    contents = Contents(column_subject(column), table, "", record_name, record, scalars)
-    return identified(contents, COLUMN, fmi, json.dumps(column.to_dict()))
+    contents = Contents(column_subject(column), table, "", record_name, record, form.scalars)
+    return identified(contents, COLUMN, form.fmi, json.dumps(column.to_dict()))
 
 
 def identified(contents: Contents, kernels: Kernels, fmi: int, *texts: str) -> Contents:
@@ -71,27 +71,16 @@ def identified(contents: Contents, kernels: Kernels, fmi: int, *texts: str) -> C
 
 
 def native_files(
-    column: Column,
-    platforms: list[str],
-    record: Motion | None = None,
-    record_name: str = "",
-    fmi: int = 2,
-    source: bool = False,
-    with_terminals: bool = False,
-    scalars: bool = False,
+    column: Column, platforms: list[str], record: Motion | None = None, record_name: str = "", form: Form = USUAL_FORM
 ) -> tuple[dict[str, bytes], dict[str, list[Symbols]]]:
-    """The files of the FMU by their names, and the symbols that the libraries need. Raises InputError, OSError.
-
-    fmi: version. source: whether the source code goes in too. with_terminals: terminals, which FMI 3.0 always has, in
-    an FMU of FMI 2.0. scalars: of FMI 3.0 without arrays.
-    """
-    contents = contents_of(column, record, record_name, fmi, scalars)
+    """The files of the FMU by their names, and the symbols that the libraries need. Raises InputError, OSError."""
+    fmi, contents = form.fmi, contents_of(column, record, record_name, form)
     experiment = usual_experiment(column, record)
     name = identifier_of(column.name)
     identity = (column.name, contents.guid, column_description(column), __version__, experiment)
     about = About(*identity, FLAGS_3 if fmi == 3 else NATIVE_FLAGS, "build_fmu.py --native")
     if fmi == 3:
-        description = model_description3(about, contents.table, contents.subject.lines, scalars)
+        description = model_description3(about, contents.table, contents.subject.lines, form.scalars)
     else:
         description = model_description(about, contents.table)
     picture = documentation.drawing(column)
@@ -101,9 +90,9 @@ def native_files(
         "documentation/model.png": picture,
         "documentation/signs.png": documentation.sign_conventions(),
     }
-    if fmi == 3 or with_terminals:
+    if fmi == 3 or form.terminals:
         pages["terminalsAndIcons/terminalsAndIcons.xml"] = XML + tostring(terminals(contents.table))
-    if source:
+    if form.source:
         pages |= source_files(name, headers(contents), COLUMN, fmi)
         pages |= describe_sources(description, name, fmi)
     files, needs = compiled(name, contents, COLUMN, platforms, description, fmi)

@@ -1,8 +1,21 @@
-"""The platforms that a native FMU can hold."""
+"""The platforms that a native FMU can hold, and the forms that it can have."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Form:
+    """The form of a native FMU."""
+
+    fmi: int = 2  # version of the standard
+    source: bool = False  # with the source code inside
+    terminals: bool = False  # those that FMI 3.0 always has, in an FMU of FMI 2.0
+    scalars: bool = False  # of FMI 3.0 without arrays
+
+
+USUAL_FORM = Form()
 
 
 @dataclass(frozen=True)
