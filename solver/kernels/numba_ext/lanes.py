@@ -9,6 +9,7 @@ Arithmetic may neither be reordered nor contracted, as everywhere (jit.py).
 
 import operator
 from collections.abc import Callable
+from functools import wraps
 from typing import Any
 
 import numpy as np
@@ -121,17 +122,26 @@ _register(operator.or_, (MASK, MASK), MASK, lambda builder, a, b: builder.or_(a,
 _register(operator.invert, (MASK,), MASK, lambda builder, x: builder.not_(x))
 
 
+def _emits(result: Any, *kinds: Any) -> Callable[..., Any]:
+    """Decorator of what emits code from (builder, values of these types): a function of kernels with this result."""
+
+    def decorate(emit: Callable[..., Any]) -> Any:
+        @wraps(emit)  # numba takes the names behind the first argument from there
+        def function(typing: Any, *_: Any) -> Any:
+            return result(*kinds), lambda context, builder, signature, arguments: emit(builder, *arguments)
+
+        return _intrinsic(function)
+
+    return decorate
+
+
 def _unary(name: str) -> Any:
     """An LLVM intrinsic of one vector as a function of lanes."""
 
-    @_intrinsic
-    def function(typing: Any, x: Any) -> Any:
-        def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-            kind = ir.FunctionType(_VECTOR, [_VECTOR])
-            called = cgutils.get_or_insert_function(builder.module, kind, f"llvm.{name}.v{WIDTH}f64")
-            return builder.call(called, arguments)
-
-        return LANES(LANES), generate
+    @_emits(LANES, LANES)
+    def function(builder: Any, x: Any) -> Any:
+        kind = ir.FunctionType(_VECTOR, [_VECTOR])
+        return builder.call(cgutils.get_or_insert_function(builder.module, kind, f"llvm.{name}.v{WIDTH}f64"), [x])
 
     return function
 
@@ -141,81 +151,50 @@ _abs = _unary("fabs")
 _rint = _unary("nearbyint")
 
 
-@_intrinsic
-def _select(typing, mask, a, b):
-    def generate(context, builder, signature, arguments):
-        return builder.select(*arguments)
-
-    return LANES(MASK, LANES, LANES), generate
+@_emits(LANES, MASK, LANES, LANES)
+def _select(builder, mask, a, b):
+    return builder.select(mask, a, b)
 
 
-@_intrinsic
-def mirrored(typing, x, by):
+@_emits(LANES, LANES, LANES)
+def mirrored(builder, x, by):
     """Lanes x, with the sign changed where `by` is negative or minus zero."""
-
-    def generate(context, builder, signature, arguments):
-        whole = ir.VectorType(ir.IntType(64), WIDTH)
-        sign = ir.Constant(whole, [-(2**63)] * WIDTH)
-        number, other = (builder.bitcast(argument, whole) for argument in arguments)
-        return builder.bitcast(builder.xor(number, builder.and_(other, sign)), _VECTOR)
-
-    return LANES(LANES, LANES), generate
+    whole = ir.VectorType(ir.IntType(64), WIDTH)
+    sign = ir.Constant(whole, [-(2**63)] * WIDTH)
+    number, other = builder.bitcast(x, whole), builder.bitcast(by, whole)
+    return builder.bitcast(builder.xor(number, builder.and_(other, sign)), _VECTOR)
 
 
-@_intrinsic
-def splat(typing, x):
+@_emits(LANES, types.float64)
+def splat(builder, x):
     """A number in all eight lanes."""
-
-    def generate(context, builder, signature, arguments):
-        return _splat(builder, arguments[0])
-
-    return LANES(types.float64), generate
+    return _splat(builder, x)
 
 
-@_intrinsic
-def lane(typing, x, k):
+@_emits(types.float64, LANES, types.intp)
+def lane(builder, x, k):
     """Number k of the lanes."""
-
-    def generate(context, builder, signature, arguments):
-        vector, index = arguments
-        return builder.extract_element(vector, builder.trunc(index, _INT))
-
-    return types.float64(LANES, types.intp), generate
+    return builder.extract_element(x, builder.trunc(k, _INT))
 
 
-@_intrinsic
-def with_lane(typing, x, k, value):
+@_emits(LANES, LANES, types.intp, types.float64)
+def with_lane(builder, x, k, value):
     """The lanes with number k replaced."""
-
-    def generate(context, builder, signature, arguments):
-        vector, index, number = arguments
-        return builder.insert_element(vector, number, builder.trunc(index, _INT))
-
-    return LANES(LANES, types.intp, types.float64), generate
+    return builder.insert_element(x, value, builder.trunc(k, _INT))
 
 
-@_intrinsic
-def bits(typing, mask):
+@_emits(types.int64, MASK)
+def bits(builder, mask):
     """The mask as a whole number: bit k for lane k."""
-
-    def generate(context, builder, signature, arguments):
-        packed = builder.bitcast(arguments[0], ir.IntType(WIDTH))
-        return builder.zext(packed, ir.IntType(64))
-
-    return types.int64(MASK), generate
+    return builder.zext(builder.bitcast(mask, ir.IntType(WIDTH)), ir.IntType(64))
 
 
-@_intrinsic
-def rarely(typing, condition):
+@_emits(types.boolean, types.boolean)
+def rarely(builder, condition):
     """The truth value; the compiler assumes that it is nearly always false, and moves the code that follows aside."""
-
-    def generate(context, builder, signature, arguments):
-        bit = ir.IntType(1)
-        kind = ir.FunctionType(bit, [bit, bit])
-        expect = cgutils.get_or_insert_function(builder.module, kind, "llvm.expect.i1")
-        return builder.call(expect, [arguments[0], bit(0)])
-
-    return types.boolean(types.boolean), generate
+    bit = ir.IntType(1)
+    expect = cgutils.get_or_insert_function(builder.module, ir.FunctionType(bit, [bit, bit]), "llvm.expect.i1")
+    return builder.call(expect, [condition, bit(0)])
 
 
 # --- functions of numbers or lanes

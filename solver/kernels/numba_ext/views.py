@@ -234,62 +234,48 @@ def _space_get(context: Any, builder: Any, kind: Any, value: Any, name: str) -> 
 # --- from buffers to rows
 
 
-def _check_without_gaps(array: Any) -> None:
+def _first_of(array: Any, kind: Any) -> Any:
+    """The address of the first number of an array, as a row of this kind. Raises TypingError."""
     if array.ndim != 1 or array.layout != "C":
         raise TypingError(f"{array}: must be a contiguous array of one dimension")
+    return RowType(kind)(
+        array
+    ), lambda context, builder, _, given: context.make_array(array)(context, builder, given[0]).data
+
+
+def _unchanged(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+    """The address as it is, in another type."""
+    return arguments[0]
 
 
 @_intrinsic
 def row_of(typing, array):
     """The row over a whole one-dimensional array without gaps."""
-    kind = array.dtype
-    _check_without_gaps(array)
-
-    def generate(context, builder, signature, arguments):
-        return context.make_array(array)(context, builder, arguments[0]).data
-
-    return RowType(kind)(array), generate
+    return _first_of(array, array.dtype)
 
 
 @_intrinsic
 def lanes_of(typing, array):
     """The row of lanes over a whole one-dimensional array of float64, eight numbers an element."""
-    _check_without_gaps(array)
-
-    def generate(context, builder, signature, arguments):
-        return context.make_array(array)(context, builder, arguments[0]).data
-
-    return RowType(LANES)(array), generate
+    return _first_of(array, LANES)
 
 
 @_intrinsic
 def one_lane(typing, row, k):
     """The numbers of lane k in a row of lanes."""
-
-    def generate(context, builder, signature, arguments):
-        return builder.gep(arguments[0], [arguments[1]])
-
-    return RowType(ONE_LANE)(row, types.intp), generate
+    return RowType(ONE_LANE)(row, types.intp), lambda context, builder, _, given: builder.gep(given[0], [given[1]])
 
 
 @_intrinsic
 def row_at(typing, pointer):
     """The row that begins at a pointer."""
-
-    def generate(context, builder, signature, arguments):
-        return arguments[0]
-
-    return RowType(pointer.dtype)(pointer), generate
+    return RowType(pointer.dtype)(pointer), _unchanged
 
 
 @_intrinsic
 def packs_of(typing, row):
     """The row with eight neighbouring numbers an element, for operations common to all; lanes stay as they are."""
-
-    def generate(context, builder, signature, arguments):
-        return arguments[0]
-
-    return RowType(LANES)(row), generate
+    return RowType(LANES)(row), _unchanged
 
 
 @by_width
