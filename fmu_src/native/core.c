@@ -112,13 +112,14 @@ static const char *kind_name(Kind kind) {
 
 /* --- messages */
 
-void core_say(const Instance *instance, Status status, const char *format, ...) {
+Status core_say(const Instance *instance, Status status, const char *format, ...) {
     char text[MESSAGE];
     va_list arguments;
     va_start(arguments, format);
     vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
     instance->teller(instance->host, status, text);
+    return status;
 }
 
 /* Add to a text that may already be full. */
@@ -397,14 +398,9 @@ Status core_set_up(Instance *instance, double start, const double *stop, const d
     Moment *now = &instance->now;
     char text[NUMBER], other[NUMBER];
     if (wrong_mode(instance, INSTANTIATED, SAY_WHEN_SET_UP)) return ST_ERROR;
-    if (!isfinite(start)) {
-        core_say(instance, ST_ERROR, SAY_START_TIME, shown(start, text));
-        return ST_ERROR;
-    }
-    if (stop && !(*stop >= start)) {
-        core_say(instance, ST_ERROR, SAY_STOP_TIME, shown(*stop, text), shown(start, other));
-        return ST_ERROR;
-    }
+    if (!isfinite(start)) return core_say(instance, ST_ERROR, SAY_START_TIME, shown(start, text));
+    if (stop && !(*stop >= start))
+        return core_say(instance, ST_ERROR, SAY_STOP_TIME, shown(*stop, text), shown(start, other));
     now->time = now->input_time = start;
     instance->stop = stop ? *stop : INFINITY;
     if (HAS_TOLERANCE && tolerance && !now->tolerance_set) {
@@ -423,10 +419,7 @@ Status core_enter_initialization(Instance *instance) {
 Status core_exit_initialization(Instance *instance) {
     char reason[MESSAGE];
     if (wrong_mode(instance, INITIALIZATION, SAY_WHEN_EXITED)) return ST_ERROR;
-    if (!instance->now.built && !build(instance, 1, reason)) {
-        core_say(instance, ST_ERROR, "%s", reason);
-        return ST_ERROR;
-    }
+    if (!instance->now.built && !build(instance, 1, reason)) return core_say(instance, ST_ERROR, "%s", reason);
     instance->outdated = 1;
     instance->now.inputs_stand = 0;
     (void)update(instance, reason); /* stands on the base as it is turned now; outputs report errors */
@@ -493,26 +486,18 @@ Status core_readable(Instance *instance, const Reference references[], size_t co
     }
     int stale = outputs && (instance->outdated || instance->now.mode == INSTANTIATED);
     if (!reason[0] && (!stale || update(instance, reason))) return ST_OK;
-    core_say(instance, ST_ERROR, SAY_NOT_READ, shown(instance->now.time, time), reason);
-    return ST_ERROR;
+    return core_say(instance, ST_ERROR, SAY_NOT_READ, shown(instance->now.time, time), reason);
 }
 
 Status core_settable(Instance *instance, const Reference references[], size_t count, Kind kind, const void *values) {
     if (!has_both(instance, references, values, count)) return ST_ERROR;
-    if (instance->now.mode == TERMINATED) {
-        core_say(instance, ST_ERROR, SAY_NOTHING_SET);
-        return ST_ERROR;
-    }
+    if (instance->now.mode == TERMINATED) return core_say(instance, ST_ERROR, SAY_NOTHING_SET);
     for (size_t k = 0; k < count; k++) {
         const Variable *variable = find(references[k]);
-        if (!variable || variable->kind != kind || variable->role == OUTPUT) {
-            core_say(instance, ST_ERROR, SAY_NOT_SETTABLE, references[k], kind_name(kind));
-            return ST_ERROR;
-        }
-        if (instance->now.mode == STEPPING && variable->role == PARAMETER && !variable->tunable) {
-            core_say(instance, ST_ERROR, SAY_FIXED, variable->name);
-            return ST_ERROR;
-        }
+        if (!variable || variable->kind != kind || variable->role == OUTPUT)
+            return core_say(instance, ST_ERROR, SAY_NOT_SETTABLE, references[k], kind_name(kind));
+        if (instance->now.mode == STEPPING && variable->role == PARAMETER && !variable->tunable)
+            return core_say(instance, ST_ERROR, SAY_FIXED, variable->name);
     }
     return ST_OK;
 }
@@ -660,15 +645,10 @@ Status core_set_slopes(Instance *instance, const Reference references[], size_t 
     if (core_settable(instance, references, count, REAL, values) != ST_OK) return ST_ERROR;
     for (size_t k = 0; k < count; k++) {
         const Variable *variable = find(references[k]);
-        if (variable->role != INPUT) {
-            core_say(instance, ST_ERROR, "%s: is not an input", variable->name);
-            return ST_ERROR;
-        }
+        if (variable->role != INPUT) return core_say(instance, ST_ERROR, "%s: is not an input", variable->name);
         if (!first_order(instance, variable, orders[k])) return ST_ERROR;
-        if (slope_of[variable->place] < 0 && values[k] != 0.0) {
-            core_say(instance, ST_ERROR, "%s: is held within a step, its derivative must be 0", variable->name);
-            return ST_ERROR;
-        }
+        if (slope_of[variable->place] < 0 && values[k] != 0.0)
+            return core_say(instance, ST_ERROR, "%s: is held within a step, its derivative must be 0", variable->name);
     }
     for (size_t k = 0; k < count; k++) {
         int slope = slope_of[find(references[k])->place];
@@ -704,8 +684,7 @@ static int up_to_date(Instance *instance) {
 /* The status for a kernel's code; an error is logged. */
 static Status answer(const Instance *instance, int64_t code) {
     if (code >= 0) return ST_OK;
-    core_say(instance, ST_ERROR, "%s", reason_of(code));
-    return ST_ERROR;
+    return core_say(instance, ST_ERROR, "%s", reason_of(code));
 }
 
 Status core_rates(Instance *instance, const Reference references[], size_t count, const int orders[], double values[]) {
@@ -733,10 +712,8 @@ Status core_directional(Instance *instance, const Reference unknowns[], size_t u
         if (!is_continuous_output(instance, unknowns[k])) return ST_ERROR;
     for (size_t k = 0; k < known_count; k++) {
         const Variable *known = find(knowns[k]);
-        if (!known || known->role != INPUT) {
-            core_say(instance, ST_ERROR, "value reference %u: is not that of an input", knowns[k]);
-            return ST_ERROR;
-        }
+        if (!known || known->role != INPUT)
+            return core_say(instance, ST_ERROR, "value reference %u: is not that of an input", knowns[k]);
         along[known->place] += seeds[k];
     }
     if (!up_to_date(instance)) return ST_ERROR;
@@ -750,20 +727,15 @@ Status core_directional(Instance *instance, const Reference unknowns[], size_t u
 /* --- state */
 
 Status core_save(Instance *instance, Saved **saved) {
-    if (!*saved && !(*saved = malloc(sizeof **saved))) {
-        core_say(instance, ST_ERROR, "out of memory");
-        return ST_ERROR;
-    }
+    if (!*saved && !(*saved = malloc(sizeof **saved))) return core_say(instance, ST_ERROR, "out of memory");
     (*saved)->owner = core_identity;
     memcpy(&(*saved)->moment, &instance->now, sizeof instance->now);
     return ST_OK;
 }
 
 Status core_restore(Instance *instance, const Saved *saved) {
-    if (!saved || saved->owner != core_identity) {
-        core_say(instance, ST_ERROR, SAY_NOT_SET, "it is not one of this FMU");
-        return ST_ERROR;
-    }
+    if (!saved || saved->owner != core_identity)
+        return core_say(instance, ST_ERROR, SAY_NOT_SET, "it is not one of this FMU");
     /* what the modal method keeps in work follows from the model */
     if (memcmp(instance->now.model, saved->moment.model, sizeof saved->moment.model))
         memset(instance->work, 0, sizeof instance->work);
@@ -793,9 +765,8 @@ size_t core_bytes(void) { return HEADER + sizeof(Moment); }
 Status core_to_bytes(const Instance *instance, const Saved *saved, void *bytes, size_t size) {
     if (!core_has(instance, saved, 1, "state") || !core_has(instance, bytes, 1, "bytes")) return ST_ERROR;
     if (size < core_bytes()) {
-        core_say(instance, ST_ERROR, "%llu bytes: the state takes %llu", (unsigned long long)size,
+        return core_say(instance, ST_ERROR, "%llu bytes: the state takes %llu", (unsigned long long)size,
                  (unsigned long long)core_bytes());
-        return ST_ERROR;
     }
     write_header(bytes, &saved->moment);
     memcpy((char *)bytes + HEADER, &saved->moment, sizeof saved->moment);
@@ -863,8 +834,7 @@ Status core_from_bytes(Instance *instance, const void *bytes, size_t size, Saved
     }
     if (fault) {
         free(made);
-        core_say(instance, ST_ERROR, SAY_NOT_SET, fault);
-        return ST_ERROR;
+        return core_say(instance, ST_ERROR, SAY_NOT_SET, fault);
     }
     *saved = made;
     return ST_OK;

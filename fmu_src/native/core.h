@@ -24,7 +24,7 @@ extern const double core_usual_step; /* s, of the samples of a motion: what a fa
 
 Instance *core_new(Teller *teller, void *host); /* NULL: out of memory */
 void core_free(Instance *instance);
-void core_say(const Instance *instance, Status status, const char *format, ...)
+Status core_say(const Instance *instance, Status status, const char *format, ...) /* returns the status */
 #ifdef __GNUC__
     __attribute__((format(printf, 3, 4)))
 #endif

@@ -27,6 +27,19 @@ static const char *category_of(Status status) {
         for (size_t k = 0; k < ELEMENTS; k++) values[k] = value(face->column, LIST[k]);                                \
         return FMI(OK);                                                                                                \
     }
+/* Calls that set whole numbers, of which no input is one, and Booleans, of which none can be set. */
+#define SETTERS(whole)                                                                                                 \
+    CALL(Set##whole)(Component instance, GIVEN_TO(const FMI(whole))) {                                                 \
+        BEGIN;                                                                                                         \
+        if (core_settable(face->column, LIST, ELEMENTS, INTEGER, values) != ST_OK) return FMI(Error);                  \
+        for (size_t k = 0; k < ELEMENTS; k++) core_put_whole(face->column, LIST[k], values[k]);                        \
+        core_has_changed(face->column, ELEMENTS > 0);                                                                  \
+        return FMI(OK);                                                                                                \
+    }                                                                                                                  \
+    CALL(SetBoolean)(Component instance, GIVEN_TO(const FMI(Boolean))) {                                               \
+        BEGIN;                                                                                                         \
+        return (FMI(Status))core_settable(face->column, LIST, ELEMENTS, BOOLEAN, values);                              \
+    }
 
 EXPORT void FMI(FreeInstance)(Component instance) {
     Face *face = instance;

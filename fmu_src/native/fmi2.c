@@ -92,25 +92,11 @@ FMI2_Export fmi2Status fmi2GetReal(fmi2Component instance, const fmi2ValueRefere
 GETTER(Integer, INTEGER, (fmi2Integer)core_whole)
 GETTER(Boolean, BOOLEAN, !!core_whole)
 GETTER(String, STRING, core_text)
+SETTERS(Integer)
 
 FMI2_Export fmi2Status fmi2SetReal(fmi2Component instance, const fmi2ValueReference references[], size_t count,
                                    const fmi2Real values[]) {
     ANSWER(core_set_reals(face->column, references, count, values));
-}
-
-FMI2_Export fmi2Status fmi2SetInteger(fmi2Component instance, const fmi2ValueReference references[], size_t count,
-                                      const fmi2Integer values[]) {
-    Face *face = instance;
-    if (!face || core_settable(face->column, references, count, INTEGER, values) != ST_OK) return fmi2Error;
-    for (size_t k = 0; k < count; k++) core_put_whole(face->column, references[k], values[k]);
-    core_has_changed(face->column, count > 0); /* no input is whole */
-    return fmi2OK;
-}
-
-FMI2_Export fmi2Status fmi2SetBoolean(fmi2Component instance, const fmi2ValueReference references[], size_t count,
-                                      const fmi2Boolean values[]) {
-    /* no Boolean can be set */
-    ANSWER(core_settable(face->column, references, count, BOOLEAN, values));
 }
 
 FMI2_Export fmi2Status fmi2SetString(fmi2Component instance, const fmi2ValueReference references[], size_t count,
@@ -127,8 +113,7 @@ FMI2_Export fmi2Status fmi2DoStep(fmi2Component instance, fmi2Real start, fmi2Re
 
 static fmi2Status refuse(Face *face, fmi2Status status, const char *text) {
     if (!face) return fmi2Error;
-    core_say(face->column, (Status)status, "%s", text);
-    return status;
+    return (fmi2Status)core_say(face->column, (Status)status, "%s", text);
 }
 
 static int has(const Face *face, const void *value) { return core_has(face->column, value, 1, "value"); }

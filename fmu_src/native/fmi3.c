@@ -146,21 +146,7 @@ FMI3_Export fmi3Status fmi3SetFloat64(fmi3Instance instance, const fmi3ValueRefe
 GETTER(Int64, INTEGER, core_whole) /* enumerations, too */
 GETTER(Boolean, BOOLEAN, !!core_whole)
 GETTER(String, STRING, core_text)
-
-FMI3_Export fmi3Status fmi3SetInt64(fmi3Instance instance, const fmi3ValueReference references[], size_t count,
-                                    const fmi3Int64 values[], size_t value_count) {
-    WRITE_OUT;
-    if (core_settable(face->column, face->list, elements, INTEGER, values) != ST_OK) return fmi3Error;
-    for (size_t k = 0; k < elements; k++) core_put_whole(face->column, face->list[k], values[k]);
-    core_has_changed(face->column, 1); /* no input is whole */
-    return fmi3OK;
-}
-
-FMI3_Export fmi3Status fmi3SetBoolean(fmi3Instance instance, const fmi3ValueReference references[], size_t count,
-                                      const fmi3Boolean values[], size_t value_count) {
-    (void)value_count; /* no Boolean can be set */
-    ANSWER(core_settable(face->column, references, count, BOOLEAN, values));
-}
+SETTERS(Int64)
 
 FMI3_Export fmi3Status fmi3SetString(fmi3Instance instance, const fmi3ValueReference references[], size_t count,
                                      const fmi3String values[], size_t value_count) {
@@ -280,18 +266,12 @@ static fmi3Status not_offered(fmi3Instance instance, const char *call) {
 #define NO_MODE(name)                                                                                                  \
     FMI3_Export fmi3Status name(fmi3Instance instance) { return not_offered(instance, #name); }
 #define REFERENCES const fmi3ValueReference references[], size_t count
-#define NO_KIND(kind, type)                                                                                            \
-    NOT_OFFERED(fmi3Get##kind, REFERENCES, type values[], size_t value_count)                                          \
-    NOT_OFFERED(fmi3Set##kind, REFERENCES, const type values[], size_t value_count)
+#define NO_KIND(kind)                                                                                                  \
+    NOT_OFFERED(fmi3Get##kind, REFERENCES, fmi3##kind values[], size_t value_count)                                    \
+    NOT_OFFERED(fmi3Set##kind, REFERENCES, const fmi3##kind values[], size_t value_count)
 
-NO_KIND(Float32, fmi3Float32)
-NO_KIND(Int8, fmi3Int8)
-NO_KIND(UInt8, fmi3UInt8)
-NO_KIND(Int16, fmi3Int16)
-NO_KIND(UInt16, fmi3UInt16)
-NO_KIND(Int32, fmi3Int32)
-NO_KIND(UInt32, fmi3UInt32)
-NO_KIND(UInt64, fmi3UInt64)
+NO_KIND(Float32) NO_KIND(Int8) NO_KIND(UInt8) NO_KIND(Int16) NO_KIND(UInt16) NO_KIND(Int32) NO_KIND(UInt32)
+NO_KIND(UInt64)
 NOT_OFFERED(fmi3GetBinary, REFERENCES, size_t sizes[], fmi3Binary values[], size_t value_count)
 NOT_OFFERED(fmi3SetBinary, REFERENCES, const size_t sizes[], const fmi3Binary values[], size_t value_count)
 NOT_OFFERED(fmi3GetClock, REFERENCES, fmi3Clock values[])
@@ -303,12 +283,8 @@ NOT_OFFERED(fmi3GetVariableDependencies, fmi3ValueReference dependent, size_t el
 NOT_OFFERED(fmi3GetAdjointDerivative, REFERENCES, const fmi3ValueReference knowns[], size_t known_count,
             const fmi3Float64 seeds[], size_t seed_count, fmi3Float64 values[], size_t value_count)
 
-NO_MODE(fmi3EnterEventMode)
-NO_MODE(fmi3EnterConfigurationMode)
-NO_MODE(fmi3ExitConfigurationMode)
-NO_MODE(fmi3EvaluateDiscreteStates)
-NO_MODE(fmi3EnterContinuousTimeMode)
-NO_MODE(fmi3EnterStepMode)
+NO_MODE(fmi3EnterEventMode) NO_MODE(fmi3EnterConfigurationMode) NO_MODE(fmi3ExitConfigurationMode)
+NO_MODE(fmi3EvaluateDiscreteStates) NO_MODE(fmi3EnterContinuousTimeMode) NO_MODE(fmi3EnterStepMode)
 NOT_OFFERED(fmi3GetIntervalDecimal, REFERENCES, fmi3Float64 intervals[], fmi3IntervalQualifier qualifiers[])
 NOT_OFFERED(fmi3GetIntervalFraction, REFERENCES, fmi3UInt64 counters[], fmi3UInt64 resolutions[],
             fmi3IntervalQualifier qualifiers[])
