@@ -14,8 +14,10 @@ from typing import Any
 import numpy as np
 
 from solver import Block, Column, InputError, Joint, Motion, Settings, SolverError
-from solver.column.packing import longest_stable_step, settlements
+from solver.column.packing import described, settlements, unwritten
 from solver.dynamics.stepper import Stepper
+from solver.kernels.api.engine import DETAILS, scratch_room
+from solver.kernels.api.entries import assemble_column
 from solver.kernels.layout import spaces as at
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -26,7 +28,18 @@ GROWN = 1e3  # times the first disturbance: growth that counts as divergence
 FINER = 0.005  # of the step: accuracy of the limit found
 LONGEST = 1.5  # times the computed limit: range of the search
 TOLERANCES = (math.inf, 1e-2, 1e-4, 1e-6, 1e-9)  # of the sweeps; the first one stops after one sweep
+LEAST_STEP = 1e-9  # s, below any limit of stability
 SCENES = ((0.02, 2.0, 2.0), (0.05, 2.0, 2.0))  # g, Hz, s: short enough to predict the motion of the undamped column
+
+
+def longest_stable_step(column: Column) -> float:
+    """Stability limit of central differences, s (kernels/column/stability.py)."""
+    n = column.n
+    column = column.with_settings(integrator="central-difference", step=LEAST_STEP)
+    detail = np.zeros(DETAILS)
+    made = unwritten(n)
+    assemble_column(n, *made, described(column), 1, np.zeros(scratch_room(n, True)), detail)
+    return float(detail[0])
 
 
 def shaft(n: int, stiffness: float, damping: float, step: float = 1e-4) -> Column:

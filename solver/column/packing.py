@@ -35,7 +35,6 @@ IntArray = NDArray[np.int64]
 
 _of_block, _of_joint = attrgetter(*GIVEN_BLOCK), attrgetter(*GIVEN_JOINT)
 _TOLERANCE, _WITHOUT = GIVEN_SETTINGS.fields.index("tolerance"), GIVEN_SETTINGS.fields.index("without")
-LEAST_STEP = 1e-9  # s, below any limit of stability
 
 
 @dataclass(frozen=True)
@@ -144,16 +143,6 @@ def _assemble(column: Column, given: FloatArray) -> Arrays:
     if code != at.OK:  # the other checks are those of the column
         raise InputError(f"block[{int(detail[0])}].inertia: beyond the range of float64")
     return made
-
-
-def longest_stable_step(column: Column) -> float:
-    """Stability limit of central differences, s (kernels/column/stability.py)."""
-    n = column.n
-    column = column.with_settings(integrator="central-difference", step=LEAST_STEP)
-    detail = np.zeros(DETAILS)
-    made = unwritten(n)
-    assemble_column(n, *made, described(column), 1, np.zeros(scratch_room(n, True)), detail)
-    return float(detail[0])
 
 
 def described(column: Column) -> FloatArray:

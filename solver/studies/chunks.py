@@ -14,8 +14,6 @@ from ..runs.lane_policy import kind_of
 from ..runs.single_run import SETTLE
 from .definition import Planned, Study
 
-FAILED = "failed"
-
 
 class Made(NamedTuple):
     """Rows [number, values of what is varied, measures, outputs, why it failed], and how long they took, s."""

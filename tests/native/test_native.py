@@ -16,7 +16,7 @@ from support.inside import failures, inputs, states
 from support.inside import native as inside
 
 from solver import Column, Motion
-from solver.column.packing import longest_stable_step
+from stress.scheme import longest_stable_step
 
 pytestmark = pytest.mark.long  # builds native FMUs
 

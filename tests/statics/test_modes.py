@@ -9,9 +9,9 @@ import pytest
 from support.probe import phocas
 
 from solver import Column, InputError, SolverError, natural_frequencies
-from solver.column.packing import longest_stable_step
 from solver.dynamics.stepper import Stepper
 from solver.kernels.layout import spaces as at
+from stress.scheme import longest_stable_step
 
 
 def elastic_growth(column: Column, step: float) -> float:

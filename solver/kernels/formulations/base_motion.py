@@ -140,23 +140,14 @@ def base_motion(base, samples, t):
 def base_motion_beside(base, samples, t, sine):
     """`base_motion` with the value of `wave` at that time given."""
     past = t - base.t0
-    ax = base.ax + base.jx * past
-    az = base.az + base.jz * past
-    amplitude = base.wave_amplitude
-    if samples.size > 0:
-        if t <= base.piece_end or samples.held:
-            within = t - base.piece_begin
-            ax += base.piece_ax + base.piece_jx * within
-            az += base.piece_az + base.piece_jz * within
-        else:  # a step crosses kinks of the straight lines, never a jump
-            k = int(base.segment)
-            while 0 <= k < samples.size - 2 and t > samples.times[k + 1]:
-                k += 1
-            r_ax, _, r_az, _ = record_line(samples, k, t)
-            ax += r_ax
-            az += r_az
-        if is_silent(samples, int(base.segment)):
-            amplitude = 0.0
+    ax, _, az, _ = base_line(base, samples, t)
+    if samples.size > 0 and t > base.piece_end and not samples.held:
+        k = int(base.segment)  # a step crosses kinks of the straight lines, never a jump
+        while 0 <= k < samples.size - 2 and t > samples.times[k + 1]:
+            k += 1
+        r_ax, _, r_az, _ = record_line(samples, k, t)
+        ax, az = base.ax + base.jx * past + r_ax, base.az + base.jz * past + r_az
+    amplitude = wave_amplitude(base, samples)
     if amplitude != 0.0:
         ax += amplitude * sine
     omega, alpha = base.omega, base.alpha

@@ -76,7 +76,6 @@ SERIES = 2.0  # radians (of frequency or damping) in a step up to which they giv
 INVERSE_FACTORIALS = np.array([1.0 / math.factorial(k) for k in range(TERMS + 1)])
 SPLIT = 2.0  # ratio of mode to base frequency from which its steady motion is separated from the rest
 GRID = 2.0**40  # 1/s: responses are those of a step on this grid; the difference is compensated
-LEAST_STEP = 1e-9  # s
 
 
 @leaf
