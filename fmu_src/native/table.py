@@ -116,7 +116,7 @@ def headers(contents: Contents) -> dict[str, str]:
 
 
 def contract(subject: Subject) -> str:
-    """The kernels and what goes by their tables."""
+    """The kernels, and the sizes, codes and messages that belong to them."""
     sizes = {name: subject.sizes[name] for name in SIZES}
     sizes |= {"BASE_INPUTS": len(subject.inputs), "GIVEN": len(subject.given), "DETAILS": engine.DETAILS}
     codes = {"IS_COLUMN": int(subject.is_column)} | {name: subject.codes.get(name, 0) for name in COLUMN_CODES}

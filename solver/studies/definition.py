@@ -128,7 +128,7 @@ class Study(Shown):
             check_choice("keep", name, tuple(KEPT))
         for name in ("peak_ux", "verdict"):
             if name not in self.keep:
-                raise InputError(f"keep: must have {name}, which every picture and table goes by")
+                raise InputError(f"keep: must have {name}, which every picture and table needs")
         if self.tolerance is not None:  # checked as the columns' own
             self.columns[0].with_settings(tolerance=self.tolerance)
         self._check_names()

@@ -261,10 +261,14 @@ def _top(f_0, f_1, f_2, f_3, f_4, near):
 
 
 @kernel
-def _climb(column, t, h, j, a, f_a, b, f_b, c, f_c, sign, s, height):
-    """Find the extreme of quantity j between fractions a and c of the step, expected at s, with this height."""
+def _climb(column, t, h, j, sign, known, s, height):
+    """Find the extreme of quantity j in a step, expected at its fraction s, with this height.
+
+    known: three fractions of the step in their order, each with the value there; the second value is the largest.
+    """
     work, peaks = column.work, column.state.peaks
     for _ in range(MOST_TRIALS):
+        a, f_a, b, f_b, c, f_c = known
         if not height > peaks[j] + work.allowed[j]:
             return
         if abs(s - b) < CLOSE:
@@ -273,15 +277,10 @@ def _climb(column, t, h, j, a, f_a, b, f_b, c, f_c, sign, s, height):
             return
         f_s = sign * _look(column, t, h, s)[j]
         if s < b:
-            if f_s >= f_b:
-                b, f_b, c, f_c = s, f_s, b, f_b
-            else:
-                a, f_a = s, f_s
-        elif f_s >= f_b:
-            a, f_a, b, f_b = b, f_b, s, f_s
+            known = (a, f_a, s, f_s, b, f_b) if f_s >= f_b else (s, f_s, b, f_b, c, f_c)
         else:
-            c, f_c = s, f_s
-        s, height = _vertex(a, f_a, b, f_b, c, f_c)
+            known = (b, f_b, s, f_s, c, f_c) if f_s >= f_b else (a, f_a, b, f_b, s, f_s)
+        s, height = _vertex(*known)
 
 
 @kernel
@@ -305,8 +304,8 @@ def _find_top(column, t, h, j, size):
     elif abs(term) <= SURE * allowed:
         peaks[j] = max(peaks[j], min(height, 1.0) if j // n == _CONTACT else height)
         return
-    a, b, c = (at - 1) / PIECES, at / PIECES, (at + 1) / PIECES
-    _climb(column, t, h, j, a, f[at - 1], b, f[at], c, f[at + 1], way, x / PIECES, height)
+    known = ((at - 1) / PIECES, f[at - 1], at / PIECES, f[at], (at + 1) / PIECES, f[at + 1])
+    _climb(column, t, h, j, way, known, x / PIECES, height)
 
 
 @kernel
