@@ -224,7 +224,7 @@ def eight_columns(kind: str, n: int) -> tuple[Array, Array, Array]:
 def named(phase: Any, joints: Any, slips: bool) -> dict[str, Array]:
     """Accelerations, and the resultants of the joints."""
     found = {name: getattr(phase, f"{name}_acceleration") for name in ("theta", "opening", *(("slip",) * slips))}
-    names = ("normal", "moment", "tangential", *(("drift", "overcome", "shear_capacity") * slips))
+    names = ("normal", "moment", "tangential", *(("pressure_shear", "overcome", "shear_capacity") * slips))
     return found | {name: getattr(joints, name) for name in names}
 
 

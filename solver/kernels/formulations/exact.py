@@ -22,9 +22,9 @@ from typing import NamedTuple
 from ..joint.law import resultants
 from ..joint.sliding import (
     can_slide,
-    drift,
     opening_felt,
     opening_rate_felt,
+    pressure_shear,
     rim_force,
     shear_capacity,
     slip_if,
@@ -134,9 +134,9 @@ def _bear(model, phase, joints, hold, room, slides):
             across = 0.5 * slip * normal
             moment += across
             here.across = across
-            joints.drift[i] = drift(normal, sine, rim_force(blocks, i, felt, slope, slip))
+            joints.pressure_shear[i] = pressure_shear(normal, sine, rim_force(blocks, i, felt, slope, slip))
             joints.shear_capacity[i] = shear_capacity(blocks, i, normal)
-            here.given = joints.drift[i] - joints.sliding[i] * joints.shear_capacity[i]
+            here.given = joints.pressure_shear[i] - joints.sliding[i] * joints.shear_capacity[i]
         here.turned = moment * cosine
         joints.normal[i] = normal
         joints.moment[i] = moment
@@ -295,7 +295,7 @@ def _slide(phase, row, joints, i, needed):
     """T of joint i and the acceleration of its slip; `needed`: the force that would prevent sliding."""
     way, bears, given = joints.sliding[i], joints.shear_capacity[i], row.given
     sticks = way == 0.0
-    beyond = magnitude(needed - joints.drift[i]) > bears
+    beyond = magnitude(needed - joints.pressure_shear[i]) > bears
     joints.overcome[i] = where(sticks & beyond, 1.0, joints.overcome[i])
     phase.slip_acceleration[i] = where(sticks, 0.0, (given - needed) / row.pivot)
     phase.friction_power[i] = where(sticks, 0.0, way * phase.slip_rate[i] * bears)

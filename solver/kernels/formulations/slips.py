@@ -61,7 +61,7 @@ def something_slides(work):
 @leaf
 def shear_margin(joints, i):
     """Shear capacity of joint i less the force along it, N; negative where it slides."""
-    return joints.shear_capacity[i] - magnitude(joints.tangential[i] - joints.drift[i])
+    return joints.shear_capacity[i] - magnitude(joints.tangential[i] - joints.pressure_shear[i])
 
 
 @kernel
@@ -101,7 +101,7 @@ def change_directions(joints, phase, n):
         sticks = way == 0.0
         goes = sticks & (shear_margin(joints, i) < 0.0)
         stops = (way != 0.0) & (phase.slip_rate[i] == 0.0) & (way * phase.slip_acceleration[i] < 0.0)
-        to = where(joints.tangential[i] > joints.drift[i], -1.0, 1.0)
+        to = where(joints.tangential[i] > joints.pressure_shear[i], -1.0, 1.0)
         joints.sliding[i] = where(goes, to, where(stops, 0.0, way))
         changed = changed | goes | stops
     return changed

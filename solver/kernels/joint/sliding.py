@@ -1,9 +1,9 @@
 """A joint that slides, or is built off its axis (theory.md section 9): where it touches, what it bears along itself.
 
 The contact belongs to the block above: its middle has moved by half of the slip from the middle of the joint. Pressure
-acts along the normal of the lower face, which is turned by half of the joint's rotation against that of the joint: the
-part of it along the joint is called drift, with what a rim adds that cuts the contact off. Friction and dowel bear the
-rest.
+acts along the normal of the lower face, which is turned by half of the joint's rotation against that of the joint. Its
+part along the joint, with what a rim adds that cuts the contact off, is the shear of the pressure. Friction and dowel
+bear the rest.
 """
 
 from ..layout.spaces import STRIP_NUMBERS
@@ -66,7 +66,7 @@ def opening_rate_felt(opening_rate, slip, slip_rate, slope, slope_rate):
 
 
 @leaf
-def drift(normal, sine, at_rim):
+def pressure_shear(normal, sine, at_rim):
     """Part of the pressure along the joint, N, on the block above; sine of half the joint's rotation."""
     return at_rim - normal * sine
 

@@ -240,7 +240,7 @@ JOINTS = Table(
     "moment",  # N m
     "length",  # m in contact
     "tangential",  # N, along the joint, on the block above in the direction of its tangent
-    "drift",  # N, the part of it that is no friction: the pressure acts along the normal of a face
+    "pressure_shear",  # N, the part of it that is no friction: the pressure acts along the normal of a face
     "shear_capacity",  # N, by friction and dowel; the joint slides beyond
     "sliding",  # 1 or -1: the joint slides that way, 0: it sticks; an input of an evaluation
     "overcome",  # 1 once an evaluation found a joint that sticks beyond what it bears
