@@ -69,8 +69,8 @@ def simulate_many(
 
     Verdict. settle: as in `simulate`.
 
-    Work. executor: anything with `submit`, such as a process pool or a client of Dask; None: threads of this process,
-    as many as `threads` or as it has cores.
+    Work. executor: anything with `submit`, such as a process pool or a client of Dask; None: threads of this process.
+    threads: number of these; None: one for each core.
 
     The numbers are the same, bit for bit, whatever the threads, workers and the order. A run that the solver cannot
     finish is "undecided", its numbers are NaN and `table.stats["failures"]` says why.

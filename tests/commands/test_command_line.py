@@ -1,6 +1,8 @@
 """The command line: its files hold what the solver computes, and a user's mistake ends in one line and exit code 2."""
 
 import csv
+import inspect
+import re
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -11,7 +13,7 @@ import pytest
 from support.fmus import DAMPED, PHOCAS, finish_in
 from support.record_files import AT2
 
-from solver import Column, InputError, Motion, natural_frequencies, simulate
+from solver import Column, InputError, Motion, natural_frequencies, simulate, simulate_many
 from solver.commands.command_line import main
 from solver.ground.motion import STANDARD_GRAVITY
 
@@ -262,3 +264,43 @@ def test_mistakes_end_in_one_line(
 def test_a_mistake_ends_the_process_with_2(tmp_path: Path) -> None:
     run = finish_in(tmp_path, sys.executable, "-m", "solver", "simulate", "none.toml", "motion.csv")
     assert (run.returncode, run.stderr) == (2, "python -m solver: none.toml: No such file or directory\n")
+
+
+# options of `simulate` -> those of the command, where they have other names
+OF_THE_COMMAND = {"check": ["no_check"], "spread": ["spread", "spread_seed"], "without": [], "callback": []}
+GROUPS = ("Accuracy", "Output", "Verdict", "Trust", "Work")
+
+
+def options_by_group(function: Callable[..., object]) -> dict[str, str]:
+    """Option -> group: the first paragraph of the docstring, of those that begin with a group's name, that has it."""
+    paragraphs = (inspect.getdoc(function) or "").split("\n\n")
+    begun = [(group, text) for text in paragraphs for group in GROUPS if re.match(rf"{group}[.;]", text)]
+    names = set(inspect.signature(function).parameters) - {
+        "column",
+        "columns",
+        "motion",
+        "motions",
+        "duration",
+        "initial",
+    }
+    found = {name: [group for group, text in begun if re.search(rf"\b{name}`?(?::|,| \()", text)] for name in names}
+    assert {name for name, groups in found.items() if not groups} == set()
+    return {name: groups[0] for name, groups in found.items()}
+
+
+def test_every_option_of_a_run_is_in_a_group(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    found, of_many = options_by_group(simulate), options_by_group(simulate_many)
+    assert set(found.values()) == set(GROUPS[:4])
+    assert {name: of_many[name] for name in found if name in of_many} == {
+        name: group for name, group in found.items() if name in of_many
+    }
+    monkeypatch.setenv("COLUMNS", "100")
+    with pytest.raises(SystemExit):
+        main(["simulate", "--help"])
+    sections = re.split(r"^(\w[^\n]*):\n", capsys.readouterr().out, flags=re.MULTILINE)
+    texts = {sections[k].partition(" ")[0].capitalize(): sections[k + 1] for k in range(1, len(sections) - 1, 2)}
+    for name, group in found.items():
+        for option in OF_THE_COMMAND.get(name, [name]):
+            assert f"--{option.replace('_', '-')} " in texts[group].replace("\n", " "), option
