@@ -545,10 +545,9 @@ const char *core_text(const Instance *instance, Reference reference) {
 Status core_set_texts(Instance *instance, const Reference references[], size_t count, const char *const values[]) {
     if (core_settable(instance, references, count, STRING, values) != ST_OK) return ST_ERROR;
     for (size_t k = 0; k < count; k++)
-        if (!values[k] || strlen(values[k]) >= TEXT) {
-            core_say(instance, ST_ERROR, "%s: must be a text of less than %d bytes", find(references[k])->name, TEXT);
-            return ST_ERROR;
-        }
+        if (!values[k] || strlen(values[k]) >= TEXT)
+            return core_say(instance, ST_ERROR, "%s: must be a text of less than %d bytes", find(references[k])->name,
+                            TEXT);
     for (size_t k = 0; k < count; k++) strcpy(instance->now.texts[find(references[k])->place], values[k]);
     core_has_changed(instance, count > 0);
     return ST_OK;
@@ -683,8 +682,7 @@ static int up_to_date(Instance *instance) {
 
 /* The status for a kernel's code; an error is logged. */
 static Status answer(const Instance *instance, int64_t code) {
-    if (code >= 0) return ST_OK;
-    return core_say(instance, ST_ERROR, "%s", reason_of(code));
+    return code >= 0 ? ST_OK : core_say(instance, ST_ERROR, "%s", reason_of(code));
 }
 
 Status core_rates(Instance *instance, const Reference references[], size_t count, const int orders[], double values[]) {
@@ -764,10 +762,9 @@ size_t core_bytes(void) { return HEADER + sizeof(Moment); }
 
 Status core_to_bytes(const Instance *instance, const Saved *saved, void *bytes, size_t size) {
     if (!core_has(instance, saved, 1, "state") || !core_has(instance, bytes, 1, "bytes")) return ST_ERROR;
-    if (size < core_bytes()) {
+    if (size < core_bytes())
         return core_say(instance, ST_ERROR, "%llu bytes: the state takes %llu", (unsigned long long)size,
-                 (unsigned long long)core_bytes());
-    }
+                        (unsigned long long)core_bytes());
     write_header(bytes, &saved->moment);
     memcpy((char *)bytes + HEADER, &saved->moment, sizeof saved->moment);
     return ST_OK;

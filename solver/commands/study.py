@@ -38,8 +38,7 @@ def add_command(commands: Any) -> None:
     where.add_argument("--threads", type=int, metavar="N", help="threads of this process (default: one a core)")
     where.add_argument("--processes", type=int, metavar="N", help="processes of this machine")
     where.add_argument("--dask", metavar="ADDRESS", help="scheduler, tcp://HOST:PORT; or local, to try")
-    few = run.add_mutually_exclusive_group()
-    few.add_argument("--samples", type=int, metavar="N", help="of the random parameters, in place of the file's")
+    run.add_argument("--samples", type=int, metavar="N", help="of the random parameters, in place of the file's")
     run.add_argument(
         "--chunk",
         type=float,

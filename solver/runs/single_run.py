@@ -69,8 +69,7 @@ def single_run(column: Column, plan: Plan) -> tuple[Response, FloatArray]:
 
     begin = clock.perf_counter()
     snapshots = stepper.run(plan.motion, stop, plan.times, after_chunk)
-    wall_time = clock.perf_counter() - begin
-    stats = _stats(stepper, wall_time)
+    stats = _stats(stepper, clock.perf_counter() - begin)
     peaks = stepper.peaks
     verdict, end = settled_verdict(stepper, stop, plan.settle)
     stats["settled_for"] = end - stop
@@ -84,10 +83,10 @@ def single_run(column: Column, plan: Plan) -> tuple[Response, FloatArray]:
         stats=stats,
         verdict=verdict.word,
         reason=verdict.reason,
+        motion=plan.motion,
     )
     if "resultants" in column.settings.without:
         response.observe()
-    response.motion = plan.motion
     return response, _coordinates(at.phases_in(snapshots), column)
 
 
