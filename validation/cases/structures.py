@@ -121,6 +121,16 @@ def semicircle(thickness: float, modulus: float) -> Structure:
     return arch(SEMICIRCLE, RADIUS, thickness * RADIUS, 1.0, {"stiffness": modulus, "damping": DAMPING})
 
 
+def largest_slope(modulus: float) -> float:
+    """Push over gravity, tangent of the tilt, from which on the arch of seven voussoirs does not rest."""
+    return math.tan(least(lambda angle: not stands(tilted(pushed(modulus), angle)), 0.1, 0.5))
+
+
+def least_thickness(modulus: float) -> float:
+    """Thickness over radius from which on the semicircle rests."""
+    return least(lambda thickness: stands(semicircle(thickness, modulus)), 0.1, 0.14)
+
+
 def compute(data: Path | None) -> Outcome:
     """Each over the modulus, beside what rigid blocks do."""
     lines = ["quarter period of a rocking frame, over that of rigid blocks, extrapolated in 1 / sqrt(k):"]
@@ -132,11 +142,11 @@ def compute(data: Path | None) -> Outcome:
         row = ", ".join(f"{ratio:.4f}" for ratio in found)
         lines.append(f"  gamma = {gamma:g}: {row}; {extrapolated(FRAME_MODULI, found):.5f}")
     push_limit = largest_push(pushed(1e10))
-    slopes = [math.tan(least(lambda a, k=k: not stands(tilted(pushed(k), a)), 0.1, 0.5)) for k in PUSH_MODULI]
+    slopes = [largest_slope(k) for k in PUSH_MODULI]
     lines.append(f"push on {PUSHED[0]} voussoirs, g; limit analysis {push_limit:.4f}:")
     lines += [f"  k = {k:.0e} N/m3: {push:.4f}" for k, push in zip(PUSH_MODULI, slopes, strict=True)]
     thin_limit = least(lambda t: math.isfinite(largest_push(semicircle(t, 1e10))), 0.08, 0.14)
-    thin = [least(lambda t, k=k: stands(semicircle(t, k)), 0.1, 0.14) for k in THICKNESS_MODULI]
+    thin = [least_thickness(k) for k in THICKNESS_MODULI]
     lines.append(f"least thickness of a semicircle over its radius; limit analysis {thin_limit:.4f}:")
     lines += [f"  k = {k:.0e} N/m3: {value:.4f}" for k, value in zip(THICKNESS_MODULI, thin, strict=True)]
     lines.append(f"  extrapolated {extrapolated(THICKNESS_MODULI, thin):.4f}, Milankovitch {MILANKOVITCH}")
