@@ -9,7 +9,9 @@ import numpy as np
 import pytest
 from support.fmus import ROOT
 
+from multiblock import arch
 from solver import Block, Column, Joint
+from solver.space.rest import rest_of
 from solver.statics.rocking import restitution
 
 sys.path.insert(0, str(ROOT))  # the cases are not installed
@@ -19,6 +21,8 @@ from validation.cases.free_rocking import block, housner
 from validation.cases.housner import decay, peaks_of, quarter_period
 from validation.cases.overturning import around, edges
 from validation.cases.reference_study import FRICTION, round_and_sliding
+from validation.cases.structures import extrapolated, pushed, stands, tilted
+from validation.limits import largest_push
 from validation.rigid_block import overturning
 
 
@@ -83,3 +87,26 @@ def test_round_drums_keep_their_mass_and_modulus() -> None:
     pairs = zip(drums, column.blocks, strict=True)
     areas = [0.25 * math.pi * drum.width**2 / (old.width * old.depth) for drum, old in pairs]
     assert areas == pytest.approx(np.ones(len(areas)), rel=1e-3)  # depths of the file have four digits
+
+
+def _semicircle_stands(thickness: float) -> bool:
+    return math.isfinite(largest_push(arch(60, 10.0, 10.0 * thickness, 1.0, {"stiffness": 1e10, "damping": 1e-3})))
+
+
+def test_limit_analysis_has_the_thickness_of_milankovitch() -> None:
+    # 0.1075 of a continuous arch; 60 voussoirs with hinges at their joints alone: 0.10745
+    assert not _semicircle_stands(0.1070)
+    assert _semicircle_stands(0.1076)
+
+
+def test_a_tilted_arch_is_pushed_by_its_weight() -> None:
+    angle = 0.2  # rad
+    thrust = rest_of(tilted(pushed(1e10), angle)).row[-6:-3]
+    weight = pushed(1e10).weight
+    assert thrust == pytest.approx([0.0, 0.0, -weight], abs=1e-8 * weight)
+    assert stands(tilted(pushed(1e10), angle))
+    assert not stands(tilted(pushed(1e10), 0.45))  # beyond limit analysis, 0.357
+
+
+def test_extrapolation_is_exact_for_what_goes_as_one_over_the_root() -> None:
+    assert extrapolated((1e9, 1e11), [3.0 + 1e-1, 3.0 + 1e-2]) == pytest.approx(3.0, abs=1e-12)

@@ -1,7 +1,18 @@
 """The cases, one module each, in the order in which they run."""
 
 from ..case import Case
-from . import closed_forms, codes, drums, free_rocking, housner, overturning, reference_study, shaken_rocks, size
+from . import (
+    closed_forms,
+    codes,
+    drums,
+    free_rocking,
+    housner,
+    overturning,
+    reference_study,
+    shaken_rocks,
+    size,
+    structures,
+)
 
 CASES: tuple[Case, ...] = (
     closed_forms.CASE,
@@ -11,6 +22,7 @@ CASES: tuple[Case, ...] = (
     free_rocking.CASE,
     codes.CASE,
     size.CASE,
+    structures.CASE,
     reference_study.CASE,
     drums.CASE,
 )

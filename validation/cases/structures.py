@@ -1,0 +1,180 @@
+"""Structures in space against closed forms and limit analysis: rocking frames, arches."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from multiblock import InputError, Motion, SpatialState, Structure, arch, simulate
+from solver.space.blocks.faces import Face
+from solver.space.blocks.shapes import rotation_matrix
+from solver.space.rest import rest_of
+
+from ..case import Case, Outcome
+from ..limits import largest_push
+from ..pictures import BLUE, GREEN, INK, RED, label, panels
+from .housner import quarter_period
+
+G = 9.80665  # m/s2
+GAMMAS = (0.0, 1.0, 3.0)  # mass of the beam over that of both columns
+HEIGHT, WIDTH, RELEASE = 6.0, 1.0, 0.5  # m, m, of the slenderness angle
+FRAME_MODULI = (1e9, 1e10, 1e11)  # N/m3
+RADIUS, DAMPING = 10.0, 1e-3  # m, s
+PUSHED = (7, 0.15, math.radians(157.5))  # voussoirs, thickness over radius, angle
+PUSH_MODULI = (1e9, 1e10, 1e11, 1e12)  # N/m3
+SEMICIRCLE, THICKNESS_MODULI = 30, (2e9, 2e10)  # voussoirs; N/m3
+MILANKOVITCH = 0.1075  # least thickness over radius of a semicircle of many voussoirs
+
+
+def frame(gamma: float, modulus: float) -> float:
+    """Quarter period, s, of two columns, and a beam if gamma > 0, released from rest on the edges of the columns."""
+    size = {"width": WIDTH, "depth": 1.0, "height": HEIGHT, "density": 1000.0}
+    blocks: list[dict[str, Any]] = [{"name": f"c{k}", "on": "base", "at": [5.0 * k, 0.0], **size} for k in range(2)]
+    if gamma:
+        beam = {"name": "beam", "width": 6.0, "depth": 1.0, "height": 0.5, "mass": 2.0 * gamma * 1000.0 * HEIGHT}
+        blocks.append({**beam, "on": ["c0", "c1"], "at": [2.5, 0.0]})
+    law = {"stiffness": modulus, "damping": 0.0, "shear_ratio": 1.0}
+    structure = Structure.from_dict({"name": "frame", "joints": law, "block": blocks, "solver": {"tolerance": 1e-7}})
+    slope, radius = math.atan2(WIDTH, HEIGHT), 0.5 * math.hypot(WIDTH, HEIGHT)
+    turn = RELEASE * slope
+    at, rotation = np.zeros((structure.n, 3)), np.zeros((structure.n, 3))
+    rotation[:2, 1] = turn
+    at[:2, 0] = radius * (math.sin(turn - slope) + math.sin(slope))
+    at[:2, 2] = radius * (math.cos(turn - slope) - math.cos(slope))
+    at[2:] = 2.0 * at[0]
+    still = np.zeros_like(at)
+    initial = SpatialState(at, rotation, still, still)
+    silence = Motion.from_samples(1.4, [0.0, 0.0])
+    response = simulate(structure, silence, initial=initial, output_step=0.005, settle=0.0)
+    angle = response.rotation[:, 0, 1]
+    k = int(np.argmax(angle <= 0.0))
+    return float(np.interp(0.0, [-angle[k - 1], -angle[k]], [response.time[k - 1], response.time[k]]))
+
+
+def rigid_frame(gamma: float) -> float:
+    """The same of Makris and Vassiliou (2013): a block of p^2 (1 + 2 gamma) / (1 + 3 gamma); exact angles, s."""
+    p = math.sqrt(0.75 * G / (0.5 * math.hypot(WIDTH, HEIGHT)) * (1.0 + 2.0 * gamma) / (1.0 + 3.0 * gamma))
+    slope = math.atan2(WIDTH, HEIGHT)
+    return quarter_period(RELEASE * slope, slope, p)
+
+
+def extrapolated(moduli: tuple[float, ...], values: list[float]) -> float:
+    """The value at an infinite modulus from the last two, by 1 / sqrt(k)."""
+    factor = math.sqrt(moduli[-1] / moduli[-2])
+    return values[-1] + (values[-1] - values[-2]) / (factor - 1.0)
+
+
+def stands(structure: Structure) -> bool:
+    """Whether it has a rest that Newton's method finds."""
+    try:
+        rest_of(structure)
+    except InputError:
+        return False
+    return True
+
+
+def tilted(structure: Structure, angle: float) -> Structure:
+    """The structure and what it stands on, turned about y by an angle, rad."""
+    turn = rotation_matrix(np.array([0.0, angle, 0.0]))
+
+    def moved(face: Face) -> Face:
+        return replace(face, centre=turn @ face.centre, axes=turn @ face.axes)
+
+    blocks = tuple(
+        replace(
+            block,
+            centroid=turn @ block.centroid,
+            inertia=turn @ block.inertia @ turn.T,
+            faces=tuple(moved(face) for face in block.faces),
+            axes=turn @ block.axes,
+        )
+        for block in structure.blocks
+    )
+    return replace(
+        structure, blocks=blocks, joints=tuple(replace(joint, face=moved(joint.face)) for joint in structure.joints)
+    )
+
+
+def least(holds: Callable[[float], bool], low: float, high: float, halvings: int = 11) -> float:
+    """The least value from which on something holds, between `low` and `high`."""
+    for _ in range(halvings):
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if holds(middle) else (middle, high)
+    return high
+
+
+def pushed(modulus: float) -> Structure:
+    """The arch of seven voussoirs."""
+    count, thickness, angle = PUSHED
+    law = {"stiffness": modulus, "damping": DAMPING}
+    return arch(count, RADIUS, thickness * RADIUS, 1.0, law, angle=angle)
+
+
+def semicircle(thickness: float, modulus: float) -> Structure:
+    """A semicircular arch; thickness over radius."""
+    return arch(SEMICIRCLE, RADIUS, thickness * RADIUS, 1.0, {"stiffness": modulus, "damping": DAMPING})
+
+
+def largest_slope(modulus: float) -> float:
+    """Push over gravity, tangent of the tilt, from which on the arch of seven voussoirs does not rest."""
+    return math.tan(least(lambda angle: not stands(tilted(pushed(modulus), angle)), 0.1, 0.5))
+
+
+def least_thickness(modulus: float) -> float:
+    """Thickness over radius from which on the semicircle rests."""
+    return least(lambda thickness: stands(semicircle(thickness, modulus)), 0.1, 0.14)
+
+
+def compute(data: Path | None) -> Outcome:
+    """Each over the modulus, beside what rigid blocks do."""
+    lines = ["quarter period of a rocking frame, over that of rigid blocks, extrapolated in 1 / sqrt(k):"]
+    frames = {}
+    for gamma in GAMMAS:
+        exact = rigid_frame(gamma)
+        found = [frame(gamma, k) / exact for k in FRAME_MODULI]
+        frames[gamma] = found
+        row = ", ".join(f"{ratio:.4f}" for ratio in found)
+        lines.append(f"  gamma = {gamma:g}: {row}; {extrapolated(FRAME_MODULI, found):.5f}")
+    push_limit = largest_push(pushed(1e10))
+    slopes = [largest_slope(k) for k in PUSH_MODULI]
+    lines.append(f"push on {PUSHED[0]} voussoirs, g; limit analysis {push_limit:.4f}:")
+    lines += [f"  k = {k:.0e} N/m3: {push:.4f}" for k, push in zip(PUSH_MODULI, slopes, strict=True)]
+    thin_limit = least(lambda t: math.isfinite(largest_push(semicircle(t, 1e10))), 0.08, 0.14)
+    thin = [least_thickness(k) for k in THICKNESS_MODULI]
+    lines.append(f"least thickness of a semicircle over its radius; limit analysis {thin_limit:.4f}:")
+    lines += [f"  k = {k:.0e} N/m3: {value:.4f}" for k, value in zip(THICKNESS_MODULI, thin, strict=True)]
+    lines.append(f"  extrapolated {extrapolated(THICKNESS_MODULI, thin):.4f}, Milankovitch {MILANKOVITCH}")
+    numbers = {"frames": frames, "push": slopes, "push_limit": push_limit, "thickness": thin, "thin_limit": thin_limit}
+    return Outcome(lines, numbers, draw(frames, slopes, push_limit))
+
+
+def draw(frames: dict[float, list[float]], slopes: list[float], limit: float) -> Figure:
+    """Frames and the pushed arch over the modulus."""
+    figure, axes = panels(2)
+    left, right = axes[0]
+    for (gamma, found), colour in zip(frames.items(), (BLUE, RED, GREEN), strict=True):
+        left.loglog(FRAME_MODULI, np.array(found) - 1.0, "o-", color=colour, label=f"gamma = {gamma:g}")
+    left.legend(fontsize=8)
+    label(left, "modulus k, N/m3", "quarter period over rigid, less 1", "rocking frames")
+    right.semilogx(PUSH_MODULI, slopes, "o-", color=BLUE, label="here")
+    right.axhline(limit, color=INK, linewidth=0.9, label="limit analysis, rigid")
+    right.legend(fontsize=8)
+    label(right, "modulus k, N/m3", "push from which it does not rest, g", "arch of 7 voussoirs")
+    return figure
+
+
+CASE = Case(
+    name="structures",
+    title="structures in space: rocking frames, arches",
+    source="Makris and Vassiliou (2013); Heyman (1969), limit analysis as a linear program here; Milankovitch, 0.1075",
+    model="two columns under a beam; 7 voussoirs over 157.5 degrees; a semicircle of 30 voussoirs; no sliding",
+    fitted="nothing",
+    predicted="quarter periods; the push, and the thickness, at which an arch no longer rests",
+    compute=compute,
+)
