@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..common.errors import SolverError, TooMuchWorkError
+from ..dynamics.first_run import compile_for
 from ..ground.motion import Motion
 from ..kernels.layout.spaces import INPUT_TOO_LARGE, TOO_MUCH_WORK
 from ..kernels.space import driven
@@ -39,11 +40,8 @@ def record_of(motion: Motion | None) -> Record:
     """The samples of a motion; none without one."""
     if motion is None:
         return Record(*(np.zeros(0) for _ in Record._fields))
-    return Record(*(np.require(motion_part, np.float64, ["C", "W"]) for motion_part in _parts(motion)))
-
-
-def _parts(motion: Motion) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    return motion.time, motion.ax, motion.ay, motion.az
+    samples = motion.time, motion.ax, motion.ay, motion.az
+    return Record(*(np.require(part, np.float64, ["C", "W"]) for part in samples))
 
 
 class Sizes(NamedTuple):
@@ -78,6 +76,15 @@ def packed(structure: Structure) -> FloatArray:
     return np.concatenate([head, *structure.model, phase, rest.memory, rest.plastic])
 
 
+def make_kernels() -> None:
+    """Compile the entries that an FMU calls, unless they are cached."""
+    row, counts = np.empty(0), np.empty(0, dtype=np.int64)
+    arrays = row, row, counts, row
+    compile_for(assemble_structure, *arrays, row, 1)
+    compile_for(follow_structure, *arrays, row, row, 0.0, 0.0, *record_of(None))
+    compile_for(look_structure, *arrays, row, row, 1, 0.0, 0.0, row)
+
+
 class Arrays(NamedTuple):
     """All that differs from one moment to another, beside the model."""
 
@@ -104,6 +111,7 @@ class DrivenStructure:
         self._inputs, self._row = np.zeros(driven.INPUTS.beside), np.zeros(self.sizes.row)
         self._elapsed, self._new = 0.0, False
         self.counts = at.COUNTS.see(self.arrays.counts)
+        self.split = np.zeros(0)  # of the reaction: it follows from the state alone
         self._assemble(given, True)
 
     def _assemble(self, given: tuple[float, float, float], from_rest: bool) -> None:
@@ -115,7 +123,10 @@ class DrivenStructure:
         self._assemble(given, False)
 
     def drive(self, t: float, *inputs: float, since: float | None = None) -> None:
-        """Set accelerations of the base, m/s2, and their slopes, m/s3, from time t on; `since`: when they were given."""
+        """Set accelerations of the base, m/s2, and their slopes, m/s3, from time t on.
+
+        since: s, the time that they are given for; None: t.
+        """
         self._inputs[:] = inputs
         self._elapsed, self._new = 0.0 if since is None else t - since, True
 
@@ -133,6 +144,9 @@ class DrivenStructure:
         arrays = self._model, *self.arrays, self._work
         look_structure(*arrays, self._inputs, int(self._new), self._elapsed, float(t), self._row)
         return self._row
+
+    def stand_on_base(self) -> None:
+        """It does already: its base does not rotate."""
 
     @property
     def visible_peaks(self) -> FloatArray:

@@ -1,4 +1,4 @@
-"""A structure in space for callers that have pointers: the entries of pointers.py, with a record of three components."""
+"""A structure in space for callers that have pointers: the entries of pointers.py, the record with ay."""
 
 from ..numba_ext.views import row_at
 from ..space import driven
