@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from math import sin
 from typing import Any
 
@@ -17,7 +18,7 @@ AXES = "xyz"
 def follow(fmu: str, samples: list[list[float]], h: float, values: dict[str, Any], output: str) -> None:
     """All outputs after each step of h s under samples of three components that lines join; saved as an array."""
     body, seen = Instance(fmu, values), []
-    for k, (now, then) in enumerate(zip(samples[:-1], samples[1:], strict=True)):
+    for k, (now, then) in enumerate(pairwise(samples)):
         for axis, a, b in zip(AXES, now, then, strict=True):
             body.set({f"base.a{axis}": a, f"base.j{axis}": (b - a) / h})
         body.step(k * h, h)
@@ -114,7 +115,8 @@ def rates(fmu: str) -> tuple[list[float], list[float]]:
     shaken(body, 0, 100)
     t = sum(1e-3 * (1 + k % 7) for k in range(100))
     body.set({"base.ax": 1.0, "base.ay": 0.0, "base.jx": 0.0})
-    names = [name for name, item in body.variables.items() if item.causality == "output" and item.variability == "continuous"]
+    kinds = {name: (item.causality, item.variability) for name, item in body.variables.items()}
+    names = [name for name, kind in kinds.items() if kind == ("output", "continuous")]
     state, seen = body.fmi.getFMUState(), []
     body.step(t, h)
     values = (c_double * len(names))()
