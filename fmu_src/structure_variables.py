@@ -1,6 +1,6 @@
 """The table of variables of a structure in space (variables.py has what it shares with that of a column).
 
-Blocks, joints and ties go by their numbers in the structure, from 1, and their descriptions have their names. The
+Blocks, joints and ties have their numbers in the structure, from 1, and their descriptions have their names. The
 outputs begin with one output row as the kernels write it (solver/kernels/space/layout.py), then peaks in the same
 order.
 """
