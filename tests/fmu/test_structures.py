@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from fmpy import extract, read_model_description
 from support.child import call, ended, returned
-from support.fmus import REFUSED, ROOT, Fmus, run
+from support.fmus import REFUSED, ROOT, Fmus, c_host, run
 from support.inside import structures as inside
 
 import build_fmu
@@ -189,6 +190,18 @@ def test_the_native_fmu_has_the_same_bits(trilith: Path, native_trilith: Path, t
     found = call(inside.life, native_trilith)
     assert all(found.values()), found
     assert call(inside.fall, native_trilith) == call(inside.fall, trilith)
+
+
+@pytest.mark.long
+def test_a_host_in_c_runs_it(native_trilith: Path, tmp_path: Path) -> None:
+    """Goes back to a saved and serialized state on its way; the displacement is that of a run."""
+    guid = read_model_description(str(native_trilith)).guid
+    library = Path(extract(str(native_trilith), unzipdir=tmp_path / "files")) / "binaries" / "linux64" / "trilith.so"
+    once, again = map(float, run(c_host(tmp_path), library, "file:///nowhere", guid, "1", "10001").split())
+    assert once == again
+    pushed = Motion.from_samples(H, np.full(201, 0.5), hold=True)
+    response = simulate(Structure.from_toml(TRILITH), pushed, DURATION, output_step=H)
+    assert once == pytest.approx(response.ux[-1, 0], rel=1e-5)
 
 
 @pytest.mark.long
