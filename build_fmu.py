@@ -1,6 +1,6 @@
-"""Build a co-simulation FMU from the TOML file of a column.
+"""Build a co-simulation FMU from the TOML file of a column or of a structure in space.
 
-    multiblock build-fmu [COLUMN.toml] [-o FILE.fmu] [--record RECORD]
+    multiblock build-fmu [FILE.toml] [-o FILE.fmu] [--record RECORD]
                          [--native [--fmi 3 [--scalars]] [--source] [--terminals] [--platforms NAME,...]]
     python build_fmu.py ...
 
@@ -31,17 +31,16 @@ from types import ModuleType
 import numba
 
 import fmu_src
+from fmu_src.body import Body, ColumnBody, read_body
 from fmu_src.host import MACHINE_CODE, content_hash
 from fmu_src.native import guard
 from fmu_src.native.library import has_tools
 from fmu_src.native.platforms import PLATFORMS, USUAL_FORM, Form
 from fmu_src.record import read_motion
-from fmu_src.variables import variables
-from solver import Column, InputError
-from solver.column.rest import check_rest
+from solver import InputError
 from solver.commands.command_files import add_force
 from solver.commands.command_line import program_parser, run_command
-from solver.common.errors import needing, reading, shown
+from solver.common.errors import needing, shown
 from solver.common.files import check_outputs, identifier_of, whole_file
 from solver.kernels.numba_ext.jit import CODE
 from solver.kernels.numba_ext.numba_parts import LINKING, missing_for_linking
@@ -65,16 +64,18 @@ LEFT_AT_HOME = {
     "wavelets.py",
     "__main__.py",
 }  # an FMU does not need them
-# compiles what the slave calls, and prints the folders of the machine code, if any
+# compiles what the slave of a column or structure calls, and prints the folders of the machine code, if any
 COMPILE = """
 import json
-from solver.dynamics.first_run import make_kernels
-from solver.kernels.api import entries
+from solver.%s import make_kernels
+from solver.kernels.%s import entries
 make_kernels()
-used = [entries.assemble_column, entries.run, entries.observe_state]
+used = [getattr(entries, name) for name in %s]
 print(json.dumps({entry.__name__: entry.stats.cache_path for entry in used}))
 """
-KERNELS = "kernels/api"  # folder of the entries within the solver
+# where kernels are made, the folder of their entries, those that the slave calls
+OF_COLUMN = ("dynamics.first_run", "api", ("assemble_column", "run", "observe_state"))
+OF_STRUCTURE = ("space.driven", "space", ("assemble_structure", "follow_structure", "look_structure"))
 NEEDS = "The machine that runs it needs Python 3.11 or newer with numpy and numba 0.59 or newer."
 ZIP_DATE = (1980, 1, 1, 0, 0, 0)  # the same input gives the same bytes
 
@@ -89,14 +90,14 @@ RESOURCES = Path(__file__).resolve().parent
 finalize_at_exit(RESOURCES)  # also if no slave will do it
 try:
     import_solver("{solver}", RESOURCES)
-    from {fmu_src}.slave import ColumnSlave
+    from {fmu_src}.slave import BlocksSlave
 except ImportError as error:
     print(f"{name}: needs Python 3.11 or newer with numpy and numba 0.59 or newer "
           f"(pip install 'numba>=0.59,<1'): {{error}}", file=sys.stderr)
     raise
 
 
-class Slave(ColumnSlave):
+class Slave(BlocksSlave):
     """The slave of this FMU: the wrapper needs a class defined in this script."""
 
     def __init__(self, **kwargs):
@@ -106,7 +107,7 @@ class Slave(ColumnSlave):
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """`python build_fmu.py`; returns the exit code, 2 for a user's mistake."""
-    parser = program_parser("build_fmu.py", "Build the FMU of a column of blocks.")
+    parser = program_parser("build_fmu.py", "Build the FMU of a column or structure of blocks.")
     add_options(parser)
     return run_command(parser, arguments)
 
@@ -114,7 +115,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def add_options(parser: argparse.ArgumentParser) -> None:
     """The options of this command, for `run_command`."""
     parser.set_defaults(command=_build)
-    parser.add_argument("column", nargs="?", type=Path, default=DEFAULT_COLUMN, help="TOML file (default: %(default)s)")
+    parser.add_argument(
+        "column",
+        nargs="?",
+        type=Path,
+        default=DEFAULT_COLUMN,
+        help="TOML file of a column or structure (default: %(default)s)",
+    )
     parser.add_argument("-o", "--output", type=Path, help="FMU file (default: NAME.fmu in the current folder)")
     add_force(parser)
     parser.add_argument("--record", type=Path, metavar="FILE", help="record to put inside, added to the inputs")
@@ -171,34 +178,33 @@ def build_native_fmu(
         raise InputError(f"--native: needs kernels that are linked, and numba {numba.__version__} does not ({lacks})")
     with needing("native", *BUILDER_PACKAGES):
         from fmu_src.native.package import native_files, needs_report
-    column, output = _column_and_output(column_file, output, record)
+    body, output = _body_and_output(column_file, output, record)
     known = PLATFORMS[form.fmi]
     platforms = [*known] if platforms is None else platforms
     for platform in platforms:
         if platform not in known:
             raise InputError(f"--platforms {platform}: must be of {', '.join(known)}")
     motion = None if record is None else read_motion(record)
+    body.samples(motion)  # it says what is wrong
     record_name = record.name if record else ""
-    files, needs = native_files(column, list(dict.fromkeys(platforms)), motion, record_name, form)
+    files, needs = native_files(body, list(dict.fromkeys(platforms)), motion, record_name, form)
     print(needs_report(needs), file=sys.stderr)
     output.parent.mkdir(parents=True, exist_ok=True)
     write_archive(output, files)
     return output
 
 
-def _column_and_output(column_file: Path, output: Path | None, record: Path | None) -> tuple[Column, Path]:
-    column = Column.from_toml(column_file)
+def _body_and_output(file: Path, output: Path | None, record: Path | None) -> tuple[Body, Path]:
+    body = read_body(file)
     if output is None:
-        output = Path(f"{identifier_of(column.name)}.fmu")
+        output = Path(f"{identifier_of(body.name)}.fmu")
         if output.exists():
             print(f"{output}: was there already and is replaced", file=sys.stderr)
     if output.suffix != ".fmu":
         raise InputError(f"-o {output}: must end in .fmu")
     if record is not None:
         _check_record_name(record.name)
-    with reading(column_file):
-        check_rest(column)
-    return column, output
+    return body, output
 
 
 def _check_record_name(name: str) -> None:
@@ -211,39 +217,38 @@ def _check_record_name(name: str) -> None:
 
 
 def build_fmu(column_file: Path, output: Path | None = None, record: Path | None = None) -> Path:
-    """Build the FMU of a column file and return its path; a record is put inside it. Raises InputError, OSError."""
+    """Build the FMU of a file and return its path; a record is put inside it. Raises InputError, OSError."""
     with needing("fmu", *BUILDER_PACKAGES):
         from pythonfmu import FmuBuilder
 
         from fmu_src import documentation
-        from fmu_src.slave import COLUMN_FILE, GUID_FILE, RECORD_FOLDER
-    column, output = _column_and_output(column_file, output, record)
+        from fmu_src.slave import BODY_FILE, GUID_FILE, RECORD_FOLDER
+    body, output = _body_and_output(column_file, output, record)
     record_name = ""
     if record is not None:
-        read_motion(record)
+        body.samples(read_motion(record))
         record_name = record.name
-    column_text = json.dumps(column.to_dict(), indent=1)
     with tempfile.TemporaryDirectory(prefix="build_fmu_") as folder:
         stage = Path(folder)
         carried_solver = _carry_package(solver, stage, {})
         carried_fmu_src = _carry_package(fmu_src, stage, {"solver": carried_solver})
-        script = SCRIPT.format(name=column.name, solver=carried_solver, fmu_src=carried_fmu_src)
-        content = script.encode() + column_text.encode()
+        script = SCRIPT.format(name=body.name, solver=carried_solver, fmu_src=carried_fmu_src)
+        content = script.encode() + body.text.encode()
         if record is not None:
             content += record.name.encode() + record.read_bytes()
         identity = hashlib.sha256(content).hexdigest()
         script_file = stage / f"slave_{identity[:16]}.py"
         script_file.write_text(script, encoding="utf-8")
-        (stage / COLUMN_FILE).write_text(column_text, encoding="utf-8")
+        (stage / BODY_FILE).write_text(body.text, encoding="utf-8")
         (stage / GUID_FILE).write_text(f"{{{uuid.uuid5(uuid.NAMESPACE_OID, identity)}}}", encoding="utf-8")
-        machine_code = _machine_code()
+        machine_code = _machine_code(*(OF_COLUMN if isinstance(body, ColumnBody) else OF_STRUCTURE))
         for name, code in machine_code.items():  # where the import of the script finds it, for this user
             (stage / MACHINE_CODE / name).parent.mkdir(parents=True, exist_ok=True)
             (stage / MACHINE_CODE / name).write_bytes(code)
         sys.path.insert(0, str(stage))
         importlib.invalidate_caches()
         try:
-            parts = [stage / carried_fmu_src, stage / carried_solver, stage / COLUMN_FILE, stage / GUID_FILE]
+            parts = [stage / carried_fmu_src, stage / carried_solver, stage / BODY_FILE, stage / GUID_FILE]
             if record is not None:
                 (stage / RECORD_FOLDER).mkdir()
                 shutil.copy(record, stage / RECORD_FOLDER)
@@ -253,19 +258,14 @@ def build_fmu(column_file: Path, output: Path | None = None, record: Path | None
             sys.path[:] = [entry for entry in sys.path if not entry.startswith(str(stage))]
         output.parent.mkdir(parents=True, exist_ok=True)
         needs = NEEDS if has_tools() else f"{NEEDS} {guard.WITHOUT}"
-        picture, page = documentation.drawing(column), documentation.page(column, variables(column, record_name), needs)
-        extra = {
-            "model.png": picture,
-            "documentation/index.html": page.encode(),
-            "documentation/model.png": picture,
-            "documentation/signs.png": documentation.sign_conventions(),
-        }
+        pages = documentation.pages(body, body.table(record_name), needs)
+        extra = {"model.png": pages["documentation/model.png"]} | pages
         extra |= {f"resources/{MACHINE_CODE}/{name}": code for name, code in machine_code.items()}
         repack(built, output, extra)
     return output
 
 
-def _machine_code() -> dict[str, bytes]:
+def _machine_code(maker: str, folder: str, used: tuple[str, ...]) -> dict[str, bytes]:
     """The machine code that numba compiles from the kernels on this machine: path within the package -> content.
 
     Python uses the same code, in numba's cache. numba identifies it by the content of the sources, so that it is valid
@@ -277,7 +277,7 @@ def _machine_code() -> dict[str, bytes]:
     environment["PYTHONPATH"] = str(Path(solver.__path__[0]).parent)
     with tempfile.TemporaryDirectory(prefix="machine_code_") as temporary:
         for cache in (os.environ.get("NUMBA_CACHE_DIR", ""), temporary):  # there if no other folder can keep it
-            command = [sys.executable, "-c", COMPILE]
+            command = [sys.executable, "-c", COMPILE % (maker, folder, used)]
             listed = subprocess.run(
                 command,
                 env=environment | {"NUMBA_CACHE_DIR": cache},
@@ -289,9 +289,9 @@ def _machine_code() -> dict[str, bytes]:
             if all(folders.values()):
                 break
         return {
-            f"{KERNELS}/{file.name}": file.read_bytes()
-            for name, folder in folders.items()
-            for file in sorted(Path(folder).glob(f"*.{name}_{CODE}-*.nb?"))
+            f"kernels/{folder}/{file.name}": file.read_bytes()
+            for name, place in folders.items()
+            for file in sorted(Path(place).glob(f"*.{name}_{CODE}-*.nb?"))
         }
 
 

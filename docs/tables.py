@@ -16,6 +16,8 @@ from dataclasses import MISSING, fields, is_dataclass
 from pathlib import Path
 
 import multiblock
+from fmu_src.model_description3 import ELEMENT
+from fmu_src.structure_variables import structure_variables
 from fmu_src.variables import Variable, variables
 from multiblock import Block, Column, Joint, Settings
 from solver.column import column_file
@@ -24,6 +26,7 @@ from solver.column.settings import FORMULATIONS, INTEGRATORS, SKIPS
 from solver.common.ranges import NUMBERS
 from solver.kernels.sections.faces import SECTIONS
 from solver.runs.outputs import KEPT
+from solver.space.structure import Structure
 from solver.studies import definition, distributions, motions
 
 DOCS = Path(__file__).parent
@@ -182,9 +185,22 @@ def fmu_variables(causality: str) -> str:
     return table(["name", "unit", "type", "meaning"], rows)
 
 
+def fmu_variables_in_space(causality: str) -> str:
+    """The same of a structure."""
+    data = {
+        "name": "one",
+        "block": [{"name": "block", "on": "base", "width": 1.0, "depth": 1.0, "height": 1.0, "density": 1.0}],
+        "joints": {"stiffness": 1e9, "damping": 1e-3},
+        "tie": [{"between": ["block", "base"], "from": [0, 0, 0], "to": [2, 0, 0], "stiffness": 1e6}],
+    }
+    table_of_one = structure_variables(Structure.from_dict(data))
+    rows = [_row(item) for item in table_of_one if item.causality == causality]
+    return table(["name", "unit", "type", "meaning"], rows)
+
+
 def _row(variable: Variable) -> list[str]:
     name = variable.name.replace("[1]", "[i]")
-    meaning = re.sub(r"\b(block|joint) 1\b", r"\1 i", variable.description)
+    meaning = re.sub(ELEMENT, r"\1 i", variable.description)
     if variable.choice:
         meaning += ": " + ", ".join(f"{number} {word}" for word, number in variable.choice.items.items())
     if variable.variability == "tunable":
@@ -258,5 +274,8 @@ PARTS = {
     "inputs": lambda: fmu_variables("input"),
     "outputs": lambda: fmu_variables("output"),
     "parameters": lambda: fmu_variables("parameter"),
+    "inputs-in-space": lambda: fmu_variables_in_space("input"),
+    "outputs-in-space": lambda: fmu_variables_in_space("output"),
+    "parameters-in-space": lambda: fmu_variables_in_space("parameter"),
     "python-names": python_names,
 }

@@ -1,4 +1,4 @@
-"""Documentation inside the FMU: a drawing of the column and a page that explains every variable.
+"""Documentation inside the FMU: a drawing of what is inside, and a page that explains every variable.
 
 Needed by the builder only; the FMU carries the results.
 """
@@ -8,12 +8,16 @@ from __future__ import annotations
 import io
 from html import escape
 
+import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from matplotlib.transforms import Affine2D
 
 from solver.column.column import Column
+from solver.space.pictures import draw_blocks
+from solver.space.structure import Structure
 
+from .body import Body, ColumnBody, StructureBody
 from .description_parts import DISPLAY_UNITS
 from .variables import Variable
 
@@ -31,43 +35,67 @@ table {{ border-collapse: collapse }} th, td {{ border-bottom: 1px solid #ddd; p
 code {{ white-space: nowrap }}</style></head>
 <body>
 <h1>{name}</h1>
-<p>A column of {n} rigid blocks with no-tension elastic joints under base acceleration: FMI 2.0 for co-simulation.
-Block 1 is the top block; joint i lies under block i; the last joint rests on the base.
+<p>{about}: for co-simulation. {numbers}
 {needs}</p>
-<p><img src="model.png" alt="The column" height="360"></p>
+<p><img src="model.png" alt="{name}" height="360"></p>
 <h2>Signs</h2>
-<p><img src="signs.png" alt="Sign conventions: x to the right, z up, rotations clockwise"></p>
-<p>ux and uz are relative to the base, and like theta count from the column as built, without load. N is positive in
-compression and M rights a block that leans to +x. S is what the part above does to the part below, horizontally; T is
-the same along the joint: a joint without friction never slides, and T is to be compared with the friction that it has
-times N. base.Fx, base.Fz and base.My are what the column does to the base, at the centre of its joint.</p>
+{signs}
 <h2>Inputs within a communication step</h2>
-<p>From the start t0 of a step to its end the base acceleration is base.ax + base.jx (t - t0), and likewise in z: with
-base.jx = 0 it is held, with the slope of the signal it is linear. To this is added the record that base.record names,
-sampled by the FMU itself whatever the communication step. The base rotates by
-base.theta + base.omega (t - t0) + base.alpha (t - t0)<sup>2</sup> / 2 about the centre of its joint, to which base.ax
-and base.az belong. At the end of initialization the column stands upright on the base, whatever base.theta is then;
-a base.theta set later turns the base under blocks that stay where they are.</p>
+<p>From the start t0 of a step to its end the base acceleration is base.ax + base.jx (t - t0), and likewise along the
+other axes: with base.jx = 0 it is held, with the slope of the signal it is linear. To this is added the record that
+base.record names, sampled by the FMU itself whatever the communication step. {turning}</p>
 <h2>Variables</h2>
 {tables}
 </body>
 </html>
 """
+OF_COLUMN = {
+    "numbers": "Block 1 is the top block; joint i lies under block i; the last joint rests on the base.",
+    "signs": """\
+<p><img src="signs.png" alt="Sign conventions: x to the right, z up, rotations clockwise"></p>
+<p>ux and uz are relative to the base, and like theta count from the column as built, without load. N is positive in
+compression and M rights a block that leans to +x. S is what the part above does to the part below, horizontally; T is
+the same along the joint: a joint without friction never slides, and T is to be compared with the friction that it has
+times N. base.Fx, base.Fz and base.My are what the column does to the base, at the centre of its joint.</p>""",
+    "turning": """The base rotates by
+base.theta + base.omega (t - t0) + base.alpha (t - t0)<sup>2</sup> / 2 about the centre of its joint, to which base.ax
+and base.az belong. At the end of initialization the column stands upright on the base, whatever base.theta is then;
+a base.theta set later turns the base under blocks that stay where they are.""",
+}
+OF_STRUCTURE = {
+    "numbers": "Blocks, joints and ties have the numbers of the file, from 1; their names are among the variables.",
+    "signs": """\
+<p>x and y are horizontal, z is up. ux, uy, uz and the rotations rx, ry, rz (axis times angle) are relative to the base
+and count from the structure as built and without weight. Forces and moments of a joint are along its own axes: N is
+positive in compression, Tx and Ty act on its second block, Mx, My and Mz right the first one. base.Fx to base.Mz are
+what the structure does to the base, at the origin. Joints are elastic along themselves: no output follows an input of
+the same instant.</p>""",
+    "turning": "The base does not rotate. The run begins at the rest that was found when the FMU was built.",
+}
 
 HEADINGS = {"input": "Inputs", "output": "Outputs", "parameter": "Parameters"}
 
 
-def page(column: Column, table: list[Variable], needs: str) -> str:
-    """documentation/index.html: signs, inputs, and every variable with its unit, limits and start value.
+def pages(body: Body, table: list[Variable], needs: str) -> dict[str, bytes]:
+    """The files of the documentation by their names. needs: what the machine that runs the FMU must have, in a line."""
+    if isinstance(body, StructureBody):
+        picture, others, words = drawing_in_space(body.structure), {}, OF_STRUCTURE
+    else:
+        assert isinstance(body, ColumnBody)
+        picture, words = drawing(body.column), OF_COLUMN
+        others = {"documentation/signs.png": sign_conventions()}
+    page = _page(body, table, {**words, "needs": escape(needs)})
+    return {"documentation/index.html": page.encode(), "documentation/model.png": picture} | others
 
-    needs: a sentence on what the machine that runs the FMU must have.
-    """
+
+def _page(body: Body, table: list[Variable], words: dict[str, str]) -> str:
+    """documentation/index.html: signs, inputs, and every variable with its unit, limits and start value."""
     parts = []
     for causality, heading in HEADINGS.items():
         rows = [_row(variable) for variable in table if variable.causality == causality]
         head = "<tr><th>name</th><th>unit (shown as)</th><th>start</th><th>range</th><th>meaning</th></tr>"
         parts.append(f"<h3>{heading}</h3>\n<table>\n{head}\n" + "\n".join(rows) + "\n</table>")
-    return PAGE.format(name=escape(column.name), n=column.n, needs=escape(needs), tables="\n".join(parts))
+    return PAGE.format(name=escape(body.name), about=escape(body.about), tables="\n".join(parts), **words)
 
 
 def _row(variable: Variable) -> str:
@@ -103,6 +131,15 @@ def drawing(column: Column) -> bytes:
     axes.axhline(-0.01 * height, color=INK, linewidth=3.0)
     reach = 0.6 * max(height, width)
     axes.set(xlim=(-reach, reach), ylim=(-0.08 * height, 1.04 * height), aspect="equal")
+    axes.set_axis_off()
+    return _png(figure)
+
+
+def drawing_in_space(structure: Structure) -> bytes:
+    """model.png of a structure, as built."""
+    figure = Figure(figsize=(3.0, 3.0), layout="constrained")
+    axes = figure.add_subplot(projection="3d")
+    draw_blocks(axes, structure, np.zeros((structure.n, 3)), np.zeros((structure.n, 3)))
     axes.set_axis_off()
     return _png(figure)
 

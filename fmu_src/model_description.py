@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from xml.etree.ElementTree import Element, SubElement
 
-from solver.column.column import Column
-
 from .description_parts import INITIAL, About, Standard, attributes, beginning, by_role
 from .variables import Variable
 
@@ -21,12 +19,6 @@ FLAGS = {
     "canSerializeFMUstate": True,
     "providesDirectionalDerivative": False,
 }
-
-
-def column_description(column: Column) -> str:
-    """A description of the content in one line."""
-    blocks = "block" if column.n == 1 else "blocks"
-    return f"Column of {column.n} rigid {blocks} with no-tension elastic joints under base acceleration"
 
 
 def model_description(about: About, table: list[Variable]) -> Element:

@@ -23,6 +23,9 @@ KINDS = {
     "Enumeration": "Enumeration",
 }
 TERMINAL = "base"  # motion in, reaction and effective mass out
+REACTION = "[FM][xyz]"  # of a structure: what it does to the base, which follows from its state alone
+SPLIT = "R0[xzm]|m[xzt][xzt]"  # of a column
+ELEMENT = r"\b(block|joint|tie) 1\b(?: \(.*?\))?"  # in the description of the first of an array
 
 
 def model_description3(
@@ -60,7 +63,7 @@ def _variable(name: str, elements: list[Variable], followed: bool) -> Element:
     words = {
         "name": name,
         "valueReference": str(first.reference),
-        "description": re.sub(r"\b(block|joint) 1\b", r"\1 i", first.description) if is_array else first.description,
+        "description": re.sub(ELEMENT, r"\1 i", first.description) if is_array else first.description,
         "causality": first.causality,
         "variability": first.variability,
     }
@@ -106,11 +109,14 @@ def terminals(table: list[Variable]) -> Element:
     """The port at the base, so that its signals connect as one: motion in, reaction and effective mass out."""
     root = Element("fmiTerminalsAndIcons", fmiVersion="3.0")
     words = {"name": TERMINAL, "matchingRule": "plug", "terminalKind": "org.multiblock-fmu.base"}
-    words["description"] = "Motion of the base in; split reaction R0 and effective mass of the column out"
+    has_split = any(variable.name == f"{TERMINAL}.mxx" for variable in table)
+    out = "split reaction R0 and effective mass of the column" if has_split else "reaction of the structure"
+    words["description"] = f"Motion of the base in; {out} out"
+    members = SPLIT if has_split else REACTION
     terminal = SubElement(SubElement(root, "Terminals"), "Terminal", words)
     for variable in table:
         owner, _, member = variable.name.partition(".")
-        if owner == TERMINAL and (variable.causality == "input" or re.fullmatch("R0[xzm]|m[xzt][xzt]", member)):
+        if owner == TERMINAL and (variable.causality == "input" or re.fullmatch(members, member)):
             kind = {"variableName": variable.name, "memberName": member, "variableKind": "signal"}
             SubElement(terminal, "TerminalMemberVariable", kind)
     return root

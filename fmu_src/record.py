@@ -7,8 +7,6 @@ from pathlib import Path
 
 import numpy as np
 
-from solver.column.column import Column
-from solver.dynamics.stepper import Record as Samples
 from solver.ground.motion import Motion
 
 from .description_parts import Experiment
@@ -23,16 +21,15 @@ class Record:
     """A sampled motion as the solver follows it: straight lines from sample to sample, zero before and after."""
 
     def __init__(self, motion: Motion) -> None:
-        self.samples = Samples(motion.time, motion.ax, motion.az)
+        self.motion = motion
         self.dt = float(np.min(np.diff(motion.time)))  # s, the shortest sampling interval
         self.pga = motion.pga  # m/s2
-        content = hashlib.sha256(motion.time.tobytes() + motion.ax.tobytes() + motion.az.tobytes())
-        self.digest = content.hexdigest()
+        parts = (motion.time, motion.ax, motion.az, *([motion.ay] if motion.has_ay else []))
+        self.digest = hashlib.sha256(b"".join(part.tobytes() for part in parts)).hexdigest()
 
 
-def usual_experiment(column: Column, motion: Motion | None) -> Experiment:
-    """The run of a column: over the record inside the FMU and at its shortest interval, if there is one."""
-    tolerance = column.settings.tolerance
+def usual_experiment(tolerance: float, motion: Motion | None) -> Experiment:
+    """The usual run: over the record inside the FMU and at its shortest interval, if there is one."""
     if motion is None:
         return Experiment(tolerance=tolerance)
     return Experiment(motion.start, motion.end, Record(motion).dt, tolerance)

@@ -10,6 +10,7 @@ from solver.common.errors import FINITE
 TIME_SLACK = 1e-6  # of a step: how far a communication point may be from where the last step ended
 STEP_SLACK = 1e-6  # of a sampling interval: a communication step that is no longer than that but for rounding
 SCALE_LIMITS = (FINITE, "a finite number")  # of the factor on the record
+DAMPING_SCALE_LIMITS = ((0.0, 1e6), "a factor from 0 to 1e6")  # of that on the damping of a structure
 
 # the life of an instance
 WRONG_MODE = "%s: the slave is in the state %s"

@@ -1,4 +1,4 @@
-"""The FMI lifecycle of one column: parameters in, steps made, outputs read. The numbers are the solver's.
+"""The FMI lifecycle of one column or structure: parameters in, steps made, outputs read. The numbers are the solver's.
 
 The wrapper knows three answers only: OK; Discard, when do_step returns False; and Fatal, when an exception reaches it,
 which would leave a dead instance behind. A step that the solver cannot make is discarded: a shorter one, or another
@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import contextlib
 import hashlib
-import json
 import math
 import sys
 from functools import partialmethod
@@ -22,21 +21,17 @@ from pythonfmu import Fmi2Slave
 from pythonfmu.enums import Fmi2Status
 
 from solver import __version__
-from solver.column.column import Column
 from solver.common.errors import InputError, TooMuchWorkError, check_number
 from solver.common.files import identifier_of
-from solver.dynamics.stepper import SILENCE, Stepper
-from solver.kernels.layout import spaces as at
 
 from . import rules, state
+from .body import body_of
 from .description_parts import LOG_CATEGORIES, About
 from .host import compile_by, finalize_at_exit, leave_search_path, survive_exception
-from .model_description import FLAGS, column_description, model_description
+from .model_description import FLAGS, model_description
 from .record import Record, read_motion, usual_experiment
 from .state import Mode
 from .variables import (
-    INPUTS,
-    OVERTURN_JOINT,
     OVERTURN_TIME,
     OVERTURNED,
     RECORD,
@@ -46,13 +41,10 @@ from .variables import (
     VERDICT,
     VERDICT_NOW,
     Variable,
-    column_from,
-    parameter_names,
-    variables,
 )
 
 TOOL = "build_fmu.py with PythonFMU"
-COLUMN_FILE = "column.json"
+BODY_FILE = "body.json"
 GUID_FILE = "guid.txt"
 RECORD_FOLDER = "record"  # holds the record inside the FMU, if there is one
 ARRAYS = ("state", "counts", "base")  # of the stepper: all that differs from one moment to another
@@ -81,8 +73,8 @@ class Request:
         return values[self.row] if self.row else [values[place] for place in self.places]
 
 
-class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
-    """A column of blocks as a co-simulation slave; `resources` holds its column.json and guid.txt."""
+class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
+    """A column or structure of blocks as a co-simulation slave; `resources` holds its body.json and guid.txt."""
 
     log_categories = LOG_CATEGORIES
     _fmu_state_to_bytes = staticmethod(state.to_bytes)
@@ -94,20 +86,23 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
         if "logger" in kwargs:  # the wrapper's; what builds the FMU has none
             finalize_at_exit(resources)
             leave_search_path(resources)
-        column_text = (resources / COLUMN_FILE).read_text(encoding="utf-8")
-        self._column = Column.from_dict(json.loads(column_text))
+        text = (resources / BODY_FILE).read_text(encoding="utf-8")
+        self._body = body_of(text)
         # inside an FMU the name of the package ends in the hash of its content and of the solver's
-        self._stamp = state.Stamp(hashlib.sha256(column_text.encode()).hexdigest(), f"{__version__} ({__package__})")
+        self._stamp = state.Stamp(hashlib.sha256(text.encode()).hexdigest(), f"{__version__} ({__package__})")
         self._own_record = next(iter(sorted((resources / RECORD_FOLDER).glob("*"))), None)
-        self._table = variables(self._column, self._own_record.name if self._own_record else "")
+        self._table = self._body.table(self._own_record.name if self._own_record else "")
         self._place = {variable.name: k for k, variable in enumerate(self._table)}
         self._place_of = {variable.reference: k for k, variable in enumerate(self._table)}
         self._values: list[Any] = [0.0 if variable.start is None else variable.start for variable in self._table]
-        self._row = slice(len(INPUTS), len(INPUTS) + at.ROW.size(self._column.n))
-        self._split = slice(self._row.stop, self._row.stop + at.SPLIT.beside)
-        self._peaks = slice(self._split.stop, self._split.stop + at.PEAKS.size(self._column.n))
-        self._parameters = slice(self._place["g"], len(self._table))
-        self._verdict = [self._place[item.name] for item in (OVERTURN_TIME, OVERTURN_JOINT, OVERTURNED, VERDICT_NOW)]
+        row, split, peaks = self._body.sizes
+        self._inputs = self._body.inputs
+        self._row = slice(len(self._inputs), len(self._inputs) + row)
+        self._split = slice(self._row.stop, self._row.stop + split)
+        self._peaks = slice(self._split.stop, self._split.stop + peaks)
+        self._parameters = slice(self._place[self._body.first_parameter], len(self._table))
+        verdict = OVERTURN_TIME, self._body.fallen, OVERTURNED, VERDICT_NOW
+        self._verdict = [self._place[item.name] for item in verdict]
         self._tell_verdict(-1.0, 0, False, VERDICT.items["undecided"])
         self._requests = {kind: Request([], self._table, self._place_of, kind) for kind in ACCESS}
         self._mode = Mode.INSTANTIATED
@@ -115,7 +110,7 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
         self._stop = math.inf  # s, where the experiment ends; it is no part of the state
         self._tolerance_set = False  # whether the master set the solver's tolerance: the experiment's does not count
         self._input_time = 0.0  # from which the slopes of the inputs count
-        self._stepper: Stepper | None = None
+        self._stepper: Any = None  # that of the body
         self._built_from: list[Any] = []  # the parameters that the stepper follows from
         self._record: Record | None = None
         self._record_name = ""
@@ -123,18 +118,18 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
         self._inputs_stand = False  # whether the stepper still has the inputs of the last step, and no others were set
         self._outdated = True  # whether the outputs belong to an earlier time, input or parameter
         self._shaken = False  # whether the base has moved yet
+        self._stepped = False  # whether this instance has made a step
         self._coarse_warned = False
-        self.modelName = identifier_of(self._column.name)  # what PythonFMU calls the libraries
+        self.modelName = identifier_of(self._body.name)  # what PythonFMU calls the libraries
         guid = resources / GUID_FILE
         if guid.is_file():
             self.guid = guid.read_text(encoding="utf-8").strip()
 
     def to_xml(self, model_options: dict[str, str] | None = None) -> Element:
         """The model description; every flag comes from fmu_src/model_description.py."""
-        text = column_description(self._column)
-        motion = read_motion(self._own_record) if self._own_record else None
-        experiment = usual_experiment(self._column, motion)
-        about = About(self._column.name, str(self.guid), text, __version__, experiment, FLAGS, TOOL)
+        body, motion = self._body, read_motion(self._own_record) if self._own_record else None
+        experiment = usual_experiment(body.tolerance, motion)
+        about = About(body.name, str(self.guid), body.about, __version__, experiment, FLAGS, TOOL)
         return model_description(about, self._table)
 
     # --- lifecycle
@@ -158,12 +153,12 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
         self._mode = Mode.INITIALIZATION
 
     def exit_initialization_mode(self) -> None:
-        """Build the column from the parameters as they stand."""
+        """Build the body from the parameters as they stand."""
         self._check_mode(rules.WHEN_EXITED, Mode.INSTANTIATED, Mode.INITIALIZATION)
         try:
             self._build()
             if self._stepper:
-                self._stepper.drive(self._time, *self._values[: len(INPUTS)], since=self._input_time)
+                self._stepper.drive(self._time, *self._values[: len(self._inputs)], since=self._input_time)
                 self._stepper.stand_on_base()
                 self._inputs_stand, self._outdated = False, True
         except Exception as error:
@@ -172,7 +167,7 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
 
     def terminate(self) -> None:
         """End the run; only reset, or a state got earlier, makes another one possible."""
-        if self._mode == Mode.STEPPING and not self._shaken and self._stepper and self._stepper.time_spent > 0.0:
+        if self._mode == Mode.STEPPING and self._stepped and not self._shaken:
             self._say(Fmi2Status.warning, rules.NOT_SHAKEN)
         self._mode = Mode.TERMINATED
 
@@ -210,17 +205,16 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
 
     def _wrong_input(self) -> str | None:
         """Why no step can be made under the inputs as they stand."""
-        given = self._values[: len(INPUTS)]
+        given = self._values[: len(self._inputs)]
         if not math.isfinite(sum(given)):
-            for variable, value in zip(INPUTS, given, strict=True):
+            for variable, value in zip(self._inputs, given, strict=True):
                 if not math.isfinite(value):
                     return rules.NOT_FINITE % (variable.name, value, variable.unit)
         return None
 
     def _advance(self, start: float, step: float) -> None:
-        """Take the column from `start` to `start + step`, s, over the samples of the record in between."""
+        """Go from `start` to `start + step`, s, over the samples of the record in between."""
         stepper = self._stepper
-        assert stepper is not None
         arrays = stepper.arrays
         before = arrays.state.copy(), arrays.counts.copy()
         record = self._record
@@ -229,7 +223,7 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
             if self._retune:
                 self._apply_parameters(stepper)
             self._input_time = start
-            stepper.drive(start, *values[: len(INPUTS)])
+            stepper.drive(start, *values[: len(self._inputs)])
             stepper.advance(start, step)
         except BaseException:
             arrays.state[:], arrays.counts[:] = before
@@ -237,9 +231,10 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
             raise
         self._retune = False
         self._time = start + step
+        self._stepped = True
         self._inputs_stand = self._outdated = True
         if not self._shaken:
-            self._shaken = record is not None or any(values[: len(INPUTS)])
+            self._shaken = record is not None or any(values[: len(self._inputs)])
         if record is not None and not self._coarse_warned and step > record.dt * (1.0 + rules.STEP_SLACK):
             self._coarse_warned = True
             self._say(Fmi2Status.warning, rules.COARSE % (step, record.dt))
@@ -282,14 +277,14 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
             values = snapshot.values.copy()
             values[self._parameters] = snapshot.built_from
             record, name = self._loaded(values[self._place[RECORD]], values[self._place[RECORD_SCALE]])
-            stepper = Stepper(self._described(values))
+            stepper = self._body.stepper(self._described(values))
         if snapshot.stamp is not self._stamp:  # else it was never bytes
             arrays = {name: getattr(stepper.arrays, name) for name in ARRAYS} if stepper else {}
-            snapshot.check_contents(self._table, arrays, len(record.samples.arguments[0]) if record else 0)
+            snapshot.check_contents(self._table, arrays, self._body.segment, len(record.motion.time) if record else 0)
         if stepper is not None:
             if (record.digest if record else "") != snapshot.record:
                 raise InputError(f"base.record = {name!r}: its samples are not those that the state belongs to")
-            stepper.record = record.samples if record else SILENCE
+            stepper.record = self._body.samples(record.motion if record else None)
             for name in ARRAYS:
                 getattr(stepper.arrays, name)[:] = snapshot.arrays[name]
         self._stepper, self._record, self._record_name = stepper, record, name
@@ -319,7 +314,7 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
             self._fail(rules.NOTHING_SET)
         places = [self._place_of.get(reference, -1) for reference in vrs]
         for place, reference in zip(places, vrs, strict=True):
-            if not 0 <= place < len(INPUTS) or kind != "Real":
+            if not 0 <= place < len(self._inputs) or kind != "Real":
                 self._check_settable(place, reference, kind)
         for place, value in zip(places, values, strict=True):
             self._values[place] = value
@@ -358,26 +353,23 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
             self._apply_parameters(stepper)
             self._retune = False
         if not self._inputs_stand:
-            stepper.drive(self._time, *self._values[: len(INPUTS)], since=self._input_time)
+            stepper.drive(self._time, *self._values[: len(self._inputs)], since=self._input_time)
         if self._mode == Mode.INITIALIZATION:
             stepper.stand_on_base()
         self._values[self._row] = stepper.observe(self._time).tolist()
         self._values[self._split] = stepper.split.tolist()
         self._values[self._peaks] = stepper.visible_peaks.tolist()
-        joint = stepper.overturned_joint
-        word = "overturned" if joint else "standing" if stepper.counts.resting else "undecided"
-        self._tell_verdict(stepper.overturn_time if joint else -1.0, joint, joint > 0, VERDICT.items[word])
+        fallen, when = self._body.fall(stepper)
+        word = "overturned" if fallen else "standing" if stepper.counts.resting else "undecided"
+        self._tell_verdict(when if fallen else -1.0, fallen, fallen > 0, VERDICT.items[word])
         self._outdated = False
 
     # --- parameters
 
-    def _described(self, values: list[Any] | None = None) -> Column:
-        """The column that the parameters describe. Raises InputError."""
+    def _described(self, values: list[Any] | None = None) -> Any:
+        """What the parameters describe. Raises InputError."""
         values = self._values if values is None else values
-        try:
-            return column_from(self._column, lambda name: values[self._place[name]])
-        except InputError as error:
-            raise InputError(parameter_names(str(error))) from error
+        return self._body.described(lambda name: values[self._place[name]])
 
     def _loaded(self, name: str, scale: float) -> tuple[Record | None, str]:
         """The record of that name and what it is known by. Raises InputError."""
@@ -397,19 +389,19 @@ class ColumnSlave(Fmi2Slave):  # type: ignore[misc]
         if self._stepper is not None and parameters == self._built_from:
             return
         values = self._values
-        column = self._described()
+        body, described = self._body, self._described()
         record, name = self._loaded(values[self._place[RECORD]], values[self._place[RECORD_SCALE]])
-        compile_by(lambda: Stepper(column))
-        stepper = Stepper(column)
-        stepper.record = record.samples if record else SILENCE
+        compile_by(lambda: body.stepper(described))
+        stepper = body.stepper(described)
+        stepper.record = body.samples(record.motion if record else None)
         compile_by(lambda: stepper.observe(self._time))
-        compile_by(lambda: Stepper(column).advance(0.0, 1e-6))
+        compile_by(lambda: body.stepper(described).advance(0.0, 1e-6))
         self._stepper, self._record, self._record_name = stepper, record, name
         self._built_from = parameters
         self._put(RECORD_PGA.name, record.pga if record else 0.0)
         self._inputs_stand, self._outdated = False, True
 
-    def _apply_parameters(self, stepper: Stepper) -> None:
+    def _apply_parameters(self, stepper: Any) -> None:
         """Go on with the tunable parameters as they stand. Raises InputError."""
         stepper.retune(self._described())
         self._built_from = self._values[self._parameters]

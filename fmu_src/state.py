@@ -15,7 +15,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solver.common.errors import InputError
-from solver.kernels.layout import spaces as at
 
 from .variables import Variable
 
@@ -39,7 +38,7 @@ class Mode(StrEnum):
 class Stamp(NamedTuple):
     """Whose state it is: only the same column under the same code, with the same record, can go on from it."""
 
-    column: str  # hash of the column that the FMU was built for
+    column: str  # hash of the column or structure that the FMU was built for
     code: str  # version of the project and hash of its sources
 
 
@@ -62,28 +61,31 @@ class Snapshot(NamedTuple):
     def check(self, stamp: Stamp) -> None:
         """Raise InputError, with the reason, if the state is not one of `stamp`."""
         if self.stamp.column != stamp.column:
-            raise InputError("the state is that of another column")
+            raise InputError("the state is that of another column or structure")
         if self.stamp.code != stamp.code:
             raise InputError(f"the state was made by another version, {self.stamp.code}: must be {stamp.code}")
 
-    def check_contents(self, table: list[Variable], arrays: dict[str, NDArray[Any]], samples: int) -> None:
+    def check_contents(
+        self, table: list[Variable], arrays: dict[str, NDArray[Any]], segment: int | None, samples: int
+    ) -> None:
         """Raise InputError unless an instance can be in this state; bytes can hold anything.
 
-        arrays: of its stepper. samples: of the record that it follows.
+        arrays: of its stepper. segment: place in `base` of a number of a sample. samples: of the record that it
+        follows.
         """
         _check_values(self.values, table)
         _check_values(self.built_from, table[len(table) - len(self.built_from) :])
         kinds = {name: (array.dtype, array.shape) for name, array in self.arrays.items()}
         if kinds != {name: (array.dtype, array.shape) for name, array in arrays.items()}:
-            raise InputError("its arrays are not those of the column")
+            raise InputError("its arrays are not those of this FMU")
         if self.mode == Mode.STEPPING and not arrays:
             raise InputError("it has no motion")
         if not arrays:
             return
         if not np.all(np.isfinite(self.arrays["state"])):
             raise InputError("the motion has numbers that are not finite")
-        counts, segment = self.arrays["counts"], self.arrays["base"][at.BASE.fields.index("segment")]
-        if np.any(counts < 0) or not -1.0 <= segment <= samples:
+        sample = 0.0 if segment is None else self.arrays["base"][segment]
+        if np.any(self.arrays["counts"] < 0) or not -1.0 <= sample <= samples:
             raise InputError("a count is out of range")
 
 

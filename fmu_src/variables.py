@@ -1,5 +1,7 @@
 """The one table of the FMU's variables; slave, native layer and model description follow from it.
 
+That of a structure in space is in structure_variables.py, of the same rows and under the same numbers.
+
 The table lists inputs, then outputs, then parameters. Inputs stand in the order of the kernels, and the outputs begin
 with one output row and the split reaction as the kernels write them (solver/kernels/layout/spaces.py).
 
@@ -31,7 +33,9 @@ REFERENCES = {
     "base.theta": 5,
     "base.omega": 6,
     "base.alpha": 7,
-    # outputs of the column as a whole: from 1001
+    "base.ay": 8,
+    "base.jy": 9,
+    # outputs of the column or structure as a whole: from 1001
     "base.Fx": 1001,
     "base.Fz": 1002,
     "base.My": 1003,
@@ -52,7 +56,14 @@ REFERENCES = {
     "base.Fx_peak": 1018,
     "base.Fz_peak": 1019,
     "base.My_peak": 1020,
-    # parameters of the column as a whole: from 2001
+    "base.Fy": 1021,
+    "base.Mx": 1022,
+    "base.Mz": 1023,
+    "base.Fy_peak": 1024,
+    "base.Mx_peak": 1025,
+    "base.Mz_peak": 1026,
+    "overturned_block": 1027,
+    # parameters of the column or structure as a whole: from 2001
     "g": 2001,
     "solver.formulation": 2002,
     "solver.integrator": 2003,
@@ -61,8 +72,9 @@ REFERENCES = {
     "solver.without": 2006,
     "base.record": 2007,
     "base.record_scale": 2008,
+    "joints.damping_scale": 2009,
 }
-# Variables of every block or joint: a family each, of 1000 numbers. Outputs from 10 on, parameters from 50 on.
+# Variables of every block, joint or tie: a family each, of 1000 numbers.
 FAMILY = 1000
 FAMILIES = {
     "block.ux": 10,
@@ -86,6 +98,25 @@ FAMILIES = {
     "joint.T_peak": 28,
     "joint.friction_peak": 29,
     "joint.slip_peak": 30,
+    "block.uy": 31,
+    "block.rx": 32,
+    "block.ry": 33,
+    "block.rz": 34,
+    "joint.Mx": 35,
+    "joint.My": 36,
+    "joint.Mz": 37,
+    "joint.Tx": 38,
+    "joint.Ty": 39,
+    "tie.F": 40,
+    "block.uy_peak": 41,
+    "block.rx_peak": 42,
+    "block.ry_peak": 43,
+    "block.rz_peak": 44,
+    "joint.Mx_peak": 45,
+    "joint.My_peak": 46,
+    "joint.Mz_peak": 47,
+    "joint.Tx_peak": 48,
+    "joint.Ty_peak": 49,
     "block.height": 50,
     "block.width": 51,
     "block.depth": 52,
@@ -101,6 +132,7 @@ FAMILIES = {
     "joint.offset": 62,
     "joint.inclination": 63,
     "block.tilt": 64,
+    "tie.F_peak": 65,
 }
 assert MAX_BLOCKS <= FAMILY
 
@@ -152,7 +184,7 @@ CHOICES = {"solver.formulation": FORMULATION, "solver.integrator": INTEGRATOR}
 
 def reference_of(name: str) -> int:
     """The value reference of a variable: that of REFERENCES, or 1000 times its family plus the number of its block."""
-    parts = re.fullmatch(r"(block|joint)\[(\d+)\]\.(\w+)", name)
+    parts = re.fullmatch(r"(block|joint|tie)\[(\d+)\]\.(\w+)", name)
     if parts is None:
         return REFERENCES[name]
     owner, number, quantity = parts.groups()
@@ -160,7 +192,7 @@ def reference_of(name: str) -> int:
 
 
 def array_of(name: str) -> str:
-    """The array that a variable of one block or joint belongs to, block[3].ux to block.ux; "" for other variables."""
+    """The array that a variable of a block, joint or tie belongs to, block[3].ux to block.ux; "" for others."""
     parts = re.fullmatch(r"(\w+)\[\d+\]\.(\w+)", name)
     return f"{parts[1]}.{parts[2]}" if parts else ""
 
@@ -188,25 +220,27 @@ class Variable:
     choice: Choice | None = None  # of an Enumeration
 
 
-def _input(name: str, text: str, unit: str, nominal: float) -> Variable:
+def input_of(name: str, text: str, unit: str, nominal: float) -> Variable:
+    """A row of the table for an input."""
     return Variable(name, reference_of(name), "Real", "input", "continuous", text, unit, 0.0, nominal=nominal)
 
 
-def _output(
+def output_of(
     name: str, unit: str, text: str, kind: str = "Real", variability: str = "continuous", **rest: Any
 ) -> Variable:
+    """A row of the table for an output."""
     return Variable(name, reference_of(name), kind, "output", variability, text, unit, **rest)
 
 
-_SLOPE = "Slope of base.a{} within a communication step, counted from its start; 0: held"
+SLOPE = "Slope of base.a{} within a communication step, counted from its start; 0: held"
 INPUTS = (
-    _input("base.ax", "Base acceleration, horizontal, positive to +x", "m/s2", 1.0),
-    _input("base.az", "Base acceleration, vertical, positive up", "m/s2", 1.0),
-    _input("base.jx", _SLOPE.format("x"), "m/s3", 10.0),
-    _input("base.jz", _SLOPE.format("z"), "m/s3", 10.0),
-    _input("base.theta", "Rotation of the base, clockwise", "rad", 1e-3),
-    _input("base.omega", "Rate of base.theta", "rad/s", 1e-2),
-    _input("base.alpha", "Acceleration of base.theta, held within a communication step", "rad/s2", 0.1),
+    input_of("base.ax", "Base acceleration, horizontal, positive to +x", "m/s2", 1.0),
+    input_of("base.az", "Base acceleration, vertical, positive up", "m/s2", 1.0),
+    input_of("base.jx", SLOPE.format("x"), "m/s3", 10.0),
+    input_of("base.jz", SLOPE.format("z"), "m/s3", 10.0),
+    input_of("base.theta", "Rotation of the base, clockwise", "rad", 1e-3),
+    input_of("base.omega", "Rate of base.theta", "rad/s", 1e-2),
+    input_of("base.alpha", "Acceleration of base.theta, held within a communication step", "rad/s2", 0.1),
 )
 _TURNED = ("base.theta",)
 _TURNING = ("base.theta", "base.omega")
@@ -231,7 +265,8 @@ _BASE_OUTPUTS = {
     "Fz": ("N", "Force of the column on the base, vertical, positive up"),
     "My": ("N.m", "Moment of the column on the base about the centre of its joint, clockwise"),
 }
-_LARGEST = "Largest absolute value of the motion so far"
+LARGEST = "Largest absolute value of the motion so far"
+LEAST = "Least value of the motion so far"
 _FRICTION = ("", "|T| / N of joint {i}, where N is above 0.05 of the weight carried at rest", None, None, ())
 _SPLIT = "of the base reaction (Fx, Fz, My) = R0 - m (ax, az, alpha)"
 _MASS = "Effective mass met by the base, {} " + _SPLIT
@@ -248,24 +283,24 @@ _SPLIT_OUTPUTS: dict[str, tuple[str, str, tuple[str, ...]]] = {
     "base.mzt": ("kg.m", _MASS.format("z alpha"), _TURNED),
     "base.mtt": ("kg.m2", _MASS.format("alpha alpha"), _TURNED),
 }
-OVERTURN_TIME = _output(
-    "overturn_time", "s", "Time of overturning, -1 while the column stands", variability="discrete", initially=()
+OVERTURN_TIME = output_of(
+    "overturn_time", "s", "Time of overturning, -1 while it stands", variability="discrete", initially=()
 )
-OVERTURN_JOINT = _output(
+OVERTURN_JOINT = output_of(
     *("overturn_joint", "", "Joint over which the column has fallen, 0 while it stands"),
     *("Integer", "discrete"),
     initially=(),
 )
-OVERTURNED = _output(
-    *("overturned", "", "Whether the column has overturned; then it is held"), *("Boolean", "discrete"), initially=()
+OVERTURNED = output_of(
+    *("overturned", "", "Whether it has overturned; then it is held"), *("Boolean", "discrete"), initially=()
 )
-VERDICT_NOW = _output(
+VERDICT_NOW = output_of(
     *("verdict", "", "Whether it has fallen, rests on a still base, or may go either way"),
     *("Enumeration", "discrete"),
     choice=VERDICT,
     initially=(),
 )
-RECORD_PGA = _output(
+RECORD_PGA = output_of(
     *("base.record_pga", "m/s2", "Largest |ax| of the record inside the FMU, 0 without one"),
     variability="discrete",
     initially=("base.record", "base.record_scale"),
@@ -293,7 +328,7 @@ JOINT_PARAMETERS = {
     "inclination": ("rad", "Angle of the joint under block {i} to the base, as built, clockwise", True),
 }
 # what may change during a run: no length, no mass, nothing of the solver's
-TUNABLE = ("g", "joint.damping")
+TUNABLE = ("g", "joint.damping", "joints.damping_scale")
 RECORD = "base.record"
 RECORD_SCALE = "base.record_scale"
 TOLERANCE = "solver.tolerance"
@@ -339,11 +374,11 @@ def _row_outputs(column: Column) -> list[Variable]:
         for i in range(1, column.n + 1):
             limits: dict[str, Any] = {"minimum": minimum, "maximum": maximum, "nominal": sizes[name][i - 1]}
             direct = () if inputs == _TURNING and i < column.n else inputs
-            rows.append(_output(output.format(i=i), unit, description.format(i=i), **limits, depends_on=direct))
+            rows.append(output_of(output.format(i=i), unit, description.format(i=i), **limits, depends_on=direct))
     for name, output in BASE_HISTORIES.items():
         unit, text = _BASE_OUTPUTS[name]
         size = sizes["M" if name == "My" else "N"][-1]
-        rows.append(_output(output, unit, text, nominal=size, depends_on=_ALL))
+        rows.append(output_of(output, unit, text, nominal=size, depends_on=_ALL))
     return rows
 
 
@@ -353,7 +388,7 @@ def _split_outputs(column: Column) -> list[Variable]:
     width = column.contacts[-1].width
     nominal = {"N": sizes["N"][-1], "N.m": sizes["M"][-1], "kg": mass, "kg.m": mass * width, "kg.m2": mass * width**2}
     return [
-        _output(name, unit, text, nominal=nominal[unit], depends_on=inputs)
+        output_of(name, unit, text, nominal=nominal[unit], depends_on=inputs)
         for name, (unit, text, inputs) in _SPLIT_OUTPUTS.items()
     ]
 
@@ -367,13 +402,15 @@ def _peak_outputs(column: Column) -> list[Variable]:
         if name in BASE_HISTORIES:
             unit, text = _BASE_OUTPUTS[name]
             size = sizes["M" if name == "My" else "N"][-1]
-            rows.append(_output(output, unit, f"{_LARGEST}: {text}", nominal=size, **common))
+            rows.append(output_of(output, unit, f"{LARGEST}: {text}", nominal=size, **common))
             continue
         unit, text, _, most, _ = _BLOCK_OUTPUTS.get(name, _FRICTION)
-        text = f"{'Least value of the motion so far' if name == 'contact' else _LARGEST}: {text}"
+        text = f"{LEAST if name == 'contact' else LARGEST}: {text}"
         for i in range(1, column.n + 1):
             rows.append(
-                _output(output.format(i=i), unit, text.format(i=i), nominal=sizes[name][i - 1], maximum=most, **common)
+                output_of(
+                    output.format(i=i), unit, text.format(i=i), nominal=sizes[name][i - 1], maximum=most, **common
+                )
             )
     return rows
 
@@ -404,42 +441,44 @@ RECORD_TEXT = (
 RECORD_TEXT_NATIVE = "Record added to the inputs: name of the one inside the FMU, or empty for none; no file is read"
 
 
-def _parameters(column: Column, record: str, record_text: str) -> list[Variable]:
-    def parameter(name: str, unit: str, text: str, start: float | str | None, optional: bool = False) -> Variable:
-        key = name.rpartition(".")[2]
-        tunable = "g" if name == "g" else f"{name.partition('[')[0]}.{key}"
-        common = ("parameter", "tunable" if tunable in TUNABLE else "fixed", text, unit)
-        reference = reference_of(name)
-        if name in CHOICES:
-            choice = CHOICES[name]
-            return Variable(name, reference, "Enumeration", *common, choice.items[str(start)], choice=choice)
-        if isinstance(start, str):
-            return Variable(name, reference, "String", *common, start)
-        if name == RECORD_SCALE:
-            return Variable(name, reference, "Real", *common, start)
-        least, most = NUMBERS[key][0]
-        return Variable(
-            name, reference, "Real", *common, start or 0.0, 0.0 if optional and least > 0.0 else least, most
-        )
+def parameter_of(
+    name: str,
+    unit: str,
+    text: str,
+    start: float | str | None,
+    limits: tuple[float, float] | None = None,
+    optional: bool = False,
+) -> Variable:
+    """A row of the table for a parameter. limits: None: those of its last name in ranges.py."""
+    common = ("parameter", "tunable" if (array_of(name) or name) in TUNABLE else "fixed", text, unit)
+    reference = reference_of(name)
+    if name in CHOICES:
+        choice = CHOICES[name]
+        return Variable(name, reference, "Enumeration", *common, choice.items[str(start)], choice=choice)
+    if isinstance(start, str):
+        return Variable(name, reference, "String", *common, start)
+    if name == RECORD_SCALE:
+        return Variable(name, reference, "Real", *common, start)
+    least, most = limits or NUMBERS[name.rpartition(".")[2]][0]
+    return Variable(name, reference, "Real", *common, start or 0.0, 0.0 if optional and least > 0.0 else least, most)
 
-    rows = [parameter("g", "m/s2", "Acceleration of gravity", column.g)]
+
+def _parameters(column: Column, record: str, record_text: str) -> list[Variable]:
+    rows = [parameter_of("g", "m/s2", "Acceleration of gravity", column.g)]
     for i, block in enumerate(column.blocks, start=1):
         for key, (unit, text, optional) in _BLOCK_PARAMETERS.items():
-            rows.append(parameter(f"block[{i}].{key}", unit, text.format(i=i), getattr(block, key), optional))
+            start = getattr(block, key)
+            rows.append(parameter_of(f"block[{i}].{key}", unit, text.format(i=i), start, optional=optional))
     for i, block in enumerate(column.blocks, start=1):
         for key, (unit, text, optional) in JOINT_PARAMETERS.items():
-            rows.append(parameter(f"joint[{i}].{key}", unit, text.format(i=i), getattr(block.joint, key), optional))
+            start = getattr(block.joint, key)
+            rows.append(parameter_of(f"joint[{i}].{key}", unit, text.format(i=i), start, optional=optional))
     for key, (unit, text) in _SETTINGS_PARAMETERS.items():
         start = getattr(column.settings, key)
-        rows.append(parameter(f"solver.{key}", unit, text, ", ".join(start) if key == "without" else start))
-    rows.append(parameter(RECORD, "", record_text, record))
-    rows.append(parameter(RECORD_SCALE, "", "Factor on the record's accelerations", 1.0))
+        rows.append(parameter_of(f"solver.{key}", unit, text, ", ".join(start) if key == "without" else start))
+    rows.append(parameter_of(RECORD, "", record_text, record))
+    rows.append(parameter_of(RECORD_SCALE, "", "Factor on the record's accelerations", 1.0))
     return rows
-
-
-def parameter_names(message: str) -> str:
-    """A message about a column, with the FMU's names for the keys of its joints."""
-    return re.sub(r"block\[(\d+)\]\.joint\.", r"joint[\1].", message)
 
 
 def column_from(built: Column, value: Callable[[str], float | int | str]) -> Column:

@@ -45,6 +45,13 @@ def fmus(tmp_path_factory: pytest.TempPathFactory) -> Fmus:
 
 
 @pytest.fixture(scope="session")
+def trilith(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The FMU of a structure in space."""
+    file = ROOT / "examples" / "structures" / "trilith.toml"
+    return built_once(tmp_path_factory, "trilith.fmu", lambda path: Fmus.build(file, path))
+
+
+@pytest.fixture(scope="session")
 def native(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The damped example as a native FMU of FMI 2.0, for Linux, with its base as a terminal."""
     pytest.importorskip("ziglang", reason="needs the extra native")

@@ -80,7 +80,7 @@ def subject(law: ModuleType) -> Subject:
     after = names["output"][len(seen) :] + names["parameter"]
     numbers = {port.name for port in ports if isinstance(port.start, float)}
     return Subject(
-        is_column=False,
+        falls=False,
         sizes=rooms | rest,
         codes={},
         places=RECORD if has_record else {},

@@ -46,7 +46,7 @@ def column_subject(column: Column) -> Subject:
     """Of a column, of which only the number of blocks and the sections matter."""
     n = column.n
     return Subject(
-        is_column=True,
+        falls=True,
         sizes={
             "N": n,
             "MODEL": engine.model_room(n),
@@ -65,8 +65,8 @@ def column_subject(column: Column) -> Subject:
             "PEAKS": at.PEAKS.size(n),
             "STATE_PEAKS": at.STATE.size(n) - at.PEAKS.size(n),
             "PEAK_CONTACT": n * at.OUTPUTS.fields.index("contact"),
+            "CONTACTS": n,
             "COUNT_RESTING": at.COUNTS.fields.index("resting"),
-            "BASE_SEGMENT": at.BASE.fields.index("segment"),
             "COUNT_OVERTURNED": at.COUNTS.fields.index("overturned"),
             "CENTRAL_DIFFERENCE": at.CENTRAL_DIFFERENCE,
             "TOO_MUCH_WORK": at.TOO_MUCH_WORK,
@@ -77,7 +77,7 @@ def column_subject(column: Column) -> Subject:
             "PEAKS": "block[1].ux_peak",
             "VERDICT": VERDICT_NOW.name,
             "OVERTURN_TIME": OVERTURN_TIME.name,
-            "OVERTURN_JOINT": OVERTURN_JOINT.name,
+            "FALLEN": OVERTURN_JOINT.name,
             "OVERTURNED": OVERTURNED.name,
             "RECORD": RECORD,
             "RECORD_PGA": RECORD_PGA.name,
@@ -95,6 +95,7 @@ def column_subject(column: Column) -> Subject:
         checks=_checks(column),
         reasons=REASONS,
         misfits=[MISFITS[kind] for kind in sorted(MISFITS)],
+        segment=at.BASE.fields.index("segment"),
     )
 
 

@@ -1,6 +1,6 @@
 /* Around the kernels: life of an instance, legal calls, messages, state, the record inside. No numerics.
 
-   The kernels are those of a column (IS_COLUMN) or of a body that a column is coupled with.
+   The kernels are those of a column or structure, which may fall (FALLS), or of a body that a column is coupled with.
    contract.h declares the kernels and the constants of their tables, table.h holds the data of one FMU;
    both are generated (table.py). */
 
@@ -43,7 +43,7 @@ _Static_assert(sizeof STATE_FORMAT + sizeof IDENTITY + 17 <= HEADER, "the head o
 _Static_assert(COUNT(given) == GIVEN && COUNT(slope_of) == INPUT_ROOM, "what the kernels are given");
 _Static_assert(COUNT(real_starts) == REALS && COUNT(whole_starts) == WHOLES && COUNT(text_starts) == TEXTS, "starts");
 _Static_assert(AT_ROW + ROW == AT_SPLIT && AT_SPLIT + SPLIT <= REALS, "outputs begin with row and split");
-_Static_assert(!IS_COLUMN || (AT_SPLIT + SPLIT == AT_PEAKS && AT_PEAKS + PEAKS <= REALS), "then peaks");
+_Static_assert(!FALLS || (AT_SPLIT + SPLIT == AT_PEAKS && AT_PEAKS + PEAKS <= REALS), "then peaks");
 
 const char *const core_identity = IDENTITY;
 const double core_usual_step = USUAL_STEP;
@@ -79,7 +79,7 @@ struct Instance {
     double described[GIVEN]; /* arguments of `assemble`: too long for the stack of a thread */
     double stop; /* s, where the experiment ends; it is no part of the state */
     int outdated; /* whether the outputs belong to an earlier time, input or parameter */
-    int coarse_warned;
+    int coarse_warned, stepped; /* stepped: whether this instance has made a step */
     Status last_step;
     Teller *teller;
     void *host;
@@ -87,12 +87,12 @@ struct Instance {
 
 struct Saved { const char *owner; Moment moment; };
 
-/* Arguments of the kernels by name: the arrays of a column, and the record. */
+/* Arguments of the kernels by name: the arrays of a body, and the record. */
 #define COLUMN(i)                                                                                                      \
     .n = N, .model = (i)->now.model, .state = (i)->now.state, .counts = (i)->now.counts,                               \
     .base = (i)->now.base, .work = (i)->work
 #define RECORD(i)                                                                                                      \
-    .count = (i)->now.has_record ? SAMPLES : 0, .times = record_time, .ax = record_ax, .az = record_az,                \
+    .count = (i)->now.has_record ? SAMPLES : 0, .times = record_time, SAMPLED,                                         \
     .scale = (i)->now.scale
 
 static const char *mode_name(int64_t mode) {
@@ -282,7 +282,7 @@ static int build(Instance *instance, int from_rest, char *reason) {
                  shown(now->reals[AT_RECORD_SCALE], text), shown(MOST_RECORD_SCALE, most));
         return 0;
     }
-    int fixed_step = IS_COLUMN && described[GIVEN_INTEGRATOR] == CENTRAL_DIFFERENCE;
+    int fixed_step = CENTRAL_DIFFERENCE && described[GIVEN_INTEGRATOR] == CENTRAL_DIFFERENCE;
     double *scratch = malloc(sizeof(double) * (size_t)(fixed_step ? FIXED_STEP_ROOM : ROOM));
     if (!scratch) return snprintf(reason, MESSAGE, "out of memory"), 0;
     memcpy(instance->before.model, now->model, sizeof now->model);
@@ -323,9 +323,9 @@ static int build(Instance *instance, int from_rest, char *reason) {
             now->scale = now->reals[AT_RECORD_SCALE];
             now->reals[AT_RECORD_PGA] = has_record ? fabs(now->scale) * RECORD_LARGEST : 0.0;
         }
-        if (IS_COLUMN) {
+        if (FALLS) {
             now->reals[AT_OVERTURN_TIME] = -1.0;
-            now->wholes[AT_OVERTURN_JOINT] = now->wholes[AT_OVERTURNED] = 0;
+            now->wholes[AT_FALLEN] = now->wholes[AT_OVERTURNED] = 0;
             now->wholes[AT_VERDICT] = VERDICT_UNDECIDED;
         }
         now->inputs_stand = 0;
@@ -346,15 +346,15 @@ static int update(Instance *instance, char *reason) {
                                .elapsed = now->time - now->input_time, .t = now->time,
                                .row = &now->reals[AT_ROW], .split = &now->reals[AT_SPLIT]});
     if (code < 0) return snprintf(reason, MESSAGE, "at t = %.6g s: %s", now->time, reason_of(code)), 0;
-    if (IS_COLUMN) {
+    if (FALLS) {
         double *peaks = &now->reals[AT_PEAKS];
         for (int k = 0; k < PEAKS; k++) peaks[k] = now->state[STATE_PEAKS + k];
-        for (int k = PEAK_CONTACT; k < PEAK_CONTACT + N; k++) peaks[k] = 1.0 - peaks[k];
-        int64_t joint = now->counts[COUNT_OVERTURNED], resting = now->counts[COUNT_RESTING];
-        now->wholes[AT_VERDICT] = joint ? VERDICT_OVERTURNED : resting ? VERDICT_STANDING : VERDICT_UNDECIDED;
-        now->wholes[AT_OVERTURN_JOINT] = joint;
-        now->wholes[AT_OVERTURNED] = joint > 0;
-        now->reals[AT_OVERTURN_TIME] = joint ? now->state[STATE_OVERTURN_TIME] : -1.0;
+        for (int k = PEAK_CONTACT; k < PEAK_CONTACT + CONTACTS; k++) peaks[k] = 1.0 - peaks[k];
+        int64_t fallen = now->counts[COUNT_OVERTURNED], resting = now->counts[COUNT_RESTING];
+        now->wholes[AT_VERDICT] = fallen ? VERDICT_OVERTURNED : resting ? VERDICT_STANDING : VERDICT_UNDECIDED;
+        now->wholes[AT_FALLEN] = fallen;
+        now->wholes[AT_OVERTURNED] = fallen > 0;
+        now->reals[AT_OVERTURN_TIME] = fallen ? now->state[STATE_OVERTURN_TIME] : -1.0;
     }
     instance->outdated = 0;
     return 1;
@@ -384,13 +384,13 @@ void core_reset(Instance *instance) {
     memset(now, 0, sizeof *now);
     now->mode = INSTANTIATED;
     memcpy(now->reals, real_starts, sizeof now->reals);
-    if (IS_COLUMN) now->reals[AT_OVERTURN_TIME] = -1.0;
+    if (FALLS) now->reals[AT_OVERTURN_TIME] = -1.0;
     for (int k = 0; k < WHOLES; k++) now->wholes[k] = whole_starts[k];
-    if (IS_COLUMN) now->wholes[AT_VERDICT] = VERDICT_UNDECIDED;
+    if (FALLS) now->wholes[AT_VERDICT] = VERDICT_UNDECIDED;
     for (int k = 0; k < TEXTS; k++) snprintf(now->texts[k], TEXT, "%s", text_starts[k]);
     instance->outdated = 1;
     instance->stop = INFINITY;
-    instance->coarse_warned = 0;
+    instance->coarse_warned = instance->stepped = 0;
     instance->last_step = ST_OK;
 }
 
@@ -430,9 +430,7 @@ Status core_exit_initialization(Instance *instance) {
 
 Status core_terminate(Instance *instance) {
     if (wrong_mode(instance, STEPPING, SAY_WHEN_TERMINATED)) return ST_ERROR;
-    const double *state = instance->now.state;
-    double spent = state[STATE_TIME_FULL] + state[STATE_TIME_ROCKING] + state[STATE_TIME_FLIGHT];
-    if (IS_COLUMN && !instance->now.shaken && spent > 0.0) core_say(instance, ST_WARNING, SAY_NOT_SHAKEN);
+    if (FALLS && !instance->now.shaken && instance->stepped) core_say(instance, ST_WARNING, SAY_NOT_SHAKEN);
     instance->now.mode = TERMINATED;
     return ST_OK;
 }
@@ -595,12 +593,13 @@ static Status advance(Instance *instance, double start, double step, char *reaso
         return code == TOO_MUCH_WORK ? ST_ERROR : ST_DISCARD;
     }
     now->time = start + step;
+    instance->stepped = 1;
     now->inputs_stand = instance->outdated = 1;
     if (!now->shaken) {
         now->shaken = now->has_record;
         for (int k = 0; k < BASE_INPUTS; k++) now->shaken |= now->reals[k] != 0.0;
     }
-    if (IS_COLUMN && now->has_record && !instance->coarse_warned && step > RECORD_DT * (1.0 + STEP_SLACK)) {
+    if (FALLS && now->has_record && !instance->coarse_warned && step > RECORD_DT * (1.0 + STEP_SLACK)) {
         char text[NUMBER];
         instance->coarse_warned = 1;
         core_say(instance, ST_WARNING, SAY_COARSE, shown(step, text), RECORD_DT);
@@ -785,9 +784,10 @@ static int is_possible(const Moment *moment) {
         if (!memchr(moment->texts[k], 0, TEXT)) return 0;
     for (int k = 0; k < COUNTS; k++)
         if (moment->counts[k] < 0) return 0;
-    if (IS_COLUMN) {
-        double segment = moment->base[BASE_SEGMENT]; /* of the record, as the number of a sample */
-        if (moment->counts[COUNT_OVERTURNED] > N || !(-1.0 <= segment && segment <= (double)SAMPLES)) return 0;
+    if (FALLS && moment->counts[COUNT_OVERTURNED] > N) return 0;
+    if (BASE_SEGMENT >= 0) {
+        double segment = moment->base[BASE_SEGMENT < 0 ? 0 : BASE_SEGMENT]; /* the number of a sample */
+        if (!(-1.0 <= segment && segment <= (double)SAMPLES)) return 0;
     }
     for (int k = 0; k < STATE; k++)
         if (!isfinite(moment->state[k])) return 0;
@@ -816,7 +816,7 @@ Status core_from_bytes(Instance *instance, const void *bytes, size_t size, Saved
     if (size < HEADER || memcmp(at, format, sizeof format - 1))
         fault = "the bytes are not those of a serialized state of this format";
     else if (memcmp(at + sizeof format, identity, sizeof identity - 1))
-        fault = "the state is that of another column or was made by another version";
+        fault = "the state is that of another column or structure, or was made by another version";
     else if (size != core_bytes())
         fault = "the bytes are not all of those of a serialized state";
     else if (!(made = malloc(sizeof *made)))

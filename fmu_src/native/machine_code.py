@@ -50,6 +50,7 @@ class Kernels:
 
 
 COLUMN = Kernels("solver.kernels.api.pointers:ENTRIES")
+STRUCTURE = Kernels("solver.kernels.api.pointers_in_space:ENTRIES")
 
 
 def made_with(kernels: Kernels) -> str:

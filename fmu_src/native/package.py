@@ -3,27 +3,26 @@
 from __future__ import annotations
 
 import hashlib
-import json
 import uuid
 from dataclasses import replace
 from xml.etree.ElementTree import Element, tostring
 
 from solver import __version__
-from solver.column.column import Column
 from solver.common.files import identifier_of
 from solver.ground.motion import Motion
 
 from .. import documentation
+from ..body import Body, ColumnBody, StructureBody
 from ..description_parts import About
-from ..model_description import FLAGS, column_description, model_description
+from ..model_description import FLAGS, model_description
 from ..model_description3 import model_description3, terminals
 from ..record import usual_experiment
-from ..variables import variables
 from .column_subject import column_subject
 from .library import BESIDE_WINDOWS, OWN_HEADERS, libraries, sources
-from .machine_code import COLUMN, Kernels, made_with
+from .machine_code import COLUMN, STRUCTURE, Kernels, made_with
 from .platforms import PLATFORMS, USUAL_FORM, Form
 from .source import describe_sources, source_files
+from .structure_subject import structure_subject
 from .symbols import Symbols
 from .table import Contents, headers
 
@@ -53,12 +52,22 @@ XML = b'<?xml version="1.0" encoding="UTF-8"?>\n'
 
 
 def contents_of(
-    column: Column, record: Motion | None = None, record_name: str = "", form: Form = USUAL_FORM
+    body: Body, record: Motion | None = None, record_name: str = "", form: Form = USUAL_FORM
 ) -> Contents:
-    """The content of the FMU of a column, under a GUID that follows from everything its libraries are made of."""
-    table = variables(column, record_name, reads_files=False)
-    contents = Contents(column_subject(column), table, "", record_name, record, form.scalars)
-    return identified(contents, COLUMN, form.fmi, json.dumps(column.to_dict()))
+    """The content of the FMU of a body, under a GUID that follows from everything its libraries are made of."""
+    table = body.table(record_name, reads_files=False)
+    if isinstance(body, StructureBody):
+        subject = structure_subject(body)
+    else:
+        assert isinstance(body, ColumnBody)
+        subject = column_subject(body.column)
+    contents = Contents(subject, table, "", record_name, record, form.scalars)
+    return identified(contents, kernels_of(body), form.fmi, body.text)
+
+
+def kernels_of(body: Body) -> Kernels:
+    """The kernels that the FMU of a body is linked with."""
+    return STRUCTURE if isinstance(body, StructureBody) else COLUMN
 
 
 def identified(contents: Contents, kernels: Kernels, fmi: int, *texts: str) -> Contents:
@@ -71,31 +80,26 @@ def identified(contents: Contents, kernels: Kernels, fmi: int, *texts: str) -> C
 
 
 def native_files(
-    column: Column, platforms: list[str], record: Motion | None = None, record_name: str = "", form: Form = USUAL_FORM
+    body: Body, platforms: list[str], record: Motion | None = None, record_name: str = "", form: Form = USUAL_FORM
 ) -> tuple[dict[str, bytes], dict[str, list[Symbols]]]:
     """The files of the FMU by their names, and the symbols that the libraries need. Raises InputError, OSError."""
-    fmi, contents = form.fmi, contents_of(column, record, record_name, form)
-    experiment = usual_experiment(column, record)
-    name = identifier_of(column.name)
-    identity = (column.name, contents.guid, column_description(column), __version__, experiment)
+    fmi, contents, kernels = form.fmi, contents_of(body, record, record_name, form), kernels_of(body)
+    experiment = usual_experiment(body.tolerance, record)
+    name = identifier_of(body.name)
+    identity = (body.name, contents.guid, body.about, __version__, experiment)
     about = About(*identity, FLAGS_3 if fmi == 3 else NATIVE_FLAGS, "build_fmu.py --native")
     if fmi == 3:
         description = model_description3(about, contents.table, contents.subject.lines, form.scalars)
     else:
         description = model_description(about, contents.table)
-    picture = documentation.drawing(column)
-    pages = {
-        "terminalsAndIcons/icon.png" if fmi == 3 else "model.png": picture,
-        "documentation/index.html": documentation.page(column, contents.table, NEEDS).encode(),
-        "documentation/model.png": picture,
-        "documentation/signs.png": documentation.sign_conventions(),
-    }
+    pages = documentation.pages(body, contents.table, NEEDS)
+    pages["terminalsAndIcons/icon.png" if fmi == 3 else "model.png"] = pages["documentation/model.png"]
     if fmi == 3 or form.terminals:
         pages["terminalsAndIcons/terminalsAndIcons.xml"] = XML + tostring(terminals(contents.table))
     if form.source:
-        pages |= source_files(name, headers(contents), COLUMN, fmi)
+        pages |= source_files(name, headers(contents), kernels, fmi)
         pages |= describe_sources(description, name, fmi)
-    files, needs = compiled(name, contents, COLUMN, platforms, description, fmi)
+    files, needs = compiled(name, contents, kernels, platforms, description, fmi)
     return files | pages, needs
 
 

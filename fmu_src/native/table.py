@@ -7,6 +7,8 @@ table.h     what differs from one FMU to another: variables, start values, check
 from __future__ import annotations
 
 import inspect
+import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -23,20 +25,19 @@ from .machine_code import PREFIX
 
 TEXT = 256  # bytes of a String, its end included
 STATE_FORMAT = "multiblock-fmu native state 5"
-READ_ONLY = ("given", "inputs", "times", "ax", "az", "seeds")  # arguments behind which kernels write nothing
+READ_ONLY = ("given", "inputs", "times", "ax", "ay", "az", "seeds")  # arguments behind which kernels write nothing
 C_TYPES = {"float64": "double ", "int64": "int64_t ", "float64*": "double *", "int64*": "int64_t *"}
 STORED = {"Real": "REAL", "Integer": "INTEGER", "Enumeration": "INTEGER", "Boolean": "BOOLEAN", "String": "STRING"}
-# what the core asks for by name: sizes that depend on what is inside; where columns alone keep something
+# what the core asks for by name: sizes that depend on what is inside; places and codes that some bodies alone have
 SIZES = ("N", "MODEL", "STATE", "COUNTS", "BASE", "WORK", "ROW", "SPLIT", "ROOM", "FIXED_STEP_ROOM")
 REFUSALS = ("MISFIT", "NO_REST", "NOT_GENERAL", "NOT_LINEAR", "NOT_STABLE", "TOO_LARGE")  # codes of `assemble`
-COLUMN_CODES = (
+CODES = (
     *("GIVEN_INTEGRATOR", "GIVEN_STEP", "CENTRAL_DIFFERENCE", "COUNT_OVERTURNED", *REFUSALS, "TOO_MUCH_WORK"),
-    *("STATE_OVERTURN_TIME", "STATE_TIME_FULL", "STATE_TIME_ROCKING", "STATE_TIME_FLIGHT"),
-    *("PEAKS", "STATE_PEAKS", "PEAK_CONTACT", "COUNT_RESTING", "BASE_SEGMENT"),
+    *("STATE_OVERTURN_TIME", "PEAKS", "STATE_PEAKS", "PEAK_CONTACT", "CONTACTS", "COUNT_RESTING"),
     *("VERDICT_OVERTURNED", "VERDICT_STANDING", "VERDICT_UNDECIDED"),
 )
 PLACES = (
-    *("PEAKS", "OVERTURN_TIME", "OVERTURN_JOINT", "OVERTURNED", "VERDICT"),
+    *("PEAKS", "OVERTURN_TIME", "FALLEN", "OVERTURNED", "VERDICT"),
     *("RECORD", "RECORD_PGA", "RECORD_SCALE", "TOLERANCE"),
 )
 
@@ -52,9 +53,13 @@ class Chosen:
 
 @dataclass(frozen=True)
 class Subject:
-    """The simulated body, as the core has to know it. One that is no column has neither codes nor places of columns."""
+    """The simulated body, as the core has to know it.
 
-    is_column: bool
+    falls: whether it has a verdict, and peaks: a partner of a column has none, nor their codes and places. segment:
+    place in `base` of a number of a sample, -1: there is none. entries: the kernels.
+    """
+
+    falls: bool
     sizes: dict[str, int]
     codes: dict[str, int]
     places: dict[str, str]  # of PLACES -> variable
@@ -66,6 +71,8 @@ class Subject:
     checks: list[Check]
     reasons: dict[int, str]
     misfits: list[tuple[str, str]] = field(default_factory=list)  # name and relation, by the kind from 1 on
+    segment: int = -1
+    entries: Mapping[Any, tuple[Any, ...]] = field(default_factory=lambda: pointers.ENTRIES)
 
     @property
     def lines(self) -> dict[str, str]:
@@ -119,14 +126,18 @@ def contract(subject: Subject) -> str:
     """The kernels, and the sizes, codes and messages that belong to them."""
     sizes = {name: subject.sizes[name] for name in SIZES}
     sizes |= {"BASE_INPUTS": len(subject.inputs), "GIVEN": len(subject.given), "DETAILS": engine.DETAILS}
-    codes = {"IS_COLUMN": int(subject.is_column)} | {name: subject.codes.get(name, 0) for name in COLUMN_CODES}
+    codes = {"FALLS": int(subject.falls), "BASE_SEGMENT": subject.segment}
+    codes |= {name: subject.codes.get(name, 0) for name in CODES}
     lines = ["#include <stdint.h>", *_enum(sizes), *_enum(codes)]
     lines.append(f"#define TIME_SLACK {rules.TIME_SLACK!r}")
     lines.append(f"#define STEP_SLACK {rules.STEP_SLACK!r}")
     lines.append(f"#define MUST_INERTIA {_quoted('must be ' + NUMBERS['inertia'][1])}")
     messages = {name: text for name, text in vars(rules).items() if name.isupper() and isinstance(text, str)}
     lines += [f"#define SAY_{name} {_quoted(text)}" for name, text in messages.items()]
-    for function, kinds in pointers.ENTRIES.items():
+    record = {name for function in subject.entries for name in inspect.signature(function).parameters} & {"ay"}
+    sampled = [f".{name} = record_{name}" for name in ("ax", *record, "az")]
+    lines.append(f"#define SAMPLED {', '.join(sampled)}")
+    for function, kinds in subject.entries.items():
         lines += _kernel(function, kinds)
     return "\n".join(lines) + "\n"
 
@@ -222,7 +233,7 @@ def _quoted(text: str) -> str:
 
 
 def _number(value: float) -> str:
-    return float(value).hex()
+    return float(value).hex() if math.isfinite(value) else "INFINITY"
 
 
 def _start(variable: Variable) -> float:
@@ -300,13 +311,13 @@ def _record(contents: Contents) -> list[str]:
     count = 0 if motion is None else len(motion.time)
     dt = 0.0 if motion is None else Record(motion).dt
     pga = 0.0 if motion is None else motion.pga
-    largest = 0.0 if motion is None else max(np.abs(motion.ax).max(), np.abs(motion.az).max())
+    largest = 0.0 if motion is None else max(np.abs(part).max() for part in (motion.ax, motion.ay, motion.az))
     lines = _enum({"SAMPLES": count})
     lines.append(f"#define USUAL_STEP {_number(dt or STEP_SIZE)}")
     lines += [f"#define RECORD_DT {_number(dt)}", f"#define RECORD_LARGEST {_number(pga)}"]
     lines.append(f"#define MOST_RECORD_SCALE {_number(LARGEST / largest if largest > 0.0 else LARGEST)}")
     lines.append(f"#define RECORD_NAME {_quoted(contents.record_name)}")
-    for name in ("time", "ax", "az"):
+    for name in ("time", "ax", "ay", "az"):
         samples = np.zeros(0) if motion is None else getattr(motion, name)
         lines += _array("double", f"record_{name}", [_number(value) for value in samples])
     return lines

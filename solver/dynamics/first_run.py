@@ -40,7 +40,7 @@ def make_kernels() -> None:
     beside = _process_beside()
     try:
         with _collecting_seldom():
-            _compile(run, *_column(), *SILENCE.arguments, 0.0, 0.0, np.empty(0), np.empty(0), True)
+            compile_for(run, *_column(), *SILENCE.arguments, 0.0, 0.0, np.empty(0), np.empty(0), True)
         if beside is not None:
             beside.wait()
     finally:
@@ -68,9 +68,9 @@ def compile_the_rest() -> None:
     """Compile, or read from the disk, all entries that a run needs besides `run`."""
     row = np.empty(0)
     with _collecting_seldom():
-        _compile(assemble_column, *_column(), row, 1, row, row)
-        _compile(observe_snapshots, *_column(), row, row, 1)
-        _compile(observe_state, *_column(), *SILENCE.arguments, 0.0, row, row)
+        compile_for(assemble_column, *_column(), row, 1, row, row)
+        compile_for(observe_snapshots, *_column(), row, row, 1)
+        compile_for(observe_state, *_column(), *SILENCE.arguments, 0.0, row, row)
 
 
 @contextmanager
@@ -88,6 +88,6 @@ def _column() -> tuple[Any, ...]:
     return 1, *unwritten(1)
 
 
-def _compile(entry: Any, *arguments: Any) -> None:
+def compile_for(entry: Any, *arguments: Any) -> None:
     """Compile for arguments of these types."""
     entry.compile(tuple(map(typeof, arguments)))

@@ -94,7 +94,7 @@ class Stepper:
     def _drive(self, motion: Motion) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
         """The record of a motion for the kernels; its harmonic part is set."""
         base = at.BASE.see(self.base)
-        base.held = float(motion.hold)
+        base.held, base.scale = float(motion.hold), 1.0
         base.amplitude_x, base.amplitude_y = motion.amplitude, motion.amplitude_y
         shakes = motion.amplitude or motion.amplitude_y
         base.omega = 2.0 * math.pi * motion.frequency if shakes else 0.0

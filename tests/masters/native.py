@@ -25,12 +25,12 @@ HOST = HERE / "host.c"
 sys.path.insert(0, str(ROOT))
 
 from build_fmu import DEFAULT_COLUMN, build_native_fmu  # noqa: E402
+from fmu_src.body import read_body  # noqa: E402
 from fmu_src.native import library  # noqa: E402
 from fmu_src.native.machine_code import COLUMN, object_code  # noqa: E402
 from fmu_src.native.package import contents_of  # noqa: E402
 from fmu_src.native.platforms import PLATFORMS  # noqa: E402
 from fmu_src.native.table import headers  # noqa: E402
-from solver import Column  # noqa: E402
 
 CALLS = 20000  # of a sequence
 PATIENCE = 900.0  # s
@@ -56,7 +56,7 @@ def _sanitized(column: Path, fmu: Path, folder: Path, sequences: int) -> int:
     if not shutil.which("gcc"):
         print(f"{'sanitizers':10} skipped: gcc is not installed")
         return 0
-    for name, text in headers(contents_of(Column.from_toml(column))).items():
+    for name, text in headers(contents_of(read_body(column))).items():
         (folder / name).write_text(text, encoding="utf-8")
     (folder / "kernels.o").write_bytes(object_code(list(PLATFORMS[2]["linux64"].targets), COLUMN)[0])
     output = folder / "sanitized.so"

@@ -22,9 +22,9 @@ from support.inside import masters
 
 from build_fmu import main
 from fmu_src import rules
+from fmu_src.body import read_body
 from fmu_src.native import column_subject, library, symbols, table
 from fmu_src.native.package import contents_of
-from solver import Column
 from solver.column.settings import SKIP_CODES, SKIPS
 from solver.kernels.api import pointers
 
@@ -130,7 +130,7 @@ def test_without_ziglang_the_build_says_so(
 def written(folder: Path) -> Path:
     """A folder with the header files of the damped example."""
     folder.mkdir()
-    for name, text in table.headers(contents_of(Column.from_toml(DAMPED))).items():
+    for name, text in table.headers(contents_of(read_body(DAMPED))).items():
         (folder / name).write_text(text, encoding="utf-8")
     return folder
 

@@ -142,6 +142,7 @@ def test_every_key_has_a_meaning(parts: dict[str, str]) -> None:
 
 
 def test_every_variable_of_the_fmu_is_listed(parts: dict[str, str]) -> None:
-    text = parts["inputs"] + parts["outputs"] + parts["parameters"]
+    kinds = ("inputs", "outputs", "parameters")
+    text = "".join(parts[kind] + parts[f"{kind}-in-space"] for kind in kinds)
     names = [*REFERENCES, *(family.replace(".", "[i].") for family in FAMILIES)]
     assert [name for name in names if f"| `{name}` |" not in text] == []

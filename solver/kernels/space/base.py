@@ -1,4 +1,4 @@
-"""The acceleration of the base in three components: samples, and a horizontal harmonic beside them."""
+"""The acceleration of the base in three components: samples, a horizontal harmonic with them, inputs beside both."""
 
 import math
 from typing import NamedTuple
@@ -10,7 +10,7 @@ SLACK = 1e-9  # of a sampling interval: instants closer than this are equal
 
 
 class Shaking(NamedTuple):
-    """Samples of the base acceleration, m/s2 at times in s; before the first and after the last it is zero."""
+    """Samples of the base acceleration, m/s2 at times in s, zero before the first and after the last; and the rest."""
 
     size: int
     times: object
@@ -33,29 +33,35 @@ def segment_after(shaking, t):
 
 @leaf
 def is_still(shaking, k):
-    """Whether the base does not accelerate from sample k on until the next."""
+    """Whether the samples are zero from sample k on until the next."""
     return k < 0 or k >= shaking.size - 1
 
 
 @leaf
 def acceleration(shaking, k, t):
     """(ax, ay, az) of the base at time t on segment k, m/s2."""
+    base = shaking.base
+    past = t - base.t0
+    beside = base.ax + base.jx * past, base.ay + base.jy * past, base.az + base.jz * past
     if is_still(shaking, k):
-        return 0.0, 0.0, 0.0
-    ax, ay, az = shaking.ax[k], shaking.ay[k], shaking.az[k]
-    if shaking.base.held == 0.0:
+        return beside
+    ax, ay, az = base.scale * shaking.ax[k], base.scale * shaking.ay[k], base.scale * shaking.az[k]
+    if base.held == 0.0:
         part = (t - shaking.times[k]) / (shaking.times[k + 1] - shaking.times[k])
-        ax += part * (shaking.ax[k + 1] - ax)
-        ay += part * (shaking.ay[k + 1] - ay)
-        az += part * (shaking.az[k + 1] - az)
-    if shaking.base.omega != 0.0:
-        sine = math.sin(shaking.base.omega * t + shaking.base.phase)
-        ax += shaking.base.amplitude_x * sine
-        ay += shaking.base.amplitude_y * sine
-    return ax, ay, az
+        ax += part * (base.scale * shaking.ax[k + 1] - ax)
+        ay += part * (base.scale * shaking.ay[k + 1] - ay)
+        az += part * (base.scale * shaking.az[k + 1] - az)
+    if base.omega != 0.0:
+        sine = math.sin(base.omega * t + base.phase)
+        ax += base.amplitude_x * sine
+        ay += base.amplitude_y * sine
+    return beside[0] + ax, beside[1] + ay, beside[2] + az
 
 
 @kernel
 def is_quiet(shaking, k):
     """Whether the base stays still for good from segment k on."""
-    return k >= shaking.size - 1
+    base = shaking.base
+    pushed = base.ax != 0.0 or base.ay != 0.0 or base.az != 0.0
+    pushed = pushed or base.jx != 0.0 or base.jy != 0.0 or base.jz != 0.0
+    return k >= shaking.size - 1 and not pushed

@@ -2,31 +2,14 @@
 
 from ..numba_ext.jit import entry, kernel
 from ..numba_ext.views import row_of
+from . import driven
 from .base import Shaking
 from .evaluate import energy, evaluate, show
-from .layout import (
-    BASE,
-    BODIES,
-    CONTROL,
-    COUNTS,
-    JOINTS,
-    MEMORY,
-    PHASE,
-    POSES,
-    PULLS,
-    RESULTANTS,
-    SETTINGS,
-    TIES,
-    Scene,
-    rows_size,
-)
+from .layout import BASE, PHASE, lay_scene
 from .stepping import advance, note, remember
 from .watch import Watch
 
-_settings, _bodies, _joints, _ties, _phase = SETTINGS.over, BODIES.over, JOINTS.over, TIES.over, PHASE.over
-_memory, _control, _counts, _base = MEMORY.over, CONTROL.over, COUNTS.over, BASE.over
-_poses, _resultants, _pulls = POSES.over, RESULTANTS.over, PULLS.over
-_POSE, _RESULTANT, _PULL, _MEMORY = POSES.per_n, RESULTANTS.per_n, PULLS.per_n, MEMORY.per_n
+_phase, _base = PHASE.over, BASE.over
 
 
 @kernel
@@ -34,34 +17,9 @@ def scene_of(n, m, k, model, state):
     """The scene of a structure of n blocks, m joints and k ties; model, state: its arrays (arrays.py)."""
     settings, bodies, joints, ties, corners = model
     memory, plastic, control, counts, peaks, work = state
-    rows = row_of(work)
-    poses = rows[rows_size(n, m, k) :]
-    resultants = poses[_POSE * (n + 1) :]
-    pulls = resultants[_RESULTANT * m :]
-    kept = pulls[_PULL * k :]
-    kept_plastic = kept[_MEMORY * m :]
-    return Scene(
-        n,
-        m,
-        k,
-        _settings(row_of(settings), 0),
-        _bodies(row_of(bodies), n + 1),
-        _joints(row_of(joints), m),
-        _ties(row_of(ties), k),
-        row_of(corners),
-        _memory(row_of(memory), m),
-        row_of(plastic),
-        _control(row_of(control), 0),
-        _counts(row_of(counts), 0),
-        row_of(peaks),
-        _poses(poses, n + 1),
-        _resultants(resultants, m),
-        _pulls(pulls, k),
-        _memory(kept, m),
-        kept_plastic,
-        kept_plastic[k:],
-        rows,
-    )
+    rows = row_of(settings), row_of(bodies), row_of(joints), row_of(ties), row_of(corners)
+    remembered = row_of(memory), row_of(plastic), row_of(control)
+    return lay_scene(n, m, k, rows, *remembered, row_of(counts), row_of(peaks), row_of(work))
 
 
 @entry
@@ -136,3 +94,27 @@ def _turn(phase, i, axis, angle):
     phase.q1[i] = scalar * q1 + x * q0 + y * q3 - z * q2
     phase.q2[i] = scalar * q2 + y * q0 + z * q1 - x * q3
     phase.q3[i] = scalar * q3 + z * q0 + x * q2 - y * q1
+
+
+# --- a structure under inputs: driven.py over arrays
+
+
+@entry
+def assemble_structure(model, state, counts, base, given, from_rest):
+    """`driven.assemble`."""
+    return driven.assemble(row_of(model), row_of(state), row_of(counts), row_of(base), row_of(given), from_rest)
+
+
+@entry
+def follow_structure(model, state, counts, base, work, inputs, t, h, times, ax, ay, az):
+    """`driven.follow`."""
+    arrays = row_of(model), row_of(state), row_of(counts), row_of(base), row_of(work)
+    record = times.size, row_of(times), row_of(ax), row_of(ay), row_of(az), 1.0
+    return driven.follow(*arrays, row_of(inputs), t, h, *record)
+
+
+@entry
+def look_structure(model, state, counts, base, work, inputs, new_inputs, elapsed, t, row):
+    """`driven.look`."""
+    arrays = row_of(model), row_of(state), row_of(counts), row_of(base), row_of(work)
+    return driven.look(*arrays, row_of(inputs), new_inputs, elapsed, t, row_of(row))

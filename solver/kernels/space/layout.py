@@ -6,7 +6,7 @@ itself. Rotations count from the structure as built, so that the axes of a body 
 
 from typing import NamedTuple
 
-from ..numba_ext.jit import in_both
+from ..numba_ext.jit import in_both, leaf
 from ..numba_ext.views import Record, Table
 
 SETTINGS = Record(
@@ -70,6 +70,10 @@ BASE = Record(
     *("amplitude_x", "amplitude_y"),  # m/s2, of the harmonic part
     *("omega", "phase"),  # rad/s, rad
     "held",  # 1: samples are held, 0: joined by straight lines
+    "scale",  # factor on the samples
+    *("ax", "ay", "az"),  # m/s2, at time t0: inputs beside the samples
+    *("jx", "jy", "jz"),  # m/s3, their slopes
+    "t0",  # s
 )
 # of an evaluation
 POSES = Table(  # of n + 1 bodies
@@ -156,3 +160,42 @@ class Scene(NamedTuple):
     kept_plastic: object
     scratch: object
     rows: object  # phases and rates of a step, then output rows
+
+
+_bodies, _joints, _ties = BODIES.over, JOINTS.over, TIES.over
+_memory, _poses, _resultants, _pulls = MEMORY.over, POSES.over, RESULTANTS.over, PULLS.over
+_POSE, _RESULTANT, _PULL, _MEMORY = POSES.per_n, RESULTANTS.per_n, PULLS.per_n, MEMORY.per_n
+_settings, _control, _counts = SETTINGS.over, CONTROL.over, COUNTS.over
+
+
+@leaf
+def lay_scene(n, m, k, model, memory, plastic, control, counts, peaks, work):
+    """The scene of n blocks, m joints and k ties over rows; model: settings, bodies, joints, ties, corners."""
+    settings, bodies, joints, ties, corners = model
+    poses = work[rows_size(n, m, k) :]
+    resultants = poses[_POSE * (n + 1) :]
+    pulls = resultants[_RESULTANT * m :]
+    kept = pulls[_PULL * k :]
+    kept_plastic = kept[_MEMORY * m :]
+    return Scene(
+        n,
+        m,
+        k,
+        _settings(settings, 0),
+        _bodies(bodies, n + 1),
+        _joints(joints, m),
+        _ties(ties, k),
+        corners,
+        _memory(memory, m),
+        plastic,
+        _control(control, 0),
+        _counts(counts, 0),
+        peaks,
+        _poses(poses, n + 1),
+        _resultants(resultants, m),
+        _pulls(pulls, k),
+        _memory(kept, m),
+        kept_plastic,
+        kept_plastic[k:],
+        work,
+    )

@@ -1,0 +1,183 @@
+"""What an FMU simulates, a column or a structure in space, as slave, descriptions and builder see it.
+
+Recognized by its content: the keys of the TOML file, or of the text that the FMU carries.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from solver.column.column import Column
+from solver.column.rest import check_rest
+from solver.common.errors import InputError, check_number, reading
+from solver.common.files import toml_of
+from solver.common.ranges import check, check_choice
+from solver.dynamics import stepper as in_plane
+from solver.ground.motion import Motion, check_in_plane
+from solver.kernels.layout import spaces as at
+from solver.space.driven import SKIP_CODES, DrivenStructure, packed, record_of
+from solver.space.structure import Structure
+from solver.space.structure_file import describes_structure
+
+from . import structure_variables, variables
+from .rules import DAMPING_SCALE_LIMITS
+
+Value = Callable[[str], Any]  # looks a variable up by its name
+
+
+class Body(ABC):
+    """What is inside an FMU: its text, its variables, and what follows it from call to call."""
+
+    name: str
+    about: str  # in one line
+    text: str  # that the FMU carries
+    tolerance: float  # as built
+    inputs: tuple[variables.Variable, ...]
+    sizes: tuple[int, int, int]  # of what the outputs begin with: an output row, the split reaction, peaks
+    fallen: variables.Variable  # the joint or block that has fallen
+    first_parameter: str
+    segment: int | None  # place in the array `base` of a number of a sample
+
+    @abstractmethod
+    def table(self, record: str = "", reads_files: bool = True) -> list[variables.Variable]:
+        """The variables. record: name of the one inside. reads_files: whether the FMU reads others, too."""
+
+    @abstractmethod
+    def described(self, value: Value) -> Any:
+        """What the parameters describe, for `stepper`. Raises InputError with the FMU's names."""
+
+    @abstractmethod
+    def stepper(self, described: Any) -> Any:
+        """What follows it from call to call: dynamics/stepper.py, or space/driven.py. Raises InputError."""
+
+    @abstractmethod
+    def samples(self, motion: Motion | None) -> Any:
+        """The record of a stepper. Raises InputError for a motion that it cannot follow."""
+
+    @abstractmethod
+    def fall(self, stepper: Any) -> tuple[int, float]:
+        """Number of what has fallen, 0 while nothing has, and when, s."""
+
+
+class ColumnBody(Body):
+    """A column of blocks in its plane."""
+
+    inputs = variables.INPUTS
+    fallen = variables.OVERTURN_JOINT
+    first_parameter = "g"
+    segment = at.BASE.fields.index("segment")
+
+    def __init__(self, column: Column) -> None:
+        self.column, self.name, self.tolerance = column, column.name, column.settings.tolerance
+        self.text = json.dumps(column.to_dict(), indent=1)
+        blocks = "block" if column.n == 1 else "blocks"
+        self.about = f"Column of {column.n} rigid {blocks} with no-tension elastic joints under base acceleration"
+        self.sizes = at.ROW.size(column.n), at.SPLIT.beside, at.PEAKS.size(column.n)
+
+    def table(self, record: str = "", reads_files: bool = True) -> list[variables.Variable]:
+        """The variables."""
+        return variables.variables(self.column, record, reads_files)
+
+    def described(self, value: Value) -> Column:
+        """The column."""
+        try:
+            return variables.column_from(self.column, value)
+        except InputError as error:
+            message = re.sub(r"block\[(\d+)\]\.joint\.", r"joint[\1].", str(error))
+            raise InputError(message) from error
+
+    def stepper(self, described: Column) -> in_plane.Stepper:
+        """Its stepper."""
+        return in_plane.Stepper(described)
+
+    def samples(self, motion: Motion | None) -> in_plane.Record:
+        """The record of a stepper."""
+        if motion is None:
+            return in_plane.SILENCE
+        check_in_plane(motion)
+        return in_plane.Record(motion.time, motion.ax, motion.az)
+
+    def fall(self, stepper: in_plane.Stepper) -> tuple[int, float]:
+        """The joint, and when."""
+        return stepper.overturned_joint, stepper.overturn_time
+
+
+class Settings(NamedTuple):
+    """What the parameters of a structure describe, in the order of the kernels (GIVEN)."""
+
+    tolerance: float
+    without: float
+    damping_scale: float
+
+
+class StructureBody(Body):
+    """A structure in space. Its rest is found when the FMU is built, and carried with it."""
+
+    inputs = structure_variables.INPUTS
+    fallen = structure_variables.OVERTURNED_BLOCK
+    first_parameter = structure_variables.DAMPING_SCALE
+    segment = None
+
+    def __init__(self, data: Mapping[str, Any], model: list[float] | None = None) -> None:
+        structure = self.structure = Structure.from_dict(data)
+        self.packed = packed(structure) if model is None else np.array(model, dtype=np.float64)
+        self.name, self.tolerance = structure.name, structure.tolerance
+        self.text = json.dumps({"structure": data, "packed": self.packed.tolist()})
+        parts = {"block": structure.n, "joint": len(structure.joints), "tie": len(structure.ties)}
+        counted = ", ".join(f"{count} {what}{'' if count == 1 else 's'}" for what, count in parts.items() if count)
+        self.about = f"Structure of rigid blocks in space with no-tension elastic joints: {counted}"
+        size = len(structure_variables.row_outputs(structure))
+        self.sizes = size, 0, size
+
+    def table(self, record: str = "", reads_files: bool = True) -> list[variables.Variable]:
+        """The variables."""
+        return structure_variables.structure_variables(self.structure, record, reads_files)
+
+    def described(self, value: Value) -> Settings:
+        """Its settings."""
+        names = structure_variables.DAMPING_SCALE, variables.TOLERANCE, structure_variables.WITHOUT
+        scale = check_number(names[0], value(names[0]), *DAMPING_SCALE_LIMITS)
+        tolerance, code = check(names[1], value(names[1])), 0
+        for word in filter(None, map(str.strip, value(names[2]).split(","))):
+            check_choice(names[2], word, tuple(SKIP_CODES))
+            code |= SKIP_CODES[word]
+        return Settings(tolerance, float(code), scale)
+
+    def stepper(self, described: Settings) -> DrivenStructure:
+        """Its stepper."""
+        return DrivenStructure(self.structure, self.packed, described)
+
+    def samples(self, motion: Motion | None) -> Any:
+        """The record of a stepper."""
+        return record_of(motion)
+
+    def fall(self, stepper: DrivenStructure) -> tuple[int, float]:
+        """The block, and when."""
+        return stepper.fallen_block, stepper.fall_time
+
+
+def body_of(text: str) -> Body:
+    """The body in the text that an FMU carries. Raises InputError."""
+    data = json.loads(text)
+    if "packed" in data:
+        return StructureBody(data["structure"], data["packed"])
+    return ColumnBody(Column.from_dict(data))
+
+
+def read_body(file: Path) -> Body:
+    """The body that a TOML file describes, which has to have a stable rest. Raises InputError."""
+    with reading(file):
+        data = toml_of(file)
+        if describes_structure(data):
+            return StructureBody(data)
+    column = Column.from_toml(file)
+    with reading(file):
+        check_rest(column)
+    return ColumnBody(column)

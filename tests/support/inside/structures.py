@@ -1,0 +1,130 @@
+"""FMUs of structures in space."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from math import sin
+from typing import Any
+
+import numpy as np
+from fmpy import simulate_fmu
+
+from support.inside.states import bits
+from support.instance import Instance
+
+AXES = "xyz"
+
+
+def follow(fmu: str, samples: list[list[float]], h: float, values: dict[str, Any], output: str) -> None:
+    """All outputs after each step of h s under samples of three components that lines join; saved as an array."""
+    body, seen = Instance(fmu, values), []
+    for k, (now, then) in enumerate(pairwise(samples)):
+        for axis, a, b in zip(AXES, now, then, strict=True):
+            body.set({f"base.a{axis}": a, f"base.j{axis}": (b - a) / h})
+        body.step(k * h, h)
+        seen.append([float(value) for value in body.get()])
+    np.save(output, np.array(seen))
+    body.close()
+
+
+def simulate(fmu: str, duration: float, h: float, values: dict[str, Any], output: str) -> None:
+    """The table of a run of FMPy's own without inputs, of an FMU with a record inside."""
+    result = simulate_fmu(fmu, stop_time=duration, output_interval=h, start_values=values)
+    np.save(output, np.asarray(result))
+
+
+def shaken(body: Instance, first: int, last: int) -> list[Any]:
+    """All outputs after steps that differ from one to the next, hard enough to rock and slide."""
+    t = sum(1e-3 * (1 + k % 7) for k in range(first))
+    for k in range(first, last):
+        h = 1e-3 * (1 + k % 7)
+        body.set({"base.ax": 2.5 * sin(9.0 * t), "base.ay": 1.0 * sin(7.0 * t), "base.jx": 5.0 * sin(3.0 * t)})
+        body.step(t, h)
+        t += h
+    return body.get()
+
+
+def life(fmu: str) -> dict[str, bool]:
+    """State kept, serialized, set elsewhere; reset; another damping; what is seen before any step."""
+    body = Instance(fmu)
+    first = bits(body.get())
+    shaken(body, 0, 100)
+    saved = body.fmi.getFMUState()
+    data = body.fmi.serializeFMUstate(saved)
+    end = bits(shaken(body, 100, 200))
+    body.fmi.setFMUState(saved)
+    found = {"further on": bits(shaken(body, 100, 200)) == end}
+    body.fmi.setFMUState(saved)
+    body.set({"joints.damping_scale": 3.0})
+    found["damping acts"] = bits(shaken(body, 100, 200)) != end
+    body.fmi.setFMUState(saved)
+    found["damping is part of the state"] = bits(shaken(body, 100, 200)) == end
+    other = Instance(fmu, initialize=False)
+    other.fmi.setFMUState(other.fmi.deSerializeFMUstate(data))
+    found["elsewhere"] = bits(shaken(other, 100, 200)) == end
+    body.fmi.reset()
+    body.initialize()
+    found["reset"] = bits(body.get()) == first
+    found["again"] = bits(shaken(body, 0, 200)) == end
+    return found
+
+
+def refused(fmu: str) -> list[str]:
+    """The answers to wrong parameters and steps; an instance lives on after each."""
+    answers = []
+    for name, value in (
+        ("joints.damping_scale", -1.0),
+        ("solver.tolerance", 7.0),
+        ("solver.without", "peeks"),
+        ("base.record_scale", float("nan")),
+    ):
+        body = Instance(fmu, {name: value}, initialize=False)
+        body.fmi.setupExperiment()
+        body.fmi.enterInitializationMode()
+        answers.append(body.attempt("exitInitializationMode"))
+    body = Instance(fmu)
+    for values in ({"base.ay": float("inf")}, {"base.ay": 2e6}, {"base.ay": 1.0, "base.jy": 1e12}):
+        body.set(values)
+        answers.append(body.attempt("step", 0.0, 0.01))
+        body.set({"base.ay": 0.0, "base.jy": 0.0})
+    answers += [body.attempt("step", 0.5, 0.01), body.attempt("step", 0.0, 0.01)]
+    return answers
+
+
+def fall(fmu: str) -> list[Any]:
+    """The verdict before and after a push that overturns, and after one more step; whether outputs are held."""
+    names = ("overturned", "overturn_time", "overturned_block", "verdict")
+    body = Instance(fmu)
+    body.step(0.0, 0.01)
+    found = [body.get(*names)]
+    body.set({"base.ax": 6.0})
+    body.step(0.01, 5.0)
+    found.append(body.get(*names))
+    before = bits(body.get())
+    body.step(5.01, 1.0)
+    return [*found, bits(body.get()) == before]
+
+
+def rates(fmu: str) -> tuple[list[float], list[float]]:
+    """Derivatives of all continuous outputs by the FMU, and central differences of them, of a native FMU."""
+    from ctypes import c_double, c_int
+
+    from support.inside.native import references
+
+    body, h = Instance(fmu, {"solver.tolerance": 1e-10}), 1e-6
+    shaken(body, 0, 100)
+    t = sum(1e-3 * (1 + k % 7) for k in range(100))
+    body.set({"base.ax": 1.0, "base.ay": 0.0, "base.jx": 0.0})
+    kinds = {name: (item.causality, item.variability) for name, item in body.variables.items()}
+    names = [name for name, kind in kinds.items() if kind == ("output", "continuous")]
+    state, seen = body.fmi.getFMUState(), []
+    body.step(t, h)
+    values = (c_double * len(names))()
+    one = references(body, *names), len(names), (c_int * len(names))(*[1] * len(names)), values
+    assert body.fmi.dll.fmi2GetRealOutputDerivatives(body.fmi.component, *one) == 0
+    for length in (0.0, 2 * h):
+        body.fmi.setFMUState(state)
+        if length:
+            body.step(t, length)
+        seen.append(body.get(*names))
+    return list(values), [(b - a) / (2 * h) for a, b in zip(*seen, strict=True)]
