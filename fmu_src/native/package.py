@@ -51,9 +51,7 @@ FLAGS_3 = {
 XML = b'<?xml version="1.0" encoding="UTF-8"?>\n'
 
 
-def contents_of(
-    body: Body, record: Motion | None = None, record_name: str = "", form: Form = USUAL_FORM
-) -> Contents:
+def contents_of(body: Body, record: Motion | None = None, record_name: str = "", form: Form = USUAL_FORM) -> Contents:
     """The content of the FMU of a body, under a GUID that follows from everything its libraries are made of."""
     table = body.table(record_name, reads_files=False)
     if isinstance(body, StructureBody):

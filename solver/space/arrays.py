@@ -7,11 +7,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..kernels.column.assembly import LIGHTLY_DAMPED
 from ..kernels.space import layout as at
+from ..kernels.stepping.control import LEAST_TOLERANCE
 from .blocks.faces import FloatArray
 from .blocks.parts import Joint, Solid, Tie
 
 FLOOR = 1e-3  # of the motion under which the structure settles as it is loaded: the least that errors are measured by
+# Errors die out with the motion of the joints. Where that keeps ringing they add up: a step may add this part of the
+# tolerance, by which the energy changes by some 1e-2 to 1e-1 of it in a second
+RINGING_PART = 3e-5
 FIRST = 0.1  # of the time in which the fastest joint turns by a radian
 
 
@@ -146,8 +151,13 @@ def _fill_settings(
         for body in (joint.upper, joint.lower):
             if body < len(solids):
                 fastest = max(fastest, float(table.stiffness[j] * table.area[j]) / solids[body].mass)
+    frequency = math.sqrt(2.0 * fastest)
     settings.gravity, settings.tolerance = g, tolerance
-    settings.first_step = FIRST / math.sqrt(2.0 * fastest)
+    settings.first_step = FIRST / frequency
+    damping = max((min(table.damping[j], table.shear_damping[j]) for j in range(len(joints))), default=0.0)
+    rings = 0.5 * damping * frequency < LIGHTLY_DAMPED
+    settings.order = 8.0 if rings else 5.0
+    settings.step_tolerance = max(LEAST_TOLERANCE, RINGING_PART * tolerance) if rings else tolerance
     settings.extent = extent
     settings.motion_floor = max(1e-12, FLOOR * max(g, 1e-3) / fastest / extent)
     settings.rate_floor = settings.motion_floor * math.sqrt(max(g, 1e-3) / extent)

@@ -8,12 +8,15 @@ import numpy as np
 import pytest
 from numba import typeof
 from support.probe import phocas
+from support.structures import stack
 
 from solver.dynamics.stepper import SILENCE, Stepper
 from solver.kernels.api import entries
 from solver.kernels.layout import spaces as at
 from solver.kernels.numba_ext.jit import as_written, from_python
 from solver.kernels.numba_ext.views import Table, row_of
+from solver.kernels.space.entries import run_structure
+from solver.space.stepper import Stepper as SpatialStepper
 
 NOTHING = np.zeros(0)
 _phase = at.PHASE.over
@@ -28,6 +31,17 @@ _phase = at.PHASE.over
 )
 def test_nothing_of_numbas_runtime_is_called(entry: Any, further: tuple[Any, ...]) -> None:
     arguments = (3, *Stepper(phocas()).arrays, *further)
+    module, name = as_written(entry.py_func, tuple(map(typeof, arguments)))
+    assert not module.get_function(name).is_declaration
+    assert "NRT_" not in str(module)
+
+
+@pytest.mark.long
+def test_nothing_of_numbas_runtime_is_called_in_space() -> None:
+    stepper, none = SpatialStepper(stack()), np.zeros(0)
+    given = (*stepper.sizes, stepper.model, stepper.state, stepper.phase)
+    arguments = (*given, (none, none, none, none), stepper.base, none, none, 0.0, 1e-3, 100)
+    entry: Any = run_structure
     module, name = as_written(entry.py_func, tuple(map(typeof, arguments)))
     assert not module.get_function(name).is_declaration
     assert "NRT_" not in str(module)

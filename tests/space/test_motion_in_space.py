@@ -59,8 +59,8 @@ def _thrown(structure: Structure, seed: int = 1) -> SpatialState:
 
 @pytest.mark.parametrize("section", ["rectangle", "circle"])
 def test_energy_stays_without_damping(section: str) -> None:
-    drifts = []
-    for tolerance in (1e-7, 1e-9):
+    """Relative to the energy above rest, after a second in which joints open and close some 600 times."""
+    for tolerance, part in ((1e-5, 0.1), (1e-7, 0.6)):
         structure = stack(section=section, damping=0.0, tolerance=tolerance)
         stepper = Stepper(structure)
         start_from(stepper, rest_of(structure))
@@ -68,10 +68,8 @@ def test_energy_stays_without_damping(section: str) -> None:
         _set_initial(stepper, _thrown(structure))
         before = stepper.observe()
         stepper.run(None, 0.0, 1.0, np.zeros(0))
-        drifts.append(abs(stepper.observe() - before) / (before - rest))
-    # of the energy above rest; measured 9e-5, 9e-7 (rectangle), 1e-4, 1e-6 (circle)
-    assert drifts[0] <= 1e-3
-    assert drifts[1] <= 0.05 * drifts[0]
+        # of the tolerance; largest of eight throws 0.05, 0.06 (rectangle), 0.03, 0.5 (circle)
+        assert abs(stepper.observe() - before) <= part * tolerance * (before - rest)
 
 
 def test_forces_are_in_balance_with_momentum() -> None:

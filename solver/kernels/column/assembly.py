@@ -6,10 +6,10 @@ from ..layout.spaces import DASHPOTS, EXACT
 from ..numba_ext.jit import kernel
 from ..sections.faces import RECTANGLE
 from ..sections.section import full_stiffness, full_turning_stiffness
+from ..stepping.control import LEAST_TOLERANCE
 
 # The errors of steps add up: each is allowed this part of the tolerance that the user asks for.
 STEP_PART = 0.1
-LEAST_TOLERANCE = 1e-13
 
 # Order 8 is the cheaper explicit method where the tolerance is tight, or where joint modes keep ringing because they
 # are damped by less than this part of the critical damping.

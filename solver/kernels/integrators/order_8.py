@@ -100,7 +100,12 @@ def attempt(column, t, h):
     code = evaluate_stage(column, work.end, t + h)
     if code != OK:
         return code, 0.0
-    error_5, error_3 = _error(column, ERROR_5, h), _error(column, ERROR_3, h)
+    return OK, error_of(_error(column, ERROR_5, h), _error(column, ERROR_3, h))
+
+
+@leaf
+def error_of(error_5, error_3):
+    """The estimate from both embedded ones."""
     if error_5 == 0.0:
-        return OK, 0.0
-    return OK, error_5 * error_5 / math.sqrt(error_5 * error_5 + 0.01 * error_3 * error_3) / LEEWAY
+        return 0.0
+    return error_5 * error_5 / math.sqrt(error_5 * error_5 + 0.01 * error_3 * error_3) / LEEWAY

@@ -11,7 +11,9 @@ from ..numba_ext.views import Record, Table
 
 SETTINGS = Record(
     "gravity",  # m/s2
-    "tolerance",  # of a step, relative to the largest motion
+    "tolerance",  # relative to the largest motion
+    "step_tolerance",  # of a step
+    "order",  # of the method, 5 or 8
     "first_step",  # s
     "extent",  # m, by which displacements become rotations of the whole
     "motion_floor",  # rad, least motion that errors are measured against
@@ -91,7 +93,7 @@ RESULTANTS = Table(  # of m joints, along the axes of the joint
 )
 PULLS = Table("force", "stretch", "plastic")  # of k ties: N, m; plastic part of the stretch after the evaluation
 SCRATCH = 6 * (MOST_CORNERS + 4)  # of a polygon that is cut
-STAGES = 7
+STAGES = 13  # of a step of order 8, with its start and its end
 
 # --- an output row
 OF_BLOCK = ("ux", "uy", "uz", "rx", "ry", "rz")

@@ -17,6 +17,7 @@ GROW = 5.0
 # without it every second step at the edge of stability would be tried beyond the edge
 INTEGRAL = 0.7
 PROPORTIONAL = 0.4
+LEAST_TOLERANCE = 1e-13  # of a step
 LEAST_ERROR = 1e-4
 # when `auto` changes its method
 GAIN = 2.2  # ratio of implicit to explicit step from which the implicit method is used

@@ -1,0 +1,158 @@
+"""One step of a structure: Dormand and Prince's explicit methods of orders 5 and 8, and the size of their errors.
+
+Coefficients are those of the plane (integrators/dormand_prince.py, order_8.py). Quaternions are scaled to unit length
+at the end of a step.
+"""
+
+import math
+
+from ..integrators import dormand_prince as dp
+from ..integrators import order_8
+from ..numba_ext.jit import kernel, leaf
+from ..numba_ext.views import packs, packs_of
+from .base import acceleration
+from .evaluate import evaluate
+from .layout import PHASE, STAGES
+from .watch import BETWEEN, END, RATES, STAGE, START, row
+
+_phase = PHASE.over
+_PER_BODY = PHASE.per_n
+
+
+@leaf
+def rate(scene, k):
+    """Rates at stage k of a step; those at its end are the last."""
+    return row(scene, RATES + k)
+
+
+@kernel
+def evaluate_at(scene, shaking, segment, y, f, t):
+    """Rates f of a phase y at time t, s."""
+    scene.counts.evaluations += 1
+    ax, ay, az = acceleration(shaking, segment, t)
+    evaluate(scene, _phase(y, scene.n), _phase(f, scene.n), ax, ay, az)
+
+
+@kernel
+def _scale_quaternions(n, phase):
+    for i in range(n):
+        q0, q1, q2, q3 = phase.q0[i], phase.q1[i], phase.q2[i], phase.q3[i]
+        per = 1.0 / math.sqrt(q0 * q0 + q1 * q1 + q2 * q2 + q3 * q3)
+        phase.q0[i], phase.q1[i], phase.q2[i], phase.q3[i] = per * q0, per * q1, per * q2, per * q3
+
+
+@kernel
+def _attempt_5(scene, shaking, segment, t, h):
+    """One step of h seconds from the row START to END; returns the error in tolerances."""
+    begin, middle, ending = row(scene, START), row(scene, STAGE), row(scene, END)
+    count = packs(begin, _PER_BODY * scene.n)
+    y, stage, end = packs_of(begin), packs_of(middle), packs_of(ending)
+    f0, f1, f2 = packs_of(rate(scene, 0)), packs_of(rate(scene, 1)), packs_of(rate(scene, 2))
+    f3, f4, f5 = packs_of(rate(scene, 3)), packs_of(rate(scene, 4)), packs_of(rate(scene, 5))
+    last, error = packs_of(rate(scene, STAGES - 1)), packs_of(row(scene, BETWEEN))
+    for i in range(count):
+        stage[i] = y[i] + h * (dp.A1_0 * f0[i])
+    evaluate_at(scene, shaking, segment, middle, rate(scene, 1), t + dp.C1 * h)
+    for i in range(count):
+        stage[i] = y[i] + h * (dp.A2_0 * f0[i] + dp.A2_1 * f1[i])
+    evaluate_at(scene, shaking, segment, middle, rate(scene, 2), t + dp.C2 * h)
+    for i in range(count):
+        stage[i] = y[i] + h * (dp.A3_0 * f0[i] + dp.A3_1 * f1[i] + dp.A3_2 * f2[i])
+    evaluate_at(scene, shaking, segment, middle, rate(scene, 3), t + dp.C3 * h)
+    for i in range(count):
+        stage[i] = y[i] + h * (dp.A4_0 * f0[i] + dp.A4_1 * f1[i] + dp.A4_2 * f2[i] + dp.A4_3 * f3[i])
+    evaluate_at(scene, shaking, segment, middle, rate(scene, 4), t + dp.C4 * h)
+    for i in range(count):
+        early = dp.A5_0 * f0[i] + dp.A5_1 * f1[i] + dp.A5_2 * f2[i]
+        stage[i] = y[i] + h * (early + dp.A5_3 * f3[i] + dp.A5_4 * f4[i])
+    evaluate_at(scene, shaking, segment, middle, rate(scene, 5), t + dp.C5 * h)
+    for i in range(count):
+        end[i] = y[i] + h * (dp.B_0 * f0[i] + dp.B_2 * f2[i] + dp.B_3 * f3[i] + dp.B_4 * f4[i] + dp.B_5 * f5[i])
+    _scale_quaternions(scene.n, _phase(ending, scene.n))
+    evaluate_at(scene, shaking, segment, ending, rate(scene, STAGES - 1), t + h)
+    for i in range(count):
+        early = dp.ERROR_0 * f0[i] + dp.ERROR_2 * f2[i] + dp.ERROR_3 * f3[i]
+        error[i] = h * (early + dp.ERROR_4 * f4[i] + dp.ERROR_5 * f5[i] + dp.ERROR_LAST * last[i])
+    return _error_in_tolerances(scene, _phase(row(scene, BETWEEN), scene.n))
+
+
+@kernel
+def _sum_of(scene, table_row, to):
+    """The sum of rates by a row of order 8's weights (order_8.py, WEIGHTS), in 1/s times what they are rates of."""
+    count = packs(to, _PER_BODY * scene.n)
+    found, f0 = packs_of(to), packs_of(rate(scene, 0))
+    weight = order_8.WEIGHTS[table_row, 0]
+    for i in range(count):
+        found[i] = weight * f0[i]
+    for k in range(order_8.FIRST[table_row], min(table_row, order_8.STAGES + 1)):
+        weight, f = order_8.WEIGHTS[table_row, k], packs_of(rate(scene, k))
+        for i in range(count):
+            found[i] += weight * f[i]
+
+
+@kernel
+def _move_by(scene, table_row, to, h):
+    """The phase START moved by h times a sum of rates, into a row."""
+    _sum_of(scene, table_row, to)
+    y, found = packs_of(row(scene, START)), packs_of(to)
+    for i in range(packs(to, _PER_BODY * scene.n)):
+        found[i] = y[i] + h * found[i]
+
+
+@kernel
+def _error_8(scene, table_row, h):
+    error = row(scene, BETWEEN)
+    _sum_of(scene, table_row, error)
+    return h * _error_in_tolerances(scene, _phase(error, scene.n))
+
+
+@kernel
+def _attempt_8(scene, shaking, segment, t, h):
+    """As `_attempt_5`, of order 8."""
+    middle, ending = row(scene, STAGE), row(scene, END)
+    for k in range(1, order_8.STAGES + 1):
+        _move_by(scene, k, middle, h)
+        evaluate_at(scene, shaking, segment, middle, rate(scene, k), t + order_8.NODES[k] * h)
+    _move_by(scene, order_8.END, ending, h)
+    _scale_quaternions(scene.n, _phase(ending, scene.n))
+    evaluate_at(scene, shaking, segment, ending, rate(scene, STAGES - 1), t + h)
+    return order_8.error_of(_error_8(scene, order_8.ERROR_5, h), _error_8(scene, order_8.ERROR_3, h))
+
+
+@kernel
+def attempt(scene, shaking, segment, t, h):
+    """One step of h seconds from the row START to END; returns the error in tolerances."""
+    if scene.settings.order == order_8.ORDER:
+        return _attempt_8(scene, shaking, segment, t, h)
+    return _attempt_5(scene, shaking, segment, t, h)
+
+
+@leaf
+def size_of(x, y, z):
+    """Length of a vector."""
+    return math.sqrt(x * x + y * y + z * z)
+
+
+@kernel
+def _error_in_tolerances(scene, error):
+    """Largest error of a place or rate over the allowed one: the tolerance times the largest motion so far, in rad.
+
+    Displacements of a body count over its size.
+    """
+    place, rate = 0.0, 0.0
+    for i in range(scene.n):
+        per = 1.0 / scene.bodies.size[i]
+        parts = (
+            per * size_of(error.ux[i], error.uy[i], error.uz[i]),
+            2.0 * (abs(error.q0[i]) + size_of(error.q1[i], error.q2[i], error.q3[i])),
+            per * size_of(error.vx[i], error.vy[i], error.vz[i]),
+            size_of(error.wx[i], error.wy[i], error.wz[i]),
+        )
+        # NaN stays
+        place = place if parts[0] <= place else parts[0]
+        place = place if parts[1] <= place else parts[1]
+        rate = rate if parts[2] <= rate else parts[2]
+        rate = rate if parts[3] <= rate else parts[3]
+    control, tolerance = scene.control, scene.settings.step_tolerance
+    place, rate = place / (tolerance * control.largest), rate / (tolerance * control.largest_rate)
+    return rate if not place > rate else place
