@@ -330,6 +330,8 @@ def check(
 
     Raises InputError for a wrong value, SolverError if the column does not stand at rest or a run cannot be finished.
     """
+    if not isinstance(column, Column):
+        raise InputError(f"column = {shown(column)}: must be a Column; for others, simulate with an ensemble")
     plan = Plan() if plan is None else plan
     make_kernels()
     check_rest(column, from_rest=True)
