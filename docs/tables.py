@@ -22,6 +22,7 @@ from fmu_src.variables import Variable, variables
 from multiblock import Block, Column, Joint, Settings
 from solver.column import column_file
 from solver.column.block import BLOCK_SECTIONS
+from solver.column.materials import MATERIALS
 from solver.column.settings import FORMULATIONS, INTEGRATORS, SKIPS
 from solver.common.ranges import NUMBERS
 from solver.kernels.sections.faces import SECTIONS
@@ -37,6 +38,8 @@ PAGES = re.compile(r"^<!-- pages: (\S+) -->$", re.MULTILINE)
 DERIVED = {
     "name": "name of the column, and of its FMU: letters, digits, `_`, `-`, `.` and space",
     "g": "m/s2, acceleration of gravity; left out: 9.80665",
+    "material": "density, and stiffness and strength of the joints of all blocks that name no other, where not given",
+    "block.material": "the same of this block and the joint under it",
     "block": "a table [[block]] for each block, from the top down: see below",
     "joint": "defaults for the joints of all blocks: see below",
     "solver": "a table: see below",
@@ -61,6 +64,8 @@ DERIVED = {
 }
 ALTERNATIVES = ("block.width", "block.depth", "block.mass", "block.joint")  # required unless another key is given
 WORDS = {
+    "material": ", ".join(MATERIALS),
+    "block.material": ", ".join(MATERIALS),
     "solver.formulation": " or ".join(FORMULATIONS),
     "solver.integrator": " or ".join(INTEGRATORS),
     "solver.without": f"a list of {', '.join(SKIPS)}",

@@ -37,6 +37,9 @@ from .table import Row, rows_of
 ARTIFICIAL = 7  # motions made where no record is given: as many as have their mean count
 SHORTEST_PART, LONGEST_PART = 0.2, 2.0  # of the first period: EN 1998-1, 3.2.3.1.2(4)
 LONGEST_PERIOD = 4.0  # s, at which the spectra of codes end
+# of the explicit steps of its own run: with less a column goes through lanes, however stiff its dampers. Measured
+# (Phocas, doric, statue; eta 5e-4 to 2e-2 s; 0.04 to 0.6 g): 1.1 to 3.3 times as fast as alone, 0.2 to 1.4 with more
+MOST_IMPLICIT = 0.05
 
 BANDS = tuple(f"p{percent}" for percent in PERCENTILES)
 
@@ -270,7 +273,8 @@ def checked(
     own = 1.0 / float(natural_frequencies(column)[0])
     responses = tuple(_worse_way(column, scaled.motion) for scaled in action.motions)
     ensembles = [
-        varied(column, scaled, plan.ensemble, plan.spread, place) for place, scaled in enumerate(action.motions)
+        varied(_steps_as(column, run), scaled, plan.ensemble, plan.spread, place)
+        for place, (scaled, run) in enumerate(zip(action.motions, responses, strict=True))
     ]
     pairs = [pair for ensemble in ensembles for pair in ensemble]
     runs = run_all(pairs, ("peak_ux", "verdict", "overturn_time"), callback)
@@ -280,6 +284,14 @@ def checked(
     rows = rows_of(column, responses, runs, plan.limits, margin, edge, [scaled.name for scaled in action.motions])
     hand = by_hand(column, found, action.spectrum, action.target is not None, own, action.motions, plan.limits)
     return Check(column, action, plan, rows, hand, margin, responses, runs, own)
+
+
+def _steps_as(column: Column, run: Response) -> Column:
+    """The column to be varied: without implicit steps if its own run took hardly any, so that it goes through lanes."""
+    steps, implicit, elastic = (int(run.stats[name]) for name in ("steps", "implicit_steps", "elastic_steps"))
+    if implicit > MOST_IMPLICIT * (steps - implicit - elastic):
+        return column
+    return column.with_settings(without=(*column.settings.without, "implicit"))
 
 
 def _worse_way(column: Column, motion: Motion) -> Response:
@@ -318,6 +330,8 @@ def check(
 
     Raises InputError for a wrong value, SolverError if the column does not stand at rest or a run cannot be finished.
     """
+    if not isinstance(column, Column):
+        raise InputError(f"column = {shown(column)}: must be a Column; for others, simulate with an ensemble")
     plan = Plan() if plan is None else plan
     make_kernels()
     check_rest(column, from_rest=True)

@@ -12,6 +12,7 @@ import numpy as np
 from ..common.errors import InputError, InputWarning, check_number, check_whole, shown
 from ..common.ranges import LENGTH, MAX_BLOCKS, NUMBERS, check, check_choice, check_keys
 from .block import BLOCK_SECTIONS, Block, Joint, check_block
+from .materials import MATERIALS, Material
 from .settings import Settings
 
 ROUND = ("circle", "annulus")
@@ -19,11 +20,11 @@ ROUND = ("circle", "annulus")
 MUCH_HIGHER = 10.0  # times the height of the column: a broken shaft may have the profile of the whole one, but not more
 
 # the keys of the tables of a TOML file
-_COLUMN_KEYS = ("name", "g", "block", "joint", "solver", "profile")
+_COLUMN_KEYS = ("name", "g", "material", "block", "joint", "solver", "profile")
 # of a block: those of `Block`, and those from which others are derived
 _BLOCK_KEYS = (
     *("height", "width", "depth", "mass", "density", "centroid", "inertia", "joint", "section", "diameter"),
-    *("top_width", "top_depth", "top_diameter", "bore", "tilt", "load", "repeat"),
+    *("top_width", "top_depth", "top_diameter", "bore", "tilt", "load", "repeat", "material"),
 )
 _JOINT_KEYS = (*(item.name for item in fields(Joint)), "diameter")
 _WORDS = ("section", "strips")  # keys of a joint that are no number
@@ -97,9 +98,18 @@ def _blocks_from(data: Mapping[str, Any], joint_defaults: Mapping[str, Any]) -> 
         if profile and _takes_profile(table):
             height = _number(key, table, "height")
             given["diameter"], given["top_diameter"] = np.interp([foot, foot + height], *profile).tolist()
-        blocks.append(_block_from(key, given, joint_defaults))
+        material = _material(f"{key}.material", table) or _material("material", data)
+        blocks.append(_block_from(key, given, joint_defaults, material))
         foot += blocks[-1].height
     return tuple(reversed(blocks))
+
+
+def _material(key: str, table: Mapping[str, Any]) -> Material | None:
+    """The material that a table names, None if it names none."""
+    if "material" not in table:
+        return None
+    check_choice(key, table["material"], tuple(MATERIALS))
+    return MATERIALS[table["material"]]
 
 
 def _takes_profile(table: Mapping[str, Any]) -> bool:
@@ -142,11 +152,19 @@ def _profile_from(data: Mapping[str, Any]) -> tuple[list[float], list[float]] | 
     return heights, diameters
 
 
-def _block_from(key: str, table: Mapping[str, Any], joint_defaults: Mapping[str, Any]) -> Block:
+def _block_from(
+    key: str, table: Mapping[str, Any], joint_defaults: Mapping[str, Any], material: Material | None
+) -> Block:
+    """A block and the joint under it; density, stiffness and strength that are not given are those of the material."""
     joint_table = _table(f"{key}.joint", table, _JOINT_KEYS)
     shape: dict[str, Any] = {"height": _number(key, table, "height"), "section": table.get("section", "rectangle")}
     check_choice(f"{key}.section", shape["section"], BLOCK_SECTIONS)
     shape |= _faces_from(key, table, shape["section"])
+    if material is not None:
+        if "mass" not in table:
+            table = {"density": material.density, **table}
+        usual = {"stiffness": material.modulus(shape["height"]), "strength": material.strength}
+        joint_defaults = usual | dict(joint_defaults)
     if ("mass" in table) == ("density" in table):
         given = "both given" if "mass" in table else "missing"
         raise InputError(f"{key}.mass, {key}.density: {given}, must be exactly one of mass in kg and density in kg/m3")

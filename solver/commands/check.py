@@ -27,6 +27,7 @@ from .check_report import action_lines, check_lines, variants_lines
 from .command_files import add_force, check_suffix, read_column, write_outputs
 from .motion_options import FORMATS, add_file_options, check_file_options, file_line, read_with_options
 from .progress import RunsLine, compile_kernels
+from .structure import is_structure_file
 
 SPECTRA = ("ec8", "ntc2018")
 _OF_SPECTRUM = {"ec8": ("ag", "soil", "type"), "ntc2018": ("ag", "soil", "f0", "tc", "topography")}
@@ -120,6 +121,12 @@ def _check(options: argparse.Namespace) -> None:
             import matplotlib  # noqa: F401
     inputs = (options.column, *options.records, *(options.vertical or ()), *options.variant)
     check_outputs((options.output, options.report), inputs, options.force)
+    for path in (options.column, *options.variant):
+        if is_structure_file(path):
+            raise InputError(
+                f"{path}: is a structure in space, must be a column; `multiblock simulate {path} RECORD --ensemble 16` "
+                "says how many like it fall"
+            )
     column = read_column(options.column)
     variants = [read_column(path) for path in options.variant]
     plan = _plan(options)

@@ -164,10 +164,11 @@ def column_text(
         f"# {material}: {found.source}",
         "# Better than any table: measure a natural frequency, and `multiblock calibrate --frequencies`.",
         f'name = "{name}"',
+        f'material = "{material}"           # density, strength and stiffness of all that is not given below',
         "",
         "[joint]                      # of every block, under it",
         f"damping = {damping!r}            # s, eta: a mode of frequency f has the damping ratio pi f eta",
-        f"strength = {found.strength!r}    # Pa, pressure at the edge is compared with it",
+        f"# strength = {found.strength!r}  # Pa, of the material: pressure at the edge is compared with it",
     ]
     if friction:
         lines.append(f"friction = {found.friction!r}         # coefficient; without it the joints never slide")
@@ -180,8 +181,8 @@ def column_text(
             lines.append('section = "circle"')
         lines += [f"{key} = {value:.10g}" for key, value in block.items()]
         if "mass" not in block:
-            lines.append(f"density = {found.density:.10g}           # kg/m3")
-        lines.append(f"joint.stiffness = {found.modulus(block['height']):.4g}  # N/m3, {why}")
+            lines.append(f"# density = {found.density:.10g}         # kg/m3, of the material")
+        lines.append(f"# joint.stiffness = {found.modulus(block['height']):.4g}  # N/m3, of the material: {why}")
     return "\n".join(lines) + "\n"
 
 

@@ -31,7 +31,7 @@ def why_not_in_lanes(column: Column) -> str:
         return f"formulation paper with the integrator {settings.integrator}"
     if not fixed_step and settings.integrator != "auto":
         return f"integrator {settings.integrator}"
-    if set(settings.without) - {"peaks"}:
+    if set(settings.without) - {"peaks", "implicit"}:
         return "short cuts left out"
     if column.other_law:  # the kernels of lanes have the linear law only
         return f"joint.{column.other_law}"
@@ -43,7 +43,7 @@ def why_not_in_lanes(column: Column) -> str:
         return "tight tolerance"
     if column.has_bands:
         return BANDS
-    return "stiff joints" if _is_stiff(column) else ""
+    return "stiff joints" if "implicit" not in settings.without and _is_stiff(column) else ""
 
 
 def kind_of(column: Column) -> str:

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..common.errors import InputError, needing, reading
 from ..common.files import whole_file
+from ..common.frames import EXTRA
+from ..common.notebook import Shown, counted, history, rows_of
 from ..dynamics.response import DIGITS, check_digits
 from ..dynamics.uncertainty import Ensemble, ErrorEstimate
 from ..ground.motion import Motion
@@ -27,7 +29,7 @@ OF_JOINT = at.OF_JOINT
 OF_BASE = ("base.Fx", "base.Fy", "base.Fz", "base.Mx", "base.My", "base.Mz")
 
 
-class SpatialResponse:
+class SpatialResponse(Shown):
     """Histories of a structure: rows are instants, columns blocks, joints or ties in the order of the structure.
 
     time (s). Blocks: ux, uy, uz (m), of the centroids relative to the base, from the structure as built and without
@@ -54,6 +56,22 @@ class SpatialResponse:
         self.horizon: float | None = None
         self.ensemble: Ensemble | None = None
         self.motion: Motion | None = None
+
+    def _facts(self) -> tuple[str, ...]:
+        facts = [f"of {self.structure.name}", self.verdict, f"{1e3 * float(np.max(self.peaks['u'])):.4g} mm at most"]
+        if self.overturned:
+            facts.append(f"{self.overturned_block} fell at {self.overturn_time:.4g} s")
+        if self.ensemble is not None:
+            facts.append(f"{self.ensemble.overturned} of {self.ensemble.size} varied structures overturned")
+        return *facts, counted(len(self.time), "row")
+
+    def _lines(self) -> Iterable[Sequence[object]]:
+        shown = {f"|{name}| (mm)": 1e3 * self.peaks[name] for name in ("ux", "uy", "uz")}
+        return rows_of({"peaks of block": np.array(self.structure.names), **shown})
+
+    def _picture(self) -> str:
+        most = int(np.argmax(self.peaks["u"]))
+        return history(self.time, 1e3 * self.ux[:, most], f"ux of {self.structure.names[most]} (mm)")
 
     @property
     def overturned(self) -> bool:
@@ -122,12 +140,29 @@ class SpatialResponse:
         ]
 
     def to_pandas(self) -> Any:
-        """The histories as a DataFrame of pandas, time as its index. Raises InputError without pandas."""
-        try:
-            from pandas import DataFrame
-        except ModuleNotFoundError:
-            raise InputError("pandas is not installed: pip install pandas") from None
-        return DataFrame(self.rows, index=self.time, columns=self.names[1:])
+        """A pandas.DataFrame of the histories, time as its index, columns as in the CSV.
+
+        Raises InputError without pandas (the extra `studies`).
+        """
+        with needing(EXTRA, "pandas"):
+            import pandas
+        return pandas.DataFrame(self.rows, index=pandas.Index(self.time, name="time"), columns=self.names[1:])
+
+    def to_xarray(self) -> Any:
+        """An xarray.Dataset of the histories over time and the names of blocks, joints and ties.
+
+        Raises InputError without xarray (the extra `studies`).
+        """
+        with needing(EXTRA, "xarray"):
+            import xarray
+        structure = self.structure
+        ties = [str(e) for e in range(1, len(structure.ties) + 1)]
+        parts = {"block": structure.names, "joint": structure.joint_names, "tie_number": ties, "component": OF_BASE}
+        of = dict.fromkeys(OF_BLOCK, "block") | dict.fromkeys(OF_JOINT, "joint")
+        of |= {"tie": "tie_number", "base": "component"}
+        data = {name: (("time", part), self._field(name)) for name, part in of.items()}
+        coordinates = {"time": self.time, **{name: list(values) for name, values in parts.items()}}
+        return xarray.Dataset(data, coordinates, {"structure": structure.name, "verdict": self.verdict})
 
     def plot(self, path: str | os.PathLike[str] | None = None) -> Figure:
         """Draw displacements, rotations, contact over time; saved to `path` if given.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -13,6 +13,7 @@ import numpy as np
 from ..common import ranges
 from ..common.errors import InputError, reading, shown
 from ..common.files import check_file_name, toml_of
+from ..common.notebook import Shown, counted, outlines
 from .arrays import Model, centroid_of, model_of
 from .blocks.parts import BASE, TOLERANCE, Joint, Solid, Tie
 from .stack import stacked
@@ -24,8 +25,8 @@ if TYPE_CHECKING:
 LEAST_LENGTH = 1e-6  # m, of a tie
 
 
-@dataclass(frozen=True, eq=False)
-class Structure:
+@dataclass(frozen=True, eq=False, repr=False)
+class Structure(Shown):
     """Rigid blocks in space, joints between two faces, ties. x, y horizontal, z up; the base is the plane z = 0.
 
     Raises InputError for a block that touches nothing, and for names that occur twice.
@@ -67,6 +68,18 @@ class Structure:
         for i, name in enumerate(self.names):
             if i not in held:
                 raise InputError(f"block[{i + 1}] = {shown(name)}: touches nothing that stands on the base")
+
+    def _facts(self) -> tuple[str, ...]:
+        parts = [counted(self.n, "block"), counted(len(self.joints), "joint"), counted(len(self.ties), "tie")]
+        return self.name, *parts, f"{1e-3 * self.weight / self.g:.4g} t"
+
+    def _lines(self) -> Iterable[Sequence[object]]:
+        yield "block", "mass (t)", "x (m)", "y (m)", "z (m)"
+        for block in self.blocks:
+            yield block.name, 1e-3 * block.mass, *block.centroid.tolist()
+
+    def _picture(self) -> str:
+        return outlines(face.points()[:, [0, 2]] for block in self.blocks for face in block.faces)
 
     @property
     def n(self) -> int:

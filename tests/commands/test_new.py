@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from multiblock import Column
+from multiblock import Column, InputError
 from solver.column.materials import DRY_JOINT, MATERIALS
 from solver.commands.command_line import main
 
@@ -41,6 +41,34 @@ def test_empty_answers_make_a_column(
     column = Column.from_toml(tmp_path / "a.toml")
     assert all(block.joint.friction is None for block in column.blocks)
     assert all(block.joint.strength == MATERIALS[material].strength for block in column.blocks)
+
+
+def test_material_fills_in_and_is_overridden() -> None:
+    """In a column file: what it fills in equals numbers written out; a block may name another, numbers win."""
+    sizes = {"height": 1.5, "width": 0.8, "depth": 0.8}
+    marble, brick = MATERIALS["marble"], MATERIALS["brick"]
+    column = Column.from_dict(
+        {
+            "name": "mixed",
+            "material": "marble",
+            "joint": {"damping": 1e-3},
+            "block": [
+                sizes,
+                {**sizes, "mass": 900.0, "joint": {"stiffness": 7e9, "strength": 3e6}},
+                {**sizes, "material": "brick"},
+            ],
+        }
+    )
+    first, second, third = column.blocks
+    assert first.mass == pytest.approx(marble.density * 1.5 * 0.8**2)
+    assert (first.joint.stiffness, first.joint.strength) == (marble.modulus(1.5), marble.strength)
+    assert first.joint.friction is None
+    assert (second.mass, second.joint.stiffness, second.joint.strength) == (900.0, 7e9, 3e6)
+    assert third.mass == pytest.approx(brick.density * 1.5 * 0.8**2)
+    assert (third.joint.stiffness, third.joint.strength) == (brick.modulus(1.5), brick.strength)
+    assert Column.from_dict(column.to_dict()) == column
+    with pytest.raises(InputError, match=r"block\[1\].material = 'marbel': must be one of"):
+        Column.from_dict({"name": "a", "joint": {"damping": 0.0}, "block": [{**sizes, "material": "marbel"}]})
 
 
 def test_survey(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:

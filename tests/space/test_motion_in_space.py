@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from support.fmus import ROOT
 from support.probe import G, phocas
 from support.structures import MODULUS, run, stack, with_law
 
@@ -252,3 +253,19 @@ def test_arch_that_is_thick_enough_stands() -> None:
     weight = 2000.0 * G * math.pi * 10.0 * 1.3
     assert normal[0] == pytest.approx(normal[-1], rel=1e-8)
     assert rest.row[-4] == pytest.approx(-weight, rel=2e-3)  # chords in place of arcs
+
+
+def test_histories_as_frames_and_in_a_notebook() -> None:
+    structure = Structure.from_toml(ROOT / "examples" / "structures" / "trilith.toml")
+    response = simulate(structure, Motion.harmonic(1.0, 2.0, 0.1))
+    assert repr(structure).startswith("<Structure trilith: 3 blocks, 4 joints")
+    assert repr(response).startswith("<SpatialResponse of trilith: standing")
+    for shown in (structure, response):
+        assert "<svg" in shown._repr_html_()
+    frame, data = response.to_pandas(), response.to_xarray()
+    name, joint = structure.names[1], structure.joint_names[2]
+    assert np.array_equal(frame[f"block[{name}].uz"], response.uz[:, 1])
+    assert np.array_equal(data["uz"].sel(block=name), response.uz[:, 1])
+    assert np.array_equal(data["N"].sel(joint=joint), frame[f"joint[{joint}].N"])
+    assert np.array_equal(data["base"].sel(component="base.Fz"), frame["base.Fz"])
+    assert np.array_equal(frame.index, response.time)
