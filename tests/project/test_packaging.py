@@ -71,11 +71,12 @@ def test_nothing_is_left_where_the_wheel_was_installed(installed: Path, tmp_path
     """Machine code outlives the project in the cache folder of the user alone."""
     (wheel,) = installed.parent.glob("*.whl")
     subprocess.run([sys.executable, "-m", "venv", "--without-pip", tmp_path / "venv"], check=True)
-    pip = [sys.executable, "-m", "pip", "-q", "--disable-pip-version-check", "--python", tmp_path / "venv"]
+    python = tmp_path / "venv" / "bin" / "python"
+    pip: list[str | Path] = [sys.executable, "-m", "pip", "-q", "--disable-pip-version-check", "--python", python]
     before = files_below(tmp_path / "venv")
     subprocess.run([*pip, "install", "--no-deps", wheel], check=True, capture_output=True)
     places = {"PYTHONPATH": str(Path(np.__file__).parents[1]), "MULTIBLOCK_CACHE_DIR": str(tmp_path / "kept")}
-    done = finish_in(tmp_path, tmp_path / "venv" / "bin" / "python", "-c", COMPILE_LITTLE, **places)
+    done = finish_in(tmp_path, python, "-c", COMPILE_LITTLE, **places)
     assert (done.returncode, done.stdout) == (0, "1.0\n"), done.stderr
     assert len({*(tmp_path / "kept" / "kernels").rglob("*.rings_beyond_*.nbc")}) == 1
     assert not [name for name in files_below(tmp_path / "venv") if name.suffix in (".nbc", ".nbi")]
