@@ -273,18 +273,14 @@ def _machine_code(maker: str, folder: str, used: tuple[str, ...]) -> dict[str, b
     """
     if not LINKING:
         return {"none.txt": b"compiled without linking (solver/kernels/numba_ext/numba_parts.py)\n"}
-    environment = {key: value for key, value in os.environ.items() if not key.startswith(("NUMBA_", "PYTHON"))}
+    left_out = {key for key in os.environ if key.startswith(("NUMBA_", "PYTHON"))} - {"NUMBA_CACHE_DIR"}
+    environment = {key: value for key, value in os.environ.items() if key not in left_out}
     environment["PYTHONPATH"] = str(Path(solver.__path__[0]).parent)
     with tempfile.TemporaryDirectory(prefix="machine_code_") as temporary:
-        for cache in (os.environ.get("NUMBA_CACHE_DIR", ""), temporary):  # there if no other folder can keep it
+        for instead in ({}, {"MULTIBLOCK_CACHE_DIR": temporary}):  # there if no other folder can keep it
             command = [sys.executable, "-c", COMPILE % (maker, folder, used)]
-            listed = subprocess.run(
-                command,
-                env=environment | {"NUMBA_CACHE_DIR": cache},
-                check=True,
-                stdout=subprocess.PIPE,
-                text=True,
-            )
+            there = environment | instead
+            listed = subprocess.run(command, env=there, check=True, stdout=subprocess.PIPE, text=True)
             folders = json.loads(listed.stdout)
             if all(folders.values()):
                 break

@@ -16,6 +16,7 @@ import io
 import marshal
 import os
 import pickletools
+import runpy
 import shutil
 import stat
 import sys
@@ -24,7 +25,6 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-CACHE_FOLDER = "multiblock-fmu"
 MACHINE_CODE = "machine_code"  # folder among the resources
 MOST_COPIES = 8  # of a package, each but one damaged
 OF_OTHERS = stat.S_IWGRP | stat.S_IWOTH
@@ -34,15 +34,6 @@ CACHED = (".pyc", *PICKLES)
 MOST_KERNELS = 4  # that one first call compiles
 
 
-def user_cache() -> Path:
-    """The folder where programs of this user keep data that can be recreated."""
-    if sys.platform == "win32":
-        return Path(os.environ.get("LOCALAPPDATA") or Path.home() / "AppData" / "Local")
-    if sys.platform == "darwin":
-        return Path.home() / "Library" / "Caches"
-    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
-
-
 def import_solver(package: str, resources: Path) -> None:
     """Import `package` from its lasting copy, made if there is none; from the FMU itself if none can be made."""
     if package in sys.modules:
@@ -50,7 +41,9 @@ def import_solver(package: str, resources: Path) -> None:
     folder = resources / package
     if (resources / MACHINE_CODE).is_dir():  # else the FMU is being built: a copy made now would never get any
         try:
-            folder = lasting_copy(folder, user_cache() / CACHE_FOLDER / package, resources / MACHINE_CODE)
+            # the solver itself cannot be imported before it is known from where
+            user_folder = runpy.run_path(str(folder / "kernels" / "numba_ext" / "cache.py"))["user_folder"]
+            folder = lasting_copy(folder, user_folder() / package, resources / MACHINE_CODE)
         except (OSError, RuntimeError):  # a home that is read-only, full or absent
             with contextlib.suppress(OSError):  # not even here: the run is slower but correct
                 _provide(folder, resources / MACHINE_CODE)

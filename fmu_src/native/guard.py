@@ -8,7 +8,8 @@ import importlib.metadata
 import tempfile
 from pathlib import Path
 
-from ..host import CACHE_FOLDER, user_cache
+from solver.kernels.numba_ext.cache import user_folder
+
 from .library import OPTIONS, compile_c, has_tools
 from .platforms import PLATFORMS
 
@@ -37,7 +38,7 @@ def _library() -> bytes:
     (target,) = PLATFORMS[2]["linux64"].targets
     texts = "".join(file.read_text(encoding="utf-8") for file in (SOURCE, STATUS))
     made_with = texts + importlib.metadata.version("ziglang") + " ".join(OPTIONS)
-    kept = user_cache() / CACHE_FOLDER / "guard" / hashlib.sha256(made_with.encode()).hexdigest()[:16]
+    kept = user_folder() / "guard" / hashlib.sha256(made_with.encode()).hexdigest()[:16]
     if kept.is_file():
         return kept.read_bytes()
     with tempfile.TemporaryDirectory(prefix="guard_") as folder:

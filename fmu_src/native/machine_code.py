@@ -27,9 +27,9 @@ import numba
 from llvmlite import binding as llvm
 
 from solver.common.executors import cores
+from solver.kernels.numba_ext.cache import user_folder
 from solver.kernels.numba_ext.jit import SOURCES, as_written
 
-from ..host import CACHE_FOLDER, user_cache
 from .platforms import LINUX, Target
 
 BASELINE = "x86-64-v2"
@@ -63,7 +63,7 @@ def made_with(kernels: Kernels) -> str:
 def object_code(targets: list[Target], kernels: Kernels, suffix: str = ".o") -> list[bytes]:
     """The object code of every target, or its assembly (".s"). Raises OSError, subprocess.CalledProcessError."""
     key = hashlib.sha256(made_with(kernels).encode()).hexdigest()[:16]
-    kept = user_cache() / CACHE_FOLDER / "native" / key
+    kept = user_folder() / "native" / key
     with tempfile.TemporaryDirectory(prefix="machine_code_") as temporary:
         folder = Path(temporary)
         missing = []

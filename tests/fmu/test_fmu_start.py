@@ -18,7 +18,7 @@ from solver import Motion
 
 def start(fmu: Path, home: Path, hindrance: str = "", record: object = "", **variables: str) -> subprocess.Popen[str]:
     """A process on an account whose home is a folder."""
-    others = ("XDG_CACHE_HOME", "NUMBA_CACHE_DIR", "PYTHONDONTWRITEBYTECODE")
+    others = ("XDG_CACHE_HOME", "NUMBA_CACHE_DIR", "MULTIBLOCK_CACHE_DIR", "PYTHONDONTWRITEBYTECODE")
     kept = {key: value for key, value in environment().items() if key not in others}
     return subprocess.Popen(
         command(starts.start, fmu, hindrance, record),
@@ -41,6 +41,13 @@ def counts(process: subprocess.Popen[str]) -> tuple[int, int, float]:
 def test_a_fresh_account_compiles_nothing(fmus: Fmus, tmp_path: Path) -> None:
     assert counts(start(fmus.damped, tmp_path))[:2] == (3, 0)
     assert counts(start(fmus.damped, tmp_path))[:2] == (3, 0)
+
+
+@pytest.mark.parametrize("variable", ["NUMBA_CACHE_DIR", "MULTIBLOCK_CACHE_DIR"])
+def test_another_cache_folder_compiles_nothing(fmus: Fmus, tmp_path: Path, variable: str) -> None:
+    chosen = tmp_path / "chosen"
+    assert counts(start(fmus.damped, tmp_path, **{variable: str(chosen)}))[:2] == (3, 0)
+    assert chosen.exists() == (variable == "MULTIBLOCK_CACHE_DIR")  # numba's is for machine code made here
 
 
 def test_a_record_compiles_nothing_more(fmus: Fmus, tmp_path: Path) -> None:

@@ -1,8 +1,8 @@
 """What must have equal bits under every version of numba, printed a number a line: a run, lanes, and a PythonFMU.
 
-    python tests/project/numba_smoke.py [--fmu FILE | --without-fmu]
+    python tests/project/numba_smoke.py [--fmu FILE [--only-fmu] | --without-fmu]
 
-With --fmu, an FMU that was built elsewhere is run in place of one built here.
+With --fmu, that FMU is run, and built there first if it does not exist.
 """
 
 from __future__ import annotations
@@ -12,7 +12,6 @@ import math
 import os
 import sys
 import tempfile
-import time
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -37,22 +36,34 @@ def main() -> None:
     """Print the numbers; what may differ between versions goes to stderr."""
     parser = argparse.ArgumentParser()
     parser.add_argument("--fmu", type=Path)
+    parser.add_argument("--only-fmu", action="store_true")
     parser.add_argument("--without-fmu", action="store_true")
     options = parser.parse_args()
     print(f"numba {numba.__version__}, numpy {np.__version__}, linking {LINKING}", file=sys.stderr)
+    if not options.only_fmu:
+        run_and_lanes()
+    if not options.without_fmu:
+        with tempfile.TemporaryDirectory() as folder:
+            run_fmu(options.fmu or Path(folder) / "smoke.fmu")
+
+
+def run_and_lanes() -> None:
+    """A run of one column, and of many in lanes."""
     column = Column.from_toml(COLUMN)
     run = simulate(column, Motion.harmonic(0.05 * STANDARD_GRAVITY, 2.0, 20.0))
     say("run", run.peak_ux[0], math.fsum(run.ux.ravel()))  # numpy's sums differ between its versions
     motions = [Motion.harmonic(0.01 * (k + 1) * STANDARD_GRAVITY, 2.0, 5.0) for k in range(RUNS)]
     table = simulate_many(column, motions, threads=1)
     say("lanes", *table["peak_ux"].ravel())
-    if options.without_fmu:
-        return
-    with tempfile.TemporaryDirectory() as folder:
-        fmu = options.fmu or build_fmu(COLUMN, Path(folder) / "smoke.fmu")
-        found = simulate_fmu(str(fmu), stop_time=1.0, output_interval=0.05, input=ramp())
-        for name in sorted(found.dtype.names):
-            say(f"fmu {name}", math.fsum(np.abs(found[name])))
+
+
+def run_fmu(fmu: Path) -> None:
+    """Sums over the outputs of an FMU, which is built if it does not exist."""
+    if not fmu.exists():
+        build_fmu(COLUMN, fmu)
+    found = simulate_fmu(str(fmu), stop_time=1.0, output_interval=0.05, input=ramp())
+    for name in sorted(found.dtype.names):
+        say(f"fmu {name}", math.fsum(np.abs(found[name])))
 
 
 def ramp() -> np.ndarray:
@@ -63,10 +74,10 @@ def ramp() -> np.ndarray:
 
 
 def say(what: str, *numbers: float) -> None:
-    """The numbers, all digits; the processor time so far goes to stderr."""
+    """The numbers, all digits; the processor time so far, with that of child processes, goes to stderr."""
     print(what, *(repr(float(number)) for number in numbers), flush=True)
     if not what.startswith("fmu"):
-        print(f"{what}: {time.process_time():.1f} s of processor time so far", file=sys.stderr)
+        print(f"{what}: {sum(os.times()[:4]):.1f} s of processor time so far", file=sys.stderr)
 
 
 if __name__ == "__main__":

@@ -65,6 +65,40 @@ def test_the_wheel_builds_the_default_column_from_any_folder(installed: Path, tm
     assert any("machine_code" in name for name in names)
 
 
+@pytest.mark.long  # makes an environment
+@pytest.mark.skipif(sys.platform == "win32", reason="its environments have other folders")
+def test_nothing_is_left_where_the_wheel_was_installed(installed: Path, tmp_path: Path) -> None:
+    """Machine code outlives the project in the cache folder of the user alone."""
+    (wheel,) = installed.parent.glob("*.whl")
+    subprocess.run([sys.executable, "-m", "venv", "--without-pip", tmp_path / "venv"], check=True)
+    python = tmp_path / "venv" / "bin" / "python"
+    pip: list[str | Path] = [sys.executable, "-m", "pip", "-q", "--disable-pip-version-check", "--python", python]
+    before = files_below(tmp_path / "venv")
+    subprocess.run([*pip, "install", "--no-deps", wheel], check=True, capture_output=True)
+    places = {"PYTHONPATH": str(Path(np.__file__).parents[1]), "MULTIBLOCK_CACHE_DIR": str(tmp_path / "kept")}
+    done = finish_in(tmp_path, python, "-c", COMPILE_LITTLE, **places)
+    assert (done.returncode, done.stdout) == (0, "1.0\n"), done.stderr
+    assert len({*(tmp_path / "kept" / "kernels").rglob("*.rings_beyond_*.nbc")}) == 1
+    assert not [name for name in files_below(tmp_path / "venv") if name.suffix in (".nbc", ".nbi")]
+    subprocess.run([*pip, "uninstall", "-y", "multiblock-fmu"], check=True, capture_output=True)
+    assert files_below(tmp_path / "venv") <= before  # pip takes the empty folder with it
+
+
+def files_below(folder: Path) -> set[Path]:
+    """Everything in a folder, by path within it."""
+    return {path.relative_to(folder) for path in folder.rglob("*")}
+
+
+# the smallest entry: the first moment, over its area, of a circle about an edge that it lies beyond
+COMPILE_LITTLE = """
+import numpy as np
+from solver.kernels.api.entries import rings_beyond
+first, second = np.empty(1), np.empty(1)
+rings_beyond(np.ones(1), np.zeros(1), np.array([-1.0]), first, second)
+print(round(first[0] / np.pi, 12))
+"""
+
+
 def test_every_name_of_the_command_line(capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit) as ended:
         main(["--help"])

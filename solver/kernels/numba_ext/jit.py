@@ -16,6 +16,7 @@ import numba
 from numba import cfunc, njit
 from numba.extending import overload, register_jitable
 
+from .cache import code_folder
 from .numba_parts import LINKING
 
 _OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": False, "nogil": True, "_nrt": False}
@@ -97,14 +98,18 @@ CODE = f"{SOURCES}_{numba.__version__.replace('.', '_')}{'' if LINKING else '_pl
 def entry(function: Callable[..., Any]) -> Callable[..., Any]:
     """Compile, on first use, a kernel that Python calls; it runs without the interpreter lock.
 
-    The machine code is cached beside the source or in the user's cache folder; if neither can be written it is made in
-    every process. Numba alone would use it until the file of the entry changes; its name here changes with any source
-    of the kernels.
+    The machine code is cached (cache.py); if no folder can be written to, it is made in every process. Numba alone
+    would use it until the file of the entry changes; its name here changes with any source of the kernels.
     """
     function.__qualname__ += f"_{CODE}"
     compiled: Callable[..., Any]
+    settings: Any = numba.config
+    numbas = getattr(settings, "CACHE_DIR", "")
+    settings.CACHE_DIR = code_folder(Path(function.__code__.co_filename), __name__, numbas)
     try:
         compiled = njit(cache=True, **_OUTSIDE)(function)
     except RuntimeError:  # numba found no folder to write to
         compiled = from_python(function)
+    finally:
+        settings.CACHE_DIR = numbas
     return compiled
