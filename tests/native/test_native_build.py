@@ -158,11 +158,15 @@ def test_every_kernel_is_given_all_its_arguments_by_name() -> None:
         name: re.findall(r"\.(\w+) = ", text)
         for name, text in re.findall(r"#define (COLUMN|RECORD)\(i\)((?:.*\\\n)+.*\n)", core)
     }
+    contract = table.contract(contents_of(read_body(DAMPED)).subject)
+    (sampled,) = re.findall(r"#define SAMPLED (.*)", contract)
+    components = re.findall(r"\.(\w+) = ", sampled)
     for entry in pointers.ENTRIES:
         (call,) = re.findall(rf"\b{entry.__name__}\(\({entry.__name__.title()}\){{(.*?)}}\)", core, re.DOTALL)
         named = re.findall(r"\.(\w+) = ", call)
         for group, names in groups.items():
             named += names if f"{group}(instance)" in call else []
+        named += components if "RECORD(instance)" in call else []
         assert sorted(named) == sorted(inspect.signature(cast(Callable[..., object], entry)).parameters), entry.__name__
 
 
