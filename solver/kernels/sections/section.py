@@ -118,11 +118,12 @@ def contact_of(blocks, i, slip=0.0):
     strips = blocks.strips[STRIP_NUMBERS * i :]
     left, right = ends_of(blocks, i, slip)
     section, depth, bore = blocks.section[i], blocks.depth[i], blocks.bore[i]
-    below, bore_below = 2.0 * blocks.rim_right[i], blocks.bore_below[i]
+    below, bore_below = 0.0, 0.0
     if slip != 0.0:
         section = blocks.slipped[i]
     if section >= LENS:
         depth, bore = blocks.own_depth[i], blocks.own_bore[i]
+        below, bore_below = 2.0 * blocks.rim_right[i], blocks.bore_below[i]
         if section == ON_BAND:  # the round face is that above
             slip, below, bore_below = 0.0, depth, bore
     return Contact(section, left, right, depth, bore, strips, slip, below, bore_below)
