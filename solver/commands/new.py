@@ -31,7 +31,7 @@ class Question(NamedTuple):
 
 
 class Shape(NamedTuple):
-    """What may stand there: words, the questions, and the blocks that follow from the answers."""
+    """A shape to choose: words, the questions, and the blocks that follow from the answers."""
 
     text: str
     questions: dict[str, Question]
