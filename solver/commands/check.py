@@ -224,6 +224,8 @@ def _motions(options: argparse.Namespace) -> Mapping[str, Motion]:
         check_file_options(paths, options)
     found: dict[str, Motion] = {}
     for k, path in enumerate(options.records):
+        if path in options.records[:k]:
+            raise InputError(f"{path}: is given twice, must be given once")
         record, motion = read_with_options(path, options, options.channel)
         print(file_line(path, record))
         if vertical:
