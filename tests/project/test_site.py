@@ -16,7 +16,7 @@ from support import pages
 from support.fmus import ROOT, read_results
 
 import multiblock
-from fmu_src.variables import FAMILIES, REFERENCES
+from fmu_src.references import FAMILIES, REFERENCES
 from multiblock import Column, Plan, Structure
 
 DOCS = pages.DOCS
@@ -104,7 +104,6 @@ def test_structures_page(folder: Path) -> None:
         assert Structure.from_dict(tomllib.loads(text)).n == 6
 
 
-@pytest.mark.long
 def test_programs_of_the_structures_page(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """The programs run, and print the figure that the page names."""
     for program in pages.blocks(STRUCTURES, "python"):
