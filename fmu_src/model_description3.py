@@ -11,7 +11,8 @@ from collections.abc import Collection
 from xml.etree.ElementTree import Element, SubElement
 
 from .description_parts import INITIAL, About, Standard, attributes, beginning, by_role, shown
-from .variables import Variable, array_of
+from .references import array_of
+from .variables import Variable
 
 FMI_3 = Standard("3.0", "instantiationToken", ("EnumerationType",), units=frozenset({"s"}))
 TIME_REFERENCE = 0

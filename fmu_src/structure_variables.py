@@ -16,9 +16,9 @@ from solver.ground.motion import STANDARD_GRAVITY
 from solver.kernels.space.layout import OF_BASE, OF_BLOCK, OF_JOINT
 from solver.space.structure import Structure
 
+from .references import FAMILY
 from .rules import DAMPING_SCALE_LIMITS
 from .variables import (
-    FAMILY,
     LARGEST,
     LEAST,
     OVERTURN_TIME,

@@ -20,7 +20,8 @@ from solver.kernels.api import engine, pointers
 
 from .. import rules
 from ..record import Record
-from ..variables import FAMILY, STEP_SIZE, Variable, array_of
+from ..references import FAMILY, array_of
+from ..variables import STEP_SIZE, Variable
 from .machine_code import PREFIX
 
 TEXT = 256  # bytes of a String, its end included

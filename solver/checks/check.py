@@ -5,10 +5,9 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from functools import cached_property
-from pathlib import Path
 
 import numpy as np
 
@@ -19,55 +18,25 @@ from ..common.files import write_table
 from ..dynamics.first_run import make_kernels
 from ..dynamics.response import Response
 from ..dynamics.uncertainty import PERCENTILES, share_bounds
-from ..ground.motion import STANDARD_GRAVITY, Motion
+from ..ground.motion import Motion
 from ..runs.many import Callback
 from ..runs.simulate import simulate
 from ..runs.table import Table
 from ..statics.modes import natural_frequencies
-from . import scaling
-from .artificial import artificial_motions, with_vertical
+from .action import ARTIFICIAL, Action, Level, Motions, action_on
 from .by_hand import ByHand, by_hand
 from .kinematic import Mechanism, mechanism
 from .limits import Plan
 from .margin import Margin, margin_of, run_all, varied
-from .scaling import LEAST_PART, MotionSpectra, ScaledMotion
-from .spectra import Spectral, TargetSpectrum
+from .scaling import LEAST_PART
+from .spectra import TargetSpectrum
 from .table import Row, rows_of
 
-ARTIFICIAL = 7  # motions made where no record is given: as many as have their mean count
-SHORTEST_PART, LONGEST_PART = 0.2, 2.0  # of the first period: EN 1998-1, 3.2.3.1.2(4)
-LONGEST_PERIOD = 4.0  # s, at which the spectra of codes end
 # of the explicit steps of its own run: with less a column goes through lanes, however stiff its dampers. Measured
 # (Phocas, doric, statue; eta 5e-4 to 2e-2 s; 0.04 to 0.6 g): 1.1 to 3.3 times as fast as alone, 0.2 to 1.4 with more
 MOST_IMPLICIT = 0.05
 
 BANDS = tuple(f"p{percent}" for percent in PERCENTILES)
-
-Motions = Mapping[str, Motion] | Iterable[Motion | str | os.PathLike[str]]
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class Action:
-    """What a column is checked against: motions as they are applied, and the spectrum that they stand for."""
-
-    motions: tuple[ScaledMotion, ...]
-    how: str  # they were scaled, in words
-    target: TargetSpectrum | None = None
-    periods: tuple[float, float] | None = None  # s, range in which their spectra follow the target
-
-    @cached_property
-    def spectrum(self) -> Spectral:
-        """The target, or what the motions themselves have."""
-        return self.target or MotionSpectra(tuple(scaled.motion for scaled in self.motions))
-
-    @property
-    def statistic(self) -> str:
-        """Which of the values of several motions counts, in words."""
-        count = len(self.motions)
-        if count >= scaling.MEAN_FROM:
-            return f"mean of {count} motions"
-        few = "" if count >= scaling.FEWEST else f"; codes ask for at least {scaling.FEWEST}"
-        return f"largest of {count} motions{few}" if count > 1 else f"one motion{few}"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -115,7 +84,7 @@ class Check:
 
     @property
     def verdict(self) -> str:
-        """What was found, in one plain sentence."""
+        """The share that falls, in one plain sentence."""
         fallen, undecided, size = self.fallen
         _, high = share_bounds(fallen + undecided, size)
         low, _ = share_bounds(fallen, size)
@@ -148,7 +117,7 @@ class Check:
 
     @property
     def agreement(self) -> tuple[str, ...]:
-        """Where the methods by hand and the time histories agree, a line for each."""
+        """Agreement of the methods by hand with the time histories, a line for each."""
         stands = self.fallen[0] + self.fallen[1] == 0
         lines = []
         for row in self.by_hand.rows:
@@ -195,72 +164,6 @@ class Check:
 
 def _percent(share: float) -> str:
     return f"{100.0 * share:.2g} %"
-
-
-def action_on(
-    column: Column,
-    found: Mechanism,
-    motions: Motions = (),
-    *,
-    target: TargetSpectrum | None = None,
-    pga: float | None = None,
-    vertical_pga: float | None = None,
-    sa: float | None = None,
-    periods: Sequence[float] | None = None,
-    least: float = LEAST_PART,
-    artificial: int = ARTIFICIAL,
-    vertical: bool = False,
-    seed: int = 0,
-) -> Action:
-    """The motions scaled as asked for: by at most one of target, pga and sa. Raises InputError as `check` does."""
-    given = _named(motions)
-    if sum(value is not None for value in (target, pga, sa)) > 1:
-        raise InputError("target, pga, sa: must be one of them, motions cannot be scaled to several")
-    if vertical_pga is not None and pga is None:
-        raise InputError("vertical_pga: must be left out without pga")
-    if periods is not None and target is None:
-        raise InputError("periods: must be left out without a target spectrum")
-    own = 1.0 / float(natural_frequencies(column)[0])
-    if target is not None:
-        spans = (SHORTEST_PART * own, max(LONGEST_PART * own, min(found.period(), LONGEST_PERIOD)))
-        low, high = spans if periods is None else (float(periods[0]), float(periods[1]))
-        if given:
-            scaled = scaling.scaled_to_spectrum(given, target, (low, high), least)
-            how = f"each to a mean of 1 over the target from {low:.3g} to {high:.3g} s, all so that their mean is no "
-            return Action(tuple(scaled), f"{how}less than {least:g} of it", target, (low, high))
-        made = artificial_motions(target, artificial, seed)
-        if vertical:
-            if target.vertical is None:
-                raise InputError(f"vertical: {target.name} has no vertical spectrum, must be left out")
-            made = with_vertical(made, target.vertical, seed)
-        how = f"artificial motions made to follow the target, seeds from {seed}"
-        return Action(tuple(ScaledMotion(*pair) for pair in made.items()), how, target, (low, high))
-    if not given:
-        raise InputError("motions: none given, must be records, or a target spectrum that artificial ones follow")
-    if pga is not None:
-        scaled = scaling.scaled_to_pga(given, pga, vertical_pga)
-        return Action(tuple(scaled), f"each to a largest horizontal acceleration of {pga / STANDARD_GRAVITY:.4g} g")
-    if sa is not None:
-        scaled = scaling.scaled_to_sa(given, own, sa)
-        how = f"each to a spectral acceleration of {sa / STANDARD_GRAVITY:.4g} g at the first period, {own:.4g} s"
-        return Action(tuple(scaled), how)
-    return Action(tuple(ScaledMotion(*pair) for pair in given.items()), "as given")
-
-
-def _named(motions: Motions) -> dict[str, Motion]:
-    if isinstance(motions, Mapping):
-        found = dict(motions)
-    else:
-        found = {}
-        for number, given in enumerate(motions, start=1):
-            name = f"motion {number}" if isinstance(given, Motion) else Path(given).stem
-            found[name if name not in found else f"{name} {number}"] = (
-                given if isinstance(given, Motion) else Motion.from_file(given)
-            )
-    for name, motion in found.items():
-        if not isinstance(motion, Motion):
-            raise InputError(f"{name} = {shown(motion)}: must be a Motion or the path of a record")
-    return found
 
 
 def checked(
@@ -332,22 +235,10 @@ def check(
     """
     if not isinstance(column, Column):
         raise InputError(f"column = {shown(column)}: must be a Column; for others, simulate with an ensemble")
+    span = None if periods is None else (float(periods[0]), float(periods[1]))
+    level = Level(target, pga, vertical_pga, sa, span, least, artificial, vertical, seed)
     plan = Plan() if plan is None else plan
     make_kernels()
     check_rest(column, from_rest=True)
     found = mechanism(column, plan.confidence_factor)
-    action = action_on(
-        column,
-        found,
-        motions,
-        target=target,
-        pga=pga,
-        vertical_pga=vertical_pga,
-        sa=sa,
-        periods=periods,
-        least=least,
-        artificial=artificial,
-        vertical=vertical,
-        seed=seed,
-    )
-    return checked(column, action, plan, found, callback)
+    return checked(column, action_on(column, found, motions, level), plan, found, callback)

@@ -129,5 +129,5 @@ def sliding_distance(friction: float, vertical: float, action: Spectral, g: floa
 
 
 def _crossing(x: FloatArray, y: FloatArray, k: int) -> float:
-    """Where y is zero between places k and k + 1, by a straight line."""
+    """Zero of y between places k and k + 1, by a straight line."""
     return float(x[k] - y[k] * (x[k + 1] - x[k]) / (y[k + 1] - y[k]))

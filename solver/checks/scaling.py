@@ -50,7 +50,7 @@ class MotionSpectra:
 
 
 def statistic(values: ArrayLike) -> FloatArray:
-    """What counts of values of several motions, along the first axis: the mean of seven and more, else the largest.
+    """The value that counts of several motions, along the first axis: the mean of seven and more, else the largest.
 
     EN 1998-1, 4.3.3.4.3(3). An infinite value, of a column that falls, makes a mean infinite.
     """
@@ -102,7 +102,7 @@ class Fit:
 
     @cached_property
     def periods(self) -> FloatArray:
-        """Where the spectra are compared, s."""
+        """Periods at which spectra are compared, s."""
         return np.geomspace(*self.range, PERIODS_OF_FIT)
 
     @cached_property

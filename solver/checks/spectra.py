@@ -72,7 +72,7 @@ UNITS = {"g": STANDARD_GRAVITY, "m/s2": 1.0}
 
 
 class Spectral(Protocol):
-    """What gives a pseudo-acceleration: a spectrum of a code, or of motions."""
+    """A spectrum of pseudo-acceleration: of a code, or of motions."""
 
     def psa(self, period: ArrayLike, damping: float = DAMPING) -> FloatArray:
         """m/s2 at periods, s, and a damping of critical; at period 0 that of the ground."""
@@ -148,11 +148,8 @@ def eurocode8(ag: float, soil: str, kind: int = 1) -> TargetSpectrum:
     if kind not in _EUROCODE:
         raise InputError(f"type = {shown(kind)}: must be 1 or 2")
     factor, *corners = _EUROCODE[kind][_soil(soil)]
-    return TargetSpectrum(
-        f"EN 1998-1 type {kind}, ground {soil}, ag {ag / STANDARD_GRAVITY:.4g} g",
-        CornerSpectrum(factor * ag, 2.5, *corners),
-        CornerSpectrum(_VERTICAL_PART[kind] * ag, 3.0, *_VERTICAL_CORNERS),
-    )
+    name = f"EN 1998-1 type {kind}, ground {soil}, ag {ag / STANDARD_GRAVITY:.4g} g"
+    return _of_code(name, CornerSpectrum(factor * ag, 2.5, *corners), _VERTICAL_PART[kind] * ag, 3.0)
 
 
 def ntc2018(ag: float, f0: float, tc_star: float, soil: str, topography: str = "T1") -> TargetSpectrum:
@@ -170,11 +167,14 @@ def ntc2018(ag: float, f0: float, tc_star: float, soil: str, topography: str = "
     ground = min(max(constant + slope * f0 * in_g, least), most)
     tc = factor * tc_star**power * tc_star
     vertical = 1.35 * math.sqrt(in_g) * ag * slope_factor  # ag Fv / F0, (3.2.11)
-    return TargetSpectrum(
-        f"NTC 2018, soil {soil}, topography {topography}, ag {in_g:.4g} g, F0 {f0:g}, TC* {tc_star:g} s",
-        CornerSpectrum(ground * slope_factor * ag, f0, tc / 3.0, tc, 4.0 * in_g + 1.6),
-        CornerSpectrum(vertical, f0, *_VERTICAL_CORNERS),
-    )
+    name = f"NTC 2018, soil {soil}, topography {topography}, ag {in_g:.4g} g, F0 {f0:g}, TC* {tc_star:g} s"
+    horizontal = CornerSpectrum(ground * slope_factor * ag, f0, tc / 3.0, tc, 4.0 * in_g + 1.6)
+    return _of_code(name, horizontal, vertical, f0)
+
+
+def _of_code(name: str, horizontal: CornerSpectrum, vertical_pga: float, amplification: float) -> TargetSpectrum:
+    """With the vertical spectrum of both codes, from its peak (m/s2) and the plateau over it."""
+    return TargetSpectrum(name, horizontal, CornerSpectrum(vertical_pga, amplification, *_VERTICAL_CORNERS))
 
 
 def spectrum_from_csv(path: str | os.PathLike[str]) -> TargetSpectrum:

@@ -5,13 +5,14 @@ from __future__ import annotations
 import argparse
 import shlex
 import sys
-from collections.abc import Mapping
-from dataclasses import fields
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, fields
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-from ..checks.check import ARTIFICIAL, Action, Check, action_on, checked
+from ..checks.action import ARTIFICIAL, Action, Level, action_on
+from ..checks.check import Check, checked
 from ..checks.kinematic import mechanism
 from ..checks.limits import UNCERTAIN, Limits, Plan
 from ..checks.scaling import LEAST_PART
@@ -27,11 +28,22 @@ from .check_report import action_lines, check_lines, variants_lines
 from .command_files import add_force, check_suffix, read_column, write_outputs
 from .motion_options import FORMATS, add_file_options, check_file_options, file_line, read_with_options
 from .progress import RunsLine, compile_kernels
-from .structure import is_structure_file
 
-SPECTRA = ("ec8", "ntc2018")
-_OF_SPECTRUM = {"ec8": ("ag", "soil", "type"), "ntc2018": ("ag", "soil", "f0", "tc", "topography")}
-_NEEDED = {"ec8": ("ag", "soil"), "ntc2018": ("ag", "soil", "f0", "tc")}
+
+@dataclass(frozen=True)
+class _Code:
+    """A spectrum of a code: its function, and which of its arguments are options."""
+
+    spectrum: Callable[..., TargetSpectrum]
+    needed: tuple[str, ...]
+    more: tuple[str, ...]  # with a default
+
+
+CODES = {
+    "ec8": _Code(eurocode8, ("ag", "soil"), ("type",)),
+    "ntc2018": _Code(ntc2018, ("ag", "soil", "f0", "tc"), ("topography",)),
+}
+_ARGUMENTS = {"type": "kind", "tc": "tc_star"}  # named otherwise than their options
 
 
 def add_check_command(commands: argparse._SubParsersAction[Any]) -> None:
@@ -121,35 +133,16 @@ def _check(options: argparse.Namespace) -> None:
             import matplotlib  # noqa: F401
     inputs = (options.column, *options.records, *(options.vertical or ()), *options.variant)
     check_outputs((options.output, options.report), inputs, options.force)
-    for path in (options.column, *options.variant):
-        if is_structure_file(path):
-            raise InputError(
-                f"{path}: is a structure in space, must be a column; `multiblock simulate {path} RECORD --ensemble 16` "
-                "says how many like it fall"
-            )
     column = read_column(options.column)
     variants = [read_column(path) for path in options.variant]
     plan = _plan(options)
-    target = _target(options)
+    level = _level(options)
     motions = _motions(options)
     compile_kernels()
     with reading(options.column):
         check_stable(column)
         found = mechanism(column, plan.confidence_factor)
-        action = action_on(
-            column,
-            found,
-            motions,
-            target=target,
-            pga=_in_g(options.pga),
-            vertical_pga=_in_g(options.vertical_pga),
-            sa=_in_g(options.sa),
-            periods=options.periods,
-            least=options.least,
-            artificial=options.artificial,
-            vertical=options.artificial_vertical,
-            seed=options.seed,
-        )
+        action = action_on(column, found, motions, level)
     print(*action_lines(action), sep="\n", flush=True)
     checks = [_checked(options.column, column, action, plan, found)]
     print(*check_lines(checks[0]), sep="\n", flush=True)
@@ -186,24 +179,39 @@ def _plan(options: argparse.Namespace) -> Plan:
     return Plan(Limits(**limits), options.ensemble, spread, not options.no_margin, options.confidence_factor)
 
 
+def _level(options: argparse.Namespace) -> Level:
+    return Level(
+        target=_target(options),
+        pga=_in_g(options.pga),
+        vertical_pga=_in_g(options.vertical_pga),
+        sa=_in_g(options.sa),
+        periods=None if options.periods is None else (options.periods[0], options.periods[1]),
+        least=options.least,
+        artificial=options.artificial,
+        vertical=options.artificial_vertical,
+        seed=options.seed,
+    )
+
+
 def _target(options: argparse.Namespace) -> TargetSpectrum | None:
+    """The spectrum that --spectrum names, from the options of its code or from a table."""
     name = options.spectrum
-    takes = _OF_SPECTRUM.get(name, ())
-    for key in dict.fromkeys(key for keys in _OF_SPECTRUM.values() for key in keys):
+    code = CODES.get(name)
+    needed, more = (code.needed, code.more) if code else ((), ())
+    given = {}
+    for key in dict.fromkeys(key for one in CODES.values() for key in (*one.needed, *one.more)):
         value = getattr(options, key)
-        if value is not None and key not in takes:
-            raise InputError(f"--{key} {value}: is for --spectrum {' or '.join(SPECTRA)} that has it")
-        if value is None and key in _NEEDED.get(name, ()):
+        if value is not None and key not in (*needed, *more):
+            raise InputError(f"--{key} {value}: is for --spectrum {' or '.join(CODES)} that has it")
+        if value is None and key in needed:
             raise InputError(f"--{key}: must be given with --spectrum {name}")
-    if name is None:
-        return None
-    if name == "ec8":
-        return eurocode8(options.ag * STANDARD_GRAVITY, options.soil, 1 if options.type is None else options.type)
-    if name == "ntc2018":
-        return ntc2018(options.ag * STANDARD_GRAVITY, options.f0, options.tc, options.soil, options.topography or "T1")
-    if not name.lower().endswith(".csv"):
-        raise InputError(f"--spectrum {name}: must be {', '.join(SPECTRA)} or a table FILE.csv")
-    return spectrum_from_csv(name)
+        if value is not None:
+            given[_ARGUMENTS.get(key, key)] = value
+    if code:
+        return code.spectrum(**given | {"ag": _in_g(options.ag)})
+    if name is not None and not name.lower().endswith(".csv"):
+        raise InputError(f"--spectrum {name}: must be {', '.join(CODES)} or a table FILE.csv")
+    return None if name is None else spectrum_from_csv(name)
 
 
 def _motions(options: argparse.Namespace) -> Mapping[str, Motion]:
@@ -216,6 +224,8 @@ def _motions(options: argparse.Namespace) -> Mapping[str, Motion]:
         check_file_options(paths, options)
     found: dict[str, Motion] = {}
     for k, path in enumerate(options.records):
+        if path in options.records[:k]:
+            raise InputError(f"{path}: is given twice, must be given once")
         record, motion = read_with_options(path, options, options.channel)
         print(file_line(path, record))
         if vertical:

@@ -6,7 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..checks.check import Action, Check
+from ..checks.action import Action
+from ..checks.check import Check
 from ..checks.table import Row
 from ..ground.intensity import pgv
 from ..ground.motion import STANDARD_GRAVITY

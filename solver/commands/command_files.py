@@ -8,15 +8,30 @@ from pathlib import Path
 
 from ..column.column import Column
 from ..common.errors import InputError, needing, reading
-from ..common.files import check_outputs
+from ..common.files import check_outputs, toml_of
+from ..space.structure import Structure
+from ..space.structure_file import describes_structure
 
 PICTURES = (".png", ".pdf", ".svg")
 
 
+def read_subject(path: Path) -> Column | Structure:
+    """Read a file that describes a column or a structure in space. Raises InputError."""
+    check_suffix(path, ".toml")
+    with reading(path):
+        data = toml_of(path)
+        return Structure.from_dict(data) if describes_structure(data) else Column.from_dict(data)
+
+
 def read_column(path: Path) -> Column:
     """Read a column file. Raises InputError."""
-    check_suffix(path, ".toml")
-    return Column.from_toml(path)
+    found = read_subject(path)
+    if isinstance(found, Structure):
+        raise InputError(
+            f"{path}: is a structure in space, must be a column; `multiblock simulate {path} RECORD --ensemble 16` "
+            "says how many like it fall"
+        )
+    return found
 
 
 def check_picture(path: Path | None) -> None:

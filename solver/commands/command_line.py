@@ -23,10 +23,11 @@ from ..dynamics.uncertainty import PERCENTILES, Ensemble, Spread
 from ..ground.motion import STANDARD_GRAVITY, Motion
 from ..runs.simulate import simulate
 from ..runs.single_run import OUTPUT_STEP, SETTLE
+from ..space.structure import Structure
 from . import structure
 from .calibrate import add_calibrate_command
 from .check import add_check_command
-from .command_files import PICTURES, add_force, check_picture, check_suffix, outputs_of_run, read_column, write_outputs
+from .command_files import PICTURES, add_force, check_picture, check_suffix, outputs_of_run, read_subject, write_outputs
 from .motion_options import (
     FORMATS,
     add_file_options,
@@ -182,11 +183,13 @@ def _add_run_options(run: argparse.ArgumentParser) -> None:
 
 
 def _simulate(options: argparse.Namespace) -> None:
-    in_space = structure.is_structure_file(options.column)
     # obstacles to an output are reported before the run, not after it
     outputs = outputs_of_run(options)
     check_digits("--digits", options.digits)
-    subject: Any = structure.read_structure(options) if in_space else read_column(options.column)
+    subject: Any = read_subject(options.column)
+    in_space = isinstance(subject, Structure)
+    if in_space:
+        structure.prepare(options)
     motion, lines = motion_of(options)
     if not in_space:
         compile_kernels()  # the report needs them too

@@ -1,43 +1,30 @@
-"""A structure in space on the command line: reading, report and summary of a run."""
+"""A structure in space on the command line: options, report and summary of a run."""
 
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
 
 import numpy as np
 
 from ..common.errors import InputError
-from ..common.files import toml_of
 from ..dynamics.first_run import are_kept
 from ..ground.motion import STANDARD_GRAVITY, Motion
 from ..kernels.space.entries import run_structure
 from ..space.modes import modes_in_space
 from ..space.response import SpatialResponse
 from ..space.structure import Structure
-from ..space.structure_file import describes_structure
 
 MOST_LINES = 20  # of a table
 MOST_BLOCKS = 60  # with more, natural frequencies take too long for a report
 
 
-def is_structure_file(path: Path) -> bool:
-    """Whether a file describes a structure in space; False as well where it cannot be read, which a column says."""
-    try:
-        return path.suffix == ".toml" and describes_structure(toml_of(path))
-    except (OSError, ValueError):
-        return False
-
-
-def read_structure(options: argparse.Namespace) -> Structure:
-    """The structure to be simulated, after a notice if its kernels must be compiled. Raises InputError, OSError."""
+def prepare(options: argparse.Namespace) -> None:
+    """Refuse options that structures do not have; a notice if the kernels must be compiled. Raises InputError."""
     for name in ("formulation", "integrator", "step"):
         if getattr(options, name) is not None:
             raise InputError(f"--{name}: must be left out, structures in space have none")
-    structure = Structure.from_toml(options.column)
     if not are_kept(run_structure):
         print("compiling the kernels, once", flush=True)
-    return structure
 
 
 def report(structure: Structure, motion: Motion) -> str:

@@ -25,7 +25,8 @@ from multiblock import (
     spectrum,
     wavelets,
 )
-from solver.checks.check import Action, checked
+from solver.checks.action import Action
+from solver.checks.check import checked
 from solver.checks.margin import MOST, NARROW, STEP, TOLERANCE, margin_of, varied
 from solver.checks.scaling import ScaledMotion, applied
 from solver.checks.table import Row

@@ -68,6 +68,7 @@ def test_components_and_a_table_of_a_spectrum(folder: Path, capsys: pytest.Captu
         (["--limit", "slope=1"], "--limit slope=1: must be KEY=VALUE with one of displacement, friction"),
         (["--limit", "slip=wide"], "--limit slip=wide: must be slip= and a number"),
         (["--vertical", "fast.csv", "slow.csv"], "--vertical: 2 files, must be 1, one for each record"),
+        (["slow.csv"], "slow.csv: is given twice, must be given once"),
         (["--report", "report.pdf"], "report.pdf: must end in .html or .htm"),
     ],
 )

@@ -8,7 +8,7 @@ import re
 import pytest
 from support.fmus import ROOT
 
-from fmu_src.variables import REFERENCES
+from fmu_src.references import REFERENCES
 
 FILE = ROOT / "examples" / "modelica" / "MultiblockColumn.mo"
 REACTION = {"R0x", "R0z", "R0m", "mxx", "mxz", "mxt", "mzz", "mzt", "mtt"}

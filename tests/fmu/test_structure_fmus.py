@@ -13,8 +13,8 @@ from support.fmus import REFUSED, ROOT, Fmus, c_host, run
 from support.inside import structures as inside
 
 import build_fmu
+from fmu_src.references import FAMILIES, FAMILY, REFERENCES
 from fmu_src.structure_variables import structure_variables
-from fmu_src.variables import FAMILIES, FAMILY, REFERENCES
 from solver import Motion, simulate
 from solver.space.driven import DrivenStructure, packed
 from solver.space.structure import Structure

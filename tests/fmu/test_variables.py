@@ -10,7 +10,8 @@ from support.fmus import ROOT
 
 from fmu_src.description_parts import About, Experiment
 from fmu_src.model_description import model_description
-from fmu_src.variables import CHOICES, FAMILIES, FAMILY, REFERENCES, ROLES, column_from, variables
+from fmu_src.references import FAMILIES, FAMILY, REFERENCES
+from fmu_src.variables import CHOICES, ROLES, column_from, variables
 from solver import Block, Column, InputError, Joint
 from solver.column.settings import FORMULATIONS, INTEGRATORS
 from solver.common.ranges import MAX_BLOCKS, NUMBERS

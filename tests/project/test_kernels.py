@@ -15,10 +15,11 @@ from solver.kernels.api import entries
 from solver.kernels.layout import spaces as at
 from solver.kernels.numba_ext.jit import as_written, from_python
 from solver.kernels.numba_ext.views import Table, row_of
-from solver.kernels.space.entries import run_structure
+from solver.kernels.space.entries import observe_structure, run_structure, stiffness_of
 from solver.space.stepper import Stepper as SpatialStepper
 
 NOTHING = np.zeros(0)
+RECORD = (NOTHING,) * 4  # times, s, and accelerations, m/s2
 _phase = at.PHASE.over
 
 
@@ -36,12 +37,17 @@ def test_nothing_of_numbas_runtime_is_called(entry: Any, further: tuple[Any, ...
     assert "NRT_" not in str(module)
 
 
-@pytest.mark.long
-def test_nothing_of_numbas_runtime_is_called_in_space() -> None:
-    stepper, none = SpatialStepper(stack()), np.zeros(0)
-    given = (*stepper.sizes, stepper.model, stepper.state, stepper.phase)
-    arguments = (*given, (none, none, none, none), stepper.base, none, none, 0.0, 1e-3, 100)
-    entry: Any = run_structure
+@pytest.mark.parametrize(
+    ("entry", "further"),
+    [
+        (observe_structure, (NOTHING, 0.0, 0.0, 0.0, NOTHING, True)),
+        (stiffness_of, (NOTHING,) * 4),
+        pytest.param(run_structure, (RECORD, *(NOTHING,) * 3, 0.0, 1e-3, 100), marks=pytest.mark.long),
+    ],
+)
+def test_nothing_of_numbas_runtime_is_called_in_space(entry: Any, further: tuple[Any, ...]) -> None:
+    stepper = SpatialStepper(stack())
+    arguments = (*stepper.sizes, stepper.model, stepper.state, stepper.phase, *further)
     module, name = as_written(entry.py_func, tuple(map(typeof, arguments)))
     assert not module.get_function(name).is_declaration
     assert "NRT_" not in str(module)

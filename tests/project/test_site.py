@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import functools
 import importlib
+import io
 import re
+import shutil
 import sys
 import tomllib
 from pathlib import Path
@@ -12,12 +15,14 @@ import pytest
 from support import pages
 from support.fmus import ROOT, read_results
 
-from fmu_src.variables import FAMILIES, REFERENCES
-from multiblock import Column
+import multiblock
+from fmu_src.references import FAMILIES, REFERENCES
+from multiblock import Column, Plan, Structure
 
 DOCS = pages.DOCS
 TUTORIALS = sorted((DOCS / "tutorials").glob("*.md"))
 GALLERY = DOCS / "gallery.md"
+CHECK, STRUCTURES = DOCS / "check.md", DOCS / "structures.md"
 FMU = DOCS / "tutorials" / "5-first-fmu.md"
 (STATUE,) = pages.blocks(DOCS / "tutorials" / "2-your-column.md", "toml")
 
@@ -68,6 +73,43 @@ def test_first_native_fmu(folder: Path) -> None:
 def test_results_page(folder: Path) -> None:
     for program in pages.blocks(DOCS / "results.md", "python"):
         exec(program, {})
+
+
+def test_check_page(folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    """Its commands and program, with one varied column a motion and no margin, which save minutes."""
+    for name in ("COLUMN", "column", "dowels", "wider"):
+        shutil.copy(folder / "statue.toml", folder / f"{name}.toml")
+    for name in ("FIRST", "SECOND", "THIRD"):
+        shutil.copy(folder / "RECORD.AT2", folder / f"{name}.AT2")
+    monkeypatch.setattr(sys, "stdin", io.StringIO("drums\n" + 20 * "\n"))
+    for command in pages.commands(CHECK):
+        checks = command.startswith("multiblock check")
+        pages.call(command, *(["--no-margin", "--ensemble", "1", "--artificial", "1"] if checks else []))
+    assert (folder / "report.html").stat().st_size > 5_000
+    assert Column.from_toml("my-statue.toml").n > 1
+    quick = functools.partial(multiblock.check, plan=Plan(ensemble=1, margin=False), artificial=1)
+    monkeypatch.setattr(multiblock, "check", quick)
+    (program,) = pages.blocks(CHECK, "python")
+    capsys.readouterr()
+    exec(program, {})
+    assert "displacement of the top" in capsys.readouterr().out
+
+
+def test_structures_page(folder: Path) -> None:
+    for name in ("SECOND", "THIRD"):
+        shutil.copy(folder / "RECORD.AT2", folder / f"{name}.AT2")
+    for command in pages.commands(STRUCTURES):
+        pages.call(command, "--duration", "0.1", "--settle", "0", "--no-check")
+    for text in pages.blocks(STRUCTURES, "toml"):
+        assert Structure.from_dict(tomllib.loads(text)).n == 6
+
+
+def test_programs_of_the_structures_page(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The programs run, and print the figure that the page names."""
+    for program in pages.blocks(STRUCTURES, "python"):
+        exec(program, {})
+    (least,) = re.findall(r"print\(min\(gaps\)\)  # m, (-[\d.]+):", STRUCTURES.read_text(encoding="utf-8"))
+    assert float(capsys.readouterr().out.split()[-1]) == pytest.approx(float(least), abs=0.005)
 
 
 def test_column_file_page() -> None:

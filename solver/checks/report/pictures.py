@@ -18,13 +18,13 @@ from ...ground.motion import STANDARD_GRAVITY
 from ...plotting.drawings import draw_column, plot_column
 from ...plotting.plots import HISTORIES, plot_histories
 from ...plotting.style import INK, block_colours
+from ...plotting.words import verdict_of
 from ..check import Check
 from ..scaling import MEAN_FROM
 
 DPI = 140
 PERIODS = np.geomspace(0.04, 4.0, 100)  # s
 MOST_NUMBERED = 15  # joints that get a number; of more, every second, third ...
-AFTER_FALL = 0.5  # s, drawn after a fall
 LABELS = {0.05: "0.05", 0.1: "0.1", 0.2: "0.2", 0.5: "0.5", 1.0: "1", 2.0: "2", 4.0: "4"}
 
 
@@ -95,13 +95,16 @@ def spectra_picture(check: Check) -> Figure:
 
 
 def histories_picture(response: Response, title: str) -> Figure:
-    """The histories of a run, cut off shortly after a fall."""
-    rows = len(response.time)
-    if response.overturned:
-        rows = max(2, int(np.searchsorted(response.time, response.overturn_time + AFTER_FALL)))
-    histories = {name: getattr(response, name)[:rows] for name in HISTORIES}
+    """The histories of a run."""
+    histories = {name: getattr(response, name) for name in HISTORIES}
     return plot_histories(
-        response.time[:rows], histories, response.column, response.motion, title, response.overturn_time
+        response.time,
+        histories,
+        response.column,
+        response.motion,
+        title,
+        response.overturn_time,
+        verdict=verdict_of(response),
     )
 
 

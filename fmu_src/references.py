@@ -1,0 +1,135 @@
+"""Value references: the numbers by which programs that run an FMU call its variables."""
+
+from __future__ import annotations
+
+import re
+
+from solver.common.ranges import MAX_BLOCKS
+
+# A number once given stays: a new variable takes the next free one, a dropped one leaves a gap.
+REFERENCES = {
+    # inputs: from 1
+    "base.ax": 1,
+    "base.az": 2,
+    "base.jx": 3,
+    "base.jz": 4,
+    "base.theta": 5,
+    "base.omega": 6,
+    "base.alpha": 7,
+    "base.ay": 8,
+    "base.jy": 9,
+    # outputs of the column or structure as a whole: from 1001
+    "base.Fx": 1001,
+    "base.Fz": 1002,
+    "base.My": 1003,
+    "base.R0x": 1004,
+    "base.R0z": 1005,
+    "base.R0m": 1006,
+    "base.mxx": 1007,
+    "base.mxz": 1008,
+    "base.mxt": 1009,
+    "base.mzz": 1010,
+    "base.mzt": 1011,
+    "base.mtt": 1012,
+    "overturn_time": 1013,
+    "overturn_joint": 1014,
+    "overturned": 1015,
+    "verdict": 1016,
+    "base.record_pga": 1017,
+    "base.Fx_peak": 1018,
+    "base.Fz_peak": 1019,
+    "base.My_peak": 1020,
+    "base.Fy": 1021,
+    "base.Mx": 1022,
+    "base.Mz": 1023,
+    "base.Fy_peak": 1024,
+    "base.Mx_peak": 1025,
+    "base.Mz_peak": 1026,
+    "overturned_block": 1027,
+    # parameters of the column or structure as a whole: from 2001
+    "g": 2001,
+    "solver.formulation": 2002,
+    "solver.integrator": 2003,
+    "solver.step": 2004,
+    "solver.tolerance": 2005,
+    "solver.without": 2006,
+    "base.record": 2007,
+    "base.record_scale": 2008,
+    "joints.damping_scale": 2009,
+}
+# Variables of every block, joint or tie: a family each, of 1000 numbers.
+FAMILY = 1000
+FAMILIES = {
+    "block.ux": 10,
+    "block.uz": 11,
+    "block.theta": 12,
+    "joint.N": 13,
+    "joint.M": 14,
+    "joint.S": 15,
+    "joint.contact": 16,
+    "joint.sigma_max": 17,
+    "joint.T": 18,
+    "joint.slip": 19,
+    "block.ux_peak": 20,
+    "block.uz_peak": 21,
+    "block.theta_peak": 22,
+    "joint.N_peak": 23,
+    "joint.M_peak": 24,
+    "joint.S_peak": 25,
+    "joint.contact_least": 26,
+    "joint.sigma_max_peak": 27,
+    "joint.T_peak": 28,
+    "joint.friction_peak": 29,
+    "joint.slip_peak": 30,
+    "block.uy": 31,
+    "block.rx": 32,
+    "block.ry": 33,
+    "block.rz": 34,
+    "joint.Mx": 35,
+    "joint.My": 36,
+    "joint.Mz": 37,
+    "joint.Tx": 38,
+    "joint.Ty": 39,
+    "tie.F": 40,
+    "block.uy_peak": 41,
+    "block.rx_peak": 42,
+    "block.ry_peak": 43,
+    "block.rz_peak": 44,
+    "joint.Mx_peak": 45,
+    "joint.My_peak": 46,
+    "joint.Mz_peak": 47,
+    "joint.Tx_peak": 48,
+    "joint.Ty_peak": 49,
+    "block.height": 50,
+    "block.width": 51,
+    "block.depth": 52,
+    "block.mass": 53,
+    "block.centroid": 54,
+    "block.inertia": 55,
+    "joint.stiffness": 56,
+    "joint.damping": 57,
+    "joint.width": 58,
+    "joint.depth": 59,
+    "joint.friction": 60,
+    "joint.dowel": 61,
+    "joint.offset": 62,
+    "joint.inclination": 63,
+    "block.tilt": 64,
+    "tie.F_peak": 65,
+}
+assert MAX_BLOCKS <= FAMILY
+
+
+def reference_of(name: str) -> int:
+    """The value reference of a variable: that of REFERENCES, or 1000 times its family plus the number of its block."""
+    parts = re.fullmatch(r"(block|joint|tie)\[(\d+)\]\.(\w+)", name)
+    if parts is None:
+        return REFERENCES[name]
+    owner, number, quantity = parts.groups()
+    return FAMILY * FAMILIES[f"{owner}.{quantity}"] + int(number)
+
+
+def array_of(name: str) -> str:
+    """The array that a variable of a block, joint or tie belongs to, block[3].ux to block.ux; "" for others."""
+    parts = re.fullmatch(r"(\w+)\[\d+\]\.(\w+)", name)
+    return f"{parts[1]}.{parts[2]}" if parts else ""

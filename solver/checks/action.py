@@ -1,0 +1,126 @@
+"""The action of a check: motions as given, scaled, or made, and the spectrum that they stand for."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+from ..column.column import Column
+from ..common.errors import InputError, shown
+from ..ground.motion import STANDARD_GRAVITY, Motion
+from ..statics.modes import natural_frequencies
+from . import scaling
+from .artificial import artificial_motions, with_vertical
+from .kinematic import Mechanism
+from .scaling import MotionSpectra, ScaledMotion
+from .spectra import Spectral, TargetSpectrum
+
+ARTIFICIAL = 7  # motions made where no record is given: as many as have their mean count
+SHORTEST_PART, LONGEST_PART = 0.2, 2.0  # of the first period: EN 1998-1, 3.2.3.1.2(4)
+LONGEST_PERIOD = 4.0  # s, at which the spectra of codes end
+
+Motions = Mapping[str, Motion] | Iterable[Motion | str | os.PathLike[str]]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Action:
+    """The action on a column: motions as they are applied, and the spectrum that they stand for."""
+
+    motions: tuple[ScaledMotion, ...]
+    how: str  # they were scaled, in words
+    target: TargetSpectrum | None = None
+    periods: tuple[float, float] | None = None  # s, range in which their spectra follow the target
+
+    @cached_property
+    def spectrum(self) -> Spectral:
+        """The target, or what the motions themselves have."""
+        return self.target or MotionSpectra(tuple(scaled.motion for scaled in self.motions))
+
+    @property
+    def statistic(self) -> str:
+        """Which of the values of several motions counts, in words."""
+        count = len(self.motions)
+        if count >= scaling.MEAN_FROM:
+            return f"mean of {count} motions"
+        few = "" if count >= scaling.FEWEST else f"; codes ask for at least {scaling.FEWEST}"
+        return f"largest of {count} motions{few}" if count > 1 else f"one motion{few}"
+
+
+@dataclass(frozen=True)
+class Level:
+    """The level to which motions are brought: at most one of target, pga and sa. Raises InputError as `check` does."""
+
+    target: TargetSpectrum | None
+    pga: float | None  # m/s2
+    vertical_pga: float | None  # m/s2
+    sa: float | None  # m/s2, at the first period
+    periods: tuple[float, float] | None  # s
+    least: float  # part of the target below which the mean spectrum must not be
+    artificial: int  # motions made where none is given
+    vertical: bool  # these have vertical components
+    seed: int
+
+    def __post_init__(self) -> None:
+        if sum(value is not None for value in (self.target, self.pga, self.sa)) > 1:
+            raise InputError("target, pga, sa: must be one of them, motions cannot be scaled to several")
+        if self.vertical_pga is not None and self.pga is None:
+            raise InputError("vertical_pga: must be left out without pga")
+        if self.periods is not None and self.target is None:
+            raise InputError("periods: must be left out without a target spectrum")
+
+
+def action_on(column: Column, found: Mechanism, motions: Motions, level: Level) -> Action:
+    """The motions brought to a level; where none is given, artificial ones. Raises InputError as `check` does."""
+    given = _named(motions)
+    own = 1.0 / float(natural_frequencies(column)[0])
+    if level.target is not None:
+        return _following(level.target, given, level, own, found)
+    if not given:
+        raise InputError("motions: none given, must be records, or a target spectrum that artificial ones follow")
+    if level.pga is not None:
+        scaled = scaling.scaled_to_pga(given, level.pga, level.vertical_pga)
+        how = f"each to a largest horizontal acceleration of {level.pga / STANDARD_GRAVITY:.4g} g"
+    elif level.sa is not None:
+        scaled = scaling.scaled_to_sa(given, own, level.sa)
+        how = f"each to a spectral acceleration of {level.sa / STANDARD_GRAVITY:.4g} g at the first period, {own:.4g} s"
+    else:
+        scaled, how = [ScaledMotion(*pair) for pair in given.items()], "as given"
+    return Action(tuple(scaled), how)
+
+
+def _following(
+    target: TargetSpectrum, given: Mapping[str, Motion], level: Level, own: float, found: Mechanism
+) -> Action:
+    """Motions whose spectra follow the target: those given, scaled, or artificial ones. own: s, first period."""
+    usual = (SHORTEST_PART * own, max(LONGEST_PART * own, min(found.period(), LONGEST_PERIOD)))
+    low, high = usual if level.periods is None else level.periods
+    if given:
+        scaled = scaling.scaled_to_spectrum(given, target, (low, high), level.least)
+        how = f"each to a mean of 1 over the target from {low:.3g} to {high:.3g} s, all so that their mean is no "
+        return Action(tuple(scaled), f"{how}less than {level.least:g} of it", target, (low, high))
+    made = artificial_motions(target, level.artificial, level.seed)
+    if level.vertical:
+        if target.vertical is None:
+            raise InputError(f"vertical: {target.name} has no vertical spectrum, must be left out")
+        made = with_vertical(made, target.vertical, level.seed)
+    how = f"artificial motions made to follow the target, seeds from {level.seed}"
+    return Action(tuple(ScaledMotion(*pair) for pair in made.items()), how, target, (low, high))
+
+
+def _named(motions: Motions) -> dict[str, Motion]:
+    if isinstance(motions, Mapping):
+        found = dict(motions)
+    else:
+        found = {}
+        for number, given in enumerate(motions, start=1):
+            name = f"motion {number}" if isinstance(given, Motion) else Path(given).stem
+            found[name if name not in found else f"{name} {number}"] = (
+                given if isinstance(given, Motion) else Motion.from_file(given)
+            )
+    for name, motion in found.items():
+        if not isinstance(motion, Motion):
+            raise InputError(f"{name} = {shown(motion)}: must be a Motion or the path of a record")
+    return found
