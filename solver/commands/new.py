@@ -18,14 +18,18 @@ from ..common.ranges import LENGTH, NUMBERS, listed
 from .command_files import add_force, check_suffix
 
 DAMPING = 1e-3  # s
+PART_OF_BOX = 0.4  # that a statue fills: an estimate
 SURVEYS = (("height", "width", "depth"), ("height", "diameter"))
 
 
 class Question(NamedTuple):
-    """A question for a number: words, the answer to an empty line, range and meaning, factor to SI."""
+    """A question for a number: words, the answer to an empty line, range and meaning, factor to SI.
+
+    usual: may follow from the answers before.
+    """
 
     text: str
-    usual: float
+    usual: float | Callable[[dict[str, float]], float]
     limits: tuple[tuple[float, float], str] = LENGTH
     factor: float = 1.0
 
@@ -68,6 +72,12 @@ def _statue(asked: dict[str, float]) -> list[dict[str, float]]:
     return [statue, pedestal]
 
 
+def _mass_of_statue(asked: dict[str, float]) -> float:
+    """An estimate, kg: marble in a part of the box around it, to two digits."""
+    box = asked["height"] * asked["width"] * asked["depth"]
+    return float(f"{PART_OF_BOX * MATERIALS['marble'].density * box:.2g}")
+
+
 _COUNT = ((1.0, 1000.0), "a whole number from 1 to 1000")
 SHAPES = {
     "drums": Shape(
@@ -86,7 +96,9 @@ SHAPES = {
             "height": Question("height of the statue (m)", 1.8),
             "width": Question("width of its base, in the direction of the motion (m)", 0.5),
             "depth": Question("depth of its base, across (m)", 0.5),
-            "mass": Question("mass of the statue (kg)", 500.0, NUMBERS["mass"]),
+            "mass": Question(
+                "mass of the statue (kg), if unknown 0.4 of a marble box", _mass_of_statue, NUMBERS["mass"]
+            ),
             "pedestal_height": Question("height of the pedestal (m)", 1.0),
             "pedestal_width": Question("width of the pedestal, in the direction of the motion (m)", 0.7),
             "pedestal_depth": Question("depth of the pedestal, across (m)", 0.7),
@@ -123,7 +135,9 @@ def _new(options: argparse.Namespace) -> None:
     shape = _choice("what stands there", {key: shape.text for key, shape in SHAPES.items()}, "drums")
     blocks = _survey() if shape == "survey" else []
     if not blocks:
-        asked = {key: _number(question) for key, question in SHAPES[shape].questions.items()}
+        asked: dict[str, float] = {}
+        for key, question in SHAPES[shape].questions.items():
+            asked[key] = _number(question, asked)
         if "count" in asked and asked["count"] != int(asked["count"]):
             raise InputError(f"{asked['count']:g}: must be {_COUNT[1]}")
         blocks = SHAPES[shape].blocks(asked)
@@ -214,8 +228,9 @@ def _choice(text: str, choices: dict[str, str], usual: str) -> str:
     return chosen
 
 
-def _number(question: Question) -> float:
-    answer = _answer(question.text, f"{question.usual:g}")
+def _number(question: Question, asked: dict[str, float] | None = None) -> float:
+    usual = question.usual(asked or {}) if callable(question.usual) else question.usual
+    answer = _answer(question.text, f"{usual:g}")
     return question.factor * _parsed(question.text, answer, question.limits)
 
 

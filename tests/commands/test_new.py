@@ -43,6 +43,13 @@ def test_empty_answers_make_a_column(
     assert all(block.joint.strength == MATERIALS[material].strength for block in column.blocks)
 
 
+def test_mass_of_a_statue_follows_its_size(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    answers = ("statue", "3.6", "1.0", "0.5", *[""] * 4, "marble", "", "")
+    assert ask(monkeypatch, tmp_path / "a.toml", *answers) == 0
+    mass = Column.from_toml(tmp_path / "a.toml").blocks[0].mass
+    assert mass == pytest.approx(0.4 * 2700.0 * 3.6 * 1.0 * 0.5, rel=0.05)  # two digits
+
+
 def test_material_fills_in_and_is_overridden() -> None:
     """In a column file: what it fills in equals numbers written out; a block may name another, numbers win."""
     sizes = {"height": 1.5, "width": 0.8, "depth": 0.8}
