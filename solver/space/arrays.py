@@ -17,6 +17,9 @@ FLOOR = 1e-3  # of the motion under which the structure settles as it is loaded:
 # Errors die out with the motion of the joints. Where that keeps ringing they add up: a step may add this part of the
 # tolerance, by which the energy changes by some 1e-2 to 1e-1 of it in a second
 RINGING_PART = 3e-5
+# least damping along a joint that may slide, times the frequency of the fastest joint: the elastic slip turns with the
+# motion within that time, which explicit steps must follow
+RELAXATION = 0.1
 FIRST = 0.1  # of the time in which the fastest joint turns by a radian
 
 
@@ -33,8 +36,6 @@ class Model(NamedTuple):
 class State(NamedTuple):
     """What a run changes, and its work array: the arguments `state` of the entries."""
 
-    memory: FloatArray
-    plastic: FloatArray
     control: FloatArray
     counts: Any
     peaks: FloatArray
@@ -61,15 +62,22 @@ def model_of(
         place += len(joint.face.outline)
     for e, tie in enumerate(ties):
         _fill_tie(at.TIES.see(model.ties, k), e, tie, solids)
-    _fill_settings(at.SETTINGS.see(model.settings), table, solids, joints, g, tolerance)
+    settings = at.SETTINGS.see(model.settings)
+    _fill_settings(settings, table, solids, joints, g, tolerance)
+    slides = any(joint.bed.friction is not None for joint in joints)
+    settlement = settings.motion_floor * settings.extent / FLOOR
+    for j, joint in enumerate(joints):
+        table.reach[j] = math.inf
+        if joint.bed.friction is not None:
+            table.reach[j] = joint.bed.friction * settlement / joint.bed.shear_ratio
+            table.shear_damping[j] = max(table.shear_damping[j], settings.relaxation)
+    settings.gives_way = float(slides or any(tie.yield_ is not None for tie in ties))
     return model
 
 
 def state_of(n: int, m: int, k: int) -> State:
-    """The state of a structure as built, without weight."""
+    """What a run changes beside the phase, before it."""
     return State(
-        np.zeros(at.MEMORY.size(m)),
-        np.zeros(k),
         np.zeros(at.CONTROL.beside),
         np.zeros(at.COUNTS.beside, dtype=np.int64),
         np.zeros(at.row_size(n, m, k)),
@@ -77,9 +85,9 @@ def state_of(n: int, m: int, k: int) -> State:
     )
 
 
-def phase_of(n: int) -> FloatArray:
-    """The phase of n blocks as built, padded to what the kernels sum."""
-    phase = np.zeros(at.padded(at.PHASE.size(n)))
+def phase_of(n: int, m: int, k: int) -> FloatArray:
+    """The phase of n blocks as built, with what m joints and k ties remember behind it."""
+    phase = np.zeros(at.moving_size(n, m, k))
     at.PHASE.see(phase, n).q0[:] = 1.0
     return phase
 
@@ -161,4 +169,5 @@ def _fill_settings(
     settings.extent = extent
     settings.motion_floor = max(1e-12, FLOOR * max(g, 1e-3) / fastest / extent)
     settings.rate_floor = settings.motion_floor * math.sqrt(max(g, 1e-3) / extent)
+    settings.relaxation = RELAXATION / frequency
     settings.watches = 1.0

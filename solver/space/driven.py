@@ -67,13 +67,13 @@ def packed(structure: Structure) -> FloatArray:
     """The model of a structure and its rest, as `assemble` is given them. Raises InputError if it does not stand."""
     n, m, k = structure.n, len(structure.joints), len(structure.ties)
     rest, size = rest_of(structure), sizes_of(structure).model
-    phase = rest.phase[: at.PHASE.size(n)].copy()
+    phase = rest.phase.copy()
     if structure.is_plane:  # what is zero by symmetry, but for rounding
         seen = at.PHASE.see(phase, n)
         for name in ("uy", "q1", "q3"):
             getattr(seen, name)[:] = 0.0
     head = np.array([n, m, k, structure.is_plane, size], dtype=np.float64)
-    return np.concatenate([head, *structure.model, phase, rest.memory, rest.plastic])
+    return np.concatenate([head, *structure.model, phase])
 
 
 def make_kernels() -> None:

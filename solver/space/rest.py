@@ -28,11 +28,9 @@ SOFTENING = 1e-4  # of the stiffness in full contact: first addition to a tangen
 
 
 class Rest(NamedTuple):
-    """A structure at rest: phase, memory of joints and ties, output row, tangent stiffness (entries.py)."""
+    """A structure at rest: phase, output row, tangent stiffness (entries.py)."""
 
     phase: FloatArray
-    memory: FloatArray
-    plastic: FloatArray
     row: FloatArray
     stiffness: FloatArray
 
@@ -78,8 +76,6 @@ def _sticking(stepper: Stepper) -> Stepper:
 def start_from(stepper: Stepper, rest: Rest) -> None:
     """Put a stepper at rest."""
     stepper.phase[:] = rest.phase
-    stepper.state.memory[:] = rest.memory
-    stepper.state.plastic[:] = rest.plastic
 
 
 def _loads(structure: Structure) -> int:
@@ -93,8 +89,7 @@ def _finished(stepper: Stepper, stiffness: FloatArray) -> Rest:
         np.linalg.cholesky(symmetric)
     except np.linalg.LinAlgError:
         raise InputError("its rest is not stable, it falls without any motion") from None
-    state = stepper.state
-    return Rest(stepper.phase.copy(), state.memory.copy(), state.plastic.copy(), stepper.row.copy(), stiffness)
+    return Rest(stepper.phase.copy(), stepper.row.copy(), stiffness)
 
 
 def _weights(structure: Structure) -> FloatArray:

@@ -132,10 +132,9 @@ def _set_initial(stepper: Stepper, initial: SpatialState) -> None:
     across = np.cross(q, spin)  # into the axes of the body
     see.wx[:], see.wy[:], see.wz[:] = (spin - 2.0 * (see.q0[:, None] * across - np.cross(q, across))).T
     stepper.observe(keep=False)
-    memory = at.MEMORY.see(stepper.state.memory, len(stepper.structure.joints))
     found = resultants_of(stepper)
     for k in (1, 2, 3):  # joints begin without elastic slip
-        getattr(memory, f"p{k}")[:] = getattr(found, f"s{k}")
+        getattr(stepper.slips, f"p{k}")[:] = getattr(found, f"s{k}")
 
 
 def resultants_of(stepper: Stepper) -> object:

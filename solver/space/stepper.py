@@ -25,25 +25,26 @@ _SILENCE = (_NONE, _NONE, _NONE, _NONE)
 
 
 class Stepper:
-    """A structure between two calls: `phase` (layout.py, PHASE), and what it remembers in `state`."""
+    """A structure between two calls: its `phase` (layout.py, PHASE, MEMORY), and what a run counts in `state`."""
 
     def __init__(self, structure: Structure) -> None:
         self.structure = structure
         self.sizes = structure.n, len(structure.joints), len(structure.ties)
         self.model: Model = structure.model
         self.state: State = state_of(*self.sizes)
-        self.phase = phase_of(structure.n)
+        self.phase = phase_of(*self.sizes)
         self.rates = np.zeros_like(self.phase)
         self.row = np.zeros(at.row_size(*self.sizes))
         self.base = np.zeros(at.BASE.beside)
         self.see = at.PHASE.see(self.phase, structure.n)
+        self.slips = at.MEMORY.see(self.phase[at.PHASE.size(structure.n) :], len(structure.joints))
         self.control = at.CONTROL.see(self.state.control)
         self.counts = at.COUNTS.see(self.state.counts)
 
     def observe(self, ax: float = 0.0, ay: float = 0.0, az: float = 0.0, keep: bool = False) -> float:
         """Evaluate the phase under an acceleration of the base, m/s2: `rates` and `row`; returns the energy, J.
 
-        keep: whether joints that slide, and ties that yield, remember this state.
+        keep: whether joints that slide, and ties that yield, remember this state, as after a long rest.
         """
         arguments = self.phase, self.rates, float(ax), float(ay), float(az), self.row, bool(keep)
         energy: float = observe_structure(*self.sizes, self.model, self.state, *arguments)

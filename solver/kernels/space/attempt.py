@@ -11,12 +11,14 @@ from ..integrators import order_8
 from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.views import packs, packs_of
 from .base import acceleration
-from .evaluate import evaluate
-from .layout import PHASE, STAGES
+from .evaluate import evaluate_state, moving
+from .layout import MEMORY, PHASE, STAGES
 from .watch import BETWEEN, END, RATES, STAGE, START, row
 
-_phase = PHASE.over
-_PER_BODY = PHASE.per_n
+_phase, _memory = PHASE.over, MEMORY.over
+_PER_BODY, _PER_JOINT = PHASE.per_n, MEMORY.per_n
+RESOLVED = 0.01  # of what an elastic slip reaches: its largest error
+KINK = 20.0  # errors of a step count so much more in which a joint begins or ceases to slide: they add up, unseen
 
 
 @leaf
@@ -27,10 +29,10 @@ def rate(scene, k):
 
 @kernel
 def evaluate_at(scene, shaking, segment, y, f, t):
-    """Rates f of a phase y at time t, s."""
+    """Rates f of a state y at time t, s."""
     scene.counts.evaluations += 1
     ax, ay, az = acceleration(shaking, segment, t)
-    evaluate(scene, _phase(y, scene.n), _phase(f, scene.n), ax, ay, az)
+    evaluate_state(scene, y, f, ax, ay, az)
 
 
 @kernel
@@ -45,7 +47,7 @@ def _scale_quaternions(n, phase):
 def _attempt_5(scene, shaking, segment, t, h):
     """One step of h seconds from the row START to END; returns the error in tolerances."""
     begin, middle, ending = row(scene, START), row(scene, STAGE), row(scene, END)
-    count = packs(begin, _PER_BODY * scene.n)
+    count = packs(begin, moving(scene))
     y, stage, end = packs_of(begin), packs_of(middle), packs_of(ending)
     f0, f1, f2 = packs_of(rate(scene, 0)), packs_of(rate(scene, 1)), packs_of(rate(scene, 2))
     f3, f4, f5 = packs_of(rate(scene, 3)), packs_of(rate(scene, 4)), packs_of(rate(scene, 5))
@@ -73,13 +75,13 @@ def _attempt_5(scene, shaking, segment, t, h):
     for i in range(count):
         early = dp.ERROR_0 * f0[i] + dp.ERROR_2 * f2[i] + dp.ERROR_3 * f3[i]
         error[i] = h * (early + dp.ERROR_4 * f4[i] + dp.ERROR_5 * f5[i] + dp.ERROR_LAST * last[i])
-    return _error_in_tolerances(scene, _phase(row(scene, BETWEEN), scene.n))
+    return _error_in_tolerances(scene, row(scene, BETWEEN))
 
 
 @kernel
 def _sum_of(scene, table_row, to):
     """The sum of rates by a row of order 8's weights (order_8.py, WEIGHTS), in 1/s times what they are rates of."""
-    count = packs(to, _PER_BODY * scene.n)
+    count = packs(to, moving(scene))
     found, f0 = packs_of(to), packs_of(rate(scene, 0))
     weight = order_8.WEIGHTS[table_row, 0]
     for i in range(count):
@@ -92,10 +94,10 @@ def _sum_of(scene, table_row, to):
 
 @kernel
 def _move_by(scene, table_row, to, h):
-    """The phase START moved by h times a sum of rates, into a row."""
+    """The state START moved by h times a sum of rates, into a row."""
     _sum_of(scene, table_row, to)
     y, found = packs_of(row(scene, START)), packs_of(to)
-    for i in range(packs(to, _PER_BODY * scene.n)):
+    for i in range(packs(to, moving(scene))):
         found[i] = y[i] + h * found[i]
 
 
@@ -103,7 +105,7 @@ def _move_by(scene, table_row, to, h):
 def _error_8(scene, table_row, h):
     error = row(scene, BETWEEN)
     _sum_of(scene, table_row, error)
-    return h * _error_in_tolerances(scene, _phase(error, scene.n))
+    return h * _error_in_tolerances(scene, error)
 
 
 @kernel
@@ -134,12 +136,48 @@ def size_of(x, y, z):
 
 
 @kernel
-def _error_in_tolerances(scene, error):
+def _error_of_memory(scene, errors, allowed):
+    """Largest error of what joints and ties remember over the allowed one, in rad; slips count over the arm of a joint.
+
+    The direction of friction hangs on elastic slips, so that their error stays a part of them at any tolerance.
+    """
+    slips, plastic, largest = _memory(errors, scene.m), errors[_PER_JOINT * scene.m :], 0.0
+    for j in range(scene.m):
+        arm = scene.joints.arm[j]
+        error = size_of(slips.p1[j], slips.p2[j], 0.0) + arm * abs(slips.p3[j])
+        error /= min(arm * allowed, RESOLVED * scene.joints.reach[j])
+        largest = largest if error <= largest else error
+    for e in range(scene.k):
+        reach = scene.ties.yields_at[e] / scene.ties.stiffness[e]
+        error = abs(plastic[e]) / min(scene.settings.extent * allowed, RESOLVED * reach)
+        largest = largest if error <= largest else error
+    return largest
+
+
+@kernel
+def _turns(scene):
+    """Whether a joint begins or ceases to slide or turns back, or a tie to yield, within the step just made."""
+    before, after = rate(scene, 0)[_PER_BODY * scene.n :], rate(scene, STAGES - 1)[_PER_BODY * scene.n :]
+    was, goes = _memory(before, scene.m), _memory(after, scene.m)
+    for j in range(scene.m):
+        slid, slides = was.p1[j] != 0.0 or was.p2[j] != 0.0, goes.p1[j] != 0.0 or goes.p2[j] != 0.0
+        if (slid or slides) and was.p1[j] * goes.p1[j] + was.p2[j] * goes.p2[j] <= 0.0:
+            return True
+        if (was.p3[j] != 0.0 or goes.p3[j] != 0.0) and was.p3[j] * goes.p3[j] <= 0.0:
+            return True
+    for e in range(_PER_JOINT * scene.m, _PER_JOINT * scene.m + scene.k):
+        if (before[e] != 0.0 or after[e] != 0.0) and before[e] * after[e] <= 0.0:
+            return True
+    return False
+
+
+@kernel
+def _error_in_tolerances(scene, errors):
     """Largest error of a place or rate over the allowed one: the tolerance times the largest motion so far, in rad.
 
     Displacements of a body count over its size.
     """
-    place, rate = 0.0, 0.0
+    error, place, rate = _phase(errors, scene.n), 0.0, 0.0
     for i in range(scene.n):
         per = 1.0 / scene.bodies.size[i]
         parts = (
@@ -155,4 +193,9 @@ def _error_in_tolerances(scene, error):
         rate = rate if parts[3] <= rate else parts[3]
     control, tolerance = scene.control, scene.settings.step_tolerance
     place, rate = place / (tolerance * control.largest), rate / (tolerance * control.largest_rate)
-    return rate if not place > rate else place
+    place = rate if not place > rate else place
+    if scene.settings.gives_way == 0.0:
+        return place
+    given = _error_of_memory(scene, errors[_PER_BODY * scene.n :], tolerance * control.largest)
+    place = given if not place > given else place
+    return KINK * place if _turns(scene) else place

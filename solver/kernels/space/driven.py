@@ -5,19 +5,20 @@ memory of joints and ties, peaks), `counts`, `base`; `work` is scratch. The join
 everything seen of a structure follows from its state, and nothing from the acceleration of the same instant.
 """
 
+import math
+
 from ..layout.spaces import INPUT_TOO_LARGE, MOST_INPUT, TOO_MUCH_WORK
 from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.views import Record, clear, copy
 from ..stepping.control import LEAST_TOLERANCE, most_work
 from .base import Shaking, acceleration, segment_after
-from .evaluate import evaluate, show
+from .evaluate import evaluate, evaluate_state, moving, recall, show
 from .layout import (
     BASE,
     BODIES,
     CONTROL,
     COUNTS,
     JOINTS,
-    MEMORY,
     OK,
     PAUSED,
     PHASE,
@@ -25,6 +26,7 @@ from .layout import (
     STAGES,
     TIES,
     lay_scene,
+    moving_size,
     row_size,
 )
 from .stepping import advance
@@ -43,10 +45,7 @@ _GIVEN, _HEAD, _SETTINGS, _BODY, _JOINT, _TIE = (
     *(GIVEN.beside, HEAD.beside, SETTINGS.beside),
     *(BODIES.per_n, JOINTS.per_n, TIES.per_n),
 )
-_BODY_BLOCK, _PER_JOINT, _CONTROL, _COUNTS, _BASE = (
-    *(PHASE.per_n, MEMORY.per_n),
-    *(CONTROL.beside, COUNTS.beside, BASE.beside),
-)
+_CONTROL, _COUNTS, _BASE = CONTROL.beside, COUNTS.beside, BASE.beside
 
 
 def model_size(n: int, m: int, k: int, corners: int) -> int:
@@ -57,7 +56,7 @@ def model_size(n: int, m: int, k: int, corners: int) -> int:
 
 def state_size(n: int, m: int, k: int) -> int:
     """Length of the state."""
-    return int(CONTROL.beside + PHASE.size(n) + MEMORY.size(m) + k + row_size(n, m, k))
+    return int(CONTROL.beside + moving_size(n, m, k) + row_size(n, m, k))
 
 
 @leaf
@@ -68,10 +67,8 @@ def _scene(model, state, counts, work):
     bodies = settings[_SETTINGS:]
     joints = bodies[_BODY * (n + 1) :]
     ties = joints[_JOINT * m :]
-    memory = state[_CONTROL + _BODY_BLOCK * n :]
-    plastic = memory[_PER_JOINT * m :]
     parts = settings, bodies, joints, ties, ties[_TIE * k :]
-    return lay_scene(n, m, k, parts, memory, plastic, state, counts, plastic[k:], work)
+    return lay_scene(n, m, k, parts, state, counts, state[_CONTROL + moving_size(n, m, k) :], work)
 
 
 @kernel
@@ -89,13 +86,13 @@ def assemble(model, state, counts, base, given, from_rest):
     joints, ties = _joints(of_joints, m), _ties(of_joints[_JOINT * m :], k)
     for j in range(m):
         joints.damping[j] *= described.damping_scale
-        joints.shear_damping[j] *= described.damping_scale
+        least = settings.relaxation if joints.friction[j] != math.inf else 0.0
+        joints.shear_damping[j] = max(least, described.damping_scale * joints.shear_damping[j])
     for e in range(k):
         ties.damping[e] *= described.damping_scale
     if from_rest != 0:
-        remembered = _BODY_BLOCK * n + _PER_JOINT * m + k
-        clear(state, _CONTROL + remembered + row_size(n, m, k))
-        copy(state[_CONTROL:], packed[size:], remembered)
+        clear(state, _CONTROL + moving_size(n, m, k) + row_size(n, m, k))
+        copy(state[_CONTROL:], packed[size:], moving_size(n, m, k))
         clear(_counts(counts, 0).row, _COUNTS)
         clear(base, _BASE)
     return OK
@@ -175,6 +172,7 @@ def look(model, state, counts, base, work, inputs, new_inputs, elapsed, t, visib
     if new_inputs != 0:
         _drive(_base(base, 0), inputs, elapsed, t)
     phase = _phase(state[_CONTROL:], scene.n)
+    recall(scene, state[_CONTROL:])
     evaluate(scene, phase, _phase(row(scene, RATES), scene.n), 0.0, 0.0, 0.0)
     show(scene, phase, visible)
     return OK
@@ -184,22 +182,22 @@ def look(model, state, counts, base, work, inputs, new_inputs, elapsed, t, visib
 def rates(model, state, counts, base, work, t, count, times, ax, ay, az, scale, visible):
     """Fill an output row with the rate of every output at time t, 1/s; `look` has been called then. Returns OK.
 
-    Central differences along the rates of the phase, over a fraction of the first step; slips that friction has given
-    way by stay.
+    Central differences along the rates of the state, over a fraction of the first step.
     """
     scene, shaking = _scene(model, state, counts, work), _shaking(base, count, times, ax, ay, az, scale)
     size, here, between = row_size(scene.n, scene.m, scene.k), state[_CONTROL:], row(scene, STAGE)
     clear(visible, size)
     if scene.counts.fallen > 0:
         return OK
-    moving = row(scene, RATES)
+    pace = row(scene, RATES)
     pushed = acceleration(shaking, segment_after(shaking, t), t)
-    evaluate(scene, _phase(here, scene.n), _phase(moving, scene.n), pushed[0], pushed[1], pushed[2])
+    recall(scene, here)
+    evaluate_state(scene, here, pace, pushed[0], pushed[1], pushed[2])
     past = RATE_PART * scene.settings.first_step
     for _ in range(2):
-        for i in range(_BODY_BLOCK * scene.n):
-            between[i] = here[i] + past * moving[i]
-        evaluate(scene, _phase(between, scene.n), _phase(row(scene, RATES + 1), scene.n), 0.0, 0.0, 0.0)
+        for i in range(moving(scene)):
+            between[i] = here[i] + past * pace[i]
+        evaluate_state(scene, between, row(scene, RATES + 1), 0.0, 0.0, 0.0)
         show(scene, _phase(between, scene.n), seen(scene, 0))
         for i in range(size):
             visible[i] += 0.5 / past * seen(scene, 0)[i]

@@ -4,9 +4,9 @@ from ..numba_ext.jit import entry, kernel
 from ..numba_ext.views import row_of
 from . import driven
 from .base import Shaking
-from .evaluate import energy, evaluate, show
+from .evaluate import energy, evaluate, recall, settle_memory, show
 from .layout import BASE, PHASE, lay_scene
-from .stepping import advance, note, remember
+from .stepping import advance
 from .watch import Watch
 
 _phase, _base = PHASE.over, BASE.over
@@ -16,10 +16,9 @@ _phase, _base = PHASE.over, BASE.over
 def scene_of(n, m, k, model, state):
     """The scene of a structure of n blocks, m joints and k ties; model, state: its arrays (arrays.py)."""
     settings, bodies, joints, ties, corners = model
-    memory, plastic, control, counts, peaks, work = state
+    control, counts, peaks, work = state
     rows = row_of(settings), row_of(bodies), row_of(joints), row_of(ties), row_of(corners)
-    remembered = row_of(memory), row_of(plastic), row_of(control)
-    return lay_scene(n, m, k, rows, *remembered, row_of(counts), row_of(peaks), row_of(work))
+    return lay_scene(n, m, k, rows, row_of(control), row_of(counts), row_of(peaks), row_of(work))
 
 
 @entry
@@ -35,15 +34,15 @@ def run_structure(n, m, k, model, state, phase, record, base, at, rows, t, stop,
 def observe_structure(n, m, k, model, state, phase, rates, ax, ay, az, row, keep):
     """Evaluate a phase under an acceleration of the base, m/s2: its rates, output row and energy, J, which is returned.
 
-    keep: whether elastic slips and lengths of ties are kept.
+    phase: with what joints and ties remember behind it. keep: whether they remember this state, as after a long rest.
     """
     scene = scene_of(n, m, k, model, state)
     seen = _phase(row_of(phase), n)
+    recall(scene, row_of(phase))
     evaluate(scene, seen, _phase(row_of(rates), n), ax, ay, az)
-    show(scene, seen, row_of(row))
     if keep:
-        note(scene)
-        remember(scene)
+        settle_memory(scene, row_of(phase))
+    show(scene, seen, row_of(row))
     return energy(scene, seen)
 
 
@@ -52,12 +51,13 @@ def stiffness_of(n, m, k, model, state, phase, scratch, rates, delta, matrix):
     """Tangent stiffness about a phase without rates: matrix (6 n x 6 n) by rows, N and N m per m and rad.
 
     Forces on the centroids by displacements and rotations about the axes of the base, by central differences of `delta`
-    (a number for each coordinate, m or rad). The elastic slips are those of the state.
+    (a number for each coordinate, m or rad). Joints and ties remember what the phase says.
     """
     scene = scene_of(n, m, k, model, state)
     size = 6 * n
     from_, to, found = row_of(phase), row_of(scratch), row_of(matrix)
     turned, poses = _phase(to, n), scene.poses
+    recall(scene, from_)
     for column in range(size):
         i, axis = column // 6, column % 6
         for way in range(2):

@@ -3,12 +3,54 @@
 import math
 
 from ..numba_ext.jit import kernel, leaf
+from ..numba_ext.views import copy
 from .joint import joint_energy, load_joint
 from .kinematics import accelerate_bodies, pose_bodies
-from .layout import OF_BASE, OF_BLOCK, OF_JOINT
+from .layout import MEMORY, OF_BASE, OF_BLOCK, OF_JOINT, PHASE
 from .tie import load_tie, tie_energy
 
+_phase = PHASE.over
+_PER_BODY, _PER_JOINT = PHASE.per_n, MEMORY.per_n
 _BLOCKS, _JOINTS, _BASE = len(OF_BLOCK), len(OF_JOINT), len(OF_BASE)
+
+
+@leaf
+def moving(scene):
+    """How many numbers of a state move: those of the phase, and the memory where something gives way."""
+    count = _PER_BODY * scene.n
+    if scene.settings.gives_way != 0.0:
+        count += _PER_JOINT * scene.m + scene.k
+    return count
+
+
+@kernel
+def recall(scene, state):
+    """Take the memory of joints and ties from a state."""
+    copy(scene.memory, state[_PER_BODY * scene.n :], _PER_JOINT * scene.m + scene.k)
+
+
+@kernel
+def settle_memory(scene, state):
+    """Let the state that has just been evaluated remember elastic parts within their limits, as after a long rest."""
+    found, slips = scene.resultants, scene.slips
+    for j in range(scene.m):
+        slips.p1[j] = found.s1[j] - found.z1[j]
+        slips.p2[j] = found.s2[j] - found.z2[j]
+        slips.p3[j] = found.s3[j] - found.z3[j]
+    for e in range(scene.k):
+        scene.plastic[e] = scene.pulls.stretch[e] - scene.pulls.elastic[e]
+    copy(state[_PER_BODY * scene.n :], scene.memory, _PER_JOINT * scene.m + scene.k)
+
+
+@kernel
+def evaluate_state(scene, state, rates, ax, ay, az):
+    """`evaluate`, with the memory of the state where it moves, and its rates."""
+    n, gives_way = scene.n, scene.settings.gives_way != 0.0
+    if gives_way:
+        recall(scene, state)
+    evaluate(scene, _phase(state, n), _phase(rates, n), ax, ay, az)
+    if gives_way:
+        copy(rates[_PER_BODY * n :], scene.giving, _PER_JOINT * scene.m + scene.k)
 
 
 @kernel
@@ -58,7 +100,7 @@ def show(scene, phase, row):
         row[3 * n + i], row[4 * n + i], row[5 * n + i] = turn
     found, joints, of_joints = scene.resultants, scene.joints, row[_BLOCKS * n :]
     for j in range(m):
-        slip = math.hypot(found.p1[j], found.p2[j])
+        slip = math.hypot(scene.slips.p1[j], scene.slips.p2[j])
         of_joints[j] = found.normal[j]
         of_joints[m + j], of_joints[2 * m + j] = found.g1[j], found.g2[j]
         of_joints[3 * m + j], of_joints[4 * m + j] = -found.t1[j], -found.t2[j]

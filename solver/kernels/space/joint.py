@@ -39,31 +39,38 @@ def _limits(joints, j, normal, g1, g2):
 
 @leaf
 def _along_joint(scene, j, motion, normal, g1, g2):
-    """Forces along a joint on the upper block, N, and the twisting couple on its energy, N m; keeps elastic slips."""
-    joints, memory, found = scene.joints, scene.memory, scene.resultants
+    """Forces along a joint on the upper block, N, and the twisting couple on its energy, N m.
+
+    A slider in series with a spring and a dashpot: it moves so fast that both together bear the limit. Its rates are
+    left in the scene.
+    """
+    joints, slips, found, giving = scene.joints, scene.slips, scene.resultants, scene.giving_slips
     shear, twist, damping = joints.shear[j], joints.twist[j], joints.shear_damping[j]
     s1, s2, s3 = motion.gap[0], motion.gap[1], motion.turn[2]
-    p1, p2, p3 = memory.p1[j], memory.p2[j], memory.p3[j]
-    z1, z2, z3 = s1 - p1, s2 - p2, s3 - p3
-    t1 = -shear * (z1 + damping * motion.gap_rate[0])
-    t2 = -shear * (z2 + damping * motion.gap_rate[1])
-    g3 = twist * (z3 + damping * motion.turn_rate[2])
-    limit, couple = math.inf, math.inf
+    z1, z2, z3 = s1 - slips.p1[j], s2 - slips.p2[j], s3 - slips.p3[j]
+    v1, v2, v3 = motion.gap_rate[0], motion.gap_rate[1], motion.turn_rate[2]
+    t1, t2 = -shear * (z1 + damping * v1), -shear * (z2 + damping * v2)
+    g3 = twist * (z3 + damping * v3)
+    giving.p1[j], giving.p2[j], giving.p3[j] = 0.0, 0.0, 0.0
     if joints.friction[j] != math.inf:
         limit, couple = _limits(joints, j, normal, g1, g2)
-    size = math.sqrt(t1 * t1 + t2 * t2)
-    if size > limit:
-        t1, t2 = t1 * (limit / size), t2 * (limit / size)
-        z1, z2 = -t1 / shear, -t2 / shear
-        p1, p2 = s1 - z1, s2 - z2
-    if abs(g3) > couple:
-        g3 = math.copysign(couple, g3)
-        z3 = g3 / twist
-        p3 = s3 - z3
+        size = math.sqrt(t1 * t1 + t2 * t2)
+        if size > limit:
+            rate = (1.0 - limit / size) / (shear * damping)
+            giving.p1[j], giving.p2[j] = -t1 * rate, -t2 * rate
+            t1, t2 = t1 * (limit / size), t2 * (limit / size)
+        own = shear * math.sqrt(z1 * z1 + z2 * z2)
+        if own > limit:
+            z1, z2 = z1 * (limit / own), z2 * (limit / own)
+        size = abs(g3)
+        if size > couple:
+            giving.p3[j] = math.copysign((size - couple) / (twist * damping), g3)
+            g3 = math.copysign(couple, g3)
+        if twist * abs(z3) > couple:
+            z3 = math.copysign(couple / twist, z3)
     found.t1[j], found.t2[j], found.g3[j] = t1, t2, g3
     found.s1[j], found.s2[j], found.s3[j] = s1, s2, s3
     found.z1[j], found.z2[j], found.z3[j] = z1, z2, z3
-    found.p1[j], found.p2[j], found.p3[j] = p1, p2, p3
     return t1, t2, g3
 
 

@@ -20,6 +20,8 @@ SETTINGS = Record(
     "rate_floor",  # rad/s
     "in_plane",  # 1: the motion stays in the plane x, z by symmetry
     "watches",  # 1: peaks of forces too, not of displacements alone
+    "gives_way",  # 1: joints may slide or ties yield, what they give way by is integrated
+    "relaxation",  # s: least damping along a joint that may slide; what a tie yields by follows its stretch so fast
 )
 BODIES = Table(
     *("mass", "per_mass"),  # kg, 1/kg
@@ -40,6 +42,7 @@ JOINTS = Table(
     *("friction", "dowel"),  # coefficient, infinite where nothing slides; N
     "section",  # POLYGON or ROUND
     *("area", "ixx", "iyy", "ixy"),  # m2; m4, integrals of x^2, y^2, x y about the centre, which is the centroid
+    "reach",  # m, elastic slip that friction bears under the weight of one block; infinite where nothing slides
     "arm",  # m, mean distance of the section from the centre
     *("outer", "inner"),  # m, radii of a round section
     *("first", "corners"),  # place and number of the corners of a polygon
@@ -58,7 +61,9 @@ PHASE = Table(
     *("vx", "vy", "vz"),  # m/s
     *("wx", "wy", "wz"),  # rad/s, angular velocity in the axes of the body
 )
-MEMORY = Table("p1", "p2", "p3")  # m, m, rad: slips and twist that friction has given way by; constant within a step
+# behind the phase, which with it is a state: slips and twist that friction has given way by, m, m, rad; then the
+# plastic stretch of each tie, m
+MEMORY = Table("p1", "p2", "p3")
 CONTROL = Record(
     "next_step",  # s
     "previous_error",  # tolerances
@@ -89,9 +94,8 @@ RESULTANTS = Table(  # of m joints, along the axes of the joint
     *("area", "pressure"),  # m2 loaded, Pa largest
     *("s1", "s2", "s3"),  # m, m, rad: slips and twist
     *("z1", "z2", "z3"),  # their elastic parts
-    *("p1", "p2", "p3"),  # and the rest, which friction gives way by
 )
-PULLS = Table("force", "stretch", "plastic")  # of k ties: N, m; plastic part of the stretch after the evaluation
+PULLS = Table("force", "stretch", "elastic")  # of k ties: N, m; the elastic part of the stretch
 SCRATCH = 6 * (MOST_CORNERS + 4)  # of a polygon that is cut
 STAGES = 13  # of a step of order 8, with its start and its end
 
@@ -121,26 +125,34 @@ def row_size(n: int, m: int, k: int) -> int:
 
 
 @in_both
+def moving_size(n: int, m: int, k: int) -> int:
+    """Numbers of a state: the phase, and what joints and ties remember."""
+    size: int = _PER_BODY * n + _PER_JOINT * m + k
+    return size
+
+
+@in_both
 def rows_size(n: int, m: int, k: int) -> int:
-    """Numbers of the rows of a step: phases and rates, then output rows."""
-    phases, outputs = padded(_PER_BODY * n), row_size(n, m, k)
-    size = (STAGES + 5) * phases + SEEN * outputs
+    """Numbers of the rows of a step: states and rates, then output rows."""
+    states, outputs = padded(moving_size(n, m, k)), row_size(n, m, k)
+    size = (STAGES + 5) * states + SEEN * outputs
     return int(size)
 
 
 _OF_BLOCK, _OF_JOINT, _OF_BASE = len(OF_BLOCK), len(OF_JOINT), len(OF_BASE)
 _PER_BODY: int = PHASE.per_n
+_PER_JOINT: int = MEMORY.per_n
 SEEN = 5  # output rows of a step: at its start, in its middle, at its end, of a trial; what is allowed
 
 
 def work_size(n: int, m: int, k: int) -> int:
     """Length of the work array: its parts in the order of `entries.scene_of`."""
-    of_evaluation = POSES.size(n + 1) + RESULTANTS.size(m) + PULLS.size(k) + MEMORY.size(m) + k + SCRATCH
+    of_evaluation = POSES.size(n + 1) + RESULTANTS.size(m) + PULLS.size(k) + 2 * (MEMORY.size(m) + k) + SCRATCH
     return int(rows_size(n, m, k)) + of_evaluation
 
 
 class Scene(NamedTuple):
-    """A structure as the kernels see it: sizes, what describes it, what it remembers, and room for an evaluation."""
+    """A structure as the kernels see it: sizes, what describes it, and room for an evaluation."""
 
     n: int
     m: int
@@ -150,35 +162,37 @@ class Scene(NamedTuple):
     joints: object
     ties: object
     corners: object
-    memory: object
-    plastic: object  # m, of each tie
     control: object
     counts: object
     peaks: object
     poses: object
     resultants: object
     pulls: object
-    kept: object  # memory and plastic as they will be after the step
-    kept_plastic: object
+    memory: object  # what joints and ties remember, of the state that is evaluated
+    slips: object  # of it the part of the joints
+    plastic: object  # and of the ties
+    giving: object  # the rate of the memory
+    giving_slips: object
+    giving_plastic: object
     scratch: object
-    rows: object  # phases and rates of a step, then output rows
+    rows: object  # states and rates of a step, then output rows
 
 
 _bodies, _joints, _ties = BODIES.over, JOINTS.over, TIES.over
 _memory, _poses, _resultants, _pulls = MEMORY.over, POSES.over, RESULTANTS.over, PULLS.over
-_POSE, _RESULTANT, _PULL, _MEMORY = POSES.per_n, RESULTANTS.per_n, PULLS.per_n, MEMORY.per_n
+_POSE, _RESULTANT, _PULL = POSES.per_n, RESULTANTS.per_n, PULLS.per_n
 _settings, _control, _counts = SETTINGS.over, CONTROL.over, COUNTS.over
 
 
 @leaf
-def lay_scene(n, m, k, model, memory, plastic, control, counts, peaks, work):
+def lay_scene(n, m, k, model, control, counts, peaks, work):
     """The scene of n blocks, m joints and k ties over rows; model: settings, bodies, joints, ties, corners."""
     settings, bodies, joints, ties, corners = model
     poses = work[rows_size(n, m, k) :]
     resultants = poses[_POSE * (n + 1) :]
     pulls = resultants[_RESULTANT * m :]
-    kept = pulls[_PULL * k :]
-    kept_plastic = kept[_MEMORY * m :]
+    memory = pulls[_PULL * k :]
+    giving = memory[_PER_JOINT * m + k :]
     return Scene(
         n,
         m,
@@ -188,16 +202,18 @@ def lay_scene(n, m, k, model, memory, plastic, control, counts, peaks, work):
         _joints(joints, m),
         _ties(ties, k),
         corners,
-        _memory(memory, m),
-        plastic,
         _control(control, 0),
         _counts(counts, 0),
         peaks,
         _poses(poses, n + 1),
         _resultants(resultants, m),
         _pulls(pulls, k),
-        _memory(kept, m),
-        kept_plastic,
-        kept_plastic[k:],
+        memory,
+        _memory(memory, m),
+        memory[_PER_JOINT * m :],
+        giving,
+        _memory(giving, m),
+        giving[_PER_JOINT * m :],
+        giving[_PER_JOINT * m + k :],
         work,
     )

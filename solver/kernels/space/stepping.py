@@ -1,20 +1,20 @@
 """Adaptive steps for structures in space: one after the other, with peaks and rows.
 
-Elastic slips are kept at the end of each step. A step ends at each sample of the record.
+A step ends at each sample of the record.
 """
 
 import math
 
 from ..numba_ext.jit import kernel, leaf
+from ..numba_ext.views import copy
 from ..stepping.control import LEAST_ERROR, SAFETY, SHRINK, growth
 from .attempt import attempt, evaluate_at, rate, size_of
 from .base import is_quiet, segment_after
-from .evaluate import show
-from .layout import MEMORY, OK, PAUSED, PHASE, STAGES, STEP_TOO_SMALL, row_size
+from .evaluate import moving, recall, show
+from .layout import OK, PAUSED, PHASE, STAGES, STEP_TOO_SMALL, row_size
 from .watch import END, START, look, raise_peaks, row, seen, track_peaks
 
 _phase = PHASE.over
-_PER_BODY, _PER_JOINT = PHASE.per_n, MEMORY.per_n
 SLACK = 1e-9  # of a step: times closer than this are the same
 LEAST_STEP = 1e-13  # of the time scale
 STILL = 1e-8  # of gravity, and of the rates that errors are measured against: less is rest
@@ -31,29 +31,6 @@ def _take_stock(scene, phase):
         rate = max(rate, per * size_of(phase.vx[i], phase.vy[i], phase.vz[i]))
         rate = max(rate, size_of(phase.wx[i], phase.wy[i], phase.wz[i]))
     control.largest, control.largest_rate = place, rate
-
-
-@kernel
-def note(scene):
-    """Note the elastic slips, and the lengths of ties, of the phase just evaluated, for `remember`."""
-    kept, found = scene.kept, scene.resultants
-    for j in range(scene.m):
-        kept.p1[j], kept.p2[j], kept.p3[j] = found.p1[j], found.p2[j], found.p3[j]
-    for e in range(scene.k):
-        scene.kept_plastic[e] = scene.pulls.plastic[e]
-
-
-@kernel
-def remember(scene):
-    """Go on from what was noted; whether any joint has slid."""
-    memory, kept = scene.memory, scene.kept
-    slides = False
-    for place in range(_PER_JOINT * scene.m):
-        slides = slides or memory.row[place] != kept.row[place]
-        memory.row[place] = kept.row[place]
-    for e in range(scene.k):
-        scene.plastic[e] = scene.kept_plastic[e]
-    return slides
 
 
 @kernel
@@ -114,36 +91,29 @@ def _begin(scene, shaking, segment, t, phase):
 
 @kernel
 def _finish(scene, shaking, watch, segment, t, h):
-    """Go on from the end of a step: peaks, rows, slips, fall."""
-    n = scene.n
-    end, begin = row(scene, END), row(scene, START)
-    phase = _phase(end, n)
+    """Go on from the end of a step: peaks, rows, fall."""
+    phase = _phase(row(scene, END), scene.n)
     scene.counts.steps += 1
     _take_stock(scene, phase)
-    note(scene)
     track_peaks(scene, shaking, segment, t, h)
     _serve_rows(scene, shaking, watch, segment, t, h)
     fallen = _fallen(scene, phase)
     if fallen > 0:
         scene.counts.fallen, scene.control.fall_time = fallen, t + h
-    slides = remember(scene)
-    for i in range(_PER_BODY * n):
-        begin[i] = end[i]
-        rate(scene, 0)[i] = rate(scene, STAGES - 1)[i]
-    if slides:  # the direction of the force may have turned
-        evaluate_at(scene, shaking, segment, begin, rate(scene, 0), t + h)
+    copy(row(scene, START), row(scene, END), moving(scene))
+    copy(rate(scene, 0), rate(scene, STAGES - 1), moving(scene))
 
 
 @kernel
-def advance(scene, shaking, watch, phase, t, stop, most):
+def advance(scene, shaking, watch, state, t, stop, most):
     """Take the structure from t to `stop`, s, in at most `most` steps; it is at `control.reached`. Returns a code.
 
-    phase: that at t, replaced by the one reached. A structure that has fallen keeps its state.
+    state: that at t, replaced by the one reached. A structure that has fallen keeps its state.
     """
     control, counts = scene.control, scene.counts
     begin = row(scene, START)
-    for i in range(_PER_BODY * scene.n):
-        begin[i] = phase[i]
+    recall(scene, state)
+    copy(begin, state, moving(scene))
     segment = segment_after(shaking, t)
     _begin(scene, shaking, segment, t, _phase(begin, scene.n))
     code, made = OK, 0
@@ -186,6 +156,5 @@ def advance(scene, shaking, watch, phase, t, stop, most):
             show(scene, _phase(begin, scene.n), seen(scene, 0))
             raise_peaks(scene, seen(scene, 0))
     control.reached = t
-    for i in range(_PER_BODY * scene.n):
-        phase[i] = begin[i]
+    copy(state, begin, moving(scene))
     return code

@@ -25,9 +25,9 @@ def _ends(scene, phase, e):
 def load_tie(scene, phase, e):
     """Add the force of tie e to those on its two bodies.
 
-    A tie that yields keeps its force, and its length grows by what is beyond.
+    A tie that yields keeps its force, and grows at a rate that is left in the scene.
     """
-    ties, pulls, plastic = scene.ties, scene.pulls, scene.plastic[e]
+    ties, pulls = scene.ties, scene.pulls
     one, other, built = _ends(scene, phase, e)
     moved = minus(other.moved, one.moved)
     x, y, z = built[0] + moved[0], built[1] + moved[1], built[2] + moved[2]
@@ -36,15 +36,17 @@ def load_tie(scene, phase, e):
     pace = minus(other.velocity, one.velocity)
     rate = x * pace[0] + y * pace[1] + z * pace[2]
     stretch = length - ties.length[e]
-    elastic = ties.stiffness[e] * (stretch - plastic)
-    if abs(elastic) > ties.yields_at[e]:
-        elastic = math.copysign(ties.yields_at[e], elastic)
-        plastic = stretch - elastic / ties.stiffness[e]
+    own, giving = stretch - scene.plastic[e], 0.0
+    elastic, is_slack = ties.stiffness[e] * own, ties.tension_only[e] != 0.0 and own <= 0.0
+    if abs(elastic) > ties.yields_at[e] and not is_slack:
+        reach = math.copysign(ties.yields_at[e] / ties.stiffness[e], own)
+        giving = (own - reach) / scene.settings.relaxation
+        elastic, own = ties.stiffness[e] * reach, reach
     force = elastic + ties.damping[e] * rate
-    if ties.tension_only[e] != 0.0 and (elastic <= 0.0 or force <= 0.0):
-        force = 0.0
-        plastic = scene.plastic[e]
-    pulls.force[e], pulls.stretch[e], pulls.plastic[e] = force, stretch, plastic
+    if is_slack or (ties.tension_only[e] != 0.0 and force <= 0.0):
+        force, giving = 0.0, 0.0
+    pulls.force[e], pulls.stretch[e], pulls.elastic[e] = force, stretch, own
+    scene.giving_plastic[e] = giving
     pull, none = (force * x, force * y, force * z), (0.0, 0.0, 0.0)
     push(scene.poses, int(ties.one[e]), one.arm, pull, none, 1.0)
     push(scene.poses, int(ties.other[e]), other.arm, pull, none, -1.0)
@@ -54,7 +56,7 @@ def load_tie(scene, phase, e):
 def tie_energy(scene, e):
     """Elastic energy of tie e, J, of the last evaluation."""
     ties, pulls = scene.ties, scene.pulls
-    stretch = pulls.stretch[e] - pulls.plastic[e]
+    stretch = pulls.elastic[e]
     if ties.tension_only[e] != 0.0 and stretch <= 0.0:
         return 0.0
     return 0.5 * ties.stiffness[e] * stretch * stretch

@@ -10,8 +10,8 @@ from typing import NamedTuple
 from ..integrators.interpolation import quintic_through, value_of
 from ..numba_ext.jit import kernel, leaf
 from .base import acceleration
-from .evaluate import evaluate, show
-from .layout import OF_BLOCK, OF_JOINT, PHASE, STAGES, padded, row_size
+from .evaluate import evaluate_state, moving, show
+from .layout import OF_BLOCK, OF_JOINT, PHASE, STAGES, moving_size, padded, row_size
 
 _phase = PHASE.over
 _PER_BODY = PHASE.per_n
@@ -32,7 +32,7 @@ class Watch(NamedTuple):
 @leaf
 def row(scene, k):
     """Row k of those of a step: its start, its rates at the stages, a stage, its end, one between, its rates."""
-    return scene.rows[k * padded(_PER_BODY * scene.n) :]
+    return scene.rows[k * padded(moving_size(scene.n, scene.m, scene.k)) :]
 
 
 START, RATES = 0, 1
@@ -42,7 +42,7 @@ STAGE, END, BETWEEN, BETWEEN_RATES, ROWS = range(1 + STAGES, 6 + STAGES)
 @leaf
 def seen(scene, k):
     """Output row k of those of a step: its start, its middle, its end, a trial."""
-    return scene.rows[ROWS * padded(_PER_BODY * scene.n) + k * row_size(scene.n, scene.m, scene.k) :]
+    return row(scene, ROWS)[k * row_size(scene.n, scene.m, scene.k) :]
 
 
 @leaf
@@ -61,8 +61,19 @@ def _quaternion_curve(phase, rates, i):
 
 
 @kernel
+def _interpolate_memory(scene, h, s):
+    """Fill in what joints and ties remember: cubics through values and rates at both ends."""
+    start, end, between = row(scene, START), row(scene, END), row(scene, BETWEEN)
+    first, last = row(scene, RATES), row(scene, RATES + STAGES - 1)
+    left = 1.0 - s
+    for place in range(_PER_BODY * scene.n, moving(scene)):
+        bent = left * first[place] * h - s * last[place] * h + (left - s) * (start[place] - end[place])
+        between[place] = left * start[place] + s * end[place] + s * left * bent
+
+
+@kernel
 def interpolate(scene, h, s):
-    """Fill in the phase at fraction s of the step: quintics through places, rates and accelerations at both ends."""
+    """Fill in the state at fraction s of the step: quintics through places, rates and accelerations at both ends."""
     n = scene.n
     start, end, between = _phase(row(scene, START), n), _phase(row(scene, END), n), _phase(row(scene, BETWEEN), n)
     first, last = _phase(row(scene, RATES), n), _phase(row(scene, RATES + STAGES - 1), n)
@@ -82,6 +93,7 @@ def interpolate(scene, h, s):
         between.wz[i] = 2.0 * per * (q0 * p3 - q3 * p0 - q1 * p2 + q2 * p1)
         size = math.sqrt(per)
         between.q0[i], between.q1[i], between.q2[i], between.q3[i] = size * q0, size * q1, size * q2, size * q3
+    _interpolate_memory(scene, h, s)
 
 
 @kernel
@@ -90,9 +102,8 @@ def look(scene, shaking, segment, t, h, s, into):
     scene.counts.looks += 1
     interpolate(scene, h, s)
     ax, ay, az = acceleration(shaking, segment, t + s * h)
-    between = _phase(row(scene, BETWEEN), scene.n)
-    evaluate(scene, between, _phase(row(scene, BETWEEN_RATES), scene.n), ax, ay, az)
-    show(scene, between, into)
+    evaluate_state(scene, row(scene, BETWEEN), row(scene, BETWEEN_RATES), ax, ay, az)
+    show(scene, _phase(row(scene, BETWEEN), scene.n), into)
 
 
 @kernel

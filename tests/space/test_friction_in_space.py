@@ -1,0 +1,96 @@
+"""Friction of structures in space: its direction, its energy, and the tolerance where joints slide."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from support.fmus import ROOT
+from support.probe import G
+from support.structures import with_law
+
+from solver import simulate
+from solver.ground.motion import Motion
+from solver.space.blocks.faces import FloatArray
+from solver.space.response import SpatialResponse
+from solver.space.rest import rest_of, start_from
+from solver.space.stepper import Stepper
+from solver.space.structure import Structure
+
+TRILITH = ROOT / "examples" / "structures" / "trilith.toml"
+
+
+def history(response: SpatialResponse) -> FloatArray:
+    """Displacements of all blocks, m."""
+    return np.stack([response.ux, response.uy, response.uz])
+
+
+def test_a_slab_on_a_base_that_circles_slides_as_newmarks_does() -> None:
+    """The direction of friction turns all the time; the rigid-plastic block is integrated apart."""
+    block = {"name": "b", "width": 4.0, "depth": 4.0, "height": 0.2, "mass": 1000.0, "on": "base"}
+    law = {"stiffness": 1e10, "damping": 1e-3, "friction": 0.3}
+    structure = Structure.from_dict({"name": "slab", "joints": law, "block": [block], "solver": {"tolerance": 1e-6}})
+    omega, step = 2.0 * math.pi, 1e-3
+    time = np.arange(0.0, 1.0 + 0.5 * step, step)
+    ax, ay = 0.5 * G * np.cos(omega * time), 0.5 * G * np.sin(omega * time)
+    response = simulate(structure, Motion.from_samples(step, ax, ay=ay), duration=1.0, output_step=0.1, settle=0)
+
+    def rate(t: float, y: FloatArray) -> FloatArray:
+        """Of place and velocity over the base."""
+        a = np.array([np.interp(t, time, ax), np.interp(t, time, ay)])
+        return np.concatenate([y[2:], -a - 0.3 * G * y[2:] / np.hypot(*y[2:])])
+
+    begin = [0.0, 0.0, -1e-9, 0.0]
+    rigid = solve_ivp(rate, (0.0, 1.0), begin, t_eval=response.time, rtol=1e-9, atol=1e-12, max_step=step).y
+    apart = np.hypot(response.ux[:, 0] - rigid[0], response.uy[:, 0] - rigid[1])
+    assert np.max(apart) <= 1e-3 * np.max(np.hypot(rigid[0], rigid[1]))
+
+
+@pytest.mark.parametrize("shear_damping", [1e-3, 1e-4])
+def test_the_tolerance_is_kept_where_joints_slide(shear_damping: float) -> None:
+    structure = with_law(Structure.from_toml(TRILITH), friction=0.25, shear_damping=shear_damping)
+    motion = Motion.harmonic(0.35 * G, 1.4, 2.0, direction=0.4)
+    finest = history(simulate(structure, motion, settle=0, tolerance=1e-9))
+    size = np.max(np.abs(finest))
+    for tolerance in (1e-3, 1e-5, 1e-7):
+        response = simulate(structure, motion, settle=0, tolerance=tolerance)
+        assert np.max(response.slip) > 0.1  # m
+        # measured 0.1 to 0.4 tolerances, 4 to 5 with little damping; small differences grow to twice
+        assert np.max(np.abs(history(response) - finest)) <= 10.0 * tolerance * size
+
+
+def test_friction_takes_energy() -> None:
+    """A trilith whose blocks are pushed at random: joints slide, twist and stick, and its energy never rises."""
+    structure = with_law(Structure.from_toml(TRILITH), friction=0.2).with_settings(tolerance=1e-7)
+    stepper, rng = Stepper(structure), np.random.default_rng(3)
+    start_from(stepper, rest_of(structure))
+    at_rest = stepper.observe()
+    see, n = stepper.see, structure.n
+    for name, size in {"vx": 0.5, "vy": 0.5, "vz": 0.1, "wx": 0.1, "wy": 0.1, "wz": 0.4}.items():
+        getattr(see, name)[:] = size * rng.normal(size=n)
+    energies = [stepper.observe() - at_rest]
+    for k in range(200):
+        stepper.run(None, 0.005 * k, 0.005 * (k + 1), np.zeros(0))
+        energies.append(stepper.observe() - at_rest)
+    assert np.max(np.hypot(stepper.slips.p1, stepper.slips.p2)) > 1e-3  # m
+    assert np.max(np.abs(stepper.slips.p3)) > 1e-3  # rad
+    assert energies[-1] < 0.1 * energies[0]
+    assert np.max(np.diff(energies)) <= 1e-7 * energies[0]
+
+
+def test_a_tie_that_yields_keeps_to_the_tolerance() -> None:
+    """A slab that slides, held by a rod that yields in both directions; small differences grow to five times."""
+    block = {"name": "b", "width": 4.0, "depth": 4.0, "height": 0.2, "mass": 1000.0, "on": "base"}
+    rod = {"between": ["b", "base"], "from": [0.0, 0.0, 0.0], "to": [6.0, 0.0, 0.1], "stiffness": 1e5, "yield": 2e3}
+    data = {"name": "held", "joints": {"stiffness": 1e8, "damping": 1e-3, "friction": 0.1}, "block": [block]}
+    structure = Structure.from_dict({**data, "tie": [rod]})
+    motion = Motion.harmonic(0.5 * G, 1.0, 2.0)
+    finest = simulate(structure, motion, settle=0, tolerance=1e-9)
+    assert np.max(np.abs(finest.tie)) == pytest.approx(2e3, rel=1e-12)
+    size = np.max(np.abs(finest.ux))
+    for tolerance in (1e-3, 1e-5, 1e-7):
+        found = simulate(structure, motion, settle=0, tolerance=tolerance)
+        # measured 13, 7, 5 tolerances
+        assert np.max(np.abs(found.ux - finest.ux)) <= 30.0 * tolerance * size
