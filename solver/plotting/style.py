@@ -19,7 +19,7 @@ from ..common.errors import InputError
 from ..common.files import whole_file
 from .figures import Figure
 
-Where = Literal["outside lower center", "outside upper center"]
+Where = Literal["outside lower center", "outside upper center", "outside right upper"]
 
 DPI = 150
 STONE, INK, GREY, GRID = "#cdbfa7", "#3b3a38", "#7a7873", "0.9"
@@ -103,7 +103,8 @@ def show_names(
     handles = [Line2D([], [], color=colour, linewidth=2.0) for colour in colours]
     if mark:
         handles.append(Line2D([], [], color=GREY, marker="<", linestyle=""))
-    figure.legend(handles, [*names, *filter(None, [mark])], loc=where, ncols=min(len(handles), 3), frameon=False)
+    across = 1 if "right" in where else min(len(handles), 3)
+    figure.legend(handles, [*names, *filter(None, [mark])], loc=where, ncols=across, frameon=False)
 
 
 def save(figure: Figure, path: str | os.PathLike[str] | None) -> Figure:

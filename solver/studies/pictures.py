@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 import os
 import textwrap
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -16,7 +17,7 @@ from numpy.typing import NDArray
 from ..common.errors import InputError
 from ..dynamics.uncertainty import PERCENTILES
 from ..plotting.figures import Figure
-from ..plotting.style import FEW_COLOURS, block_colours, save, show_blocks, tidy
+from ..plotting.style import FEW_COLOURS, block_colours, header, save, show_blocks, tidy
 from .motions import Measure
 from .results import Results
 from .statistics import (
@@ -92,7 +93,7 @@ def draw_sweep(results: Results) -> Figure:
     panels[0].set_ylabel("peak displacement of the top face (mm)")
     if boundary:
         _draw_boundary(figure.add_subplot(grid[1, :]), figure, results, levels, frequencies)
-    show_blocks(figure, panels, colours, "outside upper center")
+    show_blocks(figure, panels, colours, "outside right upper")
     return _captioned(figure, results)
 
 
@@ -357,8 +358,6 @@ def caption(results: Results) -> list[str]:
     """The runs behind a picture: columns, motions, random parameters, runs and their seed, and limits of the model."""
     study = results.study
     columns = ", ".join(f"{column['name']} ({len(column['block'])} blocks)" for column in study["columns"])
-    names = [motion["name"] for motion in study["motions"]]
-    motions = ", ".join(names[:6]) + (f" and {len(names) - 6} more" if len(names) > 6 else "")
     random = ", ".join(
         f"{name} ({table['distribution']}{', each' if table['each'] else ''})"
         for name, table in study["random"].items()
@@ -369,10 +368,16 @@ def caption(results: Results) -> list[str]:
     runs += f", {int(np.sum(results.overturned))} overturned"
     runs += f", {undecided} undecided" if undecided else ""
     runs += f", {failed} could not be made" if failed else ""
-    said = [f"{study['name']}: {columns}; base motion: {motions}; {runs}."]
+    said = [f"{study['name']}: {columns}; base motion: {_some(study['motions'], 6)}; {runs}."]
     if random:
         said.append(f"Random: {random}; {study['samples']} samples, {study['sampling']}.")
     return [*said, limits_of_model(results)]
+
+
+def _some(tables: Sequence[Mapping[str, Any]], most: int) -> str:
+    """The names of columns or motions, the first ones of many."""
+    names = [str(table["name"]) for table in tables]
+    return ", ".join(names[:most]) + (f" and {len(names) - most} more" if len(names) > most else "")
 
 
 def limits_of_model(results: Results) -> str:
@@ -388,6 +393,7 @@ def _captioned(figure: Figure, results: Results, text: str = "") -> Figure:
     letters = int(WIDTH * figure.get_figwidth() / 10.0)
     lines = [line for paragraph in paragraphs for line in textwrap.wrap(paragraph, width=letters)]
     figure.supxlabel("\n".join(lines), x=0.02, ha="left", fontsize=9, linespacing=1.4)
+    header(figure, f"{_some(results.study['columns'], 3)} under {_some(results.study['motions'], 3)}")
     return figure
 
 

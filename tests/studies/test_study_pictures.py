@@ -56,6 +56,7 @@ def test_a_picture_says_what_it_was_made_from(kind: str, tmp_path: Path) -> None
         "Plane motion",
     ):
         assert said in text
+    assert figure.get_suptitle() == f"phocas_damped under {name}"
     pixels = imread(tmp_path / "picture.png")
     assert pixels.shape[1] > 1000
     assert np.std(pixels[..., :3]) > 0.05
