@@ -8,6 +8,7 @@ import math
 import os
 import sys
 from collections.abc import Callable, Iterator
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,7 @@ from . import (
     energy,
     evaluation,
     executors,
+    in_space,
     machine,
     opensees,
     plots,
@@ -193,6 +195,15 @@ def measure_trust(wanted: Scenes, quick: bool, results: Results) -> Iterator[Non
         yield
 
 
+def measure_space(wanted: Scenes, quick: bool, results: Results) -> Iterator[None]:
+    """Structures in space: accuracy, cost, compilation."""
+    results["space"] = []
+    for found in in_space.measure(quick):
+        results["space"].append(asdict(found))
+        say(f"{found.title}\n" + report.table(found.head, found.rows))
+        yield
+
+
 # each yields whenever there is something new to be written
 PARTS: dict[str, Callable[[Scenes, bool, Results], Iterator[None]]] = {
     "work-precision": measure_work_precision,
@@ -208,6 +219,7 @@ PARTS: dict[str, Callable[[Scenes, bool, Results], Iterator[None]]] = {
     "studies": measure_studies,
     "executors": measure_executors,
     "trust": measure_trust,
+    "space": measure_space,
 }
 
 

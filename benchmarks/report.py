@@ -34,6 +34,7 @@ def report(results: Results) -> str:
         studies_table(results),
         executors_table(results),
         trust_tables(results),
+        space_tables(results),
         failures(results),
     ]
     return "\n\n".join(part for part in parts if part) + "\n"
@@ -352,6 +353,11 @@ def trust_tables(results: Results) -> str:
         rows = [[row["scene"], *map(_share, row["rows"])] for row in found["shares"]]
         parts.append(table(["motion x scale", *(f"{size} runs" for size in sizes)], rows))
     return "\n\n".join(parts)
+
+
+def space_tables(results: Results) -> str:
+    """Structures in space."""
+    return "\n\n".join(f"## {of['title']}\n\n{table(of['head'], of['rows'])}" for of in results.get("space", []))
 
 
 def _share(row: dict[str, Any]) -> str:

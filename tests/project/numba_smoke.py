@@ -1,8 +1,8 @@
 """What must have equal bits under every version of numba, printed a number a line: a run, lanes, and a PythonFMU.
 
-    python tests/project/numba_smoke.py [--fmu FILE [--only-fmu] | --without-fmu]
+    python tests/project/numba_smoke.py [--fmu FILE [--only-fmu] | --without-fmu] [--in-space]
 
-With --fmu, that FMU is run, and built there first if it does not exist.
+With --fmu, that FMU is run, and built there first if it does not exist. With --in-space, a structure runs as well.
 """
 
 from __future__ import annotations
@@ -23,11 +23,12 @@ import numpy as np  # noqa: E402
 from fmpy import simulate_fmu  # noqa: E402
 
 from build_fmu import build_fmu  # noqa: E402
-from multiblock import Column, Motion, simulate, simulate_many  # noqa: E402
+from multiblock import Column, Motion, Structure, simulate, simulate_many  # noqa: E402
 from solver.ground.motion import STANDARD_GRAVITY  # noqa: E402
 from solver.kernels.numba_ext.numba_parts import LINKING  # noqa: E402
 
 COLUMN = ROOT / "examples" / "columns" / "phocas-damped.toml"
+STRUCTURE = ROOT / "examples" / "structures" / "trilith.toml"
 RUNS = 16
 OTHER_INPUTS = ("base.az", "base.jx", "base.jz", "base.theta", "base.omega", "base.alpha")
 
@@ -38,10 +39,13 @@ def main() -> None:
     parser.add_argument("--fmu", type=Path)
     parser.add_argument("--only-fmu", action="store_true")
     parser.add_argument("--without-fmu", action="store_true")
+    parser.add_argument("--in-space", action="store_true")
     options = parser.parse_args()
     print(f"numba {numba.__version__}, numpy {np.__version__}, linking {LINKING}", file=sys.stderr)
     if not options.only_fmu:
         run_and_lanes()
+    if options.in_space:
+        run_in_space()
     if not options.without_fmu:
         with tempfile.TemporaryDirectory() as folder:
             run_fmu(options.fmu or Path(folder) / "smoke.fmu")
@@ -55,6 +59,13 @@ def run_and_lanes() -> None:
     motions = [Motion.harmonic(0.01 * (k + 1) * STANDARD_GRAVITY, 2.0, 5.0) for k in range(RUNS)]
     table = simulate_many(column, motions, threads=1)
     say("lanes", *table["peak_ux"].ravel())
+
+
+def run_in_space() -> None:
+    """A run of two columns and a beam that rock, with friction, in two directions."""
+    structure = Structure.from_toml(STRUCTURE)
+    response = simulate(structure, Motion.harmonic(0.22 * STANDARD_GRAVITY, 1.4, 2.0, direction=0.4), settle=0.0)
+    say("space", *response.peaks["u"], *(math.fsum(np.abs(column)) for column in response.rows.T))
 
 
 def run_fmu(fmu: Path) -> None:

@@ -6,8 +6,9 @@ import json
 import math
 import re
 import sys
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -25,6 +26,7 @@ from benchmarks import (
     damped_columns,
     energy,
     evaluation,
+    in_space,
     opensees,
     references,
     report,
@@ -444,3 +446,32 @@ def test_regularized_friction_comes_to_that_of_the_solver_as_its_width(scene):
     assert errors[1] < 0.02 * errors[0]  # measured 0.0105 to 0.0113: a hundredth of the width
     both = sliding.error(sliding.limit(scene, times), wanted)
     assert both < 1e-7  # measured 2e-9 to 9e-9
+
+
+def test_loosest_tolerance_within_an_error_is_found() -> None:
+    """Of runs whose error is thrice their tolerance: the loosest of those tried is 3e-4."""
+
+    def way(tolerance: float) -> Any:
+        return SimpleNamespace(ux=np.array([1.0, 3.0 * tolerance]))
+
+    value, error = in_space.loosest(way)
+    assert value == 3e-4
+    assert error == pytest.approx(9e-4, rel=1e-3)  # less the 3e-9 of the reference, measured 3e-6
+
+
+def test_tables_of_structures_are_reported() -> None:
+    found = in_space.Table("Of structures", ["", "ns"], [["a joint", "200"]])
+    text = report.space_tables({"space": [asdict(found)]})
+    assert text.splitlines() == ["## Of structures", "", "|  | ns |", "| --- | --- |", "| a joint | 200 |"]
+    assert not report.space_tables({})
+
+
+def test_random_structures_are_the_same_each_time_and_rest() -> None:
+    first, second = (list(in_space.random_structures()) for _ in range(2))
+    assert len({structure.name for structure, _ in first}) == 8
+    for (one, motion), (other, again) in zip(first, second, strict=True):
+        assert motion.amplitude == again.amplitude
+        assert [block.mass for block in one.blocks] == [block.mass for block in other.blocks]
+        assert {joint.bed.friction for joint in one.joints} == {
+            in_space.FRICTION if "with friction" in one.name else None
+        }

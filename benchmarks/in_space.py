@@ -1,0 +1,265 @@
+"""Structures in space: accuracy against closed forms, errors in tolerances, cost of joints, blocks, runs, compilation.
+
+Each measurement yields its table: a title, a head and rows of text.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+import resource
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from multiblock import Motion, Structure, arch, colonnade, simulate
+from solver.space.response import SpatialResponse
+from solver.space.rest import rest_of, start_from
+from solver.space.stepper import Stepper
+
+from . import timing
+from .right_hand_side import Array
+from .scenes import DAMPING, HEIGHT, MASS, ROOT, SIDE, STIFFNESS, G, forced, shaft
+
+PLANAR_TOP = 30.21249  # mm, of the planar column (docs/accuracy.md), rigid in shear
+SHEAR_RATIOS = (4.0, 40.0)
+NEWMARK = 24.8998  # mm, a rigid block under half a sine
+TOLERANCES = tuple(10.0**-k for k in range(3, 10))
+QUICK_TOLERANCES = TOLERANCES[:3]
+REFERENCES = (1e-10, 1e-11)
+REFERENCE_MARGIN = 10.0  # a tolerance is judged if it is this many times the difference of the references
+CHANGE, MOST_AMPLIFIED = 1e-6, 100.0  # of the motion; of what that does to the peak
+SIZES = (10, 30, 100, 300)  # blocks
+EQUAL_ERROR = 1e-3  # of the peak
+RUNS, CALLS = 25, 20  # of which the shortest counts; in each
+FRICTION = 0.2  # so little that joints slide
+SPAN = 2.0  # s, of the random structures
+COMPILED = (
+    "from multiblock import Column, Motion, simulate; c = Column.from_toml({file!r}){space}; "
+    "simulate(c, Motion.harmonic(0.1, 1.0, 0.1), settle=0.0)"
+)
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table of the report."""
+
+    title: str
+    head: list[str]
+    rows: list[list[str]]
+
+
+def boxes(n: int = 3, section: str = "rectangle", ratio: float = 0.4, height: float = HEIGHT) -> Structure:
+    """A shaft of the size of the Column of Phocas in n blocks, the lowest first; `section` as of a column."""
+    shape: dict[str, Any] = {"shape": "drum", "diameter": SIDE} if section == "circle" else {"width": SIDE}
+    shape |= {} if section == "circle" else {"depth": SIDE}
+    size = {"height": height / n, "mass": MASS / n} | shape
+    blocks = [{"name": f"b{k}", "on": f"b{k - 1}" if k else "base", **size} for k in range(n)]
+    law = {"stiffness": STIFFNESS, "damping": DAMPING, "shear_ratio": ratio}
+    return Structure.from_dict({"name": f"{section} in {n}", "joints": law, "block": blocks})
+
+
+def run(structure: Structure, motion: Motion, **more: Any) -> SpatialResponse:
+    """A run from rest that is not followed after its end."""
+    response: SpatialResponse = simulate(structure, motion, settle=0.0, **more)
+    return response
+
+
+def accuracy() -> Table:
+    """Against the planar column, a sliding block, and the same column shaken along another direction."""
+    rows = []
+    for ratio in SHEAR_RATIOS:
+        found = run(boxes(ratio=ratio), Motion.harmonic(0.05 * G, 2.0, 20.0), tolerance=1e-5)
+        top = 1e3 * float(np.max(np.abs(found.displacement(2, (0.0, 0.0, 0.5 * HEIGHT / 3))[:, 0])))
+        rows.append([f"Phocas, 0.05 g 2 Hz, shear_ratio {ratio:g}, top, mm", f"{PLANAR_TOP:.4f}", f"{top:.4f}"])
+    block = {"name": "b", "width": 4.0, "depth": 4.0, "height": 0.2, "mass": 1000.0, "on": "base"}
+    law = {"stiffness": 1e10, "damping": DAMPING, "friction": 0.3}
+    slab = Structure.from_dict({"name": "slab", "joints": law, "block": [block]})
+    for angle in (0.0, math.radians(36.0)):
+        motion = Motion.harmonic(0.5 * G, 2.0, 0.25, direction=angle)
+        found = run(slab, motion, duration=1.0, tolerance=1e-6)
+        far = 1e3 * float(np.hypot(found.ux[-1, 0], found.uy[-1, 0]))
+        name = f"sliding block, half a sine of 0.5 g 2 Hz at {math.degrees(angle):.0f} degrees, mm"
+        rows.append([name, f"{NEWMARK}", f"{far:.4f}"])
+    first, second = (
+        run(boxes(section="circle"), Motion.harmonic(0.08 * G, 1.5, 2.0, direction=angle), tolerance=1e-8)
+        for angle in (0.0, math.radians(30.0))
+    )
+    turned = math.cos(math.radians(30.0)) * second.ux + math.sin(math.radians(30.0)) * second.uy
+    off = float(np.max(np.abs(turned - first.ux)) / np.max(np.abs(first.ux)))
+    rows.append(["round column along 30 degrees, part of the peak", "the same along x", f"{off:.1e} off"])
+    return Table("Structures in space: against what is known", ["", "known", "here"], rows)
+
+
+def random_structures(seed: int = 1) -> Iterator[tuple[Structure, Motion]]:
+    """Stacks, triliths, arches, with and without friction, under harmonic motions in any direction."""
+    rng = np.random.default_rng(seed)
+    for kind in ("rectangle", "circle", "trilith", "arch"):
+        for friction in (None, FRICTION):
+            law: dict[str, Any] = {"stiffness": 10 ** rng.uniform(9.0, 9.7), "damping": DAMPING}
+            law |= {} if friction is None else {"friction": friction}
+            if kind == "trilith":
+                made = colonnade(2, 2, 3.0, rng.uniform(0.8, 1.1), 4.0, law, architrave=(0.7, 0.9))
+            elif kind == "arch":
+                made = arch(7, 5.0, rng.uniform(0.9, 1.2), 1.0, law, angle=2.5)
+            else:
+                made = boxes(int(rng.integers(2, 5)), kind, height=rng.uniform(8.0, 12.0))
+                made = replace(
+                    made,
+                    joints=tuple(replace(j, bed=replace(j.bed, friction=friction)) for j in made.joints),
+                )
+            words = "without friction" if friction is None else "with friction"
+            motion = Motion.harmonic(
+                rng.uniform(0.1, 0.25) * G, rng.uniform(1.0, 2.0), SPAN, direction=rng.uniform(0.1, 1.4)
+            )
+            yield replace(made, name=f"{kind} {words}"), motion
+
+
+def _places(response: SpatialResponse) -> Array:
+    return np.stack([response.ux, response.uy, response.uz])
+
+
+def tolerances(quick: bool) -> Table:
+    """Largest error of all blocks and instants in tolerances of the largest displacement."""
+    asked = QUICK_TOLERANCES if quick else TOLERANCES
+    rows = []
+    for structure, motion in random_structures():
+        closest = run(structure, motion, tolerance=REFERENCES[1])
+        near, best = _places(run(structure, motion, tolerance=REFERENCES[0])), _places(closest)
+        peak = float(np.max(np.abs(best)))
+        differ = float(np.max(np.abs(near - best))) / peak
+        changed = _places(run(structure, motion.scaled(1.0 + CHANGE), tolerance=REFERENCES[0]))
+        amplified = float(np.max(np.abs(changed - near))) / (CHANGE * peak)
+        cells = []
+        for value in asked:
+            off = float(np.max(np.abs(_places(run(structure, motion, tolerance=value)) - best))) / peak
+            cells.append(f"{off / value:.2g}" if value >= REFERENCE_MARGIN * differ else "-")
+        judged = cells if amplified < MOST_AMPLIFIED else ["-"] * len(cells)
+        facts = [f"{1e3 * peak:.3g}", f"{1e3 * float(np.max(closest.slip)):.3g}", f"{differ:.0e}", f"{amplified:.3g}"]
+        rows.append([structure.name, *facts, *judged])
+    head = ["structure", "peak, mm", "slip, mm", "references differ by", "amplification"]
+    head += [*(f"{value:.0e}" for value in asked)]
+    return Table("Structures in space: error over tolerance", head, rows)
+
+
+def _cost(structure: Structure, motion: Motion) -> float:
+    """Processor time, s, of a joint with its bodies for an evaluation, with its share of the steps; the least of runs.
+
+    Without rows and peaks. Rounds differ in what else the machine does, not in what is done.
+    """
+    rest, plain = rest_of(structure), replace(structure, without=("peaks",))
+    least = math.inf
+    for _ in range(RUNS):
+        stepper = Stepper(plain)
+        start_from(stepper, rest)
+        begin = time.process_time()
+        stepper.run(motion, 0.0, motion.duration, np.zeros(0))
+        spent = time.process_time() - begin
+        least = min(least, spent / (int(stepper.counts.evaluations) * len(structure.joints)))
+    return least
+
+
+def _alone(structure: Structure) -> float:
+    """Processor time, s, of a joint with its bodies in an evaluation at rest, called from Python; the least of runs."""
+    stepper, least = Stepper(structure), math.inf
+    start_from(stepper, rest_of(structure))
+    for _ in range(RUNS):
+        begin = time.process_time()
+        for _ in range(CALLS):
+            stepper.observe()
+        least = min(least, (time.process_time() - begin) / (CALLS * len(structure.joints)))
+    return least
+
+
+def costs() -> Table:
+    """Of a joint, by section, and of a block, by their number."""
+    rows = []
+    for section, asked in (("rectangle", 250), ("circle", 350)):
+        for angle in (0.0, 0.3):
+            cost = _cost(boxes(section=section), Motion.harmonic(0.1 * G, 1.0, 5.0, direction=angle))
+            rows.append([f"Phocas, {section}, 0.1 g 1 Hz at {angle:g} rad", f"{1e9 * cost:.0f}", f"{asked}"])
+    first = 0.0
+    for n in SIZES:
+        # squat drums, as of scaling.py: the highest frequency hardly depends on their number
+        size = {"width": 4.0, "depth": 4.0, "height": 0.25, "mass": 8000.0}
+        blocks = [{"name": f"b{k}", "on": f"b{k - 1}" if k else "base", **size} for k in range(n)]
+        law = {"stiffness": STIFFNESS, "damping": 1e-4}
+        tower = Structure.from_dict({"name": f"tower_{n}", "joints": law, "block": blocks})
+        cost = _cost(tower, Motion.harmonic(0.05 * G, 2.0, 0.05, direction=0.3))
+        first = first or cost
+        rows.append(
+            [f"tower of {n} squat blocks", f"{1e9 * cost:.0f}", f"{cost / first:.2f}; {1e9 * _alone(tower):.0f} alone"]
+        )
+    return Table(
+        "Structures in space: cost of a joint and its bodies",
+        ["", "ns per evaluation", "asked; towers: over the first, ns of an evaluation alone"],
+        rows,
+    )
+
+
+def loosest(way: Callable[..., Any]) -> tuple[float, float]:
+    """The loosest tolerance at which ux of a run is within `EQUAL_ERROR` of the peak, and its error."""
+    best = way(tolerance=1e-9).ux
+    peak = float(np.max(np.abs(best)))
+    for value in (3e-2, 1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5):
+        off = float(np.max(np.abs(way(tolerance=value).ux - best))) / peak
+        if off <= EQUAL_ERROR:
+            return value, off
+    return 1e-9, 0.0
+
+
+def against_plane() -> Table:
+    """20 s of the damped column in space over the planar run, each at the loosest tolerance that meets an error.
+
+    The error is that against the same model at 1e-9.
+    """
+    scene = forced(0.05, 2.0)
+    ways: dict[str, Callable[..., Any]] = {
+        "in the plane": partial(simulate, shaft(3), scene.motion, settle=0.0),
+        **{
+            f"in space, shear_ratio {ratio:g}": partial(simulate, boxes(ratio=ratio), scene.motion, settle=0.0)
+            for ratio in (0.4, 4.0)
+        },
+    }
+    met = {name: loosest(way) for name, way in ways.items()}
+    seconds = timing.loops([partial(way, tolerance=met[name][0]) for name, way in ways.items()], rounds=5)
+    rows = [
+        [name, f"{met[name][0]:g}", f"{met[name][1]:.1e}", f"{1e3 * lasts:.3g}", f"{lasts / seconds[0]:.2f}"]
+        for name, lasts in zip(ways, seconds, strict=True)
+    ]
+    head = ["Phocas, 0.05 g 2 Hz, 20 s", "tolerance", "error", "ms", "ratio (8 asked)"]
+    return Table("Structures in space: against the plane at equal error", head, rows)
+
+
+def compilation() -> Table:
+    """Processor time of a first run with an empty cache and of a second process with the kernels that it left."""
+    rows = []
+    file = str(ROOT / "examples" / "columns" / "phocas-damped.toml")
+    for name, space in (("in the plane", ""), ("in space", ".in_space()")):
+        with tempfile.TemporaryDirectory() as cache:
+            inside = os.environ | {"MULTIBLOCK_CACHE_DIR": cache}
+            lasted = []
+            for _ in range(2):
+                before = resource.getrusage(resource.RUSAGE_CHILDREN)
+                subprocess.run([sys.executable, "-c", COMPILED.format(file=file, space=space)], check=True, env=inside)
+                after = resource.getrusage(resource.RUSAGE_CHILDREN)
+                lasted.append(after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime)
+        rows.append([name, *(f"{seconds:.1f}" for seconds in lasted)])
+    return Table("Structures in space: first run, s of the processor", ["", "empty cache", "second process"], rows)
+
+
+def measure(quick: bool) -> Iterator[Table]:
+    """All tables, the quick ones first."""
+    yield accuracy()
+    yield costs()
+    yield against_plane()
+    yield tolerances(quick)
+    if not quick:
+        yield compilation()
