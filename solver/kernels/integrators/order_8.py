@@ -6,6 +6,7 @@ evaluation at the end is the first stage of the next step.
 """
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -61,8 +62,8 @@ for _row, (_of_first, *_latest) in enumerate(_SUMS, start=1):
     WEIGHTS[_row, 0], WEIGHTS[_row, FIRST[_row] : _last] = _of_first, _latest
 
 
-def _sum_of(row: int) -> Any:
-    """Leaf: element i of the sum of slopes by a row of WEIGHTS; a slope is rates and accelerations.
+def sum_by(row: int, slope: Callable[..., Any]) -> Any:
+    """Leaf: pack i of the sum of slopes by a row of WEIGHTS; slope(work, k) is the slope at stage k, 0 the first.
 
     Compiled once a row, with its weights as constants and the sum unrolled: a loop over rows takes 2 % of a run.
     """
@@ -70,22 +71,24 @@ def _sum_of(row: int) -> Any:
 
     @leaf
     def sum_of(work, i):
-        found = WEIGHTS[row, 0] * packs_of(work.start.rates)[i]
+        found = WEIGHTS[row, 0] * packs_of(slope(work, 0))[i]
         for k in range(first, last):
-            found += WEIGHTS[row, k] * packs_of(stage(work, k).rates)[i]
+            found += WEIGHTS[row, k] * packs_of(slope(work, k))[i]
         return found
 
     return sum_of
 
 
+@leaf
+def _slope(work, k):
+    """Rates and accelerations at a stage."""
+    return work.start.rates if k == 0 else stage(work, k).rates
+
+
 def _step_to(row: int) -> Any:
     """Leaf: the stages of a step up to this one, or to the END; returns the code."""
-    before, sum_of, node, ends = (
-        (_step_to(row - 1) if row > 1 else _nothing),
-        _sum_of(row),
-        NODES[min(row, STAGES)],
-        row == END,
-    )
+    before = _step_to(row - 1) if row > 1 else _nothing
+    sum_of, node, ends = sum_by(row, _slope), NODES[min(row, STAGES)], row == END
 
     @leaf
     def step_to(column, t, h):
@@ -109,7 +112,7 @@ def _nothing(column, t, h):
 
 def _error_by(row: int) -> Any:
     """Kernel: the error by the sum of a row, in tolerances."""
-    sum_of = _sum_of(row)
+    sum_of = sum_by(row, _slope)
 
     @kernel
     def error_by(column, h):

@@ -5,6 +5,7 @@ at the end of a step.
 """
 
 import math
+from typing import Any
 
 from ..integrators import dormand_prince as dp
 from ..integrators import order_8
@@ -78,55 +79,45 @@ def _attempt_5(scene, shaking, segment, t, h):
     return _error_in_tolerances(scene, row(scene, BETWEEN))
 
 
-@kernel
-def _sum_of(scene, table_row, to):
-    """The sum of rates by a row of order 8's weights (order_8.py, WEIGHTS), in 1/s times what they are rates of."""
-    count = packs(to, moving(scene))
-    found, f0 = packs_of(to), packs_of(rate(scene, 0))
-    weight = order_8.WEIGHTS[table_row, 0]
-    for i in range(count):
-        found[i] = weight * f0[i]
-    for k in range(order_8.FIRST[table_row], min(table_row, order_8.STAGES + 1)):
-        weight, f = order_8.WEIGHTS[table_row, k], packs_of(rate(scene, k))
-        for i in range(count):
-            found[i] += weight * f[i]
+def _step_to(table_row: int) -> Any:
+    """Leaf: the stages of a step of order 8 up to this one, or to its end."""
+    before = _step_to(table_row - 1) if table_row > 1 else _nothing
+    sum_of, node = order_8.sum_by(table_row, rate), order_8.NODES[min(table_row, order_8.STAGES)]
+    ends = table_row == order_8.END
+    to, slope = (END, STAGES - 1) if ends else (STAGE, table_row)
+
+    @leaf
+    def step_to(scene, shaking, segment, t, h):
+        before(scene, shaking, segment, t, h)
+        y, reached = packs_of(row(scene, START)), row(scene, to)
+        found = packs_of(reached)
+        for i in range(packs(reached, moving(scene))):
+            found[i] = y[i] + h * sum_of(scene, i)
+        if ends:
+            _scale_quaternions(scene.n, _phase(reached, scene.n))
+        evaluate_at(scene, shaking, segment, reached, rate(scene, slope), t + node * h)
+
+    return step_to
 
 
-@kernel
-def _move_by(scene, table_row, to, h):
-    """The state START moved by h times a sum of rates, into a row."""
-    _sum_of(scene, table_row, to)
-    y, found = packs_of(row(scene, START)), packs_of(to)
-    for i in range(packs(to, moving(scene))):
-        found[i] = y[i] + h * found[i]
+@leaf
+def _nothing(scene, shaking, segment, t, h):
+    return
 
 
-@kernel
-def _error_8(scene, table_row, h):
-    error = row(scene, BETWEEN)
-    _sum_of(scene, table_row, error)
-    return h * _error_in_tolerances(scene, error)
+def _error_by(table_row: int) -> Any:
+    """Kernel: the error by the sum of a row, in tolerances."""
+    sum_of = order_8.sum_by(table_row, rate)
 
+    @kernel
+    def error_by(scene, h):
+        errors = row(scene, BETWEEN)
+        found = packs_of(errors)
+        for i in range(packs(errors, moving(scene))):
+            found[i] = h * sum_of(scene, i)
+        return _error_in_tolerances(scene, errors)
 
-@kernel
-def _attempt_8(scene, shaking, segment, t, h):
-    """As `_attempt_5`, of order 8."""
-    middle, ending = row(scene, STAGE), row(scene, END)
-    for k in range(1, order_8.STAGES + 1):
-        _move_by(scene, k, middle, h)
-        evaluate_at(scene, shaking, segment, middle, rate(scene, k), t + order_8.NODES[k] * h)
-    _move_by(scene, order_8.END, ending, h)
-    _scale_quaternions(scene.n, _phase(ending, scene.n))
-    evaluate_at(scene, shaking, segment, ending, rate(scene, STAGES - 1), t + h)
-    return order_8.error_of(_error_8(scene, order_8.ERROR_5, h), _error_8(scene, order_8.ERROR_3, h))
-
-
-@kernel
-def attempt(scene, shaking, segment, t, h):
-    """One step of h seconds from the row START to END; returns the error in tolerances."""
-    if scene.settings.order == order_8.ORDER:
-        return _attempt_8(scene, shaking, segment, t, h)
-    return _attempt_5(scene, shaking, segment, t, h)
+    return error_by
 
 
 @leaf
@@ -199,3 +190,15 @@ def _error_in_tolerances(scene, errors):
     given = _error_of_memory(scene, errors[_PER_BODY * scene.n :], tolerance * control.largest)
     place = given if not place > given else place
     return KINK * place if _turns(scene) else place
+
+
+_step, _error_5, _error_3 = _step_to(order_8.END), _error_by(order_8.ERROR_5), _error_by(order_8.ERROR_3)
+
+
+@kernel
+def attempt(scene, shaking, segment, t, h):
+    """One step of h seconds from the row START to END; returns the error in tolerances."""
+    if scene.settings.order == order_8.ORDER:
+        _step(scene, shaking, segment, t, h)
+        return order_8.error_of(_error_5(scene, h), _error_3(scene, h))
+    return _attempt_5(scene, shaking, segment, t, h)

@@ -90,24 +90,37 @@ def _rotation_vector(q0, q1, q2, q3):
     return per * q1, per * q2, per * q3
 
 
+@leaf
+def show_block(scene, phase, i, row):
+    """Fill in what an output row has of block i."""
+    n = scene.n
+    row[i], row[n + i], row[2 * n + i] = phase.ux[i], phase.uy[i], phase.uz[i]
+    turn = _rotation_vector(phase.q0[i], phase.q1[i], phase.q2[i], phase.q3[i])
+    row[3 * n + i], row[4 * n + i], row[5 * n + i] = turn
+
+
+@leaf
+def show_joint(scene, j, row):
+    """Fill in what an output row has of joint j, which has just been loaded."""
+    m, found, of_joints = scene.m, scene.resultants, row[_BLOCKS * scene.n :]
+    slip = math.hypot(scene.slips.p1[j], scene.slips.p2[j])
+    of_joints[j] = found.normal[j]
+    of_joints[m + j], of_joints[2 * m + j] = found.g1[j], found.g2[j]
+    of_joints[3 * m + j], of_joints[4 * m + j] = -found.t1[j], -found.t2[j]
+    of_joints[5 * m + j] = found.g3[j]
+    of_joints[6 * m + j] = min(1.0, found.area[j] / scene.joints.area[j])
+    of_joints[7 * m + j], of_joints[8 * m + j] = found.pressure[j], slip
+
+
 @kernel
 def show(scene, phase, row):
     """Fill an output row from a phase that has just been evaluated: by field, then by block or joint."""
     n, m, k = scene.n, scene.m, scene.k
     for i in range(n):
-        row[i], row[n + i], row[2 * n + i] = phase.ux[i], phase.uy[i], phase.uz[i]
-        turn = _rotation_vector(phase.q0[i], phase.q1[i], phase.q2[i], phase.q3[i])
-        row[3 * n + i], row[4 * n + i], row[5 * n + i] = turn
-    found, joints, of_joints = scene.resultants, scene.joints, row[_BLOCKS * n :]
+        show_block(scene, phase, i, row)
     for j in range(m):
-        slip = math.hypot(scene.slips.p1[j], scene.slips.p2[j])
-        of_joints[j] = found.normal[j]
-        of_joints[m + j], of_joints[2 * m + j] = found.g1[j], found.g2[j]
-        of_joints[3 * m + j], of_joints[4 * m + j] = -found.t1[j], -found.t2[j]
-        of_joints[5 * m + j] = found.g3[j]
-        of_joints[6 * m + j] = min(1.0, found.area[j] / joints.area[j])
-        of_joints[7 * m + j], of_joints[8 * m + j] = found.pressure[j], slip
-    of_ties = of_joints[_JOINTS * m :]
+        show_joint(scene, j, row)
+    of_ties = row[_BLOCKS * n + _JOINTS * m :]
     for e in range(k):
         of_ties[e] = scene.pulls.force[e]
     base, poses = of_ties[k:], scene.poses

@@ -7,22 +7,29 @@ from ..numba_ext.jit import kernel, leaf
 
 
 @kernel
+def pose_body(scene, phase, i):
+    """Fill in the rotation and angular velocity of body i."""
+    poses = scene.poses
+    q0, q1, q2, q3 = phase.q0[i], phase.q1[i], phase.q2[i], phase.q3[i]
+    wx, wy, wz = phase.wx[i], phase.wy[i], phase.wz[i]
+    # the rotation less the identity: displacements keep their digits however far from the origin the body is
+    r11, r12, r13 = -2.0 * (q2 * q2 + q3 * q3), 2.0 * (q1 * q2 - q0 * q3), 2.0 * (q1 * q3 + q0 * q2)
+    r21, r22, r23 = 2.0 * (q1 * q2 + q0 * q3), -2.0 * (q1 * q1 + q3 * q3), 2.0 * (q2 * q3 - q0 * q1)
+    r31, r32, r33 = 2.0 * (q1 * q3 - q0 * q2), 2.0 * (q2 * q3 + q0 * q1), -2.0 * (q1 * q1 + q2 * q2)
+    poses.r11[i], poses.r12[i], poses.r13[i] = r11, r12, r13
+    poses.r21[i], poses.r22[i], poses.r23[i] = r21, r22, r23
+    poses.r31[i], poses.r32[i], poses.r33[i] = r31, r32, r33
+    poses.wx[i] = wx + (r11 * wx + r12 * wy + r13 * wz)
+    poses.wy[i] = wy + (r21 * wx + r22 * wy + r23 * wz)
+    poses.wz[i] = wz + (r31 * wx + r32 * wy + r33 * wz)
+
+
+@kernel
 def pose_bodies(scene, phase):
     """Fill in the rotations and angular velocities of all bodies, and clear the forces on them."""
     poses = scene.poses
     for i in range(scene.n):
-        q0, q1, q2, q3 = phase.q0[i], phase.q1[i], phase.q2[i], phase.q3[i]
-        wx, wy, wz = phase.wx[i], phase.wy[i], phase.wz[i]
-        # the rotation less the identity: displacements keep their digits however far from the origin the body is
-        r11, r12, r13 = -2.0 * (q2 * q2 + q3 * q3), 2.0 * (q1 * q2 - q0 * q3), 2.0 * (q1 * q3 + q0 * q2)
-        r21, r22, r23 = 2.0 * (q1 * q2 + q0 * q3), -2.0 * (q1 * q1 + q3 * q3), 2.0 * (q2 * q3 - q0 * q1)
-        r31, r32, r33 = 2.0 * (q1 * q3 - q0 * q2), 2.0 * (q2 * q3 + q0 * q1), -2.0 * (q1 * q1 + q2 * q2)
-        poses.r11[i], poses.r12[i], poses.r13[i] = r11, r12, r13
-        poses.r21[i], poses.r22[i], poses.r23[i] = r21, r22, r23
-        poses.r31[i], poses.r32[i], poses.r33[i] = r31, r32, r33
-        poses.wx[i] = wx + (r11 * wx + r12 * wy + r13 * wz)
-        poses.wy[i] = wy + (r21 * wx + r22 * wy + r23 * wz)
-        poses.wz[i] = wz + (r31 * wx + r32 * wy + r33 * wz)
+        pose_body(scene, phase, i)
     for i in range(scene.n + 1):
         poses.fx[i], poses.fy[i], poses.fz[i] = 0.0, 0.0, 0.0
         poses.mx[i], poses.my[i], poses.mz[i] = 0.0, 0.0, 0.0

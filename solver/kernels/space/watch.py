@@ -10,11 +10,13 @@ from typing import NamedTuple
 from ..integrators.interpolation import quintic_through, value_of
 from ..numba_ext.jit import kernel, leaf
 from .base import acceleration
-from .evaluate import evaluate_state, moving, show
-from .layout import OF_BLOCK, OF_JOINT, PHASE, STAGES, moving_size, padded, row_size
+from .evaluate import evaluate_state, moving, show, show_block, show_joint
+from .joint import load_joint
+from .kinematics import pose_body
+from .layout import MEMORY, OF_BLOCK, OF_JOINT, PHASE, STAGES, moving_size, padded, row_size
 
 _phase = PHASE.over
-_PER_BODY = PHASE.per_n
+_PER_BODY, _PER_JOINT = PHASE.per_n, MEMORY.per_n
 _BLOCKS = len(OF_BLOCK)
 _CONTACT = OF_JOINT.index("contact")
 PROMISE = 0.1  # of the tolerance: a peak whose predicted rise is smaller has been found
@@ -60,61 +62,79 @@ def _quaternion_curve(phase, rates, i):
     )
 
 
-@kernel
-def _interpolate_memory(scene, h, s):
-    """Fill in what joints and ties remember: cubics through values and rates at both ends."""
-    start, end, between = row(scene, START), row(scene, END), row(scene, BETWEEN)
-    first, last = row(scene, RATES), row(scene, RATES + STAGES - 1)
-    left = 1.0 - s
-    for place in range(_PER_BODY * scene.n, moving(scene)):
-        bent = left * first[place] * h - s * last[place] * h + (left - s) * (start[place] - end[place])
-        between[place] = left * start[place] + s * end[place] + s * left * bent
+@leaf
+def _through(h, s, q0, v0, a0, q1, v1, a1):
+    """Value and rate at fraction s of a step: the quintic through places, rates and accelerations at both ends."""
+    return value_of(quintic_through(h, q0, v0, a0, q1, v1, a1, 0.0), s)
 
 
 @kernel
-def interpolate(scene, h, s):
-    """Fill in the state at fraction s of the step: quintics through places, rates and accelerations at both ends."""
+def _interpolate_body(scene, h, s, i):
+    """Fill in the place and the rates of body i at fraction s of the step."""
     n = scene.n
     start, end, between = _phase(row(scene, START), n), _phase(row(scene, END), n), _phase(row(scene, BETWEEN), n)
     first, last = _phase(row(scene, RATES), n), _phase(row(scene, RATES + STAGES - 1), n)
-    for place in range(3 * n):  # the fields ux, uy, uz are neighbours, as are their rates
+    for axis in range(3):  # the fields ux, uy, uz are neighbours, as are their rates
+        place = axis * n + i
         q0, v0, a0 = start.ux[place], first.ux[place], first.vx[place]
         q1, v1, a1 = end.ux[place], last.ux[place], last.vx[place]
-        between.ux[place], between.vx[place] = value_of(quintic_through(h, q0, v0, a0, q1, v1, a1, 0.0), s)
-    for i in range(n):
-        a, b = _quaternion_curve(start, first, i), _quaternion_curve(end, last, i)
-        q0, p0 = value_of(quintic_through(h, start.q0[i], first.q0[i], a[0], end.q0[i], last.q0[i], b[0], 0.0), s)
-        q1, p1 = value_of(quintic_through(h, start.q1[i], first.q1[i], a[1], end.q1[i], last.q1[i], b[1], 0.0), s)
-        q2, p2 = value_of(quintic_through(h, start.q2[i], first.q2[i], a[2], end.q2[i], last.q2[i], b[2], 0.0), s)
-        q3, p3 = value_of(quintic_through(h, start.q3[i], first.q3[i], a[3], end.q3[i], last.q3[i], b[3], 0.0), s)
-        per = 1.0 / (q0 * q0 + q1 * q1 + q2 * q2 + q3 * q3)
-        between.wx[i] = 2.0 * per * (q0 * p1 - q1 * p0 - q2 * p3 + q3 * p2)
-        between.wy[i] = 2.0 * per * (q0 * p2 - q2 * p0 - q3 * p1 + q1 * p3)
-        between.wz[i] = 2.0 * per * (q0 * p3 - q3 * p0 - q1 * p2 + q2 * p1)
-        size = math.sqrt(per)
-        between.q0[i], between.q1[i], between.q2[i], between.q3[i] = size * q0, size * q1, size * q2, size * q3
-    _interpolate_memory(scene, h, s)
+        between.ux[place], between.vx[place] = _through(h, s, q0, v0, a0, q1, v1, a1)
+    a, b = _quaternion_curve(start, first, i), _quaternion_curve(end, last, i)
+    q0, p0 = _through(h, s, start.q0[i], first.q0[i], a[0], end.q0[i], last.q0[i], b[0])
+    q1, p1 = _through(h, s, start.q1[i], first.q1[i], a[1], end.q1[i], last.q1[i], b[1])
+    q2, p2 = _through(h, s, start.q2[i], first.q2[i], a[2], end.q2[i], last.q2[i], b[2])
+    q3, p3 = _through(h, s, start.q3[i], first.q3[i], a[3], end.q3[i], last.q3[i], b[3])
+    per = 1.0 / (q0 * q0 + q1 * q1 + q2 * q2 + q3 * q3)
+    between.wx[i] = 2.0 * per * (q0 * p1 - q1 * p0 - q2 * p3 + q3 * p2)
+    between.wy[i] = 2.0 * per * (q0 * p2 - q2 * p0 - q3 * p1 + q1 * p3)
+    between.wz[i] = 2.0 * per * (q0 * p3 - q3 * p0 - q1 * p2 + q2 * p1)
+    size = math.sqrt(per)
+    between.q0[i], between.q1[i], between.q2[i], between.q3[i] = size * q0, size * q1, size * q2, size * q3
+
+
+@leaf
+def _remembered(scene, h, s, place):
+    """Number `place` of a state, of what joints and ties remember: the cubic through values and rates at both ends."""
+    begin, end = row(scene, START)[place], row(scene, END)[place]
+    first, last = h * row(scene, RATES)[place], h * row(scene, RATES + STAGES - 1)[place]
+    left = 1.0 - s
+    return left * begin + s * end + s * left * (left * first - s * last + (left - s) * (begin - end))
+
+
+@kernel
+def _interpolate(scene, h, s):
+    """Fill in the state at fraction s of the step."""
+    for i in range(scene.n):
+        _interpolate_body(scene, h, s, i)
+    between = row(scene, BETWEEN)
+    for place in range(_PER_BODY * scene.n, moving(scene)):
+        between[place] = _remembered(scene, h, s, place)
 
 
 @kernel
 def look(scene, shaking, segment, t, h, s, into):
     """The output row at fraction s of the step from t to t + h."""
     scene.counts.looks += 1
-    interpolate(scene, h, s)
+    _interpolate(scene, h, s)
     ax, ay, az = acceleration(shaking, segment, t + s * h)
     evaluate_state(scene, row(scene, BETWEEN), row(scene, BETWEEN_RATES), ax, ay, az)
     show(scene, _phase(row(scene, BETWEEN), scene.n), into)
 
 
+@leaf
+def _raise_peak(scene, j, value):
+    """Raise the peak of quantity j of an output row; of contacts the part that is open counts."""
+    there, first = abs(value), _BLOCKS * scene.n + _CONTACT * scene.m
+    if first <= j < first + scene.m:
+        there = 1.0 - there
+    scene.peaks[j] = max(scene.peaks[j], there)
+
+
 @kernel
 def raise_peaks(scene, values):
-    """Raise the peaks by an output row; of contacts the part that is open counts."""
-    first = _BLOCKS * scene.n + _CONTACT * scene.m
+    """Raise the peaks by an output row."""
     for j in range(row_size(scene.n, scene.m, scene.k)):
-        there = abs(values[j])
-        if first <= j < first + scene.m:
-            there = 1.0 - there
-        scene.peaks[j] = max(scene.peaks[j], there)
+        _raise_peak(scene, j, values[j])
 
 
 @leaf
@@ -159,10 +179,44 @@ def track_peaks(scene, shaking, segment, t, h):
 
 
 @kernel
+def _look_at(scene, shaking, segment, t, h, s, q):
+    """Raise the peaks of the block or joint to which quantity q belongs by its state at fraction s of the step.
+
+    A block needs itself alone, a joint its two bodies: so a search costs the same in a structure of any size. Ties and
+    the base, of which there are few, take the whole structure.
+    """
+    n, m, trial, between = scene.n, scene.m, seen(scene, 3), row(scene, BETWEEN)
+    of_joints, of_ties = _BLOCKS * n, _BLOCKS * n + len(OF_JOINT) * m
+    phase = _phase(between, n)
+    if q < of_joints:
+        i = q % n
+        _interpolate_body(scene, h, s, i)
+        show_block(scene, phase, i, trial)
+        for place in range(i, of_joints, n):
+            _raise_peak(scene, place, trial[place])
+    elif q < of_ties:
+        j = (q - of_joints) % m
+        for body in (int(scene.joints.upper[j]), int(scene.joints.lower[j])):
+            if body < n:
+                _interpolate_body(scene, h, s, body)
+                pose_body(scene, phase, body)
+        if scene.settings.gives_way != 0.0:
+            for place in range(j, _PER_JOINT * m, m):
+                scene.memory[place] = _remembered(scene, h, s, _PER_BODY * n + place)
+        load_joint(scene, phase, j)
+        show_joint(scene, j, trial)
+        for place in range(of_joints + j, of_ties, m):
+            _raise_peak(scene, place, trial[place])
+    else:
+        look(scene, shaking, segment, t, h, s, trial)
+        raise_peaks(scene, trial)
+
+
+@kernel
 def _find_tops(scene, shaking, segment, t, h):
     """Look where a parabola through both ends and the middle of the step rises above a peak."""
     begin, middle, end = seen(scene, 0), seen(scene, 1), seen(scene, 2)
-    trial, allowed = seen(scene, 3), seen(scene, 4)
+    allowed = seen(scene, 4)
     _allow(scene, allowed)
     first = _BLOCKS * scene.n + _CONTACT * scene.m  # contacts: the open part counts
     for j in range(row_size(scene.n, scene.m, scene.k)):
@@ -174,5 +228,4 @@ def _find_tops(scene, shaking, segment, t, h):
             continue
         top = b + rise * rise / (8.0 * bend) + (1.0 if is_contact else 0.0)
         if top > scene.peaks[j] + allowed[j]:
-            look(scene, shaking, segment, t, h, 0.5 + rise / (4.0 * bend), trial)
-            raise_peaks(scene, trial)
+            _look_at(scene, shaking, segment, t, h, 0.5 + rise / (4.0 * bend), j)
