@@ -165,9 +165,9 @@ def _move(stepper: Stepper, change: FloatArray) -> None:
     see.q1[:], see.q2[:], see.q3[:] = (scalar[:, None] * q + q0[:, None] * half + np.cross(half, q)).T
 
 
-def residual_of(stepper: Stepper) -> FloatArray:
-    """Forces and moments on the blocks that are not in balance, N and N m about the axes of the base, (6 n,)."""
-    stepper.observe()
+def residual_of(stepper: Stepper) -> tuple[FloatArray, float]:
+    """Forces and moments on the blocks that are not in balance, N and N m about the axes of the base; energy, J."""
+    energy = stepper.observe()
     rates = at.PHASE.see(stepper.rates, stepper.structure.n)
     see = stepper.see
     found = np.zeros((stepper.structure.n, 6))
@@ -177,16 +177,20 @@ def residual_of(stepper: Stepper) -> FloatArray:
         q0, q = see.q0[i], np.array([see.q1[i], see.q2[i], see.q3[i]])
         across = np.cross(q, own)
         found[i, 3:] = own + 2.0 * (q0 * across + np.cross(q, across))
-    return found.ravel()
+    return found.ravel(), energy
 
 
 def _balance(stepper: Stepper, linear: FloatArray, delta: FloatArray, close: float) -> None:
-    """Newton's method; where a step does not lessen what is left, the tangent is stiffened and it is tried again."""
+    """Newton's method; where a step lessens neither the forces left nor the energy, the tangent is stiffened.
+
+    Near collapse the forces left grow along the way to a rest, and the energy falls; with friction it is none.
+    """
     structure = stepper.structure
     per = delta / delta[0]  # moments count over the size of the block
-    left = residual_of(stepper)
+    left, energy = residual_of(stepper)
     size = float(np.max(np.abs(left * per)))
     softening = 0.0
+    potential = not any(joint.bed.friction is not None for joint in structure.joints)
     tangent = stepper.stiffness(delta)
     for _ in range(MOST_ITERATIONS):
         if size <= close:
@@ -194,10 +198,10 @@ def _balance(stepper: Stepper, linear: FloatArray, delta: FloatArray, close: flo
         change = _solved(structure, tangent + softening * linear, left)
         before = stepper.phase.copy()
         _move(stepper, change)
-        now = residual_of(stepper)
+        now, lower = residual_of(stepper)
         new = float(np.max(np.abs(now * per)))
-        if new < size:
-            left, size = now, new
+        if new < size or (potential and lower < energy):
+            left, size, energy = now, new, lower
             softening = 0.1 * softening if softening > SOFTENING else 0.0
             tangent = stepper.stiffness(delta)
         else:

@@ -21,7 +21,7 @@ from validation.cases.free_rocking import block, housner
 from validation.cases.housner import decay, peaks_of, quarter_period
 from validation.cases.overturning import around, edges
 from validation.cases.reference_study import FRICTION, round_and_sliding
-from validation.cases.structures import extrapolated, pushed, stands, tilted
+from validation.cases.structures import by_ratio, extrapolated, pushed, stands, tilted
 from validation.limits import largest_push
 from validation.rigid_block import overturning
 
@@ -110,3 +110,4 @@ def test_a_tilted_arch_is_pushed_by_its_weight() -> None:
 
 def test_extrapolation_is_exact_for_what_goes_as_one_over_the_root() -> None:
     assert extrapolated((1e9, 1e11), [3.0 + 1e-1, 3.0 + 1e-2]) == pytest.approx(3.0, abs=1e-12)
+    assert by_ratio([3.0 + 0.4**i for i in range(4)]) == pytest.approx(3.0, abs=1e-12)

@@ -28,7 +28,7 @@ FRAME_MODULI = (1e9, 1e10, 1e11)  # N/m3
 RADIUS, DAMPING = 10.0, 1e-3  # m, s
 PUSHED = (7, 0.15, math.radians(157.5))  # voussoirs, thickness over radius, angle
 PUSH_MODULI = (1e9, 1e10, 1e11, 1e12)  # N/m3
-SEMICIRCLE, THICKNESS_MODULI = 30, (2e9, 2e10)  # voussoirs; N/m3
+SEMICIRCLE, THICKNESS_MODULI = 30, (2e9, 2e10, 2e11, 2e12)  # voussoirs; N/m3
 MILANKOVITCH = 0.1075  # least thickness over radius of a semicircle of many voussoirs
 
 
@@ -68,6 +68,12 @@ def extrapolated(moduli: tuple[float, ...], values: list[float]) -> float:
     """The value at an infinite modulus from the last two, by 1 / sqrt(k)."""
     factor = math.sqrt(moduli[-1] / moduli[-2])
     return values[-1] + (values[-1] - values[-2]) / (factor - 1.0)
+
+
+def by_ratio(values: list[float]) -> float:
+    """The limit of the last three values if their differences go on shrinking by the same ratio (Aitken)."""
+    before, last = values[-2] - values[-3], values[-1] - values[-2]
+    return values[-1] + last * last / (before - last)
 
 
 def stands(structure: Structure) -> bool:
@@ -145,11 +151,12 @@ def compute(data: Path | None) -> Outcome:
     slopes = [largest_slope(k) for k in PUSH_MODULI]
     lines.append(f"push on {PUSHED[0]} voussoirs, g; limit analysis {push_limit:.4f}:")
     lines += [f"  k = {k:.0e} N/m3: {push:.4f}" for k, push in zip(PUSH_MODULI, slopes, strict=True)]
+    lines.append(f"  extrapolated by the ratio of differences {by_ratio(slopes):.4f}")
     thin_limit = least(lambda t: math.isfinite(largest_push(semicircle(t, 1e10))), 0.08, 0.14)
     thin = [least_thickness(k) for k in THICKNESS_MODULI]
     lines.append(f"least thickness of a semicircle over its radius; limit analysis {thin_limit:.4f}:")
     lines += [f"  k = {k:.0e} N/m3: {value:.4f}" for k, value in zip(THICKNESS_MODULI, thin, strict=True)]
-    lines.append(f"  extrapolated {extrapolated(THICKNESS_MODULI, thin):.4f}, Milankovitch {MILANKOVITCH}")
+    lines.append(f"  extrapolated by the ratio of differences {by_ratio(thin):.4f}, Milankovitch {MILANKOVITCH}")
     numbers = {"frames": frames, "push": slopes, "push_limit": push_limit, "thickness": thin, "thin_limit": thin_limit}
     return Outcome(lines, numbers, draw(frames, slopes, push_limit))
 
