@@ -255,3 +255,23 @@ def test_caption_compares_like_with_like_only(figure3: ModuleType) -> None:
     damped = " ".join(figure3.caption(runs, Column.from_toml(DAMPED), 20.0))
     assert "The paper's" not in damped
     assert "chaotic" not in damped
+
+
+# structures/with_and_without_ties.py
+
+
+@pytest.mark.long
+def test_what_ties_do(tmp_path: Path) -> None:
+    """Both runs under a second of shaking: ties bear forces, and the architraves slide apart less."""
+    time = np.arange(101) / 100.0
+    rows = zip(time, 3.0 * np.sin(4.0 * math.pi * time), strict=True)
+    record = tmp_path / "record.csv"
+    record.write_text("time,base.ax\n" + "".join(f"{t},{a}\n" for t, a in rows))
+    colonnade = EXAMPLES / "structures" / "colonnade.toml"
+    run = example("structures/with_and_without_ties.py", tmp_path, colonnade, record, record, record)
+    assert (run.returncode, run.stderr) == (0, "")
+    tied, free = run.stdout.split("without ties")
+    assert "ties, largest force" in tied
+    assert "ties, largest force" not in free
+    slips = [float(part.split("slide farthest: architrave1 on architrave2 ")[1].split(",")[0]) for part in (tied, free)]
+    assert slips[0] < slips[1]
