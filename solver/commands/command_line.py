@@ -23,6 +23,7 @@ from ..dynamics.uncertainty import PERCENTILES, Ensemble, Spread
 from ..ground.motion import STANDARD_GRAVITY, Motion
 from ..runs.simulate import simulate
 from ..runs.single_run import OUTPUT_STEP, SETTLE
+from ..space.in_plane import column_of
 from ..space.structure import Structure
 from . import structure
 from .calibrate import add_calibrate_command
@@ -161,6 +162,8 @@ def _add_run_options(run: argparse.ArgumentParser) -> None:
     accuracy.add_argument("--formulation", help=" or ".join(FORMULATIONS))
     accuracy.add_argument("--integrator", help=" or ".join(INTEGRATORS))
     accuracy.add_argument("--step", type=float, metavar="S", help="s, of an integrator with a fixed step")
+    words = "solve a structure that is a column in its plane as one, with joints rigid along themselves"
+    accuracy.add_argument("--plane", choices=("auto",), help=words)
     out = run.add_argument_group("output")
     out.add_argument("--output-step", type=float, metavar="S", help=f"s between two rows (default: {OUTPUT_STEP})")
     out.add_argument("-o", "--output", type=Path, metavar="FILE.csv", help="write the histories")
@@ -191,6 +194,9 @@ def _simulate(options: argparse.Namespace) -> None:
     if in_space:
         structure.prepare(options)
     motion, lines = motion_of(options)
+    if in_space and options.plane == "auto" and not motion.has_ay:
+        subject = column_of(subject) or subject
+        in_space = isinstance(subject, Structure)
     if not in_space:
         compile_kernels()  # the report needs them too
     report_of, summary_of = (structure.report, structure.summary) if in_space else (column_report, _summary)

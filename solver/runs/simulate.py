@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from typing import Any, overload
+from typing import Any, Literal, overload
 
 from ..column.column import Column
 from ..column.packing import InitialState
 from ..column.rest import check_rest
 from ..common.errors import POSITIVE, InputError, SolverError, check_number, check_whole, shown
+from ..common.ranges import check_choice
 from ..dynamics.first_run import make_kernels
 from ..dynamics.kinematics import chain_of
 from ..dynamics.response import Response
 from ..dynamics.uncertainty import Spread
 from ..ground.motion import Motion, check_in_plane
 from ..space.ensemble import ensemble_in_space
+from ..space.in_plane import column_of
 from ..space.response import SpatialResponse
 from ..space.run import Callback as SpatialCallback
 from ..space.run import SpatialState, simulate_structure
@@ -60,7 +62,25 @@ def simulate(
     ensemble: int = 0,
     spread: Spread | None = None,
     callback: SpatialCallback | None = None,
+    plane: None = None,
 ) -> SpatialResponse: ...
+@overload
+def simulate(
+    column: Structure,
+    motion: Motion | str | os.PathLike[str],
+    duration: float | None = None,
+    *,
+    tolerance: float | None = None,
+    without: Sequence[str] | None = None,
+    output_step: float | None = None,
+    initial: SpatialState | None = None,
+    settle: float = SETTLE,
+    check: bool = False,
+    ensemble: int = 0,
+    spread: Spread | None = None,
+    callback: Any = None,
+    plane: Literal["auto"],
+) -> Response | SpatialResponse: ...
 def simulate(
     column: Column | Structure,
     motion: Motion | str | os.PathLike[str],
@@ -77,6 +97,7 @@ def simulate(
     ensemble: int = 0,
     spread: Spread | None = None,
     callback: Any = None,
+    plane: str | None = None,
 ) -> Response | SpatialResponse:
     """Response of a column, or of a structure in space, to a base motion or a record in a file, from its start.
 
@@ -85,7 +106,8 @@ def simulate(
 
     Accuracy; None keeps the setting of the column. tolerance: relative to the peak. formulation, integrator, step (s):
     structures have none of these. without: names of settings.SKIPS, short cuts that are not to be taken; "peaks": those
-    of ux only are kept.
+    of ux only are kept. plane: "auto" gives the Response of a column, with joints rigid along themselves, for a
+    structure that is one, begins at rest and is shaken in the plane x, z alone (space/in_plane.py).
 
     Output. output_step: s between the rows of the response; None: 0.005. It has no influence on the steps, and the
     peaks are those of the motion between the rows as well. callback: called as callback(t, single_run.Glance) with the
@@ -110,6 +132,10 @@ def simulate(
     ensemble = check_whole("ensemble", ensemble, 0, MOST_RUNS, f"a number of runs, at most {MOST_RUNS}")
     plan, spread = Plan(motion, duration, times, initial, settle, callback), Spread() if spread is None else spread
     of_columns = {"formulation": formulation, "integrator": integrator, "step": step}
+    if plane is not None:
+        check_choice("plane", plane, ("auto",))
+        if isinstance(column, Structure) and initial is None and not motion.has_ay:
+            column = column_of(column) or column
     if isinstance(column, Structure):
         for name, value in of_columns.items():
             if value is not None:

@@ -69,7 +69,7 @@ def model_of(
     for j, joint in enumerate(joints):
         table.reach[j] = math.inf
         if joint.bed.friction is not None:
-            table.reach[j] = joint.bed.friction * settlement / joint.bed.shear_ratio
+            table.reach[j] = joint.bed.friction * settlement / joint.bed.shear_ratio + joint.bed.dowel / table.shear[j]
             table.shear_damping[j] = max(table.shear_damping[j], settings.relaxation)
     settings.gives_way = float(slides or any(tie.yield_ is not None for tie in ties))
     return model

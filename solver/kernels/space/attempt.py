@@ -128,9 +128,10 @@ def size_of(x, y, z):
 
 @kernel
 def _error_of_memory(scene, errors, allowed):
-    """Largest error of what joints and ties remember over the allowed one, in rad; slips count over the arm of a joint.
+    """Largest error of what joints and ties remember over the allowed one.
 
-    The direction of friction hangs on elastic slips, so that their error stays a part of them at any tolerance.
+    allowed: rad; slips count over the arm of a joint, plastic stretches over the extent of the structure. The direction
+    of friction hangs on elastic slips, so that their error stays a part of them at any tolerance.
     """
     slips, plastic, largest = _memory(errors, scene.m), errors[_PER_JOINT * scene.m :], 0.0
     for j in range(scene.m):

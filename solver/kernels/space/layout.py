@@ -42,7 +42,7 @@ JOINTS = Table(
     *("friction", "dowel"),  # coefficient, infinite where nothing slides; N
     "section",  # POLYGON or ROUND
     *("area", "ixx", "iyy", "ixy"),  # m2; m4, integrals of x^2, y^2, x y about the centre, which is the centroid
-    "reach",  # m, elastic slip that friction bears under the weight of one block; infinite where nothing slides
+    "reach",  # m, elastic slip that friction and dowel bear under the weight of one block; infinite without
     "arm",  # m, mean distance of the section from the centre
     *("outer", "inner"),  # m, radii of a round section
     *("first", "corners"),  # place and number of the corners of a polygon
