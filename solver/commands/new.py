@@ -18,7 +18,14 @@ from ..common.ranges import LENGTH, NUMBERS, listed
 from .command_files import add_force, check_suffix
 
 DAMPING = 1e-3  # s
-PART_OF_BOX = 0.4  # that a statue fills: an estimate
+# of height times width times depth of its base, that a statue fills. The body of a person: 0.3 of the box around it. A
+# draped Roman statue of 650 kg on a base of 0.72 by 0.43 m, centroid at 0.635 m (Monaco and others 2020, table 1): at
+# most 0.6, if of marble and not wider above
+PART_OF_BOX, LEAST_PART, MOST_PART = 0.4, 0.3, 0.6
+MASS_NOTE = (
+    "# mass in kg: pressures follow it, overturning hardly (docs/check.md). A statue fills 0.3 to 0.6 of height times",
+    "# width times depth of its base. Left out, it would be a full block of the material.",
+)
 SURVEYS = (("height", "width", "depth"), ("height", "diameter"))
 
 
@@ -73,9 +80,9 @@ def _statue(asked: dict[str, float]) -> list[dict[str, float]]:
 
 
 def _mass_of_statue(asked: dict[str, float]) -> float:
-    """An estimate, kg: marble in a part of the box around it, to two digits."""
+    """An estimate, kg: its material in a part of the box over its base, to three digits."""
     box = asked["height"] * asked["width"] * asked["depth"]
-    return float(f"{PART_OF_BOX * MATERIALS['marble'].density * box:.2g}")
+    return float(f"{asked['part'] * asked['density'] * box:.3g}")
 
 
 _COUNT = ((1.0, 1000.0), "a whole number from 1 to 1000")
@@ -96,9 +103,12 @@ SHAPES = {
             "height": Question("height of the statue (m)", 1.8),
             "width": Question("width of its base, in the direction of the motion (m)", 0.5),
             "depth": Question("depth of its base, across (m)", 0.5),
-            "mass": Question(
-                "mass of the statue (kg), if unknown 0.4 of a marble box", _mass_of_statue, NUMBERS["mass"]
+            "part": Question(
+                f"part of height x width x depth that it fills, {LEAST_PART:g} if slender, {MOST_PART:g} if draped",
+                PART_OF_BOX,
+                ((0.01, 1.0), "a part from 0.01 to 1"),
             ),
+            "mass": Question("mass of the statue (kg), if unknown that of this part", _mass_of_statue, NUMBERS["mass"]),
             "pedestal_height": Question("height of the pedestal (m)", 1.0),
             "pedestal_width": Question("width of the pedestal, in the direction of the motion (m)", 0.7),
             "pedestal_depth": Question("depth of the pedestal, across (m)", 0.7),
@@ -133,15 +143,15 @@ def _new(options: argparse.Namespace) -> None:
     check_outputs((path,), (), options.force)
     name = check_file_name("name", path.stem)
     shape = _choice("what stands there", {key: shape.text for key, shape in SHAPES.items()}, "drums")
+    material = _choice("material", {key: found.source for key, found in MATERIALS.items()}, "marble")
     blocks = _survey() if shape == "survey" else []
     if not blocks:
-        asked: dict[str, float] = {}
+        asked = {"density": MATERIALS[material].density}
         for key, question in SHAPES[shape].questions.items():
             asked[key] = _number(question, asked)
         if "count" in asked and asked["count"] != int(asked["count"]):
             raise InputError(f"{asked['count']:g}: must be {_COUNT[1]}")
         blocks = SHAPES[shape].blocks(asked)
-    material = _choice("material", {key: found.source for key, found in MATERIALS.items()}, "marble")
     damping = _number(Question("damping eta of the joints (s); 1e-3 is 1 % at 3 Hz", DAMPING, NUMBERS["damping"]))
     friction = _choice("joints may slide", {"yes": "by friction", "no": "they never slide"}, "no") == "yes"
     dowel = 0.0
@@ -188,11 +198,13 @@ def column_text(
         lines.append(f"friction = {found.friction!r}         # coefficient; without it the joints never slide")
     if dowel:
         lines.append(f"dowel = {dowel!r}            # N, shear borne beside friction")
-    why = "H / E of masonry" if found.has_joints else "1 / (H / E + 1 / 5e9): a dry joint, estimated"
+    why = "E / H of masonry" if found.has_joints else "1 / (H / E + 1 / 5e9): a dry joint, estimated"
     for block in blocks:
         lines += ["", "[[block]]"]
         if "diameter" in block:
             lines.append('section = "circle"')
+        if "mass" in block:
+            lines += MASS_NOTE
         lines += [f"{key} = {value:.10g}" for key, value in block.items()]
         if "mass" not in block:
             lines.append(f"# density = {found.density:.10g}         # kg/m3, of the material")

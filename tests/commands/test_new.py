@@ -19,7 +19,7 @@ def ask(monkeypatch: pytest.MonkeyPatch, path: Path, *answers: str) -> int:
 
 def test_drums(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / "my-column.toml"
-    assert ask(monkeypatch, path, "drums", "4", "6", "1.2", "0.8", "marble", "2e-3", "yes", "30") == 0
+    assert ask(monkeypatch, path, "drums", "marble", "4", "6", "1.2", "0.8", "2e-3", "yes", "30") == 0
     column = Column.from_toml(path)
     assert (column.name, column.n) == ("my-column", 4)
     cone = math.pi * 6.0 / 3.0 * (0.6**2 + 0.6 * 0.4 + 0.4**2)
@@ -36,18 +36,28 @@ def test_drums(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 def test_empty_answers_make_a_column(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, shape: str, material: str
 ) -> None:
-    questions = {"drums": 4, "statue": 7, "tapered": 4}[shape]
-    assert ask(monkeypatch, tmp_path / "a.toml", shape, *[""] * questions, material, "", "") == 0
+    questions = {"drums": 4, "statue": 8, "tapered": 4}[shape]
+    assert ask(monkeypatch, tmp_path / "a.toml", shape, material, *[""] * questions, "", "") == 0
     column = Column.from_toml(tmp_path / "a.toml")
     assert all(block.joint.friction is None for block in column.blocks)
     assert all(block.joint.strength == MATERIALS[material].strength for block in column.blocks)
 
 
-def test_mass_of_a_statue_follows_its_size(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    answers = ("statue", "3.6", "1.0", "0.5", *[""] * 4, "marble", "", "")
+@pytest.mark.parametrize("material", ["marble", "soft-stone"])
+@pytest.mark.parametrize(("part", "share"), [("", 0.4), ("0.55", 0.55)])
+def test_mass_of_a_statue_follows_size_part_and_material(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, material: str, part: str, share: float
+) -> None:
+    answers = ("statue", material, "3.6", "1.0", "0.5", part, *[""] * 6)
     assert ask(monkeypatch, tmp_path / "a.toml", *answers) == 0
     mass = Column.from_toml(tmp_path / "a.toml").blocks[0].mass
-    assert mass == pytest.approx(0.4 * 2700.0 * 3.6 * 1.0 * 0.5, rel=0.05)  # two digits
+    assert mass == pytest.approx(share * MATERIALS[material].density * 3.6 * 1.0 * 0.5, rel=0.005)  # three digits
+
+
+def test_known_mass_of_a_statue(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert ask(monkeypatch, tmp_path / "a.toml", "statue", "", "", "", "", "", "650", *[""] * 5) == 0
+    assert Column.from_toml(tmp_path / "a.toml").blocks[0].mass == 650.0
+    assert "A statue fills 0.3 to 0.6" in (tmp_path / "a.toml").read_text(encoding="utf-8")
 
 
 def test_material_fills_in_and_is_overridden() -> None:
@@ -81,12 +91,12 @@ def test_material_fills_in_and_is_overridden() -> None:
 def test_survey(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     table = tmp_path / "survey.csv"
     table.write_text("height,width,depth\n1.0,0.6,0.7\n0.5,0.9,0.8\n", encoding="utf-8")
-    assert ask(monkeypatch, tmp_path / "a.toml", "survey", str(table), "brick", "", "") == 0
+    assert ask(monkeypatch, tmp_path / "a.toml", "survey", "brick", str(table), "", "") == 0
     column = Column.from_toml(tmp_path / "a.toml")
     assert [(block.height, block.width, block.depth) for block in column.blocks] == [(1.0, 0.6, 0.7), (0.5, 0.9, 0.8)]
     assert column.blocks[1].joint.stiffness == pytest.approx(1.5e9 / 0.5)
     table.write_text("height,diameter\n1.0,wide\n", encoding="utf-8")
-    assert ask(monkeypatch, tmp_path / "b.toml", "survey", str(table)) == 2
+    assert ask(monkeypatch, tmp_path / "b.toml", "survey", "brick", str(table)) == 2
     assert f"{table}: line 2: diameter = wide: must be a positive length in m" in capsys.readouterr().err
     assert not (tmp_path / "b.toml").exists()
 
@@ -95,9 +105,9 @@ def test_survey(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.
     ("answers", "message"),
     [
         (("drum",), "what stands there = drum: must be one of drums, statue, tapered, survey; did you mean drums?"),
-        (("drums", "2.5", "", "", ""), "2.5: must be a whole number from 1 to 1000"),
-        (("drums", "2", "tall"), "height of all drums together (m) = tall: must be a positive length in m"),
-        (("drums",), "number of drums: no answer, the input has ended"),
+        (("drums", "", "2.5", "", "", ""), "2.5: must be a whole number from 1 to 1000"),
+        (("drums", "", "2", "tall"), "height of all drums together (m) = tall: must be a positive length in m"),
+        (("drums", ""), "number of drums: no answer, the input has ended"),
     ],
 )
 def test_mistakes_end_in_one_line(
