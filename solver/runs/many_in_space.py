@@ -17,6 +17,7 @@ from ..space.response import SpatialResponse
 from ..space.run import simulate_structure
 from ..space.structure import Structure
 from .outputs import Kept
+from .single_run import SETTLE
 from .table import WORDS, Table
 
 Callback = Callable[[int, int | None], object]
@@ -50,8 +51,8 @@ class RunInSpace(NamedTuple):
 
 
 def guessed_cost_in_space(run: RunInSpace) -> float:
-    """Estimated duration of a run, s, before any is measured."""
-    return COST * run.structure.n * run.duration
+    """Estimated duration of a run that is followed to its verdict, s, before any is measured."""
+    return COST * run.structure.n * (run.duration + SETTLE)
 
 
 def are_structures(given: object) -> bool:
