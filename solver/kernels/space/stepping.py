@@ -11,10 +11,12 @@ from ..stepping.control import LEAST_ERROR, SAFETY, SHRINK, growth
 from .attempt import attempt, evaluate_at, rate, size_of
 from .base import is_quiet, segment_after
 from .evaluate import moving, recall, show
-from .layout import OK, PAUSED, PHASE, STAGES, STEP_TOO_SMALL, row_size
+from .layout import MEMORY, OK, PAUSED, PHASE, STAGES, STEP_TOO_SMALL, row_size
 from .watch import END, START, look, raise_peaks, row, seen, track_peaks
 
-_phase = PHASE.over
+_phase, _memory = PHASE.over, MEMORY.over
+_PER_BODY, _PER_JOINT = PHASE.per_n, MEMORY.per_n
+STABLE = 2.5  # time constants of what gives way, in a step: explicit steps beyond 3.3 only stay bounded by their errors
 SLACK = 1e-9  # of a step: times closer than this are the same
 LEAST_STEP = 1e-13  # of the time scale
 STILL = 1e-8  # of gravity, and of the rates that errors are measured against: less is rest
@@ -54,6 +56,21 @@ def _rests(scene, phase, rates):
         if moves or starts:
             return False
     return True
+
+
+@kernel
+def _relaxing(scene):
+    """The shortest time constant, s, of a joint that slides or a tie that yields at the start of a step."""
+    n, m = scene.n, scene.m
+    giving, shortest = rate(scene, 0)[_PER_BODY * n :], math.inf
+    slips = _memory(giving, m)
+    for j in range(m):
+        if slips.p1[j] != 0.0 or slips.p2[j] != 0.0 or slips.p3[j] != 0.0:
+            shortest = min(shortest, scene.joints.shear_damping[j])
+    for e in range(_PER_JOINT * m, _PER_JOINT * m + scene.k):
+        if giving[e] != 0.0:
+            shortest = min(shortest, scene.settings.relaxation)
+    return shortest
 
 
 @leaf
@@ -133,6 +150,8 @@ def advance(scene, shaking, watch, state, t, stop, most):
         most_step = control.next_step
         if shaking.base.omega != 0.0:
             most_step = min(most_step, 1.0 / shaking.base.omega)
+        if scene.settings.gives_way != 0.0:
+            most_step = min(most_step, STABLE * _relaxing(scene))
         h = _shared(most_step, end - t)
         error = attempt(scene, shaking, segment, t, h)
         if not error <= 1.0:
