@@ -19,7 +19,7 @@ from ..space.structure import Structure
 from .table import WORDS, Table
 
 Callback = Callable[[int, int | None], object]
-OF_RUN = ("verdict", "overturn_time", "steps", "evaluations")
+OF_RUN = ("verdict", "overturn_time", "steps", "evaluations", "settled_for")
 PEAKS = ("u", "ux", "uy", "uz", "rx", "ry", "rz", "N", "Mx", "My", "Tx", "Ty", "Mz", "sigma_max", "slip", "tie", "base")
 KEPT = (*OF_RUN, *(f"peak_{name}" for name in PEAKS), "least_contact")
 ROWS = 0.02  # s, between the rows from which the peak of u is taken
