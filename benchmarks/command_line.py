@@ -17,6 +17,7 @@ from . import (
     boundary,
     damped_columns,
     energy,
+    engines,
     evaluation,
     executors,
     in_space,
@@ -204,6 +205,14 @@ def measure_space(wanted: Scenes, quick: bool, results: Results) -> Iterator[Non
         yield
 
 
+def measure_engines(wanted: Scenes, quick: bool, results: Results) -> Iterator[None]:
+    """Structures in space against physics engines."""
+    found = engines.against_engines(quick)
+    results["engines"] = [asdict(found)]
+    say(f"{found.title}\n" + report.table(found.head, found.rows))
+    yield
+
+
 # each yields whenever there is something new to be written
 PARTS: dict[str, Callable[[Scenes, bool, Results], Iterator[None]]] = {
     "work-precision": measure_work_precision,
@@ -220,6 +229,7 @@ PARTS: dict[str, Callable[[Scenes, bool, Results], Iterator[None]]] = {
     "executors": measure_executors,
     "trust": measure_trust,
     "space": measure_space,
+    "engines": measure_engines,
 }
 
 

@@ -22,6 +22,7 @@ import numpy as np
 from multiblock import Motion, Structure, arch, colonnade, simulate
 from solver.space.response import SpatialResponse
 from solver.space.rest import rest_of, start_from
+from solver.space.run import SpatialState, set_initial
 from solver.space.stepper import Stepper
 
 from . import timing
@@ -41,6 +42,7 @@ EQUAL_ERROR = 1e-3  # of the peak
 RUNS, CALLS = 25, 20  # of which the shortest counts; in each
 FRICTION = 0.2  # so little that joints slide
 SPAN = 2.0  # s, of the random structures
+THROWN, THROWS, ENERGY_TOLERANCES = 1.0, 8, (1e-3, 1e-5, 1e-7, 1e-9)  # s; of the undamped blocks
 COMPILED = (
     "from multiblock import Column, Motion, simulate; c = Column.from_toml({file!r}){space}; "
     "simulate(c, Motion.harmonic(0.1, 1.0, 0.1), settle=0.0)"
@@ -255,10 +257,36 @@ def compilation() -> Table:
     return Table("Structures in space: first run, s of the processor", ["", "empty cache", "second process"], rows)
 
 
+def energies(quick: bool) -> Table:
+    """Change of the energy above rest within `THROWN` s, undamped, in tolerances; medians of throws at random."""
+    structure = boxes()
+    structure = structure.with_joints([STIFFNESS] * 3, [0.0] * 3)
+    rest, rng = rest_of(structure), np.random.default_rng(1)
+    throws = [
+        SpatialState(*(size * rng.standard_normal((3, 3)) for size in (0.0, 0.0, 0.3, 0.1)))
+        for _ in range(2 if quick else THROWS)
+    ]
+
+    def drift(throw: SpatialState, tolerance: float) -> float:
+        stepper = Stepper(structure.with_settings(tolerance=tolerance))
+        start_from(stepper, rest)
+        still = stepper.observe()
+        set_initial(stepper, throw)
+        first = stepper.observe() - still
+        stepper.run(None, 0.0, THROWN, np.zeros(0))
+        return abs(stepper.observe() - still - first) / first / tolerance
+
+    cells = [f"{float(np.median([drift(throw, value) for throw in throws])):.2g}" for value in ENERGY_TOLERANCES]
+    head = ["three blocks thrown at random, undamped", *(f"{value:.0e}" for value in ENERGY_TOLERANCES), "asked"]
+    rows = [[f"change of energy over tolerance, {THROWN:g} s, median of {len(throws)}", *cells, "0.01"]]
+    return Table("Structures in space: energy", head, rows)
+
+
 def measure(quick: bool) -> Iterator[Table]:
     """All tables, the quick ones first."""
     yield accuracy()
     yield costs()
+    yield energies(quick)
     yield against_plane()
     yield tolerances(quick)
     if not quick:

@@ -357,7 +357,8 @@ def trust_tables(results: Results) -> str:
 
 def space_tables(results: Results) -> str:
     """Structures in space."""
-    return "\n\n".join(f"## {of['title']}\n\n{table(of['head'], of['rows'])}" for of in results.get("space", []))
+    tables = [*results.get("space", []), *results.get("engines", [])]
+    return "\n\n".join(f"## {of['title']}\n\n{table(of['head'], of['rows'])}" for of in tables)
 
 
 def _share(row: dict[str, Any]) -> str:

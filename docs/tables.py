@@ -26,6 +26,7 @@ from solver.column.materials import MATERIALS
 from solver.column.settings import FORMULATIONS, INTEGRATORS, SKIPS
 from solver.common.ranges import NUMBERS
 from solver.kernels.sections.faces import SECTIONS
+from solver.runs.many_in_space import KEPT as KEPT_IN_SPACE
 from solver.runs.outputs import KEPT
 from solver.space.structure import Structure
 from solver.studies import definition, distributions, motions
@@ -156,6 +157,8 @@ STUDY = {
     "kind": "which picture and table are made: " + ", ".join(map(code, definition.KINDS)),
     "column": "path of a column file, relative to this file",
     "columns": "a list of such paths, in place of column",
+    "structure": "path of a structure file, in place of column",
+    "structures": "a list of such paths",
     "motion": "a table [[motion]] for each motion: record with "
     + ", ".join(map(code, motions._OF_RECORDS[1:]))
     + ", or formula; and `name`, "
@@ -276,6 +279,10 @@ PARTS = {
         ([code(name), ", ".join(map(code, needs))] for name, needs in distributions._NEEDS.items()),
     ),
     "kept": lambda: table(["output", "unit"], ([code(name), kept.unit] for name, kept in KEPT.items())),
+    "kept-in-space": lambda: table(
+        ["output", "unit", "of"],
+        ([code(name), kept.unit, "run" if kept.kind else kept.of] for name, kept in KEPT_IN_SPACE.items()),
+    ),
     "inputs": lambda: fmu_variables("input"),
     "outputs": lambda: fmu_variables("output"),
     "parameters": lambda: fmu_variables("parameter"),

@@ -10,7 +10,7 @@ from ..column.column import Column
 from ..common.errors import InputError, needing, reading
 from ..common.files import check_outputs, toml_of
 from ..space.structure import Structure
-from ..space.structure_file import describes_structure
+from ..studies.subjects import subject_from
 
 PICTURES = (".png", ".pdf", ".svg")
 
@@ -19,8 +19,7 @@ def read_subject(path: Path) -> Column | Structure:
     """Read a file that describes a column or a structure in space. Raises InputError."""
     check_suffix(path, ".toml")
     with reading(path):
-        data = toml_of(path)
-        return Structure.from_dict(data) if describes_structure(data) else Column.from_dict(data)
+        return subject_from(toml_of(path))
 
 
 def read_column(path: Path) -> Column:

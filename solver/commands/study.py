@@ -100,8 +100,7 @@ def _show(options: argparse.Namespace) -> None:
     results = _results(options)
     print(summary(results))
     names = [name for name in results if name not in ("column", "motion", "failure") and results[name].ndim == 1]
-    if "peak_ux" in results:
-        names.append("peak_ux[1]")
+    names.append("largest")
     rows = [names] + [[_cell(results, name, k) for name in names] for k in range(min(options.rows, len(results)))]
     widths = [max(len(row[k]) for row in rows) for k in range(len(names))]
     for row in rows:
@@ -109,7 +108,7 @@ def _show(options: argparse.Namespace) -> None:
 
 
 def _cell(results: Results, name: str, row: int) -> str:
-    value = results["peak_ux"][row, 0] if name == "peak_ux[1]" else results[name][row]
+    value = results.largest[row] if name == "largest" else results[name][row]
     return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 

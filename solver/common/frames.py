@@ -18,13 +18,15 @@ EXTRA = "studies"
 class Frame:
     """Columns by name over the same rows, each (rows,), or (rows, blocks) with block 1, the top one, first.
 
-    index: the name of what counts the rows, and its values. units: of columns and of the index, by name.
+    index: the name of what counts the rows, and its values. units: of columns and of the index, by name. of: what the
+    numbers of a column are of, by its name, where that is not `block`.
     """
 
     index: tuple[str, NDArray[Any]]
     columns: Mapping[str, NDArray[Any]]
     units: Mapping[str, str] = field(default_factory=dict)
     attributes: Mapping[str, Any] = field(default_factory=dict)
+    of: Mapping[str, str] = field(default_factory=dict)
 
     def flat(self) -> dict[str, NDArray[Any]]:
         """The index and the columns, one for each block as ux[1], ux[2] and so on."""
@@ -61,10 +63,11 @@ class Framed:
         index, rows = frame.index
         data, coordinates = {}, {index: (index, rows, _units(frame, index))}
         for name, values in frame.columns.items():
-            dimensions = (index, "block")[: values.ndim]
+            part = frame.of.get(name, "block")
+            dimensions = (index, part)[: values.ndim]
             data[name] = (dimensions, _words(values) if values.dtype.kind == "U" else values, _units(frame, name))
             if values.ndim == 2:
-                coordinates["block"] = ("block", np.arange(1, values.shape[1] + 1), {})
+                coordinates[part] = (part, np.arange(1, values.shape[1] + 1), {})
         return xarray.Dataset(data, coordinates, dict(frame.attributes))
 
 

@@ -187,6 +187,19 @@ class Motion(Framed, Shown):
         upwards = np.interp(level.time, self.time, self.az, left=0.0, right=0.0)
         return replace(level, ay=level.az, az=upwards)
 
+    def turned(self, angle: float) -> Motion:
+        """Return the motion turned in plan by an angle, rad, from x to y."""
+        if angle == 0.0:
+            return self
+        c, s = math.cos(angle), math.sin(check_number("angle", angle, FINITE, "an angle in rad"))
+        return replace(
+            self,
+            ax=c * self.ax - s * self.ay,
+            ay=s * self.ax + c * self.ay,
+            amplitude=c * self.amplitude - s * self.amplitude_y,
+            amplitude_y=s * self.amplitude + c * self.amplitude_y,
+        )
+
     def mirrored(self) -> Motion:
         """Return the motion seen from behind: ax and ay change their signs, az does not."""
         made = replace(self, ax=-self.ax, amplitude=-self.amplitude)

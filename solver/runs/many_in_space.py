@@ -6,7 +6,7 @@ import math
 from collections import Counter
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -16,13 +16,44 @@ from ..ground.motion import Motion
 from ..space.response import SpatialResponse
 from ..space.run import simulate_structure
 from ..space.structure import Structure
+from .outputs import Kept
+from .single_run import SETTLE
 from .table import WORDS, Table
 
 Callback = Callable[[int, int | None], object]
-OF_RUN = ("verdict", "overturn_time", "steps", "evaluations", "settled_for")
-PEAKS = ("u", "ux", "uy", "uz", "rx", "ry", "rz", "N", "Mx", "My", "Tx", "Ty", "Mz", "sigma_max", "slip", "tie", "base")
-KEPT = (*OF_RUN, *(f"peak_{name}" for name in PEAKS), "least_contact")
+OF_RUN = {
+    "verdict": Kept(kind=np.uint8),
+    "overturn_time": Kept("s", np.float64),
+    "steps": Kept(kind=np.int64),
+    "evaluations": Kept(kind=np.int64),
+    "settled_for": Kept("s", np.float64),
+}
+_UNITS = {
+    "block": {"u": "m", "ux": "m", "uy": "m", "uz": "m", "rx": "rad", "ry": "rad", "rz": "rad"},
+    "joint": {"N": "N", "Mx": "N m", "My": "N m", "Tx": "N", "Ty": "N", "Mz": "N m", "sigma_max": "Pa", "slip": "m"},
+    "tie": {"tie": "N"},
+    "base": {"base": ""},  # three forces in N, three moments in N m
+}
+KEPT: dict[str, Kept] = {
+    **OF_RUN,
+    **{f"peak_{name}": Kept(unit, None, of) for of, units in _UNITS.items() for name, unit in units.items()},
+    "least_contact": Kept("", None, "joint"),
+}
+COST = 1e-3  # s for a block and a second of motion, roughly
 ROWS = 0.02  # s, between the rows from which the peak of u is taken
+
+
+class RunInSpace(NamedTuple):
+    """One run, from rest."""
+
+    structure: Structure
+    motion: Motion
+    duration: float  # s
+
+
+def guessed_cost_in_space(run: RunInSpace) -> float:
+    """Estimated duration of a run that is followed to its verdict, s, before any is measured."""
+    return COST * run.structure.n * (run.duration + SETTLE)
 
 
 def are_structures(given: object) -> bool:
@@ -55,16 +86,10 @@ def simulate_structures(
     if {len(models), len(shaken)} - {1, count}:
         raise InputError(f"motions: {len(shaken)}, must be 1 or as many as structures, {len(models)}")
     models, shaken = models * (count // len(models)), shaken * (count // len(shaken))
-    watches = any(name not in (*OF_RUN, "peak_u") for name in keep)
 
     def make(k: int) -> SpatialResponse | str:
         length = shaken[k].duration if duration is None else duration
-        structure = models[k].with_settings(tolerance=tolerance, without=None if watches else ("peaks",))
-        times = shaken[k].start + ROWS * np.arange(math.floor(length / ROWS + 1e-9) + 1, dtype=np.float64)
-        try:
-            return simulate_structure(structure, shaken[k], length, times, settle=settle)
-        except SolverError as failure:
-            return str(failure)
+        return made_alone(RunInSpace(models[k].with_settings(tolerance=tolerance), shaken[k], length), keep, settle)
 
     made: list[SpatialResponse | str] = []
     with ThreadPoolExecutor(threads or cores(), thread_name_prefix="runs") as pool:
@@ -75,7 +100,20 @@ def simulate_structures(
     columns = {name: _column(name, made, models) for name in dict.fromkeys(keep)}
     failures = {k: found for k, found in enumerate(made) if isinstance(found, str)}
     verdicts = Counter("failed" if isinstance(found, str) else found.verdict for found in made)
-    return Table(columns, {"runs": count, "failures": failures, "verdicts": dict(verdicts)})
+    of = {name: KEPT[name].of for name in columns}
+    return Table(columns, {"runs": count, "failures": failures, "verdicts": dict(verdicts)}, of=of)
+
+
+def made_alone(run: RunInSpace, keep: Sequence[str], settle: float) -> SpatialResponse | str:
+    """One run, without peaks that are not kept; or why the solver could not make it. Raises InputError."""
+    watches = any(name not in (*OF_RUN, "peak_u") for name in keep)
+    structure, motion, duration = run
+    structure = structure.with_settings(without=None if watches else ("peaks",))
+    times = motion.start + ROWS * np.arange(math.floor(duration / ROWS + 1e-9) + 1, dtype=np.float64)
+    try:
+        return simulate_structure(structure, motion, duration, times, settle=settle)
+    except SolverError as failure:
+        return str(failure)
 
 
 def _column(name: str, made: list[SpatialResponse | str], models: list[Structure]) -> Any:
@@ -83,7 +121,7 @@ def _column(name: str, made: list[SpatialResponse | str], models: list[Structure
     if name == "verdict":
         words = ["undecided" if isinstance(found, str) else found.verdict for found in made]
         return np.array([WORDS["verdict"].index(word) for word in words], dtype=np.uint8)
-    values = [math.nan if isinstance(found, str) else _value(name, found) for found in made]
+    values = [math.nan if isinstance(found, str) else kept_value(name, found) for found in made]
     if name in OF_RUN:
         return np.array(values)
     width = max(np.size(value) for value in values)
@@ -93,7 +131,10 @@ def _column(name: str, made: list[SpatialResponse | str], models: list[Structure
     return table
 
 
-def _value(name: str, found: SpatialResponse) -> Any:
+def kept_value(name: str, found: SpatialResponse) -> Any:
+    """A result of a run, one of KEPT; the verdict as a word."""
+    if name == "verdict":
+        return found.verdict
     if name == "overturn_time":
         return found.overturn_time
     if name in OF_RUN:

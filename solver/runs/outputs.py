@@ -10,10 +10,11 @@ from ..dynamics.response import BASE_HISTORIES, BLOCK_HISTORIES, UNITS
 
 
 class Kept(NamedTuple):
-    """A result that can be kept of a run: the unit, and the type, or None for a number of each block or joint."""
+    """A result that can be kept of a run: the unit; the type, or None for a number of each of `of`."""
 
     unit: str = ""
     kind: Any = None
+    of: str = "block"  # or joint, tie, base: joints of columns are as many as blocks
 
 
 # names -> those among the peaks of a Response, which lanes do not watch

@@ -26,7 +26,7 @@ class Table(Framed, Shown):
 
     A mapping, but its length is the number of runs. Block 1, the top one, comes first; NaN fills the columns beyond a
     column's number of blocks. `first`: number of the first run. columns: words as numbers, named by WORDS. stats: how
-    the runs were made (many.py). responses: by number of the run, those requested in full.
+    the runs were made (many.py). responses: by number of the run, those requested in full. of: as of a Frame.
     """
 
     def __init__(
@@ -35,8 +35,10 @@ class Table(Framed, Shown):
         stats: Mapping[str, Any] | None = None,
         responses: Mapping[int, Response] | None = None,
         first: int = 0,
+        of: Mapping[str, str] | None = None,
     ) -> None:
         self._columns = dict(columns)
+        self._of = dict(of or {})
         self.stats: dict[str, Any] = dict(stats or {})
         self.responses: dict[int, Response] = dict(responses or {})
         self.first = first
@@ -82,7 +84,7 @@ class Table(Framed, Shown):
         return rows_of(self._frame().flat())
 
     def _frame(self) -> Frame:
-        return Frame(("run", np.arange(self.first, self.first + len(self))), dict(self.items()))
+        return Frame(("run", np.arange(self.first, self.first + len(self))), dict(self.items()), of=self._of)
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write a line for each run, the number of the run first; a column of blocks as peak_ux[1], peak_ux[2] ..."""

@@ -85,7 +85,7 @@ def single_run(
     start_from(stepper, rest)
     flat = structure.is_plane and not motion.has_ay
     if initial is not None:
-        _set_initial(stepper, initial)
+        set_initial(stepper, initial)
         flat = flat and is_flat(initial)
     settings = at.SETTINGS.see(stepper.model.settings)
     stepper.model = stepper.model._replace(settings=stepper.model.settings.copy())
@@ -117,7 +117,8 @@ def is_flat(initial: SpatialState) -> bool:
     return not any(np.any(part) for part in across)
 
 
-def _set_initial(stepper: Stepper, initial: SpatialState) -> None:
+def set_initial(stepper: Stepper, initial: SpatialState) -> None:
+    """Place and move the blocks of a stepper. Raises InputError."""
     see, n = stepper.see, stepper.structure.n
     for part in initial:
         if np.shape(part) != (n, 3) or not np.all(np.isfinite(part)):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -17,7 +18,7 @@ from ..common.notebook import Shown, counted, outlines
 from .arrays import Model, centroid_of, model_of
 from .blocks.parts import BASE, TOLERANCE, Joint, Solid, Tie
 from .stack import stacked
-from .structure_file import parts_from
+from .structure_file import parts_from, written_out
 
 if TYPE_CHECKING:
     from ..column.column import Column
@@ -39,6 +40,7 @@ class Structure(Shown):
     g: float = 9.80665  # m/s2
     tolerance: float = TOLERANCE  # error relative to the largest motion
     without: tuple[str, ...] = ()  # "peaks": those of displacements only
+    described: Mapping[str, Any] | None = None  # the file, a table for each block; None: made otherwise
 
     def __post_init__(self) -> None:
         check_file_name("name", self.name)
@@ -134,7 +136,9 @@ class Structure(Shown):
         if tolerance is None and without is None:
             return self
         tolerance = self.tolerance if tolerance is None else tolerance
-        return replace(self, tolerance=tolerance, without=self.without if without is None else tuple(without))
+        without = self.without if without is None else tuple(without)
+        described = self.described and {**self.described, "solver": {"tolerance": tolerance, "without": [*without]}}
+        return replace(self, tolerance=tolerance, without=without, described=described)
 
     def with_joints(self, stiffness: Sequence[float], damping: Sequence[float]) -> Structure:
         """A copy whose joints have these moduli, N/m3, and dampings, s, a number for each joint."""
@@ -142,7 +146,15 @@ class Structure(Shown):
             replace(joint, bed=replace(joint.bed, stiffness=float(k), damping=float(eta)))
             for joint, k, eta in zip(self.joints, stiffness, damping, strict=True)
         )
-        return replace(self, joints=joints)
+        return replace(self, joints=joints, described=None)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The mapping from which `from_dict` makes this structure. Raises InputError if it was not made from one."""
+        if self.described is None:
+            raise InputError(
+                f"{self.name}: must be from a structure file, from_dict or a builder, to be written as one"
+            )
+        return copy.deepcopy(dict(self.described))
 
     @classmethod
     def from_toml(cls, path: str | os.PathLike[str]) -> Structure:
@@ -153,7 +165,7 @@ class Structure(Shown):
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> Structure:
         """Build a structure from the mapping that the TOML file holds (docs/structures.md). Raises InputError."""
-        return cls(**parts_from(data))
+        return cls(**parts_from(data), described=written_out(data))
 
     @classmethod
     def stack(cls, column: Column) -> Structure:

@@ -54,7 +54,7 @@ def parts_from(data: Mapping[str, Any]) -> dict[str, Any]:
     for upper, (key, supports) in enumerate(solids.standing):
         own = solids.laws[upper]
         for lower in supports:
-            bed, below = _bed(f"{key}.joint", {**law, **own}), len(blocks) if lower < 0 else lower
+            bed, below = bed_from(f"{key}.joint", {**law, **own}), len(blocks) if lower < 0 else lower
             joints += joints_between(blocks, upper, below, bed, f"{key}.on")
     for number, table in enumerate(explicit, start=1):
         joints += _joints_from(f"joint[{number}]", table, law, blocks)
@@ -65,6 +65,21 @@ def parts_from(data: Mapping[str, Any]) -> dict[str, Any]:
     gravity = check("g", data.get("g", 9.80665))
     found = {"name": data["name"], "blocks": blocks, "joints": tuple(joints), "ties": ties, "g": gravity}
     return found | {"tolerance": tolerance, "without": tuple(solver.get("without", ()))}
+
+
+def written_out(data: Mapping[str, Any]) -> dict[str, Any]:
+    """The same file with one table for each block, as plain lists and dicts, so that each number has its own place."""
+    tables = [part for k, table in enumerate(data["block"], start=1) for part in _repeated(f"block[{k}]", table)]
+    found: dict[str, Any] = _plain({**data, "block": tables})
+    return found
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return {key: _plain(part) for key, part in value.items()}
+    if isinstance(value, (list, tuple, np.ndarray)):
+        return [_plain(part) for part in value]
+    return value.item() if isinstance(value, np.generic) else value
 
 
 def _repeated(key: str, table: Mapping[str, Any]) -> list[Mapping[str, Any]]:
@@ -209,7 +224,8 @@ def _joint_tables(data: Mapping[str, Any]) -> tuple[Mapping[str, Any], list[Mapp
     return defaults, _tables("joint", {"joint": given}, 0)
 
 
-def _bed(key: str, table: Mapping[str, Any]) -> Bed:
+def bed_from(key: str, table: Mapping[str, Any]) -> Bed:
+    """The law of a joint from its keys. Raises InputError."""
     found: dict[str, Any] = {}
     for word in _LAW:
         if word in table:
@@ -228,7 +244,7 @@ def _joints_from(key: str, table: Mapping[str, Any], law: Mapping[str, Any], blo
     upper, lower = _pair(key, table, blocks)
     if upper == len(blocks):
         raise InputError(f'{key}.between: must name the block first, then "{BASE}"')
-    bed = _bed(key, {**law, **{word: table[word] for word in _LAW if word in table}})
+    bed = bed_from(key, {**law, **{word: table[word] for word in _LAW if word in table}})
     if "at" not in table:
         return joints_between(blocks, upper, lower, bed, key, sides=True)
     normal = _vector(f"{key}.normal", table.get("normal", [0.0, 0.0, 1.0]), 3)

@@ -1,7 +1,7 @@
 """Studies: many runs of columns and motions that differ by a plan, in one table."""
 
-from .definition import Random, Study
-from .distributions import Distribution
+from .definition import Study
+from .distributions import Distribution, Random
 from .execution import StudyError, run_study
 from .motions import Measure, Shaking
 from .results import Results

@@ -6,15 +6,14 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from ..column.column import Column
 from ..common.errors import InputError, shown
 from ..common.files import check_file_name
-from ..runs.outputs import KEPT
+from ..runs.outputs import Kept
 from ..runs.table import WORDS
 from .definition import KINDS, MOST_RUNS, SAMPLINGS
 from .motions import Measure
+from .subjects import always_kept, are_in_space, kept, sizes_of, subject_from
 
-ALWAYS = ("peak_ux", "verdict")  # kept by every study
 FAILED = "failed"  # the verdict on a run that the solver could not make
 
 
@@ -28,9 +27,10 @@ def check_head(head: Mapping[str, Any]) -> None:
         _must(f"study.{key}", study.get(key), study.get(key) in known, f"one of {', '.join(known)}")
     _whole(study, "seed", 0, math.inf)
     samples = _whole(study, "samples", 1, MOST_RUNS)
-    columns = [Column.from_dict(_is(f"columns[{k}]", table, dict)) for k, table in enumerate(_list(study, "columns"))]
-    most = max((column.n for column in columns), default=0)
-    _must("blocks", blocks, blocks == most, f"{most}, the most of a column")
+    columns = [subject_from(_is(f"columns[{k}]", table, dict)) for k, table in enumerate(_list(study, "columns"))]
+    sizes, in_space = sizes_of(columns), are_in_space(columns)
+    _must("blocks", blocks, blocks == sizes["block"], f"{sizes['block']}, the most of a column")
+    _must("sizes", head.get("sizes"), head.get("sizes") == (sizes if in_space else None), f"{sizes}, of structures")
     motions = [_is(f"motions[{k}]", table, dict) for k, table in enumerate(_list(study, "motions"))]
     for table in motions:
         _part(table, "name", str)
@@ -46,7 +46,7 @@ def check_head(head: Mapping[str, Any]) -> None:
     if study["intensity"] is not None:
         Measure.from_table(_part(study, "intensity", dict))
     _numbers("limits", _list(study, "limits"), finite=True)
-    _names("keep", _list(study, "keep"), tuple(KEPT), ALWAYS)
+    _names("keep", _list(study, "keep"), tuple(kept(in_space)), always_kept(in_space))
     _names("varied", _list(head, "varied"), None, ("column", "motion", *grid))
     _names("measured", _list(head, "measured"), ("pga", "pgv", "sa"), ("pga", "pgv"))
 
@@ -74,16 +74,22 @@ def check_row(head: Mapping[str, Any], row: Any) -> None:
         if name in WORDS:
             known = (*WORDS[name], FAILED)
             _must(name, value, value in known, f"one of {', '.join(known)}")
-        elif KEPT[name].kind is not None:
+        elif kept_in(head)[name].kind is not None:
             _numbers(name, [value])
         else:
-            _must(
-                name,
-                value,
-                isinstance(value, list) and len(value) <= head["blocks"],
-                f"at most {head['blocks']} numbers",
-            )
+            most = length_of(head, name)
+            _must(name, value, isinstance(value, list) and len(value) <= most, f"at most {most} numbers")
             _numbers(name, value)
+
+
+def kept_in(head: Mapping[str, Any]) -> Mapping[str, Kept]:
+    """The results that can be kept of a run, by name, of the study of this head."""
+    return kept("sizes" in head)
+
+
+def length_of(head: Mapping[str, Any], name: str) -> int:
+    """The most numbers of a result of one run: blocks of columns; blocks, joints, ties or components of structures."""
+    return int(head["sizes"][kept_in(head)[name].of] if "sizes" in head else head["blocks"])
 
 
 def _must(key: str, value: Any, right: bool, meaning: str) -> None:

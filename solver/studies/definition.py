@@ -20,7 +20,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import __version__
-from ..column.column import Column
 from ..common.errors import FINITE, POSITIVE, InputError, check_number, check_whole, needing, reading, shown
 from ..common.files import check_file_name, toml_of
 from ..common.notebook import Shown, counted
@@ -29,16 +28,30 @@ from ..ground.intensity import pgv
 from ..ground.motion import STANDARD_GRAVITY, Motion
 from ..kernels.numba_ext.jit import SOURCES
 from ..runs.chunk import Run
-from ..runs.outputs import KEPT
-from .distributions import Distribution
+from ..runs.many_in_space import RunInSpace
+from ..space.structure import Structure
+from .distributions import Random
 from .motions import BESIDE, Measure, Shaking, tilted
-from .parameters import column_with, is_of_column, single_names
+from .subjects import (
+    DIRECTION,
+    Subject,
+    always_kept,
+    are_in_space,
+    check_motion,
+    is_number_of,
+    kept,
+    numbers_of_each,
+    sizes_of,
+    subject_with,
+    subjects_in,
+)
 
 FloatArray = NDArray[np.float64]
 
 KINDS = ("sweep", "ida", "fragility", "spectrum", "montecarlo")
 SAMPLINGS = ("latin-hypercube", "sobol", "random")
 LIMITED = "fragility"
+SUBJECTS = ("column", "columns", "structure", "structures")  # keys of the file: the paths of what is shaken
 INTENSITY = "intensity"
 OF_MOTION = "motion."
 MOST_RUNS = 10**8
@@ -46,40 +59,15 @@ QUICK_RUNS, QUICK_VALUES = 200, 5  # of a quick study: runs, and values of each 
 _SIMPLE = ("samples", "sampling", "seed", "tolerance", "duration")
 _TEXTS = ("name", "kind", "sampling")
 _KEYS = (
-    *("name", "kind", "column", "columns", "motion", "grid", "random", "intensity", "samples", "sampling", "seed"),
+    *("name", "kind", *SUBJECTS, "motion", "grid", "random", "intensity", "samples", "sampling", "seed"),
     *("keep", "tolerance", "duration", "limits"),
 )
-_BESIDE = ("relative", "each")
-
-
-@dataclass(frozen=True)
-class Random:
-    """A random parameter: its distribution; whether it multiplies what is there, and whether each block has its own."""
-
-    distribution: Distribution
-    relative: bool = False
-    each: bool = False
-
-    @classmethod
-    def from_table(cls, key: str, table: object) -> Random:
-        """Read {distribution = ..., relative = true, each = true}. Raises InputError."""
-        if not isinstance(table, Mapping):
-            raise InputError(f"{key} = {shown(table)}: must be a table with distribution and its numbers")
-        for name in _BESIDE:
-            if not isinstance(table.get(name, False), bool):
-                raise InputError(f"{key}.{name} = {shown(table[name])}: must be true or false")
-        numbers = {name: value for name, value in table.items() if name not in _BESIDE}
-        return cls(Distribution.from_table(key, numbers), table.get("relative", False), table.get("each", False))
-
-    def to_table(self) -> dict[str, Any]:
-        """The table that `from_table` turns into this very parameter."""
-        return {**self.distribution.to_table(), "relative": self.relative, "each": self.each}
 
 
 class Planned(NamedTuple):
     """One run of a study, ready to go, and what it was made from."""
 
-    run: Run
+    run: Run | RunInSpace
     values: dict[str, float]  # of what is varied
     measures: dict[str, float]  # of the motion as it is run: pga g, pgv m/s, sa g
 
@@ -88,15 +76,16 @@ class Planned(NamedTuple):
 class Study(Shown):
     """The runs, and how they differ; see the module. Raises InputError on values that do not go together.
 
-    grid: name -> values. random: name -> parameter. Names are those of parameters.py, `motion.KEY` of a number of the
-    motions, and `intensity`: the value of `measure` that the motion is scaled to. samples: of the random parameters, by
+    columns: columns, or structures in space. grid: name -> values. random: name -> parameter. Names are those of
+    parameters.py, of structures those of parameters_in_space.py, `motion.KEY` of a number of the motions, and
+    `intensity`: the value of `measure` that the motion is scaled to. samples: of the random parameters, by
     `sampling`. keep: outputs of `simulate_many`. duration: s, of every run; None: that of its motion. limits: m,
     largest displacements beyond which a column counts as failed, as it does when it overturns.
     """
 
     name: str
     kind: str
-    columns: tuple[Column, ...]
+    columns: tuple[Subject, ...]
     motions: tuple[Shaking, ...]
     grid: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
     random: Mapping[str, Random] = field(default_factory=dict)
@@ -104,7 +93,7 @@ class Study(Shown):
     samples: int = 1
     sampling: str = SAMPLINGS[0]
     seed: int = 0
-    keep: tuple[str, ...] = ("peak_ux", "verdict")
+    keep: tuple[str, ...] = ()  # none: what is always kept
     tolerance: float | None = None
     duration: float | None = None
     limits: tuple[float, ...] = ()
@@ -124,9 +113,10 @@ class Study(Shown):
             raise InputError(f'limits: must be left out, only kind = "{LIMITED}" has failures by displacement')
         for k, limit in enumerate(self.limits, start=1):
             check_number(f"limits[{k}]", limit, POSITIVE, "a positive displacement in m")
+        object.__setattr__(self, "keep", tuple(self.keep) or always_kept(self.in_space))
         for name in self.keep:
-            check_choice("keep", name, tuple(KEPT))
-        for name in ("peak_ux", "verdict"):
+            check_choice("keep", name, tuple(kept(self.in_space)))
+        for name in always_kept(self.in_space):
             if name not in self.keep:
                 raise InputError(f"keep: must have {name}, which every picture and table needs")
         if self.tolerance is not None:  # checked as the columns' own
@@ -140,6 +130,9 @@ class Study(Shown):
         if twice:
             raise InputError(f"random.{min(twice)}: must not be in the grid too")
         known = set.intersection(*(Shaking.numbers_of(shaking.formula) for shaking in self.motions))
+        for k, shaking in enumerate(self.motions, start=1):
+            check_motion(f"motion[{k}]", shaking, self.in_space)
+        known -= set() if self.in_space else {DIRECTION}
         for name in (*self.grid, *self.random):
             if name == INTENSITY:
                 if self.measure is None:
@@ -148,15 +141,16 @@ class Study(Shown):
                 if name.removeprefix(OF_MOTION) not in known:
                     listed = ", ".join(f"motion.{item}" for item in sorted(known))
                     raise InputError(f"{name}: unknown name, the motions have {listed}")
-            elif not is_of_column(name):
-                raise InputError(f"{name}: unknown name, must be of the column as joint.stiffness or block[1].height")
+            elif not is_number_of(name, self.in_space):
+                of = "structure" if self.in_space else "column"
+                raise InputError(f"{name}: unknown name, must be of the {of} as joint.stiffness or block[1].height")
         for name, values in self.grid.items():
             if not values:
                 raise InputError(f"grid.{name}: is empty, must be a list of numbers")
         if not self.random and self.samples != 1:
             raise InputError(f"samples = {self.samples}: must be 1 where nothing is random")
         for name, parameter in self.random.items():
-            if parameter.each and len({column.n for column in self.columns}) > 1:
+            if parameter.each and len({len(numbers_of_each(name, column)) for column in self.columns}) > 1:
                 raise InputError(f"random.{name}.each: must be left out for columns of different numbers of blocks")
 
     def _facts(self) -> tuple[str, ...]:
@@ -185,7 +179,12 @@ class Study(Shown):
     @property
     def blocks(self) -> int:
         """Largest number of blocks of a column."""
-        return max(column.n for column in self.columns)
+        return sizes_of(self.columns)["block"]
+
+    @property
+    def in_space(self) -> bool:
+        """Whether it is of structures."""
+        return are_in_space(self.columns)
 
     @property
     def varied(self) -> tuple[str, ...]:
@@ -205,7 +204,8 @@ class Study(Shown):
         duration = motion.duration
         if self.duration is not None:
             duration = self.duration + (motion.duration - base.duration)  # with the time in which the base is tilted
-        return Planned(Run(column, motion, duration), values, measures)
+        run = RunInSpace if isinstance(column, Structure) else Run
+        return Planned(run(column, motion, duration), values, measures)  # type: ignore[arg-type]
 
     def values(self, number: int) -> dict[str, float]:
         """The varied numbers of a run, by name."""
@@ -248,7 +248,7 @@ class Study(Shown):
                 raise InputError(f"motion[{which + 1}]: {shaking.name} is still, it cannot be scaled to an {INTENSITY}")
             factor *= values[INTENSITY] / present
         size = abs(factor)
-        motion = tilted(base.scaled(factor), given.get("tilt", 0.0))
+        motion = tilted(base.scaled(factor).turned(given.get(DIRECTION, 0.0)), given.get("tilt", 0.0))
         return motion, base, {name: size * value for name, value in measures.items()}
 
     # what it is known by
@@ -301,7 +301,9 @@ class Study(Shown):
         return cls(
             name=data["name"],
             kind=data["kind"],
-            columns=tuple(Column.from_toml(Path(folder) / path) for path in _column_paths(data)),
+            columns=subjects_in(
+                [Path(folder) / path for path in _paths(data)], "structure" in data or "structures" in data
+            ),
             motions=tuple(
                 Shaking.from_table(f"motion[{k}]", table, Path(folder)) for k, table in enumerate(tables, start=1)
             ),
@@ -359,7 +361,7 @@ def axis(key: str, values: object) -> tuple[float, ...]:
 def _varied(study: Study) -> tuple[str, ...]:
     names = ["column", "motion", *study.grid]
     for name, parameter in study.random.items():
-        names += single_names(name, study.blocks) if parameter.each else [name]
+        names += numbers_of_each(name, study.columns[0]) if parameter.each else [name]
     return tuple(names)
 
 
@@ -378,31 +380,33 @@ def _of_motions(study: Study) -> dict[str, tuple[str, bool]]:
 
 
 @lru_cache(maxsize=8)
-def _columns(study: Study) -> tuple[Column, ...]:
+def _columns(study: Study) -> tuple[Subject, ...]:
     """The columns at the tolerance of the study."""
     return tuple(column.with_settings(tolerance=study.tolerance) for column in study.columns)
 
 
 @lru_cache(maxsize=256)
-def _column(study: Study, which: int, numbers: tuple[float, ...]) -> Column:
+def _column(study: Study, which: int, numbers: tuple[float, ...]) -> Subject:
     """A column with the numbers that `_of_columns` names: the same one at all points of a grid of motions."""
     relative = _of_columns(study).items()
     given = {name: (number, flag) for (name, flag), number in zip(relative, numbers, strict=True)}
-    return column_with(_columns(study)[which], given)
+    return subject_with(_columns(study)[which], given)
 
 
 @lru_cache(maxsize=8)
 def _drawn_of(study: Study) -> FloatArray:
     """Values of the random parameters, (samples, numbers)."""
-    return _drawn(tuple(study.random.items()), study.blocks, study.samples, study.sampling, study.seed)
+    numbers = tuple(
+        len(numbers_of_each(name, study.columns[0])) if parameter.each else 1
+        for name, parameter in study.random.items()
+    )
+    return _drawn(tuple(study.random.values()), numbers, study.samples, study.sampling, study.seed)
 
 
 @lru_cache(maxsize=8)
-def _drawn(random: tuple[tuple[str, Random], ...], blocks: int, samples: int, sampling: str, seed: int) -> FloatArray:
+def _drawn(random: tuple[Random, ...], numbers: tuple[int, ...], samples: int, sampling: str, seed: int) -> FloatArray:
     """Samples of all random numbers, (samples, numbers), one after the other as Study.varied names them."""
-    owners = [
-        parameter for name, parameter in random for _ in (single_names(name, blocks) if parameter.each else [name])
-    ]
+    owners = [parameter for parameter, count in zip(random, numbers, strict=True) for _ in range(count)]
     if not owners:
         return np.empty((samples, 0))
     quantiles = _quantiles(len(owners), samples, sampling, seed)
@@ -461,16 +465,20 @@ def _texts(key: str, value: object) -> list[str]:
     return list(value)
 
 
-def _column_paths(data: Mapping[str, Any]) -> list[str]:
-    if ("column" in data) == ("columns" in data):
-        raise InputError("column: must be the path of a column file, or columns a list of them")
-    return _texts("columns", data["columns"]) if "columns" in data else _texts("column", [data["column"]])
+def _paths(data: Mapping[str, Any]) -> list[str]:
+    given = [key for key in SUBJECTS if key in data]
+    if len(given) != 1:
+        raise InputError(
+            "column: must be the path of a column file, or columns a list of them; or structure, structures"
+        )
+    key = given[0]
+    return _texts(key, data[key] if key.endswith("s") else [data[key]])
 
 
 def _digest(motion: Motion | None) -> str:
     if motion is None:
         return ""
     content = hashlib.sha256()
-    for array in (motion.time, motion.ax, motion.az):
+    for array in (motion.time, motion.ax, motion.az, *([motion.ay] if motion.has_ay else [])):
         content.update(np.ascontiguousarray(array).tobytes())
     return content.hexdigest()[:16]

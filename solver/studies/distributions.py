@@ -25,6 +25,7 @@ _NEEDS = {
     "choice": ("values",),
 }
 _TAILS = ("low", "high")
+_BESIDE = ("relative", "each")  # of a random parameter
 _CAN_BE_CUT = ("normal", "lognormal")
 _POSITIVE = {("loguniform", "low"), ("lognormal", "median"), ("lognormal", "low"), ("normal", "deviation")}
 _POSITIVE |= {("lognormal", "deviation"), ("lognormal", "high")}
@@ -136,3 +137,27 @@ _AT: dict[str, Callable[..., FloatArray]] = {
     "lognormal": _lognormal,
     "choice": _choice,
 }
+
+
+@dataclass(frozen=True)
+class Random:
+    """A random parameter: its distribution; whether it multiplies what is there, and whether each block has its own."""
+
+    distribution: Distribution
+    relative: bool = False
+    each: bool = False
+
+    @classmethod
+    def from_table(cls, key: str, table: object) -> Random:
+        """Read {distribution = ..., relative = true, each = true}. Raises InputError."""
+        if not isinstance(table, Mapping):
+            raise InputError(f"{key} = {shown(table)}: must be a table with distribution and its numbers")
+        for name in _BESIDE:
+            if not isinstance(table.get(name, False), bool):
+                raise InputError(f"{key}.{name} = {shown(table[name])}: must be true or false")
+        numbers = {name: value for name, value in table.items() if name not in _BESIDE}
+        return cls(Distribution.from_table(key, numbers), table.get("relative", False), table.get("each", False))
+
+    def to_table(self) -> dict[str, Any]:
+        """The table that `from_table` turns into this very parameter."""
+        return {**self.distribution.to_table(), "relative": self.relative, "each": self.each}

@@ -10,15 +10,19 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
+from ..column.column import Column
 from ..column.rest import check_columns
 from ..common.errors import InputError, SolverError
 from ..common.executors import TRIES, cores, said, sent_out, workers_of
+from ..runs.chunk import Run
 from ..runs.many import guessed_cost
+from ..runs.many_in_space import guessed_cost_in_space
 from ..runs.pace import CHUNK_SECONDS, Pace
 from . import chunks
 from .definition import Study, versions
 from .journal import SUFFIX, Journal
 from .results import Results
+from .subjects import sizes_of
 
 UNKNOWN_COST = 0.02  # s of a run, where the first one cannot be made
 SAVE_EVERY = 60.0  # s between two NetCDF files
@@ -52,7 +56,7 @@ def run_study(
     StudyError where the executor fails: call it again to go on. An interruption of the process at any moment loses no
     finished run.
     """
-    check_columns(study.columns)
+    check_columns(column for column in study.columns if isinstance(column, Column))
     if folder is None:
         made = _made(study, set(), executor, threads, callback, chunk_seconds)
         return Results(head_of(study), itertools.chain.from_iterable(made))
@@ -74,6 +78,7 @@ def head_of(study: Study) -> dict[str, Any]:
         "varied": list(study.varied),
         "measured": list(study.measured),
         "blocks": study.blocks,
+        **({"sizes": sizes_of(study.columns)} if study.in_space else {}),
     }
 
 
@@ -148,7 +153,8 @@ def _portions(left: Sequence[int], pace: Pace) -> Iterator[list[int]]:
 def _guess(study: Study, number: int) -> float:
     """Estimated duration of a run, s, from the run of this number."""
     try:
-        return guessed_cost(study.run(number).run, study.keep)
+        run = study.run(number).run
+        return guessed_cost(run, study.keep) if isinstance(run, Run) else guessed_cost_in_space(run)
     except InputError:
         return UNKNOWN_COST
 

@@ -58,8 +58,10 @@ FORMULAS = {
     ),
 }
 WHOLE = ("seed",)
-_OF_RECORDS = ("record", "vertical", "dt", "units", "channel", "vertical_channel")
-BESIDE = ("scale", "tilt")  # numbers of every motion: factor; tilt of the base, rad, clockwise positive
+_OF_RECORDS = ("record", "vertical", "across", "dt", "units", "channel", "vertical_channel")
+# numbers of every motion: factor; tilt of the base, rad, clockwise positive; of structures also the direction in plan,
+# rad from x to y
+BESIDE = ("scale", "tilt", "direction")
 MEASURES = ("pga", "pgv", "sa")
 
 
@@ -113,7 +115,7 @@ class Measure:
 class Shaking:
     """A motion of a study: a record that has been read, or a formula with the numbers that are given.
 
-    name: as shown to users. formula: one of FORMULAS, "" for a record. numbers: of the formula, `scale` and `tilt`.
+    name: as shown to users. formula: one of FORMULAS, "" for a record. numbers: of the formula, and those of BESIDE.
     """
 
     name: str
@@ -183,6 +185,8 @@ def _record(key: str, table: Mapping[str, Any], folder: Path) -> Motion:
         return Motion.from_file(folder / table[name], table.get("dt"), table.get("units"), table.get(channel))
 
     motion = read("record", "channel")
+    if "across" in table:
+        motion = motion.with_across(read("across", "channel"))
     return motion.with_vertical(read("vertical", "vertical_channel")) if "vertical" in table else motion
 
 
@@ -206,4 +210,5 @@ def tilted(motion: Motion, angle: float) -> Motion:
         np.concatenate([ax * rise, motion.ax + ax]),
         np.concatenate([az * rise, motion.az + az]),
         float(time[-1] - time[0]),
+        ay=np.concatenate([np.zeros(PER_LEAN), motion.ay]),
     )

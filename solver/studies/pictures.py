@@ -31,6 +31,7 @@ from .statistics import (
     percentiles,
     share_bounds,
 )
+from .subjects import are_in_space, can_slide, subject_from
 
 FloatArray = NDArray[np.float64]
 
@@ -90,7 +91,8 @@ def draw_sweep(results: Results) -> Figure:
         axes.set_yscale("log")
         axes.set(title=f"{level:g} g", xlabel="frequency (Hz)")
         tidy(axes)
-    panels[0].set_ylabel("peak displacement of the top face (mm)")
+    of = "centroid" if "sizes" in results.head else "top face"
+    panels[0].set_ylabel(f"peak displacement of the {of} (mm)")
     if boundary:
         _draw_boundary(figure.add_subplot(grid[1, :]), figure, results, levels, frequencies)
     show_blocks(figure, panels, colours, "outside right upper")
@@ -107,7 +109,7 @@ def _by_frequency(
         here = chosen & (results["motion.frequency"] == frequency)
         stands = here & ~results.overturned
         if np.any(stands):
-            points[:, k] = percentiles(results["peak_ux"][stands])
+            points[:, k] = percentiles(results.displacements[stands])
         fell[k] = np.mean(results.overturned[here]) if np.any(here) else math.nan
     return points, fell
 
@@ -382,10 +384,11 @@ def _some(tables: Sequence[Mapping[str, Any]], most: int) -> str:
 
 def limits_of_model(results: Results) -> str:
     """Effects that the model leaves out."""
-    joints = [block.get("joint", {}) for column in results.study["columns"] for block in column["block"]]
-    slide = any(joint.get("friction") is not None for joint in joints)
-    limits = "do not crush" if slide or "joint.friction" in results.study["random"] else "neither slide nor crush"
-    return f"Plane motion of rigid blocks on elastic joints without tension, which {limits}."
+    subjects = [subject_from(column) for column in results.study["columns"]]
+    slide = any(map(can_slide, subjects)) or "joint.friction" in results.study["random"]
+    limits = "do not crush" if slide else "neither slide nor crush"
+    motion = "Motion in space" if are_in_space(subjects) else "Plane motion"
+    return f"{motion} of rigid blocks on elastic joints without tension, which {limits}."
 
 
 def _captioned(figure: Figure, results: Results, text: str = "") -> Figure:

@@ -17,13 +17,14 @@ from ..common.errors import InputError, needing, reading
 from ..common.files import whole_file, write_table
 from ..common.frames import Frame, Framed
 from ..common.notebook import Shown, rows_of
-from ..runs.outputs import KEPT
 from ..runs.table import WORDS, Columns, counts
-from .contents import FAILED, check_head, check_row
+from .contents import FAILED, check_head, check_row, kept_in, length_of
 from .journal import read_journal
+from .subjects import always_kept, kept
 
 # units by the name of a column of the table; what is varied has those of the column file and the study file
-UNITS = {"pga": "g", "pgv": "m/s", "sa": "g"} | {name: kept.unit for name, kept in KEPT.items() if kept.unit}
+_KEPT = {**kept(True), **kept(False)}  # a name of both has the same unit
+UNITS = {"pga": "g", "pgv": "m/s", "sa": "g"} | {name: one.unit for name, one in _KEPT.items() if one.unit}
 ROWS_AT_ONCE = 4096
 NAMED = "motion_name"
 
@@ -92,9 +93,14 @@ class Results(Framed, Shown):
         return np.asarray(self["verdict"] == "undecided")
 
     @property
+    def displacements(self) -> NDArray[np.float64]:
+        """(runs, blocks) m, the largest displacements: of top faces; of structures of centroids, whichever way."""
+        return self[always_kept("sizes" in self.head)[0]]
+
+    @property
     def largest(self) -> NDArray[np.float64]:
         """(runs,) m, the largest peak displacement of any block; infinite where the column fell, NaN where not made."""
-        peaks = self["peak_ux"]
+        peaks = self.displacements
         known = ~np.all(np.isnan(peaks), axis=1)
         largest = np.full(len(self), math.nan)
         largest[known] = np.nanmax(peaks[known], axis=1)
@@ -135,7 +141,8 @@ class Results(Framed, Shown):
             "runs": self.head["runs"],
         }
         columns = {name: values for name, values in self.columns.items() if name != "run"}
-        return Frame(("run", self["run"]), columns, UNITS, attributes)
+        of = {name: kept_in(self.head)[name].of for name in self.study["keep"]}
+        return Frame(("run", self["run"]), columns, UNITS, attributes, of)
 
     def to_netcdf(self, path: str | os.PathLike[str]) -> None:
         """Write NetCDF 4, whole or not at all. Raises InputError."""
@@ -157,19 +164,19 @@ def _columns(head: Mapping[str, Any], rows: list[list[Any]]) -> Columns:
         columns[name] = columns[name].astype(np.int64)
     columns[NAMED] = np.array([motion["name"] for motion in head["study"]["motions"]], dtype=np.str_)[columns["motion"]]
     for name in head["study"]["keep"]:
-        columns[name] = _output(name, [row[3] for row in rows], head["blocks"])
+        columns[name] = _output(name, [row[3] for row in rows], head)
     columns["failure"] = np.array([row[4] for row in rows], dtype=np.str_)
     return columns
 
 
-def _output(name: str, found: list[dict[str, Any] | None], blocks: int) -> NDArray[Any]:
+def _output(name: str, found: list[dict[str, Any] | None], head: Mapping[str, Any]) -> NDArray[Any]:
     """One output of runs; of those that were not made what says so."""
     if name in WORDS:
         absent = FAILED if name == "verdict" else ""
         return np.array([absent if outputs is None else outputs[name] for outputs in found], dtype=np.str_)
-    if KEPT[name].kind is not None:
+    if kept_in(head)[name].kind is not None:
         return np.array([math.nan if outputs is None else outputs[name] for outputs in found])
-    table = np.full((len(found), blocks), math.nan)
+    table = np.full((len(found), length_of(head, name)), math.nan)
     for row, outputs in zip(table, found, strict=True):
         if outputs is not None:
             row[: len(outputs[name])] = outputs[name]

@@ -8,7 +8,8 @@ from typing import Any
 
 from ..column.column import Column
 from ..ground.motion import Motion
-from .definition import INTENSITY, Random, Study
+from .definition import INTENSITY, Study
+from .distributions import Random
 from .execution import run_study
 from .motions import Measure, Shaking
 from .results import Results

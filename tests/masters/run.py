@@ -2,6 +2,7 @@
 
     --folder FOLDER   where the FMUs are built, or were before (default: a temporary one)
     --master NAME     one row alone; may be repeated
+    --structure FILE  a structure in space in place of the column, without the SSP
 
 One column is run as PythonFMU, native with FMI 2.0, with FMI 3.0 and with FMI 3.0 without arrays: 2 s under a held 0.5
 m/s2, in steps of 0.01 s; a number is the largest deviation of the base's forces from those of the PythonFMU under FMPy,
@@ -70,15 +71,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description="Run the FMUs of this project in the masters of this machine.")
     parser.add_argument("--folder", type=Path, help="where the FMUs are built, or were before")
     parser.add_argument("--master", action="append", choices=[*MASTERS], help="one row alone; may be repeated")
+    parser.add_argument("--structure", type=Path, help="a structure in space in place of the column, without the SSP")
     options = parser.parse_args(arguments)
+    kinds = KINDS[:-1] if options.structure else KINDS
     complaints = 0
     with tempfile.TemporaryDirectory() as temporary:
         folder = (options.folder or Path(temporary)).resolve()
-        build(folder)
-        print(f"| master | {' | '.join(KINDS)} |\n|---|{'---|' * len(KINDS)}")
+        build(folder, options.structure)
+        print(f"| master | {' | '.join(kinds)} |\n|---|{'---|' * len(kinds)}")
         for name in options.master or MASTERS:
             cells = []
-            for kind in KINDS:
+            for kind in kinds:
                 try:
                     cells.append(MASTERS[name](kind, folder / BUILT[kind]))
                 except AbsentError as reason:
@@ -97,11 +100,14 @@ def _versioned(name: str) -> str:
     return name
 
 
-def build(folder: Path) -> None:
+def build(folder: Path, structure: Path | None = None) -> None:
     """Build what is not there yet."""
+    file = () if structure is None else (structure,)
     for kind, options in OPTIONS.items():
         if not (folder / BUILT[kind]).exists():
-            _run(sys.executable, ROOT / "build_fmu.py", "-o", folder / BUILT[kind], *options)
+            _run(sys.executable, ROOT / "build_fmu.py", *file, "-o", folder / BUILT[kind], *options)
+    if structure is not None:
+        return
     if not (folder / BUILT[SSP]).exists():
         _run(
             *(sys.executable, EXAMPLE / "build.py", "-o", folder / BUILT[SSP]),

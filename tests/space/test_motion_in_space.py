@@ -17,7 +17,7 @@ from solver.ground.motion import Motion
 from solver.space.blocks.faces import FloatArray
 from solver.space.builders import arch, colonnade
 from solver.space.rest import _move, residual_of, rest_of, start_from
-from solver.space.run import SpatialState, _set_initial
+from solver.space.run import SpatialState, set_initial
 from solver.space.stepper import Stepper
 from solver.space.structure import Structure
 
@@ -66,7 +66,7 @@ def test_energy_stays_without_damping(section: str) -> None:
         stepper = Stepper(structure)
         start_from(stepper, rest_of(structure))
         rest = stepper.observe()
-        _set_initial(stepper, _thrown(structure))
+        set_initial(stepper, _thrown(structure))
         before = stepper.observe()
         stepper.run(None, 0.0, 1.0, np.zeros(0))
         # of the tolerance; largest of eight throws 0.05, 0.06 (rectangle), 0.03, 0.5 (circle)
@@ -79,7 +79,7 @@ def test_forces_are_in_balance_with_momentum() -> None:
     stepper = Stepper(structure)
     state = _thrown(structure)
     rotation = 0.02 * np.random.default_rng(2).normal(size=(3, 3))
-    _set_initial(stepper, state._replace(rotation=rotation))
+    set_initial(stepper, state._replace(rotation=rotation))
     stepper.observe()
     rates, see, mass = stepper.rates.reshape(-1)[:39].reshape(13, 3), stepper.see, 27000.0
     force = stepper.row[-6:]

@@ -49,6 +49,7 @@ def test_runs_are_what_simulate_makes(study: Study) -> None:
     assert (len(results), results.complete, study.shape) == (24, True, (1, 1, 2, 12))
     for number in (0, 13, 23):
         (column, motion, duration), values, measures = study.run(number)
+        assert isinstance(column, Column)
         frequency = values["motion.frequency"]
         assert motion.pga == pytest.approx(STANDARD_GRAVITY * (0.2, 0.6)[number // 12], rel=1e-12)
         assert duration == pytest.approx(4.0 / frequency)

@@ -1,0 +1,176 @@
+"""Studies of structures in space: any number of their file varies, and the runs are those of `simulate`."""
+
+from __future__ import annotations
+
+import math
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import replace
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from support.fmus import ROOT
+from support.study import same
+
+from multiblock import Column, InputError, Motion, Structure, simulate
+from solver.studies import Results, Shaking, Study, run_study
+from solver.studies.parameters_in_space import structure_with
+
+EXAMPLES = ROOT / "examples"
+COLONNADE = Structure.from_toml(EXAMPLES / "structures" / "colonnade.toml")
+STUDY: dict[str, Any] = {
+    "name": "pair",
+    "kind": "fragility",
+    "structure": "trilith.toml",
+    "tolerance": 1e-4,
+    "samples": 3,
+    "keep": ["peak_u", "verdict", "peak_slip", "peak_tie", "peak_base", "overturn_time"],
+    "motion": [{"formula": "ricker", "frequency": 1.0, "name": "a pulse"}],
+    "intensity": {"measure": "pga"},
+    "grid": {"intensity": [0.1, 0.3], "tie[1].yield": [3e3, 5e4]},
+    "random": {
+        "motion.direction": {"distribution": "uniform", "low": 0.0, "high": math.pi},
+        "joint.friction": {"distribution": "uniform", "low": 0.4, "high": 0.8, "each": True},
+        "block[beam].density": {"distribution": "lognormal", "median": 1.0, "deviation": 0.1, "relative": True},
+    },
+}
+TIE = """
+[[tie]]
+between = ["beam", "base"]
+from = [0.0, 0.0, 0.0]
+to = [1.5, 2.0, 0.0]
+stiffness = 1e6
+yield = 1e4
+"""
+
+
+@pytest.fixture
+def study(tmp_path: Path) -> Study:
+    text = (EXAMPLES / "structures" / "trilith.toml").read_text(encoding="utf-8")
+    (tmp_path / "trilith.toml").write_text(text + TIE, encoding="utf-8")
+    return Study.from_dict(STUDY, tmp_path)
+
+
+def test_runs_are_those_of_structures_changed_by_hand(study: Study) -> None:
+    results = run_study(study)
+    assert (len(results), study.shape) == (12, (1, 1, 2, 2, 3))
+    for number in (0, 11):
+        values = study.values(number)
+        beam = values["block[beam].density"]
+        made = replace_all(study.columns[0], values)
+        assert made.blocks[2].mass == pytest.approx(beam * study.columns[0].blocks[2].mass, rel=1e-12)
+        motion = Shaking("", "ricker", {"frequency": 1.0}).base({}, True).scaled_to(9.80665 * values["intensity"])
+        angle = values["motion.direction"]
+        turned = replace(motion, ax=math.cos(angle) * motion.ax, ay=math.sin(angle) * motion.ax)
+        alone = simulate(made, turned, tolerance=1e-4, settle=10.0, output_step=0.02)
+        np.testing.assert_allclose(results["peak_u"][number], alone.peaks["u"], rtol=1e-9)  # 1e-13 at most
+        np.testing.assert_allclose(results["peak_tie"][number], alone.peaks["tie"], rtol=1e-9)
+        assert results["verdict"][number] == alone.verdict
+        assert results.largest[number] == np.max(results["peak_u"][number])
+    assert results["peak_slip"].shape == (12, 4)
+    assert results["peak_base"].shape == (12, 6)
+    weak, strong = (results["peak_tie"][results["tie[1].yield"] == value].max() for value in (3e3, 5e4))
+    assert weak <= 3e3 < strong
+
+
+def replace_all(structure: Any, values: dict[str, float]) -> Structure:
+    """The numbers of the study, set in the dict and in the joints themselves."""
+    data = structure.to_dict()
+    data["tie"][0]["yield"] = values["tie[1].yield"]
+    data["block"][2]["density"] *= values["block[beam].density"]
+    made = Structure.from_dict(data)
+    frictions = [values[f"joint[{j}].friction"] for j in range(1, 5)]
+    beds = [replace(joint.bed, friction=friction) for joint, friction in zip(made.joints, frictions, strict=True)]
+    joints = tuple(replace(joint, bed=bed) for joint, bed in zip(made.joints, beds, strict=True))
+    return replace(made, joints=joints)
+
+
+def test_a_journal_goes_on_and_processes_make_the_same_bits(study: Study, tmp_path: Path) -> None:
+    whole = run_study(study)
+    run_study(study, tmp_path, threads=1)
+    lines = (tmp_path / "pair.journal").read_text(encoding="utf-8").splitlines(keepends=True)
+    (tmp_path / "pair.journal").write_text("".join(lines[:6]), encoding="utf-8")
+    assert len(Results.from_journal(tmp_path / "pair.journal")) == 5
+    with ProcessPoolExecutor(1, get_context("spawn")) as pool:
+        assert same(run_study(study, tmp_path, executor=pool), whole)
+    assert same(Results.from_journal(tmp_path / "pair.journal"), whole)
+
+
+def test_any_number_of_the_file() -> None:
+    values = {
+        "block[architrave2].height": (1.2, False),
+        "block[1].at[1]": (0.01, False),
+        "tie.yield": (0.5, True),
+        "joint[column1.1-base].stiffness": (2e9, False),
+        "g": (1.6, False),
+        "solver.tolerance": (1e-4, False),
+    }
+    found = structure_with(COLONNADE, values)
+    second = COLONNADE.number("architrave2")
+    beam, was = found.blocks[second], COLONNADE.blocks[second]
+    assert np.ptp(beam.corners[:, 2]) == pytest.approx(1.2, rel=1e-12)
+    assert beam.mass == pytest.approx(1.2 / np.ptp(was.corners[:, 2]) * was.mass, rel=1e-12)
+    assert found.blocks[0].centroid[0] == 0.01
+    assert [tie.yield_ for tie in found.ties] == [0.5 * (tie.yield_ or 0.0) for tie in COLONNADE.ties]
+    assert found.joints[0].bed.stiffness == 2e9
+    assert found.joints[1].bed == COLONNADE.joints[1].bed
+    assert (found.g, found.tolerance) == (1.6, 1e-4)
+
+
+def test_a_structure_twice_the_size_has_eight_times_the_mass() -> None:
+    found = structure_with(COLONNADE, {"structure.size": (2.0, False)})
+    for large, small in zip(found.blocks, COLONNADE.blocks, strict=True):
+        np.testing.assert_allclose(large.centroid, 2.0 * small.centroid, rtol=1e-12, atol=1e-12)
+        np.testing.assert_allclose(large.inertia, 32.0 * small.inertia, rtol=1e-11, atol=1e-9)
+        assert large.mass == pytest.approx(8.0 * small.mass, rel=1e-12)
+    areas = [joint.moments()[0] for structure in (found, COLONNADE) for joint in structure.joints]
+    np.testing.assert_allclose(areas[: len(areas) // 2], 4.0 * np.array(areas[len(areas) // 2 :]), rtol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("name", "relative", "message"),
+    [
+        ("block[nowhere].height", False, "no such block, must be one of column1.1"),
+        ("joint[99].friction", False, "no such joint"),
+        ("joint.hardness", False, "must be of the law of a joint"),
+        ("block[1].at[3]", False, "must be a coordinate that the file has"),
+        ("block[1].mass", True, "none that could be multiplied"),
+        ("block[1].hight", False, "unknown key"),
+        ("joint.stiffness", False, "joint.stiffness = -1.0"),
+    ],
+)
+def test_wrong_names(name: str, relative: bool, message: str) -> None:
+    with pytest.raises(InputError, match=r".*") as error:
+        structure_with(COLONNADE, {name: (-1.0, relative)})
+    assert message in str(error.value)
+
+
+def test_what_goes_together(study: Study, tmp_path: Path) -> None:
+    column = Column.from_toml(EXAMPLES / "columns" / "doric.toml")
+    with pytest.raises(InputError, match="must all be columns, or all structures"):
+        replace(study, columns=(study.columns[0], column))
+    with pytest.raises(InputError, match="must be from a structure file"):
+        replace(study, columns=(column.in_space(),), random={}, grid={}, samples=1).to_dict()
+    with pytest.raises(InputError, match=r"motion\[1\].direction: must be left out"):
+        Study("plane", "sweep", (column,), (Shaking("", "ricker", {"frequency": 1.0, "direction": 0.1}),))
+    across = Motion.from_samples(0.01, np.ones(5), ay=np.ones(5))
+    with pytest.raises(InputError, match=r"motion\[1\]: ay: a column moves in its plane"):
+        Study("plane", "sweep", (column,), (Shaking("record", record=across),))
+    with pytest.raises(InputError, match="keep: must have peak_u"):
+        replace(study, keep=("verdict",))
+    with pytest.raises(InputError, match="must be the path of a column file"):
+        Study.from_dict({**STUDY, "column": "trilith.toml"}, tmp_path)
+
+
+def test_a_motion_turned_in_plan() -> None:
+    motion = Motion.from_samples(0.01, [0.0, 1.0, -2.0], ay=[0.5, 0.0, 1.0])
+    once = motion.turned(0.3).turned(-0.3)
+    np.testing.assert_allclose(once.ax, motion.ax, atol=1e-15)
+    np.testing.assert_allclose(once.ay, motion.ay, atol=1e-15)
+    quarter = motion.turned(math.pi / 2)
+    np.testing.assert_allclose(quarter.ay, motion.ax, atol=1e-15)
+    wave = Motion.harmonic(1.0, 2.0, 3.0).turned(0.4)
+    other = Motion.harmonic(1.0, 2.0, 3.0, direction=0.4)
+    assert (wave.amplitude, wave.amplitude_y) == (other.amplitude, other.amplitude_y)
