@@ -8,15 +8,13 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
-from ..column.column import Column
 from ..common.errors import InputError, shown
-from ..ground.motion import STANDARD_GRAVITY, Motion
-from ..statics.modes import natural_frequencies
+from ..ground.motion import STANDARD_GRAVITY, Motion, check_in_plane
 from . import scaling
-from .artificial import artificial_motions, with_vertical
-from .kinematic import Mechanism
+from .artificial import artificial_motions, with_across, with_vertical
 from .scaling import MotionSpectra, ScaledMotion
 from .spectra import Spectral, TargetSpectrum
+from .subject import Subject
 
 ARTIFICIAL = 7  # motions made where no record is given: as many as have their mean count
 SHORTEST_PART, LONGEST_PART = 0.2, 2.0  # of the first period: EN 1998-1, 3.2.3.1.2(4)
@@ -27,7 +25,7 @@ Motions = Mapping[str, Motion] | Iterable[Motion | str | os.PathLike[str]]
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Action:
-    """The action on a column: motions as they are applied, and the spectrum that they stand for."""
+    """The action on a subject: motions as they are applied, and the spectrum that they stand for."""
 
     motions: tuple[ScaledMotion, ...]
     how: str  # they were scaled, in words
@@ -72,12 +70,14 @@ class Level:
             raise InputError("periods: must be left out without a target spectrum")
 
 
-def action_on(column: Column, found: Mechanism, motions: Motions, level: Level) -> Action:
+def action_on(subject: Subject, motions: Motions, level: Level) -> Action:
     """The motions brought to a level; where none is given, artificial ones. Raises InputError as `check` does."""
-    given = _named(motions)
-    own = 1.0 / float(natural_frequencies(column)[0])
+    given, own = _named(motions), subject.period
+    if not subject.across:
+        for motion in given.values():
+            check_in_plane(motion)
     if level.target is not None:
-        return _following(level.target, given, level, own, found)
+        return _following(level.target, given, level, subject)
     if not given:
         raise InputError("motions: none given, must be records, or a target spectrum that artificial ones follow")
     if level.pga is not None:
@@ -91,17 +91,18 @@ def action_on(column: Column, found: Mechanism, motions: Motions, level: Level) 
     return Action(tuple(scaled), how)
 
 
-def _following(
-    target: TargetSpectrum, given: Mapping[str, Motion], level: Level, own: float, found: Mechanism
-) -> Action:
-    """Motions whose spectra follow the target: those given, scaled, or artificial ones. own: s, first period."""
-    usual = (SHORTEST_PART * own, max(LONGEST_PART * own, min(found.period(), LONGEST_PERIOD)))
+def _following(target: TargetSpectrum, given: Mapping[str, Motion], level: Level, subject: Subject) -> Action:
+    """Motions whose spectra follow the target: those given, scaled, or artificial ones."""
+    own = subject.period
+    usual = (SHORTEST_PART * own, max(LONGEST_PART * own, min(subject.longest, LONGEST_PERIOD)))
     low, high = usual if level.periods is None else level.periods
     if given:
         scaled = scaling.scaled_to_spectrum(given, target, (low, high), level.least)
         how = f"each to a mean of 1 over the target from {low:.3g} to {high:.3g} s, all so that their mean is no "
         return Action(tuple(scaled), f"{how}less than {level.least:g} of it", target, (low, high))
     made = artificial_motions(target, level.artificial, level.seed)
+    if subject.across:
+        made = with_across(made, target, level.seed)
     if level.vertical:
         if target.vertical is None:
             raise InputError(f"vertical: {target.name} has no vertical spectrum, must be left out")

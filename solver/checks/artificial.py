@@ -41,8 +41,23 @@ def artificial_motions(target: Spectral, count: int, seed: int = 0, length: floa
 
 def with_vertical(motions: dict[str, Motion], target: Spectral, seed: int) -> dict[str, Motion]:
     """The motions with vertical components that follow a target of their own, and are independent of the horizontal."""
+    beside = _beside(motions, target, seed + 2**31)
+    return {name: motion.with_vertical(beside[name]) for name, motion in motions.items()}
+
+
+def with_across(motions: dict[str, Motion], target: Spectral, seed: int) -> dict[str, Motion]:
+    """The motions with second horizontal components that follow the target, and are independent of the first.
+
+    EN 1998-1, 3.2.3.1.1(2): not the same accelerogram along both directions.
+    """
+    beside = _beside(motions, target, seed + 2**30)
+    return {name: motion.with_across(beside[name]) for name, motion in motions.items()}
+
+
+def _beside(motions: dict[str, Motion], target: Spectral, seed: int) -> dict[str, Motion]:
+    """Another motion for each, as long."""
     return {
-        name: motion.with_vertical(fitted_motion(target, (seed + k + 2**31) % 2**32, motion.duration))
+        name: fitted_motion(target, (seed + k) % 2**32, motion.duration)
         for k, (name, motion) in enumerate(motions.items())
     }
 

@@ -15,6 +15,10 @@ from .scaling import ScaledMotion
 from .spectra import Spectral
 from .table import MM, PERCENT, Row, Unit
 
+NOT_IN_SPACE = (
+    "by hand: nothing. The kinematic verification and ASCE 43 turn a body about one edge in a plane; in space a slow "
+    "motion in any direction is a push-over."
+)
 G = Unit("g", 1.0 / 9.80665)
 
 

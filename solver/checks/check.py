@@ -1,4 +1,4 @@
-"""A check of a column against a seismic action, from the motions to the answer in plain words."""
+"""A check against a seismic action, from the motions to the answer in plain words."""
 
 from __future__ import annotations
 
@@ -8,58 +8,68 @@ import os
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
 from ..column.column import Column
-from ..column.rest import check_rest
 from ..common.errors import InputError, shown
 from ..common.files import write_table
-from ..dynamics.first_run import make_kernels
-from ..dynamics.response import Response
 from ..dynamics.uncertainty import PERCENTILES, share_bounds
-from ..ground.motion import Motion
 from ..runs.many import Callback
-from ..runs.simulate import simulate
 from ..runs.table import Table
-from ..statics.modes import natural_frequencies
+from ..space.structure import Structure
 from .action import ARTIFICIAL, Action, Level, Motions, action_on
-from .by_hand import ByHand, by_hand
-from .kinematic import Mechanism, mechanism
+from .by_hand import ByHand
+from .in_plane import InPlane
+from .in_space import InSpace
+from .kinematic import CONFIDENCE_FACTOR
 from .limits import Plan
-from .margin import Margin, margin_of, run_all, varied
+from .margin import Margin, margin_of
+from .runs import own_runs, run_all, varied
 from .scaling import LEAST_PART
 from .spectra import TargetSpectrum
+from .subject import Model, Subject
 from .table import Row, rows_of
-
-# of the explicit steps of its own run: with less a column goes through lanes, however stiff its dampers. Measured
-# (Phocas, doric, statue; eta 5e-4 to 2e-2 s; 0.04 to 0.6 g): 1.1 to 3.3 times as fast as alone, 0.2 to 1.4 with more
-MOST_IMPLICIT = 0.05
 
 BANDS = tuple(f"p{percent}" for percent in PERCENTILES)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Check:
-    """A checked column: rows of demand and capacity, the margin, methods by hand, and every run behind them.
+    """A checked column or structure: rows of demand and capacity, margin, methods by hand, every run behind them.
 
-    responses: of the column itself, one for each motion. runs: table of the varied columns, `plan.ensemble` for each
-    motion, one motion after the other.
+    responses: of itself, one for each motion. runs: table of the varied ones, `plan.ensemble` for each motion, one
+    motion after the other. by_hand: None of a structure in space.
     """
 
-    column: Column
+    subject: Subject
     action: Action
     plan: Plan
     rows: tuple[Row, ...]
-    by_hand: ByHand
+    by_hand: ByHand | None
     margin: Margin | None
-    responses: tuple[Response, ...]
+    responses: tuple[Any, ...]
     runs: Table
-    period: float  # s, of the first mode about rest
 
     def __repr__(self) -> str:
         answer = "passes" if self.passes else "fails"
-        return f"<Check of {self.column.name}, {len(self.action.motions)} motions: {answer}. {self.verdict}>"
+        return f"<Check of {self.name}, {len(self.action.motions)} motions: {answer}. {self.verdict}>"
+
+    @property
+    def name(self) -> str:
+        """Name of the column or structure."""
+        return str(self.subject.model.name)
+
+    @property
+    def period(self) -> float:
+        """Of the first mode about rest, s."""
+        return self.subject.period
+
+    @property
+    def all_rows(self) -> tuple[Row, ...]:
+        """The rows, and those of the methods by hand."""
+        return (*self.rows, *(self.by_hand.rows if self.by_hand else ()))
 
     @property
     def passes(self) -> bool:
@@ -69,7 +79,7 @@ class Check:
     @property
     def fallen(self) -> tuple[int, int, int]:
         """How many of the varied runs fall, how many are undecided, and how many there are."""
-        verdicts = self.runs["verdict"]
+        verdicts = self.subject.verdicts(self.runs)
         return int(np.sum(verdicts == "overturned")), int(np.sum(verdicts == "undecided")), len(verdicts)
 
     @property
@@ -80,23 +90,24 @@ class Check:
             return int(np.argmin(fell))
         if self.margin is not None and not self.margin.is_open:
             return self.margin.place
-        return int(np.argmax([response.peak_ux[0] for response in self.responses]))
+        return int(np.argmax([self.subject.moved(response) for response in self.responses]))
 
     @property
     def verdict(self) -> str:
         """The share that falls, in one plain sentence."""
+        word = self.subject.word
         fallen, undecided, size = self.fallen
         _, high = share_bounds(fallen + undecided, size)
         low, _ = share_bounds(fallen, size)
         if not fallen + undecided:
             return (
-                f"None of {size} simulated columns fell: with 95 % confidence at most {_percent(high)} of such columns "
+                f"None of {size} simulated {word}s fell: with 95 % confidence at most {_percent(high)} of such {word}s "
                 "would fall in such shaking."
             )
         open_ones = f" and {undecided} may fall" if undecided else ""
         return (
-            f"{fallen} of {size} simulated columns fell{open_ones}: with 95 % confidence {_percent(low)} to "
-            f"{_percent(high)} of such columns would fall in such shaking."
+            f"{fallen} of {size} simulated {word}s fell{open_ones}: with 95 % confidence {_percent(low)} to "
+            f"{_percent(high)} of such {word}s would fall in such shaking."
         )
 
     @property
@@ -120,7 +131,7 @@ class Check:
         """Agreement of the methods by hand with the time histories, a line for each."""
         stands = self.fallen[0] + self.fallen[1] == 0
         lines = []
-        for row in self.by_hand.rows:
+        for row in self.by_hand.rows if self.by_hand else ():
             if row.passes is None:
                 continue
             other, found = stands, "no run falls" if stands else "runs fall"
@@ -135,9 +146,9 @@ class Check:
 
     @cached_property
     def fingerprint(self) -> str:
-        """SHA-256 of the column, the motions as applied, and the plan."""
-        digest = hashlib.sha256()
-        digest.update(json.dumps([self.column.to_dict(), asdict(self.plan)], sort_keys=True).encode())
+        """SHA-256 of the column or structure, the motions as applied, and the plan."""
+        digest = hashlib.sha256(self.subject.digest())
+        digest.update(json.dumps(asdict(self.plan), sort_keys=True).encode())
         for scaled in self.action.motions:
             digest.update(scaled.name.encode())
             motion = scaled.motion
@@ -156,7 +167,7 @@ class Check:
                 *(row.band or ("",) * len(BANDS)),
                 *row.values,
             )
-            for row in (*self.rows, *self.by_hand.rows)
+            for row in self.all_rows
         ]
         head = ["check", "where", "demand", "capacity", "ratio", "passes", "note", *BANDS]
         write_table(path, [*head, *names], rows)
@@ -166,46 +177,31 @@ def _percent(share: float) -> str:
     return f"{100.0 * share:.2g} %"
 
 
-def checked(
-    column: Column, action: Action, plan: Plan, found: Mechanism | None = None, callback: Callback | None = None
-) -> Check:
-    """The check of a column under motions that are already scaled, as for variants. Raises as `check` does."""
-    make_kernels()
-    check_rest(column, from_rest=True)
-    found = mechanism(column, plan.confidence_factor) if found is None else found
-    own = 1.0 / float(natural_frequencies(column)[0])
-    responses = tuple(_worse_way(column, scaled.motion) for scaled in action.motions)
+def subject_of(model: Model, confidence_factor: float = CONFIDENCE_FACTOR) -> Subject:
+    """A column or structure as subject of checks. Raises InputError, and SolverError if it does not stand at rest."""
+    if isinstance(model, Structure):
+        return InSpace(model, confidence_factor)
+    if isinstance(model, Column):
+        return InPlane(model, confidence_factor)
+    raise InputError(f"column = {shown(model)}: must be a Column or a Structure")
+
+
+def checked(subject: Subject, action: Action, plan: Plan, callback: Callback | None = None) -> Check:
+    """The check of a subject under motions that are already scaled, as for variants. Raises as `check` does."""
+    responses = own_runs(subject, [scaled.motion for scaled in action.motions])
     ensembles = [
-        varied(_steps_as(column, run), scaled, plan.ensemble, plan.spread, place)
+        varied(subject, run, scaled, plan, place)
         for place, (scaled, run) in enumerate(zip(action.motions, responses, strict=True))
     ]
-    pairs = [pair for ensemble in ensembles for pair in ensemble]
-    runs = run_all(pairs, ("peak_ux", "verdict", "overturn_time"), callback)
-    falls = np.any((runs["verdict"] != "standing").reshape(len(ensembles), -1), axis=1)
-    margin = margin_of(ensembles, falls, callback) if plan.margin else None
-    edge = found.curve.overturning_displacement
-    rows = rows_of(column, responses, runs, plan.limits, margin, edge, [scaled.name for scaled in action.motions])
-    hand = by_hand(column, found, action.spectrum, action.target is not None, own, action.motions, plan.limits)
-    return Check(column, action, plan, rows, hand, margin, responses, runs, own)
-
-
-def _steps_as(column: Column, run: Response) -> Column:
-    """The column to be varied: without implicit steps if its own run took hardly any, so that it goes through lanes."""
-    steps, implicit, elastic = (int(run.stats[name]) for name in ("steps", "implicit_steps", "elastic_steps"))
-    if implicit > MOST_IMPLICIT * (steps - implicit - elastic):
-        return column
-    return column.with_settings(without=(*column.settings.without, "implicit"))
-
-
-def _worse_way(column: Column, motion: Motion) -> Response:
-    """The run of a column; of one that is not symmetric the worse of the motion and its mirror image."""
-    ways = (motion, motion.mirrored()) if column.off_axis else (motion,)
-    runs = [simulate(column, way) for way in ways]
-    return max(runs, key=lambda run: (run.verdict != "standing", run.peak_ux[0]))
+    runs = run_all(subject, [pair for ensemble in ensembles for pair in ensemble], True, callback)
+    falls = np.any((subject.verdicts(runs) != "standing").reshape(len(ensembles), -1), axis=1)
+    margin = margin_of(subject, ensembles, falls, callback) if plan.margin else None
+    rows = rows_of(subject, responses, runs, plan.limits, margin, [scaled.name for scaled in action.motions])
+    return Check(subject, action, plan, rows, subject.by_hand(action, plan.limits), margin, responses, runs)
 
 
 def check(
-    column: Column,
+    column: Model,
     motions: Motions = (),
     *,
     target: TargetSpectrum | None = None,
@@ -220,25 +216,23 @@ def check(
     plan: Plan | None = None,
     callback: Callback | None = None,
 ) -> Check:
-    """Check a column against an action: does it stand, by how much, and what else is asked of it.
+    """Check a column, or a structure in space, against an action: does it stand, by how much, what else is asked of it.
 
     motions: by name, or in a row, or paths of records; without any, `artificial` ones that follow the target, with
-    `vertical` its vertical spectrum too.
+    `vertical` its vertical spectrum too, and of a structure along both horizontal directions. Of two horizontal
+    components the geometric mean is scaled (scaling.py).
     target (checks/spectra.py), pga (m/s2, and vertical_pga of the vertical components), sa (m/s2, of 5 % damping at the
     first period): at most one, to which the motions are scaled; without any they are taken as given.
     periods: range in s in which spectra follow the target; None: from 0.2 of the first period to the period at 0.4 of
-    the displacement on the edge (C8.7.1.10), at most 4 s and at least twice the first period. least: part of the target
-    below which the mean spectrum must not be. plan: limits, ensembles, margin (limits.py); None: its defaults.
+    the displacement on the edge (C8.7.1.10; of a structure that of a rigid block as high), at most 4 s and at least
+    twice the first period. least: part of the target below which the mean spectrum must not be. plan: limits,
+    ensembles, margin (limits.py); None: its defaults.
     callback: as in `simulate_many`, for each set of runs.
 
     Raises InputError for a wrong value, SolverError if the column does not stand at rest or a run cannot be finished.
     """
-    if not isinstance(column, Column):
-        raise InputError(f"column = {shown(column)}: must be a Column; for others, simulate with an ensemble")
     span = None if periods is None else (float(periods[0]), float(periods[1]))
     level = Level(target, pga, vertical_pga, sa, span, least, artificial, vertical, seed)
     plan = Plan() if plan is None else plan
-    make_kernels()
-    check_rest(column, from_rest=True)
-    found = mechanism(column, plan.confidence_factor)
-    return checked(column, action_on(column, found, motions, level), plan, found, callback)
+    subject = subject_of(column, plan.confidence_factor)
+    return checked(subject, action_on(subject, motions, level), plan, callback)

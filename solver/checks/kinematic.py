@@ -119,6 +119,11 @@ class Mechanism:
         return part * self.d0
 
 
+def rocking_period(height: float, g: float, confidence_factor: float, part: float = LIFE_SAFETY) -> float:
+    """Period (C8.7.1.10) of a rigid block with its centroid at a height, m: the width is in d0 and in a0, and drops."""
+    return _PERIOD[part] * math.sqrt(part * confidence_factor * height / ((1.0 - part) * g))
+
+
 def mechanism(column: Column, confidence_factor: float = CONFIDENCE_FACTOR) -> Mechanism:
     """The mechanism of a column, of the weaker of its two directions. Raises as `capacity_curve` does."""
     factor = check_number("confidence_factor", confidence_factor, (1.0, 3.0), "a confidence factor from 1 to 3")

@@ -11,6 +11,9 @@ from .kinematic import CONFIDENCE_FACTOR, LIFE_SAFETY
 
 MOST_RUNS = 10_000
 
+# of varied runs: peaks of eight drums under El Centro differ in the fourth digit from those at 1e-4, and the spread of
+# the data moves them by a fifth
+TOLERANCE = 1e-3
 # what is not known of a real column, as standard deviations of logarithms: docs/check.md
 UNCERTAIN = Spread(stiffness=0.2, damping=0.5, motion=0.01)
 

@@ -1,7 +1,12 @@
-"""Motions scaled to an action: to a peak, to the spectral acceleration at one period, to a spectrum over periods."""
+"""Motions scaled to an action: to a peak, to the spectral acceleration at one period, to a spectrum over periods.
+
+Of two horizontal components the geometric mean counts, and both get the same factor: EN 1998-1, 3.2.2.1(3), describes
+both by one spectrum, so that neither is the main one, and their ratio and phase are part of the record.
+"""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -11,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..common.errors import POSITIVE, InputError, check_number
-from ..ground.intensity import Component, spectrum
+from ..ground.intensity import Component, components, peak, spectrum
 from ..ground.motion import Motion
 from .spectra import DAMPING, Spectral, TargetSpectrum
 
@@ -21,6 +26,24 @@ FEWEST, MEAN_FROM = 3, 7  # motions: EN 1998-1, 4.3.3.4.3(3)
 LEAST_PART = 0.9  # of the target, that the mean spectrum keeps: EN 1998-1, 3.2.3.1.2(4)
 PERIODS_OF_FIT = 40
 VERTICAL_RANGE = (0.05, 1.0)  # s, of the fit of vertical components: plateau and next branch of the codes
+
+
+def horizontal_psa(motion: Motion, periods: FloatArray, damping: float = DAMPING) -> FloatArray:
+    """Pseudo-acceleration, m/s2, at periods, s (p,), of a motion that is not zero: of two components their mean."""
+    found = [spectrum(motion, periods, damping, component).psa for component in _horizontal(motion)]
+    return np.sqrt(found[0] * found[1]) if len(found) > 1 else found[0]
+
+
+def horizontal_pga(motion: Motion) -> float:
+    """Largest horizontal acceleration, m/s2; of two components the geometric mean of both."""
+    found = [peak(motion, component) for component in _horizontal(motion)]
+    return math.sqrt(found[0] * found[1]) if len(found) > 1 else found[0]
+
+
+def _horizontal(motion: Motion) -> list[Component]:
+    """Horizontal components that are not zero throughout; without any ax."""
+    there = components(motion) if motion.has_ay else []
+    return [component for component in there if component != "az"] or ["ax"]
 
 
 class ScaledMotion(NamedTuple):
@@ -39,12 +62,12 @@ class MotionSpectra:
     motions: tuple[Motion, ...]
 
     def psa(self, period: ArrayLike, damping: float = DAMPING) -> FloatArray:
-        """Pseudo-acceleration of ax, m/s2, at periods, s, of any shape; that of the ground at 0."""
+        """Horizontal pseudo-acceleration, m/s2, at periods, s, of any shape; that of the ground at 0."""
         period = np.asarray(period, dtype=np.float64)
-        each = np.repeat([[motion.pga] for motion in self.motions], period.size, axis=1)
+        each = np.repeat([[horizontal_pga(motion)] for motion in self.motions], period.size, axis=1)
         moving = period.ravel() > 0.0
         for k, motion in enumerate(self.motions if moving.any() else ()):
-            each[k, moving] = spectrum(motion, period.ravel()[moving], damping).psa
+            each[k, moving] = horizontal_psa(motion, period.ravel()[moving], damping)
         taken: FloatArray = statistic(each).reshape(period.shape)
         return taken
 
@@ -78,7 +101,7 @@ def scaled_to_pga(motions: Mapping[str, Motion], pga: float, vertical_pga: float
     for name, motion in motions.items():
         largest = float(np.max(np.abs(motion.az)))
         vertical = vertical_pga / largest if vertical_pga is not None and largest else None
-        found.append(applied(name, motion, pga / _nonzero(name, motion.pga), vertical))
+        found.append(applied(name, motion, pga / _nonzero(name, horizontal_pga(motion)), vertical))
     return found
 
 
@@ -86,19 +109,19 @@ def scaled_to_sa(motions: Mapping[str, Motion], period: float, sa: float) -> lis
     """Each motion to the same spectral acceleration sa, m/s2, of 5 % damping at one period, s; vertical goes along."""
     sa = check_number("sa", sa, POSITIVE, "an acceleration in m/s2")
     return [
-        applied(name, motion, sa / _nonzero(name, float(spectrum(motion, [period]).psa[0])))
+        applied(name, motion, sa / _nonzero(name, float(horizontal_psa(motion, np.array([period]))[0])))
         for name, motion in motions.items()
     ]
 
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """Motions, one component of them, and the target that they are fitted to over a range of periods, s."""
+    """Motions, their horizontal or vertical spectra, and the target for these over a range of periods, s."""
 
     motions: Mapping[str, Motion]
     target: Spectral
     range: tuple[float, float]
-    component: Component = "ax"
+    upright: bool = False
 
     @cached_property
     def periods(self) -> FloatArray:
@@ -108,7 +131,10 @@ class Fit:
     @cached_property
     def ratios(self) -> FloatArray:
         """Response over target of each motion, (motions, periods)."""
-        found = [spectrum(motion, self.periods, component=self.component).psa for motion in self.motions.values()]
+        found = [
+            spectrum(motion, self.periods, component="az").psa if self.upright else horizontal_psa(motion, self.periods)
+            for motion in self.motions.values()
+        ]
         return np.array(found) / self.target.psa(self.periods)
 
     def factors(self, least: float) -> list[float]:
@@ -136,12 +162,12 @@ def scaled_to_spectrum(
         raise InputError(f"periods = {shortest:g} {longest:g}: must be the shorter first")
     least = check_number("least", least, (0.0, 1.0), "a part of the target from 0 to 1")
     for name, motion in motions.items():
-        _nonzero(name, motion.pga)
+        _nonzero(name, horizontal_pga(motion))
     factors = Fit(motions, target, (shortest, longest)).factors(least)
     upright = {name: motion for name, motion in motions.items() if np.any(motion.az)}
     vertical: dict[str, float] = {}
     if target.vertical is not None and upright:
-        fit = Fit(upright, target.vertical, VERTICAL_RANGE, "az")
+        fit = Fit(upright, target.vertical, VERTICAL_RANGE, upright=True)
         vertical = dict(zip(upright, fit.factors(least), strict=True))
     return [
         applied(name, motion, factor, vertical.get(name))

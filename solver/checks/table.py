@@ -1,23 +1,21 @@
-"""The table of checks: what the action asks of a column beside what is allowed."""
+"""The table of checks: what the action asks of a subject beside what is allowed."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..column.column import Column
-from ..column.friction import friction_history
-from ..column.packing import carried_weights
-from ..dynamics.response import Response
 from ..dynamics.uncertainty import PERCENTILES, share_bounds
 from ..runs.table import Table
 from .limits import Limits
 from .margin import Margin
 from .scaling import statistic
+from .subject import Subject
 
 FloatArray = NDArray[np.float64]
 
@@ -32,8 +30,8 @@ class Unit:
     factor: float = 1.0
 
 
-MM, MPA, PERCENT, PLAIN = Unit("mm", 1e3), Unit("MPa", 1e-6), Unit("%", 100.0), Unit()
-FACTOR = Unit("x")
+MM, MPA, KN, PERCENT = Unit("mm", 1e3), Unit("MPa", 1e-6), Unit("kN", 1e-3), Unit("%", 100.0)
+FACTOR, PLAIN = Unit("x"), Unit()
 
 
 def three_digits(value: float) -> str:
@@ -107,37 +105,65 @@ class Row:
 
 
 def rows_of(
-    column: Column,
-    responses: Sequence[Response],
+    subject: Subject,
+    responses: Sequence[Any],
     table: Table,
     limits: Limits,
     margin: Margin | None,
-    edge: float,
     names: Sequence[str],
 ) -> tuple[Row, ...]:
     """The rows, from the run of each motion, the table of all varied runs and the margin.
 
-    edge: displacement of the top at which it balances without a push, m. A motion under which the column falls asks
-    for an infinite displacement, pressure and slip. names: of the motions.
+    A motion under which the subject falls asks for an infinite displacement, pressure, slip and force. names: of the
+    motions.
     """
-    fell = np.array([response.verdict != "standing" for response in responses])
-
-    def largest(values: Callable[[Response], ArrayLike]) -> FloatArray:
-        found = np.array([values(response) for response in responses], dtype=np.float64)
-        found[fell] = math.inf
-        return found
-
+    demands = Demands(subject, responses)
     return (
-        *_overturning(table, limits, margin, names),
-        _displacement(responses, table, largest(lambda response: response.peak_ux[0]), limits, edge),
-        _pressure(column, largest(lambda response: response.peaks["sigma_max"]), limits),
-        *_sliding(column, responses, largest, limits),
-        _opening(largest(lambda response: 1.0 - response.peaks["contact"]), limits, fell),
+        *_overturning(subject.verdicts(table), limits, margin, names),
+        _displacement(demands, table, limits),
+        _pressure(demands, limits),
+        *_sliding(demands, limits),
+        _opening(demands, limits),
+        *_ties(demands),
     )
 
 
-def _overturning(table: Table, limits: Limits, margin: Margin | None, names: Sequence[str]) -> list[Row]:
-    verdicts = table["verdict"]
+@dataclass(frozen=True, eq=False)
+class Demands:
+    """What the motions ask of a subject, a run for each."""
+
+    subject: Subject
+    responses: Sequence[Any]
+
+    @property
+    def fell(self) -> NDArray[np.bool_]:
+        """Whether it does not stand, of each motion."""
+        return np.array([self.subject.verdict(response) != "standing" for response in self.responses])
+
+    def largest(self, values: Callable[[Any], ArrayLike]) -> FloatArray:
+        """A value, or several, of each run; infinite where it falls."""
+        found = np.array([values(response) for response in self.responses], dtype=np.float64)
+        found[self.fell] = math.inf
+        return found
+
+    def of_joint(self, name: str, i: int, capacity: float, unit: Unit, note: str, values: FloatArray) -> Row:
+        """A row of the joint in place i; values (motions, joints)."""
+        return _of_part(name, self.subject.joints.names[i], capacity, unit, note, values[:, i])
+
+
+def _of_part(name: str, where: str, capacity: float, unit: Unit, note: str, values: FloatArray) -> Row:
+    """A row of a joint or tie; values: of each motion."""
+    band = tuple(np.percentile(values, PERCENTILES).tolist()) if np.isfinite(values).all() else ()
+    return Row(name, float(statistic(values)), capacity, unit, where, note, tuple(values.tolist()), band)
+
+
+def _worst(demand: FloatArray, capacity: FloatArray) -> int:
+    """Place of the largest part of the capacity; if none is known, of the largest demand."""
+    known = np.flatnonzero(~np.isnan(capacity))
+    return int(known[np.argmax((demand / capacity)[known])]) if known.size else int(np.argmax(demand))
+
+
+def _overturning(verdicts: NDArray[np.str_], limits: Limits, margin: Margin | None, names: Sequence[str]) -> list[Row]:
     size, fallen = len(verdicts), int(np.sum(verdicts == "overturned"))
     open_ones = int(np.sum(verdicts == "undecided"))
     low, _ = share_bounds(fallen, size)
@@ -154,82 +180,79 @@ def _overturning(table: Table, limits: Limits, margin: Margin | None, names: Seq
     return rows
 
 
-def _displacement(responses: Sequence[Response], table: Table, values: FloatArray, limits: Limits, edge: float) -> Row:
-    stands = table["verdict"] == "standing"
-    tops = table["peak_ux"][stands, 0]
+def _displacement(demands: Demands, table: Table, limits: Limits) -> Row:
+    subject, edge = demands.subject, demands.subject.edge
+    tops = subject.tops(table)[subject.verdicts(table) == "standing"]
     band = tuple(np.percentile(tops, PERCENTILES).tolist()) if tops.size else ()
-    note = f"{limits.displacement:g} of the {edge:.4g} m at which it balances on its edge"
-    demand = float(statistic(values))
-    return Row(
-        "displacement of the top", demand, limits.displacement * edge, MM, "top", note, tuple(values.tolist()), band
-    )
+    values = demands.largest(subject.moved)
+    name, where, note = "displacement of the top", "top", f"{limits.displacement:g} of the {edge:.4g} m at which it "
+    note += "balances on its edge"
+    if math.isnan(edge):
+        name, where = "displacement", "any block"
+        note = "at which it balances is not known in space: the margin says how far it is from falling"
+    capacity = limits.displacement * edge
+    return Row(name, float(statistic(values)), capacity, MM, where, note, tuple(values.tolist()), band)
 
 
-def _pressure(column: Column, values: FloatArray, limits: Limits) -> Row:
-    strength = np.array([block.joint.strength or math.nan for block in column.blocks]) / limits.strength_factor
-    demand = statistic(values)
-    known = ~np.isnan(strength)
-    if known.any():
-        i = int(np.flatnonzero(known)[np.argmax((demand / strength)[known])])
-        note = f"strength over {limits.strength_factor:g}"
-    else:
-        i, note = int(np.argmax(demand)), "no joint has a strength"
-    return _of_joint("pressure at the edge", i, demand, float(strength[i]), MPA, note, values)
+def _pressure(demands: Demands, limits: Limits) -> Row:
+    strength = demands.subject.joints.strength / limits.strength_factor
+    values = demands.largest(lambda response: response.peaks["sigma_max"])
+    i = _worst(statistic(values), strength)
+    note = "no joint has a strength" if np.isnan(strength).all() else f"strength over {limits.strength_factor:g}"
+    return demands.of_joint("pressure at the edge", i, float(strength[i]), MPA, note, values)
 
 
-def _sliding(
-    column: Column,
-    responses: Sequence[Response],
-    largest: Callable[[Callable[[Response], ArrayLike]], FloatArray],
-    limits: Limits,
-) -> list[Row]:
+def _sliding(demands: Demands, limits: Limits) -> list[Row]:
     rows: list[Row] = []
-    slides = np.array([block.joint.friction is not None for block in column.blocks])
+    subject, joints = demands.subject, demands.subject.joints
+    slides = ~np.isnan(joints.friction)
     if slides.any():
-        width = np.array([contact.width for contact in column.contacts])
+        width = np.where(slides, joints.width, math.nan)
         for name, part, values in (
-            ("slip", limits.slip, largest(lambda run: np.max(np.abs(run.slip - run.slip[0]), axis=0))),
-            ("slip that is left", limits.residual, largest(lambda run: np.abs(run.slip[-1] - run.slip[0]))),
+            ("slip", limits.slip, demands.largest(lambda run: np.max(np.abs(subject.slips(run)), axis=0))),
+            ("slip that is left", limits.residual, demands.largest(lambda run: np.abs(subject.slips(run)[-1]))),
         ):
-            demand = statistic(values)
-            i = int(np.flatnonzero(slides)[np.argmax((demand / width)[slides])])
+            i = _worst(statistic(values), width)
             note = f"{part:g} of the width of the joint"
-            rows.append(_of_joint(name, i, demand, part * float(width[i]), MM, note, values))
+            rows.append(demands.of_joint(name, i, part * float(width[i]), MM, note, values))
     if not slides.all():
-        values = largest(lambda response: np.where(slides, 0.0, lasting_friction(response)))
-        demand = statistic(values)
-        i = int(np.argmax(demand))
+        values = demands.largest(lambda run: np.where(slides, 0.0, lasting(subject.shear_ratio(run), run.time)))
+        i = int(np.argmax(statistic(values)))
         given = math.nan if limits.friction is None else limits.friction
         note = f"|T| / N that is exceeded for {LASTING:g} s in all; this joint cannot slide in the model"
         if limits.friction is None:
             note = f"no friction is given; {note}"
-        rows.append(_of_joint("friction asked for", i, demand, given, PLAIN, note, values))
+        rows.append(demands.of_joint("friction asked for", i, given, PLAIN, note, values))
     return rows
 
 
-def lasting_friction(response: Response) -> FloatArray:
-    """|T| / N of each joint that is exceeded for LASTING s in all, (n,): peaks of impacts are shorter and move nothing.
+def lasting(ratio: FloatArray, time: FloatArray) -> FloatArray:
+    """|T| / N that is exceeded for LASTING s in all, (joints,): peaks of impacts are shorter and move nothing.
 
-    0.05 s of 0.3 more than there is move a joint by 4 mm.
+    0.05 s of 0.3 more than there is move a joint by 4 mm. ratio (rows, joints), time (rows,) s.
     """
-    ratio = friction_history(response.T, response.N, carried_weights(response.column))
-    rows = max(1, round(LASTING * (len(response.time) - 1) / float(response.time[-1] - response.time[0])))
+    rows = max(1, round(LASTING * (len(time) - 1) / float(time[-1] - time[0])))
     found: FloatArray = np.sort(ratio, axis=0)[-min(rows, len(ratio))]
     return found
 
 
-def _opening(values: FloatArray, limits: Limits, fell: NDArray[np.bool_]) -> Row:
-    values[fell] = 1.0
-    demand = statistic(values)
-    i = int(np.argmax(demand))
-    capacity, note = limits.opening, "part of the width"
+def _opening(demands: Demands, limits: Limits) -> Row:
+    values = demands.largest(lambda response: 1.0 - response.peaks["contact"])
+    values[demands.fell] = 1.0
+    i = int(np.argmax(statistic(values)))
+    part = "part of the width" if not demands.subject.across else "part of the area"
+    capacity, note = limits.opening, part
     if capacity is None:
-        capacity, note = math.nan, "a rocking joint opens, no limit is given; part of the width"
-    return _of_joint("opening", i, demand, capacity, PERCENT, note, values)
+        capacity, note = math.nan, f"a rocking joint opens, no limit is given; {part}"
+    return demands.of_joint("opening", i, capacity, PERCENT, note, values)
 
 
-def _of_joint(name: str, i: int, demand: FloatArray, capacity: float, unit: Unit, note: str, values: FloatArray) -> Row:
-    """A row of the joint in place i; values (motions, joints)."""
-    own = values[:, i]
-    band = tuple(np.percentile(own, PERCENTILES).tolist()) if np.isfinite(own).all() else ()
-    return Row(name, float(demand[i]), capacity, unit, f"joint {i + 1}", note, tuple(own.tolist()), band)
+def _ties(demands: Demands) -> list[Row]:
+    """Of the tie that is nearest to its yield; none without ties."""
+    yields = demands.subject.yields
+    if not yields.size:
+        return []
+    values = demands.largest(demands.subject.tensions)
+    i = _worst(statistic(values), yields)
+    note = "no tie has a yield" if np.isnan(yields).all() else "the force at which it yields: at 1 it has yielded"
+    return [_of_part("force of a tie", f"tie {i + 1}", float(yields[i]), KN, note, values[:, i])]

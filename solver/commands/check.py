@@ -1,4 +1,4 @@
-"""The command `check`: does a column stand under an action, by how much, and which measure helps."""
+"""The command `check`: does a column or structure stand under an action, by how much, and which measure helps."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from pathlib import Path
 from typing import Any
 
 from ..checks.action import ARTIFICIAL, Action, Level, action_on
-from ..checks.check import Check, checked
-from ..checks.kinematic import mechanism
+from ..checks.check import Check, checked, subject_of
 from ..checks.limits import UNCERTAIN, Limits, Plan
 from ..checks.scaling import LEAST_PART
 from ..checks.spectra import SOILS, TargetSpectrum, eurocode8, ntc2018, spectrum_from_csv
+from ..checks.subject import Subject
 from ..column.column import Column
 from ..column.rest import check_stable
 from ..common.errors import InputError, needing, reading
@@ -24,10 +24,12 @@ from ..common.files import check_outputs
 from ..common.ranges import listed
 from ..dynamics.uncertainty import Spread
 from ..ground.motion import STANDARD_GRAVITY, Motion
+from ..space.structure import Structure
 from .check_report import action_lines, check_lines, variants_lines
-from .command_files import add_force, check_suffix, read_column, write_outputs
+from .command_files import add_force, check_suffix, read_subject, write_outputs
 from .motion_options import FORMATS, add_file_options, check_file_options, file_line, read_with_options
 from .progress import RunsLine, compile_kernels
+from .structure import compile_for_space
 
 
 @dataclass(frozen=True)
@@ -50,14 +52,17 @@ def add_check_command(commands: argparse._SubParsersAction[Any]) -> None:
     """Add `check`."""
     parser = commands.add_parser("check", help="does it stand, by how much: demand beside capacity, margin, report")
     parser.set_defaults(command=_check, many="records")
-    parser.add_argument("column", type=Path, metavar="COLUMN.toml", help="blocks, joints and solver settings")
+    parser.add_argument("column", type=Path, metavar="FILE.toml", help="a column, or a structure in space")
     parser.add_argument("records", type=Path, nargs="*", metavar="RECORD", help=FORMATS)
     parser.add_argument("--vertical", type=Path, nargs="+", metavar="FILE", help="vertical components, in that order")
+    parser.add_argument(
+        "--across", type=Path, nargs="+", metavar="FILE", help="the other horizontal ones, of a structure in space"
+    )
     add_file_options(parser)
     _add_action(parser)
     _add_plan(parser)
     parser.add_argument(
-        "--variant", type=Path, action="append", default=[], metavar="FILE.toml", help="another column beside; again"
+        "--variant", type=Path, action="append", default=[], metavar="FILE.toml", help="another one beside; again"
     )
     parser.add_argument("-o", "--output", type=Path, metavar="FILE.csv", help="write the table, with each motion")
     parser.add_argument("--report", type=Path, metavar="FILE.html", help="write a report with pictures, to be printed")
@@ -131,23 +136,23 @@ def _check(options: argparse.Namespace) -> None:
         with needing("report", "jinja2", "matplotlib"):
             import jinja2  # noqa: F401
             import matplotlib  # noqa: F401
-    inputs = (options.column, *options.records, *(options.vertical or ()), *options.variant)
+    components = (*(options.vertical or ()), *(options.across or ()))
+    inputs = (options.column, *options.records, *components, *options.variant)
     check_outputs((options.output, options.report), inputs, options.force)
-    column = read_column(options.column)
-    variants = [read_column(path) for path in options.variant]
+    models = {path: read_subject(path) for path in (options.column, *options.variant)}
     plan = _plan(options)
     level = _level(options)
     motions = _motions(options)
-    compile_kernels()
+    subjects = {path: _subject(path, model, plan) for path, model in models.items()}
     with reading(options.column):
-        check_stable(column)
-        found = mechanism(column, plan.confidence_factor)
-        action = action_on(column, found, motions, level)
+        action = action_on(subjects[options.column], motions, level)
     print(*action_lines(action), sep="\n", flush=True)
-    checks = [_checked(options.column, column, action, plan, found)]
-    print(*check_lines(checks[0]), sep="\n", flush=True)
-    checks += [_checked(path, variant, action, plan) for path, variant in zip(options.variant, variants, strict=True)]
-    if variants:
+    checks = []
+    for path, subject in subjects.items():
+        checks.append(_checked(path, subject, action, plan))
+        if len(checks) == 1:
+            print(*check_lines(checks[0]), sep="\n", flush=True)
+    if options.variant:
         print(*variants_lines(checks), sep="\n")
     write_outputs([(options.output, checks[0].to_csv), (options.report, partial(_write_report, checks))])
 
@@ -158,9 +163,19 @@ def _write_report(checks: list[Check], path: Path) -> None:
     write_report(checks, path, shlex.join(["multiblock", *sys.argv[1:]]))
 
 
-def _checked(path: Path, column: Column, action: Action, plan: Plan, found: Any = None) -> Check:
+def _subject(path: Path, model: Column | Structure, plan: Plan) -> Subject:
+    with reading(path):
+        if isinstance(model, Structure):
+            compile_for_space()
+        else:
+            compile_kernels()
+            check_stable(model)
+        return subject_of(model, plan.confidence_factor)
+
+
+def _checked(path: Path, subject: Subject, action: Action, plan: Plan) -> Check:
     with reading(path), RunsLine() as line:
-        return checked(column, action, plan, found, line if sys.stderr.isatty() else None)
+        return checked(subject, action, plan, line if sys.stderr.isatty() else None)
 
 
 def _plan(options: argparse.Namespace) -> Plan:
@@ -215,11 +230,13 @@ def _target(options: argparse.Namespace) -> TargetSpectrum | None:
 
 
 def _motions(options: argparse.Namespace) -> Mapping[str, Motion]:
-    """The records by the names of their files, each with its vertical component."""
-    vertical = options.vertical or []
-    if vertical and len(vertical) != len(options.records):
-        raise InputError(f"--vertical: {len(vertical)} files, must be {len(options.records)}, one for each record")
-    paths = [*options.records, *vertical]
+    """The records by the names of their files, each with its other components."""
+    beside = {key: getattr(options, key) or [] for key in ("across", "vertical")}
+    for key, files in beside.items():
+        if files and len(files) != len(options.records):
+            count = len(options.records)
+            raise InputError(f"--{key}: {len(files)} files, must be {count}, one for each record")
+    paths = [*options.records, *beside["across"], *beside["vertical"]]
     if paths:
         check_file_options(paths, options)
     found: dict[str, Motion] = {}
@@ -228,10 +245,11 @@ def _motions(options: argparse.Namespace) -> Mapping[str, Motion]:
             raise InputError(f"{path}: is given twice, must be given once")
         record, motion = read_with_options(path, options, options.channel)
         print(file_line(path, record))
-        if vertical:
-            record, upright = read_with_options(vertical[k], options, options.channel)
-            print(f"vertical {file_line(vertical[k], record)}")
-            motion = motion.with_vertical(upright)
+        for key, files in beside.items():
+            if files:
+                record, other = read_with_options(files[k], options, options.channel)
+                print(f"{key} {file_line(files[k], record)}")
+                motion = motion.with_across(other) if key == "across" else motion.with_vertical(other)
         found[path.stem if path.stem not in found else str(path)] = motion
     return found
 

@@ -7,9 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..checks.action import Action
+from ..checks.by_hand import NOT_IN_SPACE
 from ..checks.check import Check
 from ..checks.table import Row
-from ..ground.intensity import pgv
+from ..ground.intensity import peak, pgv
 from ..ground.motion import STANDARD_GRAVITY
 
 HEADINGS = ("check", "where", "demand", "capacity", "ratio", "")
@@ -20,13 +21,16 @@ def action_lines(action: Action) -> list[str]:
     lines = [f"action: {action.target.name}" if action.target else "action: the motions themselves"]
     lines.append(f"motions: {action.how}; counted: {action.statistic}")
     width = max(len(scaled.name) for scaled in action.motions)
-    lines.append(f"{'motion':{width}s}  factor  vertical  PGA (g)  vertical (g)  PGV (m/s)")
+    across = any(scaled.motion.has_ay for scaled in action.motions)
+    other = "  across (g)" if across else ""
+    lines.append(f"{'motion':{width}s}  factor  vertical  PGA (g){other}  vertical (g)  PGV (m/s)")
     for scaled in action.motions:
         vertical = float(np.max(np.abs(scaled.motion.az)))
         upright = f"{scaled.vertical_factor:8.4g}" if vertical else " " * 8
         pga, rise = scaled.motion.pga / STANDARD_GRAVITY, vertical / STANDARD_GRAVITY
+        other = f"  {peak(scaled.motion, 'ay') / STANDARD_GRAVITY:10.4g}" if across else ""
         lines.append(
-            f"{scaled.name:{width}s}  {scaled.factor:6.4g}  {upright}  {pga:7.4g}  {rise:12.4g}  "
+            f"{scaled.name:{width}s}  {scaled.factor:6.4g}  {upright}  {pga:7.4g}{other}  {rise:12.4g}  "
             f"{pgv(scaled.motion):9.4g}"
         )
     return lines
@@ -34,16 +38,16 @@ def action_lines(action: Action) -> list[str]:
 
 def check_lines(check: Check) -> list[str]:
     """The tables with their notes, where methods disagree, and the two sentences."""
-    lines = [f"{check.column.name}, first period {check.period:.4g} s", *_table(check.rows)]
-    lines += ["by hand:", *_table(check.by_hand.rows), *check.agreement]
+    lines = [f"{check.name}, first period {check.period:.4g} s", *_table(check.rows)]
+    lines += ["by hand:", *_table(check.by_hand.rows), *check.agreement] if check.by_hand else [NOT_IN_SPACE]
     return [*lines, check.verdict, check.margin_sentence, f"inputs {check.fingerprint[:16]}"]
 
 
 def variants_lines(checks: Sequence[Check]) -> list[str]:
-    """Ratios of each check, a column for each variant; the first is the column itself."""
-    width = max(22, *(len(check.column.name) for check in checks))
+    """Ratios of each check, a column for each variant; the first is what is checked."""
+    width = max(22, *(len(check.name) for check in checks))
     lines = ["variants under the same motions, demand and its ratio to the capacity:"]
-    lines.append(f"{'':26s}" + "".join(f"  {check.column.name:>{width}s}" for check in checks))
+    lines.append(f"{'':26s}" + "".join(f"  {check.name:>{width}s}" for check in checks))
     names = list(dict.fromkeys(row.name for check in checks for row in check.rows))
     for name in names:
         cells = []

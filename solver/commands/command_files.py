@@ -26,10 +26,7 @@ def read_column(path: Path) -> Column:
     """Read a column file. Raises InputError."""
     found = read_subject(path)
     if isinstance(found, Structure):
-        raise InputError(
-            f"{path}: is a structure in space, must be a column; `multiblock simulate {path} RECORD --ensemble 16` "
-            "says how many like it fall"
-        )
+        raise InputError(f"{path}: is a structure in space, must be a column; `simulate` and `check` take both")
     return found
 
 

@@ -23,6 +23,11 @@ def prepare(options: argparse.Namespace) -> None:
     for name in ("formulation", "integrator", "step"):
         if getattr(options, name) is not None:
             raise InputError(f"--{name}: must be left out, structures in space have none")
+    compile_for_space()
+
+
+def compile_for_space() -> None:
+    """A notice if the kernels of structures must be compiled."""
     if not are_kept(run_structure):
         print("compiling the kernels, once", flush=True)
 

@@ -16,9 +16,9 @@ from . import oscillator
 from .motion import STANDARD_GRAVITY, Motion
 
 FloatArray = NDArray[np.float64]
-Component = Literal["ax", "az"]
+Component = Literal["ax", "ay", "az"]
 
-NAMES: dict[Component, str] = {"ax": "horizontal", "az": "vertical"}
+NAMES: dict[Component, str] = {"ax": "horizontal", "ay": "across", "az": "vertical"}
 DAMPING = 0.05  # of critical, of the customary spectrum
 PERIODS = np.geomspace(0.05, 10.0, 120)  # s
 PER_PERIOD = 10  # samples per period of an oscillator, at least; cubic interpolation between them has an error of 1e-4
@@ -96,13 +96,16 @@ class Spectrum(Framed):
 
 
 def components(motion: Motion) -> list[Component]:
-    """Return those components that are not zero throughout. Raises InputError if both are."""
-    there = [component for component in NAMES if np.any(getattr(motion, component))]
-    if motion.amplitude and "ax" not in there:
-        there.insert(0, "ax")
+    """Return those components that are not zero throughout. Raises InputError if all are."""
+    there = [component for component in NAMES if _amplitude(motion, component) or np.any(getattr(motion, component))]
     if not there:
         raise InputError("the motion is zero throughout, must be an acceleration")
     return there
+
+
+def _amplitude(motion: Motion, component: Component) -> float:
+    """Amplitude of the harmonic along a component, m/s2."""
+    return {"ax": motion.amplitude, "ay": motion.amplitude_y, "az": 0.0}[component]
 
 
 def lines_of(motion: Motion, component: Component = "ax") -> Lines:
@@ -112,7 +115,8 @@ def lines_of(motion: Motion, component: Component = "ax") -> Lines:
         time, before, after = np.append(motion.time, motion.end), samples, samples
     else:
         time, before, after = motion.time, samples[:-1], samples[1:]
-    if motion.amplitude and component == "ax":
+    amplitude = _amplitude(motion, component)
+    if amplitude:
         cycles = motion.frequency * motion.duration
         if cycles * PER_CYCLE > MOST_LINES:
             raise InputError(
@@ -123,7 +127,7 @@ def lines_of(motion: Motion, component: Component = "ax") -> Lines:
         within = (np.arange(len(line)) - np.repeat(np.cumsum(parts) - parts, parts)) / parts[line]
         rise, step = (after - before)[line], np.diff(time)[line]
         fine = np.append(time[line] + within * step, time[-1])
-        wave = motion.amplitude * np.sin(2.0 * np.pi * motion.frequency * (fine - motion.start))
+        wave = amplitude * np.sin(2.0 * np.pi * motion.frequency * (fine - motion.start))
         flat = before[line] + within * rise
         before, after = flat + wave[:-1], flat + rise / parts[line] + wave[1:]
         time = fine
@@ -146,6 +150,14 @@ def pgv(motion: Motion) -> float:
     return _largest(lines, _velocity(lines))
 
 
+def peak(motion: Motion, component: Component = "ax") -> float:
+    """Return the largest acceleration of a component, m/s2."""
+    if component == "ax":
+        return motion.pga
+    lines = lines_of(motion, component)
+    return float(max(np.max(np.abs(lines.before)), np.max(np.abs(lines.after))))
+
+
 def _velocity(lines: Lines) -> FloatArray:
     return _running(lines.steps * (lines.before + lines.after) / 2.0)
 
@@ -164,7 +176,7 @@ def intensity(motion: Motion, component: Component = "ax") -> Intensity:
         raise InputError(f"{component}: is zero throughout, must be an acceleration")
     start, end = (float(np.interp(part * arias, base.husid, base.time)) for part in (0.05, 0.95))
     return Intensity(
-        pga=motion.pga if component == "ax" else float(np.max(np.abs(motion.az))),
+        pga=peak(motion, component),
         pgv=_largest(lines, base.velocity),
         pgd=oscillator.peak(h, u, base.velocity[:-1], base.velocity[1:]),
         final_velocity=float(base.velocity[-1]),

@@ -201,8 +201,9 @@ class Motion(Framed, Shown):
         )
 
     def mirrored(self) -> Motion:
-        """Return the motion seen from behind: ax changes its sign, az does not."""
-        return replace(self, ax=-self.ax, amplitude=-self.amplitude)
+        """Return the motion seen from behind: ax and ay change their signs, az does not."""
+        made = replace(self, ax=-self.ax, amplitude=-self.amplitude)
+        return replace(made, ay=-self.ay, amplitude_y=-self.amplitude_y) if self.has_ay else made
 
     def to_csv(self, path: str | os.PathLike[str], step: float | None = None, slopes: bool = False) -> None:
         """Write `time,base.ax,base.az` (s, m/s2) for `fmpy simulate --input-file`, every float64 in full.

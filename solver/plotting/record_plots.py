@@ -15,7 +15,7 @@ from .figures import Figure
 from .style import block_colours, header, save, tidy
 
 LONG_NAME = 40  # letters: two names in a line of the legend, not three
-_STYLES: dict[str, str] = {"ax": "-", "az": "--"}
+_STYLES: dict[str, str] = {"ax": "-", "ay": "-.", "az": "--"}
 
 
 def plot_records(motions: Mapping[str, Motion], path: str | os.PathLike[str] | None = None) -> Figure:

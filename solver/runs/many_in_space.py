@@ -26,6 +26,7 @@ OF_RUN = {
     "overturn_time": Kept("s", np.float64),
     "steps": Kept(kind=np.int64),
     "evaluations": Kept(kind=np.int64),
+    "settled_for": Kept("s", np.float64),
 }
 _UNITS = {
     "block": {"u": "m", "ux": "m", "uy": "m", "uz": "m", "rx": "rad", "ry": "rad", "rz": "rad"},

@@ -12,7 +12,7 @@ import numpy as np
 from ..common.errors import InputError
 from .structure import Structure
 
-Law = Mapping[str, Any]  # keys of a joint: stiffness, damping, shear_ratio, shear_damping, friction, dowel
+Law = Mapping[str, Any]  # keys of a joint: stiffness, damping, shear_ratio, shear_damping, friction, dowel, strength
 
 
 def _at_least(key: str, value: int, least: int) -> int:

@@ -27,7 +27,7 @@ def ensemble_in_space(
     n = response.structure.n
     verdicts, falls, peaks, histories = [], [], [], []
     for _ in range(size):
-        structure, shaken = _vary(response.structure, motion, spread, rng)
+        structure, shaken = vary(response.structure, motion, spread, rng)
         try:
             run = single_run(
                 structure.with_settings(without=("peaks",)), shaken, duration, response.time, settle=settle
@@ -58,7 +58,7 @@ def ensemble_in_space(
     )
 
 
-def _vary(structure: Structure, motion: Motion, spread: Spread, rng: np.random.Generator) -> tuple[Structure, Motion]:
+def vary(structure: Structure, motion: Motion, spread: Spread, rng: np.random.Generator) -> tuple[Structure, Motion]:
     """A structure and a motion with varied data, all as likely as the given ones."""
     count = len(structure.joints)
     stiffness, damping = (np.exp(size * rng.standard_normal(count)) for size in (spread.stiffness, spread.damping))

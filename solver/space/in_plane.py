@@ -51,7 +51,9 @@ def _block(solid: Solid, joint: Joint) -> planar.Block:
     section, width, depth, bore = _section(bottom)
     _, top_width, top_depth, _ = _section(top)
     bed, foot = joint.bed, float(bottom.centre[2])
-    law = planar.Joint(bed.stiffness, bed.damping, friction=bed.friction, dowel=bed.dowel or None)
+    law = planar.Joint(
+        bed.stiffness, bed.damping, friction=bed.friction, dowel=bed.dowel or None, strength=bed.strength
+    )
     contact, *sizes = _section(joint.face)
     own = (width, depth, bore)
     if contact != section or any(abs((a or 0.0) - (b or 0.0)) > CLOSE * width for a, b in zip(sizes, own, strict=True)):

@@ -65,6 +65,14 @@ def plot_structure(
     return _saved(figure, path)
 
 
+def structure_picture(structure: Structure) -> Figure:
+    """The structure as built."""
+    figure = Figure(figsize=(5.0, 5.0), layout="constrained")
+    zero = np.zeros((structure.n, 3))
+    draw_blocks(figure.add_subplot(projection="3d"), structure, zero, zero)
+    return figure
+
+
 def film(response: Shown, path: str | os.PathLike[str], scale: float | None, fps: int, speed: float) -> None:
     """The structure in motion, deformation enlarged; fps: pictures a second, speed: s of motion in a second of film."""
     check_film(path)

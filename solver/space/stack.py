@@ -60,7 +60,7 @@ def _joint(column: Column, i: int, foot: float) -> Joint:
     if face is None:
         raise InputError(f"{key}: its face and the one below do not meet")
     law = block.joint
-    bed = Bed(law.stiffness, law.damping, friction=law.friction, dowel=law.dowel or 0.0)
+    bed = Bed(law.stiffness, law.damping, friction=law.friction, dowel=law.dowel or 0.0, strength=law.strength)
     return Joint(i, i + 1, face, bed, f"{key}.joint")
 
 

@@ -17,7 +17,7 @@ from .blocks.shapes import box, drum, prism, rectangle, rotation_matrix
 SHAPES = ("box", "drum", "prism")
 SECTIONS = ("rectangle", "circle", "ring", "polygon")
 _KEYS = ("name", "g", "block", "joint", "joints", "tie", "solver")
-_LAW = ("stiffness", "damping", "shear_ratio", "shear_damping", "friction", "dowel")
+_LAW = ("stiffness", "damping", "shear_ratio", "shear_damping", "friction", "dowel", "strength")
 _OF_SHAPE = {
     "box": ("width", "depth", "height", "top_width", "top_depth"),
     "drum": ("diameter", "top_diameter", "bore", "height"),

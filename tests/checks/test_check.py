@@ -26,8 +26,10 @@ from multiblock import (
     wavelets,
 )
 from solver.checks.action import Action
-from solver.checks.check import checked
-from solver.checks.margin import MOST, NARROW, STEP, TOLERANCE, margin_of, varied
+from solver.checks.check import checked, subject_of
+from solver.checks.limits import TOLERANCE
+from solver.checks.margin import MOST, NARROW, STEP, margin_of
+from solver.checks.runs import varied
 from solver.checks.scaling import ScaledMotion, applied
 from solver.checks.table import Row
 
@@ -74,7 +76,7 @@ def test_margin_has_falls_beyond_it_and_none_within(found: Check) -> None:
     margin = found.margin
     assert 1.0 <= margin.stands < margin.falls <= NARROW * margin.stands
     worst = found.action.motions[margin.place]
-    ensemble = varied(BLOCK, worst, SHORT.ensemble, SHORT.spread, margin.place)
+    ensemble = varied(found.subject, found.responses[margin.place], worst, SHORT, margin.place)
     for factor, falls in ((margin.stands, False), (margin.falls, True)):
         shaken = [motion.scaled(factor) for _, motion in ensemble]
         table = simulate_many([column for column, _ in ensemble], shaken, tolerance=TOLERANCE)
@@ -86,12 +88,12 @@ def test_margin_of_a_stronger_motion_is_smaller(found: Check) -> None:
     """Twice as strong: half the margin, within both bisections, where the first falls are the same."""
     assert found.margin is not None
     strong = [applied(scaled.name, scaled.motion, 2.0 * found.margin.falls) for scaled in found.action.motions]
-    ensembles = [varied(BLOCK, scaled, SHORT.ensemble, SHORT.spread, k) for k, scaled in enumerate(strong)]
-    margin = margin_of(ensembles, np.array([True] * 3))
+    ensembles = [varied(found.subject, found.responses[k], scaled, SHORT, k) for k, scaled in enumerate(strong)]
+    margin = margin_of(found.subject, ensembles, np.array([True] * 3))
     assert margin.falls < 1.0
     assert margin.stands <= margin.falls <= NARROW * margin.stands
     weak = [[(column, motion.scaled(1e-3)) for column, motion in ensemble] for ensemble in ensembles]
-    still = margin_of(weak, np.array([False] * 3))
+    still = margin_of(found.subject, weak, np.array([False] * 3))
     assert still.is_open
     assert still.stands > MOST / STEP
 
@@ -117,7 +119,7 @@ def test_a_column_that_falls_fails() -> None:
 
 def test_limits_decide(found: Check) -> None:
     limits = Limits(friction=0.05, opening=0.01, strength_factor=100.0)
-    strict = checked(BLOCK, found.action, replace(SHORT, limits=limits, margin=False))
+    strict = checked(found.subject, found.action, replace(SHORT, limits=limits, margin=False))
     names = [one.name for one in strict.rows if one.passes is False]
     assert names == ["pressure at the edge", "friction asked for", "opening"]
     with pytest.raises(InputError, match=r"limits.share = 2: must be share of the runs that may fall"):
@@ -143,7 +145,7 @@ def test_a_leaning_column_is_shaken_both_ways() -> None:
     ways = [simulate(leaning, way).peak_ux[0] for way in (motion, motion.mirrored())]
     assert tops[0].demand == tops[1].demand == max(ways)
     assert ways[0] != pytest.approx(ways[1], rel=0.01)  # measured: 2.8 % apart
-    columns = varied(leaning, ScaledMotion("", motion), 4, SHORT.spread, 0)
+    columns = varied(subject_of(leaning), simulate(leaning, motion), ScaledMotion("", motion), SHORT, 0)
     assert [np.sign(shaken.ax @ motion.ax) for _, shaken in columns] == [1.0, -1.0, 1.0, -1.0]
 
 
@@ -216,7 +218,7 @@ def test_table_is_written_with_each_motion(found: Check, tmp_path: Path) -> None
     found.to_csv(tmp_path / "table.csv")
     lines = (tmp_path / "table.csv").read_text(encoding="utf-8").splitlines()
     assert lines[0] == "check,where,demand,capacity,ratio,passes,note,p16,p50,p84,0.8 Hz,1.2 Hz,2.0 Hz"
-    assert len(lines) == 1 + len(found.rows) + len(found.by_hand.rows)
+    assert len(lines) == 1 + len(found.all_rows)
 
 
 def test_report_has_everything_inside(found: Check, tmp_path: Path) -> None:
@@ -231,7 +233,7 @@ def test_report_has_everything_inside(found: Check, tmp_path: Path) -> None:
     assert "http" not in text
     for said in (found.verdict, found.fingerprint, "multiblock check &lt;block&gt;", "Variants under the same motions"):
         assert said in text
-    for one in (*found.rows, *found.by_hand.rows):
+    for one in found.all_rows:
         assert one.name in text
 
 

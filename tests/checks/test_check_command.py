@@ -4,7 +4,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support.fmus import ROOT
 
 from multiblock import Motion
 from solver.commands.command_line import main
@@ -84,9 +83,3 @@ def test_mistakes_are_one_line(
 def test_no_record_needs_a_spectrum(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["check", "block.toml", *QUICK]) == 2
     assert "motions: none given, must be records, or a target spectrum" in capsys.readouterr().err
-
-
-def test_a_structure_is_refused_with_what_would_do(capsys: pytest.CaptureFixture[str]) -> None:
-    path = ROOT / "examples" / "structures" / "trilith.toml"
-    assert main(["check", str(path), "--spectrum", "ec8", "--ag", "0.25", "--soil", "B"]) == 2
-    assert "is a structure in space, must be a column; `multiblock simulate" in capsys.readouterr().err

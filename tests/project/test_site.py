@@ -79,7 +79,7 @@ def test_check_page(folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytes
     """Its commands and program, with one varied column a motion and no margin, which save minutes."""
     for name in ("COLUMN", "column", "dowels", "wider"):
         shutil.copy(folder / "statue.toml", folder / f"{name}.toml")
-    for name in ("FIRST", "SECOND", "THIRD"):
+    for name in ("FIRST", "SECOND", "THIRD", "A", "B", "C"):
         shutil.copy(folder / "RECORD.AT2", folder / f"{name}.AT2")
     monkeypatch.setattr(sys, "stdin", io.StringIO("drums\n" + 20 * "\n"))
     for command in pages.commands(CHECK):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import platform
 from collections.abc import Sequence
@@ -15,23 +16,21 @@ import numpy as np
 from jinja2 import Environment, StrictUndefined
 
 from ... import __version__
-from ...column.block import Block
-from ...column.column import Column
 from ...common.files import whole_file
-from ...ground.intensity import pgv
+from ...ground.intensity import peak, pgv
 from ...ground.motion import STANDARD_GRAVITY
+from ..by_hand import NOT_IN_SPACE
 from ..check import Check
-from ..margin import TOLERANCE
+from ..limits import TOLERANCE
 from ..table import three_digits
-from .pictures import column_picture, deformed_picture, embedded, histories_picture, spectra_picture
+from .model import shown_of
+from .pictures import embedded, spectra_picture
 
-LIMITS_OF_THE_MODEL = (
-    "The column moves in one vertical plane. It does not twist, and no motion across the plane is applied.",
+LIMITS_OF_THE_MODEL = (  # whatever is checked
     "The blocks are rigid. Their elasticity is in the modulus of the joints.",
     "The joints bear pressure only; they open, and close with the damping given.",
     "A joint without friction never slides. The friction that this takes is in the table.",
-    "Edges do not crush or spall. A pressure above the strength makes the column weaker than computed.",
-    "Once a column has fallen it is held; what it hits is not considered.",
+    "Edges do not crush or spall. A pressure above the strength makes it weaker than computed.",
 )
 
 
@@ -49,28 +48,29 @@ def write_report(checks: Sequence[Check], path: str | os.PathLike[str], command:
 def _content(checks: Sequence[Check]) -> dict[str, Any]:
     """Everything that the template names."""
     check = checks[0]
-    worst = check.action.motions[check.governing]
-    response = check.responses[check.governing]
+    shown = shown_of(check)
     return {
         "check": check,
-        "column": check.column,
+        "word": check.subject.word,
         "checks": checks,
-        "blocks": blocks_of(check.column),
+        "model": shown,
         "motions": _motions(check),
         "limits": [
             (item.name, getattr(check.plan.limits, item.name), item.metadata["meaning"])
             for item in fields(check.plan.limits)
+            if item.name != "displacement" or not math.isnan(check.subject.edge)
         ],
-        "model": LIMITS_OF_THE_MODEL,
+        "left_out": (*check.subject.of_model, *LIMITS_OF_THE_MODEL),
+        "not_by_hand": NOT_IN_SPACE,
         "tolerance": TOLERANCE,
         "names": list(dict.fromkeys(row.name for one in checks for row in one.rows)),
         "pictures": {
-            "column": embedded(column_picture(check.column)),
+            "model": embedded(shown.picture, check.subject.across),
             "spectra": embedded(spectra_picture(check)),
-            "histories": embedded(histories_picture(response, f"{check.column.name} under {worst.name}")),
-            "deformed": embedded(deformed_picture(response)),
+            "histories": embedded(shown.histories),
+            "deformed": embedded(shown.deformed, check.subject.across),
         },
-        "worst": worst,
+        "worst": check.action.motions[check.governing],
         "versions": {
             "multiblock-fmu": __version__,
             "Python": platform.python_version(),
@@ -84,47 +84,16 @@ def _motions(check: Check) -> list[dict[str, str]]:
     found = []
     for scaled, response in zip(check.action.motions, check.responses, strict=True):
         vertical = float(np.max(np.abs(scaled.motion.az)))
+        across = f", {peak(scaled.motion, 'ay') / STANDARD_GRAVITY:.3g}" if scaled.motion.has_ay else ""
         found.append(
             {
                 "name": scaled.name,
                 "factor": f"{scaled.factor:.3g}",
                 "vertical": f"{scaled.vertical_factor:.3g}" if vertical else "none",
-                "pga": f"{scaled.motion.pga / STANDARD_GRAVITY:.3g}",
+                "pga": f"{scaled.motion.pga / STANDARD_GRAVITY:.3g}{across}",
                 "pgv": f"{pgv(scaled.motion):.3g}",
-                "top": "" if response.overturned else three_digits(1e3 * response.peak_ux[0]),
-                "verdict": response.verdict,
+                "moved": "" if response.overturned else three_digits(1e3 * check.subject.moved(response)),
+                "verdict": check.subject.verdict(response),
             }
         )
     return found
-
-
-def blocks_of(column: Column) -> list[dict[str, str]]:
-    """The blocks from the top down with their joints, equal neighbours in one row."""
-    rows: list[dict[str, str]] = []
-    for number, block in enumerate(column.blocks, start=1):
-        row = _block(block)
-        if rows and {key: value for key, value in rows[-1].items() if key != "numbers"} == row:
-            rows[-1]["numbers"] = f"{rows[-1]['numbers'].partition(' ')[0]} to {number}"
-        else:
-            rows.append({"numbers": str(number), **row})
-    return rows
-
-
-def _block(block: Block) -> dict[str, str]:
-    joint = block.joint
-
-    def size(bottom: float, top: float | None) -> str:
-        return f"{bottom:.4g}" if top is None or top == bottom else f"{bottom:.4g}, top {top:.4g}"
-
-    return {
-        "section": block.section,
-        "height": f"{block.height:.4g}",
-        "width": size(block.width, block.top_width),
-        "depth": size(block.depth, block.top_depth),
-        "mass": f"{block.mass:.5g}",
-        "contact": f"{joint.section or block.section} {block.joint_width:.4g}",
-        "stiffness": f"{1e-9 * joint.stiffness:.4g}",
-        "damping": f"{joint.damping:.3g}",
-        "friction": "none" if joint.friction is None else f"{joint.friction:.3g}",
-        "strength": "none" if joint.strength is None else f"{1e-6 * joint.strength:.4g}",
-    }

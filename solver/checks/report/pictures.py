@@ -13,14 +13,13 @@ from matplotlib.figure import Figure
 from ...column.column import Column
 from ...column.packing import FloatArray
 from ...dynamics.response import Response
-from ...ground.intensity import spectrum
 from ...ground.motion import STANDARD_GRAVITY
 from ...plotting.drawings import draw_column, plot_column
 from ...plotting.plots import HISTORIES, plot_histories
 from ...plotting.style import INK, block_colours
 from ...plotting.words import verdict_of
 from ..check import Check
-from ..scaling import MEAN_FROM
+from ..scaling import MEAN_FROM, horizontal_psa
 
 DPI = 140
 PERIODS = np.geomspace(0.04, 4.0, 100)  # s
@@ -38,10 +37,10 @@ class _Rest:
     theta: FloatArray
 
 
-def embedded(figure: Figure) -> str:
-    """The address of a picture that has the picture inside."""
+def embedded(figure: Figure, tight: bool = False) -> str:
+    """The address of a picture that has the picture inside; tight: without the room around it."""
     buffer = io.BytesIO()
-    figure.savefig(buffer, dpi=DPI, format="png")
+    figure.savefig(buffer, dpi=DPI, format="png", bbox_inches="tight" if tight else None)
     return "data:image/png;base64," + base64.b64encode(buffer.getvalue()).decode("ascii")
 
 
@@ -73,7 +72,7 @@ def spectra_picture(check: Check) -> Figure:
     axes = figure.add_subplot()
     if action.periods is not None:
         axes.axvspan(*action.periods, color="0.95", label="range of the fit")
-    found = [spectrum(scaled.motion, PERIODS).psa / STANDARD_GRAVITY for scaled in action.motions]
+    found = [horizontal_psa(scaled.motion, PERIODS) / STANDARD_GRAVITY for scaled in action.motions]
     for scaled, values, colour in zip(action.motions, found, block_colours(len(found)), strict=True):
         axes.plot(PERIODS, values, color=colour, linewidth=0.9, label=scaled.name)
     if len(found) > 1:

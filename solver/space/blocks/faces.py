@@ -38,6 +38,15 @@ class Face:
         """Distance of the farthest point from the centre, m."""
         return self.radius or float(np.max(np.hypot(*self.outline.T)))
 
+    @property
+    def width(self) -> float:
+        """Least distance between two parallel lines that hold it between them, m."""
+        if self.radius:
+            return 2.0 * self.radius
+        side = np.roll(self.outline, -1, axis=0) - self.outline
+        across = np.column_stack([-side[:, 1], side[:, 0]]) / np.hypot(*side.T)[:, None]
+        return float(np.min(np.ptp(across @ self.outline.T, axis=1)))
+
     def points(self, sides: int = 24) -> FloatArray:
         """Points of the rim in space, (points, 3) m."""
         return self.centre + self._rim(sides) @ self.axes[:, :2].T

@@ -51,6 +51,7 @@ class Bed:
     shear_damping: float | None = None  # s; None: as damping
     friction: float | None = None  # Coulomb's coefficient; None: the joint never slides
     dowel: float = 0.0  # N, borne beside friction
+    strength: float | None = None  # Pa, pressure that the faces bear; compared with by checks, the motion ignores it
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,0 +1,141 @@
+"""What a report shows of the model itself: tables and pictures of a column, or of a structure in space."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from ...column.block import Block
+from ...column.column import Column
+from ...space.blocks.parts import Joint, Solid, Tie
+from ...space.pictures import plot_response, structure_picture
+from ...space.response import SpatialResponse
+from ...space.structure import Structure
+from ..check import Check
+from .pictures import column_picture, deformed_picture, histories_picture
+
+
+class Sheet(NamedTuple):
+    """A table: headings, and rows of texts; those from place `numbers` on stand at the right."""
+
+    headings: tuple[str, ...]
+    rows: list[tuple[str, ...]]
+    numbers: int = 2
+
+
+class Shown(NamedTuple):
+    """What is shown of a model."""
+
+    sentence: str
+    sheets: list[Sheet]
+    picture: Figure
+    histories: Figure
+    deformed: Figure
+
+
+def shown_of(check: Check) -> Shown:
+    """Tables and pictures of the model, and of the governing run."""
+    run, model = check.responses[check.governing], check.subject.model
+    if isinstance(model, Structure):
+        return _structure(check, run)
+    push = f"It balances a steady push of {check.by_hand.mechanism.alpha0:.3g} g at most. " if check.by_hand else ""
+    title = f"{check.name} under {check.action.motions[check.governing].name}"
+    return Shown(
+        f"{push}Blocks count from the top; each has the joint under it.",
+        _of_column(model),
+        column_picture(model),
+        histories_picture(run, title),
+        deformed_picture(run),
+    )
+
+
+def _of_column(column: Column) -> list[Sheet]:
+    blocks, joints = ("section", "height (m)", "width (m)", "depth (m)", "mass (kg)"), ("contact (m)", *_LAW)
+    both = [_block(block) for block in column.blocks]
+    rows = _merged([(str(number), *one, *other) for number, (one, other) in enumerate(both, start=1)])
+    width = 1 + len(blocks)
+    return [
+        Sheet(("block", *blocks), [row[:width] for row in rows]),
+        Sheet(("joint", *joints), [(row[0], *row[width:]) for row in rows]),
+    ]
+
+
+_LAW = ("modulus (GN/m³)", "damping η (s)", "friction", "strength (MPa)")
+
+
+def _law(stiffness: float, damping: float, friction: float | None, strength: float | None) -> tuple[str, ...]:
+    return f"{1e-9 * stiffness:.4g}", f"{damping:.3g}", _or_none(friction), _or_none(strength, 1e-6)
+
+
+def _or_none(value: float | None, factor: float = 1.0) -> str:
+    return "none" if value is None else f"{factor * value:.4g}"
+
+
+def _block(block: Block) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Texts of a block and of the joint under it."""
+    joint = block.joint
+
+    def size(bottom: float, top: float | None) -> str:
+        return f"{bottom:.4g}" if top is None or top == bottom else f"{bottom:.4g}, top {top:.4g}"
+
+    sizes = size(block.width, block.top_width), size(block.depth, block.top_depth)
+    law = _law(joint.stiffness, joint.damping, joint.friction, joint.strength)
+    own = (block.section, f"{block.height:.4g}", *sizes, f"{block.mass:.5g}")
+    return own, (f"{joint.section or block.section} {block.joint_width:.4g}", *law)
+
+
+def _merged(rows: Sequence[tuple[str, ...]]) -> list[tuple[str, ...]]:
+    """The rows, with equal neighbours as one: "1 to 5", or "left to right"."""
+    found: list[tuple[str, ...]] = []
+    for row in rows:
+        if found and found[-1][1:] == row[1:]:
+            found[-1] = (f"{found[-1][0].partition(' to ')[0]} to {row[0]}", *row[1:])
+        else:
+            found.append(row)
+    return found
+
+
+def _structure(check: Check, run: SpatialResponse) -> Shown:
+    structure: Structure = check.subject.model
+    at = min(run.overturn_time, float(run.time[-1])) if run.overturned else None
+    sheets = [
+        Sheet(("block", "shape (m)", "mass (kg)"), _merged([_solid(block) for block in structure.blocks])),
+        Sheet(
+            ("joint", "contact (m)", *_LAW),
+            _merged([_joint(*pair) for pair in zip(structure.joint_names, structure.joints, strict=True)]),
+        ),
+    ]
+    if structure.ties:
+        headings = ("tie", "between", "stiffness (MN/m)", "yield (kN)")
+        names = (*structure.names, "base")
+        ties = [_tie(number, tie, names) for number, tie in enumerate(structure.ties, start=1)]
+        sheets.append(Sheet(headings, ties))
+    return Shown(
+        f"{len(structure.joints)} joints, {len(structure.ties)} ties.",
+        sheets,
+        structure_picture(structure),
+        plot_response(run, None),
+        run.plot_structure(at=at),
+    )
+
+
+def _solid(block: Solid) -> tuple[str, ...]:
+    extents: Any = np.ptp(block.corners @ block.axes, axis=0)
+    round_ = [2.0 * face.radius for face in block.faces if face.radius]
+    size = " x ".join(f"{length:.4g}" for length in extents)
+    shape = f"diameter {max(round_):.4g}, height {extents[2]:.4g}" if round_ else size
+    return block.name, shape, f"{block.mass:.5g}"
+
+
+def _joint(name: str, joint: Joint) -> tuple[str, ...]:
+    bed, face = joint.bed, joint.face
+    contact = f"diameter {2.0 * face.radius:.4g}" if face.radius else f"width {face.width:.4g}"
+    return name, contact, *_law(bed.stiffness, bed.damping, bed.friction, bed.strength)
+
+
+def _tie(number: int, tie: Tie, names: Sequence[str]) -> tuple[str, ...]:
+    between = f"{names[tie.one]}, {names[tie.other]}"
+    return str(number), between, f"{1e-6 * tie.stiffness:.4g}", _or_none(tie.yield_, 1e-3)

@@ -1,0 +1,55 @@
+"""The runs of a check: of the subject itself, of varied ones around it, and of many at once."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any
+
+import numpy as np
+
+from ..common.executors import cores
+from ..ground.motion import Motion
+from ..runs.many import Callback, simulate_many
+from ..runs.simulate import simulate
+from ..runs.table import Table
+from .limits import TOLERANCE, Plan
+from .scaling import ScaledMotion
+from .subject import Pair, Subject
+
+
+def own_runs(subject: Subject, motions: Sequence[Motion]) -> tuple[Any, ...]:
+    """A run under each motion; where the sign of a motion counts, the worse of both."""
+    ways = [way for motion in motions for way in ((motion, motion.mirrored()) if subject.two_ways else (motion,))]
+    with ThreadPoolExecutor(cores(), thread_name_prefix="runs") as pool:
+        made = list(pool.map(lambda way: simulate(subject.model, way, settle=subject.settle), ways))
+    each = len(ways) // len(motions)
+    return tuple(
+        max(made[k : k + each], key=lambda run: (subject.verdict(run) != "standing", subject.moved(run)))
+        for k in range(0, len(made), each)
+    )
+
+
+def varied(subject: Subject, run: Any, scaled: ScaledMotion, plan: Plan, place: int) -> list[Pair]:
+    """Models and motions around a run of the subject; the same for the same seed and place.
+
+    The sign of a record is by chance: where it counts, every second motion is mirrored.
+    """
+    rng = np.random.default_rng([plan.spread.seed, place])
+    model = subject.to_vary(run)
+    made = [subject.vary(model, scaled.motion, plan.spread, rng) for _ in range(plan.ensemble)]
+    if subject.two_ways:
+        made[1::2] = [(held, motion.mirrored()) for held, motion in made[1::2]]
+    return made
+
+
+def run_all(subject: Subject, pairs: Sequence[Pair], peaks: bool, callback: Callback | None) -> Table:
+    """The runs of varied models, a row for each; peaks: with their largest displacements."""
+    return simulate_many(
+        [model for model, _ in pairs],
+        [motion for _, motion in pairs],
+        tolerance=TOLERANCE,
+        keep=subject.kept(peaks),
+        settle=subject.settle,
+        callback=callback,
+    )

@@ -1,0 +1,109 @@
+"""What is checked: the questions that a column in its plane and a structure in space answer differently."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..column.column import Column
+from ..dynamics.uncertainty import Spread
+from ..ground.motion import Motion
+from ..runs.table import Table
+from ..space.structure import Structure
+
+FloatArray = NDArray[np.float64]
+Model = Column | Structure
+Pair = tuple[Any, Motion]  # a model and its motion
+
+
+@dataclass(frozen=True, eq=False)
+class Joints:
+    """Numbers of the joints that demands are compared with; NaN where there is none."""
+
+    names: tuple[str, ...]
+    width: FloatArray  # m
+    strength: FloatArray  # Pa
+    friction: FloatArray
+
+
+class Subject(Protocol):
+    """A column or a structure under a check. run: its response to one motion."""
+
+    @property
+    def model(self) -> Any: ...
+    @property
+    def word(self) -> str:
+        """For sentences: column or structure."""
+
+    @property
+    def joints(self) -> Joints: ...
+    @property
+    def yields(self) -> FloatArray:
+        """Forces at which the ties yield, N; NaN where they do not."""
+
+    @property
+    def period(self) -> float:
+        """Of the first mode about rest, s."""
+
+    @property
+    def longest(self) -> float:
+        """Period when it rocks by 0.4 of what overturns it, s."""
+
+    @property
+    def edge(self) -> float:
+        """Displacement of the top at which it balances without a push, m; NaN if there is no such number."""
+
+    @property
+    def across(self) -> bool:
+        """Whether motions have two horizontal components."""
+
+    @property
+    def two_ways(self) -> bool:
+        """Whether a motion and its mirror image differ."""
+
+    @property
+    def settle(self) -> float:
+        """Time for which a run is followed beyond the motion, s."""
+
+    @property
+    def of_model(self) -> tuple[str, ...]:
+        """Sentences on what the model leaves out."""
+
+    def verdict(self, run: Any) -> str:
+        """Verdict of a run: standing, overturned or undecided."""
+
+    def moved(self, run: Any) -> float:
+        """Largest displacement, m."""
+
+    def slips(self, run: Any) -> FloatArray:
+        """Slip of each joint since rest, m (rows, joints)."""
+
+    def shear_ratio(self, run: Any) -> FloatArray:
+        """Shear over compression of each joint, where it is compressed (rows, joints)."""
+
+    def tensions(self, run: Any) -> FloatArray:
+        """Largest force of each tie, N."""
+
+    def to_vary(self, run: Any) -> Any:
+        """The model that is varied around a run."""
+
+    def vary(self, model: Any, motion: Motion, spread: Spread, rng: np.random.Generator) -> Pair:
+        """A model and a motion with varied data."""
+
+    def kept(self, peaks: bool) -> tuple[str, ...]:
+        """Columns of a table of runs that `verdicts` reads, and with peaks `tops`."""
+
+    def verdicts(self, table: Table) -> NDArray[np.str_]:
+        """As `verdict`, of such a table."""
+
+    def tops(self, table: Table) -> FloatArray:
+        """As `moved`, of such a table."""
+
+    def by_hand(self, action: Any, limits: Any) -> Any:
+        """`ByHand` under an Action with Limits; None if there are no such methods."""
+
+    def digest(self) -> bytes:
+        """All numbers of the model."""

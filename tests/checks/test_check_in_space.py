@@ -1,0 +1,225 @@
+"""Checks of structures in space: against runs made apart, the same block in its plane, and symmetry."""
+
+import math
+from dataclasses import replace
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from support.fmus import ROOT
+
+from multiblock import (
+    Block,
+    Check,
+    Column,
+    InputError,
+    Joint,
+    Motion,
+    Plan,
+    Structure,
+    check,
+    simulate,
+    spectra,
+    spectrum,
+    wavelets,
+)
+from solver.checks.check import subject_of
+from solver.checks.in_space import SETTLE
+from solver.checks.kinematic import mechanism, rocking_period
+from solver.checks.margin import NARROW
+from solver.checks.scaling import horizontal_pga, horizontal_psa, scaled_to_pga, scaled_to_sa, scaled_to_spectrum
+from solver.checks.table import Row
+from solver.commands.command_line import main
+from solver.space.blocks.faces import Face
+from solver.space.blocks.shapes import rectangle
+from solver.space.in_plane import column_of
+
+G = 9.80665
+TRILITH = ROOT / "examples" / "structures" / "trilith.toml"
+COLUMN = Column("block", (Block(2.0, 0.5, 0.5, 1200.0, Joint(2e9, 2e-3, strength=2e6)),))
+BLOCK = Structure.stack(COLUMN)
+ALONG, ACROSS = wavelets.one_sine(G, 1.2), wavelets.one_sine(G, 2.0)
+BOTH = ALONG.with_across(ACROSS)
+NOISE = wavelets.filtered_noise(1.0, 2.5, 8.0, 1).with_across(wavelets.filtered_noise(0.7, 2.0, 8.0, 2))
+QUICK = Plan(ensemble=2, margin=False)
+
+
+def row(made: Check, name: str) -> Row:
+    return next(one for one in made.rows if one.name == name)
+
+
+@pytest.fixture(scope="module")
+def found() -> Check:
+    """The trilith, one joint of which has a strength, under one short motion in two directions."""
+    trilith = Structure.from_toml(TRILITH)
+    beds = [replace(trilith.joints[0].bed, strength=15e6), *(joint.bed for joint in trilith.joints[1:])]
+    joints = tuple(replace(joint, bed=bed) for joint, bed in zip(trilith.joints, beds, strict=True))
+    return check(replace(trilith, joints=joints), {"pulse": BOTH}, pga=0.2 * G, plan=QUICK)
+
+
+def test_rows_have_the_worse_of_both_ways(found: Check) -> None:
+    motion = found.action.motions[0].motion
+    runs = [simulate(found.subject.model, way, settle=SETTLE) for way in (motion, motion.mirrored())]
+    assert [found.subject.verdict(run) for run in runs] == ["standing"] * 2
+    assert row(found, "displacement").demand == max(np.max(run.peaks["u"]) for run in runs)
+    worse = max(runs, key=lambda run: np.max(run.peaks["u"]))
+    pressure = row(found, "pressure at the edge")
+    assert (pressure.where, pressure.capacity) == ("left-base", 15e6)  # the only one that has a strength
+    assert pressure.demand == worse.peaks["sigma_max"][0]
+    assert row(found, "opening").demand == 1.0 - np.min(worse.peaks["contact"])
+    assert row(found, "slip").demand == pytest.approx(np.max(np.abs(worse.slip - worse.slip[0])))
+    assert row(found, "slip").capacity == pytest.approx(0.05 * 0.9)
+    assert found.by_hand is None
+    assert found.agreement == ()
+    assert "of 2 simulated structures" in found.verdict
+
+
+def test_a_block_has_the_margin_that_it_has_in_its_plane() -> None:
+    """The same factors are drawn for both; in space its joint gives along itself."""
+    plan = Plan(ensemble=4)
+    flat, made = (check(model, [ALONG], pga=0.2 * G, plan=plan) for model in (COLUMN, BLOCK))
+    assert flat.margin is not None
+    assert made.margin is not None
+    assert made.margin.falls == pytest.approx(flat.margin.falls, rel=NARROW - 1.0)  # measured: the same
+    assert made.action.motions[0].factor == flat.action.motions[0].factor
+    assert row(made, "pressure at the edge").demand == pytest.approx(row(flat, "pressure at the edge").demand, rel=5e-3)
+    asked, planar = (row(one, "friction asked for").demand for one in (made, flat))
+    assert asked == pytest.approx(planar, rel=1e-3)  # measured: 9e-5; of the pressure 1.5e-3
+    assert math.isnan(row(made, "displacement").capacity)
+    assert made.subject.longest == pytest.approx(flat.subject.longest, rel=0.01)  # rigid against elastic: 5e-3
+
+
+def test_a_square_block_does_not_know_the_direction() -> None:
+    turned = replace(ALONG, ax=np.zeros_like(ALONG.ax), ay=ALONG.ax)
+    made = [check(BLOCK, [motion], pga=0.25 * G, plan=QUICK) for motion in (ALONG, turned, ALONG.mirrored())]
+    tops = [row(one, "displacement").demand for one in made]
+    assert tops[0] == tops[2]
+    assert tops[1] == pytest.approx(tops[0], rel=1e-9)  # measured: 1e-15
+    assert [one.action.motions[0].factor for one in made] == [made[0].action.motions[0].factor] * 3
+
+
+def test_two_components_are_scaled_together_by_their_geometric_mean() -> None:
+    target, periods = spectra.eurocode8(2.0, "B"), np.geomspace(0.1, 1.5, 40)
+    (peak,) = scaled_to_pga({"a": NOISE}, 3.0)
+    assert np.max(np.abs(peak.motion.ax)) * np.max(np.abs(peak.motion.ay)) == pytest.approx(9.0, rel=1e-12)
+    (one,) = scaled_to_sa({"a": NOISE}, 0.4, 5.0)
+    psa = [spectrum(one.motion, [0.4], component=name).psa[0] for name in ("ax", "ay")]
+    assert math.sqrt(psa[0] * psa[1]) == pytest.approx(5.0, rel=1e-12)
+    (fitted,) = scaled_to_spectrum({"a": NOISE}, target, (0.1, 1.5), least=0.0)
+    ratio = horizontal_psa(fitted.motion, periods) / target.psa(periods)
+    assert np.mean(np.log(ratio)) == pytest.approx(0.0, abs=1e-12)
+    for scaled in (peak, one, fitted):
+        np.testing.assert_allclose(scaled.motion.ay, scaled.factor * NOISE.ay, rtol=1e-14)
+    assert horizontal_pga(replace(NOISE, ax=np.zeros_like(NOISE.ax))) == np.max(np.abs(NOISE.ay))
+
+
+def test_artificial_motions_follow_the_target_along_both_directions() -> None:
+    target, periods = spectra.eurocode8(0.05 * G, "A"), np.geomspace(0.05, 2.0, 20)
+    made = check(BLOCK, target=target, artificial=1, plan=Plan(ensemble=1, margin=False))
+    motion = made.action.motions[0].motion
+    for name in ("ax", "ay"):
+        ratio = spectrum(motion, periods, component=name).psa / target.psa(periods)
+        assert 0.8 < ratio.min() < ratio.max() < 1.2
+    assert abs(np.corrcoef(motion.ax, motion.ay)[0, 1]) < 0.1
+    assert made.passes
+
+
+def test_force_of_a_tie_beside_its_yield() -> None:
+    data: dict[str, Any] = {
+        "name": "tied",
+        "joints": {"stiffness": 2e9, "damping": 2e-3, "strength": 3e6},
+        "block": [{"name": "a", "on": "base", "width": 0.5, "depth": 0.5, "height": 2.0, "mass": 1200.0}],
+        "tie": [
+            {"between": ["a", "base"], "from": [0, 0, 0.9], "to": [2.0, 0.0, 0.0], "stiffness": 1e5, "yield": 5e3},
+            {"between": ["a", "base"], "from": [0, 0, 0.9], "to": [-2.0, 0.0, 0.0], "stiffness": 1e6},
+        ],
+    }
+    structure = Structure.from_dict(data)
+    made = check(structure, [ALONG], pga=0.25 * G, plan=QUICK)
+    force = row(made, "force of a tie")
+    assert (force.where, force.capacity) == ("tie 1", 5e3)  # the only one that yields
+    motion = made.action.motions[0].motion
+    pulls = [simulate(structure, way, settle=SETTLE).peaks["tie"][0] for way in (motion, motion.mirrored())]
+    assert force.demand in pulls
+    assert force.demand > 0.0
+    assert row(made, "pressure at the edge").capacity == 3e6
+    other = Structure.from_dict({**data, "joints": {**data["joints"], "strength": 4e6}})
+    assert subject_of(other).digest() != made.subject.digest()
+
+
+def test_what_still_rocks_stands_and_what_fails_does_not() -> None:
+    subject = subject_of(BLOCK)
+    for settled, verdict in ((SETTLE, "standing"), (SETTLE - 0.25, "undecided")):
+        assert subject.verdict(SimpleNamespace(verdict="undecided", stats={"settled_for": settled})) == verdict
+    table: Any = {
+        "verdict": np.array(["undecided", "undecided", "overturned", "standing"]),
+        "settled_for": np.array([SETTLE, np.nan, 3.0, 1.0]),
+    }
+    assert subject.verdicts(table).tolist() == ["standing", "undecided", "overturned", "standing"]
+
+
+def test_a_rigid_block_rocks_with_the_period_of_its_mechanism() -> None:
+    """(C8.7.1.10) of stiff blocks, whatever their width: the mechanism has it from the whole curve of pushes."""
+    for width in (0.2, 0.3):
+        stiff = Column("stiff", (Block(2.0, width, 0.5, 1200.0, Joint(2e12, 1e-6)),))
+        assert mechanism(stiff, 1.35).period() == pytest.approx(rocking_period(1.0, G, 1.35), rel=2e-3)  # 6e-4
+
+
+def test_least_width_of_a_face() -> None:
+    wide = Face(np.zeros(3), np.eye(3), rectangle(0.9, 0.4))
+    angle = np.pi / 3.0 * np.arange(6)
+    hexagon = Face(np.zeros(3), np.eye(3), np.column_stack([np.cos(angle), np.sin(angle)]))
+    assert wide.width == pytest.approx(0.4, rel=1e-14)
+    assert hexagon.width == pytest.approx(math.sqrt(3.0), rel=1e-14)
+    assert Face(np.zeros(3), np.eye(3), np.empty((0, 2)), 0.3, 0.1).width == 0.6
+
+
+def test_strength_goes_to_space_and_back() -> None:
+    back = column_of(BLOCK)
+    assert back is not None
+    assert back.blocks[0].joint.strength == 2e6
+
+
+def test_a_structure_without_weight_is_refused() -> None:
+    with pytest.raises(InputError, match=r"g = 0.0: must be positive, without weight nothing falls"):
+        check(replace(BLOCK, g=0.0), [ALONG], pga=1.0)
+    with pytest.raises(InputError, match="column = 3: must be a Column or a Structure"):
+        check(3, [ALONG], pga=1.0)  # type: ignore[arg-type]
+
+
+def test_command_and_report(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    ALONG.to_csv("along.csv")
+    ACROSS.to_csv("across.csv")
+    words = ["check", str(TRILITH), "along.csv", "--across", "across.csv", "--pga", "0.2", "--no-margin"]
+    assert main([*words, "--ensemble", "1", "--report", "report.html"]) == 0
+    printed = capsys.readouterr().out
+    for said in ("across across.csv: CSV", "across (g)", "left-base", "by hand: nothing", "1 simulated structures"):
+        assert said in printed
+    text = Path("report.html").read_text(encoding="utf-8")
+    assert text.count("data:image/png;base64,") == 4
+    for said in ("The structure", "3.9 x 0.9 x 0.7", "left-base to beam-right", "The blocks move in space"):
+        assert said in text
+    assert main(["check", str(TRILITH), "along.csv", "--across", "across.csv", "across.csv"]) == 2
+    assert "--across: 2 files, must be 1, one for each record" in capsys.readouterr().err
+
+
+def test_a_column_refuses_a_second_component() -> None:
+    with pytest.raises(InputError, match="ay"):
+        check(COLUMN, [BOTH], pga=1.0)
+
+
+def test_motion_has_measures_across() -> None:
+    across = spectrum(BOTH, [0.5], component="ay").sd[0]  # over the instants of both: measured 1e-10 apart
+    assert across == pytest.approx(spectrum(ACROSS, [0.5]).sd[0], rel=1e-8)
+    harmonic = Motion.harmonic(2.0, 1.0, 3.0, direction=0.5)
+    sizes = [spectrum(harmonic, [0.7], component=name).psa[0] for name in ("ax", "ay")]
+    assert sizes[1] / sizes[0] == pytest.approx(math.tan(0.5), rel=1e-12)
+    assert horizontal_pga(harmonic) == pytest.approx(2.0 * math.sqrt(math.cos(0.5) * math.sin(0.5)), rel=1e-12)
+    behind = BOTH.mirrored()
+    np.testing.assert_array_equal(behind.ay, -BOTH.ay)
+    np.testing.assert_array_equal(behind.mirrored().ay, BOTH.ay)
