@@ -13,11 +13,13 @@ from . import (
     shaken_rocks,
     size,
     structures,
+    two_blocks,
 )
 
 CASES: tuple[Case, ...] = (
     closed_forms.CASE,
     housner.CASE,
+    two_blocks.CASE,
     overturning.CASE,
     shaken_rocks.CASE,
     rocks_in_space.CASE,
