@@ -40,7 +40,7 @@ class Pair:
     sides: tuple[int, int]
 
     def _arms(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """As built: from the lower corner to its centroid, and to the corner above; from there to the upper centroid."""
+        """As built: from the lower corner to its centroid and to the corner above, and from there to the upper one."""
         half, over = 0.5 * self.sides[0] * self.lower.width, 0.5 * self.sides[1] * self.upper.width
         to_lower = np.array([-half, 0.5 * self.lower.height])
         to_corner = np.array([over - half, self.lower.height])
