@@ -85,3 +85,9 @@ def peak_velocity(ax: FloatArray) -> float:
     velocity = SAMPLE * np.concatenate([[0.0], np.cumsum(0.5 * (ax[1:] + ax[:-1]))])
     time = np.linspace(-1.0, 1.0, len(velocity))
     return float(np.max(np.abs(velocity - np.polyval(np.polyfit(time, velocity, 1), time))))
+
+
+def scan_of(data: Path | None, specimen: str) -> Path:
+    """The file of the scan of a rock. Raises AbsentError without the data."""
+    number = TESTS[specimen]
+    return data_folder(data, REPOSITORY, ADVICE) / "data" / f"SP{number}_PBRmodel" / f"SP{number}.obj"

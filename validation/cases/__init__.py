@@ -9,16 +9,20 @@ from . import (
     housner,
     overturning,
     reference_study,
+    rocks_in_space,
     shaken_rocks,
     size,
     structures,
+    two_blocks,
 )
 
 CASES: tuple[Case, ...] = (
     closed_forms.CASE,
     housner.CASE,
+    two_blocks.CASE,
     overturning.CASE,
     shaken_rocks.CASE,
+    rocks_in_space.CASE,
     free_rocking.CASE,
     codes.CASE,
     size.CASE,

@@ -78,10 +78,10 @@ def bank(models: dict[str, Model], motions: list[Motion]) -> dict[str, FloatArra
     return found
 
 
-def ensembles() -> FloatArray:
-    """Weights of the ratios in lognormal ensembles, (medians x deviations, ratios): rows sum to 1."""
-    distance = np.log(RATIOS) - np.log(MEDIANS)[:, None, None]
-    weights = np.exp(-0.5 * (distance / DEVIATIONS[:, None]) ** 2).reshape(-1, len(RATIOS))
+def ensembles(values: FloatArray = RATIOS, medians: FloatArray = MEDIANS) -> FloatArray:
+    """Weights of the values in lognormal ensembles, (medians x deviations, values): rows sum to 1."""
+    distance = np.log(values) - np.log(medians)[:, None, None]
+    weights = np.exp(-0.5 * (distance / DEVIATIONS[:, None]) ** 2).reshape(-1, len(values))
     found: FloatArray = weights / weights.sum(axis=1, keepdims=True)
     return found
 
