@@ -107,7 +107,11 @@ def _add_plan(parser: argparse.ArgumentParser) -> None:
         "--limit", action="append", default=[], metavar="KEY=VALUE", help=f"a limit; again (defaults: {keys})"
     )
     plan.add_argument(
-        "--ensemble", type=int, default=usual.ensemble, metavar="RUNS", help=f"a motion (default: {usual.ensemble})"
+        "--ensemble",
+        type=int,
+        default=usual.ensemble,
+        metavar="RUNS",
+        help=f"a motion (default: {usual.ensemble}); of structures of forty blocks 2, with --no-margin, take minutes",
     )
     plan.add_argument(
         "--spread",

@@ -36,6 +36,7 @@ from .subjects import are_in_space, can_slide, subject_from
 FloatArray = NDArray[np.float64]
 
 WIDTH = 138  # letters of a caption's line
+LONG = 45  # letters of names in a title
 MOST_CURVES = 300  # drawn one by one
 MOST_INFLUENCES = 12
 BLUE, RED, GREEN = FEW_COLOURS[:3]
@@ -200,9 +201,7 @@ def _draw_fits(axes: Axes, results: Results, name: str, texts: list[str]) -> Non
         said.append(f"{what} {found.median:.3g} ({bounds}), {found.deviation:.2g}")
     texts.append(f"{_label(results, name)}, median with its bounds, deviation of the logarithm: {'; '.join(said)}.")
     axes.set(xlabel=_label(results, name), ylabel="probability of failure", ylim=(-0.02, 1.02))
-    axes.set_title(
-        "curve: lognormal, band: 95 % by the bootstrap; points: runs, open: with undecided", loc="left", fontsize=10
-    )
+    axes.set_title("lognormal with its 95 % band; open: with undecided", loc="left", fontsize=10)
     if axes.get_legend_handles_labels()[0]:
         axes.legend(frameon=False, loc="best")
     tidy(axes)
@@ -396,7 +395,10 @@ def _captioned(figure: Figure, results: Results, text: str = "") -> Figure:
     letters = int(WIDTH * figure.get_figwidth() / 10.0)
     lines = [line for paragraph in paragraphs for line in textwrap.wrap(paragraph, width=letters)]
     figure.supxlabel("\n".join(lines), x=0.02, ha="left", fontsize=9, linespacing=1.4)
-    header(figure, f"{_some(results.study['columns'], 3)} under {_some(results.study['motions'], 3)}")
+    columns, motions = results.study["columns"], _some(results.study["motions"], 3)
+    if len(motions) > LONG:
+        motions = f"{len(results.study['motions'])} motions"  # the caption names them
+    header(figure, f"{_some(columns, 3)} under {motions}")
     return figure
 
 
