@@ -102,6 +102,9 @@ def judged(tests: Tests, found: dict[str, FloatArray], specimen: str) -> dict[st
         "lognormal in PGV": judge_lognormal(tests.pgv, fallen),
         "foot as scanned": judge(scanned, list(found), fallen),
         **{f"ensemble, {name}": judge(part, [name] * len(part), fallen) for name, part in shares.items()},
+        "all directions alike": judge(
+            scores.with_lapse(np.mean([weights @ part for part in found.values()], axis=0)), [""] * len(weights), fallen
+        ),
         "best of all directions": judge(
             np.concatenate(list(shares.values())), [name for name in shares for _ in weights], fallen
         ),
