@@ -28,7 +28,7 @@ from solver.column.packing import described, model_of, pack_model, settlements
 from solver.dynamics.stepper import Stepper
 from solver.kernels.api.engine import scratch_room
 from solver.kernels.api.entries import assemble_column
-from solver.kernels.integrators.modal import HALF, respond
+from solver.kernels.integrators.modal_responses import HALF, respond
 from solver.kernels.layout import spaces as at
 from solver.kernels.numba_ext.jit import from_python
 from solver.kernels.numba_ext.views import row_of

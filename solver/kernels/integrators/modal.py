@@ -6,32 +6,21 @@ time plus harmonic) and to forces 1, t, t^2 is known in closed form for a step o
 limit neither stability nor accuracy. r is evaluated at the start, in the middle and at the end and taken as the
 parabola through the three: an exponential integrator (M. Hochbruck, A. Ostermann, Exponential integrators, Acta
 Numerica 19 (2010) 209-286), of order 4 where the modes are slow.
-
-Responses over a step h (`respond`), with g the response to a unit impulse, I_0 its integral and I_k = integral of
-I_(k-1): they satisfy omega^2 I_k + beta I_(k-1) + I_(k-2) = h^k / k! with I_(-1) = g, I_(-2) = g'.
 """
 
 import math
 from typing import NamedTuple
-
-import numpy as np
 
 from ..formulations.base_motion import base_line, base_motion_beside, wave, wave_amplitude
 from ..formulations.dispatch import evaluate
 from ..formulations.slips import keep_slips, shear_margin, something_slides
 from ..joint.sliding import can_slide
 from ..layout.modal import inverses_of, limits_of, mode_of, parts_of, shapes_of
-from ..layout.spaces import (
-    INTERPOLATION_BOUND,
-    INTERPOLATION_PART,
-    OK,
-    RESPONSE_FIELDS,
-    RESPONSE_HEADER,
-    RESPONSES,
-)
+from ..layout.spaces import INTERPOLATION_PART, OK
 from ..numba_ext.jit import kernel, leaf
-from ..numba_ext.views import Numbers, Record, Space, Table, copy
+from ..numba_ext.views import Table, copy
 from ..sections.section import ends_of
+from .modal_responses import GRID, response_of, responses_over
 from .stage import stage
 
 ORDER = 4  # of the estimated error
@@ -39,173 +28,13 @@ INTERPOLATION_ORDER = 6
 OPENS = 2  # code, beside those of spaces.py: a joint does not stay in full contact, or begins to slide
 CHANGES = 2.0  # the shear margin left at the end of a half step must be this many times its change over it
 
-# the responses of a mode
-HALF = Record(
-    "rest",  # coordinate left of a unit coordinate
-    "impulse",  # coordinate for a unit rate: g
-    "impulse_rate",  # rate left of a unit rate: g'
-    "steady",  # coordinate for a unit force: I_0
-    "ramp",  # for a force t: I_1
-    "cosine",  # for a force cos(omega t), of the base
-    "sine",
-    "parabola",  # for a force t^2 / 2: I_2
-)
-STEADY = Record(
-    # the steady harmonic motion for 1 m/s2, at the sine and the cosine of the phase of the base
-    "sine",
-    "cosine",
-    "free",  # interpolation error of a free motion, relative to its amplitude, times the size of the mode
-    "forced",  # and of the steady motion for 1 m/s2
-    "per_rate",  # s, amplitude for a unit rate
-    "per_square",  # s2, 1 / omega_k^2
-)
-RESPONSE = Space(half=HALF, whole=HALF, steady=STEADY)  # over half the step, over all of it
-# data kept of a step: its length (s) and the frequency of the base (1/s), and the responses of all modes
-STORED = Space(
-    made_for=Record("step", "omega", "sine", "cosine"),  # of the turn of the wave in half the step
-    modes=Numbers(per_n=2 * RESPONSE_FIELDS),
-)
-assert RESPONSE.beside == RESPONSE_FIELDS
-assert STORED.beside == RESPONSE_HEADER
-_response, _stored = RESPONSE.over, STORED.over
-_STORED_PER_N, _STORED_BESIDE = STORED.per_n, STORED.beside
 _segments = Table(first=2, second=2, third=2).over  # of 2 n numbers
-
-TERMS = 24  # of the series
-SERIES = 2.0  # radians (of frequency or damping) in a step up to which they give all digits
-INVERSE_FACTORIALS = np.array([1.0 / math.factorial(k) for k in range(TERMS + 1)])
-SPLIT = 2.0  # ratio of mode to base frequency from which its steady motion is separated from the rest
-GRID = 2.0**40  # 1/s: responses are those of a step on this grid; the difference is compensated
 
 
 @leaf
 def available(model):
     """Whether the column may be propagated by modes."""
     return model.settings.has_modes != 0.0
-
-
-@kernel
-def respond(square, beta, h, omega, out):
-    """Responses of a mode (omega^2 = square, 1/s2; beta, 1/s) over h s, to a record of HALF.
-
-    omega: that of the base, 1/s; omega * h is at most about 1.
-    """
-    x = square * h * h
-    d = beta * h
-    if x <= SERIES * SERIES and d <= SERIES:
-        # i_k = I_k / h^(k + 2) by downward recurrence, in which errors of the starting values decay
-        y = omega * h
-        i_0, i_1, i_2 = 0.0, 0.0, 0.0  # of the last k and the two above
-        even, odd = 0.0, 0.0  # i_k - y^2 i_(k+2) + y^4 i_(k+4) ..., of the last k and the one above
-        for k in range(TERMS, 1, -1):
-            i_0, i_1, i_2 = INVERSE_FACTORIALS[k] - d * i_0 - x * i_1, i_0, i_1
-            even, odd = i_0 - y * y * odd, even
-        impulse = 1.0 - d * i_0 - x * i_1
-        out.impulse = h * impulse
-        out.impulse_rate = 1.0 - d * impulse - x * i_0
-        out.rest = 1.0 - x * i_0
-        out.steady = h * h * i_0
-        out.ramp = h * h * h * i_1
-        out.cosine = h * h * even
-        out.sine = h * h * y * odd
-        out.parabola = h * h * h * h * i_2
-        return
-    half = 0.5 * beta
-    split = half * half - square
-    if split < 0.0:
-        turn = math.sqrt(-split)
-        left = math.exp(-half * h)
-        sine = math.sin(turn * h) / turn
-        cosine = math.cos(turn * h)
-        impulse = left * sine
-        impulse_rate = left * (cosine - half * sine)
-        rest = left * (cosine + half * sine)
-    else:
-        root = math.sqrt(split)
-        slow = square / (half + root)
-        left = math.exp(-slow * h)
-        sine = -math.expm1(-2.0 * root * h) / (2.0 * root) if root > 0.0 else h
-        impulse = left * sine
-        impulse_rate = left * (1.0 - (half + root) * sine)
-        rest = left * (1.0 + slow * sine)
-    steady = (1.0 - rest) / square
-    ramp = (h - beta * steady - impulse) / square
-    out.rest = rest
-    out.impulse = impulse
-    out.impulse_rate = impulse_rate
-    out.steady = steady
-    out.ramp = ramp
-    # (exp(i omega h) - rest - i omega impulse) / (omega_k^2 - omega^2 + i beta omega): far from resonance here
-    real = math.cos(omega * h) - rest
-    imaginary = math.sin(omega * h) - omega * impulse
-    away = square - omega * omega
-    across = beta * omega
-    per = 1.0 / (away * away + across * across)
-    out.cosine = (real * away + imaginary * across) * per
-    out.sine = (imaginary * away - real * across) * per
-    out.parabola = (0.5 * h * h - beta * ramp - steady) / square
-
-
-@leaf
-def missed(x):
-    """Largest error of the quintic between two steps for a motion of amplitude 1 that turns by x rad in the step."""
-    cube = x * x * x
-    return min(cube * cube / INTERPOLATION_BOUND, 2.0 + x * x / 40.0)
-
-
-@leaf
-def _stored_at(work, k):
-    """Stored data of a step, one of RESPONSES."""
-    n = work.n
-    return _stored(work.responses[(_STORED_PER_N * n + _STORED_BESIDE) * k :], n)
-
-
-@leaf
-def _response_of(stored, k):
-    """Stored responses of mode k."""
-    return _response(stored.modes[RESPONSE_FIELDS * k :], 0)
-
-
-@kernel
-def _responses(model, work, h, omega):
-    """The responses over h s (on the grid), as STORED; computed if they are not stored.
-
-    They follow from model, h and omega alone, so that the results do not depend, to the last bit, on which are stored.
-    """
-    n = model.n
-    for k in range(RESPONSES):
-        stored = _stored_at(work, k)
-        if stored.made_for.step == h and stored.made_for.omega == omega:
-            work.latest.response = k
-            return stored
-    used = (int(work.latest.response) + 1) % RESPONSES
-    work.latest.response = used
-    stored = _stored_at(work, used)
-    stored.made_for.step = h
-    stored.made_for.omega = omega
-    stored.made_for.sine, stored.made_for.cosine = math.sin(0.5 * h * omega), math.cos(0.5 * h * omega)
-    for k in range(2 * n):
-        mode = mode_of(model, k)
-        out = _response_of(stored, k)
-        respond(mode.square, mode.damping, 0.5 * h, omega, out.half)
-        respond(mode.square, mode.damping, h, omega, out.whole)
-        steady = out.steady
-        fastest = math.sqrt(mode.square)
-        steady.sine = 0.0
-        steady.cosine = 0.0
-        if fastest > SPLIT * omega:
-            away = mode.square - omega * omega
-            across = mode.damping * omega
-            per = 1.0 / (away * away + across * across)
-            steady.sine = away * per
-            steady.cosine = -across * per
-        else:
-            fastest = max(fastest, omega)
-        steady.free = mode.size * missed(fastest * h)
-        steady.forced = mode.size * abs(mode.push) * math.hypot(steady.sine, steady.cosine) * missed(omega * h)
-        steady.per_rate = 1.0 / fastest
-        steady.per_square = 1.0 / mode.square
-    return stored
 
 
 @leaf
@@ -378,7 +207,7 @@ def _respond_to(column, drive, responses, half, is_first):
     omega, per_step = drive.omega, 1.0 / drive.span
     for k in range(2 * work.n):
         mode = mode_of(model, k)
-        response = _response_of(responses, k)
+        response = response_of(responses, k)
         over = response.half if half == 0 else response.whole
         p, v = first.coordinates[k], first.rates[k]
         square, push, lift = mode.square, mode.push, mode.lift
@@ -417,7 +246,7 @@ def _correct(column, drive, responses, ax_then, lift_then, is_last):
     wrong, wrong_rate, hidden = 0.0, 0.0, 0.0
     for k in range(2 * work.n):
         mode = mode_of(model, k)
-        response = _response_of(responses, k)
+        response = response_of(responses, k)
         over, still = response.whole, response.steady
         beta, square, push, lift = mode.damping, mode.square, mode.push, mode.lift
         r_0, r_1 = first.accelerations[k], last.accelerations[k]
@@ -472,7 +301,7 @@ def _sweep(column, t, h, is_first, is_last):
     amplitude = wave_amplitude(base, samples)
     omega = base.wave_omega if amplitude != 0.0 else 0.0
     span = math.floor(h * GRID + 0.5) / GRID
-    responses = _responses(model, work, span, omega)
+    responses = responses_over(model, work, span, omega)
 
     if is_first and known:  # the last step has ended here
         copy(first.row, last.row, 3 * size)
