@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 import os
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
@@ -15,7 +16,7 @@ import numpy as np
 from ..column.column import Column
 from ..common.errors import InputError, shown
 from ..common.files import write_table
-from ..dynamics.uncertainty import PERCENTILES, share_bounds
+from ..dynamics.uncertainty import PERCENTILES
 from ..runs.many import Callback
 from ..runs.table import Table
 from ..space.structure import Structure
@@ -30,9 +31,13 @@ from .runs import own_runs, run_all, varied
 from .scaling import LEAST_PART
 from .spectra import TargetSpectrum
 from .subject import Model, Subject
-from .table import Row, rows_of
+from .table import Row, bounds_of, rows_of
 
 BANDS = tuple(f"p{percent}" for percent in PERCENTILES)
+
+HISTORIES_GOVERN = (
+    "Where they disagree, believe the time histories: by hand one body turns about one edge, under a spectrum."
+)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -95,25 +100,28 @@ class Check:
     @property
     def verdict(self) -> str:
         """The share that falls, in one plain sentence."""
-        word = self.subject.word
+        word, count = self.subject.word, len(self.action.motions)
         fallen, undecided, size = self.fallen
-        _, high = share_bounds(fallen + undecided, size)
-        low, _ = share_bounds(fallen, size)
+        low, high = bounds_of(self.subject.verdicts(self.runs), count)
+        of = f"such {word}s would fall in such shaking."
+        if count > 1:  # the runs under one motion are one trial
+            of = f"such motions would overturn such a {word}."
+        under = f", under {count} motions" if count > 1 else ""
         if not fallen + undecided:
             return (
-                f"None of {size} simulated {word}s fell: with 95 % confidence at most {_percent(high)} of such {word}s "
-                "would fall in such shaking."
+                f"None of {size} simulated {word}s fell{under}: with 95 % confidence at most {_percent(high)} of {of}"
             )
         open_ones = f" and {undecided} may fall" if undecided else ""
         return (
-            f"{fallen} of {size} simulated {word}s fell{open_ones}: with 95 % confidence {_percent(low)} to "
-            f"{_percent(high)} of such {word}s would fall in such shaking."
+            f"{fallen} of {size} simulated {word}s fell{open_ones}{under}: with 95 % confidence {_percent(low)} to "
+            f"{_percent(high)} of {of}"
         )
 
     @property
     def margin_sentence(self) -> str:
         """How far it is from falling, in one plain sentence; and what else fails."""
-        failed = ", ".join(row.name for row in self.rows if row.passes is False and not row.name.startswith("overturn"))
+        others = [row for row in self.rows if row.passes is False and not row.name.startswith("overturn")]
+        failed = ", ".join(row.name for row in others if math.isfinite(row.demand))  # else it fails because it falls
         also = f" It also fails in: {failed}." if failed else ""
         if self.margin is None:
             return f"How much more shaking it bears was not looked for.{also}"
@@ -142,6 +150,8 @@ class Check:
                 other, found = bool(slips[0].passes), f"slip {slips[0].ratio:.2f} of the limit"
             word = "agrees" if row.passes is other else "disagrees"
             lines.append(f"{row.name}: {'passes' if row.passes else 'fails'}, time histories: {found}; {word}")
+        if any(line.endswith("disagrees") for line in lines):
+            lines.append(HISTORIES_GOVERN)
         return tuple(lines)
 
     @cached_property

@@ -55,8 +55,9 @@ class Mechanism:
 
     @cached_property
     def _sums(self) -> tuple[float, float, float]:
-        mass = np.array([block.mass for block in self.curve.column.blocks])
-        centroids = self.shape[:-1]
+        moving = slice(self.joint + 1)  # what stands still below generates no force on the mechanism
+        mass = np.array([block.mass for block in self.curve.column.blocks[moving]])
+        centroids = self.shape[:-1][moving]
         return float(np.sum(mass)), float(mass @ centroids), float(mass @ centroids**2)
 
     @property
@@ -66,7 +67,7 @@ class Mechanism:
 
     @property
     def mass_part(self) -> float:
-        """e*, the part of the mass that takes part (C8.7.1.5)."""
+        """e*, the part of the mass of the blocks that turn that takes part (C8.7.1.5)."""
         whole, first, second = self._sums
         return first**2 / (whole * second)
 

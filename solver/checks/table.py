@@ -163,14 +163,25 @@ def _worst(demand: FloatArray, capacity: FloatArray) -> int:
     return int(known[np.argmax((demand / capacity)[known])]) if known.size else int(np.argmax(demand))
 
 
+def bounds_of(verdicts: NDArray[np.str_], motions: int) -> tuple[float, float]:
+    """Bounds at 95 % confidence of the share that falls, of runs in groups of equal length, a group a motion.
+
+    Runs under one motion are alike, so that of several motions each is one trial: for the lower bound it overturns if
+    all of its runs fall, for the upper one if some does or is undecided. Of one motion each run is a trial.
+    """
+    groups = verdicts.reshape(motions if motions > 1 else len(verdicts), -1)
+    all_fall = int(np.sum(np.all(groups == "overturned", axis=1)))
+    some_may = int(np.sum(np.any(groups != "standing", axis=1)))
+    return share_bounds(all_fall, len(groups))[0], share_bounds(some_may, len(groups))[1]
+
+
 def _overturning(verdicts: NDArray[np.str_], limits: Limits, margin: Margin | None, names: Sequence[str]) -> list[Row]:
     size, fallen = len(verdicts), int(np.sum(verdicts == "overturned"))
     open_ones = int(np.sum(verdicts == "undecided"))
-    low, _ = share_bounds(fallen, size)
-    _, high = share_bounds(fallen + open_ones, size)
+    low, high = bounds_of(verdicts, len(names))
     note = f"{fallen} of {size} runs fall" + (f", {open_ones} undecided" if open_ones else "")
     share = (fallen + open_ones) / size
-    note += f"; {low:.1%} to {high:.1%} at 95 % confidence"
+    note += f"; {low:.1%} to {high:.1%} at 95 % confidence" + (", motions counted" if len(names) > 1 else "")
     rows = [Row("overturning", share, limits.share, PERCENT, note=note)]
     if margin is not None:
         note = f"no run falls up to {margin.stands:.3g} times the motion, the most looked at"

@@ -8,7 +8,7 @@ import io
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 from ..column.column import Column
 from ..column.materials import MATERIALS, Material
@@ -16,6 +16,8 @@ from ..common.errors import InputError, check_number, reading
 from ..common.files import MB, check_file_name, check_outputs, content_of, whole_file
 from ..common.ranges import LENGTH, NUMBERS, listed
 from .command_files import add_force, check_suffix
+
+T = TypeVar("T")
 
 DAMPING = 1e-3  # s
 # of height times width times depth of its base, that a statue fills. The body of a person: 0.3 of the box around it. A
@@ -74,7 +76,7 @@ def _stack(asked: dict[str, float], across: str) -> list[dict[str, float]]:
 
 
 def _statue(asked: dict[str, float]) -> list[dict[str, float]]:
-    statue = {"height": asked["height"], "width": asked["width"], "depth": asked["depth"], "mass": asked["mass"]}
+    statue = {key: asked[key] for key in ("height", "width", "depth", "mass", "centroid")}
     pedestal = {key: asked[f"pedestal_{key}"] for key in ("height", "width", "depth")}
     return [statue, pedestal]
 
@@ -109,6 +111,10 @@ SHAPES = {
                 ((0.01, 1.0), "a part from 0.01 to 1"),
             ),
             "mass": Question("mass of the statue (kg), if unknown that of this part", _mass_of_statue, NUMBERS["mass"]),
+            "centroid": Question(
+                "height of its centre of mass over its base (m), half of its own if unknown",
+                lambda asked: 0.5 * asked["height"],
+            ),
             "pedestal_height": Question("height of the pedestal (m)", 1.0),
             "pedestal_width": Question("width of the pedestal, in the direction of the motion (m)", 0.7),
             "pedestal_depth": Question("depth of the pedestal, across (m)", 0.7),
@@ -152,7 +158,8 @@ def _new(options: argparse.Namespace) -> None:
         if "count" in asked and asked["count"] != int(asked["count"]):
             raise InputError(f"{asked['count']:g}: must be {_COUNT[1]}")
         blocks = SHAPES[shape].blocks(asked)
-    damping = _number(Question("damping eta of the joints (s); 1e-3 is 1 % at 3 Hz", DAMPING, NUMBERS["damping"]))
+    words = "damping eta of the joints (s), a guess for dry stone: try half and twice; 1e-3 is 1 % at 3 Hz"
+    damping = _number(Question(words, DAMPING, NUMBERS["damping"]))
     friction = _choice("joints may slide", {"yes": "by friction", "no": "they never slide"}, "no") == "yes"
     dowel = 0.0
     if friction:
@@ -165,6 +172,8 @@ def _new(options: argparse.Namespace) -> None:
     height = sum(block.height for block in column.blocks)
     mass = sum(block.mass for block in column.blocks)
     print(f"{path}: {column.n} blocks, {height:.4g} m, {mass:.5g} kg. Next:")
+    if any(block.width != block.depth for block in column.blocks):
+        print("It is shaken along its width: exchange width and depth in the file to check the other direction too.")
     print(f"  multiblock statics {path}")
     print(f"  multiblock check {path} --spectrum ec8 --ag 0.25 --soil B --report report.html")
 
@@ -232,18 +241,34 @@ def _survey() -> list[dict[str, float]]:
 
 
 def _choice(text: str, choices: dict[str, str], usual: str) -> str:
+    def chosen(answer: str) -> str:
+        if answer not in choices:
+            raise InputError(f"{text} = {answer}: must be one of {listed(choices, answer)}")
+        return answer
+
     for key, meaning in choices.items():
         print(f"  {key}: {meaning}")
-    chosen = _answer(text, usual)
-    if chosen not in choices:
-        raise InputError(f"{text} = {chosen}: must be one of {listed(choices, chosen)}")
-    return chosen
+    return _accepted(text, usual, chosen)
 
 
 def _number(question: Question, asked: dict[str, float] | None = None) -> float:
     usual = question.usual(asked or {}) if callable(question.usual) else question.usual
-    answer = _answer(question.text, f"{usual:g}")
-    return question.factor * _parsed(question.text, answer, question.limits)
+    limits = question.limits
+    return question.factor * _accepted(
+        question.text, f"{usual:g}", lambda answer: _parsed(question.text, answer, limits)
+    )
+
+
+def _accepted(text: str, usual: str, check: Callable[[str], T]) -> T:
+    """What `check` makes of the answer; a wrong one is asked for again on a terminal. Raises InputError elsewhere."""
+    while True:
+        answer = _answer(text, usual)
+        try:
+            return check(answer)
+        except InputError as error:
+            if not sys.stdin.isatty():
+                raise
+            print(error)
 
 
 def _parsed(key: str, text: str, limits: tuple[tuple[float, float], str]) -> float:

@@ -44,6 +44,18 @@ def test_part_of_the_mass_of_two_blocks() -> None:
     assert found.a0 == pytest.approx(found.alpha0 * G / (0.8 * 1.35), rel=1e-12)
 
 
+def test_a_pedestal_that_stands_still_is_no_part_of_the_mechanism() -> None:
+    """The statue alone turns: its e* is 1 on the ground and on a pedestal that is wider and heavier."""
+    statue = column(1)
+    pedestal = Block(0.8, 2.0, 2.0, 8000.0, Joint(STIFF, 1e-4))
+    both = mechanism(Column("test", (*statue.blocks, pedestal)), 1.35)
+    alone = mechanism(statue, 1.35)
+    assert both.joint == 0
+    assert both.mass_part == pytest.approx(1.0, rel=1e-12)
+    assert both.a0 == pytest.approx(alone.a0, rel=1e-3)
+    assert both.d0 == pytest.approx(alone.d0, rel=1e-3)
+
+
 def test_demand_is_that_of_the_displacement_spectrum() -> None:
     found = mechanism(column(1), 1.35)
     action = spectra.eurocode8(2.0, "B")

@@ -31,7 +31,7 @@ from solver.checks.limits import TOLERANCE
 from solver.checks.margin import MOST, NARROW, STEP, margin_of
 from solver.checks.runs import varied
 from solver.checks.scaling import ScaledMotion, applied
-from solver.checks.table import Row
+from solver.checks.table import Row, bounds_of
 
 G = 9.80665
 BLOCK = Column("block", (Block(2.0, 0.5, 0.5, 1200.0, Joint(2e9, 2e-3, strength=2e6)),))
@@ -101,11 +101,22 @@ def test_margin_of_a_stronger_motion_is_smaller(found: Check) -> None:
 def test_sentences_say_what_was_found(found: Check) -> None:
     assert found.fallen == (0, 0, 12)
     assert found.verdict == (
-        "None of 12 simulated columns fell: with 95 % confidence at most 26 % of such columns would fall in such "
-        "shaking."
-    )  # 1 - 0.025^(1/12) = 0.2646
+        "None of 12 simulated columns fell, under 3 motions: with 95 % confidence at most 71 % of such motions would "
+        "overturn such a column."
+    )  # 1 - 0.025^(1/3) = 0.7076
     assert found.margin is not None
     assert f"about {found.margin.stands:.2g} times" in found.margin_sentence
+
+
+def test_runs_under_one_motion_are_one_trial() -> None:
+    stands, falls, may = "standing", "overturned", "undecided"
+    one = np.array([stands] * 12)
+    assert bounds_of(one, 1) == pytest.approx((0.0, 1.0 - 0.025 ** (1.0 / 12.0)), abs=1e-12)
+    assert bounds_of(one, 3) == pytest.approx((0.0, 1.0 - 0.025 ** (1.0 / 3.0)), abs=1e-12)
+    some = np.array([falls, falls, falls, stands, stands, may])  # all of the first motion, none of the second or one
+    low, high = bounds_of(some, 2)
+    assert low == pytest.approx(1.0 - 0.975**0.5)  # one of two
+    assert high == 1.0  # two of two
 
 
 def test_a_column_that_falls_fails() -> None:

@@ -36,7 +36,7 @@ def test_drums(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 def test_empty_answers_make_a_column(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, shape: str, material: str
 ) -> None:
-    questions = {"drums": 4, "statue": 8, "tapered": 4}[shape]
+    questions = {"drums": 4, "statue": 9, "tapered": 4}[shape]
     assert ask(monkeypatch, tmp_path / "a.toml", shape, material, *[""] * questions, "", "") == 0
     column = Column.from_toml(tmp_path / "a.toml")
     assert all(block.joint.friction is None for block in column.blocks)
@@ -48,16 +48,43 @@ def test_empty_answers_make_a_column(
 def test_mass_of_a_statue_follows_size_part_and_material(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, material: str, part: str, share: float
 ) -> None:
-    answers = ("statue", material, "3.6", "1.0", "0.5", part, *[""] * 6)
+    answers = ("statue", material, "3.6", "1.0", "0.5", part, *[""] * 7)
     assert ask(monkeypatch, tmp_path / "a.toml", *answers) == 0
     mass = Column.from_toml(tmp_path / "a.toml").blocks[0].mass
     assert mass == pytest.approx(share * MATERIALS[material].density * 3.6 * 1.0 * 0.5, rel=0.005)  # three digits
 
 
 def test_known_mass_of_a_statue(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    assert ask(monkeypatch, tmp_path / "a.toml", "statue", "", "", "", "", "", "650", *[""] * 5) == 0
+    assert ask(monkeypatch, tmp_path / "a.toml", "statue", "", "", "", "", "", "650", *[""] * 6) == 0
     assert Column.from_toml(tmp_path / "a.toml").blocks[0].mass == 650.0
     assert "A statue fills 0.3 to 0.6" in (tmp_path / "a.toml").read_text(encoding="utf-8")
+
+
+def test_centre_of_mass_of_a_statue(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    answers = ("statue", "", "2.0", "0.6", "0.5", "", "", "0.85", *[""] * 5)
+    assert ask(monkeypatch, tmp_path / "a.toml", *answers) == 0
+    assert Column.from_toml(tmp_path / "a.toml").blocks[0].resolved_centroid == 0.85
+    assert "exchange width and depth" in capsys.readouterr().out  # 0.6 m along the motion, 0.5 m across
+
+
+def test_a_wrong_answer_on_a_terminal_is_asked_for_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    class Terminal(io.StringIO):
+        def isatty(self) -> bool:
+            return True
+
+    answers = ("drum", "drums", "granit", "granite", "2", "tall", "3.0", "", "", "", "")
+    monkeypatch.setattr(sys, "stdin", Terminal("".join(f"{answer}\n" for answer in answers)))
+    assert main(["new", str(tmp_path / "a.toml")]) == 0
+    printed = capsys.readouterr().out
+    assert "what stands there = drum: must be one of" in printed
+    assert "material = granit: must be one of" in printed
+    assert "height of all drums together (m) = tall: must be a positive length" in printed
+    column = Column.from_toml(tmp_path / "a.toml")
+    assert (column.n, sum(block.height for block in column.blocks)) == (2, 3.0)
 
 
 def test_material_fills_in_and_is_overridden() -> None:
