@@ -104,8 +104,6 @@ class Check:
         fallen, undecided, size = self.fallen
         low, high = bounds_of(self.subject.verdicts(self.runs), count)
         of = f"such {word}s would fall in such shaking."
-        if count > 1:  # the runs under one motion are one trial
-            of = f"such motions would overturn such a {word}."
         under = f", under {count} motions" if count > 1 else ""
         if not fallen + undecided:
             return (

@@ -166,13 +166,17 @@ def _worst(demand: FloatArray, capacity: FloatArray) -> int:
 def bounds_of(verdicts: NDArray[np.str_], motions: int) -> tuple[float, float]:
     """Bounds at 95 % confidence of the share that falls, of runs in groups of equal length, a group a motion.
 
-    Runs under one motion are alike, so that of several motions each is one trial: for the lower bound it overturns if
-    all of its runs fall, for the upper one if some does or is undecided. Of one motion each run is a trial.
+    Runs under one motion are alike, so that of several motions each is one trial, whose success is the share of its
+    runs that fall; of one motion each run is a trial. Between whole numbers of successes the bounds of Clopper and
+    Pearson are taken in proportion. Undecided runs stand for the lower bound and fall for the upper one.
     """
-    groups = verdicts.reshape(motions if motions > 1 else len(verdicts), -1)
-    all_fall = int(np.sum(np.all(groups == "overturned", axis=1)))
-    some_may = int(np.sum(np.any(groups != "standing", axis=1)))
-    return share_bounds(all_fall, len(groups))[0], share_bounds(some_may, len(groups))[1]
+    trials = motions if motions > 1 else len(verdicts)
+    bounds = np.array([share_bounds(count, trials) for count in range(trials + 1)])
+    low, high = (
+        float(np.interp(trials * np.mean(fall), np.arange(trials + 1), bounds[:, side]))
+        for side, fall in enumerate((verdicts == "overturned", verdicts != "standing"))
+    )
+    return low, high
 
 
 def _overturning(verdicts: NDArray[np.str_], limits: Limits, margin: Margin | None, names: Sequence[str]) -> list[Row]:
