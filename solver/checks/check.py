@@ -133,6 +133,14 @@ class Check:
         return f"Some fall even under a small part of this shaking.{also}"
 
     @property
+    def other_direction(self) -> str:
+        """That the other direction is to be checked as well; empty where both are alike, and in space."""
+        blocks = self.subject.model.blocks if isinstance(self.subject.model, Column) else ()
+        if all(block.width == block.depth for block in blocks):
+            return ""
+        return "It is shaken along its width alone: exchange width and depth, and check the other direction too."
+
+    @property
     def agreement(self) -> tuple[str, ...]:
         """Agreement of the methods by hand with the time histories, a line for each."""
         stands = self.fallen[0] + self.fallen[1] == 0

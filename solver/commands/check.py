@@ -62,7 +62,12 @@ def add_check_command(commands: argparse._SubParsersAction[Any]) -> None:
     _add_action(parser)
     _add_plan(parser)
     parser.add_argument(
-        "--variant", type=Path, action="append", default=[], metavar="FILE.toml", help="another one beside; again"
+        "--variant",
+        type=Path,
+        action="append",
+        default=[],
+        metavar="FILE.toml",
+        help="another file, checked beside; may be repeated",
     )
     parser.add_argument("-o", "--output", type=Path, metavar="FILE.csv", help="write the table, with each motion")
     parser.add_argument("--report", type=Path, metavar="FILE.html", help="write a report with pictures, to be printed")
@@ -86,7 +91,11 @@ def _add_action(parser: argparse.ArgumentParser) -> None:
         "--periods", type=float, nargs=2, metavar=("S", "S"), help="range in which spectra follow the target"
     )
     action.add_argument(
-        "--least", type=float, default=LEAST_PART, metavar="PART", help=f"of the target, kept (default: {LEAST_PART:g})"
+        "--least",
+        type=float,
+        default=LEAST_PART,
+        metavar="PART",
+        help=f"least part of the target that spectra keep (default: {LEAST_PART:g})",
     )
     action.add_argument(
         "--artificial",
@@ -104,7 +113,7 @@ def _add_plan(parser: argparse.ArgumentParser) -> None:
     plan = parser.add_argument_group("what is compared")
     keys = ", ".join(f"{item.name} {item.default if item.default is not None else 'none'}" for item in fields(Limits))
     plan.add_argument(
-        "--limit", action="append", default=[], metavar="KEY=VALUE", help=f"a limit; again (defaults: {keys})"
+        "--limit", action="append", default=[], metavar="KEY=VALUE", help=f"a limit; may be repeated (defaults: {keys})"
     )
     plan.add_argument(
         "--ensemble",

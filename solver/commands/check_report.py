@@ -40,7 +40,8 @@ def check_lines(check: Check) -> list[str]:
     """The tables with their notes, where methods disagree, and the two sentences."""
     lines = [f"{check.name}, first period {check.period:.4g} s", *_table(check.rows)]
     lines += ["by hand:", *_table(check.by_hand.rows), *check.agreement] if check.by_hand else [NOT_IN_SPACE]
-    return [*lines, check.verdict, check.margin_sentence, f"inputs {check.fingerprint[:16]}"]
+    said = (check.verdict, check.margin_sentence, check.other_direction)
+    return [*lines, *filter(None, said), f"inputs {check.fingerprint[:16]}"]
 
 
 def variants_lines(checks: Sequence[Check]) -> list[str]:

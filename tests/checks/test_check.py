@@ -120,6 +120,17 @@ def test_runs_under_one_motion_are_one_trial() -> None:
     assert high == pytest.approx(one_of_two[1])  # one of two
 
 
+def test_the_other_direction_is_named_unless_it_is_the_same(found: Check) -> None:
+    def said(**sizes: Any) -> str:
+        blocks = tuple(replace(block, **sizes) for block in BLOCK.blocks)
+        subject = subject_of(replace(BLOCK, blocks=blocks))
+        return replace(found, subject=subject).other_direction
+
+    width = BLOCK.blocks[0].width
+    assert "exchange width and depth" in said(depth=2.0 * width)
+    assert said(depth=width) == ""
+
+
 def test_a_column_that_falls_fails() -> None:
     strong = check(BLOCK, PULSES, pga=1.5 * G, plan=replace(SHORT, margin=False))
     assert not strong.passes
