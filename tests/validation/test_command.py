@@ -15,7 +15,7 @@ sys.path.insert(0, str(ROOT))  # the cases are not installed
 
 from solver import InputError
 from validation import command_line, rocks
-from validation.cases import CASES, codes, drums, shaken_rocks, size
+from validation.cases import CASES, codes, drums, failure_amplitudes, shaken_rocks, size
 from validation.cases.shaken_rocks import Model
 
 STILL = np.zeros(200)
@@ -172,3 +172,16 @@ def test_seven_drums_are_those_of_the_example() -> None:
     motion = codes.motion()
     for t in (0.4, 1.2, 2.0):  # s
         assert motion.acceleration(t)[0] == pytest.approx(codes.acceleration(t))
+
+
+def test_strongest_pulse_overturns_the_seven_drums_and_the_weakest_does_not(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(failure_amplitudes, "amplitudes", lambda length: np.array([0.15, 0.3]))
+    whole = codes.column(5e10, 1e-3)
+    assert failure_amplitudes.limits(whole, 0.8) == (0.3, 0.15)  # g; limit analysis has 0.19 as the least that uplifts
+
+
+def test_amplitudes_reach_the_stated_impulse() -> None:
+    for length in failure_amplitudes.LENGTHS:
+        tried = failure_amplitudes.amplitudes(length)
+        assert tried[0] == pytest.approx(failure_amplitudes.LEAST)
+        assert tried[-1] * length <= failure_amplitudes.IMPULSE < tried[-1] * length * failure_amplitudes.RATIO
