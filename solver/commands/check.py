@@ -71,6 +71,12 @@ def add_check_command(commands: argparse._SubParsersAction[Any]) -> None:
     )
     parser.add_argument("-o", "--output", type=Path, metavar="FILE.csv", help="write the table, with each motion")
     parser.add_argument("--report", type=Path, metavar="FILE.html", help="write a report with pictures, to be printed")
+    parser.add_argument(
+        "--note",
+        action="append",
+        metavar="TEXT",
+        help="a line under the title of the report, for instance project, author and date; more by repeating it",
+    )
     add_force(parser)
 
 
@@ -149,6 +155,8 @@ def _check(options: argparse.Namespace) -> None:
         with needing("report", "jinja2", "matplotlib"):
             import jinja2  # noqa: F401
             import matplotlib  # noqa: F401
+    elif options.note:
+        raise InputError("--note: is for the report, must be given with --report FILE.html")
     components = (*(options.vertical or ()), *(options.across or ()))
     inputs = (options.column, *options.records, *components, *options.variant)
     check_outputs((options.output, options.report), inputs, options.force)
@@ -167,13 +175,13 @@ def _check(options: argparse.Namespace) -> None:
             print(*check_lines(checks[0]), sep="\n", flush=True)
     if options.variant:
         print(*variants_lines(checks), sep="\n")
-    write_outputs([(options.output, checks[0].to_csv), (options.report, partial(_write_report, checks))])
+    write_outputs([(options.output, checks[0].to_csv), (options.report, partial(_write_report, checks, options.note))])
 
 
-def _write_report(checks: list[Check], path: Path) -> None:
+def _write_report(checks: list[Check], notes: list[str] | None, path: Path) -> None:
     from ..checks.report.html import write_report
 
-    write_report(checks, path, shlex.join(["multiblock", *sys.argv[1:]]))
+    write_report(checks, path, shlex.join(["multiblock", *sys.argv[1:]]), notes or ())
 
 
 def _subject(path: Path, model: Column | Structure, plan: Plan) -> Subject:

@@ -35,7 +35,8 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 def test_check_prints_tables_variants_and_writes(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     words = ["check", "block.toml", "--pga", "0.1", *QUICK, "--variant", "wider.toml"]
-    assert main([*words, "-o", "table.csv", "--report", "report.html", "slow.csv", "fast.csv"]) == 0
+    report = ["--report", "report.html", "--note", "Museum <North>, hall 3", "--note", "checked 1 May"]
+    assert main([*words, "-o", "table.csv", *report, "slow.csv", "fast.csv"]) == 0
     printed = capsys.readouterr().out
     assert "each to a largest horizontal acceleration of 0.1 g; counted: largest of 2 motions" in printed
     assert "None of 2 simulated columns fell" in printed
@@ -44,7 +45,10 @@ def test_check_prints_tables_variants_and_writes(folder: Path, capsys: pytest.Ca
     for name in ("overturning", "displacement of the top", "pressure at the edge"):
         assert name in variants
     assert Path("table.csv").is_file()
-    assert "SHA-256" in Path("report.html").read_text(encoding="utf-8")
+    page = Path("report.html").read_text(encoding="utf-8")
+    assert "SHA-256" in page
+    assert '<p class="note">Museum &lt;North&gt;, hall 3</p>' in page
+    assert '<p class="note">checked 1 May</p>' in page
     assert main([*words, "slow.csv", "-o", "table.csv"]) == 2
     assert "table.csv: is there already, --force overwrites it" in capsys.readouterr().err
 
@@ -69,6 +73,7 @@ def test_components_and_a_table_of_a_spectrum(folder: Path, capsys: pytest.Captu
         (["--vertical", "fast.csv", "slow.csv"], "--vertical: 2 files, must be 1, one for each record"),
         (["slow.csv"], "slow.csv: is given twice, must be given once"),
         (["--report", "report.pdf"], "report.pdf: must end in .html or .htm"),
+        (["--note", "hall 3"], "--note: is for the report, must be given with --report FILE.html"),
     ],
 )
 def test_mistakes_are_one_line(

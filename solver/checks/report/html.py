@@ -34,13 +34,19 @@ LIMITS_OF_THE_MODEL = (  # whatever is checked
 )
 
 
-def write_report(checks: Sequence[Check], path: str | os.PathLike[str], command: str = "") -> None:
-    """Write the report of a check, with the others as variants beside it. Raises OSError."""
+def write_report(
+    checks: Sequence[Check], path: str | os.PathLike[str], command: str = "", notes: Sequence[str] = ()
+) -> None:
+    """Write the report of a check, with the others as variants beside it. Raises OSError.
+
+    command: the one that makes the report again. notes: lines under the title, such as project, author and date.
+    """
     folder = files(__package__)
     page = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True).from_string(
         (folder / "check.html").read_text(encoding="utf-8")
     )
-    text = page.render(style=(folder / "check.css").read_text(encoding="utf-8"), command=command, **_content(checks))
+    style = (folder / "check.css").read_text(encoding="utf-8")
+    text = page.render(style=style, command=command, notes=notes, **_content(checks))
     with whole_file(path) as partial:
         Path(partial).write_text(text, encoding="utf-8")
 
