@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from multiblock import Motion, Structure, arch, colonnade, simulate
+from multiblock import Motion, Structure, arch, colonnade, simulate, simulate_many
 from solver.space.response import SpatialResponse
 from solver.space.rest import rest_of, start_from
 from solver.space.run import SpatialState, set_initial
@@ -42,6 +42,7 @@ EQUAL_ERROR = 1e-3  # of the peak
 RUNS, CALLS = 25, 20  # of which the shortest counts; in each
 FRICTION = 0.2  # so little that joints slide
 SPAN = 2.0  # s, of the random structures
+MANY, MANY_ROUNDS = 48, 4  # runs of a trilith in a study; of which the shortest counts
 THROWN, THROWS, ENERGY_TOLERANCES = 1.0, 8, (1e-3, 1e-5, 1e-7, 1e-9)  # s; of the undamped blocks
 COMPILED = (
     "from multiblock import Column, Motion, simulate; c = Column.from_toml({file!r}){space}; "
@@ -282,10 +283,24 @@ def energies(quick: bool) -> Table:
     return Table("Structures in space: energy", head, rows)
 
 
+def threads() -> Table:
+    """A study of a trilith by one thread and by two, without what follows the motions."""
+    law = {"stiffness": 2e9, "damping": DAMPING}
+    trilith = colonnade(2, 3, 3.0, 0.9, 4.0, law, architrave=(0.7, 0.9))
+    motions = [Motion.harmonic((0.1 + 0.002 * k) * G, 1.0 + 0.01 * k, 5.0, direction=0.3) for k in range(MANY)]
+    ways = [partial(simulate_many, [trilith] * MANY, motions, threads=count, settle=0.0) for count in (1, 2)]
+    seconds = timing.loops(ways, rounds=MANY_ROUNDS)
+    rows = [
+        [f"{MANY} runs of 5 s of a trilith", *(f"{lasts:.3g}" for lasts in seconds), f"{seconds[0] / seconds[1]:.2f}"]
+    ]
+    return Table("Structures in space: a study by threads", ["", "one thread, s", "two, s", "ratio"], rows)
+
+
 def measure(quick: bool) -> Iterator[Table]:
     """All tables, the quick ones first."""
     yield accuracy()
     yield costs()
+    yield threads()
     yield energies(quick)
     yield against_plane()
     yield tolerances(quick)
