@@ -74,6 +74,7 @@ def add_check_command(commands: argparse._SubParsersAction[Any]) -> None:
     parser.add_argument(
         "--note",
         action="append",
+        default=[],
         metavar="TEXT",
         help="a line under the title of the report, for instance project, author and date; more by repeating it",
     )
@@ -178,10 +179,10 @@ def _check(options: argparse.Namespace) -> None:
     write_outputs([(options.output, checks[0].to_csv), (options.report, partial(_write_report, checks, options.note))])
 
 
-def _write_report(checks: list[Check], notes: list[str] | None, path: Path) -> None:
+def _write_report(checks: list[Check], notes: list[str], path: Path) -> None:
     from ..checks.report.html import write_report
 
-    write_report(checks, path, shlex.join(["multiblock", *sys.argv[1:]]), notes or ())
+    write_report(checks, path, shlex.join(["multiblock", *sys.argv[1:]]), notes)
 
 
 def _subject(path: Path, model: Column | Structure, plan: Plan) -> Subject:

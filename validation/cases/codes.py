@@ -60,9 +60,9 @@ def on_its_edges(whole: Column) -> Column:
     return replace(whole, blocks=tuple(blocks))
 
 
-def motion() -> Motion:
-    """The base acceleration, held: LEVEL, and half of it the other way for twice as long."""
-    return Motion.from_samples(PULSE, [LEVEL * G, -0.5 * LEVEL * G, -0.5 * LEVEL * G], hold=True)
+def pulse(level: float = LEVEL, length: float = PULSE) -> Motion:
+    """The base acceleration, held: level (g) for length (s), then half of it the other way for twice as long."""
+    return Motion.from_samples(length, [level * G, -0.5 * level * G, -0.5 * level * G], hold=True)
 
 
 def acceleration(t: float) -> float:
@@ -72,7 +72,7 @@ def acceleration(t: float) -> float:
 
 def here(drums: Column) -> History:
     """Top displacement by this solver."""
-    found = simulate(drums, motion(), LENGTH, tolerance=1e-7, output_step=ROW, settle=0.0)
+    found = simulate(drums, pulse(), LENGTH, tolerance=1e-7, output_step=ROW, settle=0.0)
     return found.time, found.ux[:, 0]
 
 

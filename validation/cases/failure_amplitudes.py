@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from multiblock import Column, Motion, simulate_many
+from multiblock import Column, simulate_many
 
 from ..case import Case, Outcome
 from ..pictures import BLUE, GREEN, GREY, INK, RED, label, panels
 from ..rigid_block import FloatArray
-from .codes import G, column, on_its_edges
+from .codes import column, on_its_edges, pulse
 
 SOURCE = (
     "github.com/thlgrs/HybriDFEM at 2f6dc19, "
@@ -48,11 +48,6 @@ def amplitudes(length: float) -> FloatArray:
     return LEAST * RATIO ** np.arange(count, dtype=np.float64)
 
 
-def pulse(amplitude: float, length: float) -> Motion:
-    """amplitude (g) for length (s), then half of it the other way for twice as long."""
-    return Motion.from_samples(length, [amplitude * G, -0.5 * amplitude * G, -0.5 * amplitude * G], hold=True)
-
-
 def limits(whole: Column, length: float) -> tuple[float, float]:
     """The least amplitude that overturns the column, and the largest under which it stands, g.
 
@@ -61,12 +56,8 @@ def limits(whole: Column, length: float) -> tuple[float, float]:
     tried = amplitudes(length)
     motions = [pulse(amplitude, length) for amplitude in tried]
     table = simulate_many(whole, motions, duration=3.0 * length + AFTER, tolerance=TOLERANCE, keep=("verdict",))
-    verdicts = np.array([str(verdict) for verdict in table["verdict"]])
-    fallen, standing = tried[verdicts == "overturned"], tried[verdicts == "standing"]
-    return (
-        float(fallen.min()) if len(fallen) else math.nan,
-        float(standing.max()) if len(standing) else math.nan,
-    )
+    fallen, standing = (tried[table["verdict"] == verdict].tolist() for verdict in ("overturned", "standing"))
+    return min(fallen, default=math.nan), max(standing, default=math.nan)
 
 
 def compute(data: Path | None) -> Outcome:
