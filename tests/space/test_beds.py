@@ -11,9 +11,9 @@ from support.structures import stack
 
 from solver.kernels.numba_ext.jit import from_python
 from solver.kernels.space.bed import Plane
-from solver.kernels.space.disc import round_bed, round_square
+from solver.kernels.space.disc import round_bed
 from solver.kernels.space.entries import scene_of
-from solver.kernels.space.polygon import polygon_bed, polygon_square
+from solver.kernels.space.polygon import polygon_bed
 from solver.space.blocks.faces import FloatArray
 from solver.space.stepper import Stepper
 from solver.space.structure import Structure
@@ -28,10 +28,11 @@ def bed_of(n, m, k, model, state, p, q, found):
     first, second = Plane(p[0], p[1], p[2]), Plane(q[0], q[1], q[2])
     if scene.joints.section[0] == 0.0:
         bed = polygon_bed(scene, 0, first, second)
-        found[5] = polygon_square(scene, 0, first)
+        square = polygon_bed(scene, 0, first, first)
     else:
         bed = round_bed(scene, 0, first, second)
-        found[5] = round_square(scene, 0, first)
+        square = round_bed(scene, 0, first, first)
+    found[5] = p[0] * square.force + p[1] * square.first_x + p[2] * square.first_y
     found[0], found[1], found[2], found[3], found[4] = bed.force, bed.first_x, bed.first_y, bed.area, bed.largest
 
 

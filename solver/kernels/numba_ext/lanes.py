@@ -7,6 +7,7 @@ independent of the others, so that a column has the same bits in any of them. Br
 Arithmetic may neither be reordered nor contracted, as everywhere (jit.py).
 """
 
+import math
 import operator
 from collections.abc import Callable
 from functools import wraps
@@ -240,6 +241,30 @@ def lesser(a, b):
 def greater(a, b):
     """The greater of two numbers; b if one is NaN."""
     return (lambda a, b: _select(a > b, a, b)) if _are_lanes(a, b) else lambda a, b: a if a > b else b
+
+
+@by_width
+def with_sign(x, by):
+    """x, which is not negative, with the sign of another number."""
+    return (lambda x, by: mirrored(x, by)) if _are_lanes(x, by) else lambda x, by: math.copysign(x, by)
+
+
+@by_width
+def opposite(condition):
+    """Where the condition does not hold."""
+    return (lambda condition: ~condition) if _are_lanes(condition) else lambda condition: not condition
+
+
+@by_width
+def zero_like(x):
+    """Zero, of a number or in all lanes."""
+    return (lambda x: splat(0.0)) if _are_lanes(x) else lambda x: 0.0
+
+
+@by_width
+def index_of(x):
+    """A number as a whole one; of lanes that of the first, which all share."""
+    return (lambda x: int(lane(x, 0))) if _are_lanes(x) else lambda x: int(x)
 
 
 @by_width

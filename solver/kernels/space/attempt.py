@@ -4,22 +4,23 @@ Coefficients are those of the plane (integrators/dormand_prince.py, order_8.py).
 at the end of a step.
 """
 
-import math
 from typing import Any
 
 from ..integrators import dormand_prince as dp
 from ..integrators import order_8
 from ..numba_ext.jit import kernel, leaf
+from ..numba_ext.lanes import any_of, greater, index_of, lesser, magnitude, square_root, where, zero_like
 from ..numba_ext.views import packs, packs_of
 from .base import acceleration
 from .evaluate import evaluate_state, moving
-from .layout import MEMORY, PHASE, STAGES
-from .watch import BETWEEN, END, RATES, STAGE, START, row
+from .layout import MEMORY, OF_BLOCK, OF_JOINT, PHASE, STAGES
+from .watch import BETWEEN, END, RATES, STAGE, START, row, seen
 
 _phase, _memory = PHASE.over, MEMORY.over
 _PER_BODY, _PER_JOINT = PHASE.per_n, MEMORY.per_n
+_TX = OF_JOINT.index("Tx")
 RESOLVED = 0.01  # of what an elastic slip reaches: its largest error
-KINK = 20.0  # errors of a step count so much more in which a joint begins or ceases to slide: they add up, unseen
+KINK = 0.1  # of the change of a rate times the step: the error of a step in which it begins, ceases or turns back
 
 
 @leaf
@@ -40,7 +41,7 @@ def evaluate_at(scene, shaking, segment, y, f, t):
 def _scale_quaternions(n, phase):
     for i in range(n):
         q0, q1, q2, q3 = phase.q0[i], phase.q1[i], phase.q2[i], phase.q3[i]
-        per = 1.0 / math.sqrt(q0 * q0 + q1 * q1 + q2 * q2 + q3 * q3)
+        per = 1.0 / square_root(q0 * q0 + q1 * q1 + q2 * q2 + q3 * q3)
         phase.q0[i], phase.q1[i], phase.q2[i], phase.q3[i] = per * q0, per * q1, per * q2, per * q3
 
 
@@ -76,7 +77,7 @@ def _attempt_5(scene, shaking, segment, t, h):
     for i in range(count):
         early = dp.ERROR_0 * f0[i] + dp.ERROR_2 * f2[i] + dp.ERROR_3 * f3[i]
         error[i] = h * (early + dp.ERROR_4 * f4[i] + dp.ERROR_5 * f5[i] + dp.ERROR_LAST * last[i])
-    return _error_in_tolerances(scene, row(scene, BETWEEN))
+    return _error_in_tolerances(scene, row(scene, BETWEEN), h)
 
 
 def _step_to(table_row: int) -> Any:
@@ -115,7 +116,7 @@ def _error_by(table_row: int) -> Any:
         found = packs_of(errors)
         for i in range(packs(errors, moving(scene))):
             found[i] = h * sum_of(scene, i)
-        return _error_in_tolerances(scene, errors)
+        return _error_in_tolerances(scene, errors, h)
 
     return error_by
 
@@ -123,74 +124,118 @@ def _error_by(table_row: int) -> Any:
 @leaf
 def size_of(x, y, z):
     """Length of a vector."""
-    return math.sqrt(x * x + y * y + z * z)
+    return square_root(x * x + y * y + z * z)
+
+
+@leaf
+def worse(largest, error):
+    """The larger of two errors; what is not a number stays."""
+    return where((error <= largest) | (largest != largest), largest, error)
+
+
+@leaf
+def _with_kink(error, changed, turns, h):
+    """The error of what is remembered; the stages of a step see little of a kink in it that lies between them."""
+    return where(turns, greater(error, KINK * h * changed), error)
+
+
+@leaf
+def _slides_anew(was, goes, j):
+    """Whether joint j begins or ceases to slide, or turns back, between two rates of what it remembers."""
+    zero = zero_like(was.p1[j])
+    slides = size_of(was.p1[j], was.p2[j], zero) + size_of(goes.p1[j], goes.p2[j], zero) > 0.0
+    return slides & (was.p1[j] * goes.p1[j] + was.p2[j] * goes.p2[j] <= 0.0)
+
+
+@leaf
+def _twists_anew(was, goes, j):
+    return (magnitude(was.p3[j]) + magnitude(goes.p3[j]) > 0.0) & (was.p3[j] * goes.p3[j] <= 0.0)
 
 
 @kernel
-def _error_of_memory(scene, errors, allowed):
+def _error_of_memory(scene, errors, allowed, h):
     """Largest error of what joints and ties remember over the allowed one.
 
     allowed: rad; slips count over the arm of a joint, plastic stretches over the extent of the structure. The direction
     of friction hangs on elastic slips, so that their error stays a part of them at any tolerance.
     """
-    slips, plastic, largest = _memory(errors, scene.m), errors[_PER_JOINT * scene.m :], 0.0
+    slips, plastic = _memory(errors, scene.m), errors[_PER_JOINT * scene.m :]
+    before, after = rate(scene, 0)[_PER_BODY * scene.n :], rate(scene, STAGES - 1)[_PER_BODY * scene.n :]
+    was, goes, zero = _memory(before, scene.m), _memory(after, scene.m), zero_like(allowed)
+    largest = zero
     for j in range(scene.m):
         arm = scene.joints.arm[j]
-        error = size_of(slips.p1[j], slips.p2[j], 0.0) + arm * abs(slips.p3[j])
-        error /= min(arm * allowed, RESOLVED * scene.joints.reach[j])
-        largest = largest if error <= largest else error
+        changed = size_of(goes.p1[j] - was.p1[j], goes.p2[j] - was.p2[j], zero)
+        error = _with_kink(size_of(slips.p1[j], slips.p2[j], zero), changed, _slides_anew(was, goes, j), h)
+        changed = magnitude(goes.p3[j] - was.p3[j])
+        error += arm * _with_kink(magnitude(slips.p3[j]), changed, _twists_anew(was, goes, j), h)
+        largest = worse(largest, error / lesser(RESOLVED * scene.joints.reach[j], arm * allowed))
     for e in range(scene.k):
+        begins, ends = before[_PER_JOINT * scene.m + e], after[_PER_JOINT * scene.m + e]
+        turns = (magnitude(begins) + magnitude(ends) > 0.0) & (begins * ends <= 0.0)
+        error = _with_kink(magnitude(plastic[e]), magnitude(ends - begins), turns, h)
         reach = scene.ties.yields_at[e] / scene.ties.stiffness[e]
-        error = abs(plastic[e]) / min(scene.settings.extent * allowed, RESOLVED * reach)
-        largest = largest if error <= largest else error
+        largest = worse(largest, error / lesser(RESOLVED * reach, scene.settings.extent * allowed))
     return largest
 
 
 @kernel
-def _turns(scene):
-    """Whether a joint begins or ceases to slide or turns back, or a tie to yield, within the step just made."""
-    before, after = rate(scene, 0)[_PER_BODY * scene.n :], rate(scene, STAGES - 1)[_PER_BODY * scene.n :]
-    was, goes = _memory(before, scene.m), _memory(after, scene.m)
-    for j in range(scene.m):
-        slid, slides = was.p1[j] != 0.0 or was.p2[j] != 0.0, goes.p1[j] != 0.0 or goes.p2[j] != 0.0
-        if (slid or slides) and was.p1[j] * goes.p1[j] + was.p2[j] * goes.p2[j] <= 0.0:
-            return True
-        if (was.p3[j] != 0.0 or goes.p3[j] != 0.0) and was.p3[j] * goes.p3[j] <= 0.0:
-            return True
-    for e in range(_PER_JOINT * scene.m, _PER_JOINT * scene.m + scene.k):
-        if (before[e] != 0.0 or after[e] != 0.0) and before[e] * after[e] <= 0.0:
-            return True
-    return False
+def _per_force(scene, one, other):
+    """1/(kg m): the most that a force between two bodies moves one of them, over its size."""
+    bodies, most = scene.bodies, zero_like(scene.settings.gravity)
+    for body in (index_of(one), index_of(other)):
+        if body < scene.n:
+            most = greater(most, bodies.per_mass[body] / bodies.size[body])
+    return most
 
 
 @kernel
-def _error_in_tolerances(scene, errors):
+def _error_by_kinks(scene, h):
+    """Largest error of a rate, rad/s, by a kink in a force within the step just made.
+
+    A tie becomes taut or slack, a joint begins or ceases to slide.
+    """
+    largest, ties = zero_like(h), seen(scene, 0)[len(OF_BLOCK) * scene.n + len(OF_JOINT) * scene.m :]
+    for e in range(scene.k):
+        was, goes = ties[e], scene.pulls.force[e]
+        turns = ((was == 0.0) | (goes == 0.0)) & (was != goes)
+        if any_of(turns):
+            error = KINK * h * magnitude(goes - was) * _per_force(scene, scene.ties.one[e], scene.ties.other[e])
+            largest = where(turns, worse(largest, error), largest)
+    if any_of(scene.settings.gives_way != 0.0):
+        first = len(OF_BLOCK) * scene.n + _TX * scene.m
+        along, across, found = seen(scene, 0)[first:], seen(scene, 0)[first + scene.m :], scene.resultants
+        was, goes = _memory(rate(scene, 0)[_PER_BODY * scene.n :], scene.m), scene.giving_slips
+        for j in range(scene.m):
+            turns = _slides_anew(was, goes, j)
+            if any_of(turns):
+                changed = size_of(found.t1[j] + along[j], found.t2[j] + across[j], zero_like(h))
+                error = KINK * h * changed * _per_force(scene, scene.joints.upper[j], scene.joints.lower[j])
+                largest = where(turns, worse(largest, error), largest)
+    return largest
+
+
+@kernel
+def _error_in_tolerances(scene, errors, h):
     """Largest error of a place or rate over the allowed one: the tolerance times the largest motion so far, in rad.
 
     Displacements of a body count over its size.
     """
-    error, place, rate = _phase(errors, scene.n), 0.0, 0.0
+    error, zero = _phase(errors, scene.n), zero_like(scene.settings.tolerance)
+    place, rate = zero, zero
     for i in range(scene.n):
         per = 1.0 / scene.bodies.size[i]
-        parts = (
-            per * size_of(error.ux[i], error.uy[i], error.uz[i]),
-            2.0 * (abs(error.q0[i]) + size_of(error.q1[i], error.q2[i], error.q3[i])),
-            per * size_of(error.vx[i], error.vy[i], error.vz[i]),
-            size_of(error.wx[i], error.wy[i], error.wz[i]),
-        )
-        # NaN stays
-        place = place if parts[0] <= place else parts[0]
-        place = place if parts[1] <= place else parts[1]
-        rate = rate if parts[2] <= rate else parts[2]
-        rate = rate if parts[3] <= rate else parts[3]
+        place = worse(place, per * size_of(error.ux[i], error.uy[i], error.uz[i]))
+        place = worse(place, 2.0 * (magnitude(error.q0[i]) + size_of(error.q1[i], error.q2[i], error.q3[i])))
+        rate = worse(rate, per * size_of(error.vx[i], error.vy[i], error.vz[i]))
+        rate = worse(rate, size_of(error.wx[i], error.wy[i], error.wz[i]))
+    rate = worse(_error_by_kinks(scene, h), rate)
     control, tolerance = scene.control, scene.settings.step_tolerance
-    place, rate = place / (tolerance * control.largest), rate / (tolerance * control.largest_rate)
-    place = rate if not place > rate else place
-    if scene.settings.gives_way == 0.0:
-        return place
-    given = _error_of_memory(scene, errors[_PER_BODY * scene.n :], tolerance * control.largest)
-    place = given if not place > given else place
-    return KINK * place if _turns(scene) else place
+    place = worse(rate / (tolerance * control.largest_rate), place / (tolerance * control.largest))
+    if any_of(scene.settings.gives_way != 0.0):
+        allowed = tolerance * control.largest
+        place = worse(_error_of_memory(scene, errors[_PER_BODY * scene.n :], allowed, h), place)
+    return place
 
 
 _step, _error_5, _error_3 = _step_to(order_8.END), _error_by(order_8.ERROR_5), _error_by(order_8.ERROR_3)

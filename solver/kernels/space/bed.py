@@ -8,30 +8,44 @@ parts, so that slivers keep their digits.
 from typing import NamedTuple
 
 from ..numba_ext.jit import leaf
+from ..numba_ext.lanes import where, zero_like
 
 
 class Plane(NamedTuple):
     """at + along_x x + along_y y, over the section of a joint."""
 
-    at: float
-    along_x: float
-    along_y: float
+    at: object
+    along_x: object
+    along_y: object
 
 
 class Bed(NamedTuple):
     """Integrals over the loaded part."""
 
-    force: float  # of q, m3
-    first_x: float  # of q x and q y, m4
-    first_y: float
-    area: float  # m2
-    largest: float  # of q, m
+    force: object  # of q, m3
+    first_x: object  # of q x and q y, m4
+    first_y: object
+    area: object  # m2
+    largest: object  # of q, m
 
 
 @leaf
-def nothing():
+def nothing(plane):
     """A joint without contact."""
-    return Bed(0.0, 0.0, 0.0, 0.0, 0.0)
+    zero = zero_like(plane.at)
+    return Bed(zero, zero, zero, zero, zero)
+
+
+@leaf
+def chosen(condition, bed, other):
+    """A bed where the condition holds, else another one."""
+    return Bed(
+        where(condition, bed.force, other.force),
+        where(condition, bed.first_x, other.first_x),
+        where(condition, bed.first_y, other.first_y),
+        where(condition, bed.area, other.area),
+        where(condition, bed.largest, other.largest),
+    )
 
 
 @leaf
@@ -64,19 +78,12 @@ def triangle(x, y, q):
 
 
 @leaf
-def add(bed, area, force, first_x, first_y):
-    """A bed with another part."""
-    return Bed(bed.force + force, bed.first_x + first_x, bed.first_y + first_y, bed.area + area, bed.largest)
-
-
-@leaf
-def highest(bed, largest):
-    """A bed with this largest value, if it is larger."""
-    return Bed(bed.force, bed.first_x, bed.first_y, bed.area, max(bed.largest, largest))
-
-
-@leaf
-def square(x, y, p):
-    """The integral of p^2 over a triangle."""
-    area = 0.5 * ((x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0]))
-    return area / 6.0 * (p[0] * (p[0] + p[1]) + p[1] * (p[1] + p[2]) + p[2] * (p[2] + p[0]))
+def add(bed, there, area, force, first_x, first_y):
+    """A bed with another part, where it is there."""
+    return Bed(
+        bed.force + where(there, force, 0.0),
+        bed.first_x + where(there, first_x, 0.0),
+        bed.first_y + where(there, first_y, 0.0),
+        bed.area + where(there, area, 0.0),
+        bed.largest,
+    )

@@ -6,11 +6,13 @@ theory.md section 10 across: R^4 times the integral 2/3 sin^4.
 """
 
 import math
+from typing import NamedTuple
 
 from ..numba_ext.jit import kernel, leaf
+from ..numba_ext.lanes import any_of, greater, lesser, magnitude, opposite, square_root, where
 from ..numba_ext.numbers import angle_of
 from ..sections.circle import SMALL, TERMS, circle_part
-from .bed import Bed, add, nothing, triangle, value, whole
+from .bed import Bed, add, chosen, nothing, triangle, value, whole
 
 # 2/3 of the integral of sin^4 over sin^5, in powers of sin^2, the highest first: 1 / cos = sum of these times sin^2k
 ACROSS = tuple(2.0 / 3.0 * math.comb(2 * k, k) / 4**k / (5 + 2 * k) for k in range(TERMS))[::-1]
@@ -22,21 +24,23 @@ PARALLEL = 1e-14  # sine of the angle between two chords that are taken as paral
 def _across(sine, cosine):
     """2/3 of the integral of sin^4 from 0 to the angle with this sine and cosine, 0 to pi."""
     square = sine * sine
-    if sine < SMALL and cosine > 0.0:
-        total = 0.0
+    angle = angle_of(sine, magnitude(cosine))
+    angle = where(cosine >= 0.0, angle, math.pi - angle)
+    closed = 0.25 * (angle - sine * cosine) - sine * cosine * square / 6.0
+    small = (sine < SMALL) & (cosine > 0.0)
+    if any_of(small):
+        total = 0.0 * square
         for coefficient in ACROSS:
             total = total * square + coefficient
-        return total * square * square * sine
-    angle = angle_of(sine, abs(cosine))
-    angle = angle if cosine >= 0.0 else math.pi - angle
-    return 0.25 * (angle - sine * cosine) - sine * cosine * square / 6.0
+        closed = where(small, total * square * square * sine, closed)
+    return closed
 
 
-@leaf
-def _segment(bed, radius, q, out_x, out_y, cut):
+@kernel
+def _with_segment(bed, there, radius, q, out_x, out_y, cut):
     """A bed with the segment beyond a chord, whose normal away from the centre is (out_x, out_y), `cut` m from it."""
     about, area, first, second = circle_part(radius, cut, radius)
-    half = math.sqrt(max(0.0, (radius - cut) * (radius + cut)))
+    half = square_root(greater((radius - cut) * (radius + cut), 0.0))
     across = _across(half / radius, cut / radius) * (radius * radius) * (radius * radius)
     rise = q.along_x * out_x + q.along_y * out_y
     slope = q.along_y * out_x - q.along_x * out_y
@@ -44,110 +48,131 @@ def _segment(bed, radius, q, out_x, out_y, cut):
     force = middle * area + rise * first
     outwards = about * force + (middle * first + rise * second)
     along = slope * across
-    return add(bed, area, force, outwards * out_x - along * out_y, outwards * out_y + along * out_x)
+    return add(bed, there, area, force, outwards * out_x - along * out_y, outwards * out_y + along * out_x)
 
 
 @leaf
-def _arc(bed, radius, q, begin, end):
-    """A bed with the segment beyond the chord of an arc, anticlockwise from its beginning to its end."""
-    dx, dy = end[0] - begin[0], end[1] - begin[1]
-    length = math.sqrt(dx * dx + dy * dy)
-    if length <= TINY:
-        return bed
-    out_x, out_y = dy / length, -dx / length
-    cut = 0.5 * ((begin[0] + end[0]) * out_x + (begin[1] + end[1]) * out_y)
-    return _segment(bed, radius, q, out_x, out_y, min(cut, radius))
-
-
-@leaf
-def _side(bed, q, a, b, c):
+def _with_triangle(bed, there, q, a, b, c):
     """A bed with the triangle of three points."""
     values = value(q, a[0], a[1]), value(q, b[0], b[1]), value(q, c[0], c[1])
     area, force, first_x, first_y = triangle((a[0], b[0], c[0]), (a[1], b[1], c[1]), values)
-    return add(bed, area, force, first_x, first_y)
+    return add(bed, there, area, force, first_x, first_y)
+
+
+class _Chord(NamedTuple):
+    """Where a function passes zero in the disc: normal to the positive side, distance, the chord's two ends.
+
+    The positive side is on the left from its beginning to its end.
+    """
+
+    x: object
+    y: object
+    off: object
+    begin: object
+    end: object
 
 
 @leaf
 def _chord(radius, slope, plane):
-    """Where a function passes zero in the disc: normal to the positive side, distance, the chord's two ends.
-
-    slope: of the function, not 0. The positive side is on the left from the first to the second end.
-    """
+    """slope: of the function, not 0."""
     nx, ny = plane.along_x / slope, plane.along_y / slope
     off = -plane.at / slope
-    half = math.sqrt(max(0.0, (radius - off) * (radius + off)))
-    return nx, ny, off, (off * nx - half * ny, off * ny + half * nx), (off * nx + half * ny, off * ny - half * nx)
+    half = square_root(greater((radius - off) * (radius + off), 0.0))
+    return _Chord(
+        nx, ny, off, (off * nx - half * ny, off * ny + half * nx), (off * nx + half * ny, off * ny - half * nx)
+    )
+
+
+@leaf
+def _point(condition, a, b):
+    return where(condition, a[0], b[0]), where(condition, a[1], b[1])
+
+
+@leaf
+def _with_arc(bed, there, radius, q, own, begins, ends):
+    """A bed with the segment of an arc, anticlockwise from the end of chord `own` to its beginning, if `begins`.
+
+    Else to `ends`, the beginning of the other chord.
+    """
+    last = _point(begins, own.begin, ends)
+    dx, dy = last[0] - own.end[0], last[1] - own.end[1]
+    length = square_root(dx * dx + dy * dy)
+    there = there & (begins | (length > TINY))
+    out_x, out_y = where(begins, own.x, dy / length), where(begins, own.y, -dx / length)
+    cut = 0.5 * ((own.end[0] + last[0]) * out_x + (own.end[1] + last[1]) * out_y)
+    return _with_segment(bed, there, radius, q, out_x, out_y, lesser(where(begins, own.off, cut), radius))
 
 
 @kernel
-def _two_chords(radius, p, q, slope_p, slope_q):
-    """The bed where both functions pass zero within the disc."""
-    px, py, off_p, p_begin, p_end = _chord(radius, slope_p, p)
-    qx, qy, off_q, q_begin, q_end = _chord(radius, slope_q, q)
-    bed = nothing()
-    turn = px * qy - py * qx  # sine of the angle between the chords
-    if abs(turn) <= PARALLEL and px * qx + py * qy > 0.0:  # both cut the same side away: the farther one counts
-        if off_p > off_q:
-            return _segment(bed, radius, q, px, py, off_p)
-        return _segment(bed, radius, q, qx, qy, off_q)
+def _cut_disc(radius, p, q, slope_p, slope_q, some, cuts_p, cuts_q):
+    """The bed of a disc whose rim p or q cut: its part where both are positive, if there is `some`.
+
+    The part lies between arcs that begin at the ends of the chords, and the chords: both, if they do not meet and leave
+    a strip, or from where they meet.
+    """
+    of_p, of_q = _chord(radius, slope_p, p), _chord(radius, slope_q, q)
+    turn = of_p.x * of_q.y - of_p.y * of_q.x  # sine of the angle between the chords
+    both = cuts_p & cuts_q
+    # parallel ones that cut the same side away: the farther one counts
+    parallel = both & (magnitude(turn) <= PARALLEL) & (of_p.x * of_q.x + of_p.y * of_q.y > 0.0)
+    outer_p = of_p.off > of_q.off
+    cuts_p, cuts_q = cuts_p & opposite(parallel & opposite(outer_p)), cuts_q & opposite(parallel & outer_p)
+    alone_p, alone_q = some & cuts_p & opposite(cuts_q), some & cuts_q & opposite(cuts_p)
+    both = some & cuts_p & cuts_q
     # ends of either chord on the positive side of the other function
-    begins_p, ends_p = value(q, p_begin[0], p_begin[1]) > 0.0, value(q, p_end[0], p_end[1]) > 0.0
-    begins_q, ends_q = value(p, q_begin[0], q_begin[1]) > 0.0, value(p, q_end[0], q_end[1]) > 0.0
-    if begins_p and ends_p:
-        if begins_q and ends_q:  # a strip between both
-            bed = _side(bed, q, p_begin, p_end, q_begin)
-            bed = _side(bed, q, p_begin, q_begin, q_end)
-            bed = _arc(bed, radius, q, p_end, q_begin)
-            return _arc(bed, radius, q, q_end, p_begin)
-        return _segment(bed, radius, q, px, py, off_p)
-    if begins_q and ends_q:
-        return _segment(bed, radius, q, qx, qy, off_q)
-    if begins_p == ends_p:
-        return bed
-    # they cross in the disc
-    x, y = (off_p * qy - off_q * py) / turn, (off_q * px - off_p * qx) / turn
-    if begins_p:
-        bed = _side(bed, q, (x, y), q_end, p_begin)
-        return _arc(bed, radius, q, q_end, p_begin)
-    bed = _side(bed, q, (x, y), p_end, q_begin)
-    return _arc(bed, radius, q, p_end, q_begin)
+    begins_p = alone_p | (both & (value(q, of_p.begin[0], of_p.begin[1]) > 0.0))
+    ends_p = alone_p | (both & (value(q, of_p.end[0], of_p.end[1]) > 0.0))
+    begins_q = alone_q | (both & (value(p, of_q.begin[0], of_q.begin[1]) > 0.0))
+    ends_q = alone_q | (both & (value(p, of_q.end[0], of_q.end[1]) > 0.0))
+    bed = nothing(p)
+    if any_of(ends_p):
+        bed = _with_arc(bed, ends_p, radius, q, of_p, begins_p & opposite(begins_q), of_q.begin)
+    if any_of(ends_q):
+        bed = _with_arc(bed, ends_q, radius, q, of_q, begins_q & opposite(begins_p), of_p.begin)
+    strip = begins_p & ends_p & begins_q & ends_q
+    meet = (begins_p & opposite(ends_p)) | (ends_p & opposite(begins_p))
+    if any_of(strip | meet):
+        x, y = (of_p.off * of_q.y - of_q.off * of_p.y) / turn, (of_q.off * of_p.x - of_p.off * of_q.x) / turn
+        apex = _point(strip, of_p.begin, (x, y))
+        first, second = _point(ends_p, of_p.end, of_q.end), _point(ends_p, of_q.begin, of_p.begin)
+        bed = _with_triangle(bed, strip | meet, q, apex, first, second)
+        if any_of(strip):
+            bed = _with_triangle(bed, strip, q, of_p.begin, of_q.begin, of_q.end)
+    return bed
 
 
 @kernel
 def _disc(radius, p, q, slope_p, slope_q):
     """The bed of a disc: of its part where p and q are positive."""
-    if p.at + radius * slope_p <= 0.0 or q.at + radius * slope_q <= 0.0:
-        return nothing()
-    cuts_p, cuts_q = p.at < radius * slope_p, q.at < radius * slope_q
-    if cuts_p and cuts_q:
-        same = p.along_x == q.along_x and p.along_y == q.along_y and p.at == q.at
-        if not same:
-            return _two_chords(radius, p, q, slope_p, slope_q)
-    if cuts_p:
-        return _segment(nothing(), radius, q, p.along_x / slope_p, p.along_y / slope_p, -p.at / slope_p)
-    if cuts_q:
-        return _segment(nothing(), radius, q, q.along_x / slope_q, q.along_y / slope_q, -q.at / slope_q)
+    some = (p.at + radius * slope_p > 0.0) & (q.at + radius * slope_q > 0.0)
+    same = (p.along_x == q.along_x) & (p.along_y == q.along_y) & (p.at == q.at)
+    cuts_p, cuts_q = p.at < radius * slope_p, (q.at < radius * slope_q) & opposite(same)
     area = math.pi * radius * radius
     second = 0.25 * area * radius * radius
-    return Bed(q.at * area, q.along_x * second, q.along_y * second, area, 0.0)
+    full = Bed(q.at * area, q.along_x * second, q.along_y * second, area, 0.0 * area)
+    bed = chosen(some, full, nothing(p))
+    cut = some & (cuts_p | cuts_q)
+    if any_of(cut):
+        bed = chosen(cut, _cut_disc(radius, p, q, slope_p, slope_q, some, cuts_p, cuts_q), bed)
+    return bed
 
 
 @leaf
 def _slope(plane):
-    return math.sqrt(plane.along_x * plane.along_x + plane.along_y * plane.along_y)
+    return square_root(plane.along_x * plane.along_x + plane.along_y * plane.along_y)
 
 
 @kernel
 def _highest(radius, p, q, slope_p, slope_q):
     """The largest q where p is not negative, in a disc: at the rim, or where the chord of p meets it."""
     top = q.at + radius * slope_q
-    if slope_q == 0.0:
-        return top
     x, y = radius * q.along_x / slope_q, radius * q.along_y / slope_q
-    if value(p, x, y) >= 0.0 or slope_p == 0.0:
-        return top
-    _, _, _, begin, end = _chord(radius, slope_p, p)
-    return max(value(q, end[0], end[1]), value(q, begin[0], begin[1]))
+    below = (slope_q > 0.0) & (slope_p > 0.0) & (value(p, x, y) < 0.0)
+    if any_of(below):
+        of_p = _chord(radius, slope_p, p)
+        ends = greater(value(q, of_p.end[0], of_p.end[1]), value(q, of_p.begin[0], of_p.begin[1]))
+        top = where(below, ends, top)
+    return top
 
 
 @kernel
@@ -155,22 +180,17 @@ def round_bed(scene, j, p, q):
     """The bed of joint j, whose section is a disc or a ring."""
     outer, inner = scene.joints.outer[j], scene.joints.inner[j]
     slope_p, slope_q = _slope(p), _slope(q)
-    if p.at >= outer * slope_p and q.at >= outer * slope_q:
-        return whole(scene.joints, j, q, q.at + outer * slope_q)
-    bed = nothing()
-    for k in range(2):  # which is compiled once
-        radius = outer if k == 0 else inner
-        if radius > 0.0:
-            sign = 1.0 if k == 0 else -1.0
-            part = _disc(radius, p, q, slope_p, slope_q)
-            bed = add(bed, sign * part.area, sign * part.force, sign * part.first_x, sign * part.first_y)
-    if not bed.force > 0.0:
-        return nothing()
-    return Bed(bed.force, bed.first_x, bed.first_y, bed.area, _highest(outer, p, q, slope_p, slope_q))
-
-
-@kernel
-def round_square(scene, j, p):
-    """The integral of p^2 over the part of joint j where p is positive, m4: that of p times p."""
-    bed = round_bed(scene, j, p, p)
-    return p.at * bed.force + p.along_x * bed.first_x + p.along_y * bed.first_y
+    full = (p.at >= outer * slope_p) & (q.at >= outer * slope_q)
+    bed = whole(scene.joints, j, q, q.at + outer * slope_q)
+    if any_of(opposite(full)):
+        part = nothing(p)
+        for k in range(2):  # which is compiled once
+            radius, sign = (outer, 1.0) if k == 0 else (inner, -1.0)
+            there = radius > 0.0
+            if any_of(there):
+                disc = _disc(radius, p, q, slope_p, slope_q)
+                part = add(part, there, sign * disc.area, sign * disc.force, sign * disc.first_x, sign * disc.first_y)
+        highest = _highest(outer, p, q, slope_p, slope_q)
+        part = Bed(part.force, part.first_x, part.first_y, part.area, highest)
+        bed = chosen(full, bed, chosen(part.force > 0.0, part, nothing(p)))
+    return bed

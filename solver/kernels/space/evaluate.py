@@ -3,6 +3,7 @@
 import math
 
 from ..numba_ext.jit import kernel, leaf
+from ..numba_ext.lanes import any_of, zero_like
 from ..numba_ext.views import copy
 from .joint import joint_energy, load_joint
 from .kinematics import accelerate_bodies, pose_bodies
@@ -18,7 +19,7 @@ _BLOCKS, _JOINTS, _BASE = len(OF_BLOCK), len(OF_JOINT), len(OF_BASE)
 def moving(scene):
     """How many numbers of a state move: those of the phase, and the memory where something gives way."""
     count = _PER_BODY * scene.n
-    if scene.settings.gives_way != 0.0:
+    if any_of(scene.settings.gives_way != 0.0):
         count += _PER_JOINT * scene.m + scene.k
     return count
 
@@ -45,7 +46,7 @@ def settle_memory(scene, state):
 @kernel
 def evaluate_state(scene, state, rates, ax, ay, az):
     """`evaluate`, with the memory of the state where it moves, and its rates."""
-    n, gives_way = scene.n, scene.settings.gives_way != 0.0
+    n, gives_way = scene.n, any_of(scene.settings.gives_way != 0.0)
     if gives_way:
         recall(scene, state)
     evaluate(scene, _phase(state, n), _phase(rates, n), ax, ay, az)
@@ -67,7 +68,7 @@ def evaluate(scene, phase, rates, ax, ay, az):
 @kernel
 def energy(scene, phase):
     """Mechanical energy of a phase that has just been evaluated, J; zero of weight as built."""
-    bodies, total = scene.bodies, 0.0
+    bodies, total = scene.bodies, zero_like(phase.uz[0])
     for i in range(scene.n):
         v = phase.vx[i] * phase.vx[i] + phase.vy[i] * phase.vy[i] + phase.vz[i] * phase.vz[i]
         x, y, z = phase.wx[i], phase.wy[i], phase.wz[i]

@@ -3,16 +3,17 @@
 import math
 
 from ..numba_ext.jit import kernel, leaf
+from ..numba_ext.lanes import any_of, greater, index_of, magnitude, square_root, where, with_sign, zero_like
 from .bed import Plane
-from .disc import round_bed, round_square
+from .disc import round_bed
 from .kinematics import cross, dot, out_of, plus, push, relative_motion
 from .layout import POLYGON
-from .polygon import polygon_bed, polygon_square
+from .polygon import polygon_bed
 
 
 @leaf
 def _bed(scene, j, p, q):
-    if scene.joints.section[j] == POLYGON:
+    if any_of(scene.joints.section[j] == POLYGON):
         return polygon_bed(scene, j, p, q)
     return round_bed(scene, j, p, q)
 
@@ -30,11 +31,11 @@ def _limits(joints, j, normal, g1, g2):
     The couple is that of friction about the centre: with the arm of a uniform pressure, or that of the resultant if it
     is farther out.
     """
-    force = joints.friction[j] * normal if normal > 0.0 else 0.0
+    pressed = normal > 0.0
+    force = where(pressed, joints.friction[j] * normal, 0.0) + joints.dowel[j]
     arm = joints.arm[j]
-    if normal > 0.0:
-        arm = max(arm, math.sqrt(g1 * g1 + g2 * g2) / normal)
-    return force + joints.dowel[j], (force + joints.dowel[j]) * arm
+    arm = where(pressed, greater(arm, square_root(g1 * g1 + g2 * g2) / normal), arm)
+    return force, force * arm
 
 
 @leaf
@@ -51,23 +52,24 @@ def _along_joint(scene, j, motion, normal, g1, g2):
     v1, v2, v3 = motion.gap_rate[0], motion.gap_rate[1], motion.turn_rate[2]
     t1, t2 = -shear * (z1 + damping * v1), -shear * (z2 + damping * v2)
     g3 = twist * (z3 + damping * v3)
-    giving.p1[j], giving.p2[j], giving.p3[j] = 0.0, 0.0, 0.0
-    if joints.friction[j] != math.inf:
+    r1, r2, r3 = zero_like(v1), zero_like(v2), zero_like(v3)
+    if any_of(joints.friction[j] != math.inf):
         limit, couple = _limits(joints, j, normal, g1, g2)
-        size = math.sqrt(t1 * t1 + t2 * t2)
-        if size > limit:
-            rate = (1.0 - limit / size) / (shear * damping)
-            giving.p1[j], giving.p2[j] = -t1 * rate, -t2 * rate
-            t1, t2 = t1 * (limit / size), t2 * (limit / size)
-        own = shear * math.sqrt(z1 * z1 + z2 * z2)
-        if own > limit:
-            z1, z2 = z1 * (limit / own), z2 * (limit / own)
-        size = abs(g3)
-        if size > couple:
-            giving.p3[j] = math.copysign((size - couple) / (twist * damping), g3)
-            g3 = math.copysign(couple, g3)
-        if twist * abs(z3) > couple:
-            z3 = math.copysign(couple / twist, z3)
+        size = square_root(t1 * t1 + t2 * t2)
+        slides = size > limit
+        part = limit / size
+        rate = (1.0 - part) / (shear * damping)
+        r1, r2 = where(slides, -t1 * rate, 0.0), where(slides, -t2 * rate, 0.0)
+        t1, t2 = where(slides, t1 * part, t1), where(slides, t2 * part, t2)
+        own = shear * square_root(z1 * z1 + z2 * z2)
+        part = where(own > limit, limit / own, 1.0)
+        z1, z2 = z1 * part, z2 * part
+        size = magnitude(g3)
+        twists = size > couple
+        r3 = where(twists, with_sign((size - couple) / (twist * damping), g3), 0.0)
+        g3 = where(twists, with_sign(couple, g3), g3)
+        z3 = where(twist * magnitude(z3) > couple, with_sign(couple / twist, z3), z3)
+    giving.p1[j], giving.p2[j], giving.p3[j] = r1, r2, r3
     found.t1[j], found.t2[j], found.g3[j] = t1, t2, g3
     found.s1[j], found.s2[j], found.s3[j] = s1, s2, s3
     found.z1[j], found.z2[j], found.z3[j] = z1, z2, z3
@@ -97,8 +99,8 @@ def load_joint(scene, phase, j):
     on_b = plus(plus((-own[0], -own[1], -own[2]), across, -0.5), lever, -0.5 * per)
     e1, e2, e3 = motion.e1, motion.e2, motion.e3
     force = out_of(e1, e2, e3, force)
-    push(scene.poses, int(joints.upper[j]), motion.arm_a, force, out_of(e1, e2, e3, on_a), 1.0)
-    push(scene.poses, int(joints.lower[j]), motion.arm_b, force, out_of(e1, e2, e3, on_b), -1.0)
+    push(scene.poses, index_of(joints.upper[j]), motion.arm_a, force, out_of(e1, e2, e3, on_a), 1.0)
+    push(scene.poses, index_of(joints.lower[j]), motion.arm_b, force, out_of(e1, e2, e3, on_b), -1.0)
 
 
 @kernel
@@ -106,7 +108,8 @@ def joint_energy(scene, phase, j):
     """Elastic energy of joint j, J; its resultants are those of this phase."""
     joints, found = scene.joints, scene.resultants
     p = penetration(relative_motion(scene, phase, j))
-    square = polygon_square(scene, j, p) if joints.section[j] == POLYGON else round_square(scene, j, p)
+    bed = _bed(scene, j, p, p)
+    square = p.at * bed.force + p.along_x * bed.first_x + p.along_y * bed.first_y  # the integral of p times p
     shear = found.z1[j] * found.z1[j] + found.z2[j] * found.z2[j]
     twist = found.z3[j] * found.z3[j]
     return 0.5 * (joints.stiffness[j] * square + joints.shear[j] * shear + joints.twist[j] * twist)

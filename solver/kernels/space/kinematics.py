@@ -1,9 +1,9 @@
 """Bodies and joints in motion: rotations, and relative motion of the faces of a joint (theory.md section 13)."""
 
-import math
 from typing import NamedTuple
 
 from ..numba_ext.jit import kernel, leaf
+from ..numba_ext.lanes import any_of, index_of, square_root, where, zero_like
 
 
 @kernel
@@ -74,7 +74,8 @@ def quaternion(scene, phase, i):
     """Rotation of a body since it was built."""
     if i < scene.n:
         return phase.q0[i], phase.q1[i], phase.q2[i], phase.q3[i]
-    return 1.0, 0.0, 0.0, 0.0
+    zero = zero_like(phase.q0[0])
+    return 1.0 + zero, zero, zero, zero
 
 
 class Point(NamedTuple):
@@ -89,7 +90,8 @@ class Point(NamedTuple):
 def point_of(scene, phase, i, x, y, z):
     """The point of body i that was at (x, y, z) from its centroid as built."""
     if i == scene.n:
-        return Point((0.0, 0.0, 0.0), (x, y, z), (0.0, 0.0, 0.0))
+        none = (zero_like(x), zero_like(x), zero_like(x))
+        return Point(none, (x, y, z), none)
     turn = turned(scene.poses, i, x, y, z)
     arm = (x + turn[0], y + turn[1], z + turn[2])
     spin = (scene.poses.wx[i], scene.poses.wy[i], scene.poses.wz[i])
@@ -110,7 +112,7 @@ class Relative(NamedTuple):
     turn: object  # rad, kappa
     turn_rate: object
     vector: object  # of the relative quaternion
-    per_scalar: float  # 1 / (1 + its scalar)
+    per_scalar: object  # 1 / (1 + its scalar)
     arm_a: object  # m, from the centroids to the centres of the faces
     arm_b: object
 
@@ -148,17 +150,17 @@ def _frame(joints, j, q0, q1, q2, q3):
 def relative_motion(scene, phase, j):
     """The relative motion of joint j."""
     joints, poses = scene.joints, scene.poses
-    a, b = int(joints.upper[j]), int(joints.lower[j])
+    a, b = index_of(joints.upper[j]), index_of(joints.lower[j])
     a0, a1, a2, a3 = quaternion(scene, phase, a)
     b0, b1, b2, b3 = quaternion(scene, phase, b)
     scalar = a0 * b0 + a1 * b1 + a2 * b2 + a3 * b3
-    sign = -1.0 if scalar < 0.0 else 1.0  # of the two that mean the same rotation, the near one
+    sign = where(scalar < 0.0, -1.0, 1.0 + zero_like(scalar))  # of the two that mean the same rotation, the near one
     a0, a1, a2, a3, scalar = sign * a0, sign * a1, sign * a2, sign * a3, sign * scalar
     # conj(b) a, its vector; rounding of both quaternions cancels in it
     v1 = b0 * a1 - b1 * a0 - b2 * a3 + b3 * a2
     v2 = b0 * a2 - b2 * a0 - b3 * a1 + b1 * a3
     v3 = b0 * a3 - b3 * a0 - b1 * a2 + b2 * a1
-    norm = 1.0 / math.sqrt(2.0 + 2.0 * scalar)
+    norm = 1.0 / square_root(2.0 + 2.0 * scalar)
     e1, e2, e3 = _frame(joints, j, norm * (a0 + b0), norm * (a1 + b1), norm * (a2 + b2), norm * (a3 + b3))
     vector = (
         joints.e1x[j] * v1 + joints.e1y[j] * v2 + joints.e1z[j] * v3,
@@ -200,7 +202,7 @@ def push(poses, i, arm, force, couple, sign):
 def accelerate_bodies(scene, phase, rates, ax, ay, az):
     """Rates of the phase under the forces on the bodies and the acceleration of the base, m/s2."""
     bodies, poses, gravity = scene.bodies, scene.poses, scene.settings.gravity
-    flat = scene.settings.in_plane != 0.0
+    flat = any_of(scene.settings.in_plane != 0.0)
     for i in range(scene.n):
         q0, q1, q2, q3 = phase.q0[i], phase.q1[i], phase.q2[i], phase.q3[i]
         w = phase.wx[i], phase.wy[i], phase.wz[i]

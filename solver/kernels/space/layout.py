@@ -32,7 +32,6 @@ BODIES = Table(
     "drop",  # m: a block this far below its place as built has fallen
 )
 POLYGON, ROUND = 0.0, 1.0  # sections
-MOST_CORNERS = 64  # of a section
 JOINTS = Table(
     *("upper", "lower"),  # numbers of the bodies A and B
     *("ax", "ay", "az", "bx", "by", "bz"),  # m, the centre of the joint from the centroids of A and B, as built
@@ -96,7 +95,6 @@ RESULTANTS = Table(  # of m joints, along the axes of the joint
     *("z1", "z2", "z3"),  # their elastic parts
 )
 PULLS = Table("force", "stretch", "elastic")  # of k ties: N, m; the elastic part of the stretch
-SCRATCH = 6 * (MOST_CORNERS + 4)  # of a polygon that is cut
 STAGES = 13  # of a step of order 8, with its start and its end
 
 # --- an output row
@@ -147,7 +145,7 @@ SEEN = 5  # output rows of a step: at its start, in its middle, at its end, of a
 
 def work_size(n: int, m: int, k: int) -> int:
     """Length of the work array: its parts in the order of `entries.scene_of`."""
-    of_evaluation = POSES.size(n + 1) + RESULTANTS.size(m) + PULLS.size(k) + 2 * (MEMORY.size(m) + k) + SCRATCH
+    of_evaluation = POSES.size(n + 1) + RESULTANTS.size(m) + PULLS.size(k) + 2 * (MEMORY.size(m) + k)
     return int(rows_size(n, m, k)) + of_evaluation
 
 
@@ -174,7 +172,6 @@ class Scene(NamedTuple):
     giving: object  # the rate of the memory
     giving_slips: object
     giving_plastic: object
-    scratch: object
     rows: object  # states and rates of a step, then output rows
 
 
@@ -214,6 +211,5 @@ def lay_scene(n, m, k, model, control, counts, peaks, work):
         giving,
         _memory(giving, m),
         giving[_PER_JOINT * m :],
-        giving[_PER_JOINT * m + k :],
         work,
     )

@@ -6,6 +6,7 @@ A step ends at each sample of the record.
 import math
 
 from ..numba_ext.jit import kernel, leaf
+from ..numba_ext.lanes import greater, lesser, where, zero_like
 from ..numba_ext.views import copy
 from ..stepping.control import LEAST_ERROR, SAFETY, SHRINK, growth
 from .attempt import attempt, evaluate_at, rate, size_of
@@ -23,53 +24,58 @@ STILL = 1e-8  # of gravity, and of the rates that errors are measured against: l
 
 
 @kernel
-def _take_stock(scene, phase):
-    """Note the largest motion so far, rad and rad/s; displacements count over the extent of the structure."""
+def largest_motion(scene, phase):
+    """The largest motion so far, rad and rad/s; displacements count over the extent of the structure."""
     control, per = scene.control, 1.0 / scene.settings.extent
     place, rate = control.largest, control.largest_rate
     for i in range(scene.n):
-        place = max(place, per * size_of(phase.ux[i], phase.uy[i], phase.uz[i]))
-        place = max(place, 2.0 * size_of(phase.q1[i], phase.q2[i], phase.q3[i]))
-        rate = max(rate, per * size_of(phase.vx[i], phase.vy[i], phase.vz[i]))
-        rate = max(rate, size_of(phase.wx[i], phase.wy[i], phase.wz[i]))
-    control.largest, control.largest_rate = place, rate
+        place = greater(place, per * size_of(phase.ux[i], phase.uy[i], phase.uz[i]))
+        place = greater(place, 2.0 * size_of(phase.q1[i], phase.q2[i], phase.q3[i]))
+        rate = greater(rate, per * size_of(phase.vx[i], phase.vy[i], phase.vz[i]))
+        rate = greater(rate, size_of(phase.wx[i], phase.wy[i], phase.wz[i]))
+    return place, rate
 
 
 @kernel
-def _fallen(scene, phase):
+def _take_stock(scene, phase):
+    scene.control.largest, scene.control.largest_rate = largest_motion(scene, phase)
+
+
+@kernel
+def fallen(scene, phase):
     """Number, from 1, of a block that lies far below its place as built; 0 if there is none."""
-    for i in range(scene.n):
-        if not phase.uz[i] > -scene.bodies.drop[i]:
-            return i + 1
-    return 0
+    found = zero_like(phase.uz[0])
+    for k in range(scene.n):
+        i = scene.n - 1 - k
+        found = where(phase.uz[i] > -scene.bodies.drop[i], found, i + 1.0)
+    return found
 
 
 @kernel
-def _rests(scene, phase, rates):
-    """Whether nothing moves, nor begins to."""
+def moves(scene, phase, rates):
+    """Whether something moves, or begins to."""
     rate, force = STILL * scene.settings.rate_floor, STILL * scene.settings.gravity
+    found = rate < 0.0
     for i in range(scene.n):
-        moves = size_of(phase.vx[i], phase.vy[i], phase.vz[i]) > rate * scene.bodies.size[i]
-        moves = moves or size_of(phase.wx[i], phase.wy[i], phase.wz[i]) > rate
-        starts = size_of(rates.vx[i], rates.vy[i], rates.vz[i]) > force
-        starts = starts or size_of(rates.wx[i], rates.wy[i], rates.wz[i]) * scene.bodies.size[i] > force
-        if moves or starts:
-            return False
-    return True
+        size = scene.bodies.size[i]
+        found = found | (size_of(phase.vx[i], phase.vy[i], phase.vz[i]) > rate * size)
+        found = found | (size_of(phase.wx[i], phase.wy[i], phase.wz[i]) > rate)
+        found = found | (size_of(rates.vx[i], rates.vy[i], rates.vz[i]) > force)
+        found = found | (size_of(rates.wx[i], rates.wy[i], rates.wz[i]) * size > force)
+    return found
 
 
 @kernel
-def _relaxing(scene):
+def relaxing(scene):
     """The shortest time constant, s, of a joint that slides or a tie that yields at the start of a step."""
     n, m = scene.n, scene.m
-    giving, shortest = rate(scene, 0)[_PER_BODY * n :], math.inf
+    giving, shortest = rate(scene, 0)[_PER_BODY * n :], math.inf + zero_like(scene.settings.relaxation)
     slips = _memory(giving, m)
     for j in range(m):
-        if slips.p1[j] != 0.0 or slips.p2[j] != 0.0 or slips.p3[j] != 0.0:
-            shortest = min(shortest, scene.joints.shear_damping[j])
+        slides = (slips.p1[j] != 0.0) | (slips.p2[j] != 0.0) | (slips.p3[j] != 0.0)
+        shortest = where(slides, lesser(shortest, scene.joints.shear_damping[j]), shortest)
     for e in range(_PER_JOINT * m, _PER_JOINT * m + scene.k):
-        if giving[e] != 0.0:
-            shortest = min(shortest, scene.settings.relaxation)
+        shortest = where(giving[e] != 0.0, lesser(shortest, scene.settings.relaxation), shortest)
     return shortest
 
 
@@ -114,9 +120,9 @@ def _finish(scene, shaking, watch, segment, t, h):
     _take_stock(scene, phase)
     track_peaks(scene, shaking, segment, t, h)
     _serve_rows(scene, shaking, watch, segment, t, h)
-    fallen = _fallen(scene, phase)
-    if fallen > 0:
-        scene.counts.fallen, scene.control.fall_time = fallen, t + h
+    block = int(fallen(scene, phase))
+    if block > 0:
+        scene.counts.fallen, scene.control.fall_time = block, t + h
     copy(row(scene, START), row(scene, END), moving(scene))
     copy(rate(scene, 0), rate(scene, STAGES - 1), moving(scene))
 
@@ -140,7 +146,7 @@ def advance(scene, shaking, watch, state, t, stop, most):
             code = PAUSED
             break
         made += 1
-        if is_quiet(shaking, segment) and _rests(scene, _phase(begin, scene.n), _phase(rate(scene, 0), scene.n)):
+        if is_quiet(shaking, segment) and not moves(scene, _phase(begin, scene.n), _phase(rate(scene, 0), scene.n)):
             counts.resting = 1
             t = stop
             break
@@ -151,7 +157,7 @@ def advance(scene, shaking, watch, state, t, stop, most):
         if shaking.base.omega != 0.0:
             most_step = min(most_step, 1.0 / shaking.base.omega)
         if scene.settings.gives_way != 0.0:
-            most_step = min(most_step, STABLE * _relaxing(scene))
+            most_step = min(most_step, STABLE * relaxing(scene))
         h = _shared(most_step, end - t)
         error = attempt(scene, shaking, segment, t, h)
         if not error <= 1.0:

@@ -1,8 +1,7 @@
 """Ties: rods, clamps, tendons and dampers between two points."""
 
-import math
-
 from ..numba_ext.jit import kernel, leaf
+from ..numba_ext.lanes import index_of, magnitude, opposite, square_root, where, with_sign, zero_like
 from .kinematics import minus, point_of, push
 
 
@@ -10,7 +9,7 @@ from .kinematics import minus, point_of, push
 def _ends(scene, phase, e):
     """The two ends of tie e, and the vector between them as built, m."""
     ties, bodies = scene.ties, scene.bodies
-    a, b = int(ties.one[e]), int(ties.other[e])
+    a, b = index_of(ties.one[e]), index_of(ties.other[e])
     one = point_of(scene, phase, a, ties.ax[e], ties.ay[e], ties.az[e])
     other = point_of(scene, phase, b, ties.bx[e], ties.by[e], ties.bz[e])
     built = (
@@ -31,25 +30,27 @@ def load_tie(scene, phase, e):
     one, other, built = _ends(scene, phase, e)
     moved = minus(other.moved, one.moved)
     x, y, z = built[0] + moved[0], built[1] + moved[1], built[2] + moved[2]
-    length = math.sqrt(x * x + y * y + z * z)
+    length = square_root(x * x + y * y + z * z)
     x, y, z = x / length, y / length, z / length
     pace = minus(other.velocity, one.velocity)
     rate = x * pace[0] + y * pace[1] + z * pace[2]
     stretch = length - ties.length[e]
-    own, giving = stretch - scene.plastic[e], 0.0
-    elastic, is_slack = ties.stiffness[e] * own, ties.tension_only[e] != 0.0 and own <= 0.0
-    if abs(elastic) > ties.yields_at[e] and not is_slack:
-        reach = math.copysign(ties.yields_at[e] / ties.stiffness[e], own)
-        giving = (own - reach) / scene.settings.relaxation
-        elastic, own = ties.stiffness[e] * reach, reach
-    force = elastic + ties.damping[e] * rate
-    if is_slack or (ties.tension_only[e] != 0.0 and force <= 0.0):
-        force, giving = 0.0, 0.0
+    own = stretch - scene.plastic[e]
+    slackens = ties.tension_only[e] != 0.0
+    is_slack = slackens & (own <= 0.0)
+    yields = (ties.stiffness[e] * magnitude(own) > ties.yields_at[e]) & opposite(is_slack)
+    reach = where(yields, with_sign(ties.yields_at[e] / ties.stiffness[e], own), own)
+    force = ties.stiffness[e] * reach + ties.damping[e] * rate
+    loose = is_slack | (slackens & (force <= 0.0))
+    force = where(loose, 0.0, force)
+    giving = where(loose, 0.0, (own - reach) / scene.settings.relaxation)
+    own = reach
     pulls.force[e], pulls.stretch[e], pulls.elastic[e] = force, stretch, own
     scene.giving_plastic[e] = giving
-    pull, none = (force * x, force * y, force * z), (0.0, 0.0, 0.0)
-    push(scene.poses, int(ties.one[e]), one.arm, pull, none, 1.0)
-    push(scene.poses, int(ties.other[e]), other.arm, pull, none, -1.0)
+    zero = zero_like(force)
+    pull, none = (force * x, force * y, force * z), (zero, zero, zero)
+    push(scene.poses, index_of(ties.one[e]), one.arm, pull, none, 1.0)
+    push(scene.poses, index_of(ties.other[e]), other.arm, pull, none, -1.0)
 
 
 @leaf
@@ -57,6 +58,5 @@ def tie_energy(scene, e):
     """Elastic energy of tie e, J, of the last evaluation."""
     ties, pulls = scene.ties, scene.pulls
     stretch = pulls.elastic[e]
-    if ties.tension_only[e] != 0.0 and stretch <= 0.0:
-        return 0.0
-    return 0.5 * ties.stiffness[e] * stretch * stretch
+    slack = (ties.tension_only[e] != 0.0) & (stretch <= 0.0)
+    return where(slack, 0.0, 0.5 * ties.stiffness[e] * stretch * stretch)
