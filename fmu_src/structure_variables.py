@@ -154,7 +154,7 @@ def _sizes(structure: Structure) -> dict[str, float]:
     corners = np.concatenate([block.corners for block in structure.blocks])
     extent = float(np.max(np.ptp(corners, axis=0)))
     weight = (structure.g or STANDARD_GRAVITY) * sum(block.mass for block in structure.blocks)
-    area = min((joint.moments()[0] for joint in structure.joints), default=1.0)
+    area = min((joint.face.moments[0] for joint in structure.joints), default=1.0)
     return {
         "m": 1e-3 * extent,
         "rad": 1e-3,

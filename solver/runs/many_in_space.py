@@ -4,29 +4,35 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from ..common.errors import InputError, SolverError, shown
 from ..common.executors import cores
+from ..common.turns import others_turn
 from ..ground.motion import Motion
 from ..space.response import SpatialResponse
+from ..space.rest import Rest, rest_of
 from ..space.run import simulate_structure
 from ..space.structure import Structure
+from .batch_in_space import FROM_LANES, RunInSpace, follow_in_lanes, kind_of
 from .outputs import Kept
 from .single_run import SETTLE
 from .table import WORDS, Table
 
 Callback = Callable[[int, int | None], object]
+Made = dict[str, Any] | str | InputError  # results by name, why the solver failed, what is wrong
+SCALAR = "scalar"
 OF_RUN = {
     "verdict": Kept(kind=np.uint8),
     "overturn_time": Kept("s", np.float64),
     "steps": Kept(kind=np.int64),
     "evaluations": Kept(kind=np.int64),
     "settled_for": Kept("s", np.float64),
+    "path": Kept(kind=np.uint8),
 }
 _UNITS = {
     "block": {"u": "m", "ux": "m", "uy": "m", "uz": "m", "rx": "rad", "ry": "rad", "rz": "rad"},
@@ -40,15 +46,9 @@ KEPT: dict[str, Kept] = {
     "least_contact": Kept("", None, "joint"),
 }
 COST = 1e-3  # s for a block and a second of motion, roughly
-ROWS = 0.02  # s, between the rows from which the peak of u is taken
-
-
-class RunInSpace(NamedTuple):
-    """One run, from rest."""
-
-    structure: Structure
-    motion: Motion
-    duration: float  # s
+WORTH = 20.0  # s, all runs one by one: from there on lanes are worth their compilation
+AT_ONCE = 64  # runs, at most, that a thread sends through lanes
+ROWS = 0.005  # s, between the rows from which the peak of u is taken
 
 
 def guessed_cost_in_space(run: RunInSpace) -> float:
@@ -87,41 +87,85 @@ def simulate_structures(
         raise InputError(f"motions: {len(shaken)}, must be 1 or as many as structures, {len(models)}")
     models, shaken = models * (count // len(models)), shaken * (count // len(shaken))
 
-    def make(k: int) -> SpatialResponse | str:
-        length = shaken[k].duration if duration is None else duration
-        return made_alone(RunInSpace(models[k].with_settings(tolerance=tolerance), shaken[k], length), keep, settle)
-
-    made: list[SpatialResponse | str] = []
-    with ThreadPoolExecutor(threads or cores(), thread_name_prefix="runs") as pool:
-        for found in pool.map(make, range(count)):
-            made.append(found)
+    lengths = [motion.duration if duration is None else duration for motion in shaken]
+    runs = [
+        RunInSpace(model.with_settings(tolerance=tolerance), motion, length)
+        for model, motion, length in zip(models, shaken, lengths, strict=True)
+    ]
+    workers = threads or cores()
+    each = max(1, min(AT_ONCE, math.ceil(count / workers)))
+    lanes = worth_lanes(sum(map(guessed_cost_in_space, runs)), keep)
+    parts = [runs[k : k + each] for k in range(0, count, each)] if lanes else [[run] for run in runs]
+    made: list[Made] = []
+    with ThreadPoolExecutor(workers, thread_name_prefix="runs") as pool:
+        for found in pool.map(lambda part: made_runs(part, keep, settle, lanes), parts):
+            made += found
             if callback is not None:
                 callback(len(made), count)
-    columns = {name: _column(name, made, models) for name in dict.fromkeys(keep)}
+    for found_one in made:
+        if isinstance(found_one, InputError):
+            raise found_one
+    columns = {name: _column(name, made) for name in dict.fromkeys(keep)}
     failures = {k: found for k, found in enumerate(made) if isinstance(found, str)}
-    verdicts = Counter("failed" if isinstance(found, str) else found.verdict for found in made)
+    verdicts = Counter(found["verdict"] if isinstance(found, dict) else "failed" for found in made)
+    paths = Counter(found["path"] if isinstance(found, dict) else SCALAR for found in made)
     of = {name: KEPT[name].of for name in columns}
-    return Table(columns, {"runs": count, "failures": failures, "verdicts": dict(verdicts)}, of=of)
+    stats = {"runs": count, "failures": failures, "verdicts": dict(verdicts), "paths": dict(paths)}
+    return Table(columns, stats, of=of)
 
 
-def made_alone(run: RunInSpace, keep: Sequence[str], settle: float) -> SpatialResponse | str:
+def worth_lanes(cost: float, keep: Sequence[str]) -> bool:
+    """Whether runs of this guessed cost, s, that keep these results are made eight at once, those that can be."""
+    return cost >= WORTH and FROM_LANES.issuperset(keep)
+
+
+def made_runs(runs: Sequence[RunInSpace], keep: Sequence[str], settle: float, lanes: bool) -> list[Made]:
+    """Results of runs by name, in one thread; why the solver could not make it, or what is wrong with a structure.
+
+    lanes: whether they are made eight at once, where they can be. The result of a run does not depend on the others.
+    """
+    made: list[Made] = [{} for _ in runs]
+    groups: dict[Hashable, list[tuple[int, Rest]]] = {}
+    for k, run in enumerate(runs):
+        kind = kind_of(run) if lanes else None
+        if kind is not None:
+            try:
+                groups.setdefault(kind, []).append((k, rest_of(run.structure)))
+            except InputError as error:
+                made[k] = error
+    for places in groups.values():
+        found = follow_in_lanes([runs[k] for k, _ in places], [rest for _, rest in places], settle)
+        for (k, _), one in zip(places, found, strict=True):
+            made[k] = one
+    for k, run in enumerate(runs):
+        if not made[k]:
+            try:
+                with others_turn():
+                    made[k] = made_alone(run, keep, settle)
+            except InputError as error:
+                made[k] = error
+    return made
+
+
+def made_alone(run: RunInSpace, keep: Sequence[str], settle: float) -> dict[str, Any] | str:
     """One run, without peaks that are not kept; or why the solver could not make it. Raises InputError."""
     watches = any(name not in (*OF_RUN, "peak_u") for name in keep)
     structure, motion, duration = run
     structure = structure.with_settings(without=None if watches else ("peaks",))
     times = motion.start + ROWS * np.arange(math.floor(duration / ROWS + 1e-9) + 1, dtype=np.float64)
     try:
-        return simulate_structure(structure, motion, duration, times, settle=settle)
+        found = simulate_structure(structure, motion, duration, times, settle=settle)
     except SolverError as failure:
         return str(failure)
+    return {name: _value(name, found) for name in dict.fromkeys((*keep, "verdict", "path"))}
 
 
-def _column(name: str, made: list[SpatialResponse | str], models: list[Structure]) -> Any:
+def _column(name: str, made: Sequence[Made]) -> Any:
     """The column of a result: a number of each run, or of each block, joint or tie; NaN fills what is missing."""
-    if name == "verdict":
-        words = ["undecided" if isinstance(found, str) else found.verdict for found in made]
-        return np.array([WORDS["verdict"].index(word) for word in words], dtype=np.uint8)
-    values = [math.nan if isinstance(found, str) else kept_value(name, found) for found in made]
+    if name in WORDS:
+        words = [found[name] if isinstance(found, dict) else WORDS[name][0] for found in made]
+        return np.array([WORDS[name].index(word) for word in words], dtype=np.uint8)
+    values = [found[name] if isinstance(found, dict) else math.nan for found in made]
     if name in OF_RUN:
         return np.array(values)
     width = max(np.size(value) for value in values)
@@ -131,12 +175,14 @@ def _column(name: str, made: list[SpatialResponse | str], models: list[Structure
     return table
 
 
-def kept_value(name: str, found: SpatialResponse) -> Any:
-    """A result of a run, one of KEPT; the verdict as a word."""
+def _value(name: str, found: SpatialResponse) -> Any:
+    """A result of a run, one of KEPT; words as such."""
     if name == "verdict":
         return found.verdict
     if name == "overturn_time":
         return found.overturn_time
+    if name == "path":
+        return SCALAR
     if name in OF_RUN:
         return found.stats[name]
     return found.peaks["contact" if name == "least_contact" else name.removeprefix("peak_")]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,6 +18,7 @@ FLOOR = 1e-3  # of the motion under which the structure settles as it is loaded:
 # Errors die out with the motion of the joints. Where that keeps ringing they add up: a step may add this part of the
 # tolerance, by which the energy changes by some 1e-2 to 1e-1 of it in a second
 RINGING_PART = 3e-5
+RINGING_ORDER = 8.0  # of the method then
 # least damping along a joint that may slide, times the frequency of the fastest joint: the elastic slip turns with the
 # motion within that time, which explicit steps must follow
 RELAXATION = 0.1
@@ -45,7 +47,19 @@ class State(NamedTuple):
 def model_of(
     solids: tuple[Solid, ...], joints: tuple[Joint, ...], ties: tuple[Tie, ...], g: float, tolerance: float
 ) -> Model:
-    """The arrays of a structure."""
+    """The arrays of a structure, its own but for those that no run changes."""
+    parts = _parts_of(solids, joints, ties, g)
+    settings = parts.settings.copy()
+    see = at.SETTINGS.see(settings)
+    see.tolerance = tolerance
+    rings = see.order == RINGING_ORDER
+    see.step_tolerance = max(LEAST_TOLERANCE, RINGING_PART * tolerance) if rings else tolerance
+    return parts._replace(settings=settings)
+
+
+@lru_cache(maxsize=64)
+def _parts_of(solids: tuple[Solid, ...], joints: tuple[Joint, ...], ties: tuple[Tie, ...], g: float) -> Model:
+    """The arrays of a structure, without tolerances."""
     n, m, k = len(solids), len(joints), len(ties)
     model = Model(
         np.zeros(at.SETTINGS.beside),
@@ -54,7 +68,7 @@ def model_of(
         np.zeros(at.TIES.size(k)),
         np.concatenate([np.zeros(0), *(joint.face.outline.ravel() for joint in joints)]),
     )
-    _fill_bodies(at.BODIES.see(model.bodies, n + 1), solids)
+    model.bodies[:] = _bodies_of(solids)
     table = at.JOINTS.see(model.joints, m)
     place = 0
     for j, joint in enumerate(joints):
@@ -63,7 +77,7 @@ def model_of(
     for e, tie in enumerate(ties):
         _fill_tie(at.TIES.see(model.ties, k), e, tie, solids)
     settings = at.SETTINGS.see(model.settings)
-    _fill_settings(settings, table, solids, joints, g, tolerance)
+    _fill_settings(settings, table, solids, joints, g)
     slides = any(joint.bed.friction is not None for joint in joints)
     settlement = settings.motion_floor * settings.extent / FLOOR
     for j, joint in enumerate(joints):
@@ -97,7 +111,10 @@ def centroid_of(solids: tuple[Solid, ...], i: int) -> FloatArray:
     return solids[i].centroid if i < len(solids) else np.zeros(3)
 
 
-def _fill_bodies(table: Any, solids: tuple[Solid, ...]) -> None:
+@lru_cache(maxsize=64)
+def _bodies_of(solids: tuple[Solid, ...]) -> FloatArray:
+    numbers = np.zeros(at.BODIES.size(len(solids) + 1))
+    table = at.BODIES.see(numbers, len(solids) + 1)
     for i, solid in enumerate(solids):
         table.mass[i], table.per_mass[i] = solid.mass, 1.0 / solid.mass
         for prefix, tensor in (("j", solid.inertia), ("i", np.linalg.inv(solid.inertia))):
@@ -112,6 +129,14 @@ def _fill_bodies(table: Any, solids: tuple[Solid, ...]) -> None:
                 getattr(table, prefix + name)[i] = tensor[row, column]
         table.x[i], table.y[i], table.z[i] = solid.centroid
         table.size[i], table.drop[i] = solid.size, solid.drop
+    return numbers
+
+
+@lru_cache(maxsize=64)
+def _extent_of(solids: tuple[Solid, ...]) -> float:
+    """m, by which displacements become rotations of the whole."""
+    corners = np.concatenate([solid.corners for solid in solids])
+    return max(float(np.max(corners[:, 2])), 0.1 * float(np.max(np.ptp(corners, axis=0))))
 
 
 def _fill_joint(table: Any, j: int, joint: Joint, solids: tuple[Solid, ...], place: int) -> None:
@@ -124,14 +149,14 @@ def _fill_joint(table: Any, j: int, joint: Joint, solids: tuple[Solid, ...], pla
     for k in range(3):
         for axis, part in zip("xyz", face.axes[:, k], strict=True):
             getattr(table, f"e{k + 1}{axis}")[j] = part
-    area, ixx, iyy, ixy = joint.moments()
+    area, ixx, iyy, ixy = joint.face.moments
     table.area[j], table.ixx[j], table.iyy[j], table.ixy[j] = area, ixx, iyy, ixy
     table.stiffness[j], table.damping[j] = bed.stiffness, bed.damping
     shear = bed.shear_ratio * bed.stiffness
     table.shear[j], table.twist[j] = shear * area, shear * (ixx + iyy)
     table.shear_damping[j] = bed.damping if bed.shear_damping is None else bed.shear_damping
     table.friction[j] = math.inf if bed.friction is None else bed.friction
-    table.dowel[j], table.arm[j] = bed.dowel, joint.arm()
+    table.dowel[j], table.arm[j] = bed.dowel, joint.face.arm
     table.section[j] = at.ROUND if face.radius else at.POLYGON
     table.outer[j], table.inner[j] = face.radius, face.bore
     table.first[j], table.corners[j] = place, len(face.outline)
@@ -149,23 +174,19 @@ def _fill_tie(table: Any, e: int, tie: Tie, solids: tuple[Solid, ...]) -> None:
     table.yields_at[e] = math.inf if tie.yield_ is None else tie.yield_
 
 
-def _fill_settings(
-    settings: Any, table: Any, solids: tuple[Solid, ...], joints: tuple[Joint, ...], g: float, tolerance: float
-) -> None:
-    corners = np.concatenate([solid.corners for solid in solids])
-    extent = max(float(np.max(corners[:, 2])), 0.1 * float(np.max(np.ptp(corners, axis=0))))
+def _fill_settings(settings: Any, table: Any, solids: tuple[Solid, ...], joints: tuple[Joint, ...], g: float) -> None:
+    extent = _extent_of(solids)
     fastest = 1e-12
     for j, joint in enumerate(joints):
         for body in (joint.upper, joint.lower):
             if body < len(solids):
                 fastest = max(fastest, float(table.stiffness[j] * table.area[j]) / solids[body].mass)
     frequency = math.sqrt(2.0 * fastest)
-    settings.gravity, settings.tolerance = g, tolerance
+    settings.gravity = g
     settings.first_step = FIRST / frequency
     damping = max((min(table.damping[j], table.shear_damping[j]) for j in range(len(joints))), default=0.0)
     rings = 0.5 * damping * frequency < LIGHTLY_DAMPED
-    settings.order = 8.0 if rings else 5.0
-    settings.step_tolerance = max(LEAST_TOLERANCE, RINGING_PART * tolerance) if rings else tolerance
+    settings.order = RINGING_ORDER if rings else 5.0
     settings.extent = extent
     settings.motion_floor = max(1e-12, FLOOR * max(g, 1e-3) / fastest / extent)
     settings.rate_floor = settings.motion_floor * math.sqrt(max(g, 1e-3) / extent)

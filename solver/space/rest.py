@@ -129,7 +129,7 @@ def full_stiffness(structure: Structure) -> FloatArray:
     n = structure.n
     matrix = np.zeros((6 * (n + 1), 6 * (n + 1)))
     for joint in structure.joints:
-        area, ixx, iyy, ixy = joint.moments()
+        area, ixx, iyy, ixy = joint.face.moments
         across, along = joint.bed.stiffness, joint.bed.shear_ratio * joint.bed.stiffness
         own = np.diag([along * area, along * area, across * area, across * iyy, across * ixx, along * (ixx + iyy)])
         own[3, 4] = own[4, 3] = -across * ixy
@@ -153,7 +153,10 @@ def _moved(structure: Structure, axes: FloatArray, point: FloatArray, body: int)
     """Displacement and rotation, along axes, at a point of a body by its six coordinates, (6, 6)."""
     x, y, z = point - centroid_of(structure.blocks, body)
     lever = np.array([[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]])
-    return np.block([[axes.T, axes.T @ lever], [np.zeros((3, 3)), axes.T]])
+    found = np.zeros((6, 6))
+    found[:3, :3] = found[3:, 3:] = axes.T
+    found[:3, 3:] = axes.T @ lever
+    return found
 
 
 def _add(matrix: FloatArray, part: FloatArray, one: int, other: int) -> None:
@@ -167,26 +170,34 @@ def _move(stepper: Stepper, change: FloatArray) -> None:
     see.ux += parts[:, 0]
     see.uy += parts[:, 1]
     see.uz += parts[:, 2]
-    half = 0.5 * parts[:, 3:]
-    scalar = np.sqrt(np.maximum(0.0, 1.0 - np.sum(half**2, axis=1)))
-    q0, q = see.q0.copy(), np.column_stack([see.q1, see.q2, see.q3])
-    see.q0[:] = scalar * q0 - np.sum(half * q, axis=1)
-    see.q1[:], see.q2[:], see.q3[:] = (scalar[:, None] * q + q0[:, None] * half + np.cross(half, q)).T
+    half = 0.5 * parts[:, 3:].T
+    scalar = np.sqrt(np.maximum(0.0, 1.0 - np.sum(half**2, axis=0)))
+    q0, q = see.q0.copy(), np.array([see.q1, see.q2, see.q3])
+    see.q0[:] = scalar * q0 - np.sum(half * q, axis=0)
+    see.q1[:], see.q2[:], see.q3[:] = scalar * q + q0 * half + _cross(half, q)
 
 
 def residual_of(stepper: Stepper) -> tuple[FloatArray, float]:
     """Forces and moments on the blocks that are not in balance, N and N m about the axes of the base; energy, J."""
     energy = stepper.observe()
-    rates = at.PHASE.see(stepper.rates, stepper.structure.n)
-    see = stepper.see
-    found = np.zeros((stepper.structure.n, 6))
-    for i, block in enumerate(stepper.structure.blocks):
-        found[i, :3] = block.mass * np.array([rates.vx[i], rates.vy[i], rates.vz[i]])
-        own = block.inertia @ np.array([rates.wx[i], rates.wy[i], rates.wz[i]])
-        q0, q = see.q0[i], np.array([see.q1[i], see.q2[i], see.q3[i]])
-        across = np.cross(q, own)
-        found[i, 3:] = own + 2.0 * (q0 * across + np.cross(q, across))
-    return found.ravel(), energy
+    n, see = stepper.structure.n, stepper.see
+    rates, bodies = at.PHASE.see(stepper.rates, n), at.BODIES.see(stepper.model.bodies, n + 1)
+    own = np.array(
+        [
+            bodies.jxx[:n] * rates.wx + bodies.jxy[:n] * rates.wy + bodies.jxz[:n] * rates.wz,
+            bodies.jxy[:n] * rates.wx + bodies.jyy[:n] * rates.wy + bodies.jyz[:n] * rates.wz,
+            bodies.jxz[:n] * rates.wx + bodies.jyz[:n] * rates.wy + bodies.jzz[:n] * rates.wz,
+        ]
+    )
+    q = np.array([see.q1, see.q2, see.q3])
+    across = _cross(q, own)
+    forces = bodies.mass[:n] * np.array([rates.vx, rates.vy, rates.vz])
+    return np.concatenate([forces, own + 2.0 * (see.q0 * across + _cross(q, across))]).T.ravel(), energy
+
+
+def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
+    """Vector products of columns, (3, n); numpy's own takes longer than all the rest for a few blocks."""
+    return np.array([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
 
 
 def _balance(stepper: Stepper, linear: FloatArray, delta: FloatArray, close: float) -> bool:

@@ -67,7 +67,7 @@ class Stepper:
         after_chunk: Callable[[float], None] | None = None,
     ) -> FloatArray:
         """Follow a motion, or a still base, from t to `stop`, s; a row for each of `times`. Raises SolverError."""
-        record = _SILENCE if motion is None else self._drive(motion)
+        record = _SILENCE if motion is None else self.drive(motion)
         rows = np.zeros((len(times), at.row_size(*self.sizes)))
         self.counts.next_row = 0
         most = max(100, int(AT_ONCE / (7 * max(1, self.sizes[1]))))
@@ -92,7 +92,7 @@ class Stepper:
             self.observe()
             rows[first:] = self.row
 
-    def _drive(self, motion: Motion) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    def drive(self, motion: Motion) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
         """The record of a motion for the kernels; its harmonic part is set."""
         base = at.BASE.see(self.base)
         base.held, base.scale = float(motion.hold), 1.0

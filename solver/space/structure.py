@@ -6,7 +6,7 @@ import copy
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,6 +16,7 @@ from ..common.errors import InputError, reading, shown
 from ..common.files import check_file_name, toml_of
 from ..common.notebook import Shown, counted, outlines
 from .arrays import Model, centroid_of, model_of
+from .blocks.faces import Face
 from .blocks.parts import BASE, TOLERANCE, Joint, Solid, Tie
 from .stack import stacked
 from .structure_file import parts_from, written_out
@@ -121,7 +122,7 @@ class Structure(Shown):
         """Weight of all blocks, N."""
         return self.g * sum(block.mass for block in self.blocks)
 
-    @property
+    @cached_property
     def is_plane(self) -> bool:
         """Whether blocks and joints are their own mirror images about the plane x, z."""
         blocks = all(
@@ -129,7 +130,7 @@ class Structure(Shown):
             for block in self.blocks
         )
         ties = all(tie.from_[1] == 0.0 and tie.to[1] == 0.0 for tie in self.ties)
-        return blocks and ties and all(map(_is_mirrored, self.joints))
+        return blocks and ties and all(_is_mirrored(joint.face) for joint in self.joints)
 
     def with_settings(self, *, tolerance: float | None = None, without: Sequence[str] | None = None) -> Structure:
         """A copy with other settings; None keeps the present one. Raises InputError."""
@@ -173,9 +174,9 @@ class Structure(Shown):
         return cls(**stacked(column))
 
 
-def _is_mirrored(joint: Joint) -> bool:
+@lru_cache(maxsize=1024)
+def _is_mirrored(face: Face) -> bool:
     """Whether a face is its own mirror image about the plane x, z, with axes in it or across it."""
-    face = joint.face
     across = np.abs(face.axes[1, :])
     in_plane = bool(np.all((across < 1e-9) | (across > 1.0 - 1e-9))) and across[2] < 1e-9
     if not in_plane or abs(face.centre[1]) > 1e-9 * face.size:

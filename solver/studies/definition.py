@@ -27,8 +27,8 @@ from ..common.ranges import check_choice, check_keys
 from ..ground.intensity import pgv
 from ..ground.motion import STANDARD_GRAVITY, Motion
 from ..kernels.numba_ext.jit import SOURCES
+from ..runs.batch_in_space import RunInSpace
 from ..runs.chunk import Run
-from ..runs.many_in_space import RunInSpace
 from ..space.structure import Structure
 from .distributions import Random
 from .motions import BESIDE, Measure, Shaking, tilted

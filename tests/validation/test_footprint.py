@@ -47,7 +47,7 @@ def test_a_box(tmp_path: Path, with_faces: bool, unit: float) -> None:
     inertia = 500.0 / 12.0 * (np.sum(SIZES**2) - SIZES**2)
     np.testing.assert_allclose(rock.inertia, np.diag(inertia), atol=1e-9)
     structure = rock.structure(0.5, 1e9, 3e-3, 0.7)
-    assert structure.joints[0].moments()[0] == pytest.approx(0.25 * 0.4 * 0.6, rel=1e-12)
+    assert structure.joints[0].face.moments[0] == pytest.approx(0.25 * 0.4 * 0.6, rel=1e-12)
     assert structure.blocks[0].drop > 0.1  # m: it counts as fallen when it has, not before
 
 

@@ -13,7 +13,8 @@ import numpy as np
 from multiblock import Motion
 from solver.common.errors import InputError
 from solver.common.executors import cores
-from solver.runs.many_in_space import RunInSpace, made_alone
+from solver.runs.batch_in_space import RunInSpace
+from solver.runs.many_in_space import made_alone
 
 from .. import scores
 from ..case import Case, Outcome
@@ -60,7 +61,7 @@ def _falls(run: RunInSpace) -> float:
         made = made_alone(run, ("verdict",), SETTLE)
     except InputError:  # no rest
         return 1.0
-    return float(not isinstance(made, str) and made.verdict == "overturned")
+    return float(not isinstance(made, str) and made["verdict"] == "overturned")
 
 
 def bank(rock: Rock, motions: list[Motion]) -> dict[str, FloatArray]:

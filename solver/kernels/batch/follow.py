@@ -31,6 +31,7 @@ from ..numba_ext.lanes import (
     lane,
     lesser,
     magnitude,
+    splat,
     square_root,
     where,
     with_lane,
@@ -240,12 +241,11 @@ def step_lengths(batch):
 
 
 @kernel
-def control_steps(batch, step, error):
+def control_steps(control, step, error):
     """The mask of lanes whose step is accurate enough; proposes the next steps.
 
     As stepping/control.py, with exponents that can be computed with roots: 5/8 and 5/16 over the order.
     """
-    control = batch.state.control
     good = error <= 1.0
     least = greater(error, LEAST_ERROR)
     fourth = square_root(square_root(least))
@@ -324,7 +324,7 @@ def step_on(batch):
     busy = step > 0.0
     anchor_waves(batch.base, lanes.t)
     _, error = dormand_prince.attempt(batch, lanes.t, step)
-    good = busy & control_steps(batch, step, error)
+    good = busy & control_steps(control, step, error)
     lanes.steps += where(good, 1.0, 0.0)
     lanes.rejected += where(busy & (error > 1.0), 1.0, 0.0)
     step, changed = end_at_changes(batch, step, good)
@@ -383,12 +383,11 @@ def pass_queue(batch, load_run, start_lanes, step_lanes):
     Always inlined: a call would pass the addresses of the functions, and numba does not cache code with addresses.
     """
     queue = batch.queue
-    for k in range(WIDTH):
-        single(batch, k).lane.run = NO_RUN
+    batch.lane.run = splat(NO_RUN)
     waiting, running = 0, 0
     while (waiting < queue.size or running > 0) and queue.flag[0] == 0.0:
         for k in range(WIDTH):
-            if waiting < queue.size and single(batch, k).lane.run < 0.0:
+            if waiting < queue.size and lane(batch.lane.run, k) < 0.0:
                 load_run(batch, k, waiting)
                 waiting += 1
                 running += 1

@@ -120,6 +120,7 @@ _register(operator.ne, (LANES, LANES), MASK, lambda builder, a, b: builder.fcmp_
 _register(operator.neg, (LANES,), LANES, lambda builder, x: builder.fneg(x))
 _register(operator.and_, (MASK, MASK), MASK, lambda builder, a, b: builder.and_(a, b))
 _register(operator.or_, (MASK, MASK), MASK, lambda builder, a, b: builder.or_(a, b))
+_register(operator.xor, (MASK, MASK), MASK, lambda builder, a, b: builder.xor(a, b))
 _register(operator.invert, (MASK,), MASK, lambda builder, x: builder.not_(x))
 
 

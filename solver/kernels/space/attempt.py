@@ -46,8 +46,8 @@ def _scale_quaternions(n, phase):
 
 
 @kernel
-def _attempt_5(scene, shaking, segment, t, h):
-    """One step of h seconds from the row START to END; returns the error in tolerances."""
+def attempt_5(scene, shaking, segment, t, h):
+    """One step of order 5 and of h seconds from the row START to END; returns the error in tolerances."""
     begin, middle, ending = row(scene, START), row(scene, STAGE), row(scene, END)
     count = packs(begin, moving(scene))
     y, stage, end = packs_of(begin), packs_of(middle), packs_of(ending)
@@ -122,9 +122,15 @@ def _error_by(table_row: int) -> Any:
 
 
 @leaf
+def square_of(x, y, z):
+    """Square of the length of a vector."""
+    return x * x + y * y + z * z
+
+
+@leaf
 def size_of(x, y, z):
     """Length of a vector."""
-    return square_root(x * x + y * y + z * z)
+    return square_root(square_of(x, y, z))
 
 
 @leaf
@@ -222,13 +228,14 @@ def _error_in_tolerances(scene, errors, h):
     Displacements of a body count over its size.
     """
     error, zero = _phase(errors, scene.n), zero_like(scene.settings.tolerance)
-    place, rate = zero, zero
+    place, rate = zero, zero  # their squares
     for i in range(scene.n):
-        per = 1.0 / scene.bodies.size[i]
-        place = worse(place, per * size_of(error.ux[i], error.uy[i], error.uz[i]))
-        place = worse(place, 2.0 * (magnitude(error.q0[i]) + size_of(error.q1[i], error.q2[i], error.q3[i])))
-        rate = worse(rate, per * size_of(error.vx[i], error.vy[i], error.vz[i]))
-        rate = worse(rate, size_of(error.wx[i], error.wy[i], error.wz[i]))
+        per = 1.0 / (scene.bodies.size[i] * scene.bodies.size[i])
+        place = worse(place, per * square_of(error.ux[i], error.uy[i], error.uz[i]))
+        place = worse(place, 4.0 * (error.q0[i] * error.q0[i] + square_of(error.q1[i], error.q2[i], error.q3[i])))
+        rate = worse(rate, per * square_of(error.vx[i], error.vy[i], error.vz[i]))
+        rate = worse(rate, square_of(error.wx[i], error.wy[i], error.wz[i]))
+    place, rate = square_root(place), square_root(rate)
     rate = worse(_error_by_kinks(scene, h), rate)
     control, tolerance = scene.control, scene.settings.step_tolerance
     place = worse(rate / (tolerance * control.largest_rate), place / (tolerance * control.largest))
@@ -247,4 +254,4 @@ def attempt(scene, shaking, segment, t, h):
     if scene.settings.order == order_8.ORDER:
         _step(scene, shaking, segment, t, h)
         return order_8.error_of(_error_5(scene, h), _error_3(scene, h))
-    return _attempt_5(scene, shaking, segment, t, h)
+    return attempt_5(scene, shaking, segment, t, h)

@@ -4,7 +4,9 @@ import math
 from typing import NamedTuple
 
 from ..formulations.base_motion import segment_at
-from ..numba_ext.jit import kernel, leaf
+from ..numba_ext.jit import by_width, kernel, leaf
+from ..numba_ext.lanes import LanesType, any_of
+from ..numba_ext.numbers import sine
 
 SLACK = 1e-9  # of a sampling interval: instants closer than this are equal
 
@@ -37,9 +39,24 @@ def is_still(shaking, k):
     return k < 0 or k >= shaking.size - 1
 
 
-@leaf
+@by_width
 def acceleration(shaking, k, t):
-    """(ax, ay, az) of the base at time t on segment k, m/s2."""
+    """(ax, ay, az) of the base at time t on segment k, m/s2; of lanes each on its own segment (in_lanes.py)."""
+    return _of_lanes if isinstance(t, LanesType) else _of_one
+
+
+def _of_lanes(shaking, k, t):
+    base = shaking.base
+    past = t - base.t0
+    ax, ay, az = base.ax + base.jx * past, base.ay + base.jy * past, base.az + base.jz * past
+    if any_of((base.amplitude_x != 0.0) | (base.amplitude_y != 0.0)):
+        wave = sine(base.omega * t + base.phase)
+        ax += base.amplitude_x * wave
+        ay += base.amplitude_y * wave
+    return ax, ay, az
+
+
+def _of_one(shaking, k, t):
     base = shaking.base
     past = t - base.t0
     beside = base.ax + base.jx * past, base.ay + base.jy * past, base.az + base.jz * past

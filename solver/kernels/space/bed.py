@@ -5,7 +5,7 @@ stiffness times q where p and q are positive: the section cut by two half-planes
 parts, so that slivers keep their digits.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from ..numba_ext.jit import leaf
 from ..numba_ext.lanes import where, zero_like
@@ -14,19 +14,19 @@ from ..numba_ext.lanes import where, zero_like
 class Plane(NamedTuple):
     """at + along_x x + along_y y, over the section of a joint."""
 
-    at: object
-    along_x: object
-    along_y: object
+    at: Any
+    along_x: Any
+    along_y: Any
 
 
 class Bed(NamedTuple):
     """Integrals over the loaded part."""
 
-    force: object  # of q, m3
-    first_x: object  # of q x and q y, m4
-    first_y: object
-    area: object  # m2
-    largest: object  # of q, m
+    force: Any  # of q, m3
+    first_x: Any  # of q x and q y, m4
+    first_y: Any
+    area: Any  # m2
+    largest: Any  # of q, m
 
 
 @leaf

@@ -94,13 +94,16 @@ def _with_arc(bed, there, radius, q, own, begins, ends):
 
     Else to `ends`, the beginning of the other chord.
     """
-    last = _point(begins, own.begin, ends)
-    dx, dy = last[0] - own.end[0], last[1] - own.end[1]
-    length = square_root(dx * dx + dy * dy)
-    there = there & (begins | (length > TINY))
-    out_x, out_y = where(begins, own.x, dy / length), where(begins, own.y, -dx / length)
-    cut = 0.5 * ((own.end[0] + last[0]) * out_x + (own.end[1] + last[1]) * out_y)
-    return _with_segment(bed, there, radius, q, out_x, out_y, lesser(where(begins, own.off, cut), radius))
+    out_x, out_y, cut = own.x, own.y, own.off
+    further = there & opposite(begins)
+    if any_of(further):
+        dx, dy = ends[0] - own.end[0], ends[1] - own.end[1]
+        length = square_root(dx * dx + dy * dy)
+        there = there & (begins | (length > TINY))
+        out_x, out_y = where(begins, out_x, dy / length), where(begins, out_y, -dx / length)
+        middle = 0.5 * ((own.end[0] + ends[0]) * out_x + (own.end[1] + ends[1]) * out_y)
+        cut = lesser(where(begins, cut, middle), radius)
+    return _with_segment(bed, there, radius, q, out_x, out_y, cut)
 
 
 @kernel

@@ -1,10 +1,11 @@
 """Entries called from Python: a structure over flat arrays."""
 
 from ..numba_ext.jit import entry, kernel
-from ..numba_ext.views import row_of
+from ..numba_ext.views import lanes_of, row_of
 from . import driven
 from .base import Shaking
 from .evaluate import energy, evaluate, recall, settle_memory, show
+from .in_lanes import Queue, Sizes, batch_over, follow_queue
 from .layout import BASE, PHASE, lay_scene
 from .stepping import advance
 from .watch import Watch
@@ -94,6 +95,15 @@ def _turn(phase, i, axis, angle):
     phase.q1[i] = scalar * q1 + x * q0 + y * q3 - z * q2
     phase.q2[i] = scalar * q2 + y * q0 + z * q1 - x * q3
     phase.q3[i] = scalar * q3 + z * q0 + x * q2 - y * q1
+
+
+@entry
+def run_structures_in_lanes(n, m, k, corners, buffer, size, models, states, runs, outcomes, peaks, record, flag):
+    """`in_lanes.follow_queue` over arrays; buffer: eight numbers for each of a lane."""
+    given = row_of(models), row_of(states), row_of(runs), row_of(outcomes), row_of(peaks)
+    times, ax, ay, az = record
+    queue = Queue(size, *given, row_of(times), row_of(ax), row_of(ay), row_of(az), row_of(flag))
+    follow_queue(batch_over(Sizes(n, m, k, corners), lanes_of(buffer), queue))
 
 
 # --- a structure under inputs: driven.py over arrays

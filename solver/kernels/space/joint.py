@@ -3,7 +3,7 @@
 import math
 
 from ..numba_ext.jit import kernel, leaf
-from ..numba_ext.lanes import any_of, greater, index_of, magnitude, square_root, where, with_sign, zero_like
+from ..numba_ext.lanes import any_of, index_of, magnitude, square_root, where, with_sign, zero_like
 from .bed import Plane
 from .disc import round_bed
 from .kinematics import cross, dot, out_of, plus, push, relative_motion
@@ -33,8 +33,10 @@ def _limits(joints, j, normal, g1, g2):
     """
     pressed = normal > 0.0
     force = where(pressed, joints.friction[j] * normal, 0.0) + joints.dowel[j]
-    arm = joints.arm[j]
-    arm = where(pressed, greater(arm, square_root(g1 * g1 + g2 * g2) / normal), arm)
+    arm, moment = joints.arm[j], g1 * g1 + g2 * g2
+    farther = pressed & (moment > arm * normal * (arm * normal))
+    if any_of(farther):
+        arm = where(farther, square_root(moment) / normal, arm)
     return force, force * arm
 
 
@@ -55,20 +57,26 @@ def _along_joint(scene, j, motion, normal, g1, g2):
     r1, r2, r3 = zero_like(v1), zero_like(v2), zero_like(v3)
     if any_of(joints.friction[j] != math.inf):
         limit, couple = _limits(joints, j, normal, g1, g2)
-        size = square_root(t1 * t1 + t2 * t2)
-        slides = size > limit
-        part = limit / size
-        rate = (1.0 - part) / (shear * damping)
-        r1, r2 = where(slides, -t1 * rate, 0.0), where(slides, -t2 * rate, 0.0)
-        t1, t2 = where(slides, t1 * part, t1), where(slides, t2 * part, t2)
-        own = shear * square_root(z1 * z1 + z2 * z2)
-        part = where(own > limit, limit / own, 1.0)
-        z1, z2 = z1 * part, z2 * part
+        square = t1 * t1 + t2 * t2
+        slides = square > limit * limit
+        if any_of(slides):
+            part = limit / square_root(square)
+            rate = (1.0 - part) / (shear * damping)
+            r1, r2 = where(slides, -t1 * rate, r1), where(slides, -t2 * rate, r2)
+            t1, t2 = where(slides, t1 * part, t1), where(slides, t2 * part, t2)
+        square = shear * shear * (z1 * z1 + z2 * z2)
+        beyond = square > limit * limit
+        if any_of(beyond):
+            part = where(beyond, limit / square_root(square), 1.0)
+            z1, z2 = z1 * part, z2 * part
         size = magnitude(g3)
         twists = size > couple
-        r3 = where(twists, with_sign((size - couple) / (twist * damping), g3), 0.0)
-        g3 = where(twists, with_sign(couple, g3), g3)
-        z3 = where(twist * magnitude(z3) > couple, with_sign(couple / twist, z3), z3)
+        if any_of(twists):
+            r3 = where(twists, with_sign((size - couple) / (twist * damping), g3), r3)
+            g3 = where(twists, with_sign(couple, g3), g3)
+        beyond = twist * magnitude(z3) > couple
+        if any_of(beyond):
+            z3 = where(beyond, with_sign(couple / twist, z3), z3)
     giving.p1[j], giving.p2[j], giving.p3[j] = r1, r2, r3
     found.t1[j], found.t2[j], found.g3[j] = t1, t2, g3
     found.s1[j], found.s2[j], found.s3[j] = s1, s2, s3

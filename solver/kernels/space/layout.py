@@ -140,13 +140,16 @@ def rows_size(n: int, m: int, k: int) -> int:
 _OF_BLOCK, _OF_JOINT, _OF_BASE = len(OF_BLOCK), len(OF_JOINT), len(OF_BASE)
 _PER_BODY: int = PHASE.per_n
 _PER_JOINT: int = MEMORY.per_n
+_POSE, _RESULTANT, _PULL = POSES.per_n, RESULTANTS.per_n, PULLS.per_n
 SEEN = 5  # output rows of a step: at its start, in its middle, at its end, of a trial; what is allowed
 
 
+@in_both
 def work_size(n: int, m: int, k: int) -> int:
     """Length of the work array: its parts in the order of `entries.scene_of`."""
-    of_evaluation = POSES.size(n + 1) + RESULTANTS.size(m) + PULLS.size(k) + 2 * (MEMORY.size(m) + k)
-    return int(rows_size(n, m, k)) + of_evaluation
+    of_evaluation = _POSE * (n + 1) + _RESULTANT * m + _PULL * k + 2 * (_PER_JOINT * m + k)
+    size: int = rows_size(n, m, k) + of_evaluation
+    return size
 
 
 class Scene(NamedTuple):
@@ -177,7 +180,6 @@ class Scene(NamedTuple):
 
 _bodies, _joints, _ties = BODIES.over, JOINTS.over, TIES.over
 _memory, _poses, _resultants, _pulls = MEMORY.over, POSES.over, RESULTANTS.over, PULLS.over
-_POSE, _RESULTANT, _PULL = POSES.per_n, RESULTANTS.per_n, PULLS.per_n
 _settings, _control, _counts = SETTINGS.over, CONTROL.over, COUNTS.over
 
 

@@ -1,11 +1,13 @@
-"""The bed of a polygon: cut by both half-planes, corner after corner, and summed over triangles, exactly.
+"""The bed of a polygon: cut by both half-planes and summed over triangles, exactly.
 
-A corner of the polygon, or the place where a side crosses the edge of the first half-plane, goes on to the second cut;
-what is left there goes on to the sum. So nothing is stored, and eight polygons pass at once.
+The triangles have a side of what is left as their base, and one point of its boundary in common. Where q cuts the
+polygon this point lies on the cut, whose own triangle is then nothing; so each side is cut for itself.
 """
 
+from typing import NamedTuple
+
 from ..numba_ext.jit import kernel, leaf
-from ..numba_ext.lanes import any_of, greater, index_of, lesser, opposite, where
+from ..numba_ext.lanes import any_of, greater, index_of, lesser, opposite, where, zero_like
 from .bed import Bed, add, chosen, nothing, triangle, value, whole
 
 
@@ -14,72 +16,107 @@ def _corner(corners, place):
     return corners[2 * place], corners[2 * place + 1]
 
 
-@leaf
-def _crosses(a, b):
-    """Whether a linear function changes its sign between two corners, where it has these values."""
-    return ((a > 0.0) & (b <= 0.0)) | ((a <= 0.0) & (b > 0.0))
+class _Point(NamedTuple):
+    """A place on the section, and q there."""
+
+    x: object
+    y: object
+    q: object
 
 
 @leaf
-def _towards(part, a, b):
-    return a + part * (b - a)
+def _between(a, b, begins, ends):
+    """The point where a linear function passes zero that has these values at two points; and the part of the way."""
+    part = begins / (begins - ends)
+    return _Point(a.x + part * (b.x - a.x), a.y + part * (b.y - a.y), a.q + part * (b.q - a.q)), part
+
+
+@leaf
+def _one_of(condition, a, b):
+    return _Point(where(condition, a.x, b.x), where(condition, a.y, b.y), where(condition, a.q, b.q))
+
+
+@leaf
+def _point(scene, place, q):
+    x, y = _corner(scene.corners, place)
+    return _Point(x, y, value(q, x, y))
+
+
+class _Cut(NamedTuple):
+    """Where the sides of the section enter and leave the part where a function is positive."""
+
+    enters: object
+    leaves: object
 
 
 @kernel
-def _cut_bed(scene, j, p, q, nowhere):
-    """The bed of the part of the section where p and q are positive; nowhere: a condition that never holds."""
+def _cuts(scene, j, p, q):
+    """The cuts by p and by q, and the point that all triangles share."""
     first, count = index_of(scene.joints.first[j]), index_of(scene.joints.corners[j])
-    x0, y0 = _corner(scene.corners, first + count - 1)
-    p0, q0 = value(p, x0, y0), value(q, x0, y0)
-    bed = nothing(p)
-    # of what the first cut leaves: its first corner, the one before, and whether there is one
-    begin_x, begin_y, begin_q, last_x, last_y, last_q, some = x0, y0, q0, x0, y0, q0, nowhere
-    # of what the second cut leaves
-    fan_x, fan_y, fan_q, side_x, side_y, side_q, found = x0, y0, q0, x0, y0, q0, nowhere
-    for k in range(count + 1):  # the last time the second cut comes back to its beginning
-        x1, y1 = _corner(scene.corners, first + (k if k < count else 0))
-        p1, q1 = value(p, x1, y1), value(q, x1, y1)
-        for corner in range(2):
-            if k == count:
-                if corner == 1:
-                    break
-                there, x, y, at_q = some, begin_x, begin_y, begin_q
-            elif corner == 0:
-                there = _crosses(p0, p1)
-                part = p0 / (p0 - p1)
-                x, y, at_q = _towards(part, x0, x1), _towards(part, y0, y1), _towards(part, q0, q1)
-            else:
-                there, x, y, at_q = p1 > 0.0, x1, y1, q1
+    a = _point(scene, first + count - 1, q)
+    p0 = value(p, a.x, a.y)
+    was_in, was_pressed = p0 > 0.0, a.q > 0.0
+    enters_p, leaves_p, enters_q, leaves_q, on_cut, deepest = a, a, a, a, a, zero_like(p0)
+    for k in range(count):
+        b = _point(scene, first + k, q)
+        p1 = value(p, b.x, b.y)
+        is_in, is_pressed = p1 > 0.0, b.q > 0.0
+        crosses = was_in ^ is_in
+        if any_of(crosses):
+            crossing, _ = _between(a, b, p0, p1)
+            enters_p = _one_of(crosses & is_in, crossing, enters_p)
+            leaves_p = _one_of(crosses & was_in, crossing, leaves_p)
+        crosses = was_pressed ^ is_pressed
+        if any_of(crosses):
+            crossing, part = _between(a, b, a.q, b.q)
+            crossing = _Point(crossing.x, crossing.y, zero_like(p0))
+            enters_q = _one_of(crosses & is_pressed, crossing, enters_q)
+            leaves_q = _one_of(crosses & was_pressed, crossing, leaves_q)
+            depth = p0 + part * (p1 - p0)
+            deeper = crosses & (depth > deepest)
+            on_cut, deepest = _one_of(deeper, crossing, on_cut), where(deeper, depth, deepest)
+        a, p0, was_in, was_pressed = b, p1, is_in, is_pressed
+    apex = _one_of(deepest > 0.0, on_cut, _one_of(leaves_p.q > enters_p.q, leaves_p, enters_p))
+    return _Cut(enters_p, leaves_p), _Cut(enters_q, leaves_q), apex
+
+
+@kernel
+def _cut_bed(scene, j, p, q):
+    """The bed of the part of the section where p and q are positive."""
+    first, count = index_of(scene.joints.first[j]), index_of(scene.joints.corners[j])
+    by_p, by_q, apex = _cuts(scene, j, p, q)
+    bed, before = nothing(p), _point(scene, first + count - 1, q)
+    was_in = value(p, before.x, before.y) > 0.0
+    for k in range(count + 1):
+        if k < count:
+            after = _point(scene, first + k, q)
+            is_in = value(p, after.x, after.y) > 0.0
+            there, cut = was_in | is_in, by_q
             if not any_of(there):
+                before, was_in = after, is_in
                 continue
-            for step in range(2):
-                if step == 0:
-                    left = there & some & _crosses(last_q, at_q)
-                    part = last_q / (last_q - at_q)
-                    cx, cy, cq = _towards(part, last_x, x), _towards(part, last_y, y), 0.0 * at_q
-                else:
-                    left, cx, cy, cq = there & (at_q > 0.0), x, y, at_q
-                    if k == count:
-                        break
-                if not any_of(left):
-                    continue
-                further = left & found
-                if any_of(further):
-                    area, force, first_x, first_y = triangle(
-                        (fan_x, side_x, cx), (fan_y, side_y, cy), (fan_q, side_q, cq)
-                    )
-                    bed = add(bed, further, area, force, first_x, first_y)
-                fresh = left & opposite(found)
-                fan_x, fan_y, fan_q = where(fresh, cx, fan_x), where(fresh, cy, fan_y), where(fresh, cq, fan_q)
-                side_x, side_y, side_q = where(left, cx, side_x), where(left, cy, side_y), where(left, cq, side_q)
-                highest = where(left, greater(bed.largest, cq), bed.largest)
-                bed = Bed(bed.force, bed.first_x, bed.first_y, bed.area, highest)
-                found = found | left
-            fresh = there & opposite(some)
-            begin_x, begin_y, begin_q = where(fresh, x, begin_x), where(fresh, y, begin_y), where(fresh, at_q, begin_q)
-            last_x, last_y, last_q = where(there, x, last_x), where(there, y, last_y), where(there, at_q, last_q)
-            some = some | there
-        x0, y0, p0, q0 = x1, y1, p1, q1
+            crosses = (before.q > 0.0) ^ (after.q > 0.0)
+            begins, ends = _one_of(was_in, before, by_p.enters), _one_of(is_in, after, by_p.leaves)
+            before, was_in = after, is_in
+        else:  # the cut by p is the last side
+            begins, ends, cut = by_p.leaves, by_p.enters, by_q
+            crosses = (begins.q > 0.0) ^ (ends.q > 0.0)
+            there = begins.q == begins.q
+            if any_of(crosses):
+                crossing, _ = _between(begins, ends, begins.q, ends.q)
+                crossing = _Point(crossing.x, crossing.y, zero_like(crossing.q))
+                cut = _Cut(crossing, crossing)
+        starts, stops = begins.q > 0.0, ends.q > 0.0
+        there = there & (starts | stops)
+        if not any_of(there):
+            continue
+        highest = where(there, greater(begins.q, ends.q), 0.0)
+        if any_of(crosses):
+            begins = _one_of(crosses & opposite(starts), cut.enters, begins)
+            ends = _one_of(crosses & opposite(stops), cut.leaves, ends)
+        corners = (apex.x, begins.x, ends.x), (apex.y, begins.y, ends.y)
+        bed = add(bed, there, *triangle(*corners, (apex.q, begins.q, ends.q)))
+        bed = Bed(bed.force, bed.first_x, bed.first_y, bed.area, greater(bed.largest, highest))
     return bed
 
 
@@ -100,5 +137,5 @@ def polygon_bed(scene, j, p, q):
     bed = chosen(full, whole(scene.joints, j, q, most_q), nothing(p))
     cut = some & opposite(full)
     if any_of(cut):
-        bed = chosen(cut, _cut_bed(scene, j, p, q, most_p < least_p), bed)
+        bed = chosen(cut, _cut_bed(scene, j, p, q), bed)
     return bed

@@ -6,10 +6,10 @@ A step ends at each sample of the record.
 import math
 
 from ..numba_ext.jit import kernel, leaf
-from ..numba_ext.lanes import greater, lesser, where, zero_like
+from ..numba_ext.lanes import greater, lesser, square_root, where, zero_like
 from ..numba_ext.views import copy
 from ..stepping.control import LEAST_ERROR, SAFETY, SHRINK, growth
-from .attempt import attempt, evaluate_at, rate, size_of
+from .attempt import attempt, evaluate_at, rate, size_of, square_of
 from .base import is_quiet, segment_after
 from .evaluate import moving, recall, show
 from .layout import MEMORY, OK, PAUSED, PHASE, STAGES, STEP_TOO_SMALL, row_size
@@ -26,14 +26,14 @@ STILL = 1e-8  # of gravity, and of the rates that errors are measured against: l
 @kernel
 def largest_motion(scene, phase):
     """The largest motion so far, rad and rad/s; displacements count over the extent of the structure."""
-    control, per = scene.control, 1.0 / scene.settings.extent
-    place, rate = control.largest, control.largest_rate
+    control, per = scene.control, 1.0 / (scene.settings.extent * scene.settings.extent)
+    place, rate = zero_like(per), zero_like(per)  # their squares
     for i in range(scene.n):
-        place = greater(place, per * size_of(phase.ux[i], phase.uy[i], phase.uz[i]))
-        place = greater(place, 2.0 * size_of(phase.q1[i], phase.q2[i], phase.q3[i]))
-        rate = greater(rate, per * size_of(phase.vx[i], phase.vy[i], phase.vz[i]))
-        rate = greater(rate, size_of(phase.wx[i], phase.wy[i], phase.wz[i]))
-    return place, rate
+        place = greater(place, per * square_of(phase.ux[i], phase.uy[i], phase.uz[i]))
+        place = greater(place, 4.0 * square_of(phase.q1[i], phase.q2[i], phase.q3[i]))
+        rate = greater(rate, per * square_of(phase.vx[i], phase.vy[i], phase.vz[i]))
+        rate = greater(rate, square_of(phase.wx[i], phase.wy[i], phase.wz[i]))
+    return greater(control.largest, square_root(place)), greater(control.largest_rate, square_root(rate))
 
 
 @kernel

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,6 +48,23 @@ class Face:
         across = np.column_stack([-side[:, 1], side[:, 0]]) / np.hypot(*side.T)[:, None]
         return float(np.min(np.ptp(across @ self.outline.T, axis=1)))
 
+    @cached_property
+    def moments(self) -> tuple[float, float, float, float]:
+        """Area m2, and integrals of x^2, y^2 and x y, m4, about the centre, which is the centroid."""
+        if self.radius:
+            second = 0.25 * math.pi * (self.radius**4 - self.bore**4)
+            return math.pi * (self.radius**2 - self.bore**2), second, second, 0.0
+        area, _, about = polygon_moments(self.outline)
+        return area, float(about[0, 0]), float(about[1, 1]), float(about[0, 1])
+
+    @cached_property
+    def arm(self) -> float:
+        """Mean distance of its points from the centre, m: the arm of friction against twisting."""
+        if self.radius:
+            return 2.0 / 3.0 * (self.radius**3 - self.bore**3) / (self.radius**2 - self.bore**2)
+        corners = zip(self.outline, np.roll(self.outline, -1, axis=0), strict=True)
+        return sum(_first_polar(a, b) for a, b in corners) / self.moments[0]
+
     def points(self, sides: int = 24) -> FloatArray:
         """Points of the rim in space, (points, 3) m."""
         return self.centre + self._rim(sides) @ self.axes[:, :2].T
@@ -64,6 +82,21 @@ class Face:
             rim = rim * math.sqrt(2.0 * math.pi / (SIDES * math.sin(2.0 * math.pi / SIDES)))
         flat = (self.centre + rim @ self.axes[:, :2].T - other.centre) @ other.axes[:, :2]
         return flat if polygon_moments(flat)[0] > 0.0 else flat[::-1].copy()
+
+
+def _first_polar(a: FloatArray, b: FloatArray) -> float:
+    """The integral of the distance from the origin over the triangle of the origin, a and b, m3.
+
+    With the distance d of the side from the origin it is d^3 / 3 times the integral of 1 / cos^3 over the angle.
+    """
+    side = b - a
+    length = float(np.hypot(*side))
+    d = float(a[0] * b[1] - a[1] * b[0]) / length if length else 0.0
+    if d == 0.0:
+        return 0.0
+    tangents = float(a @ side) / (length * d), float(b @ side) / (length * d)
+    first, last = (0.5 * (t * math.hypot(1.0, t) + math.asinh(t)) for t in tangents)
+    return d**3 / 3.0 * (last - first)
 
 
 def polygon_moments(corners: FloatArray) -> tuple[float, FloatArray, FloatArray]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ...common.errors import InputError
-from .faces import Face, FloatArray, polygon_moments
+from .faces import Face, FloatArray
 
 TOLERANCE = 1e-5  # of a structure that has none of its own
 BASE = "base"  # name of the body that everything stands on
@@ -63,41 +63,6 @@ class Joint:
     face: Face  # centred at its centroid
     bed: Bed
     key: str = ""  # of the table it is from, for messages
-
-    def moments(self) -> tuple[float, float, float, float]:
-        """Area m2, and integrals of x^2, y^2 and x y, m4, about the centre."""
-        if self.face.radius:
-            outer, inner = self.face.radius, self.face.bore
-            second = 0.25 * math.pi * (outer**4 - inner**4)
-            return math.pi * (outer**2 - inner**2), second, second, 0.0
-        area, _, about = polygon_moments(self.face.outline)
-        return area, float(about[0, 0]), float(about[1, 1]), float(about[0, 1])
-
-    def arm(self) -> float:
-        """Mean distance of the section from its centre, m: that of friction against twisting."""
-        if self.face.radius:
-            outer, inner = self.face.radius, self.face.bore
-            return 2.0 / 3.0 * (outer**3 - inner**3) / (outer**2 - inner**2)
-        total = area = 0.0
-        for a, b in zip(self.face.outline, np.roll(self.face.outline, -1, axis=0), strict=True):
-            total += _first_polar(a, b)
-            area += 0.5 * float(a[0] * b[1] - a[1] * b[0])
-        return total / area
-
-
-def _first_polar(a: FloatArray, b: FloatArray) -> float:
-    """The integral of the distance from the origin over the triangle of the origin, a and b, m3.
-
-    With the distance d of the side from the origin it is d^3 / 3 times the integral of 1 / cos^3 over the angle.
-    """
-    side = b - a
-    length = float(np.hypot(*side))
-    d = float(a[0] * b[1] - a[1] * b[0]) / length if length else 0.0
-    if d == 0.0:
-        return 0.0
-    tangents = float(a @ side) / (length * d), float(b @ side) / (length * d)
-    first, last = (0.5 * (t * math.hypot(1.0, t) + math.asinh(t)) for t in tangents)
-    return d**3 / 3.0 * (last - first)
 
 
 @dataclass(frozen=True, eq=False)
