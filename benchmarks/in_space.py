@@ -13,17 +13,22 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
 import numpy as np
 
-from multiblock import Motion, Structure, arch, colonnade, simulate, simulate_many
+from multiblock import Motion, Structure, arch, colonnade, simulate
+from solver.runs.batch_in_space import RunInSpace
+from solver.runs.many_in_space import made_runs
+from solver.runs.single_run import SETTLE
 from solver.space.response import SpatialResponse
 from solver.space.rest import rest_of, start_from
 from solver.space.run import SpatialState, set_initial
 from solver.space.stepper import Stepper
+from solver.studies import Study
 
 from . import timing
 from .right_hand_side import Array
@@ -42,7 +47,8 @@ EQUAL_ERROR = 1e-3  # of the peak
 RUNS, CALLS = 25, 20  # of which the shortest counts; in each
 FRICTION = 0.2  # so little that joints slide
 SPAN = 2.0  # s, of the random structures
-MANY, MANY_ROUNDS = 48, 4  # runs of a trilith in a study; of which the shortest counts
+MANY, MANY_ROUNDS = 48, 4  # runs of a study; rounds, of which the shortest counts
+STUDIED = 1e-4  # tolerance of studies
 THROWN, THROWS, ENERGY_TOLERANCES = 1.0, 8, (1e-3, 1e-5, 1e-7, 1e-9)  # s; of the undamped blocks
 COMPILED = (
     "from multiblock import Column, Motion, simulate; c = Column.from_toml({file!r}){space}; "
@@ -283,24 +289,57 @@ def energies(quick: bool) -> Table:
     return Table("Structures in space: energy", head, rows)
 
 
-def threads() -> Table:
-    """A study of a trilith by one thread and by two, without what follows the motions."""
-    law = {"stiffness": 2e9, "damping": DAMPING}
-    trilith = colonnade(2, 3, 3.0, 0.9, 4.0, law, architrave=(0.7, 0.9))
-    motions = [Motion.harmonic((0.1 + 0.002 * k) * G, 1.0 + 0.01 * k, 5.0, direction=0.3) for k in range(MANY)]
-    ways = [partial(simulate_many, trilith, motions, threads=count, settle=0.0) for count in (1, 2)]
-    seconds = timing.loops(ways, rounds=MANY_ROUNDS)
-    rows = [
-        [f"{MANY} runs of 5 s of a trilith", *(f"{lasts:.3g}" for lasts in seconds), f"{seconds[0] / seconds[1]:.2f}"]
-    ]
-    return Table("Structures in space: a study by threads", ["", "one thread, s", "two, s", "ratio"], rows)
+def studied() -> Iterator[tuple[str, list[RunInSpace], float]]:
+    """Runs of studies: what they are, the runs, s that they are followed after their end."""
+    law: dict[str, Any] = {"stiffness": 2e9, "damping": DAMPING}
+    waves = [Motion.harmonic((0.1 + 0.002 * k) * G, 1.0 + 0.01 * k, 5.0, direction=0.3) for k in range(MANY)]
+    for name, structure in (
+        ("trilith of 7 boxes", colonnade(2, 3, 3.0, 0.9, 4.0, law, architrave=(0.7, 0.9))),
+        ("the same, friction 0.5", colonnade(2, 3, 3.0, 0.9, 4.0, law | {"friction": 0.5}, architrave=(0.7, 0.9))),
+        ("three drums", boxes(section="circle")),
+        ("arch of 9 voussoirs", arch(9, 5.0, 1.0, 1.0, law, angle=2.7)),
+    ):
+        structure = structure.with_settings(tolerance=STUDIED)
+        yield f"{name}, 5 s", [RunInSpace(structure, motion, motion.duration) for motion in waves], 0.0
+    study = Study.from_toml(ROOT / "examples" / "studies" / "trilith.toml")
+    planned = [study.run(k).run for k in range(study.runs)]
+    runs = [run for run in planned if isinstance(run, RunInSpace)]
+    yield "the study of the examples, each with a rest of its own and followed to its verdict", runs, SETTLE
+
+
+def lanes() -> Table:
+    """Runs of studies eight at once over runs one by one, in one thread, and two threads over one."""
+    rows = []
+    for name, runs, settle in studied():
+
+        def made(lanes: bool, runs: list[RunInSpace] = runs, settle: float = settle) -> None:
+            made_runs(runs, ("peak_u", "verdict"), settle, lanes)
+
+        def both(runs: list[RunInSpace] = runs, settle: float = settle) -> None:
+            with ThreadPoolExecutor(2) as pool:
+                halves = runs[::2], runs[1::2]
+                list(pool.map(lambda half: made_runs(half, ("peak_u", "verdict"), settle, True), halves))
+
+        alone, together, twice = timing.loops([partial(made, False), partial(made, True), both], rounds=MANY_ROUNDS)
+        per = 1e3 / len(runs)
+        rows.append(
+            [
+                f"{len(runs)} runs: {name}",
+                f"{per * alone:.3g}",
+                f"{per * together:.3g}",
+                f"{alone / together:.2f}",
+                f"{together / twice:.2f}",
+            ]
+        )
+    head = ["", "ms a run, one by one", "eight at once", "gain of a core (4 asked)", "gain of two threads"]
+    return Table("Structures in space: studies", head, rows)
 
 
 def measure(quick: bool) -> Iterator[Table]:
     """All tables, the quick ones first."""
     yield accuracy()
     yield costs()
-    yield threads()
+    yield lanes()
     yield energies(quick)
     yield against_plane()
     yield tolerances(quick)

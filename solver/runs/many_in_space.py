@@ -130,9 +130,11 @@ def made_runs(runs: Sequence[RunInSpace], keep: Sequence[str], settle: float, la
         kind = kind_of(run) if lanes else None
         if kind is not None:
             try:
-                groups.setdefault(kind, []).append((k, rest_of(run.structure)))
+                rest = rest_of(run.structure)
             except InputError as error:
                 made[k] = error
+            else:
+                groups.setdefault(kind, []).append((k, rest))
     for places in groups.values():
         found = follow_in_lanes([runs[k] for k, _ in places], [rest for _, rest in places], settle)
         for (k, _), one in zip(places, found, strict=True):

@@ -1,0 +1,170 @@
+"""Eight structures at once: runs in lanes against runs alone, and what lanes hold on their own."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from support.fmus import ROOT
+from support.probe import G
+from support.structures import stack, with_law
+
+from solver import simulate
+from solver.ground.motion import Motion
+from solver.runs import many_in_space
+from solver.runs.batch_in_space import FROM_LANES, RunInSpace, follow_in_lanes, kind_of
+from solver.runs.many import simulate_many
+from solver.space.builders import arch, colonnade
+from solver.space.rest import rest_of
+from solver.space.structure import Structure
+
+TRILITH = ROOT / "examples" / "structures" / "trilith.toml"
+LAW: dict[str, Any] = {"stiffness": 2e9, "damping": 1e-3}
+KEEP = ("peak_u", "peak_ux", "peak_uy", "peak_uz", "verdict", "overturn_time", "steps", "evaluations")
+
+
+def trilith(friction: float | None = None) -> Structure:
+    """Two columns of two boxes under an architrave."""
+    law = LAW if friction is None else {**LAW, "friction": friction}
+    return colonnade(2, 2, 3.0, 0.9, 4.0, law, architrave=(0.7, 0.9))
+
+
+def held() -> Structure:
+    """A slab that slides, held by a rod that yields, and by a rope that is slack."""
+    block = {"name": "b", "width": 4.0, "depth": 4.0, "height": 0.2, "mass": 1000.0, "on": "base"}
+    rod = {"between": ["b", "base"], "from": [0.0, 0.0, 0.0], "to": [6.0, 0.0, 0.1], "stiffness": 1e5, "yield": 2e3}
+    rope = {"between": ["b", "base"], "from": [0.0, 0.0, 0.0], "to": [0.0, 6.0, 0.1], "stiffness": 1e5, "slack": 0.05}
+    law = {"stiffness": 1e8, "damping": 1e-3, "friction": 0.1}
+    return Structure.from_dict({"name": "held", "joints": law, "block": [block], "tie": [rod, rope]})
+
+
+def recorded(seed: int, hold: bool = False) -> Motion:
+    """A motion of three components, sampled at 50 Hz for 2 s."""
+    rng = np.random.default_rng(seed)
+    ax, ay, az = (np.convolve(rng.normal(size=101), np.ones(10), "same") for _ in range(3))
+    return Motion.from_samples(0.02, 0.8 * ax, ay=0.6 * ay, az=0.3 * az, hold=hold)
+
+
+def waves(count: int = 11, size: float = 0.12, direction: float = 0.4) -> list[Motion]:
+    """Harmonic motions of 2 s."""
+    return [
+        Motion.harmonic(size * (1.0 + 0.05 * k) * G, 1.0 + 0.05 * k, 2.0, direction=direction) for k in range(count)
+    ]
+
+
+def in_lanes(structure: Structure, motions: list[Motion], settle: float = 0.0, **more: Any) -> list[dict[str, Any]]:
+    runs = [RunInSpace(structure, motion, more.get("duration", motion.duration)) for motion in motions]
+    assert {kind_of(run) is not None for run in runs} == {True}
+    return follow_in_lanes(runs, [rest_of(run.structure) for run in runs], settle)
+
+
+RING = {"name": "r", "shape": "drum", "diameter": 1.0, "bore": 0.6, "height": 4.0, "mass": 5e3, "on": "base"}
+SCENES = {
+    "boxes": (stack(3, damping=3e-3), waves()),
+    "drums": (stack(3, "circle", damping=3e-3), waves(size=0.08)),
+    "a ring": (Structure.from_dict({"name": "ring", "joints": LAW, "block": [RING]}), waves()),
+    "trilith": (trilith(), waves()),
+    "trilith that slides": (trilith(0.2), waves(size=0.25)),
+    "arch": (arch(7, 5.0, 1.0, 1.0, LAW, angle=2.5), waves(size=0.25)),
+    "ties": (held(), waves(size=0.4, direction=0.7)),
+    "three components": (trilith(0.5), [recorded(seed) for seed in range(9)]),
+    "held samples": (trilith(0.5), [recorded(seed, hold=True) for seed in range(9)]),
+    "in a plane": (stack(2, damping=3e-3), waves(direction=0.0)),
+}
+
+
+@pytest.mark.parametrize("name", list(SCENES))
+def test_peaks_are_those_of_close_runs(name: str) -> None:
+    structure, motions = SCENES[name]
+    tolerance = 1e-4
+    found = in_lanes(structure.with_settings(tolerance=tolerance), motions)
+    for motion, one in list(zip(motions, found, strict=True))[::4]:
+        closest = simulate(structure, motion, settle=0.0, tolerance=1e-8)
+        size = float(np.max(closest.peaks["u"]))
+        for axis in ("ux", "uy", "uz"):
+            # measured 2e-6 to 0.6 tolerances of the largest displacement; 3 with ties
+            assert one[f"peak_{axis}"] == pytest.approx(closest.peaks[axis], abs=10.0 * tolerance * size)
+        # rows are 1 / 200 of the shortest period apart: the peak lies up to 1e-4 above them
+        assert one["peak_u"] == pytest.approx(closest.peaks["u"], rel=3e-4, abs=10.0 * tolerance * size)
+        assert one["verdict"] == closest.verdict
+    if name == "in a plane":
+        assert not any(np.any(one["peak_uy"]) for one in found)
+
+
+def test_runs_do_not_depend_on_their_neighbours() -> None:
+    """One by one, in other lanes, after others: equal bits."""
+    structure, motions = trilith(0.3).with_settings(tolerance=1e-3), waves(size=0.2)
+    together = in_lanes(structure, motions, settle=2.0)
+    alone = [in_lanes(structure, [motion], settle=2.0)[0] for motion in motions[:3]]
+    turned = in_lanes(structure, motions[::-1], settle=2.0)[::-1]
+    for one, other in [*zip(together[:3], alone, strict=True), *zip(together, turned, strict=True)]:
+        assert {name: np.asarray(value).tobytes() for name, value in one.items()} == {
+            name: np.asarray(value).tobytes() for name, value in other.items()
+        }
+
+
+def test_runs_are_followed_to_their_verdict() -> None:
+    """Columns that fall, fall later, rock on or come to rest, as alone; the fall is at the same time."""
+    structure = stack(2, damping=3e-3).with_settings(tolerance=1e-5)
+    motions = [Motion.harmonic(0.05 * k * G, 0.7, 2.0, direction=0.3) for k in range(12)]
+    found = in_lanes(structure, motions, settle=5.0)
+    words = []
+    for motion, one in zip(motions, found, strict=True):
+        alone = simulate(structure, motion, settle=5.0)
+        words.append(one["verdict"])
+        assert one["verdict"] == alone.verdict
+        if alone.overturned:
+            assert one["overturn_time"] == pytest.approx(alone.overturn_time, rel=1e-3)
+        else:
+            assert math.isnan(one["overturn_time"])
+            assert one["settled_for"] == pytest.approx(alone.stats["settled_for"])
+    assert {"standing", "overturned"} <= set(words)
+
+
+def test_a_structure_that_does_not_move_is_not_stepped_on() -> None:
+    """After a record without motion, as alone."""
+    structure, motion = stack(1, damping=1e-2).with_settings(tolerance=1e-3), Motion.from_samples(0.1, np.zeros(3))
+    alone = simulate(structure, motion, duration=60.0, settle=0.0)
+    (found,) = in_lanes(structure, [motion], duration=60.0)
+    assert (found["verdict"], found["settled_for"]) == (alone.verdict, 0.0) == ("standing", 0.0)
+    # alone it is looked at after each step, in lanes every 0.25 s
+    assert found["steps"] < 2 * alone.stats["steps"]
+
+
+def test_many_runs_go_through_lanes_and_the_others_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Structures of two kinds, one of them too lightly damped for lanes; what each run gives does not change."""
+    monkeypatch.setattr(many_in_space, "WORTH", 0.0)
+    plain, light = trilith().with_settings(tolerance=1e-4), with_law(trilith(), damping=1e-8)
+    structures = [replace(light, tolerance=1e-4) if k == 3 else plain for k in range(10)]
+    structures[5] = stack(2).with_settings(tolerance=1e-4)
+    motions = waves(10)
+    tables = [simulate_many(structures, motions, keep=(*KEEP, "path"), settle=0.0, threads=count) for count in (1, 2)]
+    assert tables[0].stats["paths"] == {"lanes": 9, "scalar": 1}
+    assert list(tables[0]["path"]).index("scalar") == 3
+    for name in KEEP:
+        np.testing.assert_array_equal(tables[0][name], tables[1][name])
+    monkeypatch.setattr(many_in_space, "WORTH", math.inf)
+    alone = simulate_many(structures, motions, keep=(*KEEP, "path"), settle=0.0)
+    assert alone.stats["paths"] == {"scalar": 10}
+    np.testing.assert_allclose(tables[0]["peak_u"], alone["peak_u"], rtol=2e-3)
+    assert set(KEEP) <= FROM_LANES
+
+
+def test_an_arch_without_a_rest_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(many_in_space, "WORTH", 0.0)
+    thin = arch(9, 5.0, 0.3, 1.0, LAW, angle=math.pi)
+    with pytest.raises(ValueError, match="rest"):
+        simulate_many([thin, thin], waves(2), keep=("peak_u", "verdict"), settle=0.0)
+
+
+def test_the_trilith_of_the_examples() -> None:
+    """The trilith of the examples under one record's worth of samples, in lanes and alone, to the same digits."""
+    structure = Structure.from_toml(TRILITH)
+    motion = recorded(1)
+    (found,) = in_lanes(structure, [motion])
+    alone = simulate(structure, motion, settle=0.0)
+    for axis in ("ux", "uy", "uz"):
+        np.testing.assert_allclose(found[f"peak_{axis}"], alone.peaks[axis], rtol=1e-4, atol=1e-7)
