@@ -10,14 +10,14 @@ import numpy as np
 
 from ..kernels.column.assembly import LIGHTLY_DAMPED
 from ..kernels.space import layout as at
-from ..kernels.stepping.control import LEAST_TOLERANCE
 from .blocks.faces import FloatArray
 from .blocks.parts import Joint, Solid, Tie
 
 FLOOR = 1e-3  # of the motion under which the structure settles as it is loaded: the least that errors are measured by
 # Errors die out with the motion of the joints. Where that keeps ringing they add up: a step may add this part of the
-# tolerance, by which the energy changes by some 1e-2 to 1e-1 of it in a second
-RINGING_PART = 3e-5
+# tolerance, by which the energy changes by less than 1e-2 of it in a second (docs/notes/structures.md)
+RINGING_PART = 1e-6
+LEAST_TOLERANCE = 1e-15  # of a step, whose errors are then those of rounding
 RINGING_ORDER = 8.0  # of the method then
 # least damping along a joint that may slide, times the frequency of the fastest joint: the elastic slip turns with the
 # motion within that time, which explicit steps must follow
@@ -117,7 +117,7 @@ def _bodies_of(solids: tuple[Solid, ...]) -> FloatArray:
     table = at.BODIES.see(numbers, len(solids) + 1)
     for i, solid in enumerate(solids):
         table.mass[i], table.per_mass[i] = solid.mass, 1.0 / solid.mass
-        for prefix, tensor in (("j", solid.inertia), ("i", np.linalg.inv(solid.inertia))):
+        for prefix, tensor in (("j", solid.inertia), ("i", _inverse(solid.inertia))):
             for name, (row, column) in {
                 "xx": (0, 0),
                 "yy": (1, 1),
@@ -130,6 +130,14 @@ def _bodies_of(solids: tuple[Solid, ...]) -> FloatArray:
         table.x[i], table.y[i], table.z[i] = solid.centroid
         table.size[i], table.drop[i] = solid.size, solid.drop
     return numbers
+
+
+def _inverse(tensor: FloatArray) -> FloatArray:
+    """The inverse of a symmetric tensor, (3, 3), by its minors: equal bits whatever numpy's linear algebra."""
+    a, b, c = tensor
+    minors = np.array([np.cross(b, c), np.cross(c, a), np.cross(a, b)])
+    inverse: FloatArray = minors.T / float(a @ minors[0])
+    return inverse
 
 
 @lru_cache(maxsize=64)
