@@ -20,7 +20,7 @@ _phase, _memory = PHASE.over, MEMORY.over
 _PER_BODY, _PER_JOINT = PHASE.per_n, MEMORY.per_n
 _TX = OF_JOINT.index("Tx")
 RESOLVED = 0.01  # of what an elastic slip reaches: its largest error
-KINK = 0.1  # of the change of a rate times the step: the error of a step in which it begins, ceases or turns back
+KINK = 0.3  # of the change of a rate times the step: the error of a step in which it begins, ceases or turns back
 
 
 @leaf
