@@ -14,11 +14,6 @@ from .blocks.faces import FloatArray
 from .blocks.parts import Joint, Solid, Tie
 
 FLOOR = 1e-3  # of the motion under which the structure settles as it is loaded: the least that errors are measured by
-# Errors die out with the motion of the joints. Where that keeps ringing they add up: a step may add this part of the
-# tolerance, by which the energy changes by less than 1e-2 of it in a second (docs/notes/structures.md)
-RINGING_PART = 1e-6
-LEAST_TOLERANCE = 1e-15  # of a step, whose errors are then those of rounding
-RINGING_ORDER = 8.0  # of the method then
 # least damping along a joint that may slide, times the frequency of the fastest joint: the elastic slip turns with the
 # motion within that time, which explicit steps must follow
 RELAXATION = 0.1
@@ -52,8 +47,7 @@ def model_of(
     settings = parts.settings.copy()
     see = at.SETTINGS.see(settings)
     see.tolerance = tolerance
-    rings = see.order == RINGING_ORDER
-    see.step_tolerance = max(LEAST_TOLERANCE, RINGING_PART * tolerance) if rings else tolerance
+    see.step_tolerance = at.step_tolerance(see.order, tolerance)
     return parts._replace(settings=settings)
 
 
@@ -194,7 +188,7 @@ def _fill_settings(settings: Any, table: Any, solids: tuple[Solid, ...], joints:
     settings.first_step = FIRST / frequency
     damping = max((min(table.damping[j], table.shear_damping[j]) for j in range(len(joints))), default=0.0)
     rings = 0.5 * damping * frequency < LIGHTLY_DAMPED
-    settings.order = RINGING_ORDER if rings else 5.0
+    settings.order = at.RINGING_ORDER if rings else 5.0
     settings.extent = extent
     settings.motion_floor = max(1e-12, FLOOR * max(g, 1e-3) / fastest / extent)
     settings.rate_floor = settings.motion_floor * math.sqrt(max(g, 1e-3) / extent)

@@ -10,7 +10,7 @@ import math
 from ..layout.spaces import INPUT_TOO_LARGE, MOST_INPUT, TOO_MUCH_WORK
 from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.views import Record, clear, copy
-from ..stepping.control import LEAST_TOLERANCE, most_work
+from ..stepping.control import most_work
 from .base import Shaking, acceleration, segment_after
 from .evaluate import evaluate, evaluate_state, moving, recall, show
 from .layout import (
@@ -28,6 +28,7 @@ from .layout import (
     lay_scene,
     moving_size,
     row_size,
+    step_tolerance,
 )
 from .stepping import advance
 from .watch import RATES, STAGE, Watch, row, seen
@@ -79,8 +80,8 @@ def assemble(model, state, counts, base, given, from_rest):
     n, m, k, size = int(head.blocks), int(head.joints), int(head.ties), int(head.size)
     copy(model, packed, size)
     settings = _settings(model[_HEAD:], 0)
-    part = settings.step_tolerance / settings.tolerance  # of the tolerance, below 1 where the joints ring (arrays.py)
-    settings.tolerance, settings.step_tolerance = described.tolerance, max(LEAST_TOLERANCE, part * described.tolerance)
+    settings.tolerance = described.tolerance
+    settings.step_tolerance = step_tolerance(settings.order, settings.tolerance)
     settings.watches = 0.0 if int(described.without) & WITHOUT_PEAKS else 1.0
     of_joints = model[_HEAD + _SETTINGS + _BODY * (n + 1) :]
     joints, ties = _joints(of_joints, m), _ties(of_joints[_JOINT * m :], k)

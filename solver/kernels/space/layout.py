@@ -108,6 +108,19 @@ PAUSED = 1  # as many steps as were allowed have been made; not an error
 PACK = 8  # rows of a step are padded to whole packs
 
 
+# Errors die out with the motion of the joints. Where that keeps ringing they add up: a step may add this part of the
+# tolerance, by which the energy changes by less than 1e-2 of it in a second (docs/notes/structures.md)
+RINGING_PART = 1e-6
+LEAST_TOLERANCE = 1e-15  # of a step, whose errors are then those of rounding
+RINGING_ORDER = 8.0  # of the method then
+
+
+@in_both
+def step_tolerance(order: float, tolerance: float) -> float:
+    """The tolerance of a step of a method."""
+    return max(LEAST_TOLERANCE, RINGING_PART * tolerance) if order == RINGING_ORDER else tolerance
+
+
 @in_both
 def padded(count: int) -> int:
     """The length of a row that sums take in packs."""
