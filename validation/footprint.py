@@ -9,6 +9,7 @@ import numpy as np
 from scipy.spatial import ConvexHull
 
 from multiblock import InputError, Structure
+from solver.space.blocks.contacts import GROUND
 from solver.space.blocks.faces import Face, polygon_moments
 from solver.space.blocks.parts import Bed, Joint, Solid
 
@@ -35,7 +36,7 @@ class Rock:
         top = Face(np.array([0.0, 0.0, 2.0 * self.height]), np.eye(3), points - middle)  # says how high it is
         solid = Solid("rock", self.mass, np.array([0.0, 0.0, self.height]), self.inertia, (top, foot))
         bed = Bed(stiffness, damping, friction=friction)
-        return Structure("rock", (solid,), (Joint(0, 1, foot, bed),))
+        return Structure("rock", (solid,), (Joint(0, 1, foot, bed, "", foot, GROUND),))
 
 
 def rock_from(path: Path, mass: float, level: float) -> Rock:

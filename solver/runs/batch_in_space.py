@@ -15,7 +15,7 @@ from ..ground.motion import Motion
 from ..kernels.numba_ext.lanes import WIDTH
 from ..kernels.space import in_lanes as at
 from ..kernels.space.entries import run_structures_in_lanes
-from ..kernels.space.layout import BASE, SETTINGS
+from ..kernels.space.layout import BASE, JOINTS, SETTINGS
 from ..space.blocks.faces import FloatArray
 from ..space.rest import Rest, rest_of, start_from
 from ..space.run import SAFE, least_barrier
@@ -48,11 +48,11 @@ def kind_of(run: RunInSpace) -> Hashable:
     settings = SETTINGS.see(structure.model.settings)
     if settings.order != 5.0:
         return None
-    joints = tuple(
-        (joint.upper, joint.lower, len(joint.face.outline), joint.bed.friction is None) for joint in structure.joints
-    )
+    places = JOINTS.see(structure.model.joints, len(structure.joints))  # of what lanes find by that of the first
+    joints = tuple(getattr(places, name).tobytes() for name in ("upper", "lower", "first", "corners", "above", "below"))
     ties = tuple((tie.one, tie.other) for tie in structure.ties)
-    return structure.n, joints, ties, bool(settings.gives_way), _is_flat(run)
+    sizes = structure.n, len(structure.model.corners)
+    return sizes, joints, ties, bool(settings.gives_way), _is_flat(run)
 
 
 def _is_flat(run: RunInSpace) -> bool:

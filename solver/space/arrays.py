@@ -10,7 +10,8 @@ import numpy as np
 
 from ..kernels.column.assembly import LIGHTLY_DAMPED
 from ..kernels.space import layout as at
-from .blocks.faces import FloatArray
+from .blocks.contacts import GROUND
+from .blocks.faces import Face, FloatArray, edge_distance
 from .blocks.parts import Joint, Solid, Tie
 
 FLOOR = 1e-3  # of the motion under which the structure settles as it is loaded: the least that errors are measured by
@@ -60,14 +61,16 @@ def _parts_of(solids: tuple[Solid, ...], joints: tuple[Joint, ...], ties: tuple[
         np.zeros(at.BODIES.size(n + 1)),
         np.zeros(at.JOINTS.size(m)),
         np.zeros(at.TIES.size(k)),
-        np.concatenate([np.zeros(0), *(joint.face.outline.ravel() for joint in joints)]),
+        np.concatenate([np.zeros(0), *(joint.face.outline.ravel() for joint in joints), *map(_faces_of, joints)]),
     )
     model.bodies[:] = _bodies_of(solids)
     table = at.JOINTS.see(model.joints, m)
-    place = 0
+    place, faces = 0, sum(joint.face.outline.size for joint in joints)
     for j, joint in enumerate(joints):
         _fill_joint(table, j, joint, solids, place)
         place += len(joint.face.outline)
+        table.above[j], table.below[j] = faces, faces + _face_of(joint, joint.above).size
+        faces += _faces_of(joint).size
     for e, tie in enumerate(ties):
         _fill_tie(at.TIES.see(model.ties, k), e, tie, solids)
     settings = at.SETTINGS.see(model.settings)
@@ -162,6 +165,37 @@ def _fill_joint(table: Any, j: int, joint: Joint, solids: tuple[Solid, ...], pla
     table.section[j] = at.ROUND if face.radius else at.POLYGON
     table.outer[j], table.inner[j] = face.radius, face.bore
     table.first[j], table.corners[j] = place, len(face.outline)
+    table.rim[j], table.lever[j] = math.inf, 1.0
+    if bed.friction is not None:
+        table.rim[j] = _rim(joint, joint.below)
+        table.lever[j] = min(table.rim[j], _rim(joint, joint.above))
+
+
+def _faces_of(joint: Joint) -> FloatArray:
+    """The faces of a joint that may slide, for the kernels (layout.py, FACE)."""
+    if joint.bed.friction is None:
+        return np.zeros(0)
+    return np.concatenate([_face_of(joint, joint.above), _face_of(joint, joint.below)])
+
+
+def _face_of(joint: Joint, face: Face | None) -> FloatArray:
+    """A face in the axes of a joint, from its centre."""
+    face = face or joint.face
+    if face is GROUND:
+        return np.array([0.0, 0.0, 0.0, math.inf, 0.0])
+    if face.radius:
+        x, y = (face.centre - joint.face.centre) @ joint.face.axes[:, :2]
+        return np.array([0.0, x, y, face.radius, face.bore])
+    outline = face.seen_from(joint.face)
+    return np.array([len(outline), 0.0, 0.0, 0.0, 0.0, *outline.ravel()])
+
+
+def _rim(joint: Joint, face: Face | None) -> float:
+    """Distance of the nearest edge of a face from the centre of a joint, m."""
+    numbers = _face_of(joint, face)
+    if not numbers[0]:
+        return float(numbers[3] - math.hypot(numbers[1], numbers[2]))
+    return edge_distance(numbers[at.FACE.beside :].reshape(-1, 2))
 
 
 def _fill_tie(table: Any, e: int, tie: Tie, solids: tuple[Solid, ...]) -> None:

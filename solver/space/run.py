@@ -14,7 +14,7 @@ from ..dynamics.uncertainty import ErrorEstimate
 from ..dynamics.verdict import OVERTURNED, STANDING, UNDECIDED
 from ..ground.motion import Motion
 from ..kernels.space import layout as at
-from .blocks.faces import FloatArray
+from .blocks.faces import FloatArray, edge_distance
 from .response import SpatialResponse
 from .rest import Rest, rest_of, start_from
 from .stepper import Stepper
@@ -157,16 +157,10 @@ def least_barrier(structure: Structure, rest: Rest) -> float:
         if uppers.count(joint.upper) > 1:
             continue
         carried = float(rest.row[first + j])
-        edge = joint.face.size if joint.face.radius else _inner_radius(joint.face.outline)
+        edge = joint.face.size if joint.face.radius else edge_distance(joint.face.outline)
         height = max(0.5 * (top - float(joint.face.centre[2])), structure.blocks[joint.upper].size)
         least = min(least, 0.5 * carried * edge * edge / height)
     return least if math.isfinite(least) else 0.0
-
-
-def _inner_radius(outline: FloatArray) -> float:
-    """Distance of the nearest edge of a polygon from its centre, m."""
-    sides = np.roll(outline, -1, axis=0) - outline
-    return float(np.min((outline[:, 0] * sides[:, 1] - outline[:, 1] * sides[:, 0]) / np.hypot(*sides.T)))
 
 
 def _follow(response: SpatialResponse, stepper: Stepper, rest: Rest, stop: float, settle: float) -> float:
@@ -178,7 +172,7 @@ def _follow(response: SpatialResponse, stepper: Stepper, rest: Rest, stop: float
     enough = SAFE * least_barrier(structure, rest)
     while not stepper.counts.fallen:
         energy = stepper.observe() - at_rest
-        if energy <= enough or stepper.counts.resting:
+        if energy <= enough * stepper.lever_left**2 or stepper.counts.resting:
             response.verdict = STANDING
             response.reason = "it has come to rest" if stepper.counts.resting else "its energy does not suffice to fall"
             return t

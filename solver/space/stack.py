@@ -56,12 +56,13 @@ def _joint(column: Column, i: int, foot: float) -> Joint:
     if block.is_off_axis or block.joint_section == STRIPS:
         raise InputError(f"{key}: must stand on its axis, and not on strips, to be stacked in space")
     below = GROUND if i == column.n - 1 else _level(column.blocks[i + 1].top_face, foot, 1.0)
-    face = shared(_level(block.contact_face, foot, -1.0), below)
+    above = _level(block.contact_face, foot, -1.0)
+    face = shared(above, below)
     if face is None:
         raise InputError(f"{key}: its face and the one below do not meet")
     law = block.joint
     bed = Bed(law.stiffness, law.damping, friction=law.friction, dowel=law.dowel or 0.0, strength=law.strength)
-    return Joint(i, i + 1, face, bed, f"{key}.joint")
+    return Joint(i, i + 1, face, bed, f"{key}.joint", above, below)
 
 
 def _level(face: PlaneFace, height: float, way: float) -> Face:

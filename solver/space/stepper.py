@@ -35,6 +35,7 @@ class Stepper:
         self.phase = phase_of(*self.sizes)
         self.rates = np.zeros_like(self.phase)
         self.row = np.zeros(at.row_size(*self.sizes))
+        self.lever_left = 1.0  # the least part of a lever of the weight that slips have left
         self.base = np.zeros(at.BASE.beside)
         self.see = at.PHASE.see(self.phase, structure.n)
         self.slips = at.MEMORY.see(self.phase[at.PHASE.size(structure.n) :], len(structure.joints))
@@ -42,12 +43,15 @@ class Stepper:
         self.counts = at.COUNTS.see(self.state.counts)
 
     def observe(self, ax: float = 0.0, ay: float = 0.0, az: float = 0.0, keep: bool = False) -> float:
-        """Evaluate the phase under an acceleration of the base, m/s2: `rates` and `row`; returns the energy, J.
+        """Evaluate the phase under an acceleration of the base, m/s2; returns the energy, J.
+
+        It leaves `rates`, `row` and `lever_left`.
 
         keep: whether joints that slide, and ties that yield, remember this state, as after a long rest.
         """
         arguments = self.phase, self.rates, float(ax), float(ay), float(az), self.row, bool(keep)
-        energy: float = observe_structure(*self.sizes, self.model, self.state, *arguments)
+        energy: float
+        energy, self.lever_left = observe_structure(*self.sizes, self.model, self.state, *arguments)
         return energy
 
     def stiffness(self, delta: FloatArray) -> FloatArray:

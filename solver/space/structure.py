@@ -15,6 +15,7 @@ from ..common import ranges
 from ..common.errors import InputError, reading, shown
 from ..common.files import check_file_name, toml_of
 from ..common.notebook import Shown, counted, outlines
+from ..kernels.space.layout import MOST_CORNERS
 from .arrays import Model, centroid_of, model_of
 from .blocks.faces import Face
 from .blocks.parts import BASE, TOLERANCE, Joint, Solid, Tie
@@ -58,6 +59,11 @@ class Structure(Shown):
             apart = centroid_of(self.blocks, tie.other) + tie.to - centroid_of(self.blocks, tie.one) - tie.from_
             if np.linalg.norm(apart) < LEAST_LENGTH:
                 raise InputError(f"tie[{e}].to: is the same place as from, must be {LEAST_LENGTH} m apart at least")
+        for joint in self.joints:
+            for face in (joint.above, joint.below):
+                if joint.bed.friction is not None and face is not None and len(face.outline) > MOST_CORNERS:
+                    limit = f"must be {MOST_CORNERS} at most where a joint may slide"
+                    raise InputError(f"{joint.key}: a face of {len(face.outline)} corners, {limit}")
         self._check_held()
 
     def _check_held(self) -> None:

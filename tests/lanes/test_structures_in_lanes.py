@@ -68,6 +68,7 @@ SCENES = {
     "a ring": (Structure.from_dict({"name": "ring", "joints": LAW, "block": [RING]}), waves()),
     "trilith": (trilith(), waves()),
     "trilith that slides": (trilith(0.2), waves(size=0.25)),
+    "drums that slide": (with_law(stack(3, "circle", damping=3e-3), friction=0.1), waves(size=0.25)),
     "arch": (arch(7, 5.0, 1.0, 1.0, LAW, angle=2.5), waves(size=0.25)),
     "ties": (held(), waves(size=0.4, direction=0.7)),
     "three components": (trilith(0.5), [recorded(seed) for seed in range(9)]),

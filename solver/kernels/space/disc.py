@@ -37,7 +37,7 @@ def _across(sine, cosine):
 
 
 @kernel
-def _with_segment(bed, there, radius, q, out_x, out_y, cut):
+def with_segment(bed, there, radius, q, out_x, out_y, cut):
     """A bed with the segment beyond a chord, whose normal away from the centre is (out_x, out_y), `cut` m from it."""
     about, area, first, second = circle_part(radius, cut, radius)
     half = square_root(greater((radius - cut) * (radius + cut), 0.0))
@@ -103,7 +103,7 @@ def _with_arc(bed, there, radius, q, own, begins, ends):
         out_x, out_y = where(begins, out_x, dy / length), where(begins, out_y, -dx / length)
         middle = 0.5 * ((own.end[0] + ends[0]) * out_x + (own.end[1] + ends[1]) * out_y)
         cut = lesser(where(begins, cut, middle), radius)
-    return _with_segment(bed, there, radius, q, out_x, out_y, cut)
+    return with_segment(bed, there, radius, q, out_x, out_y, cut)
 
 
 @kernel

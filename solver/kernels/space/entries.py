@@ -6,6 +6,7 @@ from . import driven
 from .base import Shaking
 from .evaluate import energy, evaluate, recall, settle_memory, show
 from .in_lanes import Queue, Sizes, batch_over, follow_queue
+from .joint import lever_left
 from .layout import BASE, PHASE, lay_scene
 from .stepping import advance
 from .watch import Watch
@@ -33,8 +34,9 @@ def run_structure(n, m, k, model, state, phase, record, base, at, rows, t, stop,
 
 @entry
 def observe_structure(n, m, k, model, state, phase, rates, ax, ay, az, row, keep):
-    """Evaluate a phase under an acceleration of the base, m/s2: its rates, output row and energy, J, which is returned.
+    """Evaluate a phase under an acceleration of the base, m/s2: its rates and output row.
 
+    Returns its energy, J, and the least part of a lever that slips have left (joint.py).
     phase: with what joints and ties remember behind it. keep: whether they remember this state, as after a long rest.
     """
     scene = scene_of(n, m, k, model, state)
@@ -44,7 +46,7 @@ def observe_structure(n, m, k, model, state, phase, rates, ax, ay, az, row, keep
     if keep:
         settle_memory(scene, row_of(phase))
     show(scene, seen, row_of(row))
-    return energy(scene, seen)
+    return energy(scene, seen), lever_left(scene)
 
 
 @entry

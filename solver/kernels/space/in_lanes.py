@@ -16,6 +16,7 @@ from ..numba_ext.views import Record, Table, clear, copy, one_lane
 from .attempt import attempt_5, evaluate_at, rate
 from .base import Shaking, is_still, segment_after
 from .evaluate import energy, moving, recall
+from .joint import lever_left
 from .layout import (
     BASE,
     BODIES,
@@ -279,7 +280,8 @@ def _look(batch, k, left, rests):
     if own.counted == 0.0:
         _count(batch, one)
     t = max(own.t, run.stop)
-    if rests or left - run.at_rest <= run.enough:
+    lever = lever_left(one.scene)
+    if rests or left - run.at_rest <= run.enough * lever * lever:
         finish(batch, k, STANDS, t, 0.0)
         return 1
     if t >= run.last:

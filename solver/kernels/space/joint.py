@@ -3,16 +3,41 @@
 import math
 
 from ..numba_ext.jit import kernel, leaf
-from ..numba_ext.lanes import any_of, index_of, magnitude, square_root, where, with_sign, zero_like
-from .bed import Plane
+from ..numba_ext.lanes import (
+    any_of,
+    greater,
+    index_of,
+    lesser,
+    magnitude,
+    opposite,
+    square_root,
+    where,
+    with_sign,
+    zero_like,
+)
+from .bed import Plane, chosen, nothing
 from .disc import round_bed
 from .kinematics import cross, dot, out_of, plus, push, relative_motion
 from .layout import POLYGON
+from .overlap import bed_after_slip
 from .polygon import polygon_bed
 
 
 @leaf
-def _bed(scene, j, p, q):
+def bed_of_joint(scene, j, p, q):
+    """The bed of joint j: of the section as built until it has slid, then of what both faces share."""
+    slips, bed = scene.slips, nothing(p)
+    slid = (slips.p1[j] != 0.0) | (slips.p2[j] != 0.0) | (slips.p3[j] != 0.0)
+    slid = slid & (scene.joints.friction[j] != math.inf)
+    if any_of(opposite(slid)):
+        bed = _bed_as_built(scene, j, p, q)
+    if any_of(slid):
+        bed = chosen(slid, bed_after_slip(scene, j, slid, p, q), bed)
+    return bed
+
+
+@leaf
+def _bed_as_built(scene, j, p, q):
     if any_of(scene.joints.section[j] == POLYGON):
         return polygon_bed(scene, j, p, q)
     return round_bed(scene, j, p, q)
@@ -93,7 +118,7 @@ def load_joint(scene, phase, j):
     eta, k = joints.damping[j], joints.stiffness[j]
     rate = motion.turn_rate
     q = Plane(p.at - eta * motion.gap_rate[2], p.along_x + eta * rate[1], p.along_y - eta * rate[0])
-    bed = _bed(scene, j, p, q)
+    bed = bed_of_joint(scene, j, p, q)
     normal, g1, g2 = k * bed.force, -k * bed.first_y, k * bed.first_x
     found.normal[j], found.g1[j], found.g2[j] = normal, g1, g2
     found.area[j], found.pressure[j] = bed.area, k * bed.largest
@@ -112,11 +137,21 @@ def load_joint(scene, phase, j):
 
 
 @kernel
+def lever_left(scene):
+    """The least part of the levers of the weight about the edges of joints that slips have left, 0 to 1."""
+    left, zero = 1.0 + zero_like(scene.settings.gravity), zero_like(scene.settings.gravity)
+    for j in range(scene.m):
+        slip = square_root(scene.slips.p1[j] * scene.slips.p1[j] + scene.slips.p2[j] * scene.slips.p2[j])
+        left = lesser(left, (scene.joints.rim[j] - slip) / scene.joints.lever[j])
+    return greater(left, zero)
+
+
+@kernel
 def joint_energy(scene, phase, j):
     """Elastic energy of joint j, J; its resultants are those of this phase."""
     joints, found = scene.joints, scene.resultants
     p = penetration(relative_motion(scene, phase, j))
-    bed = _bed(scene, j, p, p)
+    bed = bed_of_joint(scene, j, p, p)
     square = p.at * bed.force + p.along_x * bed.first_x + p.along_y * bed.first_y  # the integral of p times p
     shear = found.z1[j] * found.z1[j] + found.z2[j] * found.z2[j]
     twist = found.z3[j] * found.z3[j]

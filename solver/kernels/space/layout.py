@@ -45,7 +45,14 @@ JOINTS = Table(
     "arm",  # m, mean distance of the section from the centre
     *("outer", "inner"),  # m, radii of a round section
     *("first", "corners"),  # place and number of the corners of a polygon
+    *("above", "below"),  # places of the faces of A and B among the corners, where it may slide
+    "rim",  # m, distance of the nearest edge of B's face from the centre; infinite where it does not slide
+    "lever",  # m, of that or of the nearest edge of A's, the lesser
 )
+# a face among the corners of all sections, with its own corners behind it: their number, 0 where it is round; its
+# centre from that of the joint, m; its radius, infinite where it has no end, and that of its bore
+FACE = Record("corners", "x", "y", "outer", "inner")
+MOST_CORNERS = 64  # of a face
 TIES = Table(
     *("one", "other"),  # numbers of the bodies
     *("ax", "ay", "az", "bx", "by", "bz"),  # m, the ends from the centroids, as built
@@ -154,6 +161,8 @@ _OF_BLOCK, _OF_JOINT, _OF_BASE = len(OF_BLOCK), len(OF_JOINT), len(OF_BASE)
 _PER_BODY: int = PHASE.per_n
 _PER_JOINT: int = MEMORY.per_n
 _POSE, _RESULTANT, _PULL = POSES.per_n, RESULTANTS.per_n, PULLS.per_n
+# numbers of the corners of a polygon and of what a cut leaves of it: of two faces and a square, cut by two pressures
+ROOM = 2 * 2 * (2 * MOST_CORNERS + 4)
 SEEN = 5  # output rows of a step: at its start, in its middle, at its end, of a trial; what is allowed
 
 
@@ -161,7 +170,7 @@ SEEN = 5  # output rows of a step: at its start, in its middle, at its end, of a
 def work_size(n: int, m: int, k: int) -> int:
     """Length of the work array: its parts in the order of `entries.scene_of`."""
     of_evaluation = _POSE * (n + 1) + _RESULTANT * m + _PULL * k + 2 * (_PER_JOINT * m + k)
-    size: int = rows_size(n, m, k) + of_evaluation
+    size: int = rows_size(n, m, k) + of_evaluation + ROOM
     return size
 
 
@@ -188,6 +197,7 @@ class Scene(NamedTuple):
     giving: object  # the rate of the memory
     giving_slips: object
     giving_plastic: object
+    room: object  # of polygons
     rows: object  # states and rates of a step, then output rows
 
 
@@ -226,5 +236,6 @@ def lay_scene(n, m, k, model, control, counts, peaks, work):
         giving,
         _memory(giving, m),
         giving[_PER_JOINT * m :],
+        giving[_PER_JOINT * m + k :],
         work,
     )

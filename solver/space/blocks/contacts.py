@@ -18,13 +18,13 @@ def joints_between(
 ) -> list[Joint]:
     """The joints of all faces that two bodies share. Raises InputError if they share none."""
     below = (GROUND,) if lower == len(solids) else solids[lower].faces
-    found = [face for a in solids[upper].faces for b in below if (face := shared(a, b)) is not None]
+    found = [(face, a, b) for a in solids[upper].faces for b in below if (face := shared(a, b)) is not None]
     if not sides:  # what stands on a block touches it from above
-        found = [face for face in found if face.normal[2] > 1e-6] or found
+        found = [faces for faces in found if faces[0].normal[2] > 1e-6] or found
     if not found:
         names = [*(solid.name for solid in solids), BASE]
         raise InputError(f"{key}: {names[upper]} and {names[lower]} share no face: they must lie on each other")
-    return [Joint(upper, lower, turned_face(face), bed, key) for face in found]
+    return [Joint(upper, lower, turned_face(face), bed, key, a, b) for face, a, b in found]
 
 
 def axis_of(normal: FloatArray) -> FloatArray:

@@ -111,6 +111,12 @@ def polygon_moments(corners: FloatArray) -> tuple[float, FloatArray, FloatArray]
     return area, first, second
 
 
+def edge_distance(outline: FloatArray) -> float:
+    """Distance of the nearest edge of a convex polygon from the origin, m; below 0 if that lies outside."""
+    sides = np.roll(outline, -1, axis=0) - outline
+    return float(np.min((outline[:, 0] * sides[:, 1] - outline[:, 1] * sides[:, 0]) / np.hypot(*sides.T)))
+
+
 def clipped(corners: FloatArray, by: FloatArray) -> FloatArray:
     """The part of a convex polygon within another one, both anticlockwise; empty if there is none."""
     left = [tuple(point) for point in corners.tolist()]

@@ -63,6 +63,8 @@ class Joint:
     face: Face  # centred at its centroid
     bed: Bed
     key: str = ""  # of the table it is from, for messages
+    above: Face | None = None  # faces of `upper` and `lower`, which end the contact after a slip; None: alike `face`
+    below: Face | None = None
 
 
 @dataclass(frozen=True, eq=False)

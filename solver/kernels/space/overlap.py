@@ -1,0 +1,312 @@
+"""The bed of a joint that has slid: what its two faces still share (theory.md section 13).
+
+Each face moves with its block by half of the slip and twist that friction has given way by. Two polygons share a
+polygon. Of two discs, each counts on its side of the line through both rims. So any contact is a sum of convex
+polygons, each as a whole or as far as it lies within a disc; pressure cuts them further. Rings count as a disc less its
+bore.
+"""
+
+import math
+from typing import NamedTuple
+
+from ..numba_ext.jit import by_width, kernel, leaf
+from ..numba_ext.lanes import WIDTH, LanesType, bits, lane, with_lane
+from ..numba_ext.views import one_lane
+from .bed import Bed, Plane, nothing, triangle, value
+from .disc import with_segment
+from .layout import FACE, JOINTS, MEMORY, ROOM
+
+_face, _joints, _memory = FACE.over, JOINTS.over, MEMORY.over
+_FACE, _CUT = FACE.beside, ROOM // 2
+BOX = 2.0  # radii, half the width of the square about a disc that another disc or a pressure cuts
+TOUCHING = 1e-12  # of the radius: half of a chord that is taken as none
+NEAR = 1e-14  # of the radius: distance between the centres of discs that are taken as concentric
+
+
+class _Placed(NamedTuple):
+    """A face where its block is: turned by the angle of this sine and cosine, then moved by dx, dy."""
+
+    record: object
+    corners: object
+    sine: float
+    cosine: float
+    dx: float
+    dy: float
+
+
+@leaf
+def _place(corners, first, slips, j, half):
+    """The face at `first` of the corners, moved by `half` of what joint j has slid and twisted."""
+    part, sine = corners[int(first) :], half * slips.p3[j]
+    cosine = math.sqrt(max(0.0, 1.0 - sine * sine))
+    return _Placed(_face(part, 0), part[_FACE:], sine, cosine, half * slips.p1[j], half * slips.p2[j])
+
+
+@leaf
+def _moved(face, x, y):
+    return face.dx + (face.cosine * x - face.sine * y), face.dy + (face.sine * x + face.cosine * y)
+
+
+@leaf
+def _corner(face, k):
+    """Corner k of a polygon; the one after the last is the first."""
+    k = 0 if k >= int(face.record.corners) else k
+    return _moved(face, face.corners[2 * k], face.corners[2 * k + 1])
+
+
+@leaf
+def _centre(face):
+    return _moved(face, face.record.x, face.record.y)
+
+
+@leaf
+def _is_round(face):
+    return face.record.corners == 0.0
+
+
+@leaf
+def _is_endless(face):
+    return face.record.outer == math.inf
+
+
+# --- convex polygons, in `room`: the corners of one, then space for a cut
+
+
+@kernel
+def _outline(room, face):
+    """Put the corners of a polygon into the room; returns their number."""
+    count = int(face.record.corners)
+    for k in range(count):
+        room[2 * k], room[2 * k + 1] = _corner(face, k)
+    return count
+
+
+@leaf
+def _square(room, x, y, half):
+    """Put a square about a point into the room; returns the number of its corners."""
+    room[0], room[1] = x - half, y - half
+    room[2], room[3] = x + half, y - half
+    room[4], room[5] = x + half, y + half
+    room[6], room[7] = x - half, y + half
+    return 4
+
+
+@kernel
+def _cut(room, count, plane):
+    """Leave the part of the polygon where a linear function is positive; returns the number of its corners."""
+    if count == 0:
+        return 0
+    kept, cut = 0, room[_CUT:]
+    x0, y0 = room[2 * count - 2], room[2 * count - 1]
+    before = value(plane, x0, y0)
+    for k in range(count):
+        x1, y1 = room[2 * k], room[2 * k + 1]
+        here = value(plane, x1, y1)
+        if (before > 0.0) != (here > 0.0):
+            part = before / (before - here)
+            cut[2 * kept], cut[2 * kept + 1] = x0 + part * (x1 - x0), y0 + part * (y1 - y0)
+            kept += 1
+        if here > 0.0:
+            cut[2 * kept], cut[2 * kept + 1] = x1, y1
+            kept += 1
+        x0, y0, before = x1, y1, here
+    for k in range(2 * kept):
+        room[k] = cut[k]
+    return kept
+
+
+@kernel
+def _within(room, count, face):
+    """Leave what a polygon shares with a face, which is another polygon or endless."""
+    for k in range(int(face.record.corners)):
+        x0, y0 = _corner(face, k)
+        x1, y1 = _corner(face, k + 1)
+        count = _cut(room, count, Plane((y1 - y0) * x0 - (x1 - x0) * y0, y0 - y1, x1 - x0))
+    return count
+
+
+@leaf
+def _pressed(room, count, p, q):
+    """Leave the part of a polygon where p and q are positive."""
+    count = _cut(room, count, p)
+    if q.at != p.at or q.along_x != p.along_x or q.along_y != p.along_y:
+        count = _cut(room, count, q)
+    return count
+
+
+# --- integrals
+
+
+@leaf
+def _with(bed, sign, part):
+    """A bed with another part, or without it."""
+    return Bed(
+        bed.force + sign * part.force,
+        bed.first_x + sign * part.first_x,
+        bed.first_y + sign * part.first_y,
+        bed.area + sign * part.area,
+        max(bed.largest, part.largest) if sign > 0.0 else bed.largest,
+    )
+
+
+@leaf
+def _with_triangle(bed, q, a, b, c):
+    values = value(q, a[0], a[1]), value(q, b[0], b[1]), value(q, c[0], c[1])
+    area, force, first_x, first_y = triangle((a[0], b[0], c[0]), (a[1], b[1], c[1]), values)
+    largest = max(bed.largest, max(values[0], max(values[1], values[2])))
+    return Bed(bed.force + force, bed.first_x + first_x, bed.first_y + first_y, bed.area + area, largest)
+
+
+@kernel
+def _of_polygon(room, count, q):
+    """The bed of the polygon: a fan of triangles."""
+    bed = nothing(q)
+    for k in range(2, count):
+        b, c = (room[2 * k - 2], room[2 * k - 1]), (room[2 * k], room[2 * k + 1])
+        bed = _with_triangle(bed, q, (room[0], room[1]), b, c)
+    return bed
+
+
+@leaf
+def _with_arc(bed, radius, q, begin, end):
+    """A bed with the segment of a disc about the origin beyond the chord of an arc, anticlockwise."""
+    dx, dy = end[0] - begin[0], end[1] - begin[1]
+    length = math.sqrt(dx * dx + dy * dy)
+    if length <= 0.0:
+        return bed
+    out_x, out_y = dy / length, -dx / length
+    off = min(max(0.5 * ((begin[0] + end[0]) * out_x + (begin[1] + end[1]) * out_y), -radius), radius)
+    largest, slope = bed.largest, math.sqrt(q.along_x * q.along_x + q.along_y * q.along_y)
+    if slope > 0.0 and radius * (q.along_x * out_x + q.along_y * out_y) >= off * slope:  # the highest point is on it
+        largest = max(largest, q.at + radius * slope)
+    bed = with_segment(bed, True, radius, q, out_x, out_y, off)
+    return Bed(bed.force, bed.first_x, bed.first_y, bed.area, largest)
+
+
+@kernel
+def _of_disc(room, count, x, y, radius, plane):
+    """The bed of the part of the polygon that lies within a disc: its sides there, and arcs between them."""
+    q = Plane(value(plane, x, y), plane.along_x, plane.along_y)  # from the centre
+    bed, begun, first_cut, was_cut, holds = nothing(q), False, False, False, True
+    first, last = (0.0, 0.0), (0.0, 0.0)
+    for k in range(count):
+        after = k + 1 if k + 1 < count else 0
+        ax, ay = room[2 * k] - x, room[2 * k + 1] - y
+        dx, dy = room[2 * after] - x - ax, room[2 * after + 1] - y - ay
+        square = dx * dx + dy * dy
+        if square == 0.0:
+            continue
+        off = (ax * dy - ay * dx) / math.sqrt(square)  # of the side, to the right of the centre
+        holds = holds and off > 0.0
+        if not abs(off) < radius * (1.0 - TOUCHING * TOUCHING):
+            continue
+        middle = -(ax * dx + ay * dy) / square
+        half = math.sqrt((radius - off) * (radius + off) / square)
+        enters, leaves = max(0.0, middle - half), min(1.0, middle + half)
+        if enters >= leaves:
+            continue
+        begin, end = (ax + enters * dx, ay + enters * dy), (ax + leaves * dx, ay + leaves * dy)
+        if not begun:
+            begun, first, first_cut = True, begin, enters > 0.0
+        else:
+            bed = _with_triangle(bed, q, first, last, begin)
+            if was_cut or enters > 0.0:
+                bed = _with_arc(bed, radius, q, last, begin)
+        bed = _with_triangle(bed, q, first, begin, end)
+        last, was_cut = end, leaves < 1.0
+    if begun:
+        if was_cut or first_cut:
+            bed = _with_arc(bed, radius, q, last, first)
+    elif holds and count > 2:
+        area = math.pi * radius * radius
+        second = 0.25 * area * radius * radius
+        slope = math.sqrt(q.along_x * q.along_x + q.along_y * q.along_y)
+        bed = Bed(q.at * area, q.along_x * second, q.along_y * second, area, q.at + radius * slope)
+    return Bed(bed.force, bed.first_x + x * bed.force, bed.first_y + y * bed.force, bed.area, bed.largest)
+
+
+@kernel
+def _of_one_disc(room, x, y, radius, other_x, other_y, other, first, p, q):
+    """The bed of the part of a disc on its side of the line through both rims: all of it lies in the other disc too.
+
+    first: it is the one of the two that counts where they are equal and concentric.
+    """
+    dx, dy = other_x - x, other_y - y
+    count = _square(room, x, y, BOX * radius)
+    if dx * dx + dy * dy <= (NEAR * radius) * (NEAR * radius):
+        if radius > other or (radius == other and not first):
+            return nothing(q)
+    else:  # distance^2 - radius^2 about the own centre less the same about the other one
+        more = (other - radius) * (other + radius) - dx * (x + other_x) - dy * (y + other_y)
+        count = _cut(room, count, Plane(more, 2.0 * dx, 2.0 * dy))
+    return _of_disc(room, _pressed(room, count, p, q), x, y, radius, q)
+
+
+@kernel
+def _of_faces(room, above, below, outer_a, outer_b, p, q):
+    """The bed of what two faces share; outer: radii of the discs that count, of round faces."""
+    if not _is_round(above) and not _is_round(below):
+        count = _within(room, _outline(room, above), below)
+        return _of_polygon(room, _pressed(room, count, p, q), q)
+    if _is_endless(below) or _is_endless(above):
+        face, radius = (above, outer_a) if _is_endless(below) else (below, outer_b)
+        if not _is_round(face):
+            return _of_polygon(room, _pressed(room, _outline(room, face), p, q), q)
+        x, y = _centre(face)
+        return _of_disc(room, _pressed(room, _square(room, x, y, BOX * radius), p, q), x, y, radius, q)
+    if _is_round(above) and _is_round(below):
+        (ax, ay), (bx, by) = _centre(above), _centre(below)
+        bed = _of_one_disc(room, ax, ay, outer_a, bx, by, outer_b, True, p, q)
+        return _with(bed, 1.0, _of_one_disc(room, bx, by, outer_b, ax, ay, outer_a, False, p, q))
+    face, other, radius = (above, below, outer_a) if _is_round(above) else (below, above, outer_b)
+    x, y = _centre(face)
+    return _of_disc(room, _pressed(room, _outline(room, other), p, q), x, y, radius, q)
+
+
+@kernel
+def _bed_of_one(room, joints, corners, slips, j, p, q):
+    """The bed of joint j."""
+    above, below = _place(corners, joints.above[j], slips, j, 0.5), _place(corners, joints.below[j], slips, j, -0.5)
+    bed = nothing(q)
+    for k in range(4):  # outer discs, less bores
+        hollow_a, hollow_b = k & 1, k >> 1
+        a = above.record.inner if hollow_a == 1 else above.record.outer
+        b = below.record.inner if hollow_b == 1 else below.record.outer
+        if (hollow_a == 1 and a == 0.0) or (hollow_b == 1 and b == 0.0):
+            continue
+        bed = _with(bed, 1.0 if hollow_a == hollow_b else -1.0, _of_faces(room, above, below, a, b, p, q))
+    return bed if bed.force > 0.0 else nothing(q)
+
+
+@by_width
+def bed_after_slip(scene, j, slid, p, q):
+    """The bed of joint j by what both faces share; of lanes of those that have `slid`, one after the other."""
+    return _of_lanes if isinstance(p.types[0], LanesType) else _of_one
+
+
+def _of_one(scene, j, slid, p, q):
+    return _bed_of_one(scene.room, scene.joints, scene.corners, scene.slips, j, p, q)
+
+
+@leaf
+def _plane_of_lane(plane, k):
+    return Plane(lane(plane.at, k), lane(plane.along_x, k), lane(plane.along_y, k))
+
+
+def _of_lanes(scene, j, slid, p, q):
+    found = nothing(q)
+    chosen = bits(slid)
+    for k in range(WIDTH):
+        if (chosen >> k) & 1:
+            joints = _joints(one_lane(scene.joints.row, k), scene.m)
+            slips = _memory(one_lane(scene.slips.row, k), scene.m)
+            room, corners = one_lane(scene.room, k), one_lane(scene.corners, k)
+            bed = _bed_of_one(room, joints, corners, slips, j, _plane_of_lane(p, k), _plane_of_lane(q, k))
+            found = Bed(
+                with_lane(found.force, k, bed.force),
+                with_lane(found.first_x, k, bed.first_x),
+                with_lane(found.first_y, k, bed.first_y),
+                with_lane(found.area, k, bed.area),
+                with_lane(found.largest, k, bed.largest),
+            )
+    return found

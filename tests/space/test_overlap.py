@@ -1,0 +1,245 @@
+"""Contacts that have slid: what two faces share, against rational numbers, quadrature and the plane."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+from space.test_beds import SCALE, exact_bed
+from support.probe import G
+from support.structures import with_law
+
+from multiblock import Block, Column, Joint, Motion, SpatialResponse, SpatialState, Structure, simulate
+from solver.kernels.numba_ext.jit import from_python
+from solver.kernels.space.bed import Plane
+from solver.kernels.space.entries import scene_of
+from solver.kernels.space.joint import bed_of_joint
+from solver.space.blocks.faces import FloatArray, clipped
+from solver.space.rest import _move, residual_of, rest_of
+from solver.space.stepper import Stepper
+
+BOX = {"shape": "box", "height": 0.5, "mass": 1000.0}
+DRUM = {"shape": "drum", "height": 0.5, "mass": 1000.0}
+
+
+@from_python
+def bed_after(n, m, k, model, state, slips, p, q, found):
+    """The bed of joint 0 after slips and a twist."""
+    scene = scene_of(n, m, k, model, state)
+    scene.slips.p1[0], scene.slips.p2[0], scene.slips.p3[0] = slips[0], slips[1], slips[2]
+    bed = bed_of_joint(scene, 0, Plane(p[0], p[1], p[2]), Plane(q[0], q[1], q[2]))
+    found[0], found[1], found[2], found[3], found[4] = bed.force, bed.first_x, bed.first_y, bed.area, bed.largest
+
+
+def bed(structure: Structure, slips: Any, p: FloatArray, q: FloatArray) -> FloatArray:
+    stepper, found = Stepper(structure), np.zeros(5)
+    bed_after(*stepper.sizes, stepper.model, stepper.state, np.array(slips), p, q, found)
+    return found
+
+
+def two(upper: dict[str, Any], lower: dict[str, Any]) -> Structure:
+    """A block on another one, joint 0 between them."""
+    blocks = [{**lower, "name": "lower", "on": "base"}, {**upper, "name": "upper", "on": "lower"}]
+    law = {"stiffness": 1e9, "damping": 1e-3, "friction": 0.5}
+    found = Structure.from_dict({"name": "two", "joints": law, "block": blocks})
+    between = next(joint for joint in found.joints if joint.lower == 0)
+    return Structure("two", found.blocks, (between, *(joint for joint in found.joints if joint is not between)))
+
+
+def moved(outline: FloatArray, slips: FloatArray, half: float) -> FloatArray:
+    angle = 2.0 * math.asin(0.5 * slips[2]) * half
+    c, s = math.cos(angle), math.sin(angle)
+    return outline @ np.array([[c, s], [-s, c]]) + half * slips[:2]
+
+
+def drawn(rng: np.random.Generator, kind: int) -> tuple[FloatArray, FloatArray]:
+    p, q = (SCALE * rng.normal(size=3) * (1.0, 2.0, 2.0) for _ in range(2))
+    return p, (p, p * (1.0 + 0.1 * rng.normal(size=3)), q, q)[kind % 4]
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_polygons_against_rational_numbers(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    sizes = [{"width": w, "depth": d} for w, d in (rng.uniform(0.8, 1.6, 2), rng.uniform(0.8, 1.6, 2))]
+    if seed % 3 == 0:
+        sizes[1] = sizes[0]  # edges that coincide
+    structure = two({**BOX, **sizes[0]}, {**BOX, **sizes[1]})
+    slips = rng.uniform(-0.4, 0.4, 3) * ((1.0, 1.0, 1.0), (1.0, 0.0, 0.0), (1.0, 1.0, 0.0))[seed % 3]
+    p, q = drawn(rng, seed)
+    corners = [0.5 * np.array([[-w, -d], [w, -d], [w, d], [-w, d]]) for w, d in (s.values() for s in sizes)]
+    outline = clipped(moved(corners[0], slips, 0.5), moved(corners[1], slips, -0.5))
+    expected, force = exact_bed(outline, p, q)
+    size = np.array([force, force, force, 2.5, SCALE]) + 1e-30
+    assert np.max(np.abs(bed(structure, slips, p, q) - expected) / size) <= 1e-12  # measured 2e-14
+
+
+def sections(shape: dict[str, Any]) -> list[tuple[float, float]]:
+    """Sign and radius of the discs of a drum; of a box a sign and no radius."""
+    if shape["shape"] == "box":
+        return [(1.0, 0.0)]
+    return [(1.0, 0.5 * shape["diameter"]), *([(-1.0, 0.5 * shape["bore"])] if shape.get("bore") else [])]
+
+
+def by_quadrature(upper: dict[str, Any], lower: dict[str, Any], slips: FloatArray, p: Any, q: Any) -> FloatArray:
+    """(force, first_x, first_y, area): over x of what is exact over y, for boxes without a twist."""
+
+    def span(shape: dict[str, Any], radius: float, x: float, half: float) -> tuple[float, float]:
+        u, middle = x - half * slips[0], half * slips[1]
+        if radius:
+            reach = math.sqrt(max(0.0, radius**2 - u**2))
+        else:
+            reach = 0.5 * shape["depth"] if abs(u) < 0.5 * shape["width"] else 0.0
+        return middle - reach, middle + reach
+
+    def inside(x: float, a: float, b: float) -> FloatArray:
+        (low, high), (low_b, high_b) = span(upper, a, x, 0.5), span(lower, b, x, -0.5)
+        low, high = max(low, low_b), min(high, high_b)
+        for c, along, across in (p, q):
+            zero = -(c + along * x) / across
+            low, high = (max(low, zero), high) if across > 0.0 else (low, min(high, zero))
+        if low >= high:
+            return np.zeros(4)
+        y1, y2, y3 = high - low, (high**2 - low**2) / 2.0, (high**3 - low**3) / 3.0
+        level = q[0] + q[1] * x
+        force, first_y = level * y1 + q[2] * y2, level * y2 + q[2] * y3
+        return np.array([force, x * force, first_y, y1])
+
+    total = np.zeros(4)
+    for (sign_a, a), (sign_b, b) in itertools.product(sections(upper), sections(lower)):
+        reach = 0.5 * abs(slips[0]) + max(a, b, 0.5 * upper.get("width", 0.0), 0.5 * lower.get("width", 0.0))
+        halves = ((0.5 * shape.get("width", 0.0), half) for shape, half in ((upper, 0.5), (lower, -0.5)))
+        edges = [half * slips[0] + side for wide, half in halves for side in (-wide, wide)]
+        knots = np.unique([*np.linspace(-reach, reach, 41), *edges])
+        for lo, hi in itertools.pairwise(knots):
+            options = {"limit": 200, "epsabs": 1e-14, "epsrel": 1e-12}
+            parts = [quad(lambda x, k=k, of=(a, b): inside(x, *of)[k], lo, hi, **options) for k in range(4)]
+            total += sign_a * sign_b * np.array([value for value, _ in parts])
+    return total
+
+
+SHAPES = {
+    "drums": ({**DRUM, "diameter": 1.0}, {**DRUM, "diameter": 1.0}),
+    "a small drum": ({**DRUM, "diameter": 0.7}, {**DRUM, "diameter": 1.2}),
+    "rings": ({**DRUM, "diameter": 1.0, "bore": 0.4}, {**DRUM, "diameter": 1.0, "bore": 0.5}),
+    "a drum on a box": ({**DRUM, "diameter": 1.0}, {**BOX, "width": 1.0, "depth": 1.3}),
+    "a box on a drum": ({**BOX, "width": 1.0, "depth": 0.6}, {**DRUM, "diameter": 1.0}),
+}
+
+
+@pytest.mark.parametrize("seed", range(2))
+@pytest.mark.parametrize("name", SHAPES)
+def test_round_faces_against_quadrature(name: str, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    upper, lower = SHAPES[name]
+    slips = np.array([*rng.uniform(-0.3, 0.3, 2), 0.0])
+    p, q = (plane / SCALE for plane in drawn(rng, seed))
+    expected = by_quadrature(upper, lower, slips, p, q)
+    found = bed(two(upper, lower), slips, p, q)[:4]
+    assert np.max(np.abs(found - expected)) <= 1e-12  # measured 2e-14; the scale of the numbers is 1
+
+
+@pytest.mark.parametrize("name", SHAPES)
+def test_forces_are_the_slopes_of_the_energy_after_a_slip(name: str) -> None:
+    """At a random place, without damping; friction is so large that nothing slides on."""
+    rng = np.random.default_rng(3)
+    structure = with_law(two(*SHAPES[name]), stiffness=1e8, damping=0.0, shear_damping=0.0, friction=1e6)
+    stepper, n = Stepper(structure), structure.n
+    at_joint = stepper.slips
+    at_joint.p1[:], at_joint.p2[:], at_joint.p3[:] = 0.2 * rng.normal(size=(3, len(structure.joints)))
+    _move(stepper, rng.normal(size=6 * n) * np.tile([0.01] * 3 + [0.1] * 3, n) - np.tile([0, 0, 0.1, 0, 0, 0], n))
+    (force, _), phase = residual_of(stepper), stepper.phase.copy()
+    for k in range(6 * n):
+        change = np.zeros(6 * n)
+        change[k] = 1e-6
+        energies = []
+        for way in (1.0, -1.0):
+            stepper.phase[:] = phase
+            _move(stepper, way * change)
+            energies.append(stepper.observe())
+        assert -0.5e6 * (energies[0] - energies[1]) == pytest.approx(force[k], abs=1e-7 * float(np.max(np.abs(force))))
+
+
+# --- whole runs
+
+
+def slider(section: str) -> Column:
+    """A flat block on a heavy one of the same width."""
+    bore = 0.5 if section == "annulus" else None
+    top = Block(0.3, 1.0, 1.0, 800.0, Joint(2e9, 1e-3, friction=0.2), section=section, bore=bore)
+    return Column("slider", (top, Block(0.4, 1.0, 1.0, 100000.0, Joint(2e11, 1e-3))))
+
+
+def pushed(structure: Structure, reach: float, angle: float = 0.0, duration: float = 2.0) -> SpatialResponse:
+    """A push of block 0 that friction of 0.2 stops after `reach` m."""
+    velocity = np.zeros((structure.n, 3))
+    velocity[0] = math.sqrt(2.0 * 0.2 * G * reach) * np.array([math.cos(angle), math.sin(angle), 0.0])
+    still = np.zeros_like(velocity)
+    rest = rest_of(structure)
+    u = rest.row[: 3 * structure.n].reshape(3, -1).T
+    silence = Motion.from_samples(0.01, np.zeros(int(100 * duration) + 1))
+    return simulate(structure, silence, initial=SpatialState(u, still, velocity, still), settle=0.0)
+
+
+@pytest.mark.parametrize("section", ["rectangle", "circle", "annulus"])
+def test_a_block_pushed_off_slides_as_on_an_endless_face_until_it_tips(section: str) -> None:
+    """Friction is that of the weight, however small the contact and whatever its shape; in the plane too."""
+    structure = slider(section).in_space()
+    response = pushed(structure, 0.25, angle=0.5)
+    assert math.hypot(response.ux[-1, 0], response.uy[-1, 0]) == pytest.approx(0.25, rel=2e-3)
+    assert response.uy[-1, 0] == pytest.approx(math.tan(0.5) * response.ux[-1, 0], rel=1e-3)
+
+
+@pytest.mark.parametrize("section", ["rectangle", "circle"])
+@pytest.mark.parametrize(("reach", "falls"), [(0.46, False), (0.54, True)])
+def test_a_block_that_slides_over_the_rim_tips_when_its_centroid_passes_it(
+    section: str, reach: float, falls: bool
+) -> None:
+    response = pushed(slider(section).in_space(), reach, duration=3.0)
+    assert (response.verdict == "overturned") == falls
+    if not falls:
+        assert response.ux[-1, 0] == pytest.approx(reach, abs=0.01)
+
+
+@pytest.mark.parametrize("shape", ["box", "drum"])
+def test_on_the_ground_a_block_slides_any_way_without_tipping(shape: str) -> None:
+    """The contact goes with the block: pressure and rotation are those at rest."""
+    size = {"width": 0.5, "depth": 0.5} if shape == "box" else {"diameter": 0.5}
+    block = {"name": "b", "shape": shape, "height": 0.1, "density": 2000.0, "on": "base", **size}
+    law = {"stiffness": 1e9, "damping": 1e-3, "friction": 0.2}
+    structure = Structure.from_dict({"name": "slab", "joints": law, "block": [block], "solver": {"tolerance": 1e-9}})
+    response = pushed(structure, 2.0, angle=0.3, duration=5.0)
+    assert math.hypot(response.ux[-1, 0], response.uy[-1, 0]) == pytest.approx(2.0, rel=1e-3)
+    pressure = 2000.0 * G * 0.1
+    slides = (response.time > 0.5) & (response.time < 1.0)
+    assert np.min(response.contact[slides]) == pytest.approx(1.0, abs=1e-12)
+    # friction at half of the height: 6 M / (N b) = 0.12 along a side, of a drum 8 M / (N d) = 0.16
+    more = 0.12 * (math.cos(0.3) + math.sin(0.3)) if shape == "box" else 0.16
+    assert response.sigma_max[slides] == pytest.approx((1.0 + more) * pressure, rel=1e-3)
+
+
+@pytest.mark.parametrize("section", ["rectangle", "circle"])
+def test_the_plane_and_space_agree_where_a_block_slides(section: str) -> None:
+    """Rigid in shear in the limit."""
+    bottom = Block(0.4, 1.0, 1.0, 1600.0, Joint(2e8, 1e-3), section=section)
+    column = Column("two", (Block(0.3, 1.0, 1.0, 800.0, Joint(2e8, 1e-3, friction=0.2), section=section), bottom))
+    motion = Motion.harmonic(0.45 * G, 1.0, 2.0)
+    plane = simulate(column, motion, settle=0.0, tolerance=1e-8)
+    assert np.max(np.abs(plane.slip[:, 0])) > 0.1
+    apart = []
+    for ratio in (1.0, 4.0):
+        space = simulate(with_law(column.in_space(), shear_ratio=ratio), motion, settle=0.0, tolerance=1e-6)
+        apart.append(np.max(np.abs(space.ux[:, 0] - plane.ux[:, 0])) / np.max(np.abs(plane.ux[:, 0])))
+    assert apart[1] <= 3e-3  # measured 2e-3
+    assert apart[1] <= 0.7 * apart[0]  # about as 1 over the square root of the ratio
+
+
+def test_slips_take_from_the_lever_that_a_verdict_counts_on() -> None:
+    structure = two(*SHAPES["drums"])
+    stepper = Stepper(structure)
+    stepper.slips.p1[0], stepper.slips.p2[0] = 0.12, -0.16
+    stepper.observe()
+    assert stepper.lever_left == pytest.approx(0.6, rel=1e-12)  # 0.2 of 0.5 m are gone
