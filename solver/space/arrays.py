@@ -165,10 +165,7 @@ def _fill_joint(table: Any, j: int, joint: Joint, solids: tuple[Solid, ...], pla
     table.section[j] = at.ROUND if face.radius else at.POLYGON
     table.outer[j], table.inner[j] = face.radius, face.bore
     table.first[j], table.corners[j] = place, len(face.outline)
-    table.rim[j], table.lever[j] = math.inf, 1.0
-    if bed.friction is not None:
-        table.rim[j] = _rim(joint, joint.below)
-        table.lever[j] = min(table.rim[j], _rim(joint, joint.above))
+    table.rim_a[j], table.rim_b[j] = _rim(joint, joint.above), _rim(joint, joint.below)
 
 
 def _faces_of(joint: Joint) -> FloatArray:

@@ -237,6 +237,27 @@ def test_the_plane_and_space_agree_where_a_block_slides(section: str) -> None:
     assert apart[1] <= 0.7 * apart[0]  # about as 1 over the square root of the ratio
 
 
+@pytest.mark.parametrize("shape", ["box", "drum"])
+def test_a_slip_that_is_over_leaves_no_trace_on_the_ground(shape: str) -> None:
+    """A block thrown with a spin where it has slid to, and where it was built."""
+    size = {"width": 0.8, "depth": 0.5} if shape == "box" else {"diameter": 0.5}
+    law = {"stiffness": 1e8, "damping": 1e-3, "friction": 0.2}
+    found = []
+    for at in (0.0, 4.0):
+        block = {"name": "b", "shape": shape, "height": 0.2, "density": 2000.0, "on": "base", "at": [at, at], **size}
+        structure = Structure.from_dict({"name": "thrown", "joints": law, "block": [block]})
+        structure = structure.with_settings(tolerance=1e-9)
+        u = np.array([[4.0 - at, 4.0 - at, -2000.0 * G * 0.2 / 1e8]])
+        none = np.zeros((1, 3))
+        initial = SpatialState(u, none, np.array([[0.8, 0.3, 0.0]]), np.array([[0.0, 0.0, 0.5]]))
+        silence = Motion.from_samples(0.01, np.zeros(101))
+        response = simulate(structure, silence, initial=initial, settle=0.0)
+        found.append(np.stack([response.ux + at, response.uy + at, response.rotation[:, :, 2]]))
+    assert np.max(np.abs(found[1][:, -1] - found[1][:, 0])) > 0.1  # m
+    # measured 5e-6, 1e-5 m and rad: a twist of 0.02 rad counts by twice the sine of its half
+    assert np.max(np.abs(found[0] - found[1])) <= 3e-5
+
+
 def test_slips_take_from_the_lever_that_a_verdict_counts_on() -> None:
     structure = two(*SHAPES["drums"])
     stepper = Stepper(structure)

@@ -22,13 +22,36 @@ from .layout import POLYGON
 from .overlap import bed_after_slip
 from .polygon import polygon_bed
 
+TINY = 1e-300  # m
+
+
+@leaf
+def _has_slid(scene, j):
+    slips = scene.slips
+    slid = (slips.p1[j] != 0.0) | (slips.p2[j] != 0.0) | (slips.p3[j] != 0.0)
+    return slid & (scene.joints.friction[j] != math.inf)
+
+
+@leaf
+def _middle(scene, j):
+    """The middle of the contact after slips, m from half-way between the centres of both faces.
+
+    It goes with the face that the other one holds; of equal faces it stays half-way.
+    """
+    p1, p2 = scene.slips.p1[j], scene.slips.p2[j]
+    part = zero_like(p1)
+    slid = _has_slid(scene, j)
+    if any_of(slid):
+        slip = greater(square_root(p1 * p1 + p2 * p2), TINY)
+        part = 0.5 * (scene.joints.rim_b[j] - scene.joints.rim_a[j]) / slip
+        part = where(slid, greater(lesser(part, 0.5), -0.5), 0.0)
+    return part * p1, part * p2
+
 
 @leaf
 def bed_of_joint(scene, j, p, q):
     """The bed of joint j: of the section as built until it has slid, then of what both faces share."""
-    slips, bed = scene.slips, nothing(p)
-    slid = (slips.p1[j] != 0.0) | (slips.p2[j] != 0.0) | (slips.p3[j] != 0.0)
-    slid = slid & (scene.joints.friction[j] != math.inf)
+    bed, slid = nothing(p), _has_slid(scene, j)
     if any_of(opposite(slid)):
         bed = _bed_as_built(scene, j, p, q)
     if any_of(slid):
@@ -70,18 +93,20 @@ def _along_joint(scene, j, motion, normal, g1, g2):
     """Forces along a joint on the upper block, N, and the twisting couple on its energy, N m.
 
     A slider in series with a spring and a dashpot: it moves so fast that both together bear the limit. Its rates are
-    left in the scene.
+    left in the scene. Both act in the middle of the contact.
     """
     joints, slips, found, giving = scene.joints, scene.slips, scene.resultants, scene.giving_slips
     shear, twist, damping = joints.shear[j], joints.twist[j], joints.shear_damping[j]
+    x, y = _middle(scene, j)
     s1, s2, s3 = motion.gap[0], motion.gap[1], motion.turn[2]
-    z1, z2, z3 = s1 - slips.p1[j], s2 - slips.p2[j], s3 - slips.p3[j]
-    v1, v2, v3 = motion.gap_rate[0], motion.gap_rate[1], motion.turn_rate[2]
+    z3, v3 = s3 - slips.p3[j], motion.turn_rate[2]
+    z1, z2 = s1 - slips.p1[j] - z3 * y, s2 - slips.p2[j] + z3 * x  # there
+    v1, v2 = motion.gap_rate[0] - v3 * y, motion.gap_rate[1] + v3 * x
     t1, t2 = -shear * (z1 + damping * v1), -shear * (z2 + damping * v2)
     g3 = twist * (z3 + damping * v3)
     r1, r2, r3 = zero_like(v1), zero_like(v2), zero_like(v3)
     if any_of(joints.friction[j] != math.inf):
-        limit, couple = _limits(joints, j, normal, g1, g2)
+        limit, couple = _limits(joints, j, normal, g1 + normal * y, g2 - normal * x)
         square = t1 * t1 + t2 * t2
         slides = square > limit * limit
         if any_of(slides):
@@ -102,10 +127,11 @@ def _along_joint(scene, j, motion, normal, g1, g2):
         beyond = twist * magnitude(z3) > couple
         if any_of(beyond):
             z3 = where(beyond, with_sign(couple / twist, z3), z3)
-    giving.p1[j], giving.p2[j], giving.p3[j] = r1, r2, r3
+    g3 += t1 * y - t2 * x  # about the place half-way
+    giving.p1[j], giving.p2[j], giving.p3[j] = r1 + r3 * y, r2 - r3 * x, r3
     found.t1[j], found.t2[j], found.g3[j] = t1, t2, g3
     found.s1[j], found.s2[j], found.s3[j] = s1, s2, s3
-    found.z1[j], found.z2[j], found.z3[j] = z1, z2, z3
+    found.z1[j], found.z2[j], found.z3[j] = z1 + z3 * y, z2 - z3 * x, z3
     return t1, t2, g3
 
 
@@ -142,7 +168,8 @@ def lever_left(scene):
     left, zero = 1.0 + zero_like(scene.settings.gravity), zero_like(scene.settings.gravity)
     for j in range(scene.m):
         slip = square_root(scene.slips.p1[j] * scene.slips.p1[j] + scene.slips.p2[j] * scene.slips.p2[j])
-        left = lesser(left, (scene.joints.rim[j] - slip) / scene.joints.lever[j])
+        rim_a, rim_b = scene.joints.rim_a[j], scene.joints.rim_b[j]
+        left = lesser(left, (rim_b - slip) / lesser(rim_a, rim_b))
     return greater(left, zero)
 
 
@@ -153,6 +180,7 @@ def joint_energy(scene, phase, j):
     p = penetration(relative_motion(scene, phase, j))
     bed = bed_of_joint(scene, j, p, p)
     square = p.at * bed.force + p.along_x * bed.first_x + p.along_y * bed.first_y  # the integral of p times p
-    shear = found.z1[j] * found.z1[j] + found.z2[j] * found.z2[j]
-    twist = found.z3[j] * found.z3[j]
+    (x, y), z3 = _middle(scene, j), found.z3[j]
+    z1, z2 = found.z1[j] - z3 * y, found.z2[j] + z3 * x
+    shear, twist = z1 * z1 + z2 * z2, z3 * z3
     return 0.5 * (joints.stiffness[j] * square + joints.shear[j] * shear + joints.twist[j] * twist)
