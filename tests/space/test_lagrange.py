@@ -32,7 +32,7 @@ def random_structure(seed: int) -> Structure:
     )[seed % 3]
     structure = made()
     ties = [
-        Tie(0, other, *(0.3 * rng.normal(size=(2, 3))), stiffness=1e6, tension_only=False)
+        Tie(0, other, 0.3 * rng.normal(size=3), 0.3 * rng.normal(size=3), stiffness=1e6, tension_only=False)
         for other in (structure.n - 1, structure.n)
     ]
     return replace(structure, ties=tuple(ties))
@@ -123,9 +123,9 @@ def accelerations(structure: Structure, q: FloatArray, rates: FloatArray) -> Flo
         return kinetic(at) - potential(structure, at)
 
     steps = SMALL * np.eye(len(q))
-    forces = np.array([lagrangian(q + step) - lagrangian(q - step) for step in steps]) / (2.0 * SMALL)
+    differences: FloatArray = np.array([lagrangian(q + step) - lagrangian(q - step) for step in steps])
     changed = (mass_matrix(structure, q + SMALL * rates) - mass_matrix(structure, q - SMALL * rates)) / (2.0 * SMALL)
-    found: FloatArray = np.linalg.solve(mass_matrix(structure, q), forces - changed @ rates)
+    found: FloatArray = np.linalg.solve(mass_matrix(structure, q), differences / (2.0 * SMALL) - changed @ rates)
     return found
 
 
