@@ -125,7 +125,8 @@ def accelerations(structure: Structure, q: FloatArray, rates: FloatArray) -> Flo
     steps = SMALL * np.eye(len(q))
     differences: FloatArray = np.array([lagrangian(q + step) - lagrangian(q - step) for step in steps])
     changed = (mass_matrix(structure, q + SMALL * rates) - mass_matrix(structure, q - SMALL * rates)) / (2.0 * SMALL)
-    found: FloatArray = np.linalg.solve(mass_matrix(structure, q), differences / (2.0 * SMALL) - changed @ rates)
+    forces = differences / (2.0 * SMALL) - changed @ rates
+    found: FloatArray = np.linalg.solve(mass_matrix(structure, q), forces).astype(np.float64)
     return found
 
 

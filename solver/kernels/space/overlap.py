@@ -19,7 +19,7 @@ from .layout import FACE, JOINTS, MEMORY, ROOM
 _face, _joints, _memory = FACE.over, JOINTS.over, MEMORY.over
 _FACE, _CUT = FACE.beside, ROOM // 2
 BOX = 2.0  # radii, half the width of the square about a disc that another disc or a pressure cuts
-TOUCHING = 1e-12  # of the radius: half of a chord that is taken as none
+NEARLY = 1.0 - 1e-15  # square of the distance of a chord from the centre, over that of the rim, that is taken as none
 NEAR = 1e-14  # of the radius: distance between the centres of discs that are taken as concentric
 
 
@@ -94,8 +94,12 @@ def _square(room, x, y, half):
 @kernel
 def _cut(room, count, plane):
     """Leave the part of the polygon where a linear function is positive; returns the number of its corners."""
-    if count == 0:
-        return 0
+    least, most = math.inf, -math.inf
+    for k in range(count):
+        here = value(plane, room[2 * k], room[2 * k + 1])
+        least, most = min(least, here), max(most, here)
+    if least > 0.0 or not most > 0.0:
+        return count if least > 0.0 else 0
     kept, cut = 0, room[_CUT:]
     x0, y0 = room[2 * count - 2], room[2 * count - 1]
     before = value(plane, x0, y0)
@@ -126,10 +130,32 @@ def _within(room, count, face):
 
 
 @leaf
+def _differ(p, q):
+    return q.at != p.at or q.along_x != p.along_x or q.along_y != p.along_y
+
+
+@leaf
 def _pressed(room, count, p, q):
     """Leave the part of a polygon where p and q are positive."""
     count = _cut(room, count, p)
-    if q.at != p.at or q.along_x != p.along_x or q.along_y != p.along_y:
+    if _differ(p, q):
+        count = _cut(room, count, q)
+    return count
+
+
+@leaf
+def _cuts_disc(plane, x, y, radius):
+    """Whether a linear function passes zero, or is negative, somewhere within a disc."""
+    level, square = value(plane, x, y), plane.along_x * plane.along_x + plane.along_y * plane.along_y
+    return not (level > 0.0 and level * level >= radius * radius * square)
+
+
+@leaf
+def _pressed_in(room, count, x, y, radius, p, q):
+    """`_pressed`, of what lies within a disc."""
+    if _cuts_disc(p, x, y, radius):
+        count = _cut(room, count, p)
+    if _differ(p, q) and _cuts_disc(q, x, y, radius):
         count = _cut(room, count, q)
     return count
 
@@ -196,10 +222,11 @@ def _of_disc(room, count, x, y, radius, plane):
         square = dx * dx + dy * dy
         if square == 0.0:
             continue
-        off = (ax * dy - ay * dx) / math.sqrt(square)  # of the side, to the right of the centre
-        holds = holds and off > 0.0
-        if not abs(off) < radius * (1.0 - TOUCHING * TOUCHING):
+        across = ax * dy - ay * dx  # the side's length times its distance to the right of the centre
+        holds = holds and across > 0.0
+        if not across * across < NEARLY * radius * radius * square:
             continue
+        off = across / math.sqrt(square)
         middle = -(ax * dx + ay * dy) / square
         half = math.sqrt((radius - off) * (radius + off) / square)
         enters, leaves = max(0.0, middle - half), min(1.0, middle + half)
@@ -239,7 +266,7 @@ def _of_one_disc(room, x, y, radius, other_x, other_y, other, first, p, q):
     else:  # distance^2 - radius^2 about the own centre less the same about the other one
         more = (other - radius) * (other + radius) - dx * (x + other_x) - dy * (y + other_y)
         count = _cut(room, count, Plane(more, 2.0 * dx, 2.0 * dy))
-    return _of_disc(room, _pressed(room, count, p, q), x, y, radius, q)
+    return _of_disc(room, _pressed_in(room, count, x, y, radius, p, q), x, y, radius, q)
 
 
 @kernel
@@ -253,14 +280,15 @@ def _of_faces(room, above, below, outer_a, outer_b, p, q):
         if not _is_round(face):
             return _of_polygon(room, _pressed(room, _outline(room, face), p, q), q)
         x, y = _centre(face)
-        return _of_disc(room, _pressed(room, _square(room, x, y, BOX * radius), p, q), x, y, radius, q)
+        count = _pressed_in(room, _square(room, x, y, BOX * radius), x, y, radius, p, q)
+        return _of_disc(room, count, x, y, radius, q)
     if _is_round(above) and _is_round(below):
         (ax, ay), (bx, by) = _centre(above), _centre(below)
         bed = _of_one_disc(room, ax, ay, outer_a, bx, by, outer_b, True, p, q)
         return _with(bed, 1.0, _of_one_disc(room, bx, by, outer_b, ax, ay, outer_a, False, p, q))
     face, other, radius = (above, below, outer_a) if _is_round(above) else (below, above, outer_b)
     x, y = _centre(face)
-    return _of_disc(room, _pressed(room, _outline(room, other), p, q), x, y, radius, q)
+    return _of_disc(room, _pressed_in(room, _outline(room, other), x, y, radius, p, q), x, y, radius, q)
 
 
 @kernel
