@@ -10,20 +10,12 @@ Jacobi method (Jacobi 1846; G. Golub, C. Van Loan, Matrix Computations, section 
 import math
 from typing import NamedTuple
 
+from ..integrators.modal_steps import pays, set_limits
 from ..layout.modal import inverses_of, limits_of, mode_of, shapes_of
-from ..layout.spaces import INTERPOLATION_BOUND, INTERPOLATION_PART, modal_size
+from ..layout.spaces import INTERPOLATION_PART, modal_size
 from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.views import clear
 from .rest import joint_about
-
-# Damping that couples the modes is left to the nonlinear remainder, which is assumed to change little within a step:
-# the step times the rate of that damping is at most this.
-COUPLED_PART = 0.03
-LEAST_TURN = 10.0  # rad of the fastest mode in such a step: below it the general methods are as good
-
-# Third over second difference of a remainder that varies as fast as twice the fastest motion resolved, for one radian
-# of the latter per step: the third of sin(2 x s) is (2 x)^3 / (72 sqrt 3), the second (2 x)^2 / 8.
-THIRD_DIFFERENCE = 2.0 * 8.0 / (72.0 * math.sqrt(3.0))
 
 JACOBI_SWEEPS = 60  # at most; six to nine are usual
 ROUNDING = 2.0**-54  # of the diagonal: a smaller element counts as zero
@@ -112,6 +104,7 @@ def normal_modes(model, rest, scratch):
                 largest = max(largest, abs(part_of) / size)
             mode.push = push
             mode.lift = lift
+            mode.across = 0.0
             mode.size = largest
         for k in range(m):
             for j in range(m):
@@ -130,14 +123,11 @@ def normal_modes(model, rest, scratch):
                     across += abs(rate)
             coupled = max(coupled, across)
     limits = limits_of(model)
-    resolved = (INTERPOLATION_BOUND * INTERPOLATION_PART * model.settings.tolerance) ** (1.0 / 6.0)
-    limits.third = min(1.0, THIRD_DIFFERENCE * resolved)
-    limits.longest = COUPLED_PART / max(coupled, 1e-300)
-    limits.sweeps = 1.0 if damped else 2.0
+    set_limits(limits, model.settings.tolerance, INTERPOLATION_PART, coupled, damped)
     for i in range(modal_size(n)):
         if not math.isfinite(model.modal[i]):
             return False
-    return limits.longest * math.sqrt(fastest) >= LEAST_TURN
+    return pays(limits, fastest)
 
 
 @leaf

@@ -1,4 +1,4 @@
-"""Responses of the modes of a column over a step, in closed form, and kept for the steps that follow.
+"""Responses of modes over a step, in closed form, and kept for the steps that follow.
 
 Over a step h, with g the response of a mode to a unit impulse, I_0 its integral and I_k = integral of I_(k-1): they
 satisfy omega^2 I_k + beta I_(k-1) + I_(k-2) = h^k / k! with I_(-1) = g, I_(-2) = g'.
@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 
-from ..layout.modal import mode_of
+from ..layout.modal import mode_at
 from ..layout.spaces import INTERPOLATION_BOUND, RESPONSE_FIELDS, RESPONSE_HEADER, RESPONSES
 from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.views import Numbers, Record, Space
@@ -36,8 +36,8 @@ STEADY = Record(
 RESPONSE = Space(half=HALF, whole=HALF, steady=STEADY)  # over half the step, over all of it
 # data kept of a step: its length (s) and the frequency of the base (1/s), and the responses of all modes
 STORED = Space(
-    made_for=Record("step", "omega", "sine", "cosine"),  # of the turn of the wave in half the step
-    modes=Numbers(per_n=2 * RESPONSE_FIELDS),
+    made_for=Record("count", "step", "omega", "sine", "cosine"),  # modes; of the turn of the wave in half the step
+    modes=Numbers(per_n=RESPONSE_FIELDS),
 )
 assert RESPONSE.beside == RESPONSE_FIELDS
 assert STORED.beside == RESPONSE_HEADER
@@ -121,10 +121,9 @@ def missed(x):
 
 
 @leaf
-def _stored_at(work, k):
-    """Stored data of a step, one of RESPONSES."""
-    n = work.n
-    return _stored(work.responses[(_STORED_PER_N * n + _STORED_BESIDE) * k :], n)
+def _stored_at(store, room, k):
+    """Stored data of a step, one of RESPONSES, with room for so many modes."""
+    return _stored(store[(_STORED_PER_N * room + _STORED_BESIDE) * k :], room)
 
 
 @leaf
@@ -134,25 +133,27 @@ def response_of(stored, k):
 
 
 @kernel
-def responses_over(model, work, h, omega):
+def responses_over(modal, h, omega):
     """The responses over h s (on the grid), as STORED; computed if they are not stored.
 
-    They follow from model, h and omega alone, so that the results do not depend, to the last bit, on which are stored.
+    They follow from the modes, h and omega alone, so that the results do not depend, to the last bit, on which are
+    stored.
     """
-    n = model.n
+    store, latest, room, count = modal.responses, modal.latest, modal.room, modal.count
     for k in range(RESPONSES):
-        stored = _stored_at(work, k)
-        if stored.made_for.step == h and stored.made_for.omega == omega:
-            work.latest.response = k
+        stored = _stored_at(store, room, k)
+        if stored.made_for.step == h and stored.made_for.omega == omega and stored.made_for.count == count:
+            latest.response = k
             return stored
-    used = (int(work.latest.response) + 1) % RESPONSES
-    work.latest.response = used
-    stored = _stored_at(work, used)
+    used = (int(latest.response) + 1) % RESPONSES
+    latest.response = used
+    stored = _stored_at(store, room, used)
+    stored.made_for.count = count
     stored.made_for.step = h
     stored.made_for.omega = omega
     stored.made_for.sine, stored.made_for.cosine = math.sin(0.5 * h * omega), math.cos(0.5 * h * omega)
-    for k in range(2 * n):
-        mode = mode_of(model, k)
+    for k in range(count):
+        mode = mode_at(modal.modes, k)
         out = response_of(stored, k)
         respond(mode.square, mode.damping, 0.5 * h, omega, out.half)
         respond(mode.square, mode.damping, h, omega, out.whole)
@@ -169,7 +170,8 @@ def responses_over(model, work, h, omega):
         else:
             fastest = max(fastest, omega)
         steady.free = mode.size * missed(fastest * h)
-        steady.forced = mode.size * abs(mode.push) * math.hypot(steady.sine, steady.cosine) * missed(omega * h)
+        pushed = abs(mode.push) + abs(mode.across)
+        steady.forced = mode.size * pushed * math.hypot(steady.sine, steady.cosine) * missed(omega * h)
         steady.per_rate = 1.0 / fastest
         steady.per_square = 1.0 / mode.square
     return stored

@@ -22,9 +22,21 @@ def parts_of(model):
 
 
 @leaf
+def mode_at(modes, k):
+    """Record k of a row of modes."""
+    return _mode(modes[FIELDS * k :], 0)
+
+
+@leaf
+def modes_of(model):
+    """The row of the records of all 2 n modes: first those of the first part."""
+    return model.modal[LIMITS:]
+
+
+@leaf
 def mode_of(model, k):
-    """The record of mode k of 2 n: first those of the first part."""
-    return _mode(model.modal[LIMITS + FIELDS * k :], 0)
+    """The record of mode k."""
+    return mode_at(modes_of(model), k)
 
 
 @leaf

@@ -113,7 +113,8 @@ MODE = Record(
     "square",  # 1/s2, omega^2
     "damping",  # 1/s, 2 zeta omega
     "push",  # modal force for 1 m/s2 of base ax
-    "lift",  # and of g + base az
+    "lift",  # and of g + base az; in space without g, coordinates count from the rest
+    "across",  # and of base ay, in space
     "size",  # largest coordinate of the shape in parts of its size
 )
 MODAL_MOST = 64  # blocks; measured 3 to 7 times faster than without at 64, but the matrices grow as n^2
@@ -263,9 +264,9 @@ INTERPOLATION = Record(
     "knows_middle",  # whether the method has evaluated the middle of the step: `stage` 1 and `joints_halfway`
 )
 RESPONSE_FIELDS = 22  # of a mode over a step, 2 n modes
-RESPONSE_HEADER = 4
+RESPONSE_HEADER = 5
 RESPONSES = 2  # steps whose responses are kept
-TREND = Record("known")
+TREND = Record("known", "margin")  # N, against sliding in the middle of the step
 SLIPS = Record(
     "count",  # slip coordinates: n where joints may slide, else 0
     "change",  # 1 where a joint begins or ceases to slide at the end of the step

@@ -39,7 +39,7 @@ from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.views import copy
 from ..output.watch import begin_watching, take_held_snapshots, watch_step
 from .condition import has_fallen, is_quiet, moment_of_overturning, rests, take_stock, widest_joint
-from .control import accepts, accepts_elastic, elastic_step, general_step, most_work
+from .control import ELASTIC_COST, accepts, accepts_elastic, elastic_step, general_step, most_work
 from .holding import NO_CHANGE, expected_change, first_change, hold, release
 from .sliding import NEAR, begin_step, first_slip_change
 
@@ -172,7 +172,9 @@ def judge_step(column, plan, t, code, error):
     if method in (FIXED, UNKNOWN):
         return code, step, False
     if method == MODES:
-        return OK, step if accepts_elastic(column, step, code, error) else REJECTED, False
+        control = column.state.control
+        accepted = accepts_elastic(counts, control, step, code, error, ELASTIC_COST)
+        return OK, step if accepted else REJECTED, False
     if not accepts(column, method, step, code, error):
         return _reject(column, t, code), REJECTED, False
     counts.unheld = 0

@@ -57,16 +57,21 @@ def within_a_cycle(column, step):
 def elastic_step(column, most):
     """Next step of `auto`, s, if the modal method should make it with all joints in contact; else 0."""
     model, counts, control = column.model, column.counts, column.state.control
-    if not modal.available(model) or most < LEAST_ELASTIC_STEP:
+    if not modal.available(model):
         return 0.0
-    if counts.elastic_wait > 0:
-        return 0.0
-    if modal.longest_step(model) < ELASTIC_COST * control.next_step:
+    longest = modal.longest_step(model)
+    if not may_be_elastic(counts, control, longest, most, ELASTIC_COST):
         return 0.0
     if not modal.suits(column):
         counts.elastic_wait = WAIT_OPEN
         return 0.0
-    return within_a_cycle(column, min(control.elastic_step, modal.longest_step(model)))
+    return within_a_cycle(column, min(control.elastic_step, longest))
+
+
+@leaf
+def may_be_elastic(counts, control, longest, most, cost):
+    """Whether a modal step of at most `longest` s is worth a trial, where `most` s remain; its cost: over another."""
+    return most >= LEAST_ELASTIC_STEP and counts.elastic_wait <= 0 and longest >= cost * control.next_step
 
 
 @kernel
@@ -140,9 +145,8 @@ def accepts(column, method, step, code, error):
 
 
 @kernel
-def accepts_elastic(column, step, code, error):
+def accepts_elastic(counts, control, step, code, error, cost):
     """Whether a modal step just tried is accurate enough; sets the length of the next one either way."""
-    counts, control = column.counts, column.state.control
     if code != OK:
         counts.rejected += 1
         counts.elastic_wait = WAIT_OPEN
@@ -150,7 +154,7 @@ def accepts_elastic(column, step, code, error):
     if error > 1.0:
         counts.rejected += 1
         control.elastic_step = step * max(SHRINK, SAFETY * error ** (-1.0 / modal.ORDER))
-        if control.elastic_step < ELASTIC_COST * control.next_step:
+        if control.elastic_step < cost * control.next_step:
             counts.elastic_wait = WAIT_SHORT
             control.elastic_step = control.next_step
         return False
