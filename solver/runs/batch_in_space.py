@@ -96,7 +96,7 @@ class _Queue:
         start_from(stepper, rest)
         settings = structure.model.settings.copy()
         SETTINGS.see(settings).in_plane = float(_is_flat(run))
-        self._models.append(np.concatenate([settings, *structure.model[1:]]))
+        self._models.append(np.concatenate([settings, *structure.model[1:-1]]))
         self._states.append(stepper.phase)
         self._sizes = *stepper.sizes, len(structure.model.corners)
         record = stepper.drive(motion)

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..kernels.column.assembly import LIGHTLY_DAMPED
 from ..kernels.space import layout as at
+from ..kernels.space.modal import room_size
 from .blocks.contacts import GROUND
 from .blocks.faces import Face, FloatArray, edge_distance
 from .blocks.parts import Joint, Solid, Tie
@@ -29,6 +30,7 @@ class Model(NamedTuple):
     joints: FloatArray
     ties: FloatArray
     corners: FloatArray
+    modal: FloatArray  # kernels/space/modal.py; empty without modes
 
 
 class State(NamedTuple):
@@ -62,6 +64,7 @@ def _parts_of(solids: tuple[Solid, ...], joints: tuple[Joint, ...], ties: tuple[
         np.zeros(at.JOINTS.size(m)),
         np.zeros(at.TIES.size(k)),
         np.concatenate([np.zeros(0), *(joint.face.outline.ravel() for joint in joints), *map(_faces_of, joints)]),
+        np.zeros(0),
     )
     model.bodies[:] = _bodies_of(solids)
     table = at.JOINTS.see(model.joints, m)
@@ -92,7 +95,7 @@ def state_of(n: int, m: int, k: int) -> State:
         np.zeros(at.CONTROL.beside),
         np.zeros(at.COUNTS.beside, dtype=np.int64),
         np.zeros(at.row_size(n, m, k)),
-        np.zeros(at.work_size(n, m, k)),
+        np.zeros(at.work_size(n, m, k) + room_size(n, k)),
     )
 
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from ..common.errors import InputError
 from ..kernels.space import layout as at
-from .arrays import centroid_of
+from .arrays import FLOOR, centroid_of
 from .blocks.faces import FloatArray
 from .blocks.parts import Joint, Solid, Tie
 from .stepper import Stepper
@@ -26,6 +26,7 @@ LOADS = (4, 1, 5)
 MOST_ITERATIONS = 200
 CLOSE = 1e-11  # of the weight: forces that are left
 PERTURBED = 1e-3  # of the settlement: displacements for the tangent
+OF_ONE = 0.1  # of the settlement of a joint under one block: displacements for the tangent at rest
 SOFTENING = 1e-4  # of the stiffness in full contact: first addition to a tangent that does not lead to rest
 
 
@@ -58,7 +59,7 @@ def _rest_of(blocks: tuple[Solid, ...], joints: tuple[Joint, ...], ties: tuple[T
     for loads in LOADS if slides else (1,):
         stepper = _loaded(structure, linear, settlement, delta, loads)
         if stepper is not None:
-            return _finished(stepper, _sticking(stepper).stiffness(delta))
+            return _finished(stepper, _sticking(stepper).stiffness(np.minimum(delta, _least_delta(structure))))
     raise InputError("no rest found, it does not stand under its weight")
 
 
@@ -113,6 +114,12 @@ def _deltas(structure: Structure, settlement: float) -> FloatArray:
     parts = np.column_stack([np.ones((structure.n, 3)), np.repeat(1.0 / sizes[:, None], 3, axis=1)])
     deltas: FloatArray = (settlement * parts.ravel()).astype(np.float64)
     return deltas
+
+
+def _least_delta(structure: Structure) -> FloatArray:
+    """Deltas so small that no joint opens which bears one block."""
+    settings = at.SETTINGS.see(structure.model.settings)
+    return _deltas(structure, OF_ONE * settings.motion_floor * settings.extent / FLOOR)
 
 
 def _solved(structure: Structure, stiffness: FloatArray, load: FloatArray) -> FloatArray:

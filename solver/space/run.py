@@ -15,11 +15,13 @@ from ..dynamics.verdict import OVERTURNED, STANDING, UNDECIDED
 from ..ground.motion import Motion
 from ..kernels.space import layout as at
 from .blocks.faces import FloatArray, edge_distance
+from .modal_data import modal_data_of
 from .response import SpatialResponse
 from .rest import Rest, rest_of, start_from
 from .stepper import Stepper
 from .structure import Structure
 
+COUNTED = ("steps", "elastic_steps", "rejected", "evaluations", "looks")
 BETWEEN_LOOKS = 0.25  # s, after the motion
 SAFE = 0.5  # of the least energy that lifts what a joint carries over its edge
 FINER, LEAST_TOLERANCE = 0.1, 1e-12  # of the run that checks another
@@ -87,9 +89,10 @@ def single_run(
     if initial is not None:
         set_initial(stepper, initial)
         flat = flat and is_flat(initial)
+    modes = modal_data_of(structure)
+    stepper.model = stepper.model._replace(settings=stepper.model.settings.copy(), modal=modes.numbers.copy())
     settings = at.SETTINGS.see(stepper.model.settings)
-    stepper.model = stepper.model._replace(settings=stepper.model.settings.copy())
-    settings = at.SETTINGS.see(stepper.model.settings)
+    settings.has_modes = float(modes.numbers.size > 0)
     settings.in_plane = float(flat)
     settings.watches = float("peaks" not in structure.without)
     stop = motion.start + duration
@@ -102,9 +105,9 @@ def single_run(
 
     begin = clock.perf_counter()
     rows = stepper.run(motion, motion.start, stop, times, after_chunk)
-    stats: dict[str, float] = {
-        name: int(getattr(stepper.counts, name)) for name in ("steps", "rejected", "evaluations", "looks")
-    }
+    stats: dict[str, float | str] = {name: int(getattr(stepper.counts, name)) for name in COUNTED}
+    coupled = "" if settings.has_modes else "dampers couple the modes"
+    stats["why_no_modes"] = modes.why_none or coupled
     stats["wall_time"] = clock.perf_counter() - begin
     response = SpatialResponse(structure, times, rows, stepper.state.peaks.copy(), stats)
     stats["settled_for"] = _follow(response, stepper, rest, stop, settle) - stop

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from ..column.column import Column
 
 LEAST_LENGTH = 1e-6  # m, of a tie
+SKIPS = ("peaks", "elastic")  # what can be left out: peaks but those of displacements, steps by modes
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -41,7 +42,7 @@ class Structure(Shown):
     ties: tuple[Tie, ...] = ()
     g: float = 9.80665  # m/s2
     tolerance: float = TOLERANCE  # error relative to the largest motion
-    without: tuple[str, ...] = ()  # "peaks": those of displacements only
+    without: tuple[str, ...] = ()  # of SKIPS
     described: Mapping[str, Any] | None = None  # the file, a table for each block; None: made otherwise
 
     def __post_init__(self) -> None:
@@ -51,7 +52,7 @@ class Structure(Shown):
         if not 1 <= len(self.blocks) <= ranges.MAX_BLOCKS:
             raise InputError(f"block: {len(self.blocks)} blocks, must be 1 to {ranges.MAX_BLOCKS}")
         for name in self.without:
-            ranges.check_choice("solver.without", name, ("peaks",))
+            ranges.check_choice("solver.without", name, SKIPS)
         for i, name in enumerate(self.names):
             if name in self.names[:i] or name == BASE:
                 raise InputError(f"block[{i + 1}].name = {shown(name)}: must be another name, it is taken")

@@ -212,7 +212,7 @@ def _raise_by_end(column):
 
 
 @leaf
-def _vertex(a, f_a, b, f_b, c, f_c):
+def vertex(a, f_a, b, f_b, c, f_c):
     """(place, height) of the top of the parabola through three points; the best of them if no top is inside."""
     left, right = (f_b - f_a) / (b - a), (f_c - f_b) / (c - b)
     bend = (left - right) / (c - a)
@@ -222,6 +222,24 @@ def _vertex(a, f_a, b, f_b, c, f_c):
         if a < place < c:
             return place, f_b + 0.25 * slope * slope / bend
     return b, max(f_a, f_b, f_c)
+
+
+@leaf
+def apart(known, s):
+    """A place for the next trial, near s, but not too near the second of three known ones."""
+    a, _, b, _, c, _ = known
+    if abs(s - b) < CLOSE:
+        return b + CLOSE if c - b > b - a else b - CLOSE
+    return s
+
+
+@leaf
+def nearer(known, s, f_s):
+    """The three places around the largest value, each with its own, after a trial at s."""
+    a, f_a, b, f_b, c, f_c = known
+    if s < b:
+        return (a, f_a, s, f_s, b, f_b) if f_s >= f_b else (s, f_s, b, f_b, c, f_c)
+    return (b, f_b, s, f_s, c, f_c) if f_s >= f_b else (a, f_a, b, f_b, s, f_s)
 
 
 @leaf
@@ -268,19 +286,15 @@ def _climb(column, t, h, j, sign, known, s, height):
     """
     work, peaks = column.work, column.state.peaks
     for _ in range(MOST_TRIALS):
-        a, f_a, b, f_b, c, f_c = known
+        a, _, _, _, c, _ = known
         if not height > peaks[j] + work.allowed[j]:
             return
-        if abs(s - b) < CLOSE:
-            s = b + CLOSE if c - b > b - a else b - CLOSE
+        s = apart(known, s)
         if not a < s < c:
             return
         f_s = sign * _look(column, t, h, s)[j]
-        if s < b:
-            known = (a, f_a, s, f_s, b, f_b) if f_s >= f_b else (s, f_s, b, f_b, c, f_c)
-        else:
-            known = (b, f_b, s, f_s, c, f_c) if f_s >= f_b else (a, f_a, b, f_b, s, f_s)
-        s, height = _vertex(*known)
+        known = nearer(known, s, f_s)
+        s, height = vertex(*known)
 
 
 @kernel
@@ -291,7 +305,7 @@ def _find_top(column, t, h, j, size):
     for k in range(1, PIECES):
         sign = -1.0 if seen[k * size + j] < 0.0 else 1.0
         f_a, f_b, f_c = sign * seen[(k - 1) * size + j], sign * seen[k * size + j], sign * seen[(k + 1) * size + j]
-        x, height = _vertex(k - 1.0, f_a, k, f_b, k + 1.0, f_c)
+        x, height = vertex(k - 1.0, f_a, k, f_b, k + 1.0, f_c)
         if height > best:
             best, place, at, way = height, x, k, sign
     if not best > peaks[j] + allowed:

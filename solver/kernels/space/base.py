@@ -75,6 +75,25 @@ def _of_one(shaking, k, t):
     return beside[0] + ax, beside[1] + ay, beside[2] + az
 
 
+@leaf
+def line(shaking, k, t):
+    """The part of the acceleration that is linear in time from t on, on segment k, and its slope: three each."""
+    base = shaking.base
+    past = t - base.t0
+    ax, ay, az = base.ax + base.jx * past, base.ay + base.jy * past, base.az + base.jz * past
+    jx, jy, jz = base.jx, base.jy, base.jz
+    if is_still(shaking, k):
+        return ax, ay, az, jx, jy, jz
+    ax, ay, az = ax + base.scale * shaking.ax[k], ay + base.scale * shaking.ay[k], az + base.scale * shaking.az[k]
+    if base.held != 0.0:
+        return ax, ay, az, jx, jy, jz
+    per, within = base.scale / (shaking.times[k + 1] - shaking.times[k]), t - shaking.times[k]
+    x = per * (shaking.ax[k + 1] - shaking.ax[k])
+    y = per * (shaking.ay[k + 1] - shaking.ay[k])
+    z = per * (shaking.az[k + 1] - shaking.az[k])
+    return ax + x * within, ay + y * within, az + z * within, jx + x, jy + y, jz + z
+
+
 @kernel
 def is_quiet(shaking, k):
     """Whether the base stays still for good from segment k on."""

@@ -17,9 +17,9 @@ _phase, _base = PHASE.over, BASE.over
 @kernel
 def scene_of(n, m, k, model, state):
     """The scene of a structure of n blocks, m joints and k ties; model, state: its arrays (arrays.py)."""
-    settings, bodies, joints, ties, corners = model
+    settings, bodies, joints, ties, corners, modal = model
     control, counts, peaks, work = state
-    rows = row_of(settings), row_of(bodies), row_of(joints), row_of(ties), row_of(corners)
+    rows = row_of(settings), row_of(bodies), row_of(joints), row_of(ties), row_of(corners), row_of(modal)
     return lay_scene(n, m, k, rows, row_of(control), row_of(counts), row_of(peaks), row_of(work))
 
 

@@ -137,7 +137,7 @@ def batch_over(sizes, buffer, queue):
     peaks = counts[_COUNTS:]
     base = peaks[_PEAK * n :]
     own = base[_BASE:]
-    scene = lay_scene(n, m, k, (buffer, bodies, joints, ties, outlines), control, counts, peaks, own[_LANE:])
+    scene = lay_scene(n, m, k, (buffer, bodies, joints, ties, outlines, outlines), control, counts, peaks, own[_LANE:])
     shaking = Shaking(0, queue.times, queue.ax, queue.ay, queue.az, _base(base, 0))
     return Batch(scene, shaking, _lane(own, 0), buffer, sizes, queue)
 

@@ -73,7 +73,7 @@ def penetration(motion):
 
 
 @leaf
-def _limits(joints, j, normal, g1, g2):
+def friction_limits(joints, j, normal, g1, g2):
     """Largest force along a joint, N, and largest twisting couple, N m.
 
     The couple is that of friction about the centre: with the arm of a uniform pressure, or that of the resultant if it
@@ -106,7 +106,7 @@ def _along_joint(scene, j, motion, normal, g1, g2):
     g3 = twist * (z3 + damping * v3)
     r1, r2, r3 = zero_like(v1), zero_like(v2), zero_like(v3)
     if any_of(joints.friction[j] != math.inf):
-        limit, couple = _limits(joints, j, normal, g1 + normal * y, g2 - normal * x)
+        limit, couple = friction_limits(joints, j, normal, g1 + normal * y, g2 - normal * x)
         square = t1 * t1 + t2 * t2
         slides = square > limit * limit
         if any_of(slides):

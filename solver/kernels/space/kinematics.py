@@ -64,6 +64,19 @@ def minus(a, b):
 
 
 @leaf
+def spin_of(q, p):
+    """Angular velocity, in the axes of the body, of a unit quaternion q that changes at the rate p.
+
+    Of its second derivative it is the angular acceleration.
+    """
+    return (
+        2.0 * (q[0] * p[1] - q[1] * p[0] - q[2] * p[3] + q[3] * p[2]),
+        2.0 * (q[0] * p[2] - q[2] * p[0] - q[3] * p[1] + q[1] * p[3]),
+        2.0 * (q[0] * p[3] - q[3] * p[0] - q[1] * p[2] + q[2] * p[1]),
+    )
+
+
+@leaf
 def plus(a, b, factor):
     """a + factor b."""
     return a[0] + factor * b[0], a[1] + factor * b[1], a[2] + factor * b[2]

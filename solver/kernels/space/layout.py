@@ -21,6 +21,7 @@ SETTINGS = Record(
     "in_plane",  # 1: the motion stays in the plane x, z by symmetry
     "watches",  # 1: peaks of forces too, not of displacements alone
     "gives_way",  # 1: joints may slide or ties yield, what they give way by is integrated
+    "has_modes",  # 1: steps by modes while all joints are in full contact
     "relaxation",  # s: least damping along a joint that may slide; what a tie yields by follows its stretch so fast
 )
 BODIES = Table(
@@ -76,8 +77,15 @@ CONTROL = Record(
     "largest_rate",  # rad/s
     "fall_time",  # s
     "reached",  # s
+    "elastic_step",  # s, proposed for steps by modes
 )
-COUNTS = Record("steps", "rejected", "evaluations", "looks", "fallen", "started", "next_row", "resting")
+COUNTS = Record(
+    *("steps", "rejected", "evaluations", "looks", "fallen", "started", "next_row", "resting"),
+    "elastic_steps",  # of steps
+    "elastic_wait",  # steps to be made by other methods before modes are tried again
+    "in_a_row",  # steps by modes since others were last tried
+    "probing",  # 1 while others are tried
+)
 BASE = Record(
     *("amplitude_x", "amplitude_y"),  # m/s2, of the harmonic part
     *("omega", "phase"),  # rad/s, rad
@@ -184,6 +192,7 @@ class Scene(NamedTuple):
     joints: object
     ties: object
     corners: object
+    modal: object  # row (modal.py), empty without modes
     control: object
     counts: object
     peaks: object
@@ -198,6 +207,7 @@ class Scene(NamedTuple):
     giving_plastic: object
     room: object  # of polygons
     rows: object  # states and rates of a step, then output rows
+    room: object  # row, for modes; not there in lanes
 
 
 _bodies, _joints, _ties = BODIES.over, JOINTS.over, TIES.over
@@ -207,8 +217,8 @@ _settings, _control, _counts = SETTINGS.over, CONTROL.over, COUNTS.over
 
 @leaf
 def lay_scene(n, m, k, model, control, counts, peaks, work):
-    """The scene of n blocks, m joints and k ties over rows; model: settings, bodies, joints, ties, corners."""
-    settings, bodies, joints, ties, corners = model
+    """The scene of n blocks, m joints and k ties over rows; model: settings, bodies, joints, ties, corners, modal."""
+    settings, bodies, joints, ties, corners, modal = model
     poses = work[rows_size(n, m, k) :]
     resultants = poses[_POSE * (n + 1) :]
     pulls = resultants[_RESULTANT * m :]
@@ -223,6 +233,7 @@ def lay_scene(n, m, k, model, control, counts, peaks, work):
         _joints(joints, m),
         _ties(ties, k),
         corners,
+        modal,
         _control(control, 0),
         _counts(counts, 0),
         peaks,
@@ -237,4 +248,5 @@ def lay_scene(n, m, k, model, control, counts, peaks, work):
         giving[_PER_JOINT * m :],
         giving[_PER_JOINT * m + k :],
         work,
+        giving[_PER_JOINT * m + k :],
     )

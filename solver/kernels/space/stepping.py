@@ -8,7 +8,18 @@ import math
 from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.lanes import greater, lesser, square_root, where, zero_like
 from ..numba_ext.views import copy
-from ..stepping.control import LEAST_ERROR, SAFETY, SHRINK, growth
+from ..stepping.control import (
+    LEAST_ERROR,
+    SAFETY,
+    SHRINK,
+    STEPS_PER_PROBE,
+    WAIT_OPEN,
+    WAIT_SHORT,
+    accepts_elastic,
+    growth,
+    may_be_elastic,
+)
+from . import modal
 from .attempt import attempt, evaluate_at, rate, size_of, square_of
 from .base import is_quiet, segment_after
 from .evaluate import moving, recall, show
@@ -18,6 +29,8 @@ from .watch import END, START, look, raise_peaks, row, seen, track_peaks
 _phase, _memory = PHASE.over, MEMORY.over
 _PER_BODY, _PER_JOINT = PHASE.per_n, MEMORY.per_n
 STABLE = 2.5  # time constants of what gives way, in a step: explicit steps beyond 3.3 only stay bounded by their errors
+PROBES = 8  # explicit steps after STEPS_PER_PROBE by modes
+REACH = 33.0  # first steps: the longest explicit one that is stable
 SLACK = 1e-9  # of a step: times closer than this are the same
 LEAST_STEP = 1e-13  # of the time scale
 STILL = 1e-8  # of gravity, and of the rates that errors are measured against: less is rest
@@ -105,6 +118,7 @@ def _begin(scene, shaking, segment, t, phase):
     if counts.started == 0:
         counts.started = 1
         control.next_step, control.previous_error = settings.first_step, 1.0
+        control.elastic_step = 10.0 * settings.first_step
         control.largest = max(control.largest, settings.motion_floor)
         control.largest_rate = max(control.largest_rate, settings.rate_floor)
         _take_stock(scene, phase)
@@ -113,18 +127,86 @@ def _begin(scene, shaking, segment, t, phase):
 
 
 @kernel
-def _finish(scene, shaking, watch, segment, t, h):
+def _finish(scene, shaking, watch, segment, t, h, by_modes):
     """Go on from the end of a step: peaks, rows, fall."""
     phase = _phase(row(scene, END), scene.n)
     scene.counts.steps += 1
     _take_stock(scene, phase)
-    track_peaks(scene, shaking, segment, t, h)
+    track_peaks(scene, shaking, segment, t, h, by_modes)
     _serve_rows(scene, shaking, watch, segment, t, h)
     block = int(fallen(scene, phase))
     if block > 0:
         scene.counts.fallen, scene.control.fall_time = block, t + h
     copy(row(scene, START), row(scene, END), moving(scene))
     copy(rate(scene, 0), rate(scene, STAGES - 1), moving(scene))
+
+
+@kernel
+def _plan(scene, shaking, segment, left):
+    """The next step, s, of which `left` remain in this piece, and whether it is made by modes."""
+    control, counts, settings = scene.control, scene.counts, scene.settings
+    most = 1.0 / shaking.base.omega if shaking.base.omega != 0.0 else math.inf
+    if settings.has_modes != 0.0:
+        longest = modal.data_of(scene).limits.longest
+        if may_be_elastic(counts, control, longest, left, modal.cost_of(scene)):
+            if modal.suits(scene, shaking, segment):
+                return _shared(min(control.elastic_step, longest, most), left), True
+            counts.elastic_wait = WAIT_OPEN
+        modal.forget(scene)
+    step = min(control.next_step, most)
+    if settings.gives_way != 0.0:
+        step = min(step, STABLE * relaxing(scene))
+    return _shared(step, left), False
+
+
+@kernel
+def _count_modal_step(scene):
+    """After many steps by modes, no longer than explicit ones may be, some explicit ones show how long those are."""
+    control, counts = scene.control, scene.counts
+    counts.in_a_row += 1
+    if counts.in_a_row >= STEPS_PER_PROBE:
+        counts.in_a_row = 0
+        if control.elastic_step < modal.cost_of(scene) * REACH * scene.settings.first_step:
+            counts.elastic_wait, counts.probing = PROBES, 1
+
+
+@kernel
+def _count_general_step(scene):
+    """Wait one step less for modes; explicit steps that turned out to be longer go on."""
+    control, counts = scene.control, scene.counts
+    if counts.elastic_wait == 0:
+        return
+    counts.elastic_wait -= 1
+    if counts.elastic_wait == 0 and counts.probing == 1:
+        counts.probing = 0
+        least = modal.cost_of(scene) * control.next_step
+        if control.elastic_step < least:
+            counts.elastic_wait, control.elastic_step = WAIT_SHORT, least
+
+
+@kernel
+def _makes(scene, shaking, segment, t, h, by_modes):
+    """Try a step of h s; returns whether it is accurate enough. Sets the length of the next one either way."""
+    control, counts = scene.control, scene.counts
+    if by_modes:
+        code, error = modal.attempt(scene, shaking, segment, t, h)
+        accepted = accepts_elastic(counts, control, h, code, error, modal.cost_of(scene))
+        if accepted:
+            _count_modal_step(scene)
+        return accepted
+    error, per_order = attempt(scene, shaking, segment, t, h), 1.0 / scene.settings.order
+    if not error <= 1.0:
+        counts.rejected += 1
+        factor = max(SHRINK, SAFETY * error**-per_order) if math.isfinite(error) else SHRINK
+        control.next_step, control.previous_error = h * factor, 1.0
+        return False
+    _count_general_step(scene)
+    error = max(error, LEAST_ERROR)
+    factor = growth(control.previous_error, error, per_order)
+    if h >= control.next_step * (1.0 - SLACK):
+        control.previous_error = error
+    control.next_step = h * factor if factor < 1.0 else max(h * factor, control.next_step)
+    return True
 
 
 @kernel
@@ -136,11 +218,12 @@ def advance(scene, shaking, watch, state, t, stop, most):
     control, counts = scene.control, scene.counts
     begin = row(scene, START)
     recall(scene, state)
+    modal.prepare(scene, shaking)
+    modal.forget(scene)
     copy(begin, state, moving(scene))
     segment = segment_after(shaking, t)
     _begin(scene, shaking, segment, t, _phase(begin, scene.n))
     code, made = OK, 0
-    per_order = 1.0 / scene.settings.order
     while t < stop and counts.fallen == 0:
         if made == most:
             code = PAUSED
@@ -153,30 +236,17 @@ def advance(scene, shaking, watch, state, t, stop, most):
         end = stop
         if segment + 1 < shaking.size and shaking.times[segment + 1] < stop:
             end = shaking.times[segment + 1]
-        most_step = control.next_step
-        if shaking.base.omega != 0.0:
-            most_step = min(most_step, 1.0 / shaking.base.omega)
-        if scene.settings.gives_way != 0.0:
-            most_step = min(most_step, STABLE * relaxing(scene))
-        h = _shared(most_step, end - t)
-        error = attempt(scene, shaking, segment, t, h)
-        if not error <= 1.0:
-            counts.rejected += 1
-            factor = max(SHRINK, SAFETY * error**-per_order) if math.isfinite(error) else SHRINK
-            control.next_step, control.previous_error = h * factor, 1.0
+        h, by_modes = _plan(scene, shaking, segment, end - t)
+        if not _makes(scene, shaking, segment, t, h, by_modes):
             if control.next_step < LEAST_STEP * max(scene.settings.first_step, abs(t)):
                 code = STEP_TOO_SMALL
                 break
             continue
-        error = max(error, LEAST_ERROR)
-        factor = growth(control.previous_error, error, per_order)
-        if h >= control.next_step * (1.0 - SLACK):
-            control.previous_error = error
-        control.next_step = h * factor if factor < 1.0 else max(h * factor, control.next_step)
-        _finish(scene, shaking, watch, segment, t, h)
+        _finish(scene, shaking, watch, segment, t, h, by_modes)
         t = end if h == end - t else t + h
         if t == end and end < stop:
             segment = segment_after(shaking, t)
+            modal.forget(scene)
             evaluate_at(scene, shaking, segment, begin, rate(scene, 0), t)
             show(scene, _phase(begin, scene.n), seen(scene, 0))
             raise_peaks(scene, seen(scene, 0))

@@ -9,10 +9,11 @@ from typing import NamedTuple
 
 from ..integrators.interpolation import quintic_through, value_of
 from ..numba_ext.jit import kernel, leaf
+from ..output.peaks import MOST_TRIALS, apart, nearer, vertex
 from .base import acceleration
 from .evaluate import evaluate_state, moving, show, show_block, show_joint
 from .joint import load_joint
-from .kinematics import pose_body
+from .kinematics import pose_body, spin_of
 from .layout import MEMORY, OF_BLOCK, OF_JOINT, PHASE, STAGES, moving_size, padded, row_size
 
 _phase = PHASE.over
@@ -48,7 +49,7 @@ def seen(scene, k):
 
 
 @leaf
-def _quaternion_curve(phase, rates, i):
+def quaternion_curve(phase, rates, i):
     """Second derivatives of the quaternion of body i."""
     q = phase.q0[i], phase.q1[i], phase.q2[i], phase.q3[i]
     p = rates.q0[i], rates.q1[i], rates.q2[i], rates.q3[i]
@@ -79,15 +80,14 @@ def _interpolate_body(scene, h, s, i):
         q0, v0, a0 = start.ux[place], first.ux[place], first.vx[place]
         q1, v1, a1 = end.ux[place], last.ux[place], last.vx[place]
         between.ux[place], between.vx[place] = _through(h, s, q0, v0, a0, q1, v1, a1)
-    a, b = _quaternion_curve(start, first, i), _quaternion_curve(end, last, i)
+    a, b = quaternion_curve(start, first, i), quaternion_curve(end, last, i)
     q0, p0 = _through(h, s, start.q0[i], first.q0[i], a[0], end.q0[i], last.q0[i], b[0])
     q1, p1 = _through(h, s, start.q1[i], first.q1[i], a[1], end.q1[i], last.q1[i], b[1])
     q2, p2 = _through(h, s, start.q2[i], first.q2[i], a[2], end.q2[i], last.q2[i], b[2])
     q3, p3 = _through(h, s, start.q3[i], first.q3[i], a[3], end.q3[i], last.q3[i], b[3])
     per = 1.0 / (q0 * q0 + q1 * q1 + q2 * q2 + q3 * q3)
-    between.wx[i] = 2.0 * per * (q0 * p1 - q1 * p0 - q2 * p3 + q3 * p2)
-    between.wy[i] = 2.0 * per * (q0 * p2 - q2 * p0 - q3 * p1 + q1 * p3)
-    between.wz[i] = 2.0 * per * (q0 * p3 - q3 * p0 - q1 * p2 + q2 * p1)
+    x, y, z = spin_of((q0, q1, q2, q3), (p0, p1, p2, p3))
+    between.wx[i], between.wy[i], between.wz[i] = per * x, per * y, per * z
     size = math.sqrt(per)
     between.q0[i], between.q1[i], between.q2[i], between.q3[i] = size * q0, size * q1, size * q2, size * q3
 
@@ -122,12 +122,24 @@ def look(scene, shaking, segment, t, h, s, into):
 
 
 @leaf
-def _raise_peak(scene, j, value):
-    """Raise the peak of quantity j of an output row; of contacts the part that is open counts."""
+def _value(scene, j, value):
+    """What counts for the peak of quantity j of an output row; of contacts the part that is open."""
     there, first = abs(value), _BLOCKS * scene.n + _CONTACT * scene.m
-    if first <= j < first + scene.m:
-        there = 1.0 - there
-    scene.peaks[j] = max(scene.peaks[j], there)
+    return 1.0 - there if first <= j < first + scene.m else there
+
+
+@leaf
+def _raise_peak(scene, j, value):
+    scene.peaks[j] = max(scene.peaks[j], _value(scene, j, value))
+
+
+@kernel
+def _rises(scene, values):
+    """Whether an output row would raise a peak."""
+    for j in range(row_size(scene.n, scene.m, scene.k)):
+        if _value(scene, j, values[j]) > scene.peaks[j]:
+            return True
+    return False
 
 
 @kernel
@@ -164,16 +176,19 @@ def _allow(scene, allowed):
 
 
 @kernel
-def track_peaks(scene, shaking, segment, t, h):
-    """Raise the peaks by the step just made, whose end has been evaluated last."""
+def track_peaks(scene, shaking, segment, t, h, by_modes):
+    """Raise the peaks by the step just made, whose end has been evaluated last; by modes its middle is known."""
     count = row_size(scene.n, scene.m, scene.k)
     begin, middle, end = seen(scene, 0), seen(scene, 1), seen(scene, 2)
     show(scene, _phase(row(scene, END), scene.n), end)
+    if by_modes and _rises(scene, end):  # it was evaluated as predicted, before its correction
+        look(scene, shaking, segment, t, h, 1.0, end)
     raise_peaks(scene, end)
     if scene.settings.watches != 0.0:
-        look(scene, shaking, segment, t, h, 0.5, middle)
+        if not by_modes or _rises(scene, middle):
+            look(scene, shaking, segment, t, h, 0.5, middle)
         raise_peaks(scene, middle)
-        _find_tops(scene, shaking, segment, t, h)
+        _find_tops(scene, shaking, segment, t, h, MOST_TRIALS if by_modes else 1)
     for j in range(count):
         begin[j] = end[j]
 
@@ -181,6 +196,8 @@ def track_peaks(scene, shaking, segment, t, h):
 @kernel
 def _look_at(scene, shaking, segment, t, h, s, q):
     """Raise the peaks of the block or joint to which quantity q belongs by its state at fraction s of the step.
+
+    Returns that quantity there.
 
     A block needs itself alone, a joint its two bodies: so a search costs the same in a structure of any size. Ties and
     the base, of which there are few, take the whole structure.
@@ -210,11 +227,12 @@ def _look_at(scene, shaking, segment, t, h, s, q):
     else:
         look(scene, shaking, segment, t, h, s, trial)
         raise_peaks(scene, trial)
+    return trial[q]
 
 
 @kernel
-def _find_tops(scene, shaking, segment, t, h):
-    """Look where a parabola through both ends and the middle of the step rises above a peak."""
+def _find_tops(scene, shaking, segment, t, h, most):
+    """Look where parabolas through three places of the step rise above a peak, `most` times for each quantity."""
     begin, middle, end = seen(scene, 0), seen(scene, 1), seen(scene, 2)
     allowed = seen(scene, 4)
     _allow(scene, allowed)
@@ -226,6 +244,13 @@ def _find_tops(scene, shaking, segment, t, h):
         bend, rise = 2.0 * b - a - c, c - a
         if bend <= 0.0 or abs(rise) >= 2.0 * bend:
             continue
-        top = b + rise * rise / (8.0 * bend) + (1.0 if is_contact else 0.0)
-        if top > scene.peaks[j] + allowed[j]:
-            _look_at(scene, shaking, segment, t, h, 0.5 + rise / (4.0 * bend), j)
+        above = scene.peaks[j] + allowed[j] - (1.0 if is_contact else 0.0)
+        s, height, trials, known = 0.5 + rise / (4.0 * bend), b + rise * rise / (8.0 * bend), 0, (0.0, a, 0.5, b, 1.0, c)
+        while height > above and trials < most and 0.0 < s < 1.0:
+            found = sign * _look_at(scene, shaking, segment, t, h, s, j)
+            trials += 1
+            if trials < most:
+                known = nearer(known, s, found)
+                s, height = vertex(*known)
+                s = apart(known, s)
+                above = max(above, found + allowed[j])

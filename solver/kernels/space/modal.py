@@ -1,0 +1,510 @@
+"""Steps by modes for structures in space, while all joints are in full contact and neither slide nor twist.
+
+The coordinates of a body are the displacement of its centroid from rest and twice the vector of its quaternion, less
+that at rest: with their rates they are an exact form of place and velocity, and the equations of motion give their
+accelerations. About rest they move as 6 n linear modes (solver/space/modal_data.py); all the rest is the remainder of
+integrators/modal_steps.py. Groups of coordinates that do not act on each other have modes of their own. A structure
+that is its own mirror image in the plane x, z has those in the plane first, and they alone move in a plane motion.
+"""
+
+import math
+from typing import NamedTuple
+
+from ..integrators.modal_steps import (
+    OPENS,
+    Drive,
+    Modal,
+    attempt_of,
+    bounds_of,
+    multiply,
+    pays,
+    set_limits,
+    sweep_of,
+)
+from ..layout.modal import mode_at
+from ..layout.spaces import INTERPOLATION_PART, MODAL_LIMITS, MODE, OK, RESPONSE_FIELDS, RESPONSE_HEADER, RESPONSES
+from ..numba_ext.jit import in_both, kernel, leaf
+from ..numba_ext.lanes import index_of
+from ..numba_ext.views import Record, Table, clear, copy
+from .attempt import evaluate_at, rate
+from .base import acceleration, is_still, line
+from .evaluate import evaluate_state, moving, show
+from .joint import friction_limits
+from .kinematics import spin_of
+from .layout import MEMORY, OF_BLOCK, OF_JOINT, PHASE, POLYGON, STAGES
+from .watch import BETWEEN_RATES, END, STAGE, START, quaternion_curve, row, seen
+
+AXES = 6  # coordinates of a body: three displacements, three rotations
+LIMITS = Record(
+    *MODAL_LIMITS.fields,  # parts: groups of coordinates
+    "flat_parts",  # of them in the plane x, z
+    *("count", "flat_count"),  # modes; of them in the plane
+    "matrices",  # numbers of all shapes
+    *("cost", "flat_cost"),  # of a step over one by the explicit method
+    "ready",  # 1: damping and limits are worked out
+)
+COORDINATES = Table(
+    "place",  # in a phase
+    "rest",  # the number of the phase there
+    "group",  # sizes of the groups
+)
+MOTION = Table("coordinates", "rates", "accelerations")  # of modes
+THREE = Table("first", "second", "third")  # the same
+SPREAD = 0.1  # of a margin over a step: as much has to be left, beside the parabola through three values of it
+FASTEST = 10.0  # first steps in which the fastest joint turns by a radian
+SMALL = 0.05
+QUIET = 1e-9  # of critical damping: less is rounding
+STEP_PART = 0.1  # of the tolerance that a step may err by: errors of long steps add up
+_phase, _limits, _coordinates, _motion, _three = PHASE.over, LIMITS.over, COORDINATES.over, MOTION.over, THREE.over
+_trend, _latest = Record("known").over, Record("response").over
+_PER_BODY, _PER_JOINT, _LIMITS, _MODE = PHASE.per_n, MEMORY.per_n, LIMITS.beside, MODE.beside
+_BLOCKS, _JOINTS, _CONTACT = len(OF_BLOCK), len(OF_JOINT), OF_JOINT.index("contact")
+_TX, _TY, _MZ = (OF_JOINT.index(name) for name in ("Tx", "Ty", "Mz"))
+_COORDINATE = COORDINATES.per_n
+_OF_COORDINATE = _MODE + _COORDINATE
+
+
+@in_both
+def modal_size(n: int, m: int, k: int, matrices: int) -> int:
+    """Length of the modal data; matrices: numbers of all shapes."""
+    size: int = _LIMITS + _OF_COORDINATE * AXES * n + _PER_JOINT * m + 2 * k + 2 * matrices
+    return size
+
+
+@in_both
+def room_size(n: int, k: int) -> int:
+    """Numbers behind a work array that modes need."""
+    size: int = (4 * 3 + 2 + RESPONSES * RESPONSE_FIELDS) * AXES * n + k + 2 + RESPONSES * RESPONSE_HEADER
+    return size
+
+
+class Data(NamedTuple):
+    """The modal data by name."""
+
+    limits: object
+    modes: object
+    coordinates: object
+    memory: object  # what joints and ties remember at rest
+    taut: object  # of ties: 1 if they pull at rest
+    shapes: object  # square matrices, by rows, one for each group
+    inverses: object
+
+
+class Body(NamedTuple):
+    """A structure in the coordinates of its modes."""
+
+    scene: object
+    shaking: object
+    segment: int
+    data: object
+    parts: int  # groups that move
+    count: int  # their coordinates
+    x: object  # coordinates, rates, accelerations
+    elastic: object  # m, elastic stretches of the ties in the middle of the step
+
+
+@leaf
+def data_of(scene):
+    """The modal data of a scene that has them."""
+    size, m, k = AXES * scene.n, scene.m, scene.k
+    limits = _limits(scene.modal, 0)
+    modes = scene.modal[_LIMITS:]
+    coordinates = modes[_MODE * size :]
+    memory = coordinates[_COORDINATE * size :]
+    taut = memory[_PER_JOINT * m + k :]
+    shapes = taut[k:]
+    inverses = shapes[int(limits.matrices) :]
+    return Data(limits, modes, _coordinates(coordinates, size), memory, taut, shapes, inverses)
+
+
+@leaf
+def body_of(scene, shaking, segment, flat):
+    """The structure, and its modes; flat: whether it moves in the plane x, z alone."""
+    data, size = data_of(scene), AXES * scene.n
+    limits, room = data.limits, scene.room
+    parts = int(limits.flat_parts) if flat else int(limits.parts)
+    count = int(limits.flat_count) if flat else int(limits.count)
+    slopes = room[12 * size :]
+    curvatures, trend = slopes[size:], slopes[2 * size :]
+    latest = trend[1:]
+    responses = latest[1:]
+    elastic = responses[RESPONSES * (RESPONSE_FIELDS * size + RESPONSE_HEADER) :]
+    body = Body(scene, shaking, segment, data, parts, count, _three(room, size), elastic)
+    rows = _motion(room[3 * size :], size), _motion(room[6 * size :], size), _motion(room[9 * size :], size)
+    modal = Modal(
+        count, size, data.modes, *rows, slopes, curvatures, _trend(trend, 0), responses, _latest(latest, 0)
+    )
+    return body, modal
+
+
+@kernel
+def _multiply(body, matrices, x, y, segments):
+    """Multiply one to three segments of the row x by the matrices of all groups that move, into the row y."""
+    size = AXES * body.scene.n
+    begin, place = 0, 0
+    for part in range(body.parts):
+        m = int(body.data.coordinates.group[part])
+        multiply(matrices[place:], _three(x, size), _three(y, size), begin, m, segments)
+        begin, place = begin + m, place + m * m
+
+
+@leaf
+def _scale(n, place):
+    """Coordinate over the number of a phase: twice a part of a quaternion."""
+    return 2.0 if place >= 3 * n else 1.0
+
+
+@kernel
+def _take_accelerations(body, y, f):
+    """Accelerations of the coordinates at a state y with rates f."""
+    n, x, places = body.scene.n, body.x, body.data.coordinates.place
+    phase, rates, second = _phase(y, n), _phase(f, n), row(body.scene, BETWEEN_RATES)
+    curve = _phase(second, n)
+    for i in range(n):
+        curve.ux[i], curve.uy[i], curve.uz[i] = rates.vx[i], rates.vy[i], rates.vz[i]
+        _, curve.q1[i], curve.q2[i], curve.q3[i] = quaternion_curve(phase, rates, i)
+    for c in range(body.count):
+        place = int(places[c])
+        x.third[c] = _scale(n, place) * second[place]
+
+
+@kernel
+def _take_coordinates(body, y, f):
+    """Coordinates, rates and accelerations at a state y with rates f."""
+    n, x, coordinates = body.scene.n, body.x, body.data.coordinates
+    _take_accelerations(body, y, f)
+    for c in range(body.count):
+        place = int(coordinates.place[c])
+        scale = _scale(n, place)
+        x.first[c], x.second[c] = scale * (y[place] - coordinates.rest[c]), scale * f[place]
+
+
+@kernel
+def _place(body, y, f, segments):
+    """The state y at the coordinates and rates, and with `segments` 3 its rates f; what does not move is as at START.
+
+    With two segments f has the rates of places alone.
+    """
+    scene, x, coordinates = body.scene, body.x, body.data.coordinates
+    n = scene.n
+    second = row(scene, BETWEEN_RATES)
+    copy(y, row(scene, START), moving(scene))
+    copy(f, rate(scene, 0), moving(scene))
+    if segments > 2:
+        clear(second, _PER_BODY * n)
+    for c in range(body.count):
+        place = int(coordinates.place[c])
+        per = 1.0 / _scale(n, place)
+        y[place], f[place] = coordinates.rest[c] + per * x.first[c], per * x.second[c]
+        if segments > 2:
+            second[place] = per * x.third[c]
+    phase, rates, curve = _phase(y, n), _phase(f, n), _phase(second, n)
+    for i in range(n):
+        v1, v2, v3 = phase.q1[i], phase.q2[i], phase.q3[i]
+        p1, p2, p3 = rates.q1[i], rates.q2[i], rates.q3[i]
+        scalar = math.sqrt(max(0.0, 1.0 - (v1 * v1 + v2 * v2 + v3 * v3)))
+        falls = -(v1 * p1 + v2 * p2 + v3 * p3) / scalar
+        phase.q0[i], rates.q0[i] = scalar, falls
+        phase.vx[i], phase.vy[i], phase.vz[i] = rates.ux[i], rates.uy[i], rates.uz[i]
+        q = scalar, v1, v2, v3
+        phase.wx[i], phase.wy[i], phase.wz[i] = spin_of(q, (falls, p1, p2, p3))
+        if segments > 2:
+            a1, a2, a3 = curve.q1[i], curve.q2[i], curve.q3[i]
+            bends = -(v1 * a1 + v2 * a2 + v3 * a3 + p1 * p1 + p2 * p2 + p3 * p3 + falls * falls) / scalar
+            rates.vx[i], rates.vy[i], rates.vz[i] = curve.ux[i], curve.uy[i], curve.uz[i]
+            rates.wx[i], rates.wy[i], rates.wz[i] = spin_of(q, (bends, a1, a2, a3))
+
+
+# --- whether the structure stays as it is at rest
+
+
+@leaf
+def _least_pressure(scene, joints_seen, j):
+    """Least pressure, Pa, on joint j, in full contact, by an output row from its joints on."""
+    m, joints = scene.m, scene.joints
+    normal, g1, g2 = joints_seen[j], joints_seen[m + j], joints_seen[2 * m + j]
+    ixx, iyy, ixy = joints.ixx[j], joints.iyy[j], joints.ixy[j]
+    per = 1.0 / (ixx * iyy - ixy * ixy)
+    along_x, along_y = per * (iyy * g2 + ixy * g1), -per * (ixx * g1 + ixy * g2)
+    at = normal / joints.area[j]
+    if joints.section[j] != POLYGON:
+        return at - joints.outer[j] * math.sqrt(along_x * along_x + along_y * along_y)
+    least, corners = math.inf, scene.corners[2 * index_of(joints.first[j]) :]
+    for k in range(index_of(joints.corners[j])):
+        least = min(least, along_x * corners[2 * k] + along_y * corners[2 * k + 1])
+    return at + least
+
+
+@leaf
+def _sticks_by(scene, joints_seen, j):
+    """Force N, and couple N m, that joint j would bear beyond what it bears now."""
+    m = scene.m
+    limit, couple = friction_limits(scene.joints, j, joints_seen[j], joints_seen[m + j], joints_seen[2 * m + j])
+    force = math.hypot(joints_seen[_TX * m + j], joints_seen[_TY * m + j])
+    return limit - force, couple - abs(joints_seen[_MZ * m + j])
+
+
+@leaf
+def _dips(a, b, c):
+    """Whether a margin with these values at the start, in the middle and at the end of a step may vanish within it."""
+    bend, rise = a - 2.0 * b + c, c - a
+    least = min(a, b, c)
+    if bend > 0.0 and abs(rise) < 2.0 * bend:
+        least = min(least, b - rise * rise / (8.0 * bend))
+    return not least > SPREAD * (max(a, b, c) - least)
+
+
+@leaf
+def _joints_in(scene, k):
+    return seen(scene, k)[_BLOCKS * scene.n :]
+
+
+@leaf
+def _ties_in(scene, k):
+    return seen(scene, k)[_BLOCKS * scene.n + _JOINTS * scene.m :]
+
+
+@kernel
+def _is_as_at_rest(body, k, giving):
+    """Whether all joints are in full contact and stick, and ties pull as at rest, by row k of a step and its rates."""
+    scene = body.scene
+    joints, ties = _joints_in(scene, k), _ties_in(scene, k)
+    for j in range(scene.m):
+        if not joints[_CONTACT * scene.m + j] >= 1.0:
+            return False
+    for e in range(scene.k):
+        if (ties[e] != 0.0) != (body.data.taut[e] != 0.0):
+            return False
+    for place in range(_PER_BODY * scene.n, moving(scene)):
+        if giving[place] != 0.0:
+            return False
+    return True
+
+
+@kernel
+def _joint_leaves(scene, j):
+    """Whether joint j may open, slide or twist between the start, the middle and the end of a step."""
+    a, b, c = _joints_in(scene, 0), _joints_in(scene, 1), _joints_in(scene, 2)
+    if _dips(_least_pressure(scene, a, j), _least_pressure(scene, b, j), _least_pressure(scene, c, j)):
+        return True
+    if scene.joints.friction[j] == math.inf:
+        return False
+    begins, halfway, ends = _sticks_by(scene, a, j), _sticks_by(scene, b, j), _sticks_by(scene, c, j)
+    return _dips(begins[0], halfway[0], ends[0]) or _dips(begins[1], halfway[1], ends[1])
+
+
+@kernel
+def _tie_leaves(body, e):
+    """Whether tie e may become slack or taut, or yield, between the start, the middle and the end of a step."""
+    scene = body.scene
+    a, b, c = _ties_in(scene, 0)[e], _ties_in(scene, 1)[e], _ties_in(scene, 2)[e]
+    most = scene.ties.yields_at[e]
+    if most != math.inf and _dips(most - abs(a), most - abs(b), most - abs(c)):
+        return True
+    if scene.ties.tension_only[e] == 0.0:
+        return False
+    if body.data.taut[e] != 0.0:
+        return _dips(a, b, c)
+    halfway, end = -body.elastic[e], -scene.pulls.elastic[e]
+    return not min(halfway, end) > abs(end - halfway)
+
+
+@kernel
+def _leaves(body):
+    """Whether a joint or tie may have changed its regime within the step."""
+    for j in range(body.scene.m):
+        if _joint_leaves(body.scene, j):
+            return True
+    for e in range(body.scene.k):
+        if _tie_leaves(body, e):
+            return True
+    return False
+
+
+# --- a step
+
+
+@leaf
+def _drive(body, t):
+    shaking, k = body.shaking, body.segment
+    base = shaking.base
+    ax, ay, az, jx, jy, jz = line(shaking, k, t)
+    omega = 0.0 if is_still(shaking, k) else base.omega
+    amplitude = 0.0 if omega == 0.0 else max(abs(base.amplitude_x), abs(base.amplitude_y))
+    angle = omega * t + base.phase
+    sine, cosine = (math.sin(angle), math.cos(angle)) if omega != 0.0 else (0.0, 0.0)
+    by_sine = base.amplitude_x * sine, 0.0, base.amplitude_y * sine
+    by_cosine = base.amplitude_x * cosine, 0.0, base.amplitude_y * cosine
+    return Drive((ax, az, ay), (jx, jz, jy), by_sine, by_cosine, amplitude, omega, sine, cosine)
+
+
+@kernel
+def _begin(body, modal):
+    _take_coordinates(body, row(body.scene, START), rate(body.scene, 0))
+    _multiply(body, body.data.inverses, body.x.first, modal.first.coordinates, 3)
+
+
+@kernel
+def _reach(body, modal, half, t, h, sine):
+    """Evaluate the structure where the modes are, and check joints and ties (modal_steps.py, `sweep_of`)."""
+    scene = body.scene
+    y, f = row(scene, STAGE if half == 0 else END), rate(scene, 1 if half == 0 else STAGES - 1)
+    to = modal.mean if half == 0 else modal.last
+    _multiply(body, body.data.shapes, to.coordinates, body.x.first, 2)
+    _place(body, y, f, 2)
+    evaluate_at(scene, body.shaking, body.segment, y, f, t)
+    show(scene, _phase(y, scene.n), seen(scene, 1 + half))
+    ax, ay, az = acceleration(body.shaking, body.segment, t)
+    if not _is_as_at_rest(body, 1 + half, f) or (half == 1 and _leaves(body)):
+        return OPENS, (ax, az, ay)
+    if half == 0:
+        copy(body.elastic, scene.pulls.elastic, scene.k)
+    _take_accelerations(body, y, f)
+    _multiply(body, body.data.inverses, body.x.third, to.accelerations, 1)
+    return OK, (ax, az, ay)
+
+
+@kernel
+def _end(body, modal):
+    scene = body.scene
+    _multiply(body, body.data.shapes, modal.last.coordinates, body.x.first, 3)
+    _place(body, row(scene, END), rate(scene, STAGES - 1), 3)
+
+
+_attempt = attempt_of(sweep_of(_begin, _reach, _end))
+
+
+@leaf
+def step_tolerance_of(settings):
+    """The tolerance of a step by modes; without damping that of any other step."""
+    return min(STEP_PART * settings.tolerance, settings.step_tolerance)
+
+
+@leaf
+def between_part(settings):
+    """What a step may err by between its ends, where errors do not add up, over the tolerance of a step."""
+    return INTERPOLATION_PART * STEP_PART * settings.tolerance / step_tolerance_of(settings)
+
+
+@kernel
+def attempt(scene, shaking, segment, t, h):
+    """One step of h seconds from the row START to END; returns (code, error in tolerances)."""
+    settings, control = scene.settings, scene.control
+    body, modal = body_of(scene, shaking, segment, settings.in_plane != 0.0)
+    scales = control.largest, control.largest_rate
+    bounds = bounds_of(body.data.limits, step_tolerance_of(settings), *scales, between_part(settings))
+    return _attempt(body, modal, _drive(body, t), bounds, int(body.data.limits.sweeps), t, h)
+
+
+@leaf
+def cost_of(scene):
+    """Cost of a step over one by the explicit method."""
+    limits = data_of(scene).limits
+    return limits.cost if scene.settings.in_plane == 0.0 else limits.flat_cost
+
+
+@kernel
+def suits(scene, shaking, segment):
+    """Whether a step may be tried from the row START."""
+    body, _ = body_of(scene, shaking, segment, scene.settings.in_plane != 0.0)
+    return _is_as_at_rest(body, 0, rate(scene, 0))
+
+
+@kernel
+def forget(scene):
+    """Mark the trend of the remainder as unknown: this is the first step of a call, or follows other methods."""
+    if scene.settings.has_modes != 0.0:
+        scene.room[14 * AXES * scene.n] = 0.0
+
+
+# --- what follows from the dampers
+
+
+@kernel
+def prepare(scene, shaking):
+    """Work out damping and limits of the modes once, by evaluations at rest; uses the rows of a step.
+
+    They depend on the dampers and the tolerance, which a caller may have set. There are no modes where dampers couple
+    them.
+    """
+    settings = scene.settings
+    if settings.has_modes == 0.0 or data_of(scene).limits.ready != 0.0:
+        return
+    in_plane = settings.in_plane
+    settings.in_plane = 0.0
+    body, modal = body_of(scene, shaking, 0, False)
+    _stand_at_rest(body)
+    still, pace = modal.mean, _small_rate(scene)
+    _accelerate(body, still)
+    for e in range(scene.k):
+        body.data.taut[e] = 1.0 if scene.pulls.force[e] != 0.0 else 0.0
+    coupled, fastest, damped = 0.0, 0.0, False
+    for k in range(body.count):
+        mode = mode_at(modal.modes, k)
+        little = pace / mode.size
+        _move_by_mode(body, k, little)
+        _accelerate(body, modal.last)
+        across = 0.0
+        for j in range(body.count):
+            beta = (still.accelerations[j] - modal.last.accelerations[j]) / little
+            if j == k:
+                mode.damping = max(0.0, beta)
+                damped = damped or mode.damping > QUIET * math.sqrt(mode.square)
+            else:
+                across += abs(beta)
+        coupled, fastest = max(coupled, across), max(fastest, mode.square)
+    set_limits(body.data.limits, step_tolerance_of(settings), between_part(settings), coupled, damped)
+    body.data.limits.ready = 1.0
+    forget(scene)
+    settings.in_plane = in_plane
+    if not pays(body.data.limits, fastest):
+        settings.has_modes = 0.0
+
+
+@kernel
+def _stand_at_rest(body):
+    """START at rest, all modes still."""
+    scene, coordinates = body.scene, body.data.coordinates
+    begin, size = row(scene, START), AXES * scene.n
+    clear(begin, _PER_BODY * scene.n)
+    clear(rate(scene, 0), moving(scene))
+    copy(begin[_PER_BODY * scene.n :], body.data.memory, _PER_JOINT * scene.m + scene.k)
+    clear(scene.room, 12 * size)
+    for c in range(size):
+        begin[int(coordinates.place[c])] = coordinates.rest[c]
+
+
+@leaf
+def _small_rate(scene):
+    """A rate, rad/s, at which a damper bears a small part of what one block weighs."""
+    slowest, largest = FASTEST * scene.settings.first_step, 0.0
+    settled = scene.settings.gravity * slowest * slowest
+    for j in range(scene.m):
+        slowest = max(slowest, scene.joints.damping[j])
+    for i in range(scene.n):
+        largest = max(largest, scene.bodies.size[i])
+    return SMALL * settled / (slowest * largest)
+
+
+@kernel
+def _move_by_mode(body, k, pace):
+    """Rates of the coordinates where mode k alone moves, at this modal rate."""
+    begin, place = 0, 0
+    clear(body.x.second, body.count)
+    for part in range(body.parts):
+        m = int(body.data.coordinates.group[part])
+        if begin <= k < begin + m:
+            for c in range(m):
+                body.x.second[begin + c] = pace * body.data.shapes[place + m * c + k - begin]
+        begin, place = begin + m, place + m * m
+
+
+@kernel
+def _accelerate(body, to):
+    """Accelerations of the modes at the places and rates of the coordinates, on a still base."""
+    scene = body.scene
+    y, f = row(scene, STAGE), rate(scene, 1)
+    _place(body, y, f, 2)
+    evaluate_state(scene, y, f, 0.0, 0.0, 0.0)
+    _take_accelerations(body, y, f)
+    _multiply(body, body.data.inverses, body.x.third, to.accelerations, 1)
