@@ -28,7 +28,7 @@ from .table import Check, Chosen, Subject
 def structure_subject(body: StructureBody) -> Subject:
     """Of a structure; its model and rest are numbers that never change."""
     n, m = body.structure.n, len(body.structure.joints)
-    sizes = sizes_of(body.structure)
+    sizes = sizes_of(body.structure, body.packed)
     given = {"tolerance": TOLERANCE, "without": WITHOUT, "damping_scale": DAMPING_SCALE}
     return Subject(
         falls=True,

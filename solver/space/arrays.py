@@ -10,7 +10,7 @@ import numpy as np
 
 from ..kernels.column.assembly import LIGHTLY_DAMPED
 from ..kernels.space import layout as at
-from ..kernels.space.modal import room_size
+from ..kernels.space.modal_layout import room_size
 from .blocks.contacts import GROUND
 from .blocks.faces import Face, FloatArray, edge_distance
 from .blocks.parts import Joint, Solid, Tie
@@ -30,7 +30,7 @@ class Model(NamedTuple):
     joints: FloatArray
     ties: FloatArray
     corners: FloatArray
-    modal: FloatArray  # kernels/space/modal.py; empty without modes
+    modal: FloatArray  # kernels/space/modal_layout.py; empty without modes
 
 
 class State(NamedTuple):

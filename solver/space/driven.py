@@ -13,7 +13,9 @@ from ..kernels.layout.spaces import INPUT_TOO_LARGE, TOO_MUCH_WORK
 from ..kernels.space import driven
 from ..kernels.space import layout as at
 from ..kernels.space.entries import assemble_structure, follow_structure, look_structure
+from ..kernels.space.modal_layout import room_size
 from .blocks.faces import FloatArray
+from .modal_data import modal_data_of
 from .rest import rest_of
 from .stepper import TOO_SMALL
 from .structure import Structure
@@ -23,7 +25,7 @@ REASONS = {
     TOO_MUCH_WORK: "the motion is too fast to be followed; the input or the state is not a physical one",
     INPUT_TOO_LARGE: "an input of the base is, or becomes, larger than 1e6 (m/s2)",
 }
-SKIP_CODES = {"peaks": driven.WITHOUT_PEAKS}
+SKIP_CODES = {"peaks": driven.WITHOUT_PEAKS, "elastic": driven.WITHOUT_ELASTIC}
 CONTACT = at.OF_JOINT.index("contact")
 
 
@@ -55,25 +57,28 @@ class Sizes(NamedTuple):
     row: int
 
 
-def sizes_of(structure: Structure) -> Sizes:
-    """The lengths for a structure."""
+def sizes_of(structure: Structure, model: FloatArray) -> Sizes:
+    """The lengths for a structure; model: see `packed`."""
     n, m, k = structure.n, len(structure.joints), len(structure.ties)
-    model = driven.model_size(n, m, k, structure.model.corners.size)
-    counted = at.COUNTS.beside, at.BASE.beside, at.work_size(n, m, k), at.row_size(n, m, k)
-    return Sizes(model, driven.state_size(n, m, k), *counted)
+    work = at.work_size(n, m, k) + room_size(n, k)
+    counted = at.COUNTS.beside, at.BASE.beside, work, at.row_size(n, m, k)
+    return Sizes(int(driven.HEAD.see(model).size), driven.state_size(n, m, k), *counted)
 
 
 def packed(structure: Structure) -> FloatArray:
     """The model of a structure and its rest, as `assemble` is given them. Raises InputError if it does not stand."""
     n, m, k = structure.n, len(structure.joints), len(structure.ties)
-    rest, size = rest_of(structure), sizes_of(structure).model
+    rest, modal = rest_of(structure), modal_data_of(structure.with_settings(without=())).numbers
+    model = structure.model._replace(settings=structure.model.settings.copy(), modal=modal)
+    at.SETTINGS.see(model.settings).has_modes = float(modal.size > 0)
+    size = driven.model_size(n, m, k, model.corners.size, modal.size)
     phase = rest.phase.copy()
     if structure.is_plane:  # what is zero by symmetry, but for rounding
         seen = at.PHASE.see(phase, n)
         for name in ("uy", "q1", "q3"):
             getattr(seen, name)[:] = 0.0
-    head = np.array([n, m, k, structure.is_plane, size], dtype=np.float64)
-    return np.concatenate([head, *structure.model, phase])
+    head = np.array([n, m, k, structure.is_plane, model.corners.size, size], dtype=np.float64)
+    return np.concatenate([head, *model, phase])
 
 
 def make_kernels() -> None:
@@ -101,7 +106,7 @@ class DrivenStructure:
 
     def __init__(self, structure: Structure, model: FloatArray, given: tuple[float, float, float]) -> None:
         self.structure = structure
-        self.sizes = sizes_of(structure)
+        self.sizes = sizes_of(structure, model)
         self.packed = model
         self.arrays = Arrays(
             np.zeros(self.sizes.state), np.zeros(self.sizes.counts, dtype=np.int64), np.zeros(self.sizes.base)

@@ -1,4 +1,4 @@
-"""The modes of a structure about its rest, as the kernels use them (kernels/space/modal.py)."""
+"""The modes of a structure about its rest, as the kernels use them (kernels/space/modal_layout.py)."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 
 from ..kernels.layout.spaces import MODE
 from ..kernels.space import layout as at
-from ..kernels.space import modal
+from ..kernels.space import modal_layout as modal
 from .blocks.faces import FloatArray
 from .rest import Rest, rest_of
 from .stepper import Stepper
@@ -63,7 +63,7 @@ def _gives_way(structure: Structure, rest: Rest) -> bool:
 
 
 def _numbers(structure: Structure, rest: Rest) -> FloatArray:
-    """The data, but for what `modal.prepare` works out."""
+    """The data, but for what `prepare` of kernels/space/modal.py works out."""
     n, m, k = structure.n, len(structure.joints), len(structure.ties)
     stiffness, mass, places = _about_rest(structure, rest)
     groups, flat = _groups(stiffness, mass, n, structure.is_plane)

@@ -139,7 +139,7 @@ def responses_over(modal, h, omega):
     They follow from the modes, h and omega alone, so that the results do not depend, to the last bit, on which are
     stored.
     """
-    store, latest, room, count = modal.responses, modal.latest, modal.room, modal.count
+    store, latest, room, count = modal.responses, modal.latest, modal.room, modal.active
     for k in range(RESPONSES):
         stored = _stored_at(store, room, k)
         if stored.made_for.step == h and stored.made_for.omega == omega and stored.made_for.count == count:

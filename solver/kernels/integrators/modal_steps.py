@@ -34,8 +34,8 @@ THIRD_DIFFERENCE = 2.0 * 8.0 / (72.0 * math.sqrt(3.0))
 class Modal(NamedTuple):
     """The modes of a body, and its motion in their coordinates."""
 
-    count: int  # modes that move
-    room: int  # modes that there is room for
+    active: int  # number of modes that move
+    room: int  # number of modes that there is room for
     modes: object  # row of records (MODE)
     first: object  # modal coordinates, rates and, instead of accelerations, remainders: at the start,
     mean: object  # in the middle,
@@ -146,7 +146,7 @@ def _respond_to(modal, drive, responses, span, half, is_first):
     first, mean, known = modal.first, modal.mean, modal.trend.known != 0.0
     to = mean if half == 0 else modal.last
     omega, per_step = drive.omega, 1.0 / span
-    for k in range(modal.count):
+    for k in range(modal.active):
         mode = mode_at(modal.modes, k)
         response = response_of(responses, k)
         over = response.half if half == 0 else response.whole
@@ -181,7 +181,7 @@ def _respond_to(modal, drive, responses, span, half, is_first):
 @leaf
 def take_linear_part(modal, to, then):
     """From accelerations of the modes to remainders; `then`: components of the acceleration of the base."""
-    for k in range(modal.count):
+    for k in range(modal.active):
         mode = mode_at(modal.modes, k)
         force = pushed(mode, then, 1.0)
         to.accelerations[k] += mode.damping * to.rates[k] + mode.square * to.coordinates[k] - force
@@ -193,7 +193,7 @@ def _correct(modal, drive, responses, bounds, then, span, excess, is_last):
     first, mean, last, known = modal.first, modal.mean, modal.last, modal.trend.known != 0.0
     omega, per_step = drive.omega, 1.0 / span
     wrong, wrong_rate, hidden = 0.0, 0.0, 0.0
-    for k in range(modal.count):
+    for k in range(modal.active):
         mode = mode_at(modal.modes, k)
         response = response_of(responses, k)
         over, still = response.whole, response.steady
@@ -290,5 +290,3 @@ def attempt_of(sweep: Any) -> Any:
         return code, error
 
     return attempt
-
-

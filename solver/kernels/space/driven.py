@@ -1,8 +1,9 @@
 """A structure under inputs that a caller sets from call to call: the engine behind its FMUs.
 
-All that it is lies in flat rows: `model` (HEAD, then settings, bodies, joints, ties, corners), `state` (control, phase,
-memory of joints and ties, peaks), `counts`, `base`; `work` is scratch. The joints are elastic along themselves, so that
-everything seen of a structure follows from its state, and nothing from the acceleration of the same instant.
+All that it is lies in flat rows: `model` (HEAD, then settings, bodies, joints, ties, corners, modal data), `state`
+(control, phase, memory of joints and ties, peaks), `counts`, `base`; `work` is scratch. The joints are elastic along
+themselves, so that everything seen of a structure follows from its state, and nothing from the acceleration of the same
+instant.
 """
 
 import math
@@ -34,10 +35,10 @@ from .stepping import advance
 from .watch import RATES, STAGE, Watch, row, seen
 
 INPUTS = Record("ax", "ay", "az", "jx", "jy", "jz")  # m/s2; m/s3, their slopes
-HEAD = Record("blocks", "joints", "ties", "is_plane", "size")  # size: of the whole model
+HEAD = Record("blocks", "joints", "ties", "is_plane", "corners", "size")  # numbers of all polygons, of the whole model
 # description of a structure: what a caller may choose, the model, then its rest (phase, memory of joints and ties)
 GIVEN = Record("tolerance", "without", "damping_scale")
-WITHOUT_PEAKS = 1  # code of `without`
+WITHOUT_PEAKS, WITHOUT_ELASTIC = 1, 2  # codes of `without`: peaks but those of displacements, steps by modes
 RATE_PART = 1e-4  # of the first step: half the time over which outputs are differenced
 
 _inputs, _head, _given, _settings, _base = INPUTS.over, HEAD.over, GIVEN.over, SETTINGS.over, BASE.over
@@ -49,10 +50,10 @@ _GIVEN, _HEAD, _SETTINGS, _BODY, _JOINT, _TIE = (
 _CONTROL, _COUNTS, _BASE = CONTROL.beside, COUNTS.beside, BASE.beside
 
 
-def model_size(n: int, m: int, k: int, corners: int) -> int:
-    """Length of the model of n blocks, m joints and k ties; corners: numbers of all polygons."""
+def model_size(n: int, m: int, k: int, corners: int, modal: int) -> int:
+    """Length of the model of n blocks, m joints and k ties; corners: numbers of all polygons; modal: of modal data."""
     tables = BODIES.size(n + 1) + JOINTS.size(m) + TIES.size(k)
-    return int(HEAD.beside + SETTINGS.beside + tables + corners)
+    return int(HEAD.beside + SETTINGS.beside + tables + corners + modal)
 
 
 def state_size(n: int, m: int, k: int) -> int:
@@ -68,7 +69,8 @@ def _scene(model, state, counts, work):
     bodies = settings[_SETTINGS:]
     joints = bodies[_BODY * (n + 1) :]
     ties = joints[_JOINT * m :]
-    parts = settings, bodies, joints, ties, ties[_TIE * k :]
+    corners = ties[_TIE * k :]
+    parts = settings, bodies, joints, ties, corners, corners[int(head.corners) :]
     return lay_scene(n, m, k, parts, state, counts, state[_CONTROL + moving_size(n, m, k) :], work)
 
 
@@ -83,6 +85,8 @@ def assemble(model, state, counts, base, given, from_rest):
     settings.tolerance = described.tolerance
     settings.step_tolerance = step_tolerance(settings.order, settings.tolerance)
     settings.watches = 0.0 if int(described.without) & WITHOUT_PEAKS else 1.0
+    if int(described.without) & WITHOUT_ELASTIC:
+        settings.has_modes = 0.0
     of_joints = model[_HEAD + _SETTINGS + _BODY * (n + 1) :]
     joints, ties = _joints(of_joints, m), _ties(of_joints[_JOINT * m :], k)
     for j in range(m):

@@ -192,7 +192,7 @@ class Scene(NamedTuple):
     joints: object
     ties: object
     corners: object
-    modal: object  # row (modal.py), empty without modes
+    modal: object  # row (modal_layout.py), empty without modes
     control: object
     counts: object
     peaks: object

@@ -8,12 +8,10 @@ that is its own mirror image in the plane x, z has those in the plane first, and
 """
 
 import math
-from typing import NamedTuple
 
 from ..integrators.modal_steps import (
     OPENS,
     Drive,
-    Modal,
     attempt_of,
     bounds_of,
     multiply,
@@ -22,119 +20,28 @@ from ..integrators.modal_steps import (
     sweep_of,
 )
 from ..layout.modal import mode_at
-from ..layout.spaces import INTERPOLATION_PART, MODAL_LIMITS, MODE, OK, RESPONSE_FIELDS, RESPONSE_HEADER, RESPONSES
-from ..numba_ext.jit import in_both, kernel, leaf
+from ..layout.spaces import INTERPOLATION_PART, OK
+from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.lanes import index_of
-from ..numba_ext.views import Record, Table, clear, copy
+from ..numba_ext.views import clear, copy
 from .attempt import evaluate_at, rate
 from .base import acceleration, is_still, line
 from .evaluate import evaluate_state, moving, show
 from .joint import friction_limits
 from .kinematics import spin_of
 from .layout import MEMORY, OF_BLOCK, OF_JOINT, PHASE, POLYGON, STAGES
+from .modal_layout import AXES, THREE, body_of, data_of
 from .watch import BETWEEN_RATES, END, STAGE, START, quaternion_curve, row, seen
 
-AXES = 6  # coordinates of a body: three displacements, three rotations
-LIMITS = Record(
-    *MODAL_LIMITS.fields,  # parts: groups of coordinates
-    "flat_parts",  # of them in the plane x, z
-    *("count", "flat_count"),  # modes; of them in the plane
-    "matrices",  # numbers of all shapes
-    *("cost", "flat_cost"),  # of a step over one by the explicit method
-    "ready",  # 1: damping and limits are worked out
-)
-COORDINATES = Table(
-    "place",  # in a phase
-    "rest",  # the number of the phase there
-    "group",  # sizes of the groups
-)
-MOTION = Table("coordinates", "rates", "accelerations")  # of modes
-THREE = Table("first", "second", "third")  # the same
 SPREAD = 0.1  # of a margin over a step: as much has to be left, beside the parabola through three values of it
 FASTEST = 10.0  # first steps in which the fastest joint turns by a radian
-SMALL = 0.05
+SMALL = 0.05  # of what the joint under one block bears: dampers, as damping is worked out
 QUIET = 1e-9  # of critical damping: less is rounding
 STEP_PART = 0.1  # of the tolerance that a step may err by: errors of long steps add up
-_phase, _limits, _coordinates, _motion, _three = PHASE.over, LIMITS.over, COORDINATES.over, MOTION.over, THREE.over
-_trend, _latest = Record("known").over, Record("response").over
-_PER_BODY, _PER_JOINT, _LIMITS, _MODE = PHASE.per_n, MEMORY.per_n, LIMITS.beside, MODE.beside
+_phase, _three = PHASE.over, THREE.over
+_PER_BODY, _PER_JOINT = PHASE.per_n, MEMORY.per_n
 _BLOCKS, _JOINTS, _CONTACT = len(OF_BLOCK), len(OF_JOINT), OF_JOINT.index("contact")
 _TX, _TY, _MZ = (OF_JOINT.index(name) for name in ("Tx", "Ty", "Mz"))
-_COORDINATE = COORDINATES.per_n
-_OF_COORDINATE = _MODE + _COORDINATE
-
-
-@in_both
-def modal_size(n: int, m: int, k: int, matrices: int) -> int:
-    """Length of the modal data; matrices: numbers of all shapes."""
-    size: int = _LIMITS + _OF_COORDINATE * AXES * n + _PER_JOINT * m + 2 * k + 2 * matrices
-    return size
-
-
-@in_both
-def room_size(n: int, k: int) -> int:
-    """Numbers behind a work array that modes need."""
-    size: int = (4 * 3 + 2 + RESPONSES * RESPONSE_FIELDS) * AXES * n + k + 2 + RESPONSES * RESPONSE_HEADER
-    return size
-
-
-class Data(NamedTuple):
-    """The modal data by name."""
-
-    limits: object
-    modes: object
-    coordinates: object
-    memory: object  # what joints and ties remember at rest
-    taut: object  # of ties: 1 if they pull at rest
-    shapes: object  # square matrices, by rows, one for each group
-    inverses: object
-
-
-class Body(NamedTuple):
-    """A structure in the coordinates of its modes."""
-
-    scene: object
-    shaking: object
-    segment: int
-    data: object
-    parts: int  # groups that move
-    count: int  # their coordinates
-    x: object  # coordinates, rates, accelerations
-    elastic: object  # m, elastic stretches of the ties in the middle of the step
-
-
-@leaf
-def data_of(scene):
-    """The modal data of a scene that has them."""
-    size, m, k = AXES * scene.n, scene.m, scene.k
-    limits = _limits(scene.modal, 0)
-    modes = scene.modal[_LIMITS:]
-    coordinates = modes[_MODE * size :]
-    memory = coordinates[_COORDINATE * size :]
-    taut = memory[_PER_JOINT * m + k :]
-    shapes = taut[k:]
-    inverses = shapes[int(limits.matrices) :]
-    return Data(limits, modes, _coordinates(coordinates, size), memory, taut, shapes, inverses)
-
-
-@leaf
-def body_of(scene, shaking, segment, flat):
-    """The structure, and its modes; flat: whether it moves in the plane x, z alone."""
-    data, size = data_of(scene), AXES * scene.n
-    limits, room = data.limits, scene.room
-    parts = int(limits.flat_parts) if flat else int(limits.parts)
-    count = int(limits.flat_count) if flat else int(limits.count)
-    slopes = room[12 * size :]
-    curvatures, trend = slopes[size:], slopes[2 * size :]
-    latest = trend[1:]
-    responses = latest[1:]
-    elastic = responses[RESPONSES * (RESPONSE_FIELDS * size + RESPONSE_HEADER) :]
-    body = Body(scene, shaking, segment, data, parts, count, _three(room, size), elastic)
-    rows = _motion(room[3 * size :], size), _motion(room[6 * size :], size), _motion(room[9 * size :], size)
-    modal = Modal(
-        count, size, data.modes, *rows, slopes, curvatures, _trend(trend, 0), responses, _latest(latest, 0)
-    )
-    return body, modal
 
 
 @kernel
@@ -163,7 +70,7 @@ def _take_accelerations(body, y, f):
     for i in range(n):
         curve.ux[i], curve.uy[i], curve.uz[i] = rates.vx[i], rates.vy[i], rates.vz[i]
         _, curve.q1[i], curve.q2[i], curve.q3[i] = quaternion_curve(phase, rates, i)
-    for c in range(body.count):
+    for c in range(body.active):
         place = int(places[c])
         x.third[c] = _scale(n, place) * second[place]
 
@@ -173,7 +80,7 @@ def _take_coordinates(body, y, f):
     """Coordinates, rates and accelerations at a state y with rates f."""
     n, x, coordinates = body.scene.n, body.x, body.data.coordinates
     _take_accelerations(body, y, f)
-    for c in range(body.count):
+    for c in range(body.active):
         place = int(coordinates.place[c])
         scale = _scale(n, place)
         x.first[c], x.second[c] = scale * (y[place] - coordinates.rest[c]), scale * f[place]
@@ -192,7 +99,7 @@ def _place(body, y, f, segments):
     copy(f, rate(scene, 0), moving(scene))
     if segments > 2:
         clear(second, _PER_BODY * n)
-    for c in range(body.count):
+    for c in range(body.active):
         place = int(coordinates.place[c])
         per = 1.0 / _scale(n, place)
         y[place], f[place] = coordinates.rest[c] + per * x.first[c], per * x.second[c]
@@ -275,10 +182,10 @@ def _is_as_at_rest(body, k, giving):
     for e in range(scene.k):
         if (ties[e] != 0.0) != (body.data.taut[e] != 0.0):
             return False
+    slides = 0.0
     for place in range(_PER_BODY * scene.n, moving(scene)):
-        if giving[place] != 0.0:
-            return False
-    return True
+        slides += abs(giving[place])
+    return slides == 0.0
 
 
 @kernel
@@ -315,10 +222,10 @@ def _leaves(body):
     for j in range(body.scene.m):
         if _joint_leaves(body.scene, j):
             return True
+    leaves = False
     for e in range(body.scene.k):
-        if _tie_leaves(body, e):
-            return True
-    return False
+        leaves = leaves or _tie_leaves(body, e)
+    return leaves
 
 
 # --- a step
@@ -411,10 +318,11 @@ def suits(scene, shaking, segment):
 
 
 @kernel
-def forget(scene):
+def forget(scene, shaking):
     """Mark the trend of the remainder as unknown: this is the first step of a call, or follows other methods."""
     if scene.settings.has_modes != 0.0:
-        scene.room[14 * AXES * scene.n] = 0.0
+        _, modes = body_of(scene, shaking, 0, False)
+        modes.trend.known = 0.0
 
 
 # --- what follows from the dampers
@@ -439,13 +347,13 @@ def prepare(scene, shaking):
     for e in range(scene.k):
         body.data.taut[e] = 1.0 if scene.pulls.force[e] != 0.0 else 0.0
     coupled, fastest, damped = 0.0, 0.0, False
-    for k in range(body.count):
+    for k in range(body.active):
         mode = mode_at(modal.modes, k)
         little = pace / mode.size
         _move_by_mode(body, k, little)
         _accelerate(body, modal.last)
         across = 0.0
-        for j in range(body.count):
+        for j in range(body.active):
             beta = (still.accelerations[j] - modal.last.accelerations[j]) / little
             if j == k:
                 mode.damping = max(0.0, beta)
@@ -455,7 +363,7 @@ def prepare(scene, shaking):
         coupled, fastest = max(coupled, across), max(fastest, mode.square)
     set_limits(body.data.limits, step_tolerance_of(settings), between_part(settings), coupled, damped)
     body.data.limits.ready = 1.0
-    forget(scene)
+    modal.trend.known = 0.0
     settings.in_plane = in_plane
     if not pays(body.data.limits, fastest):
         settings.has_modes = 0.0
@@ -490,7 +398,7 @@ def _small_rate(scene):
 def _move_by_mode(body, k, pace):
     """Rates of the coordinates where mode k alone moves, at this modal rate."""
     begin, place = 0, 0
-    clear(body.x.second, body.count)
+    clear(body.x.second, body.active)
     for part in range(body.parts):
         m = int(body.data.coordinates.group[part])
         if begin <= k < begin + m:

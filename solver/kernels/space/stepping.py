@@ -24,6 +24,7 @@ from .attempt import attempt, evaluate_at, rate, size_of, square_of
 from .base import is_quiet, segment_after
 from .evaluate import moving, recall, show
 from .layout import MEMORY, OK, PAUSED, PHASE, STAGES, STEP_TOO_SMALL, row_size
+from .modal_layout import data_of
 from .watch import END, START, look, raise_peaks, row, seen, track_peaks
 
 _phase, _memory = PHASE.over, MEMORY.over
@@ -147,12 +148,12 @@ def _plan(scene, shaking, segment, left):
     control, counts, settings = scene.control, scene.counts, scene.settings
     most = 1.0 / shaking.base.omega if shaking.base.omega != 0.0 else math.inf
     if settings.has_modes != 0.0:
-        longest = modal.data_of(scene).limits.longest
+        longest = data_of(scene).limits.longest
         if may_be_elastic(counts, control, longest, left, modal.cost_of(scene)):
             if modal.suits(scene, shaking, segment):
                 return _shared(min(control.elastic_step, longest, most), left), True
             counts.elastic_wait = WAIT_OPEN
-        modal.forget(scene)
+        modal.forget(scene, shaking)
     step = min(control.next_step, most)
     if settings.gives_way != 0.0:
         step = min(step, STABLE * relaxing(scene))
@@ -219,7 +220,7 @@ def advance(scene, shaking, watch, state, t, stop, most):
     begin = row(scene, START)
     recall(scene, state)
     modal.prepare(scene, shaking)
-    modal.forget(scene)
+    modal.forget(scene, shaking)
     copy(begin, state, moving(scene))
     segment = segment_after(shaking, t)
     _begin(scene, shaking, segment, t, _phase(begin, scene.n))
@@ -246,7 +247,7 @@ def advance(scene, shaking, watch, state, t, stop, most):
         t = end if h == end - t else t + h
         if t == end and end < stop:
             segment = segment_after(shaking, t)
-            modal.forget(scene)
+            modal.forget(scene, shaking)
             evaluate_at(scene, shaking, segment, begin, rate(scene, 0), t)
             show(scene, _phase(begin, scene.n), seen(scene, 0))
             raise_peaks(scene, seen(scene, 0))

@@ -136,10 +136,10 @@ def _raise_peak(scene, j, value):
 @kernel
 def _rises(scene, values):
     """Whether an output row would raise a peak."""
+    found = 0
     for j in range(row_size(scene.n, scene.m, scene.k)):
-        if _value(scene, j, values[j]) > scene.peaks[j]:
-            return True
-    return False
+        found += 1 if _value(scene, j, values[j]) > scene.peaks[j] else 0
+    return found > 0
 
 
 @kernel
@@ -245,7 +245,8 @@ def _find_tops(scene, shaking, segment, t, h, most):
         if bend <= 0.0 or abs(rise) >= 2.0 * bend:
             continue
         above = scene.peaks[j] + allowed[j] - (1.0 if is_contact else 0.0)
-        s, height, trials, known = 0.5 + rise / (4.0 * bend), b + rise * rise / (8.0 * bend), 0, (0.0, a, 0.5, b, 1.0, c)
+        s, height, trials = 0.5 + rise / (4.0 * bend), b + rise * rise / (8.0 * bend), 0
+        known = (0.0, a, 0.5, b, 1.0, c)
         while height > above and trials < most and 0.0 < s < 1.0:
             found = sign * _look_at(scene, shaking, segment, t, h, s, j)
             trials += 1
