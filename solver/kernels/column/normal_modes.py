@@ -17,6 +17,10 @@ from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.views import clear
 from .rest import joint_about
 
+# Damping that couples the modes is left to the nonlinear remainder, which is assumed to change little within a step:
+# the step times the rate of that damping is at most this.
+COUPLED_PART = 0.03
+
 JACOBI_SWEEPS = 60  # at most; six to nine are usual
 ROUNDING = 2.0**-54  # of the diagonal: a smaller element counts as zero
 
@@ -123,7 +127,8 @@ def normal_modes(model, rest, scratch):
                     across += abs(rate)
             coupled = max(coupled, across)
     limits = limits_of(model)
-    set_limits(limits, model.settings.tolerance, INTERPOLATION_PART, coupled, damped)
+    longest = COUPLED_PART / max(coupled, 1e-300)
+    set_limits(limits, model.settings.tolerance, INTERPOLATION_PART, longest, damped)
     for i in range(modal_size(n)):
         if not math.isfinite(model.modal[i]):
             return False

@@ -21,9 +21,6 @@ ORDER = 4  # of the estimated error
 INTERPOLATION_ORDER = 6
 OPENS = 2  # code, beside those of spaces.py: a joint does not stay in full contact, or begins to slide
 
-# Damping that couples the modes is left to the nonlinear remainder, which is assumed to change little within a step:
-# the step times the rate of that damping is at most this.
-COUPLED_PART = 0.03
 LEAST_TURN = 10.0  # rad of the fastest mode in such a step: below it the general methods are as good
 
 # Third over second difference of a remainder that varies as fast as twice the fastest motion resolved, for one radian
@@ -98,11 +95,11 @@ def pushed(mode, components, factor):
 
 
 @leaf
-def set_limits(limits, tolerance, part, coupled, damped):
-    """The limits of steps: the tolerance of one, the part of it between its ends, the rate of damping that couples."""
+def set_limits(limits, tolerance, part, longest, damped):
+    """The limits of steps: of this tolerance, `part` of which they may err by between their ends; s, the longest."""
     resolved = (INTERPOLATION_BOUND * part * tolerance) ** (1.0 / 6.0)
     limits.third = min(1.0, THIRD_DIFFERENCE * resolved)
-    limits.longest = COUPLED_PART / max(coupled, 1e-300)
+    limits.longest = longest
     limits.sweeps = 1.0 if damped else 2.0
 
 

@@ -29,15 +29,20 @@ from .base import acceleration, is_still, line
 from .evaluate import evaluate_state, moving, show
 from .joint import friction_limits
 from .kinematics import spin_of
-from .layout import MEMORY, OF_BLOCK, OF_JOINT, PHASE, POLYGON, STAGES
+from .layout import MEMORY, OF_BLOCK, OF_JOINT, PHASE, POLYGON, RINGING_ORDER, STAGES
 from .modal_layout import AXES, THREE, body_of, data_of
 from .watch import BETWEEN_RATES, END, STAGE, START, quaternion_curve, row, seen
 
 SPREAD = 0.1  # of a margin over a step: as much has to be left, beside the parabola through three values of it
 FASTEST = 10.0  # first steps in which the fastest joint turns by a radian
 SMALL = 0.05  # of what the joint under one block bears: dampers, as damping is worked out
+# damping that couples the modes is left to the remainder: its rate times the step is at most this. Ties of steel,
+# hardly damped, couple ten times as much as the 0.03 of columns lets them; errors are the same
+COUPLED_PART = 0.3
 QUIET = 1e-9  # of critical damping: less is rounding
 STEP_PART = 0.1  # of the tolerance that a step may err by: errors of long steps add up
+RINGING_PART = 1e-2  # the same where joints keep ringing
+LEAST_TOLERANCE = 1e-13
 _phase, _three = PHASE.over, THREE.over
 _PER_BODY, _PER_JOINT = PHASE.per_n, MEMORY.per_n
 _BLOCKS, _JOINTS, _CONTACT = len(OF_BLOCK), len(OF_JOINT), OF_JOINT.index("contact")
@@ -283,8 +288,8 @@ _attempt = attempt_of(sweep_of(_begin, _reach, _end))
 
 @leaf
 def step_tolerance_of(settings):
-    """The tolerance of a step by modes; without damping that of any other step."""
-    return min(STEP_PART * settings.tolerance, settings.step_tolerance)
+    """The tolerance of a step by modes."""
+    return max(LEAST_TOLERANCE, (RINGING_PART if settings.order == RINGING_ORDER else STEP_PART) * settings.tolerance)
 
 
 @leaf
@@ -361,7 +366,8 @@ def prepare(scene, shaking):
             else:
                 across += abs(beta)
         coupled, fastest = max(coupled, across), max(fastest, mode.square)
-    set_limits(body.data.limits, step_tolerance_of(settings), between_part(settings), coupled, damped)
+    longest = COUPLED_PART / max(coupled, 1e-300)
+    set_limits(body.data.limits, step_tolerance_of(settings), between_part(settings), longest, damped)
     body.data.limits.ready = 1.0
     modal.trend.known = 0.0
     settings.in_plane = in_plane
