@@ -85,7 +85,7 @@ def make_kernels() -> None:
     """Compile the entries that an FMU calls, unless they are cached."""
     row, counts = np.empty(0), np.empty(0, dtype=np.int64)
     arrays = row, row, counts, row
-    compile_for(assemble_structure, *arrays, row, 1)
+    compile_for(assemble_structure, *arrays, row, row, 1)
     compile_for(follow_structure, *arrays, row, row, 0.0, 0.0, *record_of(None))
     compile_for(look_structure, *arrays, row, row, 1, 0.0, 0.0, row)
 
@@ -121,7 +121,7 @@ class DrivenStructure:
 
     def _assemble(self, given: tuple[float, float, float], from_rest: bool) -> None:
         described = np.concatenate([np.array(given, dtype=np.float64), self.packed])
-        assemble_structure(self._model, *self.arrays, described, int(from_rest))
+        assemble_structure(self._model, *self.arrays, self._work, described, int(from_rest))
 
     def retune(self, given: tuple[float, float, float]) -> None:
         """Go on with another tolerance, code of what is left out, and factor on the damping (GIVEN)."""

@@ -7,7 +7,8 @@ from . import pointers
 
 def assemble(n, given, from_rest, model, state, counts, base, work, scratch, detail):
     """`driven.assemble`."""
-    return driven.assemble(row_at(model), row_at(state), row_at(counts), row_at(base), row_at(given), from_rest)
+    arrays = row_at(model), row_at(state), row_at(counts), row_at(base), row_at(work)
+    return driven.assemble(*arrays, row_at(given), from_rest)
 
 
 def follow(n, model, state, counts, base, work, inputs, start, h, count, times, ax, ay, az, scale):

@@ -31,6 +31,7 @@ from .layout import (
     row_size,
     step_tolerance,
 )
+from .modal import prepare
 from .stepping import advance
 from .watch import RATES, STAGE, Watch, row, seen
 
@@ -75,7 +76,7 @@ def _scene(model, state, counts, work):
 
 
 @kernel
-def assemble(model, state, counts, base, given, from_rest):
+def assemble(model, state, counts, base, work, given, from_rest):
     """The model that `given` describes; the structure at rest with `from_rest`. Returns OK."""
     described, packed = _given(given, 0), given[_GIVEN:]
     head = _head(packed, 0)
@@ -100,6 +101,8 @@ def assemble(model, state, counts, base, given, from_rest):
         copy(state[_CONTROL:], packed[size:], moving_size(n, m, k))
         clear(_counts(counts, 0).row, _COUNTS)
         clear(base, _BASE)
+    scene = _scene(model, state, counts, work)
+    prepare(scene, Shaking(0, given, given, given, given, _base(base, 0)))
     return OK
 
 

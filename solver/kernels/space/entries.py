@@ -112,9 +112,10 @@ def run_structures_in_lanes(n, m, k, corners, buffer, size, models, states, runs
 
 
 @entry
-def assemble_structure(model, state, counts, base, given, from_rest):
+def assemble_structure(model, state, counts, base, work, given, from_rest):
     """`driven.assemble`."""
-    return driven.assemble(row_of(model), row_of(state), row_of(counts), row_of(base), row_of(given), from_rest)
+    arrays = row_of(model), row_of(state), row_of(counts), row_of(base), row_of(work)
+    return driven.assemble(*arrays, row_of(given), from_rest)
 
 
 @entry

@@ -30,7 +30,7 @@ from .evaluate import evaluate_state, moving, show
 from .joint import friction_limits
 from .kinematics import spin_of
 from .layout import MEMORY, OF_BLOCK, OF_JOINT, PHASE, POLYGON, RINGING_ORDER, STAGES
-from .modal_layout import AXES, THREE, body_of, data_of
+from .modal_layout import AXES, THREE, body_of, data_of, room_size
 from .watch import BETWEEN_RATES, END, STAGE, START, quaternion_curve, row, seen
 
 SPREAD = 0.1  # of a margin over a step: as much has to be left, beside the parabola through three values of it
@@ -335,7 +335,7 @@ def forget(scene, shaking):
 
 @kernel
 def prepare(scene, shaking):
-    """Work out damping and limits of the modes once, by evaluations at rest; uses the rows of a step.
+    """Work out damping and limits of the modes once, by evaluations at rest; uses the rows of a step, and all the room.
 
     They depend on the dampers and the tolerance, which a caller may have set. There are no modes where dampers couple
     them.
@@ -383,7 +383,7 @@ def _stand_at_rest(body):
     clear(begin, _PER_BODY * scene.n)
     clear(rate(scene, 0), moving(scene))
     copy(begin[_PER_BODY * scene.n :], body.data.memory, _PER_JOINT * scene.m + scene.k)
-    clear(scene.room, 12 * size)
+    clear(scene.room, room_size(scene.n, scene.k))
     for c in range(size):
         begin[int(coordinates.place[c])] = coordinates.rest[c]
 
