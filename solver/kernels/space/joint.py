@@ -33,7 +33,7 @@ def _has_slid(scene, j):
 
 
 @leaf
-def _middle(scene, j):
+def middle_of(scene, j):
     """The middle of the contact after slips, m from half-way between the centres of both faces.
 
     It goes with the face that the other one holds; of equal faces it stays half-way.
@@ -97,7 +97,7 @@ def _along_joint(scene, j, motion, normal, g1, g2):
     """
     joints, slips, found, giving = scene.joints, scene.slips, scene.resultants, scene.giving_slips
     shear, twist, damping = joints.shear[j], joints.twist[j], joints.shear_damping[j]
-    x, y = _middle(scene, j)
+    x, y = middle_of(scene, j)
     s1, s2, s3 = motion.gap[0], motion.gap[1], motion.turn[2]
     z3, v3 = s3 - slips.p3[j], motion.turn_rate[2]
     z1, z2 = s1 - slips.p1[j] - z3 * y, s2 - slips.p2[j] + z3 * x  # there
@@ -180,7 +180,7 @@ def joint_energy(scene, phase, j):
     p = penetration(relative_motion(scene, phase, j))
     bed = bed_of_joint(scene, j, p, p)
     square = p.at * bed.force + p.along_x * bed.first_x + p.along_y * bed.first_y  # the integral of p times p
-    (x, y), z3 = _middle(scene, j), found.z3[j]
+    (x, y), z3 = middle_of(scene, j), found.z3[j]
     z1, z2 = found.z1[j] - z3 * y, found.z2[j] + z3 * x
     shear, twist = z1 * z1 + z2 * z2, z3 * z3
     return 0.5 * (joints.stiffness[j] * square + joints.shear[j] * shear + joints.twist[j] * twist)

@@ -207,7 +207,7 @@ class Scene(NamedTuple):
     giving_plastic: object
     room: object  # of polygons
     rows: object  # states and rates of a step, then output rows
-    room: object  # row, for modes; not there in lanes
+    modal_room: object  # row, for modes; not there in lanes
 
 
 _bodies, _joints, _ties = BODIES.over, JOINTS.over, TIES.over
@@ -248,5 +248,5 @@ def lay_scene(n, m, k, model, control, counts, peaks, work):
         giving[_PER_JOINT * m :],
         giving[_PER_JOINT * m + k :],
         work,
-        giving[_PER_JOINT * m + k :],
+        giving[_PER_JOINT * m + k + ROOM :],
     )

@@ -27,7 +27,7 @@ from ..numba_ext.views import clear, copy
 from .attempt import evaluate_at, rate
 from .base import acceleration, is_still, line
 from .evaluate import evaluate_state, moving, show
-from .joint import friction_limits
+from .joint import friction_limits, middle_of
 from .kinematics import spin_of
 from .layout import MEMORY, OF_BLOCK, OF_JOINT, PHASE, POLYGON, RINGING_ORDER, STAGES
 from .modal_layout import AXES, THREE, body_of, data_of, room_size
@@ -39,6 +39,7 @@ SMALL = 0.05  # of what the joint under one block bears: dampers, as damping is 
 # damping that couples the modes is left to the remainder: its rate times the step is at most this. Ties of steel,
 # hardly damped, couple ten times as much as the 0.03 of columns lets them; errors are the same
 COUPLED_PART = 0.3
+FAR = 0.01
 QUIET = 1e-9  # of critical damping: less is rounding
 STEP_PART = 0.1  # of the tolerance that a step may err by: errors of long steps add up
 RINGING_PART = 1e-2  # the same where joints keep ringing
@@ -131,10 +132,17 @@ def _place(body, y, f, segments):
 
 
 @leaf
+def _pressed(scene, joints_seen, j):
+    """Resultants of the pressure on joint j about the middle of its contact, N, N m, by an output row of the joints."""
+    normal, (x, y) = joints_seen[j], middle_of(scene, j)
+    return normal, joints_seen[scene.m + j] + normal * y, joints_seen[2 * scene.m + j] - normal * x
+
+
+@leaf
 def _least_pressure(scene, joints_seen, j):
-    """Least pressure, Pa, on joint j, in full contact, by an output row from its joints on."""
-    m, joints = scene.m, scene.joints
-    normal, g1, g2 = joints_seen[j], joints_seen[m + j], joints_seen[2 * m + j]
+    """Least pressure, Pa, on joint j, in full contact."""
+    joints = scene.joints
+    normal, g1, g2 = _pressed(scene, joints_seen, j)
     ixx, iyy, ixy = joints.ixx[j], joints.iyy[j], joints.ixy[j]
     per = 1.0 / (ixx * iyy - ixy * ixy)
     along_x, along_y = per * (iyy * g2 + ixy * g1), -per * (ixx * g1 + ixy * g2)
@@ -151,7 +159,7 @@ def _least_pressure(scene, joints_seen, j):
 def _sticks_by(scene, joints_seen, j):
     """Force N, and couple N m, that joint j would bear beyond what it bears now."""
     m = scene.m
-    limit, couple = friction_limits(scene.joints, j, joints_seen[j], joints_seen[m + j], joints_seen[2 * m + j])
+    limit, couple = friction_limits(scene.joints, j, *_pressed(scene, joints_seen, j))
     force = math.hypot(joints_seen[_TX * m + j], joints_seen[_TY * m + j])
     return limit - force, couple - abs(joints_seen[_MZ * m + j])
 
@@ -176,13 +184,21 @@ def _ties_in(scene, k):
     return seen(scene, k)[_BLOCKS * scene.n + _JOINTS * scene.m :]
 
 
+@leaf
+def _has_slid_far(scene, j):
+    """Whether a slip has moved the contact of joint j so far that the modes are others."""
+    p1, p2, p3 = scene.slips.p1[j], scene.slips.p2[j], scene.slips.p3[j]
+    arm = scene.joints.arm[j]
+    return max(abs(p1), abs(p2), arm * abs(p3)) > FAR * arm
+
+
 @kernel
 def _is_as_at_rest(body, k, giving):
     """Whether all joints are in full contact and stick, and ties pull as at rest, by row k of a step and its rates."""
     scene = body.scene
     joints, ties = _joints_in(scene, k), _ties_in(scene, k)
     for j in range(scene.m):
-        if not joints[_CONTACT * scene.m + j] >= 1.0:
+        if not joints[_CONTACT * scene.m + j] >= 1.0 or _has_slid_far(scene, j):
             return False
     for e in range(scene.k):
         if (ties[e] != 0.0) != (body.data.taut[e] != 0.0):
@@ -383,7 +399,7 @@ def _stand_at_rest(body):
     clear(begin, _PER_BODY * scene.n)
     clear(rate(scene, 0), moving(scene))
     copy(begin[_PER_BODY * scene.n :], body.data.memory, _PER_JOINT * scene.m + scene.k)
-    clear(scene.room, room_size(scene.n, scene.k))
+    clear(scene.modal_room, room_size(scene.n, scene.k))
     for c in range(size):
         begin[int(coordinates.place[c])] = coordinates.rest[c]
 

@@ -88,7 +88,7 @@ def data_of(scene):
 def body_of(scene, shaking, segment, flat):
     """The structure, and its modes; flat: whether it moves in the plane x, z alone."""
     data, size = data_of(scene), AXES * scene.n
-    limits, room = data.limits, scene.room
+    limits, room = data.limits, scene.modal_room
     parts = int(limits.flat_parts) if flat else int(limits.parts)
     count = int(limits.flat_count) if flat else int(limits.count)
     slopes = room[12 * size :]
