@@ -247,6 +247,40 @@ def against_plane() -> Table:
     return Table("Structures in space: against the plane at equal error", head, rows)
 
 
+def _modal_scenes() -> Iterator[tuple[str, Structure, Motion]]:
+    """Scenes that stay in contact, then scenes that rock."""
+    doric = Structure.from_toml(ROOT / "examples" / "structures" / "doric-in-space.toml")
+    trilith = Structure.from_toml(ROOT / "examples" / "structures" / "trilith.toml")
+    for word, ratio in (("Phocas", 0.4), ("Phocas, shear_ratio 4", 4.0)):
+        yield f"{word}, 0.008 g 2 Hz", boxes(ratio=ratio), Motion.harmonic(0.008 * G, 2.0, 5.0)
+    yield "doric, 0.01 g 2 Hz at 0.3 rad", doric, Motion.harmonic(0.01 * G, 2.0, 5.0, direction=0.3)
+    yield "trilith, 0.01 g 2 Hz at 0.3 rad", trilith, Motion.harmonic(0.01 * G, 2.0, 5.0, direction=0.3)
+    for word, ratio in (("Phocas", 0.4), ("Phocas, shear_ratio 4", 4.0)):
+        yield f"{word}, rocks, 0.05 g 2 Hz", boxes(ratio=ratio), Motion.harmonic(0.05 * G, 2.0, 5.0)
+    yield "doric, rocks, 0.15 g 1 Hz at 0.3 rad", doric, Motion.harmonic(0.15 * G, 1.0, 5.0, direction=0.3)
+    yield "trilith, rocks, 0.22 g 1.4 Hz at 0.4 rad", trilith, Motion.harmonic(0.22 * G, 1.4, 4.0, direction=0.4)
+
+
+def by_modes() -> Table:
+    """Runs with and without steps by modes, in one process; rounds alternate."""
+    rows = []
+    for name, structure, motion in _modal_scenes():
+        for value in (1e-3, 1e-5, 1e-7):
+            ways = [
+                partial(run, structure.with_settings(tolerance=value, without=without), motion)
+                for without in (("elastic",), ())
+            ]
+            general, found = (way().stats for way in ways)
+            slow, fast = timing.loops(ways, rounds=5)
+            made = [f"{stats['evaluations'] + stats['looks']}" for stats in (general, found)]
+            share = f"{found['elastic_steps']} of {found['steps']}"
+            rows.append(
+                [name, f"{value:g}", *made, share, *(f"{1e3 * s:.3g}" for s in (slow, fast, 1e-3 * slow / fast))]
+            )
+    head = ["", "tolerance", "evaluations without", "with modes", "steps by modes", "ms without", "with", "gain"]
+    return Table("Structures in space: steps by modes", head, rows)
+
+
 def compilation() -> Table:
     """Processor time of a first run with an empty cache and of a second process with the kernels that it left."""
     rows = []
@@ -342,6 +376,7 @@ def measure(quick: bool) -> Iterator[Table]:
     yield lanes()
     yield energies(quick)
     yield against_plane()
+    yield by_modes()
     yield tolerances(quick)
     if not quick:
         yield compilation()
