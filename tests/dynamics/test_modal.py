@@ -58,7 +58,7 @@ class Modes:
         data = pack_model(column)[at.MODEL.size(n) :]
         matrices = at.MODAL_LIMITS.beside + 2 * n * at.MODE.beside
         rows = data[at.MODAL_LIMITS.beside : matrices].reshape(2 * n, at.MODE.beside)
-        self.square, self.damping, self.push, self.lift, self.size = rows.T
+        self.square, self.damping, self.push, self.lift, _, self.size = rows.T
         parts = int(data[at.MODAL_LIMITS.fields.index("parts")])
         m = 2 * n // parts
         both = data[matrices : matrices + 8 * n * n].reshape(2, 4 * n * n)[:, : parts * m * m]

@@ -122,7 +122,7 @@ def missed(x):
 
 @leaf
 def _stored_at(store, room, k):
-    """Stored data of a step, one of RESPONSES, with room for so many modes."""
+    """Stored data of a step, one of RESPONSES; `room`: number of modes that there is room for."""
     return _stored(store[(_STORED_PER_N * room + _STORED_BESIDE) * k :], room)
 
 

@@ -83,7 +83,7 @@ def _by_three(force, mode, components, factor):
 
 @by_width
 def _with_push(force, mode, components, factor):
-    """A force on a mode, and that by components of the acceleration of the base: so many as are given."""
+    """A force on a mode, and that by the given components of the acceleration of the base."""
     by = (_by_one, _by_two, _by_three)[len(components) - 1]
     return lambda force, mode, components, factor: by(force, mode, components, factor)
 
