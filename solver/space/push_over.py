@@ -38,7 +38,7 @@ ITERATIONS = 8  # of Newton's method for a place
 CLOSE = 1e-10  # of the weight: forces that are left
 # of the settlement: displacements for the tangent. At 1e-3, as in rest.py, lightly loaded joints stick on one side and
 # slide on the other, and Newton's method does not find the places of a colonnade; 1e-8 is lost in rounding where joints are stiff
-DIFFERENCE = 1e-6
+DIFFERENCE, WITHIN = 1e-6, 1e-2  # and at most in this part of a step
 NARROWED = 1e-4  # of a step: in what part of it a joint begins to open or to slide, or the push to fall
 LEAST_GROWTH = 1e-9  # of the push in a step: with less it does not grow
 FALLS = "beyond it the push falls, or does not grow"
@@ -248,13 +248,14 @@ class _Path:
         stepper.phase[:] = last.phase
         push = last.push + step * float(last.ahead[-1]) * first
         move(stepper, step * lengths * last.ahead[:-1])
+        delta = self.delta * min(1.0, WITHIN * step * float(lengths[0] / self.delta[0]))
         iterations, right = 0, np.zeros(size + 1)
         while True:
             right[:size], _ = residual_of(stepper, -push * self.way)
             arrived = float(np.max(np.abs(right[:size] * self.per))) <= self.close
             if arrived:  # what slides is beyond what the last place remembers: so the tangent is that of sliding
                 right[:size], right[size] = 0.0, 1.0
-            matrix[:size, :size] = stepper.stiffness(self.delta)
+            matrix[:size, :size] = stepper.stiffness(delta)
             try:
                 change = np.linalg.solve(matrix, right)
             except np.linalg.LinAlgError:
