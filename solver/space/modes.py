@@ -39,16 +39,12 @@ class SpatialModes(Framed):
     rotation: FloatArray
     mass: FloatArray
     damping_ratio: FloatArray  # (6 n,) of critical; dampers that couple modes are treated as uncoupled
+    twists: FloatArray  # (6 n,) part of the moment of inertia about the vertical axis through the centroid
 
     @property
     def mass_ratio(self) -> FloatArray:
         """Effective masses along x, y, z over the mass of the structure, (6 n, 3)."""
         return self.mass[:, :3] / sum(block.mass for block in self.structure.blocks)
-
-    @property
-    def twists(self) -> FloatArray:
-        """Part of the mass moment of inertia about the vertical axis of the structure that each mode moves, (6 n,)."""
-        return self.mass[:, 5] / float(np.sum(self.mass[:, 5]))
 
     @property
     def _columns(self) -> dict[str, FloatArray]:
@@ -100,13 +96,17 @@ def modes_in_space(structure: Structure) -> SpatialModes:
     if structure.weight > 0.0:
         damping = _damping(structure, rest, float(omega[-1]))
     modal = np.einsum("ik,ij,jk->k", shapes, damping, shapes)
-    mass = (_rigid(structure).T @ root @ vectors).T ** 2
+    participation = _rigid(structure).T @ root @ vectors
+    masses = np.array([block.mass for block in structure.blocks])
+    x, y, _ = masses @ np.array([block.centroid for block in structure.blocks]) / np.sum(masses)
+    twists = (participation[5] + y * participation[0] - x * participation[1]) ** 2
     parts = shapes.T.reshape(6 * n, n, 6)
     sizes = np.array([block.size for block in structure.blocks])[None, :, None]
     largest = np.maximum(np.abs(parts[..., :3]), np.abs(parts[..., 3:]) * sizes).max(axis=(1, 2))
     parts = parts / largest[:, None, None]
     frequency, ratio = omega / (2.0 * math.pi), np.maximum(modal, 0.0) / (2.0 * omega)
-    return SpatialModes(structure, frequency, parts[..., :3], parts[..., 3:], mass, ratio)
+    mass, twists = participation.T**2, twists / np.sum(twists)
+    return SpatialModes(structure, frequency, parts[..., :3], parts[..., 3:], mass, ratio, twists)
 
 
 def _damping(structure: Structure, rest: Rest, fastest: float) -> FloatArray:

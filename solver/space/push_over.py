@@ -35,10 +35,10 @@ GROWTH = 0.2  # of the length of the path: longest step, later on
 LARGEST = 10.0  # of g: a push at which the path ends
 MOST_PLACES = 2000
 ITERATIONS = 8  # of Newton's method for a place
-CLOSE = 1e-10  # of the weight: forces that are left
-# of the settlement: displacements for the tangent. At 1e-3, as in rest.py, lightly loaded joints stick on one side and
-# slide on the other, and Newton's method does not find the places of a colonnade; 1e-8 is lost in rounding where joints are stiff
-DIFFERENCE, WITHIN = 1e-6, 1e-2  # and at most in this part of a step
+CLOSE, ROUGH = 1e-10, 1e-7  # of the weight: forces that are left; at most, where rounding leaves them
+# of a step, and at least of all displacement: differences for the tangent. In larger ones joints that bear hardly any
+# load stick on one side and slide on the other, and Newton's method is slow; smaller ones are lost in rounding
+DIFFERENCE, ROUNDED = 1e-5, 1e-9
 NARROWED = 1e-4  # of a step: in what part of it a joint begins to open or to slide, or the push to fall
 LEAST_GROWTH = 1e-9  # of the push in a step: with less it does not grow
 FALLS = "beyond it the push falls, or does not grow"
@@ -181,15 +181,13 @@ class _Path:
         self.stepper, self.way = Stepper(structure), way
         start_from(self.stepper, rest)
         n = structure.n
-        settlement = float(np.max(np.abs(rest.phase[: 3 * n])))
-        self.delta = DIFFERENCE * deltas_of(structure, settlement)
-        self.per = self.delta / self.delta[0]  # a rotation counts over the size of its block
-        self.close = CLOSE * structure.weight
+        self.per = deltas_of(structure, 1.0)  # a rotation counts over the size of its block
+        self.weight = structure.weight
         masses = np.array([block.mass for block in structure.blocks])
         self.load = np.concatenate([masses[:, None] * way, np.zeros((n, 3))], axis=1).ravel()  # of a push of 1 m/s2
         first = FIRST * STANDARD_GRAVITY
         linear = np.linalg.solve(rest.stiffness, first * self.load)
-        self.unit = float(np.linalg.norm(linear / self.per)) * self.per, first  # per is of the size of 1 for lengths
+        self.unit = float(np.linalg.norm(linear / self.per)) * self.per, first
         ahead = np.append(linear / self.unit[0], 1.0)
         ahead /= np.linalg.norm(ahead)
         self.contact, self.slip = (
@@ -248,11 +246,13 @@ class _Path:
         stepper.phase[:] = last.phase
         push = last.push + step * float(last.ahead[-1]) * first
         move(stepper, step * lengths * last.ahead[:-1])
-        delta = self.delta * min(1.0, WITHIN * step * float(lengths[0] / self.delta[0]))
-        iterations, right = 0, np.zeros(size + 1)
+        most = float(np.max(np.abs(last.phase[: size // 2])))
+        delta = max(DIFFERENCE * step * float(lengths[0]), ROUNDED * most) * self.per
+        iterations, left, right = 0, math.inf, np.zeros(size + 1)
         while True:
             right[:size], _ = residual_of(stepper, -push * self.way)
-            arrived = float(np.max(np.abs(right[:size] * self.per))) <= self.close
+            before, left = left, float(np.max(np.abs(right[:size] * self.per))) / self.weight
+            arrived = left <= CLOSE or (left <= ROUGH and left > 0.3 * before)
             if arrived:  # what slides is beyond what the last place remembers: so the tangent is that of sliding
                 right[:size], right[size] = 0.0, 1.0
             matrix[:size, :size] = stepper.stiffness(delta)
