@@ -31,6 +31,10 @@ PERTURBED = 1e-3  # of the settlement: displacements for the tangent
 SOFTENING = 1e-4  # of the stiffness in full contact: first addition to a tangent that does not lead to rest
 
 
+class NoRestError(InputError):
+    """A structure does not stand under its weight."""
+
+
 class Rest(NamedTuple):
     """A structure at rest: phase, output row, tangent stiffness (entries.py)."""
 
@@ -40,11 +44,11 @@ class Rest(NamedTuple):
 
 
 def rest_of(structure: Structure) -> Rest:
-    """The rest of a structure. Raises InputError if it has none that is stable."""
+    """The rest of a structure. Raises NoRestError if it has none that is stable, InputError if a block is free."""
     try:
         return _rest_of(structure.blocks, structure.joints, structure.ties, structure.g)
     except InputError as error:
-        raise InputError(f"{structure.name}: {error}") from None
+        raise type(error)(f"{structure.name}: {error}") from None
 
 
 @lru_cache(maxsize=64)
@@ -61,7 +65,7 @@ def _rest_of(blocks: tuple[Solid, ...], joints: tuple[Joint, ...], ties: tuple[T
         stepper = _loaded(structure, linear, settlement, delta, loads)
         if stepper is not None:
             return _finished(stepper, sticking(stepper).stiffness(delta))
-    raise InputError("no rest found, it does not stand under its weight")
+    raise NoRestError("no rest found, it does not stand under its weight")
 
 
 def _loaded(
@@ -99,7 +103,7 @@ def _finished(stepper: Stepper, stiffness: FloatArray) -> Rest:
     try:
         np.linalg.cholesky(symmetric)
     except np.linalg.LinAlgError:
-        raise InputError("its rest is not stable, it falls without any motion") from None
+        raise NoRestError("its rest is not stable, it falls without any motion") from None
     return Rest(stepper.phase.copy(), stepper.row.copy(), stiffness)
 
 

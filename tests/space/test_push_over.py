@@ -49,9 +49,9 @@ def largest(structure: Structure, degrees: float = 0.0, vertical: float = 0.0) -
     return push_over(structure, math.radians(degrees), vertical).largest_acceleration / G
 
 
-def rigid_like(*args: Any, degrees: float = 0.0, **options: Any) -> float:
+def rigid_like(width: float, depth: float, height: float, degrees: float = 0.0, shape: str = "box") -> float:
     """The largest push, g, at an infinite modulus, from three moduli."""
-    return by_ratio([largest(block(*args, modulus, **options), degrees) for modulus in (1e12, 1e13, 1e14)])
+    return by_ratio([largest(block(width, depth, height, k, shape), degrees) for k in (1e12, 1e13, 1e14)])
 
 
 def test_a_stiff_block_balances_its_width_over_its_height() -> None:
