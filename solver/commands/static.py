@@ -16,7 +16,7 @@ from ..space.push_over import PushOver, push_over
 from ..space.structure import Structure
 from ..statics.capacity import CapacityCurve, capacity_curve, rest_of
 from ..statics.modes import Modes, natural_modes
-from .command_files import PICTURES, add_force, check_picture, check_suffix, read_subject, write_outputs
+from .command_files import PICTURES, add_force, add_space, check_picture, check_suffix, read_subject, write_outputs
 from .progress import compile_kernels
 from .reports import modes_report, statics_report
 from .static_reports import modes_in_space_report, push_line, push_over_report, rest_in_space_report
@@ -37,6 +37,7 @@ def add_static_commands(commands: argparse._SubParsersAction[Any]) -> None:
         parser.add_argument("column", type=Path, metavar="FILE.toml", help="a column, or a structure in space")
         parser.add_argument("-o", "--output", type=Path, metavar="FILE.csv", help=f"write {rows}")
         parser.add_argument("--plot", type=Path, metavar="FILE.png", help=f"draw it ({', '.join(PICTURES)})")
+        add_space(parser)
         add_force(parser)
     words = (
         f"of the push on a structure, degrees from x to y (default: every {EVERY}, and the least is written and drawn)"
@@ -48,7 +49,7 @@ def add_static_commands(commands: argparse._SubParsersAction[Any]) -> None:
 
 def _modes(options: argparse.Namespace) -> None:
     _check(options)
-    subject = read_subject(options.column)
+    subject = read_subject(options.column, options.space)
     modes: Modes | SpatialModes
     if isinstance(subject, Structure):
         compile_for_space(stiffness_of)
@@ -66,14 +67,16 @@ def _modes(options: argparse.Namespace) -> None:
 
 def _statics(options: argparse.Namespace) -> None:
     _check(options)
-    subject = read_subject(options.column)
+    subject = read_subject(options.column, options.space)
     curve: CapacityCurve | PushOver
     if isinstance(subject, Structure):
         curve = _pushed(subject, options)
     else:
         for key in ("direction", "vertical"):
             if getattr(options, key) is not None:
-                raise InputError(f"--{key}: is for structures in space, a column is pushed in its plane")
+                raise InputError(
+                    f"--{key}: is for structures in space, a column is pushed in its plane; --space pushes it in space"
+                )
         compile_kernels()
         with reading(options.column):
             curve = capacity_curve(subject)

@@ -141,7 +141,7 @@ class Study(Shown):
                 if name.removeprefix(OF_MOTION) not in known:
                     listed = ", ".join(f"motion.{item}" for item in sorted(known))
                     raise InputError(f"{name}: unknown name, the motions have {listed}")
-            elif not is_number_of(name, self.in_space):
+            elif not all(is_number_of(name, column) for column in self.columns):
                 of = "structure" if self.in_space else "column"
                 raise InputError(f"{name}: unknown name, must be of the {of} as joint.stiffness or block[1].height")
         for name, values in self.grid.items():
