@@ -369,7 +369,7 @@ def check_in_plane(motion: Motion) -> None:
     """Raise InputError for a motion that leaves the plane of a column."""
     if motion.has_ay:
         raise InputError(
-            "ay: must be zero, a column moves in its plane; --space, column.in_space(), solves it in space"
+            "ay: a column moves in its plane, must be zero; --space, column.in_space(), solves it in space"
         )
 
 

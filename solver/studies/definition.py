@@ -142,7 +142,8 @@ class Study(Shown):
                     listed = ", ".join(f"motion.{item}" for item in sorted(known))
                     raise InputError(f"{name}: unknown name, the motions have {listed}")
             elif not all(is_number_of(name, column) for column in self.columns):
-                of = "structure" if self.in_space else "column"
+                plain = any(isinstance(column, Structure) and not column.is_stack for column in self.columns)
+                of = "structure" if plain else "column"
                 raise InputError(f"{name}: unknown name, must be of the {of} as joint.stiffness or block[1].height")
         for name, values in self.grid.items():
             if not values:

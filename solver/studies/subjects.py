@@ -102,4 +102,4 @@ def check_motion(key: str, shaking: Shaking, in_space: bool) -> None:
     if DIRECTION in shaking.numbers:
         raise InputError(f"{key}.{DIRECTION}: must be left out, {IN_PLANE}")
     if shaking.record is not None and shaking.record.has_ay:
-        raise InputError(f"{key}.across: must be left out, {IN_PLANE}")
+        raise InputError(f"{key}: ay: {IN_PLANE}")
