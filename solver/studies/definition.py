@@ -34,6 +34,7 @@ from .distributions import Random
 from .motions import BESIDE, Measure, Shaking, tilted
 from .subjects import (
     DIRECTION,
+    IN_PLANE,
     Subject,
     always_kept,
     are_in_space,
@@ -138,6 +139,8 @@ class Study(Shown):
                 if self.measure is None:
                     raise InputError(f"intensity.measure: missing, {INTENSITY} is varied")
             elif name.startswith(OF_MOTION):
+                if name == f"{OF_MOTION}{DIRECTION}" and not self.in_space:
+                    raise InputError(f"{name}: must be left out, {IN_PLANE}")
                 if name.removeprefix(OF_MOTION) not in known:
                     listed = ", ".join(f"motion.{item}" for item in sorted(known))
                     raise InputError(f"{name}: unknown name, the motions have {listed}")
