@@ -163,7 +163,7 @@ def statics() -> None:
     capacity_curve(column).plot(HERE / "images" / "statics.png")
     colonnade = Structure.from_toml(HERE.parent / "examples" / "structures" / "colonnade.toml")
     push_over(colonnade, 0.5 * math.pi).plot(HERE / "images" / "push-over.png")
-    for name in ("modes.png", "statics.png", "push-over.png"):
+    for name in ("modes.png", "statics.png"):
         shrink(name)
 
 

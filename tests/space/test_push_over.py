@@ -55,15 +55,15 @@ def rigid_like(width: float, depth: float, height: float, degrees: float = 0.0, 
 
 
 def test_a_stiff_block_balances_its_width_over_its_height() -> None:
-    """Extrapolated in the modulus; measured: 3e-6, in a diagonal 6e-6, of the drum 6e-6."""
-    assert rigid_like(0.5, 0.8, 2.0) == pytest.approx(0.25, rel=2e-5)
-    assert rigid_like(0.5, 0.8, 2.0, degrees=90.0) == pytest.approx(0.4, rel=2e-5)
-    assert rigid_like(0.5, 0.5, 2.0, degrees=45.0) == pytest.approx(0.25 * math.sqrt(2.0), rel=4e-5)
+    """Extrapolated in the modulus; measured: 2e-6, over a corner 3e-5, of the drum 5e-6."""
+    assert rigid_like(0.5, 0.8, 2.0) == pytest.approx(0.25, rel=1e-5)
+    assert rigid_like(0.5, 0.8, 2.0, degrees=90.0) == pytest.approx(0.4, rel=1e-5)
+    assert rigid_like(0.5, 0.5, 2.0, degrees=45.0) == pytest.approx(0.25 * math.sqrt(2.0), rel=1e-4)
     assert rigid_like(0.5, 0.5, 2.0, shape="drum", degrees=30.0) == pytest.approx(0.25, rel=4e-5)
 
 
 def test_a_push_upwards_takes_weight_away() -> None:
-    """A rigid block turns at a = (b/h) (g - v a); measured: 1e-5 at this modulus beside that without v."""
+    """A rigid block turns at a = (b/h) (g - v a); measured: 4e-4 at this modulus, beside that without v."""
     plain, lifted = largest(block(0.5, 0.5, 2.0, 1e14)), largest(block(0.5, 0.5, 2.0, 1e14), vertical=0.5)
     assert lifted / plain == pytest.approx(1.0 / (1.0 + 0.5 * 0.25), rel=1e-3)
     assert largest(block(0.5, 0.5, 2.0, 1e14), vertical=-0.5) > plain
@@ -71,7 +71,7 @@ def test_a_push_upwards_takes_weight_away() -> None:
 
 @pytest.mark.parametrize("degrees", [0.0, 30.0, 45.0, 200.0])
 def test_a_block_slides_at_its_friction(degrees: float) -> None:
-    """Measured: 6e-8."""
+    """Measured: 2e-8."""
     found = push_over(block(1.0, 1.0, 0.5, friction=0.3), math.radians(degrees))
     assert found.largest_acceleration / G == pytest.approx(0.3, rel=1e-6)
     assert found.sliding == pytest.approx(found.largest_acceleration, rel=1e-6)
@@ -94,7 +94,7 @@ def test_columns_balance_what_they_do_in_their_plane(name: str) -> None:
 
 
 def test_a_square_block_in_any_of_four_directions_and_a_drum_in_all() -> None:
-    """Measured: 2e-14, of the drum 3e-11."""
+    """Measured: 2e-16, of the drum 5e-15."""
     square = [largest(stack(3), degrees) for degrees in (0.0, 90.0, 180.0, 270.0)]
     assert square == pytest.approx(4 * [square[0]], rel=1e-9)
     drums = [largest(stack(3, "circle"), degrees) for degrees in (0.0, 17.0, 45.0, 200.0)]
@@ -166,13 +166,13 @@ def test_no_weight() -> None:
 
 
 def test_modes_of_a_column_are_those_of_its_plane() -> None:
-    """Joints as good as rigid along themselves; measured: 1e-6 of the frequency, 2e-6 of the damping ratio."""
+    """Joints as good as rigid along themselves; measured: 3e-7 of frequency and damping ratio."""
     column = Column.from_toml(COLUMNS / "phocas-damped.toml")
     plane, found = natural_modes(column), modes_in_space(with_law(column.in_space(), shear_ratio=1e6))
     for k, frequency in enumerate(plane.frequency):
         near = int(np.argmin(np.abs(found.frequency - frequency)))
-        assert found.frequency[near] == pytest.approx(frequency, rel=1e-5)
-        assert found.damping_ratio[near] == pytest.approx(plane.damping_ratio[k], rel=1e-4)
+        assert found.frequency[near] == pytest.approx(frequency, rel=1e-6)
+        assert found.damping_ratio[near] == pytest.approx(plane.damping_ratio[k], rel=1e-6)
 
 
 def test_effective_masses_are_the_mass_and_twist_is_about_the_centroid() -> None:
