@@ -1,6 +1,6 @@
 """Build a co-simulation FMU from the TOML file of a column or of a structure in space.
 
-    multiblock build-fmu [FILE.toml] [-o FILE.fmu] [--record RECORD]
+    multiblock build-fmu [FILE.toml] [-o FILE.fmu] [--record RECORD] [--space]
                          [--native [--fmi 3 [--scalars]] [--source] [--terminals] [--platforms NAME,...]]
     python build_fmu.py ...
 
@@ -38,7 +38,7 @@ from fmu_src.native.library import has_tools
 from fmu_src.native.platforms import PLATFORMS, USUAL_FORM, Form
 from fmu_src.record import read_motion
 from solver import InputError
-from solver.commands.command_files import add_force
+from solver.commands.command_files import add_force, add_space
 from solver.commands.command_line import program_parser, run_command
 from solver.common.errors import needing, shown
 from solver.common.files import check_outputs, identifier_of, whole_file
@@ -58,7 +58,9 @@ LEFT_AT_HOME = {
     "native",
     "oscillator.py",
     "plotting",
+    "push_over.py",
     "rocking.py",
+    "static_pictures.py",
     "static_plots.py",
     "studies",
     "wavelets.py",
@@ -123,6 +125,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         help="TOML file of a column or structure (default: %(default)s)",
     )
     parser.add_argument("-o", "--output", type=Path, help="FMU file (default: NAME.fmu in the current folder)")
+    add_space(parser)
     add_force(parser)
     parser.add_argument("--record", type=Path, metavar="FILE", help="record to put inside, added to the inputs")
     parser.add_argument("--native", action="store_true", help="compiled libraries instead of Python")
@@ -142,12 +145,12 @@ def _build(options: argparse.Namespace) -> None:
     if options.native:
         platforms = options.platforms.split(",") if options.platforms else None
         form = Form(options.fmi, options.source, options.terminals, options.scalars)
-        path = build_native_fmu(options.column, options.output, options.record, platforms, form)
+        path = build_native_fmu(options.column, options.output, options.record, platforms, form, options.space)
     elif options.fmi != 2 or options.source or options.terminals:
         option = "--source" if options.source else "--terminals" if options.terminals else f"--fmi {options.fmi}"
         raise InputError(f"{option}: with --native only")
     else:
-        path = build_fmu(options.column, options.output, options.record)
+        path = build_fmu(options.column, options.output, options.record, options.space)
     print(path)
 
 
@@ -168,17 +171,19 @@ def build_native_fmu(
     record: Path | None = None,
     platforms: Sequence[str] | None = None,
     form: Form = USUAL_FORM,
+    space: bool = False,
 ) -> Path:
     """Build the FMU that needs no Python and return its path; prints what its libraries need from outside.
 
-    platforms: of PLATFORMS[form.fmi], None: all of them. Raises InputError, OSError.
+    platforms: of PLATFORMS[form.fmi], None: all of them. space: a column as a structure in space.
+    Raises InputError, OSError.
     """
     if not LINKING:
         lacks = ", ".join(missing_for_linking()) or "MULTIBLOCK_LINKING=0"
         raise InputError(f"--native: needs kernels that are linked, and numba {numba.__version__} does not ({lacks})")
     with needing("native", *BUILDER_PACKAGES):
         from fmu_src.native.package import native_files, needs_report
-    body, output = _body_and_output(column_file, output, record)
+    body, output = _body_and_output(column_file, output, record, space)
     known = PLATFORMS[form.fmi]
     platforms = [*known] if platforms is None else platforms
     for platform in platforms:
@@ -194,8 +199,8 @@ def build_native_fmu(
     return output
 
 
-def _body_and_output(file: Path, output: Path | None, record: Path | None) -> tuple[Body, Path]:
-    body = read_body(file)
+def _body_and_output(file: Path, output: Path | None, record: Path | None, space: bool) -> tuple[Body, Path]:
+    body = read_body(file, space)
     if output is None:
         output = Path(f"{identifier_of(body.name)}.fmu")
         if output.exists():
@@ -216,14 +221,17 @@ def _check_record_name(name: str) -> None:
         )
 
 
-def build_fmu(column_file: Path, output: Path | None = None, record: Path | None = None) -> Path:
-    """Build the FMU of a file and return its path; a record is put inside it. Raises InputError, OSError."""
+def build_fmu(column_file: Path, output: Path | None = None, record: Path | None = None, space: bool = False) -> Path:
+    """Build the FMU of a file and return its path; a record is put inside it; space: a column as a structure in space.
+
+    Raises InputError, OSError.
+    """
     with needing("fmu", *BUILDER_PACKAGES):
         from pythonfmu import FmuBuilder
 
         from fmu_src import documentation
         from fmu_src.slave import BODY_FILE, GUID_FILE, RECORD_FOLDER
-    body, output = _body_and_output(column_file, output, record)
+    body, output = _body_and_output(column_file, output, record, space)
     record_name = ""
     if record is not None:
         body.samples(read_motion(record))

@@ -1,5 +1,6 @@
 """Draw the pictures of the README and the docs: `python docs/make_images.py`."""
 
+import math
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -17,9 +18,11 @@ from multiblock import (
     Column,
     Joint,
     Motion,
+    Structure,
     capacity_curve,
     housner_restitution,
     natural_modes,
+    push_over,
     simulate,
     wavelets,
 )
@@ -154,12 +157,14 @@ def records() -> None:
 
 
 def statics() -> None:
-    """modes.png and statics.png: as `multiblock modes` and `multiblock statics` draw them."""
+    """modes.png, statics.png, push-over.png: as `multiblock modes` and `multiblock statics` draw them."""
     column = Column.from_toml(HERE.parent / "examples" / "columns" / "phocas-damped.toml")
     natural_modes(column).plot(HERE / "images" / "modes.png")
     capacity_curve(column).plot(HERE / "images" / "statics.png")
-    shrink("modes.png")
-    shrink("statics.png")
+    colonnade = Structure.from_toml(HERE.parent / "examples" / "structures" / "colonnade.toml")
+    push_over(colonnade, 0.5 * math.pi).plot(HERE / "images" / "push-over.png")
+    for name in ("modes.png", "statics.png"):
+        shrink(name)
 
 
 def restitutions() -> None:

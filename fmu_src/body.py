@@ -24,7 +24,7 @@ from solver.ground.motion import Motion, check_in_plane
 from solver.kernels.layout import spaces as at
 from solver.space.driven import SKIP_CODES, DrivenStructure, packed, record_of
 from solver.space.structure import Structure
-from solver.space.structure_file import describes_structure
+from solver.space.structure_file import describes_structure, in_space
 
 from . import structure_variables, variables
 from .rules import DAMPING_SCALE_LIMITS
@@ -171,10 +171,13 @@ def body_of(text: str) -> Body:
     return ColumnBody(Column.from_dict(data))
 
 
-def read_body(file: Path) -> Body:
-    """The body that a TOML file describes, which has to have a stable rest. Raises InputError."""
+def read_body(file: Path, space: bool = False) -> Body:
+    """The body that a TOML file describes, which has to have a stable rest; space: a column as a structure in space.
+
+    Raises InputError.
+    """
     with reading(file):
-        data = toml_of(file)
+        data = in_space(toml_of(file)) if space else toml_of(file)
         if describes_structure(data):
             return StructureBody(data)
     column = Column.from_toml(file)

@@ -34,6 +34,7 @@ from solver.ground.intensity import Intensity, Spectrum, intensity, pgv, spectru
 from solver.runs.many import ExecutorError, parts_of_many
 from solver.space.builders import arch, colonnade, wall
 from solver.space.modes import SpatialModes, modes_in_space
+from solver.space.push_over import PushOver, push_over
 from solver.space.response import SpatialResponse
 from solver.space.run import SpatialState
 from solver.space.structure import Structure
@@ -64,6 +65,7 @@ __all__ = [
     "Modes",
     "Motion",
     "Plan",
+    "PushOver",
     "Response",
     "Rest",
     "Results",
@@ -92,6 +94,7 @@ __all__ = [
     "natural_modes",
     "parts_of_many",
     "pgv",
+    "push_over",
     "rest_of",
     "restitution",
     "run_study",

@@ -16,8 +16,8 @@ from .spectra import Spectral
 from .table import MM, PERCENT, Row, Unit
 
 NOT_IN_SPACE = (
-    "by hand: nothing. The kinematic verification and ASCE 43 turn a body about one edge in a plane; in space a slow "
-    "motion in any direction is a push-over."
+    "by hand: nothing. The kinematic verification and ASCE 43 turn a body about one edge in a plane; `multiblock "
+    "statics` pushes a structure over in any direction."
 )
 G = Unit("g", 1.0 / 9.80665)
 

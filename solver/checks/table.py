@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -119,7 +119,7 @@ def rows_of(
     """
     demands = Demands(subject, responses)
     return (
-        *_overturning(subject.verdicts(table), limits, margin, names),
+        *_overturning(subject.verdicts(table), limits, margin, names, table.stats["failures"]),
         _displacement(demands, table, limits),
         _pressure(demands, limits),
         *_sliding(demands, limits),
@@ -179,11 +179,20 @@ def bounds_of(verdicts: NDArray[np.str_], motions: int) -> tuple[float, float]:
     return low, high
 
 
-def _overturning(verdicts: NDArray[np.str_], limits: Limits, margin: Margin | None, names: Sequence[str]) -> list[Row]:
+def _overturning(
+    verdicts: NDArray[np.str_],
+    limits: Limits,
+    margin: Margin | None,
+    names: Sequence[str],
+    failures: Mapping[int, str],
+) -> list[Row]:
+    """Share and margin; failures: why runs could not be made, by their number."""
     size, fallen = len(verdicts), int(np.sum(verdicts == "overturned"))
     open_ones = int(np.sum(verdicts == "undecided"))
     low, high = bounds_of(verdicts, len(names))
     note = f"{fallen} of {size} runs fall" + (f", {open_ones} undecided" if open_ones else "")
+    no_rest = [reason for k, reason in failures.items() if verdicts[k] == "overturned"]
+    note += f", {len(no_rest)} of them under their weight alone ({no_rest[0]})" if no_rest else ""
     share = (fallen + open_ones) / size
     note += f"; {low:.1%} to {high:.1%} at 95 % confidence" + (", motions counted" if len(names) > 1 else "")
     rows = [Row("overturning", share, limits.share, PERCENT, note=note)]

@@ -26,7 +26,7 @@ from ..dynamics.uncertainty import Spread
 from ..ground.motion import STANDARD_GRAVITY, Motion
 from ..space.structure import Structure
 from .check_report import action_lines, check_lines, variants_lines
-from .command_files import add_force, check_suffix, read_subject, write_outputs
+from .command_files import add_force, add_space, check_suffix, read_subject, write_outputs
 from .motion_options import FORMATS, add_file_options, check_file_options, file_line, read_with_options
 from .progress import RunsLine, compile_kernels
 from .structure import compile_for_space
@@ -58,6 +58,7 @@ def add_check_command(commands: argparse._SubParsersAction[Any]) -> None:
     parser.add_argument(
         "--across", type=Path, nargs="+", metavar="FILE", help="the other horizontal ones, of a structure in space"
     )
+    add_space(parser)
     add_file_options(parser)
     _add_action(parser)
     _add_plan(parser)
@@ -161,7 +162,7 @@ def _check(options: argparse.Namespace) -> None:
     components = (*(options.vertical or ()), *(options.across or ()))
     inputs = (options.column, *options.records, *components, *options.variant)
     check_outputs((options.output, options.report), inputs, options.force)
-    models = {path: read_subject(path) for path in (options.column, *options.variant)}
+    models = {path: read_subject(path, options.space) for path in (options.column, *options.variant)}
     plan = _plan(options)
     level = _level(options)
     motions = _motions(options)

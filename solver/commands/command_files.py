@@ -15,18 +15,23 @@ from ..studies.subjects import subject_from
 PICTURES = (".png", ".pdf", ".svg")
 
 
-def read_subject(path: Path) -> Column | Structure:
-    """Read a file that describes a column or a structure in space. Raises InputError."""
+def add_space(parser: argparse._ActionsContainer) -> None:
+    """Add --space, for `read_subject`."""
+    parser.add_argument("--space", action="store_true", help="solve a column as a structure in space")
+
+
+def read_subject(path: Path, space: bool = False) -> Column | Structure:
+    """Read a file that describes a column or a structure; space: a column as its stack in space. Raises InputError."""
     check_suffix(path, ".toml")
     with reading(path):
-        return subject_from(toml_of(path))
+        return subject_from(toml_of(path), space)
 
 
 def read_column(path: Path) -> Column:
     """Read a column file. Raises InputError."""
     found = read_subject(path)
     if isinstance(found, Structure):
-        raise InputError(f"{path}: is a structure in space, must be a column; `simulate` and `check` take both")
+        raise InputError(f"{path}: is a structure in space, must be a column")
     return found
 
 

@@ -28,7 +28,16 @@ from ..space.structure import Structure
 from . import structure
 from .calibrate import add_calibrate_command
 from .check import add_check_command
-from .command_files import PICTURES, add_force, check_picture, check_suffix, outputs_of_run, read_subject, write_outputs
+from .command_files import (
+    PICTURES,
+    add_force,
+    add_space,
+    check_picture,
+    check_suffix,
+    outputs_of_run,
+    read_subject,
+    write_outputs,
+)
 from .motion_options import (
     FORMATS,
     add_file_options,
@@ -126,9 +135,9 @@ def _parsed(parser: argparse.ArgumentParser, arguments: Sequence[str] | None) ->
 
 def add_commands(commands: argparse._SubParsersAction[OneLineParser]) -> None:
     """Add `simulate`, `check`, `new`, `record`, `convert`, `modes`, `statics`, `calibrate` and `study`."""
-    run = commands.add_parser("simulate", help="response of a column to a base motion")
+    run = commands.add_parser("simulate", help="response of a column or structure to a base motion")
     run.set_defaults(command=_simulate, paths=("motion",))
-    run.add_argument("column", type=Path, metavar="COLUMN.toml", help="blocks, joints and solver settings")
+    run.add_argument("column", type=Path, metavar="FILE.toml", help="a column, or a structure in space")
     add_motion_options(run)
     run.add_argument("--duration", type=float, metavar="S", help="s (default: that of the motion)")
     _add_run_options(run)
@@ -163,7 +172,9 @@ def _add_run_options(run: argparse.ArgumentParser) -> None:
     accuracy.add_argument("--integrator", help=" or ".join(INTEGRATORS))
     accuracy.add_argument("--step", type=float, metavar="S", help="s, of an integrator with a fixed step")
     words = "solve a structure that is a column in its plane as one, with joints rigid along themselves"
-    accuracy.add_argument("--plane", choices=("auto",), help=words)
+    way = accuracy.add_mutually_exclusive_group()
+    way.add_argument("--plane", choices=("auto",), help=words)
+    add_space(way)
     out = run.add_argument_group("output")
     out.add_argument("--output-step", type=float, metavar="S", help=f"s between two rows (default: {OUTPUT_STEP})")
     out.add_argument("-o", "--output", type=Path, metavar="FILE.csv", help="write the histories")
@@ -189,7 +200,7 @@ def _simulate(options: argparse.Namespace) -> None:
     # obstacles to an output are reported before the run, not after it
     outputs = outputs_of_run(options)
     check_digits("--digits", options.digits)
-    subject: Any = read_subject(options.column)
+    subject: Any = read_subject(options.column, options.space)
     in_space = isinstance(subject, Structure)
     if in_space:
         structure.prepare(options)

@@ -1,56 +1,104 @@
-"""The commands `modes` and `statics`: what a column is before anything shakes it."""
+"""The commands `modes` and `statics`: what a column or structure is before anything shakes it."""
 
 from __future__ import annotations
 
 import argparse
+import math
 from pathlib import Path
 from typing import Any
 
 from ..column.rest import check_stable
-from ..common.errors import reading
+from ..common.errors import InputError, reading
 from ..common.files import check_outputs
-from ..statics.capacity import capacity_curve, rest_of
-from ..statics.modes import natural_modes
-from .command_files import PICTURES, add_force, check_picture, check_suffix, read_column, write_outputs
+from ..kernels.space.entries import stiffness_of
+from ..space.modes import SpatialModes, modes_in_space
+from ..space.push_over import PushOver, push_over
+from ..space.structure import Structure
+from ..statics.capacity import CapacityCurve, capacity_curve, rest_of
+from ..statics.modes import Modes, natural_modes
+from .command_files import PICTURES, add_force, add_space, check_picture, check_suffix, read_subject, write_outputs
 from .progress import compile_kernels
 from .reports import modes_report, statics_report
+from .static_reports import modes_in_space_report, push_line, push_over_report, rest_in_space_report
+from .structure import compile_for_space
+
+EVERY = 45  # degrees, between two directions in which a structure is pushed
 
 
 def add_static_commands(commands: argparse._SubParsersAction[Any]) -> None:
     """Add `modes` and `statics`."""
-    modes = commands.add_parser("modes", help="natural frequencies, shapes and damping ratios of a column")
+    modes = commands.add_parser("modes", help="natural frequencies, shapes and damping ratios")
     modes.set_defaults(command=_modes)
     statics = commands.add_parser(
-        "statics", help="stress at rest, when joints open, and the largest steady acceleration that a column balances"
+        "statics", help="stress at rest, when joints open, and the largest steady acceleration that it balances"
     )
     statics.set_defaults(command=_statics)
     for parser, rows in ((modes, "a row for each mode"), (statics, "the curve of balance")):
-        parser.add_argument("column", type=Path, metavar="COLUMN.toml", help="blocks, joints and solver settings")
+        parser.add_argument("column", type=Path, metavar="FILE.toml", help="a column, or a structure in space")
         parser.add_argument("-o", "--output", type=Path, metavar="FILE.csv", help=f"write {rows}")
         parser.add_argument("--plot", type=Path, metavar="FILE.png", help=f"draw it ({', '.join(PICTURES)})")
+        add_space(parser)
         add_force(parser)
+    words = (
+        f"of the push on a structure, degrees from x to y (default: every {EVERY}, and the least is written and drawn)"
+    )
+    statics.add_argument("--direction", type=float, metavar="DEG", help=words)
+    words = "part of the push on a structure that acts upwards, over the horizontal one (default: 0)"
+    statics.add_argument("--vertical", type=float, metavar="PART", help=words)
 
 
 def _modes(options: argparse.Namespace) -> None:
     _check(options)
-    column = read_column(options.column)
-    compile_kernels()
-    with reading(options.column):
-        check_stable(column)
-        modes = natural_modes(column)
-    print(modes_report(modes))
+    subject = read_subject(options.column, options.space)
+    modes: Modes | SpatialModes
+    if isinstance(subject, Structure):
+        compile_for_space(stiffness_of)
+        with reading(options.column):
+            modes = modes_in_space(subject)
+        print(modes_in_space_report(modes))
+    else:
+        compile_kernels()
+        with reading(options.column):
+            check_stable(subject)
+            modes = natural_modes(subject)
+        print(modes_report(modes))
     write_outputs(((options.output, modes.to_csv), (options.plot, modes.plot)))
 
 
 def _statics(options: argparse.Namespace) -> None:
     _check(options)
-    column = read_column(options.column)
-    compile_kernels()
-    with reading(options.column):
-        curve = capacity_curve(column)
-        rest = rest_of(column)
-    print(statics_report(rest, curve))
+    subject = read_subject(options.column, options.space)
+    curve: CapacityCurve | PushOver
+    if isinstance(subject, Structure):
+        curve = _pushed(subject, options)
+    else:
+        for key in ("direction", "vertical"):
+            if getattr(options, key) is not None:
+                raise InputError(
+                    f"--{key}: is for structures in space, a column is pushed in its plane; --space pushes it in space"
+                )
+        compile_kernels()
+        with reading(options.column):
+            curve = capacity_curve(subject)
+            rest = rest_of(subject)
+        print(statics_report(rest, curve))
     write_outputs(((options.output, curve.to_csv), (options.plot, curve.plot)))
+
+
+def _pushed(structure: Structure, options: argparse.Namespace) -> PushOver:
+    """The push-over in the direction asked for, or in that of the least push; prints all."""
+    degrees = range(0, 360, EVERY) if options.direction is None else (options.direction,)
+    compile_for_space(stiffness_of)
+    found = []
+    with reading(options.column):
+        for angle in degrees:
+            found.append(push_over(structure, math.radians(angle), options.vertical or 0.0))
+            if len(found) == 1:
+                print(rest_in_space_report(found[0]), flush=True)
+            print(push_line(found[-1]), flush=True)
+    least = min(found, key=lambda one: one.largest_acceleration)
+    print(push_over_report(least))
+    return least
 
 
 def _check(options: argparse.Namespace) -> None:

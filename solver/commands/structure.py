@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from typing import Any
 
 import numpy as np
 
@@ -26,9 +27,9 @@ def prepare(options: argparse.Namespace) -> None:
     compile_for_space()
 
 
-def compile_for_space() -> None:
-    """A notice if the kernels of structures must be compiled."""
-    if not are_kept(run_structure):
+def compile_for_space(entry: Any = run_structure) -> None:
+    """A notice if the kernels of structures must be compiled; entry: the one of them that will be called."""
+    if not are_kept(entry):
         print("compiling the kernels, once", flush=True)
 
 

@@ -368,7 +368,9 @@ class Motion(Framed, Shown):
 def check_in_plane(motion: Motion) -> None:
     """Raise InputError for a motion that leaves the plane of a column."""
     if motion.has_ay:
-        raise InputError("ay: a column moves in its plane, must be zero; Structure.stack(column) moves in space")
+        raise InputError(
+            "ay: a column moves in its plane, must be zero; --space, column.in_space(), solves it in space"
+        )
 
 
 def _with_slopes(table: NDArray[np.float64], hold: bool) -> NDArray[np.float64]:

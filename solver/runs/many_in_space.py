@@ -15,7 +15,7 @@ from ..common.executors import cores
 from ..common.turns import others_turn
 from ..ground.motion import Motion
 from ..space.response import SpatialResponse
-from ..space.rest import Rest, rest_of
+from ..space.rest import NoRestError, Rest, rest_of
 from ..space.run import simulate_structure
 from ..space.structure import Structure
 from .batch_in_space import FROM_LANES, RunInSpace, follow_in_lanes, kind_of
@@ -75,7 +75,8 @@ def simulate_structures(
 ) -> Table:
     """Runs of structure k under motion k, each from rest: see `simulate_many`; names of `keep` are of KEPT.
 
-    Raises InputError for a wrong value or a structure without a stable rest.
+    A structure without a stable rest has fallen as its run begins; stats["failures"] has the reason. Raises InputError
+    for a wrong value.
     """
     for name in keep:
         if name not in KEPT:
@@ -102,11 +103,13 @@ def simulate_structures(
             made += found
             if callback is not None:
                 callback(len(made), count)
-    for found_one in made:
-        if isinstance(found_one, InputError):
+    failures = {k: str(found) for k, found in enumerate(made) if not isinstance(found, dict)}
+    for k, found_one in enumerate(made):
+        if isinstance(found_one, NoRestError):
+            made[k] = _fallen(keep, shaken[k].start)
+        elif isinstance(found_one, InputError):
             raise found_one
     columns = {name: _column(name, made) for name in dict.fromkeys(keep)}
-    failures = {k: found for k, found in enumerate(made) if isinstance(found, str)}
     verdicts = Counter(found["verdict"] if isinstance(found, dict) else "failed" for found in made)
     paths = Counter(found["path"] if isinstance(found, dict) else SCALAR for found in made)
     of = {name: KEPT[name].of for name in columns}
@@ -160,6 +163,12 @@ def made_alone(run: RunInSpace, keep: Sequence[str], settle: float) -> dict[str,
     except SolverError as failure:
         return str(failure)
     return {name: _value(name, found) for name in dict.fromkeys((*keep, "verdict", "path"))}
+
+
+def _fallen(keep: Sequence[str], start: float) -> dict[str, Any]:
+    """Results of a run that falls under its weight alone."""
+    found: dict[str, Any] = dict.fromkeys(keep, math.nan)
+    return found | {"verdict": "overturned", "overturn_time": start, "settled_for": 0.0, "path": SCALAR}
 
 
 def _column(name: str, made: Sequence[Made]) -> Any:

@@ -12,6 +12,7 @@ from ..dynamics.verdict import OVERTURNED, UNDECIDED
 from ..ground.motion import Motion
 from .blocks.faces import FloatArray
 from .response import SpatialResponse
+from .rest import NoRestError
 from .run import single_run
 from .structure import Structure
 
@@ -32,9 +33,10 @@ def ensemble_in_space(
             run = single_run(
                 structure.with_settings(without=("peaks",)), shaken, duration, response.time, settle=settle
             )
-        except SolverError:
-            verdicts.append(UNDECIDED)
-            falls.append(math.nan)
+        except (SolverError, NoRestError) as failure:
+            falls_at_rest = isinstance(failure, NoRestError)
+            verdicts.append(OVERTURNED if falls_at_rest else UNDECIDED)
+            falls.append(float(response.time[0]) if falls_at_rest else math.nan)
             peaks.append(np.full(n, math.nan))
             histories.append(np.full((len(response.time), n), math.nan))
             continue

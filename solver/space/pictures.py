@@ -182,9 +182,8 @@ def _places(response: Shown, k: int) -> tuple[FloatArray, FloatArray]:
 
 def _scale_of(response: Shown, k: int) -> float:
     """A scale by which the deformation at row k is seen; 1 where it is large."""
-    extent = max(float(np.max(np.ptp(_all_corners(response.structure), axis=0))), 1e-9)
     largest = max(float(np.max(np.abs(_places(response, k)[0]))), 1e-12)
-    return min(max(1.0, _round(VISIBLE * extent / largest)), 1e4)
+    return min(max(1.0, round_scale(VISIBLE * extent_of(response.structure) / largest)), 1e4)
 
 
 def _surfaces(block: Solid) -> list[FloatArray]:
@@ -208,7 +207,12 @@ def _moved(points: FloatArray, block: Solid, u: FloatArray, turn: FloatArray) ->
     return found
 
 
-def _round(value: float) -> float:
+def extent_of(structure: Structure) -> float:
+    """The largest extent of a structure along an axis, m."""
+    return max(float(np.max(np.ptp(_all_corners(structure), axis=0))), 1e-9)
+
+
+def round_scale(value: float) -> float:
     """The largest of 1, 2, 5 times a power of ten that is not above."""
     power = 10.0 ** np.floor(np.log10(value))
     return float(power * max(k for k in (1.0, 2.0, 5.0) if k * power <= value * (1.0 + 1e-9)))

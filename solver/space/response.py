@@ -8,28 +8,22 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..common.errors import InputError, needing, reading
-from ..common.files import whole_file
+from ..common.errors import needing
 from ..common.frames import EXTRA
 from ..common.notebook import Shown, counted, history, rows_of
-from ..dynamics.response import DIGITS, check_digits
+from ..dynamics.response import DIGITS
 from ..dynamics.uncertainty import Ensemble, ErrorEstimate
 from ..ground.motion import Motion
-from ..kernels.space import layout as at
 from .blocks.faces import FloatArray
-from .blocks.shapes import turned
+from .rows import OF_BASE, OF_BLOCK, OF_JOINT, Rows, places_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from .structure import Structure
 
-OF_BLOCK = at.OF_BLOCK
-OF_JOINT = at.OF_JOINT
-OF_BASE = ("base.Fx", "base.Fy", "base.Fz", "base.Mx", "base.My", "base.Mz")
 
-
-class SpatialResponse(Shown):
+class SpatialResponse(Rows, Shown):
     """Histories of a structure: rows are instants, columns blocks, joints or ties in the order of the structure.
 
     time (s). Blocks: ux, uy, uz (m), of the centroids relative to the base, from the structure as built and without
@@ -83,61 +77,14 @@ class SpatialResponse(Shown):
         """The peaks of ux, m (n,)."""
         return self.peaks["ux"]
 
-    def _field(self, name: str) -> FloatArray:
-        first, count = _places(self.structure)[name]
-        return self.rows[:, first : first + count]
-
-    ux = property(lambda self: self._field("ux"))
-    uy = property(lambda self: self._field("uy"))
-    uz = property(lambda self: self._field("uz"))
-    N = property(lambda self: self._field("N"))
-    Mx = property(lambda self: self._field("Mx"))
-    My = property(lambda self: self._field("My"))
-    Mz = property(lambda self: self._field("Mz"))
-    Tx = property(lambda self: self._field("Tx"))
-    Ty = property(lambda self: self._field("Ty"))
-    contact = property(lambda self: self._field("contact"))
-    sigma_max = property(lambda self: self._field("sigma_max"))
-    slip = property(lambda self: self._field("slip"))
-    tie = property(lambda self: self._field("tie"))
-    base = property(lambda self: self._field("base"))
-
-    @property
-    def rotation(self) -> FloatArray:
-        """Axis times angle of each block, rad (rows, n, 3)."""
-        return np.stack([self._field(name) for name in ("rx", "ry", "rz")], axis=-1)
-
-    def displacement(self, block: str | int, point: Sequence[float] = (0.0, 0.0, 0.0)) -> FloatArray:
-        """Displacement of a point of a block, m (rows, 3); the point counts from its centroid, along its own axes.
-
-        Raises InputError for a block that there is none of.
-        """
-        i = self.structure.number(block)
-        arm = self.structure.blocks[i].axes @ np.asarray(point, dtype=np.float64)
-        if arm.shape != (3,):
-            raise InputError(f"point = {list(point)}: must be three lengths in m")
-        moved = np.column_stack([self.ux[:, i], self.uy[:, i], self.uz[:, i]])
-        return moved + turned(self.rotation[:, i], arm)
-
     def to_csv(self, path: str | os.PathLike[str], digits: int = DIGITS) -> None:
         """Write time and every history, under names such as block[left].ux, joint[left-base].N, tie[1].F, base.Fx."""
-        check_digits("digits", digits)
-        table = np.column_stack([self.time, self.rows])
-        with reading(path), whole_file(path) as partial:
-            header = ",".join(f'"{name}"' if "," in name else name for name in self.names)
-            np.savetxt(partial, table, fmt=f"%.{digits}g", delimiter=",", header=header, comments="")
+        self._write(path, "time", self.time, digits)
 
     @property
     def names(self) -> list[str]:
         """Names of the columns of the CSV."""
-        structure = self.structure
-        return [
-            "time",
-            *(f"block[{block}].{name}" for name in OF_BLOCK for block in structure.names),
-            *(f"joint[{joint}].{name}" for name in OF_JOINT for joint in structure.joint_names),
-            *(f"tie[{e}].F" for e in range(1, len(structure.ties) + 1)),
-            *OF_BASE,
-        ]
+        return ["time", *self.row_names]
 
     def to_pandas(self) -> Any:
         """A pandas.DataFrame of the histories, time as its index, columns as in the CSV.
@@ -203,19 +150,8 @@ class SpatialResponse(Shown):
         return plot_plan(self, path, blocks)
 
 
-def _places(structure: Structure) -> dict[str, tuple[int, int]]:
-    """First place and length of each field in an output row."""
-    found, first = {}, 0
-    n, m, k = structure.n, len(structure.joints), len(structure.ties)
-    for names, count in ((OF_BLOCK, n), (OF_JOINT, m), (("tie",), k), (("base",), len(OF_BASE))):
-        for name in names:
-            found[name] = first, count
-            first += count
-    return found
-
-
 def _peaks_of(structure: Structure, rows: FloatArray, peaks: FloatArray) -> dict[str, FloatArray]:
-    found = {name: peaks[first : first + count].copy() for name, (first, count) in _places(structure).items()}
+    found = {name: peaks[first : first + count].copy() for name, (first, count) in places_of(structure).items()}
     found["contact"] = 1.0 - found["contact"]
     n = structure.n
     found["u"] = np.max(np.hypot(rows[:, :n], rows[:, n : 2 * n]), axis=0)

@@ -6,6 +6,7 @@ indeterminate rests as if it had been built at once and then slowly released.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from copy import copy
 from functools import lru_cache
 from typing import NamedTuple
@@ -24,10 +25,15 @@ from .structure import Structure
 # moduli vary by 20 % six get stuck in four steps, none of them in one; one and five give the same seven digits
 LOADS = (4, 1, 5)
 MOST_ITERATIONS = 200
+STILL = (0.0, 0.0, 0.0)
 CLOSE = 1e-11  # of the weight: forces that are left
 PERTURBED = 1e-3  # of the settlement: displacements for the tangent
 OF_ONE = 0.1  # of the settlement of a joint under one block: displacements for the tangent at rest
 SOFTENING = 1e-4  # of the stiffness in full contact: first addition to a tangent that does not lead to rest
+
+
+class NoRestError(InputError):
+    """A structure does not stand under its weight."""
 
 
 class Rest(NamedTuple):
@@ -39,11 +45,11 @@ class Rest(NamedTuple):
 
 
 def rest_of(structure: Structure) -> Rest:
-    """The rest of a structure. Raises InputError if it has none that is stable."""
+    """The rest of a structure. Raises NoRestError if it has none that is stable, InputError if a block is free."""
     try:
         return _rest_of(structure.blocks, structure.joints, structure.ties, structure.g)
     except InputError as error:
-        raise InputError(f"{structure.name}: {error}") from None
+        raise type(error)(f"{structure.name}: {error}") from None
 
 
 @lru_cache(maxsize=64)
@@ -55,12 +61,12 @@ def _rest_of(blocks: tuple[Solid, ...], joints: tuple[Joint, ...], ties: tuple[T
         return _finished(Stepper(structure), linear)
     slides = any(joint.bed.friction is not None for joint in structure.joints)
     settlement = _solved(structure, linear, _weights(structure))
-    delta = PERTURBED * _deltas(structure, float(np.max(np.abs(settlement))))
+    delta = PERTURBED * deltas_of(structure, float(np.max(np.abs(settlement))))
     for loads in LOADS if slides else (1,):
         stepper = _loaded(structure, linear, settlement, delta, loads)
         if stepper is not None:
-            return _finished(stepper, _sticking(stepper).stiffness(np.minimum(delta, _least_delta(structure))))
-    raise InputError("no rest found, it does not stand under its weight")
+            return _finished(stepper, sticking(stepper).stiffness(np.minimum(delta, _least_delta(structure))))
+    raise NoRestError("no rest found, it does not stand under its weight")
 
 
 def _loaded(
@@ -68,7 +74,7 @@ def _loaded(
 ) -> Stepper | None:
     """A stepper in balance under the weight, put on in `loads` steps; None where one finds no balance."""
     stepper = Stepper(structure)
-    _move(stepper, settlement / loads)
+    move(stepper, settlement / loads)
     settings = stepper.model.settings.copy()
     stepper.model = stepper.model._replace(settings=settings)
     for step in range(1, loads + 1):
@@ -79,7 +85,7 @@ def _loaded(
     return stepper
 
 
-def _sticking(stepper: Stepper) -> Stepper:
+def sticking(stepper: Stepper) -> Stepper:
     """The same state with joints that stick: what slides has no stiffness that is symmetric."""
     other = copy(stepper)
     other.model = stepper.model._replace(joints=stepper.model.joints.copy())
@@ -98,7 +104,7 @@ def _finished(stepper: Stepper, stiffness: FloatArray) -> Rest:
     try:
         np.linalg.cholesky(symmetric)
     except np.linalg.LinAlgError:
-        raise InputError("its rest is not stable, it falls without any motion") from None
+        raise NoRestError("its rest is not stable, it falls without any motion") from None
     return Rest(stepper.phase.copy(), stepper.row.copy(), stiffness)
 
 
@@ -108,7 +114,7 @@ def _weights(structure: Structure) -> FloatArray:
     return load
 
 
-def _deltas(structure: Structure, settlement: float) -> FloatArray:
+def deltas_of(structure: Structure, settlement: float) -> FloatArray:
     """A displacement, m, and the rotations, rad, that move as far, for each coordinate."""
     sizes = np.array([block.size for block in structure.blocks])
     parts = np.column_stack([np.ones((structure.n, 3)), np.repeat(1.0 / sizes[:, None], 3, axis=1)])
@@ -119,7 +125,7 @@ def _deltas(structure: Structure, settlement: float) -> FloatArray:
 def _least_delta(structure: Structure) -> FloatArray:
     """Deltas so small that no joint opens which bears one block."""
     settings = at.SETTINGS.see(structure.model.settings)
-    return _deltas(structure, OF_ONE * settings.motion_floor * settings.extent / FLOOR)
+    return deltas_of(structure, OF_ONE * settings.motion_floor * settings.extent / FLOOR)
 
 
 def _solved(structure: Structure, stiffness: FloatArray, load: FloatArray) -> FloatArray:
@@ -171,7 +177,7 @@ def _add(matrix: FloatArray, part: FloatArray, one: int, other: int) -> None:
     matrix[np.ix_(places, places)] += part
 
 
-def _move(stepper: Stepper, change: FloatArray) -> None:
+def move(stepper: Stepper, change: FloatArray) -> None:
     """Displace and turn the blocks by small amounts about the axes of the base, (6 n,)."""
     parts, see = change.reshape(-1, 6), stepper.see
     see.ux += parts[:, 0]
@@ -184,9 +190,13 @@ def _move(stepper: Stepper, change: FloatArray) -> None:
     see.q1[:], see.q2[:], see.q3[:] = scalar * q + q0 * half + _cross(half, q)
 
 
-def residual_of(stepper: Stepper) -> tuple[FloatArray, float]:
-    """Forces and moments on the blocks that are not in balance, N and N m about the axes of the base; energy, J."""
-    energy = stepper.observe()
+def residual_of(stepper: Stepper, base: Sequence[float] | FloatArray = STILL) -> tuple[FloatArray, float]:
+    """Forces and moments on the blocks that are not in balance, N and N m about the axes of the base; energy, J.
+
+    base: its acceleration along x, y, z, m/s2.
+    """
+    ax, ay, az = base
+    energy = stepper.observe(ax, ay, az)
     n, see = stepper.structure.n, stepper.see
     rates, bodies = at.PHASE.see(stepper.rates, n), at.BODIES.see(stepper.model.bodies, n + 1)
     own = np.array(
@@ -225,7 +235,7 @@ def _balance(stepper: Stepper, linear: FloatArray, delta: FloatArray, close: flo
             return True
         change = _solved(structure, tangent + softening * linear, left)
         before = stepper.phase.copy()
-        _move(stepper, change)
+        move(stepper, change)
         now, lower = residual_of(stepper)
         new = float(np.max(np.abs(now * per)))
         if new < size or (potential and lower < energy):

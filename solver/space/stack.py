@@ -13,7 +13,7 @@ from ..kernels.sections.faces import STRIPS, is_round
 from ..kernels.sections.faces import Face as PlaneFace
 from .blocks.contacts import GROUND
 from .blocks.faces import Face, shared
-from .blocks.parts import Bed, Joint, Solid
+from .blocks.parts import OF_COLUMN, Bed, Joint, Solid
 from .blocks.shapes import box, drum, rectangle
 
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ def stacked(column: Column) -> dict[str, Any]:
     joints = tuple(_joint(column, i, float(foot)) for i, foot in enumerate(heights))
     tolerance, without = column.settings.tolerance, tuple(set(column.settings.without) & {"peaks"})
     found = {"name": column.name, "blocks": solids, "joints": joints, "g": column.g}
-    return found | {"tolerance": tolerance, "without": without}
+    return found | {"tolerance": tolerance, "without": without, "described": {OF_COLUMN: column.to_dict()}}
 
 
 def _solid(name: str, block: Block, foot: float) -> Solid:

@@ -7,10 +7,11 @@ import os
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from ..column.column import Column
 from ..common import ranges
 from ..common.errors import InputError, reading, shown
 from ..common.files import check_file_name, toml_of
@@ -18,12 +19,9 @@ from ..common.notebook import Shown, counted, outlines
 from ..kernels.space.layout import MOST_CORNERS
 from .arrays import Model, centroid_of, model_of
 from .blocks.faces import Face
-from .blocks.parts import BASE, TOLERANCE, Joint, Solid, Tie
+from .blocks.parts import BASE, OF_COLUMN, TOLERANCE, Joint, Solid, Tie
 from .stack import stacked
-from .structure_file import parts_from, written_out
-
-if TYPE_CHECKING:
-    from ..column.column import Column
+from .structure_file import in_space, parts_from, written_out
 
 LEAST_LENGTH = 1e-6  # m, of a tie
 SKIPS = ("peaks", "elastic")  # what can be left out: peaks but those of displacements, steps by modes
@@ -110,6 +108,11 @@ class Structure(Shown):
             name if plain.count(name) == 1 else f"{name}.{plain[: j + 1].count(name)}" for j, name in enumerate(plain)
         )
 
+    @property
+    def is_stack(self) -> bool:
+        """Whether its numbers are those of a column's file."""
+        return self.described is not None and OF_COLUMN in self.described
+
     def number(self, block: str | int) -> int:
         """Number of a block from its name; numbers, from 0, stay. Raises InputError for an unknown one."""
         if isinstance(block, str):
@@ -145,7 +148,7 @@ class Structure(Shown):
             return self
         tolerance = self.tolerance if tolerance is None else tolerance
         without = self.without if without is None else tuple(without)
-        described = self.described and {**self.described, "solver": {"tolerance": tolerance, "without": [*without]}}
+        described = self.described and _with_solver(self.described, {"tolerance": tolerance, "without": [*without]})
         return replace(self, tolerance=tolerance, without=without, described=described)
 
     def with_joints(self, stiffness: Sequence[float], damping: Sequence[float]) -> Structure:
@@ -166,19 +169,32 @@ class Structure(Shown):
 
     @classmethod
     def from_toml(cls, path: str | os.PathLike[str]) -> Structure:
-        """Read a structure from a TOML file; its keys are those of `from_dict`. Raises InputError."""
+        """Read a structure from a TOML file, or the stack of the column that it describes. Raises InputError."""
         with reading(path):
-            return cls.from_dict(toml_of(path))
+            return cls.from_dict(in_space(toml_of(path)))
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> Structure:
-        """Build a structure from the mapping that the TOML file holds (docs/structures.md). Raises InputError."""
+        """Build a structure from the mapping that the TOML file holds (docs/structures.md), or {"column": a column's}.
+
+        Raises InputError.
+        """
+        if OF_COLUMN in data:
+            ranges.check_keys("", data, (OF_COLUMN,))
+            return cls.stack(Column.from_dict(data[OF_COLUMN]))
         return cls(**parts_from(data), described=written_out(data))
 
     @classmethod
     def stack(cls, column: Column) -> Structure:
         """The blocks of a column in space, the top one first. Raises InputError for what has no such form."""
         return cls(**stacked(column))
+
+
+def _with_solver(described: Mapping[str, Any], solver: Mapping[str, Any]) -> Mapping[str, Any]:
+    if OF_COLUMN in described:
+        column = described[OF_COLUMN]
+        return {OF_COLUMN: {**column, "solver": {**column.get("solver", {}), **solver}}}
+    return {**described, "solver": solver}
 
 
 @lru_cache(maxsize=1024)

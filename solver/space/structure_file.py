@@ -11,7 +11,7 @@ from ..common.errors import FINITE, InputError, check_number, shown
 from ..common.ranges import LENGTH, MAX_BLOCKS, NUMBERS, check, check_choice, listed
 from .blocks.contacts import joints_between, turned_face
 from .blocks.faces import Face, FloatArray, polygon_moments
-from .blocks.parts import BASE, TOLERANCE, Bed, Joint, Solid, Tie
+from .blocks.parts import BASE, OF_COLUMN, TOLERANCE, Bed, Joint, Solid, Tie
 from .blocks.shapes import box, drum, prism, rectangle, rotation_matrix
 
 SHAPES = ("box", "drum", "prism")
@@ -113,7 +113,13 @@ def describes_structure(data: Mapping[str, Any]) -> bool:
     """Whether a file describes a structure rather than a column: its blocks say what they stand on, or where."""
     tables = data.get("block")
     blocks = [table for table in tables if isinstance(table, Mapping)] if isinstance(tables, list) else []
-    return any({"on", "position", "shape"} & table.keys() for table in blocks) or bool({"tie", "joints"} & data.keys())
+    keys = {"tie", "joints", OF_COLUMN} & data.keys()
+    return any({"on", "position", "shape"} & table.keys() for table in blocks) or bool(keys)
+
+
+def in_space(data: Mapping[str, Any]) -> Mapping[str, Any]:
+    """The mapping of a structure: what a file holds, or around it if that is a column."""
+    return data if describes_structure(data) else {OF_COLUMN: data}
 
 
 class _Solids:

@@ -34,6 +34,7 @@ from .distributions import Random
 from .motions import BESIDE, Measure, Shaking, tilted
 from .subjects import (
     DIRECTION,
+    IN_PLANE,
     Subject,
     always_kept,
     are_in_space,
@@ -138,11 +139,14 @@ class Study(Shown):
                 if self.measure is None:
                     raise InputError(f"intensity.measure: missing, {INTENSITY} is varied")
             elif name.startswith(OF_MOTION):
+                if name == f"{OF_MOTION}{DIRECTION}" and not self.in_space:
+                    raise InputError(f"{name}: must be left out, {IN_PLANE}")
                 if name.removeprefix(OF_MOTION) not in known:
                     listed = ", ".join(f"motion.{item}" for item in sorted(known))
                     raise InputError(f"{name}: unknown name, the motions have {listed}")
-            elif not is_number_of(name, self.in_space):
-                of = "structure" if self.in_space else "column"
+            elif not all(is_number_of(name, column) for column in self.columns):
+                plain = any(isinstance(column, Structure) and not column.is_stack for column in self.columns)
+                of = "structure" if plain else "column"
                 raise InputError(f"{name}: unknown name, must be of the {of} as joint.stiffness or block[1].height")
         for name, values in self.grid.items():
             if not values:

@@ -18,6 +18,7 @@ from ..common.errors import InputError
 from ..dynamics.uncertainty import PERCENTILES
 from ..plotting.figures import Figure
 from ..plotting.style import FEW_COLOURS, block_colours, header, save, show_blocks, tidy
+from ..space.blocks.parts import OF_COLUMN
 from .motions import Measure
 from .results import Results
 from .statistics import (
@@ -261,7 +262,7 @@ def draw_spectrum(results: Results) -> Figure:
     down = -(-len(names) // across)
     figure = Figure(figsize=(1.6 + 4.2 * max(across, 2), 2.0 + 4.0 * down), layout="constrained")
     panels = figure.subplots(down, across, squeeze=False, sharex=True, sharey=True)
-    block = study["columns"][0]["block"]
+    block = _columns(results)[0]["block"]
     height, width = sum(part["height"] for part in block), block[-1]["width"]
     base = results["column.size"] * height / results["column.slenderness"]
     part = results.largest / base
@@ -358,7 +359,7 @@ def _label(results: Results, name: str) -> str:
 def caption(results: Results) -> list[str]:
     """The runs behind a picture: columns, motions, random parameters, runs and their seed, and limits of the model."""
     study = results.study
-    columns = ", ".join(f"{column['name']} ({len(column['block'])} blocks)" for column in study["columns"])
+    columns = ", ".join(f"{column['name']} ({len(column['block'])} blocks)" for column in _columns(results))
     random = ", ".join(
         f"{name} ({table['distribution']}{', each' if table['each'] else ''})"
         for name, table in study["random"].items()
@@ -373,6 +374,11 @@ def caption(results: Results) -> list[str]:
     if random:
         said.append(f"Random: {random}; {study['samples']} samples, {study['sampling']}.")
     return [*said, limits_of_model(results)]
+
+
+def _columns(results: Results) -> list[Mapping[str, Any]]:
+    """The columns or structures as their files have them."""
+    return [table.get(OF_COLUMN, table) for table in results.study["columns"]]
 
 
 def _some(tables: Sequence[Mapping[str, Any]], most: int) -> str:
@@ -395,7 +401,7 @@ def _captioned(figure: Figure, results: Results, text: str = "") -> Figure:
     letters = int(WIDTH * figure.get_figwidth() / 10.0)
     lines = [line for paragraph in paragraphs for line in textwrap.wrap(paragraph, width=letters)]
     figure.supxlabel("\n".join(lines), x=0.02, ha="left", fontsize=9, linespacing=1.4)
-    columns, motions = results.study["columns"], _some(results.study["motions"], 3)
+    columns, motions = _columns(results), _some(results.study["motions"], 3)
     if len(motions) > LONG:
         motions = f"{len(results.study['motions'])} motions"  # the caption names them
     header(figure, f"{_some(columns, 3)} under {motions}")

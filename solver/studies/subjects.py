@@ -8,21 +8,23 @@ from typing import Any
 
 from ..column.column import Column
 from ..common.errors import InputError
-from ..ground.motion import check_in_plane
 from ..runs.many_in_space import KEPT as KEPT_IN_SPACE
 from ..runs.outputs import KEPT, Kept
+from ..space.blocks.parts import OF_COLUMN
 from ..space.structure import Structure
-from ..space.structure_file import describes_structure
+from ..space.structure_file import describes_structure, in_space
 from .motions import Shaking
 from .parameters import column_with, is_of_column, single_names
 from .parameters_in_space import is_of_structure, single_names_in_space, structure_with
 
 Subject = Column | Structure
 DIRECTION = "direction"  # of a motion in plan
+IN_PLANE = "a column moves in its plane; structure = FILE, in place of column, solves it in space"
 
 
-def subject_from(data: Mapping[str, Any]) -> Subject:
-    """A column or a structure from the mapping that its file holds. Raises InputError."""
+def subject_from(data: Mapping[str, Any], space: bool = False) -> Subject:
+    """A column or a structure from the mapping that its file holds; space: a column as its stack. Raises InputError."""
+    data = in_space(data) if space else data
     return Structure.from_dict(data) if describes_structure(data) else Column.from_dict(data)
 
 
@@ -63,9 +65,16 @@ def sizes_of(subjects: Sequence[Subject]) -> dict[str, int]:
     return {"block": max(one.n for one in subjects), "joint": max(joints), "tie": max(ties), "base": 6}
 
 
-def is_number_of(name: str, in_space: bool) -> bool:
+def is_number_of(name: str, subject: Subject) -> bool:
     """Whether a dotted name belongs to a subject."""
-    return is_of_structure(name) if in_space else is_of_column(name)
+    if isinstance(subject, Structure) and not subject.is_stack:
+        return is_of_structure(name)
+    return is_of_column(name) or (isinstance(subject, Structure) and _is_law(name))
+
+
+def _is_law(name: str) -> bool:
+    """Whether a name of a stack is of the law of a joint, as structures have it; all others are of the column."""
+    return name.startswith("joint") and is_of_structure(name)
 
 
 def numbers_of_each(name: str, subject: Subject) -> list[str]:
@@ -75,7 +84,15 @@ def numbers_of_each(name: str, subject: Subject) -> list[str]:
 
 def subject_with(subject: Subject, values: Mapping[str, tuple[float, bool]]) -> Subject:
     """The subject with numbers set: name -> (number, whether it multiplies what is there). Raises InputError."""
-    return structure_with(subject, values) if isinstance(subject, Structure) else column_with(subject, values)
+    if isinstance(subject, Column):
+        return column_with(subject, values)
+    if subject.is_stack:
+        of_column = {name: value for name, value in values.items() if not _is_law(name)}
+        if of_column:
+            column = Column.from_dict(subject.to_dict()[OF_COLUMN])
+            subject = Structure.stack(column_with(column, of_column))
+        values = {name: value for name, value in values.items() if _is_law(name)}
+    return structure_with(subject, values)
 
 
 def check_motion(key: str, shaking: Shaking, in_space: bool) -> None:
@@ -83,9 +100,6 @@ def check_motion(key: str, shaking: Shaking, in_space: bool) -> None:
     if in_space:
         return
     if DIRECTION in shaking.numbers:
-        raise InputError(f"{key}.{DIRECTION}: must be left out, a column moves in its plane")
-    if shaking.record is not None:
-        try:
-            check_in_plane(shaking.record)
-        except InputError as error:
-            raise InputError(f"{key}: {error}") from None
+        raise InputError(f"{key}.{DIRECTION}: must be left out, {IN_PLANE}")
+    if shaking.record is not None and shaking.record.has_ay:
+        raise InputError(f"{key}: ay: {IN_PLANE}")

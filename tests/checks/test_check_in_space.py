@@ -160,6 +160,24 @@ def test_what_still_rocks_stands_and_what_fails_does_not() -> None:
     assert subject.verdicts(table).tolist() == ["standing", "undecided", "overturned", "standing"]
 
 
+def test_varied_structures_that_do_not_even_rest_count_as_fallen() -> None:
+    """A slender block whose modulus is just above that at which it does not stand: every other one has less."""
+    tall = {"name": "tall", "on": "base", "width": 0.2, "depth": 0.2, "height": 4.0, "density": 2000.0}
+    weight, inertia = 2000.0 * 0.16 * G, 0.2**4 / 12.0
+    law = {"stiffness": 1.05 * weight * 2.0 / inertia, "damping": 2e-3}
+    data = {"name": "tall", "joints": law, "block": [tall]}
+    slow = Motion.from_samples(0.5, [0.0, 1e-6, 0.0])
+    found = check(Structure.from_dict(data), {"slow": slow}, plan=Plan(ensemble=8, margin=False))
+    fallen, undecided, size = found.fallen
+    assert (size, undecided) == (8, 0)
+    assert 0 < fallen < 8
+    note = row(found, "overturning").note
+    assert f"{fallen} of 8 runs fall, {fallen} of them under their weight alone (tall: " in note
+    assert f"{fallen} of 8 simulated structures fell" in found.verdict
+    assert np.isfinite(found.subject.tops(found.runs)[found.runs["verdict"] == "standing"]).all()
+    assert len(found.runs.stats["failures"]) == fallen
+
+
 def test_a_rigid_block_rocks_with_the_period_of_its_mechanism() -> None:
     """(C8.7.1.10) of stiff blocks, whatever their width: the mechanism has it from the whole curve of pushes."""
     for width in (0.2, 0.3):

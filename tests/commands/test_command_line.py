@@ -210,7 +210,7 @@ def test_convert_writes_what_fmpy_reads(tmp_path: Path, solver: Solver) -> None:
     [
         ("", "required: COMMAND"),
         ("draw", "'simulate', "),
-        ("simulate", "required: COLUMN.toml"),
+        ("simulate", "required: FILE.toml"),
         ("simulate none.toml motion.csv", "none.toml: No such file"),
         ("simulate motion.csv motion.csv", "motion.csv: must end in .toml"),
         ("simulate {phocas} none.csv", "none.csv: No such file"),

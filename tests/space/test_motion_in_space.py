@@ -16,7 +16,7 @@ from solver import simulate
 from solver.ground.motion import Motion
 from solver.space.blocks.faces import FloatArray
 from solver.space.builders import arch, colonnade
-from solver.space.rest import _move, residual_of, rest_of, start_from
+from solver.space.rest import move, residual_of, rest_of, start_from
 from solver.space.run import SpatialState, set_initial
 from solver.space.stepper import Stepper
 from solver.space.structure import Structure
@@ -108,7 +108,7 @@ def test_forces_are_the_slopes_of_the_energy(name: str) -> None:
         "drums": lambda: stack(3, "circle", damping=0.0),
     }[name]()
     stepper, n = Stepper(structure), structure.n
-    _move(stepper, rng.normal(size=6 * n) * np.tile([0.01] * 3 + [0.1] * 3, n))
+    move(stepper, rng.normal(size=6 * n) * np.tile([0.01] * 3 + [0.1] * 3, n))
     (force, _), phase = residual_of(stepper), stepper.phase.copy()
     work = 1e-6
     for k in range(6 * n):
@@ -117,7 +117,7 @@ def test_forces_are_the_slopes_of_the_energy(name: str) -> None:
         energies = []
         for way in (1.0, -1.0):
             stepper.phase[:] = phase
-            _move(stepper, way * change)
+            move(stepper, way * change)
             energies.append(stepper.observe())
         slope = -0.5 * (energies[0] - energies[1]) / work
         assert slope == pytest.approx(force[k], abs=1e-7 * float(np.max(np.abs(force))))

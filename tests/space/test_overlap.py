@@ -19,7 +19,7 @@ from solver.kernels.space.bed import Plane
 from solver.kernels.space.entries import scene_of
 from solver.kernels.space.joint import bed_of_joint
 from solver.space.blocks.faces import FloatArray, clipped
-from solver.space.rest import _move, residual_of, rest_of
+from solver.space.rest import move, residual_of, rest_of
 from solver.space.stepper import Stepper
 
 BOX = {"shape": "box", "height": 0.5, "mass": 1000.0}
@@ -150,7 +150,7 @@ def test_forces_are_the_slopes_of_the_energy_after_a_slip(name: str) -> None:
     stepper, n = Stepper(structure), structure.n
     at_joint = stepper.slips
     at_joint.p1[:], at_joint.p2[:], at_joint.p3[:] = 0.2 * rng.normal(size=(3, len(structure.joints)))
-    _move(stepper, rng.normal(size=6 * n) * np.tile([0.01] * 3 + [0.1] * 3, n) - np.tile([0, 0, 0.1, 0, 0, 0], n))
+    move(stepper, rng.normal(size=6 * n) * np.tile([0.01] * 3 + [0.1] * 3, n) - np.tile([0, 0, 0.1, 0, 0, 0], n))
     (force, _), phase = residual_of(stepper), stepper.phase.copy()
     for k in range(6 * n):
         change = np.zeros(6 * n)
@@ -158,7 +158,7 @@ def test_forces_are_the_slopes_of_the_energy_after_a_slip(name: str) -> None:
         energies = []
         for way in (1.0, -1.0):
             stepper.phase[:] = phase
-            _move(stepper, way * change)
+            move(stepper, way * change)
             energies.append(stepper.observe())
         assert -0.5e6 * (energies[0] - energies[1]) == pytest.approx(force[k], abs=1e-7 * float(np.max(np.abs(force))))
 

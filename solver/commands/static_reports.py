@@ -1,0 +1,96 @@
+"""Text for the terminal: modes, rest and push-over of a structure in space."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ..ground.motion import STANDARD_GRAVITY
+from ..space.blocks.faces import FloatArray
+from ..space.modes import SpatialModes
+from ..space.push_over import PushOver
+from .reports import MOST_MODES
+from .structure import MOST_LINES
+
+LEAST_LIMIT = 1e-12  # of the weight: what a joint that bears nothing is taken to bear along itself
+
+
+def modes_in_space_report(modes: SpatialModes) -> str:
+    """Return a table of the first modes."""
+    count = min(MOST_MODES, len(modes.frequency))
+    lines = [
+        f"{modes.structure.name}: {count} of {len(modes.frequency)} modes about rest",
+        "mode  frequency (Hz)  period (s)  damping (%)  effective mass (%): x       y       z  twist (%)",
+    ]
+    for k in range(count):
+        x, y, z = (f"{100.0 * part:7.2f}" for part in modes.mass_ratio[k])
+        lines.append(
+            f"{k + 1:4d}  {modes.frequency[k]:14.6g}  {1.0 / modes.frequency[k]:10.4g}  "
+            f"{100.0 * modes.damping_ratio[k]:11.4g}  {x:>21s} {y} {z}  {100.0 * modes.twists[k]:9.2f}"
+        )
+    return "\n".join(lines)
+
+
+def rest_in_space_report(found: PushOver) -> str:
+    """Return the joints and ties at rest, and the head of a table of pushes."""
+    structure, n = found.structure, found.structure.n
+    settled = -float(np.min(found.uz[0]))
+    lines = [
+        f"{structure.name}: {n} blocks, weight {1e-3 * structure.weight:.5g} kN, settles by {1e3 * settled:.4g} mm",
+        "joint at rest                N (kN)  pressure (MPa)  contact  friction used",
+    ]
+    used = _friction_used(found)
+    for j, name in enumerate(structure.joint_names[:MOST_LINES]):
+        part = "cannot slide" if math.isnan(used[j]) else f"{used[j]:.3f}"
+        lines.append(
+            f"{name[:24]:24s}  {1e-3 * found.N[0, j]:9.5g}  {1e-6 * found.sigma_max[0, j]:14.4g}  "
+            f"{found.contact[0, j]:7.4g}  {part:>13s}".rstrip()
+        )
+    left = len(structure.joints) - MOST_LINES
+    lines += [f"... {left} more joints"] if left > 0 else []
+    if structure.ties:
+        lines.append("ties: forces (kN) " + ", ".join(f"{1e-3 * force:.4g}" for force in found.tie[0]))
+    lines.append("push towards (deg)  first opening (g)  first sliding (g)  largest (g)  which moves (mm)")
+    return "\n".join(lines)
+
+
+def push_line(found: PushOver) -> str:
+    """Return the pushes of one direction."""
+    opens, slides = (_in_g(push) for push in (found.uplift, found.sliding))
+    moved = f"{found.structure.names[found.moves_most]} {1e3 * found.moved[-1]:.4g}"
+    largest = _in_g(found.largest_acceleration)
+    return f"{math.degrees(found.direction):18.4g}  {opens:>17s}  {slides:>17s}  {largest:>11s}  {moved}"
+
+
+def push_over_report(found: PushOver) -> str:
+    """Return what holds the largest push, and where the structure gives way."""
+    names, force = found.structure.joint_names, 1e-3 * found.base[-1]
+    lines = [
+        f"balances a steady {_in_g(found.largest_acceleration)} g at most, towards {math.degrees(found.direction):.4g} "
+        f"degrees from x to y: {found.ends}",
+        f"base shear {math.hypot(force[0], force[1]):.5g} kN, largest pressure "
+        f"{1e-6 * float(np.max(found.sigma_max[-1])):.4g} MPa in {names[int(np.argmax(found.sigma_max[-1]))]}",
+    ]
+    least = int(np.argmin(found.contact[-1]))
+    if math.isfinite(found.uplift):
+        first = f"{found.uplift_joint} opens first, at {_in_g(found.uplift)} g"
+        lines.append(f"{first}; least contact at the end {found.contact[-1, least]:.3g}, of {names[least]}")
+    if math.isfinite(found.sliding):
+        slip = np.where(found.slides[-1], np.abs(found.slip[-1] - found.slip[0]), 0.0)
+        first = f"{found.sliding_joint} slides first, at {_in_g(found.sliding)} g"
+        lines.append(f"{first}; largest slip at the end {1e3 * np.max(slip):.3g} mm, of {names[int(np.argmax(slip))]}")
+    return "\n".join(lines)
+
+
+def _in_g(push: float) -> str:
+    return "-" if math.isnan(push) else f"{push / STANDARD_GRAVITY:.5g}"
+
+
+def _friction_used(found: PushOver) -> FloatArray:
+    """At rest, the force along each joint over the largest that it can bear; NaN of one that cannot slide."""
+    beds = [joint.bed for joint in found.structure.joints]
+    friction = np.array([math.nan if bed.friction is None else bed.friction for bed in beds])
+    limit = friction * np.maximum(found.N[0], 0.0) + np.array([bed.dowel for bed in beds])
+    used: FloatArray = np.hypot(found.Tx[0], found.Ty[0]) / np.maximum(limit, LEAST_LIMIT * found.structure.weight)
+    return used

@@ -1,0 +1,149 @@
+"""A column's file as a structure in space: --space, and structure = FILE of a study."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from support.fmus import ROOT
+
+from fmu_src.body import StructureBody, body_of, read_body
+from multiblock import Column, InputError, Structure, Study, simulate
+from solver.commands.command_line import main
+from solver.common.files import toml_of
+from solver.studies.pictures import caption
+from solver.studies.subjects import subject_with
+
+COLUMNS = ROOT / "examples" / "columns"
+STORAGE = COLUMNS / "storage.toml"
+RECORD = "time,base.ax\n0,0\n0.4,2\n0.8,0\n"
+STUDY = f"""
+name = "stack"
+kind = "montecarlo"
+structure = "{STORAGE.as_posix()}"
+samples = 2
+tolerance = 1e-3
+[[motion]]
+formula = "ricker"
+frequency = 1.0
+amplitude = 2.0
+[grid]
+"motion.direction" = [0.7]
+"""
+
+
+@pytest.fixture
+def record(tmp_path: Path) -> str:
+    path = tmp_path / "record.csv"
+    path.write_text(RECORD)
+    return str(path)
+
+
+def test_a_column_under_two_components(record: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    given = ["simulate", str(STORAGE), record, "--across", record, "--no-check", "--settle", "0"]
+    assert main(given) == 2
+    err = capsys.readouterr().err
+    assert "a column moves in its plane" in err
+    assert "--space" in err
+    assert err.count("\n") == 1
+    table = tmp_path / "response.csv"
+    assert main([*given, "--space", "-o", str(table)]) == 0
+    rows = np.genfromtxt(table, delimiter=",", names=True, deletechars="")
+    assert np.max(np.abs(rows["block[block1].uy"])) > 0.1 * np.max(np.abs(rows["block[block1].ux"])) > 0.0
+
+
+def test_check_modes_and_statics(record: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["modes", str(STORAGE), "--space"]) == 0
+    assert "12 of 18 modes" in capsys.readouterr().out
+    assert main(["statics", str(STORAGE), "--space", "--direction", "90"]) == 0
+    assert "towards 90 degrees" in capsys.readouterr().out
+    given = ["check", str(STORAGE), record, "--across", record, "--no-margin", "--ensemble", "2"]
+    assert main(given) == 2
+    assert "--space" in capsys.readouterr().err
+    assert main([*given, "--space"]) == 0
+    assert "of 2 simulated structures" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("file", "options", "message"),
+    [
+        ("statue", [], "block[1]: must stand on its axis"),
+        ("phocas", [], "solver.formulation = paper"),
+        ("storage", ["--plane", "auto"], "not allowed with argument --plane"),
+        ("storage", ["--step", "0.1"], "--step: must be left out"),
+    ],
+)
+def test_what_has_no_such_form(
+    file: str, options: list[str], message: str, record: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["simulate", str(COLUMNS / f"{file}.toml"), record, *options, "--space"]) == 2
+    assert message in capsys.readouterr().err
+
+
+def test_a_stack_is_read_and_written() -> None:
+    column = Column.from_toml(STORAGE)
+    for made in (Structure.from_toml(STORAGE), Structure.from_dict(column.in_space().to_dict())):
+        assert made.is_stack
+        assert all(np.array_equal(a, b) for a, b in zip(made.model, column.in_space().model, strict=True))
+    changed = column.in_space().with_settings(tolerance=1e-3)
+    assert Structure.from_dict(changed.to_dict()).tolerance == 1e-3
+    with pytest.raises(InputError, match="name: unknown key"):
+        Structure.from_dict({"column": toml_of(STORAGE), "name": "other"})
+
+
+def test_an_fmu_carries_it() -> None:
+    body = read_body(STORAGE, space=True)
+    assert isinstance(body, StructureBody)
+    again = body_of(body.text)
+    assert isinstance(again, StructureBody)
+    assert again.structure.names == ("block1", "block2", "block3")
+    assert np.array_equal(again.packed, body.packed)
+
+
+def test_a_study_varies_the_numbers_of_the_columns_file(tmp_path: Path) -> None:
+    path = tmp_path / "study.toml"
+    path.write_text(
+        STUDY + '[random."block[1].height"]\ndistribution = "uniform"\nlow = 0.9\nhigh = 1.1\nrelative = true\n'
+    )
+    study = Study.from_toml(path)
+    planned = study.run(1)
+    factor = planned.values["block[1].height"]
+    column = Column.from_toml(STORAGE)
+    top = planned.run.structure.blocks[0]  # type: ignore[union-attr]
+    assert np.ptp(top.corners[:, 2]) == pytest.approx(factor * column.blocks[0].height)
+    assert math.hypot(*planned.run.motion.ay.shape) > 0.0
+    run = planned.run
+    assert simulate(run.structure, run.motion, settle=0).peaks["uy"].max() > 0.0  # type: ignore[union-attr]
+
+
+def test_joints_of_a_stack_have_the_law_of_structures() -> None:
+    stack = Structure.from_toml(STORAGE)
+    found = subject_with(
+        stack, {"column.size": (2.0, False), "joint.shear_ratio": (0.3, False), "joint[2].damping": (2.0, True)}
+    )
+    assert isinstance(found, Structure)
+    assert [joint.bed.shear_ratio for joint in found.joints] == [0.3, 0.3, 0.3]
+    assert found.joints[1].bed.damping == 2.0 * stack.joints[1].bed.damping
+    assert found.blocks[0].mass == pytest.approx(8.0 * stack.blocks[0].mass)
+
+
+def test_names_of_a_study_of_a_stack(tmp_path: Path) -> None:
+    path = tmp_path / "study.toml"
+    path.write_text(STUDY + '[random."structure.size"]\ndistribution = "uniform"\nlow = 0.9\nhigh = 1.1\n')
+    with pytest.raises(InputError, match=r"structure\.size: unknown name, must be of the column"):
+        Study.from_toml(path)
+
+
+def test_a_study_is_shown(tmp_path: Path) -> None:
+    from multiblock import run_study
+
+    path = tmp_path / "study.toml"
+    path.write_text(
+        STUDY + '[random."joint.stiffness"]\ndistribution = "uniform"\nlow = 0.9\nhigh = 1.1\nrelative = true\n'
+    )
+    results = run_study(Study.from_toml(path), threads=1)
+    assert results["peak_u"].shape == (2, 3)
+    assert "storage (3 blocks)" in caption(results)[0]
+    assert "in space" in caption(results)[-1]

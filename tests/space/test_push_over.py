@@ -1,0 +1,228 @@
+"""Push-over and modes of structures: against the planar solver, rigid blocks, Coulomb's law and limit analysis."""
+
+from __future__ import annotations
+
+import csv
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from support.fmus import ROOT
+from support.structures import stack, with_law
+
+from multiblock import (
+    Column,
+    InputError,
+    Motion,
+    PushOver,
+    Structure,
+    arch,
+    capacity_curve,
+    modes_in_space,
+    natural_modes,
+    push_over,
+    simulate,
+)
+from solver.commands.command_line import main
+from validation.cases.structures import by_ratio
+from validation.limits import largest_push
+
+G = 9.80665
+COLUMNS, STRUCTURES = ROOT / "examples" / "columns", ROOT / "examples" / "structures"
+TRILITH = STRUCTURES / "trilith.toml"
+STIFF = 1e12  # N/m3
+
+
+def block(
+    width: float, depth: float, height: float, stiffness: float = STIFF, shape: str = "box", **law: Any
+) -> Structure:
+    size = {"diameter": width} if shape == "drum" else {"width": width, "depth": depth}
+    joints = {"stiffness": stiffness, "damping": 1e-3, **law}
+    table = {"name": "block", "shape": shape, "height": height, "density": 2000.0, "on": "base", **size}
+    return Structure.from_dict({"name": "block", "joints": joints, "block": [table]})
+
+
+def largest(structure: Structure, degrees: float = 0.0, vertical: float = 0.0) -> float:
+    """g."""
+    return push_over(structure, math.radians(degrees), vertical).largest_acceleration / G
+
+
+def rigid_like(width: float, depth: float, height: float, degrees: float = 0.0, shape: str = "box") -> float:
+    """The largest push, g, at an infinite modulus, from three moduli."""
+    return by_ratio([largest(block(width, depth, height, k, shape), degrees) for k in (1e12, 1e13, 1e14)])
+
+
+def test_a_stiff_block_balances_its_width_over_its_height() -> None:
+    """Extrapolated in the modulus; measured: 2e-6, over a corner 3e-5, of the drum 5e-6."""
+    assert rigid_like(0.5, 0.8, 2.0) == pytest.approx(0.25, rel=1e-5)
+    assert rigid_like(0.5, 0.8, 2.0, degrees=90.0) == pytest.approx(0.4, rel=1e-5)
+    assert rigid_like(0.5, 0.5, 2.0, degrees=45.0) == pytest.approx(0.25 * math.sqrt(2.0), rel=1e-4)
+    assert rigid_like(0.5, 0.5, 2.0, shape="drum", degrees=30.0) == pytest.approx(0.25, rel=4e-5)
+
+
+def test_a_push_upwards_takes_weight_away() -> None:
+    """A rigid block turns at a = (b/h) (g - v a); measured: 4e-4 at this modulus, beside that without v."""
+    plain, lifted = largest(block(0.5, 0.5, 2.0, 1e14)), largest(block(0.5, 0.5, 2.0, 1e14), vertical=0.5)
+    assert lifted / plain == pytest.approx(1.0 / (1.0 + 0.5 * 0.25), rel=1e-3)
+    assert largest(block(0.5, 0.5, 2.0, 1e14), vertical=-0.5) > plain
+
+
+@pytest.mark.parametrize("degrees", [0.0, 30.0, 45.0, 200.0])
+def test_a_block_slides_at_its_friction(degrees: float) -> None:
+    """Measured: 2e-8."""
+    found = push_over(block(1.0, 1.0, 0.5, friction=0.3), math.radians(degrees))
+    assert found.largest_acceleration / G == pytest.approx(0.3, rel=1e-6)
+    assert found.sliding == pytest.approx(found.largest_acceleration, rel=1e-6)
+    assert found.sliding_joint == "block-base"
+
+
+@pytest.mark.parametrize("name", ["doric", "phocas-damped", "phocas-round", "storage", "pronaos", "aurelian"])
+def test_columns_balance_what_they_do_in_their_plane(name: str) -> None:
+    """With joints nearly rigid along themselves. Measured: 1e-8 of the largest push, 1e-5 of the first opening.
+
+    A first opening is found to 1e-4 of a step; those of a column's plane to nine digits.
+    """
+    column = Column.from_toml(COLUMNS / f"{name}.toml")
+    plane = capacity_curve(column)
+    found = push_over(with_law(column.in_space(), shear_ratio=1e4, friction=None))
+    assert found.largest_acceleration == pytest.approx(plane.largest_acceleration, rel=1e-7)
+    assert found.uplift == pytest.approx(np.nanmin(plane.uplift), rel=3e-5)
+    opened = found.structure.joint_names.index(found.uplift_joint)
+    assert opened == int(np.nanargmin(plane.uplift))
+
+
+def test_a_square_block_in_any_of_four_directions_and_a_drum_in_all() -> None:
+    """Measured: 2e-16, of the drum 5e-15."""
+    square = [largest(stack(3), degrees) for degrees in (0.0, 90.0, 180.0, 270.0)]
+    assert square == pytest.approx(4 * [square[0]], rel=1e-9)
+    drums = [largest(stack(3, "circle"), degrees) for degrees in (0.0, 17.0, 45.0, 200.0)]
+    assert drums == pytest.approx(4 * [drums[0]], rel=1e-9)
+    assert largest(stack(3), 45.0) > 1.2 * square[0]  # over the corner
+
+
+def test_an_arch_balances_what_limit_analysis_says() -> None:
+    """Extrapolated; measured: 6e-4, of which the extrapolation is most."""
+    made = [arch(7, 10.0, 1.5, 1.0, {"stiffness": k, "damping": 1e-3}, math.radians(157.5)) for k in (1e10, 1e11, 1e12)]
+    pushes = [largest(one) for one in made]
+    assert by_ratio(pushes) == pytest.approx(largest_push(made[0]), rel=1e-3)
+    assert largest(made[0], 180.0) == pytest.approx(pushes[0], rel=1e-9)  # its mirror image
+
+
+def test_base_holds_the_push_and_the_weight() -> None:
+    """At every place; measured: 1e-10 of the weight."""
+    trilith = Structure.from_toml(TRILITH)
+    found = push_over(trilith, math.radians(30.0), 0.2)
+    mass, weight = trilith.weight / trilith.g, trilith.weight
+    way = np.array([math.cos(found.direction), math.sin(found.direction), found.vertical])
+    pushed = mass * found.acceleration[:, None] * way - np.array([0.0, 0.0, weight])
+    assert found.base[:, :3] == pytest.approx(pushed, abs=1e-8 * weight)
+    assert found.acceleration[0] == 0.0
+    assert np.all(np.diff(found.acceleration) > 0.0)
+
+
+def test_the_trilith_under_a_slow_motion_stands_below_its_largest_push_and_falls_above() -> None:
+    trilith = Structure.from_toml(TRILITH)
+    push = push_over(trilith, math.radians(90.0)).largest_acceleration
+    time = np.linspace(0.0, 40.0, 401)
+    for part, verdict in ((0.97, False), (1.03, True)):
+        ramp = -part * push * np.minimum(time / 30.0, 1.0)
+        motion = Motion.from_samples(0.1, np.zeros_like(ramp), ay=ramp)
+        assert simulate(trilith, motion, settle=0).overturned == verdict
+
+
+def test_joints_that_bear_hardly_any_load_slide_first() -> None:
+    """The ends of the architraves, along the colonnade; the largest push is that of the whole."""
+    found = push_over(Structure.from_toml(STRUCTURES / "colonnade.toml"))
+    assert found.sliding_joint.startswith("architrave")
+    assert found.sliding < 0.1 * found.largest_acceleration
+    assert found.largest_acceleration / G == pytest.approx(0.1269, rel=1e-3)
+
+
+def test_what_a_tie_holds_is_pushed_to_ten_g() -> None:
+    structure = block(1.0, 1.0, 1.0)
+    data = structure.to_dict()
+    data["tie"] = [
+        {"between": ["block", "base"], "from": [0.0, 0.0, 0.5], "to": [-3.0, 0.0, 3.0], "stiffness": 1e9},
+        {"between": ["block", "base"], "from": [0.0, 0.0, -0.5], "to": [-3.0, 0.0, -3.0], "stiffness": 1e9},
+    ]
+    found = push_over(Structure.from_dict(data))
+    assert "10 g" in found.ends
+
+
+@pytest.mark.parametrize(
+    ("given", "message"), [({"direction": math.inf}, "direction = inf"), ({"vertical": "x"}, "vertical")]
+)
+def test_wrong_values(given: dict[str, Any], message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        push_over(block(0.5, 0.5, 2.0), **given)
+
+
+def test_no_weight() -> None:
+    light = Structure.from_dict({**block(0.5, 0.5, 2.0).to_dict(), "g": 0.0})
+    with pytest.raises(InputError, match=r"g = 0\.0: must be positive"):
+        push_over(light)
+
+
+def test_modes_of_a_column_are_those_of_its_plane() -> None:
+    """Joints as good as rigid along themselves; measured: 3e-7 of frequency and damping ratio."""
+    column = Column.from_toml(COLUMNS / "phocas-damped.toml")
+    plane, found = natural_modes(column), modes_in_space(with_law(column.in_space(), shear_ratio=1e6))
+    for k, frequency in enumerate(plane.frequency):
+        near = int(np.argmin(np.abs(found.frequency - frequency)))
+        assert found.frequency[near] == pytest.approx(frequency, rel=1e-6)
+        assert found.damping_ratio[near] == pytest.approx(plane.damping_ratio[k], rel=1e-6)
+
+
+def test_effective_masses_are_the_mass_and_twist_is_about_the_centroid() -> None:
+    modes = modes_in_space(Structure.from_toml(TRILITH))
+    assert np.sum(modes.mass_ratio, axis=0) == pytest.approx(np.ones(3), rel=1e-9)
+    assert np.sum(modes.twists) == pytest.approx(1.0)
+    assert modes.twists[0] < 1e-9  # it sways across, as a whole
+    assert modes.twists[2] > 0.7
+
+
+def statics(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, str, str]:
+    code = main([*arguments])
+    out, err = capsys.readouterr()
+    return code, out, err
+
+
+def test_commands(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    table, picture = tmp_path / "curve.csv", tmp_path / "curve.png"
+    code, out, _ = statics(capsys, "statics", str(TRILITH), "-o", str(table), "--plot", str(picture))
+    assert code == 0
+    assert "balances a steady 0.14637 g at most, towards 270 degrees" in out or "towards 90 degrees" in out
+    assert picture.stat().st_size > 0
+    with table.open() as file:
+        rows = list(csv.DictReader(file))
+    assert float(rows[-1]["acceleration"]) / G == pytest.approx(0.14637, rel=1e-4)
+    assert float(rows[0]["joint[left-base].N"]) == pytest.approx(0.5 * Structure.from_toml(TRILITH).weight, rel=1e-6)
+    code, out, _ = statics(capsys, "statics", str(TRILITH), "--direction", "0", "--vertical", "0.3")
+    assert code == 0
+    assert out.count("beam 3") == 1
+    modes = tmp_path / "modes.csv", tmp_path / "modes.png"
+    code, out, _ = statics(capsys, "modes", str(TRILITH), "-o", str(modes[0]), "--plot", str(modes[1]))
+    assert code == 0
+    assert "5.14938" in out
+    with modes[0].open() as file:
+        assert float(next(csv.DictReader(file))["damping_ratio"]) == pytest.approx(0.01622, rel=1e-3)
+
+
+def test_commands_refuse(capsys: pytest.CaptureFixture[str]) -> None:
+    for arguments, message in (
+        (("statics", str(TRILITH), "--direction", "inf"), "direction = inf"),
+        (("statics", str(COLUMNS / "doric.toml"), "--direction", "30"), "--direction: is for structures in space"),
+    ):
+        code, _, err = statics(capsys, *arguments)
+        assert code == 2
+        assert message in err
+        assert err.count("\n") == 1
+
+
+def test_it_says_what_it_is() -> None:
+    found = push_over(Structure.from_toml(TRILITH))
+    assert isinstance(found, PushOver)
+    assert repr(found).startswith("<PushOver of trilith: towards 0 degrees, opens from 0.0301 g on, 0.1981 g at most")
+    assert "<table>" in found._repr_html_()
