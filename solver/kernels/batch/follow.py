@@ -37,9 +37,9 @@ from ..numba_ext.lanes import (
     with_lane,
 )
 from ..numba_ext.views import clear, copy, lanes_of
-from ..stepping.advance import KINKS, LEAST_STEP
+from ..stepping.advance import KINKS
 from ..stepping.condition import FLIGHT_PART, moment_of_overturning, widest_joint
-from ..stepping.control import GROW, LEAST_ERROR, SAFETY, SHRINK, most_work
+from ..stepping.control import GROW, LEAST_ERROR, SAFETY, SHRINK, is_too_short, most_work, shared
 from .evaluate import Batch, anchor_waves, evaluate_lanes, single
 from .runs import (
     SLIP_FIELDS,
@@ -236,8 +236,7 @@ def step_lengths(batch):
                 roughest *= one.model.blocks.centroid[one.n - 1]
                 reach = smooth_reach(one.base, samples, one.lane.t, lane(step, k), lane(left, k), roughest)
                 left = with_lane(left, k, reach)
-    step = where(2.0 * step > left, where(step * (1.0 + SLACK) >= left, left, 0.5 * left), step)
-    return where(lanes.run >= 0.0, step, 0.0)
+    return where(lanes.run >= 0.0, shared(step, left), 0.0)
 
 
 @kernel
@@ -351,7 +350,7 @@ def step_on(batch):
                 if one.lane.fresh > 0.0:
                     ended |= 1 << WIDTH
     decide_slips(batch, changed)
-    stuck = busy & (control.next_step < LEAST_STEP * greater(batch.model.settings.first_step, magnitude(lanes.t)))
+    stuck = busy & is_too_short(control.next_step, batch.model.settings.first_step, lanes.t)
     stuck = stuck | (busy & (lanes.steps + lanes.rejected > lanes.most_tried))  # made alone, the run reports the reason
     if fell != 0:
         for k in range(WIDTH):

@@ -13,6 +13,7 @@ from ..batch.follow import control_steps, pass_queue, peak_over
 from ..numba_ext.jit import in_both, kernel, leaf
 from ..numba_ext.lanes import WIDTH, any_of, bits, greater, lane, lesser, magnitude, square_root, where
 from ..numba_ext.views import Record, Table, clear, copy, one_lane
+from ..stepping.control import is_too_short, shared
 from .attempt import attempt_5, evaluate_at, rate
 from .base import Shaking, is_still, segment_after
 from .evaluate import energy, moving, recall
@@ -33,7 +34,7 @@ from .layout import (
     moving_size,
     work_size,
 )
-from .stepping import LEAST_STEP, SLACK, STABLE, fallen, largest_motion, moves, relaxing
+from .stepping import STABLE, fallen, largest_motion, moves, relaxing
 from .watch import BETWEEN_RATES, END, START, row, seen
 
 BETWEEN_LOOKS = 0.25  # s, where the base is still
@@ -361,8 +362,7 @@ def step_lengths(batch):
     step = where(shakes, lesser(step, 1.0 / base.omega), step)
     if any_of(scene.settings.gives_way != 0.0):
         step = lesser(step, STABLE * relaxing(scene))
-    step = where(step * (1.0 + SLACK) >= left, left, where(2.0 * step > left, 0.5 * left, step))
-    return where(lanes.run >= 0.0, step, 0.0), left
+    return where(lanes.run >= 0.0, shared(step, left), 0.0), left
 
 
 @kernel
@@ -389,7 +389,7 @@ def step_on(batch):
     reached = good & (step == left)
     there = lesser(lanes.stop, lanes.piece_end)
     lanes.t = where(reached, there, where(good, lanes.t + step, lanes.t))
-    stuck = busy & (scene.control.next_step < LEAST_STEP * greater(scene.settings.first_step, magnitude(lanes.t)))
+    stuck = busy & is_too_short(scene.control.next_step, scene.settings.first_step, lanes.t)
     over = block > 0.0
     if not any_of(reached | over | stuck):
         return 0

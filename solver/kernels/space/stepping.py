@@ -5,19 +5,20 @@ A step ends at each sample of the record.
 
 import math
 
-from ..numba_ext.jit import kernel, leaf
+from ..layout.spaces import SLACK
+from ..numba_ext.jit import kernel
 from ..numba_ext.lanes import greater, lesser, square_root, where, zero_like
 from ..numba_ext.views import copy
 from ..stepping.control import (
-    LEAST_ERROR,
-    SAFETY,
-    SHRINK,
     STEPS_PER_PROBE,
     WAIT_OPEN,
     WAIT_SHORT,
     accepts_elastic,
-    growth,
+    go_on,
+    is_too_short,
     may_be_elastic,
+    shared,
+    shorten,
 )
 from . import modal
 from .attempt import attempt, evaluate_at, rate, size_of, square_of
@@ -32,8 +33,6 @@ _PER_BODY, _PER_JOINT = PHASE.per_n, MEMORY.per_n
 STABLE = 2.5  # time constants of what gives way, in a step: explicit steps beyond 3.3 only stay bounded by their errors
 PROBES = 8  # explicit steps after STEPS_PER_PROBE by modes
 REACH = 33.0  # first steps: the longest explicit one that is stable
-SLACK = 1e-9  # of a step: times closer than this are the same
-LEAST_STEP = 1e-13  # of the time scale
 STILL = 1e-8  # of gravity, and of the rates that errors are measured against: less is rest
 
 
@@ -93,14 +92,6 @@ def relaxing(scene):
     return shortest
 
 
-@leaf
-def _shared(step, left):
-    """The next step where `left` s remain: two equal ones rather than one and a very short one."""
-    if step * (1.0 + SLACK) >= left:
-        return left
-    return 0.5 * left if 2.0 * step > left else step
-
-
 @kernel
 def _serve_rows(scene, shaking, watch, segment, t, h):
     """Take the output rows whose time lies within the step from t to t + h."""
@@ -151,13 +142,13 @@ def _plan(scene, shaking, segment, left):
         longest = data_of(scene).limits.longest
         if may_be_elastic(counts, control, longest, left, modal.cost_of(scene)):
             if modal.suits(scene, shaking, segment):
-                return _shared(min(control.elastic_step, longest, most), left), True
+                return shared(min(control.elastic_step, longest, most), left), True
             counts.elastic_wait = WAIT_OPEN
         modal.forget(scene, shaking)
     step = min(control.next_step, most)
     if settings.gives_way != 0.0:
         step = min(step, STABLE * relaxing(scene))
-    return _shared(step, left), False
+    return shared(step, left), False
 
 
 @kernel
@@ -198,15 +189,10 @@ def _makes(scene, shaking, segment, t, h, by_modes):
     error, per_order = attempt(scene, shaking, segment, t, h), 1.0 / scene.settings.order
     if not error <= 1.0:
         counts.rejected += 1
-        factor = max(SHRINK, SAFETY * error**-per_order) if math.isfinite(error) else SHRINK
-        control.next_step, control.previous_error = h * factor, 1.0
+        shorten(control, h, error, per_order)
         return False
     _count_general_step(scene)
-    error = max(error, LEAST_ERROR)
-    factor = growth(control.previous_error, error, per_order)
-    if h >= control.next_step * (1.0 - SLACK):
-        control.previous_error = error
-    control.next_step = h * factor if factor < 1.0 else max(h * factor, control.next_step)
+    go_on(control, h, error, per_order)
     return True
 
 
@@ -239,7 +225,7 @@ def advance(scene, shaking, watch, state, t, stop, most):
             end = shaking.times[segment + 1]
         h, by_modes = _plan(scene, shaking, segment, end - t)
         if not _makes(scene, shaking, segment, t, h, by_modes):
-            if control.next_step < LEAST_STEP * max(scene.settings.first_step, abs(t)):
+            if is_too_short(control.next_step, scene.settings.first_step, t):
                 code = STEP_TOO_SMALL
                 break
             continue

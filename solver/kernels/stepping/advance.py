@@ -39,7 +39,7 @@ from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.views import copy
 from ..output.watch import begin_watching, take_held_snapshots, watch_step
 from .condition import has_fallen, is_quiet, moment_of_overturning, rests, take_stock, widest_joint
-from .control import ELASTIC_COST, accepts, accepts_elastic, elastic_step, general_step, most_work
+from .control import ELASTIC_COST, accepts, accepts_elastic, elastic_step, general_step, is_too_short, most_work, shared
 from .holding import NO_CHANGE, expected_change, first_change, hold, release
 from .sliding import NEAR, begin_step, first_slip_change
 
@@ -47,7 +47,6 @@ WELL_ENOUGH = 1.0  # tolerances: correction by `refine` up to which an interpola
 BEYOND = 1e-5  # of a step: distance beyond the change at which a repeated step ends; the error is its square
 JUST_BEFORE, JUST_AFTER = 0.98, 1.02  # where a joint is expected to begin or to cease to slide
 LEAST_CUT = 1e-4  # of a step: regimes that change sooner are not held
-LEAST_STEP = 1e-13  # of the time scale: below this the error control has failed
 # error of a step from the kinks of a record, in tolerances of a rate times the height of the lowest centroid
 KINKS = 20.0
 
@@ -100,14 +99,6 @@ class Plan(NamedTuple):
     held: bool  # whether the joints are held in their regimes
 
 
-@leaf
-def _shared(step, left):
-    """The next step, s, where `left` s remain: two equal steps rather than one and a very short one."""
-    if step * (1.0 + SLACK) >= left:
-        return left
-    return 0.5 * left if 2.0 * step > left else step
-
-
 @kernel
 def plan_fixed(column, left):
     """A step of the length given by the settings, or a little shorter to end exactly."""
@@ -121,7 +112,7 @@ def plan_fixed(column, left):
 def plan_modal(column, step, left):
     """A step by modes, of about `step` s."""
     begin(column.work, False)
-    return Plan(MODES, _shared(step, left), False)
+    return Plan(MODES, shared(step, left), False)
 
 
 @kernel
@@ -137,7 +128,7 @@ def plan_general(column, t, left):
         length = column.model.blocks.centroid[column.model.n - 1]
         roughest = KINKS * settings.tolerance * column.state.control.rate_scale * length
         reach = smooth_reach(column.base, column.samples, t, step, left, roughest)
-    step = _shared(step, reach)
+    step = shared(step, reach)
     held = traits.holds and is_exact(column.model) and column.counts.unheld == 0
     if held:
         hold(column, step)
@@ -255,7 +246,7 @@ def end_within(column, t, h, fraction, fine):
 def _reject(column, t, code):
     """Have a step at time t tried again, as short as is now proposed; `code`: of its trial. Returns a code."""
     release(column)
-    if column.state.control.next_step < LEAST_STEP * max(column.model.settings.first_step, abs(t)):
+    if is_too_short(column.state.control.next_step, column.model.settings.first_step, t):
         return code if code != OK else STEP_TOO_SMALL
     return OK
 

@@ -9,6 +9,7 @@ from ..integrators import modal
 from ..integrators.traits import LINEARLY_IMPLICIT, ORDER_5, ORDER_8, traits_of
 from ..layout.spaces import IMPLICIT, OK, SLACK
 from ..numba_ext.jit import in_both, kernel, leaf
+from ..numba_ext.lanes import greater, magnitude, where
 
 SAFETY = 0.9
 SHRINK = 0.2
@@ -18,6 +19,7 @@ GROW = 5.0
 INTEGRAL = 0.7
 PROPORTIONAL = 0.4
 LEAST_TOLERANCE = 1e-13  # of a step
+LEAST_STEP = 1e-13  # of the time scale: below this the error control has failed
 LEAST_ERROR = 1e-4
 # when `auto` changes its method
 GAIN = 2.2  # ratio of implicit to explicit step from which the implicit method is used
@@ -110,6 +112,40 @@ def growth(previous_error, error, per_order):
     return min(GROW, max(SHRINK, factor))
 
 
+@leaf
+def shared(step, left):
+    """The next step, s, where `left` s remain: two equal steps rather than one and a very short one."""
+    return where(2.0 * step > left, where(step * (1.0 + SLACK) >= left, left, 0.5 * left), step)
+
+
+@leaf
+def is_too_short(step, first_step, t):
+    """Whether a next step, s, is so short at time t that the error control has failed."""
+    return step < LEAST_STEP * greater(first_step, magnitude(t))
+
+
+@leaf
+def shorten(control, step, error, per_order):
+    """Set the next step after one that erred too much; an error that is no number shortens it most."""
+    factor = max(SHRINK, SAFETY * error**-per_order) if math.isfinite(error) else SHRINK
+    control.next_step, control.previous_error = step * factor, 1.0
+
+
+@leaf
+def go_on(control, step, error, per_order):
+    """Set the next step after one that was accurate enough; returns whether that was as long as proposed.
+
+    A step that was cut short does not change the longer one proposed before.
+    """
+    error = max(error, LEAST_ERROR)
+    factor = growth(control.previous_error, error, per_order)
+    whole = step >= control.next_step * (1.0 - SLACK)
+    if whole:
+        control.previous_error = error
+    control.next_step = step * factor if factor < 1.0 else max(step * factor, control.next_step)
+    return whole
+
+
 @kernel
 def accepts(column, method, step, code, error):
     """Whether a step just tried is accurate enough; sets the length of the next one either way."""
@@ -120,18 +156,9 @@ def accepts(column, method, step, code, error):
         counts.rejected += 1
         if traits.implicit and counts.implicit == 0:  # a failed trial: continue as before
             return False
-        factor = SHRINK
-        if code == OK and math.isfinite(error):
-            factor = max(SHRINK, SAFETY * error**-per_order)
-        control.next_step = step * factor
-        control.previous_error = 1.0
+        shorten(control, step, error if code == OK else math.inf, per_order)
         return False
-    error = max(error, LEAST_ERROR)
-    factor = growth(control.previous_error, error, per_order)
-    # a step that was cut short does not change the longer one proposed before
-    whole = step >= control.next_step * (1.0 - SLACK)
-    if whole:
-        control.previous_error = error
+    whole = go_on(control, step, error, per_order)
     if traits.implicit:
         counts.implicit_steps += 1
         counts.implicit = 1
@@ -140,7 +167,6 @@ def accepts(column, method, step, code, error):
         if whole:
             control.explicit_step += SMOOTHING * (step - control.explicit_step)
             counts.implicit = 0
-    control.next_step = step * factor if factor < 1.0 else max(step * factor, control.next_step)
     return True
 
 
