@@ -152,7 +152,7 @@ def test_what_goes_together(study: Study, tmp_path: Path) -> None:
     with pytest.raises(InputError, match="must all be columns, or all structures"):
         replace(study, columns=(study.columns[0], column))
     with pytest.raises(InputError, match="must be from a structure file"):
-        replace(study, columns=(column.in_space(),), random={}, grid={}, samples=1).to_dict()
+        replace(study, columns=(replace(column.in_space(), described=None),), random={}, grid={}, samples=1).to_dict()
     with pytest.raises(InputError, match=r"motion\[1\].direction: must be left out"):
         Study("plane", "sweep", (column,), (Shaking("", "ricker", {"frequency": 1.0, "direction": 0.1}),))
     across = Motion.from_samples(0.01, np.ones(5), ay=np.ones(5))
