@@ -121,8 +121,12 @@ def draw_blocks(
     axes.view_init(elev=18, azim=-62)
 
 
-def plot_plan(response: Shown, path: str | os.PathLike[str] | None, blocks: Sequence[str | int]) -> Figure:
-    """Orbits of the centroids of blocks in plan, mm."""
+def plot_plan(
+    response: Shown, path: str | os.PathLike[str] | None, blocks: Sequence[str | int] | None = None
+) -> Figure:
+    """Orbits of the centroids of blocks in plan, mm; of the highest one unless some are named."""
+    if blocks is None:
+        blocks = [int(np.argmax([block.centroid[2] for block in response.structure.blocks]))]
     figure = Figure(figsize=(5.2, 5.0), layout="constrained")
     axes = figure.add_subplot()
     for block in blocks:

@@ -140,8 +140,10 @@ class SpatialResponse(Rows, Shown):
             from .pictures import film
         film(self, path, scale, fps, speed)
 
-    def plot_plan(self, path: str | os.PathLike[str] | None = None, blocks: Sequence[str | int] = (0,)) -> Figure:
-        """Draw the orbits of blocks in plan.
+    def plot_plan(
+        self, path: str | os.PathLike[str] | None = None, blocks: Sequence[str | int] | None = None
+    ) -> Figure:
+        """Draw the orbits of blocks in plan; of the highest one unless some are named.
 
         Raises InputError without matplotlib (the extra `plot`).
         """

@@ -240,7 +240,8 @@ def test_response_and_its_files(tmp_path: Path) -> None:
     table = np.loadtxt(tmp_path / "out.csv", delimiter=",", skiprows=1)
     assert table[:, 1:] == pytest.approx(response.rows, rel=1e-8, abs=1e-12)
     response.plot_structure(tmp_path / "structure.png")
-    response.plot_plan(tmp_path / "plan.png", ("beam",))
+    response.plot_plan(tmp_path / "plan.png")
+    assert [line.get_label() for line in response.plot_plan(blocks=("left", 2)).axes[0].lines] == ["left", "beam"]
     again = simulate(structure, motion, settle=0.0)
     assert np.array_equal(again.rows, response.rows)  # the same bits
 
