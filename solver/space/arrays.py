@@ -89,13 +89,13 @@ def _parts_of(solids: tuple[Solid, ...], joints: tuple[Joint, ...], ties: tuple[
     return model
 
 
-def state_of(n: int, m: int, k: int) -> State:
-    """What a run changes beside the phase, before it."""
+def state_of(n: int, m: int, k: int, corners: int) -> State:
+    """What a run changes beside the phase, before it; corners: numbers of all of them."""
     return State(
         np.zeros(at.CONTROL.beside),
         np.zeros(at.COUNTS.beside, dtype=np.int64),
         np.zeros(at.row_size(n, m, k)),
-        np.zeros(at.work_size(n, m, k) + room_size(n, k)),
+        np.zeros(at.work_size(n, m, k, corners) + room_size(n, k)),
     )
 
 

@@ -60,7 +60,7 @@ class Sizes(NamedTuple):
 def sizes_of(structure: Structure, model: FloatArray) -> Sizes:
     """The lengths for a structure; model: see `packed`."""
     n, m, k = structure.n, len(structure.joints), len(structure.ties)
-    work = at.work_size(n, m, k) + room_size(n, k)
+    work = at.work_size(n, m, k, structure.model.corners.size) + room_size(n, k)
     counted = at.COUNTS.beside, at.BASE.beside, work, at.row_size(n, m, k)
     return Sizes(int(driven.HEAD.see(model).size), driven.state_size(n, m, k), *counted)
 

@@ -31,7 +31,7 @@ class Stepper:
         self.structure = structure
         self.sizes = structure.n, len(structure.joints), len(structure.ties)
         self.model: Model = structure.model
-        self.state: State = state_of(*self.sizes)
+        self.state: State = state_of(*self.sizes, self.model.corners.size)
         self.phase = phase_of(*self.sizes)
         self.rates = np.zeros_like(self.phase)
         self.row = np.zeros(at.row_size(*self.sizes))

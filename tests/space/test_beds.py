@@ -11,9 +11,8 @@ from support.structures import stack
 
 from solver.kernels.numba_ext.jit import from_python
 from solver.kernels.space.bed import Plane
-from solver.kernels.space.disc import round_bed
 from solver.kernels.space.entries import scene_of
-from solver.kernels.space.polygon import polygon_bed
+from solver.kernels.space.joint import bed_of_joint
 from solver.space.blocks.faces import FloatArray
 from solver.space.stepper import Stepper
 from solver.space.structure import Structure
@@ -26,12 +25,7 @@ def bed_of(n, m, k, model, state, p, q, found):
     """The bed of joint 0 for two planes, and the integral of p squared."""
     scene = scene_of(n, m, k, model, state)
     first, second = Plane(p[0], p[1], p[2]), Plane(q[0], q[1], q[2])
-    if scene.joints.section[0] == 0.0:
-        bed = polygon_bed(scene, 0, first, second)
-        square = polygon_bed(scene, 0, first, first)
-    else:
-        bed = round_bed(scene, 0, first, second)
-        square = round_bed(scene, 0, first, first)
+    bed, square = bed_of_joint(scene, 0, first, second), bed_of_joint(scene, 0, first, first)
     found[5] = p[0] * square.force + p[1] * square.first_x + p[2] * square.first_y
     found[0], found[1], found[2], found[3], found[4] = bed.force, bed.first_x, bed.first_y, bed.area, bed.largest
 

@@ -278,6 +278,12 @@ def packs_of(typing, row):
     return RowType(LANES)(row), _unchanged
 
 
+@_intrinsic
+def numbers_of(typing, row):
+    """The row with one number an element; lanes become eight neighbouring ones."""
+    return RowType(types.float64)(row), _unchanged
+
+
 @by_width
 def packs(row, count):
     """Number of elements of `packs_of(row)` that hold `count` of its numbers; the last may reach beyond them."""

@@ -72,7 +72,7 @@ def _scene(model, state, counts, work):
     ties = joints[_JOINT * m :]
     corners = ties[_TIE * k :]
     parts = settings, bodies, joints, ties, corners, corners[int(head.corners) :]
-    return lay_scene(n, m, k, parts, state, counts, state[_CONTROL + moving_size(n, m, k) :], work)
+    return lay_scene(n, m, k, int(head.corners), parts, state, counts, state[_CONTROL + moving_size(n, m, k) :], work)
 
 
 @kernel

@@ -20,7 +20,7 @@ def scene_of(n, m, k, model, state):
     settings, bodies, joints, ties, corners, modal = model
     control, counts, peaks, work = state
     rows = row_of(settings), row_of(bodies), row_of(joints), row_of(ties), row_of(corners), row_of(modal)
-    return lay_scene(n, m, k, rows, row_of(control), row_of(counts), row_of(peaks), row_of(work))
+    return lay_scene(n, m, k, corners.size, rows, row_of(control), row_of(counts), row_of(peaks), row_of(work))
 
 
 @entry

@@ -121,7 +121,7 @@ def model_size(n: int, m: int, k: int, corners: int) -> int:
 def lane_size(n: int, m: int, k: int, corners: int) -> int:
     """Numbers of a lane."""
     beside = _CONTROL + _COUNTS + _PEAK * n + _BASE + _LANE
-    size: int = model_size(n, m, k, corners) + beside + work_size(n, m, k)
+    size: int = model_size(n, m, k, corners) + beside + work_size(n, m, k, corners)
     return size
 
 
@@ -138,7 +138,8 @@ def batch_over(sizes, buffer, queue):
     peaks = counts[_COUNTS:]
     base = peaks[_PEAK * n :]
     own = base[_BASE:]
-    scene = lay_scene(n, m, k, (buffer, bodies, joints, ties, outlines, outlines), control, counts, peaks, own[_LANE:])
+    model = buffer, bodies, joints, ties, outlines, outlines
+    scene = lay_scene(n, m, k, corners, model, control, counts, peaks, own[_LANE:])
     shaking = Shaking(0, queue.times, queue.ax, queue.ay, queue.az, _base(base, 0))
     return Batch(scene, shaking, _lane(own, 0), buffer, sizes, queue)
 

@@ -15,11 +15,11 @@ from ..numba_ext.lanes import (
     with_sign,
     zero_like,
 )
-from .bed import Plane, chosen, nothing
+from .bed import Plane, chosen, nothing, whole
 from .disc import round_bed
 from .kinematics import cross, dot, out_of, plus, push, relative_motion
 from .layout import POLYGON
-from .overlap import bed_after_slip
+from .overlap import bed_after_slip, goes_by_faces
 from .polygon import polygon_bed
 
 TINY = 1e-300  # m
@@ -51,7 +51,7 @@ def middle_of(scene, j):
 @leaf
 def bed_of_joint(scene, j, p, q):
     """The bed of joint j: of the section as built until it has slid, then of what both faces share."""
-    bed, slid = nothing(p), _has_slid(scene, j)
+    bed, slid = nothing(p), goes_by_faces(scene, j, _has_slid(scene, j))
     if any_of(opposite(slid)):
         bed = _bed_as_built(scene, j, p, q)
     if any_of(slid):
@@ -62,7 +62,9 @@ def bed_of_joint(scene, j, p, q):
 @leaf
 def _bed_as_built(scene, j, p, q):
     if any_of(scene.joints.section[j] == POLYGON):
-        return polygon_bed(scene, j, p, q)
+        joints = scene.joints
+        first, count = index_of(joints.first[j]), index_of(joints.corners[j])
+        return polygon_bed(scene.corners, first, count, whole(joints, j, q, zero_like(q.at)), p, q)
     return round_bed(scene, j, p, q)
 
 

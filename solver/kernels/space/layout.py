@@ -53,6 +53,10 @@ JOINTS = Table(
 # centre from that of the joint, m; its radius, infinite where it has no end, and that of its bore
 FACE = Record("corners", "x", "y", "outer", "inner")
 MOST_CORNERS = 64  # of a face
+# what two polygons share, in the same place among as many numbers: its corners behind it, the last one repeated, and
+# the slips and the twist that it belongs to; its integrals of 1, x, y, x^2, y^2, x y, from half-way between the centres
+SHARED = Record("corners", "p1", "p2", "p3", "area", "x", "y", "xx", "yy", "xy")
+assert SHARED.beside == 2 * FACE.beside
 TIES = Table(
     *("one", "other"),  # numbers of the bodies
     *("ax", "ay", "az", "bx", "by", "bz"),  # m, the ends from the centroids, as built
@@ -174,10 +178,10 @@ SEEN = 5  # output rows of a step: at its start, in its middle, at its end, of a
 
 
 @in_both
-def work_size(n: int, m: int, k: int) -> int:
-    """Length of the work array: its parts in the order of `entries.scene_of`."""
+def work_size(n: int, m: int, k: int, corners: int) -> int:
+    """Length of the work array: its parts in the order of `lay_scene`; corners: numbers of all of them."""
     of_evaluation = _POSE * (n + 1) + _RESULTANT * m + _PULL * k + 2 * (_PER_JOINT * m + k)
-    size: int = rows_size(n, m, k) + of_evaluation + ROOM
+    size: int = rows_size(n, m, k) + of_evaluation + ROOM + corners
     return size
 
 
@@ -206,6 +210,7 @@ class Scene(NamedTuple):
     giving_slips: object
     giving_plastic: object
     room: object  # of polygons
+    shared: object  # by faces of joints that have slid
     rows: object  # states and rates of a step, then output rows
     modal_room: object  # row, for modes; not there in lanes
 
@@ -216,14 +221,18 @@ _settings, _control, _counts = SETTINGS.over, CONTROL.over, COUNTS.over
 
 
 @leaf
-def lay_scene(n, m, k, model, control, counts, peaks, work):
-    """The scene of n blocks, m joints and k ties over rows; model: settings, bodies, joints, ties, corners, modal."""
+def lay_scene(n, m, k, count, model, control, counts, peaks, work):
+    """The scene of n blocks, m joints and k ties over rows; model: settings, bodies, joints, ties, corners, modal.
+
+    count: numbers of all corners.
+    """
     settings, bodies, joints, ties, corners, modal = model
     poses = work[rows_size(n, m, k) :]
     resultants = poses[_POSE * (n + 1) :]
     pulls = resultants[_RESULTANT * m :]
     memory = pulls[_PULL * k :]
     giving = memory[_PER_JOINT * m + k :]
+    room = giving[_PER_JOINT * m + k :]
     return Scene(
         n,
         m,
@@ -246,7 +255,8 @@ def lay_scene(n, m, k, model, control, counts, peaks, work):
         giving,
         _memory(giving, m),
         giving[_PER_JOINT * m :],
-        giving[_PER_JOINT * m + k :],
+        room,
+        room[ROOM:],
         work,
-        giving[_PER_JOINT * m + k + ROOM :],
+        room[ROOM + count :],
     )

@@ -10,14 +10,15 @@ import math
 from typing import NamedTuple
 
 from ..numba_ext.jit import by_width, kernel, leaf
-from ..numba_ext.lanes import WIDTH, LanesType, bits, lane, with_lane
-from ..numba_ext.views import one_lane
-from .bed import Bed, Plane, nothing, triangle, value
-from .disc import with_segment
-from .layout import FACE, JOINTS, MEMORY, ROOM
+from ..numba_ext.lanes import WIDTH, LanesType, MaskType, any_of, bits, index_of, lane, with_lane, zero_like
+from ..numba_ext.views import numbers_of, one_lane
+from .bed import Bed, Plane, chosen, nothing, triangle, value
+from .disc import round_bed, with_segment
+from .layout import FACE, JOINTS, MEMORY, ROOM, SHARED
+from .polygon import polygon_bed
 
-_face, _joints, _memory = FACE.over, JOINTS.over, MEMORY.over
-_FACE, _CUT = FACE.beside, ROOM // 2
+_face, _joints, _memory, _shared = FACE.over, JOINTS.over, MEMORY.over, SHARED.over
+_FACE, _SHARED, _CUT = FACE.beside, SHARED.beside, ROOM // 2
 BOX = 2.0  # radii, half the width of the square about a disc that another disc or a pressure cuts
 NEARLY = 1.0 - 1e-15  # square of the distance of a chord from the centre, over that of the rim, that is taken as none
 NEAR = 1e-14  # of the radius: distance between the centres of discs that are taken as concentric
@@ -62,11 +63,6 @@ def _centre(face):
 @leaf
 def _is_round(face):
     return face.record.corners == 0.0
-
-
-@leaf
-def _is_endless(face):
-    return face.record.outer == math.inf
 
 
 # --- convex polygons, in `room`: the corners of one, then space for a cut
@@ -121,7 +117,7 @@ def _cut(room, count, plane):
 
 @kernel
 def _within(room, count, face):
-    """Leave what a polygon shares with a face, which is another polygon or endless."""
+    """Leave what a polygon shares with a face that is another polygon; one that has no end leaves it whole."""
     for k in range(int(face.record.corners)):
         x0, y0 = _corner(face, k)
         x1, y1 = _corner(face, k + 1)
@@ -135,15 +131,6 @@ def _differ(p, q):
 
 
 @leaf
-def _pressed(room, count, p, q):
-    """Leave the part of a polygon where p and q are positive."""
-    count = _cut(room, count, p)
-    if _differ(p, q):
-        count = _cut(room, count, q)
-    return count
-
-
-@leaf
 def _cuts_disc(plane, x, y, radius):
     """Whether a linear function passes zero, or is negative, somewhere within a disc."""
     level, square = value(plane, x, y), plane.along_x * plane.along_x + plane.along_y * plane.along_y
@@ -152,7 +139,7 @@ def _cuts_disc(plane, x, y, radius):
 
 @leaf
 def _pressed_in(room, count, x, y, radius, p, q):
-    """`_pressed`, of what lies within a disc."""
+    """Leave the part of a polygon where p and q are positive, as far as that lies within a disc."""
     if _cuts_disc(p, x, y, radius):
         count = _cut(room, count, p)
     if _differ(p, q) and _cuts_disc(q, x, y, radius):
@@ -181,16 +168,6 @@ def _with_triangle(bed, q, a, b, c):
     area, force, first_x, first_y = triangle((a[0], b[0], c[0]), (a[1], b[1], c[1]), values)
     largest = max(bed.largest, max(values[0], max(values[1], values[2])))
     return Bed(bed.force + force, bed.first_x + first_x, bed.first_y + first_y, bed.area + area, largest)
-
-
-@kernel
-def _of_polygon(room, count, q):
-    """The bed of the polygon: a fan of triangles."""
-    bed = nothing(q)
-    for k in range(2, count):
-        b, c = (room[2 * k - 2], room[2 * k - 1]), (room[2 * k], room[2 * k + 1])
-        bed = _with_triangle(bed, q, (room[0], room[1]), b, c)
-    return bed
 
 
 @leaf
@@ -271,17 +248,7 @@ def _of_one_disc(room, x, y, radius, other_x, other_y, other, first, p, q):
 
 @kernel
 def _of_faces(room, above, below, outer_a, outer_b, p, q):
-    """The bed of what two faces share; outer: radii of the discs that count, of round faces."""
-    if not _is_round(above) and not _is_round(below):
-        count = _within(room, _outline(room, above), below)
-        return _of_polygon(room, _pressed(room, count, p, q), q)
-    if _is_endless(below) or _is_endless(above):
-        face, radius = (above, outer_a) if _is_endless(below) else (below, outer_b)
-        if not _is_round(face):
-            return _of_polygon(room, _pressed(room, _outline(room, face), p, q), q)
-        x, y = _centre(face)
-        count = _pressed_in(room, _square(room, x, y, BOX * radius), x, y, radius, p, q)
-        return _of_disc(room, count, x, y, radius, q)
+    """The bed of what two faces share, of which one is round; outer: radii of the discs that count, of round faces."""
     if _is_round(above) and _is_round(below):
         (ax, ay), (bx, by) = _centre(above), _centre(below)
         bed = _of_one_disc(room, ax, ay, outer_a, bx, by, outer_b, True, p, q)
@@ -307,8 +274,8 @@ def _bed_of_one(room, joints, corners, slips, j, p, q):
 
 
 @by_width
-def bed_after_slip(scene, j, slid, p, q):
-    """The bed of joint j by what both faces share; of lanes of those that have `slid`, one after the other."""
+def _round_bed_after_slip(scene, j, slid, p, q):
+    """The bed of joint j, of which a face is round; of lanes of those that have `slid`, one after the other."""
     return _of_lanes if isinstance(p.types[0], LanesType) else _of_one
 
 
@@ -323,13 +290,11 @@ def _plane_of_lane(plane, k):
 
 def _of_lanes(scene, j, slid, p, q):
     found = nothing(q)
-    chosen = bits(slid)
+    those = bits(slid)
     for k in range(WIDTH):
-        if (chosen >> k) & 1:
-            joints = _joints(one_lane(scene.joints.row, k), scene.m)
-            slips = _memory(one_lane(scene.slips.row, k), scene.m)
-            room, corners = one_lane(scene.room, k), one_lane(scene.corners, k)
-            bed = _bed_of_one(room, joints, corners, slips, j, _plane_of_lane(p, k), _plane_of_lane(q, k))
+        if (those >> k) & 1:
+            one = _of_lane(scene, k)
+            bed = _bed_of_one(*one, j, _plane_of_lane(p, k), _plane_of_lane(q, k))
             found = Bed(
                 with_lane(found.force, k, bed.force),
                 with_lane(found.first_x, k, bed.first_x),
@@ -338,3 +303,120 @@ def _of_lanes(scene, j, slid, p, q):
                 with_lane(found.largest, k, bed.largest),
             )
     return found
+
+
+@leaf
+def _of_lane(scene, k):
+    """Room, which all lanes have in turn, and joints, corners and slips of one lane."""
+    joints = _joints(one_lane(scene.joints.row, k), scene.m)
+    slips = _memory(one_lane(scene.slips.row, k), scene.m)
+    return numbers_of(scene.room), joints, one_lane(scene.corners, k), slips
+
+
+# --- two polygons, or one on what has no end: their shared polygon is kept until the joint slides on
+
+
+@kernel
+def _share(room, joints, corners, slips, j, shared):
+    """Fill in what the faces of joint j share."""
+    above, below = _place(corners, joints.above[j], slips, j, 0.5), _place(corners, joints.below[j], slips, j, -0.5)
+    count = _within(room, _outline(room, above), below)
+    most = int(above.record.corners) + int(below.record.corners)
+    found, outline = _shared(shared, 0), shared[_SHARED:]
+    found.corners, found.p1, found.p2, found.p3 = most, slips.p1[j], slips.p2[j], slips.p3[j]
+    for k in range(most):
+        last = max(0, min(k, count - 1))
+        outline[2 * k] = room[2 * last] if count > 0 else 0.0
+        outline[2 * k + 1] = room[2 * last + 1] if count > 0 else 0.0
+    found.area, found.x, found.y, found.xx, found.yy, found.xy = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    ax, ay = room[0], room[1]
+    for k in range(2, count):
+        bx, by, cx, cy = room[2 * k - 2], room[2 * k - 1], room[2 * k], room[2 * k + 1]
+        area = 0.5 * ((bx - ax) * (cy - ay) - (cx - ax) * (by - ay))
+        sx, sy, twelfth = ax + bx + cx, ay + by + cy, area / 12.0
+        found.area += area
+        found.x += area / 3.0 * sx
+        found.y += area / 3.0 * sy
+        found.xx += twelfth * (sx * sx + (ax * ax + bx * bx + cx * cx))
+        found.yy += twelfth * (sy * sy + (ay * ay + by * by + cy * cy))
+        found.xy += twelfth * (sx * sy + (ax * ay + bx * by + cx * cy))
+
+
+@by_width
+def _renew(scene, j, place, stale):
+    """Fill in what faces share that have slid on since: of those lanes in `stale`."""
+    return _renew_lanes if isinstance(stale, MaskType) else _renew_one
+
+
+def _renew_one(scene, j, place, stale):
+    if stale:
+        _share(scene.room, scene.joints, scene.corners, scene.slips, j, scene.shared[place:])
+
+
+def _renew_lanes(scene, j, place, stale):
+    those = bits(stale)
+    for k in range(WIDTH):
+        if (those >> k) & 1:
+            _share(*_of_lane(scene, k), j, one_lane(scene.shared, k)[place:])
+
+
+@leaf
+def _polygon_bed_after_slip(scene, j, slid, count, p, q):
+    place = index_of(scene.joints.above[j])
+    row, slips = scene.shared[place:], scene.slips
+    kept = _shared(row, 0)
+    moved = (kept.p1 != slips.p1[j]) | (kept.p2 != slips.p2[j]) | (kept.p3 != slips.p3[j])
+    stale = slid & (moved | (kept.corners == 0.0))
+    if any_of(stale):
+        _renew(scene, j, place, stale)
+    force = q.at * kept.area + q.along_x * kept.x + q.along_y * kept.y
+    first_x = q.at * kept.x + q.along_x * kept.xx + q.along_y * kept.xy
+    first_y = q.at * kept.y + q.along_x * kept.xy + q.along_y * kept.yy
+    full = Bed(force, first_x, first_y, kept.area, zero_like(force))
+    bed = polygon_bed(row[_SHARED:], 0, count, full, p, q)
+    return chosen(kept.area > 0.0, bed, nothing(p))
+
+
+@leaf
+def _moved_disc_bed(scene, j, p, q):
+    """The bed of a disc or ring that has slid on what has no end, about half-way to where it was."""
+    x, y = 0.5 * scene.slips.p1[j], 0.5 * scene.slips.p2[j]
+    bed = round_bed(scene, j, Plane(value(p, x, y), p.along_x, p.along_y), Plane(value(q, x, y), q.along_x, q.along_y))
+    return Bed(bed.force, bed.first_x + x * bed.force, bed.first_y + y * bed.force, bed.area, bed.largest)
+
+
+@leaf
+def _corners_of_faces(scene, j):
+    """Numbers of corners of both faces of joint j; whether the lower one has no end."""
+    above = _face(scene.corners[index_of(scene.joints.above[j]) :], 0)
+    below = _face(scene.corners[index_of(scene.joints.below[j]) :], 0)
+    return index_of(above.corners), index_of(below.corners), any_of(below.outer == math.inf)
+
+
+@by_width
+def goes_by_faces(scene, j, slid):
+    """Whether the bed of joint j is that of what its faces share: in a run alone where it has `slid`.
+
+    In lanes it does wherever it may slide, if they are polygons: both ways of some lanes would cost the others twice.
+    """
+    return _lanes_go_by_faces if isinstance(slid, MaskType) else lambda scene, j, slid: slid
+
+
+def _lanes_go_by_faces(scene, j, slid):
+    may_slide = scene.joints.friction[j] != math.inf
+    if any_of(may_slide):
+        a, b, endless = _corners_of_faces(scene, j)
+        if a > 0 and (b > 0 or endless):
+            return may_slide
+    return slid
+
+
+@leaf
+def bed_after_slip(scene, j, slid, p, q):
+    """The bed of joint j by what both faces share."""
+    a, b, endless = _corners_of_faces(scene, j)
+    if a > 0 and (b > 0 or endless):
+        return _polygon_bed_after_slip(scene, j, slid, a + b, p, q)
+    if endless:
+        return _moved_disc_bed(scene, j, p, q)
+    return _round_bed_after_slip(scene, j, slid, p, q)

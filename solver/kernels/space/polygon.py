@@ -7,8 +7,8 @@ polygon this point lies on the cut, whose own triangle is then nothing; so each 
 from typing import NamedTuple
 
 from ..numba_ext.jit import kernel, leaf
-from ..numba_ext.lanes import any_of, greater, index_of, lesser, opposite, where, zero_like
-from .bed import Bed, add, chosen, nothing, triangle, value, whole
+from ..numba_ext.lanes import any_of, greater, lesser, opposite, where, zero_like
+from .bed import Bed, add, chosen, nothing, triangle, value
 
 
 @leaf
@@ -37,8 +37,8 @@ def _one_of(condition, a, b):
 
 
 @leaf
-def _point(scene, place, q):
-    x, y = _corner(scene.corners, place)
+def _point(corners, place, q):
+    x, y = _corner(corners, place)
     return _Point(x, y, value(q, x, y))
 
 
@@ -50,15 +50,14 @@ class _Cut(NamedTuple):
 
 
 @kernel
-def _cuts(scene, j, p, q):
+def _cuts(corners, first, count, p, q):
     """The cuts by p and by q, and the point that all triangles share."""
-    first, count = index_of(scene.joints.first[j]), index_of(scene.joints.corners[j])
-    a = _point(scene, first + count - 1, q)
+    a = _point(corners, first + count - 1, q)
     p0 = value(p, a.x, a.y)
     was_in, was_pressed = p0 > 0.0, a.q > 0.0
     enters_p, leaves_p, enters_q, leaves_q, on_cut, deepest = a, a, a, a, a, zero_like(p0)
     for k in range(count):
-        b = _point(scene, first + k, q)
+        b = _point(corners, first + k, q)
         p1 = value(p, b.x, b.y)
         is_in, is_pressed = p1 > 0.0, b.q > 0.0
         crosses = was_in ^ is_in
@@ -81,15 +80,14 @@ def _cuts(scene, j, p, q):
 
 
 @kernel
-def _cut_bed(scene, j, p, q):
+def _cut_bed(corners, first, count, p, q):
     """The bed of the part of the section where p and q are positive."""
-    first, count = index_of(scene.joints.first[j]), index_of(scene.joints.corners[j])
-    by_p, by_q, apex = _cuts(scene, j, p, q)
-    bed, before = nothing(p), _point(scene, first + count - 1, q)
+    by_p, by_q, apex = _cuts(corners, first, count, p, q)
+    bed, before = nothing(p), _point(corners, first + count - 1, q)
     was_in = value(p, before.x, before.y) > 0.0
     for k in range(count + 1):
         if k < count:
-            after = _point(scene, first + k, q)
+            after = _point(corners, first + k, q)
             is_in = value(p, after.x, after.y) > 0.0
             there, cut = was_in | is_in, by_q
             if not any_of(there):
@@ -114,28 +112,27 @@ def _cut_bed(scene, j, p, q):
         if any_of(crosses):
             begins = _one_of(crosses & opposite(starts), cut.enters, begins)
             ends = _one_of(crosses & opposite(stops), cut.leaves, ends)
-        corners = (apex.x, begins.x, ends.x), (apex.y, begins.y, ends.y)
-        bed = add(bed, there, *triangle(*corners, (apex.q, begins.q, ends.q)))
+        places = (apex.x, begins.x, ends.x), (apex.y, begins.y, ends.y)
+        bed = add(bed, there, *triangle(*places, (apex.q, begins.q, ends.q)))
         bed = Bed(bed.force, bed.first_x, bed.first_y, bed.area, greater(bed.largest, highest))
     return bed
 
 
 @kernel
-def polygon_bed(scene, j, p, q):
-    """The bed of joint j, whose section is a polygon that is convex."""
-    first, count = index_of(scene.joints.first[j]), index_of(scene.joints.corners[j])
-    x, y = _corner(scene.corners, first)
+def polygon_bed(corners, first, count, full, p, q):
+    """The bed of a convex polygon, `count` corners from number `first` on; full: that where all of it is pressed."""
+    x, y = _corner(corners, first)
     least_p, least_q = value(p, x, y), value(q, x, y)
     most_p, most_q = least_p, least_q
     for k in range(1, count):
-        x, y = _corner(scene.corners, first + k)
+        x, y = _corner(corners, first + k)
         at_p, at_q = value(p, x, y), value(q, x, y)
         least_p, most_p = lesser(least_p, at_p), greater(most_p, at_p)
         least_q, most_q = lesser(least_q, at_q), greater(most_q, at_q)
     some = (most_p > 0.0) & (most_q > 0.0)
-    full = some & (least_p >= 0.0) & (least_q >= 0.0)
-    bed = chosen(full, whole(scene.joints, j, q, most_q), nothing(p))
-    cut = some & opposite(full)
+    closed = some & (least_p >= 0.0) & (least_q >= 0.0)
+    bed = chosen(closed, Bed(full.force, full.first_x, full.first_y, full.area, most_q), nothing(p))
+    cut = some & opposite(closed)
     if any_of(cut):
-        bed = chosen(cut, _cut_bed(scene, j, p, q), bed)
+        bed = chosen(cut, _cut_bed(corners, first, count, p, q), bed)
     return bed
