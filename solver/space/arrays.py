@@ -58,22 +58,27 @@ def model_of(
 def _parts_of(solids: tuple[Solid, ...], joints: tuple[Joint, ...], ties: tuple[Tie, ...], g: float) -> Model:
     """The arrays of a structure, without tolerances."""
     n, m, k = len(solids), len(joints), len(ties)
+    outlines = [joint.face.outline.ravel() for joint in joints]
+    faces = [_faces_of(joint) for joint in joints]
     model = Model(
         np.zeros(at.SETTINGS.beside),
         np.zeros(at.BODIES.size(n + 1)),
         np.zeros(at.JOINTS.size(m)),
         np.zeros(at.TIES.size(k)),
-        np.concatenate([np.zeros(0), *(joint.face.outline.ravel() for joint in joints), *map(_faces_of, joints)]),
+        np.concatenate([np.zeros(0), *outlines, *(part for pair in faces for part in pair)]),
         np.zeros(0),
     )
     model.bodies[:] = _bodies_of(solids)
     table = at.JOINTS.see(model.joints, m)
-    place, faces = 0, sum(joint.face.outline.size for joint in joints)
+    place, behind = 0, sum(outline.size for outline in outlines)
     for j, joint in enumerate(joints):
         _fill_joint(table, j, joint, solids, place)
         place += len(joint.face.outline)
-        table.above[j], table.below[j] = faces, faces + _face_of(joint, joint.above).size
-        faces += _faces_of(joint).size
+        if faces[j]:
+            above, below = faces[j]
+            table.above[j], table.below[j] = behind, behind + above.size
+            table.rim_a[j], table.rim_b[j] = _rim(above), _rim(below)
+            behind += above.size + below.size
     for e, tie in enumerate(ties):
         _fill_tie(at.TIES.see(model.ties, k), e, tie, solids)
     settings = at.SETTINGS.see(model.settings)
@@ -168,14 +173,14 @@ def _fill_joint(table: Any, j: int, joint: Joint, solids: tuple[Solid, ...], pla
     table.section[j] = at.ROUND if face.radius else at.POLYGON
     table.outer[j], table.inner[j] = face.radius, face.bore
     table.first[j], table.corners[j] = place, len(face.outline)
-    table.rim_a[j], table.rim_b[j] = _rim(joint, joint.above), _rim(joint, joint.below)
+    table.rim_a[j], table.rim_b[j] = math.inf, math.inf
 
 
-def _faces_of(joint: Joint) -> FloatArray:
-    """The faces of a joint that may slide, for the kernels (layout.py, FACE)."""
+def _faces_of(joint: Joint) -> tuple[FloatArray, ...]:
+    """Both faces of a joint that may slide, for the kernels (layout.py, FACE)."""
     if joint.bed.friction is None:
-        return np.zeros(0)
-    return np.concatenate([_face_of(joint, joint.above), _face_of(joint, joint.below)])
+        return ()
+    return _face_of(joint, joint.above), _face_of(joint, joint.below)
 
 
 def _face_of(joint: Joint, face: Face | None) -> FloatArray:
@@ -190,12 +195,11 @@ def _face_of(joint: Joint, face: Face | None) -> FloatArray:
     return np.array([len(outline), 0.0, 0.0, 0.0, 0.0, *outline.ravel()])
 
 
-def _rim(joint: Joint, face: Face | None) -> float:
-    """Distance of the nearest edge of a face from the centre of a joint, m."""
-    numbers = _face_of(joint, face)
-    if not numbers[0]:
-        return float(numbers[3] - math.hypot(numbers[1], numbers[2]))
-    return edge_distance(numbers[at.FACE.beside :].reshape(-1, 2))
+def _rim(face: FloatArray) -> float:
+    """Distance of the nearest edge of a face from the centre of its joint, m."""
+    if not face[0]:
+        return float(face[3] - math.hypot(face[1], face[2]))
+    return edge_distance(face[at.FACE.beside :].reshape(-1, 2))
 
 
 def _fill_tie(table: Any, e: int, tie: Tie, solids: tuple[Solid, ...]) -> None:

@@ -171,7 +171,8 @@ def lever_left(scene):
     for j in range(scene.m):
         slip = square_root(scene.slips.p1[j] * scene.slips.p1[j] + scene.slips.p2[j] * scene.slips.p2[j])
         rim_a, rim_b = scene.joints.rim_a[j], scene.joints.rim_b[j]
-        left = lesser(left, (rim_b - slip) / lesser(rim_a, rim_b))
+        part = (rim_b - slip) / lesser(rim_a, rim_b)
+        left = where(rim_a < math.inf, lesser(left, part), left)  # without friction there is none
     return greater(left, zero)
 
 

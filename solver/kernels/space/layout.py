@@ -47,7 +47,7 @@ JOINTS = Table(
     *("outer", "inner"),  # m, radii of a round section
     *("first", "corners"),  # place and number of the corners of a polygon
     *("above", "below"),  # places of the faces of A and B among the corners, where it may slide
-    *("rim_a", "rim_b"),  # m, distance of the nearest edge of either face from the centre
+    *("rim_a", "rim_b"),  # m, distance of the nearest edge of either face from the centre; infinite if it never slides
 )
 # a face among the corners of all sections, with its own corners behind it: their number, 0 where it is round; its
 # centre from that of the joint, m; its radius, infinite where it has no end, and that of its bore

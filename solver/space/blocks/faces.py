@@ -81,7 +81,8 @@ class Face:
         if self.radius:
             rim = rim * math.sqrt(2.0 * math.pi / (SIDES * math.sin(2.0 * math.pi / SIDES)))
         flat = (self.centre + rim @ self.axes[:, :2].T - other.centre) @ other.axes[:, :2]
-        return flat if polygon_moments(flat)[0] > 0.0 else flat[::-1].copy()
+        a, b = (flat[1:-1] - flat[0]).T, (flat[2:] - flat[0]).T
+        return flat if float(np.sum(a[0] * b[1] - a[1] * b[0])) > 0.0 else flat[::-1].copy()
 
 
 def _first_polar(a: FloatArray, b: FloatArray) -> float:
