@@ -144,16 +144,21 @@ def _cut_disc(radius, p, q, slope_p, slope_q, some, cuts_p, cuts_q):
     return bed
 
 
+@leaf
+def whole_disc(radius, q):
+    """The bed of a disc about the origin that is pressed as a whole, without its largest q."""
+    area = math.pi * radius * radius
+    second = 0.25 * area * radius * radius
+    return Bed(q.at * area, q.along_x * second, q.along_y * second, area, 0.0 * area)
+
+
 @kernel
 def _disc(radius, p, q, slope_p, slope_q):
     """The bed of a disc: of its part where p and q are positive."""
     some = (p.at + radius * slope_p > 0.0) & (q.at + radius * slope_q > 0.0)
     same = (p.along_x == q.along_x) & (p.along_y == q.along_y) & (p.at == q.at)
     cuts_p, cuts_q = p.at < radius * slope_p, (q.at < radius * slope_q) & opposite(same)
-    area = math.pi * radius * radius
-    second = 0.25 * area * radius * radius
-    full = Bed(q.at * area, q.along_x * second, q.along_y * second, area, 0.0 * area)
-    bed = chosen(some, full, nothing(p))
+    bed = chosen(some, whole_disc(radius, q), nothing(p))
     cut = some & (cuts_p | cuts_q)
     if any_of(cut):
         bed = chosen(cut, _cut_disc(radius, p, q, slope_p, slope_q, some, cuts_p, cuts_q), bed)
@@ -161,7 +166,8 @@ def _disc(radius, p, q, slope_p, slope_q):
 
 
 @leaf
-def _slope(plane):
+def slope_of(plane):
+    """The steepest slope of a linear function."""
     return square_root(plane.along_x * plane.along_x + plane.along_y * plane.along_y)
 
 
@@ -182,7 +188,7 @@ def _highest(radius, p, q, slope_p, slope_q):
 def round_bed(scene, j, p, q):
     """The bed of joint j, whose section is a disc or a ring."""
     outer, inner = scene.joints.outer[j], scene.joints.inner[j]
-    slope_p, slope_q = _slope(p), _slope(q)
+    slope_p, slope_q = slope_of(p), slope_of(q)
     full = (p.at >= outer * slope_p) & (q.at >= outer * slope_q)
     bed = whole(scene.joints, j, q, q.at + outer * slope_q)
     if any_of(opposite(full)):

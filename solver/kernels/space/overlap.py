@@ -13,7 +13,7 @@ from ..numba_ext.jit import by_width, kernel, leaf
 from ..numba_ext.lanes import WIDTH, LanesType, MaskType, any_of, bits, index_of, lane, with_lane, zero_like
 from ..numba_ext.views import numbers_of, one_lane
 from .bed import Bed, Plane, chosen, nothing, triangle, value
-from .disc import round_bed, with_segment
+from .disc import round_bed, slope_of, whole_disc, with_segment
 from .layout import FACE, JOINTS, MEMORY, ROOM, SHARED
 from .polygon import polygon_bed
 
@@ -179,7 +179,7 @@ def _with_arc(bed, radius, q, begin, end):
         return bed
     out_x, out_y = dy / length, -dx / length
     off = min(max(0.5 * ((begin[0] + end[0]) * out_x + (begin[1] + end[1]) * out_y), -radius), radius)
-    largest, slope = bed.largest, math.sqrt(q.along_x * q.along_x + q.along_y * q.along_y)
+    largest, slope = bed.largest, slope_of(q)
     if slope > 0.0 and radius * (q.along_x * out_x + q.along_y * out_y) >= off * slope:  # the highest point is on it
         largest = max(largest, q.at + radius * slope)
     bed = with_segment(bed, True, radius, q, out_x, out_y, off)
@@ -222,10 +222,8 @@ def _of_disc(room, count, x, y, radius, plane):
         if was_cut or first_cut:
             bed = _with_arc(bed, radius, q, last, first)
     elif holds and count > 2:
-        area = math.pi * radius * radius
-        second = 0.25 * area * radius * radius
-        slope = math.sqrt(q.along_x * q.along_x + q.along_y * q.along_y)
-        bed = Bed(q.at * area, q.along_x * second, q.along_y * second, area, q.at + radius * slope)
+        whole = whole_disc(radius, q)
+        bed = Bed(whole.force, whole.first_x, whole.first_y, whole.area, q.at + radius * slope_of(q))
     return Bed(bed.force, bed.first_x + x * bed.force, bed.first_y + y * bed.force, bed.area, bed.largest)
 
 
@@ -349,8 +347,7 @@ def _renew(scene, j, place, stale):
 
 
 def _renew_one(scene, j, place, stale):
-    if stale:
-        _share(scene.room, scene.joints, scene.corners, scene.slips, j, scene.shared[place:])
+    _share(scene.room, scene.joints, scene.corners, scene.slips, j, scene.shared[place:])
 
 
 def _renew_lanes(scene, j, place, stale):
