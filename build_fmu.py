@@ -27,6 +27,7 @@ import zipfile
 from collections.abc import Sequence
 from pathlib import Path
 from types import ModuleType
+from typing import NamedTuple
 
 import numba
 
@@ -48,7 +49,6 @@ from solver.kernels.numba_ext.numba_parts import LINKING, missing_for_linking
 COLUMNS_PACKAGE = "multiblock_columns"  # name of examples/columns/ in an installed project
 BUILDER_PACKAGES = ("pythonfmu", "matplotlib")
 LEFT_AT_HOME = {
-    "balance.py",
     "calibrate.py",
     "capacity.py",
     "commands",
@@ -58,9 +58,8 @@ LEFT_AT_HOME = {
     "native",
     "oscillator.py",
     "plotting",
-    "push_over.py",
+    "push.py",
     "rocking.py",
-    "static_pictures.py",
     "static_plots.py",
     "studies",
     "wavelets.py",
@@ -75,9 +74,20 @@ make_kernels()
 used = [getattr(entries, name) for name in %s]
 print(json.dumps({entry.__name__: entry.stats.cache_path for entry in used}))
 """
-# where kernels are made, the folder of their entries, those that the slave calls
-OF_COLUMN = ("dynamics.first_run", "api", ("assemble_column", "run", "observe_state"))
-OF_STRUCTURE = ("space.driven", "space", ("assemble_structure", "follow_structure", "look_structure"))
+
+
+class Carried(NamedTuple):
+    """Kernels whose machine code an FMU carries."""
+
+    maker: str  # module of the solver with make_kernels
+    folder: str  # of their entries
+    used: tuple[str, ...]  # entries that the slave calls
+
+
+OF_COLUMN = Carried("models.column.first_run", "api", ("assemble_column", "run", "observe_state"))
+OF_STRUCTURE = Carried(
+    "models.structure.driven", "structure", ("assemble_structure", "follow_structure", "look_structure")
+)
 NEEDS = "The machine that runs it needs Python 3.11 or newer with numpy and numba 0.59 or newer."
 ZIP_DATE = (1980, 1, 1, 0, 0, 0)  # the same input gives the same bytes
 
@@ -238,7 +248,8 @@ def build_fmu(column_file: Path, output: Path | None = None, record: Path | None
         record_name = record.name
     with tempfile.TemporaryDirectory(prefix="build_fmu_") as folder:
         stage = Path(folder)
-        carried_solver = _carry_package(solver, stage, {})
+        kernels = OF_COLUMN if isinstance(body, ColumnBody) else OF_STRUCTURE
+        carried_solver = _carry_package(solver, stage, {}, kernels.folder)
         carried_fmu_src = _carry_package(fmu_src, stage, {"solver": carried_solver})
         script = SCRIPT.format(name=body.name, solver=carried_solver, fmu_src=carried_fmu_src)
         content = script.encode() + body.text.encode()
@@ -249,7 +260,7 @@ def build_fmu(column_file: Path, output: Path | None = None, record: Path | None
         script_file.write_text(script, encoding="utf-8")
         (stage / BODY_FILE).write_text(body.text, encoding="utf-8")
         (stage / GUID_FILE).write_text(f"{{{uuid.uuid5(uuid.NAMESPACE_OID, identity)}}}", encoding="utf-8")
-        machine_code = _machine_code(*(OF_COLUMN if isinstance(body, ColumnBody) else OF_STRUCTURE))
+        machine_code = _machine_code(kernels)
         for name, code in machine_code.items():  # where the import of the script finds it, for this user
             (stage / MACHINE_CODE / name).parent.mkdir(parents=True, exist_ok=True)
             (stage / MACHINE_CODE / name).write_bytes(code)
@@ -273,7 +284,7 @@ def build_fmu(column_file: Path, output: Path | None = None, record: Path | None
     return output
 
 
-def _machine_code(maker: str, folder: str, used: tuple[str, ...]) -> dict[str, bytes]:
+def _machine_code(kernels: Carried) -> dict[str, bytes]:
     """The machine code that numba compiles from the kernels on this machine: path within the package -> content.
 
     Python uses the same code, in numba's cache. numba identifies it by the content of the sources, so that it is valid
@@ -286,21 +297,24 @@ def _machine_code(maker: str, folder: str, used: tuple[str, ...]) -> dict[str, b
     environment["PYTHONPATH"] = str(Path(solver.__path__[0]).parent)
     with tempfile.TemporaryDirectory(prefix="machine_code_") as temporary:
         for instead in ({}, {"MULTIBLOCK_CACHE_DIR": temporary}):  # there if no other folder can keep it
-            command = [sys.executable, "-c", COMPILE % (maker, folder, used)]
+            command = [sys.executable, "-c", COMPILE % kernels]
             there = environment | instead
             listed = subprocess.run(command, env=there, check=True, stdout=subprocess.PIPE, text=True)
             folders = json.loads(listed.stdout)
             if all(folders.values()):
                 break
         return {
-            f"kernels/{folder}/{file.name}": file.read_bytes()
+            f"kernels/{kernels.folder}/{file.name}": file.read_bytes()
             for name, place in folders.items()
             for file in sorted(Path(place).glob(f"*.{name}_{CODE}-*.nb?"))
         }
 
 
-def _carry_package(package: ModuleType, stage: Path, renamed: dict[str, str]) -> str:
-    """Copy a package under a name with a hash of its content, its imports renamed by `renamed`; return the name."""
+def _carry_package(package: ModuleType, stage: Path, renamed: dict[str, str], kernels: str = "") -> str:
+    """Copy a package under a name with a hash of its content, its imports renamed by `renamed`; return the name.
+
+    kernels: those with machine code, a part of the name too: FMUs with others have their own copy, in one process too.
+    """
     source = Path(package.__path__[0])
     texts = {}
     for file in sorted(source.rglob("*.py")):
@@ -310,7 +324,8 @@ def _carry_package(package: ModuleType, stage: Path, renamed: dict[str, str]) ->
         for old, new in renamed.items():
             text = re.sub(rf"^(\s*)from {old}(?=[. ])", rf"\1from {new}", text, flags=re.MULTILINE)
         texts[file.relative_to(source)] = text
-    name = f"{source.name}_{content_hash({path.as_posix(): text for path, text in texts.items()})}"
+    content = content_hash({path.as_posix(): text for path, text in texts.items()})
+    name = "_".join(filter(None, (source.name, kernels, content)))
     for path, text in texts.items():
         target = stage / name / path
         target.parent.mkdir(parents=True, exist_ok=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from solver.column.settings import SKIPS
+from solver.models.column.settings import SKIPS
 
 from .competitors import own
 from .references import Reference

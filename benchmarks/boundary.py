@@ -15,12 +15,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from solver import Block, Column, Joint, Motion, simulate_many
-from solver.column.rest import is_stable
-from solver.dynamics.kinematics import chain_of
-from solver.dynamics.stepper import Stepper
-from solver.dynamics.verdict import OVERTURNED, STANDING, UNDECIDED
 from solver.ground.wavelets import mavroeidis_papageorgiou, one_sine, ricker
-from solver.runs.single_run import SETTLE, phase_of, settled_verdict
+from solver.models.column.kinematics import chain_of
+from solver.models.column.rest import is_stable
+from solver.models.column.run import phase_of, settled_verdict
+from solver.models.column.stepper import Stepper
+from solver.models.protocol import OVERTURNED, SETTLE, STANDING, UNDECIDED
 
 from .scenes import G
 
@@ -115,12 +115,12 @@ def judged(case: Case) -> tuple[str, float, float]:
     column, motion = case
     stepper, joints = Stepper(column), [block.joint for block in column.blocks]
     stepper.run(motion, motion.end, np.empty(0))
-    verdict, now = settled_verdict(stepper, motion.end, SETTLE)
+    verdict = settled_verdict(stepper, motion.end, SETTLE)
     if verdict.word != STANDING:
         return verdict.word, 0.0, math.nan
     chain, phase, crept = chain_of(column), phase_of(stepper), 0.0
     slip, energy = chain.places(phase).slip, chain.energy(phase)
-    stepper.rest_until(now, now + LONGER)
+    stepper.rest_until(verdict.time, verdict.time + LONGER)
     if column.slides and energy > 0.0:
         moved = np.abs(chain.places(phase_of(stepper)).slip - slip)
         friction = np.array([joint.friction or 0.0 for joint in joints])
@@ -142,7 +142,11 @@ def line_of(row: dict[str, Any]) -> str:
     words = ", ".join(f"{count} {word}" for word, count in sorted(row["words"].items()))
     share = row["words"].get(UNDECIDED, 0) / row["columns"]
     text = f"{row['columns']} runs {row['kind']}: {words} ({share:.1%} undecided); {row['wrong']} of those that stand "
-    return text + f"fell within {LONGER:g} s; crept by at most {row['crept']:.2g} of energy over friction"
+    text += f"fell within {LONGER:g} s"
+    if "in_lanes" in row:
+        lanes = ", ".join(f"{count} {word or 'not made'}" for word, count in sorted(row["in_lanes"].items()))
+        return text + f"; in lanes {lanes}, {row['against']} standing in one and overturned in the other"
+    return text + f"; crept by at most {row['crept']:.2g} of energy over friction"
 
 
 def measure(quick: bool) -> Iterator[dict[str, Any]]:

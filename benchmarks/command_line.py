@@ -15,6 +15,7 @@ from typing import Any
 from . import (
     ablation,
     boundary,
+    boundary_of_structures,
     damped_columns,
     energy,
     engines,
@@ -120,13 +121,22 @@ def measure_scaling(wanted: Scenes, quick: bool, results: Results) -> Iterator[N
 
 def measure_verdicts(wanted: Scenes, quick: bool, results: Results) -> Iterator[None]:
     """Standing or falling at every tolerance, in the damped scenes; undecided and wrong near the boundary."""
-    results["verdicts"], results["boundary"] = [], []
+    results["verdicts"] = []
+    results.setdefault("boundary", [])
     for scene in (*wanted, falling()):
         if all(block.joint.damping > 0.0 for block in scene.column.blocks):
             results["verdicts"].append(verdicts.measure(scene))
             yield
     for row in boundary.measure(quick):
         results["boundary"].append(row)
+        say(boundary.line_of(row))
+        yield
+
+
+def measure_verdicts_in_space(wanted: Scenes, quick: bool, results: Results) -> Iterator[None]:
+    """Structures in space near the boundary: undecided and wrong verdicts."""
+    for row in boundary_of_structures.measure(quick):
+        results.setdefault("boundary", []).append(row)
         say(boundary.line_of(row))
         yield
 
@@ -221,6 +231,7 @@ PARTS: dict[str, Callable[[Scenes, bool, Results], Iterator[None]]] = {
     "lanes": measure_lanes,
     "scaling": measure_scaling,
     "verdicts": measure_verdicts,
+    "verdicts-in-space": measure_verdicts_in_space,
     "damped-columns": measure_damped_columns,
     "sliding": measure_sliding,
     "ablation": measure_ablation,

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from solver import Column, InitialState, natural_frequencies
-from solver.column.packing import settlements
-from solver.dynamics.stepper import Stepper
+from solver.models.column.packing import settlements
+from solver.models.column.stepper import Stepper
 
 from .right_hand_side import Array
 from .scenes import shaft

@@ -25,8 +25,6 @@ import numpy as np
 from llvmlite.binding import get_host_cpu_features
 
 from solver import Column
-from solver.column.packing import pack_model
-from solver.dynamics.stepper import Stepper
 from solver.kernels.formulations.exact import JOINT_ROW, Motion, exact_accelerations
 from solver.kernels.joint import regimes
 from solver.kernels.layout import spaces as at
@@ -34,7 +32,9 @@ from solver.kernels.numba_ext import numbers
 from solver.kernels.numba_ext.jit import from_python, kernel
 from solver.kernels.numba_ext.lanes import WIDTH
 from solver.kernels.numba_ext.views import Part, Record, Space, Table, lanes_of, row_of
-from solver.runs.batch import aligned
+from solver.models.column.lanes import aligned
+from solver.models.column.packing import pack_model
+from solver.models.column.stepper import Stepper
 
 from . import articulated, timing
 from .right_hand_side import Array

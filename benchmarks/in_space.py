@@ -21,13 +21,13 @@ from typing import Any
 import numpy as np
 
 from multiblock import Motion, Structure, arch, colonnade, simulate
-from solver.runs.batch_in_space import RunInSpace
-from solver.runs.many_in_space import made_runs
-from solver.runs.single_run import SETTLE
-from solver.space.response import SpatialResponse
-from solver.space.rest import rest_of, start_from
-from solver.space.run import SpatialState, set_initial
-from solver.space.stepper import Stepper
+from solver.models.protocol import SETTLE, Run
+from solver.models.structure.kind import STRUCTURES
+from solver.models.structure.response import SpatialResponse
+from solver.models.structure.rest import rest_of, start_from
+from solver.models.structure.run import SpatialState, set_initial
+from solver.models.structure.stepper import Stepper
+from solver.runs.chunk import Chunk, make_runs
 from solver.studies import Study
 
 from . import timing
@@ -42,6 +42,8 @@ QUICK_TOLERANCES = TOLERANCES[:3]
 REFERENCES = (1e-10, 1e-11)
 REFERENCE_MARGIN = 10.0  # a tolerance is judged if it is this many times the difference of the references
 CHANGE, MOST_AMPLIFIED = 1e-6, 100.0  # of the motion; of what that does to the peak
+KINDS = {"N": ("N",), "M": ("Mx", "My"), "T": ("Tx", "Ty"), "pressure": ("sigma_max",)}  # of forces
+FORCES_KNOWN, FORCES_ASKED = 1e-9, (1e-3, 1e-4, 1e-5, 1e-6)
 SIZES = (10, 30, 100, 300)  # blocks
 EQUAL_ERROR = 1e-3  # of the peak
 RUNS, CALLS = 25, 20  # of which the shortest counts; in each
@@ -156,6 +158,42 @@ def tolerances(quick: bool) -> Table:
     head = ["structure", "peak, mm", "slip, mm", "references differ by", "amplification"]
     head += [*(f"{value:.0e}" for value in asked)]
     return Table("Structures in space: error over tolerance", head, rows)
+
+
+def _rocking() -> Iterator[tuple[Structure, Motion]]:
+    """Structures whose forces are looked at, and motions under which they rock; two small ones."""
+    doric, trilith, arched, podium = (
+        Structure.from_toml(ROOT / "examples" / "structures" / f"{name}.toml")
+        for name in ("doric-in-space", "trilith", "arch", "podium")
+    )
+    yield boxes(), Motion.harmonic(0.05 * G, 2.0, 5.0)
+    yield boxes(), Motion.harmonic(0.1 * G, 1.0, 3.0, direction=0.3)
+    yield boxes(section="circle"), Motion.harmonic(0.08 * G, 1.5, 2.0, direction=0.3)
+    yield doric, Motion.harmonic(0.15 * G, 1.0, 2.0, direction=0.3)
+    yield trilith, Motion.harmonic(0.22 * G, 1.4, 3.0, direction=0.4)
+    yield arched, Motion.harmonic(0.25 * G, 1.5, 2.0, direction=0.4)
+    yield podium, Motion.harmonic(0.2 * G, 1.0, 2.0, direction=0.4)
+    yield from random_structures()
+    yield boxes(), Motion.harmonic(0.008 * G, 2.0, 3.0, direction=0.3)
+    yield trilith, Motion.harmonic(0.01 * G, 2.0, 2.0, direction=0.3)
+
+
+def forces(quick: bool) -> Table:
+    """Errors of forces in rows and in peaks, in tolerances of the largest of their kind, and evaluations."""
+    rows = []
+    for structure, motion in _rocking():
+        closest = run(structure, motion, tolerance=FORCES_KNOWN)
+        for value in FORCES_ASKED[: 1 if quick else None]:
+            found = run(structure, motion, tolerance=value)
+            cells = []
+            for names in KINDS.values():
+                size = value * max(float(np.max(closest.peaks[name])) for name in names)
+                off = max(float(np.max(np.abs(getattr(found, name) - getattr(closest, name)))) for name in names)
+                missed = max(float(np.max(np.abs(found.peaks[name] - closest.peaks[name]))) for name in names)
+                cells.append(f"{off / size:.2g}, {missed / size:.2g}")
+            rows.append([structure.name, f"{value:g}", *cells, f"{found.stats['evaluations']}"])
+    head = ["rows, peaks", "tolerance", *KINDS, "evaluations"]
+    return Table("Structures in space: errors of forces over tolerance", head, rows)
 
 
 def _cost(structure: Structure, motion: Motion) -> float:
@@ -323,7 +361,10 @@ def energies(quick: bool) -> Table:
     return Table("Structures in space: energy", head, rows)
 
 
-def studied() -> Iterator[tuple[str, list[RunInSpace], float]]:
+KEEP = ("peak_u", "verdict")  # of runs in lanes and alone
+
+
+def studied() -> Iterator[tuple[str, list[Run], float]]:
     """Runs of studies: what they are, the runs, s that they are followed after their end."""
     law: dict[str, Any] = {"stiffness": 2e9, "damping": DAMPING}
     waves = [Motion.harmonic((0.1 + 0.002 * k) * G, 1.0 + 0.01 * k, 5.0, direction=0.3) for k in range(MANY)]
@@ -334,11 +375,10 @@ def studied() -> Iterator[tuple[str, list[RunInSpace], float]]:
         ("arch of 9 voussoirs", arch(9, 5.0, 1.0, 1.0, law, angle=2.7)),
     ):
         structure = structure.with_settings(tolerance=STUDIED)
-        yield f"{name}, 5 s", [RunInSpace(structure, motion, motion.duration) for motion in waves], 0.0
+        yield f"{name}, 5 s", [Run(structure, motion, motion.duration) for motion in waves], 0.0
     study = Study.from_toml(ROOT / "examples" / "studies" / "trilith.toml")
     planned = [study.run(k).run for k in range(study.runs)]
-    runs = [run for run in planned if isinstance(run, RunInSpace)]
-    yield "the study of the examples, each with a rest of its own and followed to its verdict", runs, SETTLE
+    yield "the study of the examples, each with a rest of its own and followed to its verdict", planned, SETTLE
 
 
 def lanes() -> Table:
@@ -346,13 +386,16 @@ def lanes() -> Table:
     rows = []
     for name, runs, settle in studied():
 
-        def made(lanes: bool, runs: list[RunInSpace] = runs, settle: float = settle) -> None:
-            made_runs(runs, ("peak_u", "verdict"), settle, lanes)
+        def made(lanes: bool, runs: list[Run] = runs, settle: float = settle) -> None:
+            if lanes:
+                make_runs(Chunk(0, runs, KEEP, settle))
+            else:
+                [STRUCTURES.alone(run, KEEP, settle, lambda *_: None) for run in runs]
 
-        def both(runs: list[RunInSpace] = runs, settle: float = settle) -> None:
+        def both(runs: list[Run] = runs, settle: float = settle) -> None:
             with ThreadPoolExecutor(2) as pool:
                 halves = runs[::2], runs[1::2]
-                list(pool.map(lambda half: made_runs(half, ("peak_u", "verdict"), settle, True), halves))
+                list(pool.map(lambda half: make_runs(Chunk(0, half, KEEP, settle)), halves))
 
         alone, together, twice = timing.loops([partial(made, False), partial(made, True), both], rounds=MANY_ROUNDS)
         per = 1e3 / len(runs)
@@ -378,5 +421,6 @@ def measure(quick: bool) -> Iterator[Table]:
     yield against_plane()
     yield by_modes()
     yield tolerances(quick)
+    yield forces(quick)
     if not quick:
         yield compilation()

@@ -14,7 +14,7 @@ from functools import cache
 import numpy as np
 
 from solver import simulate
-from solver.column.packing import model_of
+from solver.models.column.packing import model_of
 
 from .competitors import OUTPUT_STEP, MeasurementError, Prepare, grid, numbalsoda, scipy
 from .right_hand_side import Array, Problem

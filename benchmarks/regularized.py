@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 from solver import Block
-from solver.column.packing import settlements
+from solver.models.column.packing import settlements
 
 from .scenes import Scene
 

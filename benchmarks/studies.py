@@ -26,7 +26,7 @@ import numpy as np
 from numba import njit
 
 from solver import Column, Motion, Response, SolverError, simulate, simulate_many
-from solver.runs import batch
+from solver.models.column import lanes as batch
 from solver.runs import chunk as runs_module
 from solver.studies import Study, run_study
 from solver.studies.chunks import make

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from solver import Column, Motion, Response, simulate
-from solver.dynamics.uncertainty import Spread
+from solver.models.uncertainty import Spread
 from solver.runs.trust import finer
 
 from .scenes import FORCED, RECORDED, RECORDS, G, Scene, forced, recorded, shaft

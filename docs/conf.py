@@ -20,7 +20,7 @@ extensions = [
     "sphinxcontrib.mermaid",
     "sphinx_copybutton",
 ]
-exclude_patterns = ["images", "**/.ipynb_checkpoints"]
+exclude_patterns = ["images", "notes", "**/.ipynb_checkpoints"]  # notes are read in the repository
 nitpicky = True
 
 myst_heading_anchors = 4

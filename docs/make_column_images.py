@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Polygon, Rectangle
 
 from multiblock import Block, Column, capacity_curve, natural_frequencies
-from solver.column.packing import FloatArray
 from solver.ground.motion import STANDARD_GRAVITY
+from solver.models.column.packing import FloatArray
 from solver.plotting.drawings import corners_of
 from solver.plotting.style import INK, STONE
 

@@ -26,8 +26,8 @@ from multiblock import (
     simulate,
     wavelets,
 )
-from solver.dynamics.linearization import StillColumn
 from solver.ground.motion import STANDARD_GRAVITY
+from solver.models.column.linearization import StillColumn
 from solver.plotting.drawings import corners_of, draw_column, measure_column
 from solver.plotting.plots import draw_ground
 from solver.plotting.record_plots import plot_records

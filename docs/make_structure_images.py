@@ -11,8 +11,8 @@ from matplotlib.ticker import MaxNLocator
 
 from multiblock import Motion, Structure, simulate
 from solver.ground.motion import STANDARD_GRAVITY
+from solver.plotting.structures import draw_blocks
 from solver.plotting.style import INK
-from solver.space.pictures import draw_blocks
 
 HERE = Path(__file__).resolve().parent
 EXAMPLES = HERE.parent / "examples" / "structures"

@@ -20,15 +20,15 @@ from fmu_src.model_description3 import ELEMENT
 from fmu_src.structure_variables import structure_variables
 from fmu_src.variables import Variable, variables
 from multiblock import Block, Column, Joint, Settings
-from solver.column import column_file
-from solver.column.block import BLOCK_SECTIONS
-from solver.column.materials import MATERIALS
-from solver.column.settings import FORMULATIONS, INTEGRATORS, SKIPS
 from solver.common.ranges import NUMBERS
 from solver.kernels.sections.faces import SECTIONS
-from solver.runs.many_in_space import KEPT as KEPT_IN_SPACE
-from solver.runs.outputs import KEPT
-from solver.space.structure import Structure
+from solver.models.column import file as column_file
+from solver.models.column.block import BLOCK_SECTIONS
+from solver.models.column.kept import KEPT
+from solver.models.column.materials import MATERIALS
+from solver.models.column.settings import FORMULATIONS, INTEGRATORS, SKIPS
+from solver.models.structure.kept import KEPT as KEPT_IN_SPACE
+from solver.models.structure.model import Structure
 from solver.studies import definition, distributions, motions
 
 DOCS = Path(__file__).parent

@@ -24,8 +24,8 @@ from numpy.typing import NDArray
 from build_fmu import build_fmu
 from multiblock import Column, InputError, Motion
 from solver.commands.command_line import OneLineParser
-from solver.dynamics.response import BLOCK_HISTORIES, PEAKS
 from solver.ground.motion import STANDARD_GRAVITY
+from solver.models.column.response import BLOCK_HISTORIES, PEAKS
 from solver.plotting.plots import plot_histories
 
 PROGRAM = "phocas.py"

@@ -14,17 +14,17 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from solver.column.column import Column
-from solver.column.rest import check_rest
 from solver.common.errors import InputError, check_number, reading
 from solver.common.files import toml_of
 from solver.common.ranges import check, check_choice
-from solver.dynamics import stepper as in_plane
 from solver.ground.motion import Motion, check_in_plane
 from solver.kernels.layout import spaces as at
-from solver.space.driven import SKIP_CODES, DrivenStructure, packed, record_of
-from solver.space.structure import Structure
-from solver.space.structure_file import describes_structure, in_space
+from solver.models.column import stepper as in_plane
+from solver.models.column.model import Column
+from solver.models.column.rest import check_rest
+from solver.models.structure.driven import SKIP_CODES, DrivenStructure, packed, record_of
+from solver.models.structure.file import describes_structure, in_space
+from solver.models.structure.model import Structure
 
 from . import structure_variables, variables
 from .rules import DAMPING_SCALE_LIMITS
@@ -55,7 +55,7 @@ class Body(ABC):
 
     @abstractmethod
     def stepper(self, described: Any) -> Any:
-        """What follows it from call to call: dynamics/stepper.py, or space/driven.py. Raises InputError."""
+        """What follows it from call to call, of models/: stepper.py, or driven.py. Raises InputError."""
 
     @abstractmethod
     def samples(self, motion: Motion | None) -> Any:

@@ -13,9 +13,9 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from matplotlib.transforms import Affine2D
 
-from solver.column.column import Column
-from solver.space.pictures import draw_blocks
-from solver.space.structure import Structure
+from solver.models.column.model import Column
+from solver.models.structure.model import Structure
+from solver.plotting.structures import draw_blocks
 
 from .body import Body, ColumnBody, StructureBody
 from .description_parts import DISPLAY_UNITS

@@ -23,15 +23,14 @@ import sys
 import tempfile
 from collections.abc import Callable, Mapping
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 MACHINE_CODE = "machine_code"  # folder among the resources
 MOST_COPIES = 8  # of a package, each but one damaged
-OF_OTHERS = stat.S_IWGRP | stat.S_IWOTH
 PYC_HEADER = 16  # bytes
 PICKLES = {".nbi": 2, ".nbc": 1}  # in each file of numba's cache, one after the other
 CACHED = (".pyc", *PICKLES)
-MOST_KERNELS = 4  # that one first call compiles
 
 
 def import_solver(package: str, resources: Path) -> None:
@@ -42,8 +41,9 @@ def import_solver(package: str, resources: Path) -> None:
     if (resources / MACHINE_CODE).is_dir():  # else the FMU is being built: a copy made now would never get any
         try:
             # the solver itself cannot be imported before it is known from where
-            user_folder = runpy.run_path(str(folder / "kernels" / "numba_ext" / "cache.py"))["user_folder"]
-            folder = lasting_copy(folder, user_folder() / package, resources / MACHINE_CODE)
+            cache = SimpleNamespace(**runpy.run_path(str(folder / "kernels" / "numba_ext" / "cache.py")))
+            cache.make_private(cache.user_folder())
+            folder = lasting_copy(folder, cache.user_folder() / package, resources / MACHINE_CODE, cache.is_private)
         except (OSError, RuntimeError):  # a home that is read-only, full or absent
             with contextlib.suppress(OSError):  # not even here: the run is slower but correct
                 _provide(folder, resources / MACHINE_CODE)
@@ -67,13 +67,12 @@ def content_hash(texts: Mapping[str, str]) -> str:
     return hashlib.sha256(content.encode()).hexdigest()[:16]
 
 
-def lasting_copy(source: Path, target: Path, machine_code: Path) -> Path:
+def lasting_copy(source: Path, target: Path, machine_code: Path, is_private: Callable[[Path], bool]) -> Path:
     """The copy of a package that equals `source` and that only the user can write to; made, if there is none.
 
     A copy that is damaged, or that others can write to, is not changed, since a process may be importing from it;
     the next one, `target`.1 ..., is used instead. Other processes see no copy or a complete one. Raises OSError.
     """
-    _make_private(target.parent)
     for folder in (target, *(target.with_name(f"{target.name}.{k}") for k in range(1, MOST_COPIES))):
         if not folder.exists():
             with tempfile.TemporaryDirectory(dir=target.parent) as staging:  # which only the user can enter
@@ -83,30 +82,14 @@ def lasting_copy(source: Path, target: Path, machine_code: Path) -> Path:
                 staged.chmod(0o700)
                 with contextlib.suppress(OSError):  # another process was faster
                     staged.replace(folder)
-        if _is_sound(folder, target.name, machine_code):
+        if is_private(folder) and _is_sound(folder, target.name, machine_code):
             return folder
     raise OSError(f"{target}: damaged, or others can write to it")
-
-
-def _make_private(folder: Path) -> None:
-    """Let the user alone write to a folder, and to those that it lies in. Raises OSError where others can."""
-    for place in reversed([place for place in (folder, *folder.parents) if not place.exists()]):
-        place.mkdir(mode=0o700, exist_ok=True)
-    if not hasattr(os, "getuid"):  # folders of a user on Windows are his own
-        return
-    if folder.stat().st_uid == os.getuid():
-        folder.chmod(folder.stat().st_mode & ~OF_OTHERS)
-    for place in (folder, *folder.resolve().parents):
-        about = place.stat()
-        if about.st_uid not in (os.getuid(), 0) or (about.st_mode & OF_OTHERS and not about.st_mode & stat.S_ISVTX):
-            raise OSError(f"{place}: others can write to it")
 
 
 def _is_sound(folder: Path, name: str, machine_code: Path) -> bool:
     """Whether a copy holds the modules whose hash its name has, and code made from them, all owned by the user."""
     try:
-        if hasattr(os, "getuid") and folder.lstat().st_mode & (stat.S_IRWXG | stat.S_IRWXO):
-            return False  # closed to others, whatever the modes of files that Python and numba add inside
         files = [path for path in (folder, *folder.rglob("*")) if not _is_left_over(path)]
         if not all(_is_own(path) for path in files):
             return False
@@ -216,18 +199,6 @@ def leave_search_path(resources: Path) -> None:
     All modules needed from it have been imported by now; other packages must find their own modules, not ours.
     """
     sys.path[:] = [entry for entry in sys.path if Path(entry) != resources]
-
-
-def compile_by(call: Callable[[], object]) -> None:
-    """Have the kernels compiled by a first call; on a full disk too, where only the cache is left out.
-
-    On a full disk each kernel that the call reaches ends it once.
-    """
-    for _ in range(MOST_KERNELS):
-        with contextlib.suppress(OSError):
-            call()
-            return
-    call()
 
 
 def survive_exception(*objects: Any) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import math
 from pathlib import Path
 
 import numpy as np
@@ -28,8 +29,19 @@ class Record:
         self.digest = hashlib.sha256(b"".join(part.tobytes() for part in parts)).hexdigest()
 
 
-def usual_experiment(tolerance: float, motion: Motion | None) -> Experiment:
-    """The usual run: over the record inside the FMU and at its shortest interval, if there is one."""
+def usual_experiment(tolerance: float | None, motion: Motion | None) -> Experiment:
+    """The usual run: over the record inside the FMU and at its shortest interval, if there is one.
+
+    Its numbers are the record's own: times in steps of 0.01 s, and their differences, differ from these by rounding.
+    """
     if motion is None:
         return Experiment(tolerance=tolerance)
-    return Experiment(motion.start, motion.end, Record(motion).dt, tolerance)
+    rounding = 4.0 * math.ulp(max(abs(motion.start), abs(motion.end)))
+    start, end, step = (_shortest(value, rounding) for value in (motion.start, motion.end, Record(motion).dt))
+    return Experiment(start, end, step, tolerance)
+
+
+def _shortest(value: float, error: float) -> float:
+    """The number with the fewest digits that is within `error` of another."""
+    candidates = (float(f"{value:.{digits}g}") for digits in range(1, 17))
+    return next((short for short in candidates if abs(short - value) <= error), value)

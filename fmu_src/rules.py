@@ -44,4 +44,10 @@ COARSE = (
     "it at the communication points only"
 )
 
+# the coupling: counted in steps (alternation.py), of the accelerations of the base
+UNSTABLE = (
+    "%s changes its sign at every step and grows, to %s %s at t = %s s: the coupling is unstable, and needs a shorter "
+    "communication step or a heavier body under the base"
+)
+
 NOT_SET = "the state cannot be set: %s"

@@ -25,9 +25,10 @@ from solver.common.errors import InputError, TooMuchWorkError, check_number
 from solver.common.files import identifier_of
 
 from . import rules, state
+from .alternation import Alternation
 from .body import body_of
 from .description_parts import LOG_CATEGORIES, About
-from .host import compile_by, finalize_at_exit, leave_search_path, survive_exception
+from .host import finalize_at_exit, leave_search_path, survive_exception
 from .model_description import FLAGS, model_description
 from .record import Record, read_motion, usual_experiment
 from .state import Mode
@@ -48,6 +49,7 @@ BODY_FILE = "body.json"
 GUID_FILE = "guid.txt"
 RECORD_FOLDER = "record"  # holds the record inside the FMU, if there is one
 ARRAYS = ("state", "counts", "base")  # of the stepper: all that differs from one moment to another
+ACCELERATIONS = ("m/s2", "rad/s2")
 # what the calls of FMI 2.0 get and set -> kinds of variables
 ACCESS = {"Real": ("Real",), "Integer": ("Integer", "Enumeration"), "Boolean": ("Boolean",), "String": ("String",)}
 
@@ -119,7 +121,9 @@ class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
         self._outdated = True  # whether the outputs belong to an earlier time, input or parameter
         self._shaken = False  # whether the base has moved yet
         self._stepped = False  # whether this instance has made a step
-        self._coarse_warned = False
+        self._coarse_warned = self._unstable_warned = False
+        self._accelerations = [k for k, item in enumerate(self._inputs) if item.unit in ACCELERATIONS]
+        self._alternation = Alternation(len(self._accelerations))  # no part of the state
         self.modelName = identifier_of(self._body.name)  # what PythonFMU calls the libraries
         guid = resources / GUID_FILE
         if guid.is_file():
@@ -238,6 +242,18 @@ class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
         if record is not None and not self._coarse_warned and step > record.dt * (1.0 + rules.STEP_SLACK):
             self._coarse_warned = True
             self._say(Fmi2Status.warning, rules.COARSE % (step, record.dt))
+        if not self._unstable_warned:
+            self._warn_of_instability(start)
+
+    def _warn_of_instability(self, start: float) -> None:
+        """Say once that the accelerations of the base, held from `start` on, diverge with the coupling."""
+        accelerations = [self._values[k] for k in self._accelerations]
+        found = self._alternation.found(start, accelerations)
+        if found >= 0:
+            self._unstable_warned = True
+            variable = self._inputs[self._accelerations[found]]
+            said = variable.name, accelerations[found], variable.unit, start
+            self._say(Fmi2Status.warning, rules.UNSTABLE % said)
 
     # --- state
 
@@ -391,11 +407,10 @@ class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
         values = self._values
         body, described = self._body, self._described()
         record, name = self._loaded(values[self._place[RECORD]], values[self._place[RECORD_SCALE]])
-        compile_by(lambda: body.stepper(described))
         stepper = body.stepper(described)
         stepper.record = body.samples(record.motion if record else None)
-        compile_by(lambda: stepper.observe(self._time))
-        compile_by(lambda: body.stepper(described).advance(0.0, 1e-6))
+        stepper.observe(self._time)  # compiled now, if it has to be, and not in the first step
+        body.stepper(described).advance(0.0, 1e-6)
         self._stepper, self._record, self._record_name = stepper, record, name
         self._built_from = parameters
         self._put(RECORD_PGA.name, record.pga if record else 0.0)

@@ -1,7 +1,7 @@
 """The table of variables of a structure in space (variables.py has what it shares with that of a column).
 
 Blocks, joints and ties have their numbers in the structure, from 1, and their descriptions have their names. The
-outputs begin with one output row as the kernels write it (solver/kernels/space/layout.py), then peaks in the same
+outputs begin with one output row as the kernels write it (solver/kernels/structure/layout.py), then peaks in the same
 order.
 """
 
@@ -13,8 +13,8 @@ import numpy as np
 
 from solver.common.errors import InputError
 from solver.ground.motion import STANDARD_GRAVITY
-from solver.kernels.space.layout import OF_BASE, OF_BLOCK, OF_JOINT
-from solver.space.structure import Structure
+from solver.kernels.structure.layout import OF_BASE, OF_BLOCK, OF_JOINT
+from solver.models.structure.model import Structure
 
 from .references import FAMILY
 from .rules import DAMPING_SCALE_LIMITS

@@ -15,12 +15,12 @@ from dataclasses import dataclass, replace
 from itertools import accumulate
 from typing import Any
 
-from solver.column.column import Column
-from solver.column.settings import SKIPS, Settings
 from solver.common.errors import InputError
 from solver.common.ranges import NUMBERS
-from solver.dynamics.response import BASE_HISTORIES, BLOCK_HISTORIES, PEAKS
 from solver.ground.motion import STANDARD_GRAVITY
+from solver.models.column.model import Column
+from solver.models.column.response import BASE_HISTORIES, BLOCK_HISTORIES, PEAKS
+from solver.models.column.settings import SKIPS, Settings
 
 from .references import array_of, reference_of
 

@@ -28,19 +28,19 @@ from solver.checks.artificial import artificial_motions
 from solver.checks.check import Check, check
 from solver.checks.limits import Limits, Plan
 from solver.commands.progress import RunsLine
-from solver.dynamics.uncertainty import Ensemble, ErrorEstimate
 from solver.ground import wavelets
 from solver.ground.intensity import Intensity, Spectrum, intensity, pgv, spectrum
+from solver.models.column.modes import Modes, natural_modes
+from solver.models.structure.builders import arch, colonnade, wall
+from solver.models.structure.model import Structure
+from solver.models.structure.modes import SpatialModes, modes_in_space
+from solver.models.structure.push import PushOver, push_over
+from solver.models.structure.response import SpatialResponse
+from solver.models.structure.run import SpatialState
+from solver.models.uncertainty import Ensemble, ErrorEstimate
 from solver.runs.many import ExecutorError, parts_of_many
-from solver.space.builders import arch, colonnade, wall
-from solver.space.modes import SpatialModes, modes_in_space
-from solver.space.push_over import PushOver, push_over
-from solver.space.response import SpatialResponse
-from solver.space.run import SpatialState
-from solver.space.structure import Structure
 from solver.statics import calibrate
 from solver.statics.capacity import CapacityCurve, Rest, capacity_curve, rest_of, uplift_accelerations
-from solver.statics.modes import Modes, natural_modes
 from solver.statics.rocking import housner_restitution, restitution
 from solver.studies import Results, Study, run_study
 from solver.studies.cluster import Cluster

@@ -5,18 +5,18 @@ from .common import loading
 loading.begin()  # before what takes a second to load
 
 # ruff: noqa: E402
-from .column.block import Block, Joint
-from .column.column import Column
-from .column.packing import InitialState
-from .column.settings import Settings
 from .common.errors import InputError, InputWarning, SolverError
-from .dynamics.response import Response
-from .dynamics.uncertainty import Spread
 from .ground.motion import Motion
+from .models.column.block import Block, Joint
+from .models.column.model import Column
+from .models.column.modes import natural_frequencies
+from .models.column.packing import InitialState
+from .models.column.response import Response
+from .models.column.settings import Settings
+from .models.uncertainty import Spread
 from .runs.many import simulate_many
 from .runs.simulate import simulate
 from .runs.table import Table
-from .statics.modes import natural_frequencies
 
 __version__ = "0.1.0"
 

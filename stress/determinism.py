@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from solver import Column, Motion
-from solver.dynamics.stepper import Stepper
+from solver.models.column.stepper import Stepper
 
 from .cases import Case, draw
 from .energy import Array

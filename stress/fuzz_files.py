@@ -1,4 +1,4 @@
-"""Column files, studies, journals, records and CSV motions: read as an independent reader does, or refused."""
+"""Files of columns, structures, studies, journals, records, motions: read as an independent reader does, or refused."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import json
 import math
 import re
 import tempfile
+import time as clock
 import tomllib
 from collections.abc import Callable
 from itertools import pairwise
@@ -21,12 +22,14 @@ from solver import Column, InputError, Motion
 from solver.commands.reports import motion_report
 from solver.commands.study import summary
 from solver.common.errors import reading
-from solver.dynamics.stepper import Stepper
 from solver.ground.motion import STANDARD_GRAVITY
+from solver.models.column.stepper import Stepper
 from solver.studies import Study
 from solver.studies.execution import head_of
 from solver.studies.journal import Journal, line_of
 from solver.studies.results import results_of
+
+from . import fuzz_structures
 
 TOML = """name = "two"
 g = 9.81
@@ -312,7 +315,10 @@ KINDS: dict[str, tuple[str, Callable[[Path], str | None]]] = {
     "any.txt": (AT2, record_problem),
     "study.toml": (STUDY, study_problem),
     "small.journal": (JOURNAL.decode(), journal_problem),
+    "structure.toml": (fuzz_structures.TOML, fuzz_structures.structure_problem),
+    "builders": ("", fuzz_structures.builder_problem),
 }
+PATIENCE = 10.0  # s of the processor, for one file
 
 
 # every search: repeatable from its seed alone
@@ -324,6 +330,13 @@ SEARCH: dict[str, Any] = {
 }
 
 
+def _files_of(kind: str, text: str) -> st.SearchStrategy[bytes]:
+    """The files of a kind."""
+    if kind == "builders":
+        return fuzz_structures.calls()
+    return journals(JOURNAL) if kind.endswith(".journal") else mutated(text)
+
+
 def fuzz(kind: str, number: int, examples: int) -> dict[str, Any]:
     """`count` files of one kind: {"files", "refused", "failures": the smallest that fails}."""
     text, problem_of = KINDS[kind]
@@ -331,17 +344,23 @@ def fuzz(kind: str, number: int, examples: int) -> dict[str, Any]:
     smallest: dict[str, str] = {}
     with tempfile.TemporaryDirectory(prefix="stress_") as folder:
         path = Path(folder) / kind
+        if text:  # what it needs is compiled before any is timed
+            path.write_text(text, encoding="utf-8")
+            problem_of(path)
 
         @seed(number)
         @settings(max_examples=examples, **SEARCH)
-        @given(journals(JOURNAL) if kind.endswith(".journal") else mutated(text))
+        @given(_files_of(kind, text))
         def hold(content: bytes) -> None:
             counts["files"] += 1
             path.write_bytes(content)
+            begin = clock.process_time()
             try:
                 problem = problem_of(path)
             except Exception as error:
                 problem = f"{type(error).__name__}: {error}"
+            if clock.process_time() - begin > PATIENCE and (text or counts["files"] > 1):  # the first one may compile
+                problem = f"took {clock.process_time() - begin:.3g} s"
             if problem is not None:
                 smallest.update(problem=problem, content=repr(content))
             assert problem is None

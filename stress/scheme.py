@@ -14,11 +14,11 @@ from typing import Any
 import numpy as np
 
 from solver import Block, Column, InputError, Joint, Motion, Settings, SolverError
-from solver.column.packing import described, settlements, unwritten
-from solver.dynamics.stepper import Stepper
 from solver.kernels.api.engine import DETAILS, scratch_room
 from solver.kernels.api.entries import assemble_column
 from solver.kernels.layout import spaces as at
+from solver.models.column.packing import described, settlements, unwritten
+from solver.models.column.stepper import Stepper
 
 ROOT = Path(__file__).resolve().parent.parent
 HEIGHT, WIDTH, MASS = 14.07, 1.56, 81000.0  # of the Column of Phocas

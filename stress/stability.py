@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 
 from solver import Block, Column, Joint, Motion, SolverError
-from solver.column.packing import model_of
-from solver.dynamics.stepper import Stepper
 from solver.kernels.layout import spaces as at
+from solver.models.column.packing import model_of
+from solver.models.column.stepper import Stepper
 
 from .cases import Case, draw
 from .energy import Array, Energies

@@ -7,8 +7,7 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 from support.fmus import DAMPED, LINUX, PHOCAS, ROOT, Fmus, built_once, run
-
-from solver.dynamics.first_run import make_kernels
+from support.kernels import make_all
 
 
 def pytest_configure() -> None:
@@ -17,9 +16,9 @@ def pytest_configure() -> None:
 
 
 def pytest_sessionstart(session: pytest.Session) -> None:
-    """Compile the kernels of most tests once, on two cores, before each worker begins to."""
+    """Make the machine code of most tests once, before each worker begins to."""
     if session.config.getoption("numprocesses", None):
-        make_kernels()
+        make_all()
 
 
 settings.register_profile("any machine", deadline=None)  # however busy it is: nothing is timed here
@@ -49,6 +48,14 @@ def trilith(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The FMU of a structure in space."""
     file = ROOT / "examples" / "structures" / "trilith.toml"
     return built_once(tmp_path_factory, "trilith.fmu", lambda path: Fmus.build(file, path))
+
+
+@pytest.fixture(scope="session")
+def native_trilith(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The same without Python, for Linux."""
+    pytest.importorskip("ziglang", reason="needs the extra native")
+    file = ROOT / "examples" / "structures" / "trilith.toml"
+    return built_once(tmp_path_factory, "native_trilith.fmu", lambda path: Fmus.build(file, path, *LINUX))
 
 
 @pytest.fixture(scope="session")

@@ -9,9 +9,9 @@ import numpy as np
 from scipy.spatial import ConvexHull
 
 from multiblock import InputError, Structure
-from solver.space.blocks.contacts import GROUND
-from solver.space.blocks.faces import Face, polygon_moments
-from solver.space.blocks.parts import Bed, Joint, Solid
+from solver.models.structure.blocks.contacts import GROUND
+from solver.models.structure.blocks.faces import Face, polygon_moments
+from solver.models.structure.blocks.parts import Bed, Joint, Solid
 
 from .rigid_block import FloatArray
 

@@ -10,12 +10,15 @@ radial return of an elastic slip. The structure and the slab follow a + slope (t
 from __future__ import annotations
 
 import math
+import warnings
 from pathlib import Path
 
 import numpy as np
 
-from solver.space.driven import DrivenStructure, packed
-from solver.space.structure import Structure
+from fmu_src import rules
+from fmu_src.alternation import Alternation
+from solver.models.structure.driven import DrivenStructure, packed
+from solver.models.structure.model import Structure
 
 TRILITH = Path(__file__).resolve().parent.parent / "structures" / "trilith.toml"
 DURATION = 3.0  # s
@@ -37,13 +40,14 @@ def couple(
     """Displacements of the slab, and of the last block relative to it, every 0.02 s, m (rows, 2).
 
     mass: of the slab, kg. order: 1: held, 2: the line from the step before, 3: the parabola through two before. Raises
-    SolverError where it diverges.
+    SolverError where it diverges, and warns as the FMUs do.
     """
     body = DrivenStructure(structure, model, (1e-8, 0.0, 1.0))
     weight, n = structure.weight + mass * structure.g, structure.n
     places = slice(-6, -4)  # of the reaction in a row
     x, v, z = np.zeros(2), np.zeros(2), np.zeros(2)
     before: list[np.ndarray] = []
+    watch, stable = Alternation(2), True
     slab, top = [], []
     every = round(0.02 / h)
     for k in range(round(DURATION / h)):
@@ -60,6 +64,9 @@ def couple(
         elif order == 3 and len(before) > 1:  # the mean of the parabola's over the step, for its area
             slope = (11.0 * a - 16.0 * before[-1] + 5.0 * before[-2]) / (6.0 * h)
         before = [*before[-1:], a]
+        if stable and (axis := watch.found(t, a.tolist())) >= 0:
+            stable = False
+            warnings.warn(rules.UNSTABLE % (f"base.a{'xy'[axis]}", a[axis], "m/s2", t), RuntimeWarning, stacklevel=2)
         middle = ground(t + 0.5 * h)
         moved = h * v + h * h * (0.5 * (a - middle) + h * slope / 6.0)
         x, v = x + moved, v + h * (a - middle + 0.5 * h * slope)
@@ -71,7 +78,7 @@ def couple(
 
 
 def main() -> None:
-    """Print the table of docs/coupling.md."""
+    """Print the table of docs/notes/coupling.md."""
     structure = Structure.from_toml(TRILITH)
     model = packed(structure)
     blocks = sum(block.mass for block in structure.blocks)

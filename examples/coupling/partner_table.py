@@ -17,7 +17,7 @@ from fmu_src.model_description import FLAGS, model_description
 from fmu_src.native.machine_code import Kernels
 from fmu_src.native.package import compiled, identified
 from fmu_src.native.table import Check, Chosen, Contents, Subject
-from fmu_src.record import Record, read_motion
+from fmu_src.record import read_motion, usual_experiment
 from fmu_src.variables import Variable
 
 VERSION = "2"
@@ -111,6 +111,5 @@ def native_partner(
     kernels = Kernels(f"partner_kernels:{name}", sources(name))
     table = variables(law, record.name if record else "")
     contents = identified(Contents(subject(law), table, "", record.name if record else "", motion), kernels, 2)
-    experiment = Experiment(motion.start, motion.end, Record(motion).dt) if motion else Experiment()
-    root = description(law, contents.guid, table, experiment, NATIVE_FLAGS, "build.py --native")
+    root = description(law, contents.guid, table, usual_experiment(None, motion), NATIVE_FLAGS, "build.py --native")
     return compiled(law.TITLE, contents, kernels, platforms, root)[0], contents.guid

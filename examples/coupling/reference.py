@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 
 from multiblock import Column
-from solver.column.packing import arrays_of
 from solver.kernels.api.engine import column_over
 from solver.kernels.formulations.base_motion import Samples
 from solver.kernels.formulations.dispatch import evaluate
@@ -23,6 +22,7 @@ from solver.kernels.formulations.outputs import observe
 from solver.kernels.layout import spaces as at
 from solver.kernels.numba_ext.jit import entry, kernel
 from solver.kernels.numba_ext.views import row_of
+from solver.models.column.packing import arrays_of
 
 LINEAR, LEAD_RUBBER, PENDULUM, SOIL = range(4)
 KINDS = {"linear": LINEAR, "lead-rubber": LEAD_RUBBER, "friction-pendulum": PENDULUM, "soil": SOIL}

@@ -4,7 +4,8 @@ Beside the FMUs it holds the system (SystemStructure.ssd) and a set of parameter
 of the system have no dot in their names: OMSimulator would take it for the name of an element. An annotation gives
 OMSimulator the step; other tools ignore it. Components also have connectors for the results that a user looks at:
 displacements and joint forces of the column, outputs of the partners. These are outputs of the system too if the ground
-motion is an input of the system. Otherwise the system has no connectors, because libcosim and ecos refuse them.
+motion is an input of the system. Otherwise the system has no connectors, because libcosim and ecos refuse them. The
+system has no frame of its own (SystemGeometry): OMSimulator refuses a file with a tag that it does not know.
 """
 
 from __future__ import annotations
@@ -155,7 +156,7 @@ def structure(system: System) -> Element:
     if own:
         _connectors(top, own)
     elements = SubElement(top, "ssd:Elements")
-    right = tallest = 0.0
+    right = 0.0
     for part in system.fmus:
         component = SubElement(elements, "ssd:Component", name=part, source=f"resources/{part}.fmu")
         component.set("type", "application/x-fmu-sharedlibrary")
@@ -165,7 +166,7 @@ def structure(system: System) -> Element:
         ports = list(dict.fromkeys(ports))
         _connectors(component, ports)
         left, height = right + GAP, PITCH * (1 + len(ports))
-        right, tallest = left + WIDTH, max(tallest, height)
+        right = left + WIDTH
         corners = {"x1": left, "y1": GAP, "x2": right, "y2": GAP + height}
         SubElement(component, "ssd:ElementGeometry", {key: str(value) for key, value in corners.items()})
         if system.parameters.get(part):
@@ -176,8 +177,6 @@ def structure(system: System) -> Element:
         connection = SubElement(connections, "ssd:Connection", {"startElement": source} if source else {})
         connection.set("startConnector", start)
         connection.attrib |= {"endElement": target, "endConnector": end} if target else {"endConnector": end}
-    frame = {"x1": 0.0, "y1": 0.0, "x2": right + GAP, "y2": tallest + 2.0 * GAP}
-    SubElement(top, "ssd:SystemGeometry", {key: str(value) for key, value in frame.items()})
     annotation = SubElement(SubElement(top, "ssd:Annotations"), "ssc:Annotation", type="org.openmodelica")
     information = SubElement(SubElement(annotation, "oms:Annotations"), "oms:SimulationInformation")
     master = SubElement(information, "oms:FixedStepMaster", description="oms-ma", stepSize=str(system.step))

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from solver.column.block import (
+from solver.common.ranges import LENGTH, NUMBERS
+from solver.kernels.api import engine
+from solver.kernels.layout import spaces as at
+from solver.models.column.block import (
     BLOCK_RULES,
     BORE_RELATION,
     DOWEL_RELATION,
@@ -10,13 +13,10 @@ from solver.column.block import (
     STRIP_RELATION,
     knows_section,
 )
-from solver.column.column import Column
-from solver.column.packing import shape_of
-from solver.column.settings import FORMULATION_CODES, INTEGRATOR_CODES, SKIP_CODES
-from solver.common.ranges import LENGTH, NUMBERS
-from solver.dynamics.stepper import REASONS
-from solver.kernels.api import engine
-from solver.kernels.layout import spaces as at
+from solver.models.column.model import Column
+from solver.models.column.packing import shape_of
+from solver.models.column.settings import FORMULATION_CODES, INTEGRATOR_CODES, SKIP_CODES
+from solver.models.column.stepper import REASONS
 
 from .. import rules
 from ..variables import (

@@ -72,6 +72,9 @@ typedef struct {
     double model[MODEL];
 } Moment;
 
+/* Whether an input alternates and grows, as fmu_src/alternation.py counts. */
+typedef struct { double last, change, largest, before; int in_a_row; } Alternation;
+
 struct Instance {
     Moment now;
     Moment before; /* to go back to */
@@ -79,7 +82,9 @@ struct Instance {
     double described[GIVEN]; /* arguments of `assemble`: too long for the stack of a thread */
     double stop; /* s, where the experiment ends; it is no part of the state */
     int outdated; /* whether the outputs belong to an earlier time, input or parameter */
-    int coarse_warned, stepped; /* stepped: whether this instance has made a step */
+    int coarse_warned, unstable_warned, stepped; /* stepped: whether this instance has made a step */
+    Alternation alternations[INPUT_ROOM];
+    double watched; /* s, start of the last step that the alternations count */
     Status last_step;
     Teller *teller;
     void *host;
@@ -390,7 +395,9 @@ void core_reset(Instance *instance) {
     for (int k = 0; k < TEXTS; k++) snprintf(now->texts[k], TEXT, "%s", text_starts[k]);
     instance->outdated = 1;
     instance->stop = INFINITY;
-    instance->coarse_warned = instance->stepped = 0;
+    instance->coarse_warned = instance->unstable_warned = instance->stepped = 0;
+    memset(instance->alternations, 0, sizeof instance->alternations);
+    instance->watched = -INFINITY;
     instance->last_step = ST_OK;
 }
 
@@ -577,6 +584,34 @@ static int wrong_input(const Instance *instance, char *reason) {
     return 0;
 }
 
+static int alternates(Alternation *of, double value) {
+    double change = value - of->last;
+    if (!(change * of->change < 0.0) || fabs(change) < ALTERNATES_BACK * of->largest) {
+        of->in_a_row = 0;
+        of->before = fmax(of->largest, fabs(value));
+    }
+    of->in_a_row++;
+    of->last = value;
+    of->change = change;
+    of->largest = fmax(of->largest, fabs(value));
+    return of->in_a_row >= ALTERNATES_MANY && of->largest > ALTERNATES_GROWTH * of->before;
+}
+
+/* Say once that the accelerations of the base, held from `start` on, diverge with the coupling. */
+static void warn_of_instability(Instance *instance, double start) {
+    if (instance->unstable_warned || !(start > instance->watched)) return;
+    instance->watched = start;
+    for (int k = 0; k < BASE_INPUTS; k++) {
+        const Variable *input = &variables[k];
+        char value[NUMBER], time[NUMBER];
+        if (strcmp(input->unit, "m/s2") && strcmp(input->unit, "rad/s2")) continue;
+        if (!alternates(&instance->alternations[k], instance->now.reals[k]) || instance->unstable_warned) continue;
+        instance->unstable_warned = 1;
+        core_say(instance, ST_WARNING, SAY_UNSTABLE, input->name, shown(instance->now.reals[k], value), input->unit,
+                 shown(start, time));
+    }
+}
+
 static Status advance(Instance *instance, double start, double step, char *reason) {
     Moment *now = &instance->now;
     memcpy(instance->before.state, now->state, sizeof now->state);
@@ -604,6 +639,7 @@ static Status advance(Instance *instance, double start, double step, char *reaso
         instance->coarse_warned = 1;
         core_say(instance, ST_WARNING, SAY_COARSE, shown(step, text), RECORD_DT);
     }
+    if (FALLS) warn_of_instability(instance, start);
     return ST_OK;
 }
 

@@ -212,10 +212,6 @@ HAND_OVER(GetFMUstate, (fmi2Component component, fmi2FMUstate *state),
 HAND_OVER(SetFMUstate, (fmi2Component component, fmi2FMUstate state), NEEDS(1, state, state, state), (ITS, state))
 HAND_OVER(FreeFMUstate, (fmi2Component component, fmi2FMUstate *state),
           0, (ITS, state))
-HAND_OVER(SerializedFMUstateSize, (fmi2Component component, fmi2FMUstate state, size_t *size),
-          NEEDS(1, state, size, size), (ITS, state, size))
-HAND_OVER(SerializeFMUstate, (fmi2Component component, fmi2FMUstate state, fmi2Byte bytes[], size_t size),
-          NEEDS(1, state, bytes, bytes), (ITS, state, bytes, size))
 HAND_OVER(DeSerializeFMUstate, (fmi2Component component, const fmi2Byte bytes[], size_t size, fmi2FMUstate *state),
           NEEDS(1, bytes, state, state), (ITS, bytes, size, state))
 HAND_OVER(GetDirectionalDerivative,
@@ -232,6 +228,33 @@ HAND_OVER(GetRealOutputDerivatives,
           NEEDS(count, of, orders, values), (ITS, of, count, orders, values))
 HAND_OVER(CancelStep, (fmi2Component component), 0, (ITS))
 
+/* --- states as bytes: PythonFMU's library copies as many as the host asks for, and the slave gives none for no state */
+
+static fmi2Status refuse(Face *instance, fmi2Status status, const char *text) {
+    say(instance, status, text);
+    return status;
+}
+
+static fmi2Status measure(Face *instance, fmi2FMUstate state, size_t *size) {
+    fmi2Status status = answer(inner.SerializedFMUstateSize(instance->component, state, size));
+    if (status != fmi2OK || *size) return status;
+    return refuse(instance, fmi2Error, "the state came from bytes that hold no state: it cannot be serialized");
+}
+
+FMI2_Export fmi2Status fmi2SerializedFMUstateSize(fmi2Component component, fmi2FMUstate state, size_t *size) {
+    Face *instance = component;
+    return instance && !NEEDS(1, state, size, size) ? measure(instance, state, size) : fmi2Error;
+}
+
+FMI2_Export fmi2Status fmi2SerializeFMUstate(fmi2Component component, fmi2FMUstate state, fmi2Byte bytes[],
+                                             size_t size) {
+    Face *instance = component;
+    size_t whole;
+    if (!instance || NEEDS(1, state, bytes, bytes) || measure(instance, state, &whole) != fmi2OK) return fmi2Error;
+    if (size < whole) return refuse(instance, fmi2Error, "the room for the serialized state is too small");
+    return answer(inner.SerializeFMUstate(instance->component, state, bytes, whole));
+}
+
 FMI2_Export fmi2Status fmi2Reset(fmi2Component component) { /* makes a new slave: without one Fatal is true */
     Face *instance = component;
     if (!instance) return fmi2Error;
@@ -246,11 +269,6 @@ FMI2_Export fmi2Status fmi2DoStep(fmi2Component component, fmi2Real start, fmi2R
 }
 
 /* --- how the last step ended: PythonFMU's library says that the slave wants to end the run after any that is discarded */
-
-static fmi2Status refuse(Face *instance, fmi2Status status, const char *text) {
-    say(instance, status, text);
-    return status;
-}
 
 static int has(const Face *instance, const void *value) { return !lacks(instance, 1, value, value, value); }
 

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import contextlib
 import hashlib
 import importlib.metadata
 import tempfile
 from pathlib import Path
 
-from solver.kernels.numba_ext.cache import user_folder
+from solver.kernels.numba_ext.cache import keep, kept
 
 from .library import OPTIONS, compile_c, has_tools
 from .platforms import PLATFORMS
@@ -38,16 +37,12 @@ def _library() -> bytes:
     (target,) = PLATFORMS[2]["linux64"].targets
     texts = "".join(file.read_text(encoding="utf-8") for file in (SOURCE, STATUS))
     made_with = texts + importlib.metadata.version("ziglang") + " ".join(OPTIONS)
-    kept = user_folder() / "guard" / hashlib.sha256(made_with.encode()).hexdigest()[:16]
-    if kept.is_file():
-        return kept.read_bytes()
+    name = hashlib.sha256(made_with.encode()).hexdigest()[:16]
+    if (found := kept("guard", name)) is not None:
+        return found
     with tempfile.TemporaryDirectory(prefix="guard_") as folder:
         output = Path(folder) / "guard.so"
         compile_c(target, [SOURCE], output, options=["-ldl"])
         content = output.read_bytes()
-    with contextlib.suppress(OSError):  # no room: made again next time
-        kept.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.NamedTemporaryFile(dir=kept.parent, delete=False) as file:
-            file.write(content)
-        Path(file.name).replace(kept)
+    keep("guard", name, content)
     return content

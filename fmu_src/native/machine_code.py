@@ -8,12 +8,10 @@ kept in the user's cache: it does not depend on the column.
 
 from __future__ import annotations
 
-import contextlib
 import hashlib
 import importlib
 import multiprocessing
 import os
-import shutil
 import subprocess
 import sys
 import tempfile
@@ -27,7 +25,7 @@ import numba
 from llvmlite import binding as llvm
 
 from solver.common.executors import cores
-from solver.kernels.numba_ext.cache import user_folder
+from solver.kernels.numba_ext.cache import keep, kept
 from solver.kernels.numba_ext.jit import SOURCES, as_written
 
 from .platforms import LINUX, Target
@@ -50,7 +48,7 @@ class Kernels:
 
 
 COLUMN = Kernels("solver.kernels.api.pointers:ENTRIES")
-STRUCTURE = Kernels("solver.kernels.api.pointers_in_space:ENTRIES")
+STRUCTURE = Kernels("solver.kernels.api.pointers_of_structures:ENTRIES")
 
 
 def made_with(kernels: Kernels) -> str:
@@ -63,29 +61,24 @@ def made_with(kernels: Kernels) -> str:
 def object_code(targets: list[Target], kernels: Kernels, suffix: str = ".o") -> list[bytes]:
     """The object code of every target, or its assembly (".s"). Raises OSError, subprocess.CalledProcessError."""
     key = hashlib.sha256(made_with(kernels).encode()).hexdigest()[:16]
-    kept = user_folder() / "native" / key
-    with tempfile.TemporaryDirectory(prefix="machine_code_") as temporary:
-        folder = Path(temporary)
-        missing = []
-        for target in targets:
-            if not (kept / _file(target, suffix)).is_file():
-                missing.append(f"{target.triple}={target.cpu}={suffix}")
-        if missing:
+    names = [_file(target, suffix) for target in targets]
+    made = {name: kept("native", f"{key}-{name}") for name in names}
+    missing = [target for target, name in zip(targets, names, strict=True) if made[name] is None]
+    if missing:
+        with tempfile.TemporaryDirectory(prefix="machine_code_") as temporary:
+            folder = Path(temporary)
             environment = {key: value for key, value in os.environ.items() if not key.startswith("NUMBA_")}
             settings = {"NUMBA_CPU_NAME": BASELINE, "NUMBA_CPU_FEATURES": "", "PYTHONHASHSEED": "0"}
-            if (kept / OPTIMIZED).is_file():  # for other targets
-                shutil.copyfile(kept / OPTIMIZED, folder / OPTIMIZED)
-            command = [sys.executable, "-m", __spec__.name, str(folder), kernels.entries, *missing]
+            if optimized := kept("native", f"{key}-{OPTIMIZED}"):  # for other targets
+                (folder / OPTIMIZED).write_bytes(optimized)
+            wanted = [f"{target.triple}={target.cpu}={suffix}" for target in missing]
+            command = [sys.executable, "-m", __spec__.name, str(folder), kernels.entries, *wanted]
             path = os.pathsep.join(entry for entry in sys.path if entry)
             subprocess.run(command, check=True, env=environment | settings | {"PYTHONPATH": path})
-            with contextlib.suppress(OSError):  # no room: made again next time
-                kept.mkdir(parents=True, exist_ok=True)
-                for file in folder.iterdir():
-                    partial = kept / f"{file.name}.{os.getpid()}"
-                    partial.write_bytes(file.read_bytes())
-                    partial.replace(kept / file.name)
-        made = [folder / _file(target, suffix) for target in targets]
-        return [(file if file.is_file() else kept / file.name).read_bytes() for file in made]
+            for file in folder.iterdir():
+                made[file.name] = file.read_bytes()
+                keep("native", f"{key}-{file.name}", file.read_bytes())
+    return [made[name] or b"" for name in names]
 
 
 def _file(target: Target, suffix: str) -> str:

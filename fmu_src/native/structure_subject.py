@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from solver.common.ranges import NUMBERS
-from solver.kernels.api import pointers_in_space
+from solver.kernels.api import pointers_of_structures as pointers_in_space
 from solver.kernels.layout import spaces
-from solver.kernels.space import driven
-from solver.kernels.space import layout as at
-from solver.space.driven import CONTACT, REASONS, SKIP_CODES, sizes_of
+from solver.kernels.structure import driven
+from solver.kernels.structure import layout as at
+from solver.models.structure.driven import CONTACT, REASONS, SKIP_CODES, sizes_of
 
 from .. import rules
 from ..body import StructureBody

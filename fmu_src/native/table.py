@@ -18,7 +18,7 @@ from solver.common.ranges import NUMBERS
 from solver.ground.motion import LARGEST, Motion
 from solver.kernels.api import engine, pointers
 
-from .. import rules
+from .. import alternation, rules
 from ..record import Record
 from ..references import FAMILY, array_of
 from ..variables import STEP_SIZE, Variable
@@ -132,6 +132,8 @@ def contract(subject: Subject) -> str:
     lines = ["#include <stdint.h>", *_enum(sizes), *_enum(codes)]
     lines.append(f"#define TIME_SLACK {rules.TIME_SLACK!r}")
     lines.append(f"#define STEP_SLACK {rules.STEP_SLACK!r}")
+    numbers = {"MANY": alternation.MANY, "BACK": alternation.BACK, "GROWTH": alternation.GROWTH}
+    lines += [f"#define ALTERNATES_{name} {number!r}" for name, number in numbers.items()]
     lines.append(f"#define MUST_INERTIA {_quoted('must be ' + NUMBERS['inertia'][1])}")
     messages = {name: text for name, text in vars(rules).items() if name.isupper() and isinstance(text, str)}
     lines += [f"#define SAY_{name} {_quoted(text)}" for name, text in messages.items()]

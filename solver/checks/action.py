@@ -8,11 +8,14 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
+import numpy as np
+
 from ..common.errors import InputError, shown
+from ..common.files import printable
 from ..ground.motion import STANDARD_GRAVITY, Motion, check_in_plane
 from . import scaling
-from .artificial import artificial_motions, with_across, with_vertical
-from .scaling import MotionSpectra, ScaledMotion
+from .artificial import SHORTEST, artificial_motions, with_across, with_vertical
+from .scaling import Fit, MotionSpectra, ScaledMotion
 from .spectra import Spectral, TargetSpectrum
 from .subject import Subject
 
@@ -36,6 +39,14 @@ class Action:
     def spectrum(self) -> Spectral:
         """The target, or what the motions themselves have."""
         return self.target or MotionSpectra(tuple(scaled.motion for scaled in self.motions))
+
+    @cached_property
+    def fit(self) -> tuple[float, float] | None:
+        """Least and largest ratio of the mean spectrum to the target over `periods`; None without a target."""
+        if self.target is None or self.periods is None:
+            return None
+        mean = Fit({scaled.name: scaled.motion for scaled in self.motions}, self.target, self.periods).mean()
+        return float(np.min(mean)), float(np.max(mean))
 
     @property
     def statistic(self) -> str:
@@ -107,8 +118,10 @@ def _following(target: TargetSpectrum, given: Mapping[str, Motion], level: Level
         if target.vertical is None:
             raise InputError(f"vertical: {target.name} has no vertical spectrum, must be left out")
         made = with_vertical(made, target.vertical, level.seed)
-    how = f"artificial motions made to follow the target, seeds from {level.seed}"
-    return Action(tuple(ScaledMotion(*pair) for pair in made.items()), how, target, (low, high))
+    low = max(low, SHORTEST)
+    raised = scaling.raised_to_spectrum(made, target, (low, high), level.least)
+    how = f"artificial motions made to follow the target from {low:.3g} to {high:.3g} s, seeds from {level.seed}"
+    return Action(tuple(raised), how, target, (low, high))
 
 
 def _named(motions: Motions) -> dict[str, Motion]:
@@ -117,7 +130,7 @@ def _named(motions: Motions) -> dict[str, Motion]:
     else:
         found = {}
         for number, given in enumerate(motions, start=1):
-            name = f"motion {number}" if isinstance(given, Motion) else Path(given).stem
+            name = f"motion {number}" if isinstance(given, Motion) else printable(Path(given).stem)
             found[name if name not in found else f"{name} {number}"] = (
                 given if isinstance(given, Motion) else Motion.from_file(given)
             )

@@ -25,7 +25,8 @@ LEFT_AT_END = 0.02
 ITERATIONS = 20
 FINER = 2  # times as many instants, at which peaks of oscillators are looked for
 LOWEST = 0.1  # Hz: slower parts move no column and are not asked for
-PERIODS = np.geomspace(0.04, 5.0, 80)  # s, at which the spectrum is corrected
+SHORTEST = 0.04  # s: four samples
+PERIODS = np.geomspace(SHORTEST, 5.0, 80)  # s, at which the spectrum is corrected
 
 
 def artificial_motions(target: Spectral, count: int, seed: int = 0, length: float = LENGTH) -> dict[str, Motion]:

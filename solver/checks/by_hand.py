@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..column.column import Column
+from ..models.column.model import Column
 from .kinematic import BEHAVIOUR_FACTOR, LIFE_SAFETY, Mechanism
 from .limits import Limits
 from .rigid_body import RigidBody, governing_body, sliding_distance

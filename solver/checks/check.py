@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import math
 import os
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
@@ -13,25 +12,25 @@ from typing import Any
 
 import numpy as np
 
-from ..column.column import Column
 from ..common.errors import InputError, shown
 from ..common.files import write_table
-from ..dynamics.uncertainty import PERCENTILES
+from ..models.uncertainty import PERCENTILES
 from ..runs.many import Callback
 from ..runs.table import Table
-from ..space.structure import Structure
 from .action import ARTIFICIAL, Action, Level, Motions, action_on
+from .answer import PASSES, answer, margin_sentence, outcome_of, verdict_sentence
 from .by_hand import ByHand
-from .in_plane import InPlane
-from .in_space import InSpace
 from .kinematic import CONFIDENCE_FACTOR
 from .limits import Plan
 from .margin import Margin, margin_of
-from .runs import own_runs, run_all, varied
+from .of_column import InPlane
+from .of_structure import InSpace
+from .runs import as_given, own_runs, run_all, varied
 from .scaling import LEAST_PART
 from .spectra import TargetSpectrum
 from .subject import Model, Subject
-from .table import Row, bounds_of, rows_of
+from .table import Row, rows_of
+from .verdicts import Verdicts, verdicts_of
 
 BANDS = tuple(f"p{percent}" for percent in PERCENTILES)
 
@@ -45,7 +44,7 @@ class Check:
     """A checked column or structure: rows of demand and capacity, margin, methods by hand, every run behind them.
 
     responses: of itself, one for each motion. runs: table of the varied ones, `plan.ensemble` for each motion, one
-    motion after the other. by_hand: None of a structure in space.
+    motion after the other. by_hand: None of a structure in space. both: the other direction is checked beside it.
     """
 
     subject: Subject
@@ -56,10 +55,11 @@ class Check:
     margin: Margin | None
     responses: tuple[Any, ...]
     runs: Table
+    verdicts: Verdicts
+    both: bool = False
 
     def __repr__(self) -> str:
-        answer = "passes" if self.passes else "fails"
-        return f"<Check of {self.name}, {len(self.action.motions)} motions: {answer}. {self.verdict}>"
+        return f"<Check of {self.name}, {len(self.action.motions)} motions. {self.answer} {self.verdict}>"
 
     @property
     def name(self) -> str:
@@ -78,14 +78,18 @@ class Check:
 
     @property
     def passes(self) -> bool:
-        """Whether no row that is compared fails."""
-        return all(row.passes is not False for row in self.rows)
+        """Whether no row that is compared fails, and none is undecided."""
+        return outcome_of(self.rows) == PASSES
+
+    @property
+    def answer(self) -> str:
+        """Whether it passes, fails or is undecided, and by which rows."""
+        return answer(self.rows)
 
     @property
     def fallen(self) -> tuple[int, int, int]:
         """How many of the varied runs fall, how many are undecided, and how many there are."""
-        verdicts = self.subject.verdicts(self.runs)
-        return int(np.sum(verdicts == "overturned")), int(np.sum(verdicts == "undecided")), len(verdicts)
+        return self.verdicts.fallen, self.verdicts.undecided, len(self.verdicts.varied)
 
     @property
     def governing(self) -> int:
@@ -99,51 +103,23 @@ class Check:
 
     @property
     def verdict(self) -> str:
-        """The share that falls, in one plain sentence."""
-        word, count = self.subject.word, len(self.action.motions)
-        fallen, undecided, size = self.fallen
-        low, high = bounds_of(self.subject.verdicts(self.runs), count)
-        of = f"such {word}s would fall in such shaking."
-        under = f", under {count} motions" if count > 1 else ""
-        if not fallen + undecided:
-            return (
-                f"None of {size} simulated {word}s fell{under}: with 95 % confidence at most {_percent(high)} of {of}"
-            )
-        open_ones = f" and {undecided} may fall" if undecided else ""
-        return (
-            f"{fallen} of {size} simulated {word}s fell{open_ones}{under}: with 95 % confidence {_percent(low)} to "
-            f"{_percent(high)} of {of}"
-        )
+        """What it does as given, and the share of varied ones that falls, in plain sentences."""
+        return verdict_sentence(self.subject.word, self.verdicts)
 
     @property
     def margin_sentence(self) -> str:
-        """How far it is from falling, in one plain sentence; and what else fails."""
-        others = [row for row in self.rows if row.passes is False and not row.name.startswith("overturn")]
-        failed = ", ".join(row.name for row in others if math.isfinite(row.demand))  # else it fails because it falls
-        also = f" It also fails in: {failed}." if failed else ""
-        if self.margin is None:
-            return f"How much more shaking it bears was not looked for.{also}"
-        least = self.margin.stands
-        if self.margin.is_open:
-            return f"Even {least:.2g} times this shaking overturned none of them.{also}"
-        if least >= 1.0:
-            return f"The shaking can grow to about {least:.2g} times before the first of them falls.{also}"
-        if least > 0.0:
-            return f"They all stand only if the shaking is reduced to about {least:.2g} of this.{also}"
-        return f"Some fall even under a small part of this shaking.{also}"
+        """How far it is from falling, in one plain sentence."""
+        return margin_sentence(self.margin, bool(self.verdicts.undecided or self.verdicts.own_undecided))
 
     @property
-    def other_direction(self) -> str:
-        """That the other direction is to be checked as well; empty where both are alike, and in space."""
-        blocks = self.subject.model.blocks if isinstance(self.subject.model, Column) else ()
-        if all(block.width == block.depth for block in blocks):
-            return ""
-        return "It is shaken along its width alone: exchange width and depth, and check the other direction too."
+    def remarks(self) -> tuple[str, ...]:
+        """What a check in the plane leaves to another one, in sentences; none in space."""
+        return tuple(self.subject.left_to_others(self.both))
 
     @property
     def agreement(self) -> tuple[str, ...]:
         """Agreement of the methods by hand with the time histories, a line for each."""
-        stands = self.fallen[0] + self.fallen[1] == 0
+        stands = not self.verdicts.any_falls
         lines = []
         for row in self.by_hand.rows if self.by_hand else ():
             if row.passes is None:
@@ -189,17 +165,14 @@ class Check:
         write_table(path, [*head, *names], rows)
 
 
-def _percent(share: float) -> str:
-    return f"{100.0 * share:.2g} %"
-
-
 def subject_of(model: Model, confidence_factor: float = CONFIDENCE_FACTOR) -> Subject:
     """A column or structure as subject of checks. Raises InputError, and SolverError if it does not stand at rest."""
-    if isinstance(model, Structure):
-        return InSpace(model, confidence_factor)
-    if isinstance(model, Column):
-        return InPlane(model, confidence_factor)
-    raise InputError(f"column = {shown(model)}: must be a Column or a Structure")
+    subjects: dict[str, type[Any]] = {"column": InPlane, "structure": InSpace}
+    kind = getattr(model, "kind", None)
+    if kind is None:
+        raise InputError(f"column = {shown(model)}: must be a Column or a Structure")
+    found: Subject = subjects[kind.word](model, confidence_factor)
+    return found
 
 
 def checked(subject: Subject, action: Action, plan: Plan, callback: Callback | None = None) -> Check:
@@ -210,10 +183,14 @@ def checked(subject: Subject, action: Action, plan: Plan, callback: Callback | N
         for place, (scaled, run) in enumerate(zip(action.motions, responses, strict=True))
     ]
     runs = run_all(subject, [pair for ensemble in ensembles for pair in ensemble], True, callback)
-    falls = np.any((subject.verdicts(runs) != "standing").reshape(len(ensembles), -1), axis=1)
-    margin = margin_of(subject, ensembles, falls, callback) if plan.margin else None
-    rows = rows_of(subject, responses, runs, plan.limits, margin, [scaled.name for scaled in action.motions])
-    return Check(subject, action, plan, rows, subject.by_hand(action, plan.limits), margin, responses, runs)
+    names = [scaled.name for scaled in action.motions]
+    verdicts = Verdicts(names, np.array([run.verdict for run in responses]), verdicts_of(runs))
+    margin = None
+    if plan.margin:
+        all_of = [[as_given(subject, run), *ensemble] for run, ensemble in zip(responses, ensembles, strict=True)]
+        margin = margin_of(subject, all_of, verdicts.under_which_it_falls, callback)
+    rows = rows_of(subject, responses, runs, plan.limits, margin, verdicts)
+    return Check(subject, action, plan, rows, subject.by_hand(action, plan.limits), margin, responses, runs, verdicts)
 
 
 def check(

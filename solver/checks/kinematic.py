@@ -14,8 +14,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ..column.column import Column
 from ..common.errors import check_number
+from ..models.column.model import Column
 from ..statics.capacity import CapacityCurve, capacity_curve
 from .spectra import Spectral
 
@@ -125,8 +125,13 @@ def rocking_period(height: float, g: float, confidence_factor: float, part: floa
     return _PERIOD[part] * math.sqrt(part * confidence_factor * height / ((1.0 - part) * g))
 
 
+def check_confidence_factor(value: object) -> float:
+    """The factor FC as a float. Raises InputError."""
+    return check_number("confidence_factor", value, (1.0, 3.0), "a confidence factor from 1 to 3")
+
+
 def mechanism(column: Column, confidence_factor: float = CONFIDENCE_FACTOR) -> Mechanism:
     """The mechanism of a column, of the weaker of its two directions. Raises as `capacity_curve` does."""
-    factor = check_number("confidence_factor", confidence_factor, (1.0, 3.0), "a confidence factor from 1 to 3")
+    factor = check_confidence_factor(confidence_factor)
     curves = [capacity_curve(column, direction) for direction in ((1, -1) if column.off_axis else (1,))]
     return Mechanism(min(curves, key=lambda curve: curve.largest_acceleration), factor)

@@ -6,8 +6,9 @@ from dataclasses import dataclass, field, fields
 from typing import Any
 
 from ..common.errors import POSITIVE, check_number, check_whole
-from ..dynamics.uncertainty import Spread
-from .kinematic import CONFIDENCE_FACTOR, LIFE_SAFETY
+from ..models.structure.overlap import TOUCH
+from ..models.uncertainty import Spread
+from .kinematic import CONFIDENCE_FACTOR, LIFE_SAFETY, check_confidence_factor
 
 MOST_RUNS = 10_000
 
@@ -34,6 +35,7 @@ class Limits:
     strength_factor: float = _limit(1.0, "the strength is divided by it", 0.1, 100.0)
     slip: float = _limit(0.05, "part of the width of the joint, of the largest slip", 0.0, 1.0)
     residual: float = _limit(0.02, "part of the width of the joint, of the slip that is left", 0.0, 1.0)
+    overlap: float = _limit(TOUCH, "depth in m by which blocks that no joint connects may overlap", 0.0, 1.0)
     opening: float | None = _limit(None, "part of the width of the joint that may open; not limited if not given")
     friction: float | None = _limit(None, "coefficient of joints that have none in the column file", 1e-3, 10.0)
 
@@ -56,4 +58,5 @@ class Plan:
     confidence_factor: float = CONFIDENCE_FACTOR
 
     def __post_init__(self) -> None:
+        check_confidence_factor(self.confidence_factor)
         check_whole("ensemble", self.ensemble, 1, MOST_RUNS, f"a number of runs from 1 to {MOST_RUNS}")

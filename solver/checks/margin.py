@@ -1,4 +1,4 @@
-"""The margin: the factor on the motions at which the column begins to fall, by bisection on ensembles.
+"""The margin: the factor on the motions at which the column begins to fall, by bisection on the runs of a check.
 
 A larger motion does not always overturn more columns. So the factor goes up step by step from 1 to the first run that
 falls, and only between the last two steps it is bisected; a fall between two smaller steps may be passed over.
@@ -17,6 +17,7 @@ from ..runs.many import Callback
 from .runs import run_all
 from .scaling import applied
 from .subject import Pair, Subject
+from .verdicts import falls, verdicts_of
 
 STEP = 1.4  # factor between two steps
 MOST, LEAST = 4.0, 0.05  # factors looked at
@@ -41,13 +42,13 @@ class Margin:
 def margin_of(
     subject: Subject,
     ensembles: Sequence[Sequence[Pair]],
-    falls: NDArray[np.bool_],
+    at_one: NDArray[np.bool_],
     callback: Callback | None = None,
 ) -> Margin:
-    """The margin from varied models and motions, an ensemble for each motion, and which of them have falls at 1.
+    """The margin from models and motions, an ensemble for each motion, and which of them have falls at 1.
 
-    The same models are used at every factor. Runs without a verdict count as falls. Only motions under which runs
-    fell are looked at further. Raises as `simulate_many` does.
+    The same models are used at every factor. Runs that cannot be finished count as falls, undecided ones do not. Only
+    motions under which runs fell are looked at further. Raises as `simulate_many` does.
     """
     made = 0
 
@@ -55,12 +56,12 @@ def margin_of(
         nonlocal made
         pairs = [(held, applied("", motion, factor).motion) for k in places for held, motion in ensembles[k]]
         made += len(pairs)
-        stands = subject.verdicts(run_all(subject, pairs, False, callback)) == "standing"
-        found: NDArray[np.int64] = places[~np.all(stands.reshape(len(places), -1), axis=1)]
+        fallen = falls(verdicts_of(run_all(subject, pairs, False, callback)))
+        found: NDArray[np.int64] = places[np.any(fallen.reshape(len(places), -1), axis=1)]
         return found
 
     everything = np.arange(len(ensembles))
-    fell = everything[falls]
+    fell = everything[at_one]
     if fell.size:
         low, high = 1.0 / STEP, 1.0
         while (still := falling(fell, low)).size:

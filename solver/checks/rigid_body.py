@@ -14,8 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..column.column import Column
 from ..common.errors import InputError
+from ..models.column.model import Column
 from .spectra import Spectral
 
 FloatArray = NDArray[np.float64]

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import numpy as np
 
+from ..common.errors import InputWarning
 from ..common.executors import cores
 from ..ground.motion import Motion
+from ..models.protocol import OVERTURNED, SETTLE, STANDING, UNDECIDED
+from ..models.uncertainty import vary
 from ..runs.many import Callback, simulate_many
 from ..runs.simulate import simulate
 from ..runs.table import Table
@@ -17,17 +21,25 @@ from .limits import TOLERANCE, Plan
 from .scaling import ScaledMotion
 from .subject import Pair, Subject
 
+WORSE = (STANDING, UNDECIDED, OVERTURNED)  # from the best
+
 
 def own_runs(subject: Subject, motions: Sequence[Motion]) -> tuple[Any, ...]:
     """A run under each motion; where the sign of a motion counts, the worse of both."""
     ways = [way for motion in motions for way in ((motion, motion.mirrored()) if subject.two_ways else (motion,))]
-    with ThreadPoolExecutor(cores(), thread_name_prefix="runs") as pool:
-        made = list(pool.map(lambda way: simulate(subject.model, way, settle=subject.settle), ways))
+    with ThreadPoolExecutor(cores(), thread_name_prefix="runs") as pool, warnings.catch_warnings():
+        warnings.filterwarnings("ignore", ".* pass into each other", InputWarning)  # the table has a row for it
+        made = list(pool.map(lambda way: simulate(subject.model, way, settle=SETTLE), ways))
     each = len(ways) // len(motions)
     return tuple(
-        max(made[k : k + each], key=lambda run: (subject.verdict(run) != "standing", subject.moved(run)))
+        max(made[k : k + each], key=lambda run: (WORSE.index(run.verdict), subject.moved(run)))
         for k in range(0, len(made), each)
     )
+
+
+def as_given(subject: Subject, run: Any) -> Pair:
+    """The model and the motion of a run of the subject, at the tolerance and on the way of the varied ones."""
+    return subject.to_vary(run), run.motion
 
 
 def varied(subject: Subject, run: Any, scaled: ScaledMotion, plan: Plan, place: int) -> list[Pair]:
@@ -37,7 +49,7 @@ def varied(subject: Subject, run: Any, scaled: ScaledMotion, plan: Plan, place: 
     """
     rng = np.random.default_rng([plan.spread.seed, place])
     model = subject.to_vary(run)
-    made = [subject.vary(model, scaled.motion, plan.spread, rng) for _ in range(plan.ensemble)]
+    made = [vary(model, scaled.motion, plan.spread, rng) for _ in range(plan.ensemble)]
     if subject.two_ways:
         made[1::2] = [(held, motion.mirrored()) for held, motion in made[1::2]]
     return made
@@ -50,6 +62,6 @@ def run_all(subject: Subject, pairs: Sequence[Pair], peaks: bool, callback: Call
         [motion for _, motion in pairs],
         tolerance=TOLERANCE,
         keep=subject.kept(peaks),
-        settle=subject.settle,
+        settle=SETTLE,
         callback=callback,
     )

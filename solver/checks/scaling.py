@@ -24,6 +24,7 @@ FloatArray = NDArray[np.float64]
 
 FEWEST, MEAN_FROM = 3, 7  # motions: EN 1998-1, 4.3.3.4.3(3)
 LEAST_PART = 0.9  # of the target, that the mean spectrum keeps: EN 1998-1, 3.2.3.1.2(4)
+MOST_RAISED = 1.15  # factor on artificial motions; those of the spectra of codes need 1.07, one alone
 PERIODS_OF_FIT = 40
 VERTICAL_RANGE = (0.05, 1.0)  # s, of the fit of vertical components: plateau and next branch of the codes
 
@@ -144,9 +145,17 @@ class Fit:
         nowhere below `least` times the target. It does not make them smaller.
         """
         own = np.exp(-np.mean(np.log(self.ratios), axis=1))
-        mean = np.mean(self.ratios * own[:, None], axis=0)
-        common = max(1.0, least / float(np.min(mean)))
+        common = self.common(least, own)
         return [float(common * factor) for factor in own]
+
+    def common(self, least: float, own: FloatArray | float = 1.0) -> float:
+        """The factor, not below 1, by which the mean of the spectra times `own` is nowhere below `least`."""
+        return max(1.0, least / float(np.min(self.mean(own))))
+
+    def mean(self, own: FloatArray | float = 1.0) -> FloatArray:
+        """Mean over the motions of response times `own` over target (periods,)."""
+        found: FloatArray = np.mean(self.ratios * np.reshape(own, (-1, 1)), axis=0)
+        return found
 
 
 def scaled_to_spectrum(
@@ -157,10 +166,8 @@ def scaled_to_spectrum(
     least: part of the target below which the mean of their spectra must not be (`Fit.factors`); 0: no such rule.
     Raises InputError.
     """
-    shortest, longest = (check_number("periods", t, (1e-3, 100.0), "periods in s, up to 100") for t in periods)
-    if not shortest < longest:
-        raise InputError(f"periods = {shortest:g} {longest:g}: must be the shorter first")
-    least = check_number("least", least, (0.0, 1.0), "a part of the target from 0 to 1")
+    shortest, longest = check_periods(periods)
+    least = check_least(least)
     for name, motion in motions.items():
         _nonzero(name, horizontal_pga(motion))
     factors = Fit(motions, target, (shortest, longest)).factors(least)
@@ -173,6 +180,45 @@ def scaled_to_spectrum(
         applied(name, motion, factor, vertical.get(name))
         for (name, motion), factor in zip(motions.items(), factors, strict=True)
     ]
+
+
+def raised_to_spectrum(
+    motions: Mapping[str, Motion], target: TargetSpectrum, periods: Sequence[float], least: float = LEAST_PART
+) -> list[ScaledMotion]:
+    """Artificial motions, all by one factor so that the mean of their spectra is nowhere below `least` of the target.
+
+    Vertical components have a factor of their own. Raises InputError where it takes more than MOST_RAISED: where the
+    target is too rough for them.
+    """
+    span, least = check_periods(periods), check_least(least)
+    factor, vertical = _raise(Fit(motions, target, span), target.name, least), None
+    if target.vertical is not None and all(np.any(motion.az) for motion in motions.values()):
+        vertical = _raise(Fit(motions, target.vertical, VERTICAL_RANGE, upright=True), f"vertical {target.name}", least)
+    return [applied(name, motion, factor, vertical) for name, motion in motions.items()]
+
+
+def _raise(fit: Fit, name: str, least: float) -> float:
+    common, mean = fit.common(least), fit.mean()
+    if not common <= MOST_RAISED:
+        k = int(np.argmin(mean))
+        raise InputError(
+            f"{name}: artificial motions reach {mean[k]:.2g} of it at {fit.periods[k]:.3g} s, must be {least:g}: "
+            "records, another range of periods (periods) or a smoother spectrum may help"
+        )
+    return common
+
+
+def check_periods(periods: Sequence[float]) -> tuple[float, float]:
+    """A range of periods, s. Raises InputError."""
+    shortest, longest = (check_number("periods", t, (1e-3, 100.0), "periods in s, up to 100") for t in periods)
+    if not shortest < longest:
+        raise InputError(f"periods = {shortest:g} {longest:g}: must be the shorter first")
+    return shortest, longest
+
+
+def check_least(least: float) -> float:
+    """A part of the target. Raises InputError."""
+    return check_number("least", least, (0.0, 1.0), "a part of the target from 0 to 1")
 
 
 def _nonzero(name: str, size: float) -> float:

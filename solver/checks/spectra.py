@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..common.errors import InputError, check_number, reading, shown
-from ..common.files import MB, content_of
+from ..common.files import MB, content_of, printable
 from ..common.ranges import listed
 from ..ground.motion import STANDARD_GRAVITY
 
@@ -68,6 +68,7 @@ _NTC = {
 }
 _NTC_TOPOGRAPHY = {"T1": 1.0, "T2": 1.2, "T3": 1.2, "T4": 1.4}  # table 3.2.V, at the top of the slope
 MOST_TABLE = MB
+MOST_PSA = 10.0 * STANDARD_GRAVITY  # of a table: more is a mistake of units
 UNITS = {"g": STANDARD_GRAVITY, "m/s2": 1.0}
 
 
@@ -183,15 +184,16 @@ def spectrum_from_csv(path: str | os.PathLike[str]) -> TargetSpectrum:
     Periods in s, increasing and positive. Raises InputError that begins with `path`.
     """
     with reading(path):
-        rows = list(csv.reader(io.StringIO(content_of(path, MOST_TABLE).decode("utf-8"))))
+        rows = list(csv.reader(io.StringIO(content_of(path, MOST_TABLE).decode("utf-8-sig"))))
         header = [name.strip().lower() for name in rows[0]] if rows else []
         if len(header) != 2 or header[0] != "period" or header[1] not in UNITS:
             raise InputError("line 1: must be period,g or period,m/s2")
-        period, values = _numbers(rows[1:])
-    return TargetSpectrum(os.fspath(path), TableSpectrum(period, UNITS[header[1]] * values))
+        period, values = _numbers(rows[1:], UNITS[header[1]])
+    return TargetSpectrum(printable(os.fspath(path)), TableSpectrum(period, values))
 
 
-def _numbers(rows: Sequence[Sequence[str]]) -> tuple[FloatArray, FloatArray]:
+def _numbers(rows: Sequence[Sequence[str]], unit: float) -> tuple[FloatArray, FloatArray]:
+    """Periods, s, and values, m/s2."""
     found: list[tuple[float, float]] = []
     for line, row in enumerate(rows, start=2):
         if not row:
@@ -202,9 +204,11 @@ def _numbers(rows: Sequence[Sequence[str]]) -> tuple[FloatArray, FloatArray]:
             raise InputError(f"line {line}: {shown(','.join(row))}, must be a period in s and a value") from None
         if not (0.0 < period < math.inf and 0.0 < value < math.inf):
             raise InputError(f"line {line}: {shown(','.join(row))}, must be two positive numbers")
+        if not unit * value <= MOST_PSA:
+            raise InputError(f"line {line}: {shown(','.join(row))}, must be at most {MOST_PSA / STANDARD_GRAVITY:g} g")
         if found and not found[-1][0] < period:
             raise InputError(f"line {line}: period {period:g} s, must be above the one before, {found[-1][0]:g} s")
-        found.append((period, value))
+        found.append((period, unit * value))
     if len(found) < 2:
         raise InputError("must have at least two periods")
     period, value = np.array(found).T

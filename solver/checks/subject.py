@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..column.column import Column
-from ..dynamics.uncertainty import Spread
 from ..ground.motion import Motion
+from ..models.column.model import Column
+from ..models.structure.model import Structure
+from ..models.structure.overlap import Overlap
 from ..runs.table import Table
-from ..space.structure import Structure
 
 FloatArray = NDArray[np.float64]
 Model = Column | Structure
@@ -65,15 +66,11 @@ class Subject(Protocol):
         """Whether a motion and its mirror image differ."""
 
     @property
-    def settle(self) -> float:
-        """Time for which a run is followed beyond the motion, s."""
-
-    @property
     def of_model(self) -> tuple[str, ...]:
         """Sentences on what the model leaves out."""
 
-    def verdict(self, run: Any) -> str:
-        """Verdict of a run: standing, overturned or undecided."""
+    def left_to_others(self, both: bool) -> Iterable[str]:
+        """Sentences on what is left to another check; both: the other direction is checked beside it."""
 
     def moved(self, run: Any) -> float:
         """Largest displacement, m."""
@@ -87,17 +84,14 @@ class Subject(Protocol):
     def tensions(self, run: Any) -> FloatArray:
         """Largest force of each tie, N."""
 
+    def overlap(self, run: Any) -> Overlap | None:
+        """Of blocks that no joint connects; None where there are none."""
+
     def to_vary(self, run: Any) -> Any:
         """The model that is varied around a run."""
 
-    def vary(self, model: Any, motion: Motion, spread: Spread, rng: np.random.Generator) -> Pair:
-        """A model and a motion with varied data."""
-
     def kept(self, peaks: bool) -> tuple[str, ...]:
-        """Columns of a table of runs that `verdicts` reads, and with peaks `tops`."""
-
-    def verdicts(self, table: Table) -> NDArray[np.str_]:
-        """As `verdict`, of such a table."""
+        """Columns of a table of runs that verdicts need, and with peaks `tops`."""
 
     def tops(self, table: Table) -> FloatArray:
         """As `moved`, of such a table."""

@@ -10,12 +10,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..dynamics.uncertainty import PERCENTILES, share_bounds
+from ..models.protocol import OVERTURNED
+from ..models.uncertainty import PERCENTILES
 from ..runs.table import Table
 from .limits import Limits
 from .margin import Margin
 from .scaling import statistic
 from .subject import Subject
+from .verdicts import UNFINISHED, Verdicts, falls
 
 FloatArray = NDArray[np.float64]
 
@@ -43,8 +45,8 @@ def three_digits(value: float) -> str:
 class Row:
     """One check. demand, capacity: SI; capacity NaN where nothing is compared, the note says why.
 
-    values: of each motion, or empty. band: 16, 50 and 84 % points over the runs of the ensembles that stand, where
-    they keep the quantity, else over the motions.
+    values: of each motion, or empty. band: 16, 50 and 84 % points over the runs of the ensembles that do not fall,
+    where they keep the quantity, else over the motions. undecided: neither passes nor fails, since runs did not end.
     """
 
     name: str
@@ -55,6 +57,7 @@ class Row:
     note: str = ""
     values: tuple[float, ...] = ()
     band: tuple[float, ...] = ()
+    undecided: bool = False
 
     @property
     def ratio(self) -> float:
@@ -77,8 +80,15 @@ class Row:
             self.shown(self.demand),
             "" if math.isnan(self.capacity) else self.shown(self.capacity),
             "" if not math.isfinite(self.ratio) else f"{self.ratio:.2f}",
-            {True: "passes", False: "FAILS", None: "not compared"}[self.passes],
+            self.outcome,
         )
+
+    @property
+    def outcome(self) -> str:
+        """Whether it passes, in a word."""
+        if self.undecided:
+            return "undecided"
+        return {True: "passes", False: "FAILS", None: "not compared"}[self.passes]
 
     @property
     def remark(self) -> str:
@@ -110,20 +120,20 @@ def rows_of(
     table: Table,
     limits: Limits,
     margin: Margin | None,
-    names: Sequence[str],
+    verdicts: Verdicts,
 ) -> tuple[Row, ...]:
-    """The rows, from the run of each motion, the table of all varied runs and the margin.
+    """The rows, from the run of each motion, the table of all varied runs, the verdicts of both and the margin.
 
-    A motion under which the subject falls asks for an infinite displacement, pressure, slip and force. names: of the
-    motions.
+    A motion under which the subject falls asks for an infinite displacement, pressure, slip and force.
     """
     demands = Demands(subject, responses)
     return (
-        *_overturning(subject.verdicts(table), limits, margin, names, table.stats["failures"]),
-        _displacement(demands, table, limits),
+        *overturning(verdicts, limits, margin, table.stats["failures"]),
+        _displacement(demands, table, verdicts, limits),
         _pressure(demands, limits),
         *_sliding(demands, limits),
         _opening(demands, limits),
+        *_overlap(demands, limits),
         *_ties(demands),
     )
 
@@ -137,8 +147,8 @@ class Demands:
 
     @property
     def fell(self) -> NDArray[np.bool_]:
-        """Whether it does not stand, of each motion."""
-        return np.array([self.subject.verdict(response) != "standing" for response in self.responses])
+        """Whether it falls, of each motion."""
+        return falls([response.verdict for response in self.responses])
 
     def largest(self, values: Callable[[Any], ArrayLike]) -> FloatArray:
         """A value, or several, of each run; infinite where it falls."""
@@ -163,50 +173,41 @@ def _worst(demand: FloatArray, capacity: FloatArray) -> int:
     return int(known[np.argmax((demand / capacity)[known])]) if known.size else int(np.argmax(demand))
 
 
-def bounds_of(verdicts: NDArray[np.str_], motions: int) -> tuple[float, float]:
-    """Bounds at 95 % confidence of the share that falls, of runs in groups of equal length, a group a motion.
+def overturning(verdicts: Verdicts, limits: Limits, margin: Margin | None, failures: Mapping[int, str]) -> list[Row]:
+    """As given, the share of varied runs, those that are undecided, and the margin.
 
-    Runs under one motion are alike, so that of several motions each is one trial, whose success is the share of its
-    runs that fall; of one motion each run is a trial. Between whole numbers of successes the bounds of Clopper and
-    Pearson are taken in proportion. Undecided runs stand for the lower bound and fall for the upper one.
+    failures: why runs could not be made, by their number.
     """
-    trials = motions if motions > 1 else len(verdicts)
-    bounds = np.array([share_bounds(count, trials) for count in range(trials + 1)])
-    low, high = (
-        float(np.interp(trials * np.mean(fall), np.arange(trials + 1), bounds[:, side]))
-        for side, fall in enumerate((verdicts == "overturned", verdicts != "standing"))
-    )
-    return low, high
-
-
-def _overturning(
-    verdicts: NDArray[np.str_],
-    limits: Limits,
-    margin: Margin | None,
-    names: Sequence[str],
-    failures: Mapping[int, str],
-) -> list[Row]:
-    """Share and margin; failures: why runs could not be made, by their number."""
-    size, fallen = len(verdicts), int(np.sum(verdicts == "overturned"))
-    open_ones = int(np.sum(verdicts == "undecided"))
-    low, high = bounds_of(verdicts, len(names))
-    note = f"{fallen} of {size} runs fall" + (f", {open_ones} undecided" if open_ones else "")
-    no_rest = [reason for k, reason in failures.items() if verdicts[k] == "overturned"]
+    size, count = len(verdicts.varied), len(verdicts.names)
+    low, high = verdicts.bounds
+    no_rest = [reason for k, reason in failures.items() if verdicts.varied[k] == OVERTURNED]
+    unfinished = int(np.sum(verdicts.varied == UNFINISHED))
+    own = len(verdicts.own_falls)
+    note = f"motions of {count} under which it falls with the data as given"
+    rows = [Row("overturning, as given", own, 0.0, PLAIN, note=f"{note}: {', '.join(verdicts.own_falls) or 'none'}")]
+    note = f"{verdicts.fallen} of {size} runs fall"
     note += f", {len(no_rest)} of them under their weight alone ({no_rest[0]})" if no_rest else ""
-    share = (fallen + open_ones) / size
-    note += f"; {low:.1%} to {high:.1%} at 95 % confidence" + (", motions counted" if len(names) > 1 else "")
-    rows = [Row("overturning", share, limits.share, PERCENT, note=note)]
+    note += f", {unfinished} of them could not be finished" if unfinished else ""
+    note += f"; {low:.1%} to {high:.1%} at 95 % confidence" + (", motions counted" if count > 1 else "")
+    rows.append(Row("overturning", verdicts.fallen / size, limits.share, PERCENT, note=note))
+    left = verdicts.own_undecided
+    if left or verdicts.undecided:
+        note = f"{verdicts.undecided} of {size} runs neither fall nor come to rest in the time that they are followed"
+        note += f"; as given: {', '.join(left)}" if left else ""
+        matters = bool(left) or verdicts.fallen + verdicts.undecided > limits.share * size
+        rows.append(Row("undecided", verdicts.undecided / size, math.nan, PERCENT, note=note, undecided=matters))
     if margin is not None:
         note = f"no run falls up to {margin.stands:.3g} times the motion, the most looked at"
         if not margin.is_open:
-            note = f"the first run falls between {margin.stands:.3g} and {margin.falls:.3g} times {names[margin.place]}"
+            note = f"the first run falls between {margin.stands:.3g} and {margin.falls:.3g} times "
+            note += verdicts.names[margin.place]
         rows.append(Row("overturning, margin", 1.0, margin.stands, FACTOR, note=note))
     return rows
 
 
-def _displacement(demands: Demands, table: Table, limits: Limits) -> Row:
+def _displacement(demands: Demands, table: Table, verdicts: Verdicts, limits: Limits) -> Row:
     subject, edge = demands.subject, demands.subject.edge
-    tops = subject.tops(table)[subject.verdicts(table) == "standing"]
+    tops = subject.tops(table)[~falls(verdicts.varied)]
     band = tuple(np.percentile(tops, PERCENTILES).tolist()) if tops.size else ()
     values = demands.largest(subject.moved)
     name, where, note = "displacement of the top", "top", f"{limits.displacement:g} of the {edge:.4g} m at which it "
@@ -269,6 +270,18 @@ def _opening(demands: Demands, limits: Limits) -> Row:
     if capacity is None:
         capacity, note = math.nan, f"a rocking joint opens, no limit is given; {part}"
     return demands.of_joint("opening", i, capacity, PERCENT, note, values)
+
+
+def _overlap(demands: Demands, limits: Limits) -> list[Row]:
+    """The deepest of blocks that no joint connects, of all motions; none where there are no such blocks."""
+    overlaps = [found for run in demands.responses if (found := demands.subject.overlap(run)) is not None]
+    if not overlaps:
+        return []
+    deepest = max(overlaps, key=lambda found: found.depth)
+    note = "the deepest under any motion; no joint connects these blocks: they do not meet in the model"
+    values = tuple(found.depth for found in overlaps)
+    where = ", ".join(deepest.between)
+    return [Row("overlap of blocks", deepest.depth, limits.overlap, MM, where, note if where else "", values)]
 
 
 def _ties(demands: Demands) -> list[Row]:

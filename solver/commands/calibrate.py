@@ -10,10 +10,11 @@ from typing import Any
 
 import numpy as np
 
-from ..column.column import Column
-from ..column.rest import check_rest
 from ..common.errors import InputError, SolverError, reading
 from ..common.files import check_outputs, whole_file
+from ..models.column.model import Column
+from ..models.column.modes import modes_about_rest
+from ..models.column.rest import check_rest
 from ..statics.calibrate import (
     SPREAD,
     FreeVibration,
@@ -26,7 +27,6 @@ from ..statics.calibrate import (
     read_history,
     with_joints,
 )
-from ..statics.modes import modes_about_rest
 from ..statics.rocking import RELEASE, housner_restitution, restitution
 from .command_files import add_force, check_suffix, read_column
 from .progress import compile_kernels

@@ -5,8 +5,8 @@ from __future__ import annotations
 import argparse
 import shlex
 import sys
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, fields
+from collections.abc import Mapping
+from dataclasses import fields, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -15,37 +15,20 @@ from ..checks.action import ARTIFICIAL, Action, Level, action_on
 from ..checks.check import Check, checked, subject_of
 from ..checks.limits import UNCERTAIN, Limits, Plan
 from ..checks.scaling import LEAST_PART
-from ..checks.spectra import SOILS, TargetSpectrum, eurocode8, ntc2018, spectrum_from_csv
 from ..checks.subject import Subject
-from ..column.column import Column
-from ..column.rest import check_stable
 from ..common.errors import InputError, needing, reading
-from ..common.files import check_outputs
+from ..common.files import check_outputs, printable
 from ..common.ranges import listed
-from ..dynamics.uncertainty import Spread
 from ..ground.motion import STANDARD_GRAVITY, Motion
-from ..space.structure import Structure
+from ..models.column.model import Column
+from ..models.structure.model import Structure
+from ..models.uncertainty import Spread
 from .check_report import action_lines, check_lines, variants_lines
+from .code_spectra import add_code_options, add_spectrum, target_of
 from .command_files import add_force, add_space, check_suffix, read_subject, write_outputs
 from .motion_options import FORMATS, add_file_options, check_file_options, file_line, read_with_options
 from .progress import RunsLine, compile_kernels
 from .structure import compile_for_space
-
-
-@dataclass(frozen=True)
-class _Code:
-    """A spectrum of a code: its function, and which of its arguments are options."""
-
-    spectrum: Callable[..., TargetSpectrum]
-    needed: tuple[str, ...]
-    more: tuple[str, ...]  # with a default
-
-
-CODES = {
-    "ec8": _Code(eurocode8, ("ag", "soil"), ("type",)),
-    "ntc2018": _Code(ntc2018, ("ag", "soil", "f0", "tc"), ("topography",)),
-}
-_ARGUMENTS = {"type": "kind", "tc": "tc_star"}  # named otherwise than their options
 
 
 def add_check_command(commands: argparse._SubParsersAction[Any]) -> None:
@@ -58,7 +41,10 @@ def add_check_command(commands: argparse._SubParsersAction[Any]) -> None:
     parser.add_argument(
         "--across", type=Path, nargs="+", metavar="FILE", help="the other horizontal ones, of a structure in space"
     )
-    add_space(parser)
+    way = parser.add_mutually_exclusive_group()
+    add_space(way)
+    way.add_argument("--plane", action="store_true", help="check a column of round drums in its plane, not in space")
+    way.add_argument("--both", action="store_true", help="check a column in its plane in both horizontal directions")
     add_file_options(parser)
     _add_action(parser)
     _add_plan(parser)
@@ -87,14 +73,9 @@ def _add_action(parser: argparse.ArgumentParser) -> None:
     one = action.add_mutually_exclusive_group()
     one.add_argument("--pga", type=float, metavar="G", help="largest horizontal acceleration of each record, g")
     one.add_argument("--sa", type=float, metavar="G", help="spectral acceleration of each at the first period, g")
-    one.add_argument("--spectrum", metavar="NAME", help="ec8, ntc2018, or a table FILE.csv of period,g or period,m/s2")
+    add_spectrum(one)
     action.add_argument("--vertical-pga", type=float, metavar="G", help="with --pga: of the vertical components, g")
-    action.add_argument("--ag", type=float, metavar="G", help="design acceleration on rock, importance included, g")
-    action.add_argument("--soil", metavar="CLASS", help=", ".join(SOILS))
-    action.add_argument("--type", type=int, metavar="N", help="of ec8: 1 or 2 (default: 1)")
-    action.add_argument("--f0", type=float, metavar="F0", help="of ntc2018")
-    action.add_argument("--tc", type=float, metavar="S", help="TC* of ntc2018, s")
-    action.add_argument("--topography", metavar="CLASS", help="of ntc2018: T1 to T4 (default: T1)")
+    add_code_options(action)
     action.add_argument(
         "--periods", type=float, nargs=2, metavar=("S", "S"), help="range in which spectra follow the target"
     )
@@ -162,20 +143,25 @@ def _check(options: argparse.Namespace) -> None:
     components = (*(options.vertical or ()), *(options.across or ()))
     inputs = (options.column, *options.records, *components, *options.variant)
     check_outputs((options.output, options.report), inputs, options.force)
-    models = {path: read_subject(path, options.space) for path in (options.column, *options.variant)}
+    models = [(path, _model(path, options)) for path in (options.column, *options.variant)]
+    if options.both:
+        models.insert(1, (options.column, _across(*models[0])))
     plan = _plan(options)
     level = _level(options)
     motions = _motions(options)
-    subjects = {path: _subject(path, model, plan) for path, model in models.items()}
+    subjects = [(path, _subject(path, model, plan)) for path, model in models]
     with reading(options.column):
-        action = action_on(subjects[options.column], motions, level)
+        action = action_on(subjects[0][1], motions, level)
     print(*action_lines(action), sep="\n", flush=True)
-    checks = []
-    for path, subject in subjects.items():
-        checks.append(_checked(path, subject, action, plan))
-        if len(checks) == 1:
-            print(*check_lines(checks[0]), sep="\n", flush=True)
-    if options.variant:
+    checks: list[Check] = []
+    for path, subject in subjects:
+        both = options.both and len(checks) < 2
+        checks.append(replace(_checked(path, subject, action, plan), both=both))
+        if both or len(checks) == 1:
+            print(*check_lines(checks[-1]), sep="\n", flush=True)
+    if options.both:
+        print(*(f"{one.name}: {one.answer}" for one in checks[:2]), sep="\n")
+    if len(checks) > 1:
         print(*variants_lines(checks), sep="\n")
     write_outputs([(options.output, checks[0].to_csv), (options.report, partial(_write_report, checks, options.note))])
 
@@ -183,16 +169,38 @@ def _check(options: argparse.Namespace) -> None:
 def _write_report(checks: list[Check], notes: list[str], path: Path) -> None:
     from ..checks.report.html import write_report
 
-    write_report(checks, path, shlex.join(["multiblock", *sys.argv[1:]]), notes)
+    command = shlex.join(["multiblock", *sys.argv[1:]])
+    write_report(checks, path, printable(command), [printable(note) for note in notes])
+
+
+def _model(path: Path, options: argparse.Namespace) -> Any:
+    """The column or structure of a file; a column that would roll in space goes there unless --plane is given."""
+    model: Any = read_subject(path, options.space)
+    if options.plane or not model.rolls_in_space:
+        return model
+    try:
+        with reading(path):
+            found = model.in_space()
+    except InputError as why:
+        print(printable(f"{why}; checked in its plane"))
+        return model
+    name = printable(str(path))
+    print(f"{name}: its contacts are round and may roll, so it is checked in space; --plane keeps it in its plane")
+    return found
+
+
+def _across(path: Path, model: Any) -> Any:
+    """The column in the other direction. Raises InputError."""
+    if model.is_alike_across:
+        raise InputError(f"--both: must be left out, {path} is the same in both directions, or is checked in space")
+    with reading(path):
+        return model.across()
 
 
 def _subject(path: Path, model: Column | Structure, plan: Plan) -> Subject:
     with reading(path):
-        if isinstance(model, Structure):
-            compile_for_space()
-        else:
-            compile_kernels()
-            check_stable(model)
+        {"column": compile_kernels, "structure": compile_for_space}[model.kind.word]()
+        model.kind.check(model, from_rest=True)
         return subject_of(model, plan.confidence_factor)
 
 
@@ -219,7 +227,7 @@ def _plan(options: argparse.Namespace) -> Plan:
 
 def _level(options: argparse.Namespace) -> Level:
     return Level(
-        target=_target(options),
+        target=target_of(options),
         pga=_in_g(options.pga),
         vertical_pga=_in_g(options.vertical_pga),
         sa=_in_g(options.sa),
@@ -229,27 +237,6 @@ def _level(options: argparse.Namespace) -> Level:
         vertical=options.artificial_vertical,
         seed=options.seed,
     )
-
-
-def _target(options: argparse.Namespace) -> TargetSpectrum | None:
-    """The spectrum that --spectrum names, from the options of its code or from a table."""
-    name = options.spectrum
-    code = CODES.get(name)
-    needed, more = (code.needed, code.more) if code else ((), ())
-    given = {}
-    for key in dict.fromkeys(key for one in CODES.values() for key in (*one.needed, *one.more)):
-        value = getattr(options, key)
-        if value is not None and key not in (*needed, *more):
-            raise InputError(f"--{key} {value}: is for --spectrum {' or '.join(CODES)} that has it")
-        if value is None and key in needed:
-            raise InputError(f"--{key}: must be given with --spectrum {name}")
-        if value is not None:
-            given[_ARGUMENTS.get(key, key)] = value
-    if code:
-        return code.spectrum(**given | {"ag": _in_g(options.ag)})
-    if name is not None and not name.lower().endswith(".csv"):
-        raise InputError(f"--spectrum {name}: must be {', '.join(CODES)} or a table FILE.csv")
-    return None if name is None else spectrum_from_csv(name)
 
 
 def _motions(options: argparse.Namespace) -> Mapping[str, Motion]:
@@ -273,7 +260,8 @@ def _motions(options: argparse.Namespace) -> Mapping[str, Motion]:
                 record, other = read_with_options(files[k], options, options.channel)
                 print(f"{key} {file_line(files[k], record)}")
                 motion = motion.with_across(other) if key == "across" else motion.with_vertical(other)
-        found[path.stem if path.stem not in found else str(path)] = motion
+        name = printable(path.stem)
+        found[name if name not in found else printable(str(path))] = motion
     return found
 
 

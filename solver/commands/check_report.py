@@ -1,4 +1,4 @@
-"""A check for the terminal: the motions, the tables, the answer in two sentences."""
+"""A check for the terminal: the motions, the tables, the answer in a few sentences."""
 
 from __future__ import annotations
 
@@ -20,6 +20,9 @@ def action_lines(action: Action) -> list[str]:
     """The target and each motion with its factors."""
     lines = [f"action: {action.target.name}" if action.target else "action: the motions themselves"]
     lines.append(f"motions: {action.how}; counted: {action.statistic}")
+    if action.fit is not None and action.periods is not None:
+        (least, most), (low, high) = action.fit, action.periods
+        lines.append(f"fit: mean of their spectra {least:.2f} to {most:.2f} of the target, {low:.3g} to {high:.3g} s")
     width = max(len(scaled.name) for scaled in action.motions)
     across = any(scaled.motion.has_ay for scaled in action.motions)
     other = "  across (g)" if across else ""
@@ -37,11 +40,11 @@ def action_lines(action: Action) -> list[str]:
 
 
 def check_lines(check: Check) -> list[str]:
-    """The tables with their notes, where methods disagree, and the two sentences."""
+    """The tables with their notes, where methods disagree, and the sentences."""
     lines = [f"{check.name}, first period {check.period:.4g} s", *_table(check.rows)]
     lines += ["by hand:", *_table(check.by_hand.rows), *check.agreement] if check.by_hand else [NOT_IN_SPACE]
-    said = (check.verdict, check.margin_sentence, check.other_direction)
-    return [*lines, *filter(None, said), f"inputs {check.fingerprint[:16]}"]
+    said = (check.answer, check.verdict, check.margin_sentence, *check.remarks)
+    return [*lines, *said, f"inputs {check.fingerprint[:16]}"]
 
 
 def variants_lines(checks: Sequence[Check]) -> list[str]:

@@ -6,10 +6,10 @@ import argparse
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
-from ..column.column import Column
 from ..common.errors import InputError, needing, reading
-from ..common.files import check_outputs, toml_of
-from ..space.structure import Structure
+from ..common.files import check_outputs, printable, toml_of
+from ..models.column.model import Column
+from ..models.structure.model import Structure
 from ..studies.subjects import subject_from
 
 PICTURES = (".png", ".pdf", ".svg")
@@ -69,7 +69,7 @@ def write_outputs(outputs: Iterable[tuple[Path | None, Callable[[Path], object]]
         if path is not None:
             with reading(path):
                 write(path)
-            print(path)
+            print(printable(str(path)))
 
 
 def check_suffix(path: Path, *known: str) -> None:

@@ -14,17 +14,15 @@ from typing import Any, NoReturn
 import numpy as np
 
 from .. import __version__
-from ..column.settings import FORMULATIONS, INTEGRATORS
 from ..common.errors import InputError, InputWarning, SolverError, reading
-from ..common.files import check_outputs
+from ..common.files import check_outputs, printable
 from ..common.loading import INTERRUPTED, done
-from ..dynamics.response import DIGITS, Response, check_digits
-from ..dynamics.uncertainty import PERCENTILES, Ensemble, Spread
 from ..ground.motion import STANDARD_GRAVITY, Motion
+from ..models.column.response import DIGITS, Response, check_digits
+from ..models.column.settings import FORMULATIONS, INTEGRATORS
+from ..models.protocol import OUTPUT_STEP, SETTLE
+from ..models.uncertainty import PERCENTILES, Ensemble, Spread
 from ..runs.simulate import simulate
-from ..runs.single_run import OUTPUT_STEP, SETTLE
-from ..space.in_plane import column_of
-from ..space.structure import Structure
 from . import structure
 from .calibrate import add_calibrate_command
 from .check import add_check_command
@@ -94,7 +92,7 @@ def run_command(parser: argparse.ArgumentParser, arguments: Sequence[str] | None
             options = _parsed(parser, arguments)
             options.command(options)
     except (InputError, SolverError, OSError) as error:
-        print(f"{parser.prog}: {error}", file=sys.stderr)
+        print(f"{parser.prog}: {printable(str(error))}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
         print(f"{parser.prog}: interrupted", file=sys.stderr)
@@ -111,7 +109,7 @@ def _warnings_shower() -> Callable[..., None]:
     def show(message: Warning | str, *_: Any, **__: Any) -> None:
         if str(message) not in shown:
             shown.add(str(message))
-            print(f"warning: {message}", file=sys.stderr)
+            print(f"warning: {printable(str(message))}", file=sys.stderr)
 
     return show
 
@@ -201,13 +199,12 @@ def _simulate(options: argparse.Namespace) -> None:
     outputs = outputs_of_run(options)
     check_digits("--digits", options.digits)
     subject: Any = read_subject(options.column, options.space)
-    in_space = isinstance(subject, Structure)
-    if in_space:
+    if subject.kind.across:
         structure.prepare(options)
     motion, lines = motion_of(options)
-    if in_space and options.plane == "auto" and not motion.has_ay:
-        subject = column_of(subject) or subject
-        in_space = isinstance(subject, Structure)
+    if options.plane == "auto":
+        subject = subject.kind.simplest(subject, motion)
+    in_space = subject.kind.across
     if not in_space:
         compile_kernels()  # the report needs them too
     report_of, summary_of = (structure.report, structure.summary) if in_space else (column_report, _summary)

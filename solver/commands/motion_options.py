@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 
 from ..common.errors import InputError, reading
+from ..common.files import printable
 from ..ground.motion import STANDARD_GRAVITY, Motion
 from ..ground.records import Record, format_of, read_record
 from ..ground.records.columns import PLAIN
@@ -76,7 +77,7 @@ def read_with_options(path: Path, options: argparse.Namespace, channel: int | No
     plain = format_of(path) == PLAIN
     record = read_record(path, options.dt if plain else None, options.units if plain else None, channel)
     with reading(path):
-        return record, Motion.from_record(record).named(path.name)
+        return record, Motion.from_record(record, path.name)
 
 
 def check_file_options(paths: list[Path], options: argparse.Namespace) -> None:
@@ -89,7 +90,8 @@ def check_file_options(paths: list[Path], options: argparse.Namespace) -> None:
 def file_line(path: Path, record: Record) -> str:
     """Return a line about a file as it was read: format, samples, title, notes."""
     step = f"{len(record.time)} samples, {record.time[-1] - record.time[0]:g} s"
-    return "; ".join([f"{path}: {record.format}, {step}", *filter(None, [record.title[:80]]), *record.notes])
+    parts = [f"{path}: {record.format}, {step}", *filter(None, [record.title[:80]]), *record.notes]
+    return printable("; ".join(parts))
 
 
 def _recorded(options: argparse.Namespace) -> tuple[Motion, list[str]]:

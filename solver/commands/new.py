@@ -6,15 +6,17 @@ import argparse
 import csv
 import io
 import sys
+import tomllib
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
-from ..column.column import Column
-from ..column.materials import MATERIALS, Material
 from ..common.errors import InputError, check_number, reading
 from ..common.files import MB, check_file_name, check_outputs, content_of, whole_file
 from ..common.ranges import LENGTH, NUMBERS, listed
+from ..models.column.materials import MATERIALS, Material
+from ..models.column.model import Column
+from ..models.column.rest import check_rest
 from .command_files import add_force, check_suffix
 
 T = TypeVar("T")
@@ -166,16 +168,17 @@ def _new(options: argparse.Namespace) -> None:
         force = ((0.0, 1e9), "a force in kN, zero or positive")
         dowel = _number(Question("shear that dowels bear in each joint (kN), 0 without", 0.0, force, 1e3))
     text = column_text(name, SHAPES[shape].text, blocks, material, damping, friction, dowel)
-    with reading(path), whole_file(path) as partial:
-        partial.write_text(text, encoding="utf-8")
-    column = Column.from_toml(path)
+    with reading(path):
+        column = Column.from_dict(tomllib.loads(text))
+        check_rest(column, from_rest=False)
+        with whole_file(path) as partial:
+            partial.write_text(text, encoding="utf-8")
     height = sum(block.height for block in column.blocks)
     mass = sum(block.mass for block in column.blocks)
     print(f"{path}: {column.n} blocks, {height:.4g} m, {mass:.5g} kg. Next:")
-    if any(block.width != block.depth for block in column.blocks):
-        print("It is shaken along its width: exchange width and depth in the file to check the other direction too.")
+    both = "" if column.is_alike_across else " --both"  # else it is shaken along its width alone
     print(f"  multiblock statics {path}")
-    print(f"  multiblock check {path} --spectrum ec8 --ag 0.25 --soil B --report report.html")
+    print(f"  multiblock check {path}{both} --spectrum ec8 --ag 0.25 --soil B --report report.html")
 
 
 def column_text(
@@ -225,7 +228,7 @@ def _survey() -> list[dict[str, float]]:
     """The blocks of a table: height,width,depth or height,diameter, a line a block from the top down; m."""
     path = Path(_answer("table, with the first line height,width,depth or height,diameter", "survey.csv"))
     with reading(path):
-        rows = [row for row in csv.reader(io.StringIO(content_of(path, MB).decode("utf-8"))) if row]
+        rows = [row for row in csv.reader(io.StringIO(content_of(path, MB).decode("utf-8-sig"))) if row]
         header = tuple(key.strip().lower() for key in rows[0]) if rows else ()
         if header not in SURVEYS:
             raise InputError("line 1: must be height,width,depth or height,diameter, in m")

@@ -7,8 +7,8 @@ import time as clock
 from types import TracebackType
 from typing import Any, Self
 
-from ..dynamics.first_run import are_kept, make_kernels
 from ..kernels.numba_ext.numba_parts import LINKING
+from ..models.column.first_run import are_kept, make_kernels
 from ..runs.ensemble import interruptible
 
 PLAIN_TAKES = ", by numba's own pipeline: two minutes and more"

@@ -6,13 +6,13 @@ import math
 
 import numpy as np
 
-from ..column.column import Column
-from ..column.packing import settlements
 from ..common.errors import SolverError
 from ..ground.intensity import DAMPING, NAMES, Component, components, intensity, spectrum
 from ..ground.motion import STANDARD_GRAVITY, Motion
+from ..models.column.model import Column
+from ..models.column.modes import Modes, natural_frequencies
+from ..models.column.packing import settlements
 from ..statics.capacity import CapacityCurve, Rest
-from ..statics.modes import Modes, natural_frequencies
 
 MOST_BLOCKS = 100  # with more, natural frequencies take too long for a report
 PERIODS = (0.1, 0.2, 0.3, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 4.0)  # s

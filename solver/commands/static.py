@@ -7,15 +7,17 @@ import math
 from pathlib import Path
 from typing import Any
 
-from ..column.rest import check_stable
 from ..common.errors import InputError, reading
 from ..common.files import check_outputs
-from ..kernels.space.entries import stiffness_of
-from ..space.modes import SpatialModes, modes_in_space
-from ..space.push_over import PushOver, push_over
-from ..space.structure import Structure
+from ..common.plausible import warn_of
+from ..kernels.structure.entries import stiffness_of
+from ..models.column.modes import Modes, natural_modes
+from ..models.column.rest import check_stable
+from ..models.structure.model import Structure
+from ..models.structure.modes import SpatialModes, modes_in_space
+from ..models.structure.plausible import known_warnings_in_space
+from ..models.structure.push import PushOver, push_over
 from ..statics.capacity import CapacityCurve, capacity_curve, rest_of
-from ..statics.modes import Modes, natural_modes
 from .command_files import PICTURES, add_force, add_space, check_picture, check_suffix, read_subject, write_outputs
 from .progress import compile_kernels
 from .reports import modes_report, statics_report
@@ -49,12 +51,13 @@ def add_static_commands(commands: argparse._SubParsersAction[Any]) -> None:
 
 def _modes(options: argparse.Namespace) -> None:
     _check(options)
-    subject = read_subject(options.column, options.space)
+    subject: Any = read_subject(options.column, options.space)
     modes: Modes | SpatialModes
-    if isinstance(subject, Structure):
+    if subject.kind.across:
         compile_for_space(stiffness_of)
         with reading(options.column):
             modes = modes_in_space(subject)
+        warn_of(known_warnings_in_space(subject))
         print(modes_in_space_report(modes))
     else:
         compile_kernels()
@@ -67,9 +70,9 @@ def _modes(options: argparse.Namespace) -> None:
 
 def _statics(options: argparse.Namespace) -> None:
     _check(options)
-    subject = read_subject(options.column, options.space)
+    subject: Any = read_subject(options.column, options.space)
     curve: CapacityCurve | PushOver
-    if isinstance(subject, Structure):
+    if subject.kind.across:
         curve = _pushed(subject, options)
     else:
         for key in ("direction", "vertical"):
@@ -96,6 +99,7 @@ def _pushed(structure: Structure, options: argparse.Namespace) -> PushOver:
             if len(found) == 1:
                 print(rest_in_space_report(found[0]), flush=True)
             print(push_line(found[-1]), flush=True)
+    warn_of(known_warnings_in_space(structure))
     least = min(found, key=lambda one: one.largest_acceleration)
     print(push_over_report(least))
     return least

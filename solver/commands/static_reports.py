@@ -7,9 +7,9 @@ import math
 import numpy as np
 
 from ..ground.motion import STANDARD_GRAVITY
-from ..space.blocks.faces import FloatArray
-from ..space.modes import SpatialModes
-from ..space.push_over import PushOver
+from ..models.structure.blocks.faces import FloatArray
+from ..models.structure.modes import SpatialModes
+from ..models.structure.push import PushOver
 from .reports import MOST_MODES
 from .structure import MOST_LINES
 

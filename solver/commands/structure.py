@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 
 from ..common.errors import InputError
-from ..dynamics.first_run import are_kept
 from ..ground.motion import STANDARD_GRAVITY, Motion
-from ..kernels.space.entries import run_structure
-from ..space.modes import modes_in_space
-from ..space.response import SpatialResponse
-from ..space.structure import Structure
+from ..kernels.structure.entries import run_structure
+from ..models.column.first_run import are_kept
+from ..models.structure.model import Structure
+from ..models.structure.modes import modes_in_space
+from ..models.structure.response import SpatialResponse
 
 MOST_LINES = 20  # of a table
 MOST_BLOCKS = 60  # with more, natural frequencies take too long for a report

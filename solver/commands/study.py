@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from functools import partial
-from multiprocessing import get_context
+from multiprocessing import active_children, get_context
 from pathlib import Path
 from typing import Any
 
@@ -144,8 +144,15 @@ def _executor(options: argparse.Namespace) -> Iterator[Any]:
             yield cluster
     elif options.processes is not None:
         # spawned: a forked process would inherit the threads of the compiled code in an unknown state
-        with ProcessPoolExecutor(options.processes, get_context("spawn"), end_with_parent) as pool:
+        pool = ProcessPoolExecutor(options.processes, get_context("spawn"), end_with_parent)
+        try:
             yield pool
+        except KeyboardInterrupt:
+            for worker in active_children():  # whatever they are at
+                worker.terminate()
+            raise
+        finally:
+            pool.shutdown(cancel_futures=True)
     else:
         yield None
 

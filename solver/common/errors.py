@@ -22,7 +22,7 @@ class InputError(ValueError):
 
 
 class InputWarning(UserWarning):
-    """A value that is used as given and probably not meant: one line with key, value and what would be right."""
+    """What is used as given and probably not meant, or is not to be relied on: one line that says why."""
 
 
 class SolverError(ValueError):

@@ -9,6 +9,7 @@ from __future__ import annotations
 import multiprocessing
 import os
 import queue
+import signal
 import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import CancelledError
@@ -81,8 +82,10 @@ def sent_out(
 def end_with_parent() -> None:
     """End this process soon after its parent process, however the parent ends: an initializer for workers.
 
-    It waits for the end of the pipe that multiprocessing keeps between the two.
+    It waits for the end of the pipe that multiprocessing keeps between the two. Ctrl-C, which a terminal sends to all
+    processes, is the parent's to answer.
     """
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
     parent = multiprocessing.parent_process()
     if parent is None:
         return

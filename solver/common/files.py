@@ -43,6 +43,11 @@ def check_file_name(key: str, value: object) -> str:
     return str(value)
 
 
+def printable(text: str) -> str:
+    """`text` with escapes for control codes, which a terminal would obey, and for bytes of a name that is not UTF-8."""
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in text)
+
+
 def identifier_of(name: str) -> str:
     """The C identifier for a file name: "_" for a character that C does not allow, and before a leading digit."""
     identifier = re.sub("[^A-Za-z0-9_]", "_", name)

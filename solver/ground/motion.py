@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import math
 import os
+import warnings
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..common.errors import FINITE, NOT_NEGATIVE, POSITIVE, InputError, check_number, reading, shown
-from ..common.files import whole_file
+from ..common.errors import FINITE, NOT_NEGATIVE, POSITIVE, InputError, InputWarning, check_number, reading, shown
+from ..common.files import printable, whole_file
 from ..common.frames import Frame, Framed
 from ..common.notebook import Shown, counted, history
 from .records import STANDARD_GRAVITY as STANDARD_GRAVITY
@@ -19,6 +20,7 @@ from .records import Record, read_record
 from .records.columns import LEAD, SLOPES
 from .records.reader import read_at2, read_csv
 
+STRONGEST = 3.0 * STANDARD_GRAVITY  # of any record that can be believed
 LARGEST = 1e6  # m/s2: a larger acceleration is a mistake of units, and no column can be followed under it
 ACCELERATION = (-LARGEST, LARGEST), "a finite acceleration in m/s2, at most 1e6 either way"
 MOST_CYCLES = 1e6  # of a harmonic whose crests are looked for
@@ -329,13 +331,17 @@ class Motion(Framed, Shown):
         """
         record = read_record(path, dt, units, channel)
         with reading(path):
-            return cls.from_record(record).named(Path(path).name)
+            return cls.from_record(record, Path(path).name)
 
     @classmethod
-    def from_record(cls, record: Record) -> Motion:
-        """Return the motion of a record that has been read; piecewise linear. Raises InputError as `Motion` does."""
+    def from_record(cls, record: Record, name: str = "") -> Motion:
+        """Return the motion of a record that has been read; piecewise linear. Raises InputError as `Motion` does.
+
+        Warns (InputWarning) of a peak beyond 3 g: the units are probably others.
+        """
         duration = float(record.time[-1] - record.time[0])
-        return cls(record.time, record.ax, record.az, duration, ay=_NONE if record.ay is None else record.ay)
+        ay = _NONE if record.ay is None else record.ay
+        return _plausible(cls(record.time, record.ax, record.az, duration, ay=ay, name=printable(name)))
 
     @classmethod
     def from_csv(cls, path: str | os.PathLike[str], hold: bool = False) -> Motion:
@@ -352,7 +358,8 @@ class Motion(Framed, Shown):
             time = record.time
             duration = time[-1] - time[0] + (time[-1] - time[-2] if hold else 0.0)
             ay = _NONE if record.ay is None else record.ay
-            return cls(time, record.ax, record.az, float(duration), hold, ay=ay, name=Path(path).name)
+            name = printable(Path(path).name)
+            return _plausible(cls(time, record.ax, record.az, float(duration), hold, ay=ay, name=name))
 
     @classmethod
     def from_at2(cls, path: str | os.PathLike[str]) -> Motion:
@@ -362,7 +369,20 @@ class Motion(Framed, Shown):
         """
         record = read_at2(path)
         with reading(path):
-            return cls.from_record(record).named(Path(path).name)
+            return cls.from_record(record, Path(path).name)
+
+
+def _plausible(motion: Motion) -> Motion:
+    """The motion of a record; warns (InputWarning) if it is stronger than any that was recorded."""
+    largest = max(float(np.max(np.abs(samples))) for samples in (motion.ax, motion.ay, motion.az))
+    if largest > STRONGEST:
+        warnings.warn(
+            f"{motion.name or 'record'}: largest acceleration {largest / STANDARD_GRAVITY:.4g} g, ground motions reach "
+            f"{STRONGEST / STANDARD_GRAVITY:g} g: is it in other units (g, m/s2, cm/s2)?",
+            InputWarning,
+            stacklevel=3,
+        )
+    return motion
 
 
 def check_in_plane(motion: Motion) -> None:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Protocol
 
-from ..column.column import Column
-from ..column.packing import FloatArray
 from ..ground.motion import Motion
+from ..models.column.model import Column
+from ..models.column.packing import FloatArray
 
 
 class Shapes(Protocol):

@@ -9,8 +9,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Polygon
 
-from ..column.packing import FloatArray
 from ..common.errors import POSITIVE, check_number
+from ..models.column.packing import FloatArray
 from .drawable import Shaken, Shapes
 from .figures import Figure
 from .style import GREY, INK, RED, STONE, header, save

@@ -16,9 +16,9 @@ from matplotlib.colors import to_rgb
 from numpy.typing import NDArray
 from PIL import Image
 
-from ..column.packing import FloatArray
 from ..common.errors import POSITIVE, InputError, check_number
 from ..common.files import whole_file
+from ..models.column.packing import FloatArray
 from .drawable import Shaken
 from .drawings import corners_of, draw_column, scale_of
 from .figures import Figure

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from ..column.packing import FloatArray
+from ..models.column.packing import FloatArray
 from .style import FEW_COLOURS
 
 COLUMNS = 600  # pixels across a panel, about: finer detail cannot be distinguished

@@ -14,12 +14,12 @@ from matplotlib.axes import Axes
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.gridspec import SubplotSpec
 
-from ..column.column import Column
-from ..column.friction import friction_history
-from ..column.packing import FloatArray, carried_weights
 from ..common.errors import InputError
 from ..ground.motion import STANDARD_GRAVITY, Motion
 from ..kernels.layout.spaces import COUNTS_FROM
+from ..models.column.friction import friction_history
+from ..models.column.model import Column
+from ..models.column.packing import FloatArray, carried_weights
 from .drawable import Shaken
 from .figures import Figure
 from .lines import draw_ensemble, draw_lines, least_of

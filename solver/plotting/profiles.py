@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from ..column.column import Column
-from ..column.packing import FloatArray
+from ..models.column.model import Column
+from ..models.column.packing import FloatArray
 from .drawable import Shapes
 from .drawings import corners_of, draw_column
 from .style import GREY, GRID, INK

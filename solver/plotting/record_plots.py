@@ -12,7 +12,7 @@ from ..common.errors import InputError
 from ..ground.intensity import DAMPING, NAMES, components, histories, lines_of, spectrum
 from ..ground.motion import STANDARD_GRAVITY, Motion
 from .figures import Figure
-from .style import block_colours, header, save, tidy
+from .style import block_colours, header, plain, save, tidy
 
 LONG_NAME = 40  # letters: two names in a line of the legend, not three
 _STYLES: dict[str, str] = {"ax": "-", "ay": "-.", "az": "--"}
@@ -36,7 +36,7 @@ def plot_records(motions: Mapping[str, Motion], path: str | os.PathLike[str] | N
             base, lines = histories(motion, component), lines_of(motion, component)
             found = spectrum(motion, component=component)
             style = {"color": colour, "linewidth": 0.8, "linestyle": _STYLES[component]}
-            label = name if len(there) == 1 else f"{name}, {NAMES[component]}"
+            label = plain(name if len(there) == 1 else f"{name}, {NAMES[component]}")
             ends = np.column_stack([lines.time[:-1], lines.time[1:]]).ravel()
             both = np.column_stack([lines.before, lines.after]).ravel()
             label += f", PGA {np.max(np.abs(both)) / STANDARD_GRAVITY:.3g} g"

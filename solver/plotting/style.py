@@ -32,10 +32,15 @@ VERDICT_COLOURS = {"standing": "#00704f", "overturned": "#b04a00", "undecided": 
 TITLE, LINE, LETTER = 13.0, 10.5, 0.112  # points of the title and the line below; in, a letter of the title across
 
 
+def plain(name: str) -> str:
+    """A name as matplotlib shows it unchanged: "$" would begin a formula, a leading "_" hides a legend's entry."""
+    return (" " if name.startswith("_") else "") + name.replace("$", r"\$")
+
+
 def header(figure: Figure, title: str, line: str = "", colour: str = INK) -> None:
     """Put a bold title on the upper left, a coloured line below; a constrained layout keeps the space free."""
     wide, tall = figure.get_size_inches()
-    titles = textwrap.wrap(title, int((wide - 0.2) / LETTER)) or [""]
+    titles = textwrap.wrap(plain(title), int((wide - 0.2) / LETTER)) or [""]
     lines = textwrap.wrap(line, int((wide - 0.2) / LETTER * TITLE / LINE))
     figure.suptitle(
         "\n".join(titles), x=0.1 / wide, y=1.0 - 0.08 / tall, ha="left", va="top", fontsize=TITLE, weight="bold"

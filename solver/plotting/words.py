@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from ..column.column import Column
 from ..common.errors import InputError
 from ..ground.motion import STANDARD_GRAVITY, Motion
+from ..models.column.model import Column
 
 
 def setting_of(column: Column, motion: Motion | None) -> str:

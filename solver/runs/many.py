@@ -14,21 +14,16 @@ from typing import Any
 
 import numpy as np
 
-from ..column.column import Column
 from ..common.errors import POSITIVE, InputError, InputWarning, SolverError, check_number, check_whole, shown
 from ..common.executors import TRIES, cores, said, sent_out, workers_of
-from ..ground.motion import Motion, check_in_plane
-from ..space.structure import Structure
-from .chunk import Chunk, Made, Run, make_packed, make_runs, packed, why_alone
-from .many_in_space import are_structures, simulate_structures
-from .outputs import KEPT
+from ..ground.motion import Motion
+from ..ground.plausible import check_strength
+from ..models.protocol import SETTLE, Kind, Model, Run, Work
+from .chunk import Chunk, Made, make_packed, make_runs, packed
 from .pace import Pace
-from .single_run import SETTLE
 from .table import Table, joined
 
 FIRST_COST = 2e-5  # s for a block and a second of motion in lanes, before any run is measured
-ALONE, FIXED = 10.0, 300.0  # times that: a single run, and one in the formulation of the paper
-FIXED_IN_LANES = 1.3e-3  # s: and over its fixed step in lanes
 MOST_SAMPLES = 2**20  # of the records in a chunk, so that memory does not grow with the number of runs
 MOST_NOTED = 100  # failures that are listed
 _ENDED = object()
@@ -43,7 +38,7 @@ class ExecutorError(SolverError):
 
 
 def simulate_many(
-    columns: Column | Structure | Iterable[Column] | Sequence[Structure],
+    columns: Model | Iterable[Model],
     motions: Motion | Iterable[Motion],
     *,
     duration: float | Iterable[float | None] | None = None,
@@ -63,7 +58,7 @@ def simulate_many(
 
     Accuracy. tolerance: relative to the peak; None: that of the column.
 
-    Output. keep: results that the table holds, names of outputs.KEPT. responses: numbers of runs of which the whole
+    Output. keep: results that the table holds, names of `Kind.kept`. responses: numbers of runs of which the whole
     Response is kept, in `table.responses`. callback: called as callback(runs done, runs in all or None) as they end;
     what it raises ends `simulate_many`.
 
@@ -76,16 +71,22 @@ def simulate_many(
     finish is "undecided", its numbers are NaN and `table.stats["failures"]` says why.
     Raises InputError for a wrong value, ExecutorError where the executor fails. Warns as `simulate`, once for all.
     """
-    given = dict(locals())  # passed on as they are
-    if are_structures(columns):
-        if executor is not None or responses:
-            raise InputError("executor: must be left out, as responses, structures run in threads")
-        settings = duration, tolerance, keep, threads, settle, callback
-        return simulate_structures(columns, motions, *settings)  # type: ignore[arg-type]
     summary = Summary()
     parts: list[Table] = []
     try:
-        for part in parts_of_many(**given, summary=summary):
+        for part in parts_of_many(
+            columns,
+            motions,
+            duration=duration,
+            tolerance=tolerance,
+            keep=keep,
+            executor=executor,
+            threads=threads,
+            settle=settle,
+            responses=responses,
+            callback=callback,
+            summary=summary,
+        ):
             parts.append(part)
     except ExecutorError as lost:
         lost.finished = parts
@@ -97,7 +98,7 @@ def simulate_many(
 
 
 def parts_of_many(
-    columns: Column | Iterable[Column],
+    columns: Model | Iterable[Model],
     motions: Motion | Iterable[Motion],
     *,
     duration: float | Iterable[float | None] | None = None,
@@ -111,17 +112,17 @@ def parts_of_many(
     summary: Summary | None = None,
 ) -> Iterator[Table]:
     """As `simulate_many`, but yields tables of neighbouring runs as they end, in any order; `first` says which."""
+    settle, whole = _checked(settle, threads, responses)
+    first, columns = _first_of(columns)
+    kind: Kind | None = getattr(first, "kind", None)
     for name in keep:
-        if name not in KEPT:
-            raise InputError(f"keep: {shown(name)}: must be of {', '.join(KEPT)}")
-    settle = 0.0 if settle == 0 else check_number("settle", settle, POSITIVE, "a positive time in s")
-    if threads is not None:
-        check_whole("threads", threads, 1, math.inf, "a number of threads, at least 1")
+        if kind is not None and name not in kind.kept:
+            raise InputError(f"keep: {shown(name)}: must be of {', '.join(kind.kept)}")
     total, runs = _runs(columns, motions, duration, tolerance)
     summary = Summary() if summary is None else summary
     workers = (threads or cores()) if executor is None else workers_of(executor)
     pace = Pace(total, workers, FIRST_COST)
-    chunks = _chunks(runs, pace, tuple(dict.fromkeys(keep)), settle, frozenset(responses))
+    chunks = _chunks(runs, pace, tuple(dict.fromkeys(keep)), settle, whole)
     if executor is not None:
         made = _made(chunks, lambda chunk: executor.submit(make_packed, packed(chunk)), pace, workers)
         yield from _noted(made, summary, total, callback)
@@ -139,7 +140,26 @@ def parts_of_many(
 # --- what is given
 
 
-def _runs(columns: Any, motions: Any, durations: Any, tolerances: Any) -> tuple[int | None, Iterator[Run]]:
+def _first_of(columns: Any) -> tuple[Any, Any]:
+    """The first of what is given, and all of it: an iterable that can be read only once begins again with that."""
+    if not isinstance(columns, Iterable):
+        return columns, columns
+    left = iter(columns)
+    first = next(left, None)
+    return first, columns if left is not columns else itertools.chain(() if first is None else (first,), left)
+
+
+def _checked(settle: float, threads: int | None, responses: Any) -> tuple[float, frozenset[int]]:
+    """The settling time, s, and the numbers of the runs whose responses are kept. Raises InputError."""
+    if threads is not None:
+        check_whole("threads", threads, 1, math.inf, "a number of threads, at least 1")
+    if not isinstance(responses, Collection) or isinstance(responses, (str, bytes)):
+        raise InputError(f"responses = {shown(responses)}: must be a list of numbers of runs")
+    whole = frozenset(check_whole("responses", number, 0, math.inf, "numbers of runs, from 0") for number in responses)
+    return 0.0 if settle == 0 else check_number("settle", settle, POSITIVE, "a positive time in s"), whole
+
+
+def _runs(columns: Any, motions: Any, durations: Any, tolerances: Any) -> tuple[int | None, Iterator[Any]]:
     """How many runs, if that is known, and one after the other. Raises InputError for lengths that differ."""
     given = {"columns": columns, "motions": motions, "duration": durations, "tolerance": tolerances}
     several = {key: value for key, value in given.items() if _is_several(key, value)}
@@ -152,8 +172,8 @@ def _runs(columns: Any, motions: Any, durations: Any, tolerances: Any) -> tuple[
 
 
 def _is_several(key: str, value: Any) -> bool:
-    single = {"columns": Column, "motions": Motion}.get(key, (int, float))
-    if value is None or isinstance(value, single):
+    single = hasattr(value, "kind") if key == "columns" else isinstance(value, (Motion, int, float))
+    if value is None or single:
         if value is None and key in ("columns", "motions"):
             raise InputError(f"{key} = None: must be one for all runs, or one for each")
         return False
@@ -164,7 +184,9 @@ def _is_several(key: str, value: Any) -> bool:
 
 def _iterated(given: dict[str, Any], several: dict[str, Any]) -> Iterator[Run]:
     sources = [iter(several[key]) if key in several else itertools.repeat(given[key]) for key in given]
-    last: tuple[Any, Any] = (None, None)  # column and tolerance as given
+    last: tuple[Any, Any] = (None, None)  # model and tolerance as given
+    kind: Kind | None = None  # of the first
+    strong, shaken = False, None
     rows = itertools.zip_longest(*sources, fillvalue=_ENDED) if several else [tuple(given.values())]
     for k, values in enumerate(rows):
         ended = [key for key, value in zip(given, values, strict=True) if value is _ENDED]
@@ -176,21 +198,27 @@ def _iterated(given: dict[str, Any], several: dict[str, Any]) -> Iterator[Run]:
         column, motion, duration, tolerance = values
         if last[0] is not column or last[1] != tolerance:
             last = column, tolerance
-            made = _with_tolerance(k, column, tolerance)
+            made, kind = _with_tolerance(k, column, tolerance, kind)
         if not isinstance(motion, Motion):
             raise InputError(f"motions[{k}] = {shown(motion)}: must be a Motion")
-        check_in_plane(motion)
+        if kind is not None:
+            kind.check_motion(motion)
+        if motion is not shaken and not strong:
+            shaken, strong = motion, check_strength(motion)
         span = motion.duration if duration is None else duration
         yield Run(made, motion, check_number(f"duration[{k}]", span, POSITIVE, "a positive time in s"))
 
 
-def _with_tolerance(k: int, column: Any, tolerance: Any) -> Column:
-    if not isinstance(column, Column):
-        raise InputError(f"columns[{k}] = {shown(column)}: must be a Column")
+def _with_tolerance(k: int, model: Any, tolerance: Any, kind: Kind | None) -> tuple[Any, Kind]:
+    """The model with a tolerance, None keeps its own, and its kind, which is that of the first."""
+    own: Kind | None = getattr(model, "kind", None)
+    if own is None or own is not (kind or own):
+        word = "a model" if kind is None else f"a {kind.word}, as the first one"
+        raise InputError(f"columns[{k}] = {shown(model)}: must be {word}")
     if tolerance is None:
-        return column
+        return model, own
     try:
-        return column.with_settings(tolerance=tolerance)
+        return model.with_settings(tolerance=tolerance), own
     except InputError as error:
         raise InputError(f"tolerance[{k}]: {error}") from None
 
@@ -198,26 +226,20 @@ def _with_tolerance(k: int, column: Any, tolerance: Any) -> Column:
 # --- in chunks
 
 
-def _relative_cost(column: Column, keep: tuple[str, ...]) -> float:
-    """Rough cost of a run, relative to one in lanes."""
-    alone, settings = bool(why_alone(column, keep)), column.settings
-    if settings.formulation == "exact":
-        return ALONE if alone else 1.0
-    return FIXED if alone else FIXED_IN_LANES / settings.step
-
-
 def guessed_cost(run: Run, keep: tuple[str, ...]) -> float:
     """Estimated duration of a run, s, before any is measured."""
-    return FIRST_COST * run.column.n * run.duration * _relative_cost(run.column, keep)
+    work: Work = run.model.kind.work(run.model, keep)
+    return FIRST_COST * work.of(run.duration)
 
 
 def _chunks(
     runs: Iterator[Run], pace: Pace, keep: tuple[str, ...], settle: float, whole: frozenset[int]
 ) -> Iterator[Chunk]:
-    first, samples, weight, cost = 0, 0, 0.0, 1.0
+    first, samples, weight = 0, 0, 0.0
     taken: list[Run] = []
     records: set[int] = set()
-    column: Column | None = None
+    model: Any = None
+    work = Work(0.0, 0.0)
 
     def chunk() -> Chunk:
         places = tuple(k for k in range(len(taken)) if first + k in whole)
@@ -225,9 +247,9 @@ def _chunks(
 
     for run in runs:
         taken.append(run)
-        if run.column is not column:
-            column, cost = run.column, _relative_cost(run.column, keep)
-        weight += run.column.n * run.duration * cost
+        if run.model is not model:
+            model, work = run.model, run.model.kind.work(run.model, keep)
+        weight += work.of(run.duration)
         if id(run.motion) not in records:
             records.add(id(run.motion))
             samples += len(run.motion.time)

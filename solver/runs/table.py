@@ -13,12 +13,9 @@ from numpy.typing import NDArray
 from ..common.files import write_table
 from ..common.frames import Frame, Framed
 from ..common.notebook import Shown, counted, rows_of
-from ..dynamics.response import Response
+from ..models.protocol import WORDS
 
 Columns = dict[str, NDArray[Any]]
-
-# columns of words, which are stored as numbers: a word for each of 10^6 runs takes as much memory as all the rest
-WORDS: dict[str, tuple[str, ...]] = {"verdict": ("undecided", "standing", "overturned"), "path": ("scalar", "lanes")}
 
 
 class Table(Framed, Shown):
@@ -33,14 +30,14 @@ class Table(Framed, Shown):
         self,
         columns: Mapping[str, NDArray[Any]],
         stats: Mapping[str, Any] | None = None,
-        responses: Mapping[int, Response] | None = None,
+        responses: Mapping[int, Any] | None = None,
         first: int = 0,
         of: Mapping[str, str] | None = None,
     ) -> None:
         self._columns = dict(columns)
         self._of = dict(of or {})
         self.stats: dict[str, Any] = dict(stats or {})
-        self.responses: dict[int, Response] = dict(responses or {})
+        self.responses: dict[int, Any] = dict(responses or {})
         self.first = first
 
     def __getitem__(self, name: str) -> NDArray[Any]:
@@ -101,7 +98,8 @@ def joined(parts: Sequence[Table]) -> Table:
     """The tables of neighbouring runs as one; columns of blocks become as wide as the widest. Stats are left out."""
     responses = {number: response for part in parts for number, response in part.responses.items()}
     columns = {name: _stacked([part._columns[name] for part in parts]) for name in (parts[0] if parts else ())}
-    return Table(columns, responses=responses, first=parts[0].first if parts else 0)
+    first, of = (parts[0].first, parts[0]._of) if parts else (0, {})
+    return Table(columns, None, responses, first, of)
 
 
 def _stacked(arrays: list[NDArray[Any]]) -> NDArray[Any]:

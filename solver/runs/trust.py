@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 
-from ..column.column import Column
-from ..column.packing import FloatArray
 from ..common.errors import SolverError
-from ..dynamics.response import Response
-from ..dynamics.uncertainty import ErrorEstimate
-from ..dynamics.verdict import UNDECIDED
+from ..models.column.packing import FloatArray
+from ..models.protocol import UNDECIDED
+from ..models.uncertainty import ErrorEstimate
 
 FINER = 0.1  # of the tolerance
-LEAST_TOLERANCE = 1e-13  # that a column may have
+LEAST_TOLERANCE = 1e-13  # that a model may have
 HALF = 0.5  # of a fixed step; the error of central differences is proportional to its square, so that
 RICHARDSON = 4.0 / 3.0  # times the difference is the error
 AGREE = 10.0  # tolerances
@@ -22,27 +21,29 @@ AGREE_AT_FIXED_STEPS = 1e-2  # of the peak: they have no tolerance
 BEFORE_FALL = 0.1  # s: columns that fall differ shortly before, however close the runs are
 
 
-def finer(column: Column) -> Column:
-    """The column with settings for much smaller errors."""
-    settings = column.settings
-    if settings.integrator == "central-difference":
-        return column.with_settings(step=HALF * settings.step)
-    return column.with_settings(tolerance=max(LEAST_TOLERANCE, FINER * settings.tolerance))
+def finer(model: Any) -> Any:
+    """The model with settings for much smaller errors."""
+    if _is_fixed(model):
+        return model.with_settings(step=HALF * model.settings.step)
+    return model.with_settings(tolerance=max(LEAST_TOLERANCE, FINER * model.settings.tolerance))
 
 
-def judge(response: Response, closer: Response | SolverError, ux: FloatArray, closer_ux: FloatArray | None) -> None:
-    """Set estimated_error, horizon and, if the verdicts differ, the verdict of a response from the closer run."""
-    if isinstance(closer, SolverError) or closer_ux is None:
+def judge(response: Any, closer: Any, places: FloatArray, closer_places: FloatArray | None) -> None:
+    """Set estimated_error, horizon and, if the verdicts differ, the verdict of a response from the closer run.
+
+    closer: a response, or the SolverError that it ended with. places: displacements at the rows, (nt, any number) m.
+    """
+    if isinstance(closer, SolverError) or closer_places is None:
         response.verdict, response.reason = UNDECIDED, f"the run that checks it failed: {closer}"
         return
-    fixed = response.column.settings.integrator == "central-difference"
+    fixed = _is_fixed(response.model)
     factor = RICHARDSON if fixed else 1.0
-    allowed = AGREE_AT_FIXED_STEPS if fixed else AGREE * response.column.settings.tolerance
+    allowed = AGREE_AT_FIXED_STEPS if fixed else AGREE * response.model.settings.tolerance
     time = response.time
     fall = min((run.overturn_time for run in (response, closer) if run.overturned), default=math.inf)
     rows = int(np.searchsorted(time, fall - BEFORE_FALL)) or int(np.searchsorted(time, fall))
-    difference = factor * np.max(np.abs(ux - closer_ux), axis=1)
-    size = float(np.max(np.abs(closer_ux[:rows]), initial=0.0)) or 1.0
+    difference = factor * np.max(np.abs(places - closer_places), axis=1)
+    size = float(np.max(np.abs(closer_places[:rows]), initial=0.0)) or 1.0
     peaks = {
         name: factor
         * np.abs(response.peaks[name] - other)
@@ -57,14 +58,16 @@ def judge(response: Response, closer: Response | SolverError, ux: FloatArray, cl
     apart = np.flatnonzero(difference > allowed * size)
     response.horizon = float(time[max(int(apart[0]) - 1, 0)] if apart.size else time[-1])
     if response.verdict != closer.verdict:
-        response.reason = (
-            f"it is {response.verdict} at {_setting(response)}, and {closer.verdict} at {_setting(closer)}"
-        )
+        here, there = _setting(response.model), _setting(closer.model)
+        response.reason = f"it is {response.verdict} at {here}, and {closer.verdict} at {there}"
         response.verdict = UNDECIDED
 
 
-def _setting(response: Response) -> str:
-    settings = response.column.settings
-    if settings.integrator == "central-difference":
-        return f"a step of {settings.step:g} s"
-    return f"a tolerance of {settings.tolerance:g}"
+def _is_fixed(model: Any) -> bool:
+    """Whether a model is stepped by fixed steps."""
+    return bool(model.settings.integrator == "central-difference")
+
+
+def _setting(model: Any) -> str:
+    settings = model.settings
+    return f"a step of {settings.step:g} s" if _is_fixed(model) else f"a tolerance of {settings.tolerance:g}"

@@ -16,8 +16,6 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..column.column import Column
-from ..column.packing import FloatArray
 from ..common.errors import (
     NOT_NEGATIVE,
     POSITIVE,
@@ -30,7 +28,9 @@ from ..common.errors import (
     reading,
 )
 from ..common.files import MOST_TABLE, content_of
-from .modes import modes_about_rest
+from ..models.column.model import Column
+from ..models.column.modes import modes_about_rest
+from ..models.column.packing import FloatArray
 from .rocking import RELEASE, housner_restitution, pulled_aside, restitution_from
 
 ETAS = np.geomspace(1e-6, 10.0, 15)  # s: among which the one that is looked for is enclosed

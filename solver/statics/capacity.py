@@ -2,7 +2,7 @@
 
 A base that accelerates steadily by a towards -x pushes every block by a times its mass towards +x. The places in which
 the column balances under it form a curve: from rest, over the largest acceleration that it balances, down to the place
-on its edge where it balances without any. balance.py follows it.
+on its edge where it balances without any. push.py follows it.
 """
 
 from __future__ import annotations
@@ -13,15 +13,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..column.column import Column
-from ..column.packing import FloatArray
-from ..column.rest import check_rest, instability, is_stable
 from ..common.errors import SolverError, needing
 from ..common.files import write_table
 from ..common.frames import Frame, Framed
-from ..dynamics.linearization import StillColumn, undamped
-from ..dynamics.response import UNITS
-from .balance import BalanceCurve
+from ..models.column.linearization import StillColumn, undamped
+from ..models.column.model import Column
+from ..models.column.packing import FloatArray
+from ..models.column.push import BalanceCurve
+from ..models.column.response import UNITS
+from ..models.column.rest import check_rest, instability, is_stable
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

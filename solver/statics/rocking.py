@@ -6,15 +6,15 @@ import math
 
 import numpy as np
 
-from ..column.column import Column
-from ..column.packing import InitialState
-from ..column.rest import instability, is_stable
 from ..common.errors import InputError, SolverError, check_number
-from ..dynamics.kinematics import chain_of
-from ..dynamics.linearization import undamped
-from ..dynamics.stepper import Stepper
-from ..runs.single_run import phase_of
-from .balance import BalanceCurve
+from ..models.column.kinematics import chain_of
+from ..models.column.linearization import undamped
+from ..models.column.model import Column
+from ..models.column.packing import InitialState
+from ..models.column.push import BalanceCurve
+from ..models.column.rest import instability, is_stable
+from ..models.column.run import phase_of
+from ..models.column.stepper import Stepper
 
 RELEASE = 0.5  # of the way to the edge, the default
 LOOK = 2e-3  # between two checks of the motion, in parts of the time in which the column falls

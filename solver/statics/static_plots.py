@@ -11,17 +11,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.axes import Axes
 
-from ..column.column import Column
-from ..column.packing import FloatArray
 from ..ground.motion import STANDARD_GRAVITY
+from ..models.column.model import Column
+from ..models.column.packing import FloatArray
 from ..plotting.drawings import SHOWN, draw_column, measure_column
 from ..plotting.figures import Figure
 from ..plotting.style import BLUE, GREY, RED, header, save, tidy
 from ..plotting.words import length
 
 if TYPE_CHECKING:
+    from ..models.column.modes import Modes
     from .capacity import CapacityCurve
-    from .modes import Modes
 
 SMALL = 1e-6  # m: the amplitude of shapes, which drawings magnify
 TURNED, RAISED = 0.3, 0.1  # rad, and part of the lowest block's height: largest rotation and rise of a drawn shape

@@ -8,11 +8,10 @@ from typing import Any
 
 from ..common.errors import InputError, shown
 from ..common.files import check_file_name
-from ..runs.outputs import Kept
-from ..runs.table import WORDS
+from ..models.protocol import WORDS, Kept
 from .definition import KINDS, MOST_RUNS, SAMPLINGS
 from .motions import Measure
-from .subjects import always_kept, are_in_space, kept, sizes_of, subject_from
+from .subjects import always_kept, check_alike, kept, sizes_of, subject_from
 
 FAILED = "failed"  # the verdict on a run that the solver could not make
 
@@ -28,7 +27,8 @@ def check_head(head: Mapping[str, Any]) -> None:
     _whole(study, "seed", 0, math.inf)
     samples = _whole(study, "samples", 1, MOST_RUNS)
     columns = [subject_from(_is(f"columns[{k}]", table, dict)) for k, table in enumerate(_list(study, "columns"))]
-    sizes, in_space = sizes_of(columns), are_in_space(columns)
+    check_alike(columns)
+    sizes, in_space = sizes_of(columns), columns[0].kind.across
     _must("blocks", blocks, blocks == sizes["block"], f"{sizes['block']}, the most of a column")
     _must("sizes", head.get("sizes"), head.get("sizes") == (sizes if in_space else None), f"{sizes}, of structures")
     motions = [_is(f"motions[{k}]", table, dict) for k, table in enumerate(_list(study, "motions"))]

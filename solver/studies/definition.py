@@ -27,25 +27,10 @@ from ..common.ranges import check_choice, check_keys
 from ..ground.intensity import pgv
 from ..ground.motion import STANDARD_GRAVITY, Motion
 from ..kernels.numba_ext.jit import SOURCES
-from ..runs.batch_in_space import RunInSpace
-from ..runs.chunk import Run
-from ..space.structure import Structure
+from ..models.protocol import Model, Run
 from .distributions import Random
 from .motions import BESIDE, Measure, Shaking, tilted
-from .subjects import (
-    DIRECTION,
-    IN_PLANE,
-    Subject,
-    always_kept,
-    are_in_space,
-    check_motion,
-    is_number_of,
-    kept,
-    numbers_of_each,
-    sizes_of,
-    subject_with,
-    subjects_in,
-)
+from .subjects import DIRECTION, IN_PLANE, always_kept, check_alike, check_motion, sizes_of, subjects_in
 
 FloatArray = NDArray[np.float64]
 
@@ -68,7 +53,7 @@ _KEYS = (
 class Planned(NamedTuple):
     """One run of a study, ready to go, and what it was made from."""
 
-    run: Run | RunInSpace
+    run: Run
     values: dict[str, float]  # of what is varied
     measures: dict[str, float]  # of the motion as it is run: pga g, pgv m/s, sa g
 
@@ -78,7 +63,7 @@ class Study(Shown):
     """The runs, and how they differ; see the module. Raises InputError on values that do not go together.
 
     columns: columns, or structures in space. grid: name -> values. random: name -> parameter. Names are those of
-    parameters.py, of structures those of parameters_in_space.py, `motion.KEY` of a number of the motions, and
+    of_column.py, of structures those of of_structure.py, `motion.KEY` of a number of the motions, and
     `intensity`: the value of `measure` that the motion is scaled to. samples: of the random parameters, by
     `sampling`. keep: outputs of `simulate_many`. duration: s, of every run; None: that of its motion. limits: m,
     largest displacements beyond which a column counts as failed, as it does when it overturns.
@@ -86,7 +71,7 @@ class Study(Shown):
 
     name: str
     kind: str
-    columns: tuple[Subject, ...]
+    columns: tuple[Model, ...]
     motions: tuple[Shaking, ...]
     grid: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
     random: Mapping[str, Random] = field(default_factory=dict)
@@ -114,9 +99,10 @@ class Study(Shown):
             raise InputError(f'limits: must be left out, only kind = "{LIMITED}" has failures by displacement')
         for k, limit in enumerate(self.limits, start=1):
             check_number(f"limits[{k}]", limit, POSITIVE, "a positive displacement in m")
+        check_alike(self.columns)
         object.__setattr__(self, "keep", tuple(self.keep) or always_kept(self.in_space))
         for name in self.keep:
-            check_choice("keep", name, tuple(kept(self.in_space)))
+            check_choice("keep", name, tuple(self.columns[0].kind.kept))
         for name in always_kept(self.in_space):
             if name not in self.keep:
                 raise InputError(f"keep: must have {name}, which every picture and table needs")
@@ -144,9 +130,8 @@ class Study(Shown):
                 if name.removeprefix(OF_MOTION) not in known:
                     listed = ", ".join(f"motion.{item}" for item in sorted(known))
                     raise InputError(f"{name}: unknown name, the motions have {listed}")
-            elif not all(is_number_of(name, column) for column in self.columns):
-                plain = any(isinstance(column, Structure) and not column.is_stack for column in self.columns)
-                of = "structure" if plain else "column"
+            elif not all(column.kind.has_number(column, name) for column in self.columns):
+                of = "column" if self.columns[0].kind.has_number(self.columns[0], "block.height") else "structure"
                 raise InputError(f"{name}: unknown name, must be of the {of} as joint.stiffness or block[1].height")
         for name, values in self.grid.items():
             if not values:
@@ -154,7 +139,7 @@ class Study(Shown):
         if not self.random and self.samples != 1:
             raise InputError(f"samples = {self.samples}: must be 1 where nothing is random")
         for name, parameter in self.random.items():
-            if parameter.each and len({len(numbers_of_each(name, column)) for column in self.columns}) > 1:
+            if parameter.each and len({len(column.kind.numbers_of(column, name)) for column in self.columns}) > 1:
                 raise InputError(f"random.{name}.each: must be left out for columns of different numbers of blocks")
 
     def _facts(self) -> tuple[str, ...]:
@@ -188,7 +173,7 @@ class Study(Shown):
     @property
     def in_space(self) -> bool:
         """Whether it is of structures."""
-        return are_in_space(self.columns)
+        return self.columns[0].kind.across
 
     @property
     def varied(self) -> tuple[str, ...]:
@@ -208,8 +193,7 @@ class Study(Shown):
         duration = motion.duration
         if self.duration is not None:
             duration = self.duration + (motion.duration - base.duration)  # with the time in which the base is tilted
-        run = RunInSpace if isinstance(column, Structure) else Run
-        return Planned(run(column, motion, duration), values, measures)  # type: ignore[arg-type]
+        return Planned(Run(column, motion, duration), values, measures)
 
     def values(self, number: int) -> dict[str, float]:
         """The varied numbers of a run, by name."""
@@ -365,7 +349,7 @@ def axis(key: str, values: object) -> tuple[float, ...]:
 def _varied(study: Study) -> tuple[str, ...]:
     names = ["column", "motion", *study.grid]
     for name, parameter in study.random.items():
-        names += numbers_of_each(name, study.columns[0]) if parameter.each else [name]
+        names += study.columns[0].kind.numbers_of(study.columns[0], name) if parameter.each else [name]
     return tuple(names)
 
 
@@ -384,24 +368,25 @@ def _of_motions(study: Study) -> dict[str, tuple[str, bool]]:
 
 
 @lru_cache(maxsize=8)
-def _columns(study: Study) -> tuple[Subject, ...]:
+def _columns(study: Study) -> tuple[Model, ...]:
     """The columns at the tolerance of the study."""
     return tuple(column.with_settings(tolerance=study.tolerance) for column in study.columns)
 
 
 @lru_cache(maxsize=256)
-def _column(study: Study, which: int, numbers: tuple[float, ...]) -> Subject:
+def _column(study: Study, which: int, numbers: tuple[float, ...]) -> Any:
     """A column with the numbers that `_of_columns` names: the same one at all points of a grid of motions."""
     relative = _of_columns(study).items()
     given = {name: (number, flag) for (name, flag), number in zip(relative, numbers, strict=True)}
-    return subject_with(_columns(study)[which], given)
+    model = _columns(study)[which]
+    return model.kind.with_numbers(model, given)
 
 
 @lru_cache(maxsize=8)
 def _drawn_of(study: Study) -> FloatArray:
     """Values of the random parameters, (samples, numbers)."""
     numbers = tuple(
-        len(numbers_of_each(name, study.columns[0])) if parameter.each else 1
+        len(study.columns[0].kind.numbers_of(study.columns[0], name)) if parameter.each else 1
         for name, parameter in study.random.items()
     )
     return _drawn(tuple(study.random.values()), numbers, study.samples, study.sampling, study.seed)

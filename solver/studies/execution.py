@@ -10,13 +10,11 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
-from ..column.column import Column
-from ..column.rest import check_columns
 from ..common.errors import InputError, SolverError
 from ..common.executors import TRIES, cores, said, sent_out, workers_of
-from ..runs.chunk import Run
+from ..common.plausible import warn_of_first
+from ..ground.plausible import check_strength
 from ..runs.many import guessed_cost
-from ..runs.many_in_space import guessed_cost_in_space
 from ..runs.pace import CHUNK_SECONDS, Pace
 from . import chunks
 from .definition import Study, versions
@@ -56,7 +54,10 @@ def run_study(
     StudyError where the executor fails: call it again to go on. An interruption of the process at any moment loses no
     finished run.
     """
-    check_columns(column for column in study.columns if isinstance(column, Column))
+    warn_of_first(subject.kind.warnings(subject) for subject in study.columns)
+    for shaking in study.motions:
+        if shaking.record is not None and study.measure is None and "scale" not in shaking.numbers:
+            check_strength(shaking.record)
     if folder is None:
         made = _made(study, set(), executor, threads, callback, chunk_seconds)
         return Results(head_of(study), itertools.chain.from_iterable(made))
@@ -153,8 +154,7 @@ def _portions(left: Sequence[int], pace: Pace) -> Iterator[list[int]]:
 def _guess(study: Study, number: int) -> float:
     """Estimated duration of a run, s, from the run of this number."""
     try:
-        run = study.run(number).run
-        return guessed_cost(run, study.keep) if isinstance(run, Run) else guessed_cost_in_space(run)
+        return guessed_cost(study.run(number).run, study.keep)
     except InputError:
         return UNKNOWN_COST
 

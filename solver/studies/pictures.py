@@ -15,14 +15,15 @@ from matplotlib.ticker import ScalarFormatter
 from numpy.typing import NDArray
 
 from ..common.errors import InputError
-from ..dynamics.uncertainty import PERCENTILES
+from ..models.structure.blocks.parts import OF_COLUMN
+from ..models.uncertainty import PERCENTILES
 from ..plotting.figures import Figure
 from ..plotting.style import FEW_COLOURS, block_colours, header, save, show_blocks, tidy
-from ..space.blocks.parts import OF_COLUMN
 from .motions import Measure
 from .results import Results
 from .statistics import (
     Fragility,
+    bounds_of,
     failed_of,
     fit_fragility,
     ida_curves,
@@ -30,9 +31,8 @@ from .statistics import (
     intensity_name,
     made,
     percentiles,
-    share_bounds,
 )
-from .subjects import are_in_space, can_slide, subject_from
+from .subjects import can_slide, subject_from
 
 FloatArray = NDArray[np.float64]
 
@@ -219,7 +219,7 @@ def _draw_scenarios(axes: Axes, results: Results, limit: float | None) -> None:
         ]
         runs, hits = np.array([np.sum(cell) for cell in cells]), np.array([np.sum(failed[cell]) for cell in cells])
         there = runs > 0
-        low, high = share_bounds(hits[there], runs[there])
+        low, high = bounds_of(hits[there], runs[there])
         share = hits[there] / runs[there]
         beside = 0.02 * (k - 0.5 * (len(distances) - 1))  # so that bounds do not cover each other
         axes.errorbar(
@@ -392,7 +392,7 @@ def limits_of_model(results: Results) -> str:
     subjects = [subject_from(column) for column in results.study["columns"]]
     slide = any(map(can_slide, subjects)) or "joint.friction" in results.study["random"]
     limits = "do not crush" if slide else "neither slide nor crush"
-    motion = "Motion in space" if are_in_space(subjects) else "Plane motion"
+    motion = "Motion in space" if subjects[0].kind.across else "Plane motion"
     return f"{motion} of rigid blocks on elastic joints without tension, which {limits}."
 
 

@@ -17,14 +17,14 @@ from ..common.errors import InputError, needing, reading
 from ..common.files import whole_file, write_table
 from ..common.frames import Frame, Framed
 from ..common.notebook import Shown, rows_of
-from ..runs.table import WORDS, Columns, counts
+from ..models.protocol import WORDS
+from ..runs.table import Columns, counts
 from .contents import FAILED, check_head, check_row, kept_in, length_of
 from .journal import read_journal
-from .subjects import always_kept, kept
+from .subjects import ALL_KEPT, always_kept
 
 # units by the name of a column of the table; what is varied has those of the column file and the study file
-_KEPT = {**kept(True), **kept(False)}  # a name of both has the same unit
-UNITS = {"pga": "g", "pgv": "m/s", "sa": "g"} | {name: one.unit for name, one in _KEPT.items() if one.unit}
+UNITS = {"pga": "g", "pgv": "m/s", "sa": "g"} | {name: one.unit for name, one in ALL_KEPT.items() if one.unit}
 ROWS_AT_ONCE = 4096
 NAMED = "motion_name"
 

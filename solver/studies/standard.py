@@ -6,15 +6,15 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from ..column.column import Column
 from ..ground.motion import Motion
+from ..models.protocol import Model
 from .definition import INTENSITY, Study
 from .distributions import Random
 from .execution import run_study
 from .motions import Measure, Shaking
 from .results import Results
 
-Columns = Column | Sequence[Column]
+Columns = Model | Sequence[Model]
 Motions = Motion | Shaking | Sequence[Shaking] | Mapping[str, Motion]
 Randoms = Mapping[str, Random | Mapping[str, Any]]
 
@@ -63,11 +63,11 @@ def fragility(
 
 
 def spectrum(
-    column: Column, motions: Motions, sizes: Sequence[float], slendernesses: Sequence[float], **options: Any
+    column: Model, motions: Motions, sizes: Sequence[float], slendernesses: Sequence[float], **options: Any
 ) -> Results:
     """Rocking spectrum: the column in every size, a factor on all lengths, and slenderness, height over width.
 
-    See parameters.py for what else changes with them. The rest as in `sweep`.
+    See models/column/numbers.py for what else changes with them. The rest as in `sweep`.
     """
     grid = {"column.size": sizes, "column.slenderness": slendernesses}
     return _run("spectrum", column, motions, grid, None, options)
@@ -105,7 +105,7 @@ def _run(
     folder: str | Path | None = options.pop("folder", None)
     study = Study(
         kind=kind,
-        columns=(column,) if isinstance(column, Column) else tuple(column),
+        columns=tuple(column) if isinstance(column, Sequence) else (column,),
         motions=_shakings(motions),
         grid={key: tuple(float(value) for value in values) for key, values in grid.items()},
         random={key: _random(key, parameter) for key, parameter in random.items()},

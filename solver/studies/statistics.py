@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..common.errors import InputError, needing
-from ..dynamics.uncertainty import CONFIDENCE, PERCENTILES
+from ..models.uncertainty import CONFIDENCE, PERCENTILES, share_bounds
 from .results import Results
 
 FloatArray = NDArray[np.float64]
@@ -181,17 +181,14 @@ def binned(
     )
     middle = np.exp(np.bincount(place, weights=np.log(intensity), minlength=len(edges) - 1) / np.maximum(runs, 1))
     occupied = runs > 0
-    low, high = share_bounds(hits[occupied], runs[occupied])
+    low, high = bounds_of(hits[occupied], runs[occupied])
     return Bins(edges, middle[occupied], runs[occupied], hits[occupied], open_ones[occupied], low, high)
 
 
-def share_bounds(count: NDArray[np.int64], size: NDArray[np.int64]) -> tuple[FloatArray, FloatArray]:
-    """Bounds of Clopper and Pearson on a probability, of which `count` of `size` trials came true, at 95 %."""
-    with needing("studies", "scipy"):
-        from scipy.special import betaincinv
-    tail = 0.5 * (1.0 - CONFIDENCE)
-    low = np.where(count > 0, betaincinv(np.maximum(count, 1), size - count + 1, tail), 0.0)
-    high = np.where(count < size, betaincinv(count + 1, np.maximum(size - count, 1), 1.0 - tail), 1.0)
+def bounds_of(count: NDArray[np.int64], size: NDArray[np.int64]) -> tuple[FloatArray, FloatArray]:
+    """`share_bounds` of many shares."""
+    found = [share_bounds(one, of) for one, of in zip(count.tolist(), size.tolist(), strict=True)]
+    low, high = np.array(found).reshape(-1, 2).T
     return low, high
 
 

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from multiblock import (
     Block,
@@ -29,9 +30,10 @@ from solver.checks.action import Action
 from solver.checks.check import checked, subject_of
 from solver.checks.limits import TOLERANCE
 from solver.checks.margin import MOST, NARROW, STEP, margin_of
-from solver.checks.runs import varied
+from solver.checks.runs import as_given, varied
 from solver.checks.scaling import ScaledMotion, applied
-from solver.checks.table import Row, bounds_of
+from solver.checks.table import Row
+from solver.checks.verdicts import Verdicts
 
 G = 9.80665
 BLOCK = Column("block", (Block(2.0, 0.5, 0.5, 1200.0, Joint(2e9, 2e-3, strength=2e6)),))
@@ -76,7 +78,8 @@ def test_margin_has_falls_beyond_it_and_none_within(found: Check) -> None:
     margin = found.margin
     assert 1.0 <= margin.stands < margin.falls <= NARROW * margin.stands
     worst = found.action.motions[margin.place]
-    ensemble = varied(found.subject, found.responses[margin.place], worst, SHORT, margin.place)
+    run = found.responses[margin.place]
+    ensemble = [as_given(found.subject, run), *varied(found.subject, run, worst, SHORT, margin.place)]
     for factor, falls in ((margin.stands, False), (margin.falls, True)):
         shaken = [motion.scaled(factor) for _, motion in ensemble]
         table = simulate_many([column for column, _ in ensemble], shaken, tolerance=TOLERANCE)
@@ -101,8 +104,8 @@ def test_margin_of_a_stronger_motion_is_smaller(found: Check) -> None:
 def test_sentences_say_what_was_found(found: Check) -> None:
     assert found.fallen == (0, 0, 12)
     assert found.verdict == (
-        "None of 12 simulated columns fell, under 3 motions: with 95 % confidence at most 71 % of such columns would "
-        "fall in such shaking."
+        "As given the column stands under all 3 motions. None of 12 varied columns fell, under 3 motions: with 95 % "
+        "confidence at most 71 % of such columns would fall in such shaking."
     )  # 1 - 0.025^(1/3) = 0.7076
     assert found.margin is not None
     assert f"about {found.margin.stands:.2g} times" in found.margin_sentence
@@ -110,6 +113,10 @@ def test_sentences_say_what_was_found(found: Check) -> None:
 
 def test_runs_under_one_motion_are_one_trial() -> None:
     stands, falls, may = "standing", "overturned", "undecided"
+
+    def bounds_of(varied: NDArray[np.str_], motions: int) -> tuple[float, float]:
+        return Verdicts([str(k) for k in range(motions)], np.array([stands] * motions), varied).bounds
+
     one = np.array([stands] * 12)
     assert bounds_of(one, 1) == pytest.approx((0.0, 1.0 - 0.025 ** (1.0 / 12.0)), abs=1e-12)
     assert bounds_of(one, 3) == pytest.approx((0.0, 1.0 - 0.025 ** (1.0 / 3.0)), abs=1e-12)
@@ -121,14 +128,15 @@ def test_runs_under_one_motion_are_one_trial() -> None:
 
 
 def test_the_other_direction_is_named_unless_it_is_the_same(found: Check) -> None:
-    def said(**sizes: Any) -> str:
+    def said(both: bool = False, **sizes: Any) -> tuple[str, ...]:
         blocks = tuple(replace(block, **sizes) for block in BLOCK.blocks)
         subject = subject_of(replace(BLOCK, blocks=blocks))
-        return replace(found, subject=subject).other_direction
+        return replace(found, subject=subject, both=both).remarks
 
     width = BLOCK.blocks[0].width
-    assert "exchange width and depth" in said(depth=2.0 * width)
-    assert said(depth=width) == ""
+    assert "check the other direction too (--both)" in said(depth=2.0 * width)[0]
+    assert said(both=True, depth=2.0 * width) == said(depth=width) == ()
+    assert "in space they roll on their rims" in said(depth=width, section="circle")[0]
 
 
 def test_a_column_that_falls_fails() -> None:
@@ -137,7 +145,9 @@ def test_a_column_that_falls_fails() -> None:
     assert row(strong, "overturning").passes is False
     assert row(strong, "displacement of the top").demand == math.inf
     assert row(strong, "displacement of the top").texts[2] == "falls"
-    assert re.match(r"\d+ of 12 simulated columns fell", strong.verdict)
+    assert row(strong, "overturning, as given").passes is False
+    assert strong.answer.startswith("FAILS by: overturning, as given; overturning; displacement of the top; ")
+    assert re.match(r"As given the column falls under .*\. \d+ of 12 varied columns fell", strong.verdict)
 
 
 def test_limits_decide(found: Check) -> None:
@@ -220,7 +230,9 @@ def test_artificial_motions_where_none_are_given() -> None:
     made = check(BLOCK, target=spectra.eurocode8(0.05 * G, "A"), artificial=3, plan=Plan(ensemble=1, margin=False))
     assert [scaled.name for scaled in made.action.motions] == ["artificial 0", "artificial 1", "artificial 2"]
     assert made.action.periods is not None
-    assert made.action.periods[0] == pytest.approx(0.2 * made.period)
+    assert made.action.periods[0] == max(0.04, 0.2 * made.period)  # shorter ones artificial motions do not follow
+    assert made.action.fit is not None
+    assert 0.9 - 1e-12 <= made.action.fit[0] <= made.action.fit[1] < 1.2
     assert made.passes
 
 

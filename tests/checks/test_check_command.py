@@ -1,11 +1,14 @@
 """The command `check`: its table, its files, and its answers to mistakes."""
 
+import os
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from multiblock import Motion
+from solver.checks.spectra import CornerSpectrum, TargetSpectrum
+from solver.commands.code_spectra import CODES, Code, Option
 from solver.commands.command_line import main
 
 G = 9.80665
@@ -39,7 +42,7 @@ def test_check_prints_tables_variants_and_writes(folder: Path, capsys: pytest.Ca
     assert main([*words, "-o", "table.csv", *report, "slow.csv", "fast.csv"]) == 0
     printed = capsys.readouterr().out
     assert "each to a largest horizontal acceleration of 0.1 g; counted: largest of 2 motions" in printed
-    assert "None of 2 simulated columns fell" in printed
+    assert "None of 2 varied columns fell" in printed
     variants = printed[printed.index("variants under the same motions") :]
     assert variants.splitlines()[1].split() == ["block", "wider"]
     for name in ("overturning", "displacement of the top", "pressure at the edge"):
@@ -66,8 +69,8 @@ def test_components_and_a_table_of_a_spectrum(folder: Path, capsys: pytest.Captu
     ("words", "message"),
     [
         (["--spectrum", "ec8", "--ag", "0.2"], "--soil: must be given with --spectrum ec8"),
-        (["--spectrum", "ec9"], "--spectrum ec9: must be ec8, ntc2018 or a table FILE.csv"),
-        (["--pga", "0.2", "--soil", "A"], "--soil A: is for --spectrum ec8 or ntc2018"),
+        (["--spectrum", "ec9"], f"--spectrum ec9: must be {', '.join(CODES)} or a table FILE.csv"),
+        (["--pga", "0.2", "--soil", "A"], f"--soil A: is for --spectrum {' or '.join(CODES)}"),
         (["--limit", "slope=1"], "--limit slope=1: must be KEY=VALUE with one of displacement, friction"),
         (["--limit", "slip=wide"], "--limit slip=wide: must be slip= and a number"),
         (["--vertical", "fast.csv", "slow.csv"], "--vertical: 2 files, must be 1, one for each record"),
@@ -88,3 +91,101 @@ def test_mistakes_are_one_line(
 def test_no_record_needs_a_spectrum(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["check", "block.toml", *QUICK]) == 2
     assert "motions: none given, must be records, or a target spectrum" in capsys.readouterr().err
+
+
+def test_a_row_is_enough_for_another_code(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """With an option of its own, and without those of the others: the parser, the help and the messages follow."""
+
+    def plateau(top: float) -> TargetSpectrum:
+        return TargetSpectrum("flat", CornerSpectrum(0.4 * top, 2.5, 0.1, 0.5, 2.0))
+
+    top = Option("plateau", float, "G", "of the spectrum, g", "top", G)
+    monkeypatch.setitem(CODES, "flat", Code(plateau, (top,)))
+    words = ["check", "block.toml", "slow.csv", *QUICK, "--periods", "0.1", "1", "--spectrum"]
+    assert main([*words, "flat", "--plateau", "0.3"]) == 0
+    assert "action: flat" in capsys.readouterr().out
+    assert main([*words, "ec8", "--ag", "0.05", "--soil", "A"]) == 0
+    for given, message in (
+        (["flat"], "--plateau: must be given with --spectrum flat"),
+        (["flat", "--plateau", "1", "--soil", "A"], "--soil A: is for --spectrum ec8 or ntc2018"),
+        (["ec8", "--ag", "0.2", "--soil", "A", "--plateau", "1"], "--plateau 1.0: is for --spectrum flat"),
+        (["ec9"], "--spectrum ec9: must be ec8, ntc2018, flat or a table FILE.csv"),
+    ):
+        assert main([*words, *given]) == 2
+        assert message in capsys.readouterr().err
+    with pytest.raises(SystemExit):
+        main(["check", "--help"])
+    assert "of flat: of the spectrum, g" in capsys.readouterr().out
+
+
+def test_odd_names_reach_neither_terminal_nor_legend_as_they_are(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Of records: no UTF-8, a control code, a formula of matplotlib, a name that legends leave out."""
+    names = [os.fsdecode(b"caf\xe9.csv"), "\x1b[31mred.csv", "$x_$^{.csv", "_hidden.csv"]
+    for name in names:
+        Path(name).write_bytes(Path("slow.csv").read_bytes())
+    words = ["check", "block.toml", *names, "--pga", "0.05", *QUICK, "--note", os.fsdecode(b"by caf\xe9")]
+    assert main([*words, "-o", "table.csv", "--report", "report.html"]) == 0
+    printed = capsys.readouterr().out
+    assert "\x1b" not in printed
+    for shown in (r"caf\udce9", r"\x1b[31mred", "$x_$^{", "_hidden"):
+        assert shown in printed
+        assert shown in Path("table.csv").read_text(encoding="utf-8")
+        assert shown in Path("report.html").read_text(encoding="utf-8")
+    assert main(["check", "block.toml", "\x1b[31mnone.csv"]) == 2
+    assert r"\x1b[31mnone.csv" in capsys.readouterr().err
+
+
+def test_a_record_in_other_units_and_a_factor_out_of_range(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    time = np.arange(0.0, 1.0, 0.01)
+    Motion.from_samples(0.01, 320.0 * np.sin(2.0 * np.pi * time)).to_csv("gal.csv")
+    assert main(["check", "block.toml", "gal.csv", "--pga", "0.05", *QUICK]) == 0
+    assert "warning: gal.csv: largest acceleration 32.63 g, ground motions reach 3 g" in capsys.readouterr().err
+    for factor in ("-1", "nan", "0", "1e300"):
+        for space in ([], ["--space"]):
+            assert main(["check", "block.toml", "slow.csv", "--confidence-factor", factor, *space, *QUICK]) == 2
+            assert "must be a confidence factor from 1 to 3" in capsys.readouterr().err
+
+
+def test_both_directions_in_one_command(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The second is the column with width and depth exchanged; the report has both answers."""
+    deep = COLUMN.replace("depth = 0.5", "depth = 1.0")
+    Path("deep.toml").write_text(deep, encoding="utf-8")
+    Path("turned.toml").write_text(COLUMN.replace("width = 0.5", "width = 1.0"), encoding="utf-8")
+    words = ["slow.csv", "--pga", "0.3", *QUICK]
+    assert main(["check", "deep.toml", *words, "--both", "--report", "report.html"]) == 0
+    printed = capsys.readouterr().out
+    assert "check the other direction too" not in printed
+    answers = [line for line in printed.splitlines() if line.startswith(("block: ", "block across: "))]
+    assert [line.partition(":")[2].split()[0] for line in answers] == ["FAILS", "PASSES:"]
+    assert "block across: PASSES" in Path("report.html").read_text(encoding="utf-8")
+    tables = printed.split("first period")
+    assert main(["check", "turned.toml", *words, "--periods", "0.1", "1"][:-3]) == 0
+    turned = capsys.readouterr().out.split("first period")[1]
+    assert turned.splitlines()[3:8] == tables[2].splitlines()[3:8]  # all of the rows, from the margin left out on
+    assert main(["check", "block.toml", *words, "--both"]) == 2
+    assert "--both: must be left out, block.toml is the same in both directions" in capsys.readouterr().err
+
+
+def test_round_contacts_are_checked_in_space_unless_kept_in_the_plane(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    drum = COLUMN.replace("width = 0.5\ndepth = 0.5", 'section = "circle"\ndiameter = 0.5')
+    Path("drum.toml").write_text(drum, encoding="utf-8")
+    Path("soft.toml").write_text(drum.replace("joint = {", "joint = { offset = 0.01,"), encoding="utf-8")
+    words = ["slow.csv", "--pga", "0.05", *QUICK]
+    assert main(["check", "drum.toml", *words]) == 0
+    printed = capsys.readouterr().out
+    assert "drum.toml: its contacts are round and may roll, so it is checked in space" in printed
+    assert "1 varied structures" in printed
+    assert main(["check", "drum.toml", "--plane", *words]) == 0
+    printed = capsys.readouterr().out
+    assert "1 varied columns" in printed
+    assert "in space they roll on their rims" in printed
+    assert main(["check", "soft.toml", *words]) == 0
+    printed = capsys.readouterr().out
+    assert "soft.toml: block[1]: must stand on its axis, and not on strips, to be stacked in space; checked" in printed
+    assert "1 varied columns" in printed

@@ -3,7 +3,6 @@
 import math
 from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -26,15 +25,17 @@ from multiblock import (
     wavelets,
 )
 from solver.checks.check import subject_of
-from solver.checks.in_space import SETTLE
 from solver.checks.kinematic import mechanism, rocking_period
 from solver.checks.margin import NARROW
 from solver.checks.scaling import horizontal_pga, horizontal_psa, scaled_to_pga, scaled_to_sa, scaled_to_spectrum
 from solver.checks.table import Row
+from solver.checks.verdicts import falls, verdicts_of
 from solver.commands.command_line import main
-from solver.space.blocks.faces import Face
-from solver.space.blocks.shapes import rectangle
-from solver.space.in_plane import column_of
+from solver.models.protocol import SETTLE, WORDS
+from solver.models.structure.blocks.faces import Face
+from solver.models.structure.blocks.shapes import rectangle
+from solver.models.structure.planar import column_of
+from solver.runs.table import Table
 
 G = 9.80665
 TRILITH = ROOT / "examples" / "structures" / "trilith.toml"
@@ -62,7 +63,7 @@ def found() -> Check:
 def test_rows_have_the_worse_of_both_ways(found: Check) -> None:
     motion = found.action.motions[0].motion
     runs = [simulate(found.subject.model, way, settle=SETTLE) for way in (motion, motion.mirrored())]
-    assert [found.subject.verdict(run) for run in runs] == ["standing"] * 2
+    assert "overturned" not in [run.verdict for run in runs]
     assert row(found, "displacement").demand == max(np.max(run.peaks["u"]) for run in runs)
     worse = max(runs, key=lambda run: np.max(run.peaks["u"]))
     pressure = row(found, "pressure at the edge")
@@ -73,7 +74,7 @@ def test_rows_have_the_worse_of_both_ways(found: Check) -> None:
     assert row(found, "slip").capacity == pytest.approx(0.05 * 0.9)
     assert found.by_hand is None
     assert found.agreement == ()
-    assert "of 2 simulated structures" in found.verdict
+    assert "of 2 varied structures" in found.verdict
 
 
 def test_a_block_has_the_margin_that_it_has_in_its_plane() -> None:
@@ -149,15 +150,13 @@ def test_force_of_a_tie_beside_its_yield() -> None:
     assert subject_of(other).digest() != made.subject.digest()
 
 
-def test_what_still_rocks_stands_and_what_fails_does_not() -> None:
-    subject = subject_of(BLOCK)
-    for settled, verdict in ((SETTLE, "standing"), (SETTLE - 0.25, "undecided")):
-        assert subject.verdict(SimpleNamespace(verdict="undecided", stats={"settled_for": settled})) == verdict
-    table: Any = {
-        "verdict": np.array(["undecided", "undecided", "overturned", "standing"]),
-        "settled_for": np.array([SETTLE, np.nan, 3.0, 1.0]),
-    }
-    assert subject.verdicts(table).tolist() == ["standing", "undecided", "overturned", "standing"]
+def test_what_still_rocks_is_undecided_and_what_fails_is_unfinished() -> None:
+    """A run without a rest has fallen, whatever else is said of it."""
+    words = ("undecided", "undecided", "overturned", "standing")
+    numbers = np.array([WORDS["verdict"].index(word) for word in words])
+    table = Table({"verdict": numbers}, {"failures": {1: "why", 2: "no rest"}})
+    assert verdicts_of(table).tolist() == ["undecided", "unfinished", "overturned", "standing"]
+    assert falls(verdicts_of(table)).tolist() == [False, True, True, False]
 
 
 def test_varied_structures_that_do_not_even_rest_count_as_fallen() -> None:
@@ -173,7 +172,7 @@ def test_varied_structures_that_do_not_even_rest_count_as_fallen() -> None:
     assert 0 < fallen < 8
     note = row(found, "overturning").note
     assert f"{fallen} of 8 runs fall, {fallen} of them under their weight alone (tall: " in note
-    assert f"{fallen} of 8 simulated structures fell" in found.verdict
+    assert f"{fallen} of 8 varied structures fell" in found.verdict
     assert np.isfinite(found.subject.tops(found.runs)[found.runs["verdict"] == "standing"]).all()
     assert len(found.runs.stats["failures"]) == fallen
 
@@ -216,7 +215,7 @@ def test_command_and_report(
     words = ["check", str(TRILITH), "along.csv", "--across", "across.csv", "--pga", "0.2", "--no-margin"]
     assert main([*words, "--ensemble", "1", "--report", "report.html"]) == 0
     printed = capsys.readouterr().out
-    for said in ("across across.csv: CSV", "across (g)", "left-base", "by hand: nothing", "1 simulated structures"):
+    for said in ("across across.csv: CSV", "across (g)", "left-base", "by hand: nothing", "1 varied structures"):
         assert said in printed
     text = Path("report.html").read_text(encoding="utf-8")
     assert text.count("data:image/png;base64,") == 4

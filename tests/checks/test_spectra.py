@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from multiblock import InputError, artificial_motions, intensity, spectra, spectrum
-from solver.checks.spectra import CornerSpectrum, damping_factor
+from solver.checks.scaling import Fit, raised_to_spectrum
+from solver.checks.spectra import CornerSpectrum, TableSpectrum, TargetSpectrum, damping_factor
 
 G = 9.80665
 
@@ -121,3 +122,34 @@ def test_artificial_motions_follow_the_spectrum() -> None:
         assert found.significant_duration > 10.0
     again = artificial_motions(target, 1, seed=1)
     assert again["artificial 1"].ax.tobytes() == motions["artificial 1"].ax.tobytes()
+
+
+def rough(low: float) -> TargetSpectrum:
+    """A spectrum that falls to a part of itself at 0.3 s, within a percent of the period."""
+    table = TableSpectrum(np.array([0.02, 0.3, 0.303, 4.0]), G * np.array([0.5, 0.5, 0.5 * low, 0.5 * low]))
+    return TargetSpectrum("rough", table)
+
+
+def test_artificial_motions_keep_the_least_part_of_the_target() -> None:
+    """As records do: by one factor, which spectra of codes need hardly, or not at all; else they are refused."""
+    span, rugged = (0.04, 2.0), rough(0.05)
+    target = spectra.ntc2018(2.0, 2.4, 0.1, "A")
+    (raised,) = raised_to_spectrum(artificial_motions(target, 1, 2), target, span)
+    assert 1.0 < raised.factor < 1.12  # measured: 1.07
+    assert np.min(Fit({"": raised.motion}, target, span).mean()) == pytest.approx(0.9, rel=1e-12)
+    made = artificial_motions(spectra.eurocode8(2.0, "B"), 1, 1)
+    (kept,) = raised_to_spectrum(made, spectra.eurocode8(2.0, "B"), (0.06, 1.5))
+    assert kept.factor == 1.0
+    np.testing.assert_array_equal(kept.motion.ax, made[kept.name].ax)
+    with pytest.raises(InputError, match=r"rough: artificial motions reach 0\.\d+ of it at 0\.\d+ s, must be 0\.9:"):
+        raised_to_spectrum(artificial_motions(rugged, 1, 0), rugged, span)
+
+
+def test_tables_beyond_ten_g_are_refused_and_a_byte_order_mark_is_not(tmp_path: Path) -> None:
+    path = tmp_path / "site.csv"
+    for text in ("period,g\n0.1,0.5\n1,1e308\n", "period,m/s2\n0.1,0.5\n1,98.1\n"):
+        path.write_text(text, encoding="utf-8")
+        with pytest.raises(InputError, match=r"line 3: .* must be at most 10 g"):
+            spectra.spectrum_from_csv(path)
+    path.write_text("period,g\n0.1,0.5\n1,0.2\n", encoding="utf-8-sig")
+    assert spectra.spectrum_from_csv(path).psa(0.1) == pytest.approx(0.5 * G)

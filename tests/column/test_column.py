@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+import tomllib
 import warnings
 from dataclasses import replace
 from itertools import pairwise
@@ -13,14 +14,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from solver.column.block import Block, Joint
-from solver.column.column import Column
-from solver.column.packing import described
-from solver.column.rest import is_stable
-from solver.column.settings import FORMULATIONS, INTEGRATORS, Settings
 from solver.common.errors import InputError, InputWarning
 from solver.common.ranges import MAX_BLOCKS
-from solver.runs.lane_policy import why_not_in_lanes
+from solver.models.column.block import Block, Joint
+from solver.models.column.lane_policy import why_not_in_lanes
+from solver.models.column.model import Column
+from solver.models.column.packing import described
+from solver.models.column.rest import is_stable
+from solver.models.column.settings import FORMULATIONS, INTEGRATORS, Settings
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples" / "columns"
 
@@ -398,3 +399,30 @@ def test_what_is_remembered_of_a_column_does_not_hang_on_its_joints() -> None:
         assert {key: getattr(changed, key) for key in vars(changed)} == {
             key: getattr(again, key) for key in vars(changed)
         }
+
+
+def test_the_other_direction_exchanges_widths_and_depths() -> None:
+    """Twice is the column itself; the inertia that is given keeps what it has beyond a homogeneous block."""
+    column = replace(Column.from_dict(tomllib.loads(TOML)), settings=Settings())
+    turned = column.across()
+    assert turned.name == "two across"
+    assert [(block.width, block.depth) for block in turned.blocks] == [(0.5, 1.0)] * 2
+    assert (turned.blocks[0].joint_width, turned.blocks[0].joint_depth) == (0.4, 0.8)
+    beyond = 1500.0 - 3000.0 / 12.0 * (2.0**2 + 1.0**2)
+    assert turned.blocks[0].resolved_inertia == pytest.approx(beyond + 3000.0 / 12.0 * (2.0**2 + 0.5**2), rel=1e-12)
+    back = replace(turned.across(), name=column.name)
+    assert back.blocks[0].inertia == pytest.approx(1500.0, rel=1e-12)
+    assert replace(back.blocks[0], inertia=1500.0) == column.blocks[0]
+    assert back.blocks[1] == column.blocks[1]
+    assert not column.is_alike_across
+    leaning = replace(column, blocks=tuple(replace(block, tilt=0.01) for block in column.blocks))
+    with pytest.raises(InputError, match=r"block\[1\]: must stand on its axis"):
+        leaning.across()
+
+
+def test_a_structure_is_not_read_as_a_column() -> None:
+    structure = EXAMPLES.parent / "structures" / "trilith.toml"
+    with pytest.raises(
+        InputError, match=r"trilith\.toml: is a structure in space, must be a column: Structure\.from_toml"
+    ):
+        Column.from_toml(structure)

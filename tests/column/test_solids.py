@@ -13,10 +13,10 @@ from scipy.integrate import quad
 from support.fmus import ROOT
 
 from solver import Column, InputError
-from solver.column.column_file import with_load
-from solver.column.packing import model_of
 from solver.kernels.column.solids import solid_between
 from solver.kernels.sections.faces import ANNULUS, CIRCLE, RECTANGLE
+from solver.models.column.file import with_load
+from solver.models.column.packing import model_of
 
 EXAMPLES = sorted((ROOT / "examples" / "columns").glob("*.toml"))
 

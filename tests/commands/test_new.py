@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from multiblock import Column, InputError
-from solver.column.materials import DRY_JOINT, MATERIALS
 from solver.commands.command_line import main
+from solver.models.column.materials import DRY_JOINT, MATERIALS
 
 
 def ask(monkeypatch: pytest.MonkeyPatch, path: Path, *answers: str) -> int:
@@ -66,7 +66,7 @@ def test_centre_of_mass_of_a_statue(
     answers = ("statue", "", "2.0", "0.6", "0.5", "", "", "0.85", *[""] * 5)
     assert ask(monkeypatch, tmp_path / "a.toml", *answers) == 0
     assert Column.from_toml(tmp_path / "a.toml").blocks[0].resolved_centroid == 0.85
-    assert "exchange width and depth" in capsys.readouterr().out  # 0.6 m along the motion, 0.5 m across
+    assert " --both --spectrum ec8" in capsys.readouterr().out  # 0.6 m along the motion, 0.5 m across
 
 
 def test_a_wrong_answer_on_a_terminal_is_asked_for_again(
@@ -146,3 +146,27 @@ def test_mistakes_end_in_one_line(
 ) -> None:
     assert ask(monkeypatch, tmp_path / "a.toml", *answers) == 2
     assert message in capsys.readouterr().err
+
+
+def test_what_is_refused_leaves_the_file_that_is_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / "a.toml"
+    path.write_text("good", encoding="utf-8")
+    answers = ("statue", "", "1.8", "", "", "", "", "5", *[""] * 5)  # its centre of mass lies above its top
+    monkeypatch.setattr(sys, "stdin", io.StringIO("".join(f"{answer}\n" for answer in answers)))
+    assert main(["new", str(path), "--force"]) == 2
+    assert path.read_text(encoding="utf-8") == "good"
+
+
+def test_a_statue_in_millimetres_is_warned_of(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    answers = ("statue", "", "1800", "500", "500", *[""] * 8)
+    assert ask(monkeypatch, tmp_path / "a.toml", *answers) == 0
+    assert "warning: " in (said := capsys.readouterr().err)
+    assert "1800" in said
+
+
+def test_a_survey_may_begin_with_a_byte_order_mark(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "survey.csv").write_text("height,diameter\n1.0,0.8\n1.1,0.9\n", encoding="utf-8-sig")
+    assert ask(monkeypatch, tmp_path / "a.toml", "survey", "", str(tmp_path / "survey.csv"), "", "") == 0
+    assert Column.from_toml(tmp_path / "a.toml").n == 2

@@ -21,6 +21,8 @@ from solver.plotting.lines import COLUMNS, thinned
 from solver.plotting.plots import PEAK
 from solver.plotting.style import FEW_COLOURS, block_colours
 
+pytestmark = pytest.mark.long  # draws pictures
+
 
 def histories(n: int, samples: int = 500) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     """Times over 5 s and smooth histories of n blocks, the top one moving most."""

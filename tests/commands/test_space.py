@@ -14,7 +14,6 @@ from multiblock import Column, InputError, Structure, Study, simulate
 from solver.commands.command_line import main
 from solver.common.files import toml_of
 from solver.studies.pictures import caption
-from solver.studies.subjects import subject_with
 
 COLUMNS = ROOT / "examples" / "columns"
 STORAGE = COLUMNS / "storage.toml"
@@ -63,7 +62,7 @@ def test_check_modes_and_statics(record: str, capsys: pytest.CaptureFixture[str]
     assert main(given) == 2
     assert "--space" in capsys.readouterr().err
     assert main([*given, "--space"]) == 0
-    assert "of 2 simulated structures" in capsys.readouterr().out
+    assert "of 2 varied structures" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(
@@ -111,16 +110,16 @@ def test_a_study_varies_the_numbers_of_the_columns_file(tmp_path: Path) -> None:
     planned = study.run(1)
     factor = planned.values["block[1].height"]
     column = Column.from_toml(STORAGE)
-    top = planned.run.structure.blocks[0]  # type: ignore[union-attr]
+    top = planned.run.model.blocks[0]
     assert np.ptp(top.corners[:, 2]) == pytest.approx(factor * column.blocks[0].height)
     assert math.hypot(*planned.run.motion.ay.shape) > 0.0
     run = planned.run
-    assert simulate(run.structure, run.motion, settle=0).peaks["uy"].max() > 0.0  # type: ignore[union-attr]
+    assert simulate(run.model, run.motion, settle=0).peaks["uy"].max() > 0.0
 
 
 def test_joints_of_a_stack_have_the_law_of_structures() -> None:
     stack = Structure.from_toml(STORAGE)
-    found = subject_with(
+    found = stack.kind.with_numbers(
         stack, {"column.size": (2.0, False), "joint.shear_ratio": (0.3, False), "joint[2].damping": (2.0, True)}
     )
     assert isinstance(found, Structure)

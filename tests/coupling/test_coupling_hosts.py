@@ -121,6 +121,39 @@ def test_a_host_in_c_runs_the_coupled_system(native_coupled: Path, tmp_path: Pat
 # --- SSP
 
 
+# tag -> the tags within that the importer of OMSimulator knows (src/OMSimulatorLib, August 2026); it refuses a file
+# with any other one
+KNOWN_TO_OMSIMULATOR = {
+    "SystemStructureDescription": "System Units Enumerations DefaultExperiment",
+    "System": "ElementGeometry ParameterBindings Connections Connectors Elements Annotations",
+    "Elements": "System Component",
+    "Component": "Connectors ElementGeometry ParameterBindings",
+    "ParameterBindings": "ParameterBinding",
+    "ParameterBinding": "ParameterValues ParameterMapping",
+    "Connectors": "Connector",
+    "Connector": "ConnectorGeometry Real Integer Boolean String Enumeration Binary",
+    "Connections": "Connection",
+    "Connection": "ConnectionGeometry",
+    "Units": "Unit",
+    "Unit": "BaseUnit",
+    "Annotation": "Annotations",
+    "Annotations": "Annotation SimulationInformation Buses Connections SignalFilter",
+    "SimulationInformation": "FixedStepMaster VariableStepMaster VariableStepSolver",
+}
+
+
+@pytest.mark.parametrize("partner", PARTNERS)
+@pytest.mark.parametrize("inside", [True, False])
+def test_the_importer_of_omsimulator_knows_every_tag(native_coupled: Path, partner: str, inside: bool) -> None:
+    name = {"isolator": "isolated", "soil": "on_soil"}[partner] + ("" if inside else "_inputs")
+    with zipfile.ZipFile(native_coupled / f"{name}.ssp") as archive:
+        root = ElementTree.fromstring(archive.read("SystemStructure.ssd"))
+    unknown = {
+        (parent.tag.rpartition("}")[2], child.tag.rpartition("}")[2]) for parent in root.iter() for child in parent
+    } - {(parent, child) for parent, known in KNOWN_TO_OMSIMULATOR.items() for child in known.split()}
+    assert not unknown
+
+
 @pytest.mark.parametrize("name", ["isolated", "on_soil", "isolated_inputs", "on_soil_inputs"])
 def test_an_ssp_connects_what_there_is(native_coupled: Path, name: str) -> None:
     file = native_coupled / f"{name}.ssp"

@@ -22,12 +22,12 @@ from support.probe import (
 )
 
 from solver import Block, Column, Joint, Settings, SolverError
-from solver.column.packing import InitialState
-from solver.dynamics.stepper import Stepper
 from solver.kernels.formulations.feedthrough import base_direction, effective_mass, tangential_gains
 from solver.kernels.layout import spaces as at
 from solver.kernels.numba_ext.jit import from_python
 from solver.kernels.numba_ext.views import row_of
+from solver.models.column.packing import InitialState
+from solver.models.column.stepper import Stepper
 
 examples = settings(deadline=None, max_examples=60, derandomize=True)
 seeds = st.integers(0, 2**32 - 1)

@@ -19,8 +19,8 @@ from support.probe import (
 )
 
 from solver import Column
-from solver.dynamics.stepper import Stepper
 from solver.kernels.layout import spaces as at
+from solver.models.column.stepper import Stepper
 
 examples = settings(deadline=None, max_examples=100, derandomize=True)
 seeds = st.integers(0, 2**32 - 1)

@@ -17,13 +17,13 @@ from support.probe import PHOCAS_STIFFNESS, Array, G, phocas, random_column, sli
 from support.sliding import SlidingReference
 
 from solver import Block, Column, Joint, Motion, simulate
-from solver.column.packing import pack_model
 from solver.kernels.formulations.implicit import TANGENT, WIDEST, factorize, solve
 from solver.kernels.integrators import rosenbrock
 from solver.kernels.joint.regimes import OPEN
 from solver.kernels.layout import spaces as at
 from solver.kernels.numba_ext.jit import from_python
 from solver.kernels.numba_ext.views import row_of
+from solver.models.column.packing import pack_model
 
 _model, _phase = at.MODEL.over, at.PHASE.over
 

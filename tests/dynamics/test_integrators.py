@@ -14,8 +14,8 @@ from support.lagrange import Array, Reference
 from support.probe import G, coordinates, forced, phocas, put_back, walk
 
 from solver import Block, Column, InitialState, Joint, Settings
-from solver.dynamics.stepper import Stepper
 from solver.kernels.integrators import dormand_prince, order_8
+from solver.models.column.stepper import Stepper
 
 INTEGRATORS = ["auto", "central-difference"]
 FORMULATIONS = ["exact", "paper"]

@@ -11,7 +11,7 @@ from support.off_axis import chipped, crooked, leaning
 from support.probe import PHOCAS_STIFFNESS, G, phocas, random_column
 
 from solver import Block, Column, Joint, Motion, Settings, simulate
-from solver.dynamics.response import BASE_HISTORIES, BLOCK_HISTORIES
+from solver.models.column.response import BASE_HISTORIES, BLOCK_HISTORIES
 
 ODD = {"ux", "theta", "M", "S", "T", "Fx", "My", "slip"}  # change their sign in the mirror
 

@@ -15,16 +15,16 @@ from support.off_axis import changed, crooked, reference_rest
 from support.probe import PHOCAS_STIFFNESS, G, phocas
 
 from solver import Block, Column, InitialState, InputError, Joint, Motion, Settings, simulate
-from solver.dynamics.kinematics import Chain
-from solver.dynamics.leaning import PARTS, SAFE, least_energy
-from solver.dynamics.linearization import StillColumn
-from solver.dynamics.stepper import Stepper
-from solver.dynamics.verdict import cannot_fall
 from solver.kernels.layout import spaces as at
-from solver.runs.single_run import phase_of
+from solver.models.column.kinematics import Chain
+from solver.models.column.leaning import PARTS, SAFE, least_energy
+from solver.models.column.linearization import StillColumn
+from solver.models.column.modes import natural_frequencies
+from solver.models.column.numbers import column_with
+from solver.models.column.run import phase_of
+from solver.models.column.stepper import Stepper
+from solver.models.column.verdict import cannot_fall
 from solver.statics.capacity import capacity_curve, rest_of
-from solver.statics.modes import natural_frequencies
-from solver.studies.parameters import column_with
 
 
 def shaft(eta: float = 0.0, tolerance: float = 1e-8, **settings: Any) -> Column:

@@ -10,7 +10,7 @@ from support.lagrange import Array, Reference, below, from_base, pressure_result
 from support.probe import G, field, look, phocas, random_column, random_state, reaction, settled, with_gravity
 
 from solver import Column, InitialState, Motion, simulate
-from solver.dynamics.stepper import Stepper
+from solver.models.column.stepper import Stepper
 
 examples = settings(deadline=None, max_examples=100, derandomize=True)
 seeds = st.integers(0, 2**32 - 1)

@@ -7,11 +7,11 @@ import pytest
 from support.probe import G, monolith, phocas
 
 from solver import Block, Column, InitialState, Joint, Motion, Response, simulate
-from solver.column.friction import friction_history
-from solver.column.packing import carried_weights
-from solver.dynamics.response import PEAKS
-from solver.dynamics.stepper import Stepper
 from solver.kernels.layout import spaces as at
+from solver.models.column.friction import friction_history
+from solver.models.column.packing import carried_weights
+from solver.models.column.response import PEAKS
+from solver.models.column.stepper import Stepper
 
 DENSE = 2e-5  # s
 SCENES = {

@@ -10,7 +10,7 @@ from support.lagrange import Reference
 from support.probe import G, coordinates, field, monolith, phocas
 
 from solver import InitialState, Motion, natural_frequencies, simulate
-from solver.dynamics.stepper import Stepper
+from solver.models.column.stepper import Stepper
 
 
 @dataclass(frozen=True)

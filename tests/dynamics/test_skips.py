@@ -10,8 +10,8 @@ import pytest
 from support.probe import G, coordinates, phocas
 
 from solver import Column, InitialState, Motion, Response, simulate
-from solver.column.settings import SKIPS
-from solver.dynamics.stepper import Stepper
+from solver.models.column.settings import SKIPS
+from solver.models.column.stepper import Stepper
 
 TOLERANCE = 1e-5
 

@@ -14,8 +14,8 @@ from support.probe import field, reaction, sliding_state
 from support.sliding import SlidingReference
 
 from solver import Column
-from solver.dynamics.stepper import Stepper
 from solver.kernels.layout import spaces as at
+from solver.models.column.stepper import Stepper
 
 examples = settings(deadline=None, max_examples=100, derandomize=True)
 seeds = st.integers(0, 2**32 - 1)

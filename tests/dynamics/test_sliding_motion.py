@@ -16,9 +16,9 @@ from support.shenton import mode_found, mode_of, needed_to_rock
 from support.sliding import SlidingReference, follow
 
 from solver import Block, Column, InitialState, InputError, Joint, Motion, Settings, simulate
-from solver.dynamics.stepper import Stepper
-from solver.dynamics.sticking import sticks_for_good
-from solver.runs.single_run import phase_of
+from solver.models.column.run import phase_of
+from solver.models.column.stepper import Stepper
+from solver.models.column.sticking import sticks_for_good
 
 
 def two_blocks(eta: float, tolerance: float) -> Column:

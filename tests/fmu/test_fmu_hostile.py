@@ -46,6 +46,14 @@ def test_bytes_that_are_no_state_are_refused(fmus: Fmus) -> None:
     assert same
 
 
+@pytest.mark.skipif(REFUSED == "fatal", reason="needs the guard, which ziglang compiles on Linux")
+def test_a_state_from_damaged_bytes_has_no_bytes(fmus: Fmus) -> None:
+    heard, same = call(hostile.damaged_states, fmus.damped)
+    assert len(heard) == 7
+    assert [answer for answer in heard if "error" not in answer] == []
+    assert same
+
+
 @pytest.mark.long
 def test_native_states_with_changed_numbers_end_no_process(native: Path) -> None:
     refused, taken, same = call(hostile.unlikely_states, native, 400)

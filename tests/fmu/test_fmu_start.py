@@ -7,13 +7,19 @@ import os
 import subprocess
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 from support.child import call, command, returned
-from support.fmus import DAMPED, Fmus, environment
+from support.fmus import DAMPED, Fmus, environment, run
 from support.inside import starts
 
 from solver import Motion
+
+
+def call_with(home: Path, function: Callable[..., object], *arguments: object) -> Any:
+    """The value that a function returns in a process on an account whose home is a folder."""
+    return returned(run(*command(function, *arguments), HOME=str(home), XDG_CACHE_HOME="", MULTIBLOCK_CACHE_DIR=""))
 
 
 def start(fmu: Path, home: Path, hindrance: str = "", record: object = "", **variables: str) -> subprocess.Popen[str]:
@@ -41,6 +47,11 @@ def counts(process: subprocess.Popen[str]) -> tuple[int, int, float]:
 def test_a_fresh_account_compiles_nothing(fmus: Fmus, tmp_path: Path) -> None:
     assert counts(start(fmus.damped, tmp_path))[:2] == (3, 0)
     assert counts(start(fmus.damped, tmp_path))[:2] == (3, 0)
+
+
+def test_a_column_and_a_structure_in_one_process_compile_nothing(fmus: Fmus, trilith: Path, tmp_path: Path) -> None:
+    """Each has a solver of its own, with its own kernels; with one for both the second compiles, for a minute."""
+    assert call_with(tmp_path, starts.both, fmus.damped, trilith) == [0, 0]
 
 
 @pytest.mark.parametrize("variable", ["NUMBA_CACHE_DIR", "MULTIBLOCK_CACHE_DIR"])
@@ -119,12 +130,12 @@ def plant(copy: Path, marker: Path, cached: bool) -> None:
 
 
 HARMS: dict[str, Callable[[Path], object]] = {
-    "module missing": lambda copy: (copy / "column/column.py").unlink(),
+    "module missing": lambda copy: (copy / "models/column/model.py").unlink(),
     "code cut": lambda copy: cut(copy, "*.nbc"),
     "code missing": lambda copy: sorted(copy.rglob("*.nbc"))[0].unlink(),
     "index cut": lambda copy: cut(copy, "*.nbi"),
     "bytecode cut": lambda copy: cut(copy, "__init__.*.pyc"),
-    "module cut": lambda copy: cut(copy, "column/column.py"),
+    "module cut": lambda copy: cut(copy, "models/column/model.py"),
     "library added": lambda copy: (copy / "errors.so").write_bytes(b"no library"),
 }
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support.child import call
+from support.child import call, ended
 from support.fmus import ROOT, Fmus
 from support.inside import steps
 
@@ -42,7 +42,7 @@ def test_no_communication_step_changes_the_result(
     results = call(steps.follow, fmus.damped, values | {"base.record": str(pulse)}, kinds)
     column = Column.from_toml(ROOT / "examples/columns/phocas-damped.toml")
     settings = {key.removeprefix("solver."): value for key, value in values.items()}
-    response = simulate(column, Motion.from_csv(pulse), STOP, output_step=0.01, **settings)  # type: ignore[call-overload]
+    response = simulate(column, Motion.from_csv(pulse), STOP, output_step=0.01, **settings)
     assert response.contact.min() < 0.2
     for kind, (ux, shear) in zip(kinds, results, strict=True):
         assert abs(ux - response.ux[-1, 0]) < tolerance * response.peak_ux[0], kind
@@ -62,3 +62,39 @@ def test_a_held_input_does_not_mind_the_step_either(fmus: Fmus) -> None:
     assert abs(whole) > 1e-3
     for other in others:
         assert abs(other - whole) < 1e-6 * abs(whole)
+
+
+def test_a_step_that_would_take_too_long_is_discarded(fmus: Fmus) -> None:
+    """1e4 s under a steady push, and one without end: 1 s of work and a tenth, where each took as long as it is."""
+    heard, same = call(steps.too_long, fmus.phocas, {"base.ax": 0.5, "solver.formulation": "exact"}, [1e4, 1e300])
+    assert all("discard" in answer for answer in heard)
+    assert same
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("kind", ["trilith", "native_trilith", "native"])
+def test_so_is_that_of_a_structure_and_of_a_native_fmu(request: pytest.FixtureRequest, kind: str) -> None:
+    heard, same = call(steps.too_long, request.getfixturevalue(kind), {"base.ax": 0.3}, [1e300])
+    assert all("discard" in answer for answer in heard)
+    assert same
+
+
+def warned(fmu: Path, name: str, grows: float, iterated: bool = False) -> int:
+    """How often an FMU says that the coupling is unstable; fails unless the run ends well."""
+    done = ended(steps.alternating, fmu, name, grows, iterated)
+    assert done.returncode == 0, done.stderr
+    line = "changes its sign at every step and grows"
+    return done.stderr.count(line) or done.stdout.count(line)  # of a native FMU FMPy's logger alone tells
+
+
+def test_an_unstable_coupling_is_warned_of_once(fmus: Fmus) -> None:
+    assert warned(fmus.damped, "base.ax", 1.3) == warned(fmus.damped, "base.alpha", 1.3, True) == 1
+    assert warned(fmus.damped, "base.ax", 0.9) == 0
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("kind", ["trilith", "native_trilith", "native"])
+def test_structures_and_native_fmus_warn_alike(request: pytest.FixtureRequest, kind: str) -> None:
+    fmu = request.getfixturevalue(kind)
+    assert warned(fmu, "base.ax", 1.3, True) == 1
+    assert warned(fmu, "base.ax", 0.9) == 0

@@ -16,8 +16,8 @@ import build_fmu
 from fmu_src.references import FAMILIES, FAMILY, REFERENCES
 from fmu_src.structure_variables import structure_variables
 from solver import Motion, simulate
-from solver.space.driven import DrivenStructure, packed
-from solver.space.structure import Structure
+from solver.models.structure.driven import DrivenStructure, packed
+from solver.models.structure.model import Structure
 
 FOLDER = ROOT / "examples" / "structures"
 TRILITH = FOLDER / "trilith.toml"
@@ -173,13 +173,6 @@ def test_a_column_refuses_a_record_that_leaves_its_plane(tmp_path: Path, capsys:
     options = ["--record", str(tmp_path / "record.csv"), "-o", str(tmp_path / "x.fmu")]
     assert build_fmu.main(options) == 2
     assert "ay: a column moves in its plane" in capsys.readouterr().err
-
-
-@pytest.fixture(scope="session")
-def native_trilith(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    pytest.importorskip("ziglang", reason="needs the extra native")
-    path = tmp_path_factory.mktemp("native") / "trilith.fmu"
-    return Fmus.build(TRILITH, path, "--native", "--platforms", "linux64")
 
 
 @pytest.mark.long  # builds native FMUs

@@ -5,16 +5,18 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from support.fmus import ROOT
 
 from fmu_src.description_parts import About, Experiment
 from fmu_src.model_description import model_description
+from fmu_src.record import usual_experiment
 from fmu_src.references import FAMILIES, FAMILY, REFERENCES
 from fmu_src.variables import CHOICES, ROLES, column_from, variables
-from solver import Block, Column, InputError, Joint
-from solver.column.settings import FORMULATIONS, INTEGRATORS
+from solver import Block, Column, InputError, Joint, Motion
 from solver.common.ranges import MAX_BLOCKS, NUMBERS
+from solver.models.column.settings import FORMULATIONS, INTEGRATORS
 
 KEPT = Path(__file__).with_name("value_references.txt")
 DAMPED = ROOT / "examples/columns/phocas-damped.toml"
@@ -96,3 +98,25 @@ def test_large_columns_do_not_list_what_grows_with_the_square_of_their_blocks() 
         assert (by_name["block[1].ux"].initially is None) == (n == 200)
         assert by_name["base.R0x"].initially is not None
         assert by_name["overturned"].initially == ()
+
+
+def sampled(times: list[float]) -> Motion:
+    """A motion with samples at these times."""
+    ones = np.ones(len(times))
+    return Motion(np.array(times), ones, ones, times[-1] - times[0])
+
+
+@pytest.mark.parametrize(
+    ("dt", "count", "end"), [(0.01, 3000, 29.99), (0.005, 60000, 299.995), (1.0 / 128.0, 129, 1.0)]
+)
+def test_the_usual_experiment_has_the_numbers_of_the_record(dt: float, count: int, end: float) -> None:
+    """Whatever rounding leaves of them where times are multiplied, added up, or read."""
+    experiment = usual_experiment(None, Motion.from_samples(dt, np.ones(count)))
+    assert (experiment.start, experiment.stop, experiment.step) == (0.0, end, dt)
+    read = sampled([float(f"{k * dt:.7f}") for k in range(count)])
+    assert usual_experiment(1e-5, read).step == dt
+
+
+def test_the_usual_experiment_has_the_shortest_interval_of_an_uneven_record() -> None:
+    experiment = usual_experiment(None, sampled([1.0, 1.3, 1.7, 29.99]))
+    assert (experiment.start, experiment.stop, experiment.step) == (1.0, 29.99, 0.3)

@@ -12,19 +12,19 @@ import pytest
 from support.probe import Array, G
 
 from solver import Block, Column, InitialState, InputError, Joint, Motion, Settings, simulate
-from solver.column.packing import pack_model
-from solver.dynamics.kinematics import Chain
-from solver.dynamics.stepper import Stepper
 from solver.kernels.joint.law import joint_forces, joint_potential, law_of
 from solver.kernels.joint.sliding import rim_force
 from solver.kernels.layout import spaces as at
 from solver.kernels.numba_ext.jit import from_python
 from solver.kernels.numba_ext.views import row_of
 from solver.kernels.sections.section import contact_of
-from solver.runs.batch import run_batch
-from solver.runs.lane_policy import why_not_in_lanes
+from solver.models.column.kinematics import Chain
+from solver.models.column.lane_policy import why_not_in_lanes
+from solver.models.column.lanes import run_batch
+from solver.models.column.packing import pack_model
+from solver.models.column.run import phase_of
+from solver.models.column.stepper import Stepper
 from solver.runs.many import simulate_many
-from solver.runs.single_run import phase_of
 from solver.statics.capacity import capacity_curve
 
 K = 1e9  # N/m3

@@ -14,12 +14,11 @@ import pytest
 from fmu_src import variables as table
 from fmu_src.native.column_subject import column_subject
 from solver import Block, Column, InputError, Joint, Motion, simulate
-from solver.dynamics.kinematics import Chain
 from solver.kernels.api.engine import GIVEN, GIVEN_SETTINGS
-from solver.runs.batch import run_batch
-from solver.runs.ensemble import runs_in_lanes
-from solver.runs.lane_policy import why_not_in_lanes
-from solver.runs.single_run import Plan
+from solver.models.column.kinematics import Chain
+from solver.models.column.lane_policy import why_not_in_lanes
+from solver.models.column.lanes import run_batch
+from solver.models.protocol import Plan
 
 ETA = 1e-2
 BLOCK = Block(2.0, 1.0, 1.2, 5e3, Joint(1e9, ETA))
@@ -28,8 +27,8 @@ BLOCK = Block(2.0, 1.0, 1.2, 5e3, Joint(1e9, ETA))
 @pytest.fixture
 def other(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let joints with damping have another law."""
-    monkeypatch.setattr("solver.column.block.OTHER_LAW", ("damping",))
-    monkeypatch.setattr("solver.column.block._LAWS", {"damping": {"sections": ("rectangle", "strips")}})
+    monkeypatch.setattr("solver.models.column.block.OTHER_LAW", ("damping",))
+    monkeypatch.setattr("solver.models.column.block._LAWS", {"damping": {"sections": ("rectangle", "strips")}})
     monkeypatch.setattr("solver.kernels.layout.spaces.OTHER_LAW", ("damping",))
 
 
@@ -47,7 +46,7 @@ def test_runs_are_not_made_in_lanes() -> None:
     ):
         run_batch([column()], [motion])
     response = simulate(column(), motion, settle=0)
-    assert not runs_in_lanes(response, Plan(motion, 0.1, response.time))
+    assert not response.column.kind.in_lanes(response, Plan(motion, 0.1, response.time))
 
 
 @pytest.mark.usefixtures("other")
@@ -75,8 +74,8 @@ def damping_limits(of: Column) -> list[tuple[float, float]]:
 
 def test_energies_are_those_of_the_kernels_law_above_its_rest(monkeypatch: pytest.MonkeyPatch) -> None:
     linear = Chain(column())
-    monkeypatch.setattr("solver.column.block.OTHER_LAW", ("damping",))
-    monkeypatch.setattr("solver.column.block._LAWS", {"damping": {"sections": ("rectangle",)}})
+    monkeypatch.setattr("solver.models.column.block.OTHER_LAW", ("damping",))
+    monkeypatch.setattr("solver.models.column.block._LAWS", {"damping": {"sections": ("rectangle",)}})
     some = np.random.default_rng(3).normal(scale=1e-4, size=(50, 8))
     found, expected = Chain(column()).energies(some), linear.energies(some)
     assert not Chain(column()).rectangles.any()

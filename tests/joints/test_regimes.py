@@ -15,7 +15,6 @@ from support.joints import contact_regime, held_forces, regime_margin
 from support.probe import Array, G, coordinates, phocas
 
 from solver import InitialState, Motion, simulate
-from solver.dynamics.stepper import Stepper
 from solver.kernels.api.engine import column_over
 from solver.kernels.formulations.base_motion import Samples
 from solver.kernels.integrators.interpolation import begin, interpolate_phase, refine
@@ -25,6 +24,7 @@ from solver.kernels.layout import spaces as at
 from solver.kernels.numba_ext.jit import from_python
 from solver.kernels.numba_ext.views import row_of
 from solver.kernels.stepping.advance import repeat_step
+from solver.models.column.stepper import Stepper
 
 # a joint cannot end on both sides for the same reason, unless these are its corners
 REGIMES = [OPEN, *(FULL + left + RIGHT * right for left in range(3) for right in range(3) if left != right or not left)]

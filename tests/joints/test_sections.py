@@ -15,9 +15,6 @@ from support.barriers import barrier
 from support.probe import Array
 
 from solver import Block, Column, InitialState, Joint, Motion, natural_frequencies, simulate
-from solver.column.packing import pack_model
-from solver.dynamics.kinematics import Chain
-from solver.dynamics.stepper import Stepper
 from solver.kernels.joint.law import held_forces, joint_forces, joint_potential, law_of
 from solver.kernels.joint.regimes import OPEN, contact_regime
 from solver.kernels.layout import spaces as at
@@ -31,6 +28,9 @@ from solver.kernels.sections.section import (
     part_stiffness,
     strip_stiffness,
 )
+from solver.models.column.kinematics import Chain
+from solver.models.column.packing import pack_model
+from solver.models.column.stepper import Stepper
 
 examples = settings(deadline=None, max_examples=200, derandomize=True)
 

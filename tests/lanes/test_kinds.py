@@ -15,12 +15,13 @@ from support.columns import RECORDS, flat_block, in_strips, shaken
 from support.probe import Array, G, monolith, phocas, random_column
 
 from solver import Block, Column, InputError, Joint, Motion, simulate, simulate_many
-from solver.column.packing import pack_model
-from solver.column.rest import is_stable
-from solver.dynamics.kinematics import Chain
-from solver.runs.batch import KINDS as BATCH_KINDS
-from solver.runs.batch import run_batch
-from solver.runs.single_run import Plan, single_run
+from solver.models.column.kinematics import Chain
+from solver.models.column.lanes import KINDS as BATCH_KINDS
+from solver.models.column.lanes import run_batch
+from solver.models.column.packing import pack_model
+from solver.models.column.rest import is_stable
+from solver.models.column.run import single_run
+from solver.models.protocol import Plan
 
 KINDS = ("plain", "slipping", "round", "round, slipping", "strips, slipping", "fixed step")
 each_kind = pytest.mark.parametrize(

@@ -14,12 +14,13 @@ from support.structures import stack, with_law
 
 from solver import simulate
 from solver.ground.motion import Motion
-from solver.runs import many_in_space
-from solver.runs.batch_in_space import FROM_LANES, RunInSpace, follow_in_lanes, kind_of
+from solver.models.protocol import Run
+from solver.models.structure.builders import arch, colonnade
+from solver.models.structure.kept import FROM_LANES
+from solver.models.structure.lanes import follow_in_lanes
+from solver.models.structure.model import Structure
+from solver.models.structure.rest import rest_of
 from solver.runs.many import simulate_many
-from solver.space.builders import arch, colonnade
-from solver.space.rest import rest_of
-from solver.space.structure import Structure
 
 TRILITH = ROOT / "examples" / "structures" / "trilith.toml"
 LAW: dict[str, Any] = {"stiffness": 2e9, "damping": 1e-3}
@@ -56,9 +57,9 @@ def waves(count: int = 11, size: float = 0.12, direction: float = 0.4) -> list[M
 
 
 def in_lanes(structure: Structure, motions: list[Motion], settle: float = 0.0, **more: Any) -> list[dict[str, Any]]:
-    runs = [RunInSpace(structure, motion, more.get("duration", motion.duration)) for motion in motions]
-    assert {kind_of(run) is not None for run in runs} == {True}
-    return follow_in_lanes(runs, [rest_of(run.structure) for run in runs], settle)
+    runs = [Run(structure, motion, more.get("duration", motion.duration)) for motion in motions]
+    assert not structure.kind.lanes(structure, FROM_LANES).why_not
+    return follow_in_lanes(runs, [rest_of(run.model) for run in runs], settle)
 
 
 RING = {"name": "r", "shape": "drum", "diameter": 1.0, "bore": 0.6, "height": 4.0, "mass": 5e3, "on": "base"}
@@ -135,30 +136,33 @@ def test_a_structure_that_does_not_move_is_not_stepped_on() -> None:
     assert found["steps"] < 2 * alone.stats["steps"]
 
 
-def test_many_runs_go_through_lanes_and_the_others_alone(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Structures of two kinds, one of them too lightly damped for lanes; what each run gives does not change."""
-    monkeypatch.setattr(many_in_space, "WORTH", 0.0)
+def test_many_runs_go_through_lanes_and_the_others_alone() -> None:
+    """Structures of two kinds, one of them too lightly damped for lanes; each gives the same bits in any company."""
     plain, light = trilith().with_settings(tolerance=1e-4), with_law(trilith(), damping=1e-8)
     structures = [replace(light, tolerance=1e-4) if k == 3 else plain for k in range(10)]
     structures[5] = stack(2).with_settings(tolerance=1e-4)
     motions = waves(10)
     tables = [simulate_many(structures, motions, keep=(*KEEP, "path"), settle=0.0, threads=count) for count in (1, 2)]
-    assert tables[0].stats["paths"] == {"lanes": 9, "scalar": 1}
+    assert (tables[0].stats["lanes"], tables[0].stats["scalar"]) == (9, 1)
+    assert tables[0].stats["why_scalar"] == {"steps of order 8": 1}
     assert list(tables[0]["path"]).index("scalar") == 3
     for name in KEEP:
         np.testing.assert_array_equal(tables[0][name], tables[1][name])
-    monkeypatch.setattr(many_in_space, "WORTH", math.inf)
-    alone = simulate_many(structures, motions, keep=(*KEEP, "path"), settle=0.0)
-    assert alone.stats["paths"] == {"scalar": 10}
+    for k in (0, 3, 5):
+        single = simulate_many(structures[k], motions[k], keep=KEEP, settle=0.0)
+        for name in KEEP:
+            here, there = np.ravel(single[name][0]), np.ravel(tables[0][name][k])
+            np.testing.assert_array_equal(here, there[: here.size])
+    alone = simulate_many(structures, motions, keep=(*KEEP, "least_contact"), settle=0.0)
+    assert (alone.stats["lanes"], alone.stats["scalar"]) == (0, 10)
     np.testing.assert_allclose(tables[0]["peak_u"], alone["peak_u"], rtol=2e-3)
     assert set(KEEP) <= FROM_LANES
 
 
-def test_an_arch_without_a_rest_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(many_in_space, "WORTH", 0.0)
+def test_an_arch_without_a_rest_has_fallen_and_is_named() -> None:
     thin = arch(9, 5.0, 0.3, 1.0, LAW, angle=math.pi)
     found = simulate_many([thin, thin], waves(2), keep=("peak_u", "verdict"), settle=0.0)
-    assert found.stats["verdicts"] == {"overturned": 2}
+    assert found["verdict"].tolist() == ["overturned"] * 2
     assert "rest" in found.stats["failures"][0]
     assert np.all(np.isnan(found["peak_u"]))
 

@@ -1,4 +1,4 @@
-"""The native FMU outside Python, on this machine: `python tests/masters/native.py [COLUMN.toml] [--sequences N]`.
+"""The native FMU outside Python, on this machine: `python tests/masters/native.py [FILE.toml] [--sequences N]`.
 
 The same small host (host.c) runs it as it is, under valgrind, and the Windows library under wine; calls in any order
 (tests/support/random_calls.py) are made to a library whose C layer is compiled with AddressSanitizer and
@@ -27,8 +27,8 @@ sys.path.insert(0, str(ROOT))
 from build_fmu import DEFAULT_COLUMN, build_native_fmu  # noqa: E402
 from fmu_src.body import read_body  # noqa: E402
 from fmu_src.native import library  # noqa: E402
-from fmu_src.native.machine_code import COLUMN, object_code  # noqa: E402
-from fmu_src.native.package import contents_of  # noqa: E402
+from fmu_src.native.machine_code import object_code  # noqa: E402
+from fmu_src.native.package import contents_of, kernels_of  # noqa: E402
 from fmu_src.native.platforms import PLATFORMS  # noqa: E402
 from fmu_src.native.table import headers  # noqa: E402
 
@@ -56,9 +56,10 @@ def _sanitized(column: Path, fmu: Path, folder: Path, sequences: int) -> int:
     if not shutil.which("gcc"):
         print(f"{'sanitizers':10} skipped: gcc is not installed")
         return 0
-    for name, text in headers(contents_of(read_body(column))).items():
+    body = read_body(column)
+    for name, text in headers(contents_of(body)).items():
         (folder / name).write_text(text, encoding="utf-8")
-    (folder / "kernels.o").write_bytes(object_code(list(PLATFORMS[2]["linux64"].targets), COLUMN)[0])
+    (folder / "kernels.o").write_bytes(object_code(list(PLATFORMS[2]["linux64"].targets), kernels_of(body))[0])
     output = folder / "sanitized.so"
     command = ["gcc", "-std=c11", "-g", "-O1", "-shared", "-fPIC", *SANITIZERS, f"-I{folder}", f"-I{library.headers()}"]
     subprocess.run(
@@ -107,7 +108,8 @@ def _hosts(fmu: str) -> int:
     description = read_model_description(fmu)
     name = description.coSimulation.modelIdentifier
     reference = {variable.name: str(variable.valueReference) for variable in description.modelVariables}
-    words = ["file:///nowhere", description.guid, reference["base.ax"], reference["block[1].ux"]]
+    moved = next(name for name in reference if name.startswith("block[") and name.endswith("].ux"))
+    words = ["file:///nowhere", description.guid, reference["base.ax"], reference[moved]]
     failures = 0
     with tempfile.TemporaryDirectory() as temporary:
         folder = Path(temporary)

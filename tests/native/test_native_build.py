@@ -25,8 +25,8 @@ from fmu_src import rules
 from fmu_src.body import read_body
 from fmu_src.native import column_subject, library, symbols, table
 from fmu_src.native.package import contents_of
-from solver.column.settings import SKIP_CODES, SKIPS
 from solver.kernels.api import pointers
+from solver.models.column.settings import SKIP_CODES, SKIPS
 
 pytestmark = pytest.mark.long  # builds native FMUs
 

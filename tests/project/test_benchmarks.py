@@ -40,12 +40,14 @@ from benchmarks.right_hand_side import DATA, KNOWN, Problem, base_acceleration
 from benchmarks.scenes import RECORDS, G, Scene, forced, harmonic, scenes, shaft
 from benchmarks.work_precision import cost_at, envelope, equal_error
 from solver import Motion, simulate
-from solver.column.packing import pack_model
-from solver.dynamics.stepper import Stepper
 from solver.kernels.joint import regimes
 from solver.kernels.layout import spaces as at
 from solver.kernels.numba_ext.lanes import WIDTH
 from solver.kernels.numba_ext.views import row_of
+from solver.models.column.packing import pack_model
+from solver.models.column.stepper import Stepper
+
+pytestmark = pytest.mark.long  # runs the benchmarks
 
 
 def test_shaft_is_phocas():

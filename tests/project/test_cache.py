@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import os
+import pickle
 import shutil
 import sys
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 from support.child import command, returned
 from support.fmus import DAMPED, ROOT, finish_in
 from support.inside import loads
 
-from solver.kernels.numba_ext import cache
+from solver.kernels.numba_ext import cache, jit
 
 
 def loaded_kernel_says(project: Path) -> float:
@@ -71,24 +75,115 @@ def test_the_folder_of_the_user_follows_the_platform(
     [
         ("solver/kernels/api/entries.py", "solver.kernels", {}, ""),  # a checkout
         ("solver/kernels/api/entries.py", "solver.kernels", {"NUMBA_CACHE_DIR": "/numba"}, "/numba"),
-        ("solver/kernels/api/entries.py", "solver.kernels", {"MULTIBLOCK_CACHE_DIR": "/chosen"}, "/chosen/kernels"),
-        (SITE, "solver.kernels", {}, "/cache/multiblock-fmu/kernels"),
+        ("solver/kernels/api/entries.py", "solver.kernels", {"MULTIBLOCK_CACHE_DIR": "CHOSEN"}, "CHOSEN/code"),
+        (SITE, "solver.kernels", {}, "CACHE/multiblock-fmu/code"),
         (SITE, "solver.kernels", {"NUMBA_CACHE_DIR": "/numba"}, "/numba"),
-        (SITE, "solver.kernels", {"NUMBA_CACHE_DIR": "/numba", "MULTIBLOCK_CACHE_DIR": "/chosen"}, "/chosen/kernels"),
+        (SITE, "solver.kernels", {"NUMBA_CACHE_DIR": "/numba", "MULTIBLOCK_CACHE_DIR": "CHOSEN"}, "CHOSEN/code"),
         ("solver_0123/kernels/api/entries.py", "solver_0123.kernels", {"NUMBA_CACHE_DIR": "/numba"}, ""),  # an FMU's
-        ("missing/entries.py", "solver.kernels", {}, "/cache/multiblock-fmu/kernels"),  # nor can be written to
+        ("missing/entries.py", "solver.kernels", {}, "CACHE/multiblock-fmu/code"),  # nor can be written to
         ("missing/entries.py", "solver_0123.kernels", {"NUMBA_CACHE_DIR": "/numba"}, "/numba"),
     ],
 )
 def test_machine_code_stays_out_of_what_a_package_manager_looks_after(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, file: str, package: str, variables: dict[str, str], folder: str
 ) -> None:
-    place(monkeypatch, XDG_CACHE_HOME="/cache", **variables)
+    def here(text: str) -> str:
+        return text.replace("CACHE/", f"{tmp_path}/cache/").replace("CHOSEN", f"{tmp_path}/chosen")
+
+    place(monkeypatch, XDG_CACHE_HOME=here("CACHE/"), **{name: here(text) for name, text in variables.items()})
     monkeypatch.setattr(sys, "platform", "linux")
     source = tmp_path / file
     if "missing" not in file:
         source.parent.mkdir(parents=True)
-    assert cache.code_folder(source, package, variables.get("NUMBA_CACHE_DIR", "")) == folder
+    assert cache.code_folder(source, package, variables.get("NUMBA_CACHE_DIR", "")) == here(folder)
+
+
+def made() -> Any:
+    """An entry that is new to this process; a call reads its machine code from the disk, or compiles it."""
+
+    def small(x: float) -> float:
+        return x + 1.0
+
+    return jit.entry(small)
+
+
+def counts(entry: Any) -> tuple[int, int]:
+    """How often a call found the machine code, and how often it made it; fails if the result is wrong."""
+    assert entry(1.0) == 2.0
+    return sum(entry.stats.cache_hits.values()), sum(entry.stats.cache_misses.values())
+
+
+def replaced(file: Path, put: Callable[[Path], object]) -> None:
+    file.unlink()
+    put(file)
+
+
+DAMAGES: dict[str, Callable[[Path], object]] = {
+    "empty": lambda file: file.write_bytes(b""),
+    "truncated": lambda file: file.write_bytes(file.read_bytes()[: file.stat().st_size // 2]),
+    "garbage": lambda file: file.write_bytes(bytes(range(256)) * 40),
+    "of another version": lambda file: file.write_bytes(pickle.dumps("0.1") + b"of that version"),
+    "unreadable": lambda file: replaced(file, lambda it: it.symlink_to(it)),  # for root, too
+    "a folder": lambda file: replaced(file, Path.mkdir),
+}
+
+
+@pytest.mark.parametrize("damage", DAMAGES)
+@pytest.mark.parametrize("kind", ["nbi", "nbc"])
+def test_damaged_machine_code_is_made_again(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, damage: str, kind: str
+) -> None:
+    place(monkeypatch, MULTIBLOCK_CACHE_DIR=str(tmp_path / "cache"))
+    assert counts(made()) == (0, 1)
+    assert counts(made()) == (1, 0)
+    (file,) = tmp_path.rglob(f"*.{kind}")
+    DAMAGES[damage](file)
+    assert counts(made()) == (0, 1)
+    assert counts(made()) == ((0, 1) if damage == "a folder" else (1, 0))  # which is left where it is
+
+
+def test_what_is_kept_is_whole_or_not_there(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    place(monkeypatch, MULTIBLOCK_CACHE_DIR=str(tmp_path / "cache"))
+    for damage in DAMAGES.values():
+        assert cache.kept("guard", "name") is None
+        cache.keep("guard", "name", b"content")
+        assert cache.kept("guard", "name") == b"content"
+        damage(tmp_path / "cache" / "guard" / "name")
+    assert cache.kept("guard", "name") is None
+    cache.keep("guard", "name", b"content")  # not into a folder, and without a word
+    assert [file.name for file in (tmp_path / "cache" / "guard").iterdir()] == ["name"]
+
+
+def opened(folder: Path) -> None:
+    folder.chmod(0o770)
+
+
+def given_away(folder: Path) -> None:
+    if os.getuid() != 0:
+        pytest.skip("only root can give a folder away")
+    os.chown(folder, 12345, -1)
+
+
+@pytest.mark.skipif(os.name == "nt", reason="folders of a user on Windows are his own")
+@pytest.mark.parametrize("harm", [opened, given_away])
+@pytest.mark.parametrize("inside", ["", "code"])
+def test_machine_code_that_others_may_have_planted_is_not_read(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, harm: Callable[[Path], None], inside: str
+) -> None:
+    place(monkeypatch, MULTIBLOCK_CACHE_DIR=str(tmp_path / "cache"))
+    assert counts(made()) == (0, 1)
+    for folder in (tmp_path / "cache", tmp_path / "cache" / "code"):
+        if folder.name == "cache" or inside:
+            harm(folder)
+    if harm is opened and not inside:  # it is closed again; nothing could get into the private folder
+        assert counts(made()) == (1, 0)
+        assert (tmp_path / "cache").stat().st_mode & 0o022 == 0
+        return
+    with pytest.warns(RuntimeWarning, match="machine code is not kept, and made in every process: .*: others c"):
+        entry = made()
+    assert entry.stats.cache_path is None
+    assert entry(1.0) == 2.0
+    assert cache.kept("code", "name") is None
 
 
 def place(monkeypatch: pytest.MonkeyPatch, **variables: str) -> None:

@@ -73,6 +73,13 @@ def test_lines_are_wrapped(page: Path) -> None:
 
 
 @pytest.mark.parametrize("page", PAGES, ids=name_of)
+def test_no_line_begins_as_a_comment(page: Path) -> None:
+    """The site leaves out lines that begin with a per cent sign."""
+    lines = prose(page.read_text(encoding="utf-8"))
+    assert [number for number, line in lines if line.lstrip().startswith("%")] == []
+
+
+@pytest.mark.parametrize("page", PAGES, ids=name_of)
 def test_what_a_page_refers_to_exists(page: Path) -> None:
     text = page.read_text(encoding="utf-8")
     for target in re.findall(r"\]\(([^)#:]+)(?:#[^)]*)?\)", text):  # relative to the page

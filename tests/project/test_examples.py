@@ -19,6 +19,8 @@ from support.fmus import DAMPED, PHOCAS, ROOT, finish_in
 from solver import Column, InputError, Motion, Table, simulate
 from solver.ground.motion import STANDARD_GRAVITY
 
+pytestmark = pytest.mark.long  # runs the programs of the examples
+
 EXAMPLES = ROOT / "examples"
 
 

@@ -10,13 +10,13 @@ from numba import typeof
 from support.probe import phocas
 from support.structures import stack
 
-from solver.dynamics.stepper import SILENCE, Stepper
 from solver.kernels.api import entries
 from solver.kernels.layout import spaces as at
 from solver.kernels.numba_ext.jit import as_written, from_python
 from solver.kernels.numba_ext.views import Table, row_of
-from solver.kernels.space.entries import observe_structure, run_structure, stiffness_of
-from solver.space.stepper import Stepper as SpatialStepper
+from solver.kernels.structure.entries import observe_structure, run_structure, stiffness_of
+from solver.models.column.stepper import SILENCE, Stepper
+from solver.models.structure.stepper import Stepper as SpatialStepper
 
 NOTHING = np.zeros(0)
 RECORD = (NOTHING,) * 4  # times, s, and accelerations, m/s2

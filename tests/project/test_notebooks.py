@@ -13,6 +13,8 @@ import pytest
 from nbclient import NotebookClient
 from support.fmus import ROOT, environment
 
+pytestmark = pytest.mark.long  # runs the notebooks
+
 NOTEBOOKS = sorted((ROOT / "examples" / "notebooks").glob("*.ipynb"))
 OURS = ("<Column", "<Motion", "<Response", "<Table", "<Study", "<Results")
 

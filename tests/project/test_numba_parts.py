@@ -90,7 +90,7 @@ def test_a_native_fmu_is_refused_where_kernels_cannot_be_linked(monkeypatch: pyt
         build_fmu.build_native_fmu(build_fmu.DEFAULT_COLUMN)
 
 
-@pytest.mark.long  # compiles all kernels by numba's own pipeline, a few minutes
+@pytest.mark.campaign  # compiles all kernels by numba's own pipeline, a few minutes
 def test_the_bits_are_the_same_without_linking_and_all_is_cached(tmp_path: Path) -> None:
     folders = {"1": {}, "0": {"NUMBA_CACHE_DIR": str(tmp_path / "numba"), "XDG_CACHE_HOME": str(tmp_path)}}
     printed = {}

@@ -78,7 +78,7 @@ def test_nothing_is_left_where_the_wheel_was_installed(installed: Path, tmp_path
     places = {"PYTHONPATH": str(Path(np.__file__).parents[1]), "MULTIBLOCK_CACHE_DIR": str(tmp_path / "kept")}
     done = finish_in(tmp_path, python, "-c", COMPILE_LITTLE, **places)
     assert (done.returncode, done.stdout) == (0, "1.0\n"), done.stderr
-    assert len({*(tmp_path / "kept" / "kernels").rglob("*.rings_beyond_*.nbc")}) == 1
+    assert len({*(tmp_path / "kept" / "code").rglob("*.rings_beyond_*.nbc")}) == 1
     assert not [name for name in files_below(tmp_path / "venv") if name.suffix in (".nbc", ".nbi")]
     subprocess.run([*pip, "uninstall", "-y", "multiblock-fmu"], check=True, capture_output=True)
     assert files_below(tmp_path / "venv") <= before  # pip takes the empty folder with it

@@ -14,6 +14,8 @@ from support.fmus import ROOT, finish_in, read_results
 
 from solver import Column
 
+pytestmark = pytest.mark.long  # runs the commands of the README
+
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 BLOCKS = re.findall(r"^```(\w+)\n(.*?)^```", README, flags=re.MULTILINE | re.DOTALL)
 

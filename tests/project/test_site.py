@@ -19,6 +19,8 @@ import multiblock
 from fmu_src.references import FAMILIES, REFERENCES
 from multiblock import Column, Plan, Structure
 
+pytestmark = pytest.mark.long  # runs the commands of the site
+
 DOCS = pages.DOCS
 TUTORIALS = sorted((DOCS / "tutorials").glob("*.md"))
 GALLERY = DOCS / "gallery.md"
@@ -141,7 +143,7 @@ def test_gallery_of_studies(folder: Path) -> None:
 
 @pytest.mark.long
 def test_programs_of_the_gallery_and_campaigns(folder: Path) -> None:
-    found = [*pages.commands(GALLERY), *pages.commands(DOCS / "speed.md")]
+    found = [*pages.commands(GALLERY), *pages.commands(DOCS / "accuracy.md")]
     programs = [command for command in found if command.startswith("python ")]
     assert len(programs) == 5
     for command in programs:

@@ -28,6 +28,8 @@ from stress.energy import Energies
 from stress.fmi_machine import Machine, ProblemError
 from stress.stability import examine, follow
 
+pytestmark = pytest.mark.long  # runs the campaigns, shortly
+
 CASES = 25  # of seed 7: columns of up to ten blocks
 
 

@@ -11,12 +11,12 @@ from support.barriers import barrier
 from support.probe import G, monolith, phocas, settled
 
 from solver import Column, InitialState, Motion, simulate
-from solver.dynamics.creeping import SHARE, levers_left, on_its_axis
-from solver.dynamics.kinematics import Chain
-from solver.dynamics.leaning import PARTS, least_energy
-from solver.dynamics.stepper import Stepper
-from solver.dynamics.verdict import CREEPS, cannot_fall, creeps_no_further
-from solver.runs.single_run import phase_of
+from solver.models.column.creeping import SHARE, levers_left, on_its_axis
+from solver.models.column.kinematics import Chain
+from solver.models.column.leaning import PARTS, least_energy
+from solver.models.column.run import phase_of
+from solver.models.column.stepper import Stepper
+from solver.models.column.verdict import CREEPS, cannot_fall, creeps_no_further
 
 
 def rough(column: Column, friction: float | None, offsets: np.ndarray | None = None, **others: float) -> Column:

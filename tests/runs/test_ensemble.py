@@ -12,10 +12,9 @@ from scipy.stats import beta
 from support.probe import G, phocas
 
 from solver import InitialState, InputError, Motion, Spread, simulate
-from solver.dynamics.kinematics import chain_of
-from solver.dynamics.uncertainty import Ensemble, share_bounds
-from solver.runs.batch import run_batch
-from solver.runs.ensemble import vary
+from solver.models.column.kinematics import chain_of
+from solver.models.column.lanes import run_batch
+from solver.models.uncertainty import Ensemble, share_bounds, vary
 
 MOTION = Motion.harmonic(0.05 * G, 2.0, 4.0)
 

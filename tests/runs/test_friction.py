@@ -8,9 +8,9 @@ import pytest
 from support.probe import phocas
 
 from solver import InputError, Motion, simulate
-from solver.column.friction import friction_demand, time_exceeded
-from solver.column.packing import carried_weights
 from solver.ground.motion import STANDARD_GRAVITY
+from solver.models.column.friction import friction_demand, time_exceeded
+from solver.models.column.packing import carried_weights
 
 
 def response(T: list[float], N: list[float], step: float = 0.5) -> Any:

@@ -19,8 +19,8 @@ from support.probe import G, phocas
 
 from solver import Motion, simulate
 from solver.commands import progress
-from solver.dynamics.stepper import Stepper
-from solver.runs.single_run import Glance
+from solver.models.column.run import Glance
+from solver.models.column.stepper import Stepper
 
 if sys.platform == "win32":
     pytest.skip("signals of POSIX", allow_module_level=True)
@@ -48,20 +48,21 @@ def tall(tmp_path: Path) -> Path:
 
 
 def interrupted(
-    folder: Path, *arguments: str, after: float = 5.0, **variables: str
+    folder: Path, *arguments: str, after: float = 5.0, from_line: bool = False, **variables: str
 ) -> tuple[subprocess.Popen[str], float, str, str]:
-    """A command that gets SIGINT after `after` s; s until it ended, stdout, stderr."""
+    """A command that gets SIGINT `after` s from its start, or from its first line; s until it ended, stdout, stderr."""
     environment = {**os.environ, "PYTHONPATH": str(ROOT), **variables}
     command = [sys.executable, *arguments]
     with subprocess.Popen(
         command, cwd=folder, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     ) as process:
+        first = process.stdout.readline() if from_line and process.stdout else ""
         time.sleep(after)
         assert process.poll() is None, process.communicate()
         process.send_signal(signal.SIGINT)
         begin = time.monotonic()
         out, err = process.communicate(timeout=60.0)
-        return process, time.monotonic() - begin, out, err
+        return process, time.monotonic() - begin, first + out, err
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -77,8 +78,9 @@ from solver import Column, Motion, simulate_many
 column = Column.from_toml("tall.toml")
 motions = [Motion.harmonic(0.1, 2.0 + 0.01 * k, 2.0) for k in range(40)]
 table = simulate_many(column, motions, tolerance=float(sys.argv[1]), duration=0.01, keep=("path",))
+motion = Motion.from_csv("motion.csv")
+motions = [motion.scaled(1.0 + 0.01 * k) for k in range(40)]
 print(table["path"][0], flush=True)
-motions = [Motion.from_csv("motion.csv").scaled(1.0 + 0.01 * k) for k in range(40)]
 simulate_many(column, motions, tolerance=float(sys.argv[1]))
 """
 
@@ -88,7 +90,7 @@ simulate_many(column, motions, tolerance=float(sys.argv[1]))
 )
 def test_ctrl_c_ends_many_runs_at_once(tall: Path, tolerance: str, path: str) -> None:
     (tall / "many.py").write_text(MANY)
-    process, took, out, err = interrupted(tall, "many.py", tolerance, after=8.0)
+    process, took, out, err = interrupted(tall, "many.py", tolerance, after=2.0, from_line=True)
     assert out.split() == [path]
     assert process.returncode == -signal.SIGINT, err
     assert err.rstrip().endswith("KeyboardInterrupt")
@@ -210,7 +212,7 @@ def test_chunks_change_a_run_by_less_than_the_tolerance(monkeypatch: pytest.Monk
     column, motion = phocas(1e-3), Motion.harmonic(0.05 * G, 2.0, 10.0)
     runs = []
     for chunk in (1e12, 4e5, 1e4):
-        monkeypatch.setattr("solver.dynamics.stepper.CHUNK", chunk)
+        monkeypatch.setattr("solver.models.column.stepper.CHUNK", chunk)
         runs.append(simulate(column, motion))
     for run in runs[1:]:
         assert run.peak_ux == pytest.approx(runs[0].peak_ux, rel=1e-5)  # the tolerance
@@ -227,8 +229,8 @@ def test_chunks_end_alike_in_every_run() -> None:
 
 
 def test_rows_of_a_fallen_column_are_there_to_the_end(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("solver.dynamics.stepper.CHUNK", 1e4)
-    monkeypatch.setattr("solver.dynamics.stepper.ROWS_AT_ONCE", 7)
+    monkeypatch.setattr("solver.models.column.stepper.CHUNK", 1e4)
+    monkeypatch.setattr("solver.models.column.stepper.ROWS_AT_ONCE", 7)
     run = simulate(phocas(1e-3), Motion.harmonic(0.1 * G, 0.25, 20.0))
     assert run.overturned
     after = run.time > run.overturn_time

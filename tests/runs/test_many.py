@@ -17,9 +17,9 @@ from support.probe import PHOCAS_STIFFNESS, G, monolith, phocas
 
 from solver import Block, Column, InputError, Joint, Motion, Table, simulate, simulate_many
 from solver.common.turns import my_turn, others_turn
-from solver.dynamics.response import PEAKS
+from solver.models.column.kept import KEPT, WATCHED, WATCHED_OF_BASE
+from solver.models.column.response import PEAKS
 from solver.runs.many import ExecutorError, parts_of_many
-from solver.runs.outputs import KEPT, WATCHED, WATCHED_OF_BASE
 from solver.runs.pace import MOST_RUNS
 
 KEEP = ("peak_ux", "residual_ux", "residual_theta", "energy", "verdict", "overturn_time", "overturned_joint", "steps")

@@ -11,9 +11,9 @@ from support.lagrange import Reference, from_base
 from support.probe import G, phocas, random_column, settled, with_gravity
 
 from solver import InitialState, Motion, Response, SolverError, simulate
-from solver.dynamics.response import BASE_HISTORIES, BLOCK_HISTORIES
-from solver.dynamics.stepper import Stepper
 from solver.kernels.layout import spaces as at
+from solver.models.column.response import BASE_HISTORIES, BLOCK_HISTORIES
+from solver.models.column.stepper import Stepper
 
 FORMULATIONS = ["exact", "paper"]
 INTEGRATORS = ["auto", "central-difference"]

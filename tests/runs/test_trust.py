@@ -9,7 +9,7 @@ import pytest
 from support.probe import G, phocas
 
 from solver import Motion, Response, SolverError, simulate
-from solver.dynamics.verdict import OVERTURNED, STANDING, UNDECIDED
+from solver.models.protocol import OVERTURNED, STANDING, UNDECIDED
 from solver.runs.trust import AGREE, finer, judge
 
 MOTION = Motion.harmonic(0.05 * G, 2.0, 6.0)

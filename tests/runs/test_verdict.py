@@ -15,11 +15,14 @@ from support.lagrange import Reference
 from support.probe import Array, G, monolith, phocas, random_column, random_state, settled
 
 from solver import Column, InitialState, InputError, Motion, simulate
-from solver.column.packing import pack_model
-from solver.column.rest import is_stable
-from solver.dynamics.kinematics import Chain
-from solver.dynamics.stepper import Stepper
-from solver.dynamics.verdict import (
+from solver.kernels.layout import spaces as at
+from solver.models.column.kinematics import Chain
+from solver.models.column.packing import pack_model
+from solver.models.column.rest import is_stable
+from solver.models.column.run import outcome
+from solver.models.column.settling import outcomes_of
+from solver.models.column.stepper import Stepper
+from solver.models.column.verdict import (
     GRAZED,
     SAFE,
     SHARES,
@@ -29,10 +32,7 @@ from solver.dynamics.verdict import (
     least_energies,
     least_energy,
 )
-from solver.kernels.layout import spaces as at
-from solver.runs.settling import outcomes_of
-from solver.runs.single_run import outcome
-from solver.runs.table import WORDS
+from solver.models.protocol import WORDS
 
 ALPHA = 0.78 / (14.07 / 2)  # rad, angle of the diagonal of the monolith
 P = math.sqrt(G / (4.0 / 3.0 * math.hypot(14.07 / 2, 0.78)))  # 1/s, its frequency parameter

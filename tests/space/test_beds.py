@@ -10,12 +10,12 @@ import pytest
 from support.structures import stack
 
 from solver.kernels.numba_ext.jit import from_python
-from solver.kernels.space.bed import Plane
-from solver.kernels.space.entries import scene_of
-from solver.kernels.space.joint import bed_of_joint
-from solver.space.blocks.faces import FloatArray
-from solver.space.stepper import Stepper
-from solver.space.structure import Structure
+from solver.kernels.structure.bed import Plane
+from solver.kernels.structure.entries import scene_of
+from solver.kernels.structure.joint import bed_of_joint
+from solver.models.structure.blocks.faces import FloatArray
+from solver.models.structure.model import Structure
+from solver.models.structure.stepper import Stepper
 
 SCALE = 1e-4  # m, of penetrations
 

@@ -13,11 +13,11 @@ from support.structures import with_law
 
 from solver import simulate
 from solver.ground.motion import Motion
-from solver.space.blocks.faces import FloatArray
-from solver.space.response import SpatialResponse
-from solver.space.rest import rest_of, start_from
-from solver.space.stepper import Stepper
-from solver.space.structure import Structure
+from solver.models.structure.blocks.faces import FloatArray
+from solver.models.structure.model import Structure
+from solver.models.structure.response import SpatialResponse
+from solver.models.structure.rest import rest_of, start_from
+from solver.models.structure.stepper import Stepper
 
 TRILITH = ROOT / "examples" / "structures" / "trilith.toml"
 

@@ -12,9 +12,9 @@ from support.structures import stack
 
 from solver import Column, InputError, Response, simulate
 from solver.ground.motion import Motion
-from solver.space.in_plane import column_of
-from solver.space.response import SpatialResponse
-from solver.space.structure import Structure
+from solver.models.structure.model import Structure
+from solver.models.structure.planar import column_of
+from solver.models.structure.response import SpatialResponse
 
 MOTION = Motion.harmonic(0.05 * G, 2.0, 1.0)
 
@@ -66,4 +66,4 @@ def test_what_is_no_column_is_solved_in_space() -> None:
 
 def test_another_word_is_refused() -> None:
     with pytest.raises(InputError, match="plane"):
-        simulate(stack(), MOTION, plane="xz")  # type: ignore[call-overload]
+        simulate(stack(), MOTION, plane="xz")

@@ -9,13 +9,13 @@ import pytest
 from scipy.spatial.transform import Rotation
 from support.probe import G
 
-from solver.kernels.space import layout as at
-from solver.space.blocks.faces import Face, FloatArray, clipped, polygon_moments
-from solver.space.blocks.parts import Tie
-from solver.space.builders import arch, colonnade, wall
-from solver.space.run import SpatialState, set_initial
-from solver.space.stepper import Stepper
-from solver.space.structure import Structure
+from solver.kernels.structure import layout as at
+from solver.models.structure.blocks.faces import Face, FloatArray, clipped, polygon_moments
+from solver.models.structure.blocks.parts import Tie
+from solver.models.structure.builders import arch, colonnade, wall
+from solver.models.structure.model import Structure
+from solver.models.structure.run import SpatialState, set_initial
+from solver.models.structure.stepper import Stepper
 
 SMALL = 1e-5  # m and rad, of differences; terms of the third order are 1e-10 of the first
 

@@ -14,16 +14,16 @@ from support.structures import run, stack, with_law
 
 from solver.ground.motion import Motion
 from solver.kernels.layout.spaces import MODE
-from solver.kernels.space import layout as at
-from solver.kernels.space import modal_layout
-from solver.space.builders import arch, colonnade
-from solver.space.modal_data import modal_data_of
-from solver.space.modes import modes_in_space
-from solver.space.response import SpatialResponse
-from solver.space.rest import rest_of, start_from
-from solver.space.run import SpatialState, set_initial
-from solver.space.stepper import Stepper
-from solver.space.structure import Structure
+from solver.kernels.structure import layout as at
+from solver.kernels.structure import modal_layout
+from solver.models.structure.builders import arch, colonnade
+from solver.models.structure.modal_data import modal_data_of
+from solver.models.structure.model import Structure
+from solver.models.structure.modes import modes_in_space
+from solver.models.structure.response import SpatialResponse
+from solver.models.structure.rest import rest_of, start_from
+from solver.models.structure.run import SpatialState, set_initial
+from solver.models.structure.stepper import Stepper
 
 LAW = {"stiffness": 2e9, "damping": 1e-3}
 EXPLICIT = ("elastic",)  # left out

@@ -13,6 +13,7 @@ from support.probe import PHOCAS_STIFFNESS, Array, monolith, phocas
 
 from solver import Column, InitialState, InputError, InputWarning, Motion, SolverError, simulate
 from solver.commands.command_line import main
+from solver.models.column.modes import natural_modes
 from solver.statics.calibrate import (
     damping_from_ratio,
     damping_from_restitution,
@@ -24,7 +25,6 @@ from solver.statics.calibrate import (
     sway_frequencies,
     with_joints,
 )
-from solver.statics.modes import natural_modes
 from solver.statics.rocking import housner_restitution, pulled_aside, restitution
 
 COLUMNS = Path(__file__).resolve().parents[2] / "examples" / "columns"

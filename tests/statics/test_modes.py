@@ -9,8 +9,8 @@ import pytest
 from support.probe import phocas
 
 from solver import Column, InputError, SolverError, natural_frequencies
-from solver.dynamics.stepper import Stepper
 from solver.kernels.layout import spaces as at
+from solver.models.column.stepper import Stepper
 from stress.scheme import longest_stable_step
 
 

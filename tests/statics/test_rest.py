@@ -20,12 +20,12 @@ from solver import (
     SolverError,
     simulate,
 )
-from solver.column.rest import first_damping_ratio, is_stable, warnings_of
-from solver.dynamics.stepper import Stepper
 from solver.ground.motion import STANDARD_GRAVITY
+from solver.models.column.modes import natural_frequencies, natural_modes
+from solver.models.column.rest import first_damping_ratio, is_stable, warnings_of
+from solver.models.column.stepper import Stepper
 from solver.runs.many import simulate_many
 from solver.statics.capacity import capacity_curve, rest_of
-from solver.statics.modes import natural_frequencies, natural_modes
 
 SHAKE = Motion.harmonic(0.01 * STANDARD_GRAVITY, 2.0, 0.1)
 
@@ -178,7 +178,7 @@ def test_initial_states_that_make_no_sense(given: dict[str, Any], said: str) -> 
 
 def test_what_is_no_initial_state() -> None:
     with pytest.raises(InputError, match=r"^initial = \[0\.0\]: must be an InitialState$"):
-        simulate(phocas(), SHAKE, initial=[0.0])  # type: ignore[call-overload]
+        simulate(phocas(), SHAKE, initial=[0.0])
 
 
 @pytest.mark.parametrize("hold", ["no", 1, None])
@@ -195,7 +195,7 @@ def test_initial_states_of_any_number() -> None:
 
 
 def test_times_of_a_run_are_numbers() -> None:
-    assert len(simulate(phocas(), SHAKE, np.float32(0.0625), output_step=np.int64(1)).time) == 1  # type: ignore[call-overload]
+    assert len(simulate(phocas(), SHAKE, np.float32(0.0625), output_step=np.int64(1)).time) == 1
     values: tuple[Any, ...] = (True, "1", np.bool_(True), np.nan, np.array([1.0]))
     for key in ("duration", "output_step"):
         for value in values:

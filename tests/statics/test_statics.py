@@ -24,12 +24,12 @@ from solver import (
     natural_frequencies,
     simulate,
 )
-from solver.column.rest import is_stable
 from solver.commands.command_line import main
 from solver.commands.reports import statics_report
-from solver.dynamics.stepper import Stepper
+from solver.models.column.modes import natural_modes
+from solver.models.column.rest import is_stable
+from solver.models.column.stepper import Stepper
 from solver.statics.capacity import CapacityCurve, capacity_curve, rest_of, uplift_accelerations
-from solver.statics.modes import natural_modes
 
 COLUMNS = Path(__file__).resolve().parents[2] / "examples" / "columns"
 ALPHA = math.atan2(1.56, 14.07)  # rad, of the diagonal of the monolith

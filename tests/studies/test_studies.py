@@ -17,6 +17,7 @@ from support.study import TEXT, same, start
 
 from solver import Column, InputError, Motion, simulate
 from solver.ground.motion import STANDARD_GRAVITY
+from solver.models.column.numbers import column_with
 from solver.studies import (
     Distribution,
     Measure,
@@ -31,7 +32,6 @@ from solver.studies import (
 from solver.studies.definition import axis
 from solver.studies.journal import read_journal
 from solver.studies.motions import tilted
-from solver.studies.parameters import column_with
 
 DAMPED = ROOT / "examples" / "columns" / "phocas-damped.toml"
 

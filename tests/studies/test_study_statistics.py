@@ -10,9 +10,8 @@ import pytest
 from scipy import stats
 
 from solver import InputError
-from solver.dynamics.uncertainty import share_bounds as bounds_of_one
 from solver.studies import Results, fit_fragility, ida_curves, influences
-from solver.studies.statistics import binned, percentiles, share_bounds
+from solver.studies.statistics import binned, bounds_of, percentiles
 
 
 def made_up(
@@ -128,11 +127,12 @@ def test_bins_hold_all_runs(known: Results) -> None:
     assert (levels.runs.tolist(), levels.failed.tolist()) == ([5, 5, 5], [2, 2, 2])
 
 
-def test_binomial_bounds_are_those_of_the_solver() -> None:
-    count, size = np.array([0, 3, 20, 20]), np.array([20, 20, 20, 40])
-    low, high = share_bounds(count, size)
-    for k in range(4):
-        assert (low[k], high[k]) == pytest.approx(bounds_of_one(int(count[k]), int(size[k])), abs=1e-9)
+def test_binomial_bounds_are_quantiles_of_the_beta_distribution() -> None:
+    count, size = np.array([0, 3, 20, 20, 30000]), np.array([20, 20, 20, 40, 100000])
+    low, high = bounds_of(count, size)
+    assert low[1:] == pytest.approx(stats.beta.ppf(0.025, count, size - count + 1)[1:], abs=1e-9)
+    assert high[[0, 1, 3, 4]] == pytest.approx(stats.beta.ppf(0.975, count + 1, size - count)[[0, 1, 3, 4]], abs=1e-9)
+    assert (low[0], high[2]) == (0.0, 1.0)
 
 
 def test_curves_of_an_incremental_dynamic_analysis() -> None:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from solver.column.column import Column
-from solver.dynamics.kinematics import chain_of
-from solver.dynamics.verdict import PARTS, Barrier, least_energy, limits_at
+from solver.models.column.kinematics import chain_of
+from solver.models.column.model import Column
+from solver.models.column.verdict import PARTS, Barrier, least_energy, limits_at
 
 
 def barrier(column: Column) -> Barrier:

@@ -9,10 +9,10 @@ from pathlib import Path
 import numpy as np
 
 from solver import Block, Column, InputError, Joint, Motion, Settings
-from solver.column.packing import pack_model
-from solver.column.rest import is_stable
-from solver.dynamics.stepper import Stepper
 from solver.kernels.layout.spaces import MOST_STRIPS
+from solver.models.column.packing import pack_model
+from solver.models.column.rest import is_stable
+from solver.models.column.stepper import Stepper
 from support.probe import G, random_column
 
 MU = 0.3

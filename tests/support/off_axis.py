@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from solver import Column
-from solver.dynamics.stepper import Stepper
+from solver.models.column.stepper import Stepper
 from support.lagrange import Array
 from support.probe import phocas
 from support.sliding import SlidingReference

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solver import Block, Column, Joint, Settings
-from solver.dynamics.stepper import Stepper
 from solver.kernels.layout import spaces as at
+from solver.models.column.stepper import Stepper
 
 Array = NDArray[np.float64]
 

@@ -8,10 +8,11 @@ from typing import Any
 import numpy as np
 
 from solver.ground.motion import Motion
-from solver.space.blocks.parts import Joint
-from solver.space.response import SpatialResponse
-from solver.space.run import SpatialState, single_run
-from solver.space.structure import Structure
+from solver.models.protocol import Plan
+from solver.models.structure.blocks.parts import Joint
+from solver.models.structure.model import Structure
+from solver.models.structure.response import SpatialResponse
+from solver.models.structure.run import SpatialState, single_run
 
 MODULUS = 533.0 * 9.80665e6  # N/m3, of the paper's column
 
@@ -46,4 +47,4 @@ def run(
     """A run with rows every 5 ms; it is not followed after its end."""
     duration = motion.duration if duration is None else duration
     times = motion.start + 0.005 * np.arange(int(duration / 0.005) + 1, dtype=np.float64)
-    return single_run(structure, motion, duration, times, initial)
+    return single_run(structure, Plan(motion, duration, times, initial))

@@ -11,10 +11,9 @@ from typing import Any
 import numpy as np
 
 from multiblock import Motion
-from solver.common.errors import InputError
+from solver.common.errors import SolverError
 from solver.common.executors import cores
-from solver.runs.batch_in_space import RunInSpace
-from solver.runs.many_in_space import made_alone
+from solver.models.protocol import NoRestError, Run
 
 from .. import scores
 from ..case import Case, Outcome
@@ -52,16 +51,18 @@ def verdicts(rock: Rock, motions: Iterable[Motion], direction: float) -> FloatAr
     rows = []
     for motion in motions:
         turned = motion.turned(math.radians(direction))
-        rows.append([_falls(RunInSpace(structure, turned, turned.duration)) for structure in structures])
+        rows.append([_falls(Run(structure, turned, turned.duration)) for structure in structures])
     return np.array(rows).T
 
 
-def _falls(run: RunInSpace) -> float:
+def _falls(run: Run) -> float:
     try:
-        made = made_alone(run, ("verdict",), SETTLE)
-    except InputError:  # no rest
+        made = run.model.kind.alone(run, ("verdict",), SETTLE, lambda *_: None)
+    except NoRestError:
         return 1.0
-    return float(not isinstance(made, str) and made["verdict"] == "overturned")
+    except SolverError:
+        return 0.0
+    return float(made["verdict"] == "overturned")
 
 
 def bank(rock: Rock, motions: list[Motion]) -> dict[str, FloatArray]:

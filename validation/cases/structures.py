@@ -11,7 +11,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from multiblock import InputError, Motion, SpatialState, Structure, arch, push_over, simulate
-from solver.space.rest import rest_of
+from solver.models.structure.rest import rest_of
 
 from ..case import Case, Outcome
 from ..limits import largest_push

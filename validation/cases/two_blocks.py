@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from multiblock import Block, Column, Joint, Motion, simulate
-from solver.column.packing import InitialState
+from solver.models.column.packing import InitialState
 
 from ..case import Case, Outcome
 from ..pictures import BLUE, GREEN, GREY, RED, label, panels

@@ -59,12 +59,13 @@ def _content(checks: Sequence[Check]) -> dict[str, Any]:
         "check": check,
         "word": check.subject.word,
         "checks": checks,
+        "passes": check.passes and all(one.passes for one in checks if one.both),
         "model": shown,
         "motions": _motions(check),
         "limits": [
             (item.name, getattr(check.plan.limits, item.name), item.metadata["meaning"])
             for item in fields(check.plan.limits)
-            if item.name != "displacement" or not math.isnan(check.subject.edge)
+            if item.name != ("displacement" if math.isnan(check.subject.edge) else "overlap")
         ],
         "left_out": (*check.subject.of_model, *LIMITS_OF_THE_MODEL),
         "not_by_hand": NOT_IN_SPACE,
@@ -99,7 +100,7 @@ def _motions(check: Check) -> list[dict[str, str]]:
                 "pga": f"{scaled.motion.pga / STANDARD_GRAVITY:.3g}{across}",
                 "pgv": f"{pgv(scaled.motion):.3g}",
                 "moved": "" if response.overturned else three_digits(1e3 * check.subject.moved(response)),
-                "verdict": check.subject.verdict(response),
+                "verdict": response.verdict,
             }
         )
     return found

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.figure import Figure
 
-from ...column.block import Block
-from ...column.column import Column
-from ...space.blocks.parts import Joint, Solid, Tie
-from ...space.pictures import plot_response, structure_picture
-from ...space.response import SpatialResponse
-from ...space.structure import Structure
+from ...models.column.block import Block
+from ...models.column.model import Column
+from ...models.column.response import Response
+from ...models.structure.blocks.parts import Joint, Solid, Tie
+from ...models.structure.model import Structure
+from ...models.structure.response import SpatialResponse
+from ...plotting.structures import plot_response, structure_picture
 from ..check import Check
 from .pictures import column_picture, deformed_picture, histories_picture
 
@@ -38,9 +39,12 @@ class Shown(NamedTuple):
 
 def shown_of(check: Check) -> Shown:
     """Tables and pictures of the model, and of the governing run."""
-    run, model = check.responses[check.governing], check.subject.model
-    if isinstance(model, Structure):
-        return _structure(check, run)
+    show: dict[str, Callable[..., Shown]] = {"column": _column, "structure": _structure}
+    return show[check.subject.word](check, check.responses[check.governing])
+
+
+def _column(check: Check, run: Response) -> Shown:
+    model: Column = check.subject.model
     push = f"It balances a steady push of {check.by_hand.mechanism.alpha0:.3g} g at most. " if check.by_hand else ""
     title = f"{check.name} under {check.action.motions[check.governing].name}"
     return Shown(

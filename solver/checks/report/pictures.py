@@ -10,13 +10,13 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.figure import Figure
 
-from ...column.column import Column
-from ...column.packing import FloatArray
-from ...dynamics.response import Response
 from ...ground.motion import STANDARD_GRAVITY
+from ...models.column.model import Column
+from ...models.column.packing import FloatArray
+from ...models.column.response import Response
 from ...plotting.drawings import draw_column, plot_column
 from ...plotting.plots import HISTORIES, plot_histories
-from ...plotting.style import INK, block_colours
+from ...plotting.style import INK, block_colours, plain
 from ...plotting.words import verdict_of
 from ..check import Check
 from ..scaling import MEAN_FROM, horizontal_psa
@@ -74,7 +74,7 @@ def spectra_picture(check: Check) -> Figure:
         axes.axvspan(*action.periods, color="0.95", label="range of the fit")
     found = [horizontal_psa(scaled.motion, PERIODS) / STANDARD_GRAVITY for scaled in action.motions]
     for scaled, values, colour in zip(action.motions, found, block_colours(len(found)), strict=True):
-        axes.plot(PERIODS, values, color=colour, linewidth=0.9, label=scaled.name)
+        axes.plot(PERIODS, values, color=colour, linewidth=0.9, label=plain(scaled.name))
     if len(found) > 1:
         which = "mean, which counts" if len(found) >= MEAN_FROM else "mean"
         axes.plot(PERIODS, np.mean(found, axis=0), color="black", linewidth=1.8, label=which)

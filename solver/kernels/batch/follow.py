@@ -2,7 +2,7 @@
 
 Steps are those of integrators/dormand_prince.py, with a separate error control for every lane. Changes of regime are
 not located: the error of a step across one exceeds its estimate, and the tolerance of a batch allows for that
-(solver/runs/batch.py). The result of a lane does not depend on the others.
+(solver/models/column/lanes.py). The result of a lane does not depend on the others.
 """
 
 import math

@@ -310,6 +310,7 @@ ROTATES = -4  # the base, which the formulation does not know
 TOO_MUCH_WORK = -5  # more evaluations than any column takes
 INPUT_TOO_LARGE = -6
 UNKNOWN_METHOD = -7
+CALL_TOO_LONG = -8  # shorter ones can be made
 MOST_INPUT = 1e6  # of each input of the base, in its unit
 
 

@@ -4,10 +4,16 @@ A package manager removes what it has installed, and nothing else: machine code 
 project there. This module needs nothing outside the standard library; FMUs run it before they import the solver.
 """
 
+import hashlib
 import os
+import stat
 import sys
+from contextlib import suppress
 from pathlib import Path
 
+CODE_FOLDER = "code"  # of numba's machine code, in the folder of the user
+OF_OTHERS = stat.S_IWGRP | stat.S_IWOTH
+DIGEST = 32  # bytes of a checksum, before what is kept
 INSTALLED = {"site-packages", "dist-packages"}  # folders that a package manager looks after
 
 
@@ -28,11 +34,72 @@ def user_folder() -> Path:
     return parent / "multiblock-fmu"
 
 
+class NotPrivateError(OSError):
+    """Others can write to a folder, or could have: nothing in it is used."""
+
+
+def make_private(folder: Path) -> None:
+    """Let the user alone write to a folder, and to those that it lies in. Raises OSError, NotPrivateError."""
+    for place in reversed([place for place in (folder, *folder.parents) if not place.exists()]):
+        place.mkdir(mode=0o700, exist_ok=True)
+    if not hasattr(os, "getuid"):  # folders of a user on Windows are his own
+        return
+    if folder.stat().st_uid == os.getuid():
+        folder.chmod(folder.stat().st_mode & ~OF_OTHERS)
+    for place in (folder, *folder.resolve().parents):
+        about = place.stat()
+        if about.st_uid not in (os.getuid(), 0) or (about.st_mode & OF_OTHERS and not about.st_mode & stat.S_ISVTX):
+            raise NotPrivateError(f"{place}: others can write to it")
+
+
+def is_private(folder: Path) -> bool:
+    """Whether a folder is the user's, no link, and closed to others, whatever the modes of the files inside."""
+    about = folder.lstat()
+    if stat.S_ISLNK(about.st_mode) or not hasattr(os, "getuid"):
+        return not stat.S_ISLNK(about.st_mode)
+    return about.st_uid == os.getuid() and not about.st_mode & (stat.S_IRWXG | stat.S_IRWXO)
+
+
+def private_folder(name: str) -> Path:
+    """A folder in that of the user, which only the user can enter; made if there is none.
+
+    Raises RuntimeError if the user has no home, OSError, NotPrivateError.
+    """
+    folder = user_folder() / name
+    make_private(folder.parent)
+    folder.mkdir(mode=0o700, exist_ok=True)
+    if not is_private(folder):
+        raise NotPrivateError(f"{folder}: others could write to it, must be open to its owner alone; it can be deleted")
+    return folder
+
+
+def keep(kind: str, name: str, content: bytes) -> None:
+    """Leave what can be made again in the private folder `kind`. Without room nothing is kept."""
+    with suppress(OSError, RuntimeError):
+        file = private_folder(kind) / name
+        partial = file.with_name(f"{name}.{os.getpid()}")
+        try:
+            partial.write_bytes(hashlib.sha256(content).digest() + content)
+            partial.replace(file)
+        finally:
+            partial.unlink(missing_ok=True)
+
+
+def kept(kind: str, name: str) -> bytes | None:
+    """What `keep` was given; None if it is not there, is damaged, or others could have written it."""
+    try:
+        data = (private_folder(kind) / name).read_bytes()
+    except (OSError, RuntimeError):
+        return None
+    content = data[DIGEST:]
+    return content if hashlib.sha256(content).digest() == data[:DIGEST] else None
+
+
 def code_folder(source: Path, package: str, numbas: str) -> str:
     """Folder for the machine code of a source file; "" for `__pycache__` beside it.
 
     package: name of the package that the kernels belong to; in an FMU it is a copy, which brings its machine code.
-    numbas: NUMBA_CACHE_DIR. numba looks elsewhere if nothing can be written to the folder.
+    numbas: NUMBA_CACHE_DIR. "" if there is no folder to write to: numba looks elsewhere. Raises NotPrivateError.
     """
     writable = os.access(source.parent, os.W_OK)
     if package.partition(".")[0] != "solver":
@@ -41,6 +108,8 @@ def code_folder(source: Path, package: str, numbas: str) -> str:
     if not os.environ.get("MULTIBLOCK_CACHE_DIR") and (numbas or beside):
         return numbas
     try:
-        return str(user_folder() / "kernels")
-    except RuntimeError:
+        return str(private_folder(CODE_FOLDER))
+    except NotPrivateError:
+        raise
+    except (OSError, RuntimeError):
         return ""

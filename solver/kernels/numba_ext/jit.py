@@ -7,7 +7,9 @@ time.
 """
 
 import hashlib
+import warnings
 from collections.abc import Callable
+from contextlib import suppress
 from functools import wraps
 from pathlib import Path
 from typing import Any, NoReturn
@@ -16,8 +18,8 @@ import numba
 from numba import cfunc, njit
 from numba.extending import overload, register_jitable
 
-from .cache import code_folder
-from .numba_parts import LINKING
+from .cache import NotPrivateError, code_folder
+from .numba_parts import LINKING, FunctionCache
 
 _OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": False, "nogil": True, "_nrt": False}
 
@@ -95,21 +97,41 @@ SOURCES = _sources()
 CODE = f"{SOURCES}_{numba.__version__.replace('.', '_')}{'' if LINKING else '_plain'}"
 
 
+class _Cache(FunctionCache):  # type: ignore[misc]
+    """Numba's cache of one entry. Machine code that cannot be read is made again; without room it is not kept.
+
+    numba would end the process with whatever pickle or the disk says of a file: any exception may come.
+    """
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        try:
+            return super().load_overload(sig, target_context)
+        except Exception:
+            with suppress(OSError):
+                self.flush()  # an index that cannot be read cannot be added to
+            return None
+
+    def save_overload(self, sig: Any, data: Any) -> None:
+        with suppress(Exception):
+            super().save_overload(sig, data)
+
+
 def entry(function: Callable[..., Any]) -> Callable[..., Any]:
     """Compile, on first use, a kernel that Python calls; it runs without the interpreter lock.
 
-    The machine code is cached (cache.py); if no folder can be written to, it is made in every process. Numba alone
-    would use it until the file of the entry changes; its name here changes with any source of the kernels.
+    The machine code is cached (cache.py); if no folder can be written to, or others can, it is made in every process.
+    Numba alone would use it until the file of the entry changes; its name here changes with any source of the kernels.
     """
     function.__qualname__ += f"_{CODE}"
-    compiled: Callable[..., Any]
+    compiled: Any = from_python(function)
     settings: Any = numba.config
     numbas = getattr(settings, "CACHE_DIR", "")
-    settings.CACHE_DIR = code_folder(Path(function.__code__.co_filename), __name__, numbas)
     try:
-        compiled = njit(cache=True, **_OUTSIDE)(function)
-    except RuntimeError:  # numba found no folder to write to
-        compiled = from_python(function)
+        settings.CACHE_DIR = code_folder(Path(function.__code__.co_filename), __name__, numbas)
+        with suppress(RuntimeError):  # numba found no folder to write to
+            compiled._cache = _Cache(function)  # as njit(cache=True) has its own
+    except NotPrivateError as error:
+        warnings.warn(f"machine code is not kept, and made in every process: {error}", RuntimeWarning, stacklevel=1)
     finally:
         settings.CACHE_DIR = numbas
-    return compiled
+    return compiled  # type: ignore[no-any-return]

@@ -1,6 +1,7 @@
 """The parts of numba and llvmlite that are not public. No other module of the solver imports one, but linking.py.
 
-lanes.py and views.py define types of their own and need the names imported here, the same ones since numba 0.59.
+lanes.py and views.py define types of their own, jit.py a cache; they need the names imported here, the same ones since
+numba 0.59.
 linking.py needs the parts listed in `_LINKING`; they shorten compilation and change no result. If one of them is
 missing, or with MULTIBLOCK_LINKING=0 in the environment, jit.py uses numba's own pipeline: equal bits, a longer first
 run. tests/project/test_numba_parts.py names what a new version of numba lacks.
@@ -22,6 +23,7 @@ if tuple(int(part) for part in re.findall(r"\d+", numba.__version__)[:2]) < OLDE
 try:
     from llvmlite import ir
     from numba.core import cgutils
+    from numba.core.caching import FunctionCache
     from numba.core.errors import TypingError
     from numba.core.imputils import lower_builtin, lower_cast, lower_getattr_generic, lower_setattr_generic
     from numba.core.typeconv.castgraph import Conversion
@@ -39,6 +41,7 @@ __all__ = [
     "AbstractTemplate",
     "AttributeTemplate",
     "Conversion",
+    "FunctionCache",
     "TypingError",
     "cgutils",
     "infer_getattr",

@@ -27,6 +27,7 @@ from ..integrators.traits import FIXED, MODES, NONE, UNKNOWN, attempt_by, traits
 from ..joint.sliding import can_slide
 from ..layout.spaces import (
     AUTO,
+    CALL_TOO_LONG,
     CENTRAL_DIFFERENCE,
     HAS_OVERTURNED,
     INPUT_TOO_LARGE,
@@ -39,7 +40,18 @@ from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.views import copy
 from ..output.watch import begin_watching, take_held_snapshots, watch_step
 from .condition import has_fallen, is_quiet, moment_of_overturning, rests, take_stock, widest_joint
-from .control import ELASTIC_COST, accepts, accepts_elastic, elastic_step, general_step, is_too_short, most_work, shared
+from .control import (
+    ELASTIC_COST,
+    WORK_OF_A_STEP,
+    accepts,
+    accepts_elastic,
+    elastic_step,
+    general_step,
+    is_too_short,
+    most_of_a_call,
+    most_work,
+    shared,
+)
 from .holding import NO_CHANGE, expected_change, first_change, hold, release
 from .sliding import NEAR, begin_step, first_slip_change
 
@@ -355,12 +367,16 @@ def advance(column, t, h, watch):
     modal.forget(work)
     elapsed = 0.0
     most = most_work(column.model.settings, h) + samples.size  # silent samples are passed one by one
+    most_here = most_of_a_call(column.model.n) + WORK_OF_A_STEP * samples.size
     begun = counts.evaluations + counts.sweeps
     rounds = 0
     while elapsed < h:
         rounds += 1
-        if rounds + counts.evaluations + counts.sweeps - begun > most:
+        spent = counts.evaluations + counts.sweeps - begun
+        if rounds + spent > most:
             return TOO_MUCH_WORK
+        if WORK_OF_A_STEP * rounds + spent > most_here:
+            return CALL_TOO_LONG
         now = t + elapsed
         to_sample = to_next_sample(base, samples, now, h - elapsed)
         if is_quiet(base, samples) and rests(column, work.start):

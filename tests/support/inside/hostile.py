@@ -182,6 +182,27 @@ def unlikely_states(fmu: str, count: int) -> tuple[int, int, bool]:
 NO_STATES = (b"", b"{}", b"[]", b"null", b"1" * 5000, b"[" * 100000, b'{"format": ' * 100000)
 
 
+def damaged_states(fmu: str) -> tuple[list[str], bool]:
+    """Answer of a PythonFMU to the size, and to the bytes, of a state that came from damaged bytes, and to a whole
+    one with too little room; whether a whole one still gives its bytes.
+    """
+    column = Instance(fmu, {"base.ax": 0.5})
+    column.step(0.0, 0.1)
+    whole = column.fmi.getFMUState()
+    data = column.fmi.serializeFMUstate(whole)
+    room, size = ctypes.create_string_buffer(len(data)), ctypes.c_size_t()
+    damaged = [column.fmi.deSerializeFMUstate(some) for some in (data[:-1], b"", b"[" * 100000)]
+    heard = []
+    for state in damaged:
+        heard.append(column.attempt("fmi2SerializedFMUstateSize", column.fmi.component, state, ctypes.byref(size)))
+        heard.append(column.attempt("fmi2SerializeFMUstate", column.fmi.component, state, room, len(data)))
+        column.fmi.freeFMUState(state)
+    heard.append(column.attempt("fmi2SerializeFMUstate", column.fmi.component, whole, room, len(data) - 1))
+    same = bool(column.fmi.serializeFMUstate(whole) == data)
+    column.close()
+    return heard, same
+
+
 def impossible_states(fmu: str) -> tuple[list[str], bool]:
     """Answer of a PythonFMU to bytes that are no state, under a right checksum; whether it behaves as before."""
     column = Instance(fmu, {"base.ax": 0.5})

@@ -44,3 +44,33 @@ def follow(fmu: str, values: dict[str, Any], kinds: tuple[str, ...], tries: bool
             t += h
         ends.append(column.get("block[1].ux", "joint[1].S"))
     return ends
+
+
+def too_long(fmu: str, values: dict[str, Any], lengths: list[float]) -> tuple[list[str], bool]:
+    """Answers to steps that no call makes; whether outputs are as before, and a step of 0.01 s is made after it."""
+    body = Instance(fmu, values)
+    body.step(0.0, 0.1)
+    before = body.get()
+    heard = [body.attempt("step", 0.1, h) for h in lengths]
+    same = body.get() == before
+    body.step(0.1, 0.01)
+    body.close()
+    return heard, same
+
+
+def alternating(fmu: str, name: str, grows: float, iterated: bool = False) -> None:
+    """Steps under an acceleration that changes its sign at each of them and grows by a factor, on a slow wave.
+
+    iterated: each is made twice from the same state.
+    """
+    body, size = Instance(fmu, {}), 1e-5
+    for k in range(100):
+        body.set({name: (-1.0) ** k * size + 1e-3 * k})
+        saved = body.fmi.getFMUState()
+        body.step(0.01 * k, 0.01)
+        if iterated:
+            body.fmi.setFMUState(saved)
+            body.step(0.01 * k, 0.01)
+        body.fmi.freeFMUState(saved)
+        size = min(0.5, size * grows)
+    body.close()

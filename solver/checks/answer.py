@@ -1,0 +1,83 @@
+"""The answer of a check in plain sentences, made from its rows and verdicts alone."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from .margin import Margin
+from .table import Row
+from .verdicts import Verdicts
+
+PASSES, FAILS, UNDECIDED = "PASSES", "FAILS", "UNDECIDED"
+MOST_NAMED = 3  # motions that are named
+
+
+def outcome_of(rows: Sequence[Row]) -> str:
+    """PASSES, FAILS or UNDECIDED: one row that fails is enough; then one that is undecided."""
+    if any(row.passes is False for row in rows):
+        return FAILS
+    return UNDECIDED if any(row.undecided for row in rows) else PASSES
+
+
+def answer(rows: Sequence[Row]) -> str:
+    """Whether it passes, and by which rows it does not."""
+    outcome = outcome_of(rows)
+    if outcome == PASSES:
+        return f"{PASSES}: no row of the table fails."
+    if outcome == FAILS:
+        return f"{FAILS} by: {'; '.join(row.name for row in rows if row.passes is False)}."
+    return f"{UNDECIDED}: no row of the table fails, but some runs neither fell nor came to rest."
+
+
+def verdict_sentence(word: str, found: Verdicts) -> str:
+    """What the model as given does, and the share of varied ones that falls; word: column or structure."""
+    return f"{_own(word, found)} {_varied(word, found)}"
+
+
+def _own(word: str, found: Verdicts) -> str:
+    count, fell, left = len(found.names), found.own_falls, found.own_undecided
+    if not fell + left:
+        return f"As given the {word} stands under {_motions(count)}."
+    said = [f"falls under {_named(fell, count)}"] if fell else []
+    said += [f"is undecided under {_named(left, count)}"] if left else []
+    return f"As given the {word} {' and '.join(said)}."
+
+
+def _motions(count: int) -> str:
+    return f"all {count} motions" if count > 1 else "the motion"
+
+
+def _named(names: Sequence[str], count: int) -> str:
+    if len(names) <= MOST_NAMED:
+        return " and ".join(names)
+    return f"{len(names)} of {count} motions"
+
+
+def _varied(word: str, found: Verdicts) -> str:
+    (low, high), size, count = found.bounds, len(found.varied), len(found.names)
+    of = f"such {word}s would fall in such shaking."
+    under = f", under {count} motions" if count > 1 else ""
+    open_ones = f" and {found.undecided} may fall" if found.undecided else ""
+    fell = f"{found.fallen} of {size} varied {word}s fell" if found.fallen else f"None of {size} varied {word}s fell"
+    share = f"at most {_percent(high)}" if low == 0.0 else f"{_percent(low)} to {_percent(high)}"
+    return f"{fell}{open_ones}{under}: with 95 % confidence {share} of {of}"
+
+
+def _percent(share: float) -> str:
+    return f"{100.0 * share:.2g} %"
+
+
+def margin_sentence(margin: Margin | None, any_undecided: bool) -> str:
+    """How far it is from falling, as given and varied."""
+    if margin is None:
+        return "How much more shaking it bears was not looked for."
+    least = margin.stands
+    if margin.is_open:
+        said = f"Even {least:.2g} times this shaking overturned none of them."
+    elif least >= 1.0:
+        said = f"The shaking can grow to about {least:.2g} times before the first of them falls."
+    elif least > 0.0:
+        said = f"With the shaking reduced to about {least:.2g} of this none of them falls."
+    else:
+        said = "Some fall even under a small part of this shaking."
+    return f"{said} Undecided ones do not count as fallen there." if any_undecided else said

@@ -1,0 +1,144 @@
+"""A column under a check: the subject that moves in one plane."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from ..models.column.first_run import make_kernels
+from ..models.column.friction import friction_history
+from ..models.column.model import Column
+from ..models.column.modes import natural_frequencies
+from ..models.column.packing import carried_weights
+from ..models.column.response import Response
+from ..models.column.rest import check_rest
+from ..runs.table import Table
+from .action import Action
+from .by_hand import ByHand, by_hand
+from .kinematic import Mechanism, mechanism
+from .limits import Limits
+from .subject import FloatArray, Joints
+
+# of the explicit steps of its own run: with less a column goes through lanes, however stiff its dampers. Measured
+# (Phocas, doric, statue; eta 5e-4 to 2e-2 s; 0.04 to 0.6 g): 1.1 to 3.3 times as fast as alone, 0.2 to 1.4 with more
+MOST_IMPLICIT = 0.05
+
+ROLLS = "Its contacts are round: in space they roll on their rims, and may fall under less than here (--space)."
+
+
+@dataclass(frozen=True, eq=False)
+class InPlane:
+    """A column as subject of a check. Raises as `check_rest` does."""
+
+    model: Column
+    confidence_factor: float
+    word = "column"
+    across = False
+    of_model = (
+        "The column moves in one vertical plane. It does not twist, and no motion across the plane is applied.",
+        "Once a column has fallen it is held; what it hits is not considered.",
+    )
+
+    def __post_init__(self) -> None:
+        make_kernels()
+        check_rest(self.model, from_rest=True)
+
+    @cached_property
+    def joints(self) -> Joints:
+        """The joints, from the top."""
+        laws = [block.joint for block in self.model.blocks]
+        return Joints(
+            names=tuple(f"joint {i}" for i in range(1, self.model.n + 1)),
+            width=np.array([contact.width for contact in self.model.contacts]),
+            strength=np.array([law.strength or math.nan for law in laws]),
+            friction=np.array([math.nan if law.friction is None else law.friction for law in laws]),
+        )
+
+    @property
+    def yields(self) -> FloatArray:
+        """A column has no ties."""
+        return np.empty(0)
+
+    @cached_property
+    def mechanism(self) -> Mechanism:
+        """By which it overturns under a slow push. Raises as `capacity_curve` does."""
+        return mechanism(self.model, self.confidence_factor)
+
+    @property
+    def two_ways(self) -> bool:
+        """Whether the column is not symmetric."""
+        return self.model.off_axis
+
+    @cached_property
+    def period(self) -> float:
+        """Of the first mode about rest, s."""
+        return 1.0 / float(natural_frequencies(self.model)[0])
+
+    @property
+    def longest(self) -> float:
+        """Period at 0.4 of the displacement on the edge, s (C8.7.1.10)."""
+        return self.mechanism.period()
+
+    @property
+    def edge(self) -> float:
+        """Displacement of the top at which it balances without a push, m."""
+        return self.mechanism.curve.overturning_displacement
+
+    def left_to_others(self, both: bool) -> Iterator[str]:
+        """The other direction unless both are alike or checked; space if it rolls there."""
+        if not both and not self.model.is_alike_across:
+            yield "It is shaken along its width alone: check the other direction too (--both)."
+        if self.model.rolls_in_space:
+            yield ROLLS
+
+    def moved(self, run: Response) -> float:
+        """Peak of the top, m."""
+        return float(run.peak_ux[0])
+
+    def slips(self, run: Response) -> FloatArray:
+        """Slip of each joint since rest, m (rows, joints)."""
+        found: FloatArray = run.slip - run.slip[0]
+        return found
+
+    def shear_ratio(self, run: Response) -> FloatArray:
+        """|T| / N of each joint (rows, joints)."""
+        return friction_history(run.T, run.N, carried_weights(run.column))
+
+    def tensions(self, run: Response) -> FloatArray:
+        """A column has no ties."""
+        return np.empty(0)
+
+    def overlap(self, run: Response) -> None:
+        """Every block is joined to its neighbours, and others cannot meet before it has fallen."""
+        return
+
+    def to_vary(self, run: Response) -> Column:
+        """The column; without implicit steps if its own run took hardly any, so that it goes through lanes."""
+        column = self.model
+        steps, implicit, elastic = (int(run.stats[name]) for name in ("steps", "implicit_steps", "elastic_steps"))
+        if implicit > MOST_IMPLICIT * (steps - implicit - elastic):
+            return column
+        return column.with_settings(without=(*column.settings.without, "implicit"))
+
+    def kept(self, peaks: bool) -> tuple[str, ...]:
+        """Verdicts, and with peaks those of the blocks."""
+        return ("peak_ux", "verdict", "overturn_time") if peaks else ("verdict",)
+
+    def tops(self, table: Table) -> FloatArray:
+        """Peaks of the top, m."""
+        found: FloatArray = table["peak_ux"][:, 0]
+        return found
+
+    def by_hand(self, action: Action, limits: Limits) -> ByHand:
+        """Kinematic verification and ASCE 43."""
+        smooth = action.target is not None
+        return by_hand(self.model, self.mechanism, action.spectrum, smooth, self.period, action.motions, limits)
+
+    def digest(self) -> bytes:
+        """The keys of its file."""
+        return json.dumps(self.model.to_dict(), sort_keys=True).encode()

@@ -1,0 +1,124 @@
+"""A structure in space under a check: the subject that two horizontal components shake."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from ..common.errors import InputError
+from ..models.column.friction import friction_history
+from ..models.protocol import SETTLE
+from ..models.structure.model import Structure
+from ..models.structure.modes import modes_in_space
+from ..models.structure.overlap import Overlap
+from ..models.structure.response import SpatialResponse
+from ..models.structure.rest import rest_of
+from ..runs.table import Table
+from .action import Action
+from .kinematic import rocking_period
+from .limits import Limits
+from .subject import FloatArray, Joints
+
+CARRIES = 1e-3  # of all weight: what a joint counts as carrying, at least
+
+
+@dataclass(frozen=True, eq=False)
+class InSpace:
+    """A structure as subject of a check. Raises InputError if it has no stable rest."""
+
+    model: Structure
+    confidence_factor: float
+    word = "structure"
+    across = True
+    two_ways = True  # turned by half a turn
+    edge = math.nan
+    of_model = (
+        "The blocks move in space. Contacts move as faces slide. Blocks that no joint connects do not meet.",
+        f"A run that still rocks {SETTLE:g} s after the motion is undecided: rocking in space decays slowly.",
+        "Once a block has fallen the run ends; what it hits is not considered.",
+    )
+
+    def __post_init__(self) -> None:
+        if not self.model.weight > 0.0:
+            raise InputError(f"g = {self.model.g}: must be positive, without weight nothing falls")
+        rest_of(self.model)
+
+    @cached_property
+    def joints(self) -> Joints:
+        """The joints by the names of the blocks that they connect."""
+        beds = [joint.bed for joint in self.model.joints]
+        return Joints(
+            names=self.model.joint_names,
+            width=np.array([joint.face.width for joint in self.model.joints]),
+            strength=np.array([bed.strength or math.nan for bed in beds]),
+            friction=np.array([math.nan if bed.friction is None else bed.friction for bed in beds]),
+        )
+
+    @cached_property
+    def yields(self) -> FloatArray:
+        """Forces at which the ties yield, N."""
+        return np.array([tie.yield_ or math.nan for tie in self.model.ties])
+
+    @cached_property
+    def period(self) -> float:
+        """Of the first mode about rest, s."""
+        return 1.0 / float(modes_in_space(self.model).frequency[0])
+
+    @property
+    def longest(self) -> float:
+        """Period of a rigid block whose centroid is as high, s: it does not depend on the width."""
+        blocks = self.model.blocks
+        height = sum(block.mass * float(block.centroid[2]) for block in blocks) / sum(block.mass for block in blocks)
+        return rocking_period(height, self.model.g, self.confidence_factor)
+
+    def left_to_others(self, both: bool) -> tuple[str, ...]:
+        """Nothing: it moves in all directions."""
+        return ()
+
+    def moved(self, run: SpatialResponse) -> float:
+        """Largest horizontal displacement of a block, m."""
+        return float(np.max(run.peaks["u"]))
+
+    def slips(self, run: SpatialResponse) -> FloatArray:
+        """Slip of each joint since rest, m (rows, joints)."""
+        found: FloatArray = run.slip - run.slip[0]
+        return found
+
+    def shear_ratio(self, run: SpatialResponse) -> FloatArray:
+        """Shear over compression of each joint (rows, joints)."""
+        carried = np.maximum(run.N[0], CARRIES * self.model.weight)
+        return friction_history(np.hypot(run.Tx, run.Ty), run.N, carried)
+
+    def tensions(self, run: SpatialResponse) -> FloatArray:
+        """Largest force of each tie, N."""
+        return run.peaks["tie"]
+
+    def overlap(self, run: SpatialResponse) -> Overlap | None:
+        """Of its blocks; None of a single one."""
+        return run.overlap if self.model.n > 1 else None
+
+    def to_vary(self, run: SpatialResponse) -> Structure:
+        """The structure."""
+        return self.model
+
+    def kept(self, peaks: bool) -> tuple[str, ...]:
+        """Verdicts, and with peaks displacements of the blocks."""
+        return ("peak_u", "verdict", "overturn_time") if peaks else ("verdict",)
+
+    def tops(self, table: Table) -> FloatArray:
+        """Largest horizontal displacements, m."""
+        found: FloatArray = np.max(table["peak_u"], axis=1)
+        return found
+
+    def by_hand(self, action: Action, limits: Limits) -> None:
+        """None: both methods are for what turns in a plane about one edge."""
+        return
+
+    def digest(self) -> bytes:
+        """The arrays of the kernels, strengths and names."""
+        arrays = [np.ascontiguousarray(array) for array in self.model.model]
+        parts = [array.tobytes() for array in (*arrays, self.joints.strength, self.yields)]
+        return b"".join([*parts, repr((self.model.name, self.model.names)).encode()])

@@ -1,0 +1,84 @@
+"""The spectra of codes on a command line: a row for each code, from which its options follow."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+from ..checks.spectra import SOILS, TargetSpectrum, eurocode8, ntc2018, spectrum_from_csv
+from ..common.errors import InputError
+from ..ground.motion import STANDARD_GRAVITY
+
+
+class Option(NamedTuple):
+    """An option of codes: what it is called, and which argument of the spectra's functions it is."""
+
+    name: str
+    type: Callable[[str], Any]
+    metavar: str
+    help: str
+    argument: str = ""  # if it has another name
+    factor: float = 1.0  # to SI
+
+
+class Code(NamedTuple):
+    """The spectrum of a code: its function, and its options; `more` have defaults."""
+
+    spectrum: Callable[..., TargetSpectrum]
+    needed: tuple[Option, ...]
+    more: tuple[Option, ...] = ()
+
+
+AG = Option("ag", float, "G", "design acceleration on rock, importance included, g", factor=STANDARD_GRAVITY)
+SOIL = Option("soil", str, "CLASS", ", ".join(SOILS))
+CODES = {
+    "ec8": Code(eurocode8, (AG, SOIL), (Option("type", int, "N", "1 or 2 (default: 1)", "kind"),)),
+    "ntc2018": Code(
+        ntc2018,
+        (AG, SOIL, Option("f0", float, "F0", "F0"), Option("tc", float, "S", "TC*, s", "tc_star")),
+        (Option("topography", str, "CLASS", "T1 to T4 (default: T1)"),),
+    ),
+}
+
+
+def add_spectrum(one: argparse._MutuallyExclusiveGroup) -> None:
+    """Add --spectrum to what motions are scaled to."""
+    words = f"{', '.join(CODES)}, or a table FILE.csv of period,g or period,m/s2"
+    one.add_argument("--spectrum", metavar="NAME", help=words)
+
+
+def add_code_options(group: argparse._ArgumentGroup) -> None:
+    """Add the options of all codes."""
+    for option, codes in _options().items():
+        of = "" if len(codes) == len(CODES) else f"of {', '.join(codes)}: "
+        group.add_argument(f"--{option.name}", type=option.type, metavar=option.metavar, help=of + option.help)
+
+
+def _options() -> dict[Option, list[str]]:
+    """Every option, and the codes that have it."""
+    found: dict[Option, list[str]] = {}
+    for name, code in CODES.items():
+        for option in (*code.needed, *code.more):
+            found.setdefault(option, []).append(name)
+    return found
+
+
+def target_of(options: argparse.Namespace) -> TargetSpectrum | None:
+    """The spectrum that --spectrum names, from the options of its code or from a table. Raises InputError."""
+    name = options.spectrum
+    code = CODES.get(name)
+    given = {}
+    for option, codes in _options().items():
+        value = getattr(options, option.name)
+        if value is None and code and option in code.needed:
+            raise InputError(f"--{option.name}: must be given with --spectrum {name}")
+        if value is not None and name not in codes:
+            raise InputError(f"--{option.name} {value}: is for --spectrum {' or '.join(codes)}")
+        if value is not None:
+            given[option.argument or option.name] = value * option.factor if option.factor != 1.0 else value
+    if code:
+        return code.spectrum(**given)
+    if name is not None and not name.lower().endswith(".csv"):
+        raise InputError(f"--spectrum {name}: must be {', '.join(CODES)} or a table FILE.csv")
+    return None if name is None else spectrum_from_csv(name)

@@ -1,0 +1,137 @@
+"""Values that can be computed with but are probably not intended: one list for columns and structures."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections.abc import Callable, Iterable, Sequence
+from typing import NamedTuple
+
+from .errors import InputWarning
+
+MOST_SETTLED = 0.1  # of a block's height; the mortar beds and soils under blocks settle by less
+MOST_PRESSED = 500e6  # Pa; more than the strength of nearly any stone
+LEAST_STRENGTH = 1e5  # Pa; earth and the poorest mortars bear more
+DENSITIES = (500.0, 12000.0)  # kg/m3, from wood to lead
+MOST_DAMPED = 0.2  # of critical, in the first mode; dry joints have some percent
+MOST_FRICTION = 1.5  # rough stone on stone has some 0.8
+GRAVITIES = (9.7, 9.9)  # m/s2, on Earth; zero is taken as intended
+HIGHEST = 30.0  # m, of one block
+UNITS_OF_STIFFNESS = "stiffness is in N/m3: 1 kgf/cm3 = 9.80665e6 N/m3, 1 MPa/mm = 1e9 N/m3"
+UNITS_OF_WEIGHT = "mass is in kg, density in kg/m3, width and depth in m"
+
+Numbers = Sequence[float]
+
+
+class Facts(NamedTuple):
+    """What is judged of blocks and joints, a number for each; words for messages by their numbers from 0."""
+
+    block_key: Callable[[int], str]
+    block_name: Callable[[int], str]
+    joint_key: Callable[[int], str]  # of the table that has its law
+    joint_name: Callable[[int], str]
+    mass: Numbers  # kg
+    volume: Numbers  # m3
+    loaded: Sequence[bool]  # whether the mass includes a load that has no volume
+    height: Numbers  # m
+    g: float  # m/s2
+    stiffness: Numbers  # N/m3
+    damping: Numbers  # s
+    friction: Sequence[float | None]
+    strength: Sequence[float | None]  # Pa
+    area: Numbers  # m2
+    upper: Sequence[int]  # number of the block on each joint
+    carried: Numbers  # N, of each joint at rest; empty where no rest was looked for
+    damping_ratio: float  # of critical, of the first mode; 0 where it is small
+
+
+def lines_of(facts: Facts) -> list[str]:
+    """A line for each mistake; mostly none. Of all blocks or joints with the same one, it is about the worst."""
+    lines = [*_of_blocks(facts), *_at_rest(facts), *_of_laws(facts)]
+    g, ratio = facts.g, facts.damping_ratio
+    if g and not GRAVITIES[0] <= g <= GRAVITIES[1]:
+        lines.append(f"g = {g:g}: should be {GRAVITIES[0]:g} to {GRAVITIES[1]:g} on Earth; g is in m/s2")
+    if ratio > MOST_DAMPED:
+        i = facts.damping.index(max(facts.damping))
+        lines.append(
+            f"{facts.joint_key(i)}.damping = {facts.damping[i]:g}: the first mode has {ratio:.3g} of critical "
+            f"damping, should be {MOST_DAMPED:g} at most; damping is a time in s, not a ratio"
+        )
+    return lines
+
+
+def warn_of(lines: Iterable[str], stacklevel: int = 3) -> None:
+    """Warn (InputWarning) with each line."""
+    for line in lines:
+        warnings.warn(line, InputWarning, stacklevel=stacklevel + 1)
+
+
+def warn_of_first(lines: Iterable[Sequence[str]], stacklevel: int = 3) -> None:
+    """Warn (InputWarning) of the first of many columns that has such values; lines: of each."""
+    for number, found in enumerate(lines):
+        if found:
+            warnings.warn(f"columns[{number}]: {found[0]}", InputWarning, stacklevel=stacklevel)
+            return
+
+
+def _of_blocks(facts: Facts) -> list[str]:
+    """Densities and heights."""
+    lines = []
+    density = [mass / volume for mass, volume in zip(facts.mass, facts.volume, strict=True)]
+    most = [math.inf if loaded else DENSITIES[1] for loaded in facts.loaded]
+    wrong = [max(DENSITIES[0] / own, own / limit) for own, limit in zip(density, most, strict=True)]
+    i = wrong.index(max(wrong))
+    if wrong[i] > 1.0:
+        lines.append(
+            f"{facts.block_key(i)}.mass = {facts.mass[i]:g}: is {density[i]:.3g} kg/m3 in {facts.volume[i]:.4g} m3, "
+            f"should be {DENSITIES[0]:g} to {DENSITIES[1]:g}; mass is in kg, lengths in m"
+        )
+    i = facts.height.index(max(facts.height))
+    if facts.height[i] > HIGHEST:
+        key, height = facts.block_key(i), facts.height[i]
+        lines.append(f"{key}.height = {height:g}: should be {HIGHEST:g} at most; height is in m")
+    return lines
+
+
+def _at_rest(facts: Facts) -> list[str]:
+    """Settlement and pressure."""
+    lines: list[str] = []
+    if not len(facts.carried):
+        return lines
+    each = list(zip(facts.carried, facts.area, facts.stiffness, facts.upper, strict=True))
+    settled = [carried / (stiffness * area) for carried, area, stiffness, _ in each]
+    part = [own / facts.height[upper] for own, (_, _, _, upper) in zip(settled, each, strict=True)]
+    i = part.index(max(part))
+    if part[i] > MOST_SETTLED:
+        lines.append(
+            f"{facts.joint_key(i)}.stiffness = {facts.stiffness[i]:g}: {facts.block_name(facts.upper[i])} settles by "
+            f"{settled[i]:.3g} m at rest, {part[i]:.2g} of its height; {UNITS_OF_STIFFNESS}"
+        )
+    pressure = [carried / area for carried, area, _, _ in each]
+    i = pressure.index(max(pressure))
+    if pressure[i] > MOST_PRESSED:
+        lines.append(
+            f"{facts.joint_name(i)}: carries {facts.carried[i]:.3g} N on {facts.area[i]:.3g} m2 at rest, "
+            f"{1e-6 * pressure[i]:.3g} MPa, which no stone bears; {UNITS_OF_WEIGHT}"
+        )
+    return lines
+
+
+def _of_laws(facts: Facts) -> list[str]:
+    """Friction and strength."""
+    lines = []
+    friction = [value or 0.0 for value in facts.friction]
+    i = friction.index(max(friction)) if friction else 0
+    if friction and friction[i] > MOST_FRICTION:
+        lines.append(
+            f"{facts.joint_key(i)}.friction = {friction[i]:g}: should be {MOST_FRICTION:g} at most; it is a "
+            "coefficient, not an angle in degrees"
+        )
+    strength = [math.inf if value is None else value for value in facts.strength]
+    i = strength.index(min(strength)) if strength else 0
+    if strength and strength[i] < LEAST_STRENGTH:
+        lines.append(
+            f"{facts.joint_key(i)}.strength = {strength[i]:g}: should be {LEAST_STRENGTH:g} at least; strength is a "
+            "pressure in Pa, 1 MPa = 1e6 Pa"
+        )
+    return lines

@@ -1,0 +1,132 @@
+"""Entries called from Python: a structure over flat arrays."""
+
+from ..numba_ext.jit import entry, kernel
+from ..numba_ext.views import lanes_of, row_of
+from . import driven
+from .base import Shaking
+from .evaluate import energy, evaluate, recall, settle_memory, show
+from .in_lanes import Queue, Sizes, batch_over, follow_queue
+from .layout import BASE, PHASE, lay_scene
+from .stepping import advance
+from .watch import Watch
+
+_phase, _base = PHASE.over, BASE.over
+
+
+@kernel
+def scene_of(n, m, k, model, state):
+    """The scene of a structure of n blocks, m joints and k ties; model, state: its arrays (packing.py)."""
+    settings, bodies, joints, ties, corners, modal = model
+    control, counts, peaks, work = state
+    rows = row_of(settings), row_of(bodies), row_of(joints), row_of(ties), row_of(corners), row_of(modal)
+    return lay_scene(n, m, k, corners.size, rows, row_of(control), row_of(counts), row_of(peaks), row_of(work))
+
+
+@entry
+def run_structure(n, m, k, model, state, phase, record, base, at, rows, t, stop, most):
+    """`stepping.advance` over a record (times, ax, ay, az), with an output row at each of the times `at`."""
+    times, ax, ay, az = record
+    shaking = Shaking(times.size, row_of(times), row_of(ax), row_of(ay), row_of(az), _base(row_of(base), 0))
+    watch = Watch(at.size, row_of(at), row_of(rows))
+    return advance(scene_of(n, m, k, model, state), shaking, watch, row_of(phase), t, stop, most)
+
+
+@entry
+def observe_structure(n, m, k, model, state, phase, rates, ax, ay, az, row, keep):
+    """Evaluate a phase under an acceleration of the base, m/s2: its rates and output row.
+
+    Returns its energy, J.
+    phase: with what joints and ties remember behind it. keep: whether they remember this state, as after a long rest.
+    """
+    scene = scene_of(n, m, k, model, state)
+    seen = _phase(row_of(phase), n)
+    recall(scene, row_of(phase))
+    evaluate(scene, seen, _phase(row_of(rates), n), ax, ay, az)
+    if keep:
+        settle_memory(scene, row_of(phase))
+    show(scene, seen, row_of(row))
+    return energy(scene, seen)
+
+
+@entry
+def stiffness_of(n, m, k, model, state, phase, scratch, rates, delta, matrix):
+    """Tangent stiffness about a phase without rates: matrix (6 n x 6 n) by rows, N and N m per m and rad.
+
+    Forces on the centroids by displacements and rotations about the axes of the base, by central differences of `delta`
+    (a number for each coordinate, m or rad). Joints and ties remember what the phase says.
+    """
+    scene = scene_of(n, m, k, model, state)
+    size = 6 * n
+    from_, to, found = row_of(phase), row_of(scratch), row_of(matrix)
+    turned, poses = _phase(to, n), scene.poses
+    recall(scene, from_)
+    for column in range(size):
+        i, axis = column // 6, column % 6
+        for way in range(2):
+            for place in range(13 * n):
+                to[place] = from_[place]
+            step = delta[column] if way == 0 else -delta[column]
+            if axis < 3:
+                to[axis * n + i] += step
+            else:
+                _turn(turned, i, axis - 3, step)
+            evaluate(scene, turned, _phase(row_of(rates), n), 0.0, 0.0, 0.0)
+            per = -0.5 / step
+            for other in range(n):
+                place = 6 * other * size + column
+                for part in range(6):
+                    if way == 0:
+                        found[place + part * size] = 0.0
+                found[place] += per * poses.fx[other]
+                found[place + size] += per * poses.fy[other]
+                found[place + 2 * size] += per * poses.fz[other]
+                found[place + 3 * size] += per * poses.mx[other]
+                found[place + 4 * size] += per * poses.my[other]
+                found[place + 5 * size] += per * poses.mz[other]
+
+
+@kernel
+def _turn(phase, i, axis, angle):
+    """Turn body i by an angle, rad, about an axis of the base, to the second order."""
+    half = 0.5 * angle
+    x, y, z = half if axis == 0 else 0.0, half if axis == 1 else 0.0, half if axis == 2 else 0.0
+    scalar = (1.0 - half * half) ** 0.5
+    q0, q1, q2, q3 = phase.q0[i], phase.q1[i], phase.q2[i], phase.q3[i]
+    phase.q0[i] = scalar * q0 - x * q1 - y * q2 - z * q3
+    phase.q1[i] = scalar * q1 + x * q0 + y * q3 - z * q2
+    phase.q2[i] = scalar * q2 + y * q0 + z * q1 - x * q3
+    phase.q3[i] = scalar * q3 + z * q0 + x * q2 - y * q1
+
+
+@entry
+def run_structures_in_lanes(n, m, k, corners, buffer, size, models, states, runs, outcomes, peaks, record, flag):
+    """`in_lanes.follow_queue` over arrays; buffer: eight numbers for each of a lane."""
+    given = row_of(models), row_of(states), row_of(runs), row_of(outcomes), row_of(peaks)
+    times, ax, ay, az = record
+    queue = Queue(size, *given, row_of(times), row_of(ax), row_of(ay), row_of(az), row_of(flag))
+    follow_queue(batch_over(Sizes(n, m, k, corners), lanes_of(buffer), queue))
+
+
+# --- a structure under inputs: driven.py over arrays
+
+
+@entry
+def assemble_structure(model, state, counts, base, work, given, from_rest):
+    """`driven.assemble`."""
+    arrays = row_of(model), row_of(state), row_of(counts), row_of(base), row_of(work)
+    return driven.assemble(*arrays, row_of(given), from_rest)
+
+
+@entry
+def follow_structure(model, state, counts, base, work, inputs, t, h, times, ax, ay, az):
+    """`driven.follow`."""
+    arrays = row_of(model), row_of(state), row_of(counts), row_of(base), row_of(work)
+    record = times.size, row_of(times), row_of(ax), row_of(ay), row_of(az), 1.0
+    return driven.follow(*arrays, row_of(inputs), t, h, *record)
+
+
+@entry
+def look_structure(model, state, counts, base, work, inputs, new_inputs, elapsed, t, row):
+    """`driven.look`."""
+    arrays = row_of(model), row_of(state), row_of(counts), row_of(base), row_of(work)
+    return driven.look(*arrays, row_of(inputs), new_inputs, elapsed, t, row_of(row))

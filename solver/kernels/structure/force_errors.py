@@ -1,0 +1,80 @@
+"""The error of a step as forces of the joints.
+
+Stiff beds and dashpots turn a small error of a place or rate into a large one of a force: d, d' of the opening or slip
+of a joint into stiffness times (d + damping d'). The embedded error of a step says both without another evaluation.
+"""
+
+import math
+
+from ..numba_ext.jit import kernel, leaf
+from .kinematics import cross, dot, minus, plus, turned
+from .layout import PHASE
+from .watch import END, row
+
+_phase = PHASE.over
+LEAST_SHEAR = 0.01  # of the largest force across joints: the least that errors along them are measured against
+
+
+@kernel
+def _take_along_base(scene, error):
+    """Replace the errors of quaternions by rotation vectors, rad, and put angular velocities along the base's axes."""
+    end = _phase(row(scene, END), scene.n)
+    for i in range(scene.n):
+        q, d = (end.q1[i], end.q2[i], end.q3[i]), (error.q1[i], error.q2[i], error.q3[i])
+        half = plus(plus(cross(q, d), d, end.q0[i]), q, -error.q0[i])
+        error.q1[i], error.q2[i], error.q3[i] = 2.0 * half[0], 2.0 * half[1], 2.0 * half[2]
+        spin = error.wx[i], error.wy[i], error.wz[i]
+        error.wx[i], error.wy[i], error.wz[i] = plus(spin, turned(scene.poses, i, *spin), 1.0)
+
+
+@leaf
+def _felt(scene, error, i, arm, damping):
+    """What a spring with a dashpot feels of the errors of body i: of the end of an arm, m, and of its rotation, rad."""
+    if i == scene.n:
+        return (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    place = plus((error.ux[i], error.uy[i], error.uz[i]), (error.vx[i], error.vy[i], error.vz[i]), damping)
+    turn = plus((error.q1[i], error.q2[i], error.q3[i]), (error.wx[i], error.wy[i], error.wz[i]), damping)
+    return plus(place, cross(turn, arm), 1.0), turn
+
+
+@leaf
+def _standing(poses, i, x, y, z):
+    """A vector that is fixed to body i, as it stands now."""
+    return plus((x, y, z), turned(poses, i, x, y, z), 1.0)
+
+
+@kernel
+def error_of_forces(scene, errors):
+    """Largest error of a force across or along a joint over the tolerance times the largest of its kind so far.
+
+    errors: of the state just evaluated, at the end of a step; they are changed. The pressure counts where its resultant
+    is, over the loaded area; axes are those of the lower body. A joint that slides bears what friction does.
+    """
+    joints, found, poses, control = scene.joints, scene.resultants, scene.poses, scene.control
+    error, across, along = _phase(errors, scene.n), 0.0, 0.0
+    _take_along_base(scene, error)
+    for j in range(scene.m):
+        a, b = int(joints.upper[j]), int(joints.lower[j])
+        e1 = _standing(poses, b, joints.e1x[j], joints.e1y[j], joints.e1z[j])
+        e2 = _standing(poses, b, joints.e2x[j], joints.e2y[j], joints.e2z[j])
+        e3 = cross(e1, e2)
+        arm_a = _standing(poses, a, joints.ax[j], joints.ay[j], joints.az[j])
+        arm_b = _standing(poses, b, joints.bx[j], joints.by[j], joints.bz[j])
+        for kind in range(2):  # which is compiled once
+            damping = joints.damping[j] if kind == 0 else joints.shear_damping[j]
+            place_a, turn_a = _felt(scene, error, a, arm_a, damping)
+            place_b, turn_b = _felt(scene, error, b, arm_b, damping)
+            gap, turn = minus(place_a, place_b), minus(turn_a, turn_b)
+            normal, k1, k2 = found.normal[j], dot(e1, turn), dot(e2, turn)
+            if kind == 0 and normal > 0.0:
+                opening = dot(e3, gap) - (k1 * found.g1[j] + k2 * found.g2[j]) / normal
+                bent = joints.arm[j] * found.area[j] / joints.area[j] * math.sqrt(k1 * k1 + k2 * k2)
+                across = max(across, joints.stiffness[j] * found.area[j] * (abs(opening) + bent))
+            elif kind == 1 and scene.giving_slips.p1[j] == 0.0 and scene.giving_slips.p2[j] == 0.0:
+                along = max(along, joints.shear[j] * math.sqrt(dot(e1, gap) ** 2 + dot(e2, gap) ** 2))
+            if kind == 1 and scene.giving_slips.p3[j] == 0.0:
+                along = max(along, joints.twist[j] / joints.arm[j] * abs(dot(e3, turn)))
+    shear = max(control.largest_shear, LEAST_SHEAR * control.largest_normal)
+    if shear == 0.0:
+        return 0.0
+    return max(across / control.largest_normal, along / shear) / scene.settings.tolerance

@@ -1,0 +1,395 @@
+"""Runs of structures pass through eight lanes: each with its own numbers, motion, time and step.
+
+All have the same bodies, joints and ties as to their number, order and kind. The equations and the step are those of
+one structure (evaluate.py, attempt.py), over lanes; the queue is that of columns (batch/follow.py). A run ends at its
+stop, or before if a block has fallen or, on a still base, nothing moves any more: on a still base a lane stops between
+for a look at that.
+"""
+
+import math
+from typing import NamedTuple
+
+from ..batch.follow import control_steps, pass_queue, peak_over
+from ..numba_ext.jit import in_both, kernel, leaf
+from ..numba_ext.lanes import WIDTH, any_of, bits, greater, lane, lesser, magnitude, square_root, where
+from ..numba_ext.views import Record, Table, clear, copy, one_lane
+from ..stepping.control import is_too_short, shared
+from .attempt import attempt_5, evaluate_at, rate
+from .base import Shaking, is_still, segment_after
+from .evaluate import moving, recall
+from .layout import (
+    BASE,
+    BODIES,
+    CONTROL,
+    COUNTS,
+    JOINTS,
+    OF_BLOCK,
+    OF_JOINT,
+    PHASE,
+    SETTINGS,
+    STAGES,
+    TIES,
+    lay_scene,
+    moving_size,
+    work_size,
+)
+from .stepping import STABLE, fallen, largest_motion, moves, relaxing
+from .watch import BETWEEN_RATES, END, START, row, seen
+
+BETWEEN_LOOKS = 0.25  # s, where the base is still
+FELL, RESTS, STOPPED, STEP_TOO_SMALL = 1.0, 2.0, 3.0, -1.0  # how a run ends
+PEAKS = Table("u", "ux", "uy", "uz")  # of blocks, m; u: of the horizontal displacement, whichever way
+RUN = Record(
+    *("start", "stop"),  # s, from where and to where it is to be followed
+    "first",  # sample of its record, and
+    "count",  # number of them
+    "held",  # 1: samples are held, 0: joined by straight lines
+    *("amplitude_x", "amplitude_y", "omega", "phase"),  # m/s2, rad/s, rad, of the harmonic part
+)
+OUTCOME = Record("ends", "time", "block", "steps", "rejected", "looks")  # of a fall: its time and block, from 1
+LANE = Record(
+    "run",  # number of the run, -1 without one
+    *("t", "stop", "piece_end"),  # s; the next stop, the next sample
+    "segment",  # number of the last sample, -1 before the first
+    *("steps", "rejected", "looks"),
+    "fresh",  # 1 while the rates at its time are missing
+    "due",  # 1 if a look is due then
+)
+NO_RUN = -1.0
+
+_base, _lane, _run, _outcome, _phase = BASE.over, LANE.over, RUN.over, OUTCOME.over, PHASE.over
+_peaks = PEAKS.over
+_BASE, _LANE, _RUN, _OUTCOME = BASE.beside, LANE.beside, RUN.beside, OUTCOME.beside
+_SETTINGS, _CONTROL, _COUNTS = SETTINGS.beside, CONTROL.beside, COUNTS.beside
+_BODY, _JOINT, _TIE, _PEAK = BODIES.per_n, JOINTS.per_n, TIES.per_n, PEAKS.per_n
+_OF_BLOCK, _OF_JOINT, _TX = len(OF_BLOCK), len(OF_JOINT), OF_JOINT.index("Tx")
+
+
+class Sizes(NamedTuple):
+    """Blocks, joints, ties, and numbers of corners of all sections."""
+
+    n: int
+    m: int
+    k: int
+    corners: int
+
+
+class Queue(NamedTuple):
+    """Rows of `size` runs and of their outcomes; the samples of all their records.
+
+    Once the number at `flag` is not zero, no more runs are begun and those under way are abandoned.
+    """
+
+    size: int
+    models: object  # settings, bodies, joints, ties, corners of each
+    states: object  # to start from, replaced by those at the ends
+    runs: object  # records RUN
+    outcomes: object  # records OUTCOME
+    peaks: object  # tables PEAKS
+    times: object  # s
+    ax: object  # m/s2
+    ay: object
+    az: object
+    flag: object
+
+
+class Batch(NamedTuple):
+    """Eight structures over lanes, or the structure of one lane."""
+
+    scene: object
+    shaking: object
+    lane: object
+    row: object
+    sizes: object
+    queue: object
+
+
+@in_both
+def model_size(n: int, m: int, k: int, corners: int) -> int:
+    """Numbers that describe a structure."""
+    size: int = _SETTINGS + _BODY * (n + 1) + _JOINT * m + _TIE * k + corners
+    return size
+
+
+@in_both
+def lane_size(n: int, m: int, k: int, corners: int) -> int:
+    """Numbers of a lane."""
+    beside = _CONTROL + _COUNTS + _PEAK * n + _BASE + _LANE
+    size: int = model_size(n, m, k, corners) + beside + work_size(n, m, k, corners)
+    return size
+
+
+@leaf
+def batch_over(sizes, buffer, queue):
+    """The batch over a row of lanes, or of one of them."""
+    n, m, k, corners = sizes
+    bodies = buffer[_SETTINGS:]
+    joints = bodies[_BODY * (n + 1) :]
+    ties = joints[_JOINT * m :]
+    outlines = ties[_TIE * k :]
+    control = outlines[corners:]
+    counts = control[_CONTROL:]
+    peaks = counts[_COUNTS:]
+    base = peaks[_PEAK * n :]
+    own = base[_BASE:]
+    model = buffer, bodies, joints, ties, outlines, outlines
+    scene = lay_scene(n, m, k, corners, model, control, counts, peaks, own[_LANE:])
+    shaking = Shaking(0, queue.times, queue.ax, queue.ay, queue.az, _base(base, 0))
+    return Batch(scene, shaking, _lane(own, 0), buffer, sizes, queue)
+
+
+@leaf
+def single(batch, k):
+    """The structure of lane k alone."""
+    return batch_over(batch.sizes, one_lane(batch.row, k), batch.queue)
+
+
+@leaf
+def _run_of(batch, number):
+    return _run(batch.queue.runs[_RUN * number :], 0)
+
+
+@leaf
+def _outcome_of(batch, number):
+    return _outcome(batch.queue.outcomes[_OUTCOME * number :], 0)
+
+
+# --- a run begins and ends
+
+
+@leaf
+def _silence(one):
+    """Let the base of a lane be still."""
+    base = one.shaking.base
+    base.ax, base.ay, base.az, base.jx, base.jy, base.jz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    base.amplitude_x, base.amplitude_y = 0.0, 0.0
+    one.lane.piece_end = math.inf
+
+
+@leaf
+def _record_of(batch, one, run):
+    queue, first = batch.queue, int(run.first)
+    samples = queue.times[first:], queue.ax[first:], queue.ay[first:], queue.az[first:]
+    return Shaking(int(run.count), *samples, one.shaking.base)
+
+
+@kernel
+def follow_record(batch, one):
+    """Let the base of a lane move as its run says from the sample on at which its segment begins."""
+    base, own = one.shaking.base, one.lane
+    run = _run_of(batch, int(own.run))
+    record = _record_of(batch, one, run)
+    k = int(own.segment)
+    own.fresh = 1.0 if k <= 0 or run.held != 0.0 or is_still(record, k) else own.fresh
+    if is_still(record, k):
+        _silence(one)
+        if k < 0:
+            own.piece_end = record.times[0]
+        else:
+            own.stop = min(run.stop, own.t + BETWEEN_LOOKS)
+        return
+    begin, end = record.times[k], record.times[k + 1]
+    per = 0.0 if run.held != 0.0 else 1.0 / (end - begin)
+    base.t0, own.piece_end = begin, end
+    base.ax, base.jx = record.ax[k], per * (record.ax[k + 1] - record.ax[k])
+    base.ay, base.jy = record.ay[k], per * (record.ay[k + 1] - record.ay[k])
+    base.az, base.jz = record.az[k], per * (record.az[k + 1] - record.az[k])
+    base.amplitude_x, base.amplitude_y = run.amplitude_x, run.amplitude_y
+
+
+@kernel
+def load(batch, k, number):
+    """Put a run into lane k; the rates at its start are still missing."""
+    one, queue = single(batch, k), batch.queue
+    n, m, ties, corners = batch.sizes.n, batch.sizes.m, batch.sizes.k, batch.sizes.corners
+    size, count = model_size(n, m, ties, corners), moving_size(n, m, ties)
+    clear(one.row, lane_size(n, m, ties, corners))
+    copy(one.row, queue.models[size * number :], size)
+    copy(row(one.scene, START), queue.states[count * number :], count)
+    copy(row(one.scene, END), row(one.scene, START), count)
+    recall(one.scene, row(one.scene, START))
+    run, control, settings, own = _run_of(batch, number), one.scene.control, one.scene.settings, one.lane
+    control.next_step, control.previous_error = settings.first_step, 1.0
+    control.largest, control.largest_rate = settings.motion_floor, settings.rate_floor
+    own.run, own.t, own.stop = number, run.start, run.stop
+    own.fresh, own.due = 1.0, 0.0
+    one.shaking.base.omega, one.shaking.base.phase = run.omega, run.phase
+    own.segment = segment_after(_record_of(batch, one, run), run.start)
+    follow_record(batch, one)
+    own.fresh = 1.0
+
+
+@kernel
+def finish(batch, k, ends, time, block):
+    """Store how the run in lane k ends: its outcome, peaks and state. The lane is free then."""
+    one, queue, n = single(batch, k), batch.queue, batch.sizes.n
+    number, count = int(one.lane.run), moving_size(n, batch.sizes.m, batch.sizes.k)
+    outcome = _outcome_of(batch, number)
+    outcome.ends, outcome.time, outcome.block = ends, time, block
+    outcome.steps, outcome.rejected, outcome.looks = one.lane.steps, one.lane.rejected, one.lane.looks
+    copy(queue.peaks[_PEAK * n * number :], one.scene.peaks, _PEAK * n)
+    copy(queue.states[count * number :], row(one.scene, START), count)
+    one.lane.run, one.lane.piece_end = NO_RUN, math.inf
+
+
+@kernel
+def start(batch, fresh):
+    """Rates at the start of the lanes in the mask `fresh`, and looks that are due; the bits of lanes whose run ends."""
+    scene, lanes = batch.scene, batch.lane
+    begin, found = row(scene, START), row(scene, BETWEEN_RATES)
+    evaluate_at(scene, batch.shaking, 0, begin, found, lanes.t)
+    _keep(batch, found, fresh)
+    lanes.looks += where(fresh, 1.0, 0.0)
+    _take_stock(batch, begin, fresh)
+    phase = _phase(begin, scene.n)
+    for i in range(scene.n):
+        _raise(scene, phase, i, fresh)
+    due = bits(fresh & (lanes.due > 0.0))
+    ended = 0
+    if due != 0:
+        rests = bits(moves(scene, phase, _phase(found, scene.n))) ^ ((1 << WIDTH) - 1)
+        for k in range(WIDTH):
+            if (due >> k) & 1:
+                ended |= _look(batch, k, (rests >> k) & 1) << k
+    return ended
+
+
+@kernel
+def _look(batch, k, rests):
+    """Decide about the run in lane k: 1 if it ends, else 0."""
+    own, stop = single(batch, k).lane, _run_of(batch, int(single(batch, k).lane.run)).stop
+    own.due = 0.0
+    if rests or own.t >= stop:
+        finish(batch, k, RESTS if rests else STOPPED, own.t, 0.0)
+        return 1
+    own.stop = min(stop, own.t + BETWEEN_LOOKS)
+    return 0
+
+
+# --- a step
+
+
+@leaf
+def _keep(batch, found, lanes):
+    """Take rates, and forces that may have a kink in the next step, of the lanes in a mask from the last evaluation."""
+    scene = batch.scene
+    n, m = scene.n, scene.m
+    kept, forces = rate(scene, 0), seen(scene, 0)
+    for i in range(moving(scene)):
+        kept[i] = where(lanes, found[i], kept[i])
+    along, ties = forces[_OF_BLOCK * n + _TX * m :], forces[_OF_BLOCK * n + _OF_JOINT * m :]
+    for j in range(m):
+        along[j] = where(lanes, -scene.resultants.t1[j], along[j])
+        along[m + j] = where(lanes, -scene.resultants.t2[j], along[m + j])
+    for e in range(scene.k):
+        ties[e] = where(lanes, scene.pulls.force[e], ties[e])
+
+
+@leaf
+def _take_stock(batch, state, lanes):
+    control = batch.scene.control
+    place, speed = largest_motion(batch.scene, _phase(state, batch.scene.n))
+    control.largest = where(lanes, place, control.largest)
+    control.largest_rate = where(lanes, speed, control.largest_rate)
+
+
+@leaf
+def _raise(scene, phase, i, lanes):
+    """Raise the peaks of block i of the lanes in a mask by where it is."""
+    peaks = _peaks(scene.peaks, scene.n)
+    x, y, z = phase.ux[i], phase.uy[i], phase.uz[i]
+    peaks.u[i] = where(lanes, greater(peaks.u[i], square_root(x * x + y * y)), peaks.u[i])
+    peaks.ux[i] = where(lanes, greater(peaks.ux[i], magnitude(x)), peaks.ux[i])
+    peaks.uy[i] = where(lanes, greater(peaks.uy[i], magnitude(y)), peaks.uy[i])
+    peaks.uz[i] = where(lanes, greater(peaks.uz[i], magnitude(z)), peaks.uz[i])
+
+
+@leaf
+def _out(phase, i):
+    """Horizontal displacement of block i, whichever way, m, and its rate."""
+    x, y = phase.ux[i], phase.uy[i]
+    size = square_root(x * x + y * y)
+    return size, (x * phase.vx[i] + y * phase.vy[i]) / greater(size, 1e-300)
+
+
+@kernel
+def track_peaks(batch, step, good):
+    """Raise the peaks of the lanes in a mask by their step, turning points within it included."""
+    scene = batch.scene
+    n, peaks = scene.n, _peaks(scene.peaks, scene.n)
+    begin, end = _phase(row(scene, START), n), _phase(row(scene, END), n)
+    for i in range(n):
+        (d0, v0), (d1, v1) = _out(begin, i), _out(end, i)
+        peaks.u[i] = peak_over(peaks.u[i], d0, v0, d1, v1, step, good)
+        peaks.ux[i] = peak_over(peaks.ux[i], begin.ux[i], begin.vx[i], end.ux[i], end.vx[i], step, good)
+        peaks.uy[i] = peak_over(peaks.uy[i], begin.uy[i], begin.vy[i], end.uy[i], end.vy[i], step, good)
+        peaks.uz[i] = peak_over(peaks.uz[i], begin.uz[i], begin.vz[i], end.uz[i], end.vz[i], step, good)
+
+
+@leaf
+def step_lengths(batch):
+    """The next step of each lane, s, and what is left to the next stop or sample; 0 for a lane without a run."""
+    scene, lanes, base = batch.scene, batch.lane, batch.shaking.base
+    left = lesser(lanes.stop, lanes.piece_end) - lanes.t
+    step = scene.control.next_step
+    shakes = (base.amplitude_x != 0.0) | (base.amplitude_y != 0.0)
+    step = where(shakes, lesser(step, 1.0 / base.omega), step)
+    if any_of(scene.settings.gives_way != 0.0):
+        step = lesser(step, STABLE * relaxing(scene))
+    return where(lanes.run >= 0.0, shared(step, left), 0.0), left
+
+
+@kernel
+def step_on(batch):
+    """One step of every lane that has a run. Returns the bits of the lanes whose run has ended, and one more bit.
+
+    That bit is set if rates or a look are due.
+    """
+    scene, lanes = batch.scene, batch.lane
+    step, left = step_lengths(batch)
+    busy = step > 0.0
+    error = attempt_5(scene, batch.shaking, 0, lanes.t, step)
+    good = busy & control_steps(scene.control, step, error)
+    lanes.steps += where(good, 1.0, 0.0)
+    lanes.rejected += where(busy & (error > 1.0), 1.0, 0.0)
+    phase = _phase(row(scene, END), scene.n)
+    track_peaks(batch, step, good)
+    _take_stock(batch, row(scene, END), good)
+    block = where(good, fallen(scene, phase), 0.0)
+    begin, end = row(scene, START), row(scene, END)
+    for i in range(moving(scene)):
+        begin[i] = where(good, end[i], begin[i])
+    _keep(batch, rate(scene, STAGES - 1), good)
+    reached = good & (step == left)
+    there = lesser(lanes.stop, lanes.piece_end)
+    lanes.t = where(reached, there, where(good, lanes.t + step, lanes.t))
+    stuck = busy & is_too_short(scene.control.next_step, scene.settings.first_step, lanes.t)
+    over = block > 0.0
+    if not any_of(reached | over | stuck):
+        return 0
+    ended = 0
+    for k in range(WIDTH):
+        one = single(batch, k)
+        if lane(block, k) > 0.0:
+            finish(batch, k, FELL, one.lane.t, lane(block, k))
+            ended |= 1 << k
+        elif (bits(stuck) >> k) & 1:
+            finish(batch, k, STEP_TOO_SMALL, one.lane.t, 0.0)
+            ended |= 1 << k
+        elif (bits(reached) >> k) & 1:
+            if one.lane.t >= one.lane.stop:
+                one.lane.fresh, one.lane.due = 1.0, 1.0
+                if one.lane.t >= _run_of(batch, int(one.lane.run)).stop:
+                    _silence(one)
+            else:
+                one.lane.segment += 1.0
+                follow_record(batch, one)
+            if one.lane.fresh > 0.0:
+                ended |= 1 << WIDTH
+    return ended
+
+
+@kernel
+def follow_queue(batch):
+    """Let all runs of the queue pass through the eight lanes."""
+    pass_queue(batch, load, start, step_on)

@@ -1,0 +1,177 @@
+"""The joint of six components: no-tension bed, elastic along itself up to Coulomb's limit (theory.md section 13)."""
+
+import math
+
+from ..numba_ext.jit import kernel, leaf
+from ..numba_ext.lanes import (
+    any_of,
+    greater,
+    index_of,
+    lesser,
+    magnitude,
+    opposite,
+    square_root,
+    where,
+    with_sign,
+    zero_like,
+)
+from .bed import Plane, chosen, nothing, whole
+from .disc import round_bed
+from .kinematics import cross, dot, out_of, plus, push, relative_motion
+from .layout import POLYGON
+from .overlap import bed_after_slip, goes_by_faces
+from .polygon import polygon_bed
+
+TINY = 1e-300  # m
+
+
+@leaf
+def _has_slid(scene, j):
+    slips = scene.slips
+    slid = (slips.p1[j] != 0.0) | (slips.p2[j] != 0.0) | (slips.p3[j] != 0.0)
+    return slid & (scene.joints.friction[j] != math.inf)
+
+
+@leaf
+def middle_of(scene, j):
+    """The middle of the contact after slips, m from half-way between the centres of both faces.
+
+    It goes with the face that the other one holds; of equal faces it stays half-way.
+    """
+    p1, p2 = scene.slips.p1[j], scene.slips.p2[j]
+    part = zero_like(p1)
+    slid = _has_slid(scene, j)
+    if any_of(slid):
+        slip = greater(square_root(p1 * p1 + p2 * p2), TINY)
+        part = 0.5 * (scene.joints.rim_b[j] - scene.joints.rim_a[j]) / slip
+        part = where(slid, greater(lesser(part, 0.5), -0.5), 0.0)
+    return part * p1, part * p2
+
+
+@leaf
+def bed_of_joint(scene, j, p, q):
+    """The bed of joint j: of the section as built until it has slid, then of what both faces share."""
+    bed, slid = nothing(p), goes_by_faces(scene, j, _has_slid(scene, j))
+    if any_of(opposite(slid)):
+        bed = _bed_as_built(scene, j, p, q)
+    if any_of(slid):
+        bed = chosen(slid, bed_after_slip(scene, j, slid, p, q), bed)
+    return bed
+
+
+@leaf
+def _bed_as_built(scene, j, p, q):
+    if any_of(scene.joints.section[j] == POLYGON):
+        joints = scene.joints
+        first, count = index_of(joints.first[j]), index_of(joints.corners[j])
+        return polygon_bed(scene.corners, first, count, whole(joints, j, q, zero_like(q.at)), p, q)
+    return round_bed(scene, j, p, q)
+
+
+@leaf
+def penetration(motion):
+    """The penetration over the section, m."""
+    return Plane(-motion.gap[2], motion.turn[1], -motion.turn[0])
+
+
+@leaf
+def friction_limits(joints, j, normal, g1, g2):
+    """Largest force along a joint, N, and largest twisting couple, N m.
+
+    The couple is that of friction about the centre: with the arm of a uniform pressure, or that of the resultant if it
+    is farther out.
+    """
+    pressed = normal > 0.0
+    force = where(pressed, joints.friction[j] * normal, 0.0) + joints.dowel[j]
+    arm, moment = joints.arm[j], g1 * g1 + g2 * g2
+    farther = pressed & (moment > arm * normal * (arm * normal))
+    if any_of(farther):
+        arm = where(farther, square_root(moment) / normal, arm)
+    return force, force * arm
+
+
+@leaf
+def _along_joint(scene, j, motion, normal, g1, g2):
+    """Forces along a joint on the upper block, N, and the twisting couple on its energy, N m.
+
+    A slider in series with a spring and a dashpot: it moves so fast that both together bear the limit. Its rates are
+    left in the scene. Both act in the middle of the contact.
+    """
+    joints, slips, found, giving = scene.joints, scene.slips, scene.resultants, scene.giving_slips
+    shear, twist, damping = joints.shear[j], joints.twist[j], joints.shear_damping[j]
+    x, y = middle_of(scene, j)
+    s1, s2, s3 = motion.gap[0], motion.gap[1], motion.turn[2]
+    z3, v3 = s3 - slips.p3[j], motion.turn_rate[2]
+    z1, z2 = s1 - slips.p1[j] - z3 * y, s2 - slips.p2[j] + z3 * x  # there
+    v1, v2 = motion.gap_rate[0] - v3 * y, motion.gap_rate[1] + v3 * x
+    t1, t2 = -shear * (z1 + damping * v1), -shear * (z2 + damping * v2)
+    g3 = twist * (z3 + damping * v3)
+    r1, r2, r3 = zero_like(v1), zero_like(v2), zero_like(v3)
+    if any_of(joints.friction[j] != math.inf):
+        limit, couple = friction_limits(joints, j, normal, g1 + normal * y, g2 - normal * x)
+        square = t1 * t1 + t2 * t2
+        slides = square > limit * limit
+        if any_of(slides):
+            part = limit / square_root(square)
+            rate = (1.0 - part) / (shear * damping)
+            r1, r2 = where(slides, -t1 * rate, r1), where(slides, -t2 * rate, r2)
+            t1, t2 = where(slides, t1 * part, t1), where(slides, t2 * part, t2)
+        square = shear * shear * (z1 * z1 + z2 * z2)
+        beyond = square > limit * limit
+        if any_of(beyond):
+            part = where(beyond, limit / square_root(square), 1.0)
+            z1, z2 = z1 * part, z2 * part
+        size = magnitude(g3)
+        twists = size > couple
+        if any_of(twists):
+            r3 = where(twists, with_sign((size - couple) / (twist * damping), g3), r3)
+            g3 = where(twists, with_sign(couple, g3), g3)
+        beyond = twist * magnitude(z3) > couple
+        if any_of(beyond):
+            z3 = where(beyond, with_sign(couple / twist, z3), z3)
+    g3 += t1 * y - t2 * x  # about the place half-way
+    giving.p1[j], giving.p2[j], giving.p3[j] = r1 + r3 * y, r2 - r3 * x, r3
+    found.t1[j], found.t2[j], found.g3[j] = t1, t2, g3
+    found.s1[j], found.s2[j], found.s3[j] = s1, s2, s3
+    found.z1[j], found.z2[j], found.z3[j] = z1 + z3 * y, z2 - z3 * x, z3
+    return t1, t2, g3
+
+
+@kernel
+def load_joint(scene, phase, j):
+    """Add the forces of joint j to those on its two bodies; its resultants are kept."""
+    joints, found = scene.joints, scene.resultants
+    motion = relative_motion(scene, phase, j)
+    p = penetration(motion)
+    eta, k = joints.damping[j], joints.stiffness[j]
+    rate = motion.turn_rate
+    q = Plane(p.at - eta * motion.gap_rate[2], p.along_x + eta * rate[1], p.along_y - eta * rate[0])
+    bed = bed_of_joint(scene, j, p, q)
+    normal, g1, g2 = k * bed.force, -k * bed.first_y, k * bed.first_x
+    found.normal[j], found.g1[j], found.g2[j] = normal, g1, g2
+    found.area[j], found.pressure[j] = bed.area, k * bed.largest
+    t1, t2, g3 = _along_joint(scene, j, motion, normal, g1, g2)
+    force, couple = (t1, t2, normal), (g1, g2, g3)
+    across = cross(motion.gap, force)
+    vector, per = motion.vector, motion.per_scalar
+    own = plus((-g1, -g2, -g3), vector, per * dot(vector, couple))
+    lever = cross(across, vector)
+    on_a = plus(plus(own, across, -0.5), lever, 0.5 * per)
+    on_b = plus(plus((-own[0], -own[1], -own[2]), across, -0.5), lever, -0.5 * per)
+    e1, e2, e3 = motion.e1, motion.e2, motion.e3
+    force = out_of(e1, e2, e3, force)
+    push(scene.poses, index_of(joints.upper[j]), motion.arm_a, force, out_of(e1, e2, e3, on_a), 1.0)
+    push(scene.poses, index_of(joints.lower[j]), motion.arm_b, force, out_of(e1, e2, e3, on_b), -1.0)
+
+
+@kernel
+def joint_energy(scene, phase, j):
+    """Elastic energy of joint j, J; its resultants are those of this phase."""
+    joints, found = scene.joints, scene.resultants
+    p = penetration(relative_motion(scene, phase, j))
+    bed = bed_of_joint(scene, j, p, p)
+    square = p.at * bed.force + p.along_x * bed.first_x + p.along_y * bed.first_y  # the integral of p times p
+    (x, y), z3 = middle_of(scene, j), found.z3[j]
+    z1, z2 = found.z1[j] - z3 * y, found.z2[j] + z3 * x
+    shear, twist = z1 * z1 + z2 * z2, z3 * z3
+    return 0.5 * (joints.stiffness[j] * square + joints.shear[j] * shear + joints.twist[j] * twist)

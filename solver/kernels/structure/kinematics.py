@@ -1,0 +1,265 @@
+"""Bodies and joints in motion: rotations, and relative motion of the faces of a joint (theory.md section 13)."""
+
+from typing import NamedTuple
+
+from ..numba_ext.jit import kernel, leaf
+from ..numba_ext.lanes import any_of, index_of, square_root, where, zero_like
+
+
+@kernel
+def pose_body(scene, phase, i):
+    """Fill in the rotation and angular velocity of body i."""
+    poses = scene.poses
+    q0, q1, q2, q3 = phase.q0[i], phase.q1[i], phase.q2[i], phase.q3[i]
+    wx, wy, wz = phase.wx[i], phase.wy[i], phase.wz[i]
+    # the rotation less the identity: displacements keep their digits however far from the origin the body is
+    r11, r12, r13 = -2.0 * (q2 * q2 + q3 * q3), 2.0 * (q1 * q2 - q0 * q3), 2.0 * (q1 * q3 + q0 * q2)
+    r21, r22, r23 = 2.0 * (q1 * q2 + q0 * q3), -2.0 * (q1 * q1 + q3 * q3), 2.0 * (q2 * q3 - q0 * q1)
+    r31, r32, r33 = 2.0 * (q1 * q3 - q0 * q2), 2.0 * (q2 * q3 + q0 * q1), -2.0 * (q1 * q1 + q2 * q2)
+    poses.r11[i], poses.r12[i], poses.r13[i] = r11, r12, r13
+    poses.r21[i], poses.r22[i], poses.r23[i] = r21, r22, r23
+    poses.r31[i], poses.r32[i], poses.r33[i] = r31, r32, r33
+    poses.wx[i] = wx + (r11 * wx + r12 * wy + r13 * wz)
+    poses.wy[i] = wy + (r21 * wx + r22 * wy + r23 * wz)
+    poses.wz[i] = wz + (r31 * wx + r32 * wy + r33 * wz)
+
+
+@kernel
+def pose_bodies(scene, phase):
+    """Fill in the rotations and angular velocities of all bodies, and clear the forces on them."""
+    poses = scene.poses
+    for i in range(scene.n):
+        pose_body(scene, phase, i)
+    for i in range(scene.n + 1):
+        poses.fx[i], poses.fy[i], poses.fz[i] = 0.0, 0.0, 0.0
+        poses.mx[i], poses.my[i], poses.mz[i] = 0.0, 0.0, 0.0
+
+
+@leaf
+def turned(poses, i, x, y, z):
+    """By how much a vector that is fixed to body i has changed since it was built, m."""
+    return (
+        poses.r11[i] * x + poses.r12[i] * y + poses.r13[i] * z,
+        poses.r21[i] * x + poses.r22[i] * y + poses.r23[i] * z,
+        poses.r31[i] * x + poses.r32[i] * y + poses.r33[i] * z,
+    )
+
+
+@leaf
+def cross(a, b):
+    """The vector product."""
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+@leaf
+def dot(a, b):
+    """The scalar product."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@leaf
+def minus(a, b):
+    """The difference of two vectors."""
+    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
+
+
+@leaf
+def spin_of(q, p):
+    """Angular velocity, in the axes of the body, of a unit quaternion q that changes at the rate p.
+
+    Of its second derivative it is the angular acceleration.
+    """
+    return (
+        2.0 * (q[0] * p[1] - q[1] * p[0] - q[2] * p[3] + q[3] * p[2]),
+        2.0 * (q[0] * p[2] - q[2] * p[0] - q[3] * p[1] + q[1] * p[3]),
+        2.0 * (q[0] * p[3] - q[3] * p[0] - q[1] * p[2] + q[2] * p[1]),
+    )
+
+
+@leaf
+def plus(a, b, factor):
+    """a + factor b."""
+    return a[0] + factor * b[0], a[1] + factor * b[1], a[2] + factor * b[2]
+
+
+@leaf
+def quaternion(scene, phase, i):
+    """Rotation of a body since it was built."""
+    if i < scene.n:
+        return phase.q0[i], phase.q1[i], phase.q2[i], phase.q3[i]
+    zero = zero_like(phase.q0[0])
+    return 1.0 + zero, zero, zero, zero
+
+
+class Point(NamedTuple):
+    """A point fixed to a body, along the axes of the base."""
+
+    moved: object  # m, since it was built
+    arm: object  # m, from the centroid
+    velocity: object  # m/s
+
+
+@leaf
+def point_of(scene, phase, i, x, y, z):
+    """The point of body i that was at (x, y, z) from its centroid as built."""
+    if i == scene.n:
+        none = (zero_like(x), zero_like(x), zero_like(x))
+        return Point(none, (x, y, z), none)
+    turn = turned(scene.poses, i, x, y, z)
+    arm = (x + turn[0], y + turn[1], z + turn[2])
+    spin = (scene.poses.wx[i], scene.poses.wy[i], scene.poses.wz[i])
+    swept = cross(spin, arm)
+    moved = (phase.ux[i] + turn[0], phase.uy[i] + turn[1], phase.uz[i] + turn[2])
+    velocity = (phase.vx[i] + swept[0], phase.vy[i] + swept[1], phase.vz[i] + swept[2])
+    return Point(moved, arm, velocity)
+
+
+class Relative(NamedTuple):
+    """The motion of the upper face of a joint relative to the lower one, in the frame half-way between both."""
+
+    e1: object  # axes of that frame, along those of the base
+    e2: object
+    e3: object
+    gap: object  # m: slips along e1 and e2, opening along e3
+    gap_rate: object  # m/s
+    turn: object  # rad, kappa
+    turn_rate: object
+    vector: object  # of the relative quaternion
+    per_scalar: object  # 1 / (1 + its scalar)
+    arm_a: object  # m, from the centroids to the centres of the faces
+    arm_b: object
+
+
+@leaf
+def along(e1, e2, e3, a):
+    """Components of a vector in a frame."""
+    return dot(e1, a), dot(e2, a), dot(e3, a)
+
+
+@leaf
+def out_of(e1, e2, e3, a):
+    """The vector of these components in a frame."""
+    return (
+        e1[0] * a[0] + e2[0] * a[1] + e3[0] * a[2],
+        e1[1] * a[0] + e2[1] * a[1] + e3[1] * a[2],
+        e1[2] * a[0] + e2[2] * a[1] + e3[2] * a[2],
+    )
+
+
+@leaf
+def _frame(joints, j, q0, q1, q2, q3):
+    """The axes of joint j, turned by a unit quaternion."""
+    s11, s12, s13 = 1.0 - 2.0 * (q2 * q2 + q3 * q3), 2.0 * (q1 * q2 - q0 * q3), 2.0 * (q1 * q3 + q0 * q2)
+    s21, s22, s23 = 2.0 * (q1 * q2 + q0 * q3), 1.0 - 2.0 * (q1 * q1 + q3 * q3), 2.0 * (q2 * q3 - q0 * q1)
+    s31, s32, s33 = 2.0 * (q1 * q3 - q0 * q2), 2.0 * (q2 * q3 + q0 * q1), 1.0 - 2.0 * (q1 * q1 + q2 * q2)
+    x, y, z = joints.e1x[j], joints.e1y[j], joints.e1z[j]
+    e1 = (s11 * x + s12 * y + s13 * z, s21 * x + s22 * y + s23 * z, s31 * x + s32 * y + s33 * z)
+    x, y, z = joints.e2x[j], joints.e2y[j], joints.e2z[j]
+    e2 = (s11 * x + s12 * y + s13 * z, s21 * x + s22 * y + s23 * z, s31 * x + s32 * y + s33 * z)
+    return e1, e2, cross(e1, e2)
+
+
+@leaf
+def _vector_between(a, b):
+    """The vector of conj(b) a; rounding of both quaternions cancels in it."""
+    return (
+        b[0] * a[1] - b[1] * a[0] - b[2] * a[3] + b[3] * a[2],
+        b[0] * a[2] - b[2] * a[0] - b[3] * a[1] + b[1] * a[3],
+        b[0] * a[3] - b[3] * a[0] - b[1] * a[2] + b[2] * a[1],
+    )
+
+
+@leaf
+def is_tipped(scene, phase, j):
+    """Whether the faces of joint j are tilted against each other by more than a quarter turn; no twist counts."""
+    joints = scene.joints
+    a = quaternion(scene, phase, index_of(joints.upper[j]))
+    vector = _vector_between(a, quaternion(scene, phase, index_of(joints.lower[j])))
+    x = dot((joints.e1x[j], joints.e1y[j], joints.e1z[j]), vector)
+    y = dot((joints.e2x[j], joints.e2y[j], joints.e2z[j]), vector)
+    return x * x + y * y > 0.5
+
+
+@leaf
+def relative_motion(scene, phase, j):
+    """The relative motion of joint j."""
+    joints, poses = scene.joints, scene.poses
+    a, b = index_of(joints.upper[j]), index_of(joints.lower[j])
+    a0, a1, a2, a3 = quaternion(scene, phase, a)
+    b0, b1, b2, b3 = quaternion(scene, phase, b)
+    scalar = a0 * b0 + a1 * b1 + a2 * b2 + a3 * b3
+    sign = where(scalar < 0.0, -1.0, 1.0 + zero_like(scalar))  # of the two that mean the same rotation, the near one
+    a0, a1, a2, a3, scalar = sign * a0, sign * a1, sign * a2, sign * a3, sign * scalar
+    v1, v2, v3 = _vector_between((a0, a1, a2, a3), (b0, b1, b2, b3))
+    norm = 1.0 / square_root(2.0 + 2.0 * scalar)
+    e1, e2, e3 = _frame(joints, j, norm * (a0 + b0), norm * (a1 + b1), norm * (a2 + b2), norm * (a3 + b3))
+    vector = (
+        joints.e1x[j] * v1 + joints.e1y[j] * v2 + joints.e1z[j] * v3,
+        joints.e2x[j] * v1 + joints.e2y[j] * v2 + joints.e2z[j] * v3,
+        joints.e3x[j] * v1 + joints.e3y[j] * v2 + joints.e3z[j] * v3,
+    )
+    on_a = point_of(scene, phase, a, joints.ax[j], joints.ay[j], joints.az[j])
+    on_b = point_of(scene, phase, b, joints.bx[j], joints.by[j], joints.bz[j])
+    gap = along(e1, e2, e3, minus(on_a.moved, on_b.moved))
+    spin_a = along(e1, e2, e3, (poses.wx[a], poses.wy[a], poses.wz[a]))
+    spin_b = along(e1, e2, e3, (poses.wx[b], poses.wy[b], poses.wz[b]))
+    spin = minus(spin_a, spin_b)
+    per_scalar = 1.0 / (1.0 + scalar)
+    lag = cross(vector, spin)
+    mean = (
+        0.5 * (spin_a[0] + spin_b[0] - per_scalar * lag[0]),
+        0.5 * (spin_a[1] + spin_b[1] - per_scalar * lag[1]),
+        0.5 * (spin_a[2] + spin_b[2] - per_scalar * lag[2]),
+    )
+    gap_rate = minus(along(e1, e2, e3, minus(on_a.velocity, on_b.velocity)), cross(mean, gap))
+    turn_rate = plus(spin, vector, -per_scalar * dot(vector, spin))
+    turn = (2.0 * vector[0], 2.0 * vector[1], 2.0 * vector[2])
+    return Relative(e1, e2, e3, gap, gap_rate, turn, turn_rate, vector, per_scalar, on_a.arm, on_b.arm)
+
+
+@leaf
+def push(poses, i, arm, force, couple, sign):
+    """Add a force at the end of an arm, and a couple, to what acts on body i, along the axes of the base."""
+    moment = cross(arm, force)
+    poses.fx[i] += sign * force[0]
+    poses.fy[i] += sign * force[1]
+    poses.fz[i] += sign * force[2]
+    poses.mx[i] += sign * moment[0] + couple[0]
+    poses.my[i] += sign * moment[1] + couple[1]
+    poses.mz[i] += sign * moment[2] + couple[2]
+
+
+@kernel
+def accelerate_bodies(scene, phase, rates, ax, ay, az):
+    """Rates of the phase under the forces on the bodies and the acceleration of the base, m/s2."""
+    bodies, poses, gravity = scene.bodies, scene.poses, scene.settings.gravity
+    flat = any_of(scene.settings.in_plane != 0.0)
+    for i in range(scene.n):
+        q0, q1, q2, q3 = phase.q0[i], phase.q1[i], phase.q2[i], phase.q3[i]
+        w = phase.wx[i], phase.wy[i], phase.wz[i]
+        rates.ux[i], rates.uy[i], rates.uz[i] = phase.vx[i], phase.vy[i], phase.vz[i]
+        rates.q0[i] = -0.5 * (q1 * w[0] + q2 * w[1] + q3 * w[2])
+        rates.q1[i] = 0.5 * (q0 * w[0] + q2 * w[2] - q3 * w[1])
+        rates.q2[i] = 0.5 * (q0 * w[1] + q3 * w[0] - q1 * w[2])
+        rates.q3[i] = 0.5 * (q0 * w[2] + q1 * w[1] - q2 * w[0])
+        per_mass = bodies.per_mass[i]
+        rates.vx[i] = poses.fx[i] * per_mass - ax
+        rates.vy[i] = poses.fy[i] * per_mass - ay
+        rates.vz[i] = poses.fz[i] * per_mass - gravity - az
+        m = poses.mx[i], poses.my[i], poses.mz[i]
+        own = (  # in the axes of the body
+            m[0] + (poses.r11[i] * m[0] + poses.r21[i] * m[1] + poses.r31[i] * m[2]),
+            m[1] + (poses.r12[i] * m[0] + poses.r22[i] * m[1] + poses.r32[i] * m[2]),
+            m[2] + (poses.r13[i] * m[0] + poses.r23[i] * m[1] + poses.r33[i] * m[2]),
+        )
+        spin = (
+            bodies.jxx[i] * w[0] + bodies.jxy[i] * w[1] + bodies.jxz[i] * w[2],
+            bodies.jxy[i] * w[0] + bodies.jyy[i] * w[1] + bodies.jyz[i] * w[2],
+            bodies.jxz[i] * w[0] + bodies.jyz[i] * w[1] + bodies.jzz[i] * w[2],
+        )
+        left = minus(own, cross(w, spin))
+        rates.wx[i] = bodies.ixx[i] * left[0] + bodies.ixy[i] * left[1] + bodies.ixz[i] * left[2]
+        rates.wy[i] = bodies.ixy[i] * left[0] + bodies.iyy[i] * left[1] + bodies.iyz[i] * left[2]
+        rates.wz[i] = bodies.ixz[i] * left[0] + bodies.iyz[i] * left[1] + bodies.izz[i] * left[2]
+        if flat:  # what is zero by symmetry stays zero whatever the rounding
+            rates.vy[i], rates.wx[i], rates.wz[i] = 0.0, 0.0, 0.0

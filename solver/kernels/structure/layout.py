@@ -1,0 +1,264 @@
+"""The layout of the flat arrays of a structure in space, by name (numba_ext/views.py lays the names over them).
+
+n blocks, m joints, k ties. The base is body n: it has a place in the tables of bodies, and does not move relative to
+itself. Rotations count from the structure as built, so that the axes of a body are those of the base then.
+"""
+
+from typing import NamedTuple
+
+from ..numba_ext.jit import in_both, leaf
+from ..numba_ext.views import Record, Table
+
+SETTINGS = Record(
+    "gravity",  # m/s2
+    "tolerance",  # relative to the largest motion
+    "step_tolerance",  # of a step
+    "order",  # of the method, 5 or 8
+    "first_step",  # s
+    "extent",  # m, by which displacements become rotations of the whole
+    "motion_floor",  # rad, least motion that errors are measured against
+    "rate_floor",  # rad/s
+    "in_plane",  # 1: the motion stays in the plane x, z by symmetry
+    "watches",  # 1: peaks and errors of forces too, not of displacements alone
+    "gives_way",  # 1: joints may slide or ties yield, what they give way by is integrated
+    "has_modes",  # 1: steps by modes while all joints are in full contact
+    "relaxation",  # s: least damping along a joint that may slide; what a tie yields by follows its stretch so fast
+)
+BODIES = Table(
+    *("mass", "per_mass"),  # kg, 1/kg
+    *("jxx", "jyy", "jzz", "jxy", "jxz", "jyz"),  # kg m2, inertia about the centroid, along the axes as built
+    *("ixx", "iyy", "izz", "ixy", "ixz", "iyz"),  # 1/(kg m2), its inverse
+    *("x", "y", "z"),  # m, centroid as built
+    "size",  # m, by which rotations become displacements
+    "drop",  # m: a block this far below its place as built has fallen
+)
+POLYGON, ROUND = 0.0, 1.0  # sections
+JOINTS = Table(
+    *("upper", "lower"),  # numbers of the bodies A and B
+    *("ax", "ay", "az", "bx", "by", "bz"),  # m, the centre of the joint from the centroids of A and B, as built
+    *("e1x", "e1y", "e1z", "e2x", "e2y", "e2z", "e3x", "e3y", "e3z"),  # axes as built; e3 points from B to A
+    *("stiffness", "damping"),  # N/m3, s
+    *("shear", "twist", "shear_damping"),  # N/m, N m/rad, s
+    *("friction", "dowel"),  # coefficient, infinite where nothing slides; N
+    "section",  # POLYGON or ROUND
+    *("area", "ixx", "iyy", "ixy"),  # m2; m4, integrals of x^2, y^2, x y about the centre, which is the centroid
+    "reach",  # m, elastic slip that friction and dowel bear under the weight of one block; infinite without
+    "arm",  # m, mean distance of the section from the centre
+    *("outer", "inner"),  # m, radii of a round section
+    *("first", "corners"),  # place and number of the corners of a polygon
+    *("above", "below"),  # places of the faces of A and B among the corners, where it may slide
+    *("rim_a", "rim_b"),  # m, distance of the nearest edge of either face from the centre; infinite if it never slides
+)
+# a face among the corners of all sections, with its own corners behind it: their number, 0 where it is round; its
+# centre from that of the joint, m; its radius, infinite where it has no end, and that of its bore
+FACE = Record("corners", "x", "y", "outer", "inner")
+MOST_CORNERS = 64  # of a face
+# what two polygons share, in the same place among as many numbers: its corners behind it, the last one repeated, and
+# the slips and the twist that it belongs to; its integrals of 1, x, y, x^2, y^2, x y, from half-way between the centres
+SHARED = Record("corners", "p1", "p2", "p3", "area", "x", "y", "xx", "yy", "xy")
+assert SHARED.beside == 2 * FACE.beside
+TIES = Table(
+    *("one", "other"),  # numbers of the bodies
+    *("ax", "ay", "az", "bx", "by", "bz"),  # m, the ends from the centroids, as built
+    *("stiffness", "damping"),  # N/m, N s/m
+    "length",  # m, at which it begins to pull
+    "tension_only",
+    "yields_at",  # N, infinite where it does not
+)
+PHASE = Table(
+    *("ux", "uy", "uz"),  # m, displacement of the centroid
+    *("q0", "q1", "q2", "q3"),  # rotation from the place as built, a unit quaternion
+    *("vx", "vy", "vz"),  # m/s
+    *("wx", "wy", "wz"),  # rad/s, angular velocity in the axes of the body
+)
+# behind the phase, which with it is a state: slips and twist that friction has given way by, m, m, rad; then the
+# plastic stretch of each tie, m
+MEMORY = Table("p1", "p2", "p3")
+CONTROL = Record(
+    "next_step",  # s
+    "previous_error",  # tolerances
+    "largest",  # rad, motion so far
+    "largest_rate",  # rad/s
+    *("largest_normal", "largest_shear"),  # N, across and along joints, so far
+    "decay",  # 1/s, at which the most damped motion of the joints dies out; 0 before the first explicit step
+    "fall_time",  # s
+    "reached",  # s
+    "elastic_step",  # s, proposed for steps by modes
+)
+COUNTS = Record(
+    *("steps", "rejected", "evaluations", "looks", "fallen", "started", "next_row", "resting"),
+    "elastic_steps",  # of steps
+    "elastic_wait",  # steps to be made by other methods before modes are tried again
+    "in_a_row",  # steps by modes since others were last tried
+    "probing",  # 1 while others are tried
+)
+BASE = Record(
+    *("amplitude_x", "amplitude_y"),  # m/s2, of the harmonic part
+    *("omega", "phase"),  # rad/s, rad
+    "held",  # 1: samples are held, 0: joined by straight lines
+    "scale",  # factor on the samples
+    *("ax", "ay", "az"),  # m/s2, at time t0: inputs beside the samples
+    *("jx", "jy", "jz"),  # m/s3, their slopes
+    "t0",  # s
+)
+# of an evaluation
+POSES = Table(  # of n + 1 bodies
+    *("r11", "r12", "r13", "r21", "r22", "r23", "r31", "r32", "r33"),  # rotation less the identity
+    *("wx", "wy", "wz"),  # rad/s, along the axes of the base
+    *("fx", "fy", "fz", "mx", "my", "mz"),  # N, N m about the centroid, along the axes of the base
+)
+RESULTANTS = Table(  # of m joints, along the axes of the joint
+    *("normal", "g1", "g2", "g3"),  # N, N m: derivatives of the energy by the relative rotation
+    *("t1", "t2"),  # N, on the upper block
+    *("area", "pressure"),  # m2 loaded, Pa largest
+    *("s1", "s2", "s3"),  # m, m, rad: slips and twist
+    *("z1", "z2", "z3"),  # their elastic parts
+)
+PULLS = Table("force", "stretch", "elastic")  # of k ties: N, m; the elastic part of the stretch
+STAGES = 13  # of a step of order 8, with its start and its end
+
+# --- an output row
+OF_BLOCK = ("ux", "uy", "uz", "rx", "ry", "rz")
+OF_JOINT = ("N", "Mx", "My", "Tx", "Ty", "Mz", "contact", "sigma_max", "slip")
+OF_BASE = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
+
+# codes
+OK, STEP_TOO_SMALL = 0, -1
+PAUSED = 1  # as many steps as were allowed have been made; not an error
+PACK = 8  # rows of a step are padded to whole packs
+
+
+# Errors die out with the motion of the joints. Where that keeps ringing they add up: a step may add this part of the
+# tolerance, by which the energy changes by less than 1e-2 of it in a second (docs/notes/structures.md)
+RINGING_PART = 1e-6
+LEAST_TOLERANCE = 1e-15  # of a step, whose errors are then those of rounding
+RINGING_ORDER = 8.0  # of the method then
+
+
+@in_both
+def step_tolerance(order: float, tolerance: float) -> float:
+    """The tolerance of a step of a method."""
+    return max(LEAST_TOLERANCE, RINGING_PART * tolerance) if order == RINGING_ORDER else tolerance
+
+
+@in_both
+def padded(count: int) -> int:
+    """The length of a row that sums take in packs."""
+    whole: int = (count + PACK - 1) // PACK
+    return whole * PACK
+
+
+@in_both
+def row_size(n: int, m: int, k: int) -> int:
+    """Numbers of an output row."""
+    size: int = _OF_BLOCK * n + _OF_JOINT * m + k + _OF_BASE
+    return size
+
+
+@in_both
+def moving_size(n: int, m: int, k: int) -> int:
+    """Numbers of a state: the phase, and what joints and ties remember."""
+    size: int = _PER_BODY * n + _PER_JOINT * m + k
+    return size
+
+
+@in_both
+def rows_size(n: int, m: int, k: int) -> int:
+    """Numbers of the rows of a step: states and rates, then output rows."""
+    states, outputs = padded(moving_size(n, m, k)), row_size(n, m, k)
+    size = (STAGES + 5) * states + SEEN * outputs
+    return int(size)
+
+
+_OF_BLOCK, _OF_JOINT, _OF_BASE = len(OF_BLOCK), len(OF_JOINT), len(OF_BASE)
+_PER_BODY: int = PHASE.per_n
+_PER_JOINT: int = MEMORY.per_n
+_POSE, _RESULTANT, _PULL = POSES.per_n, RESULTANTS.per_n, PULLS.per_n
+# numbers of the corners of a polygon and of what a cut leaves of it: of two faces and a square, cut by two pressures
+ROOM = 2 * 2 * (2 * MOST_CORNERS + 4)
+SEEN = 5  # output rows of a step: at its start, in its middle, at its end, of a trial; what is allowed
+
+
+@in_both
+def work_size(n: int, m: int, k: int, corners: int) -> int:
+    """Length of the work array: its parts in the order of `lay_scene`; corners: numbers of all of them."""
+    of_evaluation = _POSE * (n + 1) + _RESULTANT * m + _PULL * k + 2 * (_PER_JOINT * m + k)
+    size: int = rows_size(n, m, k) + of_evaluation + ROOM + corners
+    return size
+
+
+class Scene(NamedTuple):
+    """A structure as the kernels see it: sizes, what describes it, and room for an evaluation."""
+
+    n: int
+    m: int
+    k: int
+    settings: object
+    bodies: object
+    joints: object
+    ties: object
+    corners: object
+    modal: object  # row (modal_layout.py), empty without modes
+    control: object
+    counts: object
+    peaks: object
+    poses: object
+    resultants: object
+    pulls: object
+    memory: object  # what joints and ties remember, of the state that is evaluated
+    slips: object  # of it the part of the joints
+    plastic: object  # and of the ties
+    giving: object  # the rate of the memory
+    giving_slips: object
+    giving_plastic: object
+    room: object  # of polygons
+    shared: object  # by faces of joints that have slid
+    rows: object  # states and rates of a step, then output rows
+    modal_room: object  # row, for modes; not there in lanes
+
+
+_bodies, _joints, _ties = BODIES.over, JOINTS.over, TIES.over
+_memory, _poses, _resultants, _pulls = MEMORY.over, POSES.over, RESULTANTS.over, PULLS.over
+_settings, _control, _counts = SETTINGS.over, CONTROL.over, COUNTS.over
+
+
+@leaf
+def lay_scene(n, m, k, count, model, control, counts, peaks, work):
+    """The scene of n blocks, m joints and k ties over rows; model: settings, bodies, joints, ties, corners, modal.
+
+    count: numbers of all corners.
+    """
+    settings, bodies, joints, ties, corners, modal = model
+    poses = work[rows_size(n, m, k) :]
+    resultants = poses[_POSE * (n + 1) :]
+    pulls = resultants[_RESULTANT * m :]
+    memory = pulls[_PULL * k :]
+    giving = memory[_PER_JOINT * m + k :]
+    room = giving[_PER_JOINT * m + k :]
+    return Scene(
+        n,
+        m,
+        k,
+        _settings(settings, 0),
+        _bodies(bodies, n + 1),
+        _joints(joints, m),
+        _ties(ties, k),
+        corners,
+        modal,
+        _control(control, 0),
+        _counts(counts, 0),
+        peaks,
+        _poses(poses, n + 1),
+        _resultants(resultants, m),
+        _pulls(pulls, k),
+        memory,
+        _memory(memory, m),
+        memory[_PER_JOINT * m :],
+        giving,
+        _memory(giving, m),
+        giving[_PER_JOINT * m :],
+        room,
+        room[ROOM:],
+        work,
+        room[ROOM + count :],
+    )

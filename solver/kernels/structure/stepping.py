@@ -1,0 +1,285 @@
+"""Adaptive steps for structures in space: one after the other, with peaks and rows.
+
+A step ends at each sample of the record.
+"""
+
+import math
+
+from ..layout.spaces import SLACK
+from ..numba_ext.jit import kernel
+from ..numba_ext.lanes import greater, index_of, lesser, square_root, where, zero_like
+from ..numba_ext.views import copy
+from ..stepping.control import (
+    STEPS_PER_PROBE,
+    WAIT_OPEN,
+    WAIT_SHORT,
+    accepts_elastic,
+    go_on,
+    is_too_short,
+    may_be_elastic,
+    shared,
+    shorten,
+)
+from . import modal
+from .attempt import attempt, evaluate_at, rate, size_of, square_of
+from .base import is_quiet, segment_after
+from .evaluate import evaluate_state, moving, recall, show
+from .kinematics import is_tipped
+from .layout import MEMORY, OK, PAUSED, PHASE, STAGES, STEP_TOO_SMALL, row_size
+from .modal_layout import data_of
+from .watch import BETWEEN, END, STAGE, START, look, raise_peaks, row, seen, track_peaks
+
+_phase, _memory = PHASE.over, MEMORY.over
+_PER_BODY, _PER_JOINT, _RATES = PHASE.per_n, MEMORY.per_n, PHASE.fields.index("vx")
+STABLE = 2.5  # time constants of what gives way, in a step: explicit steps beyond 3.3 only stay bounded by their errors
+# longest step over the time in which the most damped motion dies out. The embedded error of order 5 is as blind to a
+# step of 7 as that is unstable: such motions grow twelvefold, unseen. Steps beyond 5.6 grow, and are seen
+SEEN = 6.0
+POWERS, LEAST_DECAY = 12, 1e-9  # iterations; 1/s
+PROBES = 8  # explicit steps after STEPS_PER_PROBE by modes
+REACH = 33.0  # first steps: the longest explicit one that is stable
+STILL = 1e-8  # of gravity, and of the rates that errors are measured against: less is rest
+
+
+@kernel
+def largest_motion(scene, phase):
+    """The largest motion so far, rad and rad/s; displacements count over the extent of the structure."""
+    control, per = scene.control, 1.0 / (scene.settings.extent * scene.settings.extent)
+    place, rate = zero_like(per), zero_like(per)  # their squares
+    for i in range(scene.n):
+        place = greater(place, per * square_of(phase.ux[i], phase.uy[i], phase.uz[i]))
+        place = greater(place, 4.0 * square_of(phase.q1[i], phase.q2[i], phase.q3[i]))
+        rate = greater(rate, per * square_of(phase.vx[i], phase.vy[i], phase.vz[i]))
+        rate = greater(rate, square_of(phase.wx[i], phase.wy[i], phase.wz[i]))
+    return greater(control.largest, square_root(place)), greater(control.largest_rate, square_root(rate))
+
+
+@kernel
+def _take_stock(scene, phase):
+    """Take the largest motion and forces so far from a phase that has just been evaluated."""
+    control, found = scene.control, scene.resultants
+    control.largest, control.largest_rate = largest_motion(scene, phase)
+    for j in range(scene.m):
+        control.largest_normal = max(control.largest_normal, found.normal[j])
+        control.largest_shear = max(control.largest_shear, size_of(found.t1[j], found.t2[j], 0.0))
+
+
+@kernel
+def fallen(scene, phase):
+    """Number, from 1, of a block that has fallen; 0 if there is none.
+
+    It lies far below its place as built, or is tipped over what it stands on: beyond that a joint has no meaning.
+    """
+    found = zero_like(phase.uz[0])
+    for k in range(scene.n):
+        i = scene.n - 1 - k
+        found = where(phase.uz[i] > -scene.bodies.drop[i], found, i + 1.0)
+    for j in range(scene.m):
+        upper, lower = index_of(scene.joints.upper[j]), index_of(scene.joints.lower[j])
+        found = where(is_tipped(scene, phase, j), (upper if upper < scene.n else lower) + 1.0, found)
+    return found
+
+
+@kernel
+def moves(scene, phase, rates):
+    """Whether something moves, or begins to."""
+    rate, force = STILL * scene.settings.rate_floor, STILL * scene.settings.gravity
+    found = rate < 0.0
+    for i in range(scene.n):
+        size = scene.bodies.size[i]
+        found = found | (size_of(phase.vx[i], phase.vy[i], phase.vz[i]) > rate * size)
+        found = found | (size_of(phase.wx[i], phase.wy[i], phase.wz[i]) > rate)
+        found = found | (size_of(rates.vx[i], rates.vy[i], rates.vz[i]) > force)
+        found = found | (size_of(rates.wx[i], rates.wy[i], rates.wz[i]) * size > force)
+    return found
+
+
+@kernel
+def relaxing(scene):
+    """The shortest time constant, s, of a joint that slides or a tie that yields at the start of a step."""
+    n, m = scene.n, scene.m
+    giving, shortest = rate(scene, 0)[_PER_BODY * n :], math.inf + zero_like(scene.settings.relaxation)
+    slips = _memory(giving, m)
+    for j in range(m):
+        slides = (slips.p1[j] != 0.0) | (slips.p2[j] != 0.0) | (slips.p3[j] != 0.0)
+        shortest = where(slides, lesser(shortest, scene.joints.shear_damping[j]), shortest)
+    for e in range(_PER_JOINT * m, _PER_JOINT * m + scene.k):
+        shortest = where(giving[e] != 0.0, lesser(shortest, scene.settings.relaxation), shortest)
+    return shortest
+
+
+@kernel
+def _serve_rows(scene, shaking, watch, segment, t, h):
+    """Take the output rows whose time lies within the step from t to t + h."""
+    counts, size = scene.counts, row_size(scene.n, scene.m, scene.k)
+    while counts.next_row < watch.size and watch.times[counts.next_row] <= t + h * (1.0 + SLACK):
+        part = 1.0 if h == 0.0 else min(1.0, max(0.0, (watch.times[counts.next_row] - t) / h))
+        look(scene, shaking, segment, t, h, part, watch.rows[counts.next_row * size :])
+        counts.next_row += 1
+
+
+@kernel
+def _begin(scene, shaking, segment, t, phase):
+    """Evaluate the phase from which the steps go on; the first call sets scales and the first step."""
+    control, counts, settings = scene.control, scene.counts, scene.settings
+    evaluate_at(scene, shaking, segment, row(scene, START), rate(scene, 0), t)
+    if counts.started == 0:
+        counts.started = 1
+        control.next_step, control.previous_error = settings.first_step, 1.0
+        control.elastic_step = 10.0 * settings.first_step
+        control.largest = max(control.largest, settings.motion_floor)
+        control.largest_rate = max(control.largest_rate, settings.rate_floor)
+        _take_stock(scene, phase)
+    show(scene, phase, seen(scene, 0))
+    raise_peaks(scene, seen(scene, 0))
+
+
+@kernel
+def _finish(scene, shaking, watch, segment, t, h, by_modes):
+    """Go on from the end of a step: peaks, rows, fall."""
+    phase = _phase(row(scene, END), scene.n)
+    scene.counts.steps += 1
+    _take_stock(scene, phase)
+    track_peaks(scene, shaking, segment, t, h, by_modes)
+    _serve_rows(scene, shaking, watch, segment, t, h)
+    block = int(fallen(scene, phase))
+    if block > 0:
+        scene.counts.fallen, scene.control.fall_time = block, t + h
+    copy(row(scene, START), row(scene, END), moving(scene))
+    copy(rate(scene, 0), rate(scene, STAGES - 1), moving(scene))
+
+
+@kernel
+def _fastest_decay(scene):
+    """The rate, 1/s, at which the most damped motion of the joints dies out at the start of a step: by powers."""
+    first, end = _RATES * scene.n, _PER_BODY * scene.n
+    begin, way, moved = row(scene, START), row(scene, BETWEEN), row(scene, STAGE)
+    still, found, little = rate(scene, 1), rate(scene, 2), modal.small_rate(scene)
+    evaluate_state(scene, begin, still, 0.0, 0.0, 0.0)
+    copy(moved, begin, moving(scene))
+    fastest = 0.0
+    for k in range(first, end):
+        way[k] = 1.0 / (1.0 + k % 7) if k % 2 == 0 else -1.0
+    for _ in range(POWERS):
+        for k in range(first, end):
+            moved[k] = begin[k] + little * way[k]
+        evaluate_state(scene, moved, found, 0.0, 0.0, 0.0)
+        fastest = 0.0
+        for k in range(first, end):
+            way[k] = (still[k] - found[k]) / little
+            fastest = max(fastest, abs(way[k]))
+        for k in range(first, end):
+            way[k] /= max(fastest, LEAST_DECAY)
+    scene.counts.evaluations += 1 + POWERS
+    return max(fastest, LEAST_DECAY)
+
+
+@kernel
+def _plan(scene, shaking, segment, left):
+    """The next step, s, of which `left` remain in this piece, and whether it is made by modes."""
+    control, counts, settings = scene.control, scene.counts, scene.settings
+    most = 1.0 / shaking.base.omega if shaking.base.omega != 0.0 else math.inf
+    if settings.has_modes != 0.0:
+        longest = data_of(scene).limits.longest
+        if may_be_elastic(counts, control, longest, left, modal.cost_of(scene)):
+            if modal.suits(scene, shaking, segment):
+                return shared(min(control.elastic_step, longest, most), left), True
+            counts.elastic_wait = WAIT_OPEN
+        modal.forget(scene, shaking)
+    if control.decay == 0.0:
+        control.decay = _fastest_decay(scene)
+    step = min(control.next_step, most, SEEN / control.decay)
+    if settings.gives_way != 0.0:
+        step = min(step, STABLE * relaxing(scene))
+    return shared(step, left), False
+
+
+@kernel
+def _count_modal_step(scene):
+    """After many steps by modes, no longer than explicit ones may be, some explicit ones show how long those are."""
+    control, counts = scene.control, scene.counts
+    counts.in_a_row += 1
+    if counts.in_a_row >= STEPS_PER_PROBE:
+        counts.in_a_row = 0
+        if control.elastic_step < modal.cost_of(scene) * REACH * scene.settings.first_step:
+            counts.elastic_wait, counts.probing = PROBES, 1
+
+
+@kernel
+def _count_general_step(scene):
+    """Wait one step less for modes; explicit steps that turned out to be longer go on."""
+    control, counts = scene.control, scene.counts
+    if counts.elastic_wait == 0:
+        return
+    counts.elastic_wait -= 1
+    if counts.elastic_wait == 0 and counts.probing == 1:
+        counts.probing = 0
+        least = modal.cost_of(scene) * control.next_step
+        if control.elastic_step < least:
+            counts.elastic_wait, control.elastic_step = WAIT_SHORT, least
+
+
+@kernel
+def _makes(scene, shaking, segment, t, h, by_modes):
+    """Try a step of h s; returns whether it is accurate enough. Sets the length of the next one either way."""
+    control, counts = scene.control, scene.counts
+    if by_modes:
+        code, error = modal.attempt(scene, shaking, segment, t, h)
+        accepted = accepts_elastic(counts, control, h, code, error, modal.cost_of(scene))
+        if accepted:
+            _count_modal_step(scene)
+        return accepted
+    error, per_order = attempt(scene, shaking, segment, t, h), 1.0 / scene.settings.order
+    if not error <= 1.0:
+        counts.rejected += 1
+        shorten(control, h, error, per_order)
+        return False
+    _count_general_step(scene)
+    go_on(control, h, error, per_order)
+    return True
+
+
+@kernel
+def advance(scene, shaking, watch, state, t, stop, most):
+    """Take the structure from t to `stop`, s, in at most `most` steps; it is at `control.reached`. Returns a code.
+
+    state: that at t, replaced by the one reached. A structure that has fallen keeps its state.
+    """
+    control, counts = scene.control, scene.counts
+    begin = row(scene, START)
+    recall(scene, state)
+    modal.prepare(scene, shaking)
+    modal.forget(scene, shaking)
+    copy(begin, state, moving(scene))
+    segment = segment_after(shaking, t)
+    _begin(scene, shaking, segment, t, _phase(begin, scene.n))
+    code, made = OK, 0
+    while t < stop and counts.fallen == 0:
+        if made == most:
+            code = PAUSED
+            break
+        made += 1
+        if is_quiet(shaking, segment) and not moves(scene, _phase(begin, scene.n), _phase(rate(scene, 0), scene.n)):
+            counts.resting = 1
+            t = stop
+            break
+        end = stop
+        if segment + 1 < shaking.size and shaking.times[segment + 1] < stop:
+            end = shaking.times[segment + 1]
+        h, by_modes = _plan(scene, shaking, segment, end - t)
+        if not _makes(scene, shaking, segment, t, h, by_modes):
+            if is_too_short(control.next_step, scene.settings.first_step, t):
+                code = STEP_TOO_SMALL
+                break
+            continue
+        _finish(scene, shaking, watch, segment, t, h, by_modes)
+        t = end if h == end - t else t + h
+        if t == end and end < stop:
+            segment = segment_after(shaking, t)
+            modal.forget(scene, shaking)
+            evaluate_at(scene, shaking, segment, begin, rate(scene, 0), t)
+            show(scene, _phase(begin, scene.n), seen(scene, 0))
+            raise_peaks(scene, seen(scene, 0))
+    control.reached = t
+    copy(state, begin, moving(scene))
+    return code

@@ -1,0 +1,258 @@
+"""The motion inside a step: interpolation, output rows, and peaks of the continuous motion.
+
+A step is seen at its ends and half-way. Parabolas through the three show which quantities may pass their peak within
+the step; it is evaluated where they do.
+"""
+
+import math
+from typing import NamedTuple
+
+from ..integrators.interpolation import quintic_through, value_of
+from ..numba_ext.jit import kernel, leaf
+from ..output.peaks import MARGIN, MOST_TRIALS, NEAR, apart, nearer, vertex
+from .base import acceleration
+from .evaluate import evaluate_state, moving, show, show_block, show_joint
+from .joint import load_joint
+from .kinematics import pose_body, spin_of
+from .layout import MEMORY, OF_BLOCK, OF_JOINT, PHASE, STAGES, moving_size, padded, row_size
+
+_phase = PHASE.over
+_PER_BODY, _PER_JOINT = PHASE.per_n, MEMORY.per_n
+_BLOCKS = len(OF_BLOCK)
+_CONTACT = OF_JOINT.index("contact")
+PROMISE = 0.1  # of the tolerance: a peak whose predicted rise is smaller has been found
+EDGE = 0.1  # of a step, from its ends: where a top is looked for that may lie nearer to them
+QUIET = 1e-3  # of the largest peak of its kind: smaller ones are searched to a tolerance relative to this
+
+
+class Watch(NamedTuple):
+    """Instants, s, at which output rows are taken."""
+
+    size: int
+    times: object
+    rows: object
+
+
+@leaf
+def row(scene, k):
+    """Row k of those of a step: its start, its rates at the stages, a stage, its end, one between, its rates."""
+    return scene.rows[k * padded(moving_size(scene.n, scene.m, scene.k)) :]
+
+
+START, RATES = 0, 1
+STAGE, END, BETWEEN, BETWEEN_RATES, ROWS = range(1 + STAGES, 6 + STAGES)
+
+
+@leaf
+def seen(scene, k):
+    """Output row k of those of a step: its start, its middle, its end, a trial."""
+    return row(scene, ROWS)[k * row_size(scene.n, scene.m, scene.k) :]
+
+
+@leaf
+def quaternion_curve(phase, rates, i):
+    """Second derivatives of the quaternion of body i."""
+    q = phase.q0[i], phase.q1[i], phase.q2[i], phase.q3[i]
+    p = rates.q0[i], rates.q1[i], rates.q2[i], rates.q3[i]
+    x, y, z = phase.wx[i], phase.wy[i], phase.wz[i]
+    a, b, c = rates.wx[i], rates.wy[i], rates.wz[i]
+    return (
+        -0.5 * (p[1] * x + p[2] * y + p[3] * z + q[1] * a + q[2] * b + q[3] * c),
+        0.5 * (p[0] * x + p[2] * z - p[3] * y + q[0] * a + q[2] * c - q[3] * b),
+        0.5 * (p[0] * y + p[3] * x - p[1] * z + q[0] * b + q[3] * a - q[1] * c),
+        0.5 * (p[0] * z + p[1] * y - p[2] * x + q[0] * c + q[1] * b - q[2] * a),
+    )
+
+
+@leaf
+def _through(h, s, q0, v0, a0, q1, v1, a1):
+    """Value and rate at fraction s of a step: the quintic through places, rates and accelerations at both ends."""
+    return value_of(quintic_through(h, q0, v0, a0, q1, v1, a1, 0.0), s)
+
+
+@kernel
+def _interpolate_body(scene, h, s, i):
+    """Fill in the place and the rates of body i at fraction s of the step."""
+    n = scene.n
+    start, end, between = _phase(row(scene, START), n), _phase(row(scene, END), n), _phase(row(scene, BETWEEN), n)
+    first, last = _phase(row(scene, RATES), n), _phase(row(scene, RATES + STAGES - 1), n)
+    for axis in range(3):  # the fields ux, uy, uz are neighbours, as are their rates
+        place = axis * n + i
+        q0, v0, a0 = start.ux[place], first.ux[place], first.vx[place]
+        q1, v1, a1 = end.ux[place], last.ux[place], last.vx[place]
+        between.ux[place], between.vx[place] = _through(h, s, q0, v0, a0, q1, v1, a1)
+    a, b = quaternion_curve(start, first, i), quaternion_curve(end, last, i)
+    q0, p0 = _through(h, s, start.q0[i], first.q0[i], a[0], end.q0[i], last.q0[i], b[0])
+    q1, p1 = _through(h, s, start.q1[i], first.q1[i], a[1], end.q1[i], last.q1[i], b[1])
+    q2, p2 = _through(h, s, start.q2[i], first.q2[i], a[2], end.q2[i], last.q2[i], b[2])
+    q3, p3 = _through(h, s, start.q3[i], first.q3[i], a[3], end.q3[i], last.q3[i], b[3])
+    per = 1.0 / (q0 * q0 + q1 * q1 + q2 * q2 + q3 * q3)
+    x, y, z = spin_of((q0, q1, q2, q3), (p0, p1, p2, p3))
+    between.wx[i], between.wy[i], between.wz[i] = per * x, per * y, per * z
+    size = math.sqrt(per)
+    between.q0[i], between.q1[i], between.q2[i], between.q3[i] = size * q0, size * q1, size * q2, size * q3
+
+
+@leaf
+def _remembered(scene, h, s, place):
+    """Number `place` of a state, of what joints and ties remember: the cubic through values and rates at both ends."""
+    begin, end = row(scene, START)[place], row(scene, END)[place]
+    first, last = h * row(scene, RATES)[place], h * row(scene, RATES + STAGES - 1)[place]
+    left = 1.0 - s
+    return left * begin + s * end + s * left * (left * first - s * last + (left - s) * (begin - end))
+
+
+@kernel
+def _interpolate(scene, h, s):
+    """Fill in the state at fraction s of the step."""
+    for i in range(scene.n):
+        _interpolate_body(scene, h, s, i)
+    between = row(scene, BETWEEN)
+    for place in range(_PER_BODY * scene.n, moving(scene)):
+        between[place] = _remembered(scene, h, s, place)
+
+
+@kernel
+def look(scene, shaking, segment, t, h, s, into):
+    """The output row at fraction s of the step from t to t + h."""
+    scene.counts.looks += 1
+    _interpolate(scene, h, s)
+    ax, ay, az = acceleration(shaking, segment, t + s * h)
+    evaluate_state(scene, row(scene, BETWEEN), row(scene, BETWEEN_RATES), ax, ay, az)
+    show(scene, _phase(row(scene, BETWEEN), scene.n), into)
+
+
+@leaf
+def _value(scene, j, value):
+    """What counts for the peak of quantity j of an output row; of contacts the part that is open."""
+    there, first = abs(value), _BLOCKS * scene.n + _CONTACT * scene.m
+    return 1.0 - there if first <= j < first + scene.m else there
+
+
+@leaf
+def _raise_peak(scene, j, value):
+    scene.peaks[j] = max(scene.peaks[j], _value(scene, j, value))
+
+
+@kernel
+def _rises(scene, values):
+    """Whether an output row would raise a peak."""
+    found = 0
+    for j in range(row_size(scene.n, scene.m, scene.k)):
+        found += 1 if _value(scene, j, values[j]) > scene.peaks[j] else 0
+    return found > 0
+
+
+@kernel
+def raise_peaks(scene, values):
+    """Raise the peaks by an output row."""
+    for j in range(row_size(scene.n, scene.m, scene.k)):
+        _raise_peak(scene, j, values[j])
+
+
+@leaf
+def _allow_field(scene, allowed, first, count):
+    """By how much the quantities of a field may pass their peaks without a search."""
+    largest = 0.0
+    for j in range(first, first + count):
+        largest = max(largest, scene.peaks[j])
+    part = PROMISE * scene.settings.tolerance
+    for j in range(first, first + count):
+        allowed[j] = part * max(scene.peaks[j], QUIET * largest)
+
+
+@kernel
+def _allow(scene, allowed):
+    """`_allow_field` of all fields; of the base, forces and moments."""
+    n, m = scene.n, scene.m
+    for field in range(2):  # displacements, rotations
+        _allow_field(scene, allowed, 3 * field * n, 3 * n)
+    first = _BLOCKS * n
+    for field in range(len(OF_JOINT)):
+        _allow_field(scene, allowed, first + field * m, m)
+    first += len(OF_JOINT) * m
+    _allow_field(scene, allowed, first, scene.k)
+    for half in range(2):
+        _allow_field(scene, allowed, first + scene.k + 3 * half, 3)
+
+
+@kernel
+def track_peaks(scene, shaking, segment, t, h, by_modes):
+    """Raise the peaks by the step just made, whose end has been evaluated last; by modes its middle is known."""
+    count = row_size(scene.n, scene.m, scene.k)
+    begin, middle, end = seen(scene, 0), seen(scene, 1), seen(scene, 2)
+    show(scene, _phase(row(scene, END), scene.n), end)
+    if by_modes and _rises(scene, end):  # it was evaluated as predicted, before its correction
+        look(scene, shaking, segment, t, h, 1.0, end)
+    raise_peaks(scene, end)
+    if scene.settings.watches != 0.0:
+        if not by_modes or _rises(scene, middle):
+            look(scene, shaking, segment, t, h, 0.5, middle)
+        raise_peaks(scene, middle)
+        _find_tops(scene, shaking, segment, t, h)
+    for j in range(count):
+        begin[j] = end[j]
+
+
+@kernel
+def _look_at(scene, shaking, segment, t, h, s, q):
+    """Raise the peaks of the block or joint to which quantity q belongs by its state at fraction s of the step.
+
+    Returns that quantity there.
+
+    A block needs itself alone, a joint its two bodies: so a search costs the same in a structure of any size. Ties and
+    the base, of which there are few, take the whole structure.
+    """
+    n, m, trial, between = scene.n, scene.m, seen(scene, 3), row(scene, BETWEEN)
+    of_joints, of_ties = _BLOCKS * n, _BLOCKS * n + len(OF_JOINT) * m
+    phase = _phase(between, n)
+    if q < of_joints:
+        i = q % n
+        _interpolate_body(scene, h, s, i)
+        show_block(scene, phase, i, trial)
+        for place in range(i, of_joints, n):
+            _raise_peak(scene, place, trial[place])
+    elif q < of_ties:
+        j = (q - of_joints) % m
+        for body in (int(scene.joints.upper[j]), int(scene.joints.lower[j])):
+            if body < n:
+                _interpolate_body(scene, h, s, body)
+                pose_body(scene, phase, body)
+        if scene.settings.gives_way != 0.0:
+            for place in range(j, _PER_JOINT * m, m):
+                scene.memory[place] = _remembered(scene, h, s, _PER_BODY * n + place)
+        load_joint(scene, phase, j)
+        show_joint(scene, j, trial)
+        for place in range(of_joints + j, of_ties, m):
+            _raise_peak(scene, place, trial[place])
+    else:
+        look(scene, shaking, segment, t, h, s, trial)
+        raise_peaks(scene, trial)
+    return trial[q]
+
+
+@kernel
+def _find_tops(scene, shaking, segment, t, h):
+    """Look where parabolas through three places of the step may rise above a peak, a few times for each quantity."""
+    begin, middle, end = seen(scene, 0), seen(scene, 1), seen(scene, 2)
+    allowed = seen(scene, 4)
+    _allow(scene, allowed)
+    first = _BLOCKS * scene.n + _CONTACT * scene.m  # contacts: the open part counts
+    for j in range(row_size(scene.n, scene.m, scene.k)):
+        is_contact = first <= j < first + scene.m
+        sign = -1.0 if (middle[j] < 0.0) != is_contact else 1.0
+        a, b, c = sign * begin[j], sign * middle[j], sign * end[j]
+        bend, rise = 2.0 * b - a - c, c - a
+        if abs(rise) >= NEAR * bend:
+            continue
+        above = scene.peaks[j] + allowed[j] - (1.0 if is_contact else 0.0)
+        s, height, trials = 0.5 + rise / (4.0 * bend), b + rise * rise / (8.0 * bend) + MARGIN * bend, 0
+        s = min(max(s, EDGE), 1.0 - EDGE)
+        known = (0.0, a, 0.5, b, 1.0, c)
+        while height > above and trials < MOST_TRIALS and 0.0 < s < 1.0:
+            found = sign * _look_at(scene, shaking, segment, t, h, s, j)
+            trials += 1
+            known = nearer(known, s, found)
+            s, height = vertex(*known)
+            s = apart(known, s)
+            above = max(above, found + allowed[j])

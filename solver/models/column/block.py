@@ -1,0 +1,299 @@
+"""Blocks, the joints under them, and what both are held to."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, field, fields
+from functools import cached_property
+from typing import Any
+
+from ...common.errors import InputError, check_number, shown
+from ...common.ranges import LENGTH, NUMBERS, check, check_choice
+from ...kernels.column.solids import homogeneous, solid_between
+from ...kernels.layout.spaces import LAW, MOST_STRIPS, OTHER_LAW
+from ...kernels.sections import faces
+from ...kernels.sections.faces import ANNULUS, SECTIONS, STRIPS, Face, face_of
+
+BLOCK_SECTIONS = tuple(name for name in SECTIONS if name != "strips")  # strips are of contacts only
+
+
+def of_law(least: float, most: float, meaning: str, sections: Collection[str] = SECTIONS) -> Any:
+    """A field of `Joint` by which, where it is not 0, the law is another one than the linear one (OTHER_LAW).
+
+    least, most: the range of its key, 0 within it, and how a value beyond is answered, as in ranges.py; sections: of
+    the contacts that this law is written for.
+    """
+    return field(default=0.0, metadata={"range": ((least, most), meaning), "sections": sections})
+
+
+@dataclass(frozen=True)
+class Joint:
+    """The no-tension elastic joint under a block."""
+
+    stiffness: float  # N/m3, Winkler modulus: pressure per penetration
+    damping: float  # s, eta of the Kelvin-Voigt law; 0 is none, which makes a rocking column chaotic
+    width: float | None = (
+        None  # m, of the contact face along the motion, the diameter of a round one; None: the block's
+    )
+    depth: float | None = None  # m, of the contact face across the motion, not of a round one; None: the block's
+    section: str | None = None  # of the contact, one of SECTIONS; None: the block's
+    bore: float | None = None  # m, inner diameter of an annulus; None: the block's
+    strips: tuple[float, ...] | None = None  # m, depths of equal strips from -x to +x, 0 where nothing touches
+    friction: float | None = None  # Coulomb's coefficient; None: the joint never slides
+    dowel: float | None = None  # N, shear that the joint bears beside friction, and goes on bearing as it slides
+    offset: float | None = None  # m, of the block over what is under it as built, along the joint to +x
+    inclination: float | None = None  # rad, of the joint against the base as built, clockwise
+    strength: float | None = None  # Pa, pressure that the faces bear; compared with by checks, the motion ignores it
+
+    def __post_init__(self) -> None:
+        if isinstance(self.strips, list):  # as TOML and JSON have it
+            object.__setattr__(self, "strips", tuple(self.strips))
+
+    @property
+    def other_law(self) -> str:
+        """Key of what makes its law another one than the linear one; empty where nothing does."""
+        return next((key for key in OTHER_LAW if getattr(self, key)), "")
+
+
+_LAWS = {item.name: item.metadata for item in fields(Joint) if item.metadata}
+assert set(_LAWS) == set(OTHER_LAW)
+NUMBERS.update({key: law["range"] for key, law in _LAWS.items()})
+
+
+@dataclass(frozen=True)
+class Block:
+    """A rigid block and the joint under it.
+
+    What follows from the shape is worked out once, also for blocks that differ in `joint.stiffness` and `joint.damping`
+    alone (Column.with_joints).
+    """
+
+    height: float  # m
+    width: float  # m, along the motion, of the bottom face; the diameter of a round block
+    depth: float  # m, across the motion
+    mass: float  # kg
+    joint: Joint
+    centroid: float | None = None  # m above the bottom face; None: that of a homogeneous block
+    inertia: float | None = None  # kg m2 about the centroid; None: that of a homogeneous block
+    section: str = "rectangle"  # one of BLOCK_SECTIONS
+    top_width: float | None = None  # m, of the top face of a block that tapers; None: that of the bottom face
+    top_depth: float | None = None
+    bore: float | None = None  # m, inner diameter of a hollow drum, section annulus
+    tilt: float | None = None  # rad, of the block against the normal of the joint under it as built, clockwise
+
+    @cached_property
+    def shape(self) -> tuple[float, float, float, float]:
+        """Code of the section, inner diameter m, width and depth of the top face m; 0 where it is like the bottom."""
+        return float(SECTIONS.index(self.section)), self.bore or 0.0, self.top_width or 0.0, self.top_depth or 0.0
+
+    @property
+    def volume(self) -> float:
+        """Volume of the block, m3."""
+        if self.is_cuboid:
+            return self.height * self.width * self.depth
+        section, bore, *top = self.shape
+        volume: float = solid_between(section, self.height, self.width, self.depth, *top, bore).volume
+        return volume
+
+    @cached_property
+    def homogeneous(self) -> tuple[float, float]:
+        """Centroid m above the bottom face and inertia kg m2 about it, if the block is homogeneous."""
+        section, bore, *top = self.shape
+        middle: float
+        turning: float
+        middle, turning = homogeneous(self.mass, section, self.height, self.width, self.depth, *top, bore)
+        return middle, turning
+
+    @property
+    def is_cuboid(self) -> bool:
+        """Whether the block is a rectangle all the way up."""
+        return self.section == "rectangle" and self.top_width is None and self.top_depth is None
+
+    @cached_property
+    def resolved_centroid(self) -> float:
+        """Height of the centroid above the bottom face, m."""
+        return self.homogeneous[0] if self.centroid is None else self.centroid
+
+    @cached_property
+    def resolved_inertia(self) -> float:
+        """Moment of inertia about the centroid, kg m2."""
+        return self.homogeneous[1] if self.inertia is None else self.inertia
+
+    @cached_property
+    def joint_section(self) -> int:
+        """Code of the section of the block's contact face, of which the face below may bear a part (contact.py)."""
+        return SECTIONS.index(self.joint.section or self.section)
+
+    @cached_property
+    def joint_bore(self) -> float:
+        """Inner diameter of the contact face, m; 0 where it is not an annulus."""
+        return (self.joint.bore or self.bore or 0.0) if self.joint_section == ANNULUS else 0.0
+
+    @property
+    def contact_face(self) -> Face:
+        """The face with which the block may touch the body under it."""
+        found: Face = face_of(float(self.joint_section), self.joint_width, self.joint_depth, self.joint_bore)
+        return found
+
+    @property
+    def bottom_face(self) -> Face:
+        """All of the face that the block stands on."""
+        found: Face = face_of(self.shape[0], self.width, self.depth, self.bore or 0.0)
+        return found
+
+    @property
+    def top_face(self) -> Face:
+        """The face that may bear a block on this one."""
+        width, depth = self.top_width or self.width, self.top_depth or self.depth
+        found: Face = face_of(self.shape[0], width, depth, self.bore or 0.0)
+        return found
+
+    @cached_property
+    def is_off_axis(self) -> bool:
+        """Whether the block does not stand upright on the middle of what is under it."""
+        strips = self.joint.strips
+        return bool(self.tilt or self.joint.offset or self.joint.inclination or (strips and strips != strips[::-1]))
+
+    @property
+    def joint_width(self) -> float:
+        """Width of the contact face, m."""
+        return self.width if self.joint.width is None else self.joint.width
+
+    @property
+    def joint_depth(self) -> float:
+        """Depth of the contact face, m."""
+        return self.depth if self.joint.depth is None else self.joint.depth
+
+
+@dataclass(frozen=True)
+class Rule:
+    """Limits of a number of a block, or of its joint, beside the range of its key in NUMBERS."""
+
+    key: str
+    of_joint: bool = False
+    optional: bool = False  # follows from others where it is not given
+    bound: str = ""  # key of the block that it may not exceed, or with `strict` not reach
+    strict: bool = False
+    relation: str = ""
+
+
+BORE_RELATION = "must be less than the outer diameter"
+STRIP_RELATION = "must not exceed the block's depth"
+DOWEL_RELATION = "needs friction; a joint without friction never slides"
+# kinds of misfits (faces.py) -> the number of the joint that is at fault and what it is held to
+MISFITS = {
+    faces.WIDE: ("width", "must not exceed that of the face below"),
+    faces.DEEP: ("depth", "must not exceed that of the face below"),
+    faces.WIDE_OWN: ("width", "must not exceed the block's depth"),
+    faces.OUTSIDE_OWN: ("diagonal", "must not exceed the diameter of the block, between width and depth"),
+    faces.OUTSIDE_BELOW: ("diagonal", "must not exceed the diameter of the face below, between width and depth"),
+    faces.SOLID: ("bore", "must be no less than the block's"),
+    faces.SOLID_BELOW: ("bore", "must be no less than that of the face below"),
+    faces.STRIP_OWN: ("strips", "must not exceed what the block has there"),
+    faces.STRIP_BELOW: ("strips", "must not exceed what the face below has there"),
+    faces.WITHIN: ("reach", "nothing touches, must exceed the bore of the face below"),
+    faces.AROUND: ("bore", "nothing touches, must be less than the face below"),
+}
+# in the order in which they are checked
+BLOCK_RULES = (
+    *(Rule(key) for key in ("height", "width", "depth", "mass")),
+    Rule("centroid", False, True, "height", True, "must lie below the top face, height"),
+    Rule("inertia", optional=True),
+    *(Rule(key, True) for key in LAW),
+    *(Rule(key, True, True, key, False, f"must not exceed the block's {key}") for key in ("width", "depth")),
+)
+
+
+def check_block(key: str, block: object) -> None:
+    if not isinstance(block, Block):
+        raise InputError(f"{key} = {shown(block)}: must be a Block")
+    if not isinstance(block.joint, Joint):
+        raise InputError(f"{key}.joint = {shown(block.joint)}: must be a Joint")
+    _check_section(key, block)
+    sizes = tuple(rule for rule in BLOCK_RULES if not (rule.of_joint or rule.optional))
+    _check_rules(key, block, sizes)
+    if block.section == "annulus" and block.bore is None:
+        raise InputError(f"{key}.bore: missing, must be {NUMBERS['bore'][1]}: the inner diameter")
+    narrowest = min(block.width, block.top_width or block.width)
+    _check_bore(key, block.bore, block.section, narrowest)
+    _check_rules(key, block, tuple(rule for rule in BLOCK_RULES if rule not in sizes))
+    _check_bore(f"{key}.joint", block.joint.bore, SECTIONS[block.joint_section], block.joint_width)
+    if block.joint_section == ANNULUS:
+        if not block.joint_bore:
+            width = shown(block.joint_width)
+            raise InputError(f"{key}.joint.bore: must be an inner diameter in m, less than {width} m")
+        _check_bore(f"{key}.joint", block.joint_bore, "annulus", block.joint_width)
+    _check_strips(f"{key}.joint.strips", block)
+    for name, value in (("offset", block.joint.offset), ("inclination", block.joint.inclination)):
+        if value is not None:
+            check(f"{key}.joint.{name}", value)
+    if block.tilt is not None:
+        check(f"{key}.tilt", block.tilt)
+    for name in OTHER_LAW:
+        value = getattr(block.joint, name)
+        if value and not knows_section(name, block):
+            known = " or ".join(f'"{section}"' for section in _LAWS[name]["sections"])
+            raise InputError(f"{key}.joint.{name} = {shown(value)}: must be left out, or the contact's section {known}")
+
+
+def knows_section(name: str, block: Block) -> bool:
+    """Whether the law of joints with this parameter is written for the section of the contact under a block."""
+    return SECTIONS[block.joint_section] in _LAWS[name]["sections"]
+
+
+def _check_rules(key: str, block: Block, rules: Sequence[Rule]) -> None:
+    for rule in rules:
+        name = f"{key}.joint.{rule.key}" if rule.of_joint else f"{key}.{rule.key}"
+        value = check(name, _resolved(block, rule))
+        bound = getattr(block, rule.bound) if rule.bound else None
+        if bound is not None and (value >= bound if rule.strict else value > bound):
+            raise InputError(f"{name} = {shown(value)}: {rule.relation} = {shown(bound)} m")
+
+
+def _check_bore(owner: str, bore: float | None, section: str, width: float) -> None:
+    if bore is not None and section != "annulus":
+        raise InputError(f'{owner}.bore = {shown(bore)}: must be left out, or section = "annulus"')
+    if bore is not None and bore >= width:
+        raise InputError(f"{owner}.bore = {shown(bore)}: {BORE_RELATION} = {shown(width)} m")
+
+
+def _check_section(key: str, block: Block) -> None:
+    """That names of sections are known, and that what goes with them are numbers."""
+    check_choice(f"{key}.section", block.section, BLOCK_SECTIONS)
+    if block.joint.section is not None:
+        check_choice(f"{key}.joint.section", block.joint.section, SECTIONS)
+    numbers = {f"{key}.{name}": getattr(block, name) for name in ("top_width", "top_depth", "bore")}
+    for name, value in (numbers | {f"{key}.joint.bore": block.joint.bore}).items():
+        if value is not None:
+            check(name, value)
+
+
+def _check_strips(key: str, block: Block) -> None:
+    strips = block.joint.strips
+    if block.joint_section != STRIPS:
+        if strips is not None:
+            raise InputError(f'{key} = {shown(strips)}: must be left out, or section = "strips"')
+        return
+    if not isinstance(strips, tuple) or not 1 <= len(strips) <= MOST_STRIPS:
+        raise InputError(f"{key} = {shown(strips)}: must be a list of 1 to {MOST_STRIPS} depths in m")
+    for k, depth in enumerate(strips):
+        check_number(f"{key}[{k}]", depth, (0.0, LENGTH[0][1]), "a depth in m, from 0 to that of the block")
+        if depth > block.depth:
+            raise InputError(f"{key}[{k}] = {shown(depth)}: {STRIP_RELATION} = {shown(block.depth)} m")
+    if not any(strips):
+        raise InputError(f"{key}: all zero, must have a depth somewhere")
+
+
+def _resolved(block: Block, rule: Rule) -> object:
+    """The value that a rule is about, as the block has it or as it follows from others."""
+    if rule.of_joint:
+        return getattr(block, f"joint_{rule.key}") if rule.optional else getattr(block.joint, rule.key)
+    return getattr(block, f"resolved_{rule.key}" if rule.optional else rule.key)
+
+
+def check_friction(key: str, joint: Joint) -> None:
+    for name in ("friction", "dowel", "strength"):
+        if getattr(joint, name) is not None:
+            check(f"{key}.{name}", getattr(joint, name))
+    if joint.dowel is not None and joint.friction is None:
+        raise InputError(f"{key}.dowel = {shown(joint.dowel)}: {DOWEL_RELATION}")

@@ -1,0 +1,256 @@
+"""A column as its TOML file describes it: tables, keys derived from others, repeated blocks, a profile."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import fields, replace
+from typing import Any
+
+import numpy as np
+
+from ...common.errors import InputError, InputWarning, check_number, check_whole, shown
+from ...common.ranges import LENGTH, MAX_BLOCKS, NUMBERS, check, check_choice, check_keys
+from .block import BLOCK_SECTIONS, Block, Joint, check_block
+from .materials import MATERIALS, Material
+from .settings import Settings
+
+ROUND = ("circle", "annulus")
+
+MUCH_HIGHER = 10.0  # times the height of the column: a broken shaft may have the profile of the whole one, but not more
+
+# the keys of the tables of a TOML file
+_COLUMN_KEYS = ("name", "g", "material", "block", "joint", "solver", "profile")
+# of a block: those of `Block`, and those from which others are derived
+_BLOCK_KEYS = (
+    *("height", "width", "depth", "mass", "density", "centroid", "inertia", "joint", "section", "diameter"),
+    *("top_width", "top_depth", "top_diameter", "bore", "tilt", "load", "repeat", "material"),
+)
+_JOINT_KEYS = (*(item.name for item in fields(Joint)), "diameter")
+_WORDS = ("section", "strips")  # keys of a joint that are no number
+_LOAD_KEYS = ("mass", "above")  # of what rests on a block: kg, and m of its centroid above the top face
+_SETTINGS_KEYS = tuple(item.name for item in fields(Settings))
+
+# hints in the messages about missing keys, after the range of the key
+_HINTS = {"damping": "; 0 if none is meant: an undamped rocking column is chaotic and its motion cannot be predicted"}
+
+
+def parts_from(data: Mapping[str, Any]) -> dict[str, Any]:
+    """Name, blocks, settings and, where it is given, g of the column in `data`, which `Column.from_dict` describes.
+
+    Raises InputError on an unknown, missing or wrong key.
+    """
+    if has_blocks_in_space(data):
+        raise InputError("is a structure in space, must be a column: Structure.from_toml and from_dict read structures")
+    check_keys("", data, _COLUMN_KEYS)
+    if "name" not in data:
+        raise InputError('name: missing, must be a file name: letters, digits, "_", "-", "." and space')
+    joint_defaults = _table("joint", data, _JOINT_KEYS)
+    for key, value in joint_defaults.items():  # checked here, where the user wrote them
+        if key not in _WORDS:
+            check(f"joint.{key}", value)
+    blocks = _blocks_from(data, joint_defaults)
+    for line in _unused(data, blocks):
+        warnings.warn(line, InputWarning, stacklevel=4)
+    solver = _table("solver", data, _SETTINGS_KEYS)
+    settings: dict[str, Any] = {
+        key: _number("solver", solver, key) if key in NUMBERS else value for key, value in solver.items()
+    }
+    gravity = {"g": _number("", data, "g")} if "g" in data else {}
+    return {"name": data["name"], "blocks": blocks, "settings": Settings(**settings), **gravity}
+
+
+def has_blocks_in_space(data: Mapping[str, Any]) -> bool:
+    """Whether a block says what it stands on, or where, as those of a structure do."""
+    tables = data.get("block")
+    blocks = [table for table in tables if isinstance(table, Mapping)] if isinstance(tables, list) else []
+    return any({"on", "position", "shape"} & table.keys() for table in blocks)
+
+
+def _table(key: str, data: Mapping[str, Any], known: Collection[str]) -> Mapping[str, Any]:
+    """Return the optional table under the last part of `key`, empty if absent, with nothing but `known` keys."""
+    table = data.get(key.rpartition(".")[2], {})
+    if not isinstance(table, Mapping):
+        raise InputError(f"{key} = {shown(table)}: must be a table with the keys {', '.join(known)}")
+    check_keys(f"{key}.", table, known)
+    return table
+
+
+def _number(prefix: str, table: Mapping[str, Any], name: str) -> float:
+    key = f"{prefix}.{name}" if prefix else name
+    if name not in table:
+        raise InputError(f"{key}: missing, must be {NUMBERS[name][1]}{_HINTS.get(name, '')}")
+    return check(key, table[name])
+
+
+def _block_tables(data: Mapping[str, Any]) -> list[Mapping[str, Any]]:
+    tables = data.get("block")
+    if not isinstance(tables, list) or not all(isinstance(table, Mapping) for table in tables):
+        given = "missing" if tables is None else "is not an array of tables"
+        raise InputError(f"block: {given}, must be one table [[block]] for each block, from the top down")
+    return tables
+
+
+def _blocks_from(data: Mapping[str, Any], joint_defaults: Mapping[str, Any]) -> tuple[Block, ...]:
+    """The blocks of the tables, repeated as often as the tables say; missing diameters are taken from the profile."""
+    tables: list[tuple[str, Mapping[str, Any]]] = []
+    for number, table in enumerate(_block_tables(data), start=1):
+        key, times = f"block[{number}]", table.get("repeat", 1)
+        check_keys(f"{key}.", table, _BLOCK_KEYS)
+        meaning = f"a whole number from 1 to {MAX_BLOCKS}"
+        tables += [(key, table)] * check_whole(f"{key}.repeat", times, 1, MAX_BLOCKS, meaning)
+    profile = _profile_from(data)
+    blocks: list[Block] = []
+    foot = 0.0  # height of the bottom face above the base
+    for key, table in reversed(tables):
+        given = dict(table)
+        if profile and _takes_profile(table):
+            height = _number(key, table, "height")
+            given["diameter"], given["top_diameter"] = np.interp([foot, foot + height], *profile).tolist()
+        material = _material(f"{key}.material", table) or _material("material", data)
+        blocks.append(_block_from(key, given, joint_defaults, material))
+        foot += blocks[-1].height
+    return tuple(reversed(blocks))
+
+
+def _material(key: str, table: Mapping[str, Any]) -> Material | None:
+    """The material that a table names, None if it names none."""
+    if "material" not in table:
+        return None
+    check_choice(key, table["material"], tuple(MATERIALS))
+    return MATERIALS[table["material"]]
+
+
+def _takes_profile(table: Mapping[str, Any]) -> bool:
+    return table.get("section") in ROUND and not {"diameter", "width", "depth"} & table.keys()
+
+
+def _unused(data: Mapping[str, Any], blocks: tuple[Block, ...]) -> list[str]:
+    """Values that are given but used by no block, a line each."""
+    lines, tables = [], _block_tables(data)
+    for name in data.get("joint", ()):
+        if all(name in table.get("joint", ()) for table in tables):
+            lines.append(f"joint.{name}: no block uses it, each has a joint.{name} of its own")
+    if "profile" not in data:
+        return lines
+    top, height = data["profile"][-1][0], sum(block.height for block in blocks)
+    if not any(map(_takes_profile, tables)):
+        lines.append('profile: no block uses it; a block does that has section = "circle" or "annulus" and no diameter')
+    elif top > MUCH_HIGHER * height:
+        lines.append(f"profile: reaches up to {top:g} m, the column to {height:g} m; heights and diameters are in m")
+    return lines
+
+
+def _profile_from(data: Mapping[str, Any]) -> tuple[list[float], list[float]] | None:
+    """Heights above the base and diameters there, m."""
+    if "profile" not in data:
+        return None
+    points = data["profile"]
+    meaning = "must be a list of at least two pairs [height above the base, diameter] in m, from the bottom up"
+    if not isinstance(points, list) or len(points) < 2:
+        raise InputError(f"profile = {shown(points)}: {meaning}")
+    heights, diameters = [], []
+    for k, point in enumerate(points):
+        if not isinstance(point, list) or len(point) != 2:
+            raise InputError(f"profile[{k}] = {shown(point)}: {meaning}")
+        heights.append(check_number(f"profile[{k}][0]", point[0], (0.0, 1e6), "a height in m, from 0 to 1e6"))
+        diameters.append(check_number(f"profile[{k}][1]", point[1], *LENGTH))
+        if k and not heights[k - 1] < heights[k]:
+            raise InputError(f"profile[{k}][0] = {shown(point[0])}: must be above {shown(heights[k - 1])} m")
+
+    return heights, diameters
+
+
+def _block_from(
+    key: str, table: Mapping[str, Any], joint_defaults: Mapping[str, Any], material: Material | None
+) -> Block:
+    """A block and the joint under it; density, stiffness and strength that are not given are those of the material."""
+    joint_table = _table(f"{key}.joint", table, _JOINT_KEYS)
+    shape: dict[str, Any] = {"height": _number(key, table, "height"), "section": table.get("section", "rectangle")}
+    check_choice(f"{key}.section", shape["section"], BLOCK_SECTIONS)
+    shape |= _faces_from(key, table, shape["section"])
+    if material is not None:
+        if "mass" not in table:
+            table = {"density": material.density, **table}
+        usual = {"stiffness": material.modulus(shape["height"]), "strength": material.strength}
+        joint_defaults = usual | dict(joint_defaults)
+    if ("mass" in table) == ("density" in table):
+        given = "both given" if "mass" in table else "missing"
+        raise InputError(f"{key}.mass, {key}.density: {given}, must be exactly one of mass in kg and density in kg/m3")
+    joint = _joint_from(f"{key}.joint", {**joint_defaults, **joint_table}, shape["section"])
+    shape |= {name: _number(key, table, name) for name in ("centroid", "inertia", "tilt") if name in table}
+    block = Block(mass=_number(key, table, "mass") if "mass" in table else 1.0, joint=joint, **shape)
+    if "density" in table:
+        if not block.is_cuboid:
+            check_block(key, block)
+        block = replace(block, mass=_number(key, table, "density") * block.volume)
+    return _loaded(key, table, block) if "load" in table else block
+
+
+def _faces_from(key: str, table: Mapping[str, Any], section: str) -> dict[str, float]:
+    """Width and depth of the bottom face, and of the top face and the bore where they are given."""
+    if section not in ROUND:
+        for name in ("diameter", "top_diameter"):
+            if name in table:
+                raise InputError(f'{key}.{name}: must be left out, or section = "circle" or "annulus"')
+        names = ["width", "depth", *(name for name in ("top_width", "top_depth", "bore") if name in table)]
+        return {name: _number(key, table, name) for name in names}
+    found: dict[str, float] = {}
+    for name, width, depth in (("diameter", "width", "depth"), ("top_diameter", "top_width", "top_depth")):
+        if width in table or depth in table:  # both, as `to_dict` writes them
+            if not {width, depth} <= table.keys():
+                given = width if width in table else depth
+                raise InputError(f"{key}.{given}: must be left out, give {name}: a round block has no {given}")
+            if name in table:
+                raise InputError(f"{key}.{name}: given beside {width} or {depth}, must be alone")
+            found |= {width: _number(key, table, width), depth: _number(key, table, depth)}
+            if found[width] != found[depth]:
+                raise InputError(f"{key}.{depth} = {shown(found[depth])}: must be the {width} of a round block")
+        elif name in table or name == "diameter":
+            found[width] = found[depth] = _number(key, table, name)
+    if "bore" in table:
+        found["bore"] = _number(key, table, "bore")
+    return found
+
+
+def _loaded(key: str, table: Mapping[str, Any], block: Block) -> Block:
+    """The block with a load that rests on it and turns with it."""
+    load = table["load"]
+    if not isinstance(load, Mapping):
+        raise InputError(f"{key}.load = {shown(load)}: must be a table with the keys {', '.join(_LOAD_KEYS)}")
+    check_keys(f"{key}.load.", load, _LOAD_KEYS)
+    above = _number(f"{key}.load", load, "above") if "above" in load else 0.0
+    mass, centroid, inertia = with_load(
+        block.mass,
+        block.resolved_centroid,
+        block.resolved_inertia,
+        _number(f"{key}.load", load, "mass"),
+        block.height + above,
+    )
+    return replace(block, mass=mass, centroid=centroid, inertia=inertia)
+
+
+def _joint_from(key: str, table: Mapping[str, Any], section: str) -> Joint:
+    given: dict[str, Any] = {name: _number(key, table, name) for name in ("stiffness", "damping")}
+    words = {name: table[name] for name in _WORDS if name in table}
+    is_round = words.get("section", section) in ROUND
+    if is_round and "depth" in table:
+        raise InputError(f"{key}.depth: must be left out, a round contact has a diameter")
+    if "diameter" in table and (not is_round or "width" in table):
+        raise InputError(f"{key}.diameter: must be left out, or alone in a contact that is a circle or an annulus")
+    rest = [name for name in table if name not in (*given, *_WORDS)]
+    given |= {("width" if name == "diameter" else name): _number(key, table, name) for name in rest}
+    return Joint(**given, **words)
+
+
+def plain(items: list[tuple[str, Any]]) -> dict[str, Any]:
+    """Make a dict of dataclass fields without those that are None, numpy's scalars as floats, names in lists."""
+    plain: dict[str, Callable[[Any], Any]] = dict.fromkeys(NUMBERS, float) | {"without": list}
+    return {key: plain[key](value) if key in plain else value for key, value in items if value is not None}
+
+
+def with_load(mass: float, centroid: float, inertia: float, load: float, place: float) -> tuple[float, float, float]:
+    """Mass kg, centroid m and inertia kg m2 of a body and a load: a point mass at a height of `place` m."""
+    both = mass + load
+    middle = (mass * centroid + load * place) / both
+    return both, middle, inertia + mass * (centroid - middle) ** 2 + load * (place - middle) ** 2

@@ -1,0 +1,95 @@
+"""The machine code of the kernels, compiled by two processes at once if it is not cached.
+
+Nearly all of it belongs to two entries. One is compiled here, the other in a second process, which leaves it in numba's
+cache: two thirds of the time on two cores.
+"""
+
+from __future__ import annotations
+
+import gc
+import multiprocessing
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numba import typeof
+
+from ...kernels.api.entries import assemble_column, observe_snapshots, observe_state, run
+from ...kernels.numba_ext.jit import CODE
+from .packing import unwritten
+from .stepper import SILENCE
+
+_ENTRIES: tuple[Any, ...] = (run, assemble_column, observe_snapshots, observe_state)
+
+
+def are_kept(entry: Any = run) -> bool:
+    """Whether the machine code of an entry is in the cache on disk, or in this process."""
+    if entry.overloads:
+        return True
+    folder = entry.stats.cache_path
+    return folder is not None and any(Path(folder).glob(f"*.{entry.__name__}_{CODE}*.nbc"))
+
+
+def make_kernels() -> None:
+    """Have the entries that every run needs in this process: read from the disk, or compiled."""
+    if all(entry.overloads for entry in _ENTRIES):
+        return
+    beside = None if are_kept() else _process_beside()
+    try:
+        with _collecting_seldom():
+            compile_for(run, *_column(), *SILENCE.arguments, 0.0, 0.0, np.empty(0), np.empty(0), True)
+        if beside is not None:
+            beside.wait()
+    finally:
+        if beside is not None:
+            beside.kill()
+    compile_the_rest()  # read from the disk where the other process left it
+
+
+def _process_beside() -> subprocess.Popen[bytes] | None:
+    """A process that compiles the rest; none in a worker of a pool, nor where Python is embedded in another program."""
+    cached = run.stats.cache_path is not None  # type: ignore[attr-defined]
+    is_python = Path(sys.executable or "").stem.lower().startswith("python")
+    if not cached or not is_python or multiprocessing.parent_process() is not None:
+        return None
+    command = [sys.executable, "-P", "-c", f"from {__name__} import compile_the_rest; compile_the_rest()"]
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+    quiet: dict[str, Any] = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.DEVNULL)
+    try:
+        return subprocess.Popen(command, env=environment, **quiet)
+    except OSError:
+        return None
+
+
+def compile_the_rest() -> None:
+    """Compile, or read from the disk, all entries that a run needs besides `run`."""
+    row = np.empty(0)
+    with _collecting_seldom():
+        compile_for(assemble_column, *_column(), row, 1, row, row)
+        compile_for(observe_snapshots, *_column(), row, row, 1)
+        compile_for(observe_state, *_column(), *SILENCE.arguments, 0.0, row, row)
+
+
+@contextmanager
+def _collecting_seldom() -> Iterator[None]:
+    """Let Python collect garbage less often: its scans of the compiler's objects take a sixth of the time."""
+    usual = gc.get_threshold()
+    gc.set_threshold(100_000, 20, 100)
+    try:
+        yield
+    finally:
+        gc.set_threshold(*usual)
+
+
+def _column() -> tuple[Any, ...]:
+    return 1, *unwritten(1)
+
+
+def compile_for(entry: Any, *arguments: Any) -> None:
+    """Compile for arguments of these types."""
+    entry.compile(tuple(map(typeof, arguments)))

@@ -1,0 +1,278 @@
+"""A column as a chain of rigid bodies, in numpy: positions of its blocks, and their energy (theory.md section 4).
+
+A phase is coordinates and rates as in the stepper, (4 n,) or (rows, 4 n). A column whose joints may slide adds slips
+and their rates, (6 n,) or (rows, 6 n).
+
+Vectors in the plane are complex numbers: up is the real part, +x the imaginary one, so that exp(i theta) is a unit
+vector that points up, turned clockwise by theta.
+"""
+
+from __future__ import annotations
+
+from copy import copy
+from functools import cached_property, lru_cache
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...kernels.api.entries import joint_energies, joint_potentials, rings_beyond
+from ...kernels.layout import spaces as at
+from ...kernels.sections.faces import RECTANGLE
+from .model import Column
+from .packing import FloatArray, IntArray, arrays_of, pack_model, settlements
+
+PARALLEL = 1e-30  # rad: faces are taken as parallel below this
+
+
+_OF_BLOCKS = (  # fields of the packed model; the last four: as built, which are 0 on the axis
+    *("height", "centroid", "mass", "inertia", "width", "stiffness", "bore", "fall_angle"),
+    *("lean", "tilt", "offset", "built_x"),
+)
+
+
+class Places(NamedTuple):
+    """Rotations rad, openings m and slips m of the blocks and the joints under them, and their rates: (..., n) each."""
+
+    theta: FloatArray
+    opening: FloatArray
+    spin: FloatArray
+    opening_rate: FloatArray
+    slip: FloatArray | float = 0.0
+    slip_rate: FloatArray | float = 0.0
+
+
+class Joints(NamedTuple):
+    """The joints in the plane, (..., n) each.
+
+    half_turn: rotation of the block over the body below (rad); normal: unit vectors; step: from the lower face to the
+    upper (m).
+    """
+
+    half_turn: FloatArray
+    normal: NDArray[np.complex128]
+    step: NDArray[np.complex128]
+
+
+class Chain:
+    """The data of a column as rows of n numbers, the top block first."""
+
+    rectangles: NDArray[np.bool_]
+    rest: FloatArray | None = None  # phase; the energy there is subtracted from others
+
+    def __init__(self, column: Column) -> None:
+        self._read(pack_model(column), column.n)
+        self.rectangles = self.rectangles & (not column.other_law)
+        self.settled = settlements(column)
+        self.off_axis = column.off_axis
+        if self.off_axis or column.other_law:
+            rest, zeros = at.STATE.see(arrays_of(column).state, column.n).phase, np.zeros(self.n)
+            self.rest = np.concatenate([rest.theta, rest.opening, zeros, zeros, rest.slip, zeros])
+
+    @classmethod
+    def of_many(cls, models: FloatArray, n: int) -> Chain:
+        """The data of many columns of n blocks and one formulation, none with slips: arrays (columns, n).
+
+        models: packed (packing.py), a row for each column; no joint is made of strips.
+        """
+        chain = cls.__new__(cls)
+        chain._read(models, n)
+        chain.settled = chain.weight / chain.spring
+        chain.off_axis = False
+        return chain
+
+    def _read(self, models: FloatArray, n: int) -> None:
+        seen = at.MODEL.see(models.T, n)
+        settings, blocks = seen.settings, seen.blocks
+        self.model, self.n, self.exact = models, n, bool(np.all(settings.formulation == at.EXACT))
+        self.g: FloatArray = np.array(settings.gravity)[..., None]  # m/s2
+        rows: list[FloatArray] = [getattr(blocks, name).T.copy() for name in _OF_BLOCKS]
+        self.height, self.centroid, self.mass, self.inertia, self.width, self.stiffness, self.bore, *others = rows
+        self.fall_angle, self.lean, self.tilt, self.offset, self.built_x = others
+        # of the linear law these have the closed form of the energy below
+        self.rectangles = blocks.section.T == RECTANGLE
+        self.rigidity = self.stiffness * blocks.depth.T  # N/m2: per metre of the joint's width, if it is a rectangle
+        ring = 0.25 * np.pi * (self.width**2 - self.bore**2)
+        # N/m, in full contact
+        self.spring = np.where(self.rectangles, self.rigidity * self.width, self.stiffness * ring)
+        self.carried = np.cumsum(self.mass, axis=-1)  # kg, by the joint under each block
+        self.weight = self.g * self.carried  # N
+
+    def some(self, which: IntArray) -> Chain:
+        """The data of some of many columns."""
+        chain = copy(self)
+        chain.__dict__.pop("toppling", None)
+        for name, values in vars(chain).items():
+            if isinstance(values, np.ndarray):
+                setattr(chain, name, values[which])
+        return chain
+
+    def places(self, phase: FloatArray) -> Places:
+        """Rotations and openings of a phase of either formulation."""
+        n = self.n
+        first, last, first_rate, last_rate, *slips = (phase[..., k : k + n] for k in range(0, phase.shape[-1], n))
+        if self.exact:
+            return Places(first, last, first_rate, last_rate, *slips)
+        return Places(
+            _over_below(first) / self.height, -_over_below(last), _over_below(first_rate) / self.height,
+            -_over_below(last_rate),
+        )  # fmt: skip
+
+    def top_displacements(self, phase: FloatArray) -> FloatArray:
+        """Horizontal displacements of the top faces, relative to the base and from as built, m, (..., n)."""
+        if not self.exact:
+            return phase[..., : self.n].copy()
+        theta, opening, _, _, slip, _ = self.places(phase)
+        mean = theta - 0.5 * _over_below(theta) + self.lean
+        steps = opening * np.sin(mean) + slip * np.cos(mean) + self.height * np.sin(theta + self.tilt)
+        return _from_base(steps) - self.built_x
+
+    def energy(self, phase: FloatArray) -> float:
+        """Kinetic, elastic and gravitational energy of one phase above that of the rest under gravity, J."""
+        return float(self.energies(phase))
+
+    def energies(self, phase: FloatArray) -> FloatArray:
+        """`energy` of several phases, one a row."""
+        found = self._energies(phase)
+        return found if self.rest is None else found - self._energies(self.rest)
+
+    def _energies(self, phase: FloatArray) -> FloatArray:
+        """Energies above the straight column under its weight; of other columns above a fixed reference."""
+        places = self.places(phase)
+        theta, opening, spin, _, slip, _ = places
+        joints = self.joints(places)
+        velocity = self.velocities(places, joints)
+        moving = self.mass * (velocity.real**2 + velocity.imag**2) + self.inertia * spin**2
+        slope = 2.0 * np.sin(joints.half_turn)
+        strained = self.elastic(opening - 0.5 * slip * slope, slope, slip)
+        lifted = joints.step.real + 0.5 * self.settled  # rise; the half accounts for the joints' energy at rest
+        half = 0.5 * theta
+        dip = -2.0 * np.sin(self.tilt + half) * np.sin(half)  # cosine of the rotation less that as built
+        energy = 0.5 * moving + strained + self.weight * lifted + self.toppling * dip
+        found: FloatArray = energy.sum(axis=-1)
+        return found
+
+    def joints(self, places: Places) -> Joints:
+        """The joints in the plane."""
+        half_turn = 0.5 * _over_below(places.theta)
+        normal = np.exp(1j * (places.theta - half_turn + self.lean))
+        return Joints(half_turn, normal, (places.opening + 1j * places.slip) * normal)
+
+    def velocities(self, places: Places, joints: Joints) -> NDArray[np.complex128]:
+        """Of the centroids, m/s, (..., n)."""
+        theta, _, spin, opening_rate, _, slip_rate = places
+        turning = 1j * spin * np.exp(1j * (theta + self.tilt))  # times a length along the block: the rate of its end
+        mean_spin = spin - 0.5 * _over_below(spin)
+        steps = (opening_rate + 1j * slip_rate) * joints.normal + 1j * mean_spin * joints.step + self.height * turning
+        found: NDArray[np.complex128] = _from_base(steps) - (self.height - self.centroid) * turning
+        return found
+
+    def elastic(self, opening: FloatArray, slope: FloatArray, slip: FloatArray | float = 0.0) -> FloatArray:
+        """Elastic energy of each joint, J, from opening at the middle of the contact (m), slope (rad) and slip (m)."""
+        steep = np.abs(slope)
+        deepest = 0.5 * self.width * steep - opening
+        length = np.minimum(self.width, np.maximum(deepest, 0.0) / np.maximum(steep, PARALLEL))  # in contact
+        bent = steep * length
+        # half the square of the penetration over the length, from one end to the other
+        found: FloatArray = 0.5 * self.rigidity * length * (deepest * (deepest - bent) + bent**2 / 3.0)
+        simple = self.rectangles & (slip == 0.0)
+        if not simple.all():
+            others = np.zeros((opening.size // self.n, self.n))
+            slipped = slip + np.zeros(opening.shape)
+            rows = (np.ascontiguousarray(values).reshape(-1, self.n) for values in (opening, slope, slipped))
+            models = self.model if self.model.ndim > 1 else [self.model] * len(others)
+            for model, each_opening, each_slope, each_slip, row in zip(models, *rows, others, strict=True):
+                joint_potentials(self.n, model, each_opening, each_slope, each_slip, row)
+            found = np.where(simple, found, others.reshape(opening.shape))
+        return found
+
+    def joint_energy(self, i: int, turn: FloatArray, turn_below: FloatArray) -> FloatArray:
+        """Least energy, J above rest, of joint i and the weight it carries, for given rotations of the two bodies.
+
+        It includes the rise of that weight by the opening; the opening minimizes the energy. Rotations, rad: grids of
+        two axes; one value for each of many columns.
+        """
+        return self.bent_energy(i, 2.0 * np.abs(np.sin(0.5 * (turn - turn_below))), np.cos(0.5 * (turn + turn_below)))
+
+    def bent_energy(self, i: int, slope: FloatArray, cosine: FloatArray) -> FloatArray:
+        """`joint_energy` from the slope of the joint, not below zero, and the cosine of the mean of both rotations."""
+        full_weight, width, rigidity = (
+            values[..., i, None, None] for values in (self.weight, self.width, self.rigidity)
+        )
+        weight = full_weight * cosine
+        simple = self.rectangles[..., i, None, None]
+        if not np.all(simple):
+            at_rest = self._other_energy(i, np.zeros_like(full_weight), full_weight)
+            others = self._other_energy(i, slope, weight) - at_rest
+            if not np.any(simple):
+                return others
+        length = np.sqrt(2.0 * weight / (rigidity * np.maximum(slope, PARALLEL)))  # in contact
+        partly = weight * slope * (0.5 * width - 2.0 / 3.0 * length)
+        full = rigidity * width**3 * slope**2 / 24.0 - weight**2 / (2.0 * rigidity * width)
+        rest = -(full_weight**2) / (2.0 * rigidity * width)
+        found: FloatArray = np.where(length < width, partly, full) - rest
+        return found if np.all(simple) else np.where(simple, found, others)
+
+    def built_energy(self, i: int, turn: FloatArray, turn_below: FloatArray) -> FloatArray:
+        """`joint_energy` of a column off its axis, with the weight acting at its offset; not relative to rest.
+
+        Rotations of either sign count from the column as built.
+        """
+        mean, offset = 0.5 * (turn + turn_below) + self.lean[i], float(self.offset[i])
+        slope, full_weight = 2.0 * np.sin(0.5 * (turn - turn_below)), self.weight[i]
+        weight = full_weight * np.cos(mean)
+        moved: FloatArray = offset * (0.5 * slope * weight - full_weight * np.sin(mean))
+        return moved + self._other_energy(i, slope, weight, offset)
+
+    def _other_energy(self, i: int, slope: FloatArray, weight: FloatArray, slip: float = 0.0) -> FloatArray:
+        """`joint_energy` of any joint from its slope (rad, signed) and the weight on it (N), not relative to rest."""
+        models = np.atleast_2d(self.model)
+        found = np.zeros((len(models), slope.size // len(models)))
+        slopes, weights = (np.array(values, dtype=np.float64).reshape(found.shape) for values in (slope, weight))
+        for row in zip(models, slopes, weights, found, strict=True):
+            model, *others = row
+            joint_energies(self.n, model, i, slip, *others)
+        return found.reshape(slope.shape)
+
+    def grazed(self, part: float) -> tuple[FloatArray, FloatArray]:
+        """For joints of many columns in contact over this part of their width, (columns, n) each.
+
+        Distance of the resultant from the middle (m); and the excess of the elastic energy (J) over its tangent there,
+        divided by the square of the resultant, 1/(N/m) (verdict.py, `least_energies`).
+        """
+        lever, gives = self.width * (0.5 - part / 3.0), (2.0 / (3.0 * part) - 0.5) / (self.rigidity * self.width)
+        if np.all(self.rectangles):
+            return lever, gives
+        half = 0.5 * self.width
+        edge = half * (1.0 - 2.0 * part)
+        first, second = np.zeros(edge.shape), np.zeros(edge.shape)  # about the edge
+        rings_beyond(*(each.reshape(-1) for each in (half, 0.5 * self.bore, edge, first, second)))
+        off = second / first
+        others = 0.5 * off / (self.stiffness * first) - 0.5 / self.spring
+        return np.where(self.rectangles, lever, edge + off), np.where(self.rectangles, gives, others)
+
+    @cached_property
+    def toppling(self) -> FloatArray:
+        """Decrease of gravitational energy as each block rotates by theta, over 1 - cos(theta), J, (n,)."""
+        above = self.carried - self.mass
+        lever: FloatArray = self.mass * self.centroid + above * self.height
+        return self.g * lever
+
+
+@lru_cache(maxsize=64)
+def chain_of(column: Column) -> Chain:
+    """The chain of a column, computed once; do not change it."""
+    return Chain(column)
+
+
+def _over_below(values: FloatArray) -> FloatArray:
+    """Differences between each block and the block below; the base is zero."""
+    result: FloatArray = values.copy()
+    result[..., :-1] -= values[..., 1:]
+    return result
+
+
+def _from_base(steps: NDArray[Any]) -> NDArray[Any]:
+    """Sums from the base up to each block."""
+    summed: NDArray[Any] = steps[..., ::-1].cumsum(axis=-1)[..., ::-1]
+    return summed

@@ -1,0 +1,344 @@
+"""Many runs at once: eight columns in the lanes of one core, and threads on top.
+
+Each run enters a lane, with its own column, motion, time and step (kernels/batch/): at once, or after a first part made
+alone by modes, up to the opening of a joint, if that is likely to be cheaper. The result of a run does not depend on
+the runs beside it, nor on their order.
+"""
+
+from __future__ import annotations
+
+import gc
+import math
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from multiprocessing import parent_process
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...common.errors import InputError
+from ...common.turns import others_turn
+from ...ground.motion import Motion
+from ...kernels.api.entries import run
+from ...kernels.batch.entries import (
+    run_fixed_steps,
+    run_lanes,
+    run_round,
+    run_round_slipping,
+    run_slipping,
+    run_stripped,
+)
+from ...kernels.batch.runs import OUTCOME, RUN, SLIP_FIELDS, SPACE
+from ...kernels.layout import spaces as at
+from ...kernels.numba_ext.lanes import WIDTH
+from .block import Block, Joint
+from .lane_policy import BANDS, enters_at_once, kind_of
+from .model import Column
+from .packing import Arrays, FloatArray, arrays_at, coordinates_of, copied
+from .settings import Settings
+
+# The error of steps across changes of regime exceeds the estimate: they get this part of the tolerance.
+# Measured on columns of 1 and 3 blocks (eta 1e-3 and 5e-3 s; harmonics, three records at half scale; tolerances of 1e-3
+# to 1e-6; amplification below 100): errors of up to 11 tolerances without, 2.7 with it, for 1.3 times the steps.
+TOLERANCE_PART = 0.3
+
+MOST_ASSEMBLED = 64  # columns whose arrays are kept for their other runs
+STAGES = 6  # evaluations of a step
+LINE = 64  # bytes that the processor reads at once: lanes that lie across two of them cost a tenth more
+
+
+class Kind(NamedTuple):
+    """A kind of lanes; each is compiled separately."""
+
+    follow: Callable[..., None]  # entry
+    slips: bool = False  # whether the columns have slips
+    section: str = "rectangle"  # beside rectangles, that of some joint
+    fixed_step: bool = False  # formulation `paper`, for which lanes keep no rows
+
+
+# the later, the more sections; kinds with slips, without and of fixed steps never share lanes
+KINDS = {
+    "plain": Kind(run_lanes),
+    "round": Kind(run_round, section="circle"),
+    "slipping": Kind(run_slipping, True),
+    "round, slipping": Kind(run_round_slipping, True, "circle"),
+    "strips, slipping": Kind(run_stripped, True, "strips"),
+    "fixed step": Kind(run_fixed_steps, fixed_step=True),
+}
+KNOW = tuple(KINDS)
+
+_NONE = np.empty(0)
+
+
+@dataclass(frozen=True)
+class BatchResult:
+    """Results of runs, in their order: peak_ux m (runs, n), overturned_joint (0 if not), overturn_time s (NaN)."""
+
+    peak_ux: FloatArray
+    overturned_joint: NDArray[np.int64]
+    overturn_time: FloatArray
+    finished: NDArray[np.bool_]  # False if the step needed for the tolerance became too small
+    steps: NDArray[np.int64]
+    evaluations: NDArray[np.int64]
+    ends: FloatArray  # (runs, 4 n or 6 n) coordinates and rates at the end, as kinematics.py has them
+    phases: FloatArray  # (runs, rows, 4 n or 6 n) coordinates and rates at the times asked for
+    models: FloatArray  # packed models, a row for each run
+
+
+def run_batch(
+    columns: Sequence[Column],
+    motions: Sequence[Motion],
+    durations: Sequence[float] | None = None,
+    *,
+    tolerance: float | None = None,
+    times: FloatArray | None = None,
+    threads: int = 1,
+) -> BatchResult:
+    """Run column k under motion k, from rest, for duration k, s (None: that of the motion).
+
+    tolerance: relative to the peak; None: each column's. times: s after the start of a run, of the phases to store.
+    All columns have slips (Column.has_slips) or none has. Raises InputError for columns of another number of blocks,
+    formulation or law of the joints, for held samples and where a round face shares a part with a straight one.
+    """
+    n, slips = columns[0].n, columns[0].has_slips
+    durations = [motion.duration for motion in motions] if durations is None else list(durations)
+    if not len(columns) == len(motions) == len(durations):
+        raise InputError(f"{len(columns)} columns, {len(motions)} motions, {len(durations)} durations: as many of each")
+    for k, (column, motion) in enumerate(zip(columns, motions, strict=True)):
+        if column.n != n or column.settings.formulation != "exact":
+            raise InputError(f"columns[{k}]: must have {n} blocks and the formulation exact, as the others of a batch")
+        if column.other_law:
+            raise InputError(f"columns[{k}]: must have joints of the linear law, none with joint.{column.other_law}")
+        if column.has_slips != slips:
+            raise InputError(f"columns[{k}]: must slide or be off its axis as all others of a batch, or none of them")
+        if column.has_bands:
+            raise InputError(f"columns[{k}]: {BANDS}, which lanes do not follow")
+        if motion.hold:
+            raise InputError(f"motions[{k}]: its samples are held, must be joined by straight lines")
+    if tolerance is not None:
+        columns = [column.with_settings(tolerance=tolerance) for column in columns]
+    parts = np.array_split(np.arange(len(columns)), max(1, min(threads, math.ceil(len(columns) / WIDTH))))
+    with ThreadPoolExecutor(len(parts)) as pool:
+        made = list(
+            pool.map(
+                lambda part: follow_in_lanes(
+                    [columns[k] for k in part], [motions[k] for k in part], [durations[k] for k in part], times
+                ),
+                parts,
+            )
+        )
+    return BatchResult(*(np.concatenate([getattr(part, name) for part in made]) for name in vars(made[0])))
+
+
+def follow_in_lanes(
+    columns: Sequence[Column],
+    motions: Sequence[Motion],
+    durations: Sequence[float],
+    times: FloatArray | None = None,
+    flag: FloatArray | None = None,
+) -> BatchResult:
+    """As `run_batch`, in one thread and unchecked; ends soon, without usable results, once flag[0] is not zero.
+
+    All columns have one formulation; without `times` it may be `paper`, at fixed steps.
+    """
+    rows = _NONE if times is None else np.ascontiguousarray(times, dtype=np.float64)
+    flag = np.zeros(1) if flag is None else flag
+    kinds = {kind_of(column) for column in columns}
+    kind = max(kinds, key=KNOW.index)  # with the same bits as the other kinds for the sections these know
+    batch = _Batch(columns[0].n, len(columns), _Records(motions, durations), rows, kind)
+    for k, (column, motion, duration) in enumerate(zip(columns, motions, durations, strict=True)):
+        if not flag[0]:
+            batch.begin(k, column, motion, float(duration))
+    batch.finish(flag)
+    return batch.result()
+
+
+def rest_in_lanes(
+    models: FloatArray, n: int, kind: str, phases: FloatArray, begin: FloatArray, end: FloatArray, flag: FloatArray
+) -> BatchResult:
+    """Follow columns of n blocks on a still base, in one thread and unchecked; `flag` as for `follow_in_lanes`.
+
+    models: as of BatchResult. kind: of KINDS. phases: (columns, 4 n) at the times `begin`, s.
+    """
+    batch = _Batch(n, len(phases), _Records((), ()), _NONE, kind)
+    batch.go_on(models, phases, begin, end)
+    batch.finish(flag)
+    return batch.result()
+
+
+class _Records:
+    """The samples of all motions, each motion once, one after the other."""
+
+    def __init__(self, motions: Sequence[Motion], durations: Sequence[float]) -> None:
+        self._places: dict[int, tuple[int, int]] = {}  # of a motion: first sample, number of them
+        silent: dict[int, bool] = {}
+        samples, first = [], 0
+        for motion, duration in zip(motions, durations, strict=True):
+            key = id(motion)
+            if key not in silent:
+                silent[key] = not (motion.ax.any() or motion.az.any())
+            if key not in self._places and not (silent[key] and duration <= motion.duration):
+                self._places[key] = first, len(motion.time)
+                samples.append((motion.time, motion.ax, motion.az))
+                first += len(motion.time)
+        self.rows = [np.concatenate(parts) for parts in zip(*samples, strict=True)] if samples else [np.zeros(1)] * 3
+
+    def place(self, motion: Motion) -> tuple[int, int]:
+        """First sample and number of samples; 0 and 0 if there is only the harmonic part."""
+        return self._places.get(id(motion), (0, 0))
+
+
+class _Batch:
+    """Runs as rows for the kernels (kernels/batch/runs.py), and room for the first part of one run at a time."""
+
+    def __init__(self, n: int, count: int, records: _Records, rows: FloatArray, kind: str) -> None:
+        self.n, self._kind = n, KINDS[kind]
+        self._slips = np.zeros((count, SLIP_FIELDS * n if self._kind.slips else 0))
+        self._records = records
+        self._rows = rows
+        self._models = np.zeros((count, at.MODEL.size(n)))
+        self._phases = np.zeros((count, 4 * n))
+        self._runs = np.zeros((count, RUN.beside))
+        self._outcomes = np.zeros((count, OUTCOME.size(n)))  # of runs that wait for a lane
+        self._outcomes[:, :2] = at.OK, math.nan
+        self._snapshots = np.zeros((count, rows.size, at.PHASE.size(n)))
+        self._evaluations = np.zeros(count, dtype=np.int64)
+        self._waiting: list[int] = []
+        self._assembled: dict[int, Arrays] = {}  # by the id of the column, of some columns
+
+    def begin(self, k: int, column: Column, motion: Motion, duration: float) -> None:
+        """Let run k wait for a lane, from rest or from the opening of a joint; or finish it here."""
+        n, start, stop = self.n, motion.start, motion.start + duration
+        fresh = self._at_rest(column)
+        model, phase = fresh.model, fresh.state[at.CONTROL.beside :]
+        self._models[k] = model[: self._models.shape[1]]
+        omega = 2.0 * math.pi * motion.frequency
+        wave = (motion.amplitude, omega, -omega * start)
+        first, size = self._records.place(motion)
+        self._keep_slips(k, phase)
+        if self._kind.fixed_step or not model[_HAS_MODES] or enters_at_once(column, model[_ORDER], motion, size):
+            self._outcomes[k, OUTCOME.beside + n :] = phase[: 4 * n]
+            self._waits(k, phase[: 4 * n], (start, start, stop, 1.0, *wave, first, size, 0, 0.0, 0.0))
+            return
+        arrays = copied(fresh)
+        control, counts, base = at.CONTROL.see(arrays.state), at.COUNTS.see(arrays.counts), at.BASE.see(arrays.base)
+        base.wave_amplitude, base.wave_omega, base.wave_phase = wave
+        counts.until_opening = 1
+        record = (row[first : first + size] for row in self._records.rows)
+        times = start + self._rows if self._rows.size else np.array([stop])
+        stored = np.zeros((times.size, at.snapshot_size(n, column.has_slips)))
+        with others_turn():
+            code = run(n, *arrays, *record, 1.0, False, start, duration, times, stored.reshape(-1), True)
+        whole, peaks = arrays.state[at.CONTROL.beside :], at.STATE.see(arrays.state, n).peaks[:n]
+        phase = whole[: 4 * n]
+        self._keep_slips(k, whole)
+        self._outcomes[k] = np.concatenate([[code, math.nan, 0.0, counts.steps, counts.rejected], peaks, phase])
+        self._evaluations[k] = counts.evaluations
+        if self._rows.size:
+            phases = at.phases_in(stored)
+            self._snapshots[k, :, : phases.shape[1]] = phases
+        if code == at.OK and control.reached < stop:
+            scales = (control.rotation_scale, control.rate_scale)
+            entering = (start, control.reached, stop, 1.0, *wave, first, size, counts.next_row, *scales)
+            self._waits(k, phase, entering)
+
+    def _at_rest(self, column: Column) -> Arrays:
+        """The arrays of a column at rest, not to be modified."""
+        found = self._assembled.get(id(column))
+        if found is None:
+            if len(self._assembled) == MOST_ASSEMBLED:
+                self._assembled.clear()
+            found = arrays_at(column, TOLERANCE_PART * column.settings.tolerance, at.EXTREMES)
+            self._assembled[id(column)] = found
+        return found
+
+    def go_on(self, models: FloatArray, phases: FloatArray, begin: FloatArray, end: FloatArray) -> None:
+        """Let all runs wait for a lane, with these phases, on a base that is still."""
+        self._waiting = list(range(len(models)))
+        self._models, self._phases = models, phases
+        for name, values in (("origin", begin), ("start", begin), ("stop", end), ("scale", 1.0)):
+            self._runs[:, RUN.fields.index(name)] = values
+        self._outcomes[:, OUTCOME.beside + self.n :] = phases
+
+    def _keep_slips(self, k: int, phase: FloatArray) -> None:
+        """Store the second part of a phase, if columns have slips, as that of run k."""
+        if self._kind.slips:
+            self._slips[k] = phase[at.RIGID_FIELDS * self.n : at.PHASE_FIELDS * self.n]
+
+    def _waits(self, k: int, phase: FloatArray, entering: tuple[float, ...]) -> None:
+        """Let run k wait for a lane."""
+        self._waiting.append(k)
+        self._phases[k], self._runs[k] = phase, entering
+
+    def finish(self, flag: FloatArray) -> None:
+        """Let the runs that have begun pass through the lanes."""
+        some = np.array(self._waiting, dtype=np.int64)
+        if not some.size:
+            return
+        left = self._runs[some, _STOP] - self._runs[some, _START]
+        some = some[np.argsort(-left, kind="stable")]  # the longest first: lanes end together
+        models, phases, runs = (array[some].reshape(-1) for array in (self._models, self._phases, self._runs))
+        outcomes, snapshots, slips = self._outcomes[some], self._snapshots[some], self._slips[some]
+        lanes = aligned(WIDTH * SPACE.size(self.n))
+        found = outcomes.reshape(-1)
+        with others_turn():
+            self._kind.follow(
+                self.n, lanes, some.size, models, phases, slips.reshape(-1), runs, found, *self._records.rows,
+                self._rows, snapshots.reshape(-1), flag,
+            )  # fmt: skip
+        tried = np.sum(outcomes[:, _TRIED] - self._outcomes[some][:, _TRIED], axis=1)
+        self._evaluations[some] += ((1 if self._kind.fixed_step else STAGES) * tried).astype(np.int64)
+        self._outcomes[some], self._snapshots[some], self._slips[some] = outcomes, snapshots, slips
+
+    def result(self) -> BatchResult:
+        """The results of the runs."""
+        n = self.n
+        code, time, joint, steps, _ = self._outcomes[:, : OUTCOME.beside].T
+        return BatchResult(
+            peak_ux=self._outcomes[:, OUTCOME.beside :][:, :n],
+            overturned_joint=joint.astype(np.int64),
+            overturn_time=np.where(joint > 0, time, np.nan),
+            finished=code >= at.OK,
+            steps=steps.astype(np.int64),
+            evaluations=self._evaluations,
+            ends=coordinates_of(self._outcomes[:, OUTCOME.beside + n :], self._slips, n),
+            phases=coordinates_of(
+                self._snapshots, self._snapshots[:, :, at.RIGID_FIELDS * n :][..., : self._slips.shape[1]], n
+            ),
+            models=self._models,
+        )
+
+
+_HAS_MODES = at.SETTINGS.fields.index("has_modes")
+_ORDER = at.SETTINGS.fields.index("explicit_order")
+_START, _STOP = RUN.fields.index("start"), RUN.fields.index("stop")
+_TRIED = [OUTCOME.parts["record"].fields.index(name) for name in ("steps", "rejected")]  # type: ignore[attr-defined]
+
+
+def aligned(size: int) -> FloatArray:
+    """Zeros that begin where a line of memory does."""
+    room = np.zeros(size + LINE // 8)
+    first = (-room.ctypes.data % LINE) // 8
+    return room[first : first + size]
+
+
+@lru_cache(maxsize=len(KINDS))
+def load_kernels(name: str) -> None:
+    """Load the kernels of a kind of lanes into this process, which takes as long as thousands of runs.
+
+    Called before the clock starts, so compile time is not counted.
+    """
+    kind = KINDS[name]
+    joint = Joint(1e9, 1e-3, friction=1.0 if kind.slips else None)
+    if kind.section == "strips":
+        joint = replace(joint, section="strips", strips=(1.0,))
+    block = Block(1.0, 1.0, 1.0, 1e3, joint, section="circle" if kind.section == "circle" else "rectangle")
+    solver = ("paper", "central-difference") if kind.fixed_step else ("exact", "auto")
+    column = Column("block", (block,), Settings(*solver))
+    gentle, strong = (Motion.harmonic(amplitude, 1.0, 1e-3) for amplitude in (1e-3, 100.0))
+    follow_in_lanes([column, column], [gentle, strong], [1e-3, 1e-3])
+    if parent_process() is not None:  # a worker of ours, not a user's process
+        gc.freeze()  # compiled code stays: repeated garbage collection of it took 4 % of the time

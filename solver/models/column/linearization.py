@@ -1,0 +1,91 @@
+"""Accelerations of a column held still in any place; it is in equilibrium where all are zero."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from ...common.errors import InputError
+from ...kernels.layout import spaces as at
+from .model import Column
+from .packing import FloatArray, settlements
+from .stepper import Stepper
+
+
+class StillColumn:
+    """The accelerations of a column at rest in a given place, by the kernels' own evaluation.
+
+    Coordinates q (2 n,) are those of the column's formulation: of the rotations, then of the openings. Raises
+    InputError without gravity, which leaves the joints open at rest.
+    """
+
+    def __init__(self, column: Column) -> None:
+        if column.g == 0.0:
+            raise InputError("g = 0.0: must be positive for joints that are in contact at rest")
+        self.column = column.with_settings(integrator="auto")
+        self.n = column.n
+        self._stepper = Stepper(self.column)
+        self._phase = self._stepper.state.phase
+        self._between = at.WORK.see(self._stepper.arrays.work, self.n).between
+        self.blocks: Any = self._stepper.model.blocks
+        self.rest = np.concatenate([self._phase.theta, self._phase.opening])
+        """The coordinates under the weight alone, all joints in full contact, (2 n,)."""
+        # rad: rotation of a joint at which it opens at rest
+        opening_turn = float(np.min(2.0 * settlements(self.column) / self.blocks.width))
+        self.sizes = opening_turn * np.concatenate([self.blocks.turn_size, self.blocks.open_size])
+        """Approximate size of the coordinates at which the first joint opens, (2 n,)."""
+
+    def accelerations(
+        self, q: FloatArray, ax: float = 0.0, az: float = 0.0, rates: FloatArray | None = None
+    ) -> FloatArray:
+        """Second derivatives of the coordinates, (2 n,), where the base accelerates by ax and az m/s2."""
+        self._observe(q, ax, az, rates)
+        return np.concatenate([self._between.theta_acceleration, self._between.opening_acceleration])
+
+    def row(self, q: FloatArray, ax: float = 0.0, rates: FloatArray | None = None) -> Any:
+        """All outputs there, by the names of kernels/layout/spaces.py, ROW: a copy."""
+        return at.ROW.see(self._observe(q, ax, rates=rates).copy(), self.n)
+
+    def stiffness(self, q: FloatArray, part: float, ax: float = 0.0) -> FloatArray:
+        """M^-1 K, (2 n, 2 n): minus the derivatives of the accelerations, from central differences by part * sizes."""
+        return self.derivatives(lambda change: self.accelerations(q + change, ax), part * self.sizes)
+
+    def damping(self, q: FloatArray, part: float) -> FloatArray:
+        """M^-1 C, (2 n, 2 n): minus the derivatives of the accelerations by the rates."""
+        slowest = max(1.0, *(block.joint.damping for block in self.column.blocks))  # s
+        return self.derivatives(lambda change: self.accelerations(q, rates=change), part / slowest * self.sizes)
+
+    def derivatives(self, of: Callable[[FloatArray], FloatArray], changes: FloatArray) -> FloatArray:
+        """Minus the derivatives of a row of numbers, a column for each coordinate, from central differences."""
+        columns = []
+        for change, size in zip(np.diag(changes), changes, strict=True):
+            columns.append((of(-change) - of(change)) / (2.0 * size))
+        return np.array(columns).T
+
+    def _observe(self, q: FloatArray, ax: float, az: float = 0.0, rates: FloatArray | None = None) -> FloatArray:
+        n, phase = self.n, self._phase
+        phase.theta[:], phase.opening[:] = q[:n], q[n:]
+        phase.theta_rate[:], phase.opening_rate[:] = (0.0, 0.0) if rates is None else (rates[:n], rates[n:])
+        self._stepper.drive(0.0, ax=ax, az=az)
+        return self._stepper.observe(0.0)
+
+
+def undamped(column: Column) -> Column:
+    """The column without damping, its joints rigid in shear."""
+    return with_all_joints(column, damping=0.0, friction=None, dowel=None)
+
+
+def stuck(column: Column) -> Column:
+    """The column with joints that never slide."""
+    return with_all_joints(column, friction=None, dowel=None)
+
+
+def with_all_joints(column: Column, **changes: float | None) -> Column:
+    """The column with other properties of all joints."""
+    return replace(
+        column,
+        blocks=tuple(replace(block, joint=replace(block.joint, **changes)) for block in column.blocks),  # type: ignore
+    )

@@ -1,0 +1,302 @@
+"""The column: superimposed rigid blocks, and the settings of their equations."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass, field, replace
+from functools import cached_property
+from typing import Any, TypeVar
+
+from ...common import ranges
+from ...common.errors import InputError, reading, shown
+from ...common.files import check_file_name, toml_of
+from ...common.notebook import Shown, counted, outlines
+from ...kernels.sections.faces import ON_BAND, ON_RING, RECTANGLE, STRIPS, is_round
+from .block import Block, Joint, check_block, check_friction
+from .contact import Contact, check_contacts, contacts_of
+from .file import parts_from, plain
+from .settings import Settings, check_settings
+
+
+@dataclass(frozen=True, repr=False)
+class Column(Shown):
+    """Superimposed rigid blocks, listed from the TOP down; the last joint rests on the base.
+
+    Raises InputError on a value out of range, however the column was made; keys count blocks from 1, the top one.
+    """
+
+    name: str  # a file name (files.check_file_name); the FMU's model identifier is made from it
+    blocks: tuple[Block, ...]
+    settings: Settings = field(default_factory=Settings)
+    g: float = 9.80665  # m/s2
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "blocks", tuple(self.blocks))
+        check_file_name("name", self.name)
+        ranges.check("g", self.g)
+        if not 1 <= len(self.blocks) <= ranges.MAX_BLOCKS:
+            raise InputError(f"block: {len(self.blocks)} blocks, must be 1 to {ranges.MAX_BLOCKS}")
+        for number, block in enumerate(self.blocks, start=1):
+            check_block(f"block[{number}]", block)
+            check_friction(f"block[{number}].joint", block.joint)
+        check_contacts(self.blocks)
+        _check_settings(self)
+
+    def __hash__(self) -> int:
+        return self._hash
+
+    @cached_property
+    def _hash(self) -> int:
+        """Computed once: results kept for a column are looked up by it several times in a run."""
+        return hash((self.name, self.blocks, self.settings, self.g))
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {key: value for key, value in self.__dict__.items() if key != "_hash"}  # each process has its own
+
+    def _facts(self) -> tuple[str, ...]:
+        height, mass = (sum(getattr(block, name) for block in self.blocks) for name in ("height", "mass"))
+        return self.name, counted(self.n, "block"), f"{height:.4g} m high", f"{1e-3 * mass:.4g} t"
+
+    def _lines(self) -> Iterable[Sequence[object]]:
+        yield "block", "height (m)", "width (m)", "mass (t)", "stiffness (N/m3)", "damping (s)", "friction"
+        for number, block in enumerate(self.blocks, start=1):
+            joint = block.joint
+            friction = "no sliding" if joint.friction is None else joint.friction
+            yield number, block.height, block.width, 1e-3 * block.mass, joint.stiffness, joint.damping, friction
+
+    def _picture(self) -> str:
+        shapes, foot, middle = [], 0.0, 0.0
+        for block in reversed(self.blocks):  # as if nothing leaned: a lean is too small to be seen
+            middle += block.joint.offset or 0.0
+            top, half, upper = foot + block.height, 0.5 * block.width, 0.5 * (block.top_width or block.width)
+            left, right = middle - half, middle + half
+            shapes.append(((left, foot), (right, foot), (middle + upper, top), (middle - upper, top)))
+            foot = top
+        return outlines(shapes)
+
+    @property
+    def n(self) -> int:
+        """Number of blocks."""
+        return len(self.blocks)
+
+    @property
+    def sizes(self) -> dict[str, int]:
+        """Numbers of blocks, joints, ties and components of the base."""
+        return {"block": self.n, "joint": self.n, "tie": 0, "base": 6}
+
+    @property
+    def laws(self) -> tuple[Joint, ...]:
+        """Of the joints, from the top."""
+        return tuple(block.joint for block in self.blocks)
+
+    @property
+    def kind(self) -> Any:
+        """What columns have in common (models/protocol.py)."""
+        from .kind import COLUMNS
+
+        return COLUMNS
+
+    @cached_property
+    def contacts(self) -> tuple[Contact, ...]:
+        """The contact under each block as far as the face below reaches, without slips and offsets."""
+        return contacts_of(self.blocks)
+
+    @cached_property
+    def has_rectangles_only(self) -> bool:
+        """Whether all contacts are rectangles, and stay so."""
+        return self._sections <= {RECTANGLE}
+
+    @cached_property
+    def has_strips(self) -> bool:
+        """Whether some contact is made of strips."""
+        return STRIPS in self._sections
+
+    @cached_property
+    def has_bands(self) -> bool:
+        """Whether some contact is the common part of a round face and a straight one, or may become that."""
+        return not self._sections.isdisjoint((ON_RING, ON_BAND))
+
+    @property
+    def _sections(self) -> set[int]:
+        """Codes of the sections of the contacts; of columns that have slips also of those that slips lead to."""
+        found = {contact.section for contact in self.contacts}
+        return found | {contact.slipped for contact in self.contacts} if self.has_slips else found
+
+    @property
+    def springs(self) -> tuple[float, ...]:
+        """Stiffness of each joint in full contact, N/m."""
+        joined = zip(self.blocks, self.contacts, strict=True)
+        return tuple(contact.stiffness(block.joint.stiffness) for block, contact in joined)
+
+    def with_settings(
+        self,
+        *,
+        formulation: str | None = None,
+        integrator: str | None = None,
+        step: float | None = None,
+        tolerance: float | None = None,
+        without: Sequence[str] | None = None,
+    ) -> Column:
+        """Return the column with other settings; None keeps the present one. Raises InputError as `Column` does."""
+        given = {"formulation": formulation, "integrator": integrator, "step": step, "tolerance": tolerance}
+        changes = {key: value for key, value in (given | {"without": without}).items() if value is not None}
+        if not changes:
+            return self  # with the contacts that it has found
+        changed = _changed(self, settings=replace(self.settings, **changes))  # type: ignore[arg-type]
+        _check_settings(changed)
+        return changed
+
+    def with_joints(self, stiffness: Sequence[float], damping: Sequence[float]) -> Column:
+        """Return a copy whose joints have these moduli, N/m3, and dampings, s, a number each from the top joint down.
+
+        Raises InputError as `Column` does.
+        """
+        blocks = []
+        for number, (block, modulus, eta) in enumerate(zip(self.blocks, stiffness, damping, strict=True), start=1):
+            modulus = ranges.check(f"block[{number}].joint.stiffness", modulus)
+            eta = ranges.check(f"block[{number}].joint.damping", eta)
+            blocks.append(_changed(block, joint=_changed(block.joint, stiffness=modulus, damping=eta)))
+        return _changed(self, blocks=tuple(blocks))
+
+    @cached_property
+    def slides(self) -> bool:
+        """Whether some joint may slide."""
+        return any(block.joint.friction is not None for block in self.blocks)
+
+    @cached_property
+    def off_axis(self) -> bool:
+        """Whether some block stands off its axis as built, so that the rest is not the straight column."""
+        return any(block.is_off_axis for block in self.blocks)
+
+    @cached_property
+    def has_slips(self) -> bool:
+        """Whether slips are among the coordinates: of joints that slide, and of columns that are off their axis."""
+        return self.slides or self.off_axis
+
+    @cached_property
+    def other_law(self) -> str:
+        """Key of the property that makes the law of some joint another one than the linear law; empty without one.
+
+        Code outside kernels/joint/law.py that assumes the linear law checks this first.
+        """
+        return next((block.joint.other_law for block in self.blocks if block.joint.other_law), "")
+
+    def in_space(self) -> Any:
+        """These blocks and joints as a structure in space (`Structure.stack`). Raises InputError."""
+        from ..structure.model import Structure
+
+        return Structure.stack(self)
+
+    @property
+    def rolls_in_space(self) -> bool:
+        """Whether a contact is round: in space it rolls on its rim, which motion in the plane leaves out."""
+        return any(is_round(block.joint_section) for block in self.blocks)
+
+    @property
+    def is_alike_across(self) -> bool:
+        """Whether widths and depths are the same."""
+        return all(
+            (block.width, block.joint_width, block.top_width or block.width)
+            == (block.depth, block.joint_depth, block.top_depth or block.depth)
+            for block in self.blocks
+        )
+
+    def across(self) -> Column:
+        """The column as it moves in the other direction: widths and depths exchanged.
+
+        Inertia beyond that of a homogeneous block is taken as the same about both axes, as in space. Raises InputError
+        for what belongs to one direction: an offset, inclination or tilt, and strips.
+        """
+        blocks = tuple(_across(f"block[{number}]", block) for number, block in enumerate(self.blocks, start=1))
+        return replace(self, name=f"{self.name} across", blocks=blocks)
+
+    @classmethod
+    def from_toml(cls, path: str | os.PathLike[str]) -> Column:
+        """Read a column from a TOML file; its keys are those of `from_dict`.
+
+        Raises InputError that begins with `path` if the file cannot be read, is not TOML or is wrong in any key.
+        """
+        with reading(path):
+            return cls.from_dict(toml_of(path))
+
+    @classmethod
+    def from_dict(cls, data: Mapping[str, Any]) -> Column:
+        """Build a column from the mapping that the TOML file holds.
+
+        name, g (optional), block: one table for each block from the top down with height, width, depth, mass or
+        density, centroid and inertia (optional) and the table joint; joint (optional): defaults for all joints;
+        solver (optional): the fields of Settings. Units as in `Block`, `Joint` and `Settings`; density in kg/m3.
+
+        Raises InputError on an unknown, missing or wrong key.
+        """
+        return cls(**parts_from(data))
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the mapping that `from_dict` turns into this very column: plain numbers, strings, lists and dicts.
+
+        Values left to their defaults are written out, except those that follow from other values (None) which stay
+        absent.
+        """
+        data = asdict(self, dict_factory=plain)
+        return {"name": data["name"], "g": data["g"], "block": list(data["blocks"]), "solver": data["settings"]}
+
+
+Part = TypeVar("Part", "Column", Block, Joint)
+
+
+def _changed(part: Part, **values: Any) -> Part:
+    """A copy with other values. Its other fields have been checked, and values computed from them hold for the copy.
+
+    So no cached_property may depend on settings, moduli or dampings.
+    """
+    made = object.__new__(type(part))
+    made.__dict__.update(part.__dict__, **values)
+    made.__dict__.pop("_hash", None)
+    return made
+
+
+def _across(key: str, block: Block) -> Block:
+    """A block with width and depth exchanged."""
+    if block.is_off_axis or block.joint_section == STRIPS:
+        raise InputError(f"{key}: must stand on its axis, and not on strips, to be turned to the other direction")
+    joint = block.joint
+    if not is_round(block.joint_section):
+        joint = replace(joint, width=joint.depth, depth=joint.width)
+    turned = replace(
+        block,
+        width=block.depth,
+        depth=block.width,
+        top_width=block.top_depth,
+        top_depth=block.top_width,
+        joint=joint,
+        inertia=None,
+    )
+    if block.inertia is None:
+        return turned
+    return replace(turned, inertia=block.inertia - block.homogeneous[1] + turned.homogeneous[1])
+
+
+def _check_settings(column: Column) -> None:
+    check_settings("solver", column.settings)
+    if column.has_slips:
+        _check_general(column)
+
+
+def _check_general(column: Column) -> None:
+    """Raise InputError for settings that columns whose joints slide, or that are off their axis, do not support."""
+    number, block = next(
+        (i, block)
+        for i, block in enumerate(column.blocks, start=1)
+        if block.joint.friction is not None or block.is_off_axis
+    )
+    key = f"block[{number}].joint"
+    given = {f"{key}.{name}": getattr(block.joint, name) for name in ("friction", "offset", "inclination")}
+    given |= {f"block[{number}].tilt": block.tilt, f"{key}.strips": block.joint.strips}
+    name, value = next((name, value) for name, value in given.items() if value)
+    if column.settings.formulation == "paper":
+        raise InputError(f'{name} = {shown(value)}: solver.formulation must be "exact", "paper" does not support it')
+    if column.settings.integrator != "auto":
+        raise InputError(f'{name} = {shown(value)}: solver.integrator must be "auto", fixed steps do not support it')
+    if column.other_law:  # forces of rims and the bent rest assume the linear law
+        raise InputError(f"{name} = {shown(value)}: must be left out beside joint.{column.other_law}")

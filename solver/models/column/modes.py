@@ -1,0 +1,125 @@
+"""Natural frequencies, shapes and damping ratios of the column about its rest state, all joints in full contact."""
+
+from __future__ import annotations
+
+import math
+import os
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...common.errors import SolverError, needing
+from ...common.files import write_table
+from ...common.frames import Frame, Framed
+from .linearization import StillColumn, stuck, undamped
+from .model import Column
+from .packing import FloatArray
+from .rest import check_rest
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+PART = 1e-2  # of the rotation that opens a joint: size of finite differences
+
+
+@dataclass(frozen=True, eq=False)
+class Modes(Framed):
+    """The 2 n modes of a column, by frequency. Shapes (2 n, n): block 1, the top block, first.
+
+    A shape is scaled so that the largest of its ux and uz is 1 m; block i then has the rotation theta rad.
+    """
+
+    column: Column
+    frequency: FloatArray  # (2 n,) Hz, undamped, gravity included
+    damping_ratio: FloatArray  # (2 n,) of critical; dampers that couple modes are treated as uncoupled
+    sways: NDArray[np.bool_]  # (2 n,) whether blocks rotate, rather than go up and down
+    ux: FloatArray  # m, top faces
+    uz: FloatArray  # m, centroids, up
+    theta: FloatArray  # rad, clockwise
+    mass_x: FloatArray  # (2 n,) kg, effective mass under horizontal motion; the rest of the mass follows the base
+    mass_z: FloatArray  # (2 n,) kg, under vertical motion
+
+    def _frame(self) -> Frame:
+        units = {"frequency": "Hz", "mass_x": "kg", "mass_z": "kg", "ux": "m", "uz": "m", "theta": "rad"}
+        columns = {name: getattr(self, name) for name in ("frequency", "damping_ratio", "sways", *list(units)[1:])}
+        return Frame(("mode", np.arange(1, len(self.frequency) + 1)), columns, units, {"column": self.column.name})
+
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
+        """Write a row for each mode: frequency, damping ratio, effective masses, shape. Raises OSError."""
+        names = ["mode", "frequency", "damping_ratio", "mass_x", "mass_z"]
+        names += [f"block[{i + 1}].{name}" for name in ("ux", "uz", "theta") for i in range(self.column.n)]
+        parts = [self.frequency[:, None], self.damping_ratio[:, None], self.mass_x[:, None], self.mass_z[:, None]]
+        rows = np.hstack([*parts, self.ux, self.uz, self.theta])
+        write_table(path, names, ([k, *map(repr, map(float, row))] for k, row in enumerate(rows, start=1)))
+
+    def plot(self, path: str | os.PathLike[str] | None = None, most: int = 6) -> Figure:
+        """Draw the first `most` shapes; saved to `path` if given. Raises InputError without matplotlib, OSError."""
+        with needing("plot", "matplotlib"):
+            from ...statics.static_plots import plot_modes
+        return plot_modes(self, path, most)
+
+
+def natural_frequencies(column: Column, formulation: str | None = None) -> FloatArray:
+    """Undamped natural frequencies in Hz, ascending, (2 n,), gravity included.
+
+    Raises InputError without gravity, which leaves the joints open at rest; SolverError if the rest state is unstable.
+    """
+    still = StillColumn(undamped(column.with_settings(formulation=formulation)))
+    return np.sort(_frequencies(np.linalg.eigvals(still.stiffness(still.rest, PART))))
+
+
+def natural_modes(column: Column, formulation: str | None = None) -> Modes:
+    """Frequencies, shapes, damping ratios and effective masses about rest.
+
+    Warns (InputWarning) as `simulate` does. Raises as `natural_frequencies` does.
+    """
+    check_rest(column, from_rest=False)
+    return modes_about_rest(column, formulation)
+
+
+def modes_about_rest(column: Column, formulation: str | None = None) -> Modes:
+    """The modes without a warning, for columns whose joints are looked for. Raises as `natural_frequencies` does."""
+    column = column.with_settings(formulation=formulation)
+    still, damped = StillColumn(undamped(column)), StillColumn(stuck(column))
+    n, rest, blocks = column.n, still.rest, still.blocks
+    squares, vectors = np.linalg.eig(still.stiffness(rest, PART))
+    frequency = _frequencies(squares)
+    order = np.argsort(frequency, kind="stable")
+    frequency, vectors = frequency[order], vectors[:, order].real
+    damping = np.linalg.solve(vectors, damped.damping(rest, PART) @ vectors)
+    ux, uz, theta = (np.empty((2 * n, n)) for _ in range(3))
+    for k in range(2 * n):
+        step = PART * vectors[:, k] / np.max(np.abs(vectors[:, k]) / still.sizes)
+        ahead, behind = still.row(rest + step).joints, still.row(rest - step).joints
+        shape = np.array([getattr(ahead, name) - getattr(behind, name) for name in ("ux", "uz", "theta")])
+        # terms of second order in one direction cancel, or are rounding errors
+        largest = shape[:2].flat[np.argmax(np.abs(shape[:2]))]
+        ux[k], uz[k], theta[k] = shape / largest
+        vectors[:, k] *= 2.0 * PART / np.max(np.abs(vectors[:, k]) / still.sizes) / largest
+    # participation of each mode under a base acceleration of 1 m/s2, and the inertia force of that mode
+    along = -np.linalg.solve(vectors, still.accelerations(rest, 1.0) - still.accelerations(rest, 0.0))
+    upwards = -np.linalg.solve(vectors, still.accelerations(rest, 0.0, az=1.0) - still.accelerations(rest, 0.0))
+    # of the centroids, which are under the tops along the blocks as they stand
+    below, angle = blocks.height - blocks.centroid, still.row(rest).joints.theta + blocks.tilt
+    sway = ux - below * np.cos(angle) * theta
+    return Modes(
+        column,
+        frequency,
+        np.maximum(np.diag(damping), 0.0) / (4.0 * math.pi * frequency) + 0.0,  # no negative zero
+        np.max(np.abs(ux), axis=1) > np.max(np.abs(uz), axis=1),
+        ux,
+        uz,
+        theta,
+        along * (sway @ blocks.mass),
+        upwards * (uz @ blocks.mass),
+    )
+
+
+def _frequencies(squares: NDArray[Any]) -> FloatArray:
+    """Hz, from eigenvalues of M^-1 K, 1/s2. Raises SolverError."""
+    if np.min(squares.real) <= 0.0:
+        raise SolverError("the rest state is not stable: the joints are too soft for the weight above them")
+    found: FloatArray = np.sqrt(squares.real) / (2.0 * math.pi)
+    return found

@@ -1,0 +1,162 @@
+"""Numbers of a column by their dotted names, so that a study can set any of them, whatever keys columns have.
+
+joint.stiffness     of every joint
+joint[3].damping    of the joint under block 3, counted from 1, the top one
+block[1].height     of a block
+g, solver.tolerance
+column.size         factor on every length; masses grow with its cube, given moments of inertia with its fifth power
+column.slenderness  all heights over the width of the lowest block: widths and depths are changed until it is so
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping
+from functools import lru_cache
+from typing import Any
+
+from ...common.errors import POSITIVE, InputError, check_number
+from ...common.ranges import NUMBERS
+from .model import Column
+
+_PARTS = re.compile(r"(block|joint)(?:\[([1-9]\d*)\])?\.([a-z_]+)")
+_WHOLE = ("g", "solver.step", "solver.tolerance")
+SHAPES = ("column.size", "column.slenderness")
+_OWN = ("stiffness", "damping")  # numbers of a joint on which no other value of a column depends
+_TOLERANCE = "solver.tolerance"
+_UPRIGHT = ("height", "centroid")  # lengths along the axis of the column
+_EITHER = {"mass": "density", "density": "mass"}  # one replaces the other
+
+
+def is_of_column(name: str) -> bool:
+    """Whether a dotted name belongs to the column."""
+    return name in _WHOLE or name in SHAPES or _parts(name) is not None
+
+
+def single_names(name: str, blocks: int) -> list[str]:
+    """`joint.stiffness` as `joint[1].stiffness`, `joint[2].stiffness` ...; a name of one number as it is."""
+    found = _parts(name)
+    if found is None or found[1]:
+        return [name]
+    return [f"{found[0]}[{i}].{found[2]}" for i in range(1, blocks + 1)]
+
+
+def column_with(column: Column, values: Mapping[str, tuple[float, bool]]) -> Column:
+    """The column with numbers set: name -> (number, whether it multiplies what the column has).
+
+    Shapes come first, then the others in their order. Raises InputError on a name or a number that is wrong.
+    """
+    if not values:
+        return column
+    if all(name == _TOLERANCE or _joint_number(name) in _OWN for name in values):
+        return _with_own(column, values)
+    data = _written(column)
+    for name in sorted(values, key=lambda name: name not in SHAPES):
+        number, relative = values[name]
+        _set(data, name, number, relative)
+    return Column.from_dict(data)
+
+
+def _written(column: Column) -> dict[str, Any]:
+    """`Column.to_dict`, its tables to be changed."""
+    data = _to_dict(column)
+    blocks = [{**block, "joint": dict(block["joint"])} for block in data["block"]]
+    return {**data, "block": blocks, "solver": dict(data["solver"])}
+
+
+@lru_cache(maxsize=8)
+def _to_dict(column: Column) -> dict[str, Any]:
+    return column.to_dict()
+
+
+@lru_cache(maxsize=1024)
+def _parts(name: str) -> tuple[str, int, str] | None:
+    """`block` or `joint`, number (0: of all), key; None for what is of the column as a whole."""
+    found = _PARTS.fullmatch(name)
+    return None if found is None else (found[1], int(found[2] or 0), found[3])
+
+
+def _joint_number(name: str) -> str:
+    found = _parts(name)
+    return found[2] if found is not None and found[0] == "joint" else ""
+
+
+def _with_own(column: Column, values: Mapping[str, tuple[float, bool]]) -> Column:
+    """The column with numbers set that are all independent of others, without converting it to a dict and back."""
+    own = {key: [getattr(block.joint, key) for block in column.blocks] for key in _OWN}
+    for name, (number, relative) in values.items():
+        if name == _TOLERANCE:
+            column = column.with_settings(tolerance=number * column.settings.tolerance if relative else number)
+            continue
+        numbers = own[_joint_number(name)]
+        for i in _which(name, column.n):
+            numbers[i] = number * numbers[i] if relative else number
+    return column.with_joints(**own)
+
+
+def _which(name: str, blocks: int) -> range:
+    """Places of the blocks that a name refers to. Raises InputError if there are fewer blocks."""
+    found = _parts(name)
+    if found is None or not found[1]:
+        return range(blocks)
+    number = found[1]
+    if number > blocks:
+        raise InputError(f"{name}: there are {blocks} blocks")
+    return range(number - 1, number)
+
+
+def _set(data: dict[str, Any], name: str, number: float, relative: bool) -> None:
+    found = _parts(name)
+    if name in SHAPES:
+        factor = check_number(name, number, POSITIVE, "a positive number")
+        _resize(data, factor) if name == "column.size" else _widen(data, factor, relative)
+    elif name == "g":
+        _put(data, name, "g", number, relative)
+    elif found is None:
+        _put(data["solver"], name, name.removeprefix("solver."), number, relative)
+    else:
+        blocks = data["block"]
+        for block in (blocks[i] for i in _which(name, len(blocks))):
+            _put(block if found[0] == "block" else block["joint"], name, found[2], number, relative)
+
+
+def _put(table: dict[str, Any], name: str, key: str, number: float, relative: bool) -> None:
+    if relative and not isinstance(table.get(key), (int, float)):
+        raise InputError(f"{name}: the column has none that could be multiplied, must be given without relative")
+    table[key] = number * table[key] if relative else number
+    if table.pop(_EITHER.get(key, ""), None) is not None and relative:
+        raise InputError(f"{name}: must be given without relative")
+
+
+def _is_length(key: str) -> bool:
+    return key in NUMBERS and NUMBERS[key][1].startswith(("a positive length", "a length"))
+
+
+def _scale(table: dict[str, Any], factor: float, skip: tuple[str, ...] = ()) -> None:
+    for key, value in table.items():
+        if _is_length(key) and key not in skip and value is not None:
+            table[key] = factor * value
+        if key == "strips":
+            table[key] = [factor * depth for depth in value]
+
+
+def _resize(data: dict[str, Any], factor: float) -> None:
+    for block in data["block"]:
+        _scale(block, factor)
+        _scale(block["joint"], factor)
+        block["mass"] *= factor**3
+        if block.get("inertia") is not None:
+            block["inertia"] *= factor**5
+
+
+def _widen(data: dict[str, Any], slenderness: float, relative: bool) -> None:
+    blocks = data["block"]
+    present = math.fsum(block["height"] for block in blocks) / blocks[-1]["width"]
+    factor = 1.0 / slenderness if relative else present / slenderness
+    for i, block in enumerate(blocks, start=1):
+        if block.get("inertia") is not None:
+            raise InputError(f"block[{i}].inertia: must be left out where column.slenderness is varied")
+        _scale(block, factor, _UPRIGHT)
+        _scale(block["joint"], factor, _UPRIGHT)
+        block["mass"] *= factor**2

@@ -1,0 +1,240 @@
+"""A column as the flat arrays that the kernels read."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from operator import attrgetter
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...common.errors import InputError, shown
+from ...kernels.api.engine import (
+    DETAILS,
+    GIVEN,
+    GIVEN_BLOCK,
+    GIVEN_JOINT,
+    GIVEN_SETTINGS,
+    NO_REST,
+    NOT_STABLE,
+    model_room,
+    scratch_room,
+)
+from ...kernels.api.entries import assemble_column
+from ...kernels.layout import spaces as at
+from .block import Block
+from .model import Column
+from .settings import FORMULATION_CODES, INTEGRATOR_CODES, SKIP_CODES
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+_of_block, _of_joint = attrgetter(*GIVEN_BLOCK), attrgetter(*GIVEN_JOINT)
+_TOLERANCE, _WITHOUT = GIVEN_SETTINGS.fields.index("tolerance"), GIVEN_SETTINGS.fields.index("without")
+
+
+@dataclass(frozen=True)
+class InitialState:
+    """The start of a run; None is rest, static equilibrium under gravity.
+
+    Sequences of n numbers, block 1 (the top) first, counted from the column as built: `rotation` rad clockwise,
+    `rotation_rate` rad/s, `opening` m of the joint under each block along its normal (negative: compressed),
+    `opening_rate` m/s, `slip` m of the block over what is under it, to +x, `slip_rate` m/s.
+    """
+
+    rotation: Sequence[float] | FloatArray | None = None
+    rotation_rate: Sequence[float] | FloatArray | None = None
+    opening: Sequence[float] | FloatArray | None = None
+    opening_rate: Sequence[float] | FloatArray | None = None
+    slip: Sequence[float] | FloatArray | None = None
+    slip_rate: Sequence[float] | FloatArray | None = None
+
+
+class Arrays(NamedTuple):
+    """The flat arrays of a column in motion (layout/spaces.py): copying `state`, `counts` and `base` saves it."""
+
+    model: FloatArray
+    state: FloatArray
+    counts: IntArray
+    base: FloatArray
+    work: FloatArray
+
+
+def arrays_of(column: Column) -> Arrays:
+    """The arrays of a column at rest. Raises InputError for a fixed step that is not stable."""
+    return copied(_assembled(column))
+
+
+def arrays_at(column: Column, tolerance: float, without: int) -> Arrays:
+    """The arrays at another tolerance, without the short cuts in `without`, a sum of codes; unchecked, not cached."""
+    given = described(column)
+    given[_TOLERANCE], given[_WITHOUT] = tolerance, without
+    return _assemble(column, given)
+
+
+def copied(arrays: Arrays) -> Arrays:
+    """Arrays of their own with the same numbers."""
+    return Arrays(
+        arrays.model.copy(), arrays.state.copy(), arrays.counts.copy(), arrays.base.copy(), arrays.work.copy()
+    )
+
+
+def coordinates_of(rigid: FloatArray, slips: FloatArray, n: int) -> FloatArray:
+    """Coordinates and rates as models/column/kinematics.py has them, (..., 4 n), or (..., 6 n) where there are slips.
+
+    rigid, slips: arrays that begin with the first and with the second part of phases; the latter may be empty.
+    """
+    moving = rigid[..., : 4 * n]
+    if not slips.shape[-1]:
+        return moving
+    places = [(at.PHASE.fields.index(name) - at.RIGID_FIELDS) * n for name in ("slip", "slip_rate")]
+    return np.concatenate([moving, *(slips[..., k : k + n] for k in places)], axis=-1)
+
+
+def pack_model(column: Column) -> FloatArray:
+    """The packed model, read-only (layout/spaces.py, MODEL). Raises InputError for a fixed step that is not stable."""
+    return _assembled(column).model
+
+
+def model_of(column: Column) -> Any:
+    """The packed model by names: settings, blocks."""
+    return at.MODEL.see(pack_model(column), column.n)
+
+
+def unwritten(n: int) -> Arrays:
+    """Arrays for n blocks that nothing has been written to."""
+    return Arrays(
+        np.zeros(model_room(n)),
+        np.zeros(at.STATE.size(n)),
+        np.zeros(at.COUNTS.beside, dtype=np.int64),
+        np.zeros(at.BASE.beside),
+        np.zeros(at.WORK.size(n)),
+    )
+
+
+@lru_cache(maxsize=64)
+def _assembled(column: Column) -> Arrays:
+    made = _assemble(column, described(column))
+    for array in made:
+        array.flags.writeable = False
+    return made
+
+
+def _assemble(column: Column, given: FloatArray) -> Arrays:
+    n = column.n
+    fixed = column.settings.integrator == "central-difference"
+    made = unwritten(n)
+    detail = np.zeros(DETAILS)
+    code = assemble_column(n, *made, given, 1, np.zeros(scratch_room(n, fixed)), detail)
+    if code == NOT_STABLE:
+        raise InputError(
+            f"solver.step = {column.settings.step}: must be at most {detail[0]:.4g} s, where central differences are "
+            "stable"
+        )
+    if code == NO_REST:
+        as_they_are = "its blocks, offset or inclined as they are, have no stable rest under their weight"
+        if column.other_law:
+            as_they_are = f"with joint.{column.other_law} as it is a joint does not carry the weight above it at rest"
+        raise InputError(f"{column.name} cannot stand: {as_they_are}")
+    if code != at.OK:  # the other checks are those of the column
+        raise InputError(f"block[{int(detail[0])}].inertia: beyond the range of float64")
+    return made
+
+
+def described(column: Column) -> FloatArray:
+    """The column as `engine.assemble` is given it: settings, then a record for each block."""
+    settings = column.settings
+    values = {
+        "g": column.g,
+        "step": settings.step,
+        "tolerance": settings.tolerance,
+        "formulation": FORMULATION_CODES[settings.formulation],
+        "integrator": INTEGRATOR_CODES[settings.integrator],
+        "without": sum(SKIP_CODES[name] for name in set(settings.without)),
+    }
+    given = [values[name] for name in GIVEN_SETTINGS.fields]
+    for block in column.blocks:
+        given += [value or 0.0 for value in (*_of_block(block), *_of_joint(block.joint))]
+        given += shape_of(block)
+    assert len(given) == GIVEN_SETTINGS.beside + GIVEN.beside * column.n
+    return np.array(given, dtype=np.float64)
+
+
+def shape_of(block: Block) -> list[float]:
+    """The numbers of a block's shape and of the contact under it (engine.py, GIVEN_SHAPE)."""
+    strips = block.joint.strips or ()
+    unused = [0.0] * (at.MOST_STRIPS - len(strips))
+    return [*block.shape, float(block.joint_section), block.joint_bore, float(len(strips)), *strips, *unused]
+
+
+def carried_weights(column: Column) -> FloatArray:
+    """Weight that each joint carries at rest, N, (n,) from the top joint down."""
+    carried: FloatArray = column.g * np.cumsum([block.mass for block in column.blocks])
+    return carried
+
+
+def settlements(column: Column) -> FloatArray:
+    """Compression of each joint at rest under gravity, m, (n,) from the top joint down."""
+    settled: FloatArray = carried_weights(column) / np.array(column.springs)
+    return settled
+
+
+def set_initial(column: Column, state: FloatArray, initial: InitialState) -> None:
+    """Let the state, at rest as assembled, be another one. Raises InputError if `initial` does not fit the column."""
+    if not isinstance(initial, InitialState):
+        raise InputError(f"initial = {shown(initial)}: must be an InitialState")
+    n = column.n
+    phase = at.STATE.see(state, n).phase
+    at_rest = (np.zeros(n), -settlements(column))
+    if column.off_axis:
+        at_rest = (phase.theta.copy(), phase.opening.copy())
+    rotation = _given("rotation", initial.rotation, at_rest[0])
+    _within("rotation", rotation, np.full(n, 0.5 * np.pi), "a quarter turn either way at most, in rad")
+    spin = _given("rotation_rate", initial.rotation_rate, np.zeros(n))
+    opening = _given("opening", initial.opening, at_rest[1])
+    heights = np.array([block.height for block in column.blocks])
+    _within("opening", np.minimum(opening, 0.0), heights, "no deeper than the block is high, in m")
+    opening_rate = _given("opening_rate", initial.opening_rate, np.zeros(n))
+    for key in ("slip", "slip_rate"):
+        given = _given(key, getattr(initial, key), np.zeros(n))
+        free = [math.inf if block.joint.friction is not None else 0.0 for block in column.blocks]
+        _within(key, given, np.array(free), "zero where the joint has no friction: it never slides")
+        getattr(phase, key)[:] = given
+    phase.slip += np.array([block.joint.offset or 0.0 for block in column.blocks])
+    phase.sliding[:] = np.sign(phase.slip_rate)
+    if column.settings.formulation == "exact":
+        phase.theta[:], phase.opening[:] = rotation, opening
+        phase.theta_rate[:], phase.opening_rate[:] = spin, opening_rate
+        return
+    phase.theta[:], phase.opening[:] = _from_base(heights * rotation), -_from_base(opening)
+    phase.theta_rate[:], phase.opening_rate[:] = _from_base(heights * spin), -_from_base(opening_rate)
+
+
+def _from_base(steps: FloatArray) -> FloatArray:
+    """Sum from the base up to each block."""
+    summed: FloatArray = np.cumsum(steps[::-1])[::-1]
+    return summed
+
+
+def _given(key: str, values: Sequence[float] | FloatArray | None, default: FloatArray) -> FloatArray:
+    if values is None:
+        return default
+    gaps = isinstance(values, np.ma.MaskedArray) and np.ma.is_masked(values)
+    try:
+        array = np.asarray(values)
+    except ValueError:  # ragged
+        array = np.array(None)
+    if gaps or array.dtype.kind not in "iuf" or array.shape != default.shape or not np.all(np.isfinite(array)):
+        raise InputError(f"initial.{key} = {shown(values)}: must be {len(default)} finite numbers, one per block")
+    return array.astype(np.float64)
+
+
+def _within(key: str, values: FloatArray, limits: FloatArray, meaning: str) -> None:
+    beyond = np.flatnonzero(np.abs(values) > limits)
+    if beyond.size:
+        i = int(beyond[0])
+        raise InputError(f"initial.{key}[{i}] = {values[i]:g}: must be {meaning}")

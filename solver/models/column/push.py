@@ -1,0 +1,228 @@
+"""The curve of places where a column balances under a steady horizontal push, followed by its arc length.
+
+Balance is 2 n equations (zero accelerations) for 2 n coordinates and the push. A step goes along the curve and then
+back onto it across its direction (Newton's method), so that neither the largest push nor a displacement that turns back
+ends the curve. Coordinates are scaled; only the rotations and the push measure the length, since openings follow them.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...common.errors import SolverError
+from ...common.plausible import UNITS_OF_STIFFNESS
+from .linearization import StillColumn
+from .model import Column
+from .packing import FloatArray
+from .rest import warnings_of
+
+LONGEST = 0.02  # step along the curve, in parts of the rigid column's largest push and of its rotation on the edge
+SHORTEST = 1e-9
+MOST_POINTS = 5000
+ITERATIONS = 30  # for one point
+SLOW = 0.3  # of the correction before: derivatives are renewed
+FEW = 2  # renewals of the derivatives, up to which the step may grow
+NEAR = 1e-4  # of the length of the curve: a correction below this cannot reach another branch
+CONVERGED = 1e-9  # last correction, in parts of what opens a joint
+ROUNDED = 1e-5  # last correction with new derivatives, if rounding stops the convergence
+PART = 1e-3  # of the coordinates at which a joint opens: size of finite differences
+TURN = 0.97  # least cosine between the directions of the curve at two points
+NARROWED = 1e-9  # of a step: accuracy of a point at which a regime changes
+
+
+_NONE = np.empty((0, 0))
+
+
+class Balanced(NamedTuple):
+    """A place of balance."""
+
+    q: FloatArray  # (2 n,), coordinates of the exact formulation
+    push: float  # m/s2, acceleration of the base towards -x (direction 1)
+    along: FloatArray  # (2 n + 1,), unit direction of the curve in the scaled coordinates and the push
+    inverse: FloatArray  # of the derivatives by these, with the direction as last row; empty when no longer needed
+
+
+class _LostError(Exception):
+    """The next point was not found; a shorter step may find it."""
+
+
+class BalanceCurve:
+    """The curve of a column without damping, pushed towards +x (direction 1) or -x (-1).
+
+    Raises InputError without gravity.
+    """
+
+    def __init__(self, column: Column, direction: int = 1) -> None:
+        self.still = StillColumn(column)
+        self.direction = direction
+        self.n = self.still.n
+        blocks, slenderness = self.still.blocks, _slenderness(self.still)
+        self._scale = np.concatenate(
+            [math.atan(slenderness) * blocks.turn_size, math.atan(slenderness) * blocks.open_size, [0.0]]
+        )
+        self._scale[-1] = column.g * slenderness
+        self._opens = np.append(self.still.sizes, 1e-3 * self._scale[-1])
+        self._converged = CONVERGED
+        self._weight = np.concatenate([np.full(self.n, 1.0 / self.n), np.zeros(self.n), [1.0]])
+
+    def follow(self) -> list[Balanced]:
+        """Places from rest to the next one with zero push.
+
+        Among them are the first with each joint open, and that of the largest push. Raises SolverError if the curve
+        cannot be followed, and names values of the column that are probably not intended.
+        """
+        try:
+            return self._followed()
+        except SolverError as failure:
+            meant = warnings_of(self.still.column)
+            raise SolverError(
+                f"no curve of balance is found: {meant[0] if meant else f'{failure}; {UNITS_OF_STIFFNESS}'}"
+            ) from None
+
+    def _followed(self) -> list[Balanced]:
+        upwards = np.append(np.zeros(2 * self.n), 1.0)
+        q = self.still.rest
+        try:
+            start = Balanced(q, 0.0, upwards, _inverse(self._matrix(q, 0.0, upwards)))
+            places, step = [self._pointed(*self._onto(q, 0.0, start, math.inf)[:2], upwards)], LONGEST
+        except _LostError:
+            raise SolverError("no balance was found at rest") from None
+        opened = self._opened(places[0])
+        while len(places) < MOST_POINTS:
+            last = places[-1]
+            try:
+                place, renewals = self._step(last, step)
+            except _LostError:
+                step *= 0.5
+                if step < SHORTEST:
+                    raise SolverError(f"the balance is lost beyond a push of {last.push:.6g} m/s2") from None
+                continue
+            places[-1] = last._replace(inverse=_NONE)
+            between = []
+            for i in np.flatnonzero(self._opened(place) & ~opened):
+                between.append(self._first(last, step, partial(self._joint_opened, int(i))))
+                opened[i] = True
+            if last.along[-1] > 0.0 >= place.along[-1]:
+                between.append(self._first(last, step, lambda there: self._pointed(*there[:3]).along[-1] <= 0.0))
+            if place.push <= 0.0:
+                between.append(self._first(last, step, lambda there: there.push <= 0.0))
+            for _, there in sorted(between, key=lambda found: found[0]):
+                places.append(there._replace(inverse=_NONE))
+                if there.push <= 0.0:
+                    return places
+            places.append(place)
+            if renewals <= FEW:
+                step = min(LONGEST, 2.0 * step)
+        raise SolverError(f"the curve of balance does not come to an end within {MOST_POINTS} points")
+
+    def _step(self, last: Balanced, step: float) -> tuple[Balanced, int]:
+        """The place one step further along the curve, and the number of renewals of derivatives. Raises _LostError."""
+        q, push, renewals = self._beside(last, step)
+        place = self._pointed(q, push, last.along)
+        if float(np.sum(self._weight * place.along * last.along)) < TURN:
+            raise _LostError
+        return place, renewals
+
+    def _beside(self, last: Balanced, step: float) -> tuple[FloatArray, float, int]:
+        change = step * last.along * self._scale
+        return self._onto(last.q + change[:-1], last.push + float(change[-1]), last, step)
+
+    def _first(self, last: Balanced, step: float, passed: Callable[[Balanced], bool]) -> tuple[float, Balanced]:
+        """Distance beyond `last`, within the step, of the first place at which `passed` holds, and that place.
+
+        Raises SolverError if the curve is lost on the way.
+        """
+        low, high = 0.0, step
+        try:
+            while high - low > NARROWED * step:
+                middle = 0.5 * (low + high)
+                q, push, _ = self._beside(last, middle)
+                if passed(Balanced(q, push, last.along, _NONE)):
+                    high = middle
+                else:
+                    low = middle
+            return high, self._step(last, high)[0]
+        except _LostError:
+            raise SolverError(f"the balance is lost beyond a push of {last.push:.6g} m/s2") from None
+
+    def _onto(self, q: FloatArray, push: float, last: Balanced, most: float) -> tuple[FloatArray, float, int]:
+        """Newton's method onto the curve, across the direction at `last`, by at most `most`.
+
+        Begins with the derivatives at `last`; returns coordinates, push and the number of renewals of derivatives.
+        Raises _LostError.
+        """
+        inverse, renewals, before, near = last.inverse, 0, math.inf, False
+        for _ in range(ITERATIONS):
+            moved = inverse[:, :-1] @ -self._unbalanced(q, push)
+            if not self._length(moved) <= max(most, NEAR):
+                raise _LostError
+            change = moved * self._scale
+            q, push = q + change[:-1], push + float(change[-1])
+            size = float(np.max(np.abs(change) / self._opens))
+            if size < self._converged:
+                return q, push, renewals
+            if size > SLOW * before:
+                if near and size < ROUNDED:
+                    self._converged = min(ROUNDED, 3.0 * size)
+                    return q, push, renewals
+                near = size < ROUNDED
+                inverse, renewals, size = _inverse(self._matrix(q, push, last.along)), renewals + 1, math.inf
+            before = size
+        raise _LostError
+
+    def _pointed(self, q: FloatArray, push: float, along: FloatArray) -> Balanced:
+        """The place with the direction of the curve there, in the sense of `along`, and the derivatives."""
+        matrix = self._matrix(q, push, along)
+        ahead = _inverse(matrix)[:, -1]
+        ahead = ahead / self._length(ahead)
+        matrix[-1] = self._weight * ahead
+        return Balanced(q, push, ahead, _inverse(matrix))
+
+    def _length(self, moved: FloatArray) -> float:
+        return math.sqrt(float(np.sum(self._weight * moved * moved)))
+
+    def _unbalanced(self, q: FloatArray, push: float) -> FloatArray:
+        return self.still.accelerations(q, -self.direction * push)
+
+    def _matrix(self, q: FloatArray, push: float, along: FloatArray) -> FloatArray:
+        """Derivatives of the accelerations by the scaled unknowns; the last row is the direction of the curve."""
+        n = 2 * self.n
+        matrix = np.empty((n + 1, n + 1))
+        matrix[:n, :n] = -self.still.stiffness(q, PART, -self.direction * push) * self._scale[:-1]
+        matrix[:n, n] = self._unbalanced(q, self._scale[-1]) - self._unbalanced(q, 0.0)
+        matrix[n] = self._weight * along
+        return matrix
+
+    def _opened(self, place: Balanced) -> NDArray[np.bool_]:
+        """Whether each joint is not in full contact, (n,)."""
+        joints = self.still.row(place.q, -self.direction * place.push).joints
+        return np.asarray(joints.contact < 1.0)
+
+    def _joint_opened(self, i: int, place: Balanced) -> bool:
+        return bool(self._opened(place)[i])
+
+
+def _slenderness(still: StillColumn) -> float:
+    """Least ratio, over the joints, of half the joint's width to the height of the part above it."""
+    blocks, carried, height, least = still.blocks, 0.0, 0.0, math.inf
+    for i in range(still.n):
+        own = blocks.mass[i]
+        height = (carried * (height + blocks.height[i]) + own * blocks.centroid[i]) / (carried + own)
+        carried += own
+        least = min(least, 0.5 * blocks.width[i] / height)
+    return float(least)
+
+
+def _inverse(matrix: FloatArray) -> FloatArray:
+    """The inverse, used many times: no factorization is faster for matrices of this size. Raises _LostError."""
+    try:
+        found = np.linalg.inv(matrix)
+    except np.linalg.LinAlgError:
+        raise _LostError from None
+    return np.asarray(found, dtype=np.float64)

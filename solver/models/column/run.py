@@ -1,0 +1,162 @@
+"""One run: a column under a motion, and then on the still base until it is known whether it stands."""
+
+from __future__ import annotations
+
+import math
+import time as clock
+from collections.abc import Callable
+from typing import NamedTuple
+
+from ...kernels.layout import spaces as at
+from ..protocol import Plan, Verdict
+from ..still_base import settled
+from .kinematics import chain_of
+from .model import Column
+from .packing import FloatArray, InitialState, coordinates_of
+from .response import Response
+from .stepper import Stepper
+from .verdict import cannot_fall
+
+BETWEEN_LOOKS = 0.25  # s, after the motion
+# fields of kernels/layout/spaces.py, COUNTS, that `Response.stats` contains
+COUNTED = ("steps", "implicit_steps", "elastic_steps", "rejected", "events", "evaluations", "sweeps", "looks")
+
+
+class Glance(NamedTuple):
+    """The state of a run under way, for a callback: ux m, theta rad, the peaks of |ux| so far m, (n,) each."""
+
+    ux: FloatArray
+    theta: FloatArray
+    peak_ux: FloatArray
+
+
+Callback = Callable[[float, Glance], object]
+
+
+def single_run(column: Column, plan: Plan) -> tuple[Response, FloatArray]:
+    """The response of a column, and its phases (kinematics.py) at the times of the rows. Raises SolverError."""
+    stepper = Stepper(column, plan.initial)
+    stop = plan.motion.start + plan.duration
+
+    def after_chunk(t: float) -> None:
+        if plan.callback is not None:
+            phase, chain = phase_of(stepper), chain_of(column)
+            places = chain.places(phase)
+            plan.callback(t, Glance(chain.top_displacements(phase), places.theta.copy(), stepper.peak_ux.copy()))
+
+    begin = clock.perf_counter()
+    snapshots = stepper.run(plan.motion, stop, plan.times, after_chunk)
+    stats = _stats(stepper, clock.perf_counter() - begin)
+    peaks = stepper.peaks
+    verdict = settled_verdict(stepper, stop, plan.settle)
+    stats["settled_for"] = verdict.time - stop
+    response = Response(
+        column,
+        plan.times,
+        lambda: stepper.rows_of(snapshots),
+        peaks=peaks,
+        overturned_joint=stepper.overturned_joint,
+        overturn_time=stepper.overturn_time,
+        stats=stats,
+        verdict=verdict.word,
+        reason=verdict.reason,
+        motion=plan.motion,
+    )
+    if "resultants" in column.settings.without:
+        response.observe()
+    return response, _coordinates(at.phases_in(snapshots), column)
+
+
+def phase_of(stepper: Stepper) -> FloatArray:
+    """Coordinates and rates of a stepper as models/column/kinematics.py has them, a copy."""
+    return _coordinates(stepper.arrays.state[at.CONTROL.beside :], stepper.column).copy()
+
+
+def _coordinates(phases: FloatArray, column: Column) -> FloatArray:
+    """Coordinates and rates from arrays that begin with a phase of the stepper."""
+    slips = phases[..., at.RIGID_FIELDS * column.n :]
+    return coordinates_of(phases, slips if column.has_slips else slips[..., :0], column.n)
+
+
+class _Settling:
+    """A column on a still base (still_base.py)."""
+
+    def __init__(self, stepper: Stepper) -> None:
+        self._stepper, self._column = stepper, stepper.column
+
+    @property
+    def fallen(self) -> str:
+        joint = self._stepper.overturned_joint
+        return f"over joint {joint}" if joint else ""
+
+    @property
+    def fall_time(self) -> float:
+        return self._stepper.overturn_time
+
+    @property
+    def unclear(self) -> str:
+        other = self._column.other_law
+        why = f"has not fallen, and with joint.{other} no energy tells whether it can"
+        return why if other else "still has the energy to overturn"
+
+    def why_it_stands(self) -> str:
+        if cannot_fall(self._column, phase_of(self._stepper)):
+            return "its energy does not suffice to overturn it"
+        rests = self._column.other_law and self._stepper.arrays.counts[at.COUNTS.places["resting"]]
+        return "it has come to rest" if rests else ""
+
+    def next_look(self, t: float, stop: float, settle: float) -> float:
+        return min(t + BETWEEN_LOOKS, stop + settle)
+
+    def rest_until(self, t: float, end: float) -> None:
+        self._stepper.rest_until(t, end)
+
+
+def settled_verdict(stepper: Stepper, stop: float, settle: float) -> Verdict:
+    """The verdict on a run that ended at time `stop`, s, found `settle` s later at most."""
+    return settled(_Settling(stepper), stop, settle)
+
+
+def outcome(column: Column, phase: FloatArray, stop: float, settle: float) -> tuple[str, float, int]:
+    """The outcome of a column that has this phase (kinematics.py) at time `stop`, s, and a still base from then on.
+
+    Returns the word, the time of overturning, s, and the joint; NaN and 0 where it stands.
+    """
+    chain = chain_of(column)
+    places = chain.places(phase)
+    moved = (places.slip - chain.offset, places.slip_rate) if column.has_slips else (None, None)
+    stepper = Stepper(column, InitialState(places.theta, places.spin, places.opening, places.opening_rate, *moved))
+    verdict = settled_verdict(stepper, stop, settle)
+    return verdict.word, stepper.overturn_time, stepper.overturned_joint
+
+
+def why_no_modes(stepper: Stepper) -> str:
+    """Why no step was by modes, whatever the motion; empty where they are taken as long as nothing opens or slides."""
+    settings = stepper.column.settings
+    if settings.formulation != "exact":
+        return f"formulation {settings.formulation}"
+    if settings.integrator != "auto":
+        return f"integrator {settings.integrator}"
+    if "elastic" in settings.without:
+        return "left out"
+    if stepper.column.n > at.MODAL_MOST:
+        return f"more than {at.MODAL_MOST} blocks"
+    has_modes = stepper.model.settings.has_modes
+    return "" if has_modes else "no stable rest in full contact, or dampers that couple the modes"
+
+
+def _stats(stepper: Stepper, wall_time: float) -> dict[str, float | int | str]:
+    control, counts = stepper.state.control, stepper.arrays.counts.tolist()
+    spent = max(stepper.time_spent, math.ulp(0.0))
+    return {
+        **{name: counts[at.COUNTS.places[name]] for name in COUNTED},
+        "why_no_modes": why_no_modes(stepper),
+        "full_contact": float(control.time_full / spent),
+        "rocking": float(control.time_rocking / spent),
+        "flight": float(control.time_flight / spent),
+        "at_rest": float(control.time_at_rest / spent),
+        "friction_work": float(stepper.state.phase.friction_work.sum()) if stepper.column.slides else 0.0,
+        "undamped_joints": sum(block.joint.damping == 0.0 for block in stepper.column.blocks),
+        "observed_rows": 0,
+        "wall_time": wall_time,
+    }

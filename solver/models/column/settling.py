@@ -1,0 +1,89 @@
+"""The outcome of many columns once their base is still: lanes follow them until each stands for good or falls."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+
+from ..protocol import OVERTURNED, STANDING, UNDECIDED, code_of
+from .kinematics import Chain
+from .lane_policy import kind_of
+from .lanes import rest_in_lanes
+from .model import Column
+from .packing import FloatArray, IntArray
+from .run import BETWEEN_LOOKS, outcome
+from .verdict import Barriers, surely_stand
+
+
+class Outcomes(NamedTuple):
+    """Numbers of the words of verdict.py, times of overturning s, joints; NaN and 0 where a column stands."""
+
+    words: IntArray
+    times: FloatArray
+    joints: IntArray
+
+
+def outcomes_of(
+    columns: Sequence[Column],
+    chain: Chain,
+    phases: FloatArray,
+    stops: FloatArray,
+    settle: float,
+    flag: FloatArray,
+) -> Outcomes:
+    """The outcome of columns of n blocks, all of one kind of lanes, on a base that is still from now on.
+
+    chain: their data (Chain.of_many). phases: (columns, 4 n) at the times `stops`, s. settle: s, how long to follow at
+    most. Once flag[0] is not zero it ends soon, without usable results. The outcome of a column depends on no other.
+    """
+    count, code = len(columns), partial(code_of, "verdict")
+    found = Outcomes(np.full(count, code(UNDECIDED)), np.full(count, math.nan), np.zeros(count, dtype=np.int64))
+    kind = kind_of(columns[0])
+    left = _not_standing(chain, phases)
+    found.words[:] = code(STANDING)
+    if not left.size:
+        return found
+    columns, chain, phases, stops = [columns[k] for k in left], chain.some(left), phases[left], stops[left]
+    first, same = _alike(columns)  # one column may be listed for many motions
+    barriers = Barriers(chain.some(first))
+    numbers, some = left, np.arange(len(left))  # of the columns left: places among those given, and among the rows here
+    looks = 0
+    while some.size and not flag[0]:
+        part = chain.some(some)
+        held = barriers.hold(same[some], part.energies(phases[some]), np.abs(part.places(phases[some]).theta))
+        some = some[~held]
+        begin, end = (min(settle, BETWEEN_LOOKS * k) for k in (looks, looks + 1))
+        if begin == settle:
+            found.words[numbers[some]] = code(UNDECIDED)
+            break
+        begins, ends = stops[some] + begin, stops[some] + end
+        made = rest_in_lanes(chain.model[some], chain.n, kind, phases[some], begins, ends, flag)
+        fell = made.overturned_joint > 0
+        which = numbers[some[fell]]
+        found.words[which] = code(OVERTURNED)
+        found.times[which], found.joints[which] = made.overturn_time[fell], made.overturned_joint[fell]
+        for k in some[~made.finished]:  # alone, from the state before
+            word, time, joint = outcome(columns[k], phases[k], float(stops[k] + begin), settle - begin)
+            number = numbers[k]
+            found.words[number], found.times[number], found.joints[number] = code(word), time, joint
+        phases[some] = made.ends
+        some = some[made.finished & ~fell]
+        looks += 1
+    return found
+
+
+def _alike(columns: Sequence[Column]) -> tuple[IntArray, IntArray]:
+    """Places of columns that differ, and for each of all columns which of these it is."""
+    known: dict[int, int] = {}
+    same = np.array([known.setdefault(id(column), len(known)) for column in columns])
+    return np.unique(same, return_index=True)[1], same
+
+
+def _not_standing(chain: Chain, phases: FloatArray) -> IntArray:
+    """Places of the columns that no quick bound shows to stand."""
+    turned = np.abs(chain.places(phases).theta)
+    return np.flatnonzero(~surely_stand(chain, chain.energies(phases), turned))

@@ -1,0 +1,285 @@
+"""One column in motion: owns the flat arrays and drives the engine over them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ...common import effort
+from ...common.errors import SolverError, TooMuchWorkError
+from ...ground.motion import Motion
+from ...kernels.api.entries import observe_snapshots, observe_state, run
+from ...kernels.layout import spaces as at
+from ...kernels.stepping.control import most_work
+from .model import Column
+from .packing import Arrays, FloatArray, InitialState, arrays_of, pack_model, set_initial
+
+REASONS = {
+    at.STEP_TOO_SMALL: "the tolerance requires a step that is too small to continue; a larger tolerance may help",
+    at.NOT_CONVERGED: "the Gauss-Seidel sweeps do not converge: the displacements are beyond the first-order model, "
+    'or the step is beyond its stability limit; formulation = "exact" or a smaller step may help',
+    at.NOT_FINITE: "the motion has become infinite: the step is beyond the stability limit of the integrator, "
+    "or the input is not a physical one",
+    at.TOO_MUCH_WORK: "the motion is too fast to be followed: a thousand times the evaluations of the worst benchmark "
+    "do not suffice; the input or the state is not a physical one, or a fixed step is far too short",
+    at.CALL_TOO_LONG: "the step takes more evaluations than one call may; several shorter ones can be made",
+    at.INPUT_TOO_LARGE: "an input of the base is, or becomes, larger than 1e6 (m/s2, rad, rad/s, rad/s2)",
+    at.ROTATES: 'the base rotates: formulation = "paper" has no such motion, "exact" has',
+    at.UNKNOWN_METHOD: "the settings ask for an integrator that the kernels do not have",
+}
+
+# A run is followed in chunks, after each of which an interruption is noticed: evaluations times blocks in each, about
+# 0.03 s. They are counted, not timed, so that chunks end at equal instants on every machine: the steps end on them.
+CHUNK = 4e5
+EVALUATIONS_PER_FIRST_STEP = 4.0  # estimate for the first chunk; a rocking column needs less
+LEAST_CHANGE, MOST_CHANGE = 0.125, 2.0  # of the length of a chunk, from one to the next
+ROWS_AT_ONCE = 10_000
+
+_NONE = np.empty(0)
+_ROTATION = at.BASE.fields.index("theta")
+
+
+def _plain(row: ArrayLike) -> FloatArray:
+    """The row as the type of array that the kernels are compiled for: contiguous and, for numba, not read-only."""
+    return np.require(row, dtype=np.float64, requirements=["C", "W"])
+
+
+class Record:
+    """Samples of the base acceleration for the kernels: times s, ax and az m/s2, a factor, held or joined."""
+
+    def __init__(self, time: ArrayLike, ax: ArrayLike, az: ArrayLike, scale: float = 1.0, held: bool = False) -> None:
+        self.arguments = (_plain(time), _plain(ax), _plain(az), float(scale), bool(held))
+
+
+SILENCE = Record(_NONE, _NONE, _NONE)
+
+
+class Stepper:
+    """A column between two calls. The caller owns the time and passes it in.
+
+    The whole state of a run is in `arrays.state`, `arrays.counts` and `arrays.base`: copying them saves it. `model`,
+    `state`, `counts` and `base` name the same numbers (layout/spaces.py); writing to them takes effect. `record` is
+    followed in addition to `base`. Raises InputError for a fixed step that is not stable.
+    """
+
+    def __init__(self, column: Column, initial: InitialState | None = None) -> None:
+        self.column = column
+        self.n = column.n
+        self.arrays: Arrays = arrays_of(column)
+        if initial is not None:
+            set_initial(column, self.arrays.state, initial)
+        self.model = at.MODEL.see(self.arrays.model, self.n)
+        self.state = at.STATE.see(self.arrays.state, self.n)
+        self.counts = at.COUNTS.see(self.arrays.counts)
+        self.base = at.BASE.see(self.arrays.base)
+        self.record = SILENCE
+        self._row = np.zeros(at.ROW.size(self.n))
+        self._split = np.zeros(at.SPLIT.beside)
+
+    def drive(
+        self,
+        t: float,
+        ax: float = 0.0,
+        az: float = 0.0,
+        jx: float = 0.0,
+        jz: float = 0.0,
+        theta: float = 0.0,
+        omega: float = 0.0,
+        alpha: float = 0.0,
+        *,
+        since: float | None = None,
+    ) -> None:
+        """Set the motion of the base from time t on: accelerations m/s2, slopes m/s3, rotation rad, rad/s, rad/s2.
+
+        since: s, the time that all of these are given for; None: t.
+        """
+        base, elapsed = self.arrays.base, 0.0 if since is None else t - since
+        base[:5] = t, ax + jx * elapsed, jx, az + jz * elapsed, jz
+        turn = theta + elapsed * (omega + 0.5 * elapsed * alpha)
+        base[_ROTATION : _ROTATION + 3] = turn, omega + elapsed * alpha, alpha
+
+    def advance(self, t: float, h: float) -> None:
+        """Advance from t to t + h, s, under `base` and `record`; all peaks are kept. Raises SolverError."""
+        self._check(self._run(t, h, self.record, _NONE, _NONE, True), t)
+
+    def observe(self, t: float) -> FloatArray:
+        """The output row at time t (layout/spaces.py, ROW); overwritten by the next call. Raises SolverError."""
+        code = observe_state(self.n, *self.arrays, *self.record.arguments, float(t), self._row, self._split)
+        self._check(code, t)
+        return self._row
+
+    @property
+    def split(self) -> FloatArray:
+        """Base reaction of the row last observed as R0 - M a: R0 and the effective mass M (layout/spaces.py, SPLIT)."""
+        return self._split
+
+    def stand_on_base(self) -> None:
+        """Start upright on the base in its present rotation and rate, instead of upright in space."""
+        self.state.control.base_theta = self.base.theta
+        self.state.control.base_omega = self.base.omega
+
+    def run(
+        self,
+        motion: Motion,
+        stop: float,
+        times: FloatArray,
+        after_chunk: Callable[[float], None] | None = None,
+    ) -> FloatArray:
+        """Follow a motion from its start to time `stop`, s; a snapshot for each of `times`. Raises SolverError.
+
+        `after_chunk` is called with the time reached, several times per second of the clock; an exception it raises
+        ends the run.
+        """
+        snapshots = np.zeros((times.size, at.snapshot_size(self.n, self.column.has_slips)))
+        time, ax, az = motion.time, motion.ax, motion.az
+        if motion.end > time[-1]:  # the last held sample lasts until the motion ends
+            time, ax, az = np.append(time, motion.end), np.append(ax, 0.0), np.append(az, 0.0)
+        self.base.wave_amplitude = motion.amplitude
+        self.base.wave_omega = 2.0 * math.pi * motion.frequency
+        self.base.wave_phase = -2.0 * math.pi * motion.frequency * motion.start
+        record = Record(time, ax, az, held=motion.hold)
+        self._follow(float(motion.time[0]), stop, record, _plain(times), snapshots.reshape(-1), True, after_chunk)
+        return snapshots
+
+    def rest_until(self, t: float, stop: float, after_chunk: Callable[[float], None] | None = None) -> None:
+        """Advance from t to time `stop`, s, on a base that does not accelerate. Raises SolverError."""
+        self.drive(t)
+        self.base.wave_amplitude = 0.0
+        self._follow(t, stop, SILENCE, _NONE, _NONE, False, after_chunk)
+
+    def _follow(
+        self,
+        t: float,
+        stop: float,
+        record: Record,
+        times: FloatArray,
+        snapshots: FloatArray,
+        peaks: bool,
+        after_chunk: Callable[[float], None] | None,
+    ) -> None:
+        settings = self.model.settings
+        step = settings.step if settings.integrator == at.CENTRAL_DIFFERENCE else settings.first_step
+        if self.base.wave_amplitude:  # no step is longer (kernels/stepping/control.py)
+            step = min(step, 1.0 / self.base.wave_omega)
+        chunk = CHUNK * float(step) / (EVALUATIONS_PER_FIRST_STEP * self.n)
+        done = begun = self._work_done
+        whole = stop - t
+        most = most_work(settings, whole)  # of all chunks: each has its own in the kernel
+        while t < stop:
+            left = stop - t
+            pieces = math.ceil(left / chunk)
+            end = stop if pieces <= 1 else t + (left / pieces if pieces <= 4 else chunk)  # no tiny step at the end
+            before = done
+            code = self._run(t, end - t, record, times, snapshots, peaks)
+            if code == at.TOO_MUCH_WORK:  # its own limit, of a chunk
+                raise self._too_much(self._work_done, 1.0 - (stop - t) / whole)
+            self._check(code, None)
+            t = end
+            if after_chunk is not None:
+                after_chunk(t)
+            done = self._work_done
+            part = 1.0 - (stop - t) / whole
+            if done - begun > most or effort.is_too_much(done, part, effort.MOST):
+                raise self._too_much(done, part)
+            chunk *= min(MOST_CHANGE, max(LEAST_CHANGE, CHUNK / max(1.0, self.n * (done - before))))
+
+    def _too_much(self, done: float, part: float) -> TooMuchWorkError:
+        return TooMuchWorkError(f"after {self.time_spent:.6g} s: {effort.slowness(done, part, self._causes())}")
+
+    def _causes(self) -> Iterator[effort.Cause]:
+        """What may make steps short."""
+        column = self.column
+        for i, (block, contact) in enumerate(zip(column.blocks, column.contacts, strict=True), start=1):
+            law = block.joint
+            below = column.blocks[i].mass if i < column.n else math.inf
+            yield effort.of_joint(f"block[{i}].joint", law.stiffness, contact.area, min(block.mass, below), law.damping)
+        if self.base.wave_amplitude:
+            yield effort.of_harmonic(float(self.base.wave_omega) / (2.0 * math.pi))
+        if self.model.settings.integrator == at.CENTRAL_DIFFERENCE:
+            step = column.settings.step
+            yield effort.Cause(1.0 / step, f"solver.step = {step:g} s")
+
+    @property
+    def _work_done(self) -> int:
+        return int(self.counts.evaluations + self.counts.sweeps)
+
+    def rows_of(self, snapshots: FloatArray) -> FloatArray:
+        """The output row that belongs to each snapshot. Raises SolverError."""
+        rows = np.zeros((len(snapshots), at.ROW.size(self.n)))
+        arrays = self.arrays._replace(counts=self.arrays.counts.copy())
+        for first in range(0, len(snapshots), ROWS_AT_ONCE):
+            part, filled = snapshots[first : first + ROWS_AT_ONCE], rows[first : first + ROWS_AT_ONCE]
+            code, count = observe_snapshots(self.n, *arrays, part.reshape(-1), filled.reshape(-1), len(part))
+            if code != at.OK:
+                raise SolverError(f"output row {first + count}: {REASONS[code]}")
+        return rows
+
+    def retune(self, column: Column) -> None:
+        """Continue from the present coordinates and rates with new parameters of the same blocks. Raises InputError."""
+        self.arrays = self.arrays._replace(model=pack_model(column).copy())
+        self.column = column
+        self.model = at.MODEL.see(self.arrays.model, self.n)
+        self.arrays.work[:] = 0.0  # the responses of the modes belong to the previous model
+        if not self.overturned_joint:
+            self.state.control.base_ax = math.nan  # matches no input, so that the accelerations are evaluated
+
+    @property
+    def time_spent(self) -> float:
+        """Time for which the column has been advanced while it stood, s."""
+        control = self.state.control
+        return float(control.time_full + control.time_rocking + control.time_flight)
+
+    @property
+    def overturned_joint(self) -> int:
+        """Number of the joint over which the column has fallen; 0 while it stands."""
+        return int(self.counts.overturned)
+
+    @property
+    def overturn_time(self) -> float:
+        """Time of overturning, s; NaN while the column stands."""
+        return float(self.state.control.overturn_time) if self.overturned_joint else math.nan
+
+    @property
+    def peak_ux(self) -> NDArray[np.float64]:
+        """Largest |u_x| of each top face so far, m (n,)."""
+        peaks: FloatArray = self.state.peaks[: self.n]
+        return peaks
+
+    @property
+    def peaks(self) -> dict[str, FloatArray]:
+        """Largest absolute values so far by name, copies: (n,) of blocks and joints, (1,) of the base.
+
+        `contact` has the least; `friction` is |T| / N while N counts (layout/spaces.py, PEAKS). Only those of ux with
+        `without = ["peaks"]`.
+        """
+        if "peaks" in self.column.settings.without:
+            return {"ux": self.peak_ux.copy()}
+        found, begin = {}, 0
+        visible = self.visible_peaks
+        for names, size in ((at.OUTPUTS.fields, self.n), (at.REACTION.fields, 1), (("friction",), self.n)):
+            for name in names:
+                found[name] = visible[begin : begin + size]
+                begin += size
+        return found
+
+    @property
+    def visible_peaks(self) -> FloatArray:
+        """`peaks` as an array, in the order of kernels/layout/spaces.py, PEAKS."""
+        visible: FloatArray = self.state.peaks.copy()
+        contact = self.n * at.OUTPUTS.fields.index("contact")
+        visible[contact : contact + self.n] = 1.0 - visible[contact : contact + self.n]
+        return visible
+
+    def _run(self, t: float, h: float, record: Record, times: FloatArray, snapshots: FloatArray, peaks: bool) -> int:
+        """Call the kernel with float64, whatever numbers the caller has, so that it is compiled once."""
+        code: int = run(self.n, *self.arrays, *record.arguments, float(t), float(h), times, snapshots, peaks)
+        return code
+
+    def _check(self, code: int, t: float | None) -> None:
+        if code < at.OK:
+            when = f"after {self.time_spent:.6g} s" if t is None else f"at t = {t:.6g} s"
+            kind = TooMuchWorkError if code == at.TOO_MUCH_WORK else SolverError
+            raise kind(f"{when}: {REASONS[code]}")

@@ -1,0 +1,241 @@
+"""Overturned, standing or undecided: whether a column whose base has come to rest can still fall.
+
+On a still base the mechanical energy of a column never grows: its joints return at most the energy they took. To fall,
+some block has to turn beyond its angle of no return. So let every block i have a limit alpha_i below that angle. A
+column stands for ever if all blocks are within their limits and its energy is less than that of any column with one
+block at its limit and the others within theirs. The barrier is that least energy, for the limits that make it largest.
+
+With rigid joints the energy above rest is a sum over blocks and joints of x = sin(theta),
+-A_i (1 - sqrt(1 - x_i^2)) + B_i |x_i - x_(i+1)|. A_i is the toppling moment of the block and the load on it, B_i the
+weight on the joint times half its width. The sum is concave wherever the order of the x does not change, so its minimum
+is at a corner: a group of blocks on its edge, the rest upright. Elastic joints give way a little; the minimum is then
+found over a grid of rotations, in one pass down the chain, since the energy of a joint depends on its two blocks only.
+Rotations of both signs need more energy than their absolute values.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from itertools import product
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .creeping import levers_left, on_its_axis
+from .kinematics import Chain, chain_of
+from .leaning import leans_for_good, least_of_chain
+from .model import Column
+from .packing import FloatArray, IntArray, pack_model
+from .sticking import sticks_for_good
+
+# limits that are tried, as parts of the angles at which the blocks from the top to each one stand on their edge; first
+# those that are most often the best
+PARTS = (0.9, 1.0, 0.8, 0.65, 0.5, 0.35, 0.2, 0.1)
+GRID = 32  # rotations up to the largest limit, denser near upright, where joints are closed
+# Of the barrier: the largest energy of a column that is taken to stand. The rest covers the grid (measured: at most 1 %
+# too high), the error of the motion, and terms that the first-order formulation neglects.
+SAFE = {"exact": 0.97, "paper": 0.9}
+CREEPS = 0.9  # factor on `SAFE` for a column whose joints may slide
+SHARES = (0.25, 1.0)  # limits that are tried for many columns, as `least_energies` counts them
+GRAZED = (0.2, 0.7)  # and lengths of the contact
+MOST_TURNED = 0.25  # rad, less than half of any angle of no return (kernels/column/assembly.py, LEAST_FALL)
+TOGETHER = 32  # columns whose barriers are found at once: their data fit into the cache
+NEXT = 1.0 + 1e-9  # of a limit, which a grid may round up a little (`_grid`)
+REST = 1e-12  # of the energy that would lift the column by a width: rounding
+
+
+class Barrier(NamedTuple):
+    """Least energy J of a column in which some block is turned as far as its limit, rad (n,); or of many columns."""
+
+    energy: Any
+    limits: FloatArray
+
+
+def cannot_fall(column: Column, phase: FloatArray) -> bool:
+    """Whether a column with this phase, (4 n,), stands for ever on a base that stays still."""
+    if column.other_law:  # the barrier assumes the linear law; with another the column may fall with less energy
+        return False
+    if column.slides:  # slips lower the barrier, and may grow
+        return creeps_no_further(column, phase) or sticks_for_good(column, phase)
+    if column.off_axis:
+        return leans_for_good(column, phase)
+    chain = chain_of(column)
+    return is_held(column, chain.energy(phase), np.abs(chain.places(phase).theta))
+
+
+def is_held(column: Column, energy: float, turned: FloatArray) -> bool:
+    """Whether a column with this energy, J, and blocks turned by `turned` either way, rad (n,), stands for ever."""
+    return _barriers(column).hold_first(energy, turned)
+
+
+def creeps_no_further(column: Column, phase: FloatArray) -> bool:
+    """Whether a column whose joints may slide has too little energy to fall from any place it may slide to."""
+    straight = on_its_axis(column)
+    if straight is None:
+        return False
+    chain = chain_of(column)
+    energy, places = chain.energy(phase), chain.places(phase)
+    left = levers_left(column, np.asarray(places.slip), energy)
+    return left > 0.0 and is_held(straight, energy / (CREEPS * left**2), np.abs(places.theta) / left)
+
+
+def surely_stand(chain: Chain, energy: FloatArray, turned: FloatArray) -> NDArray[np.bool_]:
+    """Mask of those of many columns (Chain.of_many) that a quick bound shows to stand for ever.
+
+    energy: (columns,), turned: rad either way, (columns, n).
+    """
+    theta = np.max(turned, axis=-1)
+    stands = np.zeros(len(energy), dtype=bool)
+    for part, grazed in product(SHARES, GRAZED):
+        least, limit = least_energies(chain, part, grazed)
+        stands |= (energy <= SAFE["exact" if chain.exact else "paper"] * least) & (theta < limit)
+    return stands
+
+
+def least_energies(chain: Chain, part: float, grazed: float) -> tuple[FloatArray, FloatArray]:
+    """A lower bound of the energy J for a block of each of many columns to turn by a limit, rad; (columns,) each.
+
+    To turn block i by alpha, the joints under it have to turn by alpha together. Under a weight W the energy of a joint
+    over the sine of its turn is convex, and lies above each of its tangents: where the contact has the part c =
+    `grazed` of the width, that of slope W x, which passes W^2 ((x - e) / (2 k S) - 1 / (2 k A)) below the origin; x and
+    e are how far the resultant and the edge are from the middle, S is the first moment about the edge, A the whole
+    area. In a rectangle of the width b that is W b (1/2 - c/3) and W^2 / (k A) (2/(3 c) - 1/2). The blocks give back
+    (1 - cos alpha) of their toppling moments. part: alpha, as a part of that with the largest bound.
+    """
+    toppling = np.sum(chain.toppling, axis=-1)
+    weight = chain.weight
+    lever, gives = chain.grazed(grazed)
+    best = np.min(weight * lever, axis=-1) / np.maximum(toppling, np.finfo(float).tiny)
+    alpha = np.minimum(part * best, MOST_TURNED)
+    weight = weight * np.cos(alpha)[:, None]
+    slope = np.min(weight * lever, axis=-1)
+    missed = np.sum(weight**2 * gives, axis=-1)
+    return np.sin(alpha) * slope - missed - 2.0 * np.sin(0.5 * alpha) ** 2 * toppling, alpha
+
+
+class Barriers:
+    """The barriers of many columns, whose data `chain` has (Chain.of_many); each is computed when it is needed."""
+
+    def __init__(self, chain: Chain) -> None:
+        self._chain = chain
+        self._rounding = REST * chain.g[:, 0] * np.sum(chain.mass * chain.width, axis=-1)
+        self._limits = np.array([limits_at(chain, part) for part in PARTS])
+        self._ceilings = np.array([turned_together(chain, limits) for limits in self._limits])
+        self._energies = np.full(self._ceilings.shape, np.nan)
+
+    def hold(self, some: IntArray, energy: FloatArray, turned: FloatArray) -> NDArray[np.bool_]:
+        """`is_held` of some of the columns, each with its energy, J, and rotations either way, rad (n,).
+
+        A column may be listed more than once, with several of these.
+        """
+        held = np.zeros(len(some), dtype=bool)
+        safe = SAFE["exact" if self._chain.exact else "paper"]
+        rounding = self._rounding[some]
+        within = energy <= safe * self._ceilings[:, some] + rounding  # of each of the parts
+        within &= np.all(turned < NEXT * self._limits[:, some], axis=-1)
+        for k, possible in enumerate(within):
+            if held.all():
+                break
+            left = np.flatnonzero(possible & ~held)
+            if not left.size:
+                continue
+            places = some[left]
+            if (missing := np.isnan(self._energies[k, places])).any():
+                self._find(k, np.unique(places[missing]))
+            enough = safe * self._energies[k, places] + rounding[left]
+            held[left] = (energy[left] <= enough) & np.all(turned[left] < self._limits[k, places], axis=-1)
+        return held
+
+    def hold_first(self, energy: float, turned: FloatArray) -> bool:
+        """`hold` of the first column alone, without the cost of arrays: every run asks once a look."""
+        safe, rounding = SAFE["exact" if self._chain.exact else "paper"], self._rounding[0]
+        for k, ceiling in enumerate(self._ceilings[:, 0].tolist()):
+            if energy > safe * ceiling + rounding:
+                continue
+            if np.isnan(self._energies[k, 0]):
+                self._find(k, np.zeros(1, dtype=np.int64))
+            if energy <= safe * self._energies[k, 0] + rounding and (turned < self._limits[k, 0]).all():
+                return True
+        return False
+
+    def _find(self, k: int, missing: IntArray) -> None:
+        for first in range(0, len(missing), TOGETHER):
+            few = missing[first : first + TOGETHER]
+            found = least_energy(self._chain.some(few), self._limits[k, few])
+            self._energies[k, few] = np.maximum(0.0, found.energy)
+            self._limits[k, few] = found.limits
+
+
+@lru_cache(maxsize=256)
+def _barriers(column: Column) -> Barriers:
+    """Those of one column."""
+    return Barriers(Chain.of_many(pack_model(column)[None], column.n))
+
+
+def limits_at(chain: Chain, part: float) -> FloatArray:
+    """Limits of the blocks that are this part of the angles on edge, rad (..., n), of one column or of many."""
+    most = chain.fall_angle.copy()
+    # a joint reaches its limit only if one of its two blocks has turned by half of it
+    half = 0.5 * most[..., :-1]
+    most[..., :-1] = np.minimum(most[..., :-1], half)
+    most[..., 1:] = np.minimum(most[..., 1:], half)
+    toppling = np.maximum(np.cumsum(chain.toppling, axis=-1), np.finfo(float).tiny)
+    on_edge = chain.weight * 0.5 * chain.width / toppling
+    limits: FloatArray = np.minimum(part * on_edge, most)
+    return limits
+
+
+def turned_together(chain: Chain, limits: FloatArray) -> FloatArray:
+    """Energy, J (columns,), of many columns with all blocks turned by their least limit: the barrier is less.
+
+    A quick bound, where `least_energy` takes its time.
+    """
+    angles, last = _grid(limits)
+    angle = np.take_along_axis(angles, np.min(last, axis=-1, keepdims=True), axis=-1)[..., None]
+    turns = [*(angle for _ in range(chain.n)), np.zeros(1)]
+    joints = [chain.joint_energy(i, turns[i], turns[i + 1])[..., 0, 0] for i in range(chain.n)]
+    released = 2.0 * np.sin(0.5 * angle[..., 0, 0]) ** 2 * np.sum(chain.toppling, axis=-1)
+    energy: FloatArray = np.sum(joints, axis=0) - released
+    return np.maximum(0.0, energy)
+
+
+def _grid(limits: FloatArray) -> tuple[FloatArray, IntArray]:
+    """The rotations of the grid, rad (..., GRID + 1), and the number of the largest one of each block, (..., n)."""
+    angles = np.max(limits, axis=-1, keepdims=True) * np.linspace(0.0, 1.0, GRID + 1) ** 2
+    within_limit = angles[..., None, :] <= limits[..., None] * (1.0 + 1e-12)
+    return angles, np.maximum(1, np.count_nonzero(within_limit, axis=-1) - 1)
+
+
+_FIRST, _SECOND = np.tril_indices(GRID + 1)  # all pairs of rotations of a grid, each once
+_PAIR = np.zeros((GRID + 1, GRID + 1), dtype=np.int64)  # number of the pair that two rotations form
+_PAIR[_FIRST, _SECOND] = _PAIR[_SECOND, _FIRST] = np.arange(len(_FIRST))
+
+
+def _bends(angles: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Slopes of a joint and cosines of the mean rotation for all pairs of such rotations, (..., 1, pairs).
+
+    Computed with the addition theorems: functions of every pair would take as long as all the rest.
+    """
+    sine, cosine = np.sin(0.5 * angles)[..., None, :], np.cos(0.5 * angles)[..., None, :]
+    sines, cosines = ((values[..., _FIRST], values[..., _SECOND]) for values in (sine, cosine))
+    slope = 2.0 * np.abs(sines[0] * cosines[1] - sines[1] * cosines[0])
+    return slope, cosines[0] * cosines[1] - sines[0] * sines[1]
+
+
+def least_energy(chain: Chain, limits: FloatArray) -> Barrier:
+    """Least energy, J above rest, with a block at its limit, rounded to the grid, and the others within theirs.
+
+    For one column, or for many: limits rad, (..., n).
+    """
+    angles, last = _grid(limits)
+    slope, cosine = _bends(angles)
+    own = -2.0 * np.sin(0.5 * angles) ** 2
+
+    def between(i: int) -> FloatArray:
+        return np.asarray(np.take(chain.bent_energy(i, slope, cosine)[..., 0, :], _PAIR, axis=-1))
+
+    on_base = chain.joint_energy(chain.n - 1, angles[..., :, None], np.zeros(1))[..., 0]
+    released = [chain.toppling[..., i, None] * own for i in range(chain.n)]
+    energy = least_of_chain(released, between, on_base, np.arange(GRID + 1), last)
+    return Barrier(energy, np.take_along_axis(angles, last, axis=-1))

@@ -1,0 +1,53 @@
+"""Joints where faces of two blocks, or of a block and the base, lie on each other."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ....common.errors import InputError
+from .faces import Face, FloatArray, shared
+from .parts import BASE, Bed, Joint, Solid
+from .shapes import rectangle
+
+FACING = -0.99  # cosine between the normals of faces that may touch
+ENDLESS = 1e4  # m, of the base
+GROUND = Face(np.zeros(3), np.eye(3), rectangle(ENDLESS, ENDLESS))
+
+
+def joints_between(
+    solids: tuple[Solid, ...], upper: int, lower: int, bed: Bed, key: str, sides: bool = False
+) -> list[Joint]:
+    """The joints of all faces that two bodies share. Raises InputError if they share none."""
+    below = (GROUND,) if lower == len(solids) else solids[lower].faces
+    above = solids[upper].faces
+    found = [(face, a, b) for a, b in _facing(above, below) if (face := shared(a, b)) is not None]
+    if not sides:  # what stands on a block touches it from above
+        found = [faces for faces in found if faces[0].normal[2] > 1e-6] or found
+    if not found:
+        names = [*(solid.name for solid in solids), BASE]
+        raise InputError(f"{key}: {names[upper]} and {names[lower]} share no face: they must lie on each other")
+    return [Joint(upper, lower, turned_face(face), bed, key, a, b) for face, a, b in found]
+
+
+def _facing(above: tuple[Face, ...], below: tuple[Face, ...]) -> list[tuple[Face, Face]]:
+    """Pairs of faces that look at each other, about: most do not, and a prism has many."""
+    ways = np.array([face.normal for face in above]) @ np.array([face.normal for face in below]).T
+    return [(above[i], below[k]) for i, k in np.argwhere(ways < FACING).tolist()]
+
+
+def axis_of(normal: FloatArray) -> FloatArray:
+    """The first axis of a face: in the plane x, z, so that the second one is y where the normal lies in that plane."""
+    along = np.array([normal[2], 0.0, -normal[0]])
+    if np.linalg.norm(along) < 0.1:  # the normal is along y
+        along = np.array([1.0, 0.0, 0.0]) - normal[0] * normal
+    axis: FloatArray = along / np.linalg.norm(along)
+    return axis
+
+
+def turned_face(face: Face) -> Face:
+    """The face with its axes as `axis_of` has them."""
+    along = axis_of(face.normal)
+    axes = np.column_stack([along, np.cross(face.normal, along), face.normal])
+    axes[np.abs(axes) < 1e-15] = 0.0
+    outline = face.outline @ (face.axes[:, :2].T @ axes[:, :2]) if not face.radius else face.outline
+    return Face(face.centre, axes, outline, face.radius, face.bore)

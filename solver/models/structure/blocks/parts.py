@@ -1,0 +1,96 @@
+"""The parts of a structure in space: blocks, joints between two faces, ties. All lengths and places are as built."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ....common.errors import InputError
+from .faces import Face, FloatArray
+
+TOLERANCE = 1e-5  # of a structure that has none of its own
+BASE = "base"  # name of the body that everything stands on
+OF_COLUMN = "column"  # the only key of a structure that is a column's stack: the mapping of the column's own file
+
+
+@dataclass(frozen=True, eq=False)
+class Solid:
+    """A rigid block as built, along the axes of the base."""
+
+    name: str
+    mass: float  # kg
+    centroid: FloatArray  # (3,) m
+    inertia: FloatArray  # (3, 3) kg m2 about the centroid
+    faces: tuple[Face, ...]  # plane ones, by which it may touch others
+    axes: FloatArray = field(default_factory=lambda: np.eye(3))  # (3, 3), its own axes by columns
+    volume: float = math.nan  # m3
+
+    @property
+    def size(self) -> float:
+        """Radius of gyration, m: by it rotations become displacements."""
+        return math.sqrt(float(np.trace(self.inertia)) / (2.0 * self.mass))
+
+    @property
+    def corners(self) -> FloatArray:
+        """Corners of all faces, (points, 3) m."""
+        return np.concatenate([face.points() for face in self.faces])
+
+    @property
+    def drop(self) -> float:
+        """Half of the least extent, m: a block that lies lower by that has fallen."""
+        return 0.5 * float(np.min(np.ptp(self.corners, axis=0)))
+
+
+@dataclass(frozen=True)
+class Bed:
+    """The law of a joint: no tension across, elastic along itself up to Coulomb's limit (theory.md section 13)."""
+
+    stiffness: float  # N/m3, Winkler modulus
+    damping: float  # s
+    shear_ratio: float = 0.4  # of the modulus along the joint
+    shear_damping: float | None = None  # s; None: as damping
+    friction: float | None = None  # Coulomb's coefficient; None: the joint never slides
+    dowel: float = 0.0  # N, borne beside friction
+    strength: float | None = None  # Pa, pressure that the faces bear; compared with by checks, the motion ignores it
+
+
+@dataclass(frozen=True, eq=False)
+class Joint:
+    """A contact between two blocks, or a block and the base; the face's normal points from `lower` to `upper`."""
+
+    upper: int  # number of the block, from 0
+    lower: int  # the base is the number after the last block's
+    face: Face  # centred at its centroid
+    bed: Bed
+    key: str = ""  # of the table it is from, for messages
+    above: Face | None = None  # faces of `upper` and `lower`, which end the contact after a slip; None: alike `face`
+    below: Face | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Tie:
+    """A rod, clamp, tendon or damper between points of two blocks, or of a block and the base."""
+
+    one: int
+    other: int
+    from_: FloatArray  # (3,) m, along the axes of the base, from the centroid of its block; of the base from its origin
+    to: FloatArray
+    stiffness: float  # N/m
+    damping: float = 0.0  # N s/m
+    slack: float = 0.0  # m, by which it may lengthen before it pulls; none of a tie that also pushes
+    pretension: float = 0.0  # N, as built
+    tension_only: bool = True
+    yield_: float | None = None  # N; None: it does not yield
+
+    def check(self, key: str) -> None:
+        """Raise InputError for values that exclude each other."""
+        if self.slack > 0.0 and self.pretension > 0.0:
+            raise InputError(f"{key}.slack = {self.slack}: must be 0 beside a pretension")
+        if self.slack > 0.0 and not self.tension_only:
+            raise InputError(
+                f"{key}.slack = {self.slack}: must be 0 beside tension_only = false, a tie that also pushes"
+            )
+        if self.yield_ is not None and self.pretension > self.yield_:
+            raise InputError(f"{key}.pretension = {self.pretension}: must not exceed yield = {self.yield_} N")

@@ -1,0 +1,157 @@
+"""Blocks from their shapes: boxes, drums and prisms of one material, with mass, inertia and plane faces."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from .faces import Face, FloatArray, polygon_moments
+from .parts import Solid
+
+POINTS, WEIGHTS = np.polynomial.legendre.leggauss(4)  # exact for all moments of blocks that taper
+
+
+def rotation_matrix(vector: FloatArray) -> FloatArray:
+    """The rotation about an axis by an angle in rad: axis times angle, (3, 3)."""
+    angle = float(np.linalg.norm(vector))
+    x, y, z = vector
+    across = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    half = float(np.sinc(0.5 * angle / np.pi))
+    found: FloatArray = np.eye(3) + float(np.sinc(angle / np.pi)) * across + 0.5 * half * half * across @ across
+    return found
+
+
+def turned(rotation: FloatArray, arm: FloatArray) -> FloatArray:
+    """By how much rotations (rows, 3), rad, displace the end of an arm (3,) or (rows, 3), m."""
+    angle = np.linalg.norm(rotation, axis=-1, keepdims=True)
+    first = np.sinc(angle / np.pi)  # sine over angle
+    second = 0.5 * np.sinc(0.5 * angle / np.pi) ** 2
+    across = np.cross(rotation, arm)
+    moved: FloatArray = first * across + second * np.cross(rotation, across)
+    return moved
+
+
+def rectangle(width: float, depth: float) -> FloatArray:
+    """Its corners about its middle, anticlockwise, (4, 2) m."""
+    w, d = 0.5 * width, 0.5 * depth
+    return np.array([[-w, -d], [w, -d], [w, d], [-w, d]])
+
+
+def box(
+    name: str,
+    bottom: tuple[float, float],
+    top: tuple[float, float],
+    height: float,
+    density: float,
+    foot: FloatArray,
+    turn: FloatArray,
+) -> Solid:
+    """A box whose bottom and top faces, width and depth in m, may differ; foot: the middle of its bottom face."""
+
+    def section(part: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        width, depth = (b + (t - b) * part for b, t in zip(bottom, top, strict=True))
+        area = width * depth
+        return area, area * depth**2 / 12.0, area * width**2 / 12.0
+
+    sides = [rectangle(*bottom), rectangle(*top)]
+    faces = [_level(sides[0], 0.0, -1.0), _level(sides[1], height, 1.0)]
+    if bottom == top:
+        w, d = bottom
+        for normal, width, out in (((1, 0, 0), d, w), ((-1, 0, 0), d, w), ((0, 1, 0), w, d), ((0, -1, 0), w, d)):
+            third = np.array(normal, dtype=np.float64)
+            second = np.array([0.0, 0.0, 1.0])
+            axes = np.column_stack([np.cross(second, third), second, third])
+            faces.append(Face(0.5 * out * third + 0.5 * height * second, axes, rectangle(width, height)))
+    return _placed(name, section, height, density, faces, foot, turn)
+
+
+def drum(
+    name: str,
+    diameter: float,
+    top_diameter: float,
+    bore: float,
+    height: float,
+    density: float,
+    foot: FloatArray,
+    turn: FloatArray,
+) -> Solid:
+    """A drum, conical where its diameters differ, with a cylindrical bore or none; foot: the middle of its bottom."""
+
+    def section(part: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        outer, inner = 0.5 * (diameter + (top_diameter - diameter) * part), 0.5 * bore
+        second = 0.25 * math.pi * (outer**4 - inner**4)
+        return math.pi * (outer**2 - inner**2), second, second
+
+    faces = [
+        _level(np.empty((0, 2)), 0.0, -1.0, 0.5 * diameter, 0.5 * bore),
+        _level(np.empty((0, 2)), height, 1.0, 0.5 * top_diameter, 0.5 * bore),
+    ]
+    return _placed(name, section, height, density, faces, foot, turn)
+
+
+def prism(name: str, outline: FloatArray, depth: float, density: float, place: FloatArray, turn: FloatArray) -> Solid:
+    """A convex outline in x and z, (corners, 2) m, over a depth along y: a voussoir; place: of its origin."""
+    area, first, second = polygon_moments(outline)
+    if area < 0.0:
+        return prism(name, outline[::-1], depth, density, place, turn)
+    mass, middle = density * area * depth, first / area
+    own = second / area - np.outer(middle, middle)
+    x, z, xz = mass * own[0, 0], mass * own[1, 1], mass * own[0, 1]
+    y = mass * depth**2 / 12.0
+    inertia = np.array([[y + z, 0.0, -xz], [0.0, x + z, 0.0], [-xz, 0.0, x + y]])
+    faces = []
+    for a, b in zip(outline, np.roll(outline, -1, axis=0), strict=True):
+        side = (b - a) / np.linalg.norm(b - a)
+        third = np.array([side[1], 0.0, -side[0]])  # outwards of an outline that is anticlockwise in x and z
+        first_axis = np.array([side[0], 0.0, side[1]])
+        axes = np.column_stack([first_axis, np.cross(third, first_axis), third])
+        centre = 0.5 * (a + b)
+        faces.append(Face(np.array([centre[0], 0.0, centre[1]]), axes, rectangle(float(np.linalg.norm(b - a)), depth)))
+    for way in (1.0, -1.0):
+        third = np.array([0.0, way, 0.0])
+        axes = np.column_stack([np.array([-way, 0.0, 0.0]), np.array([0.0, 0.0, 1.0]), third])
+        flat = np.column_stack([-way * outline[:, 0], outline[:, 1]])
+        faces.append(Face(0.5 * depth * third, axes, flat if way < 0.0 else flat[::-1].copy()))
+    middle_in_space = np.array([middle[0], 0.0, middle[1]])
+    return _turned(name, mass, density, middle_in_space, inertia, faces, place, turn)
+
+
+def _level(outline: FloatArray, height: float, way: float, radius: float = 0.0, bore: float = 0.0) -> Face:
+    """A horizontal face, seen from outside; way: 1 of a top face, -1 of a bottom one."""
+    axes = np.diag([1.0, way, way])
+    return Face(np.array([0.0, 0.0, height]), axes, outline, radius, bore)
+
+
+def _placed(
+    name: str, section: object, height: float, density: float, faces: list[Face], foot: FloatArray, turn: FloatArray
+) -> Solid:
+    """A block from its sections: area, and second moments about x and about y, at parts of the height."""
+    part = 0.5 * (POINTS + 1.0)
+    area, about_x, about_y = section(part)  # type: ignore[operator]
+    weight = 0.5 * height * WEIGHTS * density
+    z = height * part
+    mass = float(weight @ area)
+    middle = float(weight @ (area * z)) / mass
+    upright = float(weight @ (area * (z - middle) ** 2))
+    x, y = float(weight @ about_x), float(weight @ about_y)
+    inertia = np.diag([x + upright, y + upright, x + y])
+    return _turned(name, mass, density, np.array([0.0, 0.0, middle]), inertia, faces, foot, turn)
+
+
+def _turned(
+    name: str,
+    mass: float,
+    density: float,
+    centroid: FloatArray,
+    inertia: FloatArray,
+    faces: list[Face],
+    place: FloatArray,
+    turn: FloatArray,
+) -> Solid:
+    moved = tuple(
+        Face(place + turn @ face.centre, turn @ face.axes, face.outline, face.radius, face.bore) for face in faces
+    )
+    turned_inertia = turn @ inertia @ turn.T
+    inertia = 0.5 * (turned_inertia + turned_inertia.T)
+    return Solid(name, mass, place + turn @ centroid, inertia, moved, turn, mass / density)

@@ -1,0 +1,386 @@
+"""A structure as its TOML file describes it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from ...common.errors import InputError, check_number, check_whole, shown
+from ...common.ranges import LENGTH, MAX_BLOCKS, NUMBERS, check, check_choice, listed
+from ..column.file import has_blocks_in_space
+from .blocks.contacts import joints_between, turned_face
+from .blocks.faces import Face, FloatArray, polygon_moments
+from .blocks.outlines import MEANING, MOST_CORNERS, outline_of
+from .blocks.parts import BASE, OF_COLUMN, TOLERANCE, Bed, Joint, Solid, Tie
+from .blocks.placement import check_joints, check_places
+from .blocks.shapes import box, drum, prism, rectangle, rotation_matrix
+
+SHAPES = ("box", "drum", "prism")
+_OF_SECTION = {
+    "rectangle": ("width", "depth"),
+    "circle": ("diameter",),
+    "ring": ("diameter", "bore"),
+    "polygon": ("outline",),
+}
+_KEYS = ("name", "g", "block", "joint", "joints", "tie", "solver")
+_LAW = ("stiffness", "damping", "shear_ratio", "shear_damping", "friction", "dowel", "strength")
+_OF_SHAPE = {
+    "box": ("width", "depth", "height", "top_width", "top_depth"),
+    "drum": ("diameter", "top_diameter", "bore", "height"),
+    "prism": ("outline", "depth"),
+}
+_BLOCK = ("name", "shape", "on", "at", "position", "rotation", "mass", "density", "joint", "repeat")
+_PATCH = ("normal", "section", "width", "depth", "diameter", "bore", "outline")  # of a joint at a place of its own
+_JOINT = ("between", "at", *_PATCH, *_LAW)
+_TIE = ("between", "from", "to", "stiffness", "damping", "slack", "pretension", "tension_only", "yield")
+_OWN_RANGES = {
+    "shear_ratio": ((1e-6, 1e6), "a positive ratio of the modulus along the joint to that across it"),
+    "shear_damping": NUMBERS["damping"],
+}
+_PLACE = (-1e6, 1e6), "a length in m, at most 1e6 either way"
+_ANGLE = (-2.0 * math.pi, 2.0 * math.pi), "an angle in rad, at most a full turn either way"
+_OF_TIES = {
+    "stiffness": ((1e-6, 1e15), "a positive stiffness in N/m"),
+    "damping": ((0.0, 1e15), "a damping in N s/m, zero or positive"),
+    "slack": ((0.0, 1e6), "a length in m, zero or positive"),
+    "pretension": ((0.0, 1e15), "a force in N, zero or positive"),
+    "yield": ((1e-6, 1e15), "a positive force in N"),
+}
+
+
+def parts_from(data: Mapping[str, Any]) -> dict[str, Any]:
+    """The fields of the structure in `data` (docs/structures.md). Raises InputError for a wrong key."""
+    _check_keys("", data, _KEYS)
+    if "name" not in data:
+        raise InputError('name: missing, must be a file name: letters, digits, "_", "-", "." and space')
+    law, explicit = _joint_tables(data)
+    solids = _Solids()
+    joints: list[Joint] = []
+    tables = _tables("block", data)
+    count = sum(_times(f"block[{number}]", table) for number, table in enumerate(tables, start=1))
+    if count > MAX_BLOCKS:
+        raise InputError(f"block: {count} blocks, must be 1 to {MAX_BLOCKS}")
+    for number, table in enumerate(tables, start=1):
+        for part in _repeated(f"block[{number}]", table):
+            solids.add(f"block[{number}]", part)
+    blocks = tuple(solids.found)
+    check_places([key for key, _ in solids.standing], blocks)
+    for upper, (key, supports) in enumerate(solids.standing):
+        own = solids.laws[upper]
+        for lower in supports:
+            bed, below = bed_from(f"{key}.joint", {**law, **own}), len(blocks) if lower < 0 else lower
+            joints += joints_between(blocks, upper, below, bed, f"{key}.on")
+    for number, table in enumerate(explicit, start=1):
+        joints += _joints_from(f"joint[{number}]", table, law, blocks)
+    check_joints(blocks, joints)
+    ties = tuple(_tie_from(f"tie[{e}]", table, blocks) for e, table in enumerate(_tables("tie", data, 0), start=1))
+    solver = data.get("solver", {})
+    _check_keys("solver.", solver, ("tolerance", "without"))
+    tolerance = check("solver.tolerance", solver.get("tolerance", TOLERANCE))
+    gravity = check("g", data.get("g", 9.80665))
+    found = {"name": data["name"], "blocks": blocks, "joints": tuple(joints), "ties": ties, "g": gravity}
+    return found | {"tolerance": tolerance, "without": names_from("solver.without", solver.get("without", ()))}
+
+
+def names_from(key: str, value: object) -> tuple[Any, ...]:
+    """A list as a tuple. Raises InputError for what is none."""
+    if not isinstance(value, (list, tuple)):
+        raise InputError(f"{key} = {shown(value)}: must be a list of names")
+    return tuple(value)
+
+
+def written_out(data: Mapping[str, Any]) -> dict[str, Any]:
+    """The same file with one table for each block, as plain lists and dicts, so that each number has its own place."""
+    tables = [part for k, table in enumerate(data["block"], start=1) for part in _repeated(f"block[{k}]", table)]
+    found: dict[str, Any] = _plain({**data, "block": tables})
+    return found
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return {key: _plain(part) for key, part in value.items()}
+    if isinstance(value, (list, tuple, np.ndarray)):
+        return [_plain(part) for part in value]
+    return value.item() if isinstance(value, np.generic) else value
+
+
+def _repeated(key: str, table: Mapping[str, Any]) -> list[Mapping[str, Any]]:
+    """The blocks of a table, each on the one before: name.1, name.2, ...; drums taper over all of them together."""
+    if "repeat" not in table:
+        return [table]
+    count = _times(key, table)
+    for word, why in (("name", "the blocks count from it"), ("on", "the lowest one stands on it")):
+        if not isinstance(table.get(word), str):
+            raise InputError(f"{key}.{word} = {shown(table.get(word))}: must be a name beside repeat, {why}")
+    found: list[Mapping[str, Any]] = []
+    for k in range(count):
+        part: dict[str, Any] = {word: value for word, value in table.items() if word != "repeat"} | {
+            "name": f"{table['name']}.{k + 1}"
+        }
+        if k:
+            part["on"] = f"{table['name']}.{k}"
+        if "top_diameter" in table:
+            wide, narrow = (_number(key, table, word) for word in ("diameter", "top_diameter"))
+            ends = [wide + (narrow - wide) * place / count for place in (k, k + 1)]
+            part["diameter"], part["top_diameter"] = ends
+        if k:
+            part.pop("at", None)
+        found.append(part)
+    return found
+
+
+def _times(key: str, table: Mapping[str, Any]) -> int:
+    """How many blocks a table describes."""
+    meaning = f"a whole number from 1 to {MAX_BLOCKS}"
+    return check_whole(f"{key}.repeat", table.get("repeat", 1), 1, MAX_BLOCKS, meaning)
+
+
+def describes_structure(data: Mapping[str, Any]) -> bool:
+    """Whether a file describes a structure rather than a column: its blocks say what they stand on, or where."""
+    return bool({"tie", "joints", OF_COLUMN} & data.keys()) or has_blocks_in_space(data)
+
+
+def in_space(data: Mapping[str, Any]) -> Mapping[str, Any]:
+    """The mapping of a structure: what a file holds, or around it if that is a column."""
+    return data if describes_structure(data) else {OF_COLUMN: data}
+
+
+class _Solids:
+    """Blocks as they are read: what each stands on, and the law of the joints under it."""
+
+    def __init__(self) -> None:
+        self.found: list[Solid] = []
+        self.numbers = {BASE: -1}  # by name; of the base until the number of blocks is known
+        self.standing: list[tuple[str, list[int]]] = []  # key of the table
+        self.laws: list[Mapping[str, Any]] = []
+
+    def add(self, key: str, table: Mapping[str, Any]) -> None:
+        """Read one table."""
+        shape = table.get("shape", "box")
+        check_choice(f"{key}.shape", shape, SHAPES)
+        _check_keys(f"{key}.", table, (*_BLOCK, *_OF_SHAPE[shape]))
+        name = table.get("name", f"block{len(self.found) + 1}")
+        if not isinstance(name, str) or not name or not name.isprintable():
+            raise InputError(f"{key}.name = {shown(name)}: must be a word that can be printed")
+        if name in self.numbers:
+            raise InputError(f"{key}.name = {shown(name)}: must be another name, it is taken")
+        own = table.get("joint", {})
+        _check_keys(f"{key}.joint.", own, _LAW)
+        supports = self._named(key, table)
+        solid = _solid_from(key, name, shape, table, self._place(key, table, supports))
+        self.numbers[name] = len(self.found)
+        self.found.append(solid)
+        self.laws.append(own)
+        self.standing.append((key, supports))
+
+    def _named(self, key: str, table: Mapping[str, Any]) -> list[int]:
+        """Numbers of what a block stands on; -1 for the base."""
+        on = table.get("on", [])
+        if not isinstance(on, (str, list, tuple)):
+            raise InputError(
+                f"{key}.on = {shown(on)}: must be {BASE}, the name of a block before it, or a list of them"
+            )
+        given = [on] if isinstance(on, str) else on
+        for k, name in enumerate(given):
+            if not isinstance(name, str) or name not in self.numbers:
+                check_choice(f"{key}.on", name, tuple(self.numbers))
+            if name in given[:k]:
+                raise InputError(f"{key}.on: names {name} twice, each contact must be there once")
+        return [self.numbers[name] for name in given]
+
+    def _place(self, key: str, table: Mapping[str, Any], supports: list[int]) -> FloatArray:
+        """The middle of the bottom face of a block, or the origin of a prism's outline, m."""
+        if "position" in table:
+            if "at" in table:
+                raise InputError(f"{key}.at: must be left out beside position")
+            return _vector(f"{key}.position", table["position"], 3)
+        if not supports:
+            raise InputError(f'{key}.on: missing, must be "base" or the name of a block before it; or give position')
+        first = self.found[supports[0]] if supports[0] >= 0 else None
+        corners = np.zeros((1, 3)) if first is None else first.corners
+        top = float(np.max(corners[:, 2]))
+        if "at" in table:
+            return np.array([*_vector(f"{key}.at", table["at"], 2), top])
+        if first is None:
+            return np.zeros(3)
+        level = [face for face in first.faces if face.normal[2] > 1.0 - 1e-9 and abs(face.centre[2] - top) < 1e-9]
+        return level[0].centre if level else np.array([*first.centroid[:2], top])
+
+
+def _solid_from(key: str, name: str, shape: str, table: Mapping[str, Any], place: FloatArray) -> Solid:
+    def number(word: str, default: float | None = None) -> float:
+        return _number(key, table, word, default)
+
+    if ("mass" in table) == ("density" in table):
+        raise InputError(f"{key}.density: must be given, in kg/m3, or mass in kg, one of the two")
+    turn = rotation_matrix(_vector(f"{key}.rotation", table.get("rotation", [0.0, 0.0, 0.0]), 3, _ANGLE))
+    density = number("density", 1.0)
+    if shape == "box":
+        bottom = number("width"), number("depth")
+        top = number("top_width", bottom[0]), number("top_depth", bottom[1])
+        made = box(name, bottom, top, number("height"), density, place, turn)
+    elif shape == "drum":
+        outer = number("diameter")
+        top_outer = number("top_diameter", outer)
+        given = table.get("bore", 0.0)
+        bore = 0.0 if given == 0 and not isinstance(given, bool) else number("bore")
+        if bore >= min(outer, top_outer):
+            raise InputError(f"{key}.bore = {bore}: must be less than the outer diameter = {min(outer, top_outer)} m")
+        made = drum(name, outer, top_outer, bore, number("height"), density, place, turn)
+    else:
+        made = prism(name, _outline(f"{key}.outline", table), number("depth"), density, place, turn)
+    if "mass" not in table:
+        return made
+    factor = number("mass") / made.mass
+    return replace(made, mass=made.mass * factor, inertia=made.inertia * factor)
+
+
+def _outline(key: str, table: Mapping[str, Any]) -> FloatArray:
+    """A convex polygon, anticlockwise."""
+    points = table.get("outline")
+    if not isinstance(points, (list, tuple, np.ndarray)):
+        raise InputError(f"{key} = {shown(points)}: must be {MEANING}")
+    if not 3 <= len(points) <= MOST_CORNERS + 1:
+        raise InputError(f"{key}: {len(points)} corners, must be {MEANING}")
+    return outline_of(key, [_vector(f"{key}[{k}]", point, 2) for k, point in enumerate(points)])
+
+
+def _joint_tables(data: Mapping[str, Any]) -> tuple[Mapping[str, Any], list[Mapping[str, Any]]]:
+    """The law of every joint that has none of its own, and the joints that are listed."""
+    given, defaults = data.get("joint", []), data.get("joints", {})
+    if isinstance(given, Mapping):
+        if "joints" in data:
+            raise InputError("joints: must be left out beside the table joint, which says the same")
+        given, defaults = [], given
+    _check_keys("joint.", defaults, _LAW)
+    return defaults, _tables("joint", {"joint": given}, 0)
+
+
+def bed_from(key: str, table: Mapping[str, Any]) -> Bed:
+    """The law of a joint from its keys. Raises InputError."""
+    found: dict[str, Any] = {}
+    for word in _LAW:
+        if word in table:
+            limits, meaning = _OWN_RANGES.get(word) or NUMBERS[word]
+            found[word] = check_number(f"{key}.{word}", table[word], limits, meaning)
+    for word in ("stiffness", "damping"):
+        if word not in found:
+            raise InputError(f"{key}.{word}: missing, must be {NUMBERS[word][1]}")
+    if found.get("dowel") and "friction" not in found:
+        raise InputError(f"{key}.dowel = {found['dowel']}: needs friction; a joint without friction never slides")
+    return Bed(**found)
+
+
+def _joints_from(key: str, table: Mapping[str, Any], law: Mapping[str, Any], blocks: tuple[Solid, ...]) -> list[Joint]:
+    _check_keys(f"{key}.", table, _JOINT)
+    upper, lower = _pair(key, table, blocks)
+    if upper == len(blocks):
+        raise InputError(f'{key}.between: must name the block first, then "{BASE}"')
+    bed = bed_from(key, {**law, **{word: table[word] for word in _LAW if word in table}})
+    if "at" not in table:
+        for word in _PATCH:
+            if word in table:
+                raise InputError(f"{key}.{word}: must be left out, or at given with it: the faces that touch are taken")
+        return joints_between(blocks, upper, lower, bed, key, sides=True)
+    normal = _vector(f"{key}.normal", table.get("normal", [0.0, 0.0, 1.0]), 3)
+    size = float(np.linalg.norm(normal))
+    if not size > 0.0:
+        raise InputError(f"{key}.normal = {shown(table['normal'])}: must have a length")
+    normal = normal / size
+    place = _vector(f"{key}.at", table["at"], 3)
+    across = np.column_stack([np.zeros(3), np.zeros(3), normal])
+    frame = turned_face(Face(place, across, np.zeros((0, 2)), 1.0)).axes
+    section = table.get("section", "rectangle")
+    check_choice(f"{key}.section", section, tuple(_OF_SECTION))
+    for word in ("width", "depth", "diameter", "bore", "outline"):
+        if word in table and word not in _OF_SECTION[section]:
+            known = ", ".join(_OF_SECTION[section])
+            raise InputError(f"{key}.{word}: must be left out, a {section} has {known}")
+    if section in ("circle", "ring"):
+        diameter = _number(key, table, "diameter")
+        bore = _number(key, table, "bore") if section == "ring" else 0.0
+        if bore >= diameter:
+            raise InputError(f"{key}.bore = {bore}: must be less than the outer diameter = {diameter} m")
+        return [Joint(upper, lower, Face(place, frame, np.zeros((0, 2)), 0.5 * diameter, 0.5 * bore), bed, key)]
+    if section == "rectangle":
+        outline = rectangle(_number(key, table, "width"), _number(key, table, "depth"))
+    else:
+        outline = _outline(f"{key}.outline", table)
+    area, first, _ = polygon_moments(outline)
+    middle = first / area
+    return [Joint(upper, lower, Face(place + frame[:, :2] @ middle, frame, outline - middle), bed, key)]
+
+
+def _tie_from(key: str, table: Mapping[str, Any], blocks: tuple[Solid, ...]) -> Tie:
+    _check_keys(f"{key}.", table, _TIE)
+    one, other = _pair(key, table, blocks)
+    ends = []
+    for word, body in (("from", one), ("to", other)):
+        if word not in table:
+            raise InputError(f"{key}.{word}: missing, must be a point of its block, three lengths in m")
+        point = _vector(f"{key}.{word}", table[word], 3)
+        ends.append(point if body == len(blocks) else blocks[body].axes @ point)
+    given = {}
+    for word, (limits, meaning) in _OF_TIES.items():
+        if word in table:
+            given["yield_" if word == "yield" else word] = check_number(f"{key}.{word}", table[word], limits, meaning)
+    if "stiffness" not in given:
+        raise InputError(f"{key}.stiffness: missing, must be {_OF_TIES['stiffness'][1]}")
+    tension_only = table.get("tension_only", True)
+    if not isinstance(tension_only, bool):
+        raise InputError(f"{key}.tension_only = {shown(tension_only)}: must be true or false")
+    tie = Tie(one, other, ends[0], ends[1], tension_only=tension_only, **given)
+    tie.check(key)
+    return tie
+
+
+def _pair(key: str, table: Mapping[str, Any], blocks: tuple[Solid, ...]) -> tuple[int, int]:
+    """Numbers of the two bodies of a table."""
+    names = (*(block.name for block in blocks), BASE)
+    pair = table.get("between")
+    if not isinstance(pair, Sequence) or isinstance(pair, str) or len(pair) != 2:
+        raise InputError(f"{key}.between = {shown(pair)}: must be two names of blocks, or a block and {BASE}")
+    found = []
+    for body in pair:
+        if isinstance(body, int) and not isinstance(body, bool) and 0 <= body < len(blocks):
+            found.append(body)
+            continue
+        check_choice(f"{key}.between", body, names)
+        found.append(names.index(body))
+    if found[0] == found[1]:
+        raise InputError(f"{key}.between = {shown(pair)}: must be two different bodies")
+    return found[0], found[1]
+
+
+def _check_keys(prefix: str, table: object, known: Sequence[str]) -> None:
+    if not isinstance(table, Mapping):
+        raise InputError(f"{prefix.rstrip('.')} = {shown(table)}: must be a table with the keys {', '.join(known)}")
+    for key in table:
+        if key not in known:
+            raise InputError(f"{prefix}{str(key)!r}: unknown key, must be one of {listed(known, key)}".replace("'", ""))
+
+
+def _tables(key: str, data: Mapping[str, Any], least: int = 1) -> list[Mapping[str, Any]]:
+    tables = data.get(key, [])
+    if not isinstance(tables, list) or not all(isinstance(table, Mapping) for table in tables) or len(tables) < least:
+        raise InputError(f"{key}: must be one table [[{key}]] for each")
+    return tables
+
+
+def _number(key: str, table: Mapping[str, Any], word: str, default: float | None = None) -> float:
+    if word not in table and default is not None:
+        return default
+    if word not in table:
+        raise InputError(f"{key}.{word}: missing, must be {NUMBERS.get(word, LENGTH)[1]}")
+    return check(f"{key}.{word}", table[word])
+
+
+def _vector(key: str, value: object, count: int, limits: tuple[tuple[float, float], str] = _PLACE) -> FloatArray:
+    """Numbers of a list; limits: of each, and what that is."""
+    if not isinstance(value, (list, tuple, np.ndarray)) or len(value) != count:
+        raise InputError(f"{key} = {shown(value)}: must be a list of {count} numbers")
+    return np.array([check_number(f"{key}[{k}]", part, *limits) for k, part in enumerate(value)])

@@ -1,0 +1,168 @@
+"""Structures in space as a kind of model (models/protocol.py): their runs alone and in lanes, and what can be kept."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Hashable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...ground.motion import Motion
+from ...kernels.structure.layout import SETTINGS
+from ..column.model import Column
+from ..column.numbers import column_with, is_of_column
+from ..protocol import SCALAR, SETTLE, Lanes, NoRestError, Plan, Run, Work, output_times, table_entry
+from ..uncertainty import Varied
+from .blocks.faces import FloatArray
+from .blocks.parts import OF_COLUMN
+from .kept import FROM_LANES, KEPT, OF_RUN
+from .lanes import follow_in_lanes, is_flat_run, load_lanes, share_of
+from .model import Structure
+from .numbers import is_of_structure, single_names_in_space, structure_with
+from .planar import column_of
+from .plausible import known_warnings_in_space
+from .response import SpatialResponse
+from .rest import rest_of
+from .run import single_run
+
+WORK = 50.0  # of a block for a second alone, over that of a column in lanes
+
+
+class Structures:
+    """Structures in space."""
+
+    word = "structure"
+    across = True
+    settings = ("tolerance", "without")
+    kept = KEPT
+
+    def warnings(self, model: Structure, at_rest: bool = True) -> Sequence[str]:
+        """As of plausible.py."""
+        return known_warnings_in_space(model, at_rest)
+
+    def check(self, model: Structure, from_rest: bool) -> None:
+        """It has a rest."""
+        if from_rest:
+            rest_of(model)
+
+    def check_motion(self, motion: Motion) -> None:
+        """Any will do."""
+
+    def simplest(self, model: Structure, motion: Motion) -> Structure | Column:
+        """The column that it is, shaken in its plane."""
+        return model if motion.has_ay else column_of(model) or model
+
+    def single_run(self, model: Structure, plan: Plan) -> tuple[SpatialResponse, FloatArray]:
+        """A response, and ux, uy, uz of the centroids."""
+        response = single_run(model, plan)
+        return response, response.rows[:, : 3 * model.n]
+
+    def largest_of(self, response: SpatialResponse, places: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Horizontal displacements, whichever way."""
+        n = response.structure.n
+        return response.peaks["u"], np.hypot(places[:, :n], places[:, n : 2 * n])
+
+    # --- many
+
+    def check_kept(self, model: Structure, keep: Collection[str]) -> None:
+        """All can be kept."""
+
+    def lanes(self, model: Structure, keep: Collection[str]) -> Lanes:
+        """Lanes watch displacements alone; of lightly damped structures the steps are of order 8, which they lack."""
+        why = _why_not_in_lanes(model, keep)
+        if not why:
+            try:
+                rest_of(model)
+            except NoRestError:
+                why = "no rest"
+        return Lanes(why, share_of(model), float(SETTINGS.see(model.model.settings).first_step))
+
+    def under(self, model: Structure, motion: Motion) -> tuple[str, Hashable]:
+        """Runs that stay in a plane share lanes."""
+        return "", is_flat_run(model, motion)
+
+    def load(self, model: Structure, keep: Collection[str]) -> None:
+        """The kernels of lanes, where they may be used."""
+        if not _why_not_in_lanes(model, keep):
+            load_lanes()
+
+    def follow(
+        self, runs: Sequence[Run], keep: Collection[str], settle: float, flag: FloatArray
+    ) -> tuple[dict[str, NDArray[Any]], NDArray[np.bool_]]:
+        """Runs of structures that differ in numbers only."""
+        made = follow_in_lanes(runs, [rest_of(run.model) for run in runs], settle, flag)
+        finished = np.array([bool(one) for one in made])
+        some = next((one for one in made if one), None)
+        if some is None:
+            return {}, finished
+        return {name: np.array([table_entry(name, (one or some)[name]) for one in made]) for name in keep}, finished
+
+    def alone(self, run: Run, keep: Collection[str], settle: float, look: Callable[..., object]) -> dict[str, Any]:
+        """Without peaks that are not kept."""
+        watches = any(name not in (*OF_RUN, "peak_u") for name in keep)
+        structure = run.model.with_settings(without=None if watches else ("peaks",))
+        times = output_times(run.motion, run.duration)
+        found = single_run(structure, Plan(run.motion, run.duration, times, None, settle, look))
+        return {name: _value(name, found) for name in keep}
+
+    def work(self, model: Structure, keep: Collection[str]) -> Work:
+        """Followed to its verdict."""
+        second = WORK * model.n
+        return Work(second * SETTLE, second)
+
+    # --- numbers by name: those of a stack are its column's, but for the laws of joints
+
+    def has_number(self, model: Structure, name: str) -> bool:
+        """As of numbers.py."""
+        return is_of_structure(name) if not model.is_stack else is_of_column(name) or _is_law(name)
+
+    def numbers_of(self, model: Structure, name: str) -> list[str]:
+        """As of numbers.py."""
+        return single_names_in_space(name, model)
+
+    def with_numbers(self, model: Structure, values: Mapping[str, tuple[float, bool]]) -> Structure:
+        """As of numbers.py."""
+        if model.is_stack:
+            of_column = {name: value for name, value in values.items() if not _is_law(name)}
+            if of_column:
+                column = Column.from_dict(model.to_dict()[OF_COLUMN])
+                model = Structure.stack(column_with(column, of_column))
+            values = {name: value for name, value in values.items() if _is_law(name)}
+        return structure_with(model, values)
+
+    # --- an ensemble
+
+    def in_lanes(self, response: SpatialResponse, plan: Plan) -> bool:
+        """Lanes have no rows."""
+        return False
+
+    def varied_in_lanes(self, pairs: Sequence[tuple[Structure, Motion]], plan: Plan) -> list[Varied | None]:
+        """None."""
+        return [None for _ in pairs]
+
+
+STRUCTURES = Structures()
+
+
+def _why_not_in_lanes(structure: Structure, keep: Collection[str]) -> str:
+    """Why runs of a structure that rests are not made in lanes; "" if they are."""
+    if not FROM_LANES.issuperset(keep):
+        return "peaks of more than displacements"
+    return "" if SETTINGS.see(structure.model.settings).order == 5.0 else "steps of order 8"
+
+
+def _is_law(name: str) -> bool:
+    """Whether a name of a stack is of the law of a joint, as structures have it; all others are of the column."""
+    return name.startswith("joint") and is_of_structure(name)
+
+
+def _value(name: str, found: SpatialResponse) -> Any:
+    """A result of a run, one of KEPT; words as such."""
+    if name == "path":
+        return SCALAR
+    if name in ("verdict", "overturn_time"):
+        return getattr(found, name)
+    if name in OF_RUN:
+        return found.stats[name]
+    return found.peaks["contact" if name == "least_contact" else name.removeprefix("peak_")]

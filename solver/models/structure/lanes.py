@@ -1,0 +1,156 @@
+"""Runs of structures, eight at once: into the arrays of the kernels and back (kernels/structure/in_lanes.py)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Hashable, Sequence
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from ...common.turns import others_turn
+from ...ground.motion import Motion
+from ...kernels.numba_ext.lanes import WIDTH
+from ...kernels.structure import in_lanes as at
+from ...kernels.structure.entries import run_structures_in_lanes
+from ...kernels.structure.layout import BASE, JOINTS, SETTINGS
+from ..column.lanes import aligned
+from ..column.packing import FloatArray, IntArray
+from ..protocol import LANES, OVERTURNED, STANDING, UNDECIDED, Run
+from .model import Structure
+from .rest import Rest, rest_of
+from .stepper import Stepper
+from .verdict import next_look, well_of
+
+STAGES = 6  # evaluations of a step
+
+
+def share_of(structure: Structure) -> Hashable:
+    """What structures that share lanes have in common."""
+    settings = SETTINGS.see(structure.model.settings)
+    places = JOINTS.see(structure.model.joints, len(structure.joints))  # of what lanes find by that of the first
+    joints = tuple(getattr(places, name).tobytes() for name in ("upper", "lower", "first", "corners", "above", "below"))
+    ties = tuple((tie.one, tie.other) for tie in structure.ties)
+    return structure.n, len(structure.model.corners), joints, ties, bool(settings.gives_way)
+
+
+def is_flat_run(structure: Structure, motion: Motion) -> bool:
+    """Whether the motion stays in the plane x, z."""
+    return structure.is_plane and not motion.has_ay
+
+
+def follow_in_lanes(
+    runs: Sequence[Run], rests: Sequence[Rest], settle: float, flag: FloatArray | None = None
+) -> list[dict[str, Any]]:
+    """Results of runs of one kind, in one thread, by the names of kept.py; empty where lanes do not go on.
+
+    rests: of each structure. settle: s, for how long they are followed after their end at most. Ends soon, without
+    usable results, once flag[0] is not zero.
+    """
+    flag = np.zeros(1) if flag is None else flag
+    lanes, all_of_them = _Lanes(runs, rests), np.arange(len(runs))
+    stops = np.array([run.motion.start + run.duration for run in runs])
+    lanes.follow(all_of_them, np.array([run.motion.start for run in runs]), stops, flag)
+    within, peaks = lanes.outcomes.copy(), lanes.peaks.copy()
+    since, stand = 0.0, np.zeros(len(runs), dtype=bool)
+    left = all_of_them
+    while not flag[0]:
+        left = left[lanes.outcomes[left, at.OUTCOME.places["ends"]] == at.STOPPED]
+        stand[left] = [lanes.why_it_stands(k) != "" for k in left.tolist()]
+        left = left[~stand[left]]
+        if not left.size or since >= settle:
+            break
+        begin, since = since, next_look(since, settle)
+        lanes.follow(left, stops[left] + begin, stops[left] + since, flag, still=True)
+    return [
+        _result(at.OUTCOME.see(within[k]), at.OUTCOME.see(lanes.outcomes[k]), peaks[k], float(stops[k]), bool(stand[k]))
+        for k in all_of_them.tolist()
+    ]
+
+
+def _result(within: Any, later: Any, peaks: FloatArray, stop: float, stands: bool) -> dict[str, Any]:
+    """Results of a run by name: its outcomes within its duration and after it; whether its well holds it."""
+    if at.STEP_TOO_SMALL in (within.ends, later.ends):
+        return {}
+    fell = later.ends == at.FELL
+    return {
+        "verdict": OVERTURNED if fell else STANDING if stands or later.ends == at.RESTS else UNDECIDED,
+        "overturn_time": later.time if fell else math.nan,
+        "settled_for": max(later.time, stop) - stop,
+        "steps": int(within.steps),
+        "evaluations": int(STAGES * (within.steps + within.rejected) + within.looks),
+        "path": LANES,
+        **dict(zip(("peak_u", "peak_ux", "peak_uy", "peak_uz"), peaks.reshape(4, -1), strict=True)),
+    }
+
+
+class _Lanes:
+    """Runs as rows for the kernels: their models and states; outcomes and peaks of the time they were followed last."""
+
+    def __init__(self, runs: Sequence[Run], rests: Sequence[Rest]) -> None:
+        self._runs = runs
+        self._steppers = {id(run.model): Stepper(run.model) for run in runs}
+        self._sizes = *self._stepper(0).sizes, len(runs[0].model.model.corners)
+        models: list[FloatArray] = []
+        records: list[tuple[FloatArray, ...]] = []
+        self._samples: dict[int, tuple[int, int]] = {}  # of a motion: first sample, number of them
+        for k, run in enumerate(runs):
+            settings = run.model.model.settings.copy()
+            SETTINGS.see(settings).in_plane = float(is_flat_run(run.model, run.motion))
+            models.append(np.concatenate([settings, *run.model.model[1:-1]]))
+            if id(run.motion) not in self._samples:
+                record = self._stepper(k).drive(run.motion)
+                self._samples[id(run.motion)] = sum(len(times) for times, *_ in records), len(record[0])
+                records.append(record)
+        self._models, self._states = np.array(models), np.array([rest.phase for rest in rests])
+        self._record = tuple(np.concatenate(part) for part in zip(*records, strict=True))
+        self.outcomes = np.zeros((len(runs), at.OUTCOME.beside))
+        self.peaks = np.zeros((len(runs), at.PEAKS.per_n * self._sizes[0]))
+
+    def _stepper(self, k: int) -> Stepper:
+        return self._steppers[id(self._runs[k].model)]
+
+    def why_it_stands(self, k: int) -> str:
+        """Why run k cannot fall any more on a still base from where it is; "" if it may."""
+        stepper = self._stepper(k)
+        stepper.phase[:] = self._states[k]
+        return well_of(self._runs[k].model).why_it_stands(stepper)
+
+    def follow(
+        self, which: IntArray, starts: FloatArray, stops: FloatArray, flag: FloatArray, still: bool = False
+    ) -> None:
+        """Let some runs pass through the lanes from `starts` to `stops`, s; still: on a base that does not move.
+
+        The longest goes first: so lanes end together.
+        """
+        order = np.argsort(starts - stops, kind="stable")
+        which, rows = which[order], np.zeros((len(order), at.RUN.beside))
+        for row, k, start, stop in zip(rows, which.tolist(), starts[order], stops[order], strict=True):
+            see, stepper = at.RUN.see(row), self._stepper(k)
+            stepper.drive(self._runs[k].motion)
+            base = BASE.see(stepper.base)
+            see.start, see.stop = start, stop
+            see.first, see.count = self._samples[id(self._runs[k].motion)]
+            for name in ("held", "amplitude_x", "amplitude_y", "omega", "phase"):
+                setattr(see, name, getattr(base, name))
+            if still:
+                see.count, see.amplitude_x, see.amplitude_y = 1, 0.0, 0.0
+        models, states, outcomes, peaks = (
+            array[which] for array in (self._models, self._states, self.outcomes, self.peaks)
+        )
+        lanes = aligned(WIDTH * at.lane_size(*self._sizes))
+        lanes.reshape(-1, WIDTH)[: models.shape[1]] = models[0][:, None]  # so that lanes without a run have numbers
+        found = models.ravel(), states.ravel(), rows.ravel(), outcomes.ravel(), peaks.ravel()
+        with others_turn():
+            run_structures_in_lanes(*self._sizes, lanes, len(which), *found, self._record, flag)
+        self._states[which], self.outcomes[which], self.peaks[which] = states, outcomes, peaks
+
+
+@lru_cache(maxsize=1)
+def load_lanes() -> None:
+    """Load the kernels into this process, which takes as long as many runs where they are compiled."""
+    block = {"name": "block", "width": 1.0, "depth": 1.0, "height": 1.0, "mass": 1e3, "on": "base"}
+    structure = Structure.from_dict({"name": "block", "joints": {"stiffness": 1e9, "damping": 1e-3}, "block": [block]})
+    run = Run(structure, Motion.harmonic(1e-3, 1.0, 1e-3), 1e-3)
+    follow_in_lanes([run], [rest_of(structure)], 0.0)

@@ -1,0 +1,171 @@
+"""The modes of a structure about its rest, as the kernels use them (kernels/structure/modal_layout.py)."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+
+from ...kernels.layout.spaces import MODE
+from ...kernels.structure import layout as at
+from ...kernels.structure import modal_layout as modal
+from .blocks.faces import FloatArray
+from .model import Structure
+from .rest import Rest, rest_of
+from .stepper import Stepper
+
+MOST = 64  # blocks: the matrices grow with the square
+APART = 1e-8  # of what two coordinates resist themselves: what acts less between them is left to the remainder
+IN_PLANE = (0, 2, 4)  # ux, uz, ry
+# microseconds of a step by modes: in any case, for a joint, for a mode, for a number of the shapes; of an explicit one
+OF_MODES = 1.3, 0.3, 0.1, 4.5e-3
+OF_GENERAL = 1.0, 1.1
+
+
+class ModalData(NamedTuple):
+    """Modal data, empty where there are none, and why."""
+
+    numbers: FloatArray
+    why_none: str
+
+
+def modal_data_of(structure: Structure) -> ModalData:
+    """The modal data of a structure whose rest is stable. Raises InputError."""
+    if "elastic" in structure.without:
+        return ModalData(np.zeros(0), "left out")
+    return _modal_data(structure.blocks, structure.joints, structure.ties, structure.g)
+
+
+@lru_cache(maxsize=64)
+def _modal_data(*parts: object) -> ModalData:
+    structure = Structure("structure", *parts)  # type: ignore[arg-type]
+    rest = rest_of(structure)
+    why = _why_none(structure, rest)
+    return ModalData(np.zeros(0) if why else _numbers(structure, rest), why)
+
+
+def _why_none(structure: Structure, rest: Rest) -> str:
+    n, m = structure.n, len(structure.joints)
+    first = len(at.OF_BLOCK) * n + at.OF_JOINT.index("contact") * m
+    if n > MOST:
+        return f"more than {MOST} blocks"
+    if not structure.weight > 0.0 or np.any(rest.row[first : first + m] < 1.0):
+        return "no rest in full contact"
+    return "a joint slides at rest" if _gives_way(structure, rest) else ""
+
+
+def _gives_way(structure: Structure, rest: Rest) -> bool:
+    stepper = Stepper(structure)
+    stepper.phase[:] = rest.phase
+    stepper.observe()
+    return bool(np.any(stepper.rates[at.PHASE.size(structure.n) :]))
+
+
+def _numbers(structure: Structure, rest: Rest) -> FloatArray:
+    """The data, but for what `prepare` of kernels/structure/modal.py works out."""
+    n, m, k = structure.n, len(structure.joints), len(structure.ties)
+    stiffness, mass, places = _about_rest(structure, rest)
+    groups, flat = _groups(stiffness, mass, n, structure.is_plane)
+    matrices = sum(len(group) ** 2 for group in groups)
+    numbers = np.zeros(modal.modal_size(n, m, k, matrices))
+    limits = modal.LIMITS.see(numbers)
+    limits.parts, limits.flat_parts = len(groups), flat
+    limits.count, limits.flat_count = 6 * n, sum(map(len, groups[:flat]))
+    limits.matrices = matrices
+    limits.cost, limits.flat_cost = _cost(m, groups), _cost(m, groups[:flat])
+    behind = modal.LIMITS.beside + 6 * n * MODE.beside
+    modes = numbers[modal.LIMITS.beside : behind].reshape(6 * n, -1)
+    table = modal.COORDINATES.see(numbers[behind:], 6 * n)
+    order = np.concatenate(groups)
+    table.place[:], table.rest[:] = places[order], rest.phase[places[order]]
+    table.group[: len(groups)] = [len(group) for group in groups]
+    behind += modal.COORDINATES.size(6 * n)
+    memory = rest.phase[at.PHASE.size(n) :]
+    numbers[behind : behind + len(memory)] = memory
+    shapes, inverses = numbers[-2 * matrices : -matrices], numbers[-matrices:]
+    first = place = 0
+    for group in groups:
+        end, behind = first + len(group), place + len(group) ** 2
+        square, shape, inverse = _modes(stiffness[np.ix_(group, group)], mass[np.ix_(group, group)])
+        shapes[place:behind], inverses[place:behind] = shape.ravel(), inverse.ravel()
+        _fill_modes(modes[first:end], structure, group, square, shape, inverse)
+        first, place = end, behind
+    return numbers
+
+
+def _cost(m: int, groups: list[np.ndarray]) -> float:
+    """A step by the modes of these groups over an explicit one, with m joints."""
+    counts = 1.0, m, sum(map(len, groups)), sum(len(group) ** 2 for group in groups)
+    return float(np.dot(OF_MODES, counts) / np.dot(OF_GENERAL, counts[:2]))
+
+
+def _about_rest(structure: Structure, rest: Rest) -> tuple[FloatArray, FloatArray, np.ndarray]:
+    """Stiffness and mass in the coordinates of the kernels, body by body, and their places in a phase."""
+    n = structure.n
+    see = at.PHASE.see(rest.phase, n)
+    change, mass, places = np.zeros((2, 6 * n, 6 * n)), None, np.zeros(6 * n, dtype=np.int64)
+    to_base, mass = change
+    for i, block in enumerate(structure.blocks):
+        v = np.array([see.q1[i], see.q2[i], see.q3[i]])
+        across = np.array([[0.0, -v[2], v[1]], [v[2], 0.0, -v[0]], [-v[1], v[0], 0.0]])
+        turn = np.eye(3) + 2.0 * (see.q0[i] * across + across @ across)
+        first = 6 * i
+        to_base[first : first + 3, first : first + 3] = np.eye(3)
+        to_base[first + 3 : first + 6, first + 3 : first + 6] = np.linalg.inv(see.q0[i] * np.eye(3) - across)
+        mass[first : first + 3, first : first + 3] = block.mass * np.eye(3)
+        mass[first + 3 : first + 6, first + 3 : first + 6] = turn @ block.inertia @ turn.T
+        places[first : first + 6] = np.array([0, 1, 2, 4, 5, 6]) * n + i
+    stiffness = 0.5 * (rest.stiffness + rest.stiffness.T)
+    return to_base.T @ stiffness @ to_base, to_base.T @ mass @ to_base, places
+
+
+def _groups(stiffness: FloatArray, mass: FloatArray, n: int, is_plane: bool) -> tuple[list[np.ndarray], int]:
+    """Coordinates that act on each other, group by group; number of the first ones, in the plane x, z."""
+    sizes = np.sqrt(np.outer(np.diag(stiffness), np.diag(stiffness)))
+    acts = (np.abs(stiffness) > APART * sizes) | (np.abs(mass) > APART * np.sqrt(np.outer(*2 * [np.diag(mass)])))
+    flat = np.tile([axis in IN_PLANE for axis in range(6)], n)
+    if is_plane:
+        acts &= flat[:, None] == flat[None, :]
+    groups: list[np.ndarray] = []
+    left = np.ones(6 * n, dtype=bool)
+    while np.any(left):
+        inside = np.zeros(6 * n, dtype=bool)
+        grows = np.arange(6 * n) == np.argmax(left)
+        while np.any(grows & ~inside):
+            inside |= grows
+            grows = np.any(acts[inside], axis=0)
+        groups.append(np.flatnonzero(inside))
+        left &= ~inside
+    if not is_plane:
+        return groups, 0
+    groups.sort(key=lambda group: not flat[group[0]])
+    return groups, sum(bool(flat[group[0]]) for group in groups)
+
+
+def _modes(stiffness: FloatArray, mass: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Squares of the frequencies, 1/s2, shapes of unit modal mass in columns, and their inverses."""
+    root = np.linalg.cholesky(mass)
+    inverse = np.linalg.inv(root)
+    squares, vectors = np.linalg.eigh(inverse @ stiffness @ inverse.T)
+    return squares, inverse.T @ vectors, vectors.T @ root.T
+
+
+def _fill_modes(
+    modes: FloatArray,
+    structure: Structure,
+    group: np.ndarray,
+    square: FloatArray,
+    shape: FloatArray,
+    inverse: FloatArray,
+) -> None:
+    """Fill in the records of the modes of a group."""
+    axis, body = group % 6, group // 6
+    per = np.where(axis < 3, 1.0 / np.array([block.size for block in structure.blocks])[body], 1.0)
+    parts = np.zeros((structure.n, 2, len(group)))
+    np.add.at(parts, (body, axis // 3), (per[:, None] * shape) ** 2)
+    fields = MODE.places
+    modes[:, fields["square"]] = square
+    modes[:, fields["size"]] = np.sqrt(np.max(parts, axis=(0, 1)))
+    for name, along in (("push", 0), ("across", 1), ("lift", 2)):
+        modes[:, fields[name]] = -np.sum(inverse[:, axis == along], axis=1)

@@ -1,0 +1,247 @@
+"""The structure: rigid blocks in space, the joints between their faces, ties; and the settings of a run."""
+
+from __future__ import annotations
+
+import copy
+import os
+from collections import Counter, defaultdict
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
+from typing import Any, ClassVar
+
+import numpy as np
+
+from ...common import ranges
+from ...common.errors import InputError, reading, shown
+from ...common.files import check_file_name, toml_of
+from ...common.notebook import Shown, counted, outlines
+from ...kernels.structure.layout import MOST_CORNERS
+from ..column.model import Column
+from ..column.settings import Settings
+from .blocks.faces import Face
+from .blocks.parts import BASE, OF_COLUMN, TOLERANCE, Bed, Joint, Solid, Tie
+from .file import in_space, names_from, parts_from, written_out
+from .packing import Model, centroid_of, model_of
+from .stack import stacked
+
+LEAST_LENGTH = 1e-6  # m, of a tie
+SKIPS = ("peaks", "elastic")  # what can be left out: peaks but those of displacements, steps by modes
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Structure(Shown):
+    """Rigid blocks in space, joints between two faces, ties. x, y horizontal, z up; the base is the plane z = 0.
+
+    Raises InputError for a block that touches nothing, and for names that occur twice.
+    """
+
+    name: str
+    blocks: tuple[Solid, ...]
+    joints: tuple[Joint, ...]
+    ties: tuple[Tie, ...] = ()
+    g: float = 9.80665  # m/s2
+    tolerance: float = TOLERANCE  # error relative to the largest motion
+    without: tuple[str, ...] = ()  # of SKIPS
+    described: Mapping[str, Any] | None = None  # the file, a table for each block; None: made otherwise
+
+    def __post_init__(self) -> None:
+        check_file_name("name", self.name)
+        ranges.check("g", self.g)
+        ranges.check("solver.tolerance", self.tolerance)
+        if not 1 <= len(self.blocks) <= ranges.MAX_BLOCKS:
+            raise InputError(f"block: {len(self.blocks)} blocks, must be 1 to {ranges.MAX_BLOCKS}")
+        for name in self.without:
+            ranges.check_choice("solver.without", name, SKIPS)
+        taken = {BASE}
+        for i, name in enumerate(self.names):
+            if name in taken:
+                raise InputError(f"block[{i + 1}].name = {shown(name)}: must be another name, it is taken")
+            taken.add(name)
+        for e, tie in enumerate(self.ties, start=1):
+            apart = centroid_of(self.blocks, tie.other) + tie.to - centroid_of(self.blocks, tie.one) - tie.from_
+            if np.linalg.norm(apart) < LEAST_LENGTH:
+                raise InputError(f"tie[{e}].to: is the same place as from, must be {LEAST_LENGTH} m apart at least")
+        for joint in self.joints:
+            for face in (joint.above, joint.below):
+                if joint.bed.friction is not None and face is not None and len(face.outline) > MOST_CORNERS:
+                    limit = f"must be {MOST_CORNERS} at most where a joint may slide"
+                    raise InputError(f"{joint.key}: a face of {len(face.outline)} corners, {limit}")
+        self._check_held()
+
+    def _check_held(self) -> None:
+        """Every block is connected with the base by joints and ties."""
+        beside: dict[int, list[int]] = defaultdict(list)
+        links = [(joint.upper, joint.lower) for joint in self.joints] + [(tie.one, tie.other) for tie in self.ties]
+        for one, other in links:
+            beside[one].append(other)
+            beside[other].append(one)
+        held, reached = {self.n}, [self.n]
+        while reached:
+            for body in beside[reached.pop()]:
+                if body not in held:
+                    held.add(body)
+                    reached.append(body)
+        for i, name in enumerate(self.names):
+            if i not in held:
+                raise InputError(f"block[{i + 1}] = {shown(name)}: touches nothing that stands on the base")
+
+    def _facts(self) -> tuple[str, ...]:
+        parts = [counted(self.n, "block"), counted(len(self.joints), "joint"), counted(len(self.ties), "tie")]
+        return self.name, *parts, f"{1e-3 * self.weight / self.g:.4g} t"
+
+    def _lines(self) -> Iterable[Sequence[object]]:
+        yield "block", "mass (t)", "x (m)", "y (m)", "z (m)"
+        for block in self.blocks:
+            yield block.name, 1e-3 * block.mass, *block.centroid.tolist()
+
+    def _picture(self) -> str:
+        return outlines(face.points()[:, [0, 2]] for block in self.blocks for face in block.faces)
+
+    rolls_in_space: ClassVar[bool] = False  # it is there: as a Column answers, nothing is left to another run
+    is_alike_across: ClassVar[bool] = True
+
+    @property
+    def n(self) -> int:
+        """Number of blocks."""
+        return len(self.blocks)
+
+    @property
+    def sizes(self) -> dict[str, int]:
+        """Numbers of blocks, joints, ties and components of the base."""
+        return {"block": self.n, "joint": len(self.joints), "tie": len(self.ties), "base": 6}
+
+    @property
+    def laws(self) -> tuple[Bed, ...]:
+        """Of the joints."""
+        return tuple(joint.bed for joint in self.joints)
+
+    @property
+    def kind(self) -> Any:
+        """What structures have in common (models/protocol.py)."""
+        from .kind import STRUCTURES
+
+        return STRUCTURES
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the blocks."""
+        return tuple(block.name for block in self.blocks)
+
+    @cached_property
+    def joint_names(self) -> tuple[str, ...]:
+        """Upper and lower body of each joint; with a number where two bodies share several."""
+        names = (*self.names, BASE)
+        plain = [f"{names[joint.upper]}-{names[joint.lower]}" for joint in self.joints]
+        several, so_far, found = Counter(plain), Counter[str](), []
+        for name in plain:
+            so_far[name] += 1
+            found.append(name if several[name] == 1 else f"{name}.{so_far[name]}")
+        return tuple(found)
+
+    @property
+    def is_stack(self) -> bool:
+        """Whether its numbers are those of a column's file."""
+        return self.described is not None and OF_COLUMN in self.described
+
+    def number(self, block: str | int) -> int:
+        """Number of a block from its name; numbers, from 0, stay. Raises InputError for an unknown one."""
+        if isinstance(block, str):
+            ranges.check_choice("block", block, self.names)
+            return self.names.index(block)
+        if not 0 <= block < self.n:
+            raise InputError(f"block = {block}: must be a number from 0 to {self.n - 1}, or a name")
+        return int(block)
+
+    @cached_property
+    def model(self) -> Model:
+        """The arrays for the kernels."""
+        return model_of(self.blocks, self.joints, self.ties, self.g, self.tolerance)
+
+    @property
+    def weight(self) -> float:
+        """Weight of all blocks, N."""
+        return self.g * sum(block.mass for block in self.blocks)
+
+    @cached_property
+    def is_plane(self) -> bool:
+        """Whether blocks and joints are their own mirror images about the plane x, z."""
+        blocks = all(
+            abs(block.centroid[1]) <= 1e-9 * block.size and not np.any(block.inertia[[0, 1], [1, 2]])
+            for block in self.blocks
+        )
+        ties = all(tie.from_[1] == 0.0 and tie.to[1] == 0.0 for tie in self.ties)
+        return blocks and ties and all(_is_mirrored(joint.face) for joint in self.joints)
+
+    @property
+    def settings(self) -> Settings:
+        """Its tolerance and what is left out, as a column has them."""
+        return Settings(tolerance=self.tolerance, without=self.without)
+
+    def with_settings(self, *, tolerance: float | None = None, without: Sequence[str] | None = None) -> Structure:
+        """A copy with other settings; None keeps the present one. Raises InputError."""
+        if tolerance is None and without is None:
+            return self
+        tolerance = self.tolerance if tolerance is None else tolerance
+        without = self.without if without is None else names_from("solver.without", without)
+        described = self.described and _with_solver(self.described, {"tolerance": tolerance, "without": [*without]})
+        return replace(self, tolerance=tolerance, without=without, described=described)
+
+    def with_joints(self, stiffness: Sequence[float], damping: Sequence[float]) -> Structure:
+        """A copy whose joints have these moduli, N/m3, and dampings, s, a number for each joint."""
+        joints = tuple(
+            replace(joint, bed=replace(joint.bed, stiffness=float(k), damping=float(eta)))
+            for joint, k, eta in zip(self.joints, stiffness, damping, strict=True)
+        )
+        return replace(self, joints=joints, described=None)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The mapping from which `from_dict` makes this structure. Raises InputError if it was not made from one."""
+        if self.described is None:
+            raise InputError(
+                f"{self.name}: must be from a structure file, from_dict or a builder, to be written as one"
+            )
+        return copy.deepcopy(dict(self.described))
+
+    @classmethod
+    def from_toml(cls, path: str | os.PathLike[str]) -> Structure:
+        """Read a structure from a TOML file, or the stack of the column that it describes. Raises InputError."""
+        with reading(path):
+            return cls.from_dict(in_space(toml_of(path)))
+
+    @classmethod
+    def from_dict(cls, data: Mapping[str, Any]) -> Structure:
+        """Build a structure from the mapping that the TOML file holds (docs/structures.md), or {"column": a column's}.
+
+        Raises InputError.
+        """
+        if OF_COLUMN in data:
+            ranges.check_keys("", data, (OF_COLUMN,))
+            return cls.stack(Column.from_dict(data[OF_COLUMN]))
+        return cls(**parts_from(data), described=written_out(data))
+
+    @classmethod
+    def stack(cls, column: Column) -> Structure:
+        """The blocks of a column in space, the top one first. Raises InputError for what has no such form."""
+        return cls(**stacked(column))
+
+
+def _with_solver(described: Mapping[str, Any], solver: Mapping[str, Any]) -> Mapping[str, Any]:
+    if OF_COLUMN in described:
+        column = described[OF_COLUMN]
+        return {OF_COLUMN: {**column, "solver": {**column.get("solver", {}), **solver}}}
+    return {**described, "solver": solver}
+
+
+@lru_cache(maxsize=1024)
+def _is_mirrored(face: Face) -> bool:
+    """Whether a face is its own mirror image about the plane x, z, with axes in it or across it."""
+    across = np.abs(face.axes[1, :])
+    in_plane = bool(np.all((across < 1e-9) | (across > 1.0 - 1e-9))) and across[2] < 1e-9
+    if not in_plane or abs(face.centre[1]) > 1e-9 * face.size:
+        return False
+    if face.radius:
+        return True
+    points = face.outline @ face.axes[:, :2].T
+    mirrored = points * np.array([1.0, -1.0, 1.0])
+    return all(np.min(np.linalg.norm(points - point, axis=1)) <= 1e-9 * face.size for point in mirrored)

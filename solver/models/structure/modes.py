@@ -1,0 +1,142 @@
+"""Modes of vibration of a structure in space about its rest, weight included."""
+
+from __future__ import annotations
+
+import math
+import os
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ...common.errors import InputError, needing
+from ...common.files import write_table
+from ...common.frames import Frame, Framed
+from ...kernels.structure.layout import OF_BLOCK
+from .blocks.faces import FloatArray
+from .model import Structure
+from .rest import Rest, deltas_of, full_stiffness, residual_of, rest_of, start_from, sticking
+from .stepper import Stepper
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+PART = 1e-6  # of the settlement: displacements within a radian of the fastest mode at the rates of differences
+
+
+@dataclass(frozen=True, eq=False)
+class SpatialModes(Framed):
+    """The 6 n modes of a structure by frequency; joints that are partly open at rest stay so.
+
+    Shapes (6 n, n, 3): displacements of the centroids, m, and rotations, rad, scaled so that the largest displacement,
+    or rotation times the size of its block, is 1 m. mass (6 n, 6): effective masses along x, y, z, kg, and inertias
+    about axes through the origin, kg m2. Damping ratios are NaN without weight: it is open then what is in contact.
+    """
+
+    structure: Structure
+    frequency: FloatArray  # (6 n,) Hz
+    displacement: FloatArray
+    rotation: FloatArray
+    mass: FloatArray
+    damping_ratio: FloatArray  # (6 n,) of critical; dampers that couple modes are treated as uncoupled
+    twists: FloatArray  # (6 n,) part of the moment of inertia about the vertical axis through the centroid
+
+    @property
+    def mass_ratio(self) -> FloatArray:
+        """Effective masses along x, y, z over the mass of the structure, (6 n, 3)."""
+        return self.mass[:, :3] / sum(block.mass for block in self.structure.blocks)
+
+    @property
+    def _columns(self) -> dict[str, FloatArray]:
+        """The numbers of each mode, and of the blocks in it, (6 n,) and (6 n, n)."""
+        found = {"frequency": self.frequency, "damping_ratio": self.damping_ratio}
+        found |= {f"mass_{axis}": self.mass[:, k] for k, axis in enumerate("xyz")} | {"twist": self.twists}
+        shapes = np.concatenate([self.displacement, self.rotation], axis=2)
+        return found | {name: shapes[..., k] for k, name in enumerate(OF_BLOCK)}
+
+    def _frame(self) -> Frame:
+        units = {"frequency": "Hz", **dict.fromkeys(("mass_x", "mass_y", "mass_z"), "kg")}
+        units |= {name: "m" if name[0] == "u" else "rad" for name in OF_BLOCK}
+        index = "mode", np.arange(1, len(self.frequency) + 1)
+        return Frame(index, self._columns, units, {"structure": self.structure.name})
+
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
+        """Write a row for each mode: frequency, damping ratio, effective masses, twist, shape. Raises OSError."""
+        names, parts = ["mode"], []
+        for name, values in self._columns.items():
+            names += [name] if values.ndim == 1 else [f"block[{block}].{name}" for block in self.structure.names]
+            parts.append(values.reshape(len(values), -1))
+        rows = np.hstack(parts)
+        write_table(path, names, ([k, *map(repr, map(float, row))] for k, row in enumerate(rows, start=1)))
+
+    def plot(self, path: str | os.PathLike[str] | None = None, most: int = 6) -> Figure:
+        """Draw the first `most` shapes; saved to `path` if given. Raises InputError without matplotlib, OSError."""
+        with needing("plot", "matplotlib"):
+            from ...plotting.structure_statics import plot_modes
+        return plot_modes(self, path, most)
+
+
+def modes_in_space(structure: Structure) -> SpatialModes:
+    """Modes about rest. Raises InputError for a structure that has no stable rest."""
+    n = structure.n
+    rest = rest_of(structure)
+    stiffness = rest.stiffness if structure.weight > 0.0 else full_stiffness(structure)
+    root = np.zeros((6 * n, 6 * n))
+    for i, block in enumerate(structure.blocks):
+        at = 6 * i
+        root[at : at + 3, at : at + 3] = np.eye(3) * math.sqrt(block.mass)
+        root[at + 3 : at + 6, at + 3 : at + 6] = np.linalg.cholesky(block.inertia)
+    inverse = np.linalg.inv(root)
+    squares, vectors = np.linalg.eigh(inverse @ (0.5 * (stiffness + stiffness.T)) @ inverse.T)
+    if squares[0] <= 0.0:
+        raise InputError(f"{structure.name}: its rest is not stable, it falls without any motion")
+    shapes = inverse.T @ vectors
+    omega = np.sqrt(squares)
+    damping = np.full((6 * n, 6 * n), math.nan)
+    if structure.weight > 0.0:
+        damping = _damping(structure, rest, float(omega[-1]))
+    modal = np.einsum("ik,ij,jk->k", shapes, damping, shapes)
+    participation = _rigid(structure).T @ root @ vectors
+    masses = np.array([block.mass for block in structure.blocks])
+    x, y, _ = masses @ np.array([block.centroid for block in structure.blocks]) / np.sum(masses)
+    twists = (participation[5] + y * participation[0] - x * participation[1]) ** 2
+    parts = shapes.T.reshape(6 * n, n, 6)
+    sizes = np.array([block.size for block in structure.blocks])[None, :, None]
+    largest = np.maximum(np.abs(parts[..., :3]), np.abs(parts[..., 3:]) * sizes).max(axis=(1, 2))
+    parts = parts / largest[:, None, None]
+    frequency, ratio = omega / (2.0 * math.pi), np.maximum(modal, 0.0) / (2.0 * omega)
+    mass, twists = participation.T**2, twists / np.sum(twists)
+    return SpatialModes(structure, frequency, parts[..., :3], parts[..., 3:], mass, ratio, twists)
+
+
+def _damping(structure: Structure, rest: Rest, fastest: float) -> FloatArray:
+    """Forces and moments on the blocks by their rates, (6 n, 6 n); fastest: rad/s, of the modes.
+
+    By central differences, so that of a joint that is partly open only the part in contact damps. Blocks at rest have
+    turned so little that their axes are those of the base. Where joints may slide, they stick.
+    """
+    stepper, n = Stepper(structure), structure.n
+    start_from(stepper, rest)
+    stepper, see = sticking(stepper), stepper.see
+    deltas = deltas_of(structure, PART * fastest * float(np.max(np.abs(rest.phase[: 3 * n]))))
+    rates = see.vx, see.vy, see.vz, see.wx, see.wy, see.wz
+    found = np.empty((6 * n, 6 * n))
+    for column, delta in enumerate(deltas):
+        i, axis = divmod(column, 6)
+        forces = []
+        for rate in (delta, -delta):
+            rates[axis][i] = rate
+            forces.append(residual_of(stepper)[0])
+        rates[axis][i] = 0.0
+        found[:, column] = (forces[1] - forces[0]) / (2.0 * delta)
+    return found
+
+
+def _rigid(structure: Structure) -> FloatArray:
+    """Displacements and rotations of all blocks as the base moves along, or turns about, each axis, (6 n, 6)."""
+    found = np.zeros((6 * structure.n, 6))
+    for i, block in enumerate(structure.blocks):
+        x, y, z = block.centroid
+        found[6 * i : 6 * i + 6, :3] = np.eye(6)[:, :3]
+        found[6 * i : 6 * i + 6, 3:] = np.vstack([[[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]], np.eye(3)])
+    return found

@@ -1,0 +1,156 @@
+"""Numbers of a structure by their dotted names, so that a study can set any number of its file.
+
+block[left].height      of a block by its name, or by its number in the file, from 1; block.density: of every block
+block[left].at[1]       a coordinate, from 1
+joint[beam-left].friction  the law of a joint by its name, as in the results, or its number; joint.stiffness: of all
+tie[1].yield            of a tie; tie.stiffness: of all
+g, solver.tolerance
+structure.size          factor on every length; masses grow with its cube, moduli and ties' forces do not change
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, replace
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+from ...common.errors import POSITIVE, InputError, check_number
+from .blocks.parts import Bed
+from .file import bed_from
+from .model import Structure
+
+SIZE = "structure.size"
+_WHOLE = ("g", "solver.tolerance")
+_PARTS = re.compile(r"(block|joint|tie)(?:\[([^\[\]]+)\])?\.([a-z_]+)(?:\[([1-9])\])?")
+_LENGTHS = (
+    *("width", "depth", "height", "top_width", "top_depth", "diameter", "top_diameter", "bore", "outline"),
+    *("at", "position", "from", "to", "slack"),
+)
+
+
+class Named(NamedTuple):
+    """A name in its parts: block, joint or tie; which ("": all); key; coordinate (0: the number itself)."""
+
+    kind: str
+    which: str
+    key: str
+    coordinate: int
+
+
+def is_of_structure(name: str) -> bool:
+    """Whether a dotted name belongs to a structure."""
+    return name in (*_WHOLE, SIZE) or _named(name) is not None
+
+
+def single_names_in_space(name: str, structure: Structure) -> list[str]:
+    """`joint.stiffness` as `joint[1].stiffness`, `joint[2].stiffness` ...; a name of one number as it is."""
+    found = _named(name)
+    if found is None or found.which:
+        return [name]
+    return [f"{found.kind}[{k}].{found.key}" for k in range(1, len(_names(found.kind, structure)) + 1)]
+
+
+def structure_with(structure: Structure, values: Mapping[str, tuple[float, bool]]) -> Structure:
+    """The structure with numbers set: name -> (number, whether it multiplies what the structure has).
+
+    Its size comes first, then the others in their order. Raises InputError on a name or a number that is wrong.
+    """
+    if not values:
+        return structure
+    beds = {name for name in values if (found := _named(name)) is not None and found.kind == "joint"}
+    if beds != values.keys():
+        data = structure.to_dict()
+        for name in sorted(values.keys() - beds, key=lambda name: (name != SIZE, list(values).index(name))):
+            _set(data, structure, name, *values[name])
+        structure = Structure.from_dict(data)
+    joints = list(structure.joints)
+    for name in values:
+        if name in beds:
+            for j in _which(name, structure):
+                joints[j] = replace(joints[j], bed=_bed_with(joints[j].bed, name, *values[name]))
+    return replace(structure, joints=tuple(joints), described=None) if beds else structure
+
+
+@lru_cache(maxsize=1024)
+def _named(name: str) -> Named | None:
+    found = _PARTS.fullmatch(name)
+    return None if found is None else Named(found[1], found[2] or "", found[3], int(found[4] or 0))
+
+
+def _names(kind: str, structure: Structure) -> Sequence[str]:
+    if kind == "tie":
+        return [str(e) for e in range(1, len(structure.ties) + 1)]
+    return structure.names if kind == "block" else structure.joint_names
+
+
+def _which(name: str, structure: Structure) -> Sequence[int]:
+    """Places of what a name refers to. Raises InputError if there is no such block, joint or tie."""
+    found = _named(name)
+    assert found is not None
+    names = _names(found.kind, structure)
+    if not found.which and names:
+        return range(len(names))
+    if found.which in names:
+        return [names.index(found.which)]
+    if found.which.isdigit() and 1 <= int(found.which) <= len(names):
+        return [int(found.which) - 1]
+    listed = f"{', '.join(names[:8])}{', ...' if len(names) > 8 else ''}" or "there is none"
+    raise InputError(f"{name}: no such {found.kind}, must be one of {listed}, or a number from 1 to {len(names)}")
+
+
+def _set(data: dict[str, Any], structure: Structure, name: str, number: float, relative: bool) -> None:
+    found = _named(name)
+    if name == SIZE:
+        _resize(data, check_number(name, number, POSITIVE, "a positive number"))
+    elif found is None:
+        table, key = (data, "g") if name == "g" else (data.setdefault("solver", {}), "tolerance")
+        table.setdefault(key, structure.g if name == "g" else structure.tolerance)
+        table[key] = _moved(name, table[key], number, relative)
+    else:
+        for place in _which(name, structure):
+            _put(data[found.kind][place], name, found, number, relative)
+
+
+def _put(table: dict[str, Any], name: str, found: Named, number: float, relative: bool) -> None:
+    if not found.coordinate:
+        table[found.key] = _moved(name, table.get(found.key), number, relative)
+        if not relative:  # one of them replaces the other
+            table.pop({"mass": "density", "density": "mass"}.get(found.key, ""), None)
+        return
+    point = table.get(found.key)
+    if not isinstance(point, list) or found.coordinate > len(point):
+        raise InputError(f"{name}: must be a coordinate that the file has")
+    point[found.coordinate - 1] = _moved(name, point[found.coordinate - 1], number, relative)
+
+
+def _moved(name: str, present: object, number: float, relative: bool) -> float:
+    if not relative:
+        return number
+    if isinstance(present, bool) or not isinstance(present, (int, float)):
+        raise InputError(f"{name}: the file has none that could be multiplied, must be given without relative")
+    return number * present
+
+
+def _bed_with(bed: Bed, name: str, number: float, relative: bool) -> Bed:
+    found = _named(name)
+    assert found is not None
+    law = {key: value for key, value in asdict(bed).items() if value is not None}
+    if found.coordinate or (found.key not in law and found.key not in asdict(bed)):
+        raise InputError(f"{name}: unknown name, must be of the law of a joint: {', '.join(asdict(bed))}")
+    return bed_from(name.rpartition(".")[0], {**law, found.key: _moved(name, law.get(found.key), number, relative)})
+
+
+def _resize(data: dict[str, Any], factor: float) -> None:
+    for kind in ("block", "joint", "tie"):
+        tables = data.get(kind, [])
+        for table in tables if isinstance(tables, list) else []:
+            for key in table.keys() & set(_LENGTHS):
+                table[key] = _times(table[key], factor)
+            if "mass" in table:
+                table["mass"] *= factor**3
+
+
+def _times(value: Any, factor: float) -> Any:
+    return [_times(part, factor) for part in value] if isinstance(value, list) else factor * value

@@ -1,0 +1,234 @@
+"""The flat arrays of a structure, for the kernels (kernels/structure/layout.py)."""
+
+from __future__ import annotations
+
+import math
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ...kernels.column.assembly import LIGHTLY_DAMPED
+from ...kernels.structure import layout as at
+from ...kernels.structure.modal_layout import room_size
+from .blocks.contacts import GROUND
+from .blocks.faces import Face, FloatArray, edge_distance
+from .blocks.parts import Joint, Solid, Tie
+
+FLOOR = 1e-3  # of the motion under which the structure settles as it is loaded: the least that errors are measured by
+# least damping along a joint that may slide, times the frequency of the fastest joint: the elastic slip turns with the
+# motion within that time, which explicit steps must follow
+RELAXATION = 0.1
+FIRST = 0.1  # of the time in which the fastest joint turns by a radian
+
+
+class Model(NamedTuple):
+    """What describes a structure: the arguments `model` of the entries."""
+
+    settings: FloatArray
+    bodies: FloatArray
+    joints: FloatArray
+    ties: FloatArray
+    corners: FloatArray
+    modal: FloatArray  # kernels/structure/modal_layout.py; empty without modes
+
+
+class State(NamedTuple):
+    """What a run changes, and its work array: the arguments `state` of the entries."""
+
+    control: FloatArray
+    counts: Any
+    peaks: FloatArray
+    work: FloatArray
+
+
+def model_of(
+    solids: tuple[Solid, ...], joints: tuple[Joint, ...], ties: tuple[Tie, ...], g: float, tolerance: float
+) -> Model:
+    """The arrays of a structure, its own but for those that no run changes."""
+    parts = _parts_of(solids, joints, ties, g)
+    settings = parts.settings.copy()
+    see = at.SETTINGS.see(settings)
+    see.tolerance = tolerance
+    see.step_tolerance = at.step_tolerance(see.order, tolerance)
+    return parts._replace(settings=settings)
+
+
+@lru_cache(maxsize=64)
+def _parts_of(solids: tuple[Solid, ...], joints: tuple[Joint, ...], ties: tuple[Tie, ...], g: float) -> Model:
+    """The arrays of a structure, without tolerances."""
+    n, m, k = len(solids), len(joints), len(ties)
+    outlines = [joint.face.outline.ravel() for joint in joints]
+    faces = [_faces_of(joint) for joint in joints]
+    model = Model(
+        np.zeros(at.SETTINGS.beside),
+        np.zeros(at.BODIES.size(n + 1)),
+        np.zeros(at.JOINTS.size(m)),
+        np.zeros(at.TIES.size(k)),
+        np.concatenate([np.zeros(0), *outlines, *(part for pair in faces for part in pair)]),
+        np.zeros(0),
+    )
+    model.bodies[:] = _bodies_of(solids)
+    table = at.JOINTS.see(model.joints, m)
+    place, behind = 0, sum(outline.size for outline in outlines)
+    for j, joint in enumerate(joints):
+        _fill_joint(table, j, joint, solids, place)
+        place += len(joint.face.outline)
+        if faces[j]:
+            above, below = faces[j]
+            table.above[j], table.below[j] = behind, behind + above.size
+            table.rim_a[j], table.rim_b[j] = _rim(above), _rim(below)
+            behind += above.size + below.size
+    for e, tie in enumerate(ties):
+        _fill_tie(at.TIES.see(model.ties, k), e, tie, solids)
+    settings = at.SETTINGS.see(model.settings)
+    _fill_settings(settings, table, solids, joints, g)
+    slides = any(joint.bed.friction is not None for joint in joints)
+    settlement = settings.motion_floor * settings.extent / FLOOR
+    for j, joint in enumerate(joints):
+        table.reach[j] = math.inf
+        if joint.bed.friction is not None:
+            table.reach[j] = joint.bed.friction * settlement / joint.bed.shear_ratio + joint.bed.dowel / table.shear[j]
+            table.shear_damping[j] = max(table.shear_damping[j], settings.relaxation)
+    settings.gives_way = float(slides or any(tie.yield_ is not None for tie in ties))
+    return model
+
+
+def state_of(n: int, m: int, k: int, corners: int) -> State:
+    """What a run changes beside the phase, before it; corners: numbers of all of them."""
+    return State(
+        np.zeros(at.CONTROL.beside),
+        np.zeros(at.COUNTS.beside, dtype=np.int64),
+        np.zeros(at.row_size(n, m, k)),
+        np.zeros(at.work_size(n, m, k, corners) + room_size(n, k)),
+    )
+
+
+def phase_of(n: int, m: int, k: int) -> FloatArray:
+    """The phase of n blocks as built, with what m joints and k ties remember behind it."""
+    phase = np.zeros(at.moving_size(n, m, k))
+    at.PHASE.see(phase, n).q0[:] = 1.0
+    return phase
+
+
+def centroid_of(solids: tuple[Solid, ...], i: int) -> FloatArray:
+    """Centroid of a body, m; of the base its origin."""
+    return solids[i].centroid if i < len(solids) else np.zeros(3)
+
+
+@lru_cache(maxsize=64)
+def _bodies_of(solids: tuple[Solid, ...]) -> FloatArray:
+    numbers = np.zeros(at.BODIES.size(len(solids) + 1))
+    table = at.BODIES.see(numbers, len(solids) + 1)
+    for i, solid in enumerate(solids):
+        table.mass[i], table.per_mass[i] = solid.mass, 1.0 / solid.mass
+        for prefix, tensor in (("j", solid.inertia), ("i", _inverse(solid.inertia))):
+            for name, (row, column) in {
+                "xx": (0, 0),
+                "yy": (1, 1),
+                "zz": (2, 2),
+                "xy": (0, 1),
+                "xz": (0, 2),
+                "yz": (1, 2),
+            }.items():
+                getattr(table, prefix + name)[i] = tensor[row, column]
+        table.x[i], table.y[i], table.z[i] = solid.centroid
+        table.size[i], table.drop[i] = solid.size, solid.drop
+    return numbers
+
+
+def _inverse(tensor: FloatArray) -> FloatArray:
+    """The inverse of a symmetric tensor, (3, 3), by its minors: equal bits whatever numpy's linear algebra."""
+    a, b, c = tensor
+    minors = np.array([np.cross(b, c), np.cross(c, a), np.cross(a, b)])
+    inverse: FloatArray = minors.T / float(a @ minors[0])
+    return inverse
+
+
+@lru_cache(maxsize=64)
+def _extent_of(solids: tuple[Solid, ...]) -> float:
+    """m, by which displacements become rotations of the whole."""
+    corners = np.concatenate([solid.corners for solid in solids])
+    return max(float(np.max(corners[:, 2])), 0.1 * float(np.max(np.ptp(corners, axis=0))))
+
+
+def _fill_joint(table: Any, j: int, joint: Joint, solids: tuple[Solid, ...], place: int) -> None:
+    face, bed = joint.face, joint.bed
+    table.upper[j], table.lower[j] = joint.upper, joint.lower
+    for prefix, body in (("a", joint.upper), ("b", joint.lower)):
+        arm = face.centre - centroid_of(solids, body)
+        for axis, length in zip("xyz", arm, strict=True):
+            getattr(table, prefix + axis)[j] = length
+    for k in range(3):
+        for axis, part in zip("xyz", face.axes[:, k], strict=True):
+            getattr(table, f"e{k + 1}{axis}")[j] = part
+    area, ixx, iyy, ixy = joint.face.moments
+    table.area[j], table.ixx[j], table.iyy[j], table.ixy[j] = area, ixx, iyy, ixy
+    table.stiffness[j], table.damping[j] = bed.stiffness, bed.damping
+    shear = bed.shear_ratio * bed.stiffness
+    table.shear[j], table.twist[j] = shear * area, shear * (ixx + iyy)
+    table.shear_damping[j] = bed.damping if bed.shear_damping is None else bed.shear_damping
+    table.friction[j] = math.inf if bed.friction is None else bed.friction
+    table.dowel[j], table.arm[j] = bed.dowel, joint.face.arm
+    table.section[j] = at.ROUND if face.radius else at.POLYGON
+    table.outer[j], table.inner[j] = face.radius, face.bore
+    table.first[j], table.corners[j] = place, len(face.outline)
+    table.rim_a[j], table.rim_b[j] = math.inf, math.inf
+
+
+def _faces_of(joint: Joint) -> tuple[FloatArray, ...]:
+    """Both faces of a joint that may slide, for the kernels (layout.py, FACE)."""
+    if joint.bed.friction is None:
+        return ()
+    return _face_of(joint, joint.above), _face_of(joint, joint.below)
+
+
+def _face_of(joint: Joint, face: Face | None) -> FloatArray:
+    """A face in the axes of a joint, from its centre."""
+    face = face or joint.face
+    if face is GROUND:
+        return np.array([0.0, 0.0, 0.0, math.inf, 0.0])
+    if face.radius:
+        x, y = (face.centre - joint.face.centre) @ joint.face.axes[:, :2]
+        return np.array([0.0, x, y, face.radius, face.bore])
+    outline = face.seen_from(joint.face)
+    return np.array([len(outline), 0.0, 0.0, 0.0, 0.0, *outline.ravel()])
+
+
+def _rim(face: FloatArray) -> float:
+    """Distance of the nearest edge of a face from the centre of its joint, m."""
+    if not face[0]:
+        return float(face[3] - math.hypot(face[1], face[2]))
+    return edge_distance(face[at.FACE.beside :].reshape(-1, 2))
+
+
+def _fill_tie(table: Any, e: int, tie: Tie, solids: tuple[Solid, ...]) -> None:
+    table.one[e], table.other[e] = tie.one, tie.other
+    for prefix, arm in (("a", tie.from_), ("b", tie.to)):
+        for axis, length in zip("xyz", arm, strict=True):
+            getattr(table, prefix + axis)[e] = length
+    built = centroid_of(solids, tie.other) + tie.to - centroid_of(solids, tie.one) - tie.from_
+    table.stiffness[e], table.damping[e] = tie.stiffness, tie.damping
+    table.length[e] = float(np.linalg.norm(built)) + tie.slack - tie.pretension / tie.stiffness
+    table.tension_only[e] = 1.0 if tie.tension_only else 0.0
+    table.yields_at[e] = math.inf if tie.yield_ is None else tie.yield_
+
+
+def _fill_settings(settings: Any, table: Any, solids: tuple[Solid, ...], joints: tuple[Joint, ...], g: float) -> None:
+    extent = _extent_of(solids)
+    fastest = 1e-12
+    for j, joint in enumerate(joints):
+        for body in (joint.upper, joint.lower):
+            if body < len(solids):
+                fastest = max(fastest, float(table.stiffness[j] * table.area[j]) / solids[body].mass)
+    frequency = math.sqrt(2.0 * fastest)
+    settings.gravity = g
+    settings.first_step = FIRST / frequency
+    damping = max((min(table.damping[j], table.shear_damping[j]) for j in range(len(joints))), default=0.0)
+    rings = 0.5 * damping * frequency < LIGHTLY_DAMPED
+    settings.order = at.RINGING_ORDER if rings else 5.0
+    settings.extent = extent
+    settings.motion_floor = max(1e-12, FLOOR * max(g, 1e-3) / fastest / extent)
+    settings.rate_floor = settings.motion_floor * math.sqrt(max(g, 1e-3) / extent)
+    settings.relaxation = RELAXATION / frequency
+    settings.watches = 1.0

@@ -1,0 +1,273 @@
+"""Push-over: the places in which a structure balances under a steady acceleration of its base that grows.
+
+Balance is 6 n equations for 6 n coordinates and the push. The path is followed by its length, in displacements and push
+together: a step goes on along the last one, and Newton's method comes back onto the path across it. So a joint that
+slides under a push which does not grow, and the largest push, are places as all others. Joints that slide and ties that
+yield remember each place that the path reaches.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...common.errors import FINITE, InputError, check_number, needing
+from ...common.notebook import Shown, counted, history, rows_of
+from ...ground.motion import STANDARD_GRAVITY
+from ..column.response import DIGITS
+from .blocks.faces import FloatArray
+from .model import Structure
+from .rest import deltas_of, move, residual_of, rest_of, start_from
+from .rows import Rows, places_of
+from .stepper import Stepper
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+FIRST = 0.1  # of g: the push by which lengths along the path are measured, with the displacement that it causes at rest
+STEP, SHORTEST = 0.1, 1e-10  # first step in this measure, and the least
+GROWTH = 0.2  # of the length of the path: longest step, later on
+LARGEST = 10.0  # of g: a push at which the path ends
+MOST_PLACES = 2000
+ITERATIONS = 8  # of Newton's method for a place
+CLOSE, ROUGH = 1e-10, 1e-7  # of the weight: forces that are left; at most, where rounding leaves them
+# of a step, and at least of all displacement: differences for the tangent. In larger ones joints that bear hardly any
+# load stick on one side and slide on the other, and Newton's method is slow; smaller ones are lost in rounding
+DIFFERENCE, ROUNDED = 1e-5, 1e-9
+NARROWED = 1e-4  # of a step: in what part of it a joint begins to open or to slide, or the push to fall
+LEAST_GROWTH = 1e-9  # of the push in a step: with less it does not grow
+FALLS = "beyond it the push falls, or does not grow"
+TURN = 0.9  # least cosine between a step and the next one
+OPEN, SLID = 1e-9, 1e-9  # of the contact, of the largest displacement: from where on a joint is open, and has slid
+
+
+class PushOver(Rows, Shown):
+    """A structure under a push that grows, from rest to the largest one that it balances, (rows,).
+
+    direction: rad from x to y, of the push; the base accelerates the other way. vertical: its part upwards, over the
+    horizontal one. acceleration (rows,): the horizontal push over the mass, m/s2; the first is 0. Fields are those of a
+    `SpatialResponse` (ux, rotation, N, contact, base ...), a row for each place; `displacement` has those of a point.
+
+    uplift, sliding: m/s2, from which on the first joint that was closed at rest opens, and the first one slides; NaN if
+    none does. uplift_joint, sliding_joint: their names. ends: why the path ends, in words.
+    """
+
+    def __init__(self, structure: Structure, direction: float, vertical: float, places: Sequence[_Place]) -> None:
+        self.structure, self.direction, self.vertical = structure, direction, vertical
+        self.acceleration: FloatArray = np.array([place.push for place in places])
+        self.rows: FloatArray = np.array([place.row for place in places])
+        self.uplift, self.uplift_joint = self._first(self.opened)
+        self.sliding, self.sliding_joint = self._first(self.slides)
+        self.ends = ""
+
+    def _first(self, found: NDArray[np.bool_]) -> tuple[float, str]:
+        rows, joints = np.nonzero(found)
+        if not rows.size:
+            return math.nan, ""
+        return float(self.acceleration[rows[0]]), self.structure.joint_names[joints[0]]
+
+    @property
+    def opened(self) -> NDArray[np.bool_]:
+        """Whether joints that were closed at rest are open in part, (rows, joints)."""
+        return _opened(self.contact, self.contact[0])
+
+    @property
+    def slides(self) -> NDArray[np.bool_]:
+        """Whether joints have slid since rest, (rows, joints)."""
+        moved = self.rows[:, : 3 * self.structure.n] - self.rows[0, : 3 * self.structure.n]
+        return _slid(self.slip - self.slip[0], self.contact, np.max(np.abs(moved), axis=1, keepdims=True))
+
+    @property
+    def largest_acceleration(self) -> float:
+        """The largest push that the structure balances, m/s2."""
+        return float(self.acceleration[-1])
+
+    @property
+    def moves_most(self) -> int:
+        """Number of the block whose centroid the largest push displaces most."""
+        moved = self.rows[-1, : 3 * self.structure.n] - self.rows[0, : 3 * self.structure.n]
+        return int(np.argmax(np.linalg.norm(moved.reshape(3, -1), axis=0)))
+
+    @property
+    def moved(self) -> FloatArray:
+        """How far the block that moves most is from its place at rest, m (rows,)."""
+        path = self.displacement(self.moves_most)
+        found: FloatArray = np.linalg.norm(path - path[0], axis=1)
+        return found
+
+    def _facts(self) -> tuple[str, ...]:
+        facts = [f"of {self.structure.name}", f"towards {math.degrees(self.direction):.4g} degrees"]
+        for word, push in (("opens", self.uplift), ("slides", self.sliding)):
+            facts += [f"{word} from {push / STANDARD_GRAVITY:.4g} g on"] if math.isfinite(push) else []
+        facts.append(f"{self.largest_acceleration / STANDARD_GRAVITY:.4g} g at most")
+        return *facts, counted(len(self.rows), "place")
+
+    def _lines(self) -> Iterable[Sequence[object]]:
+        shown = {"contact at rest": self.contact[0], "at the end": self.contact[-1]}
+        return rows_of({"joint": np.array(self.structure.joint_names), **shown})
+
+    def _picture(self) -> str:
+        return history(1e3 * self.moved, self.acceleration / STANDARD_GRAVITY, "push (g)")
+
+    def to_csv(self, path: str | os.PathLike[str], digits: int = DIGITS) -> None:
+        """Write a row for each place, under the names of a SpatialResponse. Raises InputError, OSError."""
+        self._write(path, "acceleration", self.acceleration, digits)
+
+    def plot(self, path: str | os.PathLike[str] | None = None) -> Figure:
+        """Draw the push over the displacement, and the structure at its largest push; saved to `path` if given.
+
+        Raises InputError without matplotlib (the extra `plot`), OSError.
+        """
+        with needing("plot", "matplotlib"):
+            from ...plotting.structure_statics import plot_push_over
+        return plot_push_over(self, path)
+
+
+def push_over(structure: Structure, direction: float = 0.0, vertical: float = 0.0) -> PushOver:
+    """Push a structure by a steady acceleration that grows from zero to the largest one that it balances.
+
+    direction: rad from x to y. vertical: the part of the push upwards, over the horizontal one.
+
+    The largest push, the first opening and the first sliding are found to 1e-4 of a step or better. Raises InputError
+    for a wrong value, and for a structure that has no weight or no stable rest.
+    """
+    check_number("direction", direction, FINITE, "an angle in rad")
+    check_number("vertical", vertical, FINITE, "a ratio, upwards positive")
+    if not structure.weight > 0.0:
+        raise InputError(f"{structure.name}: g = {structure.g}: must be positive, without weight nothing stands")
+    path = _Path(structure, np.array([math.cos(direction), math.sin(direction), float(vertical)]))
+    ends = path.follow()
+    found = PushOver(structure, float(direction), float(vertical), path.places)
+    found.ends = ends
+    return found
+
+
+def _opened(contact: FloatArray, at_rest: FloatArray) -> NDArray[np.bool_]:
+    found: NDArray[np.bool_] = (at_rest >= 1.0 - OPEN) & (contact < 1.0 - OPEN)
+    return found
+
+
+def _slid(slip: FloatArray, contact: FloatArray, moved: FloatArray) -> NDArray[np.bool_]:
+    found: NDArray[np.bool_] = (np.abs(slip) > SLID * moved) & (contact > OPEN)
+    return found
+
+
+class _Place(NamedTuple):
+    push: float  # m/s2
+    row: FloatArray
+    phase: FloatArray  # with what joints and ties remember
+    ahead: FloatArray  # (6 n + 1,), direction of the path in the measure
+    iterations: int
+
+
+class _Seen(NamedTuple):
+    """What is looked for along the path."""
+
+    grows: bool  # the push
+    opened: bool  # some joint
+    slid: bool
+
+
+class _Path:
+    """The path of one structure pushed along `way`, (3,)."""
+
+    def __init__(self, structure: Structure, way: FloatArray) -> None:
+        rest = rest_of(structure)
+        self.stepper, self.way = Stepper(structure), way
+        start_from(self.stepper, rest)
+        n = structure.n
+        self.per = deltas_of(structure, 1.0)  # a rotation counts over the size of its block
+        self.weight = structure.weight
+        masses = np.array([block.mass for block in structure.blocks])
+        self.load = np.concatenate([masses[:, None] * way, np.zeros((n, 3))], axis=1).ravel()  # of a push of 1 m/s2
+        first = FIRST * STANDARD_GRAVITY
+        linear = np.linalg.solve(rest.stiffness, first * self.load)
+        self.unit = float(np.linalg.norm(linear / self.per)) * self.per, first
+        ahead = np.append(linear / self.unit[0], 1.0)
+        ahead /= np.linalg.norm(ahead)
+        self.contact, self.slip = (
+            slice(k, k + m) for k, m in (places_of(structure)[name] for name in ("contact", "slip"))
+        )
+        self.places = [_Place(0.0, rest.row.copy(), rest.phase.copy(), ahead, 0)]
+
+    def follow(self) -> str:
+        """Add the places up to the largest push; returns why the path ends."""
+        step, gone, narrow, seeking, seen = STEP, 0.0, 0.0, False, _Seen(True, False, False)
+        while len(self.places) < MOST_PLACES:
+            last = self.places[-1]
+            place = self._next(last, step)
+            if place is None:
+                step *= 0.5
+                if step < SHORTEST:
+                    return "no balance is found beyond it"
+                continue
+            now = self._seen(place, last, seen)
+            turns = float(place.ahead @ last.ahead) < TURN
+            if (now != seen or turns) and step > narrow:  # what begins in it is looked for
+                narrow, seeking = narrow or NARROWED * step, seeking or now != seen
+                step *= 0.5
+                continue
+            if not now.grows and place.push < last.push * (1.0 - LEAST_GROWTH):
+                return FALLS
+            self.places.append(place)
+            if not now.grows:
+                return FALLS
+            if place.push > LARGEST * STANDARD_GRAVITY:
+                return f"it balances {LARGEST:g} g, and was not pushed further"
+            if now != seen or not seeking:
+                narrow, seeking = 0.0, False
+            seen = now
+            gone += step
+            if not seeking:
+                step = min(2.0 * step, max(STEP, GROWTH * gone))
+        return f"the path is followed over {MOST_PLACES} places"
+
+    def _seen(self, place: _Place, last: _Place, before: _Seen) -> _Seen:
+        rest, row = self.places[0].row, place.row
+        contact, slip, moved = self.contact, self.slip, slice(0, 3 * self.stepper.structure.n)
+        return _Seen(
+            place.ahead[-1] > 0.0 and place.push > last.push * (1.0 + LEAST_GROWTH),
+            before.opened or bool(np.any(_opened(row[contact], rest[contact]))),
+            before.slid
+            or bool(np.any(_slid(row[slip] - rest[slip], row[contact], np.max(np.abs(row[moved] - rest[moved]))))),
+        )
+
+    def _next(self, last: _Place, step: float) -> _Place | None:
+        """The place a step further along the path; None where Newton's method does not find it."""
+        stepper, (lengths, first), size = self.stepper, self.unit, len(self.load)
+        matrix = np.empty((size + 1, size + 1))
+        matrix[size, :size], matrix[size, size] = last.ahead[:-1] / lengths, last.ahead[-1] / first
+        matrix[:size, size] = -self.load
+        stepper.phase[:] = last.phase
+        push = last.push + step * float(last.ahead[-1]) * first
+        move(stepper, step * lengths * last.ahead[:-1])
+        most = float(np.max(np.abs(last.phase[: size // 2])))
+        delta = max(DIFFERENCE * step * float(lengths[0]), ROUNDED * most) * self.per
+        iterations, left, right = 0, math.inf, np.zeros(size + 1)
+        while True:
+            right[:size], _ = residual_of(stepper, -push * self.way)
+            before, left = left, float(np.max(np.abs(right[:size] * self.per))) / self.weight
+            arrived = left <= CLOSE or (left <= ROUGH and left > 0.3 * before)
+            if arrived:  # what slides is beyond what the last place remembers: so the tangent is that of sliding
+                right[:size], right[size] = 0.0, 1.0
+            matrix[:size, :size] = stepper.stiffness(delta)
+            try:
+                change = np.linalg.solve(matrix, right)
+            except np.linalg.LinAlgError:
+                return None
+            scaled = change / np.append(lengths, first)
+            if arrived:
+                break
+            iterations += 1
+            if iterations > ITERATIONS or not np.linalg.norm(scaled) <= step:
+                return None
+            push += float(change[-1])
+            move(stepper, np.asarray(change[:-1], dtype=np.float64))
+        ax, ay, az = -push * self.way
+        stepper.observe(ax, ay, az, keep=True)
+        return _Place(push, stepper.row.copy(), stepper.phase.copy(), scaled / np.linalg.norm(scaled), iterations)

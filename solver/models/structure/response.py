@@ -1,0 +1,177 @@
+"""The result of a run in space: histories, peaks, verdict; as CSV."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Sequence
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ...common.errors import needing
+from ...common.frames import EXTRA
+from ...common.notebook import Shown, counted, history, rows_of
+from ...ground.motion import Motion
+from ..column.response import DIGITS
+from ..uncertainty import Ensemble, ErrorEstimate
+from .blocks.faces import FloatArray
+from .overlap import Overlap, deepest_overlap
+from .rows import OF_BASE, OF_BLOCK, OF_JOINT, Rows, places_of
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from .model import Structure
+
+
+class SpatialResponse(Rows, Shown):
+    """Histories of a structure: rows are instants, columns blocks, joints or ties in the order of the structure.
+
+    time (s). Blocks: ux, uy, uz (m), of the centroids relative to the base, from the structure as built and without
+    weight; rotation (rows, n, 3), axis times angle (rad). Joints, along the axes of the joint: N (N, compression), Mx,
+    My, Mz (N m, restoring), Tx, Ty (N, of the upper block on the lower one), contact (0..1 of the area), sigma_max
+    (Pa), slip (m, that friction has given way by). tie (N, tension). base (rows, 6): force and moment about the origin
+    of the structure on the base.
+
+    peaks: largest absolute values of the continuous motion by these names; the least of contact; u: of the horizontal
+    displacement, over the rows. verdict: "overturned" (some block lies lower than built by half of its least extent, or
+    is tipped by more than a quarter turn), "standing" or "undecided"; reason: why, in words; overturn_time (s, NaN if
+    not), overturned_block (name, empty if not). stats: steps, rejected, evaluations, looks, wall_time (s),
+    settled_for (s). estimated_error, horizon and ensemble: as of the Response of a column.
+    """
+
+    def __init__(
+        self, structure: Structure, time: FloatArray, rows: FloatArray, peaks: FloatArray, stats: dict[str, Any]
+    ) -> None:
+        self.structure, self.time, self.rows, self.stats = structure, time, rows, stats
+        self.peaks = _peaks_of(structure, rows, peaks)
+        self.verdict, self.reason = "undecided", ""
+        self.overturn_time, self.overturned_block = float("nan"), ""
+        self.estimated_error: ErrorEstimate | None = None
+        self.horizon: float | None = None
+        self.ensemble: Ensemble | None = None
+        self.motion: Motion | None = None
+
+    def _facts(self) -> tuple[str, ...]:
+        facts = [f"of {self.structure.name}", self.verdict, f"{1e3 * float(np.max(self.peaks['u'])):.4g} mm at most"]
+        if self.overturned:
+            facts.append(f"{self.overturned_block} fell at {self.overturn_time:.4g} s")
+        if self.ensemble is not None:
+            facts.append(f"{self.ensemble.overturned} of {self.ensemble.size} varied structures overturned")
+        return *facts, counted(len(self.time), "row")
+
+    def _lines(self) -> Iterable[Sequence[object]]:
+        shown = {f"|{name}| (mm)": 1e3 * self.peaks[name] for name in ("ux", "uy", "uz")}
+        return rows_of({"peaks of block": np.array(self.structure.names), **shown})
+
+    def _picture(self) -> str:
+        most = int(np.argmax(self.peaks["u"]))
+        return history(self.time, 1e3 * self.ux[:, most], f"ux of {self.structure.names[most]} (mm)")
+
+    @cached_property
+    def overlap(self) -> Overlap:
+        """The deepest overlap of blocks that no joint connects: they do not meet in the model."""
+        return deepest_overlap(self.structure, self.time, self)
+
+    @property
+    def model(self) -> Structure:
+        """The structure."""
+        return self.structure
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """Whether blocks that no joint connects overlap."""
+        return (self.overlap.sentence,) if self.overlap.between else ()
+
+    @property
+    def overturned(self) -> bool:
+        """Whether a block has fallen, also after the histories."""
+        return bool(self.overturned_block)
+
+    @property
+    def peak_ux(self) -> FloatArray:
+        """The peaks of ux, m (n,): of the centroids, whereas those of a column are of its top faces."""
+        return self.peaks["ux"]
+
+    def to_csv(self, path: str | os.PathLike[str], digits: int = DIGITS) -> None:
+        """Write time and every history, under names such as block[left].ux, joint[left-base].N, tie[1].F, base.Fx."""
+        self._write(path, "time", self.time, digits)
+
+    @property
+    def names(self) -> list[str]:
+        """Names of the columns of the CSV."""
+        return ["time", *self.row_names]
+
+    def to_pandas(self) -> Any:
+        """A pandas.DataFrame of the histories, time as its index, columns as in the CSV.
+
+        Raises InputError without pandas (the extra `studies`).
+        """
+        with needing(EXTRA, "pandas"):
+            import pandas
+        return pandas.DataFrame(self.rows, index=pandas.Index(self.time, name="time"), columns=self.names[1:])
+
+    def to_xarray(self) -> Any:
+        """An xarray.Dataset of the histories over time and the names of blocks, joints and ties.
+
+        Raises InputError without xarray (the extra `studies`).
+        """
+        with needing(EXTRA, "xarray"):
+            import xarray
+        structure = self.structure
+        ties = [str(e) for e in range(1, len(structure.ties) + 1)]
+        parts = {"block": structure.names, "joint": structure.joint_names, "tie_number": ties, "component": OF_BASE}
+        of = dict.fromkeys(OF_BLOCK, "block") | dict.fromkeys(OF_JOINT, "joint")
+        of |= {"tie": "tie_number", "base": "component"}
+        data = {name: (("time", part), self._field(name)) for name, part in of.items()}
+        coordinates = {"time": self.time, **{name: list(values) for name, values in parts.items()}}
+        return xarray.Dataset(data, coordinates, {"structure": structure.name, "verdict": self.verdict})
+
+    def plot(self, path: str | os.PathLike[str] | None = None) -> Figure:
+        """Draw displacements, rotations, contact over time; saved to `path` if given.
+
+        Raises InputError without matplotlib (the extra `plot`).
+        """
+        with needing("plot", "matplotlib"):
+            from ...plotting.structures import plot_response
+        return plot_response(self, path)
+
+    def plot_structure(
+        self, path: str | os.PathLike[str] | None = None, at: float | None = None, scale: float | None = None
+    ) -> Figure:
+        """Draw the deformed structure at time `at`, s (None: its peak), deformation times `scale` (None: chosen).
+
+        Raises InputError without matplotlib (the extra `plot`).
+        """
+        with needing("plot", "matplotlib"):
+            from ...plotting.structures import plot_structure
+        return plot_structure(self, path, at, scale)
+
+    def film(self, path: str | os.PathLike[str], scale: float | None = None, fps: int = 20, speed: float = 1.0) -> None:
+        """Write a film of the structure, a GIF or, if ffmpeg is installed, an MP4; `speed`: s of motion in a s of film.
+
+        Raises InputError without matplotlib (the extra `plot`).
+        """
+        with needing("plot", "matplotlib"):
+            from ...plotting.structures import film
+        film(self, path, scale, fps, speed)
+
+    def plot_plan(
+        self, path: str | os.PathLike[str] | None = None, blocks: Sequence[str | int] | None = None
+    ) -> Figure:
+        """Draw the orbits of blocks in plan; of the highest one unless some are named.
+
+        Raises InputError without matplotlib (the extra `plot`).
+        """
+        with needing("plot", "matplotlib"):
+            from ...plotting.structures import plot_plan
+        return plot_plan(self, path, blocks)
+
+
+def _peaks_of(structure: Structure, rows: FloatArray, peaks: FloatArray) -> dict[str, FloatArray]:
+    found = {name: peaks[first : first + count].copy() for name, (first, count) in places_of(structure).items()}
+    found["contact"] = 1.0 - found["contact"]
+    n = structure.n
+    found["u"] = np.max(np.hypot(rows[:, :n], rows[:, n : 2 * n]), axis=0)
+    return found

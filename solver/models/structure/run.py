@@ -1,0 +1,161 @@
+"""A whole run in space: from a structure and a base motion to a response."""
+
+from __future__ import annotations
+
+import time as clock
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from ...common.errors import InputError
+from ...ground.motion import Motion
+from ...kernels.structure import layout as at
+from ..protocol import OVERTURNED, Plan, Verdict
+from ..still_base import settled
+from .blocks.faces import FloatArray
+from .modal_data import modal_data_of
+from .model import Structure
+from .response import SpatialResponse
+from .rest import rest_of, start_from
+from .stepper import Stepper
+from .verdict import next_look, well_of
+
+COUNTED = ("steps", "elastic_steps", "rejected", "evaluations", "looks")
+
+
+class SpatialGlance(NamedTuple):
+    """The state of a run under way, for a callback: places m and rotations rad of the blocks, (n, 3) each."""
+
+    u: FloatArray
+    rotation: FloatArray
+
+
+Callback = Callable[[float, SpatialGlance], object]
+
+
+class SpatialState(NamedTuple):
+    """Initial displacement m, rotation rad (axis times angle), velocity m/s and spin rad/s of the blocks, (n, 3) each.
+
+    They count from the structure as built and without weight, along the axes of the base.
+    """
+
+    displacement: FloatArray
+    rotation: FloatArray
+    velocity: FloatArray
+    spin: FloatArray
+
+
+def single_run(structure: Structure, plan: Plan) -> SpatialResponse:
+    """A run and its verdict. Raises InputError and SolverError."""
+    motion, callback = plan.motion, plan.callback
+    stepper, why_no_modes = begun(structure, motion, plan.initial)
+    stop = motion.start + plan.duration
+
+    def after_chunk(t: float) -> None:
+        if callback is not None:
+            stepper.observe()
+            u, rotation = stepper.row[: 6 * structure.n].reshape(2, 3, -1)
+            callback(t, SpatialGlance(u.T.copy(), rotation.T.copy()))
+
+    begin = clock.perf_counter()
+    rows = stepper.run(motion, motion.start, stop, plan.times, after_chunk)
+    stats: dict[str, float | str] = {name: int(getattr(stepper.counts, name)) for name in COUNTED}
+    coupled = "" if at.SETTINGS.see(stepper.model.settings).has_modes else "dampers couple the modes"
+    stats["why_no_modes"] = why_no_modes or coupled
+    stats["wall_time"] = clock.perf_counter() - begin
+    response = SpatialResponse(structure, plan.times, rows, stepper.state.peaks.copy(), stats)
+    response.motion = motion
+    found = settled_verdict(stepper, stop, plan.settle)
+    response.verdict, response.reason, stats["settled_for"] = found.word, found.reason, found.time - stop
+    if found.word == OVERTURNED:
+        response.overturn_time = float(stepper.control.fall_time)
+        response.overturned_block = structure.names[int(stepper.counts.fallen) - 1]
+    return response
+
+
+def begun(structure: Structure, motion: Motion, initial: SpatialState | None = None) -> tuple[Stepper, str]:
+    """A structure at rest, or as `initial` says, before a motion; and why it has no modes.
+
+    Raises InputError.
+    """
+    stepper = Stepper(structure)
+    start_from(stepper, rest_of(structure))
+    flat = structure.is_plane and not motion.has_ay
+    if initial is not None:
+        set_initial(stepper, initial)
+        flat = flat and is_flat(initial)
+    modes = modal_data_of(structure)
+    stepper.model = stepper.model._replace(settings=stepper.model.settings.copy(), modal=modes.numbers.copy())
+    settings = at.SETTINGS.see(stepper.model.settings)
+    settings.has_modes = float(modes.numbers.size > 0)
+    settings.in_plane = float(flat)
+    settings.watches = float("peaks" not in structure.without)
+    return stepper, modes.why_none
+
+
+def is_flat(initial: SpatialState) -> bool:
+    """Whether an initial state lies in the plane x, z."""
+    across = initial.displacement[:, 1], initial.velocity[:, 1], initial.rotation[:, ::2], initial.spin[:, ::2]
+    return not any(np.any(part) for part in across)
+
+
+def set_initial(stepper: Stepper, initial: SpatialState) -> None:
+    """Place and move the blocks of a stepper. Raises InputError."""
+    see, n = stepper.see, stepper.structure.n
+    for part in initial:
+        if np.shape(part) != (n, 3) or not np.all(np.isfinite(part)):
+            raise InputError(f"initial: must be four arrays of finite numbers, ({n}, 3) each")
+    see.ux[:], see.uy[:], see.uz[:] = np.asarray(initial.displacement).T
+    see.vx[:], see.vy[:], see.vz[:] = np.asarray(initial.velocity).T
+    angle = np.linalg.norm(initial.rotation, axis=1)
+    see.q0[:] = np.cos(0.5 * angle)
+    q = 0.5 * np.sinc(0.5 * angle / np.pi)[:, None] * initial.rotation
+    see.q1[:], see.q2[:], see.q3[:] = q.T
+    spin = np.asarray(initial.spin)
+    across = np.cross(q, spin)  # into the axes of the body
+    see.wx[:], see.wy[:], see.wz[:] = (spin - 2.0 * (see.q0[:, None] * across - np.cross(q, across))).T
+    stepper.observe(keep=False)
+    found = resultants_of(stepper)
+    for k in (1, 2, 3):  # joints begin without elastic slip
+        getattr(stepper.slips, f"p{k}")[:] = getattr(found, f"s{k}")
+
+
+def resultants_of(stepper: Stepper) -> object:
+    """Names over the resultants of the last evaluation (layout.py, RESULTANTS)."""
+    n, m, k = stepper.sizes
+    first = at.rows_size(n, m, k) + at.POSES.size(n + 1)
+    return at.RESULTANTS.see(stepper.state.work[first:], m)
+
+
+class _Settling:
+    """A structure on a still base (still_base.py)."""
+
+    unclear = "has the energy to fall"
+
+    def __init__(self, stepper: Stepper) -> None:
+        self._stepper = stepper
+
+    @property
+    def fallen(self) -> str:
+        block = int(self._stepper.counts.fallen)
+        return f"block {self._stepper.structure.names[block - 1]} has fallen" if block else ""
+
+    @property
+    def fall_time(self) -> float:
+        return float(self._stepper.control.fall_time)
+
+    def why_it_stands(self) -> str:
+        stepper = self._stepper
+        return "it has come to rest" if stepper.counts.resting else well_of(stepper.structure).why_it_stands(stepper)
+
+    def next_look(self, t: float, stop: float, settle: float) -> float:
+        return stop + next_look(t - stop, settle)
+
+    def rest_until(self, t: float, end: float) -> None:
+        self._stepper.run(None, t, end, np.zeros(0))
+
+
+def settled_verdict(stepper: Stepper, stop: float, settle: float) -> Verdict:
+    """The verdict on a run that ended at time `stop`, s, found `settle` s later at most."""
+    return settled(_Settling(stepper), stop, settle)

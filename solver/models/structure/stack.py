@@ -1,0 +1,72 @@
+"""A column as a structure in space."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ...common.errors import InputError
+from ...kernels.sections.faces import STRIPS, is_round
+from ...kernels.sections.faces import Face as PlaneFace
+from ..column.block import Block
+from .blocks.contacts import GROUND
+from .blocks.faces import Face, shared
+from .blocks.parts import OF_COLUMN, Bed, Joint, Solid
+from .blocks.shapes import box, drum, rectangle
+
+if TYPE_CHECKING:
+    from ..column.model import Column
+
+
+def stacked(column: Column) -> dict[str, Any]:
+    """The fields of the structure whose blocks and joints are those of a column, the top one first."""
+    if column.settings.formulation == "paper":
+        raise InputError('solver.formulation = paper: must be "exact" in space')
+    if column.other_law:
+        raise InputError(f"joint.{column.other_law}: must be left out in space")
+    heights = np.cumsum([0.0, *(block.height for block in reversed(column.blocks))])[::-1][1:]
+    solids = tuple(
+        _solid(f"block{number}", block, float(foot))
+        for number, (block, foot) in enumerate(zip(column.blocks, heights, strict=True), start=1)
+    )
+    joints = tuple(_joint(column, i, float(foot)) for i, foot in enumerate(heights))
+    tolerance, without = column.settings.tolerance, tuple(set(column.settings.without) & {"peaks"})
+    found = {"name": column.name, "blocks": solids, "joints": joints, "g": column.g}
+    return found | {"tolerance": tolerance, "without": without, "described": {OF_COLUMN: column.to_dict()}}
+
+
+def _solid(name: str, block: Block, foot: float) -> Solid:
+    place, turn = np.array([0.0, 0.0, foot]), np.eye(3)
+    top = block.top_width or block.width, block.top_depth or block.depth
+    if is_round(block.shape[0]):
+        made = drum(name, block.width, top[0], block.bore or 0.0, block.height, 1.0, place, turn)
+    else:
+        made = box(name, (block.width, block.depth), top, block.height, 1.0, place, turn)
+    inertia = made.inertia * (block.mass / made.mass)
+    beyond = block.resolved_inertia - inertia[1, 1]  # of a load, or as given: the same about both level axes
+    inertia = inertia + np.diag([beyond, beyond, 0.0])
+    centroid = np.array([0.0, 0.0, foot + block.resolved_centroid])
+    return replace(made, mass=block.mass, centroid=centroid, inertia=inertia)
+
+
+def _joint(column: Column, i: int, foot: float) -> Joint:
+    block, key = column.blocks[i], f"block[{i + 1}]"
+    if block.is_off_axis or block.joint_section == STRIPS:
+        raise InputError(f"{key}: must stand on its axis, and not on strips, to be stacked in space")
+    below = GROUND if i == column.n - 1 else _level(column.blocks[i + 1].top_face, foot, 1.0)
+    above = _level(block.contact_face, foot, -1.0)
+    face = shared(above, below)
+    if face is None:
+        raise InputError(f"{key}: its face and the one below do not meet")
+    law = block.joint
+    bed = Bed(law.stiffness, law.damping, friction=law.friction, dowel=law.dowel or 0.0, strength=law.strength)
+    return Joint(i, i + 1, face, bed, f"{key}.joint", above, below)
+
+
+def _level(face: PlaneFace, height: float, way: float) -> Face:
+    axes, centre = np.diag([1.0, way, way]), np.array([0.0, 0.0, height])
+    if is_round(face.section):
+        return Face(centre, axes, np.empty((0, 2)), 0.5 * face.width, 0.5 * face.bore)
+    return Face(centre, axes, rectangle(face.width, face.depth))

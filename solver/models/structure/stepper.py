@@ -1,0 +1,128 @@
+"""One structure in motion: owns the flat arrays and drives the kernels over them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ...common import effort
+from ...common.errors import SolverError, TooMuchWorkError
+from ...ground.motion import Motion
+from ...kernels.structure import layout as at
+from ...kernels.structure.entries import observe_structure, run_structure, stiffness_of
+from .blocks.faces import FloatArray
+from .packing import Model, State, phase_of, state_of
+
+if TYPE_CHECKING:
+    from .model import Structure
+
+TOO_SMALL = "the tolerance requires a step that is too small to continue; a larger tolerance may help"
+AT_ONCE = 2e5  # evaluations of joints, about, after which an interruption is noticed
+_NONE = np.zeros(0)
+_SILENCE = (_NONE, _NONE, _NONE, _NONE)
+
+
+class Stepper:
+    """A structure between two calls: its `phase` (layout.py, PHASE, MEMORY), and what a run counts in `state`."""
+
+    def __init__(self, structure: Structure) -> None:
+        self.structure = structure
+        self.sizes = structure.n, len(structure.joints), len(structure.ties)
+        self.model: Model = structure.model
+        self.state: State = state_of(*self.sizes, self.model.corners.size)
+        self.phase = phase_of(*self.sizes)
+        self.rates = np.zeros_like(self.phase)
+        self.row = np.zeros(at.row_size(*self.sizes))
+        self.base = np.zeros(at.BASE.beside)
+        self.see = at.PHASE.see(self.phase, structure.n)
+        self.slips = at.MEMORY.see(self.phase[at.PHASE.size(structure.n) :], len(structure.joints))
+        self.control = at.CONTROL.see(self.state.control)
+        self.counts = at.COUNTS.see(self.state.counts)
+
+    def observe(self, ax: float = 0.0, ay: float = 0.0, az: float = 0.0, keep: bool = False) -> float:
+        """Evaluate the phase under an acceleration of the base, m/s2; returns the energy, J.
+
+        It leaves `rates` and `row`.
+
+        keep: whether joints that slide, and ties that yield, remember this state, as after a long rest.
+        """
+        arguments = self.phase, self.rates, float(ax), float(ay), float(az), self.row, bool(keep)
+        energy: float
+        energy = observe_structure(*self.sizes, self.model, self.state, *arguments)
+        return energy
+
+    def stiffness(self, delta: FloatArray) -> FloatArray:
+        """The tangent stiffness about the phase, (6 n, 6 n): see entries.py."""
+        matrix = np.zeros(36 * self.structure.n**2)
+        stiffness_of(
+            *self.sizes, self.model, self.state, self.phase, np.zeros_like(self.phase), self.rates, delta, matrix
+        )
+        return matrix.reshape(6 * self.structure.n, -1)
+
+    def run(
+        self,
+        motion: Motion | None,
+        t: float,
+        stop: float,
+        times: FloatArray,
+        after_chunk: Callable[[float], None] | None = None,
+    ) -> FloatArray:
+        """Follow a motion, or a still base, from t to `stop`, s; a row for each of `times`. Raises SolverError."""
+        record = _SILENCE if motion is None else self.drive(motion)
+        rows = np.zeros((len(times), at.row_size(*self.sizes)))
+        self.counts.next_row = 0
+        whole = stop - t
+        most = max(100, int(AT_ONCE / (7 * max(1, self.sizes[1]))))
+        while True:
+            code = run_structure(
+                *self.sizes, self.model, self.state, self.phase, record, self.base, times, rows.ravel(), t, stop, most
+            )
+            t = float(self.control.reached)
+            if after_chunk is not None:
+                after_chunk(t)
+            if code != at.PAUSED:
+                break
+            work, part = float(self.counts.evaluations), 1.0 - (stop - t) / whole
+            if effort.is_too_much(work, part, effort.MOST_IN_SPACE):
+                raise TooMuchWorkError(f"at t = {t:.6g} s: {effort.slowness(work, part, self._causes(motion))}")
+        if code != at.OK:
+            raise SolverError(f"at t = {t:.6g} s: {TOO_SMALL}")
+        self._hold(motion, rows, times)
+        return rows
+
+    def _causes(self, motion: Motion | None) -> Iterator[effort.Cause]:
+        """What may make steps short."""
+        structure = self.structure
+        masses = [*(block.mass for block in structure.blocks), math.inf]
+        for name, joint in zip(structure.joint_names, structure.joints, strict=True):
+            bed, mass = joint.bed, min(masses[joint.upper], masses[joint.lower])
+            yield effort.of_joint(f"joint[{name}]", bed.stiffness, joint.face.moments[0], mass, bed.damping)
+        for e, tie in enumerate(structure.ties, start=1):
+            mass = min(masses[tie.one], masses[tie.other])
+            yield effort.Cause(math.sqrt(2.0 * tie.stiffness / mass), f"tie[{e}].stiffness = {tie.stiffness:g} N/m")
+        if motion is not None and (motion.amplitude or motion.amplitude_y):
+            yield effort.of_harmonic(motion.frequency)
+
+    def _hold(self, motion: Motion | None, rows: FloatArray, times: FloatArray) -> None:
+        """Fill in the rows after a fall or at rest, in which nothing moves any more."""
+        first = int(self.counts.next_row)
+        if first < len(times):
+            self.observe()
+            rows[first:] = self.row
+
+    def drive(self, motion: Motion) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+        """The record of a motion for the kernels; its harmonic part is set."""
+        base = at.BASE.see(self.base)
+        base.held, base.scale = float(motion.hold), 1.0
+        base.amplitude_x, base.amplitude_y = motion.amplitude, motion.amplitude_y
+        shakes = motion.amplitude or motion.amplitude_y
+        base.omega = 2.0 * math.pi * motion.frequency if shakes else 0.0
+        base.phase = -base.omega * motion.start
+        samples = [motion.time, motion.ax, motion.ay, motion.az]
+        if motion.end > motion.time[-1]:  # the last held sample lasts until the motion ends
+            samples = [np.append(motion.time, motion.end), *(np.append(a, 0.0) for a in samples[1:])]
+        time, ax, ay, az = (np.require(a, np.float64, ["C", "W"]) for a in samples)
+        return time, ax, ay, az

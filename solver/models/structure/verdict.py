@@ -1,0 +1,377 @@
+"""Whether a structure on a still base can still fall (theory.md section 14).
+
+A rest is sought with the slips as they are, from the first rest and from where the structure is. The structure is in
+the well of that rest if none of its joints is turned or moved beyond its edge, or if the straight way there needs no
+more energy than it has: on a still base its energy does not grow. It stands for good if its energy above that rest is
+less than a part of the barrier of the well, the least energy that brings a joint to its edge.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from copy import copy
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...kernels.structure import layout as at
+from .blocks.contacts import GROUND
+from .blocks.faces import Face, FloatArray
+from .blocks.parts import Joint
+from .model import Structure
+from .packing import centroid_of
+from .rest import PERTURBED, balance, deltas_of, full_stiffness, move, rest_of, start_from, sticking, weights
+from .rows import places_of
+from .stepper import Stepper
+
+IN_A_WELL = "its energy does not suffice to fall"
+SAFE = 0.75  # of the barrier: the largest energy of a structure that is taken to stand
+FIRST_LOOK, LATER = 0.25, 0.25  # s after the motion; part of the time since then that a look waits for
+CLOSE = 1e-9  # of the weight: forces that are left at a rest
+WAY = 8  # parts of the way to the rest
+UPRIGHT = 0.95  # least vertical part of the normal of a joint that what it carries is lifted over
+HARDLY = 1e-3  # of the weight: a joint under less does not count
+DIRECTIONS = 8  # in which the resultant of a round joint may reach its rim
+
+
+def next_look(since: float, settle: float) -> float:
+    """When to look again whether a structure may still fall, `since` s after the motion; `settle` at most."""
+    return min(settle, FIRST_LOOK + (1.0 + LATER) * since)
+
+
+@lru_cache(maxsize=64)
+def well_of(structure: Structure) -> Well:
+    """The well of a structure, made when it is first looked at."""
+    return Well(structure)
+
+
+class Well:
+    """The rests that one structure may come to, and what keeps it there."""
+
+    def __init__(self, structure: Structure) -> None:
+        self._structure = structure
+        if not structure.weight > 0.0:
+            return
+        self._linear = full_stiffness(structure)
+        settlement = float(np.max(np.abs(np.linalg.solve(self._linear, weights(structure)))))
+        self._delta = PERTURBED * deltas_of(structure, settlement)
+        self._small = 0.5 * PERTURBED**2 * structure.weight * settlement  # J, of displacements as small as these
+        self._heights = _heights(structure)
+        self._alone = _bears_alone(structure)
+        self._upright = np.array([joint.face.normal[2] >= UPRIGHT for joint in structure.joints])
+        stepper = Stepper(structure)
+        start_from(stepper, rest_of(structure))
+        stepper.observe()
+        self._highest = self._lifting(stepper, 0.0)  # barrier of any rest, about: as built nothing has slid
+
+    def why_it_stands(self, stepper: Stepper) -> str:
+        """Why a structure cannot fall any more from the phase of its stepper; "" if it may."""
+        structure = self._structure
+        if not structure.weight > 0.0:
+            return ""
+        energy = stepper.observe()
+        still = _stopped(stepper)
+        if not self._holds(energy - still.observe(), self._highest):  # its kinetic energy is too large already
+            return ""
+        return next((IN_A_WELL for rest in self._rests(still) if self._keeps(rest, still, energy)), "")
+
+    def _rests(self, stepper: Stepper) -> Iterator[Stepper]:
+        """Rests that a structure without velocities may come to."""
+        found = _stopped(stepper)
+        coordinates = at.PHASE.size(self._structure.n)
+        found.phase[:coordinates] = rest_of(self._structure).phase[:coordinates]
+        for begin in (found, _stopped(stepper)):
+            if self.comes_to_rest(begin):
+                yield begin
+
+    def _keeps(self, rest: Stepper, place: Stepper, energy: float) -> bool:
+        """Whether a structure at a place, with this energy, J, is in the well of a rest for good."""
+        left = energy - rest.observe()
+        tangent = sticking(rest).stiffness(self._delta)
+        if not _is_stable(tangent) or not self._holds(left, self.barrier(rest, tangent, left)):
+            return False
+        return self._is_within(place, rest) or self._leads_to(rest, place.phase, energy)
+
+    def comes_to_rest(self, stepper: Stepper) -> bool:
+        """Move a stepper without velocities to a rest, with the slips as they are; whether there is one.
+
+        Joints stick on the way: Newton's method has a potential then, and what slides has no tangent that helps.
+        """
+        begin, arguments = stepper.phase.copy(), (self._linear, self._delta, CLOSE * self._structure.weight)
+        if not balance(sticking(stepper), *arguments):
+            stepper.phase[:] = begin
+        return balance(stepper, *arguments)
+
+    def barrier(self, rest: Stepper, stiffness: FloatArray, left: float = 0.0) -> float:
+        """The least energy, J above a rest, by which the structure may begin to fall.
+
+        stiffness: of the rest. left: J, that friction may still turn into slips.
+        """
+        least = min(self._lifting(rest, left), self._bending(rest, stiffness))
+        return least if math.isfinite(least) else 0.0  # where ties alone hold it, nothing is known
+
+    def _holds(self, left: float, barrier: float) -> bool:
+        """Whether an energy is below what is SAFE of a barrier, or not more than a rest is tried with."""
+        return left <= SAFE * barrier + self._small
+
+    def _leads_to(self, rest: Stepper, begin: FloatArray, energy: float) -> bool:
+        """Whether no place on the straight way from a phase to a rest has more than this energy, J."""
+        n, way = self._structure.n, copy(rest)
+        for part in np.arange(1, WAY) / WAY:
+            way.phase = (1.0 - part) * begin + part * rest.phase
+            turns = way.phase[_place("q0", n) : _place("vx", n)].reshape(4, n)
+            turns /= np.linalg.norm(turns, axis=0)
+            if way.observe() > energy + self._small:
+                return False
+        return True
+
+    def _is_within(self, place: Stepper, rest: Stepper) -> bool:
+        """Whether no joint is tilted or moved as far as it would have to be to fall over its edge.
+
+        Of an arch it cannot be said: a mechanism falls before that.
+        """
+        structure, n = self._structure, self._structure.n
+        moments, normal = self._moments(rest, 0.0), _field(rest, "N")
+        if self._leans(normal):
+            return False
+        moved = np.zeros((n + 1, 3))
+        moved[:n] = np.array([place.see.ux, place.see.uy, place.see.uz]).T
+        turn = np.zeros((n + 1, 4))
+        turn[n, 0] = 1.0
+        turn[:n] = np.array([place.see.q0, place.see.q1, place.see.q2, place.see.q3]).T
+        centroids = [centroid_of(structure.blocks, i) for i in range(n + 1)]
+        for j in np.flatnonzero(~np.isnan(moments)).tolist():
+            joint, lever = structure.joints[j], float(moments[j] / normal[j])
+            ends = [
+                (moved[i] + _turned(turn[i], joint.face.centre - centroids[i]) - (joint.face.centre - centroids[i]))
+                for i in (joint.upper, joint.lower)
+            ]
+            axes = joint.face.axes
+            ways = [_turned(turn[i], axes[:, 2]) for i in (joint.upper, joint.lower)]
+            tilt = math.acos(max(-1.0, min(1.0, float(ways[0] @ ways[1]))))
+            slip = (ends[0] - ends[1]) @ axes[:, :2] - _slip(place, j)
+            if not (lever > 0.0 and tilt < math.atan2(lever, self._height(j)) and np.hypot(*slip) < 0.5 * lever):
+                return False
+        return True
+
+    def _leans(self, normal: FloatArray) -> bool:
+        """Whether some block is held by joints that lean against each other, as in an arch."""
+        askew = ~self._alone & ~self._upright
+        return bool(np.any(normal[askew] > HARDLY * self._structure.weight))
+
+    def _lifting(self, rest: Stepper, left: float) -> float:
+        """The least energy, J, that lifts what some joint carries over the nearest edge of its contact.
+
+        A joint that does not bear alone opens together with another one at least, which has its own lever.
+        """
+        normal, moments, least = _field(rest, "N"), self._moments(rest, left), math.inf
+        if np.any(moments <= 0.0):
+            return 0.0
+        others = np.sort(moments[~self._alone & ~np.isnan(moments)])[:2]
+        for j in np.flatnonzero(~np.isnan(moments)).tolist():
+            moment, lifted = float(moments[j]), self._height(j) * float(normal[j])
+            if not self._alone[j] and len(others) > 1:
+                moment += float(others[0] if moment > others[0] else others[1])
+            least = min(least, moment * moment / (math.hypot(lifted, moment) + lifted))
+        return least
+
+    def _height(self, j: int) -> float:
+        """How far the centroid of what joint j carries is above it, m; of flat blocks their size."""
+        structure = self._structure
+        return max(float(self._heights[j]), structure.blocks[structure.joints[j].upper].size)
+
+    def _moments(self, rest: Stepper, left: float) -> FloatArray:
+        """Force of each joint times its lever about the nearest edge of its contact, N m; NaN of those of an arch.
+
+        Slips have moved that edge, and may go on until friction has taken the energy `left`, J. On an elastic bed the
+        force stays within it by a third of what is still in contact, half-way to the fall.
+        """
+        structure = self._structure
+        normal, mx, my = (_field(rest, name) for name in ("N", "Mx", "My"))
+        together = self._upright & (normal > HARDLY * structure.weight) & (not self._leans(normal))
+        moments = np.full(len(normal), math.nan)
+        for j in np.flatnonzero(self._alone | together).tolist():
+            joint, carried, moments[j] = structure.joints[j], float(normal[j]), 0.0
+            if not carried > 0.0:
+                continue
+            place = np.array([my[j], -mx[j]]) / carried
+            lever = min(reach - float(out @ place) for out, reach in _edges(joint, _slip(rest, j), place))
+            if joint.bed.friction is not None and joint.below is not GROUND:
+                lever -= left / max(joint.bed.friction * carried, math.ulp(0.0))
+            settled = carried / (joint.bed.stiffness * joint.face.moments[0])
+            moments[j] = carried * (lever - math.sqrt(8.0 * settled * self._height(j)) / 3.0)
+        return moments
+
+    def _bending(self, rest: Stepper, stiffness: FloatArray) -> float:
+        """The least energy, J, by which the resultant of some joint of an arch comes to the edge of its contact.
+
+        Of the structure as stiff as at rest. A hinge there is less than a mechanism, which takes several.
+        """
+        structure, m = self._structure, len(self._structure.joints)
+        normal, mx, my = (_field(rest, name) for name in ("N", "Mx", "My"))
+        if not self._leans(normal):
+            return math.inf
+        change = self._change_of_resultants(rest)
+        given, margins = [], []
+        for j in np.flatnonzero(~self._alone & (normal > HARDLY * structure.weight)).tolist():
+            for (x, y), reach in _edges(structure.joints[j], _slip(rest, j)):
+                margins.append(reach * normal[j] - x * my[j] + y * mx[j])
+                given.append(reach * change[j] - x * change[2 * m + j] + y * change[m + j])
+        slopes, margin = np.array(given), np.maximum(0.0, margins)
+        gives = np.sum(slopes * np.linalg.solve(stiffness + stiffness.T, slopes.T).T, axis=1)  # half of it
+        return float(np.min(0.25 * margin**2 / np.maximum(gives, math.ulp(0.0))))
+
+    def _change_of_resultants(self, rest: Stepper) -> FloatArray:
+        """N, Mx and My of the joints, N and N m per m and rad of each coordinate, (3 joints, 6 n)."""
+        structure, stuck = self._structure, sticking(rest)
+        size = 6 * structure.n
+        first, last = _span(structure, "N")[0], _span(structure, "My")[1]
+        columns = []
+        for k, delta in enumerate(self._delta):
+            ends = []
+            for step in (delta, -delta):
+                stuck.phase = rest.phase.copy()
+                stuck.see = at.PHASE.see(stuck.phase, structure.n)
+                move(stuck, step * (np.arange(size) == k))
+                stuck.observe()
+                ends.append(stuck.row[first:last].copy())
+            columns.append((ends[0] - ends[1]) / (2.0 * delta))
+        return np.column_stack(columns)
+
+
+def _is_stable(stiffness: FloatArray) -> bool:
+    try:
+        np.linalg.cholesky(stiffness + stiffness.T)
+    except np.linalg.LinAlgError:
+        return False
+    return True
+
+
+def _stopped(stepper: Stepper) -> Stepper:
+    """The same place without velocities, a phase of its own."""
+    n, other = stepper.structure.n, copy(stepper)
+    other.phase, other.row, other.rates = stepper.phase.copy(), stepper.row.copy(), stepper.rates.copy()
+    other.see = at.PHASE.see(other.phase, n)
+    other.slips = at.MEMORY.see(other.phase[at.PHASE.size(n) :], len(stepper.structure.joints))
+    other.phase[_place("vx", n) : at.PHASE.size(n)] = 0.0
+    return other
+
+
+def _place(name: str, n: int) -> int:
+    """Where a field begins in the phase of n blocks."""
+    place: int = at.PHASE.places[name][0] * n
+    return place
+
+
+def _span(structure: Structure, name: str) -> tuple[int, int]:
+    """Where a field begins and ends in an output row."""
+    first, count = places_of(structure)[name]
+    return first, first + count
+
+
+def _slip(stepper: Stepper, j: int) -> FloatArray:
+    return np.array([stepper.slips.p1[j], stepper.slips.p2[j]])
+
+
+def _field(stepper: Stepper, name: str) -> FloatArray:
+    """A field of the output row of a stepper."""
+    return stepper.row[slice(*_span(stepper.structure, name))]
+
+
+def _turned(q: FloatArray, vector: FloatArray) -> FloatArray:
+    """A vector turned by a unit quaternion."""
+    across = np.cross(q[1:], vector)
+    turned: FloatArray = vector + 2.0 * (q[0] * across + np.cross(q[1:], across))
+    return turned
+
+
+def _edges(joint: Joint, slip: FloatArray, towards: FloatArray | None = None) -> list[tuple[FloatArray, float]]:
+    """Outward normals of the edges of a contact, along the axes of the joint, and how far the edges are, m.
+
+    They count from half-way between the centres of both faces, which a slip has parted. Of a round face those next to
+    the place `towards`, or in some directions.
+    """
+    if joint.bed.friction is None:  # its contact does not move
+        return _edges_of(joint.face, joint.face, np.zeros(2), towards)
+    above, below = joint.above or joint.face, joint.below or joint.face
+    return [
+        *_edges_of(above, joint.face, 0.5 * slip, towards),
+        *_edges_of(below, joint.face, -0.5 * slip, towards),
+    ]
+
+
+def _edges_of(
+    face: Face, seen_from: Face, moved: FloatArray, towards: FloatArray | None
+) -> list[tuple[FloatArray, float]]:
+    axes = seen_from.axes[:, :2]
+    centre = (face.centre - seen_from.centre) @ axes + moved
+    if face.radius and towards is not None:
+        off = towards - centre
+        out = off / max(float(np.hypot(*off)), math.ulp(0.0))
+        return [(out, face.radius + float(out @ centre))]
+    if face.radius:
+        angles = np.linspace(0.0, 2.0 * math.pi, DIRECTIONS, endpoint=False)
+        return [(out, face.radius + float(out @ centre)) for out in np.column_stack([np.cos(angles), np.sin(angles)])]
+    corners = face.seen_from(seen_from) + moved
+    side = np.roll(corners, -1, axis=0) - corners
+    outwards = np.column_stack([side[:, 1], -side[:, 0]]) / np.hypot(*side.T)[:, None]
+    return list(zip(outwards, np.sum(outwards * corners, axis=1).tolist(), strict=True))
+
+
+def _heights(structure: Structure) -> FloatArray:
+    """How far the centroid of what a joint carries is above it, m (joints,).
+
+    A block that stands on several joints is shared equally by them.
+    """
+    bears: list[list[int]] = [[] for _ in structure.blocks]  # numbers of the joints under each block
+    for j, joint in enumerate(structure.joints):
+        if joint.face.normal[2] > 0.0:
+            bears[joint.upper].append(j)
+    carried = np.array([block.mass for block in structure.blocks])
+    moment = np.array([block.mass * block.centroid[2] for block in structure.blocks])
+    for i in sorted(range(structure.n), key=lambda i: -structure.blocks[i].centroid[2]):
+        for j in bears[i]:
+            below = structure.joints[j].lower
+            if below < structure.n:
+                carried[below] += carried[i] / len(bears[i])
+                moment[below] += moment[i] / len(bears[i])
+    uppers = [joint.upper for joint in structure.joints]
+    places = np.array([joint.face.centre[2] for joint in structure.joints])
+    heights: FloatArray = moment[uppers] / carried[uppers] - places
+    return heights
+
+
+def _bears_alone(structure: Structure) -> NDArray[np.bool_]:
+    """Mask of the joints without which something is not connected with the base, (joints,).
+
+    In a tree of paths from the base, a link is such a one if no other link leads past it. Each link outside the tree
+    has a bit, which the blocks on both paths to its ends get: those on both keep none.
+    """
+    links = [(joint.upper, joint.lower) for joint in structure.joints] + [
+        (tie.one, tie.other) for tie in structure.ties
+    ]
+    at_body: list[list[int]] = [[] for _ in range(structure.n + 1)]
+    for number, (one, other) in enumerate(links):
+        at_body[one].append(number)
+        at_body[other].append(number)
+    by, order = {structure.n: -1}, [structure.n]  # the link by which each body is reached
+    for body in order:
+        for number in at_body[body]:
+            for end in links[number]:
+                if end not in by:
+                    by[end] = number
+                    order.append(end)
+    past = [0] * (structure.n + 1)
+    for number, (one, other) in enumerate(links):
+        if number not in (by[one], by[other]):
+            past[one] ^= 1 << number
+            past[other] ^= 1 << number
+    found = np.zeros(len(links), dtype=np.bool_)
+    for body in order[:0:-1]:
+        number = by[body]
+        one, other = links[number]
+        past[other if one == body else one] ^= past[body]
+        found[number] = past[body] == 0
+    return found[: len(structure.joints)]

@@ -1,0 +1,197 @@
+"""The uncertainty of a response: the estimate of its error, and the ensemble of runs around it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..common.errors import NOT_NEGATIVE, InputError, check_number, check_whole
+from ..ground.motion import Motion
+
+FloatArray = NDArray[np.float64]
+
+PERCENTILES = (16, 50, 84)
+CONFIDENCE = 0.95
+HALVINGS = 60
+
+
+@dataclass(frozen=True)
+class ErrorEstimate:
+    """Difference of a run from a closer one: an estimate of its error.
+
+    ux: largest difference of any ux at the rows while both stand, up to 0.1 s before a fall, in parts of the largest
+    |ux| until then. peaks: of each of `Response.peaks`, in parts of itself; of the least contact as it is.
+    overturn_time s: NaN unless both fall.
+    """
+
+    ux: float
+    peaks: dict[str, FloatArray]
+    overturn_time: float
+
+    @property
+    def peak_ux(self) -> FloatArray:
+        """The estimate of the peaks of ux, (n,)."""
+        return self.peaks["ux"]
+
+
+@dataclass(frozen=True)
+class Spread:
+    """Spread of the runs of an ensemble: standard deviations of the logarithms of factors, and their seed.
+
+    The stiffness and the damping of every joint have a factor of their own, the motion has one. The defaults are
+    smaller than the uncertainty of any real column: results that they already spread cannot be predicted by one run.
+    """
+
+    stiffness: float = 0.01
+    damping: float = 0.01
+    motion: float = 0.001
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        for key in ("stiffness", "damping", "motion"):
+            check_number(f"spread.{key}", getattr(self, key), NOT_NEGATIVE, "a relative size, zero or positive")
+            if getattr(self, key) > 1.0:
+                raise InputError(f"spread.{key} = {getattr(self, key)}: must be at most 1, it is a relative size")
+        check_whole("spread.seed", self.seed, 0, math.inf, "a whole number, zero or positive")
+
+    @property
+    def size(self) -> float:
+        """The whole spread: the root of the sum of the squares."""
+        return math.hypot(self.stiffness, self.damping, self.motion)
+
+
+@dataclass(frozen=True)
+class Ensemble:
+    """Results of runs with varied uncertain data.
+
+    verdicts, peak_ux (runs, n) m, overturn_time (runs,) s (NaN while it stands): run by run. peaks (3, n) and ux (3,
+    nt, n), m: the 16, 50 and 84 % points, over the runs that do not fall for peaks, and that have not yet fallen for
+    ux; NaN if there are none. amplification: half the distance between the 16 and 84 % points of the largest peak, in
+    parts of its 50 % point, over the size of the spread; NaN if all fall.
+    """
+
+    spread: Spread
+    verdicts: tuple[str, ...]
+    peak_ux: FloatArray
+    overturn_time: FloatArray
+    peaks: FloatArray
+    ux: FloatArray
+    amplification: float
+    in_lanes: bool  # whether eight ran at once
+
+    @property
+    def size(self) -> int:
+        """Number of runs."""
+        return len(self.verdicts)
+
+    @property
+    def overturned(self) -> int:
+        """Number of runs that overturn."""
+        return self.verdicts.count("overturned")
+
+    @property
+    def undecided(self) -> int:
+        """Number of runs without a verdict."""
+        return self.verdicts.count("undecided")
+
+    @property
+    def share(self) -> float:
+        """Share of the runs that overturns."""
+        return self.overturned / self.size
+
+    @property
+    def share_bounds(self) -> tuple[float, float]:
+        """Bounds of the share among very many runs, at 95 % confidence (Clopper and Pearson).
+
+        Runs that are undecided count as standing for the lower bound and as overturned for the upper one.
+        """
+        low, _ = share_bounds(self.overturned, self.size)
+        _, high = share_bounds(self.overturned + self.undecided, self.size)
+        return low, high
+
+
+LEAST_CHANGE, MOST_CHANGE = 1e-3, 1e3  # of a value by its factor: a model may hold a wider range
+
+
+def vary(model: Any, motion: Motion, spread: Spread, rng: np.random.Generator) -> tuple[Any, Motion]:
+    """A model (protocol.py) and a motion with varied data, all as likely as the given ones."""
+
+    def factors(size: float, count: int) -> list[float]:
+        drawn: list[float] = np.clip(np.exp(size * rng.standard_normal(count)), LEAST_CHANGE, MOST_CHANGE).tolist()
+        return drawn
+
+    laws = model.laws
+    stiffness = [law.stiffness * factor for law, factor in zip(laws, factors(spread.stiffness, len(laws)), strict=True)]
+    damping = [law.damping * factor for law, factor in zip(laws, factors(spread.damping, len(laws)), strict=True)]
+    return model.with_joints(stiffness, damping), motion.scaled(factors(spread.motion, 1)[0])
+
+
+class Varied(NamedTuple):
+    """What one run of an ensemble gives: its verdict, time of overturning s, peaks (n,) and history (nt, n), m."""
+
+    verdict: str
+    overturn_time: float
+    peaks: FloatArray
+    ux: FloatArray
+
+
+def ensemble_from(runs: Sequence[Varied], spread: Spread, time: FloatArray, in_lanes: bool) -> Ensemble:
+    """The ensemble of runs that vary by a spread; time: s, of their rows, (nt,)."""
+    peak_ux, overturn_time = (np.array([getattr(run, name) for run in runs]) for name in ("peaks", "overturn_time"))
+    stands = np.array([run.verdict != "overturned" for run in runs])
+    ux = np.array([run.ux for run in runs])
+    ux[overturn_time[:, None] <= time] = math.nan
+    low, middle, high = percentiles_of(np.where(stands, np.max(peak_ux, axis=1), math.nan))
+    relative = 0.5 * (high - low) / (middle or math.nan)  # none of models that rest
+    return Ensemble(
+        spread=spread,
+        verdicts=tuple(run.verdict for run in runs),
+        peak_ux=peak_ux,
+        overturn_time=overturn_time,
+        peaks=percentiles_of(np.where(stands[:, None], peak_ux, math.nan)),
+        ux=percentiles_of(ux),
+        amplification=float(relative / max(spread.size, math.ulp(1.0))),
+        in_lanes=in_lanes,
+    )
+
+
+def percentiles_of(values: FloatArray) -> FloatArray:
+    """The points of `PERCENTILES` over the first axis, without NaN, as numpy.nanpercentile but faster."""
+    ordered = np.sort(values, axis=0)  # NaN comes last
+    last = np.maximum(np.sum(~np.isnan(ordered), axis=0) - 1, 0)
+    found = []
+    for percent in PERCENTILES:
+        place = 0.01 * percent * last
+        below = np.floor(place).astype(np.int64)
+        low, high = (np.take_along_axis(ordered, k[None], axis=0)[0] for k in (below, np.minimum(below + 1, last)))
+        found.append(low + (place - below) * (high - low))
+    return np.array(found)
+
+
+def share_bounds(count: int, size: int) -> tuple[float, float]:
+    """The bounds of Clopper and Pearson on a probability, from `count` successes in `size` trials, at 95 %."""
+    tail = 0.5 * (1.0 - CONFIDENCE)
+    low = 0.0 if count == 0 else _share_with(size, count - 1, 1.0 - tail)
+    high = 1.0 if count == size else _share_with(size, count, tail)
+    return low, high
+
+
+def _share_with(size: int, count: int, probability: float) -> float:
+    """The share of successes at which `size` trials have at most `count` of them with this probability."""
+    k = np.arange(1.0, count + 1.0)
+    ways = np.concatenate([[0.0], np.cumsum(np.log((size + 1.0 - k) / k))])  # logarithms, to choose 0 to `count` trials
+    k = np.arange(count + 1.0)
+    low, high = 0.0, 1.0
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        at_most = np.sum(np.exp(ways + k * math.log(middle) + (size - k) * math.log1p(-middle)))
+        if at_most > probability:
+            low = middle
+        else:
+            high = middle
+    return 0.5 * (low + high)

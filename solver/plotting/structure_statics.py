@@ -1,0 +1,77 @@
+"""Pictures of a structure that is not shaken: its modes, its push-over. Imported late, for matplotlib."""
+
+from __future__ import annotations
+
+import math
+import os
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..ground.motion import STANDARD_GRAVITY
+from .figures import Figure
+from .structures import VISIBLE, draw_blocks, extent_of, round_scale
+from .style import BLUE, GREY, INK, RED, header, plain, save, tidy
+
+if TYPE_CHECKING:
+    from ..models.structure.modes import SpatialModes
+    from ..models.structure.push import PushOver
+
+COLUMNS = 3  # of pictures of modes beside each other
+
+
+def plot_modes(modes: SpatialModes, path: str | os.PathLike[str] | None, most: int) -> Figure:
+    """Draw the first `most` shapes; saved to `path` if given. Raises InputError, OSError as `save` does."""
+    structure, count = modes.structure, min(most, len(modes.frequency))
+    across = min(COLUMNS, count)
+    down = math.ceil(count / across)
+    figure = Figure(figsize=(max(5.0, 3.6 * across), 0.8 + 3.5 * down), layout="constrained")
+    scale = VISIBLE * extent_of(structure)  # of a shape, whose largest displacement is 1 m
+    for k in range(count):
+        axes = figure.add_subplot(down, across, k + 1, projection="3d")
+        draw_blocks(axes, structure, scale * modes.displacement[k], scale * modes.rotation[k])
+        parts = ", ".join(f"{axis} {100.0 * modes.mass_ratio[k, i]:.1f}" for i, axis in enumerate("xyz"))
+        axes.set_title(f"{k + 1}: {modes.frequency[k]:.4g} Hz, damping {100.0 * modes.damping_ratio[k]:.3g} %")
+        axes.set_axis_off()
+        axes.text2D(
+            *(0.5, 0.99, f"mass % {parts}; twist {100.0 * modes.twists[k]:.1f}"),
+            **{"transform": axes.transAxes, "fontsize": 8, "color": GREY, "ha": "center", "va": "top"},
+        )
+    words = "Shapes of small motion, drawn large, x to the right; damping in % of critical, effective mass in % of all."
+    header(figure, f"{structure.name}: modes about rest", words)
+    return save(figure, path)
+
+
+def plot_push_over(found: PushOver, path: str | os.PathLike[str] | None) -> Figure:
+    """Draw the push over the displacement, and the structure at its largest push; saved to `path` if given.
+
+    Raises InputError, OSError as `save` does.
+    """
+    structure, moved, push = found.structure, 1e3 * found.moved, found.acceleration / STANDARD_GRAVITY
+    figure = Figure(figsize=(11.0, 5.2), layout="constrained")
+    grid = figure.add_gridspec(1, 2, width_ratios=(1.1, 1.0))
+    curve = figure.add_subplot(grid[0])
+    curve.plot(moved, push, color=BLUE)
+    begins = {
+        f"{found.uplift_joint} begins to open": (found.uplift, "o", INK),
+        f"{found.sliding_joint} begins to slide": (found.sliding, "s", INK),
+        "largest push": (found.largest_acceleration, "o", RED),
+    }
+    for words, (at, marker, colour) in begins.items():
+        if math.isfinite(at):
+            k = int(np.searchsorted(found.acceleration, at))
+            curve.plot(moved[k], push[k], marker, color=colour, label=f"{words}, {push[k]:.4g} g")
+    curve.legend(loc="lower right", frameon=False, fontsize=9)
+    curve.set(xlabel=f"displacement of {plain(structure.names[found.moves_most])} (mm)", ylabel="push (g)")
+    curve.set_xlim(left=0.0)
+    curve.set_ylim(bottom=0.0)
+    tidy(curve)
+    drawn = figure.add_subplot(grid[1], projection="3d")
+    u = np.stack([found.ux[-1], found.uy[-1], found.uz[-1]], axis=-1)
+    largest = max(float(np.max(np.abs(u))), 1e-12)
+    scale = max(1.0, round_scale(VISIBLE * extent_of(structure) / largest))
+    draw_blocks(drawn, structure, scale * u, scale * found.rotation[-1])
+    drawn.set_title(f"at the largest push, deformation x {scale:g}", fontsize=10)
+    words = f"Towards {math.degrees(found.direction):.4g} degrees from x to y it balances at most {push[-1]:.4g} g."
+    header(figure, f"{structure.name}: push-over", words)
+    return save(figure, path)

@@ -1,0 +1,41 @@
+"""What knows a model knows its protocol only: classes are asked for where files and arguments are read."""
+
+from __future__ import annotations
+
+import ast
+from pathlib import Path
+
+import pytest
+from support.fmus import ROOT
+
+from solver.models import protocol
+from solver.models.column.kind import COLUMNS
+from solver.models.structure.kind import STRUCTURES
+
+CLASSES = {"Column", "Structure", "Response", "SpatialResponse"}
+MOST = 4
+
+
+def asked(file: Path) -> list[str]:
+    """Lines of a file that ask whether something is a column or a structure, or the response of one."""
+    found = []
+    for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "isinstance":
+            names = {name.id for name in ast.walk(node.args[1]) if isinstance(name, ast.Name)}
+            if names & CLASSES:
+                found.append(f"{file.relative_to(ROOT)}:{node.lineno}")
+    return found
+
+
+def test_classes_of_models_are_hardly_asked_for() -> None:
+    files = [*(ROOT / "solver").rglob("*.py"), *(ROOT / "fmu_src").rglob("*.py"), ROOT / "build_fmu.py"]
+    lines = [line for file in files for line in asked(file)]
+    assert len(lines) <= MOST, lines
+
+
+@pytest.mark.parametrize(
+    "name", [name for name in (*protocol.Kind.__annotations__, *vars(protocol.Kind)) if not name.startswith("_")]
+)
+def test_kinds_answer_all_questions(name: str) -> None:
+    assert hasattr(COLUMNS, name)
+    assert hasattr(STRUCTURES, name)

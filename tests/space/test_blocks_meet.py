@@ -1,0 +1,139 @@
+"""Overlap of blocks that no joint connects: against places known in closed form, linear programs, and a run."""
+
+import math
+import warnings
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.optimize import linprog
+
+from multiblock import InputWarning, Limits, Plan, Structure, check, simulate, wavelets
+from solver.models.structure.blocks.parts import Solid
+from solver.models.structure.blocks.shapes import box, drum, prism, rotation_matrix, turned
+from solver.models.structure.overlap import TOUCH, Overlap, _apart, _Hull, deepest_overlap
+
+G = 9.80665
+UPRIGHT = np.eye(3)
+WEDGE = np.array([[-0.3, 0.0], [0.3, 0.0], [0.2, 0.7], [-0.2, 0.7]])
+
+
+def overlap_of(solids: list[Solid], u: Any, rotation: Any, joined: tuple[tuple[int, int], ...] = ()) -> Overlap:
+    """Of blocks displaced and turned, (rows, blocks, 3); joined: pairs that a joint connects."""
+    u, rotation = np.asarray(u, dtype=np.float64), np.asarray(rotation, dtype=np.float64)
+    joints = tuple(SimpleNamespace(upper=i, lower=j) for i, j in joined)
+    names = tuple(solid.name for solid in solids)
+    structure: Any = SimpleNamespace(n=len(solids), blocks=tuple(solids), joints=joints, names=names)
+    rows: Any = SimpleNamespace(ux=u[..., 0], uy=u[..., 1], uz=u[..., 2], rotation=rotation)
+    return deepest_overlap(structure, np.arange(len(u), dtype=np.float64), rows)
+
+
+def cube(name: str, x: float, side: float = 1.0) -> Solid:
+    return box(name, (side, side), (side, side), side, 1.0, np.array([x, 0.0, 0.0]), UPRIGHT)
+
+
+def cylinder(name: str, x: float, radius: float = 0.5) -> Solid:
+    return drum(name, 2.0 * radius, 2.0 * radius, 0.0, 1.0, 1.0, np.array([x, 0.0, 0.0]), UPRIGHT)
+
+
+def test_places_known_in_closed_form() -> None:
+    still, u = np.zeros((3, 2, 3)), np.zeros((3, 2, 3))
+    u[1, 1, 0], u[2, 1, 0] = -0.15, -0.05
+    for pair in ([cube("a", 0.0), cube("b", 1.1)], [cylinder("a", 0.0), cylinder("b", 1.1)]):
+        found = overlap_of(pair, u, still)
+        assert found.depth == pytest.approx(0.05, abs=1e-12)
+        assert (found.between, found.time) == (("a", "b"), 1.0)
+        assert "a and b pass into each other by 50 mm at 1 s" in found.sentence
+        assert overlap_of(pair, u, still, ((0, 1),)) == Overlap()  # a joint connects them
+    turn = still.copy()
+    turn[1, 1, 2] = 0.25 * math.pi  # its corner reaches half a diagonal
+    found = overlap_of([cube("a", 0.0), cube("b", 1.1)], 0.0 * u, turn)
+    assert found.depth == pytest.approx(0.5 * math.sqrt(2.0) - 0.6, abs=1e-12)
+    corner = overlap_of([cylinder("a", 0.0), cube("b", 1.1)], 0.0 * u, turn)
+    assert corner.depth == pytest.approx(0.5 * math.sqrt(2.0) - 0.6, abs=1e-12)
+    leaning = still.copy()
+    leaning[:, 0, 1], leaning[:, 1, 1] = 0.2, -0.2  # towards each other, about their centroids: the upper rims meet
+    met = overlap_of([cylinder("a", 0.0), cylinder("b", 1.1)], 0.0 * u, leaning)
+    assert met.depth == pytest.approx(2.0 * (0.5 * math.cos(0.2) + 0.5 * math.sin(0.2)) - 1.1, rel=0.05)
+
+
+def test_only_what_is_deeper_than_as_built_counts() -> None:
+    """Blocks that touch as built, and slide along each other or apart, do not overlap; nor does what is far."""
+    still, u = np.zeros((2, 3, 3)), np.zeros((2, 3, 3))
+    row = [cube("a", 0.0), cube("b", 1.0), cube("c", 2.0)]
+    u[1] = [[-0.1, 0.0, 0.0], [0.0, 0.3, 0.0], [0.5 * TOUCH, 0.0, 0.0]]
+    assert overlap_of(row, u, still) == Overlap()
+    u[1, 2, 0] = -0.002
+    found = overlap_of(row, u, still)
+    assert found.depth == pytest.approx(0.002, rel=1e-9)
+    assert found.between == ("b", "c")
+    into = [cube("a", 0.0), cube("b", 0.9)]  # by 0.1 m as built
+    assert overlap_of(into, 0.0 * u[:, :2], still[:, :2]) == Overlap()
+    u[1, 1] = [-0.03, 0.0, 0.0]
+    assert overlap_of(into, u[:, :2] * [[[0.0], [1.0]]], still[:, :2]).depth == pytest.approx(0.03, rel=1e-9)
+
+
+def share_a_point(one: np.ndarray, other: np.ndarray) -> bool:
+    """Whether the hulls of corners share a point, by a linear program over the weights of both."""
+    m, k = len(one), len(other)
+    equal = np.zeros((5, m + k))
+    equal[:3, :m], equal[:3, m:] = one.T, -other.T
+    equal[3, :m], equal[4, m:] = 1.0, 1.0
+    return bool(linprog(np.zeros(m + k), A_eq=equal, b_eq=[0.0, 0.0, 0.0, 1.0, 1.0]).status == 0)
+
+
+def test_random_boxes_and_prisms_overlap_where_a_linear_program_says_so() -> None:
+    rng = np.random.default_rng(3)
+    met = 0
+    for _ in range(60):
+        solids = []
+        for name in ("a", "b"):
+            width, depth, height, top = rng.uniform(0.3, 1.0, 4)
+            turn = rotation_matrix(rng.normal(0.0, 1.0, 3))
+            shapes = (
+                box(name, (width, depth), (width, depth), height, 1.0, np.zeros(3), turn),
+                box(name, (width, depth), (top * width, depth), height, 1.0, np.zeros(3), turn),
+                prism(name, WEDGE, depth, 1.0, np.zeros(3), turn),
+            )
+            solids.append(shapes[int(rng.integers(3))])
+        hulls = [_Hull(solid) for solid in solids]
+        r1, r2 = rng.normal(0.0, 0.5, (2, 1, 3))
+        between = rng.normal(0.0, 0.5, (1, 3))
+        gap = float(_apart(hulls[0], hulls[1], r1, r2, between)[0])
+        corners = [hull.corners + turned(r, hull.corners) for hull, r in zip(hulls, (r1, r2), strict=True)]
+        assert share_a_point(corners[0], corners[1] + between) is (gap < 0.0)
+        if gap < 0.0:  # pushed apart by that along some axis they no longer meet: none of a few ways does it with less
+            met += 1
+            ways = rng.normal(0.0, 1.0, (8, 3))
+            less = -0.99 * gap * ways / np.linalg.norm(ways, axis=1, keepdims=True)
+            assert all(_apart(hulls[0], hulls[1], r1, r2, between + step)[0] < 0.0 for step in less)
+    assert 10 < met < 50
+
+
+def beside(gap: float) -> Structure:
+    """Two stones side by side, one slender and one stout, that no joint connects."""
+    sizes = {"depth": 0.4, "density": 2500.0, "on": "base"}
+    slender = {"name": "slender", "width": 0.3, "height": 2.0, "at": [0.0, 0.0], **sizes}
+    stout = {"name": "stout", "width": 1.0, "height": 1.0, "at": [0.65 + gap, 0.0], **sizes}
+    law = {"stiffness": 2e9, "damping": 2e-3}
+    return Structure.from_dict({"name": "pair", "joints": law, "block": [slender, stout]})
+
+
+def test_stones_that_pass_through_each_other_are_named_and_fail_a_check() -> None:
+    motion = wavelets.one_sine(0.2 * G, 1.5)
+    with pytest.warns(InputWarning, match=r"slender and stout pass into each other by [\d.]+ mm at"):
+        met = simulate(beside(0.005), motion, settle=0.0)
+    towards = met.displacement("slender", (0.15, 0.0, 0.0))[:, 0] - met.displacement("stout", (-0.5, 0.0, 0.5))[:, 0]
+    assert met.overlap.depth > 2.0 * TOUCH
+    assert met.overlap.depth < np.max(np.abs(towards)) + 0.2
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", InputWarning)
+        simulate(beside(1.0), motion, settle=0.0)
+        plan = Plan(ensemble=1, margin=False)
+        found = check(beside(0.005), {"pulse": motion}, plan=plan)
+    (row,) = (row for row in found.rows if row.name == "overlap of blocks")
+    assert (row.passes, row.where, row.capacity) == (False, "slender, stout", TOUCH)
+    assert "overlap of blocks" in found.answer
+    deep = check(beside(0.005), {"pulse": motion}, plan=Plan(Limits(overlap=0.9), 1, margin=False))
+    assert next(row for row in deep.rows if row.name == "overlap of blocks").passes
