@@ -159,6 +159,7 @@ def test_limits_decide(found: Check) -> None:
         Limits(share=2)
 
 
+@pytest.mark.long
 def test_sliding_is_compared_where_there_is_friction() -> None:
     slippery = Column("slippery", (Block(1.0, 1.0, 1.0, 2000.0, Joint(2e9, 2e-3, friction=0.2)),))
     made = check(slippery, {"pulse": PULSES["1.2 Hz"]}, pga=0.35 * G, plan=replace(SHORT, margin=False))

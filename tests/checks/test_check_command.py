@@ -170,6 +170,7 @@ def test_both_directions_in_one_command(folder: Path, capsys: pytest.CaptureFixt
     assert "--both: must be left out, block.toml is the same in both directions" in capsys.readouterr().err
 
 
+@pytest.mark.long
 def test_round_contacts_are_checked_in_space_unless_kept_in_the_plane(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -119,6 +119,7 @@ def test_what_is_there_is_overwritten_by_force_only(
     assert Path(output).read_bytes() != b"before"
 
 
+@pytest.mark.long
 def test_two_builds_of_one_fmu_at_once(tmp_path: Path) -> None:
     output = tmp_path / "column.fmu"
     # without the machine code, which would be made twice

@@ -242,6 +242,7 @@ def test_shear_and_reaction_follow_the_input_of_the_same_instant(fmus: Fmus) -> 
     assert pushed[5] != still[5]
 
 
+@pytest.mark.long
 def test_the_same_input_builds_the_same_bytes_with_the_date_that_is_given(fmus: Fmus, tmp_path: Path) -> None:
     one, other = (
         fmus.build(PHOCAS, tmp_path / f"{name}.fmu", SOURCE_DATE_EPOCH="1700000000") for name in ("once", "again")
@@ -279,6 +280,7 @@ def test_a_wrong_column_file_ends_the_build_with_2_and_one_line(
     assert not (tmp_path / "x.fmu").exists()
 
 
+@pytest.mark.long
 def test_the_native_fmu_has_the_same_bits(fmus: Fmus, native: Path) -> None:
     """As built, and of a column off its axis that slides; test_native.py compares others."""
     values = [{}, {"joint[1].offset": 0.1, "joint[2].inclination": 0.01, "joint[1].friction": 0.4}]

@@ -8,6 +8,8 @@ from support.child import call
 from support.fmus import Fmus
 from support.inside import base
 
+pytestmark = pytest.mark.long  # test_fmu.py and test_structure_fmus.py have what is tried every time
+
 
 def test_the_split_belongs_to_the_inputs_just_set(fmus: Fmus) -> None:
     accelerations = [(0.0, 0.0, 0.0), (3.0, -1.0, 20.0), (-2.0, 4.0, 0.0)]

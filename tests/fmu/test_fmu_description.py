@@ -16,6 +16,8 @@ from support.inside import initialization
 from fmu_src.documentation import drawing
 from solver import Column
 
+pytestmark = pytest.mark.long  # test_fmu.py and test_structure_fmus.py have what is tried every time
+
 FACTORS = {"mm": 1e3, "g": 1.0 / 9.80665, "deg": 57.29577951308232, "kN": 1e-3, "MPa": 1e-6}
 
 

@@ -11,8 +11,10 @@ from support.child import call, command, ended, returned
 from support.fmus import REFUSED, Fmus, finish
 from support.inside import failures
 
+pytestmark = pytest.mark.long  # test_fmu.py and test_structure_fmus.py have what is tried every time
 
-@pytest.mark.parametrize("logging", [True, pytest.param(False, marks=pytest.mark.long)])
+
+@pytest.mark.parametrize("logging", [True, False])
 def test_a_wrong_call_is_answered_and_the_instance_lives_on(fmus: Fmus, logging: bool) -> None:
     done = ended(failures.python_answers, fmus.damped, logging)
     assert done.returncode == 0, done.stderr
@@ -57,7 +59,6 @@ def test_without_numba_the_fmu_says_what_it_needs(fmus: Fmus) -> None:
     assert "Failed to instantiate" in done.stderr
 
 
-@pytest.mark.long
 @pytest.mark.skipif(not shutil.which("valgrind"), reason="valgrind is not installed")
 def test_a_process_without_an_instance_frees_the_wrapper_once(fmus: Fmus) -> None:
     """A second time would write into memory of others: the process mostly ends well, and now and then by a signal."""

@@ -15,6 +15,8 @@ from support.inside import guarded
 import build_fmu
 from fmu_src.native import guard, library
 
+pytestmark = pytest.mark.long  # test_fmu.py and test_structure_fmus.py have what is tried every time
+
 if not sys.platform.startswith("linux"):
     pytest.skip("the guard is built for Linux", allow_module_level=True)
 if not library.has_tools():
@@ -26,7 +28,7 @@ OPTIONS = ("--stop-time", 0.05, "--start-values", "base.ax", 0.5, "--output-file
 FOLDERS = ("Müller", "a#b", "100% sure", "a b", "柱", "a%2")
 
 
-@pytest.mark.parametrize("folder", ["".join(FOLDERS), *(pytest.param(it, marks=pytest.mark.long) for it in FOLDERS)])
+@pytest.mark.parametrize("folder", ["".join(FOLDERS), *(it for it in FOLDERS)])
 def test_it_runs_below_any_folder(fmus: Fmus, tmp_path: Path, folder: str) -> None:
     """Without the guard all but the one with a blank end with 139."""
     there = tmp_path / folder

@@ -11,6 +11,8 @@ from support.child import call
 from support.fmus import LINUX, REFUSED, Fmus
 from support.inside import hostile
 
+pytestmark = pytest.mark.long  # test_fmu.py and test_structure_fmus.py have what is tried every time
+
 AS_BUILT = 1e-5  # solver.tolerance
 
 
@@ -22,7 +24,6 @@ def all_refused(heard: dict[str, tuple[int, list[str]]]) -> None:
         assert "NULL" in said[0] or "not one of this FMU" in said[0], name
 
 
-@pytest.mark.long
 def test_pointers_to_nothing_are_an_error(native: Path, native3: Path) -> None:
     heard, same = call(hostile.nulls, native)
     all_refused(heard)
@@ -54,7 +55,6 @@ def test_a_state_from_damaged_bytes_has_no_bytes(fmus: Fmus) -> None:
     assert same
 
 
-@pytest.mark.long
 def test_native_states_with_changed_numbers_end_no_process(native: Path) -> None:
     refused, taken, same = call(hostile.unlikely_states, native, 400)
     assert refused > 100  # what no instance can be in; the rest is another state
@@ -75,7 +75,6 @@ def test_steps_beyond_the_stop_time_are_an_error(fmus: Fmus) -> None:
     stops(call(hostile.beyond, fmus.damped))
 
 
-@pytest.mark.long
 def test_native_steps_beyond_the_stop_time_are_an_error(native: Path, native3: Path) -> None:
     stops(call(hostile.beyond, native))
     plain, followed = (call(hostile.beyond3, native3)[k : k + 4] for k in (0, 4))
@@ -108,12 +107,10 @@ def test_the_tolerance_of_the_master_is_honoured(fmus: Fmus) -> None:
     honoured(fmus.damped)
 
 
-@pytest.mark.long
 def test_the_native_fmu_honours_the_tolerance_of_the_master(native: Path) -> None:
     honoured(native)
 
 
-@pytest.mark.long
 def test_a_column_of_a_thousand_blocks_needs_little_stack(tmp_path: Path) -> None:
     """64 kB, as docs/native.md says; pthreads give no less than 32 kB to a thread of Python's, who takes a part."""
     column = tmp_path / "stack.toml"

@@ -15,6 +15,8 @@ from support.inside import inputs
 
 from solver import Column, Motion, simulate
 
+pytestmark = pytest.mark.long  # test_fmu.py and test_structure_fmus.py have what is tried every time
+
 AMPLITUDE, FREQUENCY, STOP = 0.6, 2.0, 1.6  # m/s2, Hz, s
 TIGHT = {"solver.tolerance": 1e-9}
 
@@ -81,7 +83,7 @@ def test_the_slope_holds_until_an_input_is_set_again(fmus: Fmus) -> None:
     assert back - same == pytest.approx(0.5 * 8211.0, rel=0.05)
 
 
-@pytest.mark.parametrize("logging", [False, pytest.param(True, marks=pytest.mark.long)])
+@pytest.mark.parametrize("logging", [False, True])
 @pytest.mark.parametrize(
     ("values", "h", "said"),
     [
@@ -110,9 +112,9 @@ def test_what_looks_like_a_mistake_is_said_once(
     ("name", "text", "said"),
     [
         ("absent.csv", None, "No such file"),
-        pytest.param("record.txt", "0 0", "no known header", marks=pytest.mark.long),
+        ("record.txt", "0 0", "no known header"),
         ("record.csv", "time,base.ax\n0,0\n0,1\n", "line 3: time = 0.0"),
-        pytest.param("record.AT2", "nonsense", "no known header", marks=pytest.mark.long),
+        ("record.AT2", "nonsense", "no known header"),
     ],
 )
 def test_a_wrong_record_is_refused_by_the_fmu_and_by_its_builder(

@@ -10,6 +10,8 @@ from support.child import call
 from support.fmus import ROOT, Fmus
 from support.inside import neighbours
 
+pytestmark = pytest.mark.long  # test_fmu.py and test_structure_fmus.py have what is tried every time
+
 FOREIGN = """
 from pythonfmu import Fmi2Causality, Fmi2Slave, Real
 import solver

@@ -16,6 +16,8 @@ from support.inside import starts
 
 from solver import Motion
 
+pytestmark = pytest.mark.long  # test_fmu.py and test_structure_fmus.py have what is tried every time
+
 
 def call_with(home: Path, function: Callable[..., object], *arguments: object) -> Any:
     """The value that a function returns in a process on an account whose home is a folder."""
@@ -66,7 +68,6 @@ def test_a_record_compiles_nothing_more(fmus: Fmus, tmp_path: Path) -> None:
     assert counts(start(fmus.damped, tmp_path, record=tmp_path / "record.csv"))[:2] == (3, 0)
 
 
-@pytest.mark.long
 def test_the_account_that_builds_compiles_nothing_more(tmp_path: Path) -> None:
     home = {"HOME": str(tmp_path), "XDG_CACHE_HOME": str(tmp_path / ".cache")}
     assert counts(start(Fmus.build(DAMPED, tmp_path / "own.fmu", **home), tmp_path))[:2] == (3, 0)
@@ -76,7 +77,6 @@ def test_python_finds_what_the_builder_has_compiled(fmus: Fmus) -> None:
     assert call(starts.simulate) == [0, 0]
 
 
-@pytest.mark.long
 def test_another_processor_compiles_once(fmus: Fmus, tmp_path: Path) -> None:
     other = {"NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": ""}
     first = counts(start(fmus.damped, tmp_path, **other))
@@ -88,7 +88,7 @@ def test_another_processor_compiles_once(fmus: Fmus, tmp_path: Path) -> None:
     assert first[2] == again[2] == pytest.approx(here[2], rel=1e-6)
 
 
-@pytest.mark.parametrize("times", [1, pytest.param(3, marks=pytest.mark.long)])
+@pytest.mark.parametrize("times", [1, 3])
 def test_processes_that_start_together_do_not_disturb_each_other(fmus: Fmus, tmp_path: Path, times: int) -> None:
     for k in range(times):
         home = tmp_path / str(k)
@@ -96,7 +96,6 @@ def test_processes_that_start_together_do_not_disturb_each_other(fmus: Fmus, tmp
         assert len({counts(process) for process in processes}) == 1
 
 
-@pytest.mark.long
 @pytest.mark.parametrize("hindrance", ["read-only", "full"])
 def test_where_nothing_can_be_kept_it_starts_all_the_same(fmus: Fmus, tmp_path: Path, hindrance: str) -> None:
     if os.name == "nt" and hindrance == "full":
@@ -140,9 +139,7 @@ HARMS: dict[str, Callable[[Path], object]] = {
 }
 
 
-@pytest.mark.parametrize(
-    "harm", ["code cut", *(pytest.param(it, marks=pytest.mark.long) for it in HARMS if it != "code cut")]
-)
+@pytest.mark.parametrize("harm", HARMS)
 def test_a_damaged_copy_is_passed_over(fmus: Fmus, tmp_path: Path, harm: str) -> None:
     usual = counts(start(fmus.damped, tmp_path))
     HARMS[harm](copy_of(tmp_path))
@@ -154,10 +151,7 @@ def test_a_damaged_copy_is_passed_over(fmus: Fmus, tmp_path: Path, harm: str) ->
 
 
 @pytest.mark.skipif(os.name == "nt", reason="folders of a user on Windows are his own")
-@pytest.mark.parametrize(
-    ("cached", "opened"),
-    [(True, "copy"), *(pytest.param(*case, marks=pytest.mark.long) for case in ((False, "copy"), (True, "cache")))],
-)
+@pytest.mark.parametrize(("cached", "opened"), [(True, "copy"), (False, "copy"), (True, "cache")])
 def test_code_that_others_may_have_planted_does_not_run(fmus: Fmus, tmp_path: Path, cached: bool, opened: str) -> None:
     usual = counts(start(fmus.damped, tmp_path))
     copy = copy_of(tmp_path)
@@ -178,7 +172,6 @@ def test_where_others_can_write_to_the_cache_nothing_of_it_is_used(fmus: Fmus, t
     assert not [*home.rglob("solver_*")]
 
 
-@pytest.mark.long
 @pytest.mark.skipif(os.name == "nt", reason="folders of a user on Windows are his own")
 def test_what_python_adds_to_a_copy_under_any_umask_does_not_spoil_it(fmus: Fmus, tmp_path: Path) -> None:
     mask = os.umask(0o002)  # as where every user has a group of his own

@@ -11,6 +11,8 @@ from support.child import call, ended
 from support.fmus import ROOT, Fmus, run
 from support.inside import states
 
+pytestmark = pytest.mark.long  # test_fmu.py and test_structure_fmus.py have what is tried every time
+
 
 def test_a_run_goes_on_from_a_state_with_the_same_bits(fmus: Fmus) -> None:
     found = call(states.go_on, fmus.damped)
@@ -30,11 +32,8 @@ def test_the_state_of_a_fallen_column_and_of_one_that_stands_again(fmus: Fmus) -
     "values",
     [
         {},
-        pytest.param(
-            {"solver.formulation": "paper", "solver.integrator": "central-difference", "joint[1].damping": 2e-3},
-            marks=pytest.mark.long,
-        ),
-        pytest.param({"block[2].mass": 2e4, "g": 9.0}, marks=pytest.mark.long),
+        {"solver.formulation": "paper", "solver.integrator": "central-difference", "joint[1].damping": 2e-3},
+        {"block[2].mass": 2e4, "g": 9.0},
         {"joint[1].offset": 0.1, "joint[2].inclination": 0.01, "block[3].tilt": -5e-3, "joint[1].friction": 0.4},
     ],
 )

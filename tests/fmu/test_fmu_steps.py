@@ -12,6 +12,8 @@ from support.inside import steps
 
 from solver import Column, Motion, simulate
 
+pytestmark = pytest.mark.long  # test_fmu.py and test_structure_fmus.py have what is tried every time
+
 STOP = 4.0
 
 
@@ -71,7 +73,6 @@ def test_a_step_that_would_take_too_long_is_discarded(fmus: Fmus) -> None:
     assert same
 
 
-@pytest.mark.long
 @pytest.mark.parametrize("kind", ["trilith", "native_trilith", "native"])
 def test_so_is_that_of_a_structure_and_of_a_native_fmu(request: pytest.FixtureRequest, kind: str) -> None:
     heard, same = call(steps.too_long, request.getfixturevalue(kind), {"base.ax": 0.3}, [1e300])
@@ -92,7 +93,6 @@ def test_an_unstable_coupling_is_warned_of_once(fmus: Fmus) -> None:
     assert warned(fmus.damped, "base.ax", 0.9) == 0
 
 
-@pytest.mark.long
 @pytest.mark.parametrize("kind", ["trilith", "native_trilith", "native"])
 def test_structures_and_native_fmus_warn_alike(request: pytest.FixtureRequest, kind: str) -> None:
     fmu = request.getfixturevalue(kind)

@@ -75,6 +75,7 @@ def test_a_numba_that_is_too_old_is_named_with_what_to_install(version: str) -> 
     )
 
 
+@pytest.mark.long
 def test_an_fmu_under_a_numba_that_is_too_old_says_what_to_install(fmus: Fmus) -> None:
     done = ended(failures.under_numba, fmus.damped, "0.58.1")
     assert done.returncode == 1

@@ -51,7 +51,9 @@ def test_killed_at_any_moment_it_loses_nothing_and_repeats_nothing(folder: Path)
 
 
 @pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="children are looked for in /proc")
-@pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGINT, pytest.param(signal.SIGTERM, marks=pytest.mark.long)])
+@pytest.mark.parametrize(
+    "how", [signal.SIGKILL, *(pytest.param(one, marks=pytest.mark.long) for one in (signal.SIGINT, signal.SIGTERM))]
+)
 def test_workers_end_with_the_process_that_started_them(folder: Path, how: signal.Signals) -> None:
     """Measured: 0.1 s. Ctrl-C, which a terminal sends to all of them, does not wait for the runs under way either."""
     (folder / "study.toml").write_text(TEXT.format(samples=200_000), encoding="utf-8")
