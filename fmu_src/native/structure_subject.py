@@ -7,7 +7,7 @@ from solver.kernels.api import pointers_of_structures as pointers_in_space
 from solver.kernels.layout import spaces
 from solver.kernels.structure import driven
 from solver.kernels.structure import layout as at
-from solver.models.structure.driven import CONTACT, REASONS, SKIP_CODES, sizes_of
+from solver.models.structure.driven import CONTACT, REASONS, SKIP_CODES, sizes_in
 
 from .. import rules
 from ..body import StructureBody
@@ -28,18 +28,19 @@ from .table import Check, Chosen, Subject
 def structure_subject(body: StructureBody) -> Subject:
     """Of a structure; its model and rest are numbers that never change."""
     n, m = body.structure.n, len(body.structure.joints)
-    sizes = sizes_of(body.structure, body.packed)
+    sizes = sizes_in(body.packed)
+    lengths = {"MODEL": at.MODEL.size(sizes), "STATE": at.STATE.size(sizes), "WORK": at.WORK.size(sizes)}
     given = {"tolerance": TOLERANCE, "without": WITHOUT, "damping_scale": DAMPING_SCALE}
     return Subject(
         falls=True,
         sizes={
-            **{"N": n, "MODEL": sizes.model, "STATE": sizes.state, "COUNTS": sizes.counts, "BASE": sizes.base},
-            **{"WORK": sizes.work, "ROW": sizes.row, "SPLIT": 0, "ROOM": 1, "FIXED_STEP_ROOM": 1},
+            **{"N": n, "COUNTS": at.COUNTS.beside, "BASE": at.BASE.beside, "ROW": sizes.visible},
+            **{**lengths, "SPLIT": 0, "ROOM": 1, "FIXED_STEP_ROOM": 1},
         },
         codes={
             "STATE_OVERTURN_TIME": at.CONTROL.fields.index("fall_time"),
-            "PEAKS": sizes.row,
-            "STATE_PEAKS": sizes.state - sizes.row,
+            "PEAKS": sizes.visible,
+            "STATE_PEAKS": lengths["STATE"] - sizes.visible,
             "PEAK_CONTACT": len(at.OF_BLOCK) * n + CONTACT * m,
             "CONTACTS": m,
             "COUNT_RESTING": at.COUNTS.fields.index("resting"),

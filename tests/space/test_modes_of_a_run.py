@@ -14,7 +14,6 @@ from support.structures import run, stack, with_law
 
 from solver.ground.motion import Motion
 from solver.kernels.layout.spaces import MODE
-from solver.kernels.structure import layout as at
 from solver.kernels.structure import modal_layout
 from solver.models.structure.builders import arch, colonnade
 from solver.models.structure.modal_data import modal_data_of
@@ -148,16 +147,14 @@ def _prepared(structure: Structure) -> np.ndarray:
     stepper = _stepper(structure)
     stepper.run(None, 0.0, 1e-6, np.zeros(0))
     records = stepper.model.modal[modal_layout.LIMITS.beside :][: 6 * structure.n * MODE.beside]
-    return records.reshape(-1, MODE.beside)
+    found: np.ndarray = records.reshape(-1, MODE.beside)
+    return found
 
 
 def _stepper(structure: Structure) -> Stepper:
     """At rest, with modes."""
-    stepper = Stepper(structure)
+    stepper = Stepper(structure, modal_data_of(structure).numbers)
     start_from(stepper, rest_of(structure))
-    settings, modal = stepper.model.settings.copy(), modal_data_of(structure).numbers.copy()
-    stepper.model = stepper.model._replace(settings=settings, modal=modal)
-    at.SETTINGS.see(settings).has_modes = 1.0
     return stepper
 
 
@@ -168,7 +165,7 @@ def test_modes_span_all_coordinates() -> None:
     limits = modal_layout.LIMITS.see(numbers)
     n, m, k, count = structure.n, len(structure.joints), len(structure.ties), int(limits.matrices)
     assert (limits.parts, limits.flat_parts, count) == (1, 0, (6 * n) ** 2)
-    assert len(numbers) == modal_layout.modal_size(n, m, k, count)
+    assert len(numbers) == modal_layout.MODAL.size((6 * n, 3 * m + k, k, count))
     shapes, inverses = (part.reshape(6 * n, -1) for part in (numbers[-2 * count : -count], numbers[-count:]))
     assert shapes @ inverses == pytest.approx(np.eye(6 * n), abs=1e-12)
 

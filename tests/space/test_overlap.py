@@ -16,7 +16,7 @@ from support.structures import with_law
 from multiblock import Block, Column, Joint, Motion, SpatialResponse, SpatialState, Structure, simulate
 from solver.kernels.numba_ext.jit import from_python
 from solver.kernels.structure.bed import Plane
-from solver.kernels.structure.entries import scene_of
+from solver.kernels.structure.entries import see
 from solver.kernels.structure.joint import bed_of_joint
 from solver.models.structure.blocks.faces import FloatArray, clipped
 from solver.models.structure.rest import move, residual_of, rest_of
@@ -27,9 +27,9 @@ DRUM = {"shape": "drum", "height": 0.5, "mass": 1000.0}
 
 
 @from_python
-def bed_after(n, m, k, model, state, slips, p, q, found):
+def bed_after(arrays, slips, p, q, found):
     """The bed of joint 0 after slips and a twist."""
-    scene = scene_of(n, m, k, model, state)
+    scene, _ = see(arrays)
     scene.slips.p1[0], scene.slips.p2[0], scene.slips.p3[0] = slips[0], slips[1], slips[2]
     bed = bed_of_joint(scene, 0, Plane(p[0], p[1], p[2]), Plane(q[0], q[1], q[2]))
     found[0], found[1], found[2], found[3], found[4] = bed.force, bed.first_x, bed.first_y, bed.area, bed.largest
@@ -37,7 +37,7 @@ def bed_after(n, m, k, model, state, slips, p, q, found):
 
 def bed(structure: Structure, slips: Any, p: FloatArray, q: FloatArray) -> FloatArray:
     stepper, found = Stepper(structure), np.zeros(5)
-    bed_after(*stepper.sizes, stepper.model, stepper.state, np.array(slips), p, q, found)
+    bed_after(stepper.arrays, np.array(slips), p, q, found)
     return found
 
 

@@ -6,7 +6,8 @@ them through
 - a *row*: `row[i]` is number i; `row[k:]` the row that begins there;
 - a *record* of single numbers: `control.next_step` is read and written, `control.row` is all of it;
 - a *table* of fields of n numbers each: `blocks.mass` is a row;
-- a *space* of such parts, one after the other: `state.control.next_step`, `state.phase.theta[i]`.
+- a *space* of such parts, one after the other, by one size or by several: `state.control.next_step`,
+  `state.phase.theta[i]`.
 
 All are bare addresses: not reference-counted, not bounds-checked, without cost. Over eight columns at once (lanes.py)
 an element is eight neighbouring numbers, and the names give lanes; or, by `one_lane`, the numbers of one of the
@@ -91,17 +92,25 @@ class RecordType(types.Type):
         super().__init__(name=f"Record({kind}: {_digest(fields)})")
 
 
-class SpaceType(types.Type):
-    """Address of parts whose lengths follow from n, and n: `space.row` is all of it, `space.n` is n.
+Sum = tuple[int, ...]  # of sizes: a factor for each, and a number beside
 
-    parts: (name, type, first place: (elements per n, elements beside)).
+
+class SpaceType(types.Type):
+    """Address of parts whose lengths follow from sizes, and the sizes.
+
+    `space.row` is all of it, `space.n` the size n, `space.total` its length. parts: (name, type, first place, what the
+    part has as its n); end: the length.
     """
 
-    def __init__(self, kind: Any, parts: tuple[tuple[str, Any, int, int], ...]) -> None:
+    def __init__(
+        self, kind: Any, sizes: tuple[str, ...], parts: tuple[tuple[str, Any, Sum, Sum], ...], end: Sum
+    ) -> None:
         self.kind = kind
+        self.sizes = sizes
         self.parts = parts
-        self.names = {name: (part, per_n, beside) for name, part, per_n, beside in parts}
-        super().__init__(name=f"Space({kind}: {_digest(parts)})")
+        self.end = end
+        self.names = {name: (part, first, count) for name, part, first, count in parts}
+        super().__init__(name=f"Space({kind}: {_digest((sizes, parts))})")
 
 
 @register_model(RowType)
@@ -114,7 +123,8 @@ class _AddressModel(models.PrimitiveModel):  # type: ignore[misc]
 @register_model(SpaceType)
 class _SpaceModel(models.StructModel):  # type: ignore[misc]
     def __init__(self, manager: Any, fe_type: Any) -> None:
-        super().__init__(manager, fe_type, [("row", RowType(fe_type.kind)), ("n", types.intp)])
+        sizes = [(size, types.intp) for size in fe_type.sizes]
+        super().__init__(manager, fe_type, [("row", RowType(fe_type.kind)), *sizes])
 
 
 # --- elements
@@ -211,23 +221,40 @@ class _SpaceNames(AttributeTemplate):  # type: ignore[misc]
     def generic_resolve(self, space: Any, name: str) -> Any:
         if name in space.names:
             return space.names[name][0]
-        return {"n": types.intp, "row": RowType(space.kind)}.get(name)
+        return RowType(space.kind) if name == "row" else types.intp if name in (*space.sizes, "total") else None
 
 
 @lower_getattr_generic(SpaceType)
 def _space_get(context: Any, builder: Any, kind: Any, value: Any, name: str) -> Any:
     space = context.make_helper(builder, kind, value)
-    if name in ("n", "row"):
-        return getattr(space, name)
-    part, per_n, beside = kind.names[name]
-    begin = builder.add(builder.mul(space.n, ir.Constant(_INT64, per_n)), ir.Constant(_INT64, beside))
-    address = _address(builder, kind.kind, space.row, begin)
+    sizes = [getattr(space, size) for size in kind.sizes]
+    if name not in kind.names:
+        return _summed(builder, kind.end, sizes) if name == "total" else getattr(space, name)
+    part, first, count = kind.names[name]
+    address = _address(builder, kind.kind, space.row, _summed(builder, first, sizes))
     if part.kind is not kind.kind:  # whole numbers among floats
         address = builder.bitcast(address, _pointee(part.kind).as_pointer())
     if not isinstance(part, SpaceType):
         return address
-    made = context.make_helper(builder, part)
-    made.row, made.n = address, space.n
+    return _space(
+        context, builder, part, address, sizes if part.sizes == kind.sizes else [_summed(builder, count, sizes)]
+    )
+
+
+def _summed(builder: Any, factors: Sum, sizes: list[Any]) -> Any:
+    found = ir.Constant(_INT64, factors[-1])
+    for factor, size in zip(factors, sizes, strict=False):
+        if factor:
+            found = builder.add(found, builder.mul(size, ir.Constant(_INT64, factor)))
+    return found
+
+
+def _space(context: Any, builder: Any, kind: SpaceType, address: Any, sizes: list[Any]) -> Any:
+    """A space that begins at an address."""
+    made = context.make_helper(builder, kind)
+    made.row = address
+    for name, size in zip(kind.sizes, sizes, strict=True):
+        setattr(made, name, size)
     return made._getvalue()
 
 
@@ -320,6 +347,10 @@ class Part:
         """The numba type over elements of a kind: float64, lanes, int64."""
         raise NotImplementedError
 
+    def length(self, count: Sum) -> Sum:
+        """Length in elements by the sizes of a space around it; count: what the part has as its n."""
+        return (*(self.per_n * factor for factor in count[:-1]), self.per_n * count[-1] + self.beside)
+
     def size(self, n: int) -> int:
         """Length in elements."""
         return self.per_n * n + self.beside
@@ -386,7 +417,8 @@ class Table(Part):
     def type(self, kind: Any) -> Any:
         """A space of rows."""
         kind = types.int64 if self.whole else kind
-        return SpaceType(kind, tuple((name, RowType(kind), begin, 0) for name, (begin, _) in self.places.items()))
+        parts = ((name, RowType(kind), (begin, 0), (1, 0)) for name, (begin, _) in self.places.items())
+        return SpaceType(kind, ("n",), tuple(parts), (self.per_n, 0))
 
     def see(self, array: Any, n: int) -> Any:
         """The fields as attributes, arrays of n numbers, or of several times n."""
@@ -395,26 +427,45 @@ class Table(Part):
 
 
 class Space(Part):
-    """Parts one after the other."""
+    """Parts one after the other, of n numbers each; of several sizes, each with the size that it has as its n.
 
-    def __init__(self, **parts: Part) -> None:
-        self.parts = parts
-        self.per_n = sum(part.per_n for part in parts.values())
-        self.beside = sum(part.beside for part in parts.values())
+    sizes: their names. parts: a part, or (part, size), or (part, size, how many more).
+    """
+
+    def __init__(self, *sizes: str, **parts: Part | tuple[Any, ...]) -> None:
+        self.sizes = sizes or ("n",)
+        self.parts: dict[str, Part] = {}
+        self.sums: dict[str, tuple[Sum, Sum]] = {}  # first place of each part, and its n
+        end: Sum = (0,) * (len(self.sizes) + 1)
+        for name, given in parts.items():
+            part, size, more = (*given, 0)[:3] if isinstance(given, tuple) else (given, self.sizes[0], 0)
+            count = (*(int(size == each) for each in self.sizes), more)
+            self.parts[name], self.sums[name] = part, (end, count)
+            end = tuple(a + b for a, b in zip(end, part.length(count), strict=True))
+        self.end, self.per_n, self.beside = end, end[0], end[-1]
         self.over = _over(self)
+
+    def length(self, count: Sum) -> Sum:
+        """Length in elements by the sizes of a space around it."""
+        return super().length(count) if len(self.sizes) == 1 else self.end
+
+    def size(self, n: Any) -> int:
+        """Length in elements; n: the sizes, where there are several."""
+        return _worth(self.end, n)
 
     def type(self, kind: Any) -> Any:
         """A space of the parts' types."""
-        placed = []
-        per_n = beside = 0
-        for name, part in self.parts.items():
-            placed.append((name, part.type(kind), per_n, beside))
-            per_n, beside = per_n + part.per_n, beside + part.beside
-        return SpaceType(kind, tuple(placed))
+        parts = ((name, part.type(kind), *self.sums[name]) for name, part in self.parts.items())
+        return SpaceType(kind, self.sizes, tuple(parts), self.end)
 
-    def see(self, array: Any, n: int) -> Any:
+    def see(self, array: Any, n: Any) -> Any:
         """The parts as attributes."""
-        return _Parts(self.parts, array, n)
+        return _Parts(self, array, n)
+
+
+def _worth(factors: Sum, sizes: Any) -> int:
+    sizes = sizes if isinstance(sizes, tuple) else (sizes,)
+    return sum(factor * int(size) for factor, size in zip(factors, (*sizes, 1), strict=True))
 
 
 class _Seen:
@@ -439,17 +490,17 @@ class _Seen:
 class _Parts:
     """Names over the parts of an array, each made on first use."""
 
-    def __init__(self, parts: dict[str, Part], array: Any, n: int) -> None:
-        self._parts, self._array, self._n = parts, array, n
+    def __init__(self, space: Space, array: Any, n: Any) -> None:
+        self._space, self._array, self._n = space, array, n
 
     def __getattr__(self, name: str) -> Any:
-        begin = 0
-        for each, part in self._parts.items():
-            if each == name:
-                self.__dict__[name] = part.see(self._array[begin:], self._n)
-                return self.__dict__[name]
-            begin += part.size(self._n)
-        raise AttributeError(name)
+        if name not in self._space.parts:
+            raise AttributeError(name)
+        part, (first, count) = self._space.parts[name], self._space.sums[name]
+        several = isinstance(part, Space) and len(part.sizes) > 1
+        n = self._n if several else _worth(count, self._n)
+        self.__dict__[name] = part.see(self._array[_worth(first, self._n) :], n)
+        return self.__dict__[name]
 
 
 def _over(part: Part) -> Any:
@@ -458,14 +509,15 @@ def _over(part: Part) -> Any:
     @_intrinsic
     def names(typing, row, n):
         kind = part.type(row.kind)
+        several = isinstance(n, types.BaseTuple)
 
         def generate(context, builder, signature, arguments):
             if not isinstance(kind, SpaceType):
                 return arguments[0]
-            made = context.make_helper(builder, kind)
-            made.row, made.n = arguments
-            return made._getvalue()
+            address, sizes = arguments
+            each = [builder.extract_value(sizes, k) for k in range(len(n))] if several else [sizes]
+            return _space(context, builder, kind, address, each)
 
-        return kind(row, types.intp), generate
+        return kind(row, n if several else types.intp), generate
 
     return names

@@ -1,9 +1,7 @@
 """A structure under inputs that a caller sets from call to call: the engine behind its FMUs.
 
-All that it is lies in flat rows: `model` (HEAD, then settings, bodies, joints, ties, corners, modal data), `state`
-(control, phase, memory of joints and ties, peaks), `counts`, `base`; `work` is scratch. The joints are elastic along
-themselves, so that everything seen of a structure follows from its state, and nothing from the acceleration of the same
-instant.
+All that it is lies in the flat rows of layout.py. The joints are elastic along themselves, so that everything seen of a
+structure follows from its state, and nothing from the acceleration of the same instant.
 """
 
 import math
@@ -16,19 +14,16 @@ from .base import Shaking, acceleration, segment_after
 from .evaluate import evaluate, evaluate_state, moving, recall, show
 from .layout import (
     BASE,
-    BODIES,
-    CONTROL,
     COUNTS,
-    JOINTS,
+    HEAD,
+    MODEL,
     OK,
     PAUSED,
     PHASE,
-    SETTINGS,
     STAGES,
-    TIES,
-    lay_scene,
-    moving_size,
-    row_size,
+    STATE,
+    scene_of,
+    sizes_in,
     step_tolerance,
 )
 from .modal import prepare
@@ -36,73 +31,43 @@ from .stepping import advance
 from .watch import RATES, STAGE, Watch, row, seen
 
 INPUTS = Record("ax", "ay", "az", "jx", "jy", "jz")  # m/s2; m/s3, their slopes
-HEAD = Record("blocks", "joints", "ties", "is_plane", "corners", "size")  # numbers of all polygons, of the whole model
-# description of a structure: what a caller may choose, the model, then its rest (phase, memory of joints and ties)
+# description of a structure: what a caller may choose, the model, then its rest: a state
 GIVEN = Record("tolerance", "without", "damping_scale")
 WITHOUT_PEAKS, WITHOUT_ELASTIC = 1, 2  # codes of `without`: peaks but those of displacements, steps by modes
 HEAVIER = 4.0  # an evaluation of a block or joint, over that of a block of a column
 RATE_PART = 1e-4  # of the first step: half the time over which outputs are differenced
 
-_inputs, _head, _given, _settings, _base = INPUTS.over, HEAD.over, GIVEN.over, SETTINGS.over, BASE.over
-_joints, _ties, _phase, _counts = JOINTS.over, TIES.over, PHASE.over, COUNTS.over
-_GIVEN, _HEAD, _SETTINGS, _BODY, _JOINT, _TIE = (
-    *(GIVEN.beside, HEAD.beside, SETTINGS.beside),
-    *(BODIES.per_n, JOINTS.per_n, TIES.per_n),
-)
-_CONTROL, _COUNTS, _BASE = CONTROL.beside, COUNTS.beside, BASE.beside
-
-
-def model_size(n: int, m: int, k: int, corners: int, modal: int) -> int:
-    """Length of the model of n blocks, m joints and k ties; corners: numbers of all polygons; modal: of modal data."""
-    tables = BODIES.size(n + 1) + JOINTS.size(m) + TIES.size(k)
-    return int(HEAD.beside + SETTINGS.beside + tables + corners + modal)
-
-
-def state_size(n: int, m: int, k: int) -> int:
-    """Length of the state."""
-    return int(CONTROL.beside + moving_size(n, m, k) + row_size(n, m, k))
-
-
-@leaf
-def _scene(model, state, counts, work):
-    head = _head(model, 0)
-    n, m, k = int(head.blocks), int(head.joints), int(head.ties)
-    settings = model[_HEAD:]
-    bodies = settings[_SETTINGS:]
-    joints = bodies[_BODY * (n + 1) :]
-    ties = joints[_JOINT * m :]
-    corners = ties[_TIE * k :]
-    parts = settings, bodies, joints, ties, corners, corners[int(head.corners) :]
-    return lay_scene(n, m, k, int(head.corners), parts, state, counts, state[_CONTROL + moving_size(n, m, k) :], work)
+_inputs, _head, _given, _base, _phase = INPUTS.over, HEAD.over, GIVEN.over, BASE.over, PHASE.over
+_model, _state = MODEL.over, STATE.over
+_GIVEN, _COUNTS, _BASE = GIVEN.beside, COUNTS.beside, BASE.beside
 
 
 @kernel
 def assemble(model, state, counts, base, work, given, from_rest):
     """The model that `given` describes; the structure at rest with `from_rest`. Returns OK."""
     described, packed = _given(given, 0), given[_GIVEN:]
-    head = _head(packed, 0)
-    n, m, k, size = int(head.blocks), int(head.joints), int(head.ties), int(head.size)
-    copy(model, packed, size)
-    settings = _settings(model[_HEAD:], 0)
+    sizes = sizes_in(packed)
+    made = _model(model, sizes)
+    copy(model, packed, made.total)
+    settings, joints = made.settings, made.joints
     settings.tolerance = described.tolerance
     settings.step_tolerance = step_tolerance(settings.order, settings.tolerance)
     settings.watches = 0.0 if int(described.without) & WITHOUT_PEAKS else 1.0
     if int(described.without) & WITHOUT_ELASTIC:
         settings.has_modes = 0.0
-    of_joints = model[_HEAD + _SETTINGS + _BODY * (n + 1) :]
-    joints, ties = _joints(of_joints, m), _ties(of_joints[_JOINT * m :], k)
-    for j in range(m):
+    for j in range(sizes.m):
         joints.damping[j] *= described.damping_scale
         least = settings.relaxation if joints.friction[j] != math.inf else 0.0
         joints.shear_damping[j] = max(least, described.damping_scale * joints.shear_damping[j])
-    for e in range(k):
-        ties.damping[e] *= described.damping_scale
+    for e in range(sizes.k):
+        made.ties.damping[e] *= described.damping_scale
+    scene = scene_of(model, state, counts, work)
     if from_rest != 0:
-        clear(state, _CONTROL + moving_size(n, m, k) + row_size(n, m, k))
-        copy(state[_CONTROL:], packed[size:], moving_size(n, m, k))
-        clear(_counts(counts, 0).row, _COUNTS)
+        lasting = _state(state, sizes)
+        clear(state, lasting.total)
+        copy(lasting.phase.row, packed[made.total :], sizes.state)
+        clear(counts, _COUNTS)
         clear(base, _BASE)
-    scene = _scene(model, state, counts, work)
     prepare(scene, Shaking(0, given, given, given, given, _base(base, 0)))
     return OK
 
@@ -156,18 +121,18 @@ def follow(model, state, counts, base, work, inputs, start, h, count, times, ax,
 
     A structure that is its own mirror image in the plane x, z stays in it exactly as long as nothing moves it across.
     """
-    scene, shaking = _scene(model, state, counts, work), _shaking(base, count, times, ax, ay, az, scale)
+    scene, shaking = scene_of(model, state, counts, work), _shaking(base, count, times, ax, ay, az, scale)
     _drive(shaking.base, inputs, 0.0, start)
     if not _are_bounded(shaking.base, h):
         return INPUT_TOO_LARGE
     scene.counts.resting = 0
-    phase, stop = state[_CONTROL:], start + h
+    phase, stop = _state(state, scene.sizes).phase, start + h
     is_plane = _head(model, 0).is_plane != 0.0
-    flat = is_plane and _is_flat(shaking, _phase(phase, scene.n), scene.n, start, stop)
+    flat = is_plane and _is_flat(shaking, phase, scene.n, start, stop)
     most, bounded = most_work(scene.settings, h), most_of_a_call(HEAVIER * (scene.n + scene.m))
     code_beyond = TOO_MUCH_WORK if most <= bounded else CALL_TOO_LONG
     scene.settings.in_plane = 1.0 if flat else 0.0
-    code = advance(scene, shaking, Watch(0, work, work), phase, start, stop, int(min(most, bounded)) // STAGES)
+    code = advance(scene, shaking, Watch(0, work, work), phase.row, start, stop, int(min(most, bounded)) // STAGES)
     scene.settings.in_plane = 0.0  # of this step, no part of the model
     return code_beyond if code == PAUSED else code
 
@@ -178,11 +143,11 @@ def look(model, state, counts, base, work, inputs, new_inputs, elapsed, t, visib
 
     With `new_inputs` the base follows, from time t on, the inputs set `elapsed` s before.
     """
-    scene = _scene(model, state, counts, work)
+    scene = scene_of(model, state, counts, work)
     if new_inputs != 0:
         _drive(_base(base, 0), inputs, elapsed, t)
-    phase = _phase(state[_CONTROL:], scene.n)
-    recall(scene, state[_CONTROL:])
+    phase = _state(state, scene.sizes).phase
+    recall(scene, phase.row)
     evaluate(scene, phase, _phase(row(scene, RATES), scene.n), 0.0, 0.0, 0.0)
     show(scene, phase, visible)
     return OK
@@ -194,8 +159,8 @@ def rates(model, state, counts, base, work, t, count, times, ax, ay, az, scale, 
 
     Central differences along the rates of the state, over a fraction of the first step.
     """
-    scene, shaking = _scene(model, state, counts, work), _shaking(base, count, times, ax, ay, az, scale)
-    size, here, between = row_size(scene.n, scene.m, scene.k), state[_CONTROL:], row(scene, STAGE)
+    scene, shaking = scene_of(model, state, counts, work), _shaking(base, count, times, ax, ay, az, scale)
+    size, here, between = scene.sizes.visible, _state(state, scene.sizes).phase.row, row(scene, STAGE)
     clear(visible, size)
     if scene.counts.fallen > 0:
         return OK
@@ -218,6 +183,5 @@ def rates(model, state, counts, base, work, t, count, times, ax, ay, az, scale, 
 @kernel
 def feedthrough(model, visible):
     """Fill an output row with the derivatives of the outputs by the inputs of the same instant: zeros. Returns OK."""
-    head = _head(model, 0)
-    clear(visible, row_size(int(head.blocks), int(head.joints), int(head.ties)))
+    clear(visible, sizes_in(model).visible)
     return OK

@@ -5,59 +5,67 @@ from ..numba_ext.views import lanes_of, row_of
 from . import driven
 from .base import Shaking
 from .evaluate import energy, evaluate, recall, settle_memory, show
-from .in_lanes import Queue, Sizes, batch_over, follow_queue
-from .layout import BASE, PHASE, lay_scene
+from .in_lanes import Queue, batch_over, follow_queue
+from .layout import BASE, PHASE, STATE, scene_of, sizes_in
 from .stepping import advance
 from .watch import Watch
 
-_phase, _base = PHASE.over, BASE.over
+_phase, _base, _state = PHASE.over, BASE.over, STATE.over
+
+# arrays: model, state, counts, base, work
 
 
 @kernel
-def scene_of(n, m, k, model, state):
-    """The scene of a structure of n blocks, m joints and k ties; model, state: its arrays (packing.py)."""
-    settings, bodies, joints, ties, corners, modal = model
-    control, counts, peaks, work = state
-    rows = row_of(settings), row_of(bodies), row_of(joints), row_of(ties), row_of(corners), row_of(modal)
-    return lay_scene(n, m, k, corners.size, rows, row_of(control), row_of(counts), row_of(peaks), row_of(work))
+def _rows(arrays):
+    model, state, counts, base, work = arrays
+    return row_of(model), row_of(state), row_of(counts), row_of(base), row_of(work)
+
+
+@kernel
+def see(arrays):
+    """The scene of a structure, and its state as a row."""
+    model, state, counts, _, work = _rows(arrays)
+    scene = scene_of(model, state, counts, work)
+    return scene, _state(state, scene.sizes).phase.row
 
 
 @entry
-def run_structure(n, m, k, model, state, phase, record, base, at, rows, t, stop, most):
+def run_structure(arrays, record, at, rows, t, stop, most):
     """`stepping.advance` over a record (times, ax, ay, az), with an output row at each of the times `at`."""
+    scene, state = see(arrays)
     times, ax, ay, az = record
-    shaking = Shaking(times.size, row_of(times), row_of(ax), row_of(ay), row_of(az), _base(row_of(base), 0))
-    watch = Watch(at.size, row_of(at), row_of(rows))
-    return advance(scene_of(n, m, k, model, state), shaking, watch, row_of(phase), t, stop, most)
+    shaking = Shaking(times.size, row_of(times), row_of(ax), row_of(ay), row_of(az), _base(row_of(arrays[3]), 0))
+    return advance(scene, shaking, Watch(at.size, row_of(at), row_of(rows)), state, t, stop, most)
 
 
 @entry
-def observe_structure(n, m, k, model, state, phase, rates, ax, ay, az, row, keep):
-    """Evaluate a phase under an acceleration of the base, m/s2: its rates and output row.
+def observe_structure(arrays, rates, ax, ay, az, row, keep):
+    """Evaluate the state under an acceleration of the base, m/s2: its rates and output row.
 
     Returns its energy, J.
-    phase: with what joints and ties remember behind it. keep: whether they remember this state, as after a long rest.
+    keep: whether joints and ties remember this state, as after a long rest.
     """
-    scene = scene_of(n, m, k, model, state)
-    seen = _phase(row_of(phase), n)
-    recall(scene, row_of(phase))
-    evaluate(scene, seen, _phase(row_of(rates), n), ax, ay, az)
+    scene, state = see(arrays)
+    seen = _phase(state, scene.n)
+    recall(scene, state)
+    evaluate(scene, seen, _phase(row_of(rates), scene.n), ax, ay, az)
     if keep:
-        settle_memory(scene, row_of(phase))
+        settle_memory(scene, state)
     show(scene, seen, row_of(row))
     return energy(scene, seen)
 
 
 @entry
-def stiffness_of(n, m, k, model, state, phase, scratch, rates, delta, matrix):
-    """Tangent stiffness about a phase without rates: matrix (6 n x 6 n) by rows, N and N m per m and rad.
+def stiffness_of(arrays, scratch, rates, delta, matrix):
+    """Tangent stiffness about the state, which has no rates: matrix (6 n x 6 n) by rows, N and N m per m and rad.
 
     Forces on the centroids by displacements and rotations about the axes of the base, by central differences of `delta`
-    (a number for each coordinate, m or rad). Joints and ties remember what the phase says.
+    (a number for each coordinate, m or rad). Joints and ties remember what the state says.
     """
-    scene = scene_of(n, m, k, model, state)
+    scene, from_ = see(arrays)
+    n = scene.n
     size = 6 * n
-    from_, to, found = row_of(phase), row_of(scratch), row_of(matrix)
+    to, found = row_of(scratch), row_of(matrix)
     turned, poses = _phase(to, n), scene.poses
     recall(scene, from_)
     for column in range(size):
@@ -99,34 +107,31 @@ def _turn(phase, i, axis, angle):
 
 
 @entry
-def run_structures_in_lanes(n, m, k, corners, buffer, size, models, states, runs, outcomes, peaks, record, flag):
+def run_structures_in_lanes(buffer, size, models, states, runs, outcomes, peaks, record, flag):
     """`in_lanes.follow_queue` over arrays; buffer: eight numbers for each of a lane."""
     given = row_of(models), row_of(states), row_of(runs), row_of(outcomes), row_of(peaks)
     times, ax, ay, az = record
     queue = Queue(size, *given, row_of(times), row_of(ax), row_of(ay), row_of(az), row_of(flag))
-    follow_queue(batch_over(Sizes(n, m, k, corners), lanes_of(buffer), queue))
+    follow_queue(batch_over(sizes_in(row_of(models)), lanes_of(buffer), queue))
 
 
 # --- a structure under inputs: driven.py over arrays
 
 
 @entry
-def assemble_structure(model, state, counts, base, work, given, from_rest):
+def assemble_structure(arrays, given, from_rest):
     """`driven.assemble`."""
-    arrays = row_of(model), row_of(state), row_of(counts), row_of(base), row_of(work)
-    return driven.assemble(*arrays, row_of(given), from_rest)
+    return driven.assemble(*_rows(arrays), row_of(given), from_rest)
 
 
 @entry
-def follow_structure(model, state, counts, base, work, inputs, t, h, times, ax, ay, az):
+def follow_structure(arrays, inputs, t, h, times, ax, ay, az):
     """`driven.follow`."""
-    arrays = row_of(model), row_of(state), row_of(counts), row_of(base), row_of(work)
     record = times.size, row_of(times), row_of(ax), row_of(ay), row_of(az), 1.0
-    return driven.follow(*arrays, row_of(inputs), t, h, *record)
+    return driven.follow(*_rows(arrays), row_of(inputs), t, h, *record)
 
 
 @entry
-def look_structure(model, state, counts, base, work, inputs, new_inputs, elapsed, t, row):
+def look_structure(arrays, inputs, new_inputs, elapsed, t, row):
     """`driven.look`."""
-    arrays = row_of(model), row_of(state), row_of(counts), row_of(base), row_of(work)
-    return driven.look(*arrays, row_of(inputs), new_inputs, elapsed, t, row_of(row))
+    return driven.look(*_rows(arrays), row_of(inputs), new_inputs, elapsed, t, row_of(row))

@@ -10,28 +10,25 @@ import math
 from typing import NamedTuple
 
 from ..batch.follow import control_steps, pass_queue, peak_over
-from ..numba_ext.jit import in_both, kernel, leaf
+from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.lanes import WIDTH, any_of, bits, greater, lane, lesser, magnitude, square_root, where
-from ..numba_ext.views import Record, Table, clear, copy, one_lane
+from ..numba_ext.views import Record, Space, Table, clear, copy, one_lane
 from ..stepping.control import is_too_short, shared
 from .attempt import attempt_5, evaluate_at, rate
 from .base import Shaking, is_still, segment_after
 from .evaluate import moving, recall
 from .layout import (
     BASE,
-    BODIES,
     CONTROL,
     COUNTS,
-    JOINTS,
+    MODEL,
     OF_BLOCK,
     OF_JOINT,
     PHASE,
-    SETTINGS,
     STAGES,
-    TIES,
-    lay_scene,
-    moving_size,
-    work_size,
+    WORK,
+    Sizes,
+    scene_over,
 )
 from .stepping import STABLE, fallen, largest_motion, moves, relaxing
 from .watch import BETWEEN_RATES, END, START, row, seen
@@ -57,21 +54,13 @@ LANE = Record(
 )
 NO_RUN = -1.0
 
-_base, _lane, _run, _outcome, _phase = BASE.over, LANE.over, RUN.over, OUTCOME.over, PHASE.over
-_peaks = PEAKS.over
-_BASE, _LANE, _RUN, _OUTCOME = BASE.beside, LANE.beside, RUN.beside, OUTCOME.beside
-_SETTINGS, _CONTROL, _COUNTS = SETTINGS.beside, CONTROL.beside, COUNTS.beside
-_BODY, _JOINT, _TIE, _PEAK = BODIES.per_n, JOINTS.per_n, TIES.per_n, PEAKS.per_n
+ALL = Space(
+    *Sizes._fields, model=MODEL, control=CONTROL, counts=COUNTS, peaks=(PEAKS, "n"), base=BASE, lane=LANE, work=WORK
+)
+
+_all, _run, _outcome, _phase, _peaks = ALL.over, RUN.over, OUTCOME.over, PHASE.over, PEAKS.over
+_RUN, _OUTCOME, _PEAK = RUN.beside, OUTCOME.beside, PEAKS.per_n
 _OF_BLOCK, _OF_JOINT, _TX = len(OF_BLOCK), len(OF_JOINT), OF_JOINT.index("Tx")
-
-
-class Sizes(NamedTuple):
-    """Blocks, joints, ties, and numbers of corners of all sections."""
-
-    n: int
-    m: int
-    k: int
-    corners: int
 
 
 class Queue(NamedTuple):
@@ -81,7 +70,7 @@ class Queue(NamedTuple):
     """
 
     size: int
-    models: object  # settings, bodies, joints, ties, corners of each
+    models: object  # MODEL of each, without modes
     states: object  # to start from, replaced by those at the ends
     runs: object  # records RUN
     outcomes: object  # records OUTCOME
@@ -99,49 +88,23 @@ class Batch(NamedTuple):
     scene: object
     shaking: object
     lane: object
-    row: object
-    sizes: object
+    all: object
+    sizes: Sizes
     queue: object
-
-
-@in_both
-def model_size(n: int, m: int, k: int, corners: int) -> int:
-    """Numbers that describe a structure."""
-    size: int = _SETTINGS + _BODY * (n + 1) + _JOINT * m + _TIE * k + corners
-    return size
-
-
-@in_both
-def lane_size(n: int, m: int, k: int, corners: int) -> int:
-    """Numbers of a lane."""
-    beside = _CONTROL + _COUNTS + _PEAK * n + _BASE + _LANE
-    size: int = model_size(n, m, k, corners) + beside + work_size(n, m, k, corners)
-    return size
 
 
 @leaf
 def batch_over(sizes, buffer, queue):
     """The batch over a row of lanes, or of one of them."""
-    n, m, k, corners = sizes
-    bodies = buffer[_SETTINGS:]
-    joints = bodies[_BODY * (n + 1) :]
-    ties = joints[_JOINT * m :]
-    outlines = ties[_TIE * k :]
-    control = outlines[corners:]
-    counts = control[_CONTROL:]
-    peaks = counts[_COUNTS:]
-    base = peaks[_PEAK * n :]
-    own = base[_BASE:]
-    model = buffer, bodies, joints, ties, outlines, outlines
-    scene = lay_scene(n, m, k, corners, model, control, counts, peaks, own[_LANE:])
-    shaking = Shaking(0, queue.times, queue.ax, queue.ay, queue.az, _base(base, 0))
-    return Batch(scene, shaking, _lane(own, 0), buffer, sizes, queue)
+    seen = _all(buffer, sizes)
+    scene = scene_over(sizes, seen.model, seen.control, seen.counts, seen.peaks.row, seen.work)
+    return Batch(scene, Shaking(0, queue.times, queue.ax, queue.ay, queue.az, seen.base), seen.lane, seen, sizes, queue)
 
 
 @leaf
 def single(batch, k):
     """The structure of lane k alone."""
-    return batch_over(batch.sizes, one_lane(batch.row, k), batch.queue)
+    return batch_over(batch.sizes, one_lane(batch.all.row, k), batch.queue)
 
 
 @leaf
@@ -201,10 +164,9 @@ def follow_record(batch, one):
 def load(batch, k, number):
     """Put a run into lane k; the rates at its start are still missing."""
     one, queue = single(batch, k), batch.queue
-    n, m, ties, corners = batch.sizes.n, batch.sizes.m, batch.sizes.k, batch.sizes.corners
-    size, count = model_size(n, m, ties, corners), moving_size(n, m, ties)
-    clear(one.row, lane_size(n, m, ties, corners))
-    copy(one.row, queue.models[size * number :], size)
+    size, count = one.all.model.total, batch.sizes.state
+    clear(one.all.row, one.all.total)
+    copy(one.all.model.row, queue.models[size * number :], size)
     copy(row(one.scene, START), queue.states[count * number :], count)
     copy(row(one.scene, END), row(one.scene, START), count)
     recall(one.scene, row(one.scene, START))
@@ -223,7 +185,7 @@ def load(batch, k, number):
 def finish(batch, k, ends, time, block):
     """Store how the run in lane k ends: its outcome, peaks and state. The lane is free then."""
     one, queue, n = single(batch, k), batch.queue, batch.sizes.n
-    number, count = int(one.lane.run), moving_size(n, batch.sizes.m, batch.sizes.k)
+    number, count = int(one.lane.run), batch.sizes.state
     outcome = _outcome_of(batch, number)
     outcome.ends, outcome.time, outcome.block = ends, time, block
     outcome.steps, outcome.rejected, outcome.looks = one.lane.steps, one.lane.rejected, one.lane.looks

@@ -2,13 +2,32 @@
 
 n blocks, m joints, k ties. The base is body n: it has a place in the tables of bodies, and does not move relative to
 itself. Rotations count from the structure as built, so that the axes of a body are those of the base then.
+
+A structure is five arrays, as a column: MODEL, STATE, COUNTS, BASE, and WORK, which can be discarded between calls. Its
+sizes stand at the head of its model.
 """
 
 from typing import NamedTuple
 
 from ..numba_ext.jit import in_both, leaf
-from ..numba_ext.views import Record, Table
+from ..numba_ext.views import Numbers, Record, Space, Table
 
+
+class Sizes(NamedTuple):
+    """How many there are of what lies in the arrays."""
+
+    n: int  # blocks
+    m: int  # joints
+    k: int  # ties
+    corners: int  # numbers of the corners of all sections
+    modal: int  # numbers of the modal data (modal_layout.py), 0 without modes
+    modal_room: int  # numbers that steps by modes need
+    state: int  # numbers of a state: the phase, and what joints and ties remember
+    stride: int  # numbers from one state to the next in a step: whole packs
+    visible: int  # numbers of an output row
+
+
+HEAD = Record(*Sizes._fields, "is_plane")  # 1: the structure is its own mirror image in the plane x, z
 SETTINGS = Record(
     "gravity",  # m/s2
     "tolerance",  # relative to the largest motion
@@ -125,7 +144,7 @@ OF_BASE = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
 # codes
 OK, STEP_TOO_SMALL = 0, -1
 PAUSED = 1  # as many steps as were allowed have been made; not an error
-PACK = 8  # rows of a step are padded to whole packs
+PACK = 8  # numbers of which whole packs are summed
 
 
 # Errors die out with the motion of the joints. Where that keeps ringing they add up: a step may add this part of the
@@ -141,50 +160,44 @@ def step_tolerance(order: float, tolerance: float) -> float:
     return max(LEAST_TOLERANCE, RINGING_PART * tolerance) if order == RINGING_ORDER else tolerance
 
 
-@in_both
-def padded(count: int) -> int:
-    """The length of a row that sums take in packs."""
-    whole: int = (count + PACK - 1) // PACK
-    return whole * PACK
-
-
-@in_both
-def row_size(n: int, m: int, k: int) -> int:
-    """Numbers of an output row."""
-    size: int = _OF_BLOCK * n + _OF_JOINT * m + k + _OF_BASE
-    return size
-
-
-@in_both
-def moving_size(n: int, m: int, k: int) -> int:
-    """Numbers of a state: the phase, and what joints and ties remember."""
-    size: int = _PER_BODY * n + _PER_JOINT * m + k
-    return size
-
-
-@in_both
-def rows_size(n: int, m: int, k: int) -> int:
-    """Numbers of the rows of a step: states and rates, then output rows."""
-    states, outputs = padded(moving_size(n, m, k)), row_size(n, m, k)
-    size = (STAGES + 5) * states + SEEN * outputs
-    return int(size)
-
-
-_OF_BLOCK, _OF_JOINT, _OF_BASE = len(OF_BLOCK), len(OF_JOINT), len(OF_BASE)
-_PER_BODY: int = PHASE.per_n
-_PER_JOINT: int = MEMORY.per_n
-_POSE, _RESULTANT, _PULL = POSES.per_n, RESULTANTS.per_n, PULLS.per_n
+# --- the arrays
 # numbers of the corners of a polygon and of what a cut leaves of it: of two faces and a square, cut by two pressures
 ROOM = 2 * 2 * (2 * MOST_CORNERS + 4)
 SEEN = 5  # output rows of a step: at its start, in its middle, at its end, of a trial; what is allowed
+EACH = Numbers(1)
+_SIZES = Sizes._fields
+REMEMBERED = Space(*_SIZES, slips=(MEMORY, "m"), plastic=(EACH, "k"))
+MODEL = Space(
+    *_SIZES,
+    head=HEAD,
+    settings=SETTINGS,
+    bodies=(BODIES, "n", 1),
+    joints=(JOINTS, "m"),
+    ties=(TIES, "k"),
+    corners=(EACH, "corners"),
+    modal=(EACH, "modal"),
+)
+STATE = Space(*_SIZES, control=CONTROL, phase=(PHASE, "n"), remembered=REMEMBERED, peaks=(EACH, "visible"))
+WORK = Space(
+    *_SIZES,
+    states=(Numbers(STAGES + 5), "stride"),  # and rates of a step
+    outputs=(Numbers(SEEN), "visible"),
+    poses=(POSES, "n", 1),
+    resultants=(RESULTANTS, "m"),
+    pulls=(PULLS, "k"),
+    memory=REMEMBERED,
+    giving=REMEMBERED,
+    room=Numbers(beside=ROOM),
+    shared=(EACH, "corners"),
+    modal_room=(EACH, "modal_room"),
+)
 
 
-@in_both
-def work_size(n: int, m: int, k: int, corners: int) -> int:
-    """Length of the work array: its parts in the order of `lay_scene`; corners: numbers of all of them."""
-    of_evaluation = _POSE * (n + 1) + _RESULTANT * m + _PULL * k + 2 * (_PER_JOINT * m + k)
-    size: int = rows_size(n, m, k) + of_evaluation + ROOM + corners
-    return size
+def sizes_of(n: int, m: int, k: int, corners: int, modal: int = 0, modal_room: int = 0) -> Sizes:
+    """The sizes of n blocks, m joints and k ties."""
+    state = PHASE.size(n) + MEMORY.size(m) + k
+    row = len(OF_BLOCK) * n + len(OF_JOINT) * m + k + len(OF_BASE)
+    return Sizes(n, m, k, corners, modal, modal_room, state, (state + PACK - 1) // PACK * PACK, row)
 
 
 class Scene(NamedTuple):
@@ -193,6 +206,7 @@ class Scene(NamedTuple):
     n: int
     m: int
     k: int
+    sizes: Sizes
     settings: object
     bodies: object
     joints: object
@@ -213,52 +227,61 @@ class Scene(NamedTuple):
     giving_plastic: object
     room: object  # of polygons
     shared: object  # by faces of joints that have slid
-    rows: object  # states and rates of a step, then output rows
+    states: object  # and rates of a step
+    outputs: object  # output rows of a step
     modal_room: object  # row, for modes; not there in lanes
 
 
-_bodies, _joints, _ties = BODIES.over, JOINTS.over, TIES.over
-_memory, _poses, _resultants, _pulls = MEMORY.over, POSES.over, RESULTANTS.over, PULLS.over
-_settings, _control, _counts = SETTINGS.over, CONTROL.over, COUNTS.over
+_head, _model, _state, _counts, _work = HEAD.over, MODEL.over, STATE.over, COUNTS.over, WORK.over
 
 
 @leaf
-def lay_scene(n, m, k, count, model, control, counts, peaks, work):
-    """The scene of n blocks, m joints and k ties over rows; model: settings, bodies, joints, ties, corners, modal.
+def sizes_in(model):
+    """The sizes at the head of a model."""
+    head = _head(model, 0)
+    shape = int(head.n), int(head.m), int(head.k), int(head.corners)
+    return Sizes(*shape, int(head.modal), int(head.modal_room), int(head.state), int(head.stride), int(head.visible))
 
-    count: numbers of all corners.
-    """
-    settings, bodies, joints, ties, corners, modal = model
-    poses = work[rows_size(n, m, k) :]
-    resultants = poses[_POSE * (n + 1) :]
-    pulls = resultants[_RESULTANT * m :]
-    memory = pulls[_PULL * k :]
-    giving = memory[_PER_JOINT * m + k :]
-    room = giving[_PER_JOINT * m + k :]
+
+@leaf
+def scene_of(model, state, counts, work):
+    """The structure whose arrays these rows are."""
+    sizes = sizes_in(model)
+    lasting = _state(state, sizes)
+    return scene_over(
+        sizes, _model(model, sizes), lasting.control, _counts(counts, 0), lasting.peaks, _work(work, sizes)
+    )
+
+
+@leaf
+def scene_over(sizes, model, control, counts, peaks, work):
+    """The scene of MODEL and WORK."""
     return Scene(
-        n,
-        m,
-        k,
-        _settings(settings, 0),
-        _bodies(bodies, n + 1),
-        _joints(joints, m),
-        _ties(ties, k),
-        corners,
-        modal,
-        _control(control, 0),
-        _counts(counts, 0),
+        sizes.n,
+        sizes.m,
+        sizes.k,
+        sizes,
+        model.settings,
+        model.bodies,
+        model.joints,
+        model.ties,
+        model.corners,
+        model.modal,
+        control,
+        counts,
         peaks,
-        _poses(poses, n + 1),
-        _resultants(resultants, m),
-        _pulls(pulls, k),
-        memory,
-        _memory(memory, m),
-        memory[_PER_JOINT * m :],
-        giving,
-        _memory(giving, m),
-        giving[_PER_JOINT * m :],
-        room,
-        room[ROOM:],
-        work,
-        room[ROOM + count :],
+        work.poses,
+        work.resultants,
+        work.pulls,
+        work.memory.row,
+        work.memory.slips,
+        work.memory.plastic,
+        work.giving.row,
+        work.giving.slips,
+        work.giving.plastic,
+        work.room,
+        work.shared,
+        work.states,
+        work.outputs,
+        work.modal_room,
     )

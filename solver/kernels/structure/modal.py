@@ -30,7 +30,7 @@ from .evaluate import evaluate_state, moving, show
 from .joint import friction_limits, middle_of
 from .kinematics import spin_of
 from .layout import MEMORY, OF_BLOCK, OF_JOINT, PHASE, POLYGON, RINGING_ORDER, STAGES
-from .modal_layout import AXES, THREE, body_of, data_of, room_size
+from .modal_layout import AXES, THREE, body_of, data_of
 from .watch import BETWEEN_RATES, END, STAGE, START, quaternion_curve, row, seen
 
 SPREAD = 0.1  # of a margin over a step: as much has to be left, beside the parabola through three values of it
@@ -398,8 +398,8 @@ def _stand_at_rest(body):
     begin, size = row(scene, START), AXES * scene.n
     clear(begin, _PER_BODY * scene.n)
     clear(rate(scene, 0), moving(scene))
-    copy(begin[_PER_BODY * scene.n :], body.data.memory, _PER_JOINT * scene.m + scene.k)
-    clear(scene.modal_room, room_size(scene.n, scene.k))
+    copy(begin[_PER_BODY * scene.n :], body.data.remembered, _PER_JOINT * scene.m + scene.k)
+    clear(scene.modal_room, scene.sizes.modal_room)
     for c in range(size):
         begin[int(coordinates.place[c])] = coordinates.rest[c]
 

@@ -25,7 +25,7 @@ from .attempt import attempt, evaluate_at, rate, size_of, square_of
 from .base import is_quiet, segment_after
 from .evaluate import evaluate_state, moving, recall, show
 from .kinematics import is_tipped
-from .layout import MEMORY, OK, PAUSED, PHASE, STAGES, STEP_TOO_SMALL, row_size
+from .layout import MEMORY, OK, PAUSED, PHASE, STAGES, STEP_TOO_SMALL
 from .modal_layout import data_of
 from .watch import BETWEEN, END, STAGE, START, look, raise_peaks, row, seen, track_peaks
 
@@ -111,7 +111,7 @@ def relaxing(scene):
 @kernel
 def _serve_rows(scene, shaking, watch, segment, t, h):
     """Take the output rows whose time lies within the step from t to t + h."""
-    counts, size = scene.counts, row_size(scene.n, scene.m, scene.k)
+    counts, size = scene.counts, scene.sizes.visible
     while counts.next_row < watch.size and watch.times[counts.next_row] <= t + h * (1.0 + SLACK):
         part = 1.0 if h == 0.0 else min(1.0, max(0.0, (watch.times[counts.next_row] - t) / h))
         look(scene, shaking, segment, t, h, part, watch.rows[counts.next_row * size :])

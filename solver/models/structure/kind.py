@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...ground.motion import Motion
-from ...kernels.structure.layout import SETTINGS
 from ..column.model import Column
 from ..column.numbers import column_with, is_of_column
 from ..protocol import SCALAR, SETTLE, Lanes, NoRestError, Plan, Run, Work, output_times, table_entry
@@ -76,7 +75,7 @@ class Structures:
                 rest_of(model)
             except NoRestError:
                 why = "no rest"
-        return Lanes(why, share_of(model), float(SETTINGS.see(model.model.settings).first_step))
+        return Lanes(why, share_of(model), float(model.model.names.settings.first_step))
 
     def under(self, model: Structure, motion: Motion) -> tuple[str, Hashable]:
         """Runs that stay in a plane share lanes."""
@@ -149,7 +148,7 @@ def _why_not_in_lanes(structure: Structure, keep: Collection[str]) -> str:
     """Why runs of a structure that rests are not made in lanes; "" if they are."""
     if not FROM_LANES.issuperset(keep):
         return "peaks of more than displacements"
-    return "" if SETTINGS.see(structure.model.settings).order == 5.0 else "steps of order 8"
+    return "" if structure.model.names.settings.order == 5.0 else "steps of order 8"
 
 
 def _is_law(name: str) -> bool:

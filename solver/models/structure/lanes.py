@@ -14,7 +14,6 @@ from ...ground.motion import Motion
 from ...kernels.numba_ext.lanes import WIDTH
 from ...kernels.structure import in_lanes as at
 from ...kernels.structure.entries import run_structures_in_lanes
-from ...kernels.structure.layout import BASE, JOINTS, SETTINGS
 from ..column.lanes import aligned
 from ..column.packing import FloatArray, IntArray
 from ..protocol import LANES, OVERTURNED, STANDING, UNDECIDED, Run
@@ -28,11 +27,11 @@ STAGES = 6  # evaluations of a step
 
 def share_of(structure: Structure) -> Hashable:
     """What structures that share lanes have in common."""
-    settings = SETTINGS.see(structure.model.settings)
-    places = JOINTS.see(structure.model.joints, len(structure.joints))  # of what lanes find by that of the first
+    names = structure.model.names
+    places = names.joints  # of what lanes find by that of the first
     joints = tuple(getattr(places, name).tobytes() for name in ("upper", "lower", "first", "corners", "above", "below"))
     ties = tuple((tie.one, tie.other) for tie in structure.ties)
-    return structure.n, len(structure.model.corners), joints, ties, bool(settings.gives_way)
+    return structure.n, len(names.corners), joints, ties, bool(names.settings.gives_way)
 
 
 def is_flat_run(structure: Structure, motion: Motion) -> bool:
@@ -91,14 +90,14 @@ class _Lanes:
     def __init__(self, runs: Sequence[Run], rests: Sequence[Rest]) -> None:
         self._runs = runs
         self._steppers = {id(run.model): Stepper(run.model) for run in runs}
-        self._sizes = *self._stepper(0).sizes, len(runs[0].model.model.corners)
+        self._sizes = self._stepper(0).sizes
         models: list[FloatArray] = []
         records: list[tuple[FloatArray, ...]] = []
         self._samples: dict[int, tuple[int, int]] = {}  # of a motion: first sample, number of them
         for k, run in enumerate(runs):
-            settings = run.model.model.settings.copy()
-            SETTINGS.see(settings).in_plane = float(is_flat_run(run.model, run.motion))
-            models.append(np.concatenate([settings, *run.model.model[1:-1]]))
+            model = run.model.model._replace(numbers=run.model.model.numbers.copy())
+            model.names.settings.in_plane = float(is_flat_run(run.model, run.motion))
+            models.append(model.numbers)
             if id(run.motion) not in self._samples:
                 record = self._stepper(k).drive(run.motion)
                 self._samples[id(run.motion)] = sum(len(times) for times, *_ in records), len(record[0])
@@ -106,7 +105,7 @@ class _Lanes:
         self._models, self._states = np.array(models), np.array([rest.phase for rest in rests])
         self._record = tuple(np.concatenate(part) for part in zip(*records, strict=True))
         self.outcomes = np.zeros((len(runs), at.OUTCOME.beside))
-        self.peaks = np.zeros((len(runs), at.PEAKS.per_n * self._sizes[0]))
+        self.peaks = np.zeros((len(runs), at.PEAKS.per_n * self._sizes.n))
 
     def _stepper(self, k: int) -> Stepper:
         return self._steppers[id(self._runs[k].model)]
@@ -129,7 +128,7 @@ class _Lanes:
         for row, k, start, stop in zip(rows, which.tolist(), starts[order], stops[order], strict=True):
             see, stepper = at.RUN.see(row), self._stepper(k)
             stepper.drive(self._runs[k].motion)
-            base = BASE.see(stepper.base)
+            base = stepper.base
             see.start, see.stop = start, stop
             see.first, see.count = self._samples[id(self._runs[k].motion)]
             for name in ("held", "amplitude_x", "amplitude_y", "omega", "phase"):
@@ -139,11 +138,11 @@ class _Lanes:
         models, states, outcomes, peaks = (
             array[which] for array in (self._models, self._states, self.outcomes, self.peaks)
         )
-        lanes = aligned(WIDTH * at.lane_size(*self._sizes))
+        lanes = aligned(WIDTH * at.ALL.size(self._sizes))
         lanes.reshape(-1, WIDTH)[: models.shape[1]] = models[0][:, None]  # so that lanes without a run have numbers
         found = models.ravel(), states.ravel(), rows.ravel(), outcomes.ravel(), peaks.ravel()
         with others_turn():
-            run_structures_in_lanes(*self._sizes, lanes, len(which), *found, self._record, flag)
+            run_structures_in_lanes(lanes, len(which), *found, self._record, flag)
         self._states[which], self.outcomes[which], self.peaks[which] = states, outcomes, peaks
 
 

@@ -68,27 +68,24 @@ def _numbers(structure: Structure, rest: Rest) -> FloatArray:
     stiffness, mass, places = _about_rest(structure, rest)
     groups, flat = _groups(stiffness, mass, n, structure.is_plane)
     matrices = sum(len(group) ** 2 for group in groups)
-    numbers = np.zeros(modal.modal_size(n, m, k, matrices))
-    limits = modal.LIMITS.see(numbers)
+    sizes = 6 * n, len(rest.phase) - at.PHASE.size(n), k, matrices
+    numbers = np.zeros(modal.MODAL.size(sizes))
+    data = modal.MODAL.see(numbers, sizes)
+    limits, table = data.limits, data.coordinates
     limits.parts, limits.flat_parts = len(groups), flat
     limits.count, limits.flat_count = 6 * n, sum(map(len, groups[:flat]))
     limits.matrices = matrices
     limits.cost, limits.flat_cost = _cost(m, groups), _cost(m, groups[:flat])
-    behind = modal.LIMITS.beside + 6 * n * MODE.beside
-    modes = numbers[modal.LIMITS.beside : behind].reshape(6 * n, -1)
-    table = modal.COORDINATES.see(numbers[behind:], 6 * n)
     order = np.concatenate(groups)
     table.place[:], table.rest[:] = places[order], rest.phase[places[order]]
     table.group[: len(groups)] = [len(group) for group in groups]
-    behind += modal.COORDINATES.size(6 * n)
-    memory = rest.phase[at.PHASE.size(n) :]
-    numbers[behind : behind + len(memory)] = memory
-    shapes, inverses = numbers[-2 * matrices : -matrices], numbers[-matrices:]
+    data.remembered[:] = rest.phase[at.PHASE.size(n) :]
+    modes = data.modes.reshape(6 * n, -1)
     first = place = 0
     for group in groups:
         end, behind = first + len(group), place + len(group) ** 2
         square, shape, inverse = _modes(stiffness[np.ix_(group, group)], mass[np.ix_(group, group)])
-        shapes[place:behind], inverses[place:behind] = shape.ravel(), inverse.ravel()
+        data.shapes[place:behind], data.inverses[place:behind] = shape.ravel(), inverse.ravel()
         _fill_modes(modes[first:end], structure, group, square, shape, inverse)
         first, place = end, behind
     return numbers

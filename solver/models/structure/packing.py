@@ -7,13 +7,16 @@ from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...kernels.column.assembly import LIGHTLY_DAMPED
 from ...kernels.structure import layout as at
-from ...kernels.structure.modal_layout import room_size
+from ...kernels.structure.modal_layout import AXES, MODAL_ROOM
 from .blocks.contacts import GROUND
 from .blocks.faces import Face, FloatArray, edge_distance
 from .blocks.parts import Joint, Solid, Tie
+
+IntArray = NDArray[np.int64]
 
 FLOOR = 1e-3  # of the motion under which the structure settles as it is loaded: the least that errors are measured by
 # least damping along a joint that may slide, times the frequency of the fastest joint: the elastic slip turns with the
@@ -23,53 +26,73 @@ FIRST = 0.1  # of the time in which the fastest joint turns by a radian
 
 
 class Model(NamedTuple):
-    """What describes a structure: the arguments `model` of the entries."""
+    """What describes a structure, for the kernels."""
 
-    settings: FloatArray
-    bodies: FloatArray
-    joints: FloatArray
-    ties: FloatArray
-    corners: FloatArray
-    modal: FloatArray  # kernels/structure/modal_layout.py; empty without modes
+    sizes: at.Sizes
+    numbers: FloatArray  # layout.py, MODEL
+
+    @property
+    def names(self) -> Any:
+        """The numbers by name: settings, bodies, joints, ties, corners, modal."""
+        return at.MODEL.see(self.numbers, self.sizes)
 
 
-class State(NamedTuple):
-    """What a run changes, and its work array: the arguments `state` of the entries."""
+class Arrays(NamedTuple):
+    """The flat arrays of a structure in motion (layout.py): copying `state`, `counts` and `base` saves it."""
 
-    control: FloatArray
-    counts: Any
-    peaks: FloatArray
+    model: FloatArray
+    state: FloatArray
+    counts: IntArray
+    base: FloatArray
     work: FloatArray
+
+
+def arrays_of(model: Model) -> Arrays:
+    """The arrays of a structure, zero but for its own model."""
+    return Arrays(
+        model.numbers.copy(),
+        np.zeros(at.STATE.size(model.sizes)),
+        np.zeros(at.COUNTS.beside, dtype=np.int64),
+        np.zeros(at.BASE.beside),
+        np.zeros(at.WORK.size(model.sizes)),
+    )
+
+
+def with_modes(model: Model, modal: FloatArray) -> Model:
+    """A copy of a model without modes, with their data."""
+    room = MODAL_ROOM.size((AXES * model.sizes.n, model.sizes.k))
+    sizes = at.sizes_of(*model.sizes[:4], modal.size, room if modal.size else 0)
+    made = Model(sizes, np.concatenate([model.numbers, modal]))
+    made.numbers[: len(sizes)] = sizes
+    made.names.settings.has_modes = float(modal.size > 0)
+    return made
 
 
 def model_of(
     solids: tuple[Solid, ...], joints: tuple[Joint, ...], ties: tuple[Tie, ...], g: float, tolerance: float
 ) -> Model:
-    """The arrays of a structure, its own but for those that no run changes."""
-    parts = _parts_of(solids, joints, ties, g)
-    settings = parts.settings.copy()
-    see = at.SETTINGS.see(settings)
-    see.tolerance = tolerance
-    see.step_tolerance = at.step_tolerance(see.order, tolerance)
-    return parts._replace(settings=settings)
+    """The model of a structure, without modes."""
+    made = _model_of(solids, joints, ties, g)
+    made = made._replace(numbers=made.numbers.copy())
+    settings = made.names.settings
+    settings.tolerance = tolerance
+    settings.step_tolerance = at.step_tolerance(settings.order, tolerance)
+    return made
 
 
 @lru_cache(maxsize=64)
-def _parts_of(solids: tuple[Solid, ...], joints: tuple[Joint, ...], ties: tuple[Tie, ...], g: float) -> Model:
-    """The arrays of a structure, without tolerances."""
-    n, m, k = len(solids), len(joints), len(ties)
+def _model_of(solids: tuple[Solid, ...], joints: tuple[Joint, ...], ties: tuple[Tie, ...], g: float) -> Model:
+    """The model of a structure, without tolerances."""
     outlines = [joint.face.outline.ravel() for joint in joints]
     faces = [_faces_of(joint) for joint in joints]
-    model = Model(
-        np.zeros(at.SETTINGS.beside),
-        np.zeros(at.BODIES.size(n + 1)),
-        np.zeros(at.JOINTS.size(m)),
-        np.zeros(at.TIES.size(k)),
-        np.concatenate([np.zeros(0), *outlines, *(part for pair in faces for part in pair)]),
-        np.zeros(0),
-    )
-    model.bodies[:] = _bodies_of(solids)
-    table = at.JOINTS.see(model.joints, m)
+    corners = np.concatenate([np.zeros(0), *outlines, *(part for pair in faces for part in pair)])
+    sizes = at.sizes_of(len(solids), len(joints), len(ties), corners.size)
+    model = Model(sizes, np.zeros(at.MODEL.size(sizes)))
+    model.numbers[: len(sizes)] = sizes
+    names = model.names
+    names.corners[:] = corners
+    _fill_bodies(names.bodies, solids)
+    table, settings = names.joints, names.settings
     place, behind = 0, sum(outline.size for outline in outlines)
     for j, joint in enumerate(joints):
         _fill_joint(table, j, joint, solids, place)
@@ -80,8 +103,7 @@ def _parts_of(solids: tuple[Solid, ...], joints: tuple[Joint, ...], ties: tuple[
             table.rim_a[j], table.rim_b[j] = _rim(above), _rim(below)
             behind += above.size + below.size
     for e, tie in enumerate(ties):
-        _fill_tie(at.TIES.see(model.ties, k), e, tie, solids)
-    settings = at.SETTINGS.see(model.settings)
+        _fill_tie(names.ties, e, tie, solids)
     _fill_settings(settings, table, solids, joints, g)
     slides = any(joint.bed.friction is not None for joint in joints)
     settlement = settings.motion_floor * settings.extent / FLOOR
@@ -94,32 +116,12 @@ def _parts_of(solids: tuple[Solid, ...], joints: tuple[Joint, ...], ties: tuple[
     return model
 
 
-def state_of(n: int, m: int, k: int, corners: int) -> State:
-    """What a run changes beside the phase, before it; corners: numbers of all of them."""
-    return State(
-        np.zeros(at.CONTROL.beside),
-        np.zeros(at.COUNTS.beside, dtype=np.int64),
-        np.zeros(at.row_size(n, m, k)),
-        np.zeros(at.work_size(n, m, k, corners) + room_size(n, k)),
-    )
-
-
-def phase_of(n: int, m: int, k: int) -> FloatArray:
-    """The phase of n blocks as built, with what m joints and k ties remember behind it."""
-    phase = np.zeros(at.moving_size(n, m, k))
-    at.PHASE.see(phase, n).q0[:] = 1.0
-    return phase
-
-
 def centroid_of(solids: tuple[Solid, ...], i: int) -> FloatArray:
     """Centroid of a body, m; of the base its origin."""
     return solids[i].centroid if i < len(solids) else np.zeros(3)
 
 
-@lru_cache(maxsize=64)
-def _bodies_of(solids: tuple[Solid, ...]) -> FloatArray:
-    numbers = np.zeros(at.BODIES.size(len(solids) + 1))
-    table = at.BODIES.see(numbers, len(solids) + 1)
+def _fill_bodies(table: Any, solids: tuple[Solid, ...]) -> None:
     for i, solid in enumerate(solids):
         table.mass[i], table.per_mass[i] = solid.mass, 1.0 / solid.mass
         for prefix, tensor in (("j", solid.inertia), ("i", _inverse(solid.inertia))):
@@ -134,7 +136,6 @@ def _bodies_of(solids: tuple[Solid, ...]) -> FloatArray:
                 getattr(table, prefix + name)[i] = tensor[row, column]
         table.x[i], table.y[i], table.z[i] = solid.centroid
         table.size[i], table.drop[i] = solid.size, solid.drop
-    return numbers
 
 
 def _inverse(tensor: FloatArray) -> FloatArray:

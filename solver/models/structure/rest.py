@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from contextlib import suppress
-from copy import copy
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -74,10 +73,8 @@ def _loaded(
     """A stepper in balance under the weight, put on in `loads` steps; None where one finds no balance."""
     stepper = Stepper(structure)
     move(stepper, settlement / loads)
-    settings = stepper.model.settings.copy()
-    stepper.model = stepper.model._replace(settings=settings)
     for step in range(1, loads + 1):
-        at.SETTINGS.see(settings).gravity = structure.g * step / loads
+        stepper.model.settings.gravity = structure.g * step / loads
         if not balance(stepper, linear, delta, CLOSE * structure.weight):
             return None
         stepper.observe(keep=True)
@@ -86,9 +83,8 @@ def _loaded(
 
 def sticking(stepper: Stepper) -> Stepper:
     """The same state with joints that stick: what slides has no stiffness that is symmetric."""
-    other = copy(stepper)
-    other.model = stepper.model._replace(joints=stepper.model.joints.copy())
-    at.JOINTS.see(other.model.joints, len(stepper.structure.joints)).friction[:] = np.inf
+    other = stepper.over(model=stepper.arrays.model.copy())
+    other.model.joints.friction[:] = np.inf
     return other
 
 
@@ -126,7 +122,7 @@ def deltas_of(structure: Structure, settlement: float) -> FloatArray:
 
 def _least_delta(structure: Structure) -> FloatArray:
     """Deltas so small that no joint opens which bears one block."""
-    settings = at.SETTINGS.see(structure.model.settings)
+    settings = structure.model.names.settings
     return deltas_of(structure, OF_ONE * settings.motion_floor * settings.extent / FLOOR)
 
 
@@ -200,7 +196,7 @@ def residual_of(stepper: Stepper, base: Sequence[float] | FloatArray = STILL) ->
     ax, ay, az = base
     energy = stepper.observe(ax, ay, az)
     n, see = stepper.structure.n, stepper.see
-    rates, bodies = at.PHASE.see(stepper.rates, n), at.BODIES.see(stepper.model.bodies, n + 1)
+    rates, bodies = at.PHASE.see(stepper.rates, n), stepper.model.bodies
     own = np.array(
         [
             bodies.jxx[:n] * rates.wx + bodies.jxy[:n] * rates.wy + bodies.jxz[:n] * rates.wz,
@@ -225,12 +221,11 @@ def balance(stepper: Stepper, linear: FloatArray, delta: FloatArray, close: floa
     Where a step lessens neither the forces left nor the energy, the tangent is stiffened. Near collapse the forces left
     grow along the way to a rest, and the energy falls; with friction it is none.
     """
-    structure = stepper.structure
     per = delta / delta[0]  # moments count over the size of the block
     left, energy = residual_of(stepper)
     size = float(np.max(np.abs(left * per)))
     softening = 0.0
-    potential = bool(np.all(np.isinf(at.JOINTS.see(stepper.model.joints, len(structure.joints)).friction)))
+    potential = bool(np.all(np.isinf(stepper.model.joints.friction)))
     tangent = stepper.stiffness(delta)
     for _ in range(MOST_ITERATIONS):
         if size <= close:

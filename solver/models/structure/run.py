@@ -61,7 +61,7 @@ def single_run(structure: Structure, plan: Plan) -> SpatialResponse:
     begin = clock.perf_counter()
     rows = stepper.run(motion, motion.start, stop, plan.times, after_chunk)
     stats: dict[str, float | str] = {name: int(getattr(stepper.counts, name)) for name in COUNTED}
-    coupled = "" if at.SETTINGS.see(stepper.model.settings).has_modes else "dampers couple the modes"
+    coupled = "" if stepper.model.settings.has_modes else "dampers couple the modes"
     stats["why_no_modes"] = why_no_modes or coupled
     stats["wall_time"] = clock.perf_counter() - begin
     response = SpatialResponse(structure, plan.times, rows, stepper.state.peaks.copy(), stats)
@@ -79,18 +79,15 @@ def begun(structure: Structure, motion: Motion, initial: SpatialState | None = N
 
     Raises InputError.
     """
-    stepper = Stepper(structure)
-    start_from(stepper, rest_of(structure))
+    rest, modes = rest_of(structure), modal_data_of(structure)
+    stepper = Stepper(structure, modes.numbers)
+    start_from(stepper, rest)
     flat = structure.is_plane and not motion.has_ay
     if initial is not None:
         set_initial(stepper, initial)
         flat = flat and is_flat(initial)
-    modes = modal_data_of(structure)
-    stepper.model = stepper.model._replace(settings=stepper.model.settings.copy(), modal=modes.numbers.copy())
-    settings = at.SETTINGS.see(stepper.model.settings)
-    settings.has_modes = float(modes.numbers.size > 0)
-    settings.in_plane = float(flat)
-    settings.watches = float("peaks" not in structure.without)
+    stepper.model.settings.in_plane = float(flat)
+    stepper.model.settings.watches = float("peaks" not in structure.without)
     return stepper, modes.why_none
 
 
@@ -123,9 +120,8 @@ def set_initial(stepper: Stepper, initial: SpatialState) -> None:
 
 def resultants_of(stepper: Stepper) -> object:
     """Names over the resultants of the last evaluation (layout.py, RESULTANTS)."""
-    n, m, k = stepper.sizes
-    first = at.rows_size(n, m, k) + at.POSES.size(n + 1)
-    return at.RESULTANTS.see(stepper.state.work[first:], m)
+    found: object = at.WORK.see(stepper.arrays.work, stepper.sizes).resultants
+    return found
 
 
 class _Settling:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING
+from copy import copy
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
@@ -14,7 +15,7 @@ from ...ground.motion import Motion
 from ...kernels.structure import layout as at
 from ...kernels.structure.entries import observe_structure, run_structure, stiffness_of
 from .blocks.faces import FloatArray
-from .packing import Model, State, phase_of, state_of
+from .packing import Arrays, arrays_of, with_modes
 
 if TYPE_CHECKING:
     from .model import Structure
@@ -26,21 +27,32 @@ _SILENCE = (_NONE, _NONE, _NONE, _NONE)
 
 
 class Stepper:
-    """A structure between two calls: its `phase` (layout.py, PHASE, MEMORY), and what a run counts in `state`."""
+    """A structure between two calls, as built until it is placed elsewhere.
 
-    def __init__(self, structure: Structure) -> None:
+    Its whole state is in `arrays`. `model`, `state`, `counts`, `base` name the same numbers (layout.py); `phase` is the
+    state but for what a run counts: place and rates of the blocks, `see`, and what joints and ties remember, `slips`.
+    """
+
+    def __init__(self, structure: Structure, modal: FloatArray = _NONE) -> None:
         self.structure = structure
-        self.sizes = structure.n, len(structure.joints), len(structure.ties)
-        self.model: Model = structure.model
-        self.state: State = state_of(*self.sizes, self.model.corners.size)
-        self.phase = phase_of(*self.sizes)
-        self.rates = np.zeros_like(self.phase)
-        self.row = np.zeros(at.row_size(*self.sizes))
-        self.base = np.zeros(at.BASE.beside)
-        self.see = at.PHASE.see(self.phase, structure.n)
-        self.slips = at.MEMORY.see(self.phase[at.PHASE.size(structure.n) :], len(structure.joints))
-        self.control = at.CONTROL.see(self.state.control)
-        self.counts = at.COUNTS.see(self.state.counts)
+        model = with_modes(structure.model, modal)
+        self.sizes = model.sizes
+        self._take(arrays_of(model))
+        self.see.q0[:] = 1.0
+        self.rates, self.row = np.zeros(self.sizes.state), np.zeros(self.sizes.visible)
+
+    def _take(self, arrays: Arrays) -> None:
+        self.arrays, sizes = arrays, self.sizes
+        self.model, self.state = at.MODEL.see(arrays.model, sizes), at.STATE.see(arrays.state, sizes)
+        self.counts, self.base = at.COUNTS.see(arrays.counts), at.BASE.see(arrays.base)
+        self.control, self.see, self.slips = self.state.control, self.state.phase, self.state.remembered.slips
+        self.phase = arrays.state[at.CONTROL.beside :][: sizes.state]
+
+    def over(self, **arrays: Any) -> Self:
+        """The same structure with other arrays in place of some of its own; it shares the rest."""
+        other = copy(self)
+        other._take(self.arrays._replace(**arrays))
+        return other
 
     def observe(self, ax: float = 0.0, ay: float = 0.0, az: float = 0.0, keep: bool = False) -> float:
         """Evaluate the phase under an acceleration of the base, m/s2; returns the energy, J.
@@ -49,17 +61,14 @@ class Stepper:
 
         keep: whether joints that slide, and ties that yield, remember this state, as after a long rest.
         """
-        arguments = self.phase, self.rates, float(ax), float(ay), float(az), self.row, bool(keep)
         energy: float
-        energy = observe_structure(*self.sizes, self.model, self.state, *arguments)
+        energy = observe_structure(self.arrays, self.rates, float(ax), float(ay), float(az), self.row, bool(keep))
         return energy
 
     def stiffness(self, delta: FloatArray) -> FloatArray:
         """The tangent stiffness about the phase, (6 n, 6 n): see entries.py."""
         matrix = np.zeros(36 * self.structure.n**2)
-        stiffness_of(
-            *self.sizes, self.model, self.state, self.phase, np.zeros_like(self.phase), self.rates, delta, matrix
-        )
+        stiffness_of(self.arrays, np.zeros_like(self.phase), self.rates, delta, matrix)
         return matrix.reshape(6 * self.structure.n, -1)
 
     def run(
@@ -72,14 +81,12 @@ class Stepper:
     ) -> FloatArray:
         """Follow a motion, or a still base, from t to `stop`, s; a row for each of `times`. Raises SolverError."""
         record = _SILENCE if motion is None else self.drive(motion)
-        rows = np.zeros((len(times), at.row_size(*self.sizes)))
+        rows = np.zeros((len(times), self.sizes.visible))
         self.counts.next_row = 0
         whole = stop - t
-        most = max(100, int(AT_ONCE / (7 * max(1, self.sizes[1]))))
+        most = max(100, int(AT_ONCE / (7 * max(1, self.sizes.m))))
         while True:
-            code = run_structure(
-                *self.sizes, self.model, self.state, self.phase, record, self.base, times, rows.ravel(), t, stop, most
-            )
+            code = run_structure(self.arrays, record, times, rows.ravel(), t, stop, most)
             t = float(self.control.reached)
             if after_chunk is not None:
                 after_chunk(t)
@@ -115,7 +122,7 @@ class Stepper:
 
     def drive(self, motion: Motion) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
         """The record of a motion for the kernels; its harmonic part is set."""
-        base = at.BASE.see(self.base)
+        base = self.base
         base.held, base.scale = float(motion.hold), 1.0
         base.amplitude_x, base.amplitude_y = motion.amplitude, motion.amplitude_y
         shakes = motion.amplitude or motion.amplitude_y

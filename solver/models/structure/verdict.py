@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from copy import copy
 from functools import lru_cache
 
 import numpy as np
@@ -118,9 +117,9 @@ class Well:
 
     def _leads_to(self, rest: Stepper, begin: FloatArray, energy: float) -> bool:
         """Whether no place on the straight way from a phase to a rest has more than this energy, J."""
-        n, way = self._structure.n, copy(rest)
+        n, way = self._structure.n, rest.over(state=rest.arrays.state.copy())
         for part in np.arange(1, WAY) / WAY:
-            way.phase = (1.0 - part) * begin + part * rest.phase
+            way.phase[:] = (1.0 - part) * begin + part * rest.phase
             turns = way.phase[_place("q0", n) : _place("vx", n)].reshape(4, n)
             turns /= np.linalg.norm(turns, axis=0)
             if way.observe() > energy + self._small:
@@ -225,15 +224,14 @@ class Well:
 
     def _change_of_resultants(self, rest: Stepper) -> FloatArray:
         """N, Mx and My of the joints, N and N m per m and rad of each coordinate, (3 joints, 6 n)."""
-        structure, stuck = self._structure, sticking(rest)
+        structure, stuck = self._structure, sticking(rest.over(state=rest.arrays.state.copy()))
         size = 6 * structure.n
         first, last = _span(structure, "N")[0], _span(structure, "My")[1]
         columns = []
         for k, delta in enumerate(self._delta):
             ends = []
             for step in (delta, -delta):
-                stuck.phase = rest.phase.copy()
-                stuck.see = at.PHASE.see(stuck.phase, structure.n)
+                stuck.phase[:] = rest.phase
                 move(stuck, step * (np.arange(size) == k))
                 stuck.observe()
                 ends.append(stuck.row[first:last].copy())
@@ -251,10 +249,8 @@ def _is_stable(stiffness: FloatArray) -> bool:
 
 def _stopped(stepper: Stepper) -> Stepper:
     """The same place without velocities, a phase of its own."""
-    n, other = stepper.structure.n, copy(stepper)
-    other.phase, other.row, other.rates = stepper.phase.copy(), stepper.row.copy(), stepper.rates.copy()
-    other.see = at.PHASE.see(other.phase, n)
-    other.slips = at.MEMORY.see(other.phase[at.PHASE.size(n) :], len(stepper.structure.joints))
+    n, other = stepper.structure.n, stepper.over(state=stepper.arrays.state.copy())
+    other.row, other.rates = stepper.row.copy(), stepper.rates.copy()
     other.phase[_place("vx", n) : at.PHASE.size(n)] = 0.0
     return other
 
