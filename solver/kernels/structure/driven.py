@@ -126,7 +126,7 @@ def follow(model, state, counts, base, work, inputs, start, h, count, times, ax,
     if not _are_bounded(shaking.base, h):
         return INPUT_TOO_LARGE
     scene.counts.resting = 0
-    phase, stop = _state(state, scene.sizes).phase, start + h
+    phase, stop = _state(state, sizes_in(model)).phase, start + h
     is_plane = _head(model, 0).is_plane != 0.0
     flat = is_plane and _is_flat(shaking, phase, scene.n, start, stop)
     most, bounded = most_work(scene.settings, h), most_of_a_call(HEAVIER * (scene.n + scene.m))
@@ -146,7 +146,7 @@ def look(model, state, counts, base, work, inputs, new_inputs, elapsed, t, visib
     scene = scene_of(model, state, counts, work)
     if new_inputs != 0:
         _drive(_base(base, 0), inputs, elapsed, t)
-    phase = _state(state, scene.sizes).phase
+    phase = _state(state, sizes_in(model)).phase
     recall(scene, phase.row)
     evaluate(scene, phase, _phase(row(scene, RATES), scene.n), 0.0, 0.0, 0.0)
     show(scene, phase, visible)
@@ -160,7 +160,7 @@ def rates(model, state, counts, base, work, t, count, times, ax, ay, az, scale, 
     Central differences along the rates of the state, over a fraction of the first step.
     """
     scene, shaking = scene_of(model, state, counts, work), _shaking(base, count, times, ax, ay, az, scale)
-    size, here, between = scene.sizes.visible, _state(state, scene.sizes).phase.row, row(scene, STAGE)
+    size, here, between = scene.visible, _state(state, sizes_in(model)).phase.row, row(scene, STAGE)
     clear(visible, size)
     if scene.counts.fallen > 0:
         return OK

@@ -26,7 +26,7 @@ def see(arrays):
     """The scene of a structure, and its state as a row."""
     model, state, counts, _, work = _rows(arrays)
     scene = scene_of(model, state, counts, work)
-    return scene, _state(state, scene.sizes).phase.row
+    return scene, _state(state, sizes_in(model)).phase.row
 
 
 @entry

@@ -88,7 +88,7 @@ class Batch(NamedTuple):
     scene: object
     shaking: object
     lane: object
-    all: object
+    row: object  # of ALL
     sizes: Sizes
     queue: object
 
@@ -98,13 +98,14 @@ def batch_over(sizes, buffer, queue):
     """The batch over a row of lanes, or of one of them."""
     seen = _all(buffer, sizes)
     scene = scene_over(sizes, seen.model, seen.control, seen.counts, seen.peaks.row, seen.work)
-    return Batch(scene, Shaking(0, queue.times, queue.ax, queue.ay, queue.az, seen.base), seen.lane, seen, sizes, queue)
+    shaking = Shaking(0, queue.times, queue.ax, queue.ay, queue.az, seen.base)
+    return Batch(scene, shaking, seen.lane, buffer, sizes, queue)
 
 
 @leaf
 def single(batch, k):
     """The structure of lane k alone."""
-    return batch_over(batch.sizes, one_lane(batch.all.row, k), batch.queue)
+    return batch_over(batch.sizes, one_lane(batch.row, k), batch.queue)
 
 
 @leaf
@@ -164,9 +165,10 @@ def follow_record(batch, one):
 def load(batch, k, number):
     """Put a run into lane k; the rates at its start are still missing."""
     one, queue = single(batch, k), batch.queue
-    size, count = one.all.model.total, batch.sizes.state
-    clear(one.all.row, one.all.total)
-    copy(one.all.model.row, queue.models[size * number :], size)
+    seen, count = _all(one.row, batch.sizes), batch.sizes.state
+    size = seen.model.total
+    clear(one.row, seen.total)
+    copy(one.row, queue.models[size * number :], size)
     copy(row(one.scene, START), queue.states[count * number :], count)
     copy(row(one.scene, END), row(one.scene, START), count)
     recall(one.scene, row(one.scene, START))

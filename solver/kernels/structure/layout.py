@@ -206,7 +206,8 @@ class Scene(NamedTuple):
     n: int
     m: int
     k: int
-    sizes: Sizes
+    stride: int  # numbers from one state of a step to the next
+    visible: int  # numbers of an output row
     settings: object
     bodies: object
     joints: object
@@ -260,7 +261,8 @@ def scene_over(sizes, model, control, counts, peaks, work):
         sizes.n,
         sizes.m,
         sizes.k,
-        sizes,
+        sizes.stride,
+        sizes.visible,
         model.settings,
         model.bodies,
         model.joints,

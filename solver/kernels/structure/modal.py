@@ -30,7 +30,7 @@ from .evaluate import evaluate_state, moving, show
 from .joint import friction_limits, middle_of
 from .kinematics import spin_of
 from .layout import MEMORY, OF_BLOCK, OF_JOINT, PHASE, POLYGON, RINGING_ORDER, STAGES
-from .modal_layout import AXES, THREE, body_of, data_of
+from .modal_layout import AXES, THREE, body_of, data_of, room_of
 from .watch import BETWEEN_RATES, END, STAGE, START, quaternion_curve, row, seen
 
 SPREAD = 0.1  # of a margin over a step: as much has to be left, beside the parabola through three values of it
@@ -399,7 +399,7 @@ def _stand_at_rest(body):
     clear(begin, _PER_BODY * scene.n)
     clear(rate(scene, 0), moving(scene))
     copy(begin[_PER_BODY * scene.n :], body.data.remembered, _PER_JOINT * scene.m + scene.k)
-    clear(scene.modal_room, scene.sizes.modal_room)
+    clear(scene.modal_room, room_of(scene).total)
     for c in range(size):
         begin[int(coordinates.place[c])] = coordinates.rest[c]
 

@@ -6,7 +6,7 @@ from ..integrators.modal_steps import Modal
 from ..layout.spaces import MODAL_LIMITS, MODE, RESPONSE_FIELDS, RESPONSE_HEADER, RESPONSES
 from ..numba_ext.jit import leaf
 from ..numba_ext.views import Numbers, Record, Space, Table
-from .layout import EACH, PHASE
+from .layout import EACH, MEMORY
 
 AXES = 6  # coordinates of a body: three displacements, three rotations
 LIMITS = Record(
@@ -51,7 +51,7 @@ MODAL_ROOM = Space(
     responses=Numbers(RESPONSES * RESPONSE_FIELDS, RESPONSES * RESPONSE_HEADER),
     elastic=(EACH, "k"),  # m, elastic stretches of the ties in the middle of the step
 )
-_modal, _room, _limits, _PER_BODY = MODAL.over, MODAL_ROOM.over, LIMITS.over, PHASE.per_n
+_modal, _room, _limits, _PER_JOINT = MODAL.over, MODAL_ROOM.over, LIMITS.over, MEMORY.per_n
 
 
 class Body(NamedTuple):
@@ -71,13 +71,19 @@ class Body(NamedTuple):
 def data_of(scene):
     """The modal data of a scene that has them."""
     matrices = int(_limits(scene.modal, 0).matrices)
-    return _modal(scene.modal, (AXES * scene.n, scene.sizes.state - _PER_BODY * scene.n, scene.k, matrices))
+    return _modal(scene.modal, (AXES * scene.n, _PER_JOINT * scene.m + scene.k, scene.k, matrices))
+
+
+@leaf
+def room_of(scene):
+    """The room for steps by modes."""
+    return _room(scene.modal_room, (AXES * scene.n, scene.k))
 
 
 @leaf
 def body_of(scene, shaking, segment, flat):
     """The structure, and its modes; flat: whether it moves in the plane x, z alone."""
-    data, room = data_of(scene), _room(scene.modal_room, (AXES * scene.n, scene.k))
+    data, room = data_of(scene), room_of(scene)
     limits = data.limits
     parts = int(limits.flat_parts) if flat else int(limits.parts)
     count = int(limits.flat_count) if flat else int(limits.count)

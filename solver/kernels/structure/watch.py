@@ -36,7 +36,7 @@ class Watch(NamedTuple):
 @leaf
 def row(scene, k):
     """Row k of those of a step: its start, its rates at the stages, a stage, its end, one between, its rates."""
-    return scene.states[k * scene.sizes.stride :]
+    return scene.states[k * scene.stride :]
 
 
 START, RATES = 0, 1
@@ -46,7 +46,7 @@ STAGE, END, BETWEEN, BETWEEN_RATES = range(1 + STAGES, 5 + STAGES)
 @leaf
 def seen(scene, k):
     """Output row k of those of a step: its start, its middle, its end, a trial."""
-    return scene.outputs[k * scene.sizes.visible :]
+    return scene.outputs[k * scene.visible :]
 
 
 @leaf
@@ -138,7 +138,7 @@ def _raise_peak(scene, j, value):
 def _rises(scene, values):
     """Whether an output row would raise a peak."""
     found = 0
-    for j in range(scene.sizes.visible):
+    for j in range(scene.visible):
         found += 1 if _value(scene, j, values[j]) > scene.peaks[j] else 0
     return found > 0
 
@@ -146,7 +146,7 @@ def _rises(scene, values):
 @kernel
 def raise_peaks(scene, values):
     """Raise the peaks by an output row."""
-    for j in range(scene.sizes.visible):
+    for j in range(scene.visible):
         _raise_peak(scene, j, values[j])
 
 
@@ -179,7 +179,7 @@ def _allow(scene, allowed):
 @kernel
 def track_peaks(scene, shaking, segment, t, h, by_modes):
     """Raise the peaks by the step just made, whose end has been evaluated last; by modes its middle is known."""
-    count = scene.sizes.visible
+    count = scene.visible
     begin, middle, end = seen(scene, 0), seen(scene, 1), seen(scene, 2)
     show(scene, _phase(row(scene, END), scene.n), end)
     if by_modes and _rises(scene, end):  # it was evaluated as predicted, before its correction
@@ -238,7 +238,7 @@ def _find_tops(scene, shaking, segment, t, h):
     allowed = seen(scene, 4)
     _allow(scene, allowed)
     first = _BLOCKS * scene.n + _CONTACT * scene.m  # contacts: the open part counts
-    for j in range(scene.sizes.visible):
+    for j in range(scene.visible):
         is_contact = first <= j < first + scene.m
         sign = -1.0 if (middle[j] < 0.0) != is_contact else 1.0
         a, b, c = sign * begin[j], sign * middle[j], sign * end[j]
