@@ -10,8 +10,6 @@ process, or two builds of one, never run each other's code.
 
 from __future__ import annotations
 
-import solver  # isort: skip  # first: from here on Ctrl-C is heard (solver/common/loading.py)
-
 import argparse
 import hashlib
 import importlib
@@ -32,6 +30,7 @@ from typing import NamedTuple
 import numba
 
 import fmu_src
+import solver
 from fmu_src.body import Body, ColumnBody, read_body
 from fmu_src.host import MACHINE_CODE, content_hash
 from fmu_src.native import guard

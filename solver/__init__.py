@@ -1,10 +1,5 @@
 """Seismic response of stacked rigid blocks with no-tension elastic joints."""
 
-from .common import loading
-
-loading.begin()  # before what takes a second to load
-
-# ruff: noqa: E402
 from .common.errors import InputError, InputWarning, SolverError
 from .ground.motion import Motion
 from .models.column.block import Block, Joint

@@ -16,7 +16,6 @@ import numpy as np
 from .. import __version__
 from ..common.errors import InputError, InputWarning, SolverError, reading
 from ..common.files import check_outputs, printable
-from ..common.loading import INTERRUPTED, done
 from ..ground.motion import STANDARD_GRAVITY, Motion
 from ..models.column.response import DIGITS, Response, check_digits
 from ..models.column.settings import FORMULATIONS, INTEGRATORS
@@ -53,6 +52,7 @@ from .study import add_command as add_study
 
 BASE_PEAKS = ("Fx", "Fz", "My"), ("kN", "kN", "kN m")
 PROGRAM = "python -m solver"
+INTERRUPTED = 130  # exit code, as of shells
 
 
 class OneLineParser(argparse.ArgumentParser):
@@ -82,7 +82,6 @@ def run_command(parser: argparse.ArgumentParser, arguments: Sequence[str] | None
 
     Returns the exit code: 2 for a user's mistake. An interrupt by the user ends the process at once, with 130.
     """
-    done()
     if hasattr(sys.stdout, "reconfigure"):  # the name of a file may not be decodable as text
         sys.stdout.reconfigure(errors="backslashreplace")
     try:

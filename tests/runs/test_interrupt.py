@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support.fmus import ROOT, finish, finish_in
+from support.fmus import ROOT
 from support.probe import G, phocas
 
 from solver import Motion, simulate
@@ -136,46 +136,6 @@ def test_ctrl_c_while_the_results_are_written_leaves_nothing(tall: Path) -> None
     process, _, _, err = interrupted(tall, "-m", "solver", "simulate", "tall.toml", "motion.csv", *options, after=12.0)
     assert (process.returncode, err) == (130, "python -m solver: interrupted\n")
     assert sorted(tall.iterdir()) == before
-
-
-# --- while modules load
-
-COMMANDS = {"python -m solver": ["-m", "solver"], "build_fmu.py": [str(ROOT / "build_fmu.py")]}
-COMMANDS |= {"multiblock": ["-m", "multiblock"]}
-# stands in the place of numba and says when it is loaded, which is what takes long
-SLOW = "import time\nprint('loading', flush=True)\ntime.sleep(60.0)\n"
-
-
-@pytest.mark.parametrize("name", COMMANDS)
-def test_ctrl_c_while_modules_load(tmp_path: Path, name: str) -> None:
-    """No traceback of an import."""
-    (tmp_path / "numba.py").write_text(SLOW)
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(tmp_path), str(ROOT)])}
-    with subprocess.Popen(
-        [sys.executable, *COMMANDS[name], "--help"],
-        cwd=tmp_path,
-        env=environment,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-    ) as process:
-        assert process.stdout is not None
-        assert process.stdout.readline() == "loading\n"
-        process.send_signal(signal.SIGINT)
-        _, err = process.communicate(timeout=60.0)
-    assert (process.returncode, err) == (130, f"{name}: interrupted\n")
-
-
-@pytest.mark.parametrize(("name", "threads"), [*zip(COMMANDS, ("0", "-1", "two"), strict=True)])
-def test_a_number_of_threads_that_numba_stumbles_over(tmp_path: Path, name: str, threads: str) -> None:
-    done = finish_in(tmp_path, sys.executable, *COMMANDS[name], "--version", NUMBA_NUM_THREADS=threads)
-    expected = f"{name}: NUMBA_NUM_THREADS = {threads!r}: must be a whole number, at least 1, or not set\n"
-    assert (done.returncode, done.stdout, done.stderr) == (2, "", expected)
-
-
-def test_who_imports_the_solver_keeps_ctrl_c() -> None:
-    script = "import signal, solver; assert signal.getsignal(signal.SIGINT) is signal.default_int_handler"
-    assert finish(sys.executable, "-c", script).returncode == 0
 
 
 # --- from Python
