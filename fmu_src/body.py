@@ -19,6 +19,7 @@ from solver.common.files import toml_of
 from solver.common.ranges import check, check_choice
 from solver.ground.motion import Motion, check_in_plane
 from solver.kernels.layout import spaces as at
+from solver.kernels.structure.layout import row_size
 from solver.models.column import stepper as in_plane
 from solver.models.column.model import Column
 from solver.models.column.rest import check_rest
@@ -133,7 +134,7 @@ class StructureBody(Body):
         parts = {"block": structure.n, "joint": len(structure.joints), "tie": len(structure.ties)}
         counted = ", ".join(f"{count} {what}{'' if count == 1 else 's'}" for what, count in parts.items() if count)
         self.about = f"Structure of rigid blocks in space with no-tension elastic joints: {counted}"
-        size = len(structure_variables.row_outputs(structure))
+        size = row_size(structure.n, len(structure.joints), len(structure.ties))
         self.sizes = size, 0, size
 
     def table(self, record: str = "", reads_files: bool = True) -> list[variables.Variable]:

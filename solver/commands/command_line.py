@@ -18,8 +18,9 @@ from ..common.errors import InputError, InputWarning, SolverError, reading
 from ..common.files import check_outputs, printable
 from ..common.loading import INTERRUPTED, done
 from ..ground.motion import STANDARD_GRAVITY, Motion
-from ..models.column.response import DIGITS, Response, check_digits
+from ..models.column.response import Response
 from ..models.column.settings import FORMULATIONS, INTEGRATORS
+from ..models.outputs import DIGITS, check_digits
 from ..models.protocol import OUTPUT_STEP, SETTLE
 from ..models.uncertainty import PERCENTILES, Ensemble, Spread
 from ..runs.simulate import simulate

@@ -18,9 +18,9 @@ from ..common.files import write_table
 from ..common.frames import Frame, Framed
 from ..models.column.linearization import StillColumn, undamped
 from ..models.column.model import Column
+from ..models.column.outputs import UNITS
 from ..models.column.packing import FloatArray
 from ..models.column.push import BalanceCurve
-from ..models.column.response import UNITS
 from ..models.column.rest import check_rest, instability, is_stable
 
 if TYPE_CHECKING:
