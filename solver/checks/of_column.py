@@ -11,11 +11,10 @@ from functools import cached_property
 import numpy as np
 
 from ..models.column.first_run import make_kernels
-from ..models.column.friction import friction_history
 from ..models.column.model import Column
 from ..models.column.modes import natural_frequencies
 from ..models.column.packing import carried_weights
-from ..models.column.response import Response
+from ..models.column.response import Response, friction_history
 from ..models.column.rest import check_rest
 from ..runs.table import Table
 from .action import Action

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from ..common.errors import InputError
-from ..models.column.friction import friction_history
+from ..models.column.response import friction_history
 from ..models.protocol import SETTLE
 from ..models.structure.model import Structure
 from ..models.structure.modes import modes_in_space

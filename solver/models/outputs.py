@@ -18,6 +18,7 @@ from ..common.errors import check_whole
 from ..common.files import whole_file
 
 FloatArray = NDArray[np.float64]
+Columns = Mapping[str, FloatArray]
 
 BLOCK, JOINT, TIE, BASE = "block", "joint", "tie", "base"  # what an output is of
 DIGITS = 9  # significant ones of histories as text: far more than a run is exact to
@@ -28,10 +29,10 @@ MOST_DIGITS = 17  # with which every float64 is read back to the bit
 class Output:
     """A row of a table: an output of every block, joint or tie, or of the base. As an attribute it is the history.
 
-    text: a sentence with {i}, the number of the block, joint or tie, or {it}, its name. least, most: of its values.
-    by_least: watched is its least value, for which kernels store the largest of 1 - value; else the largest absolute
-    one. only_peak: it has no history. parts: numbers of the base under one name, each an output. name: in files and
-    FMUs, where it is not that of the attribute.
+    text: what it is, with {i}, the number of the block, joint or tie, or {it}, its name. least, most: range of values.
+    Its peak is the largest absolute value, or the least value (by_least), for which kernels store the largest of 1 -
+    value. only_peak: it has no history. parts: several numbers of the base under one name, each an output. name: in
+    files and FMUs, if it is not that of the attribute.
     """
 
     owner: str
@@ -85,7 +86,7 @@ class Output:
 
 
 class Histories:
-    """What has output rows (rows, numbers) of a model. Outputs in the body of a subclass are its table."""
+    """Output rows (rows, numbers) of a model, by the names of its outputs, which a subclass has in its body."""
 
     outputs: ClassVar[tuple[Output, ...]] = ()
     line_end = "\r\n"  # of a CSV
@@ -113,22 +114,12 @@ class Histories:
         seen = (output for output in self.outputs if not output.only_peak)
         return [one.name_of(label) for output in seen for one in output.each for label in labels[output.owner]]
 
-    def _write(
-        self,
-        path: str | os.PathLike[str],
-        index: str,
-        values: FloatArray,
-        digits: int,
-        beside: Mapping[str, FloatArray] | None = None,
-    ) -> None:
-        """Write a CSV: in each row a value of an index, the outputs, then numbers of other names.
-
-        Raises InputError, OSError.
-        """
+    def _write(self, path: str | os.PathLike[str], digits: int, before: Columns, behind: Columns | None = None) -> None:
+        """Write a CSV of the rows, between other columns (rows,) by name. Raises InputError, OSError."""
         check_digits("digits", digits)
-        beside = beside or {}
-        table = np.column_stack([values, self.rows, *beside.values()])
-        names = (f'"{name}"' if "," in name else name for name in (index, *self.row_names, *beside))
+        behind = behind or {}
+        table = np.column_stack([*before.values(), self.rows, *behind.values()])
+        names = (f'"{name}"' if "," in name else name for name in (*before, *self.row_names, *behind))
         with whole_file(path) as partial, open(partial, "w", newline="", encoding="utf-8") as file:
             file.write(",".join(names) + self.line_end)
             np.savetxt(file, table, fmt=f"%.{digits}g", delimiter=",", newline=self.line_end)
@@ -151,11 +142,8 @@ def places_of(outputs: Iterable[Output], sizes: Mapping[str, int]) -> dict[str, 
 
 def shown_peaks(outputs: Sequence[Output], sizes: Mapping[str, int], peaks: FloatArray) -> dict[str, FloatArray]:
     """Extremes by field, from what the kernels store of them: copies."""
-    places = places_of(outputs, sizes)
-    return {
-        one.field: 1.0 - peaks[places[one.field]] if one.by_least else peaks[places[one.field]].copy()
-        for one in outputs
-    }
+    found = {field: peaks[place].copy() for field, place in places_of(outputs, sizes).items()}
+    return found | {output.field: 1.0 - found[output.field] for output in outputs if output.by_least}
 
 
 def units_of(outputs: Iterable[Output]) -> dict[str, str]:

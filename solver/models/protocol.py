@@ -72,9 +72,10 @@ class Kept(NamedTuple):
 
 def kept_peaks(outputs: Sequence[Output]) -> dict[str, Kept]:
     """The extremes of outputs as results that can be kept, those of the base last."""
-    kinds = {True: np.float64, False: None}
-    in_order = sorted(outputs, key=lambda output: output.owner == BASE)
-    return {output.kept: Kept(output.unit, kinds[output.is_single], output.owner) for output in in_order}
+    return {
+        output.kept: Kept(output.unit, np.float64 if output.is_single else None, output.owner)
+        for output in sorted(outputs, key=lambda output: output.owner == BASE)
+    }
 
 
 class Lanes(NamedTuple):

@@ -52,7 +52,7 @@ class Result(Histories, Framed, Shown):
 
     def to_csv(self, path: str | os.PathLike[str], digits: int = DIGITS) -> None:
         """Write time and every history. Raises InputError, OSError."""
-        self._write(path, "time", self.time, digits)
+        self._write(path, digits, {"time": self.time})
 
     def kept(self, name: str) -> Any:
         """A result that many runs can keep (Kind.kept), of this one."""

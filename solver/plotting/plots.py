@@ -17,10 +17,9 @@ from matplotlib.gridspec import SubplotSpec
 from ..common.errors import InputError
 from ..ground.motion import STANDARD_GRAVITY, Motion
 from ..kernels.layout.spaces import COUNTS_FROM
-from ..models.column.friction import friction_history
 from ..models.column.model import Column
 from ..models.column.packing import FloatArray, carried_weights
-from ..models.column.response import Response
+from ..models.column.response import Response, friction_history
 from .figures import Figure
 from .lines import draw_ensemble, draw_lines, least_of
 from .profiles import draw_last_moments, draw_offsets, draw_profiles

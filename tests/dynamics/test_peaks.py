@@ -8,9 +8,9 @@ from support.probe import G, monolith, phocas
 
 from solver import Block, Column, InitialState, Joint, Motion, Response, simulate
 from solver.kernels.layout import spaces as at
-from solver.models.column.friction import friction_history
 from solver.models.column.outputs import OUTPUTS
 from solver.models.column.packing import carried_weights
+from solver.models.column.response import friction_history
 from solver.models.column.stepper import Stepper
 
 DENSE = 2e-5  # s

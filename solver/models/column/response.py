@@ -10,13 +10,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...common.errors import NOT_NEGATIVE, check_number, needing
+from ...common.errors import NOT_NEGATIVE, InputError, check_number, needing
 from ...common.notebook import history, rows_of
 from ...kernels.layout import spaces as at
 from ..outputs import DIGITS
 from ..response import Result
 from ..uncertainty import PERCENTILES
-from .friction import friction_history
 from .model import Column
 from .outputs import ColumnHistories
 from .packing import FloatArray, carried_weights
@@ -130,12 +129,12 @@ class Response(ColumnHistories, Result):
         With an ensemble, the percentiles of its ux follow as ensemble.block[i].ux.p16, p50, p84: nan after all have
         fallen.
         """
-        beside: dict[str, FloatArray] = {}
+        behind: dict[str, FloatArray] = {}
         if self.ensemble is not None:
             for percent, band in zip(PERCENTILES, self.ensemble.ux, strict=True):
-                beside |= {f"ensemble.block[{i}].ux.p{percent}": ux for i, ux in enumerate(band.T, start=1)}
-        beside["overturned"] = (self.time >= self.overturn_time).astype(float)
-        self._write(path, "time", self.time, digits, beside)
+                behind |= {f"ensemble.block[{i}].ux.p{percent}": ux for i, ux in enumerate(band.T, start=1)}
+        behind["overturned"] = (self.time >= self.overturn_time).astype(float)
+        self._write(path, digits, {"time": self.time}, behind)
 
     def plot(self, path: str | os.PathLike[str] | None = None) -> Figure:
         """Draw ground motion, displacements, rotations, forces and contact over time; saved to `path` if given.
@@ -173,3 +172,18 @@ class Response(ColumnHistories, Result):
         with needing("plot", "matplotlib"):
             from ...plotting.film import film
         film(self, path, scale, fps, speed, callback)
+
+
+def friction_history(T: FloatArray, N: FloatArray, carried: FloatArray, part: float = at.COUNTS_FROM) -> FloatArray:
+    """Friction needed to prevent sliding: |T| / N of forces of the joints (nt, n), N, else 0; (nt, n).
+
+    N vanishes where a joint is about to open, and in flight the model still keeps the blocks in line: T / N has no
+    meaning there. N counts where it is above `part` of the weight carried at rest, N (n,).
+
+    Raises InputError unless part is from 0.001 to 1 and every joint carries something.
+    """
+    part = check_number("part", part, (1e-3, 1.0), "a part of the weight carried at rest, from 0.001 to 1")
+    if not np.all(carried > 0.0):
+        raise InputError("g = 0.0: must be positive for joints that carry a weight at rest")
+    ratio: FloatArray = np.where(part * carried < N, np.abs(T) / np.maximum(N, part * carried), 0.0)
+    return ratio

@@ -116,7 +116,7 @@ class PushOver(StructureHistories, Shown):
 
     def to_csv(self, path: str | os.PathLike[str], digits: int = DIGITS) -> None:
         """Write a row for each place, under the names of a SpatialResponse. Raises InputError, OSError."""
-        self._write(path, "acceleration", self.acceleration, digits)
+        self._write(path, digits, {"acceleration": self.acceleration})
 
     def plot(self, path: str | os.PathLike[str] | None = None) -> Figure:
         """Draw the push over the displacement, and the structure at its largest push; saved to `path` if given.

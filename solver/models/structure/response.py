@@ -99,7 +99,7 @@ class SpatialResponse(StructureHistories, Result):
         """
         with needing(EXTRA, "pandas"):
             import pandas
-        return pandas.DataFrame(self.rows, index=pandas.Index(self.time, name="time"), columns=self.names[1:])
+        return pandas.DataFrame(self.rows, index=pandas.Index(self.time, name="time"), columns=self.row_names)
 
     def to_xarray(self) -> Any:
         """An xarray.Dataset of the histories over time and the names of blocks, joints and ties.
