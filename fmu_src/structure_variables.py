@@ -59,7 +59,8 @@ def structure_variables(structure: Structure, record: str = "", reads_files: boo
     for what, parts in (("joint", structure.joints), ("tie", structure.ties)):
         if len(parts) > FAMILY:
             raise InputError(f"{what}: {len(parts)} of them, must be at most {FAMILY} in an FMU")
-    names = {owner: _named(owner, of) for owner, of in ((BLOCK, structure.names), (JOINT, structure.joint_names))}
+    named = {BLOCK: structure.names, JOINT: structure.joint_names}
+    names = {what: [f"{what} {i} ({name})" for i, name in enumerate(of, start=1)] for what, of in named.items()}
     names[TIE] = [f"tie {e}" for e in range(1, len(structure.ties) + 1)]
     sizes = _sizes(structure)
     row, peaks = seen(OUTPUTS, names, lambda unit, i: sizes[unit])
@@ -74,10 +75,6 @@ def structure_variables(structure: Structure, record: str = "", reads_files: boo
         parameter_of(RECORD_SCALE, "", "Factor on the record's accelerations", 1.0),
     ]
     return [*INPUTS, *row, *peaks, *verdict, *parameters]
-
-
-def _named(owner: str, names: tuple[str, ...]) -> list[str]:
-    return [f"{owner} {i} ({name})" for i, name in enumerate(names, start=1)]
 
 
 def _sizes(structure: Structure) -> dict[str, float]:

@@ -228,7 +228,7 @@ class Blocks:
     """Rigid blocks on a rigid floor."""
 
     word, across, settings = "block", False, ("tolerance", "without")
-    outputs = BlockHistories.outputs
+    outputs, largest = BlockHistories.outputs, "ux"
     kept: Mapping[str, Kept] = {
         **kept_peaks(outputs),
         **{name: Kept(kind=np.uint8) for name in ("verdict", "path")},

@@ -149,6 +149,7 @@ class Kind(Protocol):
     across: bool  # whether motions have two horizontal components
     settings: Collection[str]  # names of those that `simulate` takes
     outputs: Sequence[Output]  # in the order of output rows and peaks
+    largest: str  # name of the peaks that are the largest displacements
     kept: Mapping[str, Kept]
 
     def warnings(self, model: Any, at_rest: bool = True) -> Sequence[str]:

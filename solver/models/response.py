@@ -32,7 +32,6 @@ class Result(Histories, Framed, Shown):
     horizon: float | None = None  # s
     ensemble: Ensemble | None = None
     motion: Motion | None = None  # of the base
-    largest: ClassVar[str] = "ux"  # the peaks that a line of text has
     dimensions: ClassVar[Mapping[str, str]] = {JOINT: "block"}  # what owners of outputs are called in a frame
 
     @property
@@ -67,7 +66,11 @@ class Result(Histories, Framed, Shown):
 
     def _facts(self) -> tuple[str, ...]:
         model, ensemble = self.model, self.ensemble
-        facts = [f"of {model.name}", self.verdict, f"{1e3 * float(np.max(self.peaks[self.largest])):.4g} mm at most"]
+        facts = [
+            f"of {model.name}",
+            self.verdict,
+            f"{1e3 * float(np.max(self.peaks[model.kind.largest])):.4g} mm at most",
+        ]
         if self.overturned:
             facts.append(self._fall)
         if ensemble is not None:

@@ -42,6 +42,7 @@ class Columns:
     across = False
     settings = ("formulation", "integrator", "step", "tolerance", "without")
     outputs = OUTPUTS
+    largest = "ux"
     kept = KEPT
 
     def warnings(self, model: Column, at_rest: bool = True) -> Sequence[str]:

@@ -37,6 +37,7 @@ class Structures:
     across = True
     settings = ("tolerance", "without")
     outputs = OUTPUTS
+    largest = "u"
     kept = KEPT
 
     def warnings(self, model: Structure, at_rest: bool = True) -> Sequence[str]:

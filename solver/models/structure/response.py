@@ -46,7 +46,6 @@ class SpatialResponse(StructureHistories, Result):
     structure: Structure
     rows: FloatArray
     overturned_block: str = ""
-    largest = "u"
     dimensions = MappingProxyType({TIE: "tie_number", BASE: "component"})
 
     @property
