@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from solver.common.errors import POSITIVE, InputError, check_number
 from solver.ground.motion import check_in_plane
-from solver.models.outputs import BLOCK, Histories, Output, shown_peaks
+from solver.models.outputs import BLOCK, Histories, Output, peaks_by_name
 from solver.models.protocol import SETTLE, Kept, Lanes, Plan, Run, Work, kept_peaks
 from solver.models.response import Result
 from solver.models.still_base import settled
@@ -255,7 +255,7 @@ class Blocks:
         verdict = settled(body, stop, plan.settle)
         stats = {"steps": body.pieces, "impacts": body.impacts, "settled_for": verdict.time - stop}
         rows = theta[np.searchsorted(marks, plan.times)][:, None] * [model.height, 1.0]
-        peaks = shown_peaks(self.outputs, model.sizes, np.array([model.height * peak, peak]))
+        peaks = peaks_by_name(self.outputs, model.sizes, np.array([model.height * peak, peak]))
         found = {"time": plan.times, "peaks": peaks, "stats": stats, "overturn_time": body.fall_time, "motion": motion}
         response = BlockResponse(model, rows, verdict=verdict.word, reason=verdict.reason, **found)
         return response, response.ux

@@ -9,6 +9,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any, ClassVar, Self, overload
 
 import numpy as np
@@ -130,20 +131,33 @@ def check_digits(key: str, digits: int) -> int:
     return check_whole(key, digits, 1, MOST_DIGITS, f"a whole number from 1 to {MOST_DIGITS}")
 
 
-def places_of(outputs: Iterable[Output], sizes: Mapping[str, int]) -> dict[str, slice]:
+def places_of(outputs: Sequence[Output], sizes: Mapping[str, int]) -> Mapping[str, slice]:
     """Where each field lies in an output row, or in the peaks, of a model; sizes: as of Model."""
-    found, first = {}, 0
+    return _places(tuple(outputs), tuple(sizes.items()))
+
+
+@lru_cache(maxsize=256)
+def _places(outputs: tuple[Output, ...], sizes: tuple[tuple[str, int], ...]) -> Mapping[str, slice]:
+    found, first, counts = {}, 0, dict(sizes)
     for output in outputs:
-        last = first + (len(output.each) if output.owner == BASE else sizes[output.owner])
+        last = first + (len(output.each) if output.owner == BASE else counts[output.owner])
         found[output.field] = slice(first, last)
         first = last
     return found
 
 
-def shown_peaks(outputs: Sequence[Output], sizes: Mapping[str, int], peaks: FloatArray) -> dict[str, FloatArray]:
-    """Extremes by field, from what the kernels store of them: copies."""
-    found = {field: peaks[place].copy() for field, place in places_of(outputs, sizes).items()}
-    return found | {output.field: 1.0 - found[output.field] for output in outputs if output.by_least}
+def visible_peaks(outputs: Sequence[Output], sizes: Mapping[str, int], peaks: FloatArray) -> FloatArray:
+    """Peaks as they are shown, a copy, from what the kernels store of them."""
+    visible, places = peaks.copy(), places_of(outputs, sizes)
+    for field in (output.field for output in outputs if output.by_least):
+        visible[places[field]] = 1.0 - visible[places[field]]
+    return visible
+
+
+def peaks_by_name(outputs: Sequence[Output], sizes: Mapping[str, int], peaks: FloatArray) -> dict[str, FloatArray]:
+    """Peaks as they are shown, by field."""
+    visible = visible_peaks(outputs, sizes, peaks)
+    return {field: visible[place] for field, place in places_of(outputs, sizes).items()}
 
 
 def units_of(outputs: Iterable[Output]) -> dict[str, str]:

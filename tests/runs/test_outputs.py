@@ -13,7 +13,7 @@ from fmu_src.structure_variables import structure_variables
 from fmu_src.variables import Variable, variables
 from multiblock import Column, Structure
 from solver.models.column.response import Response
-from solver.models.outputs import BASE, BLOCK, JOINT, Histories, Output, places_of, shown_peaks, units_of
+from solver.models.outputs import BASE, BLOCK, JOINT, Histories, Output, peaks_by_name, places_of, units_of
 from solver.models.protocol import Kept, kept_peaks
 from solver.models.structure.response import SpatialResponse
 
@@ -66,7 +66,7 @@ def test_names_places_and_units_follow(tmp_path: Path) -> None:
 
 def test_peaks_and_what_can_be_kept_follow() -> None:
     stored = np.arange(8.0)
-    peaks = shown_peaks(Three.outputs, SIZES, stored)
+    peaks = peaks_by_name(Three.outputs, SIZES, stored)
     found = {name: values.tolist() for name, values in peaks.items()}
     assert found == {"u": [0.0, 1.0], "c": [-1.0], "total": [3.0], "both": [4.0, 5.0], "late": [6.0, 7.0]}
     peaks["u"][0] = 9.0

@@ -14,7 +14,7 @@ from ...ground.motion import Motion
 from ...kernels.api.entries import observe_snapshots, observe_state, run
 from ...kernels.layout import spaces as at
 from ...kernels.stepping.control import most_work
-from ..outputs import shown_peaks
+from ..outputs import peaks_by_name, visible_peaks
 from .model import Column
 from .outputs import OUTPUTS
 from .packing import Arrays, FloatArray, InitialState, arrays_of, pack_model, set_initial
@@ -259,12 +259,12 @@ class Stepper:
         """
         if "peaks" in self.column.settings.without:
             return {"ux": self.peak_ux.copy()}
-        return shown_peaks(OUTPUTS, self.column.sizes, self.state.peaks)
+        return peaks_by_name(OUTPUTS, self.column.sizes, self.state.peaks)
 
     @property
     def visible_peaks(self) -> FloatArray:
         """`peaks` as an array, in the order of kernels/layout/spaces.py, PEAKS."""
-        return np.concatenate([*shown_peaks(OUTPUTS, self.column.sizes, self.state.peaks).values()])
+        return visible_peaks(OUTPUTS, self.column.sizes, self.state.peaks)
 
     def _run(self, t: float, h: float, record: Record, times: FloatArray, snapshots: FloatArray, peaks: bool) -> int:
         """Call the kernel with float64, whatever numbers the caller has, so that it is compiled once."""

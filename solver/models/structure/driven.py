@@ -15,7 +15,7 @@ from ...kernels.structure.entries import assemble_structure, follow_structure, l
 from ...kernels.structure.modal_layout import room_size
 from ..column.first_run import compile_for
 from ..column.stepper import REASONS as IN_PLANE
-from ..outputs import shown_peaks
+from ..outputs import visible_peaks
 from .blocks.faces import FloatArray
 from .modal_data import modal_data_of
 from .model import Structure
@@ -159,8 +159,7 @@ class DrivenStructure:
     @property
     def visible_peaks(self) -> FloatArray:
         """Largest absolute values so far in the order of a row, of contacts the least."""
-        peaks = self.arrays.state[-self.sizes.row :]
-        return np.concatenate([*shown_peaks(OUTPUTS, self.structure.sizes, peaks).values()])
+        return visible_peaks(OUTPUTS, self.structure.sizes, self.arrays.state[-self.sizes.row :])
 
     @property
     def fallen_block(self) -> int:

@@ -14,7 +14,7 @@ import numpy as np
 from ...common.errors import needing
 from ...common.frames import EXTRA
 from ...common.notebook import history, rows_of
-from ..outputs import BASE, DIGITS, TIE, shown_peaks
+from ..outputs import BASE, DIGITS, TIE, peaks_by_name
 from ..response import Result
 from .blocks.faces import FloatArray
 from .outputs import OUTPUTS, StructureHistories
@@ -151,6 +151,6 @@ class SpatialResponse(StructureHistories, Result):
 def peaks_in_space(structure: Structure, rows: FloatArray, peaks: FloatArray) -> dict[str, FloatArray]:
     """Peaks by name, from those of the kernels; u: of the horizontal displacement, over the rows."""
     n = structure.n
-    found = shown_peaks(OUTPUTS, structure.sizes, peaks)
+    found = peaks_by_name(OUTPUTS, structure.sizes, peaks)
     found["u"] = np.max(np.hypot(rows[:, :n], rows[:, n : 2 * n]), axis=0)
     return found
