@@ -25,7 +25,8 @@ from build_fmu import build_fmu
 from multiblock import Column, InputError, Motion
 from solver.commands.command_line import OneLineParser
 from solver.ground.motion import STANDARD_GRAVITY
-from solver.models.column.response import BLOCK_HISTORIES, PEAKS
+from solver.models.column.outputs import OUTPUTS
+from solver.models.outputs import BASE
 from solver.plotting.plots import plot_histories
 
 PROGRAM = "phocas.py"
@@ -59,15 +60,16 @@ def main() -> int:
         return 1
 
     histories = {
-        name: np.column_stack([results[output.format(i=i)] for i in range(1, column.n + 1)])
-        for name, output in BLOCK_HISTORIES.items()
+        output.field: np.column_stack([results[output.name_of(i)] for i in range(1, column.n + 1)])
+        for output in OUTPUTS
+        if output.owner != BASE and not output.only_peak
     }
     overturned, overturn_time = bool(results["overturned"][-1]), float(results["overturn_time"][-1])
     table, picture = options.output_folder / "results.csv", options.output_folder / "results.png"
     peaks = {
-        name: np.array([results[output.format(i=i)][-1] for i in range(1, column.n + 1)])
-        for name, output in PEAKS.items()
-        if "{i}" in output
+        output.field: np.array([results[output.peak_of(i)][-1] for i in range(1, column.n + 1)])
+        for output in OUTPUTS
+        if output.owner != BASE
     }
     verdict = None if overturned else ("", f"Not overturned within {motion.duration:g} s.")
     try:

@@ -22,7 +22,7 @@ from solver.kernels.layout import spaces as at
 from solver.models.column import stepper as in_plane
 from solver.models.column.model import Column
 from solver.models.column.rest import check_rest
-from solver.models.structure.driven import SKIP_CODES, DrivenStructure, packed, record_of
+from solver.models.structure.driven import SKIP_CODES, DrivenStructure, packed, record_of, sizes_in
 from solver.models.structure.file import describes_structure, in_space
 from solver.models.structure.model import Structure
 
@@ -133,7 +133,7 @@ class StructureBody(Body):
         parts = {"block": structure.n, "joint": len(structure.joints), "tie": len(structure.ties)}
         counted = ", ".join(f"{count} {what}{'' if count == 1 else 's'}" for what, count in parts.items() if count)
         self.about = f"Structure of rigid blocks in space with no-tension elastic joints: {counted}"
-        size = len(structure_variables.row_outputs(structure))
+        size = sizes_in(self.packed).visible
         self.sizes = size, 0, size
 
     def table(self, record: str = "", reads_files: bool = True) -> list[variables.Variable]:

@@ -10,7 +10,7 @@ A variable's value reference is its own number, never its place in the table (re
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import accumulate
 from typing import Any
@@ -19,8 +19,9 @@ from solver.common.errors import InputError
 from solver.common.ranges import NUMBERS
 from solver.ground.motion import STANDARD_GRAVITY
 from solver.models.column.model import Column
-from solver.models.column.response import BASE_HISTORIES, BLOCK_HISTORIES, PEAKS
+from solver.models.column.outputs import OUTPUTS
 from solver.models.column.settings import SKIPS, Settings
+from solver.models.outputs import BASE, BLOCK, JOINT, Output
 
 from .references import array_of, reference_of
 
@@ -119,28 +120,11 @@ _TURNED = ("base.theta",)
 _TURNING = ("base.theta", "base.omega")
 _ALL = ("base.ax", "base.az", *_TURNING, "base.alpha")
 
-# history -> unit, description, least and largest value, inputs it depends on without delay (of the base joint, if it is
-# a joint's own)
-_BLOCK_OUTPUTS: dict[str, tuple[str, str, float | None, float | None, tuple[str, ...]]] = {
-    "ux": ("m", "Top face of block {i} relative to the base, positive to +x", None, None, _TURNED),
-    "uz": ("m", "Centroid of block {i} from the unloaded geometry, positive up", None, None, _TURNED),
-    "theta": ("rad", "Rotation of block {i}, clockwise", None, None, ()),
-    "N": ("N", "Normal force in the joint under block {i}, compression", 0.0, None, _TURNING),
-    "M": ("N.m", "Moment of the pressure about the centre of joint {i}, restoring", None, None, _TURNING),
-    "S": ("N", "Horizontal shear force on what is under joint {i}, positive to +x", None, None, _ALL),
-    "T": ("N", "Force along joint {i} on what is under it, positive to +x", None, None, _ALL),
-    "contact": ("", "Part of the width of joint {i} in contact", 0.0, 1.0, _TURNING),
-    "sigma_max": ("Pa", "Largest pressure on joint {i}", 0.0, None, _TURNING),
-    "slip": ("m", "Slip of block {i} over what is under it, positive to +x", None, None, ()),
-}
-_BASE_OUTPUTS = {
-    "Fx": ("N", "Force of the column on the base, horizontal, positive to +x"),
-    "Fz": ("N", "Force of the column on the base, vertical, positive up"),
-    "My": ("N.m", "Moment of the column on the base about the centre of its joint, clockwise"),
-}
+# inputs that an output of the row depends on without delay, all unless given here; of _TURNING the base joint alone
+_DIRECT = {"ux": _TURNED, "uz": _TURNED, "theta": (), "slip": ()}
+_DIRECT |= dict.fromkeys(("N", "M", "contact", "sigma_max"), _TURNING)
 LARGEST = "Largest absolute value of the motion so far"
 LEAST = "Least value of the motion so far"
-_FRICTION = ("", "|T| / N of joint {i}, where N is above 0.05 of the weight carried at rest", None, None, ())
 _SPLIT = "of the base reaction (Fx, Fz, My) = R0 - m (ax, az, alpha)"
 _MASS = "Effective mass met by the base, {} " + _SPLIT
 # the split of the reaction in the order of the kernels (layout/spaces.py, SPLIT): unit, description, the inputs that it
@@ -222,11 +206,21 @@ def variables(column: Column, record: str = "", reads_files: bool = True) -> lis
     record: name of the record inside the FMU, empty without one. reads_files: whether the FMU reads others, too.
     """
     parameters = _parameters(column, record, RECORD_TEXT if reads_files else RECORD_TEXT_NATIVE)
-    outputs = [*_row_outputs(column), *_split_outputs(column), *_peak_outputs(column)]
+    numbers, sizes = [""] * column.n, _sizes(column)  # without names; the base has the sizes of the lowest joint
+    row, peaks = seen(OUTPUTS, {BLOCK: numbers, JOINT: numbers}, lambda unit, i: sizes[unit][i - 1])
+    row = [replace(output, depends_on=_direct(output.name, column.n)) for output in row]
+    outputs = [*row, *_split_outputs(column), *peaks]
     outputs += [OVERTURN_TIME, OVERTURN_JOINT, OVERTURNED, VERDICT_NOW, RECORD_PGA]
     numerical = ("solver.integrator", "solver.step", "solver.tolerance", "solver.without")
     described = tuple(item.name for item in parameters if item.name not in (*numerical, RECORD, RECORD_SCALE))
     return [*INPUTS, *(_with_initial(output, column.n, described) for output in outputs), *parameters]
+
+
+def _direct(name: str, n: int) -> tuple[str, ...]:
+    """Inputs that an output of n blocks depends on without delay."""
+    place, _, quantity = name.partition(".")
+    inputs = _DIRECT.get(quantity, _ALL)
+    return () if inputs == _TURNING and place != f"joint[{n}]" else inputs
 
 
 def _with_initial(output: Variable, n: int, described: tuple[str, ...]) -> Variable:
@@ -239,72 +233,51 @@ def _with_initial(output: Variable, n: int, described: tuple[str, ...]) -> Varia
     return replace(output, initially=(*output.depends_on, *described, *record))
 
 
-def _row_outputs(column: Column) -> list[Variable]:
-    sizes = _sizes(column)
-    rows = []
-    for name, output in BLOCK_HISTORIES.items():
-        unit, description, minimum, maximum, inputs = _BLOCK_OUTPUTS[name]
-        for i in range(1, column.n + 1):
-            limits: dict[str, Any] = {"minimum": minimum, "maximum": maximum, "nominal": sizes[name][i - 1]}
-            direct = () if inputs == _TURNING and i < column.n else inputs
-            rows.append(output_of(output.format(i=i), unit, description.format(i=i), **limits, depends_on=direct))
-    for name, output in BASE_HISTORIES.items():
-        unit, text = _BASE_OUTPUTS[name]
-        size = sizes["M" if name == "My" else "N"][-1]
-        rows.append(output_of(output, unit, text, nominal=size, depends_on=_ALL))
-    return rows
+def seen(
+    outputs: Iterable[Output], names: Mapping[str, Sequence[str]], nominal: Callable[[str, int], float]
+) -> tuple[list[Variable], list[Variable]]:
+    """The outputs of a row, and the extremes since the last reset, in the order of the kernels.
+
+    names: of the blocks, joints and ties in descriptions. nominal: typical size by the unit and the number of the block
+    or joint, 0 of the base; solvers of a system scale by it.
+    """
+    row, peaks = [], []
+    peak: dict[str, Any] = {"variability": "discrete", "minimum": 0.0, "initially": ()}
+    for output in outputs:
+        for one in output.each:
+            for i, it in enumerate(names.get(one.owner, ("",)), start=int(one.owner != BASE)):
+                unit, text = one.unit.replace(" ", "."), one.text.format(i=i, it=it)
+                extreme = f"{LEAST if one.by_least else LARGEST}: {text}"
+                limits: dict[str, Any] = {"maximum": one.most, "nominal": nominal(one.unit, i)}
+                if not output.only_peak:
+                    row.append(output_of(one.name_of(i), unit, text, minimum=one.least, **limits))
+                peaks.append(output_of(one.peak_of(i), unit, extreme, **peak, **limits))
+    return row, peaks
 
 
 def _split_outputs(column: Column) -> list[Variable]:
     sizes = _sizes(column)
     mass = sum(block.mass for block in column.blocks)
     width = column.contacts[-1].width
-    nominal = {"N": sizes["N"][-1], "N.m": sizes["M"][-1], "kg": mass, "kg.m": mass * width, "kg.m2": mass * width**2}
+    nominal = {"N": sizes["N"][-1], "N.m": sizes["N m"][-1], "kg": mass, "kg.m": mass * width, "kg.m2": mass * width**2}
     return [
         output_of(name, unit, text, nominal=nominal[unit], depends_on=inputs)
         for name, (unit, text, inputs) in _SPLIT_OUTPUTS.items()
     ]
 
 
-def _peak_outputs(column: Column) -> list[Variable]:
-    """Extremes since the last reset, in the order of the kernels (layout/spaces.py, PEAKS)."""
-    sizes = _sizes(column)
-    common: dict[str, Any] = {"variability": "discrete", "minimum": 0.0, "initially": ()}
-    rows = []
-    for name, output in PEAKS.items():
-        if name in BASE_HISTORIES:
-            unit, text = _BASE_OUTPUTS[name]
-            size = sizes["M" if name == "My" else "N"][-1]
-            rows.append(output_of(output, unit, f"{LARGEST}: {text}", nominal=size, **common))
-            continue
-        unit, text, _, most, _ = _BLOCK_OUTPUTS.get(name, _FRICTION)
-        text = f"{LEAST if name == 'contact' else LARGEST}: {text}"
-        for i in range(1, column.n + 1):
-            rows.append(
-                output_of(
-                    output.format(i=i), unit, text.format(i=i), nominal=sizes[name][i - 1], maximum=most, **common
-                )
-            )
-    return rows
-
-
 def _sizes(column: Column) -> dict[str, list[float]]:
-    """Typical size of each output of a block or joint, from the top down: solvers of a system scale by it."""
+    """Typical size of the outputs of each block or joint by unit, from the top down."""
     blocks, contacts = column.blocks, column.contacts
     height = sum(block.height for block in blocks)
     weights = list(accumulate((column.g or STANDARD_GRAVITY) * block.mass for block in blocks))
     return {
-        "ux": [1e-3 * height] * column.n,
-        "uz": [1e-3 * height] * column.n,
-        "theta": [1e-3] * column.n,
+        "m": [1e-3 * height] * column.n,
+        "rad": [1e-3] * column.n,
+        "": [1.0] * column.n,
         "N": weights,
-        "M": [weight * contact.width / 6.0 for weight, contact in zip(weights, contacts, strict=True)],
-        "S": weights,
-        "T": weights,
-        "contact": [1.0] * column.n,
-        "friction": [1.0] * column.n,
-        "slip": [1e-3 * height] * column.n,
-        "sigma_max": [weight / contact.area for weight, contact in zip(weights, contacts, strict=True)],
+        "N m": [weight * contact.width / 6.0 for weight, contact in zip(weights, contacts, strict=True)],
+        "Pa": [weight / contact.area for weight, contact in zip(weights, contacts, strict=True)],
     }
 
 

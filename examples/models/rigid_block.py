@@ -21,8 +21,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solver.common.errors import POSITIVE, InputError, check_number
-from solver.ground.motion import Motion, check_in_plane
-from solver.models.protocol import SCALAR, SETTLE, Kept, Lanes, Plan, Run, Work
+from solver.ground.motion import check_in_plane
+from solver.models.outputs import BLOCK, Histories, Output, peaks_by_name
+from solver.models.protocol import SETTLE, Kept, Lanes, Plan, Run, Work, kept_peaks
+from solver.models.response import Result
 from solver.models.still_base import settled
 
 FloatArray = NDArray[np.float64]
@@ -93,33 +95,21 @@ class Block:
         return asdict(self)
 
 
-@dataclass(eq=False)
-class BlockResponse:
-    """theta (rad), ux of the top (m) at `time` (s); the rest as of every response."""
+class BlockHistories(Histories):
+    """What is known of a block at an instant: the table of its outputs."""
 
-    model: Block
-    time: FloatArray
-    theta: FloatArray
-    peaks: dict[str, FloatArray]
-    verdict: str
-    reason: str
-    overturn_time: float
-    stats: dict[str, Any]
-    motion: Motion | None
-    estimated_error: Any = None
-    horizon: float | None = None
-    ensemble: Any = None
-    remarks: tuple[str, ...] = ()
+    ux = Output(BLOCK, "m", "Displacement of the top, positive to +x")
+    theta = Output(BLOCK, "rad", "Rotation, clockwise")
 
-    @property
-    def ux(self) -> FloatArray:
-        """Displacement of the top, m (rows, 1)."""
-        return self.model.height * self.theta[:, None]
 
-    @property
-    def overturned(self) -> bool:
-        """Whether it falls."""
-        return self.verdict == "overturned"
+@dataclass(eq=False, repr=False)
+class BlockResponse(BlockHistories, Result):
+    """A run of a block; attributes, CSV and frames follow from the table."""
+
+    block: Block
+    rows: FloatArray  # (rows, 2)
+    model = property(lambda self: self.block)
+    _fall = property(lambda self: f"fell at {self.overturn_time:.4g} s")
 
 
 class Shaking(NamedTuple):
@@ -238,8 +228,9 @@ class Blocks:
     """Rigid blocks on a rigid floor."""
 
     word, across, settings = "block", False, ("tolerance", "without")
+    outputs, largest = BlockHistories.outputs, "ux"
     kept: Mapping[str, Kept] = {
-        "peak_ux": Kept("m"),
+        **kept_peaks(outputs),
         **{name: Kept(kind=np.uint8) for name in ("verdict", "path")},
         "overturn_time": Kept("s", np.float64),
         "steps": Kept(kind=np.int64),
@@ -263,19 +254,17 @@ class Blocks:
         peak = body.peak
         verdict = settled(body, stop, plan.settle)
         stats = {"steps": body.pieces, "impacts": body.impacts, "settled_for": verdict.time - stop}
-        rows = theta[np.searchsorted(marks, plan.times)]
-        peaks = {"ux": np.array([model.height * peak])}
-        late = verdict.word, verdict.reason, body.fall_time
-        response = BlockResponse(model, plan.times, rows, peaks, *late, stats, motion)
+        rows = theta[np.searchsorted(marks, plan.times)][:, None] * [model.height, 1.0]
+        peaks = peaks_by_name(self.outputs, model.sizes, np.array([model.height * peak, peak]))
+        found = {"time": plan.times, "peaks": peaks, "stats": stats, "overturn_time": body.fall_time, "motion": motion}
+        response = BlockResponse(model, rows, verdict=verdict.word, reason=verdict.reason, **found)
         return response, response.ux
 
     def alone(self, run: Run, keep: Collection[str], settle: float, look: Callable[..., object]) -> dict[str, Any]:
         """Results of a run by name."""
         times = np.array([run.motion.start + run.duration])
         found, _ = self.single_run(run.model, Plan(run.motion, run.duration, times, None, settle, look))
-        known = {"peak_ux": found.peaks["ux"], "path": SCALAR, "steps": found.stats["steps"]}
-        known |= {"verdict": found.verdict, "overturn_time": found.overturn_time}
-        return {name: known[name] for name in keep}
+        return {name: found.kept(name) for name in keep}
 
     def lanes(self, model: Block, keep: Collection[str]) -> Lanes:
         """There are none."""

@@ -14,6 +14,7 @@ from solver.models.column.block import (
     knows_section,
 )
 from solver.models.column.model import Column
+from solver.models.column.outputs import OUTPUTS
 from solver.models.column.packing import shape_of
 from solver.models.column.settings import FORMULATION_CODES, INTEGRATOR_CODES, SKIP_CODES
 from solver.models.column.stepper import REASONS
@@ -25,17 +26,10 @@ from ..variables import (
     INTEGRATOR,
     JOINT_PARAMETERS,
     OVERTURN_JOINT,
-    OVERTURN_TIME,
-    OVERTURNED,
-    RECORD,
-    RECORD_PGA,
     RECORD_SCALE,
-    TOLERANCE,
-    VERDICT,
-    VERDICT_NOW,
     Choice,
 )
-from .table import REFUSALS, Check, Chosen, Subject
+from .table import OF_BLOCKS, REFUSALS, Check, Chosen, Subject, codes_with
 
 # input -> the input that is its slope
 SLOPES = {"base.ax": "base.jx", "base.az": "base.jz", "base.theta": "base.omega", "base.omega": "base.alpha"}
@@ -62,28 +56,14 @@ def column_subject(column: Column) -> Subject:
         codes={f"GIVEN_{name.upper()}": place for place, name in enumerate(engine.GIVEN_SETTINGS.fields)}
         | {f"STATE_{name.upper()}": place for place, name in enumerate(at.CONTROL.fields)}
         | {
-            "PEAKS": at.PEAKS.size(n),
-            "STATE_PEAKS": at.STATE.size(n) - at.PEAKS.size(n),
-            "PEAK_CONTACT": n * at.OUTPUTS.fields.index("contact"),
-            "CONTACTS": n,
             "COUNT_RESTING": at.COUNTS.fields.index("resting"),
             "COUNT_OVERTURNED": at.COUNTS.fields.index("overturned"),
             "CENTRAL_DIFFERENCE": at.CENTRAL_DIFFERENCE,
             "TOO_MUCH_WORK": at.TOO_MUCH_WORK,
         }
         | {name: getattr(engine, name) for name in REFUSALS}
-        | {f"VERDICT_{word.upper()}": number for word, number in VERDICT.items.items()},
-        places={
-            "PEAKS": "block[1].ux_peak",
-            "VERDICT": VERDICT_NOW.name,
-            "OVERTURN_TIME": OVERTURN_TIME.name,
-            "FALLEN": OVERTURN_JOINT.name,
-            "OVERTURNED": OVERTURNED.name,
-            "RECORD": RECORD,
-            "RECORD_PGA": RECORD_PGA.name,
-            "RECORD_SCALE": RECORD_SCALE,
-            "TOLERANCE": TOLERANCE,
-        },
+        | codes_with(OUTPUTS, column.sizes, at.STATE.size(n)),
+        places={**OF_BLOCKS, "FALLEN": OVERTURN_JOINT.name},
         inputs=[f"base.{name}" for name in engine.BASE_INPUTS.fields],
         slopes=SLOPES,
         split="base.R0x",

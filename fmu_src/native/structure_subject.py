@@ -7,61 +7,38 @@ from solver.kernels.api import pointers_of_structures as pointers_in_space
 from solver.kernels.layout import spaces
 from solver.kernels.structure import driven
 from solver.kernels.structure import layout as at
-from solver.models.structure.driven import CONTACT, REASONS, SKIP_CODES, sizes_in
+from solver.models.structure.driven import REASONS, SKIP_CODES, sizes_in
+from solver.models.structure.outputs import OUTPUTS
 
 from .. import rules
 from ..body import StructureBody
 from ..structure_variables import DAMPING_SCALE, OVERTURNED_BLOCK, WITHOUT
-from ..variables import (
-    OVERTURN_TIME,
-    OVERTURNED,
-    RECORD,
-    RECORD_PGA,
-    RECORD_SCALE,
-    TOLERANCE,
-    VERDICT,
-    VERDICT_NOW,
-)
-from .table import Check, Chosen, Subject
+from ..variables import RECORD_SCALE, TOLERANCE
+from .table import FIRST_PEAK, OF_BLOCKS, Check, Chosen, Subject, codes_with
 
 
 def structure_subject(body: StructureBody) -> Subject:
     """Of a structure; its model and rest are numbers that never change."""
-    n, m = body.structure.n, len(body.structure.joints)
     sizes = sizes_in(body.packed)
-    lengths = {"MODEL": at.MODEL.size(sizes), "STATE": at.STATE.size(sizes), "WORK": at.WORK.size(sizes)}
     given = {"tolerance": TOLERANCE, "without": WITHOUT, "damping_scale": DAMPING_SCALE}
+    lengths = {"MODEL": at.MODEL.size(sizes), "STATE": at.STATE.size(sizes), "WORK": at.WORK.size(sizes)}
     return Subject(
         falls=True,
         sizes={
-            **{"N": n, "COUNTS": at.COUNTS.beside, "BASE": at.BASE.beside, "ROW": sizes.visible},
+            **{"N": body.structure.n, "COUNTS": at.COUNTS.beside, "BASE": at.BASE.beside, "ROW": sizes.visible},
             **{**lengths, "SPLIT": 0, "ROOM": 1, "FIXED_STEP_ROOM": 1},
         },
         codes={
             "STATE_OVERTURN_TIME": at.CONTROL.fields.index("fall_time"),
-            "PEAKS": sizes.visible,
-            "STATE_PEAKS": lengths["STATE"] - sizes.visible,
-            "PEAK_CONTACT": len(at.OF_BLOCK) * n + CONTACT * m,
-            "CONTACTS": m,
             "COUNT_RESTING": at.COUNTS.fields.index("resting"),
             "COUNT_OVERTURNED": at.COUNTS.fields.index("fallen"),
             "TOO_MUCH_WORK": spaces.TOO_MUCH_WORK,
         }
-        | {f"VERDICT_{word.upper()}": number for word, number in VERDICT.items.items()},
-        places={
-            "PEAKS": "block[1].ux_peak",
-            "VERDICT": VERDICT_NOW.name,
-            "OVERTURN_TIME": OVERTURN_TIME.name,
-            "FALLEN": OVERTURNED_BLOCK.name,
-            "OVERTURNED": OVERTURNED.name,
-            "RECORD": RECORD,
-            "RECORD_PGA": RECORD_PGA.name,
-            "RECORD_SCALE": RECORD_SCALE,
-            "TOLERANCE": TOLERANCE,
-        },
+        | codes_with(OUTPUTS, body.structure.sizes, lengths["STATE"]),
+        places={**OF_BLOCKS, "FALLEN": OVERTURNED_BLOCK.name},
         inputs=[f"base.{name}" for name in driven.INPUTS.fields],
         slopes={f"base.a{axis}": f"base.j{axis}" for axis in "xyz"},
-        split="block[1].ux_peak",
+        split=FIRST_PEAK,
         given=[*(given[name] for name in driven.GIVEN.fields), *body.packed.tolist()],
         choices=[Chosen(WITHOUT, "ANY_WORDS", [(0, code, word) for word, code in SKIP_CODES.items()])],
         checks=[

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import inspect
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -17,11 +17,12 @@ import numpy as np
 from solver.common.ranges import NUMBERS
 from solver.ground.motion import LARGEST, Motion
 from solver.kernels.api import engine, pointers
+from solver.models.outputs import Output, places_of
 
 from .. import alternation, rules
 from ..record import Record
 from ..references import FAMILY, array_of
-from ..variables import STEP_SIZE, Variable
+from ..variables import STEP_SIZE, VERDICT, Variable
 from .machine_code import PREFIX
 
 TEXT = 256  # bytes of a String, its end included
@@ -41,6 +42,12 @@ PLACES = (
     *("PEAKS", "OVERTURN_TIME", "FALLEN", "OVERTURNED", "VERDICT"),
     *("RECORD", "RECORD_PGA", "RECORD_SCALE", "TOLERANCE"),
 )
+FIRST_PEAK = "block[1].ux_peak"
+OF_BLOCKS = {  # the places of every body of blocks
+    **{"PEAKS": FIRST_PEAK, "VERDICT": "verdict", "OVERTURN_TIME": "overturn_time", "OVERTURNED": "overturned"},
+    **{"RECORD": "base.record", "RECORD_PGA": "base.record_pga", "RECORD_SCALE": "base.record_scale"},
+    "TOLERANCE": "solver.tolerance",
+}
 
 
 @dataclass(frozen=True)
@@ -112,6 +119,15 @@ class Contents:
     record_name: str
     record: Motion | None
     scalars: bool = False  # in FMI 3.0, where otherwise what every block or joint has is one array
+
+
+def codes_with(outputs: Sequence[Output], sizes: Mapping[str, int], state: int) -> dict[str, int]:
+    """Codes of a body of blocks, whose peaks are the last of the `state` numbers of its state; verdicts."""
+    places = places_of(outputs, sizes)
+    size, contact = places[outputs[-1].field].stop, places["contact"]
+    codes = {"PEAKS": size, "STATE_PEAKS": state - size, "PEAK_CONTACT": contact.start}
+    codes |= {f"VERDICT_{word.upper()}": number for word, number in VERDICT.items.items()}
+    return codes | {"CONTACTS": contact.stop - contact.start}
 
 
 def headers(contents: Contents) -> dict[str, str]:

@@ -84,7 +84,7 @@ class Level:
 def action_on(subject: Subject, motions: Motions, level: Level) -> Action:
     """The motions brought to a level; where none is given, artificial ones. Raises InputError as `check` does."""
     given, own = _named(motions), subject.period
-    if not subject.across:
+    if not subject.model.kind.across:
         for motion in given.values():
             check_in_plane(motion)
     if level.target is not None:
@@ -112,7 +112,7 @@ def _following(target: TargetSpectrum, given: Mapping[str, Motion], level: Level
         how = f"each to a mean of 1 over the target from {low:.3g} to {high:.3g} s, all so that their mean is no "
         return Action(tuple(scaled), f"{how}less than {level.least:g} of it", target, (low, high))
     made = artificial_motions(target, level.artificial, level.seed)
-    if subject.across:
+    if subject.model.kind.across:
         made = with_across(made, target, level.seed)
     if level.vertical:
         if target.vertical is None:

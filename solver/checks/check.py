@@ -104,7 +104,7 @@ class Check:
     @property
     def verdict(self) -> str:
         """What it does as given, and the share of varied ones that falls, in plain sentences."""
-        return verdict_sentence(self.subject.word, self.verdicts)
+        return verdict_sentence(self.subject.model.kind.word, self.verdicts)
 
     @property
     def margin_sentence(self) -> str:

@@ -11,11 +11,10 @@ from functools import cached_property
 import numpy as np
 
 from ..models.column.first_run import make_kernels
-from ..models.column.friction import friction_history
 from ..models.column.model import Column
 from ..models.column.modes import natural_frequencies
 from ..models.column.packing import carried_weights
-from ..models.column.response import Response
+from ..models.column.response import Response, friction_history
 from ..models.column.rest import check_rest
 from ..runs.table import Table
 from .action import Action
@@ -37,8 +36,6 @@ class InPlane:
 
     model: Column
     confidence_factor: float
-    word = "column"
-    across = False
     of_model = (
         "The column moves in one vertical plane. It does not twist, and no motion across the plane is applied.",
         "Once a column has fallen it is held; what it hits is not considered.",
@@ -100,18 +97,9 @@ class InPlane:
         """Peak of the top, m."""
         return float(run.peak_ux[0])
 
-    def slips(self, run: Response) -> FloatArray:
-        """Slip of each joint since rest, m (rows, joints)."""
-        found: FloatArray = run.slip - run.slip[0]
-        return found
-
     def shear_ratio(self, run: Response) -> FloatArray:
         """|T| / N of each joint (rows, joints)."""
         return friction_history(run.T, run.N, carried_weights(run.column))
-
-    def tensions(self, run: Response) -> FloatArray:
-        """A column has no ties."""
-        return np.empty(0)
 
     def overlap(self, run: Response) -> None:
         """Every block is joined to its neighbours, and others cannot meet before it has fallen."""
@@ -124,10 +112,6 @@ class InPlane:
         if implicit > MOST_IMPLICIT * (steps - implicit - elastic):
             return column
         return column.with_settings(without=(*column.settings.without, "implicit"))
-
-    def kept(self, peaks: bool) -> tuple[str, ...]:
-        """Verdicts, and with peaks those of the blocks."""
-        return ("peak_ux", "verdict", "overturn_time") if peaks else ("verdict",)
 
     def tops(self, table: Table) -> FloatArray:
         """Peaks of the top, m."""

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from ..common.errors import InputError
-from ..models.column.friction import friction_history
+from ..models.column.response import friction_history
 from ..models.protocol import SETTLE
 from ..models.structure.model import Structure
 from ..models.structure.modes import modes_in_space
@@ -31,8 +31,6 @@ class InSpace:
 
     model: Structure
     confidence_factor: float
-    word = "structure"
-    across = True
     two_ways = True  # turned by half a turn
     edge = math.nan
     of_model = (
@@ -82,19 +80,10 @@ class InSpace:
         """Largest horizontal displacement of a block, m."""
         return float(np.max(run.peaks["u"]))
 
-    def slips(self, run: SpatialResponse) -> FloatArray:
-        """Slip of each joint since rest, m (rows, joints)."""
-        found: FloatArray = run.slip - run.slip[0]
-        return found
-
     def shear_ratio(self, run: SpatialResponse) -> FloatArray:
         """Shear over compression of each joint (rows, joints)."""
         carried = np.maximum(run.N[0], CARRIES * self.model.weight)
         return friction_history(np.hypot(run.Tx, run.Ty), run.N, carried)
-
-    def tensions(self, run: SpatialResponse) -> FloatArray:
-        """Largest force of each tie, N."""
-        return run.peaks["tie"]
 
     def overlap(self, run: SpatialResponse) -> Overlap | None:
         """Of its blocks; None of a single one."""
@@ -103,10 +92,6 @@ class InSpace:
     def to_vary(self, run: SpatialResponse) -> Structure:
         """The structure."""
         return self.model
-
-    def kept(self, peaks: bool) -> tuple[str, ...]:
-        """Verdicts, and with peaks displacements of the blocks."""
-        return ("peak_u", "verdict", "overturn_time") if peaks else ("verdict",)
 
     def tops(self, table: Table) -> FloatArray:
         """Largest horizontal displacements, m."""

@@ -61,7 +61,7 @@ def run_all(subject: Subject, pairs: Sequence[Pair], peaks: bool, callback: Call
         [model for model, _ in pairs],
         [motion for _, motion in pairs],
         tolerance=TOLERANCE,
-        keep=subject.kept(peaks),
+        keep=(f"peak_{subject.model.kind.largest}", "verdict", "overturn_time") if peaks else ("verdict",),
         settle=SETTLE,
         callback=callback,
     )

@@ -36,10 +36,6 @@ class Subject(Protocol):
     @property
     def model(self) -> Any: ...
     @property
-    def word(self) -> str:
-        """For sentences: column or structure."""
-
-    @property
     def joints(self) -> Joints: ...
     @property
     def yields(self) -> FloatArray:
@@ -58,10 +54,6 @@ class Subject(Protocol):
         """Displacement of the top at which it balances without a push, m; NaN if there is no such number."""
 
     @property
-    def across(self) -> bool:
-        """Whether motions have two horizontal components."""
-
-    @property
     def two_ways(self) -> bool:
         """Whether a motion and its mirror image differ."""
 
@@ -75,14 +67,8 @@ class Subject(Protocol):
     def moved(self, run: Any) -> float:
         """Largest displacement, m."""
 
-    def slips(self, run: Any) -> FloatArray:
-        """Slip of each joint since rest, m (rows, joints)."""
-
     def shear_ratio(self, run: Any) -> FloatArray:
         """Shear over compression of each joint, where it is compressed (rows, joints)."""
-
-    def tensions(self, run: Any) -> FloatArray:
-        """Largest force of each tie, N."""
 
     def overlap(self, run: Any) -> Overlap | None:
         """Of blocks that no joint connects; None where there are none."""
@@ -90,11 +76,8 @@ class Subject(Protocol):
     def to_vary(self, run: Any) -> Any:
         """The model that is varied around a run."""
 
-    def kept(self, peaks: bool) -> tuple[str, ...]:
-        """Columns of a table of runs that verdicts need, and with peaks `tops`."""
-
     def tops(self, table: Table) -> FloatArray:
-        """As `moved`, of such a table."""
+        """As `moved`, of a table of runs with the largest displacements."""
 
     def by_hand(self, action: Any, limits: Any) -> Any:
         """`ByHand` under an Action with Limits; None if there are no such methods."""

@@ -234,8 +234,8 @@ def _sliding(demands: Demands, limits: Limits) -> list[Row]:
     if slides.any():
         width = np.where(slides, joints.width, math.nan)
         for name, part, values in (
-            ("slip", limits.slip, demands.largest(lambda run: np.max(np.abs(subject.slips(run)), axis=0))),
-            ("slip that is left", limits.residual, demands.largest(lambda run: np.abs(subject.slips(run)[-1]))),
+            ("slip", limits.slip, demands.largest(lambda run: np.max(np.abs(run.slip - run.slip[0]), axis=0))),
+            ("slip that is left", limits.residual, demands.largest(lambda run: np.abs(run.slip[-1] - run.slip[0]))),
         ):
             i = _worst(statistic(values), width)
             note = f"{part:g} of the width of the joint"
@@ -265,7 +265,7 @@ def _opening(demands: Demands, limits: Limits) -> Row:
     values = demands.largest(lambda response: 1.0 - response.peaks["contact"])
     values[demands.fell] = 1.0
     i = int(np.argmax(statistic(values)))
-    part = "part of the width" if not demands.subject.across else "part of the area"
+    part = "part of the width" if not demands.subject.model.kind.across else "part of the area"
     capacity, note = limits.opening, part
     if capacity is None:
         capacity, note = math.nan, f"a rocking joint opens, no limit is given; {part}"
@@ -289,7 +289,7 @@ def _ties(demands: Demands) -> list[Row]:
     yields = demands.subject.yields
     if not yields.size:
         return []
-    values = demands.largest(demands.subject.tensions)
+    values = demands.largest(lambda run: run.peaks["tie"])
     i = _worst(statistic(values), yields)
     note = "no tie has a yield" if np.isnan(yields).all() else "the force at which it yields: at 1 it has yielded"
     return [_of_part("force of a tie", f"tie {i + 1}", float(yields[i]), KN, note, values[:, i])]

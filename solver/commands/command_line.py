@@ -17,8 +17,9 @@ from .. import __version__
 from ..common.errors import InputError, InputWarning, SolverError, reading
 from ..common.files import check_outputs, printable
 from ..ground.motion import STANDARD_GRAVITY, Motion
-from ..models.column.response import DIGITS, Response, check_digits
+from ..models.column.response import Response
 from ..models.column.settings import FORMULATIONS, INTEGRATORS
+from ..models.outputs import DIGITS, check_digits
 from ..models.protocol import OUTPUT_STEP, SETTLE
 from ..models.uncertainty import PERCENTILES, Ensemble, Spread
 from ..runs.simulate import simulate

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -19,7 +19,8 @@ class Frame:
     """Columns by name over the same rows, each (rows,), or (rows, blocks) with block 1, the top one, first.
 
     index: the name of what counts the rows, and its values. units: of columns and of the index, by name. of: what the
-    numbers of a column are of, by its name, where that is not `block`.
+    numbers of a column are of, by its name, where that is not `block`. labels: what these are called, where that is
+    not their numbers from 1.
     """
 
     index: tuple[str, NDArray[Any]]
@@ -27,6 +28,7 @@ class Frame:
     units: Mapping[str, str] = field(default_factory=dict)
     attributes: Mapping[str, Any] = field(default_factory=dict)
     of: Mapping[str, str] = field(default_factory=dict)
+    labels: Mapping[str, Sequence[object]] = field(default_factory=dict)
 
     def flat(self) -> dict[str, NDArray[Any]]:
         """The index and the columns, one for each block as ux[1], ux[2] and so on."""
@@ -61,13 +63,14 @@ class Framed:
             import xarray
         frame = self._frame()
         index, rows = frame.index
-        data, coordinates = {}, {index: (index, rows, _units(frame, index))}
+        data = {}
+        coordinates: dict[str, tuple[str, Any, dict[str, str]]] = {index: (index, rows, _units(frame, index))}
         for name, values in frame.columns.items():
             part = frame.of.get(name, "block")
             dimensions = (index, part)[: values.ndim]
             data[name] = (dimensions, _words(values) if values.dtype.kind == "U" else values, _units(frame, name))
             if values.ndim == 2:
-                coordinates[part] = (part, np.arange(1, values.shape[1] + 1), {})
+                coordinates[part] = (part, list(frame.labels.get(part, range(1, values.shape[1] + 1))), {})
         return xarray.Dataset(data, coordinates, dict(frame.attributes))
 
 

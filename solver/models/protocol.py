@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 
 from ..common.errors import InputError
 from ..ground.motion import Motion
-from .uncertainty import Ensemble, ErrorEstimate, Varied
+from .outputs import BASE, Output
+from .uncertainty import Varied
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -69,6 +70,14 @@ class Kept(NamedTuple):
     of: str = "block"  # or joint, tie, base: see Model.sizes
 
 
+def kept_peaks(outputs: Sequence[Output]) -> dict[str, Kept]:
+    """The extremes of outputs as results that can be kept, those of the base last."""
+    return {
+        output.kept: Kept(output.unit, np.float64 if output.is_single else None, output.owner)
+        for output in sorted(outputs, key=lambda output: output.owner == BASE)
+    }
+
+
 class Lanes(NamedTuple):
     """Whether runs of a model are made in lanes: why not, "" if they are; which may share them; first step, s."""
 
@@ -97,29 +106,6 @@ class Law(Protocol):
     def damping(self) -> float: ...
     @property
     def friction(self) -> float | None: ...
-
-
-class Response(Protocol):
-    """What the runs of all models have in common; peaks: by name, those of ux among them, m."""
-
-    time: FloatArray
-    peaks: dict[str, FloatArray]
-    verdict: str
-    reason: str
-    overturn_time: float
-    stats: dict[str, Any]
-    estimated_error: ErrorEstimate | None
-    horizon: float | None
-    ensemble: Ensemble | None
-    motion: Motion | None
-
-    @property
-    def model(self) -> Any: ...
-    @property
-    def overturned(self) -> bool: ...
-    @property
-    def remarks(self) -> tuple[str, ...]:
-        """What `simulate` warns of, in sentences."""
 
 
 class Model(Protocol):
@@ -162,6 +148,8 @@ class Kind(Protocol):
     word: str  # for sentences
     across: bool  # whether motions have two horizontal components
     settings: Collection[str]  # names of those that `simulate` takes
+    outputs: Sequence[Output]  # in the order of output rows and peaks
+    largest: str  # name of the peaks that are the largest displacements
     kept: Mapping[str, Kept]
 
     def warnings(self, model: Any, at_rest: bool = True) -> Sequence[str]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Protocol
 
-from ..ground.motion import Motion
 from ..models.column.model import Column
 from ..models.column.packing import FloatArray
 
@@ -20,17 +19,3 @@ class Shapes(Protocol):
     def uz(self) -> FloatArray: ...
     @property
     def theta(self) -> FloatArray: ...
-
-
-class Shaken(Shapes, Protocol):
-    """A Response."""
-
-    @property
-    def peaks(self) -> dict[str, FloatArray]: ...
-
-    @property
-    def time(self) -> FloatArray: ...
-    @property
-    def overturn_time(self) -> float: ...
-    @property
-    def motion(self) -> Motion | None: ...

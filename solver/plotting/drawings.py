@@ -11,7 +11,8 @@ from matplotlib.patches import Polygon
 
 from ..common.errors import POSITIVE, check_number
 from ..models.column.packing import FloatArray
-from .drawable import Shaken, Shapes
+from ..models.column.response import Response
+from .drawable import Shapes
 from .figures import Figure
 from .style import GREY, INK, RED, STONE, header, save
 from .words import length, setting_of
@@ -24,7 +25,7 @@ LOST = 0.5  # of the height: displacement at which a column that falls is drawn
 
 
 def plot_column(
-    response: Shaken,
+    response: Response,
     path: str | os.PathLike[str] | None = None,
     at: float | None = None,
     scale: float | None = None,
@@ -150,7 +151,7 @@ def _across(half: float, turn: float, oblique: float) -> FloatArray:
     return half / math.cos(oblique) * _frame(turn + oblique)[1]
 
 
-def _peak(response: Shaken) -> int:
+def _peak(response: Response) -> int:
     moved = np.max(np.abs(response.ux), axis=1)
     if response.overturn_time <= response.time[-1]:
         far = np.flatnonzero(moved > LOST * sum(block.height for block in response.column.blocks))
@@ -158,7 +159,7 @@ def _peak(response: Shaken) -> int:
     return int(np.argmax(moved))
 
 
-def _row(response: Shaken, at: float) -> int:
+def _row(response: Response, at: float) -> int:
     time = response.time
     at = check_number(
         "at", at, (float(time[0]), float(time[-1])), f"a time of the response, {time[0]:g} to {time[-1]:g} s"

@@ -19,7 +19,7 @@ from PIL import Image
 from ..common.errors import POSITIVE, InputError, check_number
 from ..common.files import whole_file
 from ..models.column.packing import FloatArray
-from .drawable import Shaken
+from ..models.column.response import Response
 from .drawings import corners_of, draw_column, scale_of
 from .figures import Figure
 from .lines import thinned
@@ -39,7 +39,7 @@ Pixels = NDArray[np.uint8]  # (height, width, 4)
 
 
 def film(
-    response: Shaken,
+    response: Response,
     path: str | os.PathLike[str],
     scale: float | None = None,
     fps: int = FRAMES_PER_SECOND,
@@ -86,7 +86,7 @@ def check_film(path: str | os.PathLike[str]) -> None:
 class _Scene:
     """A figure of which only the blocks, the cursors and the clock change."""
 
-    def __init__(self, response: Shaken, scale: float, end: float) -> None:
+    def __init__(self, response: Response, scale: float, end: float) -> None:
         self.response, self.scale = response, scale
         self.figure = Figure(figsize=(9.0, 5.4), dpi=FILM_DPI)
         self.canvas: Any = FigureCanvasAgg(self.figure)

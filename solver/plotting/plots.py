@@ -17,10 +17,9 @@ from matplotlib.gridspec import SubplotSpec
 from ..common.errors import InputError
 from ..ground.motion import STANDARD_GRAVITY, Motion
 from ..kernels.layout.spaces import COUNTS_FROM
-from ..models.column.friction import friction_history
 from ..models.column.model import Column
 from ..models.column.packing import FloatArray, carried_weights
-from .drawable import Shaken
+from ..models.column.response import Response, friction_history
 from .figures import Figure
 from .lines import draw_ensemble, draw_lines, least_of
 from .profiles import draw_last_moments, draw_offsets, draw_profiles
@@ -80,7 +79,7 @@ class _Shown:
         return self.gone < len(self.time)
 
 
-def plot_response(response: Shaken, path: str | os.PathLike[str] | None = None) -> Figure:
+def plot_response(response: Response, path: str | os.PathLike[str] | None = None) -> Figure:
     """Draw a Response; saved to `path` if given. Raises InputError, OSError as `plot_histories` does.
 
     If the response has an ensemble, its 16 % to 84 % of ux are a band, its median a dashed line.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any
 
 import numpy as np
 from matplotlib.animation import AbstractMovieWriter, FFMpegWriter, PillowWriter
@@ -17,32 +17,10 @@ from ..common.files import whole_file
 from ..models.structure.blocks.faces import FloatArray
 from ..models.structure.blocks.parts import Solid
 from ..models.structure.blocks.shapes import turned
+from ..models.structure.model import Structure
+from ..models.structure.response import SpatialResponse
 from .film import FILM_DPI, check_film
 from .style import plain
-
-if TYPE_CHECKING:
-    from ..models.structure.model import Structure
-
-
-class Shown(Protocol):
-    """A SpatialResponse, which imports this module."""
-
-    time: FloatArray
-    peaks: dict[str, FloatArray]
-
-    @property
-    def structure(self) -> Structure: ...
-    @property
-    def ux(self) -> FloatArray: ...
-    @property
-    def uy(self) -> FloatArray: ...
-    @property
-    def uz(self) -> FloatArray: ...
-    @property
-    def rotation(self) -> FloatArray: ...
-    @property
-    def contact(self) -> FloatArray: ...
-
 
 ROOM = 0.12  # of the extent: around a structure that is filmed
 VISIBLE = 0.08  # of the extent: largest deformation in a picture
@@ -52,7 +30,7 @@ TICKS = 6  # along the longest axis
 
 
 def plot_structure(
-    response: Shown, path: str | os.PathLike[str] | None, at: float | None, scale: float | None
+    response: SpatialResponse, path: str | os.PathLike[str] | None, at: float | None, scale: float | None
 ) -> Figure:
     """The structure at an instant, deformation enlarged."""
     k = _row_at(response, at)
@@ -74,7 +52,7 @@ def structure_picture(structure: Structure) -> Figure:
     return figure
 
 
-def film(response: Shown, path: str | os.PathLike[str], scale: float | None, fps: int, speed: float) -> None:
+def film(response: SpatialResponse, path: str | os.PathLike[str], scale: float | None, fps: int, speed: float) -> None:
     """The structure in motion, deformation enlarged; fps: pictures a second, speed: s of motion in a second of film."""
     check_film(path)
     fps = round(check_number("fps", fps, (1.0, 100.0), "a whole number of pictures a second, from 1 to 100"))
@@ -123,7 +101,7 @@ def draw_blocks(
 
 
 def plot_plan(
-    response: Shown, path: str | os.PathLike[str] | None, blocks: Sequence[str | int] | None = None
+    response: SpatialResponse, path: str | os.PathLike[str] | None, blocks: Sequence[str | int] | None = None
 ) -> Figure:
     """Orbits of the centroids of blocks in plan, mm; of the highest one unless some are named."""
     if blocks is None:
@@ -143,7 +121,7 @@ def plot_plan(
     return _saved(figure, path)
 
 
-def plot_response(response: Shown, path: str | os.PathLike[str] | None) -> Figure:
+def plot_response(response: SpatialResponse, path: str | os.PathLike[str] | None) -> Figure:
     """Displacements of the block that moves most, the largest rotation, and the least contact, over time."""
     figure = Figure(figsize=(7.5, 7.0), layout="constrained")
     top, middle, bottom = figure.subplots(3, 1, sharex=True)
@@ -162,7 +140,7 @@ def plot_response(response: Shown, path: str | os.PathLike[str] | None) -> Figur
     return _saved(figure, path)
 
 
-def _row_at(response: Shown, at: float | None) -> int:
+def _row_at(response: SpatialResponse, at: float | None) -> int:
     if at is not None:
         return int(np.argmin(np.abs(response.time - at)))
     return int(np.argmax(np.max(np.hypot(response.ux, response.uy), axis=1)))
@@ -180,14 +158,14 @@ def _limits(structure: Structure) -> tuple[FloatArray, FloatArray]:
     return low - room * np.array([1.0, 1.0, 0.0]), high + room
 
 
-def _places(response: Shown, k: int) -> tuple[FloatArray, FloatArray]:
+def _places(response: SpatialResponse, k: int) -> tuple[FloatArray, FloatArray]:
     """Displacements and rotations of all blocks at row k, (n, 3) each."""
     u = np.stack([response.ux[k], response.uy[k], response.uz[k]], axis=-1)
     turn: FloatArray = response.rotation[k]
     return u, turn
 
 
-def _scale_of(response: Shown, k: int) -> float:
+def _scale_of(response: SpatialResponse, k: int) -> float:
     """A scale by which the deformation at row k is seen; 1 where it is large."""
     largest = max(float(np.max(np.abs(_places(response, k)[0]))), 1e-12)
     return min(max(1.0, round_scale(VISIBLE * extent_of(response.structure) / largest)), 1e4)

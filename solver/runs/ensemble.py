@@ -10,13 +10,14 @@ from typing import Any
 import numpy as np
 
 from ..common.errors import SolverError
-from ..models.protocol import OVERTURNED, UNDECIDED, NoRestError, Plan, Response
+from ..models.protocol import OVERTURNED, UNDECIDED, NoRestError, Plan
+from ..models.response import Result
 from ..models.uncertainty import Ensemble, Spread, Varied, ensemble_from, vary
 
 LISTEN = 0.05  # s between two checks for an interruption
 
 
-def ensemble_of(response: Response, plan: Plan, size: int, spread: Spread) -> Ensemble:
+def ensemble_of(response: Result, plan: Plan, size: int, spread: Spread) -> Ensemble:
     """`size` runs around the one by a plan that gave a response."""
     rng, kind = np.random.default_rng(spread.seed), response.model.kind
     varied = [vary(response.model, plan.motion, spread, rng) for _ in range(size)]

@@ -18,9 +18,9 @@ from ..common.files import write_table
 from ..common.frames import Frame, Framed
 from ..models.column.linearization import StillColumn, undamped
 from ..models.column.model import Column
+from ..models.column.outputs import UNITS, ColumnHistories
 from ..models.column.packing import FloatArray
 from ..models.column.push import BalanceCurve
-from ..models.column.response import UNITS
 from ..models.column.rest import check_rest, instability, is_stable
 
 if TYPE_CHECKING:
@@ -36,6 +36,9 @@ class Rest:
     N: FloatArray  # N
     stress: FloatArray  # Pa, the largest in the joint
     contact: FloatArray  # part of its width
+
+
+HISTORIES = ("ux", "uz", "theta", "N", "M", "T", "contact", "sigma_max")
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,12 +64,8 @@ class CapacityCurve(Framed):
     direction: int  # 1, or -1 for the curve of pushes towards -x
 
     def _frame(self) -> Frame:
-        pushes, joints = (
-            ("acceleration", "base_shear", "base_moment"),
-            ("ux", "uz", "theta", "N", "M", "T", "contact", "sigma_max"),
-        )
-        units = {"acceleration": "m/s2", "base_shear": "N", "base_moment": "N m", **UNITS}
-        columns = {name: getattr(self, name) for name in (*pushes, *joints)}
+        pushes = {"acceleration": "m/s2", "base_shear": "N", "base_moment": "N m"}
+        columns, units = {name: getattr(self, name) for name in (*pushes, *HISTORIES)}, pushes | UNITS
         return Frame(("place", np.arange(len(self.acceleration))), columns, units, {"column": self.column.name})
 
     @property
@@ -92,13 +91,9 @@ class CapacityCurve(Framed):
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write a row for each place, under the names of a response. Raises OSError."""
-        joints = ("ux", "theta", "N", "M", "T", "contact", "sigma_max")
+        joints = [name for name in HISTORIES if name != "uz"]
         names = ["acceleration", "base.shear", "base.moment"]
-        names += [
-            f"{'block' if name in ('ux', 'theta') else 'joint'}[{i + 1}].{name}"
-            for name in joints
-            for i in range(self.column.n)
-        ]
+        names += [getattr(ColumnHistories, name).name_of(i + 1) for name in joints for i in range(self.column.n)]
         parts = [self.acceleration[:, None], self.base_shear[:, None], self.base_moment[:, None]]
         rows = np.hstack([*parts, *(getattr(self, name) for name in joints)])
         write_table(path, names, ([repr(float(value)) for value in row] for row in rows))
@@ -143,10 +138,7 @@ def capacity_curve(column: Column, direction: int = 1) -> CapacityCurve:
     curve = BalanceCurve(undamped(column.with_settings(formulation="exact")), direction)
     points = curve.follow()
     rows = [curve.still.row(point.q, -direction * point.push) for point in points]
-    joints = {
-        name: np.array([getattr(row.joints, name) for row in rows])
-        for name in ("ux", "uz", "theta", "N", "M", "T", "contact", "sigma_max")
-    }
+    joints = {name: np.array([getattr(row.joints, name) for row in rows]) for name in HISTORIES}
     pushes = np.array([point.push for point in points])
     opened = joints["contact"][: int(np.argmax(pushes)) + 1] < 1.0  # beyond the largest push nothing is at rest
     return CapacityCurve(

@@ -17,8 +17,8 @@ from support.probe import PHOCAS_STIFFNESS, G, monolith, phocas
 
 from solver import Block, Column, InputError, Joint, Motion, Table, simulate, simulate_many
 from solver.common.turns import my_turn, others_turn
-from solver.models.column.kept import KEPT, WATCHED, WATCHED_OF_BASE
-from solver.models.column.response import PEAKS
+from solver.models.column.kept import KEPT, WATCHED
+from solver.models.column.outputs import OUTPUTS
 from solver.runs.many import ExecutorError, parts_of_many
 from solver.runs.pace import MOST_RUNS
 
@@ -79,16 +79,19 @@ def test_peaks_of_every_output_are_those_of_simulate() -> None:
     columns = [phocas(1e-3), monolith(eta=1e-3), phocas(5e-3, formulation="paper"), sliding(), phocas(1e-3)]
     motions = [Motion.harmonic(a * G, f, 1.0) for a, f in ((0.1, 2.0), (0.2, 1.5), (0.01, 2.0), (0.3, 1.0), (0.6, 0.4))]
     durations = [1.0, 1.0, 0.2, 1.0, 3.0]
-    keep = ("peak_ux", *WATCHED, *WATCHED_OF_BASE, "residual_slip", "verdict")
+    keep = ("peak_ux", *WATCHED, "residual_slip", "verdict")
     table = simulate_many(columns, motions, duration=durations, keep=keep)
     for k, (column, motion, duration) in enumerate(zip(columns, motions, durations, strict=True)):
         single = simulate(column, motion, duration)
-        for name, peak in WATCHED.items():
-            assert np.array_equal(table[name][k, : column.n], single.peaks[peak]), name
-            assert np.isnan(table[name][k, column.n :]).all()
-        for name, peak in WATCHED_OF_BASE.items():
-            assert table[name].shape == (5,)
-            assert table[name][k] == single.peaks[peak][0]
+        assert list(single.peaks) == [output.field for output in OUTPUTS]
+        for output in OUTPUTS:
+            name, peak = output.kept, single.peaks[output.field]
+            if output.owner == "base":
+                assert table[name].shape == (5,)
+                assert table[name][k] == peak[0]
+            else:
+                assert np.array_equal(table[name][k, : column.n], peak), name
+                assert np.isnan(table[name][k, column.n :]).all()
         slip = np.full(column.n, math.nan) if single.overturn_time <= duration else single.slip[-1]
         assert table["residual_slip"][k, : column.n] == pytest.approx(slip, nan_ok=True, abs=1e-9)
     assert np.all(np.abs(table["residual_slip"][3, :2]) > 5e-4)  # m: 0.8 and 100 mm
@@ -100,7 +103,7 @@ def test_peaks_of_every_output_are_those_of_simulate() -> None:
 
 
 def test_what_is_kept_has_a_unit_and_is_what_a_response_has() -> None:
-    assert set(WATCHED.values()) | set(WATCHED_OF_BASE.values()) | {"ux"} == set(PEAKS)
+    assert {"peak_ux", *WATCHED} == {output.kept for output in OUTPUTS}
     without_unit = {"least_contact", "peak_friction", "verdict", "overturned_joint", "steps", "evaluations", "path"}
     assert {name for name, kept in KEPT.items() if not kept.unit} == without_unit
 

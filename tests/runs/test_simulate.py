@@ -12,7 +12,7 @@ from support.probe import G, phocas, random_column, settled, with_gravity
 
 from solver import InitialState, Motion, Response, SolverError, simulate
 from solver.kernels.layout import spaces as at
-from solver.models.column.response import BASE_HISTORIES, BLOCK_HISTORIES
+from solver.models.column.outputs import OUTPUTS
 from solver.models.column.stepper import Stepper
 
 FORMULATIONS = ["exact", "paper"]
@@ -20,7 +20,7 @@ INTEGRATORS = ["auto", "central-difference"]
 every_way = pytest.mark.parametrize(
     ("formulation", "integrator"), [(formulation, way) for formulation in FORMULATIONS for way in INTEGRATORS]
 )
-HISTORIES = [*BLOCK_HISTORIES, *BASE_HISTORIES]
+HISTORIES = [output.field for output in OUTPUTS if not output.only_peak]
 
 
 def shake(seed: int, samples: int = 200) -> Motion:

@@ -57,7 +57,7 @@ def _content(checks: Sequence[Check]) -> dict[str, Any]:
     shown = shown_of(check)
     return {
         "check": check,
-        "word": check.subject.word,
+        "word": check.subject.model.kind.word,
         "checks": checks,
         "passes": check.passes and all(one.passes for one in checks if one.both),
         "model": shown,
@@ -72,10 +72,10 @@ def _content(checks: Sequence[Check]) -> dict[str, Any]:
         "tolerance": TOLERANCE,
         "names": list(dict.fromkeys(row.name for one in checks for row in one.rows)),
         "pictures": {
-            "model": embedded(shown.picture, check.subject.across),
+            "model": embedded(shown.picture, check.subject.model.kind.across),
             "spectra": embedded(spectra_picture(check)),
             "histories": embedded(shown.histories),
-            "deformed": embedded(shown.deformed, check.subject.across),
+            "deformed": embedded(shown.deformed, check.subject.model.kind.across),
         },
         "worst": check.action.motions[check.governing],
         "versions": {

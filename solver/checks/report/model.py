@@ -40,7 +40,7 @@ class Shown(NamedTuple):
 def shown_of(check: Check) -> Shown:
     """Tables and pictures of the model, and of the governing run."""
     show: dict[str, Callable[..., Shown]] = {"column": _column, "structure": _structure}
-    return show[check.subject.word](check, check.responses[check.governing])
+    return show[check.subject.model.kind.word](check, check.responses[check.governing])
 
 
 def _column(check: Check, run: Response) -> Shown:

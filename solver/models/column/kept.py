@@ -4,21 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..protocol import Kept
-from .response import BASE_HISTORIES, BLOCK_HISTORIES, UNITS
+from ..protocol import Kept, kept_peaks
+from .outputs import OUTPUTS
 
-# names -> those among the peaks of a Response, which lanes do not watch
-WATCHED = {
-    "least_contact" if name == "contact" else f"peak_{name}": name for name in (*BLOCK_HISTORIES, "friction")[1:]
-}
-WATCHED_OF_BASE = {f"peak_{name}": name for name in BASE_HISTORIES}
-WATCHED_ALL = WATCHED.keys() | WATCHED_OF_BASE.keys()
+WATCHED = {output.kept for output in OUTPUTS if output.field != "ux"}  # peaks that lanes do not watch
 # peaks: of the absolute values within the duration; docs/studies.md says what each is. verdict, path: numbers of
 # protocol.WORDS.
 KEPT: dict[str, Kept] = {
-    "peak_ux": Kept("m"),
-    **{name: Kept(UNITS.get(watched, "")) for name, watched in WATCHED.items()},
-    **{name: Kept(UNITS[watched], np.float64) for name, watched in WATCHED_OF_BASE.items()},
+    **{name: kept._replace(of="block") for name, kept in kept_peaks(OUTPUTS).items()},  # a joint goes with its block
     "residual_ux": Kept("m"),
     "residual_theta": Kept("rad"),
     "residual_slip": Kept("m"),

@@ -12,15 +12,16 @@ from numpy.typing import NDArray
 
 from ...common.errors import InputError
 from ...ground.motion import Motion, check_in_plane
-from ..protocol import LANES, OVERTURNED, SCALAR, Lanes, Plan, Run, Work, code_of
+from ..protocol import LANES, OVERTURNED, Lanes, Plan, Run, Work, code_of
 from ..uncertainty import Varied
 from .first_run import make_kernels
-from .kept import KEPT, WATCHED, WATCHED_ALL, WATCHED_OF_BASE
+from .kept import KEPT, WATCHED
 from .kinematics import Chain, chain_of
 from .lane_policy import HELD, first_step_of, kind_of, why_not_in_lanes
 from .lanes import KINDS, BatchResult, follow_in_lanes, load_kernels, run_batch
 from .model import Column
 from .numbers import column_with, is_of_column, single_names
+from .outputs import OUTPUTS
 from .packing import FloatArray, IntArray
 from .response import Response
 from .rest import check_stable, known_warnings, warnings_of
@@ -40,6 +41,8 @@ class Columns:
     word = "column"
     across = False
     settings = ("formulation", "integrator", "step", "tolerance", "without")
+    outputs = OUTPUTS
+    largest = "ux"
     kept = KEPT
 
     def warnings(self, model: Column, at_rest: bool = True) -> Sequence[str]:
@@ -73,7 +76,7 @@ class Columns:
 
     def check_kept(self, model: Column, keep: Collection[str]) -> None:
         """It computes the peaks that are asked for."""
-        asked = [name for name in keep if name in WATCHED_ALL]
+        asked = [name for name in keep if name in WATCHED]
         if asked and "peaks" in model.settings.without:
             raise InputError(f'solver.without has "peaks", must not where {asked[0]} is kept')
 
@@ -123,11 +126,12 @@ class Columns:
         """Without peaks that are not kept."""
         end = np.array([run.motion.start + run.duration])
         column = run.model
-        if WATCHED_ALL.isdisjoint(keep):
+        if WATCHED.isdisjoint(keep):
             column = column.with_settings(without=(*column.settings.without, "peaks"))  # but those of ux
         response, phases = single_run(column, Plan(run.motion, run.duration, end, None, settle, look))
         stands = not response.overturn_time <= end[0]
-        return {name: _value(name, run.model, response, phases[0], stands) for name in keep}
+        left = {name: _at_the_end(name, chain_of(run.model), phases[0]) if stands else math.nan for name in _left(keep)}
+        return {name: left[name] if name in left else response.kept(name) for name in keep}
 
     def work(self, model: Column, keep: Collection[str]) -> Work:
         """By the formulation, and whether it is in lanes."""
@@ -190,7 +194,7 @@ COLUMNS = Columns()
 
 def why_alone(column: Column, keep: Collection[str]) -> str:
     """Why runs of a column are not made in lanes; empty where they are, unless the motion has HELD samples."""
-    return why_not_in_lanes(column) or ("" if WATCHED_ALL.isdisjoint(keep) else "peaks of more than ux")
+    return why_not_in_lanes(column) or ("" if WATCHED.isdisjoint(keep) else "peaks of more than ux")
 
 
 def _left(keep: Collection[str]) -> list[str]:
@@ -219,21 +223,6 @@ def _verdicts(
             word, times[k], joints[k] = outcome(runs[k].model, batch.ends[k], float(stops[k]), settle)
             words[k] = code_of("verdict", word)
     return words, times, joints
-
-
-def _value(name: str, column: Column, response: Response, phase: FloatArray, stands: bool) -> Any:
-    """The result of this name of a run that ends with this phase, (4 n,); stands: whether it stands then."""
-    if name == "path":
-        return SCALAR
-    if name in ("steps", "evaluations"):
-        return response.stats[name]
-    if name in WATCHED:
-        return response.peaks[WATCHED[name]]
-    if name in WATCHED_OF_BASE:
-        return response.peaks[WATCHED_OF_BASE[name]][0]
-    if name in LEFT:
-        return _at_the_end(name, chain_of(column), phase) if stands else math.nan
-    return getattr(response, name)
 
 
 def _at_the_end(name: str, chain: Chain, phase: FloatArray) -> Any:

@@ -10,41 +10,22 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...common.errors import check_whole, needing
-from ...common.files import write_table
-from ...common.frames import Frame, Framed
-from ...common.notebook import Shown, counted, history, rows_of
-from ...ground.motion import Motion
+from ...common.errors import NOT_NEGATIVE, InputError, check_number, needing
+from ...common.notebook import history, rows_of
 from ...kernels.layout import spaces as at
-from ..uncertainty import PERCENTILES, Ensemble, ErrorEstimate
-from .friction import friction_demand, time_exceeded
+from ..outputs import DIGITS
+from ..response import Result
+from ..uncertainty import PERCENTILES
 from .model import Column
-from .packing import FloatArray
+from .outputs import ColumnHistories
+from .packing import FloatArray, carried_weights
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-DIGITS = 9  # significant ones of histories as text: far more than a run is exact to
-MOST_DIGITS = 17  # with which every float64 is read back to the bit
-# names of the histories of blocks and joints -> names among the outputs of the FMU, in their order there
-BLOCK_HISTORIES = {
-    name: f"{'block' if name in ('ux', 'uz', 'theta') else 'joint'}[{{i}}].{name}" for name in at.OUTPUTS.fields
-}
-BASE_HISTORIES = {name: f"base.{name}" for name in at.REACTION.fields}
-UNITS = dict.fromkeys(("ux", "uz", "slip"), "m") | dict.fromkeys(("N", "S", "T", "Fx", "Fz"), "N")
-UNITS |= {"time": "s", "theta": "rad", "M": "N m", "My": "N m", "sigma_max": "Pa"}
-# names of `Response.peaks` -> names among the outputs of the FMU, in the order of the kernels (layout/spaces.py, PEAKS)
-PEAKS = {name: f"{output}_{'least' if name == 'contact' else 'peak'}" for name, output in BLOCK_HISTORIES.items()}
-PEAKS |= {name: f"{output}_peak" for name, output in BASE_HISTORIES.items()} | {"friction": "joint[{i}].friction_peak"}
-
-
-def check_digits(key: str, digits: int) -> int:
-    """Return a number of significant digits, 1 to 17. Raises InputError."""
-    return check_whole(key, digits, 1, MOST_DIGITS, f"a whole number from 1 to {MOST_DIGITS}")
-
 
 @dataclass(eq=False, repr=False)
-class Response(Framed, Shown):
+class Response(ColumnHistories, Result):
     """Histories (nt, n), block and joint 1 (the top) first; base reaction (nt,).
 
     time (s); ux (m), top face relative to the base, +x; uz (m), centroid, up, from the unloaded geometry; theta (rad),
@@ -66,32 +47,18 @@ class Response(Framed, Shown):
     verdict: "overturned", "standing" (it cannot fall any more) or "undecided"; reason: why, in words. It includes the
     time after the histories: a column that falls later has `overturned` and an `overturn_time` after the last row.
     estimated_error (uncertainty.py) and horizon (s): None unless the run was checked. ensemble (uncertainty.py): None
-    without one.
+    without one. motion: of the base; drawn above the histories.
 
     Histories are computed from the motion when one of them is first used, which may raise SolverError.
     """
 
     column: Column
-    time: FloatArray
     _observe: Callable[[], FloatArray]  # returns the output rows (nt, ROW of layout/spaces.py)
-    peaks: dict[str, FloatArray]
     overturned_joint: int
-    overturn_time: float
-    stats: dict[str, Any]
-    verdict: str = "undecided"
-    reason: str = ""
-    estimated_error: ErrorEstimate | None = None
-    horizon: float | None = None
-    ensemble: Ensemble | None = None
-    motion: Motion | None = None  # of the base; drawn above the histories
 
-    def _facts(self) -> tuple[str, ...]:
-        facts = [f"of {self.column.name}", self.verdict, f"{1e3 * float(np.max(self.peak_ux)):.4g} mm at most"]
-        if self.overturned:
-            facts.append(f"fell at {self.overturn_time:.4g} s over joint {self.overturned_joint}")
-        if self.ensemble is not None:
-            facts.append(f"{self.ensemble.overturned} of {self.ensemble.size} varied columns overturned")
-        return *facts, counted(len(self.time), "row")
+    @property
+    def _fall(self) -> str:
+        return f"fell at {self.overturn_time:.4g} s over joint {self.overturned_joint}"
 
     def _lines(self) -> Iterable[Sequence[object]]:
         shown = {"ux": ("|ux| (mm)", 1e3), "N": ("N (kN)", 1e-3), "sigma_max": ("pressure (MPa)", 1e-6)}
@@ -102,10 +69,6 @@ class Response(Framed, Shown):
     def _picture(self) -> str:
         return history(self.time, 1e3 * self.ux[:, 0], "top (mm)")
 
-    def _frame(self) -> Frame:
-        columns = {name: getattr(self, name) for name in (*BLOCK_HISTORIES, *BASE_HISTORIES)}
-        return Frame(("time", self.time), columns, UNITS, {"column": self.column.name, "verdict": self.verdict})
-
     def __getstate__(self) -> dict[str, Any]:
         """For pickle and copy: the histories themselves, not the solver that computes them. Raises SolverError."""
         self.observe()
@@ -113,34 +76,12 @@ class Response(Framed, Shown):
 
     def observe(self) -> None:
         """Compute all histories now. Raises SolverError."""
-        self._rows  # noqa: B018  computed on access
+        self.rows  # noqa: B018
 
     @cached_property
-    def _rows(self) -> FloatArray:
+    def rows(self) -> FloatArray:  # type: ignore[override]  # computed on access
         self.stats["observed_rows"] = len(self.time)
         return self._observe()
-
-    def _joints(self, name: str) -> FloatArray:
-        n = self.column.n
-        field = at.OUTPUTS.fields.index(name)
-        return self._rows[:, field * n : (field + 1) * n]
-
-    def _base(self, name: str) -> FloatArray:
-        return self._rows[:, at.OUTPUTS.size(self.column.n) + at.REACTION.fields.index(name)]
-
-    ux = property(lambda self: self._joints("ux"))
-    uz = property(lambda self: self._joints("uz"))
-    theta = property(lambda self: self._joints("theta"))
-    N = property(lambda self: self._joints("N"))
-    M = property(lambda self: self._joints("M"))
-    S = property(lambda self: self._joints("S"))
-    T = property(lambda self: self._joints("T"))
-    slip = property(lambda self: self._joints("slip"))
-    contact = property(lambda self: self._joints("contact"))
-    sigma_max = property(lambda self: self._joints("sigma_max"))
-    Fx = property(lambda self: self._base("Fx"))
-    Fz = property(lambda self: self._base("Fz"))
-    My = property(lambda self: self._base("My"))
 
     @property
     def model(self) -> Column:
@@ -164,11 +105,22 @@ class Response(Framed, Shown):
 
     def friction_demand(self, part: float = at.COUNTS_FROM) -> FloatArray:
         """Largest |T| / N of each joint over the rows, (n,), where N is above `part` of the weight carried."""
-        return friction_demand(self, part)
+        largest: FloatArray = np.max(self._friction(part), axis=0)
+        return largest
 
     def time_exceeded(self, mu: float, part: float = at.COUNTS_FROM) -> FloatArray:
         """Time for which each joint needs more friction than mu, s (n,); N as in `friction_demand`."""
-        return time_exceeded(self, mu, part)
+        mu = check_number("mu", mu, NOT_NEGATIVE, "a coefficient of friction, zero or positive")
+        over = self._friction(part) - mu
+        first, last = over[:-1], over[1:]  # linear between rows
+        change = np.abs(last - first)
+        crossing = np.divide(np.maximum(first, last), change, out=np.zeros_like(change), where=change > 0.0)
+        share = np.where(np.minimum(first, last) > 0.0, 1.0, np.where(np.maximum(first, last) > 0.0, crossing, 0.0))
+        exceeded: FloatArray = np.diff(self.time) @ share
+        return exceeded
+
+    def _friction(self, part: float) -> FloatArray:
+        return friction_history(self.T, self.N, carried_weights(self.column), part)
 
     def to_csv(self, path: str | os.PathLike[str], digits: int = DIGITS) -> None:
         """Write every history under the name of the FMU's output, in the order of the FMU's outputs.
@@ -177,22 +129,12 @@ class Response(Framed, Shown):
         With an ensemble, the percentiles of its ux follow as ensemble.block[i].ux.p16, p50, p84: nan after all have
         fallen.
         """
-        names = ["time"]
-        parts = [self.time[:, None]]
-        for name, output in BLOCK_HISTORIES.items():
-            names += [output.format(i=i + 1) for i in range(self.column.n)]
-            parts.append(getattr(self, name))
-        for name, output in BASE_HISTORIES.items():
-            names.append(output)
-            parts.append(getattr(self, name)[:, None])
+        behind: dict[str, FloatArray] = {}
         if self.ensemble is not None:
             for percent, band in zip(PERCENTILES, self.ensemble.ux, strict=True):
-                names += [f"ensemble.block[{i + 1}].ux.p{percent}" for i in range(self.column.n)]
-                parts.append(band)
-        names.append("overturned")
-        parts.append((self.time >= self.overturn_time)[:, None].astype(float))
-        write = f"%.{check_digits('digits', digits)}g".__mod__
-        write_table(path, names, ([write(value) for value in row] for row in np.hstack(parts).tolist()))
+                behind |= {f"ensemble.block[{i}].ux.p{percent}": ux for i, ux in enumerate(band.T, start=1)}
+        behind["overturned"] = (self.time >= self.overturn_time).astype(float)
+        self._write(path, digits, {"time": self.time}, behind)
 
     def plot(self, path: str | os.PathLike[str] | None = None) -> Figure:
         """Draw ground motion, displacements, rotations, forces and contact over time; saved to `path` if given.
@@ -230,3 +172,18 @@ class Response(Framed, Shown):
         with needing("plot", "matplotlib"):
             from ...plotting.film import film
         film(self, path, scale, fps, speed, callback)
+
+
+def friction_history(T: FloatArray, N: FloatArray, carried: FloatArray, part: float = at.COUNTS_FROM) -> FloatArray:
+    """Friction needed to prevent sliding: |T| / N of forces of the joints (nt, n), N, else 0; (nt, n).
+
+    N vanishes where a joint is about to open, and in flight the model still keeps the blocks in line: T / N has no
+    meaning there. N counts where it is above `part` of the weight carried at rest, N (n,).
+
+    Raises InputError unless part is from 0.001 to 1 and every joint carries something.
+    """
+    part = check_number("part", part, (1e-3, 1.0), "a part of the weight carried at rest, from 0.001 to 1")
+    if not np.all(carried > 0.0):
+        raise InputError("g = 0.0: must be positive for joints that carry a weight at rest")
+    ratio: FloatArray = np.where(part * carried < N, np.abs(T) / np.maximum(N, part * carried), 0.0)
+    return ratio

@@ -52,10 +52,10 @@ def single_run(column: Column, plan: Plan) -> tuple[Response, FloatArray]:
     stats["settled_for"] = verdict.time - stop
     response = Response(
         column,
-        plan.times,
         lambda: stepper.rows_of(snapshots),
+        stepper.overturned_joint,
+        time=plan.times,
         peaks=peaks,
-        overturned_joint=stepper.overturned_joint,
         overturn_time=stepper.overturn_time,
         stats=stats,
         verdict=verdict.word,

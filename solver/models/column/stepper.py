@@ -14,7 +14,9 @@ from ...ground.motion import Motion
 from ...kernels.api.entries import observe_snapshots, observe_state, run
 from ...kernels.layout import spaces as at
 from ...kernels.stepping.control import most_work
+from ..outputs import peaks_by_name, visible_peaks
 from .model import Column
+from .outputs import OUTPUTS
 from .packing import Arrays, FloatArray, InitialState, arrays_of, pack_model, set_initial
 
 REASONS = {
@@ -257,21 +259,12 @@ class Stepper:
         """
         if "peaks" in self.column.settings.without:
             return {"ux": self.peak_ux.copy()}
-        found, begin = {}, 0
-        visible = self.visible_peaks
-        for names, size in ((at.OUTPUTS.fields, self.n), (at.REACTION.fields, 1), (("friction",), self.n)):
-            for name in names:
-                found[name] = visible[begin : begin + size]
-                begin += size
-        return found
+        return peaks_by_name(OUTPUTS, self.column.sizes, self.state.peaks)
 
     @property
     def visible_peaks(self) -> FloatArray:
         """`peaks` as an array, in the order of kernels/layout/spaces.py, PEAKS."""
-        visible: FloatArray = self.state.peaks.copy()
-        contact = self.n * at.OUTPUTS.fields.index("contact")
-        visible[contact : contact + self.n] = 1.0 - visible[contact : contact + self.n]
-        return visible
+        return visible_peaks(OUTPUTS, self.column.sizes, self.state.peaks)
 
     def _run(self, t: float, h: float, record: Record, times: FloatArray, snapshots: FloatArray, peaks: bool) -> int:
         """Call the kernel with float64, whatever numbers the caller has, so that it is compiled once."""

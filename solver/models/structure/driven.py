@@ -14,9 +14,11 @@ from ...kernels.structure import layout as at
 from ...kernels.structure.entries import assemble_structure, follow_structure, look_structure
 from ..column.first_run import compile_for
 from ..column.stepper import REASONS as IN_PLANE
+from ..outputs import visible_peaks
 from .blocks.faces import FloatArray
 from .modal_data import modal_data_of
 from .model import Structure
+from .outputs import OUTPUTS
 from .packing import Arrays, Model, arrays_of, with_modes
 from .rest import rest_of
 from .stepper import TOO_SMALL
@@ -28,7 +30,6 @@ REASONS = {
     INPUT_TOO_LARGE: "an input of the base is, or becomes, larger than 1e6 (m/s2)",
 }
 SKIP_CODES = {"peaks": driven.WITHOUT_PEAKS, "elastic": driven.WITHOUT_ELASTIC}
-CONTACT = at.OF_JOINT.index("contact")
 
 
 class Record(NamedTuple):
@@ -128,11 +129,7 @@ class DrivenStructure:
     @property
     def visible_peaks(self) -> FloatArray:
         """Largest absolute values so far in the order of a row, of contacts the least."""
-        peaks, m = self._state.peaks.copy(), self.sizes.m
-        first = len(at.OF_BLOCK) * self.structure.n + CONTACT * m
-        peaks[first : first + m] = 1.0 - peaks[first : first + m]
-        found: FloatArray = peaks
-        return found
+        return visible_peaks(OUTPUTS, self.structure.sizes, self._state.peaks)
 
     @property
     def fallen_block(self) -> int:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..protocol import Kept
+from ..protocol import Kept, kept_peaks
+from .outputs import OUTPUTS
 
 OF_RUN = {
     "verdict": Kept(kind=np.uint8),
@@ -14,15 +15,6 @@ OF_RUN = {
     "settled_for": Kept("s", np.float64),
     "path": Kept(kind=np.uint8),
 }
-_UNITS = {
-    "block": {"u": "m", "ux": "m", "uy": "m", "uz": "m", "rx": "rad", "ry": "rad", "rz": "rad"},
-    "joint": {"N": "N", "Mx": "N m", "My": "N m", "Tx": "N", "Ty": "N", "Mz": "N m", "sigma_max": "Pa", "slip": "m"},
-    "tie": {"tie": "N"},
-    "base": {"base": ""},  # three forces in N, three moments in N m
-}
-KEPT: dict[str, Kept] = {
-    **OF_RUN,
-    **{f"peak_{name}": Kept(unit, None, of) for of, units in _UNITS.items() for name, unit in units.items()},
-    "least_contact": Kept("", None, "joint"),
-}
+KEPT: dict[str, Kept] = {**OF_RUN, "peak_u": Kept("m"), **kept_peaks(OUTPUTS)}
+KEPT["least_contact"] = KEPT.pop("least_contact")  # the last one
 FROM_LANES = {*OF_RUN, "peak_u", "peak_ux", "peak_uy", "peak_uz"}

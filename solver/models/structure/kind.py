@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ...ground.motion import Motion
 from ..column.model import Column
 from ..column.numbers import column_with, is_of_column
-from ..protocol import SCALAR, SETTLE, Lanes, NoRestError, Plan, Run, Work, output_times, table_entry
+from ..protocol import SETTLE, Lanes, NoRestError, Plan, Run, Work, output_times, table_entry
 from ..uncertainty import Varied
 from .blocks.faces import FloatArray
 from .blocks.parts import OF_COLUMN
@@ -19,6 +19,7 @@ from .kept import FROM_LANES, KEPT, OF_RUN
 from .lanes import follow_in_lanes, is_flat_run, load_lanes, share_of
 from .model import Structure
 from .numbers import is_of_structure, single_names_in_space, structure_with
+from .outputs import OUTPUTS
 from .planar import column_of
 from .plausible import known_warnings_in_space
 from .response import SpatialResponse
@@ -34,6 +35,8 @@ class Structures:
     word = "structure"
     across = True
     settings = ("tolerance", "without")
+    outputs = OUTPUTS
+    largest = "u"
     kept = KEPT
 
     def warnings(self, model: Structure, at_rest: bool = True) -> Sequence[str]:
@@ -103,7 +106,7 @@ class Structures:
         structure = run.model.with_settings(without=None if watches else ("peaks",))
         times = output_times(run.motion, run.duration)
         found = single_run(structure, Plan(run.motion, run.duration, times, None, settle, look))
-        return {name: _value(name, found) for name in keep}
+        return {name: found.kept(name) for name in keep}
 
     def work(self, model: Structure, keep: Collection[str]) -> Work:
         """Followed to its verdict."""
@@ -154,14 +157,3 @@ def _why_not_in_lanes(structure: Structure, keep: Collection[str]) -> str:
 def _is_law(name: str) -> bool:
     """Whether a name of a stack is of the law of a joint, as structures have it; all others are of the column."""
     return name.startswith("joint") and is_of_structure(name)
-
-
-def _value(name: str, found: SpatialResponse) -> Any:
-    """A result of a run, one of KEPT; words as such."""
-    if name == "path":
-        return SCALAR
-    if name in ("verdict", "overturn_time"):
-        return getattr(found, name)
-    if name in OF_RUN:
-        return found.stats[name]
-    return found.peaks["contact" if name == "least_contact" else name.removeprefix("peak_")]

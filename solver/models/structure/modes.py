@@ -15,6 +15,7 @@ from ...common.frames import Frame, Framed
 from ...kernels.structure.layout import OF_BLOCK
 from .blocks.faces import FloatArray
 from .model import Structure
+from .outputs import UNITS
 from .rest import Rest, deltas_of, full_stiffness, residual_of, rest_of, start_from, sticking
 from .stepper import Stepper
 
@@ -55,8 +56,7 @@ class SpatialModes(Framed):
         return found | {name: shapes[..., k] for k, name in enumerate(OF_BLOCK)}
 
     def _frame(self) -> Frame:
-        units = {"frequency": "Hz", **dict.fromkeys(("mass_x", "mass_y", "mass_z"), "kg")}
-        units |= {name: "m" if name[0] == "u" else "rad" for name in OF_BLOCK}
+        units = {"frequency": "Hz", **dict.fromkeys(("mass_x", "mass_y", "mass_z"), "kg"), **UNITS}
         index = "mode", np.arange(1, len(self.frequency) + 1)
         return Frame(index, self._columns, units, {"structure": self.structure.name})
 

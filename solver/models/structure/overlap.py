@@ -19,7 +19,7 @@ from .blocks.faces import FloatArray
 from .blocks.parts import Solid
 from .blocks.shapes import turned
 from .model import Structure
-from .rows import Rows
+from .outputs import StructureHistories
 
 TOUCH = 1e-4  # m, of overlap: joints give as much under their load
 ROWS = 1000  # instants at once: memory
@@ -127,7 +127,7 @@ def _directions(vectors: FloatArray) -> FloatArray:
     return np.array(kept)
 
 
-def deepest_overlap(structure: Structure, time: FloatArray, rows: Rows) -> Overlap:
+def deepest_overlap(structure: Structure, time: FloatArray, rows: StructureHistories) -> Overlap:
     """The deepest overlap in the rows, which belong to instants, s. Pairs that cannot meet cost nothing."""
     n = structure.n
     u = np.stack([rows.ux, rows.uy, rows.uz], axis=-1)

@@ -19,11 +19,11 @@ from numpy.typing import NDArray
 from ...common.errors import FINITE, InputError, check_number, needing
 from ...common.notebook import Shown, counted, history, rows_of
 from ...ground.motion import STANDARD_GRAVITY
-from ..column.response import DIGITS
+from ..outputs import DIGITS, places_of
 from .blocks.faces import FloatArray
 from .model import Structure
+from .outputs import OUTPUTS, StructureHistories
 from .rest import deltas_of, move, residual_of, rest_of, start_from
-from .rows import Rows, places_of
 from .stepper import Stepper
 
 if TYPE_CHECKING:
@@ -46,7 +46,7 @@ TURN = 0.9  # least cosine between a step and the next one
 OPEN, SLID = 1e-9, 1e-9  # of the contact, of the largest displacement: from where on a joint is open, and has slid
 
 
-class PushOver(Rows, Shown):
+class PushOver(StructureHistories, Shown):
     """A structure under a push that grows, from rest to the largest one that it balances, (rows,).
 
     direction: rad from x to y, of the push; the base accelerates the other way. vertical: its part upwards, over the
@@ -116,7 +116,7 @@ class PushOver(Rows, Shown):
 
     def to_csv(self, path: str | os.PathLike[str], digits: int = DIGITS) -> None:
         """Write a row for each place, under the names of a SpatialResponse. Raises InputError, OSError."""
-        self._write(path, "acceleration", self.acceleration, digits)
+        self._write(path, digits, {"acceleration": self.acceleration})
 
     def plot(self, path: str | os.PathLike[str] | None = None) -> Figure:
         """Draw the push over the displacement, and the structure at its largest push; saved to `path` if given.
@@ -190,9 +190,8 @@ class _Path:
         self.unit = float(np.linalg.norm(linear / self.per)) * self.per, first
         ahead = np.append(linear / self.unit[0], 1.0)
         ahead /= np.linalg.norm(ahead)
-        self.contact, self.slip = (
-            slice(k, k + m) for k, m in (places_of(structure)[name] for name in ("contact", "slip"))
-        )
+        places = places_of(OUTPUTS, structure.sizes)
+        self.contact, self.slip = places["contact"], places["slip"]
         self.places = [_Place(0.0, rest.row.copy(), rest.phase.copy(), ahead, 0)]
 
     def follow(self) -> str:

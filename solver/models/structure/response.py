@@ -4,20 +4,21 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from functools import cached_property
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ...common.errors import needing
 from ...common.frames import EXTRA
-from ...common.notebook import Shown, counted, history, rows_of
-from ...ground.motion import Motion
-from ..column.response import DIGITS
-from ..uncertainty import Ensemble, ErrorEstimate
+from ...common.notebook import history, rows_of
+from ..outputs import BASE, DIGITS, TIE, peaks_by_name
+from ..response import Result
 from .blocks.faces import FloatArray
+from .outputs import OUTPUTS, StructureHistories
 from .overlap import Overlap, deepest_overlap
-from .rows import OF_BASE, OF_BLOCK, OF_JOINT, Rows, places_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -25,7 +26,8 @@ if TYPE_CHECKING:
     from .model import Structure
 
 
-class SpatialResponse(Rows, Shown):
+@dataclass(eq=False, repr=False)
+class SpatialResponse(StructureHistories, Result):
     """Histories of a structure: rows are instants, columns blocks, joints or ties in the order of the structure.
 
     time (s). Blocks: ux, uy, uz (m), of the centroids relative to the base, from the structure as built and without
@@ -41,25 +43,14 @@ class SpatialResponse(Rows, Shown):
     settled_for (s). estimated_error, horizon and ensemble: as of the Response of a column.
     """
 
-    def __init__(
-        self, structure: Structure, time: FloatArray, rows: FloatArray, peaks: FloatArray, stats: dict[str, Any]
-    ) -> None:
-        self.structure, self.time, self.rows, self.stats = structure, time, rows, stats
-        self.peaks = _peaks_of(structure, rows, peaks)
-        self.verdict, self.reason = "undecided", ""
-        self.overturn_time, self.overturned_block = float("nan"), ""
-        self.estimated_error: ErrorEstimate | None = None
-        self.horizon: float | None = None
-        self.ensemble: Ensemble | None = None
-        self.motion: Motion | None = None
+    structure: Structure
+    rows: FloatArray
+    overturned_block: str = ""
+    dimensions = MappingProxyType({TIE: "tie_number", BASE: "component"})
 
-    def _facts(self) -> tuple[str, ...]:
-        facts = [f"of {self.structure.name}", self.verdict, f"{1e3 * float(np.max(self.peaks['u'])):.4g} mm at most"]
-        if self.overturned:
-            facts.append(f"{self.overturned_block} fell at {self.overturn_time:.4g} s")
-        if self.ensemble is not None:
-            facts.append(f"{self.ensemble.overturned} of {self.ensemble.size} varied structures overturned")
-        return *facts, counted(len(self.time), "row")
+    @property
+    def _fall(self) -> str:
+        return f"{self.overturned_block} fell at {self.overturn_time:.4g} s"
 
     def _lines(self) -> Iterable[Sequence[object]]:
         shown = {f"|{name}| (mm)": 1e3 * self.peaks[name] for name in ("ux", "uy", "uz")}
@@ -74,10 +65,7 @@ class SpatialResponse(Rows, Shown):
         """The deepest overlap of blocks that no joint connects: they do not meet in the model."""
         return deepest_overlap(self.structure, self.time, self)
 
-    @property
-    def model(self) -> Structure:
-        """The structure."""
-        return self.structure
+    model = StructureHistories.model
 
     @property
     def remarks(self) -> tuple[str, ...]:
@@ -96,7 +84,7 @@ class SpatialResponse(Rows, Shown):
 
     def to_csv(self, path: str | os.PathLike[str], digits: int = DIGITS) -> None:
         """Write time and every history, under names such as block[left].ux, joint[left-base].N, tie[1].F, base.Fx."""
-        self._write(path, "time", self.time, digits)
+        super().to_csv(path, digits)
 
     @property
     def names(self) -> list[str]:
@@ -110,23 +98,14 @@ class SpatialResponse(Rows, Shown):
         """
         with needing(EXTRA, "pandas"):
             import pandas
-        return pandas.DataFrame(self.rows, index=pandas.Index(self.time, name="time"), columns=self.names[1:])
+        return pandas.DataFrame(self.rows, index=pandas.Index(self.time, name="time"), columns=self.row_names)
 
     def to_xarray(self) -> Any:
         """An xarray.Dataset of the histories over time and the names of blocks, joints and ties.
 
         Raises InputError without xarray (the extra `studies`).
         """
-        with needing(EXTRA, "xarray"):
-            import xarray
-        structure = self.structure
-        ties = [str(e) for e in range(1, len(structure.ties) + 1)]
-        parts = {"block": structure.names, "joint": structure.joint_names, "tie_number": ties, "component": OF_BASE}
-        of = dict.fromkeys(OF_BLOCK, "block") | dict.fromkeys(OF_JOINT, "joint")
-        of |= {"tie": "tie_number", "base": "component"}
-        data = {name: (("time", part), self._field(name)) for name, part in of.items()}
-        coordinates = {"time": self.time, **{name: list(values) for name, values in parts.items()}}
-        return xarray.Dataset(data, coordinates, {"structure": structure.name, "verdict": self.verdict})
+        return super().to_xarray()
 
     def plot(self, path: str | os.PathLike[str] | None = None) -> Figure:
         """Draw displacements, rotations, contact over time; saved to `path` if given.
@@ -169,9 +148,9 @@ class SpatialResponse(Rows, Shown):
         return plot_plan(self, path, blocks)
 
 
-def _peaks_of(structure: Structure, rows: FloatArray, peaks: FloatArray) -> dict[str, FloatArray]:
-    found = {name: peaks[first : first + count].copy() for name, (first, count) in places_of(structure).items()}
-    found["contact"] = 1.0 - found["contact"]
+def peaks_in_space(structure: Structure, rows: FloatArray, peaks: FloatArray) -> dict[str, FloatArray]:
+    """Peaks by name, from those of the kernels; u: of the horizontal displacement, over the rows."""
     n = structure.n
+    found = peaks_by_name(OUTPUTS, structure.sizes, peaks)
     found["u"] = np.max(np.hypot(rows[:, :n], rows[:, n : 2 * n]), axis=0)
     return found

@@ -16,7 +16,7 @@ from ..still_base import settled
 from .blocks.faces import FloatArray
 from .modal_data import modal_data_of
 from .model import Structure
-from .response import SpatialResponse
+from .response import SpatialResponse, peaks_in_space
 from .rest import rest_of, start_from
 from .stepper import Stepper
 from .verdict import next_look, well_of
@@ -64,8 +64,8 @@ def single_run(structure: Structure, plan: Plan) -> SpatialResponse:
     coupled = "" if stepper.model.settings.has_modes else "dampers couple the modes"
     stats["why_no_modes"] = why_no_modes or coupled
     stats["wall_time"] = clock.perf_counter() - begin
-    response = SpatialResponse(structure, plan.times, rows, stepper.state.peaks.copy(), stats)
-    response.motion = motion
+    peaks = peaks_in_space(structure, rows, stepper.state.peaks)
+    response = SpatialResponse(structure, rows, time=plan.times, peaks=peaks, stats=stats, motion=motion)
     found = settled_verdict(stepper, stop, plan.settle)
     response.verdict, response.reason, stats["settled_for"] = found.word, found.reason, found.time - stop
     if found.word == OVERTURNED:

@@ -16,13 +16,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...kernels.structure import layout as at
+from ..outputs import places_of
 from .blocks.contacts import GROUND
 from .blocks.faces import Face, FloatArray
 from .blocks.parts import Joint
 from .model import Structure
+from .outputs import OUTPUTS
 from .packing import centroid_of
 from .rest import PERTURBED, balance, deltas_of, full_stiffness, move, rest_of, start_from, sticking, weights
-from .rows import places_of
 from .stepper import Stepper
 
 IN_A_WELL = "its energy does not suffice to fall"
@@ -226,7 +227,8 @@ class Well:
         """N, Mx and My of the joints, N and N m per m and rad of each coordinate, (3 joints, 6 n)."""
         structure, stuck = self._structure, sticking(rest.over(state=rest.arrays.state.copy()))
         size = 6 * structure.n
-        first, last = _span(structure, "N")[0], _span(structure, "My")[1]
+        places = places_of(OUTPUTS, structure.sizes)
+        first, last = places["N"].start, places["My"].stop
         columns = []
         for k, delta in enumerate(self._delta):
             ends = []
@@ -261,19 +263,13 @@ def _place(name: str, n: int) -> int:
     return place
 
 
-def _span(structure: Structure, name: str) -> tuple[int, int]:
-    """Where a field begins and ends in an output row."""
-    first, count = places_of(structure)[name]
-    return first, first + count
-
-
 def _slip(stepper: Stepper, j: int) -> FloatArray:
     return np.array([stepper.slips.p1[j], stepper.slips.p2[j]])
 
 
 def _field(stepper: Stepper, name: str) -> FloatArray:
     """A field of the output row of a stepper."""
-    return stepper.row[slice(*_span(stepper.structure, name))]
+    return stepper.row[places_of(OUTPUTS, stepper.structure.sizes)[name]]
 
 
 def _turned(q: FloatArray, vector: FloatArray) -> FloatArray:

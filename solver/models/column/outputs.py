@@ -1,0 +1,32 @@
+"""The outputs of a column, in the order of kernels/layout/spaces.py (PEAKS): each a row here."""
+
+from __future__ import annotations
+
+from ...kernels.layout import spaces as at
+from ..outputs import BASE, BLOCK, JOINT, Histories, Output, units_of
+
+
+class ColumnHistories(Histories):
+    """Outputs of blocks and joints, block and joint 1 (the top) first, and of the base."""
+
+    ux = Output(BLOCK, "m", "Top face of block {i} relative to the base, positive to +x")
+    uz = Output(BLOCK, "m", "Centroid of block {i} from the unloaded geometry, positive up")
+    theta = Output(BLOCK, "rad", "Rotation of block {i}, clockwise")
+    N = Output(JOINT, "N", "Normal force in the joint under block {i}, compression", 0.0)
+    M = Output(JOINT, "N m", "Moment of the pressure about the centre of joint {i}, restoring")
+    S = Output(JOINT, "N", "Horizontal shear force on what is under joint {i}, positive to +x")
+    contact = Output(JOINT, "", "Part of the width of joint {i} in contact", 0.0, 1.0, by_least=True)
+    sigma_max = Output(JOINT, "Pa", "Largest pressure on joint {i}", 0.0)
+    T = Output(JOINT, "N", "Force along joint {i} on what is under it, positive to +x")
+    slip = Output(JOINT, "m", "Slip of block {i} over what is under it, positive to +x")
+    Fx = Output(BASE, "N", "Force of the column on the base, horizontal, positive to +x")
+    Fz = Output(BASE, "N", "Force of the column on the base, vertical, positive up")
+    My = Output(BASE, "N m", "Moment of the column on the base about the centre of its joint, clockwise")
+    friction = Output(
+        JOINT, "", "|T| / N of joint {i}, where N is above 0.05 of the weight carried at rest", only_peak=True
+    )
+
+
+OUTPUTS = ColumnHistories.outputs
+UNITS = units_of(OUTPUTS)
+assert [output.field for output in OUTPUTS] == [*at.OUTPUTS.fields, *at.REACTION.fields, "friction"]

@@ -1,0 +1,86 @@
+"""What the responses of all models have in common: the verdict, what is known of its errors, frames, a line of text."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from ..common.frames import Frame, Framed
+from ..common.notebook import Shown, counted
+from ..ground.motion import Motion
+from .outputs import DIGITS, JOINT, FloatArray, Histories, units_of
+from .protocol import SCALAR, UNDECIDED
+from .uncertainty import Ensemble, ErrorEstimate
+
+
+@dataclass(eq=False, repr=False, kw_only=True)
+class Result(Histories, Framed, Shown):
+    """The result of a run of whichever model. peaks: by name, those of ux among them, m."""
+
+    time: FloatArray  # s
+    peaks: dict[str, FloatArray]
+    stats: dict[str, Any]
+    overturn_time: float = math.nan  # s
+    verdict: str = UNDECIDED
+    reason: str = ""
+    estimated_error: ErrorEstimate | None = None
+    horizon: float | None = None  # s
+    ensemble: Ensemble | None = None
+    motion: Motion | None = None  # of the base
+    dimensions: ClassVar[Mapping[str, str]] = {JOINT: "block"}  # what owners of outputs are called in a frame
+
+    @property
+    def overturned(self) -> bool:
+        """Whether it has fallen, also after the histories."""
+        return not math.isnan(self.overturn_time)
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What `simulate` warns of, in sentences."""
+        return ()
+
+    @property
+    def _fall(self) -> str:
+        """What has fallen, and when."""
+        raise NotImplementedError
+
+    def to_csv(self, path: str | os.PathLike[str], digits: int = DIGITS) -> None:
+        """Write time and every history. Raises InputError, OSError."""
+        self._write(path, digits, {"time": self.time})
+
+    def kept(self, name: str) -> Any:
+        """A result that many runs can keep (Kind.kept), of this one."""
+        if name == "path":
+            return SCALAR
+        if name in self.stats:
+            return self.stats[name]
+        peaks = self.peaks.get(name.removeprefix("least_" if name.startswith("least_") else "peak_"))
+        if peaks is None:
+            return getattr(self, name)
+        return peaks if self.model.kind.kept[name].kind is None else peaks[0]
+
+    def _facts(self) -> tuple[str, ...]:
+        model, ensemble = self.model, self.ensemble
+        facts = [
+            f"of {model.name}",
+            self.verdict,
+            f"{1e3 * float(np.max(self.peaks[model.kind.largest])):.4g} mm at most",
+        ]
+        if self.overturned:
+            facts.append(self._fall)
+        if ensemble is not None:
+            facts.append(f"{ensemble.overturned} of {ensemble.size} varied {model.kind.word}s overturned")
+        return *facts, counted(len(self.time), "row")
+
+    def _frame(self) -> Frame:
+        seen = [output for output in self.outputs if not output.only_peak]
+        columns = {output.field: getattr(self, output.field) for output in seen}
+        attributes = {self.model.kind.word: self.model.name, "verdict": self.verdict}
+        of = {output.field: self.dimensions.get(output.owner, output.owner) for output in seen}
+        labels = {self.dimensions.get(owner, owner): names for owner, names in self.labels.items()}
+        return Frame(("time", self.time), columns, units_of(seen), attributes, of, labels)

@@ -1,0 +1,90 @@
+"""The outputs of a structure, in the order of kernels/structure/layout.py: each a row here."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ...common.errors import InputError
+from ...kernels.structure import layout as at
+from ..outputs import BASE, BLOCK, JOINT, TIE, Histories, Output, units_of
+from .blocks.faces import FloatArray
+from .blocks.shapes import turned
+
+if TYPE_CHECKING:
+    from .model import Structure
+
+
+class StructureHistories(Histories):
+    """What has a structure and rows (rows, numbers) of it: of blocks, joints along their axes, ties and the base."""
+
+    ux = Output(
+        BLOCK, "m", "Centroid of {it} along x, relative to the base, from the structure as built and without weight"
+    )
+    uy = Output(BLOCK, "m", "Centroid of {it} along y")
+    uz = Output(BLOCK, "m", "Centroid of {it} upwards")
+    rx = Output(BLOCK, "rad", "Rotation of {it}, axis times angle, about x")
+    ry = Output(BLOCK, "rad", "Rotation of {it}, axis times angle, about y")
+    rz = Output(BLOCK, "rad", "Rotation of {it}, axis times angle, about z")
+    N = Output(JOINT, "N", "Normal force in {it}, compression", 0.0)
+    Mx = Output(JOINT, "N m", "Moment of the pressure about the first axis of {it}, restoring")
+    My = Output(JOINT, "N m", "Moment of the pressure about the second axis of {it}, restoring")
+    Tx = Output(JOINT, "N", "Force along the first axis of {it} on its second block")
+    Ty = Output(JOINT, "N", "Force along the second axis of {it} on its second block")
+    Mz = Output(JOINT, "N m", "Twisting moment in {it}, restoring")
+    contact = Output(JOINT, "", "Part of the area of {it} in contact", 0.0, 1.0, by_least=True)
+    sigma_max = Output(JOINT, "Pa", "Largest pressure on {it}", 0.0)
+    slip = Output(JOINT, "m", "Slip of {it} that friction has given way by", 0.0)
+    tie = Output(TIE, "N", "Force in {it}, tension", name="F")
+    base = Output(
+        *(BASE, ""),
+        parts=(
+            Output(BASE, "N", "Force of the structure on the base along x", name="Fx"),
+            Output(BASE, "N", "Force of the structure on the base along y", name="Fy"),
+            Output(BASE, "N", "Force of the structure on the base, upwards", name="Fz"),
+            Output(BASE, "N m", "Moment of the structure on the base about x through the origin", name="Mx"),
+            Output(BASE, "N m", "Moment of the structure on the base about y through the origin", name="My"),
+            Output(BASE, "N m", "Moment of the structure on the base about z through the origin", name="Mz"),
+        ),
+    )
+
+    structure: Structure
+    line_end = "\n"
+
+    @property
+    def model(self) -> Structure:
+        """The structure."""
+        return self.structure
+
+    @property
+    def labels(self) -> dict[str, Sequence[object]]:
+        """The names of blocks and joints, the numbers of ties, the components of the base."""
+        structure = self.structure
+        ties = [str(e) for e in range(1, len(structure.ties) + 1)]
+        base = [part.name_of("") for part in StructureHistories.base.parts]
+        return {BLOCK: structure.names, JOINT: structure.joint_names, TIE: ties, BASE: base}
+
+    @property
+    def rotation(self) -> FloatArray:
+        """Axis times angle of each block, rad (rows, n, 3)."""
+        return np.stack([self.rx, self.ry, self.rz], axis=-1)
+
+    def displacement(self, block: str | int, point: Sequence[float] = (0.0, 0.0, 0.0)) -> FloatArray:
+        """Displacement of a point of a block, m (rows, 3); the point counts from its centroid, along its own axes.
+
+        Raises InputError for a block that there is none of.
+        """
+        i = self.structure.number(block)
+        arm = self.structure.blocks[i].axes @ np.asarray(point, dtype=np.float64)
+        if arm.shape != (3,):
+            raise InputError(f"point = {list(point)}: must be three lengths in m")
+        moved = np.column_stack([self.ux[:, i], self.uy[:, i], self.uz[:, i]])
+        return moved + turned(self.rotation[:, i], arm)
+
+
+OUTPUTS = StructureHistories.outputs
+UNITS = units_of(OUTPUTS)
+assert [output.field for output in OUTPUTS] == [*at.OF_BLOCK, *at.OF_JOINT, "tie", "base"]
+assert tuple(part.name for part in StructureHistories.base.parts) == at.OF_BASE
