@@ -77,6 +77,7 @@ def test_agrees_with_a_run(trilith: Path, tmp_path: Path) -> None:
     assert seen[-1, size : 2 * size] == pytest.approx(peaks, rel=1e-6)
 
 
+@pytest.mark.long
 def test_a_record_inside_is_followed_whatever_the_steps(tmp_path: Path, trilith: Path) -> None:
     """Steps that do not coincide with the samples, and the whole run at once; outputs at the end, by the tolerance."""
     motion = motion_of(shaking())

@@ -40,7 +40,7 @@ def test_nothing_of_numbas_runtime_is_called(entry: Any, further: tuple[Any, ...
 @pytest.mark.parametrize(
     ("entry", "further"),
     [
-        (observe_structure, (NOTHING, 0.0, 0.0, 0.0, NOTHING, True)),
+        pytest.param(observe_structure, (NOTHING, 0.0, 0.0, 0.0, NOTHING, True), marks=pytest.mark.long),
         (stiffness_of, (NOTHING,) * 4),
         pytest.param(run_structure, (RECORD, *(NOTHING,) * 2, 0.0, 1e-3, 100), marks=pytest.mark.long),
     ],

@@ -85,9 +85,8 @@ simulate_many(column, motions, tolerance=float(sys.argv[1]))
 """
 
 
-@pytest.mark.parametrize(
-    ("tolerance", "path"), [("1e-4", "lanes"), pytest.param("1e-8", "scalar", marks=pytest.mark.long)]
-)
+@pytest.mark.long
+@pytest.mark.parametrize(("tolerance", "path"), [("1e-4", "lanes"), ("1e-8", "scalar")])
 def test_ctrl_c_ends_many_runs_at_once(tall: Path, tolerance: str, path: str) -> None:
     (tall / "many.py").write_text(MANY)
     process, took, out, err = interrupted(tall, "many.py", tolerance, after=2.0, from_line=True)

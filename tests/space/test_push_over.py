@@ -78,7 +78,10 @@ def test_a_block_slides_at_its_friction(degrees: float) -> None:
     assert found.sliding_joint == "block-base"
 
 
-@pytest.mark.parametrize("name", ["doric", "phocas-damped", "phocas-round", "storage", "pronaos", "aurelian"])
+@pytest.mark.parametrize(
+    "name",
+    ["doric", "phocas-damped", "phocas-round", "storage", "pronaos", pytest.param("aurelian", marks=pytest.mark.long)],
+)
 def test_columns_balance_what_they_do_in_their_plane(name: str) -> None:
     """With joints nearly rigid along themselves. Measured: 1e-8 of the largest push, 1e-5 of the first opening.
 
@@ -132,6 +135,7 @@ def test_the_trilith_under_a_slow_motion_stands_below_its_largest_push_and_falls
         assert simulate(trilith, motion, settle=0).overturned == verdict
 
 
+@pytest.mark.long
 def test_joints_that_bear_hardly_any_load_slide_first() -> None:
     """The ends of the architraves, along the colonnade; the largest push is that of the whole."""
     found = push_over(Structure.from_toml(STRUCTURES / "colonnade.toml"))

@@ -428,6 +428,7 @@ def test_a_quick_study_is_one_of_its_own(study: Study) -> None:
 # the command
 
 
+@pytest.mark.long
 def test_the_command(folder: Path) -> None:
     def ended(*words: object) -> tuple[int, str, str]:
         process = start(folder, *words)
