@@ -83,7 +83,7 @@ def packed(structure: Structure) -> FloatArray:
     return np.concatenate([head, *model, phase])
 
 
-def make_kernels() -> None:
+def make_kernels(_: object = None) -> None:
     """Compile the entries that an FMU calls, unless they are cached."""
     row, counts = np.empty(0), np.empty(0, dtype=np.int64)
     arrays = row, row, counts, row
