@@ -69,7 +69,7 @@ COMPILE = """
 import json
 from solver.%s import make_kernels
 from solver.kernels.%s import entries
-make_kernels()
+make_kernels(entries)
 used = [getattr(entries, name) for name in %s]
 print(json.dumps({entry.__name__: entry.stats.cache_path for entry in used}))
 """
@@ -84,6 +84,7 @@ class Carried(NamedTuple):
 
 
 OF_COLUMN = Carried("models.column.first_run", "api", ("assemble_column", "run", "observe_state"))
+OF_PAPER = OF_COLUMN._replace(folder="paper")
 OF_STRUCTURE = Carried(
     "models.structure.driven", "structure", ("assemble_structure", "follow_structure", "look_structure")
 )
@@ -198,6 +199,8 @@ def build_native_fmu(
     for platform in platforms:
         if platform not in known:
             raise InputError(f"--platforms {platform}: must be of {', '.join(known)}")
+    if isinstance(body, ColumnBody) and body.column.kind.fixed:
+        raise InputError(f"--native: {column_file} has solver.formulation = paper, must be exact")
     motion = None if record is None else read_motion(record)
     body.samples(motion)  # it says what is wrong
     record_name = record.name if record else ""
@@ -247,7 +250,9 @@ def build_fmu(column_file: Path, output: Path | None = None, record: Path | None
         record_name = record.name
     with tempfile.TemporaryDirectory(prefix="build_fmu_") as folder:
         stage = Path(folder)
-        kernels = OF_COLUMN if isinstance(body, ColumnBody) else OF_STRUCTURE
+        kernels = OF_STRUCTURE
+        if isinstance(body, ColumnBody):
+            kernels = OF_PAPER if body.column.kind.fixed else OF_COLUMN
         carried_solver = _carry_package(solver, stage, {}, kernels.folder)
         carried_fmu_src = _carry_package(fmu_src, stage, {"solver": carried_solver})
         script = SCRIPT.format(name=body.name, solver=carried_solver, fmu_src=carried_fmu_src)

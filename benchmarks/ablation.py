@@ -23,7 +23,7 @@ def measure(reference: Reference, budget: float) -> list[dict[str, Any]]:
     for name, arguments in {"as it is": {}, **ABLATIONS}.items():
         row: dict[str, Any] = {"scene": reference.scene.title, "without": name}
         try:
-            solve = own("auto", "tolerance", **arguments)
+            solve = own(**arguments)
             solve(reference.scene, reference.times[:WARM_UP], TOLERANCE, 0.0)  # compiles
             result = solve(reference.scene, reference.times, TOLERANCE, budget)
             row |= {

@@ -72,15 +72,14 @@ def grid(duration: float) -> Array:
 # --- the solver's own
 
 
-def own(integrator: str, knob: str, **options: Any) -> Solve:
-    """`simulate` with an integrator and other options of it; the knob is one of its arguments."""
+def own(**options: Any) -> Solve:
+    """`simulate` at a tolerance, with other options of it."""
 
     def solve(scene: Scene, times: Array, value: float, budget: float) -> Result:
         given: dict[str, Any] = {
-            "integrator": integrator,
             "output_step": OUTPUT_STEP,
             "settle": 0.0,
-            knob: value,
+            "tolerance": value,
             **options,
         }
         response, seconds, runs = timing.fastest(
@@ -178,19 +177,13 @@ def tolerances(loosest: int, tightest: int, per_decade: int = 2) -> tuple[float,
     return tuple(10.0 ** (k / per_decade) for k in range(per_decade * loosest, per_decade * tightest - 1, -1))
 
 
-def steps(longest: float, count: int) -> tuple[float, ...]:
-    """Fixed steps, each half the one before, s; those beyond the stability limit are refused and listed as failing."""
-    return tuple(longest * 0.5**k for k in range(count))
-
-
 def competitors(quick: bool = False) -> tuple[list[Competitor], dict[str, str]]:
     """All competitors, and those not available here with the reason; a quick run leaves out the context."""
     every = tolerances(-2, -12)
     some = tolerances(-3, -7, per_decade=1)
     wanted: list[tuple[str, str, str, tuple[float, ...], Callable[[], Solve]]] = [
-        ("auto", OWN, "tolerance", tolerances(-1, -10), lambda: own("auto", "tolerance")),
-        (UX_ONLY, OWN, "tolerance", tolerances(-1, -10), lambda: own("auto", "tolerance", without=("peaks",))),
-        ("central-difference", OWN, "step", steps(1e-3, 7), lambda: own("central-difference", "step")),
+        ("auto", OWN, "tolerance", tolerances(-1, -10), lambda: own()),
+        (UX_ONLY, OWN, "tolerance", tolerances(-1, -10), lambda: own(without=("peaks",))),
         ("DOP853 (numbalsoda)", COMPILED, "tolerance", every, lambda: general(numbalsoda("dop853"))),
         ("LSODA (numbalsoda)", COMPILED, "tolerance", every, lambda: general(numbalsoda("lsoda"))),
         ("CVODE BDF (SUNDIALS)", COMPILED, "tolerance", every, lambda: general(sundials("BDF"))),

@@ -20,7 +20,6 @@ from .work_precision import EQUAL_ERRORS, pairs
 # colour, marker, line of each competitor; others are drawn in grey
 STYLES: dict[str, tuple[str, str, str]] = {
     "auto": ("#c0392b", "o", "-"),
-    "central-difference": ("#e39b7b", "s", "-"),
     "DOP853 (numbalsoda)": ("#1f4e8c", "v", "-"),
     "LSODA (numbalsoda)": ("#3a8fb7", "^", "-"),
     "CVODE BDF (SUNDIALS)": ("#2e7d4f", "D", "-"),

@@ -48,8 +48,6 @@ REFERENCES = {
     "overturned_block": 1027,
     # parameters of the column or structure as a whole: from 2001
     "g": 2001,
-    "solver.formulation": 2002,
-    "solver.integrator": 2003,
     "solver.step": 2004,
     "solver.tolerance": 2005,
     "solver.without": 2006,

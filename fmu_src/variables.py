@@ -15,12 +15,11 @@ from dataclasses import dataclass, replace
 from itertools import accumulate
 from typing import Any
 
-from solver.common.errors import InputError
 from solver.common.ranges import NUMBERS
 from solver.ground.motion import STANDARD_GRAVITY
 from solver.models.column.model import Column
 from solver.models.column.outputs import OUTPUTS
-from solver.models.column.settings import SKIPS, Settings
+from solver.models.column.settings import SKIPS
 from solver.models.outputs import BASE, BLOCK, JOINT, Output
 
 from .references import array_of, reference_of
@@ -40,25 +39,7 @@ class Choice:
     items: dict[str, int]  # word -> number
     meanings: dict[str, str]
 
-    def word(self, key: str, number: object) -> str:
-        """The word that a number stands for. Raises InputError."""
-        for word, own in self.items.items():
-            if own == number:
-                return word
-        listed = ", ".join(f"{own} ({word})" for word, own in self.items.items())
-        raise InputError(f"{key} = {number}: must be one of {listed}")
 
-
-FORMULATION = Choice(
-    "Formulation",
-    {"exact": 1, "paper": 2},
-    {"exact": "Finite rotations", "paper": "First-order kinematics of the paper"},
-)
-INTEGRATOR = Choice(
-    "Integrator",
-    {"auto": 1, "central-difference": 2},
-    {"auto": "Chooses its methods and steps by solver.tolerance", "central-difference": "Steps of solver.step"},
-)
 VERDICT = Choice(
     "Verdict",
     {"overturned": 1, "standing": 2, "undecided": 3},
@@ -68,7 +49,6 @@ VERDICT = Choice(
         "undecided": "It moves, or its base does",
     },
 )
-CHOICES = {"solver.formulation": FORMULATION, "solver.integrator": INTEGRATOR}
 
 
 @dataclass(frozen=True)
@@ -192,10 +172,8 @@ TOLERANCE = "solver.tolerance"
 LISTED_BLOCKS = 10  # up to which the outputs of each block list what they follow in initialization: that grows with n2
 
 _SETTINGS_PARAMETERS = {
-    "step": ("s", "Step of an integrator with a fixed step"),
-    "tolerance": ("", "Error, relative to the peak, of an integrator that chooses its steps"),
-    "formulation": ("", "How the equations are written"),
-    "integrator": ("", "How they are integrated"),
+    "step": ("s", "Fixed step of the paper's central differences"),
+    "tolerance": ("", "Error, relative to the peak"),
     "without": ("", f"What is not to be done, with commas between: {', '.join(SKIPS)}"),
 }
 
@@ -211,7 +189,7 @@ def variables(column: Column, record: str = "", reads_files: bool = True) -> lis
     row = [replace(output, depends_on=_direct(output.name, column.n)) for output in row]
     outputs = [*row, *_split_outputs(column), *peaks]
     outputs += [OVERTURN_TIME, OVERTURN_JOINT, OVERTURNED, VERDICT_NOW, RECORD_PGA]
-    numerical = ("solver.integrator", "solver.step", "solver.tolerance", "solver.without")
+    numerical = ("solver.step", "solver.tolerance", "solver.without")
     described = tuple(item.name for item in parameters if item.name not in (*numerical, RECORD, RECORD_SCALE))
     return [*INPUTS, *(_with_initial(output, column.n, described) for output in outputs), *parameters]
 
@@ -298,9 +276,6 @@ def parameter_of(
     """A row of the table for a parameter. limits: None: those of its last name in ranges.py."""
     common = ("parameter", "tunable" if (array_of(name) or name) in TUNABLE else "fixed", text, unit)
     reference = reference_of(name)
-    if name in CHOICES:
-        choice = CHOICES[name]
-        return Variable(name, reference, "Enumeration", *common, choice.items[str(start)], choice=choice)
     if isinstance(start, str):
         return Variable(name, reference, "String", *common, start)
     if name == RECORD_SCALE:
@@ -319,18 +294,23 @@ def _parameters(column: Column, record: str, record_text: str) -> list[Variable]
         for key, (unit, text, optional) in JOINT_PARAMETERS.items():
             start = getattr(block.joint, key)
             rows.append(parameter_of(f"joint[{i}].{key}", unit, text.format(i=i), start, optional=optional))
-    for key, (unit, text) in _SETTINGS_PARAMETERS.items():
-        start = getattr(column.settings, key)
+    for key in _settings_of(column):
+        (unit, text), start = _SETTINGS_PARAMETERS[key], getattr(column.settings, key)
         rows.append(parameter_of(f"solver.{key}", unit, text, ", ".join(start) if key == "without" else start))
     rows.append(parameter_of(RECORD, "", record_text, record))
     rows.append(parameter_of(RECORD_SCALE, "", "Factor on the record's accelerations", 1.0))
     return rows
 
 
+def _settings_of(column: Column) -> list[str]:
+    """The settings that are parameters: a step is one where it is fixed."""
+    return [key for key in _SETTINGS_PARAMETERS if key != "step" or column.kind.fixed]
+
+
 def column_from(built: Column, value: Callable[[str], float | int | str]) -> Column:
     """The column that the parameters describe; `value` looks one up by its name. Raises InputError.
 
-    built: the column that the FMU was built from: its name and its sections, which are no parameters.
+    built: the column that the FMU was built from: its name, sections and formulation, which are no parameters.
     """
 
     def given(kind: str, i: int, key: str, optional: bool) -> float | None:
@@ -342,9 +322,6 @@ def column_from(built: Column, value: Callable[[str], float | int | str]) -> Col
         joint = {key: given("joint", i, key, optional) for key, (_, _, optional) in JOINT_PARAMETERS.items()}
         block = {key: given("block", i, key, optional) for key, (_, _, optional) in _BLOCK_PARAMETERS.items()}
         blocks.append(replace(own, joint=replace(own.joint, **joint), **block))  # type: ignore[arg-type]
-    settings: dict[str, Any] = {key: value(f"solver.{key}") for key in _SETTINGS_PARAMETERS}
-    for key, choice in CHOICES.items():
-        setting = key.rpartition(".")[2]
-        settings[setting] = choice.word(key, settings[setting])
+    settings: dict[str, Any] = {key: value(f"solver.{key}") for key in _settings_of(built)}
     settings["without"] = tuple(word.strip() for word in settings["without"].split(",") if word.strip())
-    return Column(built.name, tuple(blocks), Settings(**settings), value("g"))  # type: ignore[arg-type]
+    return Column(built.name, tuple(blocks), replace(built.settings, **settings), value("g"))  # type: ignore[arg-type]

@@ -25,10 +25,6 @@ PATIENCE = 300.0  # s for one sequence: the first may compile, on a busy machine
 NAN, INF = float("nan"), float("inf")
 WRONG = [NAN, INF, -INF, -1.0, 0.0, -0.0, 5e-324, 1e-300, 1e300, 1.7976931348623157e308]
 STEPS = [1e-3, 1e-2, 0.05, 1e-6, 1e-12, 0.009999999999999998, 0.0, -1e-3, NAN, INF]
-NAMES = {
-    "solver.formulation": [1, 2, 0, 3],
-    "solver.integrator": [1, 2, -1],
-}
 
 
 class Served:
@@ -107,7 +103,6 @@ def sequences(fmu: Path, longest: int = 40) -> st.SearchStrategy[list[Any]]:
         call("set", st.sampled_from(inputs), st.one_of(st.floats(-1e3, 1e3), st.sampled_from(WRONG))),
         st.sampled_from(parameters).flatmap(near),
         st.sampled_from(tunable).flatmap(near),
-        st.sampled_from([["set", name, value] for name, values in NAMES.items() for value in values]),
         call("set", st.sampled_from(outputs), st.just(1.0)),
         call("get", st.sampled_from(["outputs", "outputs", "parameters", "unknown reference", "wrong kind"])),
         st.just(["save"]),

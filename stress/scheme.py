@@ -14,11 +14,10 @@ from typing import Any
 import numpy as np
 
 from solver import Block, Column, InputError, Joint, Motion, Settings, SolverError
-from solver.kernels.api.engine import DETAILS, scratch_room
-from solver.kernels.api.entries import assemble_column
 from solver.kernels.layout import spaces as at
-from solver.models.column.packing import described, settlements, unwritten
+from solver.models.column.packing import settlements
 from solver.models.column.stepper import Stepper
+from solver.models.paper.stability import longest_stable_step
 
 ROOT = Path(__file__).resolve().parent.parent
 HEIGHT, WIDTH, MASS = 14.07, 1.56, 81000.0  # of the Column of Phocas
@@ -28,24 +27,13 @@ GROWN = 1e3  # times the first disturbance: growth that counts as divergence
 FINER = 0.005  # of the step: accuracy of the limit found
 LONGEST = 1.5  # times the computed limit: range of the search
 TOLERANCES = (math.inf, 1e-2, 1e-4, 1e-6, 1e-9)  # of the sweeps; the first one stops after one sweep
-LEAST_STEP = 1e-9  # s, below any limit of stability
 SCENES = ((0.02, 2.0, 2.0), (0.05, 2.0, 2.0))  # g, Hz, s: short enough to predict the motion of the undamped column
-
-
-def longest_stable_step(column: Column) -> float:
-    """Stability limit of central differences, s (kernels/column/stability.py)."""
-    n = column.n
-    column = column.with_settings(integrator="central-difference", step=LEAST_STEP)
-    detail = np.zeros(DETAILS)
-    made = unwritten(n)
-    assemble_column(n, *made, described(column), 1, np.zeros(scratch_room(n, True)), detail)
-    return float(detail[0])
 
 
 def shaft(n: int, stiffness: float, damping: float, step: float = 1e-4) -> Column:
     """The shaft of Phocas in n equal drums, set up as in the paper."""
     block = Block(HEIGHT / n, WIDTH, WIDTH, MASS / n, Joint(stiffness, damping))
-    return Column("shaft", (block,) * n, Settings("paper", "central-difference", step))
+    return Column("shaft", (block,) * n, Settings("paper", step=step))
 
 
 def grows(column: Column, step: float) -> tuple[bool, float]:
@@ -148,7 +136,7 @@ def sweep(tolerance: float | None) -> list[dict[str, Any]]:
 
     No kernel may have been compiled before.
     """
-    from solver.kernels.formulations import first_order as paper
+    from solver.kernels.paper import equations as paper
 
     if tolerance is not None:
         paper.SWEEP_TOLERANCE = tolerance

@@ -76,7 +76,7 @@ def subject(law: ModuleType) -> Subject:
     slopes = {f"ground.a{axis}": f"ground.j{axis}" for axis in "xz" if f"ground.j{axis}" in names["input"]}
     everything = len(names["input"]) + len(given)
     rooms = {"MODEL": len(given), "STATE": state, "WORK": everything, "ROW": len(seen), "SPLIT": 0}
-    rest = dict.fromkeys(("N", "COUNTS", "BASE", "ROOM", "FIXED_STEP_ROOM"), 1)
+    rest = dict.fromkeys(("N", "COUNTS", "BASE", "ROOM"), 1)
     after = names["output"][len(seen) :] + names["parameter"]
     numbers = {port.name for port in ports if isinstance(port.start, float)}
     return Subject(
@@ -88,11 +88,7 @@ def subject(law: ModuleType) -> Subject:
         slopes=slopes,
         split=next(name for name in after if name in numbers or name in names["output"]),
         given=[*given],
-        choices=[
-            Chosen(port.name, "ONE_WORD", [(0, code, word) for code, word in enumerate(port.words)])
-            for port in ports
-            if port.words
-        ],
+        choices=[Chosen(port.name, "ONE_WORD", [*enumerate(port.words)]) for port in ports if port.words],
         checks=[
             Check(port.name, port.limits[:2], port.limits[2])
             for port in ports

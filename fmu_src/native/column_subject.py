@@ -16,24 +16,20 @@ from solver.models.column.block import (
 from solver.models.column.model import Column
 from solver.models.column.outputs import OUTPUTS
 from solver.models.column.packing import shape_of
-from solver.models.column.settings import FORMULATION_CODES, INTEGRATOR_CODES, SKIP_CODES
+from solver.models.column.settings import SKIP_CODES
 from solver.models.column.stepper import REASONS
 
 from .. import rules
 from ..variables import (
-    CHOICES,
-    FORMULATION,
-    INTEGRATOR,
     JOINT_PARAMETERS,
     OVERTURN_JOINT,
     RECORD_SCALE,
-    Choice,
+    TOLERANCE,
 )
 from .table import OF_BLOCKS, REFUSALS, Check, Chosen, Subject, codes_with
 
 # input -> the input that is its slope
 SLOPES = {"base.ax": "base.jx", "base.az": "base.jz", "base.theta": "base.omega", "base.omega": "base.alpha"}
-CODES = {FORMULATION.name: FORMULATION_CODES, INTEGRATOR.name: INTEGRATOR_CODES}
 
 
 def column_subject(column: Column) -> Subject:
@@ -50,15 +46,12 @@ def column_subject(column: Column) -> Subject:
             "WORK": at.WORK.size(n),
             "ROW": at.ROW.size(n),
             "SPLIT": at.SPLIT.beside,
-            "ROOM": engine.scratch_room(n, False),
-            "FIXED_STEP_ROOM": engine.scratch_room(n, True),
+            "ROOM": engine.scratch_room(n),
         },
-        codes={f"GIVEN_{name.upper()}": place for place, name in enumerate(engine.GIVEN_SETTINGS.fields)}
-        | {f"STATE_{name.upper()}": place for place, name in enumerate(at.CONTROL.fields)}
+        codes={f"STATE_{name.upper()}": place for place, name in enumerate(at.CONTROL.fields)}
         | {
             "COUNT_RESTING": at.COUNTS.fields.index("resting"),
             "COUNT_OVERTURNED": at.COUNTS.fields.index("overturned"),
-            "CENTRAL_DIFFERENCE": at.CENTRAL_DIFFERENCE,
             "TOO_MUCH_WORK": at.TOO_MUCH_WORK,
         }
         | {name: getattr(engine, name) for name in REFUSALS}
@@ -68,10 +61,7 @@ def column_subject(column: Column) -> Subject:
         slopes=SLOPES,
         split="base.R0x",
         given=_given(column),
-        choices=[
-            *(Chosen(name, "NUMBERED", _items(choice)) for name, choice in CHOICES.items()),
-            Chosen("solver.without", "ANY_WORDS", [(0, code, word) for word, code in SKIP_CODES.items()]),
-        ],
+        choices=[Chosen("solver.without", "ANY_WORDS", [(code, word) for word, code in SKIP_CODES.items()])],
         checks=_checks(column),
         reasons=REASONS,
         misfits=[MISFITS[kind] for kind in sorted(MISFITS)],
@@ -79,12 +69,9 @@ def column_subject(column: Column) -> Subject:
     )
 
 
-def _items(choice: Choice) -> list[tuple[int, int, str]]:
-    return [(number, CODES[choice.name][word], word) for word, number in choice.items.items()]
-
-
 def _given(column: Column) -> list[str | float]:
-    names: list[str | float] = [name if name == "g" else f"solver.{name}" for name in engine.GIVEN_SETTINGS.fields]
+    settings: dict[str, str | float] = {"g": "g", "step": 0.0}  # no step is fixed
+    names = [settings.get(name, f"solver.{name}") for name in engine.GIVEN_SETTINGS.fields]
     for i, block in enumerate(column.blocks, start=1):
         names += [f"block[{i}].{name}" for name in engine.GIVEN_BLOCK]
         for name in engine.GIVEN_JOINT:
@@ -121,8 +108,7 @@ def _checks(column: Column) -> list[Check]:
         rows += [Check(name, *NUMBERS[name.rpartition(".")[2]], True) for name in others]
         needs = f"joint[{i}].friction"
         rows.append(Check(f"joint[{i}].dowel", *NUMBERS["dowel"], True, relation=DOWEL_RELATION, needs=needs))
-    rows += [Check(f"solver.{key}", *NUMBERS[key]) for key in ("step", "tolerance")]
-    return [*rows, Check(RECORD_SCALE, *rules.SCALE_LIMITS)]
+    return [*rows, Check(TOLERANCE, *NUMBERS["tolerance"]), Check(RECORD_SCALE, *rules.SCALE_LIMITS)]
 
 
 FIXED_LENGTH = ((0.0, LENGTH[0][1]), LENGTH[1])

@@ -17,8 +17,8 @@
 typedef struct { const char *name, *unit; Kind kind; Role role; int tunable, place; } Variable;
 typedef struct { int count; const int *rows; int is_array; } Family; /* rows of variables by their numbers within it */
 typedef struct { Reference input, slope; } Line;
-typedef struct { int number, code; const char *word; } Item;
-typedef enum { NUMBERED, ONE_WORD, ANY_WORDS } Way; /* how a choice is made: by an enumeration's number or in words */
+typedef struct { int code; const char *word; } Item;
+typedef enum { ONE_WORD, ANY_WORDS } Way; /* how a choice is made */
 typedef struct { int row, place; Way way; int count; const Item *items; } Choice; /* place: among what is given */
 typedef struct {
     int row; /* of the parameter; -1: of a number that never changes */
@@ -178,17 +178,6 @@ static const char *trimmed(const char *begin, const char *end, size_t *length) {
 
 static double real_at(const Moment *moment, int row) { return moment->reals[variables[row].place]; }
 
-/* The kernels' code of the present value of an enumeration; -1 and a reason if it is none. */
-static int code_of(const Choice *choice, const Moment *moment, char *reason) {
-    int64_t number = moment->wholes[variables[choice->row].place];
-    for (int k = 0; k < choice->count; k++)
-        if (choice->items[k].number == number) return choice->items[k].code;
-    snprintf(reason, MESSAGE, "%s = %lld: must be one of ", variables[choice->row].name, (long long)number);
-    for (int k = 0; k < choice->count; k++)
-        append(reason, "%s%d (%s)", k ? ", " : "", choice->items[k].number, choice->items[k].word);
-    return -1;
-}
-
 /* The kernels' code of a word; -1 and a reason if it is unknown. */
 static int code_of_word(const Choice *choice, const char *word, size_t length, char *reason) {
     for (int k = 0; k < choice->count; k++) {
@@ -216,9 +205,8 @@ static int codes_of_words(const Choice *choice, const char *words, char *reason)
     return codes;
 }
 
-/* The code of a choice, in any of the ways; -1 and a reason if it cannot be. */
+/* The kernels' code of a choice; -1 and a reason if it cannot be. */
 static int chosen(const Choice *choice, const Moment *moment, char *reason) {
-    if (choice->way == NUMBERED) return code_of(choice, moment, reason);
     const char *words = moment->texts[variables[choice->row].place];
     return choice->way == ONE_WORD ? code_of_word(choice, words, strlen(words), reason)
                                    : codes_of_words(choice, words, reason);
@@ -254,14 +242,11 @@ static int find_fault(const Moment *moment, char *reason) {
 /* Arguments of `assemble`, from the parameters as they stand. */
 static int describe(const Moment *now, double described[GIVEN], char *reason) {
     for (int k = 0; k < GIVEN; k++) described[k] = given[k] < 0 ? given_fixed[k] : now->reals[given[k]];
-    for (int in_words = 0; in_words < 2; in_words++) {
-        if (in_words && find_fault(now, reason)) return 0;
-        for (int k = 0; k < CHOICES; k++) {
-            if ((choices[k].way != NUMBERED) != in_words) continue;
-            int code = chosen(&choices[k], now, reason);
-            if (code < 0) return 0;
-            described[choices[k].place] = code;
-        }
+    if (find_fault(now, reason)) return 0;
+    for (int k = 0; k < CHOICES; k++) {
+        int code = chosen(&choices[k], now, reason);
+        if (code < 0) return 0;
+        described[choices[k].place] = code;
     }
     return 1;
 }
@@ -287,8 +272,7 @@ static int build(Instance *instance, int from_rest, char *reason) {
                  shown(now->reals[AT_RECORD_SCALE], text), shown(MOST_RECORD_SCALE, most));
         return 0;
     }
-    int fixed_step = CENTRAL_DIFFERENCE && described[GIVEN_INTEGRATOR] == CENTRAL_DIFFERENCE;
-    double *scratch = malloc(sizeof(double) * (size_t)(fixed_step ? FIXED_STEP_ROOM : ROOM));
+    double *scratch = malloc(sizeof(double) * ROOM);
     if (!scratch) return snprintf(reason, MESSAGE, "out of memory"), 0;
     memcpy(instance->before.model, now->model, sizeof now->model);
     int64_t made = assemble((Assemble){COLUMN(instance), .given = described, .from_rest = from_rest, .scratch = scratch,
@@ -308,16 +292,9 @@ static int build(Instance *instance, int from_rest, char *reason) {
         } else if (made == NO_REST)
             snprintf(reason, MESSAGE, "the column cannot stand: its blocks, offset or inclined as they are, or with "
                                       "such joints, have no stable rest under their weight");
-        else if (made == NOT_GENERAL)
-            snprintf(reason, MESSAGE, "joints that slide, and blocks that are off their axis, need solver.formulation 1 "
-                                      "(exact) and solver.integrator 1 (auto)");
-        else if (made == NOT_LINEAR)
+        else
             snprintf(reason, MESSAGE, "joints that slide, and blocks that are off their axis, need the linear law in "
                                       "every joint, which this FMU has not");
-        else
-            snprintf(reason, MESSAGE,
-                     "solver.step = %s: must be at most %.4g s, where central differences are stable",
-                     shown(described[GIVEN_STEP], text), instance->detail[0]);
         return 0;
     }
     now->built = now->started = 1;

@@ -26,7 +26,7 @@ def structure_subject(body: StructureBody) -> Subject:
         falls=True,
         sizes={
             **{"N": body.structure.n, "COUNTS": at.COUNTS.beside, "BASE": at.BASE.beside, "ROW": sizes.visible},
-            **{**lengths, "SPLIT": 0, "ROOM": 1, "FIXED_STEP_ROOM": 1},
+            **{**lengths, "SPLIT": 0, "ROOM": 1},
         },
         codes={
             "STATE_OVERTURN_TIME": at.CONTROL.fields.index("fall_time"),
@@ -40,7 +40,7 @@ def structure_subject(body: StructureBody) -> Subject:
         slopes={f"base.a{axis}": f"base.j{axis}" for axis in "xyz"},
         split=FIRST_PEAK,
         given=[*(given[name] for name in driven.GIVEN.fields), *body.packed.tolist()],
-        choices=[Chosen(WITHOUT, "ANY_WORDS", [(0, code, word) for word, code in SKIP_CODES.items()])],
+        choices=[Chosen(WITHOUT, "ANY_WORDS", [(code, word) for word, code in SKIP_CODES.items()])],
         checks=[
             Check(DAMPING_SCALE, *rules.DAMPING_SCALE_LIMITS),
             Check(TOLERANCE, *NUMBERS["tolerance"]),

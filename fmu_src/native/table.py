@@ -31,10 +31,10 @@ READ_ONLY = ("given", "inputs", "times", "ax", "ay", "az", "seeds")  # arguments
 C_TYPES = {"float64": "double ", "int64": "int64_t ", "float64*": "double *", "int64*": "int64_t *"}
 STORED = {"Real": "REAL", "Integer": "INTEGER", "Enumeration": "INTEGER", "Boolean": "BOOLEAN", "String": "STRING"}
 # what the core asks for by name: sizes that depend on what is inside; places and codes that some bodies alone have
-SIZES = ("N", "MODEL", "STATE", "COUNTS", "BASE", "WORK", "ROW", "SPLIT", "ROOM", "FIXED_STEP_ROOM")
-REFUSALS = ("MISFIT", "NO_REST", "NOT_GENERAL", "NOT_LINEAR", "NOT_STABLE", "TOO_LARGE")  # codes of `assemble`
+SIZES = ("N", "MODEL", "STATE", "COUNTS", "BASE", "WORK", "ROW", "SPLIT", "ROOM")
+REFUSALS = ("MISFIT", "NO_REST", "NOT_LINEAR", "TOO_LARGE")  # codes of `assemble`
 CODES = (
-    *("GIVEN_INTEGRATOR", "GIVEN_STEP", "CENTRAL_DIFFERENCE", "COUNT_OVERTURNED", *REFUSALS, "TOO_MUCH_WORK"),
+    *("COUNT_OVERTURNED", *REFUSALS, "TOO_MUCH_WORK"),
     *("STATE_OVERTURN_TIME", "PEAKS", "STATE_PEAKS", "PEAK_CONTACT", "CONTACTS", "COUNT_RESTING"),
     *("VERDICT_OVERTURNED", "VERDICT_STANDING", "VERDICT_UNDECIDED"),
 )
@@ -52,11 +52,11 @@ OF_BLOCKS = {  # the places of every body of blocks
 
 @dataclass(frozen=True)
 class Chosen:
-    """The choice that a parameter makes: by an enumeration's number (NUMBERED), or as text (ONE_WORD, ANY_WORDS)."""
+    """The choice that a parameter makes, in the way ONE_WORD or ANY_WORDS, as text."""
 
     name: str
     way: str
-    items: list[tuple[int, int, str]]  # the enumeration's number, the kernels' code, the word
+    items: list[tuple[int, str]]  # the kernels' code, the word
 
 
 @dataclass(frozen=True)
@@ -302,7 +302,7 @@ def _variable(variable: Variable, place: int) -> str:
 def _choices(subject: Subject, index: dict[str, int]) -> list[str]:
     lines, rows = [], []
     for k, choice in enumerate(subject.choices):
-        items = [f"{{{number}, {code}, {_quoted(word)}}}" for number, code, word in choice.items]
+        items = [f"{{{code}, {_quoted(word)}}}" for code, word in choice.items]
         lines += _array("Item", f"items_{k}", items)
         place = subject.given.index(choice.name)
         rows.append(f"{{{index[choice.name]}, {place}, {choice.way}, {len(items)}, items_{k}}}")

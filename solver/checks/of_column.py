@@ -42,7 +42,7 @@ class InPlane:
     )
 
     def __post_init__(self) -> None:
-        make_kernels()
+        make_kernels(self.model.kind.entries)
         check_rest(self.model, from_rest=True)
 
     @cached_property

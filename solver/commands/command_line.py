@@ -206,7 +206,7 @@ def _simulate(options: argparse.Namespace) -> None:
         subject = subject.kind.simplest(subject, motion)
     in_space = subject.kind.across
     if not in_space:
-        compile_kernels()  # the report needs them too
+        compile_kernels(subject.kind.entries)  # the report needs them too
     report_of, summary_of = (structure.report, structure.summary) if in_space else (column_report, _summary)
     print(*lines, report_of(subject, motion), sep="\n", flush=True)
     names = ("formulation", "integrator", "step", "tolerance", "output_step", "settle", "ensemble")

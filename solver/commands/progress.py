@@ -7,6 +7,7 @@ import time as clock
 from types import TracebackType
 from typing import Any, Self
 
+from ..kernels.api import entries as exact
 from ..kernels.numba_ext.numba_parts import LINKING
 from ..models.column.first_run import are_kept, make_kernels
 from ..runs.ensemble import interruptible
@@ -92,11 +93,13 @@ class PlainLine(Line):
         print(f"{done} of {total} runs, {done / total:.0%}, after {took:.0f} s{left}", file=sys.stderr, flush=True)
 
 
-def compile_kernels() -> None:
+def compile_kernels(entries: Any = exact) -> None:
     """Load or compile the kernels that every run needs; print a line if they must be compiled, which takes a while.
+
+    entries: their module (`Columns.entries`).
 
     They are made in another thread: an interruption acts at once.
     """
-    if not are_kept():
+    if not are_kept(entries.run):
         print("compiling the kernels, once" + ("" if LINKING else PLAIN_TAKES), flush=True)
-        interruptible(make_kernels)
+        interruptible(lambda: make_kernels(entries))

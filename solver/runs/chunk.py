@@ -39,7 +39,7 @@ STOPPED_LANES = "could not go on in lanes"  # the same
 
 @dataclass(frozen=True)
 class Chunk:
-    """Neighbouring runs of one kind, the results to keep of them, and the places of runs whose response is kept."""
+    """Neighbouring runs of columns or structures, results to keep of them, places of runs whose response is kept."""
 
     first: int
     runs: Sequence[Run]
@@ -51,7 +51,7 @@ class Chunk:
 
     @property
     def kind(self) -> Kind:
-        """That of its models."""
+        """That of its first model, with the results of all."""
         kind: Kind = self.runs[0].model.kind
         return kind
 
@@ -128,13 +128,13 @@ def _check(chunk: Chunk, tally: Tally) -> None:
         if id(run.model) in seen:
             continue
         try:
-            chunk.kind.check(run.model, from_rest=True)
-            chunk.kind.check_kept(run.model, chunk.keep)
+            run.model.kind.check(run.model, from_rest=True)
+            run.model.kind.check_kept(run.model, chunk.keep)
         except NoRestError:  # it falls as its run begins
             pass
         except InputError as error:
             raise InputError(f"columns[{chunk.first + place}]: {error}") from None
-        for line in chunk.kind.warnings(run.model, at_rest=not seen):
+        for line in run.model.kind.warnings(run.model, at_rest=not seen):
             tally.warnings[chunk.first + place] = line
         seen.add(id(run.model))
 
@@ -160,11 +160,11 @@ def _in_lanes(chunk: Chunk, columns: Columns, tally: Tally, flag: FloatArray) ->
 
     Which way a run goes depends on the run alone, not on what else is in the chunk.
     """
-    kind = chunk.kind
     alone: dict[int, str] = {}
-    groups: dict[Hashable, list[int]] = {}
+    groups: dict[tuple[Kind, Hashable, Hashable], list[int]] = {}
     known: dict[int, Lanes] = {}  # of the same model
     for place, (model, motion, duration) in enumerate(chunk.runs):
+        kind: Kind = model.kind
         if id(model) not in known:
             known[id(model)] = kind.lanes(model, chunk.keep)
         lanes = known[id(model)]
@@ -175,8 +175,8 @@ def _in_lanes(chunk: Chunk, columns: Columns, tally: Tally, flag: FloatArray) ->
         if why_not:
             alone[place] = why_not
         else:
-            groups.setdefault((lanes.share, share), []).append(place)
-    for places in groups.values():
+            groups.setdefault((kind, lanes.share, share), []).append(place)
+    for (kind, *_), places in groups.items():
         runs = [chunk.runs[place] for place in places]
         made, finished = kind.follow(runs, chunk.keep, chunk.settle, flag)
         if flag[0]:
@@ -196,7 +196,8 @@ def _response(chunk: Chunk, place: int, look: Callable[..., object]) -> Any:
     """The whole response of a run, with the rows of `simulate`."""
     model, motion, duration = chunk.runs[place]
     plan = Plan(motion, duration, output_times(motion, duration), None, chunk.settle, look)
-    return chunk.kind.single_run(model, plan)[0]
+    response: Any = model.kind.single_run(model, plan)[0]
+    return response
 
 
 def _alone(chunk: Chunk, columns: Columns, place: int, look: Callable[..., object]) -> str:
@@ -204,7 +205,7 @@ def _alone(chunk: Chunk, columns: Columns, place: int, look: Callable[..., objec
     run = chunk.runs[place]
     failure = ""
     try:
-        values = chunk.kind.alone(run, chunk.keep, chunk.settle, look)
+        values = run.model.kind.alone(run, chunk.keep, chunk.settle, look)
     except NoRestError as error:  # it falls at once
         failure = str(error)
         values = {"verdict": OVERTURNED, "overturn_time": run.motion.start, "settled_for": 0.0, "path": SCALAR}

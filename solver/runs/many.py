@@ -210,9 +210,9 @@ def _iterated(given: dict[str, Any], several: dict[str, Any]) -> Iterator[Run]:
 
 
 def _with_tolerance(k: int, model: Any, tolerance: Any, kind: Kind | None) -> tuple[Any, Kind]:
-    """The model with a tolerance, None keeps its own, and its kind, which is that of the first."""
+    """The model with a tolerance, None keeps its own, and its kind, which has the word of the first."""
     own: Kind | None = getattr(model, "kind", None)
-    if own is None or own is not (kind or own):
+    if own is None or own.word != (kind or own).word:
         word = "a model" if kind is None else f"a {kind.word}, as the first one"
         raise InputError(f"columns[{k}] = {shown(model)}: must be {word}")
     if tolerance is None:

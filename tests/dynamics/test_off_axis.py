@@ -323,9 +323,8 @@ def test_on_an_inclined_joint_a_block_slides_beyond_its_friction() -> None:
 
 
 def test_what_knows_upright_columns_only_says_so() -> None:
-    for change in ({"formulation": "paper"}, {"integrator": "central-difference"}):
-        with pytest.raises(InputError, match=r"block\[1\]\.joint\.offset = 0\.1: .*must be"):
-            changed(shaft(**change), 1, offset=0.1)  # type: ignore[arg-type]
+    with pytest.raises(InputError, match=r"block\[1\]\.joint\.offset = 0\.1: .*must be"):
+        changed(shaft(formulation="paper"), 1, offset=0.1)
     with pytest.raises(InputError, match=r"block\[1\]\.tilt = 1.0: must be an angle"):
         changed(shaft(), 1, tilt=1.0)
 

@@ -125,7 +125,7 @@ def test_mirrored_state_gives_the_mirrored_accelerations_to_the_last_bit(seed: i
 
 def test_central_differences_are_the_papers_recursion_in_the_displacements() -> None:
     amplitude, omega, dt, steps = 0.1 * G, 2.0 * np.pi * 4.0, 2e-4, 500
-    column = phocas(formulation="paper", integrator="central-difference", step=dt)
+    column = phocas(formulation="paper", step=dt)
     dense = Dense(column)
     rest = from_exact(column, np.concatenate([np.zeros(3), -settled(column)]))
     push = from_exact(column, np.concatenate([np.full(3, 0.02), np.zeros(3)]))

@@ -15,7 +15,7 @@ FORMULATIONS = ["exact", "paper"]
 
 @pytest.mark.parametrize("formulation", FORMULATIONS)
 def test_block_on_a_falling_base_is_pushed_off_and_flies(formulation: str) -> None:
-    column = monolith(formulation=formulation, tolerance=1e-10)
+    column = monolith(formulation=formulation, tolerance=1e-10, step=1e-6)
     settlement = float(settled(column)[0])
     omega = math.sqrt(column.g / settlement)
     leaves = 0.5 * math.pi / omega  # the joint's spring unloads in a quarter of a period
@@ -25,7 +25,8 @@ def test_block_on_a_falling_base_is_pushed_off_and_flies(formulation: str) -> No
     assert np.all(run.N[~flies] > 0.0)
     assert np.all(run.N[flies] == 0.0)
     rise = np.where(flies, settlement * omega * (run.time - leaves), -settlement * np.cos(omega * run.time))
-    assert run.uz[:, 0] == pytest.approx(rise, abs=1e-10 * settlement)  # measured 1e-12
+    bound = 1e-10 if formulation == "exact" else 1e-6  # measured 1e-12; of central differences
+    assert run.uz[:, 0] == pytest.approx(rise, abs=bound * settlement)
     assert run.stats["flight"] == pytest.approx(1.0 - leaves / 0.1, abs=1e-3)  # of the step that leaves; measured 8e-9
 
 
@@ -43,7 +44,7 @@ def linear_block(formulation: str) -> tuple[float, float]:
 
 @pytest.mark.parametrize("formulation", FORMULATIONS)
 def test_single_block_vibrates_as_its_linearization_does(formulation: str) -> None:
-    column = monolith(formulation=formulation, tolerance=1e-12)
+    column = monolith(formulation=formulation, tolerance=1e-12, step=1e-6)
     rocking, bouncing = linear_block(formulation)
     frequencies = np.array([rocking, bouncing]) / (2.0 * math.pi)
     assert natural_frequencies(column) == pytest.approx(frequencies, rel=1e-11)  # measured 1e-13

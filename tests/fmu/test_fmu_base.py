@@ -36,6 +36,6 @@ def test_the_state_keeps_the_rotation_of_the_base(fmus: Fmus) -> None:
 
 
 def test_the_paper_formulation_refuses_a_base_that_rotates(fmus: Fmus) -> None:
-    refused, accepted = call(base.paper_that_rotates, fmus.damped)
+    refused, accepted = call(base.paper_that_rotates, fmus.phocas)
     assert "discard" in refused.lower()
     assert accepted == "ok"

@@ -94,7 +94,7 @@ def test_initial_unknowns_follow_what_is_declared_and_nothing_else(fmus: Fmus, r
         names[int(unknown.get("index", "0")) - 1]: {names[int(k) - 1] for k in unknown.get("dependencies", "").split()}
         for unknown in root.iterfind("ModelStructure/InitialUnknowns/Unknown")
     }
-    followed = call(initialization.followers, fmus.damped)
+    followed = call(initialization.followers, fmus.damped, fmus.phocas)
     for given, outputs in followed.items():
         for output in outputs:
             assert given in declared[output], f"{output} follows {given}"

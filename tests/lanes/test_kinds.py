@@ -16,13 +16,15 @@ from support.probe import Array, G, monolith, phocas, random_column
 
 from solver import Block, Column, InputError, Joint, Motion, simulate, simulate_many
 from solver.models.column.kinematics import Chain
-from solver.models.column.lanes import KINDS as BATCH_KINDS
+from solver.models.column.lanes import KINDS as LANES_OF_COLUMNS
 from solver.models.column.lanes import run_batch
 from solver.models.column.packing import pack_model
 from solver.models.column.rest import is_stable
 from solver.models.column.run import single_run
+from solver.models.paper.kind import PaperColumns
 from solver.models.protocol import Plan
 
+BATCH_KINDS = LANES_OF_COLUMNS | {"fixed step": PaperColumns.own_lanes}
 KINDS = ("plain", "slipping", "round", "round, slipping", "strips, slipping", "fixed step")
 each_kind = pytest.mark.parametrize(
     "kind", [KINDS[0], *(pytest.param(kind, marks=pytest.mark.long) for kind in KINDS[1:])]
@@ -39,7 +41,7 @@ def of_kind(kind: str, eta: float = 2e-3, friction: float = 0.5) -> Column:
     """The Column of Phocas with joints that belong to this kind of lanes."""
     column = phocas(eta)
     if kind == "fixed step":
-        return column.with_settings(formulation="paper", integrator="central-difference", step=2e-4)
+        return column.with_settings(formulation="paper", step=2e-4)
     if kind.startswith("round"):
         column = replace(column, blocks=tuple(replace(block, section="circle") for block in column.blocks))
     elif kind.startswith("strips"):
@@ -333,7 +335,7 @@ def test_a_rectangle_cut_into_strips_is_the_rectangle(friction: float | None) ->
 def test_sweeps_that_do_not_settle_leave_the_run_beside_as_it_is() -> None:
     """Of a motion beyond any first-order model."""
     motions = [Motion.harmonic(0.1 * G, 2.0, 0.2), Motion.harmonic(1e5 * G, 50.0, 0.2)]
-    column = monolith(eta=1e-3, formulation="paper", integrator="central-difference", step=2e-4)
+    column = monolith(eta=1e-3, formulation="paper", step=2e-4)
     table = simulate_many(column, motions, keep=("peak_ux", "verdict"))
     single = simulate(column, motions[0])
     assert table["peak_ux"][0] == pytest.approx(single.peak_ux, rel=1e-6)
@@ -352,5 +354,6 @@ def test_what_a_batch_cannot_take_is_refused_in_one_line() -> None:
     ):
         with pytest.raises(InputError, match=said):
             run_batch(columns, motions)
-    table = simulate_many(phocas(1e-3, formulation="paper"), [Motion.harmonic(0.02 * G, 2.0, 0.1)] * 2)
-    assert table.stats["why_scalar"] == {"formulation paper with the integrator auto": 2}
+    round_ones = replace(monolith(), blocks=(replace(monolith().blocks[0], section="circle"),))
+    table = simulate_many(round_ones.with_settings(formulation="paper"), [Motion.harmonic(0.02 * G, 2.0, 0.1)] * 2)
+    assert table.stats["why_scalar"] == {"formulation paper with other joints than rectangles": 2}

@@ -11,12 +11,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 from support.child import call, command, ended, returned
-from support.fmus import DAMPED, LINUX, ROOT, Fmus, finish, run
+from support.fmus import DAMPED, LINUX, PHOCAS, ROOT, Fmus, finish, run
 from support.inside import failures, inputs, states
 from support.inside import native as inside
 
-from solver import Column, Motion
-from stress.scheme import longest_stable_step
+from solver import Motion
 
 pytestmark = pytest.mark.long  # builds native FMUs
 
@@ -50,8 +49,6 @@ def test_three_blocks_give_the_numbers_of_the_pythonfmu(fmus: Fmus, native: Path
         {"solver.without": "elastic, dashpots", "joint[1].damping": 0.0},
         {"joint[1].offset": 0.1, "joint[2].inclination": 0.01, "block[1].tilt": -0.01, "joint[1].friction": 0.4},
         UNDAMPED,
-        {"solver.formulation": "paper"},
-        {"solver.formulation": "paper", "solver.integrator": "central-difference", "solver.step": 5e-5},
     )
     assert all(same for same, _ in results), results
 
@@ -230,10 +227,8 @@ WRONG_VALUES: list[tuple[dict[str, object], str]] = [
         "joint[1].width = 1.2: must not exceed that of the face below = 1.0 m",
     ),
     ({"solver.tolerance": 7.0}, "solver.tolerance = 7.0: must be a number from 1e-13 to 0.1"),
-    ({"solver.integrator": 3}, "solver.integrator = 3: must be one of 1 (auto), 2 (central-difference)"),
     ({"solver.without": "rest,  nothing"}, "solver.without = 'nothing': must be one of elastic, rest, dashpots"),
     ({"base.record": "some.csv"}, "base.record = 'some.csv': this FMU reads no files"),
-    ({"solver.integrator": "central-difference", "solver.step": 0.01}, "solver.step = 0.01: must be at most"),
 ]
 
 
@@ -247,15 +242,10 @@ def test_faults_are_reported_and_the_instance_lives_on(native: Path) -> None:
         assert lives, reason
 
 
-def test_the_stability_limit_is_that_of_the_solver(native: Path) -> None:
-    for formulation in ("exact", "paper"):
-        column = Column.from_toml(DAMPED).with_settings(integrator="central-difference", formulation=formulation)
-        limit = longest_stable_step(column)
-        printed = run(*command(inside.around_the_limit, native, formulation, limit))
-        below, above = returned(printed)
-        assert below == "ok"  # measured: the two limits agree to 1e-9
-        assert "(error)" in above
-        assert f"must be at most {limit:.4g} s" in printed
+def test_the_papers_formulation_is_refused_in_one_line(tmp_path: Path) -> None:
+    done = finish(sys.executable, ROOT / "build_fmu.py", PHOCAS, "-o", tmp_path / "phocas.fmu", *LINUX)
+    assert done.returncode == 2
+    assert done.stderr.strip().endswith(f"--native: {PHOCAS} has solver.formulation = paper, must be exact")
 
 
 def test_random_calls_never_break_an_instance(native: Path) -> None:
@@ -295,10 +285,8 @@ def test_a_record_inside_gives_the_numbers_of_the_pythonfmu(tmp_path: Path) -> N
     pair.append(Fmus.build(DAMPED, tmp_path / "python.fmu", "--record", record))
     weaker: dict[str, object] = {"base.record_scale": 0.7, "base.ax": 0.1}
     mixed: dict[str, object] = {"joint[1].damping": 0.0, "joint[2].damping": 5e-2, "joint[3].width": 1.2}
-    fixed: dict[str, object] = {"solver.integrator": "central-difference", "solver.step": 5e-5}
-    paper: dict[str, object] = {"solver.formulation": "paper"}
     cases: list[tuple[dict[str, object], float]] = [({}, 0.1), (weaker, 0.0075), ({"base.record": ""}, 0.1)]
-    cases += [(change, 0.0137) for change in (weaker, UNDAMPED, mixed, fixed, paper, paper | fixed)]
+    cases += [(change, 0.0137) for change in (weaker, UNDAMPED, mixed)]
     for values, h in cases:  # the samples are 0.01 s apart: no step falls in with them
         first, second = (ended(inputs.whole_history, fmu, values, h) for fmu in pair)
         assert (first.returncode, second.returncode) == (0, 0), first.stderr + second.stderr

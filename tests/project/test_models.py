@@ -9,7 +9,7 @@ import pytest
 from support.fmus import ROOT
 
 from solver.models import protocol
-from solver.models.column.kind import COLUMNS
+from solver.models.column.kind import KIND as COLUMNS
 from solver.models.structure.kind import STRUCTURES
 
 CLASSES = {"Column", "Structure", "Response", "SpatialResponse"}

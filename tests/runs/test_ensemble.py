@@ -74,9 +74,8 @@ def test_columns_in_mortar_run_one_by_one() -> None:
     assert not run.ensemble.in_lanes
 
 
-@pytest.mark.parametrize("way", [{"integrator": "central-difference", "step": 2e-4}, {"formulation": "paper"}])
-def test_every_way_of_integrating_has_its_ensembles(way: dict[str, str]) -> None:
-    found = ensemble_of(phocas(1e-3), MOTION, duration=0.5, ensemble=3, **way)
+def test_the_papers_formulation_has_its_ensembles() -> None:
+    found = ensemble_of(phocas(1e-3), MOTION, duration=0.5, ensemble=3, formulation="paper", step=2e-4)
     assert (found.in_lanes, found.size) == (False, 3)
     assert np.all(found.peak_ux > 0.0)
 

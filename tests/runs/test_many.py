@@ -97,7 +97,7 @@ def test_peaks_of_every_output_are_those_of_simulate() -> None:
     assert np.all(np.abs(table["residual_slip"][3, :2]) > 5e-4)  # m: 0.8 and 100 mm
     assert table["verdict"][4] == "overturned"
     assert table.stats["scalar"] == 5
-    assert table.stats["why_scalar"]["peaks of more than ux"] == 4
+    assert table.stats["why_scalar"]["peaks of more than ux"] == 5
     with pytest.raises(InputError, match=r'columns\[0\]: solver.without has "peaks", must not where peak_N is kept'):
         simulate_many(phocas(1e-3, without=("peaks",)), motions[0], keep=("peak_N", "verdict"))
 

@@ -16,10 +16,7 @@ from solver.models.column.outputs import OUTPUTS
 from solver.models.column.stepper import Stepper
 
 FORMULATIONS = ["exact", "paper"]
-INTEGRATORS = ["auto", "central-difference"]
-every_way = pytest.mark.parametrize(
-    ("formulation", "integrator"), [(formulation, way) for formulation in FORMULATIONS for way in INTEGRATORS]
-)
+every_way = pytest.mark.parametrize("formulation", FORMULATIONS)
 HISTORIES = [output.field for output in OUTPUTS if not output.only_peak]
 
 
@@ -47,8 +44,8 @@ def difference(one: Stepper, other: Stepper) -> float:
 
 
 @every_way
-def test_output_step_changes_neither_steps_nor_peaks(formulation: str, integrator: str) -> None:
-    column = phocas(1e-3, formulation=formulation, integrator=integrator)
+def test_output_step_changes_neither_steps_nor_peaks(formulation: str) -> None:
+    column = phocas(1e-3, formulation=formulation)
     motion = Motion.harmonic(0.05 * G, 2.0, 2.0)
     runs = [simulate(column, motion, output_step=step) for step in (0.01, 0.005, 1.7, 1e-4)]
     for run in runs[1:]:
@@ -59,8 +56,8 @@ def test_output_step_changes_neither_steps_nor_peaks(formulation: str, integrato
 
 
 @every_way
-def test_peaks_are_those_of_the_motion_between_the_steps(formulation: str, integrator: str) -> None:
-    column = phocas(1e-3, formulation=formulation, integrator=integrator, step=4e-4)
+def test_peaks_are_those_of_the_motion_between_the_steps(formulation: str) -> None:
+    column = phocas(1e-3, formulation=formulation, step=4e-4)
     run = simulate(column, Motion.harmonic(0.05 * G, 2.0, 2.0), output_step=1e-5)
     highest = np.max(np.abs(run.ux), axis=0)
     assert np.all(run.peak_ux >= highest * (1.0 - 1e-12))
@@ -68,8 +65,8 @@ def test_peaks_are_those_of_the_motion_between_the_steps(formulation: str, integ
 
 
 @every_way
-def test_peak_of_a_motion_that_is_still_rising_is_at_its_end(formulation: str, integrator: str) -> None:
-    column = phocas(1e-3, formulation=formulation, integrator=integrator)
+def test_peak_of_a_motion_that_is_still_rising_is_at_its_end(formulation: str) -> None:
+    column = phocas(1e-3, formulation=formulation)
     run = simulate(column, Motion.harmonic(0.05 * G, 2.0, 0.1))
     assert run.peak_ux[0] == pytest.approx(abs(run.ux[-1, 0]), rel=1e-12)  # measured 0
     assert run.peak_ux[0] > abs(run.ux[-2, 0])
@@ -91,34 +88,35 @@ def test_parts_of_the_time_in_each_regime_are_those_of_the_contact_history() -> 
 
 @pytest.mark.parametrize("formulation", FORMULATIONS)
 def test_upward_base_acceleration_is_gravity(formulation: str) -> None:
-    column = phocas(1e-3, formulation=formulation, integrator="central-difference")
+    column = phocas(1e-3, formulation=formulation, tolerance=1e-9)
     more = 3.0
     heavy = with_gravity(column, column.g + more)
     rest = InitialState(opening=-settled(heavy))
     ax = 2.0 * np.sin(0.1 * np.arange(101.0))
     lifted = simulate(column, Motion.from_samples(0.01, ax, np.full(101, more)), initial=rest)
-    assert same(lifted, simulate(heavy, Motion.from_samples(0.01, ax), initial=rest))
+    same_load = simulate(heavy, Motion.from_samples(0.01, ax), initial=rest)
+    assert same(lifted, same_load) or formulation == "exact"  # which chooses its steps by the gravity of the column
+    assert lifted.ux == pytest.approx(same_load.ux, abs=1e-7 * np.max(same_load.peak_ux))
     assert lifted.stats["rocking"] > 0.5
 
 
 @every_way
-def test_held_motion_is_a_sequence_of_constant_steps(formulation: str, integrator: str) -> None:
-    column = phocas(1e-3, formulation=formulation, integrator=integrator, tolerance=1e-9)
+def test_held_motion_is_a_sequence_of_constant_steps(formulation: str) -> None:
+    column = phocas(1e-3, formulation=formulation, tolerance=1e-9)
     motion = Motion.from_samples(0.01, 3.0 * np.random.default_rng(2).normal(size=50), hold=True)
     followed, driven = Stepper(column), Stepper(column)
     followed.run(motion, motion.end, np.empty(0))
     for (begin, end), ax in zip(pairwise(np.append(motion.time, motion.end)), motion.ax, strict=True):
         driven.base.ax = ax
         driven.advance(begin, end - begin)
-    # a digit may decide whether a step is accepted where joints are not held in their regimes (paper, auto)
-    assert difference(followed, driven) < 2e-8  # measured 3e-9 there, 2e-12 by central differences
-    if integrator == "central-difference":
+    assert difference(followed, driven) < 2e-8
+    if formulation == "paper":
         assert np.array_equal(followed.arrays.counts, driven.arrays.counts)
 
 
 @every_way
-def test_motion_is_linear_between_its_samples(formulation: str, integrator: str) -> None:
-    column = phocas(1e-3, formulation=formulation, integrator=integrator, tolerance=1e-9)
+def test_motion_is_linear_between_its_samples(formulation: str) -> None:
+    column = phocas(1e-3, formulation=formulation, tolerance=1e-9)
     coarse = shake(6, 26)
     time = 0.005 * np.arange(51)  # every sample, and the middles
     ax, az = (np.interp(time, coarse.time, part) for part in (coarse.ax, coarse.az))
@@ -127,8 +125,8 @@ def test_motion_is_linear_between_its_samples(formulation: str, integrator: str)
 
 
 @every_way
-def test_base_is_at_rest_beyond_the_motion(formulation: str, integrator: str) -> None:
-    column = phocas(1e-3, formulation=formulation, integrator=integrator)
+def test_base_is_at_rest_beyond_the_motion(formulation: str) -> None:
+    column = phocas(1e-3, formulation=formulation)
     for motion in (Motion.harmonic(0.1 * G, 1.3, 0.6), shake(4, 61)):
         followed, left = Stepper(column), Stepper(column)
         followed.run(motion, 1.0, np.empty(0))
@@ -199,8 +197,8 @@ def test_column_overturns_at_a_tenth_of_g_and_a_quarter_hertz(formulation: str) 
 
 
 @every_way
-def test_input_that_is_not_a_number_is_reported_in_one_line(formulation: str, integrator: str) -> None:
-    stepper = Stepper(phocas(formulation=formulation, integrator=integrator))
+def test_input_that_is_not_a_number_is_reported_in_one_line(formulation: str) -> None:
+    stepper = Stepper(phocas(formulation=formulation))
     stepper.advance(0.0, 0.01)
     stepper.base.ax = math.nan
     with pytest.raises(SolverError, match=r"^at t = 0\.01 s: ") as caught:

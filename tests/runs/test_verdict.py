@@ -16,7 +16,7 @@ from support.probe import Array, G, monolith, phocas, random_column, random_stat
 
 from solver import Column, InitialState, InputError, Motion, simulate
 from solver.kernels.layout import spaces as at
-from solver.models.column.kinematics import Chain
+from solver.models.column.kinematics import Chain, chain_of
 from solver.models.column.packing import pack_model
 from solver.models.column.rest import is_stable
 from solver.models.column.run import outcome
@@ -24,7 +24,6 @@ from solver.models.column.settling import outcomes_of
 from solver.models.column.stepper import Stepper
 from solver.models.column.verdict import (
     GRAZED,
-    SAFE,
     SHARES,
     Barriers,
     cannot_fall,
@@ -71,7 +70,7 @@ def test_displacements_of_a_run_are_those_of_its_histories() -> None:
         times = np.linspace(0.0, 1.0, 11)
         snapshots = stepper.run(Motion.harmonic(0.1 * G, 2.0, 1.0), 1.0, times)
         ux = stepper.rows_of(snapshots)[:, :3]
-        assert Chain(column).top_displacements(at.phases_in(snapshots)[:, :12]) == pytest.approx(ux, abs=1e-14)
+        assert chain_of(column).top_displacements(at.phases_in(snapshots)[:, :12]) == pytest.approx(ux, abs=1e-14)
 
 
 # --- the barrier
@@ -115,7 +114,7 @@ def test_no_column_is_found_with_less_energy_than_the_least(seed: int) -> None:
 def test_a_column_below_the_barrier_stands_however_it_is_pushed() -> None:
     """Undamped blocks that start with what the barrier allows, in random directions."""
     column = phocas()
-    allowed = SAFE["exact"] * barrier(column).energy
+    allowed = Chain.safe * barrier(column).energy
     rng = np.random.default_rng(3)
     chain = Chain(column)
     for _ in range(6):

@@ -9,8 +9,10 @@ from functools import partial
 
 from solver.common.executors import cores
 from solver.ground.motion import Motion
+from solver.kernels.paper import entries as paper
 from solver.models.column.first_run import make_kernels
 from solver.models.column.lanes import KINDS, load_kernels
+from solver.models.paper.kind import load_lanes as load_paper_lanes
 from solver.models.structure import driven
 from solver.models.structure.lanes import load_lanes
 from solver.models.structure.modes import modes_in_space
@@ -26,9 +28,16 @@ def shake_structure() -> None:
     run(structure, SHAKE)
 
 
+def make_paper() -> None:
+    """The kernels of the paper, and its lanes."""
+    make_kernels(paper)
+    load_paper_lanes()
+
+
 # the longest first
 TASKS: tuple[Callable[[], object], ...] = (
     make_kernels,
+    make_paper,
     driven.make_kernels,
     shake_structure,
     load_lanes,

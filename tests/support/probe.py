@@ -51,7 +51,7 @@ def random_column(
     for k, (block, below) in enumerate(pairwise(blocks)):
         width, depth = min(block.joint_width, below.width), min(block.joint_depth, below.depth)
         blocks[k] = replace(block, joint=replace(block.joint, width=width, depth=depth))
-    return Column("random", tuple(blocks), Settings(formulation=formulation), g=rng.uniform(1.0, 15.0))
+    return Column("random", tuple(blocks), Settings(formulation=formulation, step=1e-8), g=rng.uniform(1.0, 15.0))
 
 
 def settled(column: Column) -> Array:

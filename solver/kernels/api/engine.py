@@ -6,15 +6,13 @@
 
 import math
 
-from ..column.assembly import derive, settle
+from ..column.assembly import derive, settle_joints
 from ..column.normal_modes import normal_modes
 from ..column.normal_modes import scratch_size as modes_scratch
 from ..column.rest import find_rest
 from ..column.solids import homogeneous
-from ..column.stability import longest_stable_step
-from ..column.stability import scratch_size as stability_scratch
 from ..formulations.base_motion import base_motion, enter
-from ..formulations.dispatch import Column, is_exact
+from ..formulations.dispatch import Column
 from ..formulations.exact import Motion
 from ..formulations.feedthrough import (
     base_direction,
@@ -23,17 +21,14 @@ from ..formulations.feedthrough import (
     tangential_gains,
 )
 from ..formulations.outputs import observe
-from ..formulations.slips import begin_slips, phase_size
+from ..formulations.slips import begin_slips, phase_size, size_of_snapshot
 from ..integrators.interpolation import slips_of
 from ..joint.law import joint_forces, law_of
 from ..joint.sliding import RIGID
 from ..layout.spaces import (
-    AUTO,
     BASE,
-    CENTRAL_DIFFERENCE,
     COUNTS,
     ELASTIC,
-    EXACT,
     LAW,
     MODAL_MOST,
     MODEL,
@@ -41,6 +36,7 @@ from ..layout.spaces import (
     OK,
     OTHER_LAW,
     ROW,
+    SNAPSHOT,
     SPLIT,
     STATE,
     WORK,
@@ -54,7 +50,7 @@ from ..sections.section import contact_of, full_stiffness, is_off_centre, lay_ou
 from ..stepping.advance import advance, take_phase
 
 # description of a column: settings, then a record for each block; 0 for an optional value that is not given
-GIVEN_SETTINGS = Record("g", "step", "tolerance", "formulation", "integrator", "without")
+GIVEN_SETTINGS = Record("g", "step", "tolerance", "without")
 GIVEN_BLOCK = ("height", "width", "depth", "mass", "centroid", "inertia", "tilt")
 GIVEN_JOINT = (*LAW, "width", "depth", "friction", "dowel", "offset", "inclination")
 # properties that no parameter of an FMU changes: of the block the code of the section, inner diameter m, sizes of the
@@ -68,16 +64,13 @@ GIVEN = Record(*GIVEN_BLOCK, *(f"joint_{name}" for name in GIVEN_JOINT), *GIVEN_
 BASE_INPUTS = Record("ax", "az", "jx", "jz", "theta", "omega", "alpha")
 
 # codes of `assemble`, beside those of layout/spaces.py
-NOT_STABLE = -10  # the fixed step is beyond the limit, which is left in the detail
-TOO_LARGE = -11  # the moment of inertia of a block, whose number is left in the detail, is beyond float64
-NO_REST = -12  # a column that is off its axis, or has joints of another law, does not stand under its own weight
-NOT_GENERAL = -13  # a column that may slide or is off its axis asks for another formulation or integrator
-NOT_LINEAR = -14  # and one of these has a joint of another law than the linear one
-MISFIT = -15  # a contact face does not suit the faces that meet: the detail holds the joint and why (faces.py, Misfit)
+TOO_LARGE = -10  # the moment of inertia of a block, whose number is left in the detail, is beyond float64
+NO_REST = -11  # a column that is off its axis, or has joints of another law, does not stand under its own weight
+NOT_LINEAR = -12  # a column that may slide or is off its axis has a joint of another law than the linear one
+MISFIT = -13  # a contact face does not suit the faces that meet: the detail holds the joint and why (faces.py, Misfit)
 DETAILS = 5  # numbers of the detail
 
 CARRIED = 1e-9  # of the weight: how exactly a joint carries it at rest
-STEP_SLACK = 1e-6  # the accuracy of the limit itself
 PROBE_TURN = 1e-9  # rad, and
 PROBE_SPIN = 1e-6  # rad/s, by which the rotation of the base is varied
 RATE_PART = 1e-4  # of the first step: half the time over which outputs are differenced
@@ -85,7 +78,7 @@ RATE_PART = 1e-4  # of the first step: half the time over which outputs are diff
 _model, _state, _counts, _base, _work = MODEL.over, STATE.over, COUNTS.over, BASE.over, WORK.over
 _DEPTHS_GIVEN = GIVEN.fields.index("strip_0")
 _LAW_GIVEN, _LAW_FIELDS, _LINEAR_FIELDS = GIVEN.fields.index(f"joint_{LAW[0]}"), len(LAW), len(LAW) - len(OTHER_LAW)
-_row, _split = ROW.over, SPLIT.over
+_row, _split, _snapshot = ROW.over, SPLIT.over, SNAPSHOT.over
 _given_settings, _given_block, _base_inputs = GIVEN_SETTINGS.over, GIVEN.over, BASE_INPUTS.over
 _SETTINGS_FIELDS, _BLOCK_FIELDS = GIVEN_SETTINGS.beside, GIVEN.beside
 _ROW_FIELDS, _ROW_BESIDE = ROW.per_n, ROW.beside
@@ -99,10 +92,8 @@ def model_room(n: int) -> int:
     return MODEL.size(n) + (modal_size(n) if n <= MODAL_MOST else 0)
 
 
-def scratch_room(n: int, fixed_step: bool) -> int:
-    """Length of the scratch of `assemble`, for a fixed step or one that is chosen."""
-    if fixed_step:
-        return stability_scratch(n)
+def scratch_room(n: int) -> int:
+    """Length of the scratch of `assemble`."""
     return modes_scratch(n) if n <= MODAL_MOST else 1
 
 
@@ -124,53 +115,53 @@ def assemble(column, given, from_rest, scratch, detail):
     Without `from_rest` the motion goes on from the present coordinates and rates. After an error the model may not be
     used, and the rest is unchanged; but NO_REST leaves no motion either. given, scratch, detail: rows.
     """
-    model, state, counts, base, _, work = column
+    model, state, counts, work = column.model, column.state, column.counts, column.work
     n, settings = model.n, model.settings
-    described = _given_settings(given, 0)
-    settings.n = n
-    settings.gravity = described.g
-    settings.step = described.step
-    settings.tolerance = described.tolerance
-    settings.formulation = described.formulation
-    settings.integrator = described.integrator
-    settings.without = described.without
-    settings.has_modes = 0.0
-    settings.slides = 0.0
-    settings.off_axis = 0.0
-    for i in range(n):
-        code = _describe(model, given, i, detail)
-        if code != OK:
-            return code
-    settings.slides = max(settings.slides, settings.off_axis)
-    if settings.slides != 0.0 and (settings.formulation != EXACT or settings.integrator != AUTO):
-        return NOT_GENERAL
+    code = describe(column, given, detail)
+    if code != OK:
+        return code
     if settings.slides != 0.0 and not _is_linear(given, n):
         return NOT_LINEAR
-    derive(model)
-    if settings.integrator == CENTRAL_DIFFERENCE:
-        detail[0] = longest_stable_step(column, scratch)
-        if settings.step > detail[0] * (1.0 + STEP_SLACK):
-            return NOT_STABLE
-    clear(work.row, _WORK_PER_N * n + _WORK_BESIDE)  # responses of the modes of another model
     begin_slips(model, work)
     rest = work.between
     stands = _rest_of(model, rest, work.room)
-    asked = settings.integrator == AUTO and int(settings.without) & ELASTIC == 0
-    if settings.formulation == EXACT and asked and n <= MODAL_MOST and stands:
+    if int(settings.without) & ELASTIC == 0 and n <= MODAL_MOST and stands:
         settings.has_modes = 1.0 if normal_modes(model, rest, scratch) else 0.0
     if from_rest != 0:
-        clear(state.row, _STATE_PER_N * n + _CONTROL_FIELDS)
+        reset(column)
         if not stands:
             return NO_REST
         copy(state.phase.row, rest.row, phase_size(work))
-        reset(counts, base)
     elif counts.overturned == 0:
         state.control.base_ax = math.nan  # belongs to no input: the accelerations will be recomputed
     return OK
 
 
 @kernel
-def _describe(model, given, i, detail):
+def describe(column, given, detail):
+    """Fill in a model but for its rest and modes, and clear `work`. Returns a code."""
+    model = column.model
+    settings, described = model.settings, _given_settings(given, 0)
+    settings.n = model.n
+    settings.gravity = described.g
+    settings.step = described.step
+    settings.tolerance = described.tolerance
+    settings.without = described.without
+    settings.has_modes = 0.0
+    settings.slides = 0.0
+    settings.off_axis = 0.0
+    for i in range(model.n):
+        code = _describe_block(model, given, i, detail)
+        if code != OK:
+            return code
+    settings.slides = max(settings.slides, settings.off_axis)
+    derive(model)
+    clear(column.work.row, _WORK_PER_N * model.n + _WORK_BESIDE)  # responses of the modes of another model
+    return OK
+
+
+@kernel
+def _describe_block(model, given, i, detail):
     """Take block i and the joint under it from what is given, and the contact from the faces. Returns a code."""
     n, settings, blocks = model.n, model.settings, model.blocks
     row = given[_SETTINGS_FIELDS + _BLOCK_FIELDS * i :]
@@ -230,9 +221,9 @@ def _rest_of(model, rest, room):
     A column on its axis, of any law, is checked for joints that carry the weight there.
     """
     blocks, settings = model.blocks, model.settings
-    settle(model, rest, 0.0)
+    settle_joints(model, rest)
     if settings.off_axis == 0.0:
-        return _carry(model)
+        return carries(model)
     copy(rest.slip, blocks.offset, model.n)
     stands = not settings.gravity > 0.0 or find_rest(model, rest, room)
     for i in range(model.n):
@@ -242,7 +233,7 @@ def _rest_of(model, rest, room):
 
 
 @kernel
-def _carry(model):
+def carries(model):
     """Whether all joints carry the weight on them once they settle as far as their stiffness lets them."""
     blocks, weight = model.blocks, 0.0
     for i in range(model.n):
@@ -263,9 +254,11 @@ def _top_face(row):
 
 
 @kernel
-def reset(counts, base):
-    """Counts and base of a column that has not moved yet."""
-    clear(counts.row, _COUNTS)
+def reset(column):
+    """State, counts and base of a column that has not moved yet; the state is all zeros."""
+    base = column.base
+    clear(column.state.row, _STATE_PER_N * column.model.n + _CONTROL_FIELDS)
+    clear(column.counts.row, _COUNTS)
     clear(base.row, _BASE)
     base.anchor = -math.inf  # nowhere
     base.segment = -1.0
@@ -317,9 +310,21 @@ def see(column, motion, row, split):
     between = column.work.between
     take_phase(column, motion, between)
     code = observe(column, between, motion, row)
-    if code != OK:
-        return code
-    return split_reaction(column, between, motion, row, split)
+    return split_reaction(column, between, motion, row, split) if code == OK else code
+
+
+@kernel
+def observe_all(column, snapshots, rows, count):
+    """Fill every row with the outputs of the snapshot of that number. Returns (code, number of the last)."""
+    n, between, size = column.model.n, column.work.between, size_of_snapshot(column.work)
+    for k in range(count):
+        snapshot = _snapshot(snapshots[size * k :], n)
+        copy(between.row, snapshot.phase.row, phase_size(column.work))
+        motion = Motion(snapshot.base.ax, snapshot.base.az, 0.0, 0.0, 0.0)
+        code = observe(column, between, motion, _row(rows[k * (_ROW_FIELDS * n + _ROW_BESIDE) :], n))
+        if code != OK:
+            return code, k
+    return OK, count
 
 
 @kernel
@@ -365,7 +370,7 @@ def rates(column, t, row, split, other, other_split):
     _clear_output(row, split, n)
     if column.counts.overturned > 0:
         return OK
-    code = see(column, base_motion(column.base, column.samples, t), other, other_split)
+    see(column, base_motion(column.base, column.samples, t), other, other_split)
     between, saved = work.between, work.end
     copy(saved.row, between.row, phase_size(work))
     past = RATE_PART * model.settings.first_step
@@ -377,11 +382,11 @@ def rates(column, t, row, split, other, other_split):
             _go_on(saved, between, first + i, past)
             between.sliding[i] = saved.sliding[i]
         then = base_motion(column.base, column.samples, t + past)
-        code = min(code, observe(column, work.between, then, other))
-        code = min(code, split_reaction(column, work.between, then, other, other_split))
+        observe(column, work.between, then, other)
+        split_reaction(column, work.between, then, other, other_split)
         _add(row, split, other, other_split, 0.5 / past, n)
         past = -past
-    return code
+    return OK
 
 
 @leaf
@@ -399,8 +404,7 @@ def feedthrough(column, seeds, elapsed, t, row, split, other, other_split):
 
     seeds: one for each of BASE_INPUTS, which were set `elapsed` s before; at time t under the inputs that `look` has
     left. Outputs that depend on the accelerations of the base at once are linear in them: forces along the joints and
-    reaction, by formulations/feedthrough.py, exactly; in the first-order model by the difference over 1 m/s2, which is
-    the derivative too. Dependence on the rotation and its rate is differenced. Returns a code.
+    reaction, by formulations/feedthrough.py. Dependence on the rotation and its rate is differenced. Returns a code.
     """
     model, work = column.model, column.work
     n = model.n
@@ -414,40 +418,31 @@ def feedthrough(column, seeds, elapsed, t, row, split, other, other_split):
     spin = seed.omega + elapsed * alpha
     turn = seed.theta + elapsed * (seed.omega + 0.5 * elapsed * alpha)
     motion = base_motion(column.base, column.samples, t)
-    code = OK
-    if not is_exact(model):
-        there = Motion(motion.ax + along_x, motion.az + along_z, motion.theta, motion.omega, alpha)
-        code = min(code, see(column, there, other, other_split))
-        _add(row, split, other, other_split, 1.0, n)
-        code = min(code, see(column, motion, other, other_split))
-        _add(row, split, other, other_split, -1.0, n)
-        clear(split.row, _SPLIT)  # it does not depend on the accelerations
-    else:
-        code = min(code, see(column, motion, other, other_split))
-        phase = work.between
-        g_x, g_z, g_m = base_direction(model, phase, motion.theta)
-        met = g_x * along_x + g_z * along_z + g_m * alpha
-        force = effective_mass(model, work) * met
-        gains = work.tops.start_ux
-        tangential_gains(model, work, gains)
-        turn_below = 0.0
-        for i in range(n - 1, -1, -1):
-            _, cosine = sine_cosine(0.5 * (phase.theta[i] + turn_below) + motion.theta + model.blocks.lean[i])
-            row.joints.T[i] = -gains[i] * met
-            row.joints.S[i] = -cosine * gains[i] * met
-            turn_below = phase.theta[i]
-        row.base.Fx = -g_x * force
-        row.base.Fz = -g_z * force
-        row.base.My = -g_m * force
+    see(column, motion, other, other_split)
+    phase = work.between
+    g_x, g_z, g_m = base_direction(model, phase, motion.theta)
+    met = g_x * along_x + g_z * along_z + g_m * alpha
+    force = effective_mass(model, work) * met
+    gains = work.tops.start_ux
+    tangential_gains(model, work, gains)
+    turn_below = 0.0
+    for i in range(n - 1, -1, -1):
+        _, cosine = sine_cosine(0.5 * (phase.theta[i] + turn_below) + motion.theta + model.blocks.lean[i])
+        row.joints.T[i] = -gains[i] * met
+        row.joints.S[i] = -cosine * gains[i] * met
+        turn_below = phase.theta[i]
+    row.base.Fx = -g_x * force
+    row.base.Fz = -g_z * force
+    row.base.My = -g_m * force
     way = 1.0
     for _ in range(2):
         if turn != 0.0:
             then = Motion(motion.ax, motion.az, motion.theta + way * PROBE_TURN, motion.omega, motion.alpha)
-            code = min(code, see(column, then, other, other_split))
+            see(column, then, other, other_split)
             _add(row, split, other, other_split, 0.5 * turn / (way * PROBE_TURN), n)
         if spin != 0.0:
             then = Motion(motion.ax, motion.az, motion.theta, motion.omega + way * PROBE_SPIN, motion.alpha)
-            code = min(code, see(column, then, other, other_split))
+            see(column, then, other, other_split)
             _add(row, split, other, other_split, 0.5 * spin / (way * PROBE_SPIN), n)
         way = -1.0
-    return code
+    return OK

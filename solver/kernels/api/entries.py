@@ -1,24 +1,20 @@
 """Entries called from Python: the engine over arrays."""
 
 from ..formulations.base_motion import Samples, enter
-from ..formulations.exact import Motion
-from ..formulations.outputs import observe
-from ..formulations.slips import phase_size, size_of_snapshot
 from ..joint.energy import least_energy
 from ..joint.law import joint_potential, law_of
-from ..layout.spaces import MODEL, OK, ROW, SNAPSHOT, SPLIT
+from ..layout.spaces import MODEL, ROW, SPLIT
 from ..numba_ext.jit import entry
-from ..numba_ext.views import copy, row_of
+from ..numba_ext.views import row_of
 from ..output.watch import Watch
 from ..sections.circle import ring_part
 from ..sections.faces import Face
 from ..sections.section import contact_of, lay_out, part_stiffness
 from ..stepping.advance import advance
-from .engine import assemble, base_of, column_over, see
+from .engine import assemble, base_of, column_over, observe_all, see
 
 _model = MODEL.over
-_row, _split, _snapshot = ROW.over, SPLIT.over, SNAPSHOT.over
-_ROW_FIELDS, _ROW_BESIDE = ROW.per_n, ROW.beside
+_row, _split = ROW.over, SPLIT.over
 
 # a column is (n, model, state, counts, base, work); a record (times, ax, az, scale, held)
 
@@ -53,19 +49,10 @@ def observe_state(n, model, state, counts, base, work, times, ax, az, scale, hel
 
 @entry
 def observe_snapshots(n, model, state, counts, base, work, snapshots, rows, count):
-    """Fill every row with the outputs of the snapshot of that number. Returns (code, number of the last)."""
+    """`engine.observe_all`."""
     samples = Samples(0, row_of(base), row_of(base), row_of(base), 1.0, False)
     column = column_over(n, row_of(model), row_of(state), row_of(counts), row_of(base), samples, row_of(work))
-    between = column.work.between
-    stored, filled, size = row_of(snapshots), row_of(rows), size_of_snapshot(column.work)
-    for k in range(count):
-        snapshot = _snapshot(stored[size * k :], n)
-        copy(between.row, snapshot.phase.row, phase_size(column.work))
-        motion = Motion(snapshot.base.ax, snapshot.base.az, 0.0, 0.0, 0.0)
-        code = observe(column, between, motion, _row(filled[k * (_ROW_FIELDS * n + _ROW_BESIDE) :], n))
-        if code != OK:
-            return code, k
-    return OK, count
+    return observe_all(column, row_of(snapshots), row_of(rows), count)
 
 
 # --- joints, for Python code without a closed form of its own

@@ -6,7 +6,7 @@ from ..formulations.base_motion import SOON, record_line
 from ..formulations.dispatch import evaluate_at
 from ..formulations.exact import Motion, exact_accelerations
 from ..layout.spaces import OK
-from ..numba_ext.jit import another_width, kernel, leaf
+from ..numba_ext.jit import kernel, leaf, varied_leaf
 from ..numba_ext.lanes import (
     WIDTH,
     LanesType,
@@ -37,7 +37,7 @@ class Batch(NamedTuple):
     queue: object
 
 
-@leaf
+@varied_leaf
 def single(batch, k):
     """The space of lane k alone."""
     return _space(one_lane(batch.row, k), batch.model.n)
@@ -109,8 +109,6 @@ def evaluate_lanes(batch, phase, t):
     return OK
 
 
-@another_width(evaluate_at)
-def _choose(column, phase, t):
-    if isinstance(t, LanesType):
-        return lambda column, phase, t: evaluate_lanes(column, phase, t)
-    return None
+@evaluate_at.version(lambda column, phase, t: isinstance(t, LanesType))
+def _evaluate_lanes_at(column, phase, t):
+    return evaluate_lanes(column, phase, t)

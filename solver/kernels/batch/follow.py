@@ -173,9 +173,8 @@ def take_stock(batch, phase, lanes):
     blocks, control = batch.model.blocks, batch.state.control
     turned, spun = control.rotation_scale, control.rate_scale
     for i in range(batch.model.n):
-        per_size = blocks.per_turn_size[i]
-        turned = greater(turned, magnitude(phase.theta[i]) * per_size)
-        spun = greater(spun, magnitude(phase.theta_rate[i]) * per_size)
+        turned = greater(turned, magnitude(phase.theta[i]))
+        spun = greater(spun, magnitude(phase.theta_rate[i]))
         opening = phase.opening[i]
         parted = opening > 0.0
         if any_of(parted):
@@ -322,7 +321,7 @@ def step_on(batch):
     step = steps_to_stops(batch, step_lengths(batch))
     busy = step > 0.0
     anchor_waves(batch.base, lanes.t)
-    _, error = dormand_prince.attempt(batch, lanes.t, step)
+    error = dormand_prince.attempt(batch, lanes.t, step)
     good = busy & control_steps(control, step, error)
     lanes.steps += where(good, 1.0, 0.0)
     lanes.rejected += where(busy & (error > 1.0), 1.0, 0.0)

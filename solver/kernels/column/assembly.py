@@ -2,7 +2,7 @@
 
 import math
 
-from ..layout.spaces import DASHPOTS, EXACT
+from ..layout.spaces import DASHPOTS
 from ..numba_ext.jit import kernel
 from ..sections.faces import RECTANGLE
 from ..sections.section import full_stiffness, full_turning_stiffness
@@ -40,7 +40,6 @@ def derive(model):
     n, settings, blocks = model.n, model.settings, model.blocks
     tight = settings.tolerance <= TIGHT
     settings.tolerance = max(LEAST_TOLERANCE, STEP_PART * settings.tolerance)
-    exact = settings.formulation == EXACT
     height = 0.0  # of the top face of the block
     built_x = 0.0  # x of its middle, as built
     for i in range(n - 1, -1, -1):
@@ -58,15 +57,12 @@ def derive(model):
             blocks.open_size[i] = blocks.width[i] / math.sqrt(12.0)
         else:
             blocks.open_size[i] = math.sqrt(full_turning_stiffness(blocks, i) / full_stiffness(blocks, i))
-        blocks.turn_size[i] = 1.0 if exact else height
         blocks.per_open_size[i] = 1.0 / blocks.open_size[i]
-        blocks.per_turn_size[i] = 1.0 / blocks.turn_size[i]
         left, right = blocks.left[i], blocks.right[i]
         if settings.slides != 0.0:  # slips and offsets let it turn over any place of its own face
             left, right = blocks.own_left[i], blocks.own_right[i]
         edge_angle = math.atan2(max(-left, right), blocks.centroid[i])
         blocks.fall_angle[i] = min(0.5 * math.pi, max(LEAST_FALL, FALL_MARGIN * edge_angle))
-    _factorize_horizontal_mass(model)
 
     # an upper bound of the joint modes' frequencies, from each block between two stiff joints
     fastest = 0.0
@@ -93,35 +89,10 @@ def derive(model):
 
 
 @kernel
-def _factorize_horizontal_mass(model):
-    """LDL' of the tridiagonal B' m B + C' H^-1 I H^-1 C (theory.md section 3): inverse pivots 1/kg and multipliers."""
-    blocks = model.blocks
-    above = 0.0  # contribution of the block above to the diagonal
-    side = 0.0  # between it and this block
-    pivot = 1.0
-    for i in range(model.n):
-        mass, height = blocks.mass[i], blocks.height[i]
-        low = blocks.centroid[i] / height
-        high = 1.0 - low
-        turning = blocks.inertia[i] / (height * height)
-        multiplier = side / pivot
-        pivot = mass * (low * low) + turning + above - side * multiplier
-        above = mass * (high * high) + turning
-        side = mass * low * high - turning
-        blocks.pivot[i] = 1.0 / pivot
-        blocks.coupling[i] = multiplier
-
-
-@kernel
-def settle(model, phase, least):
-    """Openings of a column at rest under gravity, every joint compressed by at least `least` m; other values stay."""
+def settle_joints(model, phase):
+    """Openings of a column at rest under gravity; other values stay."""
     n, blocks = model.n, model.blocks
     carried = 0.0
     for i in range(n):
         carried += blocks.mass[i]
-        phase.opening[i] = -max(least, model.settings.gravity * carried / full_stiffness(blocks, i))
-    if model.settings.formulation != EXACT:  # settlements of the blocks, positive down
-        settled = 0.0
-        for i in range(n - 1, -1, -1):
-            settled += phase.opening[i]
-            phase.opening[i] = -settled
+        phase.opening[i] = -(model.settings.gravity * carried / full_stiffness(blocks, i))

@@ -104,7 +104,7 @@ def normal_modes(model, rest, scratch):
                 part_of, at = shapes[m * i + k], begin + i
                 push -= part_of * s.push[at]
                 lift -= part_of * s.lift[at]
-                size = model.blocks.turn_size[at] if at < n else model.blocks.open_size[at - n]
+                size = 1.0 if at < n else model.blocks.open_size[at - n]
                 largest = max(largest, abs(part_of) / size)
             mode.push = push
             mode.lift = lift

@@ -7,22 +7,19 @@ the joints depend on the base acceleration a = (a_x, a_z, alpha) of the same ins
 
 phi and delta are those of the base joint, mu is the last inverse pivot of exact.py: the mass that the column opposes
 along that joint. The joint is elastic along its normal, so M has rank one. All functions of this module read the
-results of `evaluate` in `work` and evaluate nothing in the exact formulation.
+results of `evaluate` in `work` and evaluate nothing.
 """
 
 from ..joint.sliding import can_slide
 from ..layout.spaces import OK
-from ..numba_ext.jit import kernel
+from ..numba_ext.jit import kernel, leaf, varied
 from ..numba_ext.numbers import sine_cosine
-from ..numba_ext.views import copy
-from .dispatch import evaluate, is_exact
-from .exact import Motion, joint_row
-from .first_order import sweep_rows
+from .exact import joint_row
 
 
 @kernel
 def base_direction(model, phase, base_turn):
-    """g (1, 1, m): the acceleration of the base joint along its tangent is g . (a_x, a_z, alpha); exact formulation.
+    """g (1, 1, m): the acceleration of the base joint along its tangent is g . (a_x, a_z, alpha).
 
     base_turn: rotation of the base, rad.
     """
@@ -33,7 +30,7 @@ def base_direction(model, phase, base_turn):
 
 @kernel
 def effective_mass(model, work):
-    """mu, kg: mass that the column opposes to that acceleration, from the last evaluation; exact formulation.
+    """mu, kg: mass that the column opposes to that acceleration, from the last evaluation.
 
     None where the base joint slides: friction does not follow the acceleration at once.
     """
@@ -46,7 +43,7 @@ def effective_mass(model, work):
 def tangential_gains(model, work, gains):
     """Derivatives of the tangential forces T_i, kg, by that acceleration, from the last evaluation: row of n.
 
-    No other resultant (N, M) follows the acceleration of the base at once. Exact formulation.
+    No other resultant (N, M) follows the acceleration of the base at once.
     """
     n = model.n
     gain = joint_row(work.room, n - 1).pivot
@@ -58,35 +55,21 @@ def tangential_gains(model, work, gains):
             gain = -joint_row(work.room, i).part * gain
 
 
-@kernel
-def _paper_effective_mass(column, phase, motion):
-    """(code, mu, phi) of the first-order model, linear in the acceleration too: from one more evaluation."""
-    model, work = column.model, column.work
-    n = model.n
-    aside = work.start  # not in use while outputs are computed
-    copy(aside.row, phase.row, 6 * n)
-    rows = sweep_rows(work.room)
-    force = rows.horizontal[n - 1]
-    change = model.settings.gravity + 1.0
-    code = evaluate(column, aside, Motion(motion.ax + change, motion.az, 0.0, 0.0, 0.0))
-    return code, (rows.horizontal[n - 1] - force) / change, 0.5 * rows.theta[n - 1]
-
-
-@kernel
+@varied
 def split_reaction(column, phase, motion, row, split):
-    """Split the base reaction of an output row, just observed at the phase, into R0 and M. Returns a code.
+    """Split the base reaction of an output row, just observed at the phase, into R0 and M: R = R0 - M a to rounding.
 
-    R = R0 - M a to rounding. In the paper formulation M is that to the first order of the rotations, g = (1, -phi, 0).
+    Returns a code.
     """
     model = column.model
-    if is_exact(model):
-        mu = effective_mass(model, column.work)
-        g_x, g_z, g_m = base_direction(model, phase, motion.theta)
-    else:
-        code, mu, phi = _paper_effective_mass(column, phase, motion)
-        if code != OK:
-            return code
-        g_x, g_z, g_m = 1.0, -phi, 0.0
+    share_reaction(effective_mass(model, column.work), base_direction(model, phase, motion.theta), motion, row, split)
+    return OK
+
+
+@leaf
+def share_reaction(mu, direction, motion, row, split):
+    """`split_reaction` where mu and g, the direction, are known."""
+    g_x, g_z, g_m = direction
     met = mu * (g_x * motion.ax + g_z * motion.az + g_m * motion.alpha)
     split.R0x = row.base.Fx + g_x * met
     split.R0z = row.base.Fz + g_z * met
@@ -97,4 +80,3 @@ def split_reaction(column, phase, motion, row, split):
     split.mzz = mu * g_z * g_z
     split.mzt = mu * g_z * g_m
     split.mtt = mu * g_m * g_m
-    return OK

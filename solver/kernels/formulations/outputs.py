@@ -3,10 +3,10 @@
 from ..joint.law import joint_peak_pressure, law_of
 from ..joint.sliding import can_slide, opening_felt, opening_rate_felt, slip_if
 from ..layout.spaces import OK
-from ..numba_ext.jit import kernel
+from ..numba_ext.jit import kernel, leaf, varied
 from ..numba_ext.numbers import half_sine_cosine, sine_cosine
 from ..sections.section import contact_of
-from .dispatch import is_exact, joint_opening, rotation, top_motion
+from .dispatch import top_motion
 from .slips import evaluate_after_jump
 
 
@@ -15,69 +15,62 @@ def observe(column, phase, motion, row):
     """Fill an output row with all outputs of a phase, and the phase's accelerations. Returns a code."""
     code = evaluate_after_jump(column, phase, motion)
     if code == OK:
-        top_motion(column.model, phase, row.joints.ux, column.work.tops.between_rate, motion.theta, motion.omega)
+        top_motion(column, phase, row.joints.ux, column.work.tops.between_rate, motion.theta, motion.omega)
         show(column, phase, column.work.joints, motion, row)
     return code
 
 
-@kernel
+@varied
 def show(column, phase, resultants, motion, row):
     """Fill an output row, except u_x, of a phase already evaluated; resultants: those of its joints, as work.joints."""
     model, joints, base = column.model, row.joints, row.base
     n, blocks = model.n, model.blocks
-    exact, slides = is_exact(model), can_slide(model)
+    slides = can_slide(model)
     rise = 0.0  # of the top face of the block below
     turn_below, spin_below = 0.0, 0.0
     for i in range(n - 1, -1, -1):
-        turn, spin = rotation(model, phase.theta, i), rotation(model, phase.theta_rate, i)
-        opening, opening_rate = joint_opening(model, phase.opening, i), joint_opening(model, phase.opening_rate, i)
+        turn, spin = phase.theta[i], phase.theta_rate[i]
+        opening, opening_rate = phase.opening[i], phase.opening_rate[i]
         slip, slip_rate = slip_if(slides, model, phase, i)
-        normal, moment, tangential = resultants.normal[i], resultants.moment[i], resultants.tangential[i]
         theta, phi = turn + motion.theta, 0.5 * (turn + turn_below) + motion.theta
         if slides:
             phi += blocks.lean[i]
-        sine, cosine = phi, 1.0  # in the first-order model
-        slope, slope_rate = turn - turn_below, spin - spin_below
-        cosine_slope = 1.0
-        if exact:
-            sine, cosine = sine_cosine(phi)
-            sine_slope, cosine_slope = half_sine_cosine(slope)
-            slope, slope_rate = 2.0 * sine_slope, cosine_slope * slope_rate
-            sine_half, _ = half_sine_cosine(theta)
-            sine_built = sine_half
-            rise += opening * cosine
-            if slides:
-                sine_built, _ = sine_cosine(blocks.tilt[i] + 0.5 * theta)
-                sine_lean, _ = sine_cosine(blocks.lean[i])
-                rise -= slip * sine - blocks.offset[i] * sine_lean
-            dip = -2.0 * sine_built * sine_half  # cosine of the rotation less that as built
-            joints.uz[i] = rise + blocks.centroid[i] * dip
-            rise += blocks.height[i] * dip
-        else:
-            joints.uz[i] = -phase.opening[i]
-        contact = contact_of(blocks, i, slip)
+        sine, cosine = sine_cosine(phi)
+        sine_slope, cosine_slope = half_sine_cosine(turn - turn_below)
+        slope, slope_rate = 2.0 * sine_slope, cosine_slope * (spin - spin_below)
+        sine_half, _ = half_sine_cosine(theta)
+        sine_built = sine_half
+        rise += opening * cosine
+        if slides:
+            sine_built, _ = sine_cosine(blocks.tilt[i] + 0.5 * theta)
+            sine_lean, _ = sine_cosine(blocks.lean[i])
+            rise -= slip * sine - blocks.offset[i] * sine_lean
+        dip = -2.0 * sine_built * sine_half  # cosine of the rotation less that as built
+        joints.uz[i] = rise + blocks.centroid[i] * dip
+        rise += blocks.height[i] * dip
         felt, felt_rate = opening, opening_rate
         if slides:
             felt = opening_felt(opening, slip, slope)
             felt_rate = opening_rate_felt(opening_rate, slip, slip_rate, slope, slope_rate)
         joints.theta[i] = theta
-        joints.N[i] = normal
-        joints.M[i] = moment
-        joints.S[i] = -(normal * sine + tangential * cosine)
-        joints.T[i] = -tangential
-        law, length = law_of(blocks, i), resultants.length[i]
-        joints.contact[i] = length / (contact.right - contact.left)
-        joints.sigma_max[i] = joint_peak_pressure(contact, law, length, felt, slope, felt_rate, slope_rate)
-        joints.slip[i] = slip - blocks.offset[i]
+        show_joint(blocks, i, resultants, sine, cosine, felt, slope, felt_rate, slope_rate, slip, joints)
         if i == n - 1:
+            normal, moment, tangential = resultants.normal[i], resultants.moment[i], resultants.tangential[i]
             base.Fx = joints.S[i]
             base.Fz = -(normal * cosine - tangential * sine)
-            base.My = moment
-            if exact:
-                base.My = moment * cosine_slope - 0.5 * opening * tangential + 0.5 * slip * normal
+            base.My = moment * cosine_slope - 0.5 * opening * tangential + 0.5 * slip * normal
         turn_below, spin_below = turn, spin
-    if not exact:
-        weight = 0.0
-        for i in range(n):
-            weight += blocks.mass[i] * (model.settings.gravity + motion.az - phase.opening_acceleration[i])
-        base.Fz = -weight
+
+
+@leaf
+def show_joint(blocks, i, resultants, sine, cosine, opening, slope, opening_rate, slope_rate, slip, joints):
+    """Fill the outputs of joint i, whose normal is turned by an angle of this sine and cosine."""
+    normal, moment, tangential = resultants.normal[i], resultants.moment[i], resultants.tangential[i]
+    contact, law, length = contact_of(blocks, i, slip), law_of(blocks, i), resultants.length[i]
+    joints.N[i] = normal
+    joints.M[i] = moment
+    joints.S[i] = -(normal * sine + tangential * cosine)
+    joints.T[i] = -tangential
+    joints.contact[i] = length / (contact.right - contact.left)
+    joints.sigma_max[i] = joint_peak_pressure(contact, law, length, opening, slope, opening_rate, slope_rate)
+    joints.slip[i] = slip - blocks.offset[i]

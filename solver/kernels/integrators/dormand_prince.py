@@ -6,8 +6,7 @@ damped critically. The last stage is the first of the next step. Sums are taken 
 once, those of one column or one of eight columns.
 """
 
-from ..formulations.dispatch import evaluate_stage
-from ..layout.spaces import OK
+from ..formulations.dispatch import evaluate_at
 from ..numba_ext.jit import kernel
 from ..numba_ext.views import packs, packs_of
 from .error import error_in_tolerances
@@ -35,7 +34,7 @@ ERROR_0, ERROR_2, ERROR_3, ERROR_4, ERROR_5, ERROR_LAST = (
 
 @kernel
 def attempt(column, t, h):
-    """One step of h seconds from work.start to work.end; returns (code, error in tolerances)."""
+    """One step of h seconds from work.start to work.end; returns the error in tolerances."""
     work = column.work
     one, two, three, four, five = stage(work, 1), stage(work, 2), stage(work, 3), stage(work, 4), stage(work, 5)
     count = packs(work.start.row, summed(work))  # coordinates and rates, whose slopes are rates and accelerations
@@ -48,38 +47,26 @@ def attempt(column, t, h):
     end, last = packs_of(work.end.row), packs_of(work.end.rates)
     for i in range(count):
         y1[i] = y[i] + h * (A1_0 * f0[i])
-    code = evaluate_stage(column, one, t + C1 * h)
-    if code != OK:
-        return code, 0.0 * h
+    evaluate_at(column, one, t + C1 * h)
     for i in range(count):
         y2[i] = y[i] + h * (A2_0 * f0[i] + A2_1 * f1[i])
-    code = evaluate_stage(column, two, t + C2 * h)
-    if code != OK:
-        return code, 0.0 * h
+    evaluate_at(column, two, t + C2 * h)
     for i in range(count):
         y3[i] = y[i] + h * (A3_0 * f0[i] + A3_1 * f1[i] + A3_2 * f2[i])
-    code = evaluate_stage(column, three, t + C3 * h)
-    if code != OK:
-        return code, 0.0 * h
+    evaluate_at(column, three, t + C3 * h)
     for i in range(count):
         y4[i] = y[i] + h * (A4_0 * f0[i] + A4_1 * f1[i] + A4_2 * f2[i] + A4_3 * f3[i])
-    code = evaluate_stage(column, four, t + C4 * h)
-    if code != OK:
-        return code, 0.0 * h
+    evaluate_at(column, four, t + C4 * h)
     for i in range(count):
         y5[i] = y[i] + h * (A5_0 * f0[i] + A5_1 * f1[i] + A5_2 * f2[i] + A5_3 * f3[i] + A5_4 * f4[i])
-    code = evaluate_stage(column, five, t + C5 * h)
-    if code != OK:
-        return code, 0.0 * h
+    evaluate_at(column, five, t + C5 * h)
     for i in range(count):
         end[i] = y[i] + h * (B_0 * f0[i] + B_2 * f2[i] + B_3 * f3[i] + B_4 * f4[i] + B_5 * f5[i])
-    code = evaluate_stage(column, work.end, t + h)
-    if code != OK:
-        return code, 0.0 * h
+    evaluate_at(column, work.end, t + h)
     error = packs_of(work.between.row)
     for i in range(count):
         error[i] = h * (
             (ERROR_0 * f0[i] + ERROR_2 * f2[i] + ERROR_3 * f3[i])
             + (ERROR_4 * f4[i] + ERROR_5 * f5[i] + ERROR_LAST * last[i])
         )
-    return OK, error_in_tolerances(column, work.between)
+    return error_in_tolerances(column, work.between)

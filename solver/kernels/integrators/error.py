@@ -23,10 +23,10 @@ def error_in_tolerances(column, difference):
     error = 0.0 * tolerance
     rate_error = error
     for i in range(column.model.n):
-        turn, open_ = blocks.per_turn_size[i], blocks.per_open_size[i]
-        error = _larger(error, magnitude(difference.theta[i]) * turn)
+        open_ = blocks.per_open_size[i]
+        error = _larger(error, magnitude(difference.theta[i]))
         error = _larger(error, magnitude(difference.opening[i]) * open_)
-        rate_error = _larger(rate_error, magnitude(difference.theta_rate[i]) * turn)
+        rate_error = _larger(rate_error, magnitude(difference.theta_rate[i]))
         rate_error = _larger(rate_error, magnitude(difference.opening_rate[i]) * open_)
         if can_slide(column.model):
             slip = column.model.settings.per_slip

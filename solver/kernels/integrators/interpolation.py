@@ -9,7 +9,7 @@ leaves the ends unchanged and matches that acceleration.
 from typing import NamedTuple
 
 from ..formulations.dispatch import evaluate_at
-from ..layout.spaces import OK, RIGID_FIELDS
+from ..layout.spaces import RIGID_FIELDS
 from ..numba_ext.jit import kernel, leaf
 
 
@@ -199,21 +199,20 @@ def _add_bump(work, i, h):
 
 @kernel
 def refine(column, t, h):
-    """Add the bump, once, if the step from t to t + h needs one; costs an evaluation. Returns a code."""
+    """Add the bump, once, if the step from t to t + h needs one; costs an evaluation."""
     work = column.work
     if work.interpolation.wants_bump == 0.0:
-        return OK
+        return
     work.interpolation.wants_bump = 0.0
     size = 2 * work.n
     interpolate_phase(work, h, 0.5)
-    code = evaluate_at(column, work.between, t + 0.5 * h)
+    evaluate_at(column, work.between, t + 0.5 * h)
     for i in range(size):
         _add_bump(work, i, h)
     first, behind = slips_of(work)
     for i in range(first, behind):
         _add_bump(work, i, h)
     work.interpolation.has_bump = 1.0
-    return code
 
 
 @kernel

@@ -168,9 +168,7 @@ def _reach(column, modal, half, t, h, sine):
     _multiply(model, shapes_of(model), to.row, here.row, 2)
     motion = base_motion_beside(column.base, column.samples, t, sine)
     then = motion.ax, model.settings.gravity + motion.az
-    code = evaluate(column, here, motion)
-    if code != OK:
-        return code, then
+    evaluate(column, here, motion)
     if _opens(model, work.start if half == 0 else stage(work, 1), here, 0.5 * h):
         return OPENS, then
     if half == 0:

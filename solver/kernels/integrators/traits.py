@@ -2,17 +2,14 @@
 
 from typing import NamedTuple
 
-from ..layout.spaces import UNKNOWN_METHOD
+from ..layout.spaces import OK
 from ..numba_ext.jit import kernel, leaf
-from . import central_difference, dormand_prince, modal, order_8, rosenbrock
+from . import dormand_prince, modal, order_8, rosenbrock
 
-FIXED = 0  # central differences
 ORDER_5 = 1
 ORDER_8 = 2
 LINEARLY_IMPLICIT = 3
 MODES = 4
-UNKNOWN = 5
-NONE = 6  # no step at all
 
 
 class Traits(NamedTuple):
@@ -41,13 +38,9 @@ def traits_of(method):
 def attempt_by(method, column, t, h):
     """One step of h seconds by this method; returns (code, error in tolerances)."""
     if method == ORDER_5:
-        return dormand_prince.attempt(column, t, h)
+        return OK, dormand_prince.attempt(column, t, h)
     if method == ORDER_8:
-        return order_8.attempt(column, t, h)
+        return OK, order_8.attempt(column, t, h)
     if method == LINEARLY_IMPLICIT:
-        return rosenbrock.attempt(column, t, h)
-    if method == MODES:
-        return modal.attempt(column, t, h)
-    if method == FIXED:
-        return central_difference.attempt(column, t, h)
-    return UNKNOWN_METHOD, 0.0
+        return OK, rosenbrock.attempt(column, t, h)
+    return modal.attempt(column, t, h)

@@ -7,8 +7,8 @@
     work    space WORK      scratch: nothing in it outlives a call but responses of modes
 
 Block 1 is the top block, joint i lies under block i. A *phase* is coordinates, rates, accelerations: the coordinates
-are the rotations theta relative to the base and the joint openings (formulation exact), or in their places the
-displacements v and the settlements w (paper). Where joints may slide, a second part of the phase follows, with the
+are the rotations theta relative to the base and the joint openings, or in their places the displacements v and the
+settlements w of the paper (kernels/paper/). Where joints may slide, a second part of the phase follows, with the
 slips as coordinates; otherwise it is unused.
 """
 
@@ -17,11 +17,7 @@ from typing import Any
 from ..numba_ext.jit import in_both
 from ..numba_ext.views import Numbers, Record, Space, Table
 
-# --- formulations, integrators and short cuts, as stored in the settings
-EXACT = 0
-PAPER = 1
-AUTO = 0
-CENTRAL_DIFFERENCE = 1
+# --- short cuts, as stored in the settings
 ELASTIC = 1  # modes instead of joints while all of these are in full contact
 REST = 2  # no steps while the column rests on a base that does not accelerate
 DASHPOTS = 4  # no dashpot in a joint without damping
@@ -33,11 +29,9 @@ EXTREMES = 32  # no short cut: peaks of more than u_x
 SETTINGS = Record(
     "n",  # number of blocks
     "gravity",  # m/s2
-    "formulation",
-    "integrator",
-    "step",  # s, fixed-step integrators
-    "tolerance",  # of a step, relative to the peak, error-controlled integrators
-    "first_step",  # s, first trial of error-controlled integrators
+    "step",  # s, of the paper's fixed steps
+    "tolerance",  # of a step, relative to the peak
+    "first_step",  # s, first trial
     "rotation_floor",  # rad, least rotation that errors are measured against
     "rate_floor",  # rad/s, least rate that errors are measured against
     "without",  # sum of the short cuts that are not to be taken
@@ -89,13 +83,11 @@ BLOCKS = Table(
     "bore_below",  # m, inner diameter of that face
     "slipped",  # section once there is a slip
     "overhangs",  # 1 where the contact face reaches beyond the face below as built
-    "turn_size",  # first coordinate when the column turns by 1 rad: 1 (exact), height of the top face (paper)
     "open_size",  # m, opening with the elastic energy of a joint rotation of 1 rad: radius of gyration of the contact
-    "per_turn_size",
     "per_open_size",
     "fall_angle",  # rad, rotation of the block or its joint beyond which it cannot come back
     "pivot",  # 1/kg, inverse pivot and
-    "coupling",  # multiplier of the factorized horizontal mass matrix (formulation paper)
+    "coupling",  # multiplier of the factorized horizontal mass matrix of the paper
     strips=STRIP_NUMBERS,
     together={"law": LAW},
 )
@@ -246,7 +238,7 @@ JOINTS = Table(
     "sliding",  # 1 or -1: the joint slides that way, 0: it sticks; an input of an evaluation
     "overcome",  # 1 once an evaluation found a joint that sticks beyond what it bears
 )
-# of one evaluation; each formulation names its own
+# of one evaluation, which names its own
 ROOM = Table("a", "b", "c", "d", "e", "f", "g", "h", "i", "j", "k", "l", "m", "n", "o")
 HOLD = Table(
     "held",  # regime that the joint is held in; 0 is whichever applies
@@ -306,11 +298,10 @@ HAS_OVERTURNED = 1  # the state is held; not an error
 STEP_TOO_SMALL = -1
 NOT_CONVERGED = -2
 NOT_FINITE = -3
-ROTATES = -4  # the base, which the formulation does not know
+ROTATES = -4  # the base, which the paper does not know
 TOO_MUCH_WORK = -5  # more evaluations than any column takes
 INPUT_TOO_LARGE = -6
-UNKNOWN_METHOD = -7
-CALL_TOO_LONG = -8  # shorter ones can be made
+CALL_TOO_LONG = -7  # shorter ones can be made
 MOST_INPUT = 1e6  # of each input of the base, in its unit
 
 

@@ -10,7 +10,7 @@ import hashlib
 import warnings
 from collections.abc import Callable
 from contextlib import suppress
-from functools import wraps
+from functools import partial, wraps
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -66,21 +66,31 @@ def as_written(function: Callable[..., Any], arguments: tuple[Any, ...]) -> tupl
     return module, name
 
 
-def by_width(chooses: Callable[..., Any]) -> Callable[..., Any]:
+def by_width(chooses: Callable[..., Any], leaf: bool = True) -> Callable[..., Any]:
     """A function of kernels whose code `chooses` returns by the types of its arguments: numbers or lanes."""
 
     @wraps(chooses)
     def function(*_: Any, **__: Any) -> NoReturn:
         raise NotImplementedError("for kernels only")
 
-    another_width(function)(chooses)
+    overload(function, jit_options={**_INSIDE, "forceinline": leaf})(chooses)  # type: ignore
     return function
 
 
-def another_width(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Decorator of what chooses code for types of arguments for which `function` has none yet."""
-    chooses: Callable[..., Any] = overload(function, jit_options={**_INSIDE, "forceinline": True})  # type: ignore
-    return chooses
+def varied(function: Callable[..., Any], leaf: bool = False) -> Any:
+    """A kernel, or leaf, that has other versions for some types of arguments: decorated by its `version(suits)`."""
+    versions: list[tuple[Callable[..., bool], Callable[..., Any]]] = []
+
+    @wraps(function)
+    def chooses(*types: Any) -> Any:
+        return next((own for suits, own in versions if suits(*types)), function)
+
+    made: Any = by_width(chooses, leaf)
+    made.version = lambda suits: lambda own: versions.append((suits, own))
+    return made
+
+
+varied_leaf = partial(varied, leaf=True)
 
 
 def _sources() -> str:

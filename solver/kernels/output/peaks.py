@@ -8,9 +8,8 @@ not accurate enough, parabolic interpolation repeats until the predicted gain is
 In columns whose joints can slide all steps are examined.
 """
 
-from ..formulations.base_motion import base_motion, base_turn
-from ..formulations.dispatch import is_exact
-from ..formulations.exact import Motion
+from ..formulations.base_motion import base_motion
+from ..formulations.dispatch import base_as_shown
 from ..formulations.outputs import show
 from ..formulations.slips import evaluate_after_jump, phase_size
 from ..integrators.bracket import bracket, narrowed, trial_within
@@ -66,7 +65,7 @@ def track_extremes(column, t, h):
     begin, end = _seen(work, 0), _seen(work, PIECES)
     for j in range(_PER_N * n + _BESIDE):
         begin[j] = end[j]
-    _show(column, work.end, work.joints, _base_as_shown(column, t + h), end)
+    _show(column, work.end, work.joints, base_as_shown(column, t + h), end)
     roughly = _see_middle(column, t, h)
     if not _raise_by_end(column) and not can_slide(column.model):
         return
@@ -104,14 +103,6 @@ def _allow(column):
             allowed[j] = part * max(peaks[j], QUIET * largest)
     for j in range(_OF_JOINTS * n, _OF_JOINTS * n + _BESIDE):
         allowed[j] = part * peaks[j]
-
-
-@leaf
-def _base_as_shown(column, t):
-    """The motion of the base at time t as in output rows, which in the exact formulation show its rotation only."""
-    if is_exact(column.model):
-        return Motion(0.0, 0.0, base_turn(column.base, t), 0.0, 0.0)
-    return base_motion(column.base, column.samples, t)
 
 
 @kernel
@@ -175,7 +166,7 @@ def _see_middle(column, t, h):
     if can_slide(column.model) or not (refines or known):
         _see_within(column, t, h, MIDDLE / PIECES, middle)
         return False
-    motion = _base_as_shown(column, t + h * (MIDDLE / PIECES))
+    motion = base_as_shown(column, t + h * (MIDDLE / PIECES))
     if known:
         _show(column, stage(work, 1), work.joints_halfway, motion, middle)
     else:

@@ -6,7 +6,7 @@ Watching never changes the steps. It costs evaluations of its own (`counts.looks
 from typing import NamedTuple
 
 from ..formulations.base_motion import base_motion, base_rotates, base_spin, base_turn
-from ..formulations.dispatch import is_exact, reach_of, top_motion
+from ..formulations.dispatch import reach_of, top_motion
 from ..formulations.slips import note_directions, phase_size, size_of_snapshot, take_directions
 from ..integrators.interpolation import (
     interpolate_acceleration,
@@ -47,7 +47,7 @@ def begin_watching(column, watch, motion, evaluated):
         return
     work, peaks = column.work, column.state.peaks
     tops = work.tops
-    top_motion(column.model, work.start, tops.start_ux, tops.start_rate, motion.theta, motion.omega)
+    top_motion(column, work.start, tops.start_ux, tops.start_rate, motion.theta, motion.omega)
     for i in range(column.model.n):
         peaks[i] = max(peaks[i], abs(tops.start_ux[i]))
     if _keeps_all(column, watch):
@@ -89,8 +89,8 @@ def track_peaks(column, t, h):
     reach = 0.0
     passed = base_rotates(column.base)
     for i in range(n - 1, -1, -1):
-        reach += reach_of(model, end.theta, end.opening, i)
-        reach += h * reach_of(model, end.theta_rate, end.opening_rate, i)
+        reach += reach_of(column, end.theta, end.opening, i)
+        reach += h * reach_of(column, end.theta_rate, end.opening_rate, i)
         if can_slide(model):
             offset = model.blocks.offset[i]
             reach += abs(end.slip[i] - offset) + h * abs(end.slip_rate[i])
@@ -101,8 +101,8 @@ def track_peaks(column, t, h):
         return
     tops = work.tops
     base = column.base
-    top_motion(model, work.start, tops.start_ux, tops.start_rate, base_turn(base, t), base_spin(base, t))
-    top_motion(model, end, tops.end_ux, tops.end_rate, base_turn(base, t + h), base_spin(base, t + h))
+    top_motion(column, work.start, tops.start_ux, tops.start_rate, base_turn(base, t), base_spin(base, t))
+    top_motion(column, end, tops.end_ux, tops.end_rate, base_turn(base, t + h), base_spin(base, t + h))
     for i in range(n):
         d0, d1 = tops.start_ux[i], tops.end_ux[i]
         v0, v1 = tops.start_rate[i], tops.end_rate[i]
@@ -113,7 +113,7 @@ def track_peaks(column, t, h):
             s = turning_point(d0, v0, d1, v1, h)
             interpolate_phase(work, h, s)
             turn, spin = base_turn(base, t + s * h), base_spin(base, t + s * h)
-            top_motion(model, work.between, tops.between_ux, tops.between_rate, turn, spin)
+            top_motion(column, work.between, tops.between_ux, tops.between_rate, turn, spin)
             peaks[i] = max(peaks[i], abs(tops.between_ux[i]))
 
 
@@ -150,9 +150,8 @@ def take_snapshots(column, watch, t, h):
             stored.coordinates[place], stored.rates[place] = value_of(course, _within_step(watch, k, t, per_step))
     for k in range(first_row, counts.next_row):
         snapshot, s = _snapshot(watch.snapshots[size * k :], n), _within_step(watch, k, t, per_step)
-        if not is_exact(column.model):  # accelerations are computed with the row; the sweeps need a first guess
-            for i in range(2 * n):
-                snapshot.phase.accelerations[i] = interpolate_acceleration(work, i, s)
+        for i in range(2 * n):  # a guess: they are computed with the row
+            snapshot.phase.accelerations[i] = interpolate_acceleration(work, i, s)
         note_directions(work, snapshot.phase)
         motion = base_motion(column.base, column.samples, t + s * h)
         snapshot.base.ax = motion.ax

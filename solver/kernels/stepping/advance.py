@@ -1,10 +1,9 @@
 """The one stepping loop.
 
-A step is planned (`plan_fixed`, `plan_modal` or `plan_general`), tried by its method, judged, which may cut it short,
+A step is planned (`plan_modal` or `plan_general`), tried by its method, judged, which may cut it short,
 and finished: scales and peaks are updated, requested results stored, and its end becomes the start of the next.
 """
 
-import math
 from typing import NamedTuple
 
 from ..formulations.base_motion import (
@@ -16,27 +15,24 @@ from ..formulations.base_motion import (
     smooth_reach,
     to_next_sample,
 )
-from ..formulations.dispatch import evaluate_at, is_exact
+from ..formulations.dispatch import evaluate_at
 from ..formulations.exact import STILL
 from ..formulations.slips import evaluate_after_jump, note_directions, phase_size, take_directions
 from ..integrators import modal
 from ..integrators.error import error_in_tolerances
 from ..integrators.interpolation import begin, interpolate_phase, refinement
 from ..integrators.stage import stage
-from ..integrators.traits import FIXED, MODES, NONE, UNKNOWN, attempt_by, traits_of
+from ..integrators.traits import MODES, attempt_by, traits_of
 from ..joint.sliding import can_slide
 from ..layout.spaces import (
-    AUTO,
     CALL_TOO_LONG,
-    CENTRAL_DIFFERENCE,
     HAS_OVERTURNED,
     INPUT_TOO_LARGE,
     OK,
-    SLACK,
     STEP_TOO_SMALL,
     TOO_MUCH_WORK,
 )
-from ..numba_ext.jit import kernel, leaf
+from ..numba_ext.jit import kernel, leaf, varied
 from ..numba_ext.views import copy
 from ..output.watch import begin_watching, take_held_snapshots, watch_step
 from .condition import has_fallen, is_quiet, moment_of_overturning, rests, take_stock, widest_joint
@@ -64,6 +60,7 @@ KINKS = 20.0
 
 ROUNDING = 1e-13  # of the base acceleration: less is no jump
 REJECTED = 0.0  # s made by a step that is to be tried again
+ENDS = -1.0  # the same where the call is to end before
 
 
 # --- the base under the state
@@ -112,15 +109,6 @@ class Plan(NamedTuple):
 
 
 @kernel
-def plan_fixed(column, left):
-    """A step of the length given by the settings, or a little shorter to end exactly."""
-    # rounding: a remainder of 0.00999...98 or 0.0100...02 is one step of 0.01
-    pieces = max(1.0, math.ceil(left / column.model.settings.step * (1.0 - SLACK)))
-    begin(column.work, False)
-    return Plan(FIXED, left if pieces == 1.0 else left / pieces, False)
-
-
-@kernel
 def plan_modal(column, step, left):
     """A step by modes, of about `step` s."""
     begin(column.work, False)
@@ -141,7 +129,7 @@ def plan_general(column, t, left):
         roughest = KINKS * settings.tolerance * column.state.control.rate_scale * length
         reach = smooth_reach(column.base, column.samples, t, step, left, roughest)
     step = shared(step, reach)
-    held = traits.holds and is_exact(column.model) and column.counts.unheld == 0
+    held = traits.holds and column.counts.unheld == 0
     if held:
         hold(column, step)
         step = min(step, expected_change(column, step))
@@ -152,34 +140,16 @@ def plan_general(column, t, left):
 
 
 @kernel
-def plan_step(column, t, left, to_sample):
-    """The next step, of which `left` s remain in all and `to_sample` until the next sample of a record."""
-    integrator = column.model.settings.integrator
-    if integrator == AUTO:
-        step = elastic_step(column, to_sample)
-        if step > 0.0:
-            return plan_modal(column, step, to_sample)
-        if column.counts.until_opening == 1:
-            return Plan(NONE, 0.0, False)
-    modal.forget(column.work)
-    if integrator == AUTO:
-        return plan_general(column, t, left)
-    return plan_fixed(column, to_sample) if integrator == CENTRAL_DIFFERENCE else Plan(UNKNOWN, left, False)
-
-
-@kernel
 def judge_step(column, plan, t, code, error):
     """Judge a step just tried. Returns (code, s made, whether it has to be repeated up to there)."""
     counts = column.counts
     method, step, held = plan
-    if method in (FIXED, UNKNOWN):
-        return code, step, False
     if method == MODES:
         control = column.state.control
         accepted = accepts_elastic(counts, control, step, code, error, ELASTIC_COST)
         return OK, step if accepted else REJECTED, False
-    if not accepts(column, method, step, code, error):
-        return _reject(column, t, code), REJECTED, False
+    if not accepts(column, method, step, error):
+        return _reject(column, t), REJECTED, False
     counts.unheld = 0
     if counts.elastic_wait > 0:
         counts.elastic_wait -= 1
@@ -255,12 +225,11 @@ def end_within(column, t, h, fraction, fine):
 
 
 @kernel
-def _reject(column, t, code):
-    """Have a step at time t tried again, as short as is now proposed; `code`: of its trial. Returns a code."""
+def _reject(column, t):
+    """Have a step at time t tried again, as short as is now proposed. Returns a code."""
     release(column)
-    if is_too_short(column.state.control.next_step, column.model.settings.first_step, t):
-        return code if code != OK else STEP_TOO_SMALL
-    return OK
+    too_short = is_too_short(column.state.control.next_step, column.model.settings.first_step, t)
+    return STEP_TOO_SMALL if too_short else OK
 
 
 @kernel
@@ -269,10 +238,10 @@ def repeat_step(column, method, t, step):
 
     A joint that hardly moves may begin the shorter step in another regime: the step is judged again.
     """
-    code, error = attempt_by(method, column, t, step)
-    if code != OK or not error <= 1.0:
-        accepts(column, method, step, code, error)
-        return _reject(column, t, code), REJECTED
+    _, error = attempt_by(method, column, t, step)
+    if not error <= 1.0:
+        accepts(column, method, step, error)
+        return _reject(column, t), REJECTED
     release(column)
     return evaluate_at(column, column.work.end, t + step), step
 
@@ -306,6 +275,30 @@ def finish_step(column, watch, t, step):
             begin_watching(column, watch, motion, True)
         return code, step
     return OK, step
+
+
+@varied
+def take_step(column, watch, t, left, to_sample):
+    """The next step, of which `left` s remain in all and `to_sample` in this segment. Returns (code, s made)."""
+    if is_quiet(column.base, column.samples) and rests(column, column.work.start):
+        _rest_until(column, watch, t, to_sample)
+        return OK, to_sample
+    anchor_wave(column.base, t)
+    elastic = elastic_step(column, to_sample)
+    if elastic > 0.0:
+        plan = plan_modal(column, elastic, to_sample)
+    elif column.counts.until_opening == 1:
+        return OK, ENDS
+    else:
+        modal.forget(column.work)
+        plan = plan_general(column, t, left)
+    code, error = attempt_by(plan.method, column, t, plan.step)
+    code, made, again = judge_step(column, plan, t, code, error)
+    if again:
+        code, made = repeat_step(column, plan.method, t, made)
+    if code == OK and made > 0.0:
+        code, made = finish_step(column, watch, t, made)
+    return code, made
 
 
 # --- from t to t + h
@@ -379,24 +372,13 @@ def advance(column, t, h, watch):
             return CALL_TOO_LONG
         now = t + elapsed
         to_sample = to_next_sample(base, samples, now, h - elapsed)
-        if is_quiet(base, samples) and rests(column, work.start):
-            _rest_until(column, watch, now, to_sample)
-            made = to_sample
-        else:
-            anchor_wave(base, now)
-            plan = plan_step(column, now, h - elapsed, to_sample)
-            if plan.method == NONE:
-                break
-            code, error = attempt_by(plan.method, column, now, plan.step)
-            code, made, again = judge_step(column, plan, now, code, error)
-            if again:
-                code, made = repeat_step(column, plan.method, now, made)
-            if code == OK and made > 0.0:
-                code, made = finish_step(column, watch, now, made)
-            if code != OK:
-                return code
-            if made == REJECTED:
-                continue
+        code, made = take_step(column, watch, now, h - elapsed, to_sample)
+        if code != OK:
+            return code
+        if made == ENDS:
+            break
+        if made == REJECTED:
+            continue
         if counts.overturned > 0:
             elapsed += made
             break

@@ -3,16 +3,21 @@
 import math
 
 from ..formulations.base_motion import base_rotates, is_silent
-from ..formulations.dispatch import is_exact, rotation
 from ..integrators.interpolation import interpolate_phase
 from ..joint.sliding import can_slide, slip_of
-from ..layout.spaces import AUTO, NOT_FINITE, OK, REST
-from ..numba_ext.jit import kernel, leaf
+from ..layout.spaces import NOT_FINITE, OK, REST
+from ..numba_ext.jit import kernel, leaf, varied_leaf
 from ..sections.section import ends_of, full_stiffness
 
 # Weight of openings in the scale of errors: an error that is small in flight is large at the landing.
 FLIGHT_PART = 1e-3
 HALVINGS = 40  # of a step, to find the moment of overturning
+
+
+@varied_leaf
+def rotation(model, row, i):
+    """Rotation of block i relative to the base, rad clockwise, from the first coordinates; the base is block n."""
+    return row[i] if i < model.n else 0.0
 
 
 @kernel
@@ -62,17 +67,15 @@ def moment_of_overturning(column, h):
 def take_stock(column, phase, h):
     """Scales, regime and validity after a step of h seconds to a phase. Returns a code."""
     blocks, control, joints = column.model.blocks, column.state.control, column.work.joints
-    exact = is_exact(column.model)
     turned = control.rotation_scale
     spun = control.rate_scale
     full, flight = True, False
     sum_all = 0.0
     for i in range(column.model.n):
-        per_size = blocks.per_turn_size[i]
-        turned = max(turned, abs(phase.theta[i]) * per_size)
-        spun = max(spun, abs(phase.theta_rate[i]) * per_size)
+        turned = max(turned, abs(phase.theta[i]))
+        spun = max(spun, abs(phase.theta_rate[i]))
         opening = phase.opening[i]
-        if exact and opening > 0.0:  # as the corner of a joint that rotates about the other one
+        if opening > 0.0:  # as the corner of a joint that rotates about the other one
             half_width = 0.5 * blocks.width[i]
             turned = max(turned, FLIGHT_PART * opening / half_width)
             spun = max(spun, abs(phase.opening_rate[i]) / half_width)
@@ -118,7 +121,7 @@ def is_quiet(base, samples):
 def rests(column, phase):
     """Whether the column is at rest under its weight at a phase, except for a motion below the tolerance."""
     settings, blocks, control = column.model.settings, column.model.blocks, column.state.control
-    if not is_exact(column.model) or settings.integrator != AUTO or int(settings.without) & REST:
+    if int(settings.without) & REST:
         return False
     turn = settings.tolerance * control.rotation_scale
     spin = settings.tolerance * control.rate_scale

@@ -3,7 +3,6 @@
 import math
 
 from ..formulations.base_motion import wave_amplitude
-from ..formulations.dispatch import is_exact
 from ..formulations.slips import something_slides
 from ..integrators import modal
 from ..integrators.traits import LINEARLY_IMPLICIT, ORDER_5, ORDER_8, traits_of
@@ -98,8 +97,6 @@ def general_step(column, left):
     """
     counts, control = column.counts, column.state.control
     step = within_a_cycle(column, control.next_step)
-    if not is_exact(column.model):
-        return ORDER_5, step
     explicit = ORDER_8 if column.model.settings.explicit_order == 8.0 else ORDER_5
     if int(column.model.settings.without) & IMPLICIT or something_slides(column.work):
         return explicit, min(step, control.explicit_step) if counts.implicit == 1 else step
@@ -159,16 +156,16 @@ def go_on(control, step, error, per_order):
 
 
 @kernel
-def accepts(column, method, step, code, error):
+def accepts(column, method, step, error):
     """Whether a step just tried is accurate enough; sets the length of the next one either way."""
     counts, control = column.counts, column.state.control
     traits = traits_of(method)
     per_order = 1.0 / traits.order
-    if code != OK or not error <= 1.0:
+    if not error <= 1.0:
         counts.rejected += 1
         if traits.implicit and counts.implicit == 0:  # a failed trial: continue as before
             return False
-        shorten(control, step, error if code == OK else math.inf, per_order)
+        shorten(control, step, error, per_order)
         return False
     whole = go_on(control, step, error, per_order)
     if traits.implicit:

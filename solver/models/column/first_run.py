@@ -19,15 +19,13 @@ from typing import Any
 import numpy as np
 from numba import typeof
 
-from ...kernels.api.entries import assemble_column, observe_snapshots, observe_state, run
+from ...kernels.api import entries as exact
 from ...kernels.numba_ext.jit import CODE
 from .packing import unwritten
 from .stepper import SILENCE
 
-_ENTRIES: tuple[Any, ...] = (run, assemble_column, observe_snapshots, observe_state)
 
-
-def are_kept(entry: Any = run) -> bool:
+def are_kept(entry: Any = exact.run) -> bool:
     """Whether the machine code of an entry is in the cache on disk, or in this process."""
     if entry.overloads:
         return True
@@ -35,29 +33,33 @@ def are_kept(entry: Any = run) -> bool:
     return folder is not None and any(Path(folder).glob(f"*.{entry.__name__}_{CODE}*.nbc"))
 
 
-def make_kernels() -> None:
-    """Have the entries that every run needs in this process: read from the disk, or compiled."""
-    if all(entry.overloads for entry in _ENTRIES):
+def make_kernels(entries: Any = exact) -> None:
+    """Have the entries of a module that every run needs in this process: read from the disk, or compiled."""
+    needed = entries.run, entries.assemble_column, entries.observe_snapshots, entries.observe_state
+    if all(entry.overloads for entry in needed):
         return
-    beside = None if are_kept() else _process_beside()
+    beside = None if are_kept(entries.run) else _process_beside(entries)
     try:
         with _collecting_seldom():
-            compile_for(run, *_column(), *SILENCE.arguments, 0.0, 0.0, np.empty(0), np.empty(0), True)
+            compile_for(entries.run, *_column(), *SILENCE.arguments, 0.0, 0.0, np.empty(0), np.empty(0), True)
         if beside is not None:
             beside.wait()
     finally:
         if beside is not None:
             beside.kill()
-    compile_the_rest()  # read from the disk where the other process left it
+    compile_the_rest(entries)  # read from the disk where the other process left it
 
 
-def _process_beside() -> subprocess.Popen[bytes] | None:
+def _process_beside(entries: Any) -> subprocess.Popen[bytes] | None:
     """A process that compiles the rest; none in a worker of a pool, nor where Python is embedded in another program."""
-    cached = run.stats.cache_path is not None  # type: ignore[attr-defined]
+    cached = entries.run.stats.cache_path is not None
     is_python = Path(sys.executable or "").stem.lower().startswith("python")
     if not cached or not is_python or multiprocessing.parent_process() is not None:
         return None
-    command = [sys.executable, "-P", "-c", f"from {__name__} import compile_the_rest; compile_the_rest()"]
+    program = (
+        f"import {entries.__name__} as entries; from {__name__} import compile_the_rest; compile_the_rest(entries)"
+    )
+    command = [sys.executable, "-P", "-c", program]
     environment = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
     quiet: dict[str, Any] = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.DEVNULL)
     try:
@@ -66,13 +68,13 @@ def _process_beside() -> subprocess.Popen[bytes] | None:
         return None
 
 
-def compile_the_rest() -> None:
+def compile_the_rest(entries: Any) -> None:
     """Compile, or read from the disk, all entries that a run needs besides `run`."""
     row = np.empty(0)
     with _collecting_seldom():
-        compile_for(assemble_column, *_column(), row, 1, row, row)
-        compile_for(observe_snapshots, *_column(), row, row, 1)
-        compile_for(observe_state, *_column(), *SILENCE.arguments, 0.0, row, row)
+        compile_for(entries.assemble_column, *_column(), row, 1, row, row)
+        compile_for(entries.observe_snapshots, *_column(), row, row, 1)
+        compile_for(entries.observe_state, *_column(), *SILENCE.arguments, 0.0, row, row)
 
 
 @contextmanager

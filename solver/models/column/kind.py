@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Collection, Hashable, Mapping, Sequence
 from functools import partial
+from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -12,13 +13,14 @@ from numpy.typing import NDArray
 
 from ...common.errors import InputError
 from ...ground.motion import Motion, check_in_plane
+from ...kernels.api import entries
 from ..protocol import LANES, OVERTURNED, Lanes, Plan, Run, Work, code_of
 from ..uncertainty import Varied
 from .first_run import make_kernels
 from .kept import KEPT, WATCHED
 from .kinematics import Chain, chain_of
 from .lane_policy import HELD, first_step_of, kind_of, why_not_in_lanes
-from .lanes import KINDS, BatchResult, follow_in_lanes, load_kernels, run_batch
+from .lanes import BatchResult, Kind, follow_in_lanes, lanes_of, load_kernels, run_batch
 from .model import Column
 from .numbers import column_with, is_of_column, single_names
 from .outputs import OUTPUTS
@@ -30,13 +32,21 @@ from .settling import outcomes_of
 
 LEFT = ("residual_ux", "residual_theta", "residual_slip", "energy")  # results from the phase at the end
 MOST_DAMPED = 0.5  # of the steps implicit: beyond it lanes, which step explicitly, gain nothing
-# work of a run alone, and of one in the formulation of the paper, over that in lanes
-ALONE, FIXED = 10.0, 300.0
-FIXED_IN_LANES = 1.3e-3  # s: and over its fixed step in lanes
+ALONE = 10.0  # work of a run alone, over that in lanes
 
 
 class Columns:
-    """Columns in their plane."""
+    """Columns in their plane, with finite rotations; models/paper/kind.py has other equations.
+
+    entries: module of the kernels; chain: what a phase means; own_lanes: all that it has, None: those of lanes.py;
+    fixed: whether the steps are those of the settings.
+    """
+
+    entries: ModuleType = entries
+    chain: type[Chain] = Chain
+    own_lanes: Kind | None = None
+    fixed = False
+    why_not = staticmethod(why_not_in_lanes)
 
     word = "column"
     across = False
@@ -64,7 +74,7 @@ class Columns:
 
     def single_run(self, model: Column, plan: Plan) -> tuple[Response, FloatArray]:
         """A response, and ux of the tops."""
-        make_kernels()
+        make_kernels(self.entries)
         response, phases = single_run(model, plan)
         return response, chain_of(model).top_displacements(phases)
 
@@ -82,7 +92,11 @@ class Columns:
 
     def lanes(self, model: Column, keep: Collection[str]) -> Lanes:
         """Lanes watch the peaks of ux alone."""
-        return Lanes(why_alone(model, keep), (model.n, kind_of(model)), first_step_of(model))
+        return Lanes(self.why_alone(model, keep), (model.n, kind_of(model)), first_step_of(model))
+
+    def why_alone(self, model: Column, keep: Collection[str]) -> str:
+        """Why runs of a column are not made in lanes; empty where they are, unless the motion has HELD samples."""
+        return self.why_not(model) or ("" if WATCHED.isdisjoint(keep) else "peaks of more than ux")
 
     def under(self, model: Column, motion: Motion) -> tuple[str, Hashable]:
         """Lanes know no held samples."""
@@ -100,12 +114,12 @@ class Columns:
         batch = follow_in_lanes(columns, motions, durations, flag=flag)
         if flag[0]:
             return {}, batch.finished
-        if KINDS[kind_of(columns[0])].slips:
+        if lanes_of(columns).slips:
             chain = None
             chains = [chain_of(column) for column in columns]
             left = {name: np.array([*map(partial(_at_the_end, name), chains, batch.ends)]) for name in _left(keep)}
         else:
-            chain = Chain.of_many(batch.models, columns[0].n)
+            chain = self.chain.of_many(batch.models, columns[0].n)
             left = {name: np.array(_at_the_end(name, chain, batch.ends)) for name in _left(keep)}
         for values in left.values():
             values[batch.overturned_joint > 0] = math.nan
@@ -134,12 +148,8 @@ class Columns:
         return {name: left[name] if name in left else response.kept(name) for name in keep}
 
     def work(self, model: Column, keep: Collection[str]) -> Work:
-        """By the formulation, and whether it is in lanes."""
-        alone, settings = bool(why_alone(model, keep)), model.settings
-        part = ALONE if alone else 1.0
-        if settings.formulation != "exact":
-            part = FIXED if alone else FIXED_IN_LANES / settings.step
-        return Work(0.0, model.n * part)
+        """By whether it is in lanes."""
+        return Work(0.0, model.n * (ALONE if self.why_alone(model, keep) else 1.0))
 
     # --- numbers by name
 
@@ -159,14 +169,8 @@ class Columns:
 
     def in_lanes(self, response: Response, plan: Plan) -> bool:
         """Those of the linear law whose steps are mostly explicit, from rest."""
-        settings = response.column.settings
-        fits = (
-            not response.column.other_law
-            and not response.column.has_bands
-            and settings.formulation == "exact"
-            and settings.integrator == "auto"
-            and set(settings.without) <= {"peaks"}
-        )
+        column = response.column
+        fits = not (column.other_law or column.has_bands) and set(column.settings.without) <= {"peaks"}
         explicit = response.stats["implicit_steps"] <= MOST_DAMPED * response.stats["steps"]
         return fits and explicit and not plan.motion.hold and plan.initial is None
 
@@ -189,12 +193,7 @@ class Columns:
         return made
 
 
-COLUMNS = Columns()
-
-
-def why_alone(column: Column, keep: Collection[str]) -> str:
-    """Why runs of a column are not made in lanes; empty where they are, unless the motion has HELD samples."""
-    return why_not_in_lanes(column) or ("" if WATCHED.isdisjoint(keep) else "peaks of more than ux")
+KIND = Columns()
 
 
 def _left(keep: Collection[str]) -> list[str]:

@@ -57,6 +57,7 @@ class Joints(NamedTuple):
 class Chain:
     """The data of a column as rows of n numbers, the top block first."""
 
+    safe = 0.97  # of a barrier: the largest energy of a column that is taken to stand (verdict.py)
     rectangles: NDArray[np.bool_]
     rest: FloatArray | None = None  # phase; the energy there is subtracted from others
 
@@ -71,7 +72,7 @@ class Chain:
 
     @classmethod
     def of_many(cls, models: FloatArray, n: int) -> Chain:
-        """The data of many columns of n blocks and one formulation, none with slips: arrays (columns, n).
+        """The data of many columns of n blocks, none with slips: arrays (columns, n).
 
         models: packed (packing.py), a row for each column; no joint is made of strips.
         """
@@ -84,7 +85,7 @@ class Chain:
     def _read(self, models: FloatArray, n: int) -> None:
         seen = at.MODEL.see(models.T, n)
         settings, blocks = seen.settings, seen.blocks
-        self.model, self.n, self.exact = models, n, bool(np.all(settings.formulation == at.EXACT))
+        self.model, self.n = models, n
         self.g: FloatArray = np.array(settings.gravity)[..., None]  # m/s2
         rows: list[FloatArray] = [getattr(blocks, name).T.copy() for name in _OF_BLOCKS]
         self.height, self.centroid, self.mass, self.inertia, self.width, self.stiffness, self.bore, *others = rows
@@ -108,24 +109,21 @@ class Chain:
         return chain
 
     def places(self, phase: FloatArray) -> Places:
-        """Rotations and openings of a phase of either formulation."""
+        """Rotations and openings of a phase."""
         n = self.n
-        first, last, first_rate, last_rate, *slips = (phase[..., k : k + n] for k in range(0, phase.shape[-1], n))
-        if self.exact:
-            return Places(first, last, first_rate, last_rate, *slips)
-        return Places(
-            _over_below(first) / self.height, -_over_below(last), _over_below(first_rate) / self.height,
-            -_over_below(last_rate),
-        )  # fmt: skip
+        return Places(*(phase[..., k : k + n] for k in range(0, phase.shape[-1], n)))
+
+    @staticmethod
+    def coordinates(height: FloatArray, theta: FloatArray, opening: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """The coordinates of a phase, or its rates, from rotations and openings, or theirs."""
+        return theta, opening
 
     def top_displacements(self, phase: FloatArray) -> FloatArray:
         """Horizontal displacements of the top faces, relative to the base and from as built, m, (..., n)."""
-        if not self.exact:
-            return phase[..., : self.n].copy()
         theta, opening, _, _, slip, _ = self.places(phase)
-        mean = theta - 0.5 * _over_below(theta) + self.lean
+        mean = theta - 0.5 * over_below(theta) + self.lean
         steps = opening * np.sin(mean) + slip * np.cos(mean) + self.height * np.sin(theta + self.tilt)
-        return _from_base(steps) - self.built_x
+        return from_base(steps) - self.built_x
 
     def energy(self, phase: FloatArray) -> float:
         """Kinetic, elastic and gravitational energy of one phase above that of the rest under gravity, J."""
@@ -154,7 +152,7 @@ class Chain:
 
     def joints(self, places: Places) -> Joints:
         """The joints in the plane."""
-        half_turn = 0.5 * _over_below(places.theta)
+        half_turn = 0.5 * over_below(places.theta)
         normal = np.exp(1j * (places.theta - half_turn + self.lean))
         return Joints(half_turn, normal, (places.opening + 1j * places.slip) * normal)
 
@@ -162,9 +160,9 @@ class Chain:
         """Of the centroids, m/s, (..., n)."""
         theta, _, spin, opening_rate, _, slip_rate = places
         turning = 1j * spin * np.exp(1j * (theta + self.tilt))  # times a length along the block: the rate of its end
-        mean_spin = spin - 0.5 * _over_below(spin)
+        mean_spin = spin - 0.5 * over_below(spin)
         steps = (opening_rate + 1j * slip_rate) * joints.normal + 1j * mean_spin * joints.step + self.height * turning
-        found: NDArray[np.complex128] = _from_base(steps) - (self.height - self.centroid) * turning
+        found: NDArray[np.complex128] = from_base(steps) - (self.height - self.centroid) * turning
         return found
 
     def elastic(self, opening: FloatArray, slope: FloatArray, slip: FloatArray | float = 0.0) -> FloatArray:
@@ -262,17 +260,18 @@ class Chain:
 @lru_cache(maxsize=64)
 def chain_of(column: Column) -> Chain:
     """The chain of a column, computed once; do not change it."""
-    return Chain(column)
+    chain: Chain = column.kind.chain(column)
+    return chain
 
 
-def _over_below(values: FloatArray) -> FloatArray:
+def over_below(values: FloatArray) -> FloatArray:
     """Differences between each block and the block below; the base is zero."""
     result: FloatArray = values.copy()
     result[..., :-1] -= values[..., 1:]
     return result
 
 
-def _from_base(steps: NDArray[Any]) -> NDArray[Any]:
+def from_base(steps: NDArray[Any]) -> NDArray[Any]:
     """Sums from the base up to each block."""
     summed: NDArray[Any] = steps[..., ::-1].cumsum(axis=-1)[..., ::-1]
     return summed

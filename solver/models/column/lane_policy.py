@@ -26,19 +26,8 @@ BANDS = "a round face on a straight one"  # the same of a column
 def why_not_in_lanes(column: Column) -> str:
     """Why runs of a column are not made in lanes; empty where they are, unless the motion has HELD samples."""
     settings = column.settings
-    fixed_step = settings.formulation == "paper"
-    if fixed_step and settings.integrator != "central-difference":
-        return f"formulation paper with the integrator {settings.integrator}"
-    if not fixed_step and settings.integrator != "auto":
-        return f"integrator {settings.integrator}"
-    if set(settings.without) - {"peaks", "implicit"}:
-        return "short cuts left out"
-    if column.other_law:  # the kernels of lanes have the linear law only
-        return f"joint.{column.other_law}"
-    if column.n > MOST_BLOCKS:
-        return f"more than {MOST_BLOCKS} blocks"
-    if fixed_step:
-        return "" if column.has_rectangles_only else "formulation paper with other joints than rectangles"
+    if why := why_no_lanes(column):
+        return why
     if settings.tolerance < TIGHTEST:
         return "tight tolerance"
     if column.has_bands:
@@ -46,17 +35,22 @@ def why_not_in_lanes(column: Column) -> str:
     return "stiff joints" if "implicit" not in settings.without and _is_stiff(column) else ""
 
 
+def why_no_lanes(column: Column) -> str:
+    """What of `why_not_in_lanes` holds for columns of any formulation."""
+    if set(column.settings.without) - {"peaks", "implicit"}:
+        return "short cuts left out"
+    if column.other_law:  # the kernels of lanes have the linear law only
+        return f"joint.{column.other_law}"
+    return f"more than {MOST_BLOCKS} blocks" if column.n > MOST_BLOCKS else ""
+
+
 def first_step_of(column: Column) -> float:
-    """A step, s, of about the length of the explicit ones, or the fixed one."""
-    if column.settings.formulation == "paper":
-        return column.settings.step
+    """A step, s, of about the length of the explicit ones."""
     return 0.1 / math.sqrt(2.0 * _dampers(column)[1])
 
 
 def kind_of(column: Column) -> str:
     """The kind of lanes that makes the runs of a column, a name of KINDS."""
-    if column.settings.formulation == "paper":
-        return "fixed step"
     if column.has_strips:
         return "strips, slipping"
     if column.has_rectangles_only:

@@ -23,14 +23,7 @@ from ...common.errors import InputError
 from ...common.turns import others_turn
 from ...ground.motion import Motion
 from ...kernels.api.entries import run
-from ...kernels.batch.entries import (
-    run_fixed_steps,
-    run_lanes,
-    run_round,
-    run_round_slipping,
-    run_slipping,
-    run_stripped,
-)
+from ...kernels.batch.entries import run_lanes, run_round, run_round_slipping, run_slipping, run_stripped
 from ...kernels.batch.runs import OUTCOME, RUN, SLIP_FIELDS, SPACE
 from ...kernels.layout import spaces as at
 from ...kernels.numba_ext.lanes import WIDTH
@@ -38,7 +31,6 @@ from .block import Block, Joint
 from .lane_policy import BANDS, enters_at_once, kind_of
 from .model import Column
 from .packing import Arrays, FloatArray, arrays_at, coordinates_of, copied
-from .settings import Settings
 
 # The error of steps across changes of regime exceeds the estimate: they get this part of the tolerance.
 # Measured on columns of 1 and 3 blocks (eta 1e-3 and 5e-3 s; harmonics, three records at half scale; tolerances of 1e-3
@@ -46,7 +38,6 @@ from .settings import Settings
 TOLERANCE_PART = 0.3
 
 MOST_ASSEMBLED = 64  # columns whose arrays are kept for their other runs
-STAGES = 6  # evaluations of a step
 LINE = 64  # bytes that the processor reads at once: lanes that lie across two of them cost a tenth more
 
 
@@ -56,17 +47,16 @@ class Kind(NamedTuple):
     follow: Callable[..., None]  # entry
     slips: bool = False  # whether the columns have slips
     section: str = "rectangle"  # beside rectangles, that of some joint
-    fixed_step: bool = False  # formulation `paper`, for which lanes keep no rows
+    stages: int = 6  # evaluations of a step
 
 
-# the later, the more sections; kinds with slips, without and of fixed steps never share lanes
+# the later, the more sections; kinds with slips and without never share lanes
 KINDS = {
     "plain": Kind(run_lanes),
     "round": Kind(run_round, section="circle"),
     "slipping": Kind(run_slipping, True),
     "round, slipping": Kind(run_round_slipping, True, "circle"),
     "strips, slipping": Kind(run_stripped, True, "strips"),
-    "fixed step": Kind(run_fixed_steps, fixed_step=True),
 }
 KNOW = tuple(KINDS)
 
@@ -140,15 +130,10 @@ def follow_in_lanes(
     times: FloatArray | None = None,
     flag: FloatArray | None = None,
 ) -> BatchResult:
-    """As `run_batch`, in one thread and unchecked; ends soon, without usable results, once flag[0] is not zero.
-
-    All columns have one formulation; without `times` it may be `paper`, at fixed steps.
-    """
+    """As `run_batch`, in one thread and unchecked; ends soon, without usable results, once flag[0] is not zero."""
     rows = _NONE if times is None else np.ascontiguousarray(times, dtype=np.float64)
     flag = np.zeros(1) if flag is None else flag
-    kinds = {kind_of(column) for column in columns}
-    kind = max(kinds, key=KNOW.index)  # with the same bits as the other kinds for the sections these know
-    batch = _Batch(columns[0].n, len(columns), _Records(motions, durations), rows, kind)
+    batch = _Batch(columns[0].n, len(columns), _Records(motions, durations), rows, lanes_of(columns))
     for k, (column, motion, duration) in enumerate(zip(columns, motions, durations, strict=True)):
         if not flag[0]:
             batch.begin(k, column, motion, float(duration))
@@ -156,12 +141,18 @@ def follow_in_lanes(
     return batch.result()
 
 
+def lanes_of(columns: Sequence[Column]) -> Kind:
+    """The kind of lanes with most sections, which has the same bits as the others for those that these know."""
+    own: Kind | None = columns[0].kind.own_lanes
+    return own or KINDS[max({kind_of(column) for column in columns}, key=KNOW.index)]
+
+
 def rest_in_lanes(
-    models: FloatArray, n: int, kind: str, phases: FloatArray, begin: FloatArray, end: FloatArray, flag: FloatArray
+    models: FloatArray, n: int, kind: Kind, phases: FloatArray, begin: FloatArray, end: FloatArray, flag: FloatArray
 ) -> BatchResult:
     """Follow columns of n blocks on a still base, in one thread and unchecked; `flag` as for `follow_in_lanes`.
 
-    models: as of BatchResult. kind: of KINDS. phases: (columns, 4 n) at the times `begin`, s.
+    models: as of BatchResult. phases: (columns, 4 n) at the times `begin`, s.
     """
     batch = _Batch(n, len(phases), _Records((), ()), _NONE, kind)
     batch.go_on(models, phases, begin, end)
@@ -194,8 +185,8 @@ class _Records:
 class _Batch:
     """Runs as rows for the kernels (kernels/batch/runs.py), and room for the first part of one run at a time."""
 
-    def __init__(self, n: int, count: int, records: _Records, rows: FloatArray, kind: str) -> None:
-        self.n, self._kind = n, KINDS[kind]
+    def __init__(self, n: int, count: int, records: _Records, rows: FloatArray, kind: Kind) -> None:
+        self.n, self._kind = n, kind
         self._slips = np.zeros((count, SLIP_FIELDS * n if self._kind.slips else 0))
         self._records = records
         self._rows = rows
@@ -219,7 +210,7 @@ class _Batch:
         wave = (motion.amplitude, omega, -omega * start)
         first, size = self._records.place(motion)
         self._keep_slips(k, phase)
-        if self._kind.fixed_step or not model[_HAS_MODES] or enters_at_once(column, model[_ORDER], motion, size):
+        if not model[_HAS_MODES] or enters_at_once(column, model[_ORDER], motion, size):
             self._outcomes[k, OUTCOME.beside + n :] = phase[: 4 * n]
             self._waits(k, phase[: 4 * n], (start, start, stop, 1.0, *wave, first, size, 0, 0.0, 0.0))
             return
@@ -290,7 +281,7 @@ class _Batch:
                 self._rows, snapshots.reshape(-1), flag,
             )  # fmt: skip
         tried = np.sum(outcomes[:, _TRIED] - self._outcomes[some][:, _TRIED], axis=1)
-        self._evaluations[some] += ((1 if self._kind.fixed_step else STAGES) * tried).astype(np.int64)
+        self._evaluations[some] += (self._kind.stages * tried).astype(np.int64)
         self._outcomes[some], self._snapshots[some], self._slips[some] = outcomes, snapshots, slips
 
     def result(self) -> BatchResult:
@@ -336,8 +327,11 @@ def load_kernels(name: str) -> None:
     if kind.section == "strips":
         joint = replace(joint, section="strips", strips=(1.0,))
     block = Block(1.0, 1.0, 1.0, 1e3, joint, section="circle" if kind.section == "circle" else "rectangle")
-    solver = ("paper", "central-difference") if kind.fixed_step else ("exact", "auto")
-    column = Column("block", (block,), Settings(*solver))
+    run_shortly(Column("block", (block,)))
+
+
+def run_shortly(column: Column) -> None:
+    """Make two short runs, which load the kernels."""
     gentle, strong = (Motion.harmonic(amplitude, 1.0, 1e-3) for amplitude in (1e-3, 100.0))
     follow_in_lanes([column, column], [gentle, strong], [1e-3, 1e-3])
     if parent_process() is not None:  # a worker of ours, not a user's process

@@ -14,6 +14,8 @@ from .model import Column
 from .packing import FloatArray, settlements
 from .stepper import Stepper
 
+SHORT = 1e-9  # s, a fixed step: none is made, and this one is stable
+
 
 class StillColumn:
     """The accelerations of a column at rest in a given place, by the kernels' own evaluation.
@@ -25,7 +27,7 @@ class StillColumn:
     def __init__(self, column: Column) -> None:
         if column.g == 0.0:
             raise InputError("g = 0.0: must be positive for joints that are in contact at rest")
-        self.column = column.with_settings(integrator="auto")
+        self.column = column.with_settings(step=SHORT) if column.kind.fixed else column
         self.n = column.n
         self._stepper = Stepper(self.column)
         self._phase = self._stepper.state.phase
@@ -35,7 +37,8 @@ class StillColumn:
         """The coordinates under the weight alone, all joints in full contact, (2 n,)."""
         # rad: rotation of a joint at which it opens at rest
         opening_turn = float(np.min(2.0 * settlements(self.column) / self.blocks.width))
-        self.sizes = opening_turn * np.concatenate([self.blocks.turn_size, self.blocks.open_size])
+        turned, _ = column.kind.chain.coordinates(self.blocks.height, np.ones(self.n), self.rest[self.n :])
+        self.sizes = opening_turn * np.concatenate([turned, self.blocks.open_size])
         """Approximate size of the coordinates at which the first joint opens, (2 n,)."""
 
     def accelerations(

@@ -92,10 +92,14 @@ class Column(Shown):
 
     @property
     def kind(self) -> Any:
-        """What columns have in common (models/protocol.py)."""
-        from .kind import COLUMNS
+        """What columns of their formulation have in common (models/protocol.py)."""
+        if self.settings.formulation == "paper":
+            from ..paper.kind import KIND as PAPER
 
-        return COLUMNS
+            return PAPER
+        from .kind import KIND
+
+        return KIND
 
     @cached_property
     def contacts(self) -> tuple[Contact, ...]:
@@ -138,7 +142,12 @@ class Column(Shown):
         tolerance: float | None = None,
         without: Sequence[str] | None = None,
     ) -> Column:
-        """Return the column with other settings; None keeps the present one. Raises InputError as `Column` does."""
+        """Return the column with other settings; None keeps the present one, or takes the integrator of a formulation.
+
+        Raises InputError as `Column` does.
+        """
+        if formulation is not None and integrator is None:
+            integrator = ""  # its own
         given = {"formulation": formulation, "integrator": integrator, "step": step, "tolerance": tolerance}
         changes = {key: value for key, value in (given | {"without": without}).items() if value is not None}
         if not changes:
@@ -296,7 +305,5 @@ def _check_general(column: Column) -> None:
     name, value = next((name, value) for name, value in given.items() if value)
     if column.settings.formulation == "paper":
         raise InputError(f'{name} = {shown(value)}: solver.formulation must be "exact", "paper" does not support it')
-    if column.settings.integrator != "auto":
-        raise InputError(f'{name} = {shown(value)}: solver.integrator must be "auto", fixed steps do not support it')
     if column.other_law:  # forces of rims and the bent rest assume the linear law
         raise InputError(f"{name} = {shown(value)}: must be left out beside joint.{column.other_law}")

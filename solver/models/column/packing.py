@@ -20,15 +20,13 @@ from ...kernels.api.engine import (
     GIVEN_JOINT,
     GIVEN_SETTINGS,
     NO_REST,
-    NOT_STABLE,
     model_room,
     scratch_room,
 )
-from ...kernels.api.entries import assemble_column
 from ...kernels.layout import spaces as at
 from .block import Block
 from .model import Column
-from .settings import FORMULATION_CODES, INTEGRATOR_CODES, SKIP_CODES
+from .settings import SKIP_CODES
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -126,15 +124,9 @@ def _assembled(column: Column) -> Arrays:
 
 def _assemble(column: Column, given: FloatArray) -> Arrays:
     n = column.n
-    fixed = column.settings.integrator == "central-difference"
     made = unwritten(n)
     detail = np.zeros(DETAILS)
-    code = assemble_column(n, *made, given, 1, np.zeros(scratch_room(n, fixed)), detail)
-    if code == NOT_STABLE:
-        raise InputError(
-            f"solver.step = {column.settings.step}: must be at most {detail[0]:.4g} s, where central differences are "
-            "stable"
-        )
+    code = column.kind.entries.assemble_column(n, *made, given, 1, np.zeros(scratch_room(n)), detail)
     if code == NO_REST:
         as_they_are = "its blocks, offset or inclined as they are, have no stable rest under their weight"
         if column.other_law:
@@ -142,6 +134,8 @@ def _assemble(column: Column, given: FloatArray) -> Arrays:
         raise InputError(f"{column.name} cannot stand: {as_they_are}")
     if code != at.OK:  # the other checks are those of the column
         raise InputError(f"block[{int(detail[0])}].inertia: beyond the range of float64")
+    if column.kind.fixed:
+        column.kind.check_step(column)
     return made
 
 
@@ -152,8 +146,6 @@ def described(column: Column) -> FloatArray:
         "g": column.g,
         "step": settings.step,
         "tolerance": settings.tolerance,
-        "formulation": FORMULATION_CODES[settings.formulation],
-        "integrator": INTEGRATOR_CODES[settings.integrator],
         "without": sum(SKIP_CODES[name] for name in set(settings.without)),
     }
     given = [values[name] for name in GIVEN_SETTINGS.fields]
@@ -206,18 +198,9 @@ def set_initial(column: Column, state: FloatArray, initial: InitialState) -> Non
         getattr(phase, key)[:] = given
     phase.slip += np.array([block.joint.offset or 0.0 for block in column.blocks])
     phase.sliding[:] = np.sign(phase.slip_rate)
-    if column.settings.formulation == "exact":
-        phase.theta[:], phase.opening[:] = rotation, opening
-        phase.theta_rate[:], phase.opening_rate[:] = spin, opening_rate
-        return
-    phase.theta[:], phase.opening[:] = _from_base(heights * rotation), -_from_base(opening)
-    phase.theta_rate[:], phase.opening_rate[:] = _from_base(heights * spin), -_from_base(opening_rate)
-
-
-def _from_base(steps: FloatArray) -> FloatArray:
-    """Sum from the base up to each block."""
-    summed: FloatArray = np.cumsum(steps[::-1])[::-1]
-    return summed
+    coordinates = column.kind.chain.coordinates
+    phase.theta[:], phase.opening[:] = coordinates(heights, rotation, opening)
+    phase.theta_rate[:], phase.opening_rate[:] = coordinates(heights, spin, opening_rate)
 
 
 def _given(key: str, values: Sequence[float] | FloatArray | None, default: FloatArray) -> FloatArray:

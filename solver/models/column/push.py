@@ -64,7 +64,7 @@ class BalanceCurve:
         self.n = self.still.n
         blocks, slenderness = self.still.blocks, _slenderness(self.still)
         self._scale = np.concatenate(
-            [math.atan(slenderness) * blocks.turn_size, math.atan(slenderness) * blocks.open_size, [0.0]]
+            [np.full(self.n, math.atan(slenderness)), math.atan(slenderness) * blocks.open_size, [0.0]]
         )
         self._scale[-1] = column.g * slenderness
         self._opens = np.append(self.still.sizes, 1e-3 * self._scale[-1])

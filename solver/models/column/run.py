@@ -133,10 +133,8 @@ def outcome(column: Column, phase: FloatArray, stop: float, settle: float) -> tu
 def why_no_modes(stepper: Stepper) -> str:
     """Why no step was by modes, whatever the motion; empty where they are taken as long as nothing opens or slides."""
     settings = stepper.column.settings
-    if settings.formulation != "exact":
+    if stepper.column.kind.fixed:
         return f"formulation {settings.formulation}"
-    if settings.integrator != "auto":
-        return f"integrator {settings.integrator}"
     if "elastic" in settings.without:
         return "left out"
     if stepper.column.n > at.MODAL_MOST:

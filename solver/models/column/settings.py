@@ -8,9 +8,9 @@ from ...common.errors import InputError, shown
 from ...common.ranges import check, check_choice
 from ...kernels.layout import spaces as at
 
+OWN_INTEGRATOR = {"exact": "auto", "paper": "central-difference"}  # formulation -> how it is integrated
+FORMULATIONS, INTEGRATORS = tuple(OWN_INTEGRATOR), tuple(OWN_INTEGRATOR.values())
 # names -> codes of the kernels
-FORMULATION_CODES = {"exact": at.EXACT, "paper": at.PAPER}
-INTEGRATOR_CODES = {"auto": at.AUTO, "central-difference": at.CENTRAL_DIFFERENCE}
 SKIP_CODES = {  # what can be left out: short cuts, to check or to measure them, and the peaks of all but ux
     "elastic": at.ELASTIC,
     "rest": at.REST,
@@ -19,7 +19,7 @@ SKIP_CODES = {  # what can be left out: short cuts, to check or to measure them,
     "implicit": at.IMPLICIT,
     "peaks": at.EXTREMES,
 }
-FORMULATIONS, INTEGRATORS, SKIPS = tuple(FORMULATION_CODES), tuple(INTEGRATOR_CODES), tuple(SKIP_CODES)
+SKIPS = tuple(SKIP_CODES)
 
 
 @dataclass(frozen=True)
@@ -27,21 +27,25 @@ class Settings:
     """How the equations are written and integrated."""
 
     formulation: str = "exact"  # one of FORMULATIONS
-    integrator: str = "auto"  # one of INTEGRATORS
-    step: float = 1e-4  # s, of an integrator with a fixed step
-    tolerance: float = 1e-5  # relative error of an integrator that chooses its steps
+    integrator: str = ""  # that of the formulation (OWN_INTEGRATOR); may be left out
+    step: float = 1e-4  # s, of the fixed steps of paper
+    tolerance: float = 1e-5  # relative error of exact, which chooses its steps
     without: tuple[str, ...] = ()  # of SKIPS: what is not to be done
 
     def __post_init__(self) -> None:
         if isinstance(self.without, list):  # as TOML and JSON have it
             object.__setattr__(self, "without", tuple(self.without))
+        if self.integrator == "":
+            object.__setattr__(self, "integrator", OWN_INTEGRATOR.get(self.formulation, ""))
 
 
 def check_settings(key: str, settings: object) -> None:
     if not isinstance(settings, Settings):
         raise InputError(f"{key} = {shown(settings)}: must be Settings")
     check_choice(f"{key}.formulation", settings.formulation, FORMULATIONS)
-    check_choice(f"{key}.integrator", settings.integrator, INTEGRATORS)
+    if settings.integrator != (own := OWN_INTEGRATOR[settings.formulation]):
+        given = f"{key}.integrator = {shown(settings.integrator)}"
+        raise InputError(f'{given}: must be "{own}", or left out, where the formulation is {settings.formulation}')
     check(f"{key}.step", settings.step)
     check(f"{key}.tolerance", settings.tolerance)
     if not isinstance(settings.without, tuple):

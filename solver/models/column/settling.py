@@ -11,8 +11,7 @@ import numpy as np
 
 from ..protocol import OVERTURNED, STANDING, UNDECIDED, code_of
 from .kinematics import Chain
-from .lane_policy import kind_of
-from .lanes import rest_in_lanes
+from .lanes import lanes_of, rest_in_lanes
 from .model import Column
 from .packing import FloatArray, IntArray
 from .run import BETWEEN_LOOKS, outcome
@@ -42,7 +41,7 @@ def outcomes_of(
     """
     count, code = len(columns), partial(code_of, "verdict")
     found = Outcomes(np.full(count, code(UNDECIDED)), np.full(count, math.nan), np.zeros(count, dtype=np.int64))
-    kind = kind_of(columns[0])
+    kind = lanes_of(columns)
     left = _not_standing(chain, phases)
     found.words[:] = code(STANDING)
     if not left.size:

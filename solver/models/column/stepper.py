@@ -11,7 +11,6 @@ from numpy.typing import ArrayLike, NDArray
 from ...common import effort
 from ...common.errors import SolverError, TooMuchWorkError
 from ...ground.motion import Motion
-from ...kernels.api.entries import observe_snapshots, observe_state, run
 from ...kernels.layout import spaces as at
 from ...kernels.stepping.control import most_work
 from ..outputs import peaks_by_name, visible_peaks
@@ -30,7 +29,6 @@ REASONS = {
     at.CALL_TOO_LONG: "the step takes more evaluations than one call may; several shorter ones can be made",
     at.INPUT_TOO_LARGE: "an input of the base is, or becomes, larger than 1e6 (m/s2, rad, rad/s, rad/s2)",
     at.ROTATES: 'the base rotates: formulation = "paper" has no such motion, "exact" has',
-    at.UNKNOWN_METHOD: "the settings ask for an integrator that the kernels do not have",
 }
 
 # A run is followed in chunks, after each of which an interruption is noticed: evaluations times blocks in each, about
@@ -70,6 +68,7 @@ class Stepper:
     def __init__(self, column: Column, initial: InitialState | None = None) -> None:
         self.column = column
         self.n = column.n
+        self._entries = column.kind.entries
         self.arrays: Arrays = arrays_of(column)
         if initial is not None:
             set_initial(column, self.arrays.state, initial)
@@ -109,7 +108,9 @@ class Stepper:
 
     def observe(self, t: float) -> FloatArray:
         """The output row at time t (layout/spaces.py, ROW); overwritten by the next call. Raises SolverError."""
-        code = observe_state(self.n, *self.arrays, *self.record.arguments, float(t), self._row, self._split)
+        code = self._entries.observe_state(
+            self.n, *self.arrays, *self.record.arguments, float(t), self._row, self._split
+        )
         self._check(code, t)
         return self._row
 
@@ -163,7 +164,7 @@ class Stepper:
         after_chunk: Callable[[float], None] | None,
     ) -> None:
         settings = self.model.settings
-        step = settings.step if settings.integrator == at.CENTRAL_DIFFERENCE else settings.first_step
+        step = settings.step if self.column.kind.fixed else settings.first_step
         if self.base.wave_amplitude:  # no step is longer (kernels/stepping/control.py)
             step = min(step, 1.0 / self.base.wave_omega)
         chunk = CHUNK * float(step) / (EVALUATIONS_PER_FIRST_STEP * self.n)
@@ -200,7 +201,7 @@ class Stepper:
             yield effort.of_joint(f"block[{i}].joint", law.stiffness, contact.area, min(block.mass, below), law.damping)
         if self.base.wave_amplitude:
             yield effort.of_harmonic(float(self.base.wave_omega) / (2.0 * math.pi))
-        if self.model.settings.integrator == at.CENTRAL_DIFFERENCE:
+        if column.kind.fixed:
             step = column.settings.step
             yield effort.Cause(1.0 / step, f"solver.step = {step:g} s")
 
@@ -214,7 +215,9 @@ class Stepper:
         arrays = self.arrays._replace(counts=self.arrays.counts.copy())
         for first in range(0, len(snapshots), ROWS_AT_ONCE):
             part, filled = snapshots[first : first + ROWS_AT_ONCE], rows[first : first + ROWS_AT_ONCE]
-            code, count = observe_snapshots(self.n, *arrays, part.reshape(-1), filled.reshape(-1), len(part))
+            code, count = self._entries.observe_snapshots(
+                self.n, *arrays, part.reshape(-1), filled.reshape(-1), len(part)
+            )
             if code != at.OK:
                 raise SolverError(f"output row {first + count}: {REASONS[code]}")
         return rows
@@ -268,7 +271,8 @@ class Stepper:
 
     def _run(self, t: float, h: float, record: Record, times: FloatArray, snapshots: FloatArray, peaks: bool) -> int:
         """Call the kernel with float64, whatever numbers the caller has, so that it is compiled once."""
-        code: int = run(self.n, *self.arrays, *record.arguments, float(t), float(h), times, snapshots, peaks)
+        called = float(t), float(h), times, snapshots, peaks
+        code: int = self._entries.run(self.n, *self.arrays, *record.arguments, *called)
         return code
 
     def _check(self, code: int, t: float | None) -> None:

@@ -33,10 +33,9 @@ from .sticking import sticks_for_good
 # those that are most often the best
 PARTS = (0.9, 1.0, 0.8, 0.65, 0.5, 0.35, 0.2, 0.1)
 GRID = 32  # rotations up to the largest limit, denser near upright, where joints are closed
-# Of the barrier: the largest energy of a column that is taken to stand. The rest covers the grid (measured: at most 1 %
-# too high), the error of the motion, and terms that the first-order formulation neglects.
-SAFE = {"exact": 0.97, "paper": 0.9}
-CREEPS = 0.9  # factor on `SAFE` for a column whose joints may slide
+# The largest energy of a column that is taken to stand is the barrier times `Chain.safe`: the rest covers the grid
+# (measured: at most 1 % too high), the error of the motion, and what its equations neglect.
+CREEPS = 0.9  # factor on that for a column whose joints may slide
 SHARES = (0.25, 1.0)  # limits that are tried for many columns, as `least_energies` counts them
 GRAZED = (0.2, 0.7)  # and lengths of the contact
 MOST_TURNED = 0.25  # rad, less than half of any angle of no return (kernels/column/assembly.py, LEAST_FALL)
@@ -89,7 +88,7 @@ def surely_stand(chain: Chain, energy: FloatArray, turned: FloatArray) -> NDArra
     stands = np.zeros(len(energy), dtype=bool)
     for part, grazed in product(SHARES, GRAZED):
         least, limit = least_energies(chain, part, grazed)
-        stands |= (energy <= SAFE["exact" if chain.exact else "paper"] * least) & (theta < limit)
+        stands |= (energy <= chain.safe * least) & (theta < limit)
     return stands
 
 
@@ -130,7 +129,7 @@ class Barriers:
         A column may be listed more than once, with several of these.
         """
         held = np.zeros(len(some), dtype=bool)
-        safe = SAFE["exact" if self._chain.exact else "paper"]
+        safe = self._chain.safe
         rounding = self._rounding[some]
         within = energy <= safe * self._ceilings[:, some] + rounding  # of each of the parts
         within &= np.all(turned < NEXT * self._limits[:, some], axis=-1)
@@ -149,7 +148,7 @@ class Barriers:
 
     def hold_first(self, energy: float, turned: FloatArray) -> bool:
         """`hold` of the first column alone, without the cost of arrays: every run asks once a look."""
-        safe, rounding = SAFE["exact" if self._chain.exact else "paper"], self._rounding[0]
+        safe, rounding = self._chain.safe, self._rounding[0]
         for k, ceiling in enumerate(self._ceilings[:, 0].tolist()):
             if energy > safe * ceiling + rounding:
                 continue
@@ -170,7 +169,7 @@ class Barriers:
 @lru_cache(maxsize=256)
 def _barriers(column: Column) -> Barriers:
     """Those of one column."""
-    return Barriers(Chain.of_many(pack_model(column)[None], column.n))
+    return Barriers(column.kind.chain.of_many(pack_model(column)[None], column.n))
 
 
 def limits_at(chain: Chain, part: float) -> FloatArray:

@@ -67,7 +67,7 @@ def sizes_in(packed: FloatArray) -> at.Sizes:
     return at.Sizes(*packed[: len(at.Sizes._fields)].astype(int).tolist())
 
 
-def make_kernels() -> None:
+def make_kernels(_: object = None) -> None:
     """Compile the entries that an FMU calls, unless they are cached."""
     row = np.empty(0)
     arrays = Arrays(row, row, np.empty(0, dtype=np.int64), row, row)

@@ -61,8 +61,8 @@ def restored(fmu: str) -> dict[str, Any]:
 
 
 def paper_that_rotates(fmu: str) -> list[str]:
-    """What the formulation `paper` answers while the base rotates, and afterwards."""
-    column = Instance(fmu, {"solver.formulation": "paper"})
+    """What an FMU of the formulation `paper` answers while the base rotates, and afterwards."""
+    column = Instance(fmu)
     column.set({"base.omega": 1e-3})
     heard = [column.attempt("step", 0.0, 0.01)]
     column.set({"base.omega": 0.0})

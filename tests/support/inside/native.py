@@ -153,17 +153,6 @@ def status(fmu: str) -> list[Any]:
     return [last_step(column), column.fmi.dll.fmi2CancelStep(column.fmi.component)]
 
 
-def around_the_limit(fmu: str, formulation: str, limit: float) -> list[str]:
-    """What initialization answers to a step of central differences just below and just above a limit."""
-    heard = []
-    for part in (1.0 - 1e-8, 1.0 + 3e-6):
-        column = Instance(fmu, initialize=False)
-        column.set({"solver.integrator": "central-difference", "solver.formulation": formulation})
-        column.set({"solver.step": part * limit})
-        heard.append(column.attempt("initialize"))
-    return heard
-
-
 def left_behind(fmu: str) -> int:
     """Bytes that ten thousand lives leave behind."""
     column = Instance(fmu)

@@ -1,42 +1,50 @@
-"""Formulation `paper`: the first-order model (theory.md section 3) solved by Gauss-Seidel reanalysis.
+"""The paper's first-order model (theory.md section 3), solved by Gauss-Seidel reanalysis.
 
 The paper's rows, joint by joint, are premultiplied by T^-1 and divided by the heights (theory.md section 3, last
 paragraph): horizontally the constant mass matrix is then tridiagonal and symmetric, vertically diagonal, and it is
-factorized once (assembly.py). A sweep solves the horizontal rows with the latest vertical accelerations and then the
+factorized once. A sweep solves the horizontal rows with the latest vertical accelerations and then the
 vertical rows with the latest horizontal ones; all terms that depend on the displacements (dM and df of eqs. 22-23) are
 taken from the last iterate: the block form of eqs. 28-31, O(n) a sweep. It is written for the accelerations; with
 central differences in time the displacements of eq. 27 follow from them.
 
-The sweeps serve one column and lanes of eight (batch/fixed_step.py).
-
-In a phase the displacements v replace the rotations and the settlements w the openings.
+In a phase the displacements v replace the rotations and the settlements w the openings. The sweeps serve one column and
+lanes of eight (lanes.py).
 """
 
-from typing import NamedTuple
-
+from ..column.assembly import settle_joints
+from ..formulations.base_motion import base_motion
+from ..formulations.dispatch import evaluate_at
+from ..formulations.slips import evaluate_after_jump
 from ..joint.law import resultants
-from ..layout.spaces import NOT_CONVERGED
+from ..layout import spaces as at
+from ..layout.spaces import NOT_CONVERGED, OK, ROTATES
 from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.lanes import greater, magnitude
+from ..numba_ext.views import Numbers, Space, Table
+
+MODEL = Space(**at.MODEL.parts, paper=Numbers())  # the numbers of a column's; the empty part tells the compiler
 
 MAX_SWEEPS = 100
 SWEEP_TOLERANCE = 1e-13  # of the largest acceleration
 REST_TOLERANCE = 1e-15  # of gravity
 
 
-class Sweep(NamedTuple):
-    """Scratch of the sweeps, rows of n."""
-
-    theta: object  # rad
-    opening: object  # m
-    horizontal: object  # N, sum of m_j a_gj over the blocks above joint i: minus the shear (eq. 20)
-    residual: object
+def is_paper(model, *_):
+    """Whether a model is the paper's, from numba's type of it."""
+    return "paper" in model.names
 
 
-@leaf
-def sweep_rows(room):
-    """The fields of `room` as this formulation uses them."""
-    return Sweep(room.a, room.b, room.c, room.d)
+def of_paper(column, *_):
+    """Whether that of a column is."""
+    return is_paper(column.types[0])
+
+
+sweep_rows = Table(  # scratch of the sweeps, over the row of work.room
+    "theta",  # rad
+    "opening",  # m
+    "horizontal",  # N, sum of m_j a_gj over the blocks above joint i: minus the shear (eq. 20)
+    "residual",
+).over
 
 
 @leaf
@@ -52,22 +60,68 @@ def tilt(blocks, row, i, n):
 
 
 @kernel
-def paper_accelerations(model, phase, motion, joints, hold, room):
-    """Accelerations of a phase; those in it on entry are the first guess. Returns the number of sweeps.
+def factorize_mass(model):
+    """LDL' of the tridiagonal B' m B + C' H^-1 I H^-1 C (theory.md section 3): inverse pivots 1/kg and multipliers."""
+    blocks = model.blocks
+    above = 0.0  # contribution of the block above to the diagonal
+    side = 0.0  # between it and this block
+    pivot = 1.0
+    for i in range(model.n):
+        mass, height = blocks.mass[i], blocks.height[i]
+        low = blocks.centroid[i] / height
+        high = 1.0 - low
+        turning = blocks.inertia[i] / (height * height)
+        multiplier = side / pivot
+        pivot = mass * (low * low) + turning + above - side * multiplier
+        above = mass * (high * high) + turning
+        side = mass * low * high - turning
+        blocks.pivot[i] = 1.0 / pivot
+        blocks.coupling[i] = multiplier
 
-    NOT_CONVERGED when the sweeps do not settle: the displacements are too large for a first-order model.
+
+@kernel
+def settle(model, phase):
+    """Settlements at rest under gravity; other values stay."""
+    settle_joints(model, phase)
+    settled = 0.0
+    for i in range(model.n - 1, -1, -1):
+        settled += phase.opening[i]
+        phase.opening[i] = -settled
+
+
+@kernel
+def evaluate(column, phase, motion):
+    """Accelerations of a phase; those in it on entry are the first guess. work.joints holds the resultants.
+
+    Returns a code, NOT_CONVERGED when the sweeps do not settle: the displacements are too large for a first-order
+    model.
     """
+    model, joints, counts = column.model, column.work.joints, column.counts
+    counts.evaluations += 1
+    if motion.theta != 0.0 or motion.omega != 0.0 or motion.alpha != 0.0:
+        return ROTATES
     n = model.n
-    sweeps = sweep_rows(room)
+    sweeps = sweep_rows(column.work.room.row, n)
     lift = model.settings.gravity + motion.az
-    bear(model, phase, joints, hold, sweeps)
+    bear(model, phase, joints, column.work.hold, sweeps)
     for sweep in range(1, MAX_SWEEPS + 1):
         if has_settled(phase, sweep_once(model, phase, motion, joints, sweeps), lift, n):
             for i in range(n):
                 below = sweeps.theta[i + 1] if i + 1 < n else 0.0
                 joints.tangential[i] = sweeps.horizontal[i] - joints.normal[i] * (0.5 * (sweeps.theta[i] + below))
-            return sweep
+            counts.sweeps += sweep
+            return OK
     return NOT_CONVERGED
+
+
+@evaluate_at.version(of_paper)
+def _evaluate_at(column, phase, t):
+    return evaluate(column, phase, base_motion(column.base, column.samples, t))
+
+
+@evaluate_after_jump.version(of_paper)
+def _evaluate_after_jump(column, phase, motion):
+    return evaluate(column, phase, motion)
 
 
 @leaf

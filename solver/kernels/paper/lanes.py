@@ -1,4 +1,4 @@
-"""Runs of the first-order formulation through eight lanes: central differences at a fixed step, as the paper has them.
+"""Runs of the paper's model through eight lanes.
 
 The sweeps go on until those of every lane have settled; a lane that has keeps its accelerations. All lanes step at
 once, each by its own step, which divides what lies between two samples of its record, or all of its run.
@@ -6,15 +6,24 @@ once, each by its own step, which divides what lies between two samples of its r
 
 import math
 
+from ..batch import runs
+from ..batch.evaluate import anchor_far_waves, motion_of_lanes, single
+from ..batch.follow import end_at_falls, finish, follow_record, load, pass_queue, peak_over
 from ..formulations.base_motion import SAMPLE_SLACK
-from ..formulations.first_order import MAX_SWEEPS, bear, has_settled, sweep_once, sweep_rows, tilt
-from ..integrators.central_difference import correct, predict
-from ..layout.spaces import HAS_OVERTURNED, NOT_CONVERGED, OK, SLACK
+from ..layout.spaces import HAS_OVERTURNED, NOT_CONVERGED, OK
 from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.lanes import WIDTH, bits, greater, magnitude, where
-from ..numba_ext.views import copy
-from .evaluate import anchor_far_waves, motion_of_lanes, single
-from .follow import end_at_falls, finish, follow_record, load, pass_queue, peak_over
+from ..numba_ext.views import Space, copy, one_lane
+from .equations import MAX_SWEEPS, MODEL, bear, has_settled, is_paper, sweep_once, sweep_rows, tilt
+from .stepping import correct, in_equal_steps, predict
+
+SPACE = Space(**runs.SPACE.parts | {"model": MODEL})
+_space = SPACE.over
+
+
+@single.version(lambda batch, k: is_paper(batch.types[0]))
+def _single(batch, k):
+    return _space(one_lane(batch.row, k), batch.model.n)
 
 
 @kernel
@@ -23,7 +32,7 @@ def sweep_lanes(batch, phase, t, wanted):
     model, work, n = batch.model, batch.work, batch.model.n
     motion = motion_of_lanes(batch, t)
     lift = model.settings.gravity + motion.az
-    sweeps = sweep_rows(work.room)
+    sweeps = sweep_rows(work.room.row, n)
     bear(model, phase, work.joints, work.hold, sweeps)
     found, before = phase.accelerations, work.between.row
     settled = ~wanted
@@ -46,7 +55,7 @@ def divide(one):
     if base.piece_end < end - SAMPLE_SLACK * (base.piece_end - base.piece_begin):
         end = base.piece_end
     left = end - lanes.t
-    pieces = max(1.0, math.ceil(left / one.model.settings.step * (1.0 - SLACK)))
+    pieces = in_equal_steps(left, one.model.settings.step)
     lanes.begin, lanes.end, lanes.step, lanes.pieces, lanes.made = lanes.t, end, left / pieces, pieces, 0.0
 
 
@@ -69,8 +78,8 @@ def start_fixed(batch, fresh):
 
 
 @kernel
-def fallen_fixed(model, phase):
-    """As `follow.fallen`, of rotations that follow from displacements."""
+def fallen(model, phase):
+    """As batch/follow.py, `fallen`."""
     n = model.n
     beyond = phase.theta[n - 1] != phase.theta[n - 1]
     turn = tilt(model.blocks, phase.theta, 0, n)
@@ -94,7 +103,7 @@ def step_fixed(batch):
     predict(work, step)
     good = sweep_lanes(batch, work.end, t, busy)
     correct(work, step)
-    over = good & fallen_fixed(batch.model, work.end)
+    over = good & fallen(batch.model, work.end)
     fell, ended = bits(over), bits(busy & ~good)
     step = end_at_falls(batch, fell, step)
     begin, end, peaks = work.start, work.end, batch.state.peaks
@@ -132,7 +141,7 @@ def _end_segments(batch, last, fell, failed):
 
 @kernel
 def load_fixed(batch, k, number):
-    """Put a run into lane k, as `follow.load`."""
+    """As batch/follow.py, `load`."""
     load(batch, k, number)
     one = single(batch, k)
     if one.base.wave_amplitude != 0.0:
@@ -142,5 +151,5 @@ def load_fixed(batch, k, number):
 
 @kernel
 def follow_fixed_steps(batch):
-    """As `follow.follow_queue`, of runs of the first-order formulation."""
+    """As batch/follow.py, `follow_queue`."""
     pass_queue(batch, load_fixed, start_fixed, step_fixed)

@@ -1,0 +1,1 @@
+"""A column by the equations of the seed paper and its central differences (kernels/paper/)."""

@@ -1,0 +1,62 @@
+"""Columns by the equations of the paper as a kind of model: columns with other kernels, lanes and coordinates."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from functools import lru_cache
+
+from ...kernels.paper import entries
+from ..column.block import Block, Joint
+from ..column.kind import Columns
+from ..column.lane_policy import why_no_lanes
+from ..column.lanes import Kind, run_shortly
+from ..column.model import Column
+from ..column.response import Response
+from ..column.settings import Settings
+from ..protocol import Lanes, Plan, Work
+from .kinematics import PaperChain
+from .stability import check_step
+
+# work of a run alone, over that of one of the usual columns in lanes; and s, the same over its step in lanes
+ALONE, IN_LANES = 300.0, 1.3e-3
+
+
+class PaperColumns(Columns):
+    """Columns with settings.formulation "paper"."""
+
+    entries = entries
+    chain = PaperChain
+    own_lanes = Kind(entries.run_fixed_steps, stages=1)
+    fixed = True
+    check_step = staticmethod(check_step)
+
+    def lanes(self, model: Column, keep: Collection[str]) -> Lanes:
+        """All of as many blocks share lanes."""
+        return Lanes(self.why_alone(model, keep), (model.n, "paper"), model.settings.step)
+
+    @staticmethod
+    def why_not(model: Column) -> str:
+        """Lanes know rectangles only."""
+        others = "" if model.has_rectangles_only else "formulation paper with other joints than rectangles"
+        return why_no_lanes(model) or others
+
+    def load(self, model: Column, keep: Collection[str]) -> None:
+        """The kernels of these lanes."""
+        load_lanes()
+
+    def work(self, model: Column, keep: Collection[str]) -> Work:
+        """By the step in lanes."""
+        return Work(0.0, model.n * (ALONE if self.why_alone(model, keep) else IN_LANES / model.settings.step))
+
+    def in_lanes(self, response: Response, plan: Plan) -> bool:
+        """Lanes keep no rows."""
+        return False
+
+
+KIND = PaperColumns()
+
+
+@lru_cache(maxsize=1)
+def load_lanes() -> None:
+    """Load the kernels of lanes into this process."""
+    run_shortly(Column("block", (Block(1.0, 1.0, 1.0, 1e3, Joint(1e9, 1e-3)),), Settings("paper")))
