@@ -10,6 +10,7 @@ from contextlib import contextmanager
 from functools import partial
 from multiprocessing import active_children, get_context
 from pathlib import Path
+from threading import Thread
 from typing import Any
 
 import numpy as np
@@ -25,6 +26,9 @@ from ..studies.results import Results, results_of
 from ..studies.statistics import fit_fragility, ida_curves, influences
 from .command_files import add_force, check_picture, write_outputs
 from .progress import PlainLine, RunsLine, compile_kernels
+
+# s: after Ctrl-C; a worker that ends in the middle of a result leaves the pool to wait for the rest of it for ever
+LEAVES_AFTER = 2.0
 
 
 def add_command(commands: Any) -> None:
@@ -144,15 +148,18 @@ def _executor(options: argparse.Namespace) -> Iterator[Any]:
             yield cluster
     elif options.processes is not None:
         # spawned: a forked process would inherit the threads of the compiled code in an unknown state
-        pool = ProcessPoolExecutor(options.processes, get_context("spawn"), end_with_parent)
+        pool, patience = ProcessPoolExecutor(options.processes, get_context("spawn"), end_with_parent), None
         try:
             yield pool
         except KeyboardInterrupt:
+            patience = LEAVES_AFTER
             for worker in active_children():  # whatever they are at
                 worker.terminate()
             raise
         finally:
-            pool.shutdown(cancel_futures=True)
+            shutdown = Thread(target=pool.shutdown, kwargs={"cancel_futures": True}, daemon=True)
+            shutdown.start()
+            shutdown.join(patience)
     else:
         yield None
 

@@ -10,6 +10,7 @@ import time
 from pathlib import Path
 
 import pytest
+from support.fmus import ROOT
 from support.study import TEXT, finished, same, start
 
 from solver.studies import Results, Study, run_study
@@ -81,6 +82,37 @@ def test_workers_end_with_the_process_that_started_them(folder: Path, how: signa
     for worker in left:
         os.kill(worker, signal.SIGKILL)
     assert left == []
+
+
+# in a worker: results of runs are sent by half, in the middle of which Ctrl-C finds it
+HALF = """
+import multiprocessing.connection, os, pathlib, sys, time
+if "--multiprocessing-fork" in sys.orig_argv:
+    whole = multiprocessing.connection.Connection._send
+    def half(self, buffer, write=os.write):
+        if len(buffer) < 500:
+            return whole(self, buffer)
+        write(self._handle, buffer[: len(buffer) // 2])
+        pathlib.Path("half").touch()
+        time.sleep(60.0)
+    multiprocessing.connection.Connection._send = half
+"""
+
+
+@pytest.mark.long
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows sends results in another way")
+def test_ctrl_c_while_a_worker_sends_its_results(folder: Path) -> None:
+    (folder / "study.toml").write_text(TEXT.format(samples=2000), encoding="utf-8")
+    (folder / "sitecustomize.py").write_text(HALF, encoding="utf-8")
+    modules = {"PYTHONPATH": os.pathsep.join([str(folder), str(ROOT)])}
+    process = start(folder, "run", "study.toml", "--processes", 2, **modules)
+    while not (folder / "half").exists():
+        assert process.poll() is None, process.communicate()
+        time.sleep(0.05)
+    process.send_signal(signal.SIGINT)
+    _, errors = process.communicate(timeout=30.0)  # measured: 2.3 s; it waited for the other half
+    assert process.returncode == 130
+    assert "python -m solver: interrupted" in errors.splitlines()
 
 
 def status(process: int) -> list[str]:

@@ -46,9 +46,10 @@ def command(folder: Path, *words: object) -> list[str]:
     return [sys.executable, "-m", "solver", "study", *map(str, words), "--output-folder", str(folder)]
 
 
-def start(folder: Path, *words: object) -> subprocess.Popen[str]:
+def start(folder: Path, *words: object, **variables: str) -> subprocess.Popen[str]:
     pipe = subprocess.PIPE
-    return subprocess.Popen(command(folder, *words), env=environment(), stdout=pipe, stderr=pipe, text=True, cwd=folder)
+    its_own = environment() | variables
+    return subprocess.Popen(command(folder, *words), env=its_own, stdout=pipe, stderr=pipe, text=True, cwd=folder)
 
 
 def finished(folder: Path) -> int:
