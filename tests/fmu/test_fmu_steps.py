@@ -71,7 +71,8 @@ def test_a_held_input_does_not_mind_the_step_either(fmus: Fmus) -> None:
 
 def test_a_step_that_would_take_too_long_is_discarded(fmus: Fmus) -> None:
     """1e4 s under a steady push, and one without end: 1 s of work and a tenth, where each took as long as it is."""
-    heard, same = call(steps.too_long, fmus.damped, {"base.ax": 0.5}, [1e4, 1e300])
+    undamped = {f"joint[{i}].damping": 0.0 for i in (1, 2, 3)}
+    heard, same = call(steps.too_long, fmus.damped, {"base.ax": 0.5} | undamped, [1e4, 1e300])
     assert all("discard" in answer for answer in heard)
     assert same
 
