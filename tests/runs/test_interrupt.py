@@ -101,7 +101,7 @@ def test_ctrl_c_ends_many_runs_at_once(tall: Path, tolerance: str, path: str) ->
     [
         (),
         pytest.param(("--ensemble", "8"), marks=pytest.mark.long),
-        pytest.param(("--formulation", "paper", "--no-check"), marks=pytest.mark.long),
+        pytest.param(("--formulation", "paper", "--step", "5e-5", "--no-check"), marks=pytest.mark.long),
     ],
 )
 def test_ctrl_c_ends_a_run_at_once(tall: Path, options: tuple[str, ...]) -> None:
