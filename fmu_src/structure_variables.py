@@ -90,4 +90,5 @@ def _sizes(structure: Structure) -> dict[str, float]:
         "N m": weight * extent / 6.0,
         "": 1.0,
         "Pa": weight / area,
+        "J": 1e-3 * extent * weight,
     }

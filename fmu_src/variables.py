@@ -256,6 +256,7 @@ def _sizes(column: Column) -> dict[str, list[float]]:
         "N": weights,
         "N m": [weight * contact.width / 6.0 for weight, contact in zip(weights, contacts, strict=True)],
         "Pa": [weight / contact.area for weight, contact in zip(weights, contacts, strict=True)],
+        "J": [1e-3 * height * weight for weight in weights],
     }
 
 

@@ -256,8 +256,8 @@ class Blocks:
         stats = {"steps": body.pieces, "impacts": body.impacts, "settled_for": verdict.time - stop}
         rows = theta[np.searchsorted(marks, plan.times)][:, None] * [model.height, 1.0]
         peaks = peaks_by_name(self.outputs, model.sizes, np.array([model.height * peak, peak]))
-        found = {"time": plan.times, "peaks": peaks, "stats": stats, "overturn_time": body.fall_time, "motion": motion}
-        response = BlockResponse(model, rows, verdict=verdict.word, reason=verdict.reason, **found)
+        response = BlockResponse(model, rows, time=plan.times, peaks=peaks, stats=stats, motion=motion)
+        response.verdict, response.reason, response.overturn_time = verdict.word, verdict.reason, body.fall_time
         return response, response.ux
 
     def alone(self, run: Run, keep: Collection[str], settle: float, look: Callable[..., object]) -> dict[str, Any]:

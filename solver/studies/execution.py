@@ -10,7 +10,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
-from ..common.errors import InputError, SolverError
+from ..common.errors import InputError, SolverError, reading
 from ..common.executors import TRIES, cores, said, sent_out, workers_of
 from ..common.plausible import warn_of_first
 from ..ground.plausible import check_strength
@@ -20,7 +20,7 @@ from . import chunks
 from .definition import Study, versions
 from .journal import SUFFIX, Journal
 from .results import Results
-from .subjects import sizes_of
+from .subjects import sizes_of, subject_from
 
 UNKNOWN_COST = 0.02  # s of a run, where the first one cannot be made
 SAVE_EVERY = 60.0  # s between two NetCDF files
@@ -61,6 +61,9 @@ def run_study(
     if folder is None:
         made = _made(study, set(), executor, threads, callback, chunk_seconds)
         return Results(head_of(study), itertools.chain.from_iterable(made))
+    for subject in study.columns:
+        with reading("folder: must be left out, a journal cannot be read without its models"):
+            subject_from(subject.to_dict())
     with Journal(Path(folder) / f"{study.name}{SUFFIX}", head_of(study)) as journal:
         saver = Saver(journal.path)
         for rows in _made(study, journal.finished, executor, threads, callback, chunk_seconds):

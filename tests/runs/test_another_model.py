@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -49,7 +50,7 @@ def test_each_impact_leaves_the_part_of_the_rate() -> None:
     assert left[1:4] / left[:3] == pytest.approx(np.full(3, BLOCK.rebound**2), rel=1e-3)
 
 
-def test_many_runs_and_a_study_take_it() -> None:
+def test_many_runs_and_a_study_take_it(tmp_path: Path) -> None:
     motions = [Motion.harmonic(k * 0.5 * ONE, 1.0, 3.0) for k in range(1, 7)]
     table = simulate_many(BLOCK, motions, keep=("peak_ux", "verdict", "path"))
     for k, motion in enumerate(motions):
@@ -62,6 +63,9 @@ def test_many_runs_and_a_study_take_it() -> None:
     found = ida(BLOCK, {"wave": motions[1]}, [0.1, 0.3], random=width, samples=3)
     assert len(found) == 6
     assert set(found["verdict"]) == {"standing", "overturned"}
+    with pytest.raises(InputError, match="folder: must be left out, a journal cannot be read without its models"):
+        ida(BLOCK, {"wave": motions[1]}, [0.1], folder=tmp_path)
+    assert not [*tmp_path.iterdir()]
     with pytest.raises(InputError, match="formulation = 'paper': must be left out, a block has none"):
         simulate(BLOCK, motions[0], formulation="paper")
 
