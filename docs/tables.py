@@ -187,10 +187,11 @@ def study_keys() -> str:
 
 
 def fmu_variables(causality: str) -> str:
-    """The variables of one causality, those of blocks and joints once for all."""
+    """The variables of one causality, of both formulations, those of blocks and joints once for all."""
     block = Block(1.0, 1.0, 1.0, 1.0, Joint(1e9, 1e-3))
-    rows = [_row(item) for item in variables(Column("one", (block,))) if item.causality == causality]
-    return table(["name", "unit", "type", "meaning"], rows)
+    columns = (Column("one", (block,), Settings(formulation)) for formulation in FORMULATIONS)
+    rows = {item.name: _row(item) for one in columns for item in variables(one) if item.causality == causality}
+    return table(["name", "unit", "type", "meaning"], list(rows.values()))
 
 
 def fmu_variables_in_space(causality: str) -> str:

@@ -19,7 +19,7 @@ from .blocks.faces import FloatArray
 from .modal_data import modal_data_of
 from .model import Structure
 from .outputs import OUTPUTS
-from .packing import Arrays, Model, arrays_of, with_modes
+from .packing import Model, arrays_of, with_modes
 from .rest import rest_of
 from .stepper import TOO_SMALL
 
@@ -70,7 +70,7 @@ def sizes_in(packed: FloatArray) -> at.Sizes:
 def make_kernels(_: object = None) -> None:
     """Compile the entries that an FMU calls, unless they are cached."""
     row = np.empty(0)
-    arrays = Arrays(row, row, np.empty(0, dtype=np.int64), row, row)
+    arrays = row, row, np.empty(0, dtype=np.int64), row, row
     compile_for(assemble_structure, arrays, row, 1)
     compile_for(follow_structure, arrays, row, 0.0, 0.0, *record_of(None))
     compile_for(look_structure, arrays, row, 1, 0.0, 0.0, row)
@@ -87,6 +87,8 @@ class DrivenStructure:
         self.sizes = sizes_in(model)
         self.packed = model
         self.arrays = arrays_of(Model(self.sizes, model[: at.MODEL.size(self.sizes)]))
+        # machine code is kept by types, and in an FMU the class of the arrays has another name
+        self._arrays = tuple(self.arrays)
         self.record = record_of(None)
         self._inputs, self._row = np.zeros(driven.INPUTS.beside), np.zeros(self.sizes.visible)
         self._elapsed, self._new = 0.0, False
@@ -96,7 +98,7 @@ class DrivenStructure:
 
     def _assemble(self, given: tuple[float, float, float], from_rest: bool) -> None:
         described = np.concatenate([np.array(given, dtype=np.float64), self.packed])
-        assemble_structure(self.arrays, described, int(from_rest))
+        assemble_structure(self._arrays, described, int(from_rest))
 
     def retune(self, given: tuple[float, float, float]) -> None:
         """Go on with another tolerance, code of what is left out, and factor on the damping (GIVEN)."""
@@ -112,7 +114,7 @@ class DrivenStructure:
 
     def advance(self, t: float, h: float) -> None:
         """Go from t to t + h, s. Raises SolverError."""
-        code = follow_structure(self.arrays, self._inputs, float(t), float(h), *self.record)
+        code = follow_structure(self._arrays, self._inputs, float(t), float(h), *self.record)
         self._new = False
         if code < at.OK:
             kind = TooMuchWorkError if code == TOO_MUCH_WORK else SolverError
@@ -120,7 +122,7 @@ class DrivenStructure:
 
     def observe(self, t: float) -> FloatArray:
         """The output row (kernels/structure/layout.py); overwritten by the next call."""
-        look_structure(self.arrays, self._inputs, int(self._new), self._elapsed, float(t), self._row)
+        look_structure(self._arrays, self._inputs, int(self._new), self._elapsed, float(t), self._row)
         return self._row
 
     def stand_on_base(self) -> None:
