@@ -104,6 +104,5 @@ class InSpace:
 
     def digest(self) -> bytes:
         """The arrays of the kernels, strengths and names."""
-        arrays = [np.ascontiguousarray(array) for array in self.model.model]
-        parts = [array.tobytes() for array in (*arrays, self.joints.strength, self.yields)]
+        parts = [array.tobytes() for array in (self.model.model.numbers, self.joints.strength, self.yields)]
         return b"".join([*parts, repr((self.model.name, self.model.names)).encode()])

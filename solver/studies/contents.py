@@ -11,7 +11,7 @@ from ..common.files import check_file_name
 from ..models.protocol import WORDS, Kept
 from .definition import KINDS, MOST_RUNS, SAMPLINGS
 from .motions import Measure
-from .subjects import always_kept, check_alike, kept, sizes_of, subject_from
+from .subjects import always_kept, check_alike, kind_in, sizes_of, subject_from
 
 FAILED = "failed"  # the verdict on a run that the solver could not make
 
@@ -28,9 +28,9 @@ def check_head(head: Mapping[str, Any]) -> None:
     samples = _whole(study, "samples", 1, MOST_RUNS)
     columns = [subject_from(_is(f"columns[{k}]", table, dict)) for k, table in enumerate(_list(study, "columns"))]
     check_alike(columns)
-    sizes, in_space = sizes_of(columns), columns[0].kind.across
+    sizes, kind = sizes_of(columns), columns[0].kind
     _must("blocks", blocks, blocks == sizes["block"], f"{sizes['block']}, the most of a column")
-    _must("sizes", head.get("sizes"), head.get("sizes") == (sizes if in_space else None), f"{sizes}, of structures")
+    _must("sizes", head.get("sizes"), head.get("sizes") == (sizes if kind.across else None), f"{sizes}, of structures")
     motions = [_is(f"motions[{k}]", table, dict) for k, table in enumerate(_list(study, "motions"))]
     for table in motions:
         _part(table, "name", str)
@@ -46,7 +46,7 @@ def check_head(head: Mapping[str, Any]) -> None:
     if study["intensity"] is not None:
         Measure.from_table(_part(study, "intensity", dict))
     _numbers("limits", _list(study, "limits"), finite=True)
-    _names("keep", _list(study, "keep"), tuple(kept(in_space)), always_kept(in_space))
+    _names("keep", _list(study, "keep"), tuple(kind.kept), always_kept(kind))
     _names("varied", _list(head, "varied"), None, ("column", "motion", *grid))
     _names("measured", _list(head, "measured"), ("pga", "pgv", "sa"), ("pga", "pgv"))
 
@@ -84,7 +84,8 @@ def check_row(head: Mapping[str, Any], row: Any) -> None:
 
 def kept_in(head: Mapping[str, Any]) -> Mapping[str, Kept]:
     """The results that can be kept of a run, by name, of the study of this head."""
-    return kept("sizes" in head)
+    known: Mapping[str, Kept] = kind_in(head).kept
+    return known
 
 
 def length_of(head: Mapping[str, Any], name: str) -> int:

@@ -100,10 +100,10 @@ class Study(Shown):
         for k, limit in enumerate(self.limits, start=1):
             check_number(f"limits[{k}]", limit, POSITIVE, "a positive displacement in m")
         check_alike(self.columns)
-        object.__setattr__(self, "keep", tuple(self.keep) or always_kept(self.in_space))
+        object.__setattr__(self, "keep", tuple(self.keep) or always_kept(self.columns[0].kind))
         for name in self.keep:
             check_choice("keep", name, tuple(self.columns[0].kind.kept))
-        for name in always_kept(self.in_space):
+        for name in always_kept(self.columns[0].kind):
             if name not in self.keep:
                 raise InputError(f"keep: must have {name}, which every picture and table needs")
         if self.tolerance is not None:  # checked as the columns' own

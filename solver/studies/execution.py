@@ -61,9 +61,8 @@ def run_study(
     if folder is None:
         made = _made(study, set(), executor, threads, callback, chunk_seconds)
         return Results(head_of(study), itertools.chain.from_iterable(made))
-    for subject in study.columns:
-        with reading("folder: must be left out, a journal cannot be read without its models"):
-            subject_from(subject.to_dict())
+    with reading("folder: must be left out, a journal cannot be read without its models"):
+        subject_from(study.columns[0].to_dict())  # all are of one kind
     with Journal(Path(folder) / f"{study.name}{SUFFIX}", head_of(study)) as journal:
         saver = Saver(journal.path)
         for rows in _made(study, journal.finished, executor, threads, callback, chunk_seconds):

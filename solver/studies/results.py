@@ -21,7 +21,7 @@ from ..models.protocol import WORDS
 from ..runs.table import Columns, counts
 from .contents import FAILED, check_head, check_row, kept_in, length_of
 from .journal import read_journal
-from .subjects import ALL_KEPT, always_kept
+from .subjects import ALL_KEPT, always_kept, kind_in
 
 # units by the name of a column of the table; what is varied has those of the column file and the study file
 UNITS = {"pga": "g", "pgv": "m/s", "sa": "g"} | {name: one.unit for name, one in ALL_KEPT.items() if one.unit}
@@ -95,7 +95,7 @@ class Results(Framed, Shown):
     @property
     def displacements(self) -> NDArray[np.float64]:
         """(runs, blocks) m, the largest displacements: of top faces; of structures of centroids, whichever way."""
-        return self[always_kept("sizes" in self.head)[0]]
+        return self[always_kept(kind_in(self.head))[0]]
 
     @property
     def largest(self) -> NDArray[np.float64]:

@@ -7,17 +7,17 @@ from pathlib import Path
 from typing import Any
 
 from ..common.errors import InputError
-from ..models.column.kept import KEPT as OF_COLUMNS
+from ..models.column.kind import KIND as COLUMNS
 from ..models.column.model import Column
-from ..models.protocol import Kept, Model
+from ..models.protocol import Kind, Model
 from ..models.structure.file import describes_structure, in_space
-from ..models.structure.kept import KEPT as OF_STRUCTURES
+from ..models.structure.kind import STRUCTURES
 from ..models.structure.model import Structure
 from .motions import Shaking
 
 DIRECTION = "direction"  # of a motion in plan
 IN_PLANE = "a column moves in its plane; structure = FILE, in place of column, solves it in space"
-ALL_KEPT = {**OF_STRUCTURES, **OF_COLUMNS}  # a name of both has the same unit
+ALL_KEPT = {**STRUCTURES.kept, **COLUMNS.kept}  # a name of both has the same unit
 
 
 def subject_from(data: Mapping[str, Any], space: bool = False) -> Column | Structure:
@@ -43,14 +43,14 @@ def can_slide(subject: Model) -> bool:
     return any(law.friction is not None for law in subject.laws)
 
 
-def kept(in_space: bool) -> Mapping[str, Kept]:
-    """The results that can be kept of a run of a study's head, by name."""
-    return OF_STRUCTURES if in_space else OF_COLUMNS
+def kind_in(head: Mapping[str, Any]) -> Any:
+    """The kind of the models of a journal, from its first line."""
+    return STRUCTURES if "sizes" in head else COLUMNS
 
 
-def always_kept(in_space: bool) -> tuple[str, str]:
+def always_kept(kind: Kind) -> tuple[str, str]:
     """The largest displacements, which every picture and table needs, and the verdict."""
-    return "peak_u" if in_space else "peak_ux", "verdict"
+    return f"peak_{kind.largest}", "verdict"
 
 
 def sizes_of(subjects: Sequence[Model]) -> dict[str, int]:

@@ -53,7 +53,10 @@ class InitialState:
 
 
 class Arrays(NamedTuple):
-    """The flat arrays of a column in motion (layout/spaces.py): copying `state`, `counts` and `base` saves it."""
+    """The flat arrays of a column or structure in motion: copying `state`, `counts` and `base` saves it.
+
+    What lies where: kernels/layout/spaces.py, kernels/structure/layout.py.
+    """
 
     model: FloatArray
     state: FloatArray

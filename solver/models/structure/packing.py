@@ -7,16 +7,14 @@ from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...kernels.column.assembly import LIGHTLY_DAMPED
 from ...kernels.structure import layout as at
 from ...kernels.structure.modal_layout import AXES, MODAL_ROOM
+from ..column.packing import Arrays
 from .blocks.contacts import GROUND
 from .blocks.faces import Face, FloatArray, edge_distance
 from .blocks.parts import Joint, Solid, Tie
-
-IntArray = NDArray[np.int64]
 
 FLOOR = 1e-3  # of the motion under which the structure settles as it is loaded: the least that errors are measured by
 # least damping along a joint that may slide, times the frequency of the fastest joint: the elastic slip turns with the
@@ -35,16 +33,6 @@ class Model(NamedTuple):
     def names(self) -> Any:
         """The numbers by name: settings, bodies, joints, ties, corners, modal."""
         return at.MODEL.see(self.numbers, self.sizes)
-
-
-class Arrays(NamedTuple):
-    """The flat arrays of a structure in motion (layout.py): copying `state`, `counts` and `base` saves it."""
-
-    model: FloatArray
-    state: FloatArray
-    counts: IntArray
-    base: FloatArray
-    work: FloatArray
 
 
 def arrays_of(model: Model) -> Arrays:

@@ -14,8 +14,9 @@ from ...common.errors import SolverError, TooMuchWorkError
 from ...ground.motion import Motion
 from ...kernels.structure import layout as at
 from ...kernels.structure.entries import observe_structure, run_structure, stiffness_of
+from ..column.packing import Arrays
 from .blocks.faces import FloatArray
-from .packing import Arrays, arrays_of, with_modes
+from .packing import arrays_of, with_modes
 
 if TYPE_CHECKING:
     from .model import Structure
@@ -35,7 +36,7 @@ class Stepper:
 
     def __init__(self, structure: Structure, modal: FloatArray = _NONE) -> None:
         self.structure = structure
-        model = with_modes(structure.model, modal)
+        model = with_modes(structure.model, modal) if modal.size else structure.model
         self.sizes = model.sizes
         self._take(arrays_of(model))
         self.see.q0[:] = 1.0
