@@ -25,13 +25,13 @@ import zipfile
 from collections.abc import Sequence
 from pathlib import Path
 from types import ModuleType
-from typing import NamedTuple
+from typing import Any
 
 import numba
 
 import fmu_src
 import solver
-from fmu_src.body import Body, ColumnBody, read_body
+from fmu_src.body import Body, Carried, body_for, read_body
 from fmu_src.host import MACHINE_CODE, content_hash
 from fmu_src.native import guard
 from fmu_src.native.library import has_tools
@@ -50,6 +50,7 @@ BUILDER_PACKAGES = ("pythonfmu", "matplotlib")
 LEFT_AT_HOME = {
     "calibrate.py",
     "capacity.py",
+    "checks",
     "commands",
     "documentation.py",
     "intensity.py",
@@ -75,19 +76,6 @@ print(json.dumps({entry.__name__: entry.stats.cache_path for entry in used}))
 """
 
 
-class Carried(NamedTuple):
-    """Kernels whose machine code an FMU carries."""
-
-    maker: str  # module of the solver with make_kernels
-    folder: str  # of their entries
-    used: tuple[str, ...]  # entries that the slave calls
-
-
-OF_COLUMN = Carried("models.column.first_run", "api", ("assemble_column", "run", "observe_state"))
-OF_PAPER = OF_COLUMN._replace(folder="paper")
-OF_STRUCTURE = Carried(
-    "models.structure.driven", "structure", ("assemble_structure", "follow_structure", "look_structure")
-)
 NEEDS = "The machine that runs it needs Python 3.11 or newer with numpy and numba 0.59 or newer."
 ZIP_DATE = (1980, 1, 1, 0, 0, 0)  # the same input gives the same bytes
 
@@ -103,6 +91,7 @@ finalize_at_exit(RESOURCES)  # also if no slave will do it
 try:
     import_solver("{solver}", RESOURCES)
     from {fmu_src}.slave import BlocksSlave
+    {others}
 except ImportError as error:
     print(f"{name}: needs Python 3.11 or newer with numpy and numba 0.59 or newer "
           f"(pip install 'numba>=0.59,<1'): {{error}}", file=sys.stderr)
@@ -199,8 +188,8 @@ def build_native_fmu(
     for platform in platforms:
         if platform not in known:
             raise InputError(f"--platforms {platform}: must be of {', '.join(known)}")
-    if isinstance(body, ColumnBody) and body.column.kind.fixed:
-        raise InputError(f"--native: {column_file} has solver.formulation = paper, must be exact")
+    if body.why_not_native:
+        raise InputError(f"--native: {column_file} {body.why_not_native}")
     motion = None if record is None else read_motion(record)
     body.samples(motion)  # it says what is wrong
     record_name = record.name if record else ""
@@ -211,8 +200,8 @@ def build_native_fmu(
     return output
 
 
-def _body_and_output(file: Path, output: Path | None, record: Path | None, space: bool) -> tuple[Body, Path]:
-    body = read_body(file, space)
+def _body_and_output(given: Any, output: Path | None, record: Path | None, space: bool) -> tuple[Body, Path]:
+    body = read_body(given, space) if isinstance(given, Path) else body_for(given)
     if output is None:
         output = Path(f"{identifier_of(body.name)}.fmu")
         if output.exists():
@@ -233,29 +222,36 @@ def _check_record_name(name: str) -> None:
         )
 
 
-def build_fmu(column_file: Path, output: Path | None = None, record: Path | None = None, space: bool = False) -> Path:
-    """Build the FMU of a file and return its path; a record is put inside it; space: a column as a structure in space.
+def build_fmu(column: Any, output: Path | None = None, record: Path | None = None, space: bool = False) -> Path:
+    """Build the FMU of a file, or of a model, and return its path; a record is put inside it.
 
-    Raises InputError, OSError.
+    space: the column of a file as a structure in space. A model of another kind has its `Body` (fmu_src/body.py), whose
+    package is put inside. Raises InputError, OSError.
     """
     with needing("fmu", *BUILDER_PACKAGES):
         from pythonfmu import FmuBuilder
 
         from fmu_src import documentation
         from fmu_src.slave import BODY_FILE, GUID_FILE, RECORD_FOLDER
-    body, output = _body_and_output(column_file, output, record, space)
+    body, output = _body_and_output(column, output, record, space)
     record_name = ""
     if record is not None:
         body.samples(read_motion(record))
         record_name = record.name
     with tempfile.TemporaryDirectory(prefix="build_fmu_") as folder:
         stage = Path(folder)
-        kernels = OF_STRUCTURE
-        if isinstance(body, ColumnBody):
-            kernels = OF_PAPER if body.column.kind.fixed else OF_COLUMN
+        kernels = body.kernels
         carried_solver = _carry_package(solver, stage, {}, kernels.folder)
         carried_fmu_src = _carry_package(fmu_src, stage, {"solver": carried_solver})
-        script = SCRIPT.format(name=body.name, solver=carried_solver, fmu_src=carried_fmu_src)
+        carried = [carried_solver, carried_fmu_src]
+        package, _, module = type(body).__module__.partition(".")
+        others = ""
+        if package != fmu_src.__name__:  # of another model
+            renamed = {"solver": carried_solver, "fmu_src": carried_fmu_src}
+            carried.append(_carry_package(sys.modules[package], stage, renamed))
+            others = f"import {carried[-1]}.{module}  # noqa: F401"
+        script = SCRIPT.format(name=body.name, solver=carried_solver, fmu_src=carried_fmu_src, others=others)
+        script = re.sub(r"\n +\n", "\n", script)
         content = script.encode() + body.text.encode()
         if record is not None:
             content += record.name.encode() + record.read_bytes()
@@ -271,7 +267,7 @@ def build_fmu(column_file: Path, output: Path | None = None, record: Path | None
         sys.path.insert(0, str(stage))
         importlib.invalidate_caches()
         try:
-            parts = [stage / carried_fmu_src, stage / carried_solver, stage / BODY_FILE, stage / GUID_FILE]
+            parts = [*(stage / name for name in carried), stage / BODY_FILE, stage / GUID_FILE]
             if record is not None:
                 (stage / RECORD_FOLDER).mkdir()
                 shutil.copy(record, stage / RECORD_FOLDER)
@@ -294,6 +290,8 @@ def _machine_code(kernels: Carried) -> dict[str, bytes]:
     Python uses the same code, in numba's cache. numba identifies it by the content of the sources, so that it is valid
     for the copy in the FMU too, and is made once for both. Code by numba's own pipeline belongs to this very package.
     """
+    if not kernels.folder:
+        return {"none.txt": b"this model has no kernels\n"}
     if not LINKING:
         return {"none.txt": b"compiled without linking (solver/kernels/numba_ext/numba_parts.py)\n"}
     left_out = {key for key in os.environ if key.startswith(("NUMBA_", "PYTHON"))} - {"NUMBA_CACHE_DIR"}

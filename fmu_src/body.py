@@ -1,4 +1,4 @@
-"""What an FMU simulates, a column or a structure in space, as slave, descriptions and builder see it.
+"""What an FMU simulates, a column, a structure in space or another model, as slave, descriptions and builder see it.
 
 Recognized by its content: the keys of the TOML file, or of the text that the FMU carries.
 """
@@ -7,10 +7,10 @@ from __future__ import annotations
 
 import json
 import re
-from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
@@ -22,6 +22,8 @@ from solver.kernels.layout import spaces as at
 from solver.models.column import stepper as in_plane
 from solver.models.column.model import Column
 from solver.models.column.rest import check_rest
+from solver.models.outputs import BASE
+from solver.models.protocol import Kind
 from solver.models.structure.driven import SKIP_CODES, DrivenStructure, packed, record_of, sizes_in
 from solver.models.structure.file import describes_structure, in_space
 from solver.models.structure.model import Structure
@@ -32,41 +34,79 @@ from .rules import DAMPING_SCALE_LIMITS
 Value = Callable[[str], Any]  # looks a variable up by its name
 
 
-class Body(ABC):
-    """What is inside an FMU: its text, its variables, and what follows it from call to call."""
+class Carried(NamedTuple):
+    """Kernels whose machine code an FMU carries; none without a folder."""
 
-    name: str
-    about: str  # in one line
-    text: str  # that the FMU carries
-    tolerance: float  # as built
-    inputs: tuple[variables.Variable, ...]
-    sizes: tuple[int, int, int]  # of what the outputs begin with: an output row, the split reaction, peaks
-    fallen: variables.Variable  # the joint or block that has fallen
-    first_parameter: str
-    segment: int | None  # place in the array `base` of a number of a sample
+    maker: str = ""  # module of the solver with make_kernels
+    folder: str = ""  # of their entries
+    used: tuple[str, ...] = ()  # entries that the slave calls
 
-    @abstractmethod
+
+class Body:
+    """What is inside an FMU: its text, its variables, and what follows it from call to call.
+
+    As it stands: of a model that is followed in Python (solver/models/driven.py) in its plane and has no parameters.
+    One of its own has `read` and `stepper`; word: that of its kind.
+    """
+
+    of: ClassVar[dict[str, type[Body]]] = {}  # by the word of their kind
+    inputs: tuple[variables.Variable, ...] = (variables.INPUTS[0], variables.INPUTS[2])
+    fallen = variables.OVERTURNED_BLOCK  # the joint or block that has fallen
+    first_parameter = variables.TOLERANCE
+    segment: int | None = None  # place in the array `base` of a number of a sample
+    kernels = Carried()
+    why_not_native = "is followed in Python, must have kernels"  # "": its FMU can do without Python
+
+    def __init_subclass__(cls, word: str) -> None:
+        cls.of[word] = cls
+
+    def __init__(self, model: Any) -> None:
+        self.model, self.name, self.tolerance = model, model.name, model.settings.tolerance
+        kind: Kind = model.kind
+        self.text = json.dumps({"kind": kind.word, "model": model.to_dict()}, indent=1)  # that the FMU carries
+        self.about = f"A {kind.word} under base acceleration"
+        row, peaks = self._outputs()
+        self.sizes = len(row), 0, len(peaks)  # of what the outputs begin with: an output row, split reaction, peaks
+
+    @classmethod
+    def read(cls, data: Any) -> Body:
+        """The body of a model, from what its `to_dict` gives. Raises InputError."""
+        raise NotImplementedError
+
+    def _outputs(self) -> tuple[list[variables.Variable], list[variables.Variable]]:
+        names = {owner: [""] * count for owner, count in self.model.sizes.items() if owner != BASE}
+        return variables.seen(self.model.kind.outputs, names, lambda unit, i: 1.0)
+
     def table(self, record: str = "", reads_files: bool = True) -> list[variables.Variable]:
         """The variables. record: name of the one inside. reads_files: whether the FMU reads others, too."""
+        row, peaks = self._outputs()
+        row = [replace(output, initially=()) for output in row]
+        return [*self.inputs, *row, *peaks, *variables.outcome(self.fallen), *self.parameters(record, reads_files)]
 
-    @abstractmethod
+    def parameters(self, record: str, reads_files: bool) -> list[variables.Variable]:
+        """The rows of the parameters."""
+        return [variables.tolerance_of(self.tolerance), *variables.of_record(record, reads_files)]
+
     def described(self, value: Value) -> Any:
         """What the parameters describe, for `stepper`. Raises InputError with the FMU's names."""
+        return self.model.with_settings(tolerance=check(variables.TOLERANCE, value(variables.TOLERANCE)))
 
-    @abstractmethod
     def stepper(self, described: Any) -> Any:
         """What follows it from call to call, of models/: stepper.py, or driven.py. Raises InputError."""
+        raise NotImplementedError
 
-    @abstractmethod
     def samples(self, motion: Motion | None) -> Any:
         """The record of a stepper. Raises InputError for a motion that it cannot follow."""
+        if motion is not None:
+            self.model.kind.check_motion(motion)
+        return motion
 
-    @abstractmethod
     def fall(self, stepper: Any) -> tuple[int, float]:
         """Number of what has fallen, 0 while nothing has, and when, s."""
+        return int(bool(stepper.fallen)), stepper.fall_time
 
 
-class ColumnBody(Body):
+class ColumnBody(Body, word="column"):
     """A column of blocks in its plane."""
 
     inputs = variables.INPUTS
@@ -80,10 +120,18 @@ class ColumnBody(Body):
         blocks = "block" if column.n == 1 else "blocks"
         self.about = f"Column of {column.n} rigid {blocks} with no-tension elastic joints under base acceleration"
         self.sizes = at.ROW.size(column.n), at.SPLIT.beside, at.PEAKS.size(column.n)
+        folder = "paper" if column.kind.fixed else "api"
+        self.kernels = Carried("models.column.first_run", folder, ("assemble_column", "run", "observe_state"))
+        self.why_not_native = "has solver.formulation = paper, must be exact" if column.kind.fixed else ""
 
     def table(self, record: str = "", reads_files: bool = True) -> list[variables.Variable]:
         """The variables."""
         return variables.variables(self.column, record, reads_files)
+
+    @classmethod
+    def read(cls, data: Any) -> Body:
+        """Of a column."""
+        return cls(Column.from_dict(data))
 
     def described(self, value: Value) -> Column:
         """The column."""
@@ -117,13 +165,15 @@ class Settings(NamedTuple):
     damping_scale: float
 
 
-class StructureBody(Body):
+class StructureBody(Body, word="structure"):
     """A structure in space. Its rest is found when the FMU is built, and carried with it."""
 
     inputs = structure_variables.INPUTS
-    fallen = structure_variables.OVERTURNED_BLOCK
     first_parameter = structure_variables.DAMPING_SCALE
-    segment = None
+    kernels = Carried(
+        "models.structure.driven", "structure", ("assemble_structure", "follow_structure", "look_structure")
+    )
+    why_not_native = ""
 
     def __init__(self, data: Mapping[str, Any], model: list[float] | None = None) -> None:
         structure = self.structure = Structure.from_dict(data)
@@ -139,6 +189,11 @@ class StructureBody(Body):
     def table(self, record: str = "", reads_files: bool = True) -> list[variables.Variable]:
         """The variables."""
         return structure_variables.structure_variables(self.structure, record, reads_files)
+
+    @classmethod
+    def read(cls, data: Any) -> Body:
+        """Of a structure, whose rest is found."""
+        return cls(data)
 
     def described(self, value: Value) -> Settings:
         """Its settings."""
@@ -166,9 +221,18 @@ class StructureBody(Body):
 def body_of(text: str) -> Body:
     """The body in the text that an FMU carries. Raises InputError."""
     data = json.loads(text)
-    if "packed" in data:
-        return StructureBody(data["structure"], data["packed"])
-    return ColumnBody(Column.from_dict(data))
+    if "kind" in data:
+        return Body.of[data["kind"]].read(data["model"])
+    return StructureBody(data["structure"], data["packed"]) if "packed" in data else ColumnBody.read(data)
+
+
+def body_for(model: Any) -> Body:
+    """The body of a model, which has to have a stable rest. Raises InputError."""
+    kind: Kind = model.kind
+    if kind.word not in Body.of:
+        raise InputError(f"FMU: a {kind.word} has no body, a subclass of Body (fmu_src/body.py) makes one")
+    kind.check(model, from_rest=True)
+    return Body.of[kind.word].read(model.to_dict())
 
 
 def read_body(file: Path, space: bool = False) -> Body:
@@ -179,7 +243,7 @@ def read_body(file: Path, space: bool = False) -> Body:
     with reading(file):
         data = in_space(toml_of(file)) if space else toml_of(file)
         if describes_structure(data):
-            return StructureBody(data)
+            return StructureBody.read(data)
     column = Column.from_toml(file)
     with reading(file):
         check_rest(column)

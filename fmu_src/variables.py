@@ -128,6 +128,11 @@ OVERTURN_JOINT = output_of(
     *("Integer", "discrete"),
     initially=(),
 )
+OVERTURNED_BLOCK = output_of(
+    *("overturned_block", "", "Number of the block that has fallen, 0 while none has"),
+    *("Integer", "discrete"),
+    initially=(),
+)
 OVERTURNED = output_of(
     *("overturned", "", "Whether it has overturned; then it is held"), *("Boolean", "discrete"), initially=()
 )
@@ -183,12 +188,12 @@ def variables(column: Column, record: str = "", reads_files: bool = True) -> lis
 
     record: name of the record inside the FMU, empty without one. reads_files: whether the FMU reads others, too.
     """
-    parameters = _parameters(column, record, RECORD_TEXT if reads_files else RECORD_TEXT_NATIVE)
+    parameters = [*_parameters(column), *of_record(record, reads_files)]
     numbers, sizes = [""] * column.n, _sizes(column)  # without names; the base has the sizes of the lowest joint
     row, peaks = seen(OUTPUTS, {BLOCK: numbers, JOINT: numbers}, lambda unit, i: sizes[unit][i - 1])
     row = [replace(output, depends_on=_direct(output.name, column.n)) for output in row]
     outputs = [*row, *_split_outputs(column), *peaks]
-    outputs += [OVERTURN_TIME, OVERTURN_JOINT, OVERTURNED, VERDICT_NOW, RECORD_PGA]
+    outputs += outcome(OVERTURN_JOINT)
     numerical = ("solver.step", "solver.tolerance", "solver.without")
     described = tuple(item.name for item in parameters if item.name not in (*numerical, RECORD, RECORD_SCALE))
     return [*INPUTS, *(_with_initial(output, column.n, described) for output in outputs), *parameters]
@@ -285,7 +290,24 @@ def parameter_of(
     return Variable(name, reference, "Real", *common, start or 0.0, 0.0 if optional and least > 0.0 else least, most)
 
 
-def _parameters(column: Column, record: str, record_text: str) -> list[Variable]:
+def outcome(fallen: Variable) -> list[Variable]:
+    """The outputs behind those of the model: verdict and record; fallen: the number of what has fallen."""
+    return [OVERTURN_TIME, fallen, OVERTURNED, VERDICT_NOW, RECORD_PGA]
+
+
+def of_record(record: str, reads_files: bool) -> list[Variable]:
+    """The last parameters: the record, whose name is `record`, and its factor."""
+    text = RECORD_TEXT if reads_files else RECORD_TEXT_NATIVE
+    factor = parameter_of(RECORD_SCALE, "", "Factor on the record's accelerations", 1.0)
+    return [parameter_of(RECORD, "", text, record), factor]
+
+
+def tolerance_of(value: float) -> Variable:
+    """The parameter of the error control."""
+    return parameter_of(TOLERANCE, "", "Error relative to the largest motion", value)
+
+
+def _parameters(column: Column) -> list[Variable]:
     rows = [parameter_of("g", "m/s2", "Acceleration of gravity", column.g)]
     for i, block in enumerate(column.blocks, start=1):
         for key, (unit, text, optional) in _BLOCK_PARAMETERS.items():
@@ -298,8 +320,6 @@ def _parameters(column: Column, record: str, record_text: str) -> list[Variable]
     for key in _settings_of(column):
         (unit, text), start = _SETTINGS_PARAMETERS[key], getattr(column.settings, key)
         rows.append(parameter_of(f"solver.{key}", unit, text, ", ".join(start) if key == "without" else start))
-    rows.append(parameter_of(RECORD, "", record_text, record))
-    rows.append(parameter_of(RECORD_SCALE, "", "Factor on the record's accelerations", 1.0))
     return rows
 
 

@@ -12,8 +12,8 @@ from solver.models.structure.outputs import OUTPUTS
 
 from .. import rules
 from ..body import StructureBody
-from ..structure_variables import DAMPING_SCALE, OVERTURNED_BLOCK, WITHOUT
-from ..variables import RECORD_SCALE, TOLERANCE
+from ..structure_variables import DAMPING_SCALE, WITHOUT
+from ..variables import OVERTURNED_BLOCK, RECORD_SCALE, TOLERANCE
 from .table import FIRST_PEAK, OF_BLOCKS, Check, Chosen, Subject, codes_with
 
 
