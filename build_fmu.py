@@ -32,6 +32,7 @@ import numba
 import fmu_src
 import solver
 from fmu_src.body import Body, Carried, body_for, read_body
+from fmu_src.drive import USUAL, Drive, drive_of
 from fmu_src.host import MACHINE_CODE, content_hash
 from fmu_src.native import guard
 from fmu_src.native.library import has_tools
@@ -42,6 +43,7 @@ from solver.commands.command_files import add_force, add_space
 from solver.commands.command_line import program_parser, run_command
 from solver.common.errors import needing, shown
 from solver.common.files import check_outputs, identifier_of, whole_file
+from solver.kernels.layout.spaces import DRIVES, SLOPES
 from solver.kernels.numba_ext.jit import CODE
 from solver.kernels.numba_ext.numba_parts import LINKING, missing_for_linking
 
@@ -126,6 +128,10 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("-o", "--output", type=Path, help="FMU file (default: NAME.fmu in the current folder)")
     add_space(parser)
     add_force(parser)
+    drive = parser.add_argument_group("how the base moves; the words are start values of parameters")
+    drive.add_argument("--drive", choices=tuple(DRIVES), default=USUAL.drive, help="by its acceleration, or by bodies")
+    drive.add_argument("--slope", choices=tuple(SLOPES), default=USUAL.slope, help="of its acceleration within a step")
+    drive.add_argument("--bodies", type=int, default=USUAL.bodies, metavar="N", help="that may drive it (default: 1)")
     parser.add_argument("--record", type=Path, metavar="FILE", help="record to put inside, added to the inputs")
     parser.add_argument("--native", action="store_true", help="compiled libraries instead of Python")
     parser.add_argument("--fmi", type=int, choices=(2, 3), default=2, help="version of FMI; 3: native only")
@@ -141,15 +147,18 @@ def _build(options: argparse.Namespace) -> None:
         raise InputError("--scalars: with --fmi 3 only, FMI 2.0 has no arrays")
     if options.output is not None and options.output.parent.is_dir():  # a missing folder is created
         check_outputs((options.output,), (options.column, options.record), options.force)
+    drive = drive_of(options.drive, options.slope, options.bodies)
+    if drive.drive != USUAL.drive and options.record is not None:
+        raise InputError("--record: must be left out with --drive, the ground moves the bodies at the base")
     if options.native:
         platforms = options.platforms.split(",") if options.platforms else None
         form = Form(options.fmi, options.source, options.terminals, options.scalars)
-        path = build_native_fmu(options.column, options.output, options.record, platforms, form, options.space)
+        path = build_native_fmu(options.column, options.output, options.record, platforms, form, options.space, drive)
     elif options.fmi != 2 or options.source or options.terminals:
         option = "--source" if options.source else "--terminals" if options.terminals else f"--fmi {options.fmi}"
         raise InputError(f"{option}: with --native only")
     else:
-        path = build_fmu(options.column, options.output, options.record, options.space)
+        path = build_fmu(options.column, options.output, options.record, options.space, drive)
     print(path)
 
 
@@ -171,10 +180,12 @@ def build_native_fmu(
     platforms: Sequence[str] | None = None,
     form: Form = USUAL_FORM,
     space: bool = False,
+    drive: Drive = USUAL,
 ) -> Path:
     """Build the FMU that needs no Python and return its path; prints what its libraries need from outside.
 
-    platforms: of PLATFORMS[form.fmi], None: all of them. space: a column as a structure in space.
+    platforms: of PLATFORMS[form.fmi], None: all of them. space: a column as a structure in space. drive: how its base
+    moves (fmu_src/drive.py).
     Raises InputError, OSError.
     """
     if not LINKING:
@@ -182,7 +193,7 @@ def build_native_fmu(
         raise InputError(f"--native: needs kernels that are linked, and numba {numba.__version__} does not ({lacks})")
     with needing("native", *BUILDER_PACKAGES):
         from fmu_src.native.package import native_files, needs_report
-    body, output = _body_and_output(column_file, output, record, space)
+    body, output = _body_and_output(column_file, output, record, space, drive)
     known = PLATFORMS[form.fmi]
     platforms = [*known] if platforms is None else platforms
     for platform in platforms:
@@ -200,8 +211,10 @@ def build_native_fmu(
     return output
 
 
-def _body_and_output(given: Any, output: Path | None, record: Path | None, space: bool) -> tuple[Body, Path]:
-    body = read_body(given, space) if isinstance(given, Path) else body_for(given)
+def _body_and_output(
+    given: Any, output: Path | None, record: Path | None, space: bool, drive: Drive
+) -> tuple[Body, Path]:
+    body = read_body(given, space, drive) if isinstance(given, Path) else body_for(given)
     if output is None:
         output = Path(f"{identifier_of(body.name)}.fmu")
         if output.exists():
@@ -222,18 +235,24 @@ def _check_record_name(name: str) -> None:
         )
 
 
-def build_fmu(column: Any, output: Path | None = None, record: Path | None = None, space: bool = False) -> Path:
+def build_fmu(
+    column: Any,
+    output: Path | None = None,
+    record: Path | None = None,
+    space: bool = False,
+    drive: Drive = USUAL,
+) -> Path:
     """Build the FMU of a file, or of a model, and return its path; a record is put inside it.
 
-    space: the column of a file as a structure in space. A model of another kind has its `Body` (fmu_src/body.py), whose
-    package is put inside. Raises InputError, OSError.
+    space: the column of a file as a structure in space. drive: how its base moves (fmu_src/drive.py). Another model
+    has its `Body` (fmu_src/body.py), whose package is put inside. Raises InputError, OSError.
     """
     with needing("fmu", *BUILDER_PACKAGES):
         from pythonfmu import FmuBuilder
 
         from fmu_src import documentation
         from fmu_src.slave import BODY_FILE, GUID_FILE, RECORD_FOLDER
-    body, output = _body_and_output(column, output, record, space)
+    body, output = _body_and_output(column, output, record, space, drive)
     record_name = ""
     if record is not None:
         body.samples(read_motion(record))

@@ -19,6 +19,7 @@ from solver.common.files import toml_of
 from solver.common.ranges import check, check_choice
 from solver.ground.motion import Motion, check_in_plane
 from solver.kernels.layout import spaces as at
+from solver.kernels.layout.spaces import DRIVES, SLOPES
 from solver.models.column import stepper as in_plane
 from solver.models.column.model import Column
 from solver.models.column.rest import check_rest
@@ -29,6 +30,8 @@ from solver.models.structure.file import describes_structure, in_space
 from solver.models.structure.model import Structure
 
 from . import structure_variables, variables
+from .drive import USUAL, Drive
+from .references import OF_STRUCTURE
 from .rules import DAMPING_SCALE_LIMITS
 
 Value = Callable[[str], Any]  # looks a variable up by its name
@@ -95,6 +98,10 @@ class Body:
         """What follows it from call to call, of models/: stepper.py, or driven.py. Raises InputError."""
         raise NotImplementedError
 
+    def retune(self, stepper: Any, described: Any) -> None:
+        """Go on as the parameters describe it now. Raises InputError."""
+        stepper.retune(described)
+
     def samples(self, motion: Motion | None) -> Any:
         """The record of a stepper. Raises InputError for a motion that it cannot follow."""
         if motion is not None:
@@ -106,44 +113,58 @@ class Body:
         return int(bool(stepper.fallen)), stepper.fall_time
 
 
+class Described(NamedTuple):
+    """What the parameters of a column describe: the column, and how its base moves."""
+
+    column: Column
+    drive: Drive
+
+
 class ColumnBody(Body, word="column"):
     """A column of blocks in its plane."""
 
-    inputs = variables.INPUTS
     fallen = variables.OVERTURN_JOINT
     first_parameter = "g"
     segment = at.BASE.fields.index("segment")
 
-    def __init__(self, column: Column) -> None:
+    def __init__(self, column: Column, drive: Drive = USUAL) -> None:
         self.column, self.name, self.tolerance = column, column.name, column.settings.tolerance
-        self.text = json.dumps(column.to_dict(), indent=1)
+        self.drive, self.inputs = drive, (*variables.INPUTS, *drive.inputs())
+        self.text = json.dumps({"column": column.to_dict(), "drive": drive}, indent=1)
         blocks = "block" if column.n == 1 else "blocks"
         self.about = f"Column of {column.n} rigid {blocks} with no-tension elastic joints under base acceleration"
         self.sizes = at.ROW.size(column.n), at.SPLIT.beside, at.PEAKS.size(column.n)
-        folder = "paper" if column.kind.fixed else "api"
-        self.kernels = Carried("models.column.first_run", folder, ("assemble_column", "run", "observe_state"))
+        folder, more = ("paper", ()) if column.kind.fixed else ("api", ("join_base",))
+        used = ("assemble_column", "run", "observe_state", *more)
+        self.kernels = Carried("models.column.first_run", folder, used)
         self.why_not_native = "has solver.formulation = paper, must be exact" if column.kind.fixed else ""
 
     def table(self, record: str = "", reads_files: bool = True) -> list[variables.Variable]:
         """The variables."""
-        return variables.variables(self.column, record, reads_files)
+        return variables.variables(self.column, record, reads_files, self.drive)
 
     @classmethod
-    def read(cls, data: Any) -> Body:
+    def read(cls, data: Any, drive: Drive = USUAL) -> Body:
         """Of a column."""
-        return cls(Column.from_dict(data))
+        return cls(Column.from_dict(data), drive)
 
-    def described(self, value: Value) -> Column:
-        """The column."""
+    def described(self, value: Value) -> Described:
+        """The column, and how its base moves."""
         try:
-            return variables.column_from(self.column, value)
+            return Described(variables.column_from(self.column, value), self.drive.chosen(value))
         except InputError as error:
             message = re.sub(r"block\[(\d+)\]\.joint\.", r"joint[\1].", str(error))
             raise InputError(message) from error
 
-    def stepper(self, described: Column) -> in_plane.Stepper:
+    def stepper(self, described: Described) -> in_plane.Stepper:
         """Its stepper."""
-        return in_plane.Stepper(described)
+        made = in_plane.Stepper(described.column)
+        made.driven_by(*described.drive)
+        return made
+
+    def retune(self, stepper: in_plane.Stepper, described: Described) -> None:
+        """Go on with another column."""
+        stepper.retune(described.column)
 
     def samples(self, motion: Motion | None) -> in_plane.Record:
         """The record of a stepper."""
@@ -163,23 +184,26 @@ class Settings(NamedTuple):
     tolerance: float
     without: float
     damping_scale: float
+    drive: float
+    slope: float
+    bodies: float
 
 
 class StructureBody(Body, word="structure"):
     """A structure in space. Its rest is found when the FMU is built, and carried with it."""
 
-    inputs = structure_variables.INPUTS
     first_parameter = structure_variables.DAMPING_SCALE
     kernels = Carried(
         "models.structure.driven", "structure", ("assemble_structure", "follow_structure", "look_structure")
     )
     why_not_native = ""
 
-    def __init__(self, data: Mapping[str, Any], model: list[float] | None = None) -> None:
+    def __init__(self, data: Mapping[str, Any], model: list[float] | None = None, drive: Drive = USUAL) -> None:
         structure = self.structure = Structure.from_dict(data)
         self.packed = packed(structure) if model is None else np.array(model, dtype=np.float64)
         self.name, self.tolerance = structure.name, structure.tolerance
-        self.text = json.dumps({"structure": data, "packed": self.packed.tolist()})
+        self.drive, self.inputs = drive, (*structure_variables.INPUTS, *drive.inputs(OF_STRUCTURE))
+        self.text = json.dumps({"structure": data, "packed": self.packed.tolist(), "drive": drive})
         parts = {"block": structure.n, "joint": len(structure.joints), "tie": len(structure.ties)}
         counted = ", ".join(f"{count} {what}{'' if count == 1 else 's'}" for what, count in parts.items() if count)
         self.about = f"Structure of rigid blocks in space with no-tension elastic joints: {counted}"
@@ -188,7 +212,7 @@ class StructureBody(Body, word="structure"):
 
     def table(self, record: str = "", reads_files: bool = True) -> list[variables.Variable]:
         """The variables."""
-        return structure_variables.structure_variables(self.structure, record, reads_files)
+        return structure_variables.structure_variables(self.structure, record, reads_files, self.drive)
 
     @classmethod
     def read(cls, data: Any) -> Body:
@@ -203,7 +227,8 @@ class StructureBody(Body, word="structure"):
         for word in filter(None, map(str.strip, value(names[2]).split(","))):
             check_choice(names[2], word, tuple(SKIP_CODES))
             code |= SKIP_CODES[word]
-        return Settings(tolerance, float(code), scale)
+        drive = self.drive.chosen(value)
+        return Settings(tolerance, float(code), scale, DRIVES[drive.drive], SLOPES[drive.slope], drive.bodies)
 
     def stepper(self, described: Settings) -> DrivenStructure:
         """Its stepper."""
@@ -223,7 +248,9 @@ def body_of(text: str) -> Body:
     data = json.loads(text)
     if "kind" in data:
         return Body.of[data["kind"]].read(data["model"])
-    return StructureBody(data["structure"], data["packed"]) if "packed" in data else ColumnBody.read(data)
+    if "packed" in data:
+        return StructureBody(data["structure"], data["packed"], Drive(*data["drive"]))
+    return ColumnBody.read(data["column"], Drive(*data["drive"]))
 
 
 def body_for(model: Any) -> Body:
@@ -235,16 +262,16 @@ def body_for(model: Any) -> Body:
     return Body.of[kind.word].read(model.to_dict())
 
 
-def read_body(file: Path, space: bool = False) -> Body:
+def read_body(file: Path, space: bool = False, drive: Drive = USUAL) -> Body:
     """The body that a TOML file describes, which has to have a stable rest; space: a column as a structure in space.
 
-    Raises InputError.
+    drive: how the base moves. Raises InputError.
     """
     with reading(file):
         data = in_space(toml_of(file)) if space else toml_of(file)
         if describes_structure(data):
-            return StructureBody.read(data)
+            return StructureBody(data, drive=drive)
     column = Column.from_toml(file)
     with reading(file):
         check_rest(column)
-    return ColumnBody(column)
+    return ColumnBody(column, drive)

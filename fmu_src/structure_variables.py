@@ -17,7 +17,8 @@ from solver.models.outputs import BLOCK, JOINT, TIE
 from solver.models.structure.model import Structure
 from solver.models.structure.outputs import OUTPUTS
 
-from .references import FAMILY
+from .drive import Drive
+from .references import FAMILY, OF_STRUCTURE
 from .rules import DAMPING_SCALE_LIMITS
 from .variables import OVERTURNED_BLOCK, SLOPE, Variable, input_of, of_record, outcome, parameter_of, seen, tolerance_of
 
@@ -33,7 +34,9 @@ INPUTS = (
 )
 
 
-def structure_variables(structure: Structure, record: str = "", reads_files: bool = True) -> list[Variable]:
+def structure_variables(
+    structure: Structure, record: str = "", reads_files: bool = True, drive: Drive | None = None
+) -> list[Variable]:
     """The table; as `variables` of a column. Raises InputError for a structure with too many joints or ties."""
     for what, parts in (("joint", structure.joints), ("tie", structure.ties)):
         if len(parts) > FAMILY:
@@ -48,9 +51,11 @@ def structure_variables(structure: Structure, record: str = "", reads_files: boo
         parameter_of(DAMPING_SCALE, "", "Factor on the damping of all joints and ties", 1.0, DAMPING_SCALE_LIMITS[0]),
         tolerance_of(structure.tolerance),
         parameter_of(WITHOUT, "", "What is not to be done: peaks, of forces and moments", ", ".join(structure.without)),
+        *(drive.parameters if drive else ()),
         *of_record(record, reads_files),
     ]
-    return [*INPUTS, *row, *peaks, *outcome(OVERTURNED_BLOCK), *parameters]
+    inputs = [*INPUTS, *(drive.inputs(OF_STRUCTURE) if drive else ())]
+    return [*inputs, *row, *peaks, *outcome(OVERTURNED_BLOCK), *parameters]
 
 
 def _sizes(structure: Structure) -> dict[str, float]:

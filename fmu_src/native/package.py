@@ -60,7 +60,7 @@ class Core(NamedTuple):
 
 
 CORES: dict[type[Body], Core] = {
-    ColumnBody: Core(lambda body: column_subject(body.column), COLUMN),
+    ColumnBody: Core(lambda body: column_subject(body.column, body.drive), COLUMN),
     StructureBody: Core(structure_subject, STRUCTURE),
 }
 XML = b'<?xml version="1.0" encoding="UTF-8"?>\n'

@@ -75,6 +75,7 @@ def compile_the_rest(entries: Any) -> None:
         compile_for(entries.assemble_column, *_column(), row, 1, row, row)
         compile_for(entries.observe_snapshots, *_column(), row, row, 1)
         compile_for(entries.observe_state, *_column(), *SILENCE.arguments, 0.0, row, row)
+        compile_for(entries.join_base, 1, row, row, row, 0.0, row)
 
 
 @contextmanager
