@@ -25,7 +25,7 @@ from solver.models.column.model import Column
 from solver.models.column.rest import check_rest
 from solver.models.outputs import BASE
 from solver.models.protocol import Kind
-from solver.models.structure.driven import SKIP_CODES, DrivenStructure, packed, record_of, sizes_in
+from solver.models.structure.driven import SKIP_CODES, Chosen, DrivenStructure, packed, record_of, sizes_in
 from solver.models.structure.file import describes_structure, in_space
 from solver.models.structure.model import Structure
 
@@ -178,17 +178,6 @@ class ColumnBody(Body, word="column"):
         return stepper.overturned_joint, stepper.overturn_time
 
 
-class Settings(NamedTuple):
-    """What the parameters of a structure describe, in the order of the kernels (GIVEN)."""
-
-    tolerance: float
-    without: float
-    damping_scale: float
-    drive: float
-    slope: float
-    bodies: float
-
-
 class StructureBody(Body, word="structure"):
     """A structure in space. Its rest is found when the FMU is built, and carried with it."""
 
@@ -219,7 +208,7 @@ class StructureBody(Body, word="structure"):
         """Of a structure, whose rest is found."""
         return cls(data)
 
-    def described(self, value: Value) -> Settings:
+    def described(self, value: Value) -> Chosen:
         """Its settings."""
         names = structure_variables.DAMPING_SCALE, variables.TOLERANCE, structure_variables.WITHOUT
         scale = check_number(names[0], value(names[0]), *DAMPING_SCALE_LIMITS)
@@ -228,9 +217,9 @@ class StructureBody(Body, word="structure"):
             check_choice(names[2], word, tuple(SKIP_CODES))
             code |= SKIP_CODES[word]
         drive = self.drive.chosen(value)
-        return Settings(tolerance, float(code), scale, DRIVES[drive.drive], SLOPES[drive.slope], drive.bodies)
+        return Chosen(tolerance, float(code), scale, DRIVES[drive.drive], SLOPES[drive.slope], drive.bodies)
 
-    def stepper(self, described: Settings) -> DrivenStructure:
+    def stepper(self, described: Chosen) -> DrivenStructure:
         """Its stepper."""
         return DrivenStructure(self.structure, self.packed, described)
 

@@ -19,6 +19,7 @@ from .base_motion import base_spin, base_turn
 BODY = Record("F0x", "F0z", "F0m", "Mxx", "Mxz", "Mxt", "Mzz", "Mzt", "Mtt")
 SINGULAR = 1e-12  # of a mass: what is left of it is none
 ALIKE = 1e-6  # of a step: steps that differ by less are the same
+ROUNDING = 1e-12  # of a time
 
 _body, _BODY = BODY.over, BODY.beside
 
@@ -48,6 +49,15 @@ def sums(bodies, inputs, first, split):
         xx, xz, xt = xx + body.Mxx, xz + body.Mxz, xt + body.Mxt
         zz, zt, tt = zz + body.Mzz, zt + body.Mzt, tt + body.Mtt
     return Sums(x, z, m, xx, xz, xt, zz, zt, tt)
+
+
+@leaf
+def are_silent(inputs, first, count):
+    """Whether the bodies have said nothing yet: hosts that exchange after steps alone begin with zeros."""
+    silent = True
+    for k in range(first, first + count):
+        silent = silent and inputs[k] == 0.0
+    return silent
 
 
 @leaf
@@ -88,10 +98,16 @@ def slope_of(way, steps, step, before, here, last, earlier):
 
 
 @leaf
+def has_gone_on(base, step, t):
+    """Whether a step of so many s, up to time t, is one: instants that differ by rounding are the same."""
+    return base.coupled != 0.0 and step > ALIKE * base.last_step + ROUNDING * abs(t)
+
+
+@leaf
 def _remember(base, t):
     """Where time has gone on since the last exchange: keep its accelerations, and turn the base as it has."""
     step = t - base.t0
-    if base.coupled != 0.0 and step > 0.0:
+    if has_gone_on(base, step, t):
         base.steps = min(base.steps + 1.0, 2.0)
         base.before_step, base.before_ax = base.last_step, base.last_ax
         base.before_az, base.before_alpha = base.last_az, base.last_alpha
@@ -104,10 +120,13 @@ def _remember(base, t):
 def couple(base, settings, given, inputs, first, t, split):
     """Let the base go on from time t as the bodies and the column move it, whose split at t it is. Returns a code.
 
-    given: inputs of the base by name; bodies from place `first` of `inputs` on. Without a mass it does not accelerate.
+    given: inputs of the base by name; bodies from place `first` of `inputs` on. Without a mass, and before a body has
+    said anything, it does not accelerate.
     """
     _remember(base, t)
-    code, ax, az, alpha = solve(settings.drive, sums(int(settings.bodies), inputs, first, split), given.az, given.alpha)
+    bodies, code, ax, az, alpha = int(settings.bodies), OK, 0.0, 0.0, 0.0
+    if not are_silent(inputs, first, bodies * _BODY):
+        code, ax, az, alpha = solve(settings.drive, sums(bodies, inputs, first, split), given.az, given.alpha)
     base.ax, base.az, base.alpha = ax, az, alpha
     way, steps, step, before = settings.slope, base.steps, base.last_step, base.before_step
     base.jx = slope_of(way, steps, step, before, ax, base.last_ax, base.before_ax)

@@ -6,7 +6,7 @@ structure follows from its state, and nothing from the acceleration of the same 
 
 import math
 
-from ..formulations.coupled_base import slope_of
+from ..formulations.coupled_base import are_silent, has_gone_on, slope_of
 from ..layout.spaces import (
     ACCELERATION,
     BODY_LACKING,
@@ -118,7 +118,7 @@ def _exchange(scene, shaking, inputs, phase, t, flat, visible):
         body = _body(inputs[_INPUTS + k * _BODY :], 0)
         x, y, z, mass = x + body.F0x, y + body.F0y, z + body.F0z, mass + body.M
     step = t - base.t0
-    if base.coupled != 0.0 and step > 0.0:
+    if has_gone_on(base, step, t):
         base.steps = min(base.steps + 1.0, 2.0)
         base.before_step, base.before_ax = base.last_step, base.last_ax
         base.before_ay, base.before_az = base.last_ay, base.last_az
@@ -126,7 +126,7 @@ def _exchange(scene, shaking, inputs, phase, t, flat, visible):
     base.t0, base.coupled = t, 1.0
     if not mass > 0.0:  # without one it does not accelerate
         base.ax, base.ay, base.az, base.jx, base.jy, base.jz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-        return BODY_LACKING
+        return OK if are_silent(inputs, _INPUTS, int(settings.bodies) * _BODY) else BODY_LACKING
     way, steps, step, before = settings.slope, base.steps, base.last_step, base.before_step
     base.ax, base.ay, base.az, base.jz = x / mass, y / mass, given.az, given.jz
     base.jx = slope_of(way, steps, step, before, base.ax, base.last_ax, base.before_ax)

@@ -8,7 +8,15 @@ import numpy as np
 
 from ...common.errors import SolverError, TooMuchWorkError
 from ...ground.motion import Motion
-from ...kernels.layout.spaces import BODY_LACKING, CALL_TOO_LONG, INPUT_TOO_LARGE, RECORD_BESIDE, TOO_MUCH_WORK
+from ...kernels.layout.spaces import (
+    ACCELERATION,
+    BODY_LACKING,
+    CALL_TOO_LONG,
+    INPUT_TOO_LARGE,
+    RECORD_BESIDE,
+    SLOPE_PARABOLA,
+    TOO_MUCH_WORK,
+)
 from ...kernels.structure import driven
 from ...kernels.structure import layout as at
 from ...kernels.structure.entries import assemble_structure, follow_structure, look_structure
@@ -32,6 +40,17 @@ REASONS = {
     INPUT_TOO_LARGE: "an input of the base is, or becomes, larger than 1e6 (m/s2)",
 }
 SKIP_CODES = {"peaks": driven.WITHOUT_PEAKS, "elastic": driven.WITHOUT_ELASTIC}
+
+
+class Chosen(NamedTuple):
+    """What a caller may choose, in the order of the kernels (driven.py, GIVEN)."""
+
+    tolerance: float
+    without: float = 0.0  # sum of SKIP_CODES
+    damping_scale: float = 1.0
+    drive: float = ACCELERATION  # how the base moves: codes of layout/spaces.py; bodies that drive it
+    slope: float = SLOPE_PARABOLA
+    bodies: float = 1.0
 
 
 class Record(NamedTuple):
@@ -84,7 +103,7 @@ class DrivenStructure:
     packed: see `packed`. record: followed beside the inputs.
     """
 
-    def __init__(self, structure: Structure, model: FloatArray, given: tuple[float, ...]) -> None:
+    def __init__(self, structure: Structure, model: FloatArray, given: Chosen) -> None:
         self.structure = structure
         self.sizes = sizes_in(model)
         self.packed = model
@@ -99,12 +118,12 @@ class DrivenStructure:
         self.split = np.zeros(0)  # of the reaction: it follows from the state alone
         self._assemble(given, True)
 
-    def _assemble(self, given: tuple[float, ...], from_rest: bool) -> None:
+    def _assemble(self, given: Chosen, from_rest: bool) -> None:
         described = np.concatenate([np.array(given, dtype=np.float64), self.packed])
         assemble_structure(self._arrays, described, int(from_rest))
 
-    def retune(self, given: tuple[float, ...]) -> None:
-        """Go on with another tolerance, code of what is left out, and factor on the damping (GIVEN)."""
+    def retune(self, given: Chosen) -> None:
+        """Go on with other choices, but of the base."""
         self._assemble(given, False)
 
     def drive(self, t: float, *inputs: float, since: float | None = None) -> None:
