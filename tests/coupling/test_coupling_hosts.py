@@ -166,7 +166,8 @@ def test_an_ssp_connects_what_there_is(native_coupled: Path, name: str) -> None:
     for component in root.iterfind(".//ssd:Component", SPACES):
         part, source = component.get("name") or "", component.get("source") or ""
         assert source in names
-        description = read_model_description(str(native_coupled / f"{part}.fmu"))
+        partner = "soil" if "soil" in name else "isolator"
+        description = read_model_description(systems.path_of(str(native_coupled), partner, part))
         variables[part] = {variable.name: variable for variable in description.modelVariables}
         for connector in component.iterfind("ssd:Connectors/ssd:Connector", SPACES):
             variable = variables[part][connector.get("name") or ""]

@@ -11,6 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 from ...common import effort
 from ...common.errors import SolverError, TooMuchWorkError
 from ...ground.motion import Motion
+from ...kernels.api.engine import BASE_INPUTS
+from ...kernels.formulations.coupled_base import BODY
 from ...kernels.layout import spaces as at
 from ...kernels.stepping.control import most_work
 from ..outputs import peaks_by_name, visible_peaks
@@ -104,7 +106,7 @@ class Stepper:
         Raises SolverError where nothing at the base has a mass.
         """
         if self.model.settings.drive != at.ACCELERATION:
-            self._join(t, np.array([ax, az, jx, jz, theta, omega, alpha, *bodies]))
+            self._join(t, [ax, az, jx, jz, theta, omega, alpha, *bodies])
             return
         base, elapsed = self.arrays.base, 0.0 if since is None else t - since
         base[:5] = t, ax + jx * elapsed, jx, az + jz * elapsed, jz
@@ -116,11 +118,13 @@ class Stepper:
         settings = self.model.settings
         settings.drive, settings.slope, settings.bodies = at.DRIVES[drive], at.SLOPES[slope], bodies
 
-    def _join(self, t: float, inputs: FloatArray) -> None:
+    def _join(self, t: float, given: list[float]) -> None:
         if self.record is not SILENCE:
             raise SolverError(f"at t = {t:.6g} s: {REASONS[at.RECORD_BESIDE]}")
         self.observe(t)
         model, base = self.arrays.model, self.arrays.base
+        inputs = np.zeros(BASE_INPUTS.beside + BODY.beside * int(self.model.settings.bodies))
+        inputs[: len(given)] = given
         self.lacks_mass = self._entries.join_base(self.n, model, base, inputs, float(t), self._split) < at.OK
 
     def advance(self, t: float, h: float) -> None:

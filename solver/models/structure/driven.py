@@ -111,7 +111,8 @@ class DrivenStructure:
         # machine code is kept by types, and in an FMU the class of the arrays has another name
         self._arrays = tuple(self.arrays)
         self.record = record_of(None)
-        self._inputs, self._row = np.zeros(driven.INPUTS.beside), np.zeros(self.sizes.visible)
+        self._inputs = np.zeros(driven.INPUTS.beside + driven.BODY.beside * int(given.bodies))
+        self._row = np.zeros(self.sizes.visible)
         self._room = np.zeros(self.sizes.visible)
         self._elapsed, self._new = 0.0, False
         self.counts, self._state = at.COUNTS.see(self.arrays.counts), at.STATE.see(self.arrays.state, self.sizes)
@@ -132,7 +133,7 @@ class DrivenStructure:
         Behind them what bodies that drive it say (kernels/structure/driven.py, BODY). since: s, the time that all are
         given for; None: t.
         """
-        self._inputs = np.array(inputs, dtype=np.float64)
+        self._inputs[: len(inputs)] = inputs
         self._elapsed, self._new = 0.0 if since is None else t - since, True
 
     def advance(self, t: float, h: float) -> None:
