@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import textwrap
 from collections.abc import Sequence
@@ -22,6 +23,7 @@ from .figures import Figure
 Where = Literal["outside lower center", "outside upper center", "outside right upper"]
 
 DPI = 150
+NICE = (1.0, 2.0, 5.0)  # times powers of ten: scales to choose from
 STONE, INK, GREY, GRID = "#cdbfa7", "#3b3a38", "#7a7873", "0.9"
 # Okabe and Ito's colours that stand out on white; the colour-blind can distinguish them too
 FEW_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
@@ -35,6 +37,12 @@ TITLE, LINE, LETTER = 13.0, 10.5, 0.112  # points of the title and the line belo
 def plain(name: str) -> str:
     """A name as matplotlib shows it unchanged: "$" would begin a formula, a leading "_" hides a legend's entry."""
     return (" " if name.startswith("_") else "") + name.replace("$", r"\$")
+
+
+def nice(most: float) -> float:
+    """The largest 1, 2 or 5 times a power of ten up to `most`."""
+    power = 10.0 ** math.floor(math.log10(most))
+    return float(f"{power * max(factor for factor in NICE if factor * power <= most * (1.0 + 1e-9)):.3g}")
 
 
 def header(figure: Figure, title: str, line: str = "", colour: str = INK) -> None:
