@@ -361,7 +361,7 @@ def caption(results: Results) -> list[str]:
     study = results.study
     columns = ", ".join(f"{column['name']} ({len(column['block'])} blocks)" for column in _columns(results))
     random = ", ".join(
-        f"{name} ({table['distribution']}{', each' if table['each'] else ''})"
+        f"{name} ({table['distribution']}{', each' if table.get('each') else ''})"
         for name, table in study["random"].items()
     )
     failed = int(np.sum(results["failure"] != ""))
