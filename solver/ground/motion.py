@@ -16,9 +16,9 @@ from ..common.files import printable, whole_file
 from ..common.frames import Frame, Framed
 from ..common.notebook import Shown, counted, history
 from .records import STANDARD_GRAVITY as STANDARD_GRAVITY
-from .records import Record, read_record
-from .records.columns import LEAD, SLOPES
-from .records.reader import read_at2, read_csv
+from .records import Record, peer, read_record
+from .records.columns import LEAD, SLOPES, read_csv
+from .records.text import lines_of
 
 STRONGEST = 3.0 * STANDARD_GRAVITY  # of any record that can be believed
 LARGEST = 1e6  # m/s2: a larger acceleration is a mistake of units, and no column can be followed under it
@@ -334,14 +334,24 @@ class Motion(Framed, Shown):
             return cls.from_record(record, Path(path).name)
 
     @classmethod
-    def from_record(cls, record: Record, name: str = "") -> Motion:
+    def from_record(cls, record: Record, name: str = "", hold: bool = False) -> Motion:
         """Return the motion of a record that has been read; piecewise linear. Raises InputError as `Motion` does.
 
-        Warns (InputWarning) of a peak beyond 3 g: the units are probably others.
+        hold: held instead, the last sample as long as the one before. Warns (InputWarning) of a peak beyond 3 g: the
+        units are probably others.
         """
-        duration = float(record.time[-1] - record.time[0])
-        ay = _NONE if record.ay is None else record.ay
-        return _plausible(cls(record.time, record.ax, record.az, duration, ay=ay, name=printable(name)))
+        time, ay = record.time, _NONE if record.ay is None else record.ay
+        duration = float(time[-1] - time[0] + (time[-1] - time[-2] if hold else 0.0))
+        motion = cls(time, record.ax, record.az, duration, hold, ay=ay, name=printable(name))
+        largest = max(float(np.max(np.abs(samples))) for samples in (motion.ax, motion.ay, motion.az))
+        if largest > STRONGEST:
+            warnings.warn(
+                f"{motion.name or 'record'}: largest acceleration {largest / STANDARD_GRAVITY:.4g} g, ground motions "
+                f"reach {STRONGEST / STANDARD_GRAVITY:g} g: is it in other units (g, m/s2, cm/s2)?",
+                InputWarning,
+                stacklevel=2,
+            )
+        return motion
 
     @classmethod
     def from_csv(cls, path: str | os.PathLike[str], hold: bool = False) -> Motion:
@@ -353,13 +363,8 @@ class Motion(Framed, Shown):
 
         Raises InputError that begins with `path` and, for a wrong row, its line number.
         """
-        record = read_csv(path)
         with reading(path):
-            time = record.time
-            duration = time[-1] - time[0] + (time[-1] - time[-2] if hold else 0.0)
-            ay = _NONE if record.ay is None else record.ay
-            name = printable(Path(path).name)
-            return _plausible(cls(time, record.ax, record.az, float(duration), hold, ay=ay, name=name))
+            return cls.from_record(read_csv(lines_of(path)), Path(path).name, hold)
 
     @classmethod
     def from_at2(cls, path: str | os.PathLike[str]) -> Motion:
@@ -367,22 +372,8 @@ class Motion(Framed, Shown):
 
         Raises InputError that begins with `path` if units, number of samples, step or a value is not what it should be.
         """
-        record = read_at2(path)
         with reading(path):
-            return cls.from_record(record, Path(path).name)
-
-
-def _plausible(motion: Motion) -> Motion:
-    """The motion of a record; warns (InputWarning) if it is stronger than any that was recorded."""
-    largest = max(float(np.max(np.abs(samples))) for samples in (motion.ax, motion.ay, motion.az))
-    if largest > STRONGEST:
-        warnings.warn(
-            f"{motion.name or 'record'}: largest acceleration {largest / STANDARD_GRAVITY:.4g} g, ground motions reach "
-            f"{STRONGEST / STANDARD_GRAVITY:g} g: is it in other units (g, m/s2, cm/s2)?",
-            InputWarning,
-            stacklevel=3,
-        )
-    return motion
+            return cls.from_record(peer.read(lines_of(path)), Path(path).name)
 
 
 def check_in_plane(motion: Motion) -> None:
