@@ -20,12 +20,7 @@ from solver.models.column.settings import SKIP_CODES
 from solver.models.column.stepper import REASONS
 
 from .. import rules
-from ..variables import (
-    JOINT_PARAMETERS,
-    OVERTURN_JOINT,
-    RECORD_SCALE,
-    TOLERANCE,
-)
+from ..variables import JOINT_PARAMETERS, OVERTURN_JOINT, RECORD_SCALE, TOLERANCE
 from .table import OF_BLOCKS, REFUSALS, Check, Chosen, Subject, codes_with
 
 # input -> the input that is its slope

@@ -15,11 +15,7 @@ COLUMNS = 600  # pixels across a panel, about: finer detail cannot be distinguis
 
 
 def draw_lines(
-    axes: Axes,
-    time: FloatArray,
-    values: FloatArray,
-    colours: dict[int, str],
-    largest_only: bool = False,
+    axes: Axes, time: FloatArray, values: FloatArray, colours: dict[int, str], largest_only: bool = False
 ) -> None:
     """Draw one line for each column of values (nt, n) in `colours`, those of the largest range first.
 

@@ -91,21 +91,15 @@ def name_of(i: int, n: int, of: str = "block") -> str:
     return f"{of} {i + 1}{place}"
 
 
-def show_blocks(
-    figure: Figure,
-    axes: Sequence[Axes],
-    colours: Sequence[str],
-    where: Where = "outside lower center",
-    of: str = "block",
-) -> None:
+def show_blocks(figure: Figure, axes: Sequence[Axes], colours: Sequence[str], where: Where) -> None:
     """Show the colour of each block (`block_colours`): a legend at `where` for few, a colour bar aside for many."""
     n = len(colours)
     if n <= len(FEW_COLOURS):
-        show_names(figure, [name_of(i, n, of) for i in range(n)], colours, where)
+        show_names(figure, [name_of(i, n) for i in range(n)], colours, where)
         return
     mappable = ScalarMappable(Normalize(0.5, n + 0.5), ListedColormap(list(colours)))
     bar = figure.colorbar(mappable, ax=list(axes), aspect=60, pad=0.01)
-    bar.set_ticks([1, n], labels=[name_of(i, n, of) for i in (0, n - 1)])
+    bar.set_ticks([1, n], labels=[name_of(i, n) for i in (0, n - 1)])
     bar.ax.invert_yaxis()
 
 

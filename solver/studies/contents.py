@@ -28,17 +28,17 @@ def check_head(head: Mapping[str, Any]) -> None:
     check_choice("study.sampling", study.get("sampling"), SAMPLINGS)
     _whole(study, "seed", 0, math.inf)
     samples = _whole(study, "samples", 1, MOST_RUNS)
-    columns = [subject_from(_is(f"columns[{k}]", table, dict)) for k, table in enumerate(_list(study, "columns"))]
+    columns = [subject_from(_is(f"columns[{k}]", table, dict)) for k, table in enumerate(_part(study, "columns", list))]
     check_alike(columns)
     sizes, kind = sizes_of(columns), columns[0].kind
     _must("blocks", blocks, blocks == sizes["block"], f"{sizes['block']}, the most of a column")
     _must("sizes", head.get("sizes"), head.get("sizes") == (sizes if kind.across else None), f"{sizes}, of structures")
-    motions = [_is(f"motions[{k}]", table, dict) for k, table in enumerate(_list(study, "motions"))]
+    motions = [_is(f"motions[{k}]", table, dict) for k, table in enumerate(_part(study, "motions", list))]
     for table in motions:
         _part(table, "name", str)
     grid = _part(study, "grid", dict)
     for name in grid:
-        _numbers(f"grid.{name}", _list(grid, name), finite=True)
+        _numbers(f"grid.{name}", _part(grid, name, list), finite=True)
     made = len(columns) * len(motions) * samples * math.prod(map(len, grid.values()))
     _must("runs", runs, runs == made, f"{made}, as the study has them")
     for name, table in _part(study, "random", dict).items():
@@ -46,10 +46,10 @@ def check_head(head: Mapping[str, Any]) -> None:
     _must("study.intensity", None, "intensity" in study, "a table, or null")
     if study["intensity"] is not None:
         Measure.from_table(_part(study, "intensity", dict))
-    _numbers("limits", _list(study, "limits"), finite=True)
-    _names("keep", _list(study, "keep"), tuple(kind.kept), always_kept(kind))
-    _names("varied", _list(head, "varied"), None, ("column", "motion", *grid))
-    _names("measured", _list(head, "measured"), ("pga", "pgv", "sa"), ("pga", "pgv"))
+    _numbers("limits", _part(study, "limits", list), finite=True)
+    _names("keep", _part(study, "keep", list), tuple(kind.kept), always_kept(kind))
+    _names("varied", _part(head, "varied", list), None, ("column", "motion", *grid))
+    _names("measured", _part(head, "measured", list), ("pga", "pgv", "sa"), ("pga", "pgv"))
 
 
 def check_row(head: Mapping[str, Any], row: Any) -> None:
@@ -106,11 +106,6 @@ def _is(key: str, value: Any, kind: type) -> Any:
 
 def _part(table: Mapping[str, Any], key: str, kind: type) -> Any:
     return _is(key, table.get(key), kind)
-
-
-def _list(table: Mapping[str, Any], key: str) -> list[Any]:
-    found: list[Any] = _part(table, key, list)
-    return found
 
 
 def _whole(table: Mapping[str, Any], key: str, low: int, high: float) -> int:

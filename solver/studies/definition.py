@@ -17,22 +17,18 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .. import __version__
 from ..common.errors import FINITE, POSITIVE, InputError, check_number, check_whole, needing, reading, shown
 from ..common.files import check_file_name, toml_of
 from ..common.notebook import Shown, counted
 from ..common.ranges import check_choice, check_keys
-from ..ground.intensity import pgv
-from ..ground.motion import STANDARD_GRAVITY, Motion
+from ..ground.motion import Motion
 from ..kernels.numba_ext.jit import SOURCES
-from ..models.protocol import Model, Run
+from ..models.protocol import FloatArray, Model, Run
 from .distributions import Random
 from .motions import BESIDE, Measure, Shaking, tilted
 from .subjects import DIRECTION, IN_PLANE, always_kept, check_alike, check_motion, sizes_of, subjects_in
-
-FloatArray = NDArray[np.float64]
 
 KINDS = ("sweep", "ida", "fragility", "spectrum", "montecarlo")
 SAMPLINGS = ("latin-hypercube", "sobol", "random")
@@ -409,10 +405,9 @@ def _base(
     made = study.motions[motion].base(dict(numbers), unit)
     if not np.any(made.ax) and not made.amplitude:
         return made, dict.fromkeys(study.measured, 0.0)
-    measures = {"pga": made.pga / STANDARD_GRAVITY, "pgv": pgv(made)}
-    if study.measure is not None and study.measure.name == "sa":
-        measures["sa"] = study.measure.of(made)
-    return made, measures
+    given = study.measure
+    measures = (given if given is not None and given.name == name else Measure(name) for name in study.measured)
+    return made, {measure.name: measure.of(made) for measure in measures}
 
 
 def _without_number(name: str) -> str:

@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..common.errors import InputError, needing
+from ..models.protocol import FloatArray
 from ..models.uncertainty import CONFIDENCE, PERCENTILES, share_bounds
 from .results import Results
 
-FloatArray = NDArray[np.float64]
 # of weights of the runs and a first guess: median and deviation
 Fit = Callable[[FloatArray, tuple[float, float] | None], tuple[float, float]]
 
