@@ -26,6 +26,7 @@ ROOM = 0.12  # of the extent: around a structure that is filmed
 VISIBLE = 0.08  # of the extent: largest deformation in a picture
 STONE, EDGE = "#d9d2c3", "#6b6558"
 SIDES = 24
+DPI = 130
 TICKS = 6  # along the longest axis
 
 
@@ -41,7 +42,7 @@ def plot_structure(
     draw_blocks(axes, response.structure, scale * u, scale * turn)
     times = f", deformation x {scale:g}" if scale != 1.0 else ""
     axes.set_title(f"{plain(response.structure.name)} at {response.time[k]:.3g} s{times}", fontsize=10)
-    return save(figure, path)
+    return save(figure, path, DPI)
 
 
 def structure_picture(structure: Structure) -> Figure:
@@ -118,7 +119,7 @@ def plot_plan(
     axes.set_ylabel("$u_y$ (mm)")
     axes.grid(alpha=0.3)
     axes.legend()
-    return save(figure, path)
+    return save(figure, path, DPI)
 
 
 def plot_response(response: SpatialResponse, path: str | os.PathLike[str] | None) -> Figure:
@@ -137,7 +138,7 @@ def plot_response(response: SpatialResponse, path: str | os.PathLike[str] | None
     bottom.set_xlabel("time (s)")
     for axes in (top, middle, bottom):
         axes.grid(alpha=0.3)
-    return save(figure, path)
+    return save(figure, path, DPI)
 
 
 def _row_at(response: SpatialResponse, at: float | None) -> int:

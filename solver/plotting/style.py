@@ -114,7 +114,7 @@ def show_names(
     figure.legend(handles, [*names, *filter(None, [mark])], loc=where, ncols=across, frameon=False)
 
 
-def save(figure: Figure, path: str | os.PathLike[str] | None) -> Figure:
+def save(figure: Figure, path: str | os.PathLike[str] | None, dpi: int = DPI) -> Figure:
     """The figure, written in the format of the file's suffix if there is a path.
 
     Raises InputError for an unknown suffix, OSError.
@@ -125,5 +125,5 @@ def save(figure: Figure, path: str | os.PathLike[str] | None) -> Figure:
     if Path(path).suffix.lower().removeprefix(".") not in known:
         raise InputError(f"{path}: must end in one of .{', .'.join(known)}")
     with whole_file(path) as partial:
-        figure.savefig(partial, dpi=DPI)
+        figure.savefig(partial, dpi=dpi)
     return figure
