@@ -21,14 +21,7 @@ from solver.models.column.stepper import REASONS
 
 from .. import rules
 from ..drive import USUAL, Drive
-from ..variables import (
-    DRIVE,
-    JOINT_PARAMETERS,
-    OVERTURN_JOINT,
-    RECORD_SCALE,
-    SLOPE_OF_BASE,
-    TOLERANCE,
-)
+from ..variables import DRIVE, JOINT_PARAMETERS, OVERTURN_JOINT, RECORD_SCALE, SLOPE_OF_BASE, TOLERANCE
 from .table import OF_BLOCKS, REFUSALS, Check, Chosen, Subject, codes_with
 
 # input -> the input that is its slope

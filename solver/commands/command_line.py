@@ -229,19 +229,14 @@ def _simulate(options: argparse.Namespace) -> None:
 
 def _film(response: Response, path: Path) -> None:
     """Film a response, with a progress line on a terminal."""
-    if not sys.stderr.isatty():
-        response.film(path)
-        return
     with Line(unit="picture") as line:
-        response.film(path, callback=line.show)
+        response.film(path, callback=line.show if sys.stderr.isatty() else None)
 
 
 def _run(subject: Any, motion: Motion, duration: float | None, **options: Any) -> Any:
     """`simulate`, with a progress line on a terminal."""
-    if not sys.stderr.isatty():
-        return simulate(subject, motion, duration, **options)
     with ProgressLine(motion.start, motion.duration if duration is None else duration) as line:
-        return simulate(subject, motion, duration, callback=line, **options)
+        return simulate(subject, motion, duration, callback=line if sys.stderr.isatty() else None, **options)
 
 
 def _record(options: argparse.Namespace) -> None:

@@ -8,6 +8,7 @@ import io
 import sys
 import tomllib
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
@@ -53,14 +54,6 @@ class Shape(NamedTuple):
     blocks: Callable[[dict[str, float]], list[dict[str, float]]]
 
 
-def _drums(asked: dict[str, float]) -> list[dict[str, float]]:
-    return _stack(asked, "diameter")
-
-
-def _tapered(asked: dict[str, float]) -> list[dict[str, float]]:
-    return _stack(asked, "width")
-
-
 def _stack(asked: dict[str, float], across: str) -> list[dict[str, float]]:
     """Equal heights; sizes fall in a straight line from the bottom to the top."""
     count = int(asked["count"])
@@ -99,7 +92,7 @@ SHAPES = {
             "bottom": Question("diameter at the bottom (m)", 1.0),
             "top": Question("diameter at the top (m)", 0.85),
         },
-        _drums,
+        partial(_stack, across="diameter"),
     ),
     "statue": Shape(
         "a statue on a pedestal",
@@ -131,7 +124,7 @@ SHAPES = {
             "bottom": Question("width at the bottom (m)", 0.8),
             "top": Question("width at the top (m)", 0.5),
         },
-        _tapered,
+        partial(_stack, across="width"),
     ),
     "survey": Shape("blocks from a survey, a table FILE.csv", {}, lambda asked: []),
 }
@@ -171,8 +164,8 @@ def _new(options: argparse.Namespace) -> None:
     with reading(path):
         column = Column.from_dict(tomllib.loads(text))
         check_rest(column, from_rest=False)
-        with whole_file(path) as partial:
-            partial.write_text(text, encoding="utf-8")
+        with whole_file(path) as beside:
+            beside.write_text(text, encoding="utf-8")
     height = sum(block.height for block in column.blocks)
     mass = sum(block.mass for block in column.blocks)
     print(f"{path}: {column.n} blocks, {height:.4g} m, {mass:.5g} kg. Next:")
@@ -256,9 +249,8 @@ def _choice(text: str, choices: dict[str, str], usual: str) -> str:
 
 def _number(question: Question, asked: dict[str, float] | None = None) -> float:
     usual = question.usual(asked or {}) if callable(question.usual) else question.usual
-    limits = question.limits
     return question.factor * _accepted(
-        question.text, f"{usual:g}", lambda answer: _parsed(question.text, answer, limits)
+        question.text, f"{usual:g}", lambda answer: _parsed(question.text, answer, question.limits)
     )
 
 

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 from matplotlib.animation import AbstractMovieWriter, FFMpegWriter, PillowWriter
-from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
@@ -19,13 +18,15 @@ from ..models.structure.blocks.parts import Solid
 from ..models.structure.blocks.shapes import turned
 from ..models.structure.model import Structure
 from ..models.structure.response import SpatialResponse
+from .figures import Figure
 from .film import FILM_DPI, check_film
-from .style import plain
+from .style import nice, plain, save
 
 ROOM = 0.12  # of the extent: around a structure that is filmed
 VISIBLE = 0.08  # of the extent: largest deformation in a picture
 STONE, EDGE = "#d9d2c3", "#6b6558"
 SIDES = 24
+DPI = 130
 TICKS = 6  # along the longest axis
 
 
@@ -41,7 +42,7 @@ def plot_structure(
     draw_blocks(axes, response.structure, scale * u, scale * turn)
     times = f", deformation x {scale:g}" if scale != 1.0 else ""
     axes.set_title(f"{plain(response.structure.name)} at {response.time[k]:.3g} s{times}", fontsize=10)
-    return _saved(figure, path)
+    return save(figure, path, DPI)
 
 
 def structure_picture(structure: Structure) -> Figure:
@@ -118,7 +119,7 @@ def plot_plan(
     axes.set_ylabel("$u_y$ (mm)")
     axes.grid(alpha=0.3)
     axes.legend()
-    return _saved(figure, path)
+    return save(figure, path, DPI)
 
 
 def plot_response(response: SpatialResponse, path: str | os.PathLike[str] | None) -> Figure:
@@ -137,7 +138,7 @@ def plot_response(response: SpatialResponse, path: str | os.PathLike[str] | None
     bottom.set_xlabel("time (s)")
     for axes in (top, middle, bottom):
         axes.grid(alpha=0.3)
-    return _saved(figure, path)
+    return save(figure, path, DPI)
 
 
 def _row_at(response: SpatialResponse, at: float | None) -> int:
@@ -168,7 +169,7 @@ def _places(response: SpatialResponse, k: int) -> tuple[FloatArray, FloatArray]:
 def _scale_of(response: SpatialResponse, k: int) -> float:
     """A scale by which the deformation at row k is seen; 1 where it is large."""
     largest = max(float(np.max(np.abs(_places(response, k)[0]))), 1e-12)
-    return min(max(1.0, round_scale(VISIBLE * extent_of(response.structure) / largest)), 1e4)
+    return min(max(1.0, nice(VISIBLE * extent_of(response.structure) / largest)), 1e4)
 
 
 def _surfaces(block: Solid) -> list[FloatArray]:
@@ -195,15 +196,3 @@ def _moved(points: FloatArray, block: Solid, u: FloatArray, turn: FloatArray) ->
 def extent_of(structure: Structure) -> float:
     """The largest extent of a structure along an axis, m."""
     return max(float(np.max(np.ptp(_all_corners(structure), axis=0))), 1e-9)
-
-
-def round_scale(value: float) -> float:
-    """The largest of 1, 2, 5 times a power of ten that is not above."""
-    power = 10.0 ** np.floor(np.log10(value))
-    return float(power * max(k for k in (1.0, 2.0, 5.0) if k * power <= value * (1.0 + 1e-9)))
-
-
-def _saved(figure: Figure, path: str | os.PathLike[str] | None) -> Figure:
-    if path is not None:
-        figure.savefig(path, dpi=130)
-    return figure
