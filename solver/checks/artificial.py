@@ -97,8 +97,7 @@ def _psa(coefficients: NDArray[np.complex128], frequency: NDArray[Any], padded: 
 def _envelope(count: int) -> FloatArray:
     part = np.arange(count + 1) / count
     fall = LEFT_AT_END ** np.maximum(0.0, (part - LEVEL) / (1.0 - LEVEL))
-    shape: FloatArray = np.minimum(1.0, part / RISE) ** 2 * fall
-    return shape
+    return np.minimum(1.0, part / RISE) ** 2 * fall
 
 
 def _without_drift(samples: FloatArray, envelope: FloatArray) -> FloatArray:

@@ -76,14 +76,12 @@ class Mechanism:
         """Spectral displacements along the curve, m (C8.7.1.4), of the top as the point of control."""
         _, first, second = self._sums
         top = self.curve.direction * self.curve.ux[:, 0]
-        found: FloatArray = top * second / (self.shape[-1] * first)
-        return found
+        return top * second / (self.shape[-1] * first)
 
     @cached_property
     def acceleration(self) -> FloatArray:
         """Spectral accelerations along the curve, m/s2 (C8.7.1.3)."""
-        found: FloatArray = self.curve.acceleration / (self.mass_part * self.confidence_factor)
-        return found
+        return self.curve.acceleration / (self.mass_part * self.confidence_factor)
 
     @property
     def a0(self) -> float:
@@ -112,8 +110,7 @@ class Mechanism:
         periods = np.array([longest])
         if not smooth:
             periods = np.geomspace(min(own_period, longest), longest, PERIODS_LOOKED_AT)
-        found: float = float(np.max(action.psa(periods, _DAMPING[part]) * (periods / (2.0 * math.pi)) ** 2))
-        return found
+        return float(np.max(action.psa(periods, _DAMPING[part]) * (periods / (2.0 * math.pi)) ** 2))
 
     def capacity(self, part: float = LIFE_SAFETY) -> float:
         """Spectral displacement allowed, m (C8.7.1.2.1.6)."""

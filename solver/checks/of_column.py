@@ -105,8 +105,7 @@ class InPlane(Subject):
 
     def tops(self, table: Table) -> FloatArray:
         """Peaks of the top, m."""
-        found: FloatArray = table["peak_ux"][:, 0]
-        return found
+        return table["peak_ux"][:, 0]
 
     def by_hand(self, action: Action, limits: Limits) -> ByHand:
         """Kinematic verification and ASCE 43."""

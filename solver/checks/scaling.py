@@ -69,8 +69,7 @@ class MotionSpectra:
         moving = period.ravel() > 0.0
         for k, motion in enumerate(self.motions if moving.any() else ()):
             each[k, moving] = horizontal_psa(motion, period.ravel()[moving], damping)
-        taken: FloatArray = statistic(each).reshape(period.shape)
-        return taken
+        return statistic(each).reshape(period.shape)
 
 
 def statistic(values: ArrayLike) -> FloatArray:
@@ -79,8 +78,7 @@ def statistic(values: ArrayLike) -> FloatArray:
     EN 1998-1, 4.3.3.4.3(3). An infinite value, of a column that falls, makes a mean infinite.
     """
     values = np.asarray(values, dtype=np.float64)
-    taken: FloatArray = np.asarray(np.mean(values, axis=0) if len(values) >= MEAN_FROM else np.max(values, axis=0))
-    return taken
+    return np.asarray(np.mean(values, axis=0) if len(values) >= MEAN_FROM else np.max(values, axis=0))
 
 
 def applied(name: str, motion: Motion, factor: float, vertical_factor: float | None = None) -> ScaledMotion:
@@ -154,8 +152,7 @@ class Fit:
 
     def mean(self, own: FloatArray | float = 1.0) -> FloatArray:
         """Mean over the motions of response times `own` over target (periods,)."""
-        found: FloatArray = np.mean(self.ratios * np.reshape(own, (-1, 1)), axis=0)
-        return found
+        return np.mean(self.ratios * np.reshape(own, (-1, 1)), axis=0)
 
 
 def scaled_to_spectrum(

@@ -123,8 +123,7 @@ class TableSpectrum:
         t = np.maximum(np.asarray(period, dtype=np.float64), self.period[0])
         within = np.exp(np.interp(np.log(t), np.log(self.period), np.log(self.values)))
         beyond: FloatArray = np.minimum(1.0, self.period[-1] / t) ** 2
-        found: FloatArray = damping_factor(damping) * within * beyond
-        return found
+        return damping_factor(damping) * within * beyond
 
 
 @dataclass(frozen=True, eq=False)

@@ -92,8 +92,7 @@ class Subject:
 
     def tops(self, table: Table) -> FloatArray:
         """As `moved`, of a table of runs with the largest displacements."""
-        found: FloatArray = np.max(table[f"peak_{self.model.kind.largest}"], axis=1)
-        return found
+        return np.max(table[f"peak_{self.model.kind.largest}"], axis=1)
 
     def by_hand(self, action: Any, limits: Any) -> Any:
         """`ByHand` under an Action with Limits; None if there are no such methods."""

@@ -52,8 +52,7 @@ class Chunk:
     @property
     def kind(self) -> Kind:
         """That of its first model, with the results of all."""
-        kind: Kind = self.runs[0].model.kind
-        return kind
+        return self.runs[0].model.kind
 
 
 @dataclass
@@ -196,8 +195,7 @@ def _response(chunk: Chunk, place: int, look: Callable[..., object]) -> Any:
     """The whole response of a run, with the rows of `simulate`."""
     model, motion, duration = chunk.runs[place]
     plan = Plan(motion, duration, output_times(motion, duration), None, chunk.settle, look)
-    response: Any = model.kind.single_run(model, plan)[0]
-    return response
+    return model.kind.single_run(model, plan)[0]
 
 
 def _alone(chunk: Chunk, columns: Columns, place: int, look: Callable[..., object]) -> str:

@@ -92,8 +92,7 @@ class Block:
         if self.is_cuboid:
             return self.height * self.width * self.depth
         section, bore, *top = self.shape
-        volume: float = solid_between(section, self.height, self.width, self.depth, *top, bore).volume
-        return volume
+        return solid_between(section, self.height, self.width, self.depth, *top, bore).volume
 
     @cached_property
     def homogeneous(self) -> tuple[float, float]:
@@ -132,21 +131,18 @@ class Block:
     @property
     def contact_face(self) -> Face:
         """The face with which the block may touch the body under it."""
-        found: Face = face_of(float(self.joint_section), self.joint_width, self.joint_depth, self.joint_bore)
-        return found
+        return face_of(float(self.joint_section), self.joint_width, self.joint_depth, self.joint_bore)
 
     @property
     def bottom_face(self) -> Face:
         """All of the face that the block stands on."""
-        found: Face = face_of(self.shape[0], self.width, self.depth, self.bore or 0.0)
-        return found
+        return face_of(self.shape[0], self.width, self.depth, self.bore or 0.0)
 
     @property
     def top_face(self) -> Face:
         """The face that may bear a block on this one."""
         width, depth = self.top_width or self.width, self.top_depth or self.depth
-        found: Face = face_of(self.shape[0], width, depth, self.bore or 0.0)
-        return found
+        return face_of(self.shape[0], width, depth, self.bore or 0.0)
 
     @cached_property
     def is_off_axis(self) -> bool:

@@ -250,8 +250,7 @@ class Stepper:
     @property
     def peak_ux(self) -> NDArray[np.float64]:
         """Largest |u_x| of each top face so far, m (n,)."""
-        peaks: FloatArray = self.state.peaks[: self.n]
-        return peaks
+        return self.state.peaks[: self.n]
 
     @property
     def peaks(self) -> dict[str, FloatArray]:
@@ -272,8 +271,7 @@ class Stepper:
     def _run(self, t: float, h: float, record: Record, times: FloatArray, snapshots: FloatArray, peaks: bool) -> int:
         """Call the kernel with float64, whatever numbers the caller has, so that it is compiled once."""
         called = float(t), float(h), times, snapshots, peaks
-        code: int = self._entries.run(self.n, *self.arrays, *record.arguments, *called)
-        return code
+        return self._entries.run(self.n, *self.arrays, *record.arguments, *called)
 
     def _check(self, code: int, t: float | None) -> None:
         if code < at.OK:

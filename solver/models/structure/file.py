@@ -96,8 +96,7 @@ def names_from(key: str, value: object) -> tuple[Any, ...]:
 def written_out(data: Mapping[str, Any]) -> dict[str, Any]:
     """The same file with one table for each block, as plain lists and dicts, so that each number has its own place."""
     tables = [part for k, table in enumerate(data["block"], start=1) for part in _repeated(f"block[{k}]", table)]
-    found: dict[str, Any] = _plain({**data, "block": tables})
-    return found
+    return _plain({**data, "block": tables})
 
 
 def _plain(value: Any) -> Any:

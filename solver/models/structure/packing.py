@@ -130,8 +130,7 @@ def _inverse(tensor: FloatArray) -> FloatArray:
     """The inverse of a symmetric tensor, (3, 3), by its minors: equal bits whatever numpy's linear algebra."""
     a, b, c = tensor
     minors = np.array([np.cross(b, c), np.cross(c, a), np.cross(a, b)])
-    inverse: FloatArray = minors.T / float(a @ minors[0])
-    return inverse
+    return minors.T / float(a @ minors[0])
 
 
 @lru_cache(maxsize=64)

@@ -120,8 +120,7 @@ def set_initial(stepper: Stepper, initial: SpatialState) -> None:
 
 def resultants_of(stepper: Stepper) -> object:
     """Names over the resultants of the last evaluation (layout.py, RESULTANTS)."""
-    found: object = at.WORK.see(stepper.arrays.work, stepper.sizes).resultants
-    return found
+    return at.WORK.see(stepper.arrays.work, stepper.sizes).resultants
 
 
 class _Settling:

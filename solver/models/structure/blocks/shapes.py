@@ -18,8 +18,7 @@ def rotation_matrix(vector: FloatArray) -> FloatArray:
     x, y, z = vector
     across = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
     half = float(np.sinc(0.5 * angle / np.pi))
-    found: FloatArray = np.eye(3) + float(np.sinc(angle / np.pi)) * across + 0.5 * half * half * across @ across
-    return found
+    return np.eye(3) + float(np.sinc(angle / np.pi)) * across + 0.5 * half * half * across @ across
 
 
 def turned(rotation: FloatArray, arm: FloatArray) -> FloatArray:
@@ -28,8 +27,7 @@ def turned(rotation: FloatArray, arm: FloatArray) -> FloatArray:
     first = np.sinc(angle / np.pi)  # sine over angle
     second = 0.5 * np.sinc(0.5 * angle / np.pi) ** 2
     across = np.cross(rotation, arm)
-    moved: FloatArray = first * across + second * np.cross(rotation, across)
-    return moved
+    return first * across + second * np.cross(rotation, across)
 
 
 def rectangle(width: float, depth: float) -> FloatArray:
