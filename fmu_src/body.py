@@ -125,16 +125,13 @@ class ColumnBody(Body, word="column"):
         self.why_not_native = "has solver.formulation = paper, must be exact" if column.kind.fixed else ""
 
     def table(self, record: str = "", reads_files: bool = True) -> list[variables.Variable]:
-        """The variables."""
         return variables.variables(self.column, record, reads_files)
 
     @classmethod
     def read(cls, data: Any) -> Body:
-        """Of a column."""
         return cls(Column.from_dict(data))
 
     def described(self, value: Value) -> Column:
-        """The column."""
         try:
             return variables.column_from(self.column, value)
         except InputError as error:
@@ -142,18 +139,15 @@ class ColumnBody(Body, word="column"):
             raise InputError(message) from error
 
     def stepper(self, described: Column) -> in_plane.Stepper:
-        """Its stepper."""
         return in_plane.Stepper(described)
 
     def samples(self, motion: Motion | None) -> in_plane.Record:
-        """The record of a stepper."""
         if motion is None:
             return in_plane.SILENCE
         check_in_plane(motion)
         return in_plane.Record(motion.time, motion.ax, motion.az)
 
     def fall(self, stepper: in_plane.Stepper) -> tuple[int, float]:
-        """The joint, and when."""
         return stepper.overturned_joint, stepper.overturn_time
 
 
@@ -187,7 +181,6 @@ class StructureBody(Body, word="structure"):
         self.sizes = size, 0, size
 
     def table(self, record: str = "", reads_files: bool = True) -> list[variables.Variable]:
-        """The variables."""
         return structure_variables.structure_variables(self.structure, record, reads_files)
 
     @classmethod
@@ -196,7 +189,6 @@ class StructureBody(Body, word="structure"):
         return cls(data)
 
     def described(self, value: Value) -> Settings:
-        """Its settings."""
         names = structure_variables.DAMPING_SCALE, variables.TOLERANCE, structure_variables.WITHOUT
         scale = check_number(names[0], value(names[0]), *DAMPING_SCALE_LIMITS)
         tolerance, code = check(names[1], value(names[1])), 0
@@ -206,16 +198,13 @@ class StructureBody(Body, word="structure"):
         return Settings(tolerance, float(code), scale)
 
     def stepper(self, described: Settings) -> DrivenStructure:
-        """Its stepper."""
         return DrivenStructure(self.structure, self.packed, described)
 
     def samples(self, motion: Motion | None) -> Any:
-        """The record of a stepper."""
         return record_of(motion)
 
     def fall(self, stepper: DrivenStructure) -> tuple[int, float]:
-        """The block, and when."""
-        return stepper.fallen_block, stepper.fall_time
+        return int(stepper.counts.fallen), stepper.fall_time
 
 
 def body_of(text: str) -> Body:

@@ -28,8 +28,7 @@ from build_fmu import build_fmu, build_native_fmu, repack, write_archive
 from fmu_src import host
 from fmu_src.native.library import has_tools
 from fmu_src.native.platforms import PLATFORMS
-from fmu_src.record import read_motion
-from multiblock import Column
+from multiblock import Column, Motion
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
@@ -113,7 +112,7 @@ def build_all(
             record = folder / WAVES
             record.write_text(waves(), encoding="utf-8")
         made["ground"] = build_native_partner("ground", folder / "ground.fmu", platforms, record)
-        stop = read_motion(record).end
+        stop = Motion.from_file(record).end
     return made | build_systems(folder, made, column, stop, native and "linux64" in platforms)
 
 

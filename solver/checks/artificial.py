@@ -14,9 +14,7 @@ from numpy.typing import NDArray
 
 from ..common.errors import check_number, check_whole
 from ..ground.motion import Motion
-from .spectra import DAMPING, Spectral
-
-FloatArray = NDArray[np.float64]
+from .spectra import DAMPING, FloatArray, Spectral
 
 DT = 0.01  # s
 LENGTH = 25.0  # s; with LEVEL below the strong part lasts more than the 10 s of EN 1998-1, 3.2.3.1.2(3)

@@ -12,14 +12,11 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..common.errors import check_number
 from ..models.column.model import Column
 from ..statics.capacity import CapacityCurve, capacity_curve
-from .spectra import Spectral
-
-FloatArray = NDArray[np.float64]
+from .spectra import FloatArray, Spectral
 
 CONFIDENCE_FACTOR = 1.35  # of knowledge level LC1, which applies where the crushing strength is left out: C8.7.1.2.1.3
 BEHAVIOUR_FACTOR = 2.0  # q, C8.7.1.2.1.7

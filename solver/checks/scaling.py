@@ -13,14 +13,12 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ..common.errors import POSITIVE, InputError, check_number
 from ..ground.intensity import Component, components, peak, spectrum
 from ..ground.motion import Motion
-from .spectra import DAMPING, Spectral, TargetSpectrum
-
-FloatArray = NDArray[np.float64]
+from .spectra import DAMPING, FloatArray, Spectral, TargetSpectrum
 
 FEWEST, MEAN_FROM = 3, 7  # motions: EN 1998-1, 4.3.3.4.3(3)
 LEAST_PART = 0.9  # of the target, that the mean spectrum keeps: EN 1998-1, 3.2.3.1.2(4)

@@ -16,10 +16,9 @@ from ..runs.table import Table
 from .limits import Limits
 from .margin import Margin
 from .scaling import statistic
+from .spectra import FloatArray
 from .subject import Subject
 from .verdicts import UNFINISHED, Verdicts, falls
-
-FloatArray = NDArray[np.float64]
 
 LASTING = 0.05  # s
 

@@ -141,15 +141,12 @@ class Columns(Kind):
     # --- numbers by name
 
     def has_number(self, model: Column, name: str) -> bool:
-        """As of numbers.py."""
         return is_of_column(name)
 
     def numbers_of(self, model: Column, name: str) -> list[str]:
-        """As of numbers.py."""
         return single_names(name, model.n)
 
     def with_numbers(self, model: Column, values: Mapping[str, tuple[float, bool]]) -> Column:
-        """As of numbers.py."""
         return column_with(model, values)
 
     # --- an ensemble

@@ -88,21 +88,6 @@ class Response(ColumnHistories, Result):
         """The column."""
         return self.column
 
-    @property
-    def remarks(self) -> tuple[str, ...]:
-        """Nothing that `simulate` warns of."""
-        return ()
-
-    @property
-    def overturned(self) -> bool:
-        """Whether the column falls, within the run or after it."""
-        return self.overturned_joint > 0
-
-    @property
-    def peak_ux(self) -> FloatArray:
-        """The peaks of ux, m (n,)."""
-        return self.peaks["ux"]
-
     def friction_demand(self, part: float = at.COUNTS_FROM) -> FloatArray:
         """Largest |T| / N of each joint over the rows, (n,), where N is above `part` of the weight carried."""
         return np.max(self._friction(part), axis=0)

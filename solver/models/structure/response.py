@@ -72,16 +72,6 @@ class SpatialResponse(StructureHistories, Result):
         """Whether blocks that no joint connects overlap."""
         return (self.overlap.sentence,) if self.overlap.between else ()
 
-    @property
-    def overturned(self) -> bool:
-        """Whether a block has fallen, also after the histories."""
-        return bool(self.overturned_block)
-
-    @property
-    def peak_ux(self) -> FloatArray:
-        """The peaks of ux, m (n,): of the centroids, whereas those of a column are of its top faces."""
-        return self.peaks["ux"]
-
     def to_csv(self, path: str | os.PathLike[str], digits: int = DIGITS) -> None:
         """Write time and every history, under names such as block[left].ux, joint[left-base].N, tie[1].F, base.Fx."""
         super().to_csv(path, digits)

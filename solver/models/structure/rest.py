@@ -127,10 +127,9 @@ def _least_delta(structure: Structure) -> FloatArray:
 
 def _solved(structure: Structure, stiffness: FloatArray, load: FloatArray) -> FloatArray:
     try:
-        found = np.linalg.solve(stiffness, load).astype(np.float64)
+        return np.linalg.solve(stiffness, load).astype(np.float64)
     except np.linalg.LinAlgError:
         raise InputError("some block is free to move") from None
-    return found
 
 
 def full_stiffness(structure: Structure) -> FloatArray:
