@@ -147,11 +147,11 @@ class Stepper:
         self._follow(float(motion.time[0]), stop, record, _plain(times), snapshots.reshape(-1), True, after_chunk)
         return snapshots
 
-    def rest_until(self, t: float, stop: float, after_chunk: Callable[[float], None] | None = None) -> None:
+    def rest_until(self, t: float, stop: float) -> None:
         """Advance from t to time `stop`, s, on a base that does not accelerate. Raises SolverError."""
         self.drive(t)
         self.base.wave_amplitude = 0.0
-        self._follow(t, stop, SILENCE, _NONE, _NONE, False, after_chunk)
+        self._follow(t, stop, SILENCE, _NONE, _NONE, False, None)
 
     def _follow(
         self,
