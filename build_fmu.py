@@ -37,12 +37,12 @@ from fmu_src.host import MACHINE_CODE, content_hash
 from fmu_src.native import guard
 from fmu_src.native.library import has_tools
 from fmu_src.native.platforms import PLATFORMS, USUAL_FORM, Form
-from fmu_src.record import read_motion
 from solver import InputError
 from solver.commands.command_files import add_force, add_space
 from solver.commands.command_line import program_parser, run_command
 from solver.common.errors import needing, shown
 from solver.common.files import check_outputs, identifier_of, whole_file
+from solver.ground.motion import Motion
 from solver.kernels.layout.spaces import DRIVES, SLOPES
 from solver.kernels.numba_ext.jit import CODE
 from solver.kernels.numba_ext.numba_parts import LINKING, missing_for_linking
@@ -201,7 +201,7 @@ def build_native_fmu(
             raise InputError(f"--platforms {platform}: must be of {', '.join(known)}")
     if body.why_not_native:
         raise InputError(f"--native: {column_file} {body.why_not_native}")
-    motion = None if record is None else read_motion(record)
+    motion = None if record is None else Motion.from_file(record)
     body.samples(motion)  # it says what is wrong
     record_name = record.name if record else ""
     files, needs = native_files(body, list(dict.fromkeys(platforms)), motion, record_name, form)
@@ -255,7 +255,7 @@ def build_fmu(
     body, output = _body_and_output(column, output, record, space, drive)
     record_name = ""
     if record is not None:
-        body.samples(read_motion(record))
+        body.samples(Motion.from_file(record))
         record_name = record.name
     with tempfile.TemporaryDirectory(prefix="build_fmu_") as folder:
         stage = Path(folder)

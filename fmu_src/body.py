@@ -140,16 +140,13 @@ class ColumnBody(Body, word="column"):
         self.why_not_native = "has solver.formulation = paper, must be exact" if column.kind.fixed else ""
 
     def table(self, record: str = "", reads_files: bool = True) -> list[variables.Variable]:
-        """The variables."""
         return variables.variables(self.column, record, reads_files, self.drive)
 
     @classmethod
     def read(cls, data: Any, drive: Drive = USUAL) -> Body:
-        """Of a column."""
         return cls(Column.from_dict(data), drive)
 
     def described(self, value: Value) -> Described:
-        """The column, and how its base moves."""
         try:
             return Described(variables.column_from(self.column, value), self.drive.chosen(value))
         except InputError as error:
@@ -157,24 +154,20 @@ class ColumnBody(Body, word="column"):
             raise InputError(message) from error
 
     def stepper(self, described: Described) -> in_plane.Stepper:
-        """Its stepper."""
         made = in_plane.Stepper(described.column)
         made.driven_by(*described.drive)
         return made
 
     def retune(self, stepper: in_plane.Stepper, described: Described) -> None:
-        """Go on with another column."""
         stepper.retune(described.column)
 
     def samples(self, motion: Motion | None) -> in_plane.Record:
-        """The record of a stepper."""
         if motion is None:
             return in_plane.SILENCE
         check_in_plane(motion)
         return in_plane.Record(motion.time, motion.ax, motion.az)
 
     def fall(self, stepper: in_plane.Stepper) -> tuple[int, float]:
-        """The joint, and when."""
         return stepper.overturned_joint, stepper.overturn_time
 
 
@@ -200,7 +193,6 @@ class StructureBody(Body, word="structure"):
         self.sizes = size, 0, size
 
     def table(self, record: str = "", reads_files: bool = True) -> list[variables.Variable]:
-        """The variables."""
         return structure_variables.structure_variables(self.structure, record, reads_files, self.drive)
 
     @classmethod
@@ -209,7 +201,6 @@ class StructureBody(Body, word="structure"):
         return cls(data)
 
     def described(self, value: Value) -> Chosen:
-        """Its settings."""
         names = structure_variables.DAMPING_SCALE, variables.TOLERANCE, structure_variables.WITHOUT
         scale = check_number(names[0], value(names[0]), *DAMPING_SCALE_LIMITS)
         tolerance, code = check(names[1], value(names[1])), 0
@@ -220,16 +211,13 @@ class StructureBody(Body, word="structure"):
         return Chosen(tolerance, float(code), scale, DRIVES[drive.drive], SLOPES[drive.slope], drive.bodies)
 
     def stepper(self, described: Chosen) -> DrivenStructure:
-        """Its stepper."""
         return DrivenStructure(self.structure, self.packed, described)
 
     def samples(self, motion: Motion | None) -> Any:
-        """The record of a stepper."""
         return record_of(motion)
 
     def fall(self, stepper: DrivenStructure) -> tuple[int, float]:
-        """The block, and when."""
-        return stepper.fallen_block, stepper.fall_time
+        return int(stepper.counts.fallen), stepper.fall_time
 
 
 def body_of(text: str) -> Body:

@@ -4,18 +4,12 @@ from __future__ import annotations
 
 import hashlib
 import math
-from pathlib import Path
 
 import numpy as np
 
 from solver.ground.motion import Motion
 
 from .description_parts import Experiment
-
-
-def read_motion(path: Path) -> Motion:
-    """The motion in a file of one record that says all itself. Raises InputError that begins with `path`."""
-    return Motion.from_file(path)
 
 
 class Record:

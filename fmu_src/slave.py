@@ -23,6 +23,7 @@ from pythonfmu.enums import Fmi2Status
 from solver import __version__
 from solver.common.errors import InputError, TooMuchWorkError, check_number
 from solver.common.files import identifier_of
+from solver.ground.motion import Motion
 
 from . import rules, state
 from .alternation import Alternation
@@ -30,7 +31,7 @@ from .body import body_of
 from .description_parts import LOG_CATEGORIES, About
 from .host import finalize_at_exit, leave_search_path, survive_exception
 from .model_description import FLAGS, model_description
-from .record import Record, read_motion, usual_experiment
+from .record import Record, usual_experiment
 from .state import Mode
 from .variables import (
     OVERTURN_TIME,
@@ -131,7 +132,7 @@ class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
 
     def to_xml(self, model_options: dict[str, str] | None = None) -> Element:
         """The model description; every flag comes from fmu_src/model_description.py."""
-        body, motion = self._body, read_motion(self._own_record) if self._own_record else None
+        body, motion = self._body, Motion.from_file(self._own_record) if self._own_record else None
         experiment = usual_experiment(body.tolerance, motion)
         about = About(body.name, str(self.guid), body.about, __version__, experiment, FLAGS, TOOL)
         return model_description(about, self._table)
@@ -396,7 +397,7 @@ class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
         if known_as == self._record_name:
             return self._record, known_as
         own = self._own_record is not None and name == self._own_record.name
-        motion = read_motion(self._own_record if own and self._own_record else Path(name))
+        motion = Motion.from_file(self._own_record if own and self._own_record else Path(name))
         return Record(motion.scaled(scale)), known_as
 
     def _build(self) -> None:

@@ -82,11 +82,14 @@ def input_of(name: str, text: str, unit: str, nominal: float) -> Variable:
     return Variable(name, reference_of(name), "Real", "input", "continuous", text, unit, 0.0, nominal=nominal)
 
 
-def output_of(
-    name: str, unit: str, text: str, kind: str = "Real", variability: str = "continuous", **rest: Any
-) -> Variable:
+def output_of(name: str, unit: str, text: str, variability: str = "continuous", **rest: Any) -> Variable:
     """A row of the table for an output."""
-    return Variable(name, reference_of(name), kind, "output", variability, text, unit, **rest)
+    return Variable(name, reference_of(name), "Real", "output", variability, text, unit, **rest)
+
+
+def event_of(name: str, kind: str, text: str, unit: str = "") -> Variable:
+    """A row of the table for an output that changes at once, and follows no input in initialization."""
+    return Variable(name, reference_of(name), kind, "output", "discrete", text, unit, initially=())
 
 
 SLOPE = "Slope of base.a{} within a communication step, counted from its start; 0: held"
@@ -123,31 +126,16 @@ _SPLIT_OUTPUTS: dict[str, tuple[str, str, tuple[str, ...]]] = {
     "base.mzt": ("kg.m", _MASS.format("z alpha"), TURNED),
     "base.mtt": ("kg.m2", _MASS.format("alpha alpha"), TURNED),
 }
-OVERTURN_TIME = output_of(
-    "overturn_time", "s", "Time of overturning, -1 while it stands", variability="discrete", initially=()
-)
-OVERTURN_JOINT = output_of(
-    *("overturn_joint", "", "Joint over which the column has fallen, 0 while it stands"),
-    *("Integer", "discrete"),
-    initially=(),
-)
-OVERTURNED_BLOCK = output_of(
-    *("overturned_block", "", "Number of the block that has fallen, 0 while none has"),
-    *("Integer", "discrete"),
-    initially=(),
-)
-OVERTURNED = output_of(
-    *("overturned", "", "Whether it has overturned; then it is held"), *("Boolean", "discrete"), initially=()
-)
-VERDICT_NOW = output_of(
-    *("verdict", "", "Whether it has fallen, rests on a still base, or may go either way"),
-    *("Enumeration", "discrete"),
+OVERTURN_TIME = event_of("overturn_time", "Real", "Time of overturning, -1 while it stands", "s")
+OVERTURN_JOINT = event_of("overturn_joint", "Integer", "Joint over which the column has fallen, 0 while it stands")
+OVERTURNED_BLOCK = event_of("overturned_block", "Integer", "Number of the block that has fallen, 0 while none has")
+OVERTURNED = event_of("overturned", "Boolean", "Whether it has overturned; then it is held")
+VERDICT_NOW = replace(
+    event_of("verdict", "Enumeration", "Whether it has fallen, rests on a still base, or may go either way"),
     choice=VERDICT,
-    initially=(),
 )
-RECORD_PGA = output_of(
-    *("base.record_pga", "m/s2", "Largest |ax| of the record inside the FMU, 0 without one"),
-    variability="discrete",
+RECORD_PGA = replace(
+    event_of("base.record_pga", "Real", "Largest |ax| of the record inside the FMU, 0 without one", "m/s2"),
     initially=("base.record", "base.record_scale"),
 )
 
@@ -316,14 +304,11 @@ def tolerance_of(value: float) -> Variable:
 
 def _parameters(column: Column) -> list[Variable]:
     rows = [parameter_of("g", "m/s2", "Acceleration of gravity", column.g)]
-    for i, block in enumerate(column.blocks, start=1):
-        for key, (unit, text, optional) in _BLOCK_PARAMETERS.items():
-            start = getattr(block, key)
-            rows.append(parameter_of(f"block[{i}].{key}", unit, text.format(i=i), start, optional=optional))
-    for i, block in enumerate(column.blocks, start=1):
-        for key, (unit, text, optional) in JOINT_PARAMETERS.items():
-            start = getattr(block.joint, key)
-            rows.append(parameter_of(f"joint[{i}].{key}", unit, text.format(i=i), start, optional=optional))
+    for owner, parts, table in (("block", column.blocks, _BLOCK_PARAMETERS), ("joint", column.laws, JOINT_PARAMETERS)):
+        for i, part in enumerate(parts, start=1):
+            for key, (unit, text, optional) in table.items():
+                start = getattr(part, key)
+                rows.append(parameter_of(f"{owner}[{i}].{key}", unit, text.format(i=i), start, optional=optional))
     for key in _settings_of(column):
         (unit, text), start = _SETTINGS_PARAMETERS[key], getattr(column.settings, key)
         rows.append(parameter_of(f"solver.{key}", unit, text, ", ".join(start) if key == "without" else start))

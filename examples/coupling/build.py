@@ -30,8 +30,7 @@ from fmu_src import host
 from fmu_src.drive import Drive
 from fmu_src.native.library import has_tools
 from fmu_src.native.platforms import PLATFORMS
-from fmu_src.record import read_motion
-from multiblock import Column
+from multiblock import Column, Motion
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
@@ -119,7 +118,7 @@ def build_all(
             record = folder / WAVES
             record.write_text(waves(), encoding="utf-8")
         made["ground"] = build_native_partner("ground", folder / "ground.fmu", platforms, record)
-        stop = read_motion(record).end
+        stop = Motion.from_file(record).end
     return made | build_systems(folder, made, column, stop, native and "linux64" in platforms)
 
 

@@ -17,8 +17,9 @@ from fmu_src.model_description import FLAGS, model_description
 from fmu_src.native.machine_code import Kernels
 from fmu_src.native.package import compiled, identified
 from fmu_src.native.table import Check, Chosen, Contents, Subject
-from fmu_src.record import read_motion, usual_experiment
+from fmu_src.record import usual_experiment
 from fmu_src.variables import Variable
+from multiblock import Motion
 
 VERSION = "2"
 NATIVE_FLAGS = FLAGS | {"canInterpolateInputs": True}
@@ -103,7 +104,7 @@ def native_partner(
 ) -> tuple[dict[str, bytes], str]:
     """The files of a partner's FMU without Python, and its GUID. Raises InputError, OSError."""
     law = law_of(name)
-    motion = None if record is None else read_motion(record)
+    motion = None if record is None else Motion.from_file(record)
     kernels = Kernels(f"partner_kernels:{name}", sources(name))
     table = variables(law, record.name if record else "")
     contents = identified(Contents(subject(law), table, "", record.name if record else "", motion), kernels, 2)

@@ -14,9 +14,7 @@ from numpy.typing import NDArray
 
 from ..common.errors import check_number, check_whole
 from ..ground.motion import Motion
-from .spectra import DAMPING, Spectral
-
-FloatArray = NDArray[np.float64]
+from .spectra import DAMPING, FloatArray, Spectral
 
 DT = 0.01  # s
 LENGTH = 25.0  # s; with LEVEL below the strong part lasts more than the 10 s of EN 1998-1, 3.2.3.1.2(3)
@@ -97,8 +95,7 @@ def _psa(coefficients: NDArray[np.complex128], frequency: NDArray[Any], padded: 
 def _envelope(count: int) -> FloatArray:
     part = np.arange(count + 1) / count
     fall = LEFT_AT_END ** np.maximum(0.0, (part - LEVEL) / (1.0 - LEVEL))
-    shape: FloatArray = np.minimum(1.0, part / RISE) ** 2 * fall
-    return shape
+    return np.minimum(1.0, part / RISE) ** 2 * fall
 
 
 def _without_drift(samples: FloatArray, envelope: FloatArray) -> FloatArray:

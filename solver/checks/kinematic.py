@@ -12,14 +12,11 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..common.errors import check_number
 from ..models.column.model import Column
 from ..statics.capacity import CapacityCurve, capacity_curve
-from .spectra import Spectral
-
-FloatArray = NDArray[np.float64]
+from .spectra import FloatArray, Spectral
 
 CONFIDENCE_FACTOR = 1.35  # of knowledge level LC1, which applies where the crushing strength is left out: C8.7.1.2.1.3
 BEHAVIOUR_FACTOR = 2.0  # q, C8.7.1.2.1.7
@@ -76,14 +73,12 @@ class Mechanism:
         """Spectral displacements along the curve, m (C8.7.1.4), of the top as the point of control."""
         _, first, second = self._sums
         top = self.curve.direction * self.curve.ux[:, 0]
-        found: FloatArray = top * second / (self.shape[-1] * first)
-        return found
+        return top * second / (self.shape[-1] * first)
 
     @cached_property
     def acceleration(self) -> FloatArray:
         """Spectral accelerations along the curve, m/s2 (C8.7.1.3)."""
-        found: FloatArray = self.curve.acceleration / (self.mass_part * self.confidence_factor)
-        return found
+        return self.curve.acceleration / (self.mass_part * self.confidence_factor)
 
     @property
     def a0(self) -> float:
@@ -112,8 +107,7 @@ class Mechanism:
         periods = np.array([longest])
         if not smooth:
             periods = np.geomspace(min(own_period, longest), longest, PERIODS_LOOKED_AT)
-        found: float = float(np.max(action.psa(periods, _DAMPING[part]) * (periods / (2.0 * math.pi)) ** 2))
-        return found
+        return float(np.max(action.psa(periods, _DAMPING[part]) * (periods / (2.0 * math.pi)) ** 2))
 
     def capacity(self, part: float = LIFE_SAFETY) -> float:
         """Spectral displacement allowed, m (C8.7.1.2.1.6)."""

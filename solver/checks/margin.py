@@ -57,8 +57,7 @@ def margin_of(
         pairs = [(held, applied("", motion, factor).motion) for k in places for held, motion in ensembles[k]]
         made += len(pairs)
         fallen = falls(verdicts_of(run_all(subject, pairs, False, callback)))
-        found: NDArray[np.int64] = places[np.any(fallen.reshape(len(places), -1), axis=1)]
-        return found
+        return places[np.any(fallen.reshape(len(places), -1), axis=1)]
 
     everything = np.arange(len(ensembles))
     fell = everything[at_one]

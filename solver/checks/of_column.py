@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
-
-import numpy as np
 
 from ..models.column.first_run import make_kernels
 from ..models.column.model import Column
@@ -20,7 +17,8 @@ from .action import Action
 from .by_hand import ByHand, by_hand
 from .kinematic import Mechanism, mechanism
 from .limits import Limits
-from .subject import FloatArray, Joints, Subject, subject_of
+from .spectra import FloatArray
+from .subject import Joints, Subject, subject_of
 
 # of the explicit steps of its own run: with less a column goes through lanes, however stiff its dampers. Measured
 # (Phocas, doric, statue; eta 5e-4 to 2e-2 s; 0.04 to 0.6 g): 1.1 to 3.3 times as fast as alone, 0.2 to 1.4 with more
@@ -47,13 +45,8 @@ class InPlane(Subject):
     @cached_property
     def joints(self) -> Joints:
         """The joints, from the top."""
-        laws = [block.joint for block in self.model.blocks]
-        return Joints(
-            names=tuple(f"joint {i}" for i in range(1, self.model.n + 1)),
-            width=np.array([contact.width for contact in self.model.contacts]),
-            strength=np.array([law.strength or math.nan for law in laws]),
-            friction=np.array([math.nan if law.friction is None else law.friction for law in laws]),
-        )
+        names = [f"joint {i}" for i in range(1, self.model.n + 1)]
+        return Joints.of(names, [contact.width for contact in self.model.contacts], self.model.laws)
 
     @cached_property
     def mechanism(self) -> Mechanism:
@@ -62,12 +55,10 @@ class InPlane(Subject):
 
     @property
     def two_ways(self) -> bool:
-        """Whether the column is not symmetric."""
         return self.model.off_axis
 
     @cached_property
     def period(self) -> float:
-        """Of the first mode about rest, s."""
         return 1.0 / float(natural_frequencies(self.model)[0])
 
     @property
@@ -77,7 +68,6 @@ class InPlane(Subject):
 
     @property
     def edge(self) -> float:
-        """Displacement of the top at which it balances without a push, m."""
         return self.mechanism.curve.overturning_displacement
 
     def left_to_others(self, both: bool) -> Iterator[str]:
@@ -88,11 +78,9 @@ class InPlane(Subject):
             yield ROLLS
 
     def moved(self, run: Response) -> float:
-        """Peak of the top, m."""
         return float(run.peak_ux[0])
 
     def shear_ratio(self, run: Response) -> FloatArray:
-        """|T| / N of each joint (rows, joints)."""
         return friction_history(run.T, run.N, carried_weights(run.column))
 
     def to_vary(self, run: Response) -> Column:
@@ -104,9 +92,7 @@ class InPlane(Subject):
         return column.with_settings(without=(*column.settings.without, "implicit"))
 
     def tops(self, table: Table) -> FloatArray:
-        """Peaks of the top, m."""
-        found: FloatArray = table["peak_ux"][:, 0]
-        return found
+        return table["peak_ux"][:, 0]
 
     def by_hand(self, action: Action, limits: Limits) -> ByHand:
         """Kinematic verification and ASCE 43."""

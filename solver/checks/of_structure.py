@@ -17,7 +17,8 @@ from ..models.structure.overlap import Overlap
 from ..models.structure.response import SpatialResponse
 from ..models.structure.rest import rest_of
 from .kinematic import rocking_period
-from .subject import FloatArray, Joints, Subject, subject_of
+from .spectra import FloatArray
+from .subject import Joints, Subject, subject_of
 
 CARRIES = 1e-3  # of all weight: what a joint counts as carrying, at least
 
@@ -43,22 +44,15 @@ class InSpace(Subject):
     @cached_property
     def joints(self) -> Joints:
         """The joints by the names of the blocks that they connect."""
-        beds = [joint.bed for joint in self.model.joints]
-        return Joints(
-            names=self.model.joint_names,
-            width=np.array([joint.face.width for joint in self.model.joints]),
-            strength=np.array([bed.strength or math.nan for bed in beds]),
-            friction=np.array([math.nan if bed.friction is None else bed.friction for bed in beds]),
-        )
+        width = [joint.face.width for joint in self.model.joints]
+        return Joints.of(self.model.joint_names, width, self.model.laws)
 
     @cached_property
     def yields(self) -> FloatArray:
-        """Forces at which the ties yield, N."""
         return np.array([tie.yield_ or math.nan for tie in self.model.ties])
 
     @cached_property
     def period(self) -> float:
-        """Of the first mode about rest, s."""
         return 1.0 / float(modes_in_space(self.model).frequency[0])
 
     @property
@@ -69,7 +63,6 @@ class InSpace(Subject):
         return rocking_period(height, self.model.g, self.confidence_factor)
 
     def shear_ratio(self, run: SpatialResponse) -> FloatArray:
-        """Shear over compression of each joint (rows, joints)."""
         carried = np.maximum(run.N[0], CARRIES * self.model.weight)
         return friction_history(np.hypot(run.Tx, run.Ty), run.N, carried)
 

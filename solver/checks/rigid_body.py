@@ -12,13 +12,10 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..common.errors import InputError
 from ..models.column.model import Column
-from .spectra import Spectral
-
-FloatArray = NDArray[np.float64]
+from .spectra import FloatArray, Spectral
 
 ANGLES = 400  # among which the rotation is looked for; and frequencies for sliding
 SLIDING_DAMPING = 0.10

@@ -13,14 +13,12 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ..common.errors import POSITIVE, InputError, check_number
 from ..ground.intensity import Component, components, peak, spectrum
 from ..ground.motion import Motion
-from .spectra import DAMPING, Spectral, TargetSpectrum
-
-FloatArray = NDArray[np.float64]
+from .spectra import DAMPING, FloatArray, Spectral, TargetSpectrum
 
 FEWEST, MEAN_FROM = 3, 7  # motions: EN 1998-1, 4.3.3.4.3(3)
 LEAST_PART = 0.9  # of the target, that the mean spectrum keeps: EN 1998-1, 3.2.3.1.2(4)
@@ -69,8 +67,7 @@ class MotionSpectra:
         moving = period.ravel() > 0.0
         for k, motion in enumerate(self.motions if moving.any() else ()):
             each[k, moving] = horizontal_psa(motion, period.ravel()[moving], damping)
-        taken: FloatArray = statistic(each).reshape(period.shape)
-        return taken
+        return statistic(each).reshape(period.shape)
 
 
 def statistic(values: ArrayLike) -> FloatArray:
@@ -79,8 +76,7 @@ def statistic(values: ArrayLike) -> FloatArray:
     EN 1998-1, 4.3.3.4.3(3). An infinite value, of a column that falls, makes a mean infinite.
     """
     values = np.asarray(values, dtype=np.float64)
-    taken: FloatArray = np.asarray(np.mean(values, axis=0) if len(values) >= MEAN_FROM else np.max(values, axis=0))
-    return taken
+    return np.asarray(np.mean(values, axis=0) if len(values) >= MEAN_FROM else np.max(values, axis=0))
 
 
 def applied(name: str, motion: Motion, factor: float, vertical_factor: float | None = None) -> ScaledMotion:
@@ -154,8 +150,7 @@ class Fit:
 
     def mean(self, own: FloatArray | float = 1.0) -> FloatArray:
         """Mean over the motions of response times `own` over target (periods,)."""
-        found: FloatArray = np.mean(self.ratios * np.reshape(own, (-1, 1)), axis=0)
-        return found
+        return np.mean(self.ratios * np.reshape(own, (-1, 1)), axis=0)
 
 
 def scaled_to_spectrum(

@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..common.errors import InputError, check_number, reading, shown
 from ..common.files import MB, content_of, printable
-from ..common.ranges import listed
+from ..common.ranges import check_choice
 from ..ground.motion import STANDARD_GRAVITY
 
 FloatArray = NDArray[np.float64]
@@ -29,32 +29,16 @@ LEAST_ETA = 0.55
 SOILS = ("A", "B", "C", "D", "E")
 # S, TB s, TC s, TD s by type and ground: EN 1998-1, tables 3.2 and 3.3
 _EUROCODE = {
-    1: dict(
-        zip(
-            SOILS,
-            (
-                (1.0, 0.15, 0.4, 2.0),
-                (1.2, 0.15, 0.5, 2.0),
-                (1.15, 0.20, 0.6, 2.0),
-                (1.35, 0.20, 0.8, 2.0),
-                (1.4, 0.15, 0.5, 2.0),
-            ),
-            strict=True,
-        )
-    ),
-    2: dict(
-        zip(
-            SOILS,
-            (
-                (1.0, 0.05, 0.25, 1.2),
-                (1.35, 0.05, 0.25, 1.2),
-                (1.5, 0.10, 0.25, 1.2),
-                (1.8, 0.10, 0.30, 1.2),
-                (1.6, 0.05, 0.25, 1.2),
-            ),
-            strict=True,
-        )
-    ),
+    (1, "A"): (1.0, 0.15, 0.4, 2.0),
+    (1, "B"): (1.2, 0.15, 0.5, 2.0),
+    (1, "C"): (1.15, 0.20, 0.6, 2.0),
+    (1, "D"): (1.35, 0.20, 0.8, 2.0),
+    (1, "E"): (1.4, 0.15, 0.5, 2.0),
+    (2, "A"): (1.0, 0.05, 0.25, 1.2),
+    (2, "B"): (1.35, 0.05, 0.25, 1.2),
+    (2, "C"): (1.5, 0.10, 0.25, 1.2),
+    (2, "D"): (1.8, 0.10, 0.30, 1.2),
+    (2, "E"): (1.6, 0.05, 0.25, 1.2),
 }
 _VERTICAL_PART = {1: 0.9, 2: 0.45}  # avg / ag: table 3.4
 _VERTICAL_CORNERS = (0.05, 0.15, 1.0)  # s, of both codes
@@ -123,8 +107,7 @@ class TableSpectrum:
         t = np.maximum(np.asarray(period, dtype=np.float64), self.period[0])
         within = np.exp(np.interp(np.log(t), np.log(self.period), np.log(self.values)))
         beyond: FloatArray = np.minimum(1.0, self.period[-1] / t) ** 2
-        found: FloatArray = damping_factor(damping) * within * beyond
-        return found
+        return damping_factor(damping) * within * beyond
 
 
 @dataclass(frozen=True, eq=False)
@@ -146,9 +129,10 @@ def eurocode8(ag: float, soil: str, kind: int = 1) -> TargetSpectrum:
     ag: m/s2, design ground acceleration on ground A, the importance factor included. Raises InputError.
     """
     ag = _acceleration(ag)
-    if kind not in _EUROCODE:
+    if kind not in _VERTICAL_PART:
         raise InputError(f"type = {shown(kind)}: must be 1 or 2")
-    factor, *corners = _EUROCODE[kind][_soil(soil)]
+    check_choice("soil", soil, SOILS)
+    factor, *corners = _EUROCODE[kind, soil]
     name = f"EN 1998-1 type {kind}, ground {soil}, ag {ag / STANDARD_GRAVITY:.4g} g"
     return _of_code(name, CornerSpectrum(factor * ag, 2.5, *corners), _VERTICAL_PART[kind] * ag, 3.0)
 
@@ -161,9 +145,9 @@ def ntc2018(ag: float, f0: float, tc_star: float, soil: str, topography: str = "
     ag = _acceleration(ag)
     f0 = check_number("F0", f0, (1.0, 10.0), "an amplification from 1 to 10; NTC 2018 has 2.2 and more")
     tc_star = check_number("TC", tc_star, (0.01, 5.0), "TC* in s, from 0.01 to 5")
-    (least, constant, slope, most), (factor, power) = _NTC[_soil(soil)]
-    if topography not in _NTC_TOPOGRAPHY:
-        raise InputError(f"topography = {shown(topography)}: must be one of {listed(_NTC_TOPOGRAPHY, topography)}")
+    check_choice("soil", soil, SOILS)
+    check_choice("topography", topography, _NTC_TOPOGRAPHY)
+    (least, constant, slope, most), (factor, power) = _NTC[soil]
     in_g, slope_factor = ag / STANDARD_GRAVITY, _NTC_TOPOGRAPHY[topography]
     ground = min(max(constant + slope * f0 * in_g, least), most)
     tc = factor * tc_star**power * tc_star
@@ -217,9 +201,3 @@ def _numbers(rows: Sequence[Sequence[str]], unit: float) -> tuple[FloatArray, Fl
 
 def _acceleration(ag: float) -> float:
     return check_number("ag", ag, (1e-3, 100.0), "an acceleration in m/s2, from 0.001 to 100")
-
-
-def _soil(soil: str) -> str:
-    if soil not in SOILS:
-        raise InputError(f"soil = {shown(soil)}: must be one of {listed(SOILS, soil)}")
-    return soil

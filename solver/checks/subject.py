@@ -4,21 +4,20 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import singledispatch
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..common.errors import InputError, shown
 from ..ground.motion import Motion
 from ..models.structure.overlap import Overlap
 from ..runs.table import Table
 from .kinematic import CONFIDENCE_FACTOR
+from .spectra import FloatArray
 
-FloatArray = NDArray[np.float64]
 Pair = tuple[Any, Motion]  # a model and its motion
 
 
@@ -30,6 +29,13 @@ class Joints:
     width: FloatArray  # m
     strength: FloatArray  # Pa
     friction: FloatArray
+
+    @classmethod
+    def of(cls, names: Sequence[str], width: Sequence[float], laws: Sequence[Any]) -> Joints:
+        """From widths and laws; a strength of 0 is none."""
+        strength = [law.strength or math.nan for law in laws]
+        friction = [math.nan if law.friction is None else law.friction for law in laws]
+        return cls(tuple(names), *map(np.array, (width, strength, friction)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,8 +98,7 @@ class Subject:
 
     def tops(self, table: Table) -> FloatArray:
         """As `moved`, of a table of runs with the largest displacements."""
-        found: FloatArray = np.max(table[f"peak_{self.model.kind.largest}"], axis=1)
-        return found
+        return np.max(table[f"peak_{self.model.kind.largest}"], axis=1)
 
     def by_hand(self, action: Any, limits: Any) -> Any:
         """`ByHand` under an Action with Limits; None if there are no such methods."""

@@ -16,10 +16,9 @@ from ..runs.table import Table
 from .limits import Limits
 from .margin import Margin
 from .scaling import statistic
+from .spectra import FloatArray
 from .subject import Subject
 from .verdicts import UNFINISHED, Verdicts, falls
-
-FloatArray = NDArray[np.float64]
 
 LASTING = 0.05  # s
 
@@ -259,8 +258,7 @@ def lasting(ratio: FloatArray, time: FloatArray) -> FloatArray:
     0.05 s of 0.3 more than there is move a joint by 4 mm. ratio (rows, joints), time (rows,) s.
     """
     rows = max(1, round(LASTING * (len(time) - 1) / float(time[-1] - time[0])))
-    found: FloatArray = np.sort(ratio, axis=0)[-min(rows, len(ratio))]
-    return found
+    return np.sort(ratio, axis=0)[-min(rows, len(ratio))]
 
 
 def _opening(demands: Demands, limits: Limits) -> Row:

@@ -9,15 +9,13 @@ from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..common.errors import InputError
 from ..ground.motion import Motion
-from .outputs import peaks_by_name
+from .outputs import FloatArray, peaks_by_name
 from .protocol import Kept, Kind, Plan, kept_peaks
-from .still_base import settled
+from .still_base import Settling, settled
 
-FloatArray = NDArray[np.float64]
 NOT_YET = -1.0  # s, in the place of the time of a fall
 INPUTS = 2  # acceleration of the base and its slope
 
@@ -57,7 +55,7 @@ def pieces(motion: Motion | None, t: float, end: float) -> Iterator[tuple[float,
         yield stop, Shaking(begin, value, slope, *wave)
 
 
-class Driven:
+class Driven(Settling):
     """A model between two calls; the caller owns the time. Its whole state is in `arrays`: copying them saves it.
 
     A class of its own has `size`, `follow`, `at_rest`, `seen`, `visible_peaks` and `why_it_stands`.
@@ -134,18 +132,10 @@ class Driven:
 
     unclear = "still moves"
 
-    def why_it_stands(self) -> str:
-        """Why it cannot fall any more; "" if it may."""
-        raise NotImplementedError
-
     @property
     def fallen(self) -> str:
         """What has."""
         return "" if math.isnan(self.fall_time) else f"the {self.model.kind.word}"
-
-    def next_look(self, t: float, stop: float, settle: float) -> float:
-        """Every quarter of a second."""
-        return min(t + 0.25, stop + settle)
 
     def rest_until(self, t: float, end: float) -> None:
         """Without acceleration."""

@@ -284,8 +284,7 @@ def output_times(motion: Motion, duration: float, step: float = OUTPUT_STEP) -> 
     if duration / step > MOST_ROWS:
         raise InputError(f"output_step = {step}: must be larger, for at most {MOST_ROWS} rows in {duration} s")
     count = math.floor(duration / step + 1e-9) + 1
-    times: FloatArray = motion.start + step * np.arange(count, dtype=np.float64)
-    return times
+    return motion.start + step * np.arange(count, dtype=np.float64)
 
 
 def code_of(name: str, word: str) -> int:

@@ -36,8 +36,13 @@ class Result(Histories, Framed, Shown):
 
     @property
     def overturned(self) -> bool:
-        """Whether it has fallen, also after the histories."""
+        """Whether it has fallen, within the run or after it."""
         return not math.isnan(self.overturn_time)
+
+    @property
+    def peak_ux(self) -> FloatArray:
+        """The peaks of ux, m (n,): of a column of its top faces, of a structure of the centroids."""
+        return self.peaks["ux"]
 
     @property
     def remarks(self) -> tuple[str, ...]:

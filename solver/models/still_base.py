@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from typing import Protocol
 
 from ..common.errors import SolverError
 from .protocol import OVERTURNED, STANDING, UNDECIDED, Verdict
+
+BETWEEN_LOOKS = 0.25  # s, after the motion, where a model does not know better
 
 
 class Settling(Protocol):
@@ -23,11 +26,13 @@ class Settling(Protocol):
     def unclear(self) -> str:
         """What is said of it where it neither falls nor surely stands."""
 
+    @abstractmethod
     def why_it_stands(self) -> str:
         """Why it cannot fall any more; "" if it may."""
 
     def next_look(self, t: float, stop: float, settle: float) -> float:
         """When to look again after time t, s; stop + settle at most."""
+        return min(t + BETWEEN_LOOKS, stop + settle)
 
     def rest_until(self, t: float, end: float) -> object:
         """Follow it from t to `end`, s. Raises SolverError."""

@@ -122,8 +122,7 @@ def vary(model: Any, motion: Motion, spread: Spread, rng: np.random.Generator) -
     """A model (protocol.py) and a motion with varied data, all as likely as the given ones."""
 
     def factors(size: float, count: int) -> list[float]:
-        drawn: list[float] = np.clip(np.exp(size * rng.standard_normal(count)), LEAST_CHANGE, MOST_CHANGE).tolist()
-        return drawn
+        return np.clip(np.exp(size * rng.standard_normal(count)), LEAST_CHANGE, MOST_CHANGE).tolist()
 
     laws = model.laws
     stiffness = [law.stiffness * factor for law, factor in zip(laws, factors(spread.stiffness, len(laws)), strict=True)]

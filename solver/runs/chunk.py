@@ -52,8 +52,7 @@ class Chunk:
     @property
     def kind(self) -> Kind:
         """That of its first model, with the results of all."""
-        kind: Kind = self.runs[0].model.kind
-        return kind
+        return self.runs[0].model.kind
 
 
 @dataclass
@@ -182,12 +181,8 @@ def _in_lanes(chunk: Chunk, columns: Columns, tally: Tally, flag: FloatArray) ->
         if flag[0]:
             raise Stopped
         for name, values in made.items():
-            if name not in columns:
-                continue
-            if values.ndim == 2:
-                columns[name][places, : values.shape[1]] = values
-            else:
-                columns[name][places] = values
+            if name in columns:
+                _write(columns[name], places, values)
         alone |= {place: STOPPED_LANES for place, whole in zip(places, finished, strict=True) if not whole}
     return alone
 
@@ -196,8 +191,7 @@ def _response(chunk: Chunk, place: int, look: Callable[..., object]) -> Any:
     """The whole response of a run, with the rows of `simulate`."""
     model, motion, duration = chunk.runs[place]
     plan = Plan(motion, duration, output_times(motion, duration), None, chunk.settle, look)
-    response: Any = model.kind.single_run(model, plan)[0]
-    return response
+    return model.kind.single_run(model, plan)[0]
 
 
 def _alone(chunk: Chunk, columns: Columns, place: int, look: Callable[..., object]) -> str:
@@ -212,11 +206,13 @@ def _alone(chunk: Chunk, columns: Columns, place: int, look: Callable[..., objec
     except SolverError as error:
         return str(error)
     for name in columns.keys() & values.keys():
-        columns[name][place, ...] = _padded(table_entry(name, values[name]), columns[name][place])
+        _write(columns[name], place, table_entry(name, values[name]))
     return failure
 
 
-def _padded(value: Any, like: NDArray[Any]) -> Any:
-    if np.ndim(value) == 0 or len(value) == len(like):
-        return value
-    return np.concatenate([value, np.full(len(like) - len(value), math.nan)])
+def _write(column: NDArray[Any], places: int | list[int], values: Any) -> None:
+    """Values of a run, or of several; a column is as wide as its largest model, and NaN beyond the others."""
+    if column.ndim == 2:
+        column[places, : np.atleast_1d(values).shape[-1]] = values
+    else:
+        column[places] = values

@@ -11,13 +11,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+from support.batches import run_batch
 from support.columns import RECORDS, flat_block, in_strips, shaken
 from support.probe import Array, G, monolith, phocas, random_column
 
 from solver import Block, Column, InputError, Joint, Motion, simulate, simulate_many
 from solver.models.column.kinematics import Chain
 from solver.models.column.lanes import KINDS as LANES_OF_COLUMNS
-from solver.models.column.lanes import run_batch
 from solver.models.column.packing import pack_model
 from solver.models.column.rest import is_stable
 from solver.models.column.run import single_run
@@ -342,18 +342,7 @@ def test_sweeps_that_do_not_settle_leave_the_run_beside_as_it_is() -> None:
     assert table["verdict"][0] == single.verdict
 
 
-def test_what_a_batch_cannot_take_is_refused_in_one_line() -> None:
-    one, motion = phocas(1e-3), Motion.harmonic(0.1, 1.0, 1.0)
-    held = Motion(np.array([0.0, 0.5]), np.array([0.1, 0.2]), np.zeros(2), 1.0, hold=True)
-    for columns, motions, said in (
-        ([one, monolith(eta=1e-3)], [motion] * 2, r"columns\[1\]"),
-        ([phocas(1e-3, formulation="paper")], [motion], r"columns\[0\]"),
-        ([flat_block(), monolith()], [motion] * 2, r"columns\[1\]: must slide or be off its axis as all others"),
-        ([one], [held], r"motions\[0\]"),
-        ([one] * 2, [motion], "2 columns, 1 motions"),
-    ):
-        with pytest.raises(InputError, match=said):
-            run_batch(columns, motions)
+def test_lanes_of_the_paper_take_rectangles_only() -> None:
     round_ones = replace(monolith(), blocks=(replace(monolith().blocks[0], section="circle"),))
     table = simulate_many(round_ones.with_settings(formulation="paper"), [Motion.harmonic(0.02 * G, 2.0, 0.1)] * 2)
     assert table.stats["why_scalar"] == {"formulation paper with other joints than rectangles": 2}

@@ -9,11 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.stats import beta
+from support.batches import run_batch
 from support.probe import G, phocas
 
 from solver import InitialState, InputError, Motion, Spread, simulate
 from solver.models.column.kinematics import chain_of
-from solver.models.column.lanes import run_batch
 from solver.models.uncertainty import Ensemble, share_bounds, vary
 
 MOTION = Motion.harmonic(0.05 * G, 2.0, 4.0)

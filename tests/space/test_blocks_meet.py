@@ -11,7 +11,7 @@ from scipy.optimize import linprog
 
 from multiblock import InputWarning, Limits, Plan, Structure, check, simulate, wavelets
 from solver.models.structure.blocks.parts import Solid
-from solver.models.structure.blocks.shapes import box, drum, prism, rotation_matrix, turned
+from solver.models.structure.blocks.shapes import box, drum, placed, prism, rotation_matrix, turned
 from solver.models.structure.overlap import TOUCH, Overlap, _apart, _Hull, deepest_overlap
 
 G = 9.80665
@@ -30,11 +30,11 @@ def overlap_of(solids: list[Solid], u: Any, rotation: Any, joined: tuple[tuple[i
 
 
 def cube(name: str, x: float, side: float = 1.0) -> Solid:
-    return box(name, (side, side), (side, side), side, 1.0, np.array([x, 0.0, 0.0]), UPRIGHT)
+    return placed(box(name, (side, side), (side, side), side, 1.0), np.array([x, 0.0, 0.0]), UPRIGHT)
 
 
 def cylinder(name: str, x: float, radius: float = 0.5) -> Solid:
-    return drum(name, 2.0 * radius, 2.0 * radius, 0.0, 1.0, 1.0, np.array([x, 0.0, 0.0]), UPRIGHT)
+    return placed(drum(name, 2.0 * radius, 2.0 * radius, 0.0, 1.0, 1.0), np.array([x, 0.0, 0.0]), UPRIGHT)
 
 
 def test_places_known_in_closed_form() -> None:
@@ -92,9 +92,9 @@ def test_random_boxes_and_prisms_overlap_where_a_linear_program_says_so() -> Non
             width, depth, height, top = rng.uniform(0.3, 1.0, 4)
             turn = rotation_matrix(rng.normal(0.0, 1.0, 3))
             shapes = (
-                box(name, (width, depth), (width, depth), height, 1.0, np.zeros(3), turn),
-                box(name, (width, depth), (top * width, depth), height, 1.0, np.zeros(3), turn),
-                prism(name, WEDGE, depth, 1.0, np.zeros(3), turn),
+                placed(box(name, (width, depth), (width, depth), height, 1.0), np.zeros(3), turn),
+                placed(box(name, (width, depth), (top * width, depth), height, 1.0), np.zeros(3), turn),
+                placed(prism(name, WEDGE, depth, 1.0), np.zeros(3), turn),
             )
             solids.append(shapes[int(rng.integers(3))])
         hulls = [_Hull(solid) for solid in solids]

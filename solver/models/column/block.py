@@ -92,8 +92,7 @@ class Block:
         if self.is_cuboid:
             return self.height * self.width * self.depth
         section, bore, *top = self.shape
-        volume: float = solid_between(section, self.height, self.width, self.depth, *top, bore).volume
-        return volume
+        return solid_between(section, self.height, self.width, self.depth, *top, bore).volume
 
     @cached_property
     def homogeneous(self) -> tuple[float, float]:
@@ -132,21 +131,18 @@ class Block:
     @property
     def contact_face(self) -> Face:
         """The face with which the block may touch the body under it."""
-        found: Face = face_of(float(self.joint_section), self.joint_width, self.joint_depth, self.joint_bore)
-        return found
+        return face_of(float(self.joint_section), self.joint_width, self.joint_depth, self.joint_bore)
 
     @property
     def bottom_face(self) -> Face:
         """All of the face that the block stands on."""
-        found: Face = face_of(self.shape[0], self.width, self.depth, self.bore or 0.0)
-        return found
+        return face_of(self.shape[0], self.width, self.depth, self.bore or 0.0)
 
     @property
     def top_face(self) -> Face:
         """The face that may bear a block on this one."""
         width, depth = self.top_width or self.width, self.top_depth or self.depth
-        found: Face = face_of(self.shape[0], width, depth, self.bore or 0.0)
-        return found
+        return face_of(self.shape[0], width, depth, self.bore or 0.0)
 
     @cached_property
     def is_off_axis(self) -> bool:
@@ -224,11 +220,8 @@ def check_block(key: str, block: object) -> None:
             raise InputError(f"{key}.joint.bore: must be an inner diameter in m, less than {width} m")
         _check_bore(f"{key}.joint", block.joint_bore, "annulus", block.joint_width)
     _check_strips(f"{key}.joint.strips", block)
-    for name, value in (("offset", block.joint.offset), ("inclination", block.joint.inclination)):
-        if value is not None:
-            check(f"{key}.joint.{name}", value)
-    if block.tilt is not None:
-        check(f"{key}.tilt", block.tilt)
+    _check_given(f"{key}.joint", block.joint, "offset", "inclination")
+    _check_given(key, block, "tilt")
     for name in OTHER_LAW:
         value = getattr(block.joint, name)
         if value and not knows_section(name, block):
@@ -262,10 +255,15 @@ def _check_section(key: str, block: Block) -> None:
     check_choice(f"{key}.section", block.section, BLOCK_SECTIONS)
     if block.joint.section is not None:
         check_choice(f"{key}.joint.section", block.joint.section, SECTIONS)
-    numbers = {f"{key}.{name}": getattr(block, name) for name in ("top_width", "top_depth", "bore")}
-    for name, value in (numbers | {f"{key}.joint.bore": block.joint.bore}).items():
-        if value is not None:
-            check(name, value)
+    _check_given(key, block, "top_width", "top_depth", "bore")
+    _check_given(f"{key}.joint", block.joint, "bore")
+
+
+def _check_given(key: str, part: Block | Joint, *names: str) -> None:
+    """Check numbers that may be left out."""
+    for name in names:
+        if (value := getattr(part, name)) is not None:
+            check(f"{key}.{name}", value)
 
 
 def _check_strips(key: str, block: Block) -> None:
@@ -292,8 +290,6 @@ def _resolved(block: Block, rule: Rule) -> object:
 
 
 def check_friction(key: str, joint: Joint) -> None:
-    for name in ("friction", "dowel", "strength"):
-        if getattr(joint, name) is not None:
-            check(f"{key}.{name}", getattr(joint, name))
+    _check_given(key, joint, "friction", "dowel", "strength")
     if joint.dowel is not None and joint.friction is None:
         raise InputError(f"{key}.dowel = {shown(joint.dowel)}: {DOWEL_RELATION}")

@@ -20,7 +20,7 @@ from .first_run import make_kernels
 from .kept import KEPT, WATCHED
 from .kinematics import Chain, chain_of
 from .lane_policy import HELD, first_step_of, kind_of, why_not_in_lanes
-from .lanes import BatchResult, LaneKernels, follow_in_lanes, lanes_of, load_kernels, run_batch
+from .lanes import BatchResult, LaneKernels, follow_in_lanes, lanes_of, load_kernels
 from .model import Column
 from .numbers import column_with, is_of_column, single_names
 from .outputs import OUTPUTS
@@ -141,15 +141,12 @@ class Columns(Kind):
     # --- numbers by name
 
     def has_number(self, model: Column, name: str) -> bool:
-        """As of numbers.py."""
         return is_of_column(name)
 
     def numbers_of(self, model: Column, name: str) -> list[str]:
-        """As of numbers.py."""
         return single_names(name, model.n)
 
     def with_numbers(self, model: Column, values: Mapping[str, tuple[float, bool]]) -> Column:
-        """As of numbers.py."""
         return column_with(model, values)
 
     # --- an ensemble
@@ -166,7 +163,7 @@ class Columns(Kind):
         columns, motions = zip(*pairs, strict=True)
         start, duration = plan.motion.start, plan.duration
         times = np.append(plan.times - start, duration)
-        batch = run_batch(columns, motions, [duration] * len(columns), times=times)
+        batch = follow_in_lanes(columns, motions, [duration] * len(columns), times)
         made: list[Varied | None] = []
         for k, column in enumerate(columns):
             if not batch.finished[k]:

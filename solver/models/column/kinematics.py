@@ -147,8 +147,7 @@ class Chain:
         half = 0.5 * theta
         dip = -2.0 * np.sin(self.tilt + half) * np.sin(half)  # cosine of the rotation less that as built
         energy = 0.5 * moving + strained + self.weight * lifted + self.toppling * dip
-        found: FloatArray = energy.sum(axis=-1)
-        return found
+        return energy.sum(axis=-1)
 
     def joints(self, places: Places) -> Joints:
         """The joints in the plane."""
@@ -162,8 +161,7 @@ class Chain:
         turning = 1j * spin * np.exp(1j * (theta + self.tilt))  # times a length along the block: the rate of its end
         mean_spin = spin - 0.5 * over_below(spin)
         steps = (opening_rate + 1j * slip_rate) * joints.normal + 1j * mean_spin * joints.step + self.height * turning
-        found: NDArray[np.complex128] = from_base(steps) - (self.height - self.centroid) * turning
-        return found
+        return from_base(steps) - (self.height - self.centroid) * turning
 
     def elastic(self, opening: FloatArray, slope: FloatArray, slip: FloatArray | float = 0.0) -> FloatArray:
         """Elastic energy of each joint, J, from opening at the middle of the contact (m), slope (rad) and slip (m)."""
@@ -260,8 +258,7 @@ class Chain:
 @lru_cache(maxsize=64)
 def chain_of(column: Column) -> Chain:
     """The chain of a column, computed once; do not change it."""
-    chain: Chain = column.kind.chain(column)
-    return chain
+    return column.kind.chain(column)
 
 
 def over_below(values: FloatArray) -> FloatArray:
@@ -273,5 +270,4 @@ def over_below(values: FloatArray) -> FloatArray:
 
 def from_base(steps: NDArray[Any]) -> NDArray[Any]:
     """Sums from the base up to each block."""
-    summed: NDArray[Any] = steps[..., ::-1].cumsum(axis=-1)[..., ::-1]
-    return summed
+    return steps[..., ::-1].cumsum(axis=-1)[..., ::-1]

@@ -20,7 +20,6 @@ CRITICAL = 2.0  # damping times frequency
 # 50 to 200 samples a second): twice as slow, and five times where joints stay closed.
 SAMPLES, AT_ONCE = 20.0, 1500.0  # 1/s: of a record; explicit steps
 HELD = "held samples"  # why a run is not made in lanes
-BANDS = "a round face on a straight one"  # the same of a column
 
 
 def why_not_in_lanes(column: Column) -> str:
@@ -31,7 +30,7 @@ def why_not_in_lanes(column: Column) -> str:
     if settings.tolerance < TIGHTEST:
         return "tight tolerance"
     if column.has_bands:
-        return BANDS
+        return "a round face on a straight one"
     return "stiff joints" if "implicit" not in settings.without and _is_stiff(column) else ""
 
 

@@ -10,7 +10,6 @@ from __future__ import annotations
 import gc
 import math
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from multiprocessing import parent_process
@@ -19,7 +18,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...common.errors import InputError
 from ...common.turns import others_turn
 from ...ground.motion import Motion
 from ...kernels.api.entries import run
@@ -28,7 +26,7 @@ from ...kernels.batch.runs import OUTCOME, RUN, SLIP_FIELDS, SPACE
 from ...kernels.layout import spaces as at
 from ...kernels.numba_ext.lanes import WIDTH
 from .block import Block, Joint
-from .lane_policy import BANDS, enters_at_once, kind_of
+from .lane_policy import enters_at_once, kind_of
 from .model import Column
 from .packing import Arrays, FloatArray, arrays_at, coordinates_of, copied
 
@@ -78,51 +76,6 @@ class BatchResult:
     models: FloatArray  # packed models, a row for each run
 
 
-def run_batch(
-    columns: Sequence[Column],
-    motions: Sequence[Motion],
-    durations: Sequence[float] | None = None,
-    *,
-    tolerance: float | None = None,
-    times: FloatArray | None = None,
-    threads: int = 1,
-) -> BatchResult:
-    """Run column k under motion k, from rest, for duration k, s (None: that of the motion).
-
-    tolerance: relative to the peak; None: each column's. times: s after the start of a run, of the phases to store.
-    All columns have slips (Column.has_slips) or none has. Raises InputError for columns of another number of blocks,
-    formulation or law of the joints, for held samples and where a round face shares a part with a straight one.
-    """
-    n, slips = columns[0].n, columns[0].has_slips
-    durations = [motion.duration for motion in motions] if durations is None else list(durations)
-    if not len(columns) == len(motions) == len(durations):
-        raise InputError(f"{len(columns)} columns, {len(motions)} motions, {len(durations)} durations: as many of each")
-    for k, (column, motion) in enumerate(zip(columns, motions, strict=True)):
-        if column.n != n or column.settings.formulation != "exact":
-            raise InputError(f"columns[{k}]: must have {n} blocks and the formulation exact, as the others of a batch")
-        if column.other_law:
-            raise InputError(f"columns[{k}]: must have joints of the linear law, none with joint.{column.other_law}")
-        if column.has_slips != slips:
-            raise InputError(f"columns[{k}]: must slide or be off its axis as all others of a batch, or none of them")
-        if column.has_bands:
-            raise InputError(f"columns[{k}]: {BANDS}, which lanes do not follow")
-        if motion.hold:
-            raise InputError(f"motions[{k}]: its samples are held, must be joined by straight lines")
-    if tolerance is not None:
-        columns = [column.with_settings(tolerance=tolerance) for column in columns]
-    parts = np.array_split(np.arange(len(columns)), max(1, min(threads, math.ceil(len(columns) / WIDTH))))
-    with ThreadPoolExecutor(len(parts)) as pool:
-        made = list(
-            pool.map(
-                lambda part: follow_in_lanes(
-                    [columns[k] for k in part], [motions[k] for k in part], [durations[k] for k in part], times
-                ),
-                parts,
-            )
-        )
-    return BatchResult(*(np.concatenate([getattr(part, name) for part in made]) for name in vars(made[0])))
-
-
 def follow_in_lanes(
     columns: Sequence[Column],
     motions: Sequence[Motion],
@@ -130,7 +83,11 @@ def follow_in_lanes(
     times: FloatArray | None = None,
     flag: FloatArray | None = None,
 ) -> BatchResult:
-    """As `run_batch`, in one thread and unchecked; ends soon, without usable results, once flag[0] is not zero."""
+    """Run column k under motion k, from rest, for duration k, s, in one thread; they are of one kind, unchecked.
+
+    times: s after the start of a run, of the phases to store. Ends soon, without usable results, once flag[0] is not
+    zero.
+    """
     rows = _NONE if times is None else np.ascontiguousarray(times, dtype=np.float64)
     flag = np.zeros(1) if flag is None else flag
     batch = _Batch(columns[0].n, len(columns), _Records(motions, durations), rows, lanes_of(columns))

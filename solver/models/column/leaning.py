@@ -71,15 +71,13 @@ def least_of_chain(
         reached = np.where(number == end, np.minimum(within, reached), reached)
         within[number >= end] = np.inf
         reached[number > end] = np.inf
-    least: FloatArray = np.min(reached + on_base, axis=-1)
-    return least
+    return np.min(reached + on_base, axis=-1)
 
 
 def limits_of(chain: Chain, part: float) -> FloatArray:
     """Limits of the blocks, rad (n,), below half of any angle of no return, so that joints stay below theirs too."""
     on_edge = chain.weight * 0.5 * chain.width / np.maximum(np.cumsum(chain.toppling), np.finfo(float).tiny)
-    limits: FloatArray = np.minimum(part * on_edge, 0.5 * np.min(chain.fall_angle))
-    return limits
+    return np.minimum(part * on_edge, 0.5 * np.min(chain.fall_angle))
 
 
 def _at_rest(chain: Chain) -> float:

@@ -121,5 +121,4 @@ def _frequencies(squares: NDArray[Any]) -> FloatArray:
     """Hz, from eigenvalues of M^-1 K, 1/s2. Raises SolverError."""
     if np.min(squares.real) <= 0.0:
         raise SolverError("the rest state is not stable: the joints are too soft for the weight above them")
-    found: FloatArray = np.sqrt(squares.real) / (2.0 * math.pi)
-    return found
+    return np.sqrt(squares.real) / (2.0 * math.pi)

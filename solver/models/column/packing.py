@@ -171,14 +171,12 @@ def shape_of(block: Block) -> list[float]:
 
 def carried_weights(column: Column) -> FloatArray:
     """Weight that each joint carries at rest, N, (n,) from the top joint down."""
-    carried: FloatArray = column.g * np.cumsum([block.mass for block in column.blocks])
-    return carried
+    return column.g * np.cumsum([block.mass for block in column.blocks])
 
 
 def settlements(column: Column) -> FloatArray:
     """Compression of each joint at rest under gravity, m, (n,) from the top joint down."""
-    settled: FloatArray = carried_weights(column) / np.array(column.springs)
-    return settled
+    return carried_weights(column) / np.array(column.springs)
 
 
 def set_initial(column: Column, state: FloatArray, initial: InitialState) -> None:

@@ -88,25 +88,9 @@ class Response(ColumnHistories, Result):
         """The column."""
         return self.column
 
-    @property
-    def remarks(self) -> tuple[str, ...]:
-        """Nothing that `simulate` warns of."""
-        return ()
-
-    @property
-    def overturned(self) -> bool:
-        """Whether the column falls, within the run or after it."""
-        return self.overturned_joint > 0
-
-    @property
-    def peak_ux(self) -> FloatArray:
-        """The peaks of ux, m (n,)."""
-        return self.peaks["ux"]
-
     def friction_demand(self, part: float = at.COUNTS_FROM) -> FloatArray:
         """Largest |T| / N of each joint over the rows, (n,), where N is above `part` of the weight carried."""
-        largest: FloatArray = np.max(self._friction(part), axis=0)
-        return largest
+        return np.max(self._friction(part), axis=0)
 
     def time_exceeded(self, mu: float, part: float = at.COUNTS_FROM) -> FloatArray:
         """Time for which each joint needs more friction than mu, s (n,); N as in `friction_demand`."""
@@ -116,8 +100,7 @@ class Response(ColumnHistories, Result):
         change = np.abs(last - first)
         crossing = np.divide(np.maximum(first, last), change, out=np.zeros_like(change), where=change > 0.0)
         share = np.where(np.minimum(first, last) > 0.0, 1.0, np.where(np.maximum(first, last) > 0.0, crossing, 0.0))
-        exceeded: FloatArray = np.diff(self.time) @ share
-        return exceeded
+        return np.diff(self.time) @ share
 
     def _friction(self, part: float) -> FloatArray:
         return friction_history(self.T, self.N, carried_weights(self.column), part)
@@ -185,5 +168,4 @@ def friction_history(T: FloatArray, N: FloatArray, carried: FloatArray, part: fl
     part = check_number("part", part, (1e-3, 1.0), "a part of the weight carried at rest, from 0.001 to 1")
     if not np.all(carried > 0.0):
         raise InputError("g = 0.0: must be positive for joints that carry a weight at rest")
-    ratio: FloatArray = np.where(part * carried < N, np.abs(T) / np.maximum(N, part * carried), 0.0)
-    return ratio
+    return np.where(part * carried < N, np.abs(T) / np.maximum(N, part * carried), 0.0)

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from ...kernels.layout import spaces as at
 from ..protocol import Plan, Verdict
-from ..still_base import settled
+from ..still_base import Settling, settled
 from .kinematics import chain_of
 from .model import Column
 from .packing import FloatArray, InitialState, coordinates_of
@@ -17,7 +17,6 @@ from .response import Response
 from .stepper import Stepper
 from .verdict import cannot_fall
 
-BETWEEN_LOOKS = 0.25  # s, after the motion
 # fields of kernels/layout/spaces.py, COUNTS, that `Response.stats` contains
 COUNTED = ("steps", "implicit_steps", "elastic_steps", "rejected", "events", "evaluations", "sweeps", "looks")
 
@@ -78,7 +77,7 @@ def _coordinates(phases: FloatArray, column: Column) -> FloatArray:
     return coordinates_of(phases, slips if column.has_slips else slips[..., :0], column.n)
 
 
-class _Settling:
+class _Settling(Settling):
     """A column on a still base (still_base.py)."""
 
     def __init__(self, stepper: Stepper) -> None:
@@ -104,9 +103,6 @@ class _Settling:
             return "its energy does not suffice to overturn it"
         rests = self._column.other_law and self._stepper.arrays.counts[at.COUNTS.places["resting"]]
         return "it has come to rest" if rests else ""
-
-    def next_look(self, t: float, stop: float, settle: float) -> float:
-        return min(t + BETWEEN_LOOKS, stop + settle)
 
     def rest_until(self, t: float, end: float) -> None:
         self._stepper.rest_until(t, end)

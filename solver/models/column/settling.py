@@ -10,11 +10,12 @@ from typing import NamedTuple
 import numpy as np
 
 from ..protocol import OVERTURNED, STANDING, UNDECIDED, code_of
+from ..still_base import BETWEEN_LOOKS
 from .kinematics import Chain
 from .lanes import lanes_of, rest_in_lanes
 from .model import Column
 from .packing import FloatArray, IntArray
-from .run import BETWEEN_LOOKS, outcome
+from .run import outcome
 from .verdict import Barriers, surely_stand
 
 

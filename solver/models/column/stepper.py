@@ -174,11 +174,11 @@ class Stepper:
         self._follow(float(motion.time[0]), stop, record, _plain(times), snapshots.reshape(-1), True, after_chunk)
         return snapshots
 
-    def rest_until(self, t: float, stop: float, after_chunk: Callable[[float], None] | None = None) -> None:
+    def rest_until(self, t: float, stop: float) -> None:
         """Advance from t to time `stop`, s, on a base that does not accelerate. Raises SolverError."""
         self.drive(t)
         self.base.wave_amplitude = 0.0
-        self._follow(t, stop, SILENCE, _NONE, _NONE, False, after_chunk)
+        self._follow(t, stop, SILENCE, _NONE, _NONE, False, None)
 
     def _follow(
         self,
@@ -280,8 +280,7 @@ class Stepper:
     @property
     def peak_ux(self) -> NDArray[np.float64]:
         """Largest |u_x| of each top face so far, m (n,)."""
-        peaks: FloatArray = self.state.peaks[: self.n]
-        return peaks
+        return self.state.peaks[: self.n]
 
     @property
     def peaks(self) -> dict[str, FloatArray]:
@@ -302,8 +301,7 @@ class Stepper:
     def _run(self, t: float, h: float, record: Record, times: FloatArray, snapshots: FloatArray, peaks: bool) -> int:
         """Call the kernel with float64, whatever numbers the caller has, so that it is compiled once."""
         called = float(t), float(h), times, snapshots, peaks
-        code: int = self._entries.run(self.n, *self.arrays, *record.arguments, *called)
-        return code
+        return self._entries.run(self.n, *self.arrays, *record.arguments, *called)
 
     def _check(self, code: int, t: float | None) -> None:
         if code < at.OK:

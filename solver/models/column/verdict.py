@@ -181,8 +181,7 @@ def limits_at(chain: Chain, part: float) -> FloatArray:
     most[..., 1:] = np.minimum(most[..., 1:], half)
     toppling = np.maximum(np.cumsum(chain.toppling, axis=-1), np.finfo(float).tiny)
     on_edge = chain.weight * 0.5 * chain.width / toppling
-    limits: FloatArray = np.minimum(part * on_edge, most)
-    return limits
+    return np.minimum(part * on_edge, most)
 
 
 def turned_together(chain: Chain, limits: FloatArray) -> FloatArray:

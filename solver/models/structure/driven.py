@@ -137,7 +137,6 @@ class DrivenStructure:
         self._elapsed, self._new = 0.0 if since is None else t - since, True
 
     def advance(self, t: float, h: float) -> None:
-        """Go from t to t + h, s. Raises SolverError."""
         code = follow_structure(self._arrays, self._inputs, float(t), float(h), *self.record, self._room)
         self._new = False
         if code < at.OK:
@@ -158,11 +157,5 @@ class DrivenStructure:
         return visible_peaks(OUTPUTS, self.structure.sizes, self._state.peaks)
 
     @property
-    def fallen_block(self) -> int:
-        """Number of the block that has fallen, from 1; 0 while none has."""
-        return int(self.counts.fallen)
-
-    @property
     def fall_time(self) -> float:
-        """When it fell, s."""
         return float(self._state.control.fall_time)

@@ -10,14 +10,14 @@ from typing import Any
 import numpy as np
 
 from ...common.errors import InputError, check_number, check_whole, shown
-from ...common.ranges import LENGTH, MAX_BLOCKS, NUMBERS, check, check_choice, listed
+from ...common.ranges import LENGTH, MAX_BLOCKS, NUMBERS, check, check_choice, check_keys
 from ..column.file import has_blocks_in_space
 from .blocks.contacts import joints_between, turned_face
 from .blocks.faces import Face, FloatArray, polygon_moments
 from .blocks.outlines import MEANING, MOST_CORNERS, outline_of
 from .blocks.parts import BASE, OF_COLUMN, TOLERANCE, Bed, Joint, Solid, Tie
 from .blocks.placement import check_joints, check_places
-from .blocks.shapes import box, drum, prism, rectangle, rotation_matrix
+from .blocks.shapes import box, drum, placed, prism, rectangle, rotation_matrix
 
 SHAPES = ("box", "drum", "prism")
 _OF_SECTION = {
@@ -96,8 +96,7 @@ def names_from(key: str, value: object) -> tuple[Any, ...]:
 def written_out(data: Mapping[str, Any]) -> dict[str, Any]:
     """The same file with one table for each block, as plain lists and dicts, so that each number has its own place."""
     tables = [part for k, table in enumerate(data["block"], start=1) for part in _repeated(f"block[{k}]", table)]
-    found: dict[str, Any] = _plain({**data, "block": tables})
-    return found
+    return _plain({**data, "block": tables})
 
 
 def _plain(value: Any) -> Any:
@@ -222,7 +221,7 @@ def _solid_from(key: str, name: str, shape: str, table: Mapping[str, Any], place
     if shape == "box":
         bottom = number("width"), number("depth")
         top = number("top_width", bottom[0]), number("top_depth", bottom[1])
-        made = box(name, bottom, top, number("height"), density, place, turn)
+        made = box(name, bottom, top, number("height"), density)
     elif shape == "drum":
         outer = number("diameter")
         top_outer = number("top_diameter", outer)
@@ -230,9 +229,10 @@ def _solid_from(key: str, name: str, shape: str, table: Mapping[str, Any], place
         bore = 0.0 if given == 0 and not isinstance(given, bool) else number("bore")
         if bore >= min(outer, top_outer):
             raise InputError(f"{key}.bore = {bore}: must be less than the outer diameter = {min(outer, top_outer)} m")
-        made = drum(name, outer, top_outer, bore, number("height"), density, place, turn)
+        made = drum(name, outer, top_outer, bore, number("height"), density)
     else:
-        made = prism(name, _outline(f"{key}.outline", table), number("depth"), density, place, turn)
+        made = prism(name, _outline(f"{key}.outline", table), number("depth"), density)
+    made = placed(made, place, turn)
     if "mass" not in table:
         return made
     factor = number("mass") / made.mass
@@ -359,9 +359,7 @@ def _pair(key: str, table: Mapping[str, Any], blocks: tuple[Solid, ...]) -> tupl
 def _check_keys(prefix: str, table: object, known: Sequence[str]) -> None:
     if not isinstance(table, Mapping):
         raise InputError(f"{prefix.rstrip('.')} = {shown(table)}: must be a table with the keys {', '.join(known)}")
-    for key in table:
-        if key not in known:
-            raise InputError(f"{prefix}{str(key)!r}: unknown key, must be one of {listed(known, key)}".replace("'", ""))
+    check_keys(prefix, table, known)
 
 
 def _tables(key: str, data: Mapping[str, Any], least: int = 1) -> list[Mapping[str, Any]]:

@@ -108,15 +108,12 @@ class Structures(Kind):
     # --- numbers by name: those of a stack are its column's, but for the laws of joints
 
     def has_number(self, model: Structure, name: str) -> bool:
-        """As of numbers.py."""
         return is_of_structure(name) if not model.is_stack else is_of_column(name) or _is_law(name)
 
     def numbers_of(self, model: Structure, name: str) -> list[str]:
-        """As of numbers.py."""
         return single_names_in_space(name, model)
 
     def with_numbers(self, model: Structure, values: Mapping[str, tuple[float, bool]]) -> Structure:
-        """As of numbers.py."""
         if model.is_stack:
             of_column = {name: value for name, value in values.items() if not _is_law(name)}
             if of_column:

@@ -91,8 +91,7 @@ class _Hull:
             return np.empty((0, 3))
         bottom, top = (face.points() for face in self.block.faces)
         nearest = np.argmin(np.linalg.norm(bottom[:, None] - top[None], axis=2), axis=1)
-        found: FloatArray = top[nearest] - bottom
-        return found
+        return top[nearest] - bottom
 
     def extent(self, rotation: FloatArray, axes: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Least and largest place along axes (rows, axes, 3) from the centroid, m (rows, axes)."""
@@ -113,8 +112,7 @@ class _Hull:
         upright = self.rims[0][1] + turned(rotation, self.rims[0][1])
         corners = other.corners if len(other.corners) else np.zeros((1, 3))
         places = between[:, None] + corners + turned(turn[:, None], corners[None])
-        level: FloatArray = places - np.sum(places * upright[:, None], axis=2, keepdims=True) * upright[:, None]
-        return level
+        return places - np.sum(places * upright[:, None], axis=2, keepdims=True) * upright[:, None]
 
 
 def _directions(vectors: FloatArray) -> FloatArray:
@@ -197,5 +195,4 @@ def _apart(one: _Hull, other: _Hull, r1: FloatArray, r2: FloatArray, between: Fl
     low2, high2 = other.extent(r2, axes)
     away = np.einsum("rak,rk->ra", axes, between)
     gap = np.maximum(away + low2 - high1, low1 - high2 - away)
-    found: FloatArray = np.max(np.where(none, -np.inf, gap), axis=1)
-    return found
+    return np.max(np.where(none, -np.inf, gap), axis=1)

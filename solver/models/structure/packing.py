@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from functools import lru_cache
+from itertools import combinations_with_replacement
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -113,15 +114,8 @@ def _fill_bodies(table: Any, solids: tuple[Solid, ...]) -> None:
     for i, solid in enumerate(solids):
         table.mass[i], table.per_mass[i] = solid.mass, 1.0 / solid.mass
         for prefix, tensor in (("j", solid.inertia), ("i", _inverse(solid.inertia))):
-            for name, (row, column) in {
-                "xx": (0, 0),
-                "yy": (1, 1),
-                "zz": (2, 2),
-                "xy": (0, 1),
-                "xz": (0, 2),
-                "yz": (1, 2),
-            }.items():
-                getattr(table, prefix + name)[i] = tensor[row, column]
+            for row, column in combinations_with_replacement(range(3), 2):
+                getattr(table, prefix + "xyz"[row] + "xyz"[column])[i] = tensor[row, column]
         table.x[i], table.y[i], table.z[i] = solid.centroid
         table.size[i], table.drop[i] = solid.size, solid.drop
 
@@ -130,8 +124,7 @@ def _inverse(tensor: FloatArray) -> FloatArray:
     """The inverse of a symmetric tensor, (3, 3), by its minors: equal bits whatever numpy's linear algebra."""
     a, b, c = tensor
     minors = np.array([np.cross(b, c), np.cross(c, a), np.cross(a, b)])
-    inverse: FloatArray = minors.T / float(a @ minors[0])
-    return inverse
+    return minors.T / float(a @ minors[0])
 
 
 @lru_cache(maxsize=64)

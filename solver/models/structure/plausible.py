@@ -72,8 +72,7 @@ def _first_damping_ratio(structure: Structure, rest: Rest) -> float:
     stiffness = 0.5 * (rest.stiffness + rest.stiffness.T)
 
     def inertial(shape: FloatArray) -> FloatArray:
-        found: FloatArray = np.einsum("bij,bj->bi", inertia, shape.reshape(-1, 6)).ravel()
-        return found
+        return np.einsum("bij,bj->bi", inertia, shape.reshape(-1, 6)).ravel()
 
     shape = np.tile([1.0, 0.7, 0.0, 0.0, 0.0, 0.0], structure.n)
     for _ in range(ITERATIONS):

@@ -97,8 +97,7 @@ class PushOver(StructureHistories, Shown):
     def moved(self) -> FloatArray:
         """How far the block that moves most is from its place at rest, m (rows,)."""
         path = self.displacement(self.moves_most)
-        found: FloatArray = np.linalg.norm(path - path[0], axis=1)
-        return found
+        return np.linalg.norm(path - path[0], axis=1)
 
     def _facts(self) -> tuple[str, ...]:
         facts = [f"of {self.structure.name}", f"towards {math.degrees(self.direction):.4g} degrees"]
@@ -148,13 +147,11 @@ def push_over(structure: Structure, direction: float = 0.0, vertical: float = 0.
 
 
 def _opened(contact: FloatArray, at_rest: FloatArray) -> NDArray[np.bool_]:
-    found: NDArray[np.bool_] = (at_rest >= 1.0 - OPEN) & (contact < 1.0 - OPEN)
-    return found
+    return (at_rest >= 1.0 - OPEN) & (contact < 1.0 - OPEN)
 
 
 def _slid(slip: FloatArray, contact: FloatArray, moved: FloatArray) -> NDArray[np.bool_]:
-    found: NDArray[np.bool_] = (np.abs(slip) > SLID * moved) & (contact > OPEN)
-    return found
+    return (np.abs(slip) > SLID * moved) & (contact > OPEN)
 
 
 class _Place(NamedTuple):

@@ -40,7 +40,9 @@ class SpatialResponse(StructureHistories, Result):
     displacement, over the rows. verdict: "overturned" (some block lies lower than built by half of its least extent, or
     is tipped by more than a quarter turn), "standing" or "undecided"; reason: why, in words; overturn_time (s, NaN if
     not), overturned_block (name, empty if not). stats: steps, rejected, evaluations, looks, wall_time (s),
-    settled_for (s). estimated_error, horizon and ensemble: as of the Response of a column.
+    settled_for (s). estimated_error, horizon and ensemble: as of the Response of a column. peak_ux: peaks["ux"], of the
+    centroids, whereas those of a column are of its top faces. overturned: whether a block has fallen, also after the
+    histories.
     """
 
     structure: Structure
@@ -71,16 +73,6 @@ class SpatialResponse(StructureHistories, Result):
     def remarks(self) -> tuple[str, ...]:
         """Whether blocks that no joint connects overlap."""
         return (self.overlap.sentence,) if self.overlap.between else ()
-
-    @property
-    def overturned(self) -> bool:
-        """Whether a block has fallen, also after the histories."""
-        return bool(self.overturned_block)
-
-    @property
-    def peak_ux(self) -> FloatArray:
-        """The peaks of ux, m (n,): of the centroids, whereas those of a column are of its top faces."""
-        return self.peaks["ux"]
 
     def to_csv(self, path: str | os.PathLike[str], digits: int = DIGITS) -> None:
         """Write time and every history, under names such as block[left].ux, joint[left-base].N, tie[1].F, base.Fx."""

@@ -116,8 +116,7 @@ def deltas_of(structure: Structure, settlement: float) -> FloatArray:
     """A displacement, m, and the rotations, rad, that move as far, for each coordinate."""
     sizes = np.array([block.size for block in structure.blocks])
     parts = np.column_stack([np.ones((structure.n, 3)), np.repeat(1.0 / sizes[:, None], 3, axis=1)])
-    deltas: FloatArray = (settlement * parts.ravel()).astype(np.float64)
-    return deltas
+    return (settlement * parts.ravel()).astype(np.float64)
 
 
 def _least_delta(structure: Structure) -> FloatArray:
@@ -128,11 +127,9 @@ def _least_delta(structure: Structure) -> FloatArray:
 
 def _solved(structure: Structure, stiffness: FloatArray, load: FloatArray) -> FloatArray:
     try:
-        found = np.linalg.solve(stiffness, load).astype(np.float64)
+        return np.linalg.solve(stiffness, load).astype(np.float64)
     except np.linalg.LinAlgError:
         raise InputError("some block is free to move") from None
-    solution: FloatArray = found
-    return solution
 
 
 def full_stiffness(structure: Structure) -> FloatArray:

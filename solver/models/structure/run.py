@@ -113,15 +113,9 @@ def set_initial(stepper: Stepper, initial: SpatialState) -> None:
     across = np.cross(q, spin)  # into the axes of the body
     see.wx[:], see.wy[:], see.wz[:] = (spin - 2.0 * (see.q0[:, None] * across - np.cross(q, across))).T
     stepper.observe(keep=False)
-    found = resultants_of(stepper)
+    found = at.WORK.see(stepper.arrays.work, stepper.sizes).resultants
     for k in (1, 2, 3):  # joints begin without elastic slip
         getattr(stepper.slips, f"p{k}")[:] = getattr(found, f"s{k}")
-
-
-def resultants_of(stepper: Stepper) -> object:
-    """Names over the resultants of the last evaluation (layout.py, RESULTANTS)."""
-    found: object = at.WORK.see(stepper.arrays.work, stepper.sizes).resultants
-    return found
 
 
 class _Settling:

@@ -14,7 +14,7 @@ from ..column.block import Block
 from .blocks.contacts import GROUND
 from .blocks.faces import Face, shared
 from .blocks.parts import OF_COLUMN, Bed, Joint, Solid
-from .blocks.shapes import box, drum, rectangle
+from .blocks.shapes import box, drum, placed, rectangle
 
 if TYPE_CHECKING:
     from ..column.model import Column
@@ -38,12 +38,12 @@ def stacked(column: Column) -> dict[str, Any]:
 
 
 def _solid(name: str, block: Block, foot: float) -> Solid:
-    place, turn = np.array([0.0, 0.0, foot]), np.eye(3)
     top = block.top_width or block.width, block.top_depth or block.depth
     if is_round(block.shape[0]):
-        made = drum(name, block.width, top[0], block.bore or 0.0, block.height, 1.0, place, turn)
+        made = drum(name, block.width, top[0], block.bore or 0.0, block.height, 1.0)
     else:
-        made = box(name, (block.width, block.depth), top, block.height, 1.0, place, turn)
+        made = box(name, (block.width, block.depth), top, block.height, 1.0)
+    made = placed(made, np.array([0.0, 0.0, foot]), np.eye(3))
     inertia = made.inertia * (block.mass / made.mass)
     beyond = block.resolved_inertia - inertia[1, 1]  # of a load, or as given: the same about both level axes
     inertia = inertia + np.diag([beyond, beyond, 0.0])

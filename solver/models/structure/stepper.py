@@ -98,7 +98,10 @@ class Stepper:
                 raise TooMuchWorkError(f"at t = {t:.6g} s: {effort.slowness(work, part, self._causes(motion))}")
         if code != at.OK:
             raise SolverError(f"at t = {t:.6g} s: {TOO_SMALL}")
-        self._hold(motion, rows, times)
+        first = int(self.counts.next_row)
+        if first < len(times):  # after a fall or at rest: nothing moves any more
+            self.observe()
+            rows[first:] = self.row
         return rows
 
     def _causes(self, motion: Motion | None) -> Iterator[effort.Cause]:
@@ -113,13 +116,6 @@ class Stepper:
             yield effort.Cause(math.sqrt(2.0 * tie.stiffness / mass), f"tie[{e}].stiffness = {tie.stiffness:g} N/m")
         if motion is not None and (motion.amplitude or motion.amplitude_y):
             yield effort.of_harmonic(motion.frequency)
-
-    def _hold(self, motion: Motion | None, rows: FloatArray, times: FloatArray) -> None:
-        """Fill in the rows after a fall or at rest, in which nothing moves any more."""
-        first = int(self.counts.next_row)
-        if first < len(times):
-            self.observe()
-            rows[first:] = self.row
 
     def drive(self, motion: Motion) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
         """The record of a motion for the kernels; its harmonic part is set."""

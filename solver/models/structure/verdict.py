@@ -259,8 +259,7 @@ def _stopped(stepper: Stepper) -> Stepper:
 
 def _place(name: str, n: int) -> int:
     """Where a field begins in the phase of n blocks."""
-    place: int = at.PHASE.places[name][0] * n
-    return place
+    return at.PHASE.places[name][0] * n
 
 
 def _slip(stepper: Stepper, j: int) -> FloatArray:
@@ -275,8 +274,7 @@ def _field(stepper: Stepper, name: str) -> FloatArray:
 def _turned(q: FloatArray, vector: FloatArray) -> FloatArray:
     """A vector turned by a unit quaternion."""
     across = np.cross(q[1:], vector)
-    turned: FloatArray = vector + 2.0 * (q[0] * across + np.cross(q[1:], across))
-    return turned
+    return vector + 2.0 * (q[0] * across + np.cross(q[1:], across))
 
 
 def _edges(joint: Joint, slip: FloatArray, towards: FloatArray | None = None) -> list[tuple[FloatArray, float]]:
@@ -331,8 +329,7 @@ def _heights(structure: Structure) -> FloatArray:
                 moment[below] += moment[i] / len(bears[i])
     uppers = [joint.upper for joint in structure.joints]
     places = np.array([joint.face.centre[2] for joint in structure.joints])
-    heights: FloatArray = moment[uppers] / carried[uppers] - places
-    return heights
+    return moment[uppers] / carried[uppers] - places
 
 
 def _bears_alone(structure: Structure) -> NDArray[np.bool_]:

@@ -40,8 +40,7 @@ def axis_of(normal: FloatArray) -> FloatArray:
     along = np.array([normal[2], 0.0, -normal[0]])
     if np.linalg.norm(along) < 0.1:  # the normal is along y
         along = np.array([1.0, 0.0, 0.0]) - normal[0] * normal
-    axis: FloatArray = along / np.linalg.norm(along)
-    return axis
+    return along / np.linalg.norm(along)
 
 
 def turned_face(face: Face) -> Face:

@@ -178,5 +178,4 @@ def _holds(outside: Face, inside: Face) -> bool:
 def without_doubles(outline: FloatArray) -> FloatArray:
     """A polygon without corners that coincide."""
     apart = np.hypot(*(outline - np.roll(outline, 1, axis=0)).T) > NEAR * float(np.max(np.abs(outline)))
-    kept: FloatArray = outline[apart]
-    return kept
+    return outline[apart]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -18,8 +19,7 @@ def rotation_matrix(vector: FloatArray) -> FloatArray:
     x, y, z = vector
     across = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
     half = float(np.sinc(0.5 * angle / np.pi))
-    found: FloatArray = np.eye(3) + float(np.sinc(angle / np.pi)) * across + 0.5 * half * half * across @ across
-    return found
+    return np.eye(3) + float(np.sinc(angle / np.pi)) * across + 0.5 * half * half * across @ across
 
 
 def turned(rotation: FloatArray, arm: FloatArray) -> FloatArray:
@@ -28,8 +28,7 @@ def turned(rotation: FloatArray, arm: FloatArray) -> FloatArray:
     first = np.sinc(angle / np.pi)  # sine over angle
     second = 0.5 * np.sinc(0.5 * angle / np.pi) ** 2
     across = np.cross(rotation, arm)
-    moved: FloatArray = first * across + second * np.cross(rotation, across)
-    return moved
+    return first * across + second * np.cross(rotation, across)
 
 
 def rectangle(width: float, depth: float) -> FloatArray:
@@ -38,16 +37,8 @@ def rectangle(width: float, depth: float) -> FloatArray:
     return np.array([[-w, -d], [w, -d], [w, d], [-w, d]])
 
 
-def box(
-    name: str,
-    bottom: tuple[float, float],
-    top: tuple[float, float],
-    height: float,
-    density: float,
-    foot: FloatArray,
-    turn: FloatArray,
-) -> Solid:
-    """A box whose bottom and top faces, width and depth in m, may differ; foot: the middle of its bottom face."""
+def box(name: str, bottom: tuple[float, float], top: tuple[float, float], height: float, density: float) -> Solid:
+    """A box on the origin whose bottom and top faces, width and depth in m, may differ."""
 
     def section(part: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         width, depth = (b + (t - b) * part for b, t in zip(bottom, top, strict=True))
@@ -63,20 +54,11 @@ def box(
             second = np.array([0.0, 0.0, 1.0])
             axes = np.column_stack([np.cross(second, third), second, third])
             faces.append(Face(0.5 * out * third + 0.5 * height * second, axes, rectangle(width, height)))
-    return _placed(name, section, height, density, faces, foot, turn)
+    return _upright(name, section, height, density, faces)
 
 
-def drum(
-    name: str,
-    diameter: float,
-    top_diameter: float,
-    bore: float,
-    height: float,
-    density: float,
-    foot: FloatArray,
-    turn: FloatArray,
-) -> Solid:
-    """A drum, conical where its diameters differ, with a cylindrical bore or none; foot: the middle of its bottom."""
+def drum(name: str, diameter: float, top_diameter: float, bore: float, height: float, density: float) -> Solid:
+    """A drum on the origin, conical where its diameters differ, with a cylindrical bore or none."""
 
     def section(part: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         outer, inner = 0.5 * (diameter + (top_diameter - diameter) * part), 0.5 * bore
@@ -87,14 +69,14 @@ def drum(
         _level(np.empty((0, 2)), 0.0, -1.0, 0.5 * diameter, 0.5 * bore),
         _level(np.empty((0, 2)), height, 1.0, 0.5 * top_diameter, 0.5 * bore),
     ]
-    return _placed(name, section, height, density, faces, foot, turn)
+    return _upright(name, section, height, density, faces)
 
 
-def prism(name: str, outline: FloatArray, depth: float, density: float, place: FloatArray, turn: FloatArray) -> Solid:
-    """A convex outline in x and z, (corners, 2) m, over a depth along y: a voussoir; place: of its origin."""
+def prism(name: str, outline: FloatArray, depth: float, density: float) -> Solid:
+    """A convex outline in x and z, (corners, 2) m, over a depth along y: a voussoir."""
     area, first, second = polygon_moments(outline)
     if area < 0.0:
-        return prism(name, outline[::-1], depth, density, place, turn)
+        return prism(name, outline[::-1], depth, density)
     mass, middle = density * area * depth, first / area
     own = second / area - np.outer(middle, middle)
     x, z, xz = mass * own[0, 0], mass * own[1, 1], mass * own[0, 1]
@@ -113,8 +95,8 @@ def prism(name: str, outline: FloatArray, depth: float, density: float, place: F
         axes = np.column_stack([np.array([-way, 0.0, 0.0]), np.array([0.0, 0.0, 1.0]), third])
         flat = np.column_stack([-way * outline[:, 0], outline[:, 1]])
         faces.append(Face(0.5 * depth * third, axes, flat if way < 0.0 else flat[::-1].copy()))
-    middle_in_space = np.array([middle[0], 0.0, middle[1]])
-    return _turned(name, mass, density, middle_in_space, inertia, faces, place, turn)
+    centroid = np.array([middle[0], 0.0, middle[1]])
+    return Solid(name, mass, centroid, inertia, tuple(faces), volume=mass / density)
 
 
 def _level(outline: FloatArray, height: float, way: float, radius: float = 0.0, bore: float = 0.0) -> Face:
@@ -123,9 +105,7 @@ def _level(outline: FloatArray, height: float, way: float, radius: float = 0.0, 
     return Face(np.array([0.0, 0.0, height]), axes, outline, radius, bore)
 
 
-def _placed(
-    name: str, section: object, height: float, density: float, faces: list[Face], foot: FloatArray, turn: FloatArray
-) -> Solid:
+def _upright(name: str, section: object, height: float, density: float, faces: list[Face]) -> Solid:
     """A block from its sections: area, and second moments about x and about y, at parts of the height."""
     part = 0.5 * (POINTS + 1.0)
     area, about_x, about_y = section(part)  # type: ignore[operator]
@@ -136,22 +116,14 @@ def _placed(
     upright = float(weight @ (area * (z - middle) ** 2))
     x, y = float(weight @ about_x), float(weight @ about_y)
     inertia = np.diag([x + upright, y + upright, x + y])
-    return _turned(name, mass, density, np.array([0.0, 0.0, middle]), inertia, faces, foot, turn)
+    return Solid(name, mass, np.array([0.0, 0.0, middle]), inertia, tuple(faces), volume=mass / density)
 
 
-def _turned(
-    name: str,
-    mass: float,
-    density: float,
-    centroid: FloatArray,
-    inertia: FloatArray,
-    faces: list[Face],
-    place: FloatArray,
-    turn: FloatArray,
-) -> Solid:
-    moved = tuple(
-        Face(place + turn @ face.centre, turn @ face.axes, face.outline, face.radius, face.bore) for face in faces
+def placed(solid: Solid, place: FloatArray, turn: FloatArray) -> Solid:
+    """A block turned about the origin, (3, 3), and then moved from there to a place, m."""
+    faces = tuple(
+        Face(place + turn @ face.centre, turn @ face.axes, face.outline, face.radius, face.bore) for face in solid.faces
     )
-    turned_inertia = turn @ inertia @ turn.T
-    inertia = 0.5 * (turned_inertia + turned_inertia.T)
-    return Solid(name, mass, place + turn @ centroid, inertia, moved, turn, mass / density)
+    inertia = turn @ solid.inertia @ turn.T
+    inertia = 0.5 * (inertia + inertia.T)
+    return replace(solid, centroid=place + turn @ solid.centroid, inertia=inertia, faces=faces, axes=turn)
