@@ -19,6 +19,8 @@ from typing import Any
 import numpy as np
 from build import build_all
 from master import Fmu, Run, couple
+from master import by_state as wires
+from master import run as lead
 from reference import solve_as_one
 
 from multiblock import Column, Motion
@@ -126,6 +128,31 @@ class Case:
             column.close()
             partner.close()
 
+    def by_state(self, h: float, stop: float | None = None) -> Run:
+        """Exchanged once a step, what each side says of its state."""
+        damping = {f"joint[{i}].damping": self.eta for i in (1, 2, 3)}
+        on_soil = self.kind == "soil"
+        column = Fmu(self.fmus["column_on_soil" if on_soil else "column"], **damping)
+        own: dict[str, Any] = {"weight": -column.get("base.Fz")[0]} if on_soil else {"kind": self.kind}
+        partner = Fmu(self.fmus["soil" if on_soil else "isolator"], **own, **self.parameters)
+        seen = ("x", "base.theta" if on_soil else "force")
+        watch = [("column", "block[1].ux"), *(("partner", name) for name in seen)]
+
+        def shake(t: float) -> dict[tuple[str, str], float]:
+            slope = (self.ground(t + h) - self.ground(t)) / h
+            return {("partner", "ground.ax"): self.ground(t), ("partner", "ground.jx"): slope}
+
+        try:
+            rows = lead(
+                {"column": column, "partner": partner}, wires(column, partner), h, stop or self.stop, watch, shake
+            )
+        except Exception:  # FMPy's, when an FMU cannot follow what has diverged
+            return Run(diverged=0.0)
+        finally:
+            column.close()
+            partner.close()
+        return Run(zip(("time", "block[1].ux", *seen), rows.T, strict=True), diverged=None)
+
     def errors(self, run: Run) -> tuple[float, float]:
         """Largest error of the top displacement, and of the isolators' force or the foundation's rotation."""
         if run["diverged"] is not None:
@@ -208,6 +235,20 @@ def orders(fmus: dict[str, Path], stop: float, say: Callable[[str], None]) -> li
     return rows
 
 
+def once_a_step(fmus: dict[str, Path], stop: float, say: Callable[[str], None]) -> list[dict[str, Any]]:
+    """Error against communication step where everything is exchanged once a step."""
+    steps = (4e-3, 2e-3, 1e-3, 5e-4, 2.5e-4)
+    rows = []
+    listed = ", ".join(f"{1e3 * h:g}" for h in steps)
+    say(f"column on, exchanged once a step: error of the top at {listed} ms; of isolator or rotation at 1 ms")
+    for name, (kind, parameters) in PARTNERS.items():
+        case = Case(fmus, 1e-3, kind, parameters, harmonic("0.1 g 1 Hz", stop))
+        errors = [case.errors(case.by_state(h)) for h in steps]
+        rows.append({"name": name, "errors": errors})
+        say(f"{name:20}   " + "  ".join(f"{top:8.1e}" for top, _ in errors) + f"   {errors[2][1]:8.1e}")
+    return rows
+
+
 def longest_steps(fmus: dict[str, Path], stop: float, say: Callable[[str], None]) -> None:
     """Up to which step it stays stable."""
     steps = (1e-3, 2e-3, 3e-3, 4e-3, 6e-3, 8e-3)
@@ -255,6 +296,8 @@ def main() -> int:
 
     with tempfile.TemporaryDirectory() as folder:
         fmus = build_all(Path(folder), COLUMN)
+        once_a_step(fmus, min(stop, 3.0), say)
+        say("")
         say(f"plain reaction: stable above slab / Meff = {plain_limit(fmus):.3f} (theory: 1)\n")
         orders(fmus, min(stop, 3.0), say)
         say("")

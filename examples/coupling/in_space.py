@@ -2,9 +2,9 @@
 
     python examples/coupling/in_space.py
 
-The reaction of a structure follows from its state alone, so that the slab's acceleration is (isolators + reaction) /
-mass, without effective mass or loop. Isolators: linear, or a friction pendulum for any direction, whose friction is the
-radial return of an elastic slip. The structure and the slab follow a + slope (t - t0) in each step.
+The structure is given force and mass of the slab, the slab the reaction, once a step: both find the acceleration
+(isolators + reaction) / mass, for the reaction follows from the state alone, and follow a + slope (t - t0) in the step.
+Isolators: linear, or a friction pendulum for any direction, whose friction is the radial return of an elastic slip.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ import numpy as np
 
 from fmu_src import rules
 from fmu_src.alternation import Alternation
+from solver.kernels.layout.spaces import HORIZONTAL, SLOPE_HELD, SLOPE_LINE, SLOPE_PARABOLA
 from solver.models.structure.driven import Chosen, DrivenStructure, packed
 from solver.models.structure.model import Structure
 
@@ -42,7 +43,8 @@ def couple(
     mass: of the slab, kg. order: 1: held, 2: the line from the step before, 3: the parabola through two before. Raises
     SolverError where it diverges, and warns as the FMUs do.
     """
-    body = DrivenStructure(structure, model, Chosen(1e-8))
+    slopes = {1: SLOPE_HELD, 2: SLOPE_LINE, 3: SLOPE_PARABOLA}
+    body = DrivenStructure(structure, model, Chosen(1e-8, drive=HORIZONTAL, slope=slopes[order]))
     weight, n = structure.weight + mass * structure.g, structure.n
     places = slice(-6, -4)  # of the reaction in a row
     x, v, z = np.zeros(2), np.zeros(2), np.zeros(2)
@@ -59,10 +61,10 @@ def couple(
         pull = -isolator["stiffness"] * x - isolator["damping"] * v - isolator["friction"] * weight * z
         a = (pull + row[places]) / mass
         slope = np.zeros(2)
-        if order == 2 and before:
+        if order > 1 and before:
             slope = (a - before[-1]) / h
-        elif order == 3 and len(before) > 1:  # the mean of the parabola's over the step, for its area
-            slope = (11.0 * a - 16.0 * before[-1] + 5.0 * before[-2]) / (6.0 * h)
+        if order == 3 and len(before) > 1:  # the line that has the parabola's area over the step
+            slope = (11.0 * slope - 5.0 * (before[-1] - before[-2]) / h) / 6.0
         before = [*before[-1:], a]
         if stable and (axis := watch.found(t, a.tolist())) >= 0:
             stable = False
@@ -72,7 +74,7 @@ def couple(
         x, v = x + moved, v + h * (a - middle + 0.5 * h * slope)
         z = z + moved / YIELD
         z /= max(1.0, float(np.hypot(*z)))
-        body.drive(t, a[0], a[1], 0.0, slope[0], slope[1], 0.0)
+        body.drive(t, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, pull[0], pull[1], 0.0, mass)
         body.advance(t, h)
     return np.array(slab), np.array(top)
 

@@ -2,20 +2,28 @@
 
 from __future__ import annotations
 
+import re
+import sys
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
+from fmpy import read_model_description
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
+from support.fmus import ROOT, run
 from support.lagrange import Reference
 
+from build_fmu import build_fmu, build_native_fmu
+from fmu_src.drive import drive_of
 from multiblock import Block, Column, Joint
 from solver.common.errors import SolverError
 from solver.models.column.packing import settlements
 from solver.models.column.stepper import Stepper
 
 Array = NDArray[np.float64]
+EXAMPLES = ROOT / "examples"
 LAW = Joint(stiffness=2e8, damping=4e-3)
 COLUMN = Column("two", tuple(Block(height=1.0, width=0.8, depth=0.8, mass=1500.0, joint=LAW) for _ in range(2)))
 OTHER = replace(COLUMN, blocks=COLUMN.blocks[:1])
@@ -188,6 +196,49 @@ def test_two_columns_on_one_slab() -> None:
     """Each is given the other's R0 and m as one more body."""
     truth = as_one([COLUMN, OTHER], slab(1.0))
     assert np.all(errors(coupled([COLUMN, OTHER], slab(1.0), 1e-3), truth) < 5e-6)  # measured 4e-7, 1.8e-6, 2e-7
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("model", ["columns/phocas-damped.toml", "structures/trilith.toml"])
+def test_fmus_of_both_kinds_are_driven_alike(model: str, tmp_path: Path) -> None:
+    """Force and mass set once a step, and no output read between that and the step: the same bits, and a motion."""
+    file, drive = EXAMPLES / model, drive_of("body", "parabola", 2)
+    fmus = [build_fmu(file, tmp_path / "python.fmu", drive=drive)]
+    fmus.append(build_native_fmu(file, tmp_path / "native.fmu", platforms=["linux64"], drive=drive))
+    rows = []
+    for fmu in fmus:
+        run(sys.executable, "-c", FOLLOW, fmu, tmp_path / "rows.npy", "F0y" if "structures" in model else "F0m")
+        rows.append(np.load(tmp_path / "rows.npy"))
+    assert np.array_equal(rows[0], rows[1])
+    assert np.max(np.abs(rows[0][:, 0])) > 1e-3
+    depends = {item.variable.name: item.dependencies for item in read_model_description(str(fmus[0])).outputs}
+    assert not any(depends[name] for name in depends if re.match(r"base\.(R0|m|F)", name)) or "columns" in model
+    assert not any(depends[name] for name in depends if re.match(r"base\.(R0|m)", name))
+
+
+FOLLOW = """
+import math
+import sys
+import numpy as np
+from support.instance import Instance
+fmu, path, third = sys.argv[1:]
+model, rows = Instance(fmu), []
+mass = {"body.M": 3e4, "body2.M": 1e3}
+if third != "F0y":
+    mass = {"body.Mxx": 3e4, "body.Mzz": 3e4, "body.Mtt": 1e5, "body2.Mxx": 1e3}
+for k in range(300):
+    t = 2e-3 * k
+    force = {"body.F0x": 1e5 * math.sin(9 * t), "body2.F0x": 1e4 * math.sin(20 * t)}
+    model.set({**force, **mass, f"body.{third}": 1e4 * math.sin(5 * t)})
+    if k == 150:  # a step that is made again from its state is the same
+        state = model.fmi.getFMUstate()
+        model.step(t, 2e-3)
+        model.fmi.setFMUstate(state)
+    model.step(t, 2e-3)
+    rows.append(model.get("block[1].ux", "base.Fx"))
+np.save(path, rows)
+model.close()
+"""
 
 
 @pytest.mark.parametrize("mass", [0.0, 1e-3, 1e3, 1e9])
