@@ -13,7 +13,7 @@ from .runs.many import simulate_many
 from .runs.simulate import simulate
 from .runs.table import Table
 
-__version__ = "0.1.0"
+__version__ = "1.0.0"
 
 __all__ = [
     "Block",
