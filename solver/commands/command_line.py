@@ -14,7 +14,7 @@ from typing import Any, NoReturn
 import numpy as np
 
 from .. import __version__
-from ..common.errors import InputError, InputWarning, SolverError, reading
+from ..common.errors import InputError, InputWarning, SolverError, needing, reading
 from ..common.files import check_outputs, printable
 from ..ground.motion import STANDARD_GRAVITY, Motion
 from ..models.column.response import Response
@@ -220,20 +220,21 @@ def _simulate(options: argparse.Namespace) -> None:
             lambda path: response.to_csv(path, options.digits),
             response.plot,
             response.plot_structure if in_space else response.plot_column,
-            response.film if in_space else partial(_film, response),
+            partial(_film, response),
         )
         write_outputs(zip(outputs, writers, strict=True))
     except MemoryError:
         raise SolverError("not enough memory for the response: a larger --output-step may help") from None
 
 
-def _film(response: Response, path: Path) -> None:
+def _film(response: Any, path: Path) -> None:
     """Film a response, with a progress line on a terminal."""
-    if not sys.stderr.isatty():
-        response.film(path)
-        return
+    with needing("plot", "matplotlib"):
+        from ..plotting import film, structures
+
+    film_it = structures.film if response.model.kind.across else film.film
     with Line(unit="picture") as line:
-        response.film(path, callback=line.show)
+        film_it(response, path, callback=line.show if sys.stderr.isatty() else None)
 
 
 def _run(subject: Any, motion: Motion, duration: float | None, **options: Any) -> Any:
