@@ -15,7 +15,7 @@ import numpy as np
 
 from .. import __version__
 from ..common.errors import InputError, InputWarning, SolverError, needing, reading
-from ..common.files import check_outputs, printable
+from ..common.files import check_outputs, printable, with_point
 from ..ground.motion import STANDARD_GRAVITY, Motion
 from ..models.column.response import Response
 from ..models.column.settings import FORMULATIONS, INTEGRATORS
@@ -61,7 +61,9 @@ class OneLineParser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """Raise InputError."""
-        raise InputError(f"{message} (--help shows the options)")
+        option, invalid, text = message.partition(": invalid float value: ")
+        hint = with_point(text.strip("'")) if invalid else ""
+        raise InputError(f"{option}: {hint}" if hint else f"{message} (--help shows the options)")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
