@@ -47,6 +47,7 @@ class Solids(PolyCollection):
         self._counts = np.array([len(face) for _, face in faces])
         self._starts = np.concatenate([[0], np.cumsum(self._counts)])
         self._of = np.repeat(self._owner, self._counts)
+        self._whole = np.repeat(self._edged & (self._counts > 2), self._counts)  # corners of the faces of blocks
         self._built = np.concatenate([face for _, face in faces])
         self._normals = np.array(normals)
         self._every, self._seen, self._order = -(-self._n // AT_ONCE), 0, np.arange(self._n)
@@ -89,16 +90,17 @@ class Solids(PolyCollection):
         depth = np.array([np.mean(self._points[self._of == i] @ towards) for i in range(self._n)])
         if self._n > MOST_ORDERED:
             return np.argsort(depth)
-        offset = np.einsum("fk,fk->f", self._outward, self._points[self._starts[:-1]])
+        planes = np.flatnonzero(self._counts > 2)  # of the others, which are rims, no corner is needed either
+        outward, owner = self._outward[planes], self._owner[planes]
+        offset = np.einsum("fk,fk->f", outward, self._points[self._starts[planes]])
+        facing, begins = outward @ towards, np.searchsorted(owner, np.arange(self._n))
         beyond = np.full((self._n, self._n), -np.inf)  # how far j is beyond the best face of i
         front = np.zeros((self._n, self._n))  # of that face: > 0 looks to the viewer
-        facing = self._outward @ towards
         for j in range(self._n):
-            gaps = np.min(self._outward @ self._points[self._of == j].T, axis=1) - offset
-            for i in range(self._n):
-                mine = np.flatnonzero(self._owner == i)
-                best = mine[int(np.argmax(gaps[mine]))]
-                beyond[i, j], front[i, j] = gaps[best], facing[best]
+            gaps = np.min(outward @ self._points[self._whole & (self._of == j)].T, axis=1) - offset
+            beyond[:, j] = np.maximum.reduceat(gaps, begins)
+            best = np.flatnonzero(gaps >= beyond[owner, j])
+            front[:, j] = facing[best[np.searchsorted(owner[best], np.arange(self._n))]]
         ahead = np.where(beyond >= beyond.T, front, -front.T)  # > 0: j is before i
         ahead[np.abs(ahead) < 1e-9] = 0.0
         np.fill_diagonal(ahead, 0.0)
