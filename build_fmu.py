@@ -25,13 +25,14 @@ import zipfile
 from collections.abc import Sequence
 from pathlib import Path
 from types import ModuleType
-from typing import NamedTuple
+from typing import Any
 
 import numba
 
 import fmu_src
 import solver
-from fmu_src.body import Body, ColumnBody, read_body
+from fmu_src.body import Body, Carried, body_for, read_body
+from fmu_src.drive import USUAL, Drive, drive_of
 from fmu_src.host import MACHINE_CODE, content_hash
 from fmu_src.native import guard
 from fmu_src.native.library import has_tools
@@ -42,6 +43,7 @@ from solver.commands.command_files import add_force, add_space
 from solver.commands.command_line import program_parser, run_command
 from solver.common.errors import needing, shown
 from solver.common.files import check_outputs, identifier_of, whole_file
+from solver.kernels.layout.spaces import DRIVES, SLOPES
 from solver.kernels.numba_ext.jit import CODE
 from solver.kernels.numba_ext.numba_parts import LINKING, missing_for_linking
 
@@ -50,6 +52,7 @@ BUILDER_PACKAGES = ("pythonfmu", "matplotlib")
 LEFT_AT_HOME = {
     "calibrate.py",
     "capacity.py",
+    "checks",
     "commands",
     "documentation.py",
     "intensity.py",
@@ -75,19 +78,6 @@ print(json.dumps({entry.__name__: entry.stats.cache_path for entry in used}))
 """
 
 
-class Carried(NamedTuple):
-    """Kernels whose machine code an FMU carries."""
-
-    maker: str  # module of the solver with make_kernels
-    folder: str  # of their entries
-    used: tuple[str, ...]  # entries that the slave calls
-
-
-OF_COLUMN = Carried("models.column.first_run", "api", ("assemble_column", "run", "observe_state"))
-OF_PAPER = OF_COLUMN._replace(folder="paper")
-OF_STRUCTURE = Carried(
-    "models.structure.driven", "structure", ("assemble_structure", "follow_structure", "look_structure")
-)
 NEEDS = "The machine that runs it needs Python 3.11 or newer with numpy and numba 0.59 or newer."
 ZIP_DATE = (1980, 1, 1, 0, 0, 0)  # the same input gives the same bytes
 
@@ -103,6 +93,7 @@ finalize_at_exit(RESOURCES)  # also if no slave will do it
 try:
     import_solver("{solver}", RESOURCES)
     from {fmu_src}.slave import BlocksSlave
+    {others}
 except ImportError as error:
     print(f"{name}: needs Python 3.11 or newer with numpy and numba 0.59 or newer "
           f"(pip install 'numba>=0.59,<1'): {{error}}", file=sys.stderr)
@@ -137,6 +128,10 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("-o", "--output", type=Path, help="FMU file (default: NAME.fmu in the current folder)")
     add_space(parser)
     add_force(parser)
+    drive = parser.add_argument_group("how the base moves; the words are start values of parameters")
+    drive.add_argument("--drive", choices=tuple(DRIVES), default=USUAL.drive, help="by its acceleration, or by bodies")
+    drive.add_argument("--slope", choices=tuple(SLOPES), default=USUAL.slope, help="of its acceleration within a step")
+    drive.add_argument("--bodies", type=int, default=USUAL.bodies, metavar="N", help="that may drive it (default: 1)")
     parser.add_argument("--record", type=Path, metavar="FILE", help="record to put inside, added to the inputs")
     parser.add_argument("--native", action="store_true", help="compiled libraries instead of Python")
     parser.add_argument("--fmi", type=int, choices=(2, 3), default=2, help="version of FMI; 3: native only")
@@ -152,15 +147,18 @@ def _build(options: argparse.Namespace) -> None:
         raise InputError("--scalars: with --fmi 3 only, FMI 2.0 has no arrays")
     if options.output is not None and options.output.parent.is_dir():  # a missing folder is created
         check_outputs((options.output,), (options.column, options.record), options.force)
+    drive = drive_of(options.drive, options.slope, options.bodies)
+    if drive.drive != USUAL.drive and options.record is not None:
+        raise InputError("--record: must be left out with --drive, the ground moves the bodies at the base")
     if options.native:
         platforms = options.platforms.split(",") if options.platforms else None
         form = Form(options.fmi, options.source, options.terminals, options.scalars)
-        path = build_native_fmu(options.column, options.output, options.record, platforms, form, options.space)
+        path = build_native_fmu(options.column, options.output, options.record, platforms, form, options.space, drive)
     elif options.fmi != 2 or options.source or options.terminals:
         option = "--source" if options.source else "--terminals" if options.terminals else f"--fmi {options.fmi}"
         raise InputError(f"{option}: with --native only")
     else:
-        path = build_fmu(options.column, options.output, options.record, options.space)
+        path = build_fmu(options.column, options.output, options.record, options.space, drive)
     print(path)
 
 
@@ -182,10 +180,12 @@ def build_native_fmu(
     platforms: Sequence[str] | None = None,
     form: Form = USUAL_FORM,
     space: bool = False,
+    drive: Drive = USUAL,
 ) -> Path:
     """Build the FMU that needs no Python and return its path; prints what its libraries need from outside.
 
-    platforms: of PLATFORMS[form.fmi], None: all of them. space: a column as a structure in space.
+    platforms: of PLATFORMS[form.fmi], None: all of them. space: a column as a structure in space. drive: how its base
+    moves (fmu_src/drive.py).
     Raises InputError, OSError.
     """
     if not LINKING:
@@ -193,14 +193,14 @@ def build_native_fmu(
         raise InputError(f"--native: needs kernels that are linked, and numba {numba.__version__} does not ({lacks})")
     with needing("native", *BUILDER_PACKAGES):
         from fmu_src.native.package import native_files, needs_report
-    body, output = _body_and_output(column_file, output, record, space)
+    body, output = _body_and_output(column_file, output, record, space, drive)
     known = PLATFORMS[form.fmi]
     platforms = [*known] if platforms is None else platforms
     for platform in platforms:
         if platform not in known:
             raise InputError(f"--platforms {platform}: must be of {', '.join(known)}")
-    if isinstance(body, ColumnBody) and body.column.kind.fixed:
-        raise InputError(f"--native: {column_file} has solver.formulation = paper, must be exact")
+    if body.why_not_native:
+        raise InputError(f"--native: {column_file} {body.why_not_native}")
     motion = None if record is None else read_motion(record)
     body.samples(motion)  # it says what is wrong
     record_name = record.name if record else ""
@@ -211,8 +211,10 @@ def build_native_fmu(
     return output
 
 
-def _body_and_output(file: Path, output: Path | None, record: Path | None, space: bool) -> tuple[Body, Path]:
-    body = read_body(file, space)
+def _body_and_output(
+    given: Any, output: Path | None, record: Path | None, space: bool, drive: Drive
+) -> tuple[Body, Path]:
+    body = read_body(given, space, drive) if isinstance(given, Path) else body_for(given)
     if output is None:
         output = Path(f"{identifier_of(body.name)}.fmu")
         if output.exists():
@@ -233,29 +235,42 @@ def _check_record_name(name: str) -> None:
         )
 
 
-def build_fmu(column_file: Path, output: Path | None = None, record: Path | None = None, space: bool = False) -> Path:
-    """Build the FMU of a file and return its path; a record is put inside it; space: a column as a structure in space.
+def build_fmu(
+    column: Any,
+    output: Path | None = None,
+    record: Path | None = None,
+    space: bool = False,
+    drive: Drive = USUAL,
+) -> Path:
+    """Build the FMU of a file, or of a model, and return its path; a record is put inside it.
 
-    Raises InputError, OSError.
+    space: the column of a file as a structure in space. drive: how its base moves (fmu_src/drive.py). Another model
+    has its `Body` (fmu_src/body.py), whose package is put inside. Raises InputError, OSError.
     """
     with needing("fmu", *BUILDER_PACKAGES):
         from pythonfmu import FmuBuilder
 
         from fmu_src import documentation
         from fmu_src.slave import BODY_FILE, GUID_FILE, RECORD_FOLDER
-    body, output = _body_and_output(column_file, output, record, space)
+    body, output = _body_and_output(column, output, record, space, drive)
     record_name = ""
     if record is not None:
         body.samples(read_motion(record))
         record_name = record.name
     with tempfile.TemporaryDirectory(prefix="build_fmu_") as folder:
         stage = Path(folder)
-        kernels = OF_STRUCTURE
-        if isinstance(body, ColumnBody):
-            kernels = OF_PAPER if body.column.kind.fixed else OF_COLUMN
+        kernels = body.kernels
         carried_solver = _carry_package(solver, stage, {}, kernels.folder)
         carried_fmu_src = _carry_package(fmu_src, stage, {"solver": carried_solver})
-        script = SCRIPT.format(name=body.name, solver=carried_solver, fmu_src=carried_fmu_src)
+        carried = [carried_solver, carried_fmu_src]
+        package, _, module = type(body).__module__.partition(".")
+        others = ""
+        if package != fmu_src.__name__:  # of another model
+            renamed = {"solver": carried_solver, "fmu_src": carried_fmu_src}
+            carried.append(_carry_package(sys.modules[package], stage, renamed))
+            others = f"import {carried[-1]}.{module}  # noqa: F401"
+        script = SCRIPT.format(name=body.name, solver=carried_solver, fmu_src=carried_fmu_src, others=others)
+        script = re.sub(r"\n +\n", "\n", script)
         content = script.encode() + body.text.encode()
         if record is not None:
             content += record.name.encode() + record.read_bytes()
@@ -271,7 +286,7 @@ def build_fmu(column_file: Path, output: Path | None = None, record: Path | None
         sys.path.insert(0, str(stage))
         importlib.invalidate_caches()
         try:
-            parts = [stage / carried_fmu_src, stage / carried_solver, stage / BODY_FILE, stage / GUID_FILE]
+            parts = [*(stage / name for name in carried), stage / BODY_FILE, stage / GUID_FILE]
             if record is not None:
                 (stage / RECORD_FOLDER).mkdir()
                 shutil.copy(record, stage / RECORD_FOLDER)
@@ -294,6 +309,8 @@ def _machine_code(kernels: Carried) -> dict[str, bytes]:
     Python uses the same code, in numba's cache. numba identifies it by the content of the sources, so that it is valid
     for the copy in the FMU too, and is made once for both. Code by numba's own pipeline belongs to this very package.
     """
+    if not kernels.folder:
+        return {"none.txt": b"this model has no kernels\n"}
     if not LINKING:
         return {"none.txt": b"compiled without linking (solver/kernels/numba_ext/numba_parts.py)\n"}
     left_out = {key for key in os.environ if key.startswith(("NUMBA_", "PYTHON"))} - {"NUMBA_CACHE_DIR"}

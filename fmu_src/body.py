@@ -1,4 +1,4 @@
-"""What an FMU simulates, a column or a structure in space, as slave, descriptions and builder see it.
+"""What an FMU simulates, a column, a structure in space or another model, as slave, descriptions and builder see it.
 
 Recognized by its content: the keys of the TOML file, or of the text that the FMU carries.
 """
@@ -7,10 +7,10 @@ from __future__ import annotations
 
 import json
 import re
-from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
@@ -19,83 +19,152 @@ from solver.common.files import toml_of
 from solver.common.ranges import check, check_choice
 from solver.ground.motion import Motion, check_in_plane
 from solver.kernels.layout import spaces as at
+from solver.kernels.layout.spaces import DRIVES, SLOPES
 from solver.models.column import stepper as in_plane
 from solver.models.column.model import Column
 from solver.models.column.rest import check_rest
-from solver.models.structure.driven import SKIP_CODES, DrivenStructure, packed, record_of, sizes_in
+from solver.models.outputs import BASE
+from solver.models.protocol import Kind
+from solver.models.structure.driven import SKIP_CODES, Chosen, DrivenStructure, packed, record_of, sizes_in
 from solver.models.structure.file import describes_structure, in_space
 from solver.models.structure.model import Structure
 
 from . import structure_variables, variables
+from .drive import USUAL, Drive
+from .references import OF_STRUCTURE
 from .rules import DAMPING_SCALE_LIMITS
 
 Value = Callable[[str], Any]  # looks a variable up by its name
 
 
-class Body(ABC):
-    """What is inside an FMU: its text, its variables, and what follows it from call to call."""
+class Carried(NamedTuple):
+    """Kernels whose machine code an FMU carries; none without a folder."""
 
-    name: str
-    about: str  # in one line
-    text: str  # that the FMU carries
-    tolerance: float  # as built
-    inputs: tuple[variables.Variable, ...]
-    sizes: tuple[int, int, int]  # of what the outputs begin with: an output row, the split reaction, peaks
-    fallen: variables.Variable  # the joint or block that has fallen
-    first_parameter: str
-    segment: int | None  # place in the array `base` of a number of a sample
+    maker: str = ""  # module of the solver with make_kernels
+    folder: str = ""  # of their entries
+    used: tuple[str, ...] = ()  # entries that the slave calls
 
-    @abstractmethod
+
+class Body:
+    """What is inside an FMU: its text, its variables, and what follows it from call to call.
+
+    As it stands: of a model that is followed in Python (solver/models/driven.py) in its plane and has no parameters.
+    One of its own has `read` and `stepper`; word: that of its kind.
+    """
+
+    of: ClassVar[dict[str, type[Body]]] = {}  # by the word of their kind
+    inputs: tuple[variables.Variable, ...] = (variables.INPUTS[0], variables.INPUTS[2])
+    fallen = variables.OVERTURNED_BLOCK  # the joint or block that has fallen
+    first_parameter = variables.TOLERANCE
+    segment: int | None = None  # place in the array `base` of a number of a sample
+    kernels = Carried()
+    why_not_native = "is followed in Python, must have kernels"  # "": its FMU can do without Python
+
+    def __init_subclass__(cls, word: str) -> None:
+        cls.of[word] = cls
+
+    def __init__(self, model: Any) -> None:
+        self.model, self.name, self.tolerance = model, model.name, model.settings.tolerance
+        kind: Kind = model.kind
+        self.text = json.dumps({"kind": kind.word, "model": model.to_dict()}, indent=1)  # that the FMU carries
+        self.about = f"A {kind.word} under base acceleration"
+        row, peaks = self._outputs()
+        self.sizes = len(row), 0, len(peaks)  # of what the outputs begin with: an output row, split reaction, peaks
+
+    @classmethod
+    def read(cls, data: Any) -> Body:
+        """The body of a model, from what its `to_dict` gives. Raises InputError."""
+        raise NotImplementedError
+
+    def _outputs(self) -> tuple[list[variables.Variable], list[variables.Variable]]:
+        names = {owner: [""] * count for owner, count in self.model.sizes.items() if owner != BASE}
+        return variables.seen(self.model.kind.outputs, names, lambda unit, i: 1.0)
+
     def table(self, record: str = "", reads_files: bool = True) -> list[variables.Variable]:
         """The variables. record: name of the one inside. reads_files: whether the FMU reads others, too."""
+        row, peaks = self._outputs()
+        row = [replace(output, initially=()) for output in row]
+        return [*self.inputs, *row, *peaks, *variables.outcome(self.fallen), *self.parameters(record, reads_files)]
 
-    @abstractmethod
+    def parameters(self, record: str, reads_files: bool) -> list[variables.Variable]:
+        """The rows of the parameters."""
+        return [variables.tolerance_of(self.tolerance), *variables.of_record(record, reads_files)]
+
     def described(self, value: Value) -> Any:
         """What the parameters describe, for `stepper`. Raises InputError with the FMU's names."""
+        return self.model.with_settings(tolerance=check(variables.TOLERANCE, value(variables.TOLERANCE)))
 
-    @abstractmethod
     def stepper(self, described: Any) -> Any:
         """What follows it from call to call, of models/: stepper.py, or driven.py. Raises InputError."""
+        raise NotImplementedError
 
-    @abstractmethod
+    def retune(self, stepper: Any, described: Any) -> None:
+        """Go on as the parameters describe it now. Raises InputError."""
+        stepper.retune(described)
+
     def samples(self, motion: Motion | None) -> Any:
         """The record of a stepper. Raises InputError for a motion that it cannot follow."""
+        if motion is not None:
+            self.model.kind.check_motion(motion)
+        return motion
 
-    @abstractmethod
     def fall(self, stepper: Any) -> tuple[int, float]:
         """Number of what has fallen, 0 while nothing has, and when, s."""
+        return int(bool(stepper.fallen)), stepper.fall_time
 
 
-class ColumnBody(Body):
+class Described(NamedTuple):
+    """What the parameters of a column describe: the column, and how its base moves."""
+
+    column: Column
+    drive: Drive
+
+
+class ColumnBody(Body, word="column"):
     """A column of blocks in its plane."""
 
-    inputs = variables.INPUTS
     fallen = variables.OVERTURN_JOINT
     first_parameter = "g"
     segment = at.BASE.fields.index("segment")
 
-    def __init__(self, column: Column) -> None:
+    def __init__(self, column: Column, drive: Drive = USUAL) -> None:
         self.column, self.name, self.tolerance = column, column.name, column.settings.tolerance
-        self.text = json.dumps(column.to_dict(), indent=1)
+        self.drive, self.inputs = drive, (*variables.INPUTS, *drive.inputs())
+        self.text = json.dumps({"column": column.to_dict(), "drive": drive}, indent=1)
         blocks = "block" if column.n == 1 else "blocks"
         self.about = f"Column of {column.n} rigid {blocks} with no-tension elastic joints under base acceleration"
         self.sizes = at.ROW.size(column.n), at.SPLIT.beside, at.PEAKS.size(column.n)
+        folder, more = ("paper", ()) if column.kind.fixed else ("api", ("join_base",))
+        used = ("assemble_column", "run", "observe_state", *more)
+        self.kernels = Carried("models.column.first_run", folder, used)
+        self.why_not_native = "has solver.formulation = paper, must be exact" if column.kind.fixed else ""
 
     def table(self, record: str = "", reads_files: bool = True) -> list[variables.Variable]:
         """The variables."""
-        return variables.variables(self.column, record, reads_files)
+        return variables.variables(self.column, record, reads_files, self.drive)
 
-    def described(self, value: Value) -> Column:
-        """The column."""
+    @classmethod
+    def read(cls, data: Any, drive: Drive = USUAL) -> Body:
+        """Of a column."""
+        return cls(Column.from_dict(data), drive)
+
+    def described(self, value: Value) -> Described:
+        """The column, and how its base moves."""
         try:
-            return variables.column_from(self.column, value)
+            return Described(variables.column_from(self.column, value), self.drive.chosen(value))
         except InputError as error:
             message = re.sub(r"block\[(\d+)\]\.joint\.", r"joint[\1].", str(error))
             raise InputError(message) from error
 
-    def stepper(self, described: Column) -> in_plane.Stepper:
+    def stepper(self, described: Described) -> in_plane.Stepper:
         """Its stepper."""
-        return in_plane.Stepper(described)
+        made = in_plane.Stepper(described.column)
+        made.driven_by(*described.drive)
+        return made
+
+    def retune(self, stepper: in_plane.Stepper, described: Described) -> None:
+        """Go on with another column."""
+        stepper.retune(described.column)
 
     def samples(self, motion: Motion | None) -> in_plane.Record:
         """The record of a stepper."""
@@ -109,27 +178,21 @@ class ColumnBody(Body):
         return stepper.overturned_joint, stepper.overturn_time
 
 
-class Settings(NamedTuple):
-    """What the parameters of a structure describe, in the order of the kernels (GIVEN)."""
-
-    tolerance: float
-    without: float
-    damping_scale: float
-
-
-class StructureBody(Body):
+class StructureBody(Body, word="structure"):
     """A structure in space. Its rest is found when the FMU is built, and carried with it."""
 
-    inputs = structure_variables.INPUTS
-    fallen = structure_variables.OVERTURNED_BLOCK
     first_parameter = structure_variables.DAMPING_SCALE
-    segment = None
+    kernels = Carried(
+        "models.structure.driven", "structure", ("assemble_structure", "follow_structure", "look_structure")
+    )
+    why_not_native = ""
 
-    def __init__(self, data: Mapping[str, Any], model: list[float] | None = None) -> None:
+    def __init__(self, data: Mapping[str, Any], model: list[float] | None = None, drive: Drive = USUAL) -> None:
         structure = self.structure = Structure.from_dict(data)
         self.packed = packed(structure) if model is None else np.array(model, dtype=np.float64)
         self.name, self.tolerance = structure.name, structure.tolerance
-        self.text = json.dumps({"structure": data, "packed": self.packed.tolist()})
+        self.drive, self.inputs = drive, (*structure_variables.INPUTS, *drive.inputs(OF_STRUCTURE))
+        self.text = json.dumps({"structure": data, "packed": self.packed.tolist(), "drive": drive})
         parts = {"block": structure.n, "joint": len(structure.joints), "tie": len(structure.ties)}
         counted = ", ".join(f"{count} {what}{'' if count == 1 else 's'}" for what, count in parts.items() if count)
         self.about = f"Structure of rigid blocks in space with no-tension elastic joints: {counted}"
@@ -138,9 +201,14 @@ class StructureBody(Body):
 
     def table(self, record: str = "", reads_files: bool = True) -> list[variables.Variable]:
         """The variables."""
-        return structure_variables.structure_variables(self.structure, record, reads_files)
+        return structure_variables.structure_variables(self.structure, record, reads_files, self.drive)
 
-    def described(self, value: Value) -> Settings:
+    @classmethod
+    def read(cls, data: Any) -> Body:
+        """Of a structure, whose rest is found."""
+        return cls(data)
+
+    def described(self, value: Value) -> Chosen:
         """Its settings."""
         names = structure_variables.DAMPING_SCALE, variables.TOLERANCE, structure_variables.WITHOUT
         scale = check_number(names[0], value(names[0]), *DAMPING_SCALE_LIMITS)
@@ -148,9 +216,10 @@ class StructureBody(Body):
         for word in filter(None, map(str.strip, value(names[2]).split(","))):
             check_choice(names[2], word, tuple(SKIP_CODES))
             code |= SKIP_CODES[word]
-        return Settings(tolerance, float(code), scale)
+        drive = self.drive.chosen(value)
+        return Chosen(tolerance, float(code), scale, DRIVES[drive.drive], SLOPES[drive.slope], drive.bodies)
 
-    def stepper(self, described: Settings) -> DrivenStructure:
+    def stepper(self, described: Chosen) -> DrivenStructure:
         """Its stepper."""
         return DrivenStructure(self.structure, self.packed, described)
 
@@ -166,21 +235,32 @@ class StructureBody(Body):
 def body_of(text: str) -> Body:
     """The body in the text that an FMU carries. Raises InputError."""
     data = json.loads(text)
+    if "kind" in data:
+        return Body.of[data["kind"]].read(data["model"])
     if "packed" in data:
-        return StructureBody(data["structure"], data["packed"])
-    return ColumnBody(Column.from_dict(data))
+        return StructureBody(data["structure"], data["packed"], Drive(*data["drive"]))
+    return ColumnBody.read(data["column"], Drive(*data["drive"]))
 
 
-def read_body(file: Path, space: bool = False) -> Body:
+def body_for(model: Any) -> Body:
+    """The body of a model, which has to have a stable rest. Raises InputError."""
+    kind: Kind = model.kind
+    if kind.word not in Body.of:
+        raise InputError(f"FMU: a {kind.word} has no body, a subclass of Body (fmu_src/body.py) makes one")
+    kind.check(model, from_rest=True)
+    return Body.of[kind.word].read(model.to_dict())
+
+
+def read_body(file: Path, space: bool = False, drive: Drive = USUAL) -> Body:
     """The body that a TOML file describes, which has to have a stable rest; space: a column as a structure in space.
 
-    Raises InputError.
+    drive: how the base moves. Raises InputError.
     """
     with reading(file):
         data = in_space(toml_of(file)) if space else toml_of(file)
         if describes_structure(data):
-            return StructureBody(data)
+            return StructureBody(data, drive=drive)
     column = Column.from_toml(file)
     with reading(file):
         check_rest(column)
-    return ColumnBody(column)
+    return ColumnBody(column, drive)

@@ -6,6 +6,7 @@ Needed by the builder only; the FMU carries the results.
 from __future__ import annotations
 
 import io
+from functools import singledispatch
 from html import escape
 
 import numpy as np
@@ -73,19 +74,39 @@ the same instant.</p>""",
     "turning": "The base does not rotate. The run begins at the rest that was found when the FMU was built.",
 }
 
+OF_ANY = {
+    "numbers": "Blocks, joints and ties count from 1.",
+    "signs": "<p>x is horizontal, z is up, rotations are clockwise; displacements are relative to the base.</p>",
+    "turning": "The base does not rotate.",
+}
+
 HEADINGS = {"input": "Inputs", "output": "Outputs", "parameter": "Parameters"}
 
 
 def pages(body: Body, table: list[Variable], needs: str) -> dict[str, bytes]:
     """The files of the documentation by their names. needs: what the machine that runs the FMU must have, in a line."""
-    if isinstance(body, StructureBody):
-        picture, others, words = drawing_in_space(body.structure), {}, OF_STRUCTURE
-    else:
-        assert isinstance(body, ColumnBody)
-        picture, words = drawing(body.column), OF_COLUMN
-        others = {"documentation/signs.png": sign_conventions()}
+    picture, words = _shown(body)
+    others = {"documentation/signs.png": sign_conventions()} if "signs.png" in words["signs"] else {}
     page = _page(body, table, {**words, "needs": escape(needs)})
     return {"documentation/index.html": page.encode(), "documentation/model.png": picture} | others
+
+
+@singledispatch
+def _shown(body: Body) -> tuple[bytes, dict[str, str]]:
+    """The picture of what is inside, and the words of the page; of any model its name."""
+    figure = Figure(figsize=(3.0, 3.0))
+    figure.text(0.5, 0.5, body.name, ha="center", color=INK, bbox={"facecolor": STONE, "edgecolor": INK})
+    return _png(figure), OF_ANY
+
+
+@_shown.register
+def _(body: ColumnBody) -> tuple[bytes, dict[str, str]]:
+    return drawing(body.column), OF_COLUMN
+
+
+@_shown.register
+def _(body: StructureBody) -> tuple[bytes, dict[str, str]]:
+    return drawing_in_space(body.structure), OF_STRUCTURE
 
 
 def _page(body: Body, table: list[Variable], words: dict[str, str]) -> str:

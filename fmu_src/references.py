@@ -3,8 +3,21 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 
 from solver.common.ranges import MAX_BLOCKS
+
+MOST_BODIES = 9  # that drive a base
+# what one says to a column and to a structure, in the order of the kernels
+OF_COLUMN = ("F0x", "F0z", "F0m", "Mxx", "Mxz", "Mxt", "Mzz", "Mzt", "Mtt")
+OF_STRUCTURE = ("F0x", "F0y", "F0z", "M")
+SAID = (*OF_COLUMN, "F0y", "M")
+
+
+def names_of_body(k: int, said: Sequence[str]) -> list[str]:
+    """The inputs of the body in place k: body.F0x, body2.F0x and so on."""
+    return [f"body{k + 1 if k else ''}.{name}" for name in said]
+
 
 # A number once given stays: a new variable takes the next free one, a dropped one leaves a gap.
 REFERENCES = {
@@ -18,6 +31,8 @@ REFERENCES = {
     "base.alpha": 7,
     "base.ay": 8,
     "base.jy": 9,
+    # of the bodies that drive the base: from 100, 200 and so on
+    **{name: 100 * (k + 1) + i for k in range(MOST_BODIES) for i, name in enumerate(names_of_body(k, SAID))},
     # outputs of the column or structure as a whole: from 1001
     "base.Fx": 1001,
     "base.Fz": 1002,
@@ -54,6 +69,8 @@ REFERENCES = {
     "base.record": 2007,
     "base.record_scale": 2008,
     "joints.damping_scale": 2009,
+    "base.drive": 2010,
+    "base.slope": 2011,
 }
 # Variables of every block, joint or tie: a family each, of 1000 numbers.
 FAMILY = 1000

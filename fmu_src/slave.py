@@ -220,7 +220,7 @@ class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
         """Go from `start` to `start + step`, s, over the samples of the record in between."""
         stepper = self._stepper
         arrays = stepper.arrays
-        before = arrays.state.copy(), arrays.counts.copy()
+        before = arrays.state.copy(), arrays.counts.copy(), arrays.base.copy()
         record = self._record
         values = self._values
         try:
@@ -230,7 +230,7 @@ class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
             stepper.drive(start, *values[: len(self._inputs)])
             stepper.advance(start, step)
         except BaseException:
-            arrays.state[:], arrays.counts[:] = before
+            arrays.state[:], arrays.counts[:], arrays.base[:] = before
             self._inputs_stand = False
             raise
         self._retune = False
@@ -418,7 +418,7 @@ class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
 
     def _apply_parameters(self, stepper: Any) -> None:
         """Go on with the tunable parameters as they stand. Raises InputError."""
-        stepper.retune(self._described())
+        self._body.retune(stepper, self._described())
         self._built_from = self._values[self._parameters]
 
     def _put(self, name: str, value: float | int | bool) -> None:

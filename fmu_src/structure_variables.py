@@ -17,25 +17,10 @@ from solver.models.outputs import BLOCK, JOINT, TIE
 from solver.models.structure.model import Structure
 from solver.models.structure.outputs import OUTPUTS
 
-from .references import FAMILY
+from .drive import Drive
+from .references import FAMILY, OF_STRUCTURE
 from .rules import DAMPING_SCALE_LIMITS
-from .variables import (
-    OVERTURN_TIME,
-    OVERTURNED,
-    RECORD,
-    RECORD_PGA,
-    RECORD_SCALE,
-    RECORD_TEXT,
-    RECORD_TEXT_NATIVE,
-    SLOPE,
-    TOLERANCE,
-    VERDICT_NOW,
-    Variable,
-    input_of,
-    output_of,
-    parameter_of,
-    seen,
-)
+from .variables import OVERTURNED_BLOCK, SLOPE, Variable, input_of, of_record, outcome, parameter_of, seen, tolerance_of
 
 DAMPING_SCALE = "joints.damping_scale"
 WITHOUT = "solver.without"
@@ -47,14 +32,11 @@ INPUTS = (
     input_of("base.jy", SLOPE.format("y"), "m/s3", 10.0),
     input_of("base.jz", SLOPE.format("z"), "m/s3", 10.0),
 )
-OVERTURNED_BLOCK = output_of(
-    *("overturned_block", "", "Number of the block that has fallen, 0 while none has"),
-    *("Integer", "discrete"),
-    initially=(),
-)
 
 
-def structure_variables(structure: Structure, record: str = "", reads_files: bool = True) -> list[Variable]:
+def structure_variables(
+    structure: Structure, record: str = "", reads_files: bool = True, drive: Drive | None = None
+) -> list[Variable]:
     """The table; as `variables` of a column. Raises InputError for a structure with too many joints or ties."""
     for what, parts in (("joint", structure.joints), ("tie", structure.ties)):
         if len(parts) > FAMILY:
@@ -65,16 +47,15 @@ def structure_variables(structure: Structure, record: str = "", reads_files: boo
     sizes = _sizes(structure)
     row, peaks = seen(OUTPUTS, names, lambda unit, i: sizes[unit])
     row = [replace(output, initially=()) for output in row]
-    verdict = [OVERTURN_TIME, OVERTURNED_BLOCK, OVERTURNED, VERDICT_NOW, RECORD_PGA]
-    text = RECORD_TEXT if reads_files else RECORD_TEXT_NATIVE
     parameters = [
         parameter_of(DAMPING_SCALE, "", "Factor on the damping of all joints and ties", 1.0, DAMPING_SCALE_LIMITS[0]),
-        parameter_of(TOLERANCE, "", "Error relative to the largest motion", structure.tolerance),
+        tolerance_of(structure.tolerance),
         parameter_of(WITHOUT, "", "What is not to be done: peaks, of forces and moments", ", ".join(structure.without)),
-        parameter_of(RECORD, "", text, record),
-        parameter_of(RECORD_SCALE, "", "Factor on the record's accelerations", 1.0),
+        *(drive.parameters if drive else ()),
+        *of_record(record, reads_files),
     ]
-    return [*INPUTS, *row, *peaks, *verdict, *parameters]
+    inputs = [*INPUTS, *(drive.inputs(OF_STRUCTURE) if drive else ())]
+    return [*inputs, *row, *peaks, *outcome(OVERTURNED_BLOCK), *parameters]
 
 
 def _sizes(structure: Structure) -> dict[str, float]:

@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import accumulate
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from solver.common.ranges import NUMBERS
 from solver.ground.motion import STANDARD_GRAVITY
@@ -21,6 +21,9 @@ from solver.models.column.model import Column
 from solver.models.column.outputs import OUTPUTS
 from solver.models.column.settings import SKIPS
 from solver.models.outputs import BASE, BLOCK, JOINT, Output
+
+if TYPE_CHECKING:
+    from .drive import Drive
 
 from .references import array_of, reference_of
 
@@ -96,13 +99,13 @@ INPUTS = (
     input_of("base.omega", "Rate of base.theta", "rad/s", 1e-2),
     input_of("base.alpha", "Acceleration of base.theta, held within a communication step", "rad/s2", 0.1),
 )
-_TURNED = ("base.theta",)
-_TURNING = ("base.theta", "base.omega")
-_ALL = ("base.ax", "base.az", *_TURNING, "base.alpha")
+TURNED = ("base.theta",)
+TURNING = ("base.theta", "base.omega")
+MOVING = ("base.ax", "base.az", *TURNING, "base.alpha")
 
-# inputs that an output of the row depends on without delay, all unless given here; of _TURNING the base joint alone
-_DIRECT = {"ux": _TURNED, "uz": _TURNED, "theta": (), "slip": ()}
-_DIRECT |= dict.fromkeys(("N", "M", "contact", "sigma_max"), _TURNING)
+# inputs that an output of the row depends on without delay, all unless given here; of TURNING the base joint alone
+_DIRECT = {"ux": TURNED, "uz": TURNED, "theta": (), "slip": ()}
+_DIRECT |= dict.fromkeys(("N", "M", "contact", "sigma_max"), TURNING)
 LARGEST = "Largest absolute value of the motion so far"
 LEAST = "Least value of the motion so far"
 _SPLIT = "of the base reaction (Fx, Fz, My) = R0 - m (ax, az, alpha)"
@@ -110,21 +113,26 @@ _MASS = "Effective mass met by the base, {} " + _SPLIT
 # the split of the reaction in the order of the kernels (layout/spaces.py, SPLIT): unit, description, the inputs that it
 # depends on
 _SPLIT_OUTPUTS: dict[str, tuple[str, str, tuple[str, ...]]] = {
-    "base.R0x": ("N", f"Horizontal part R0 {_SPLIT}", _TURNING),
-    "base.R0z": ("N", f"Vertical part R0 {_SPLIT}", _TURNING),
-    "base.R0m": ("N.m", f"Moment R0 {_SPLIT}", _TURNING),
-    "base.mxx": ("kg", _MASS.format("xx"), _TURNED),
-    "base.mxz": ("kg", _MASS.format("xz"), _TURNED),
-    "base.mxt": ("kg.m", _MASS.format("x alpha"), _TURNED),
-    "base.mzz": ("kg", _MASS.format("zz"), _TURNED),
-    "base.mzt": ("kg.m", _MASS.format("z alpha"), _TURNED),
-    "base.mtt": ("kg.m2", _MASS.format("alpha alpha"), _TURNED),
+    "base.R0x": ("N", f"Horizontal part R0 {_SPLIT}", TURNING),
+    "base.R0z": ("N", f"Vertical part R0 {_SPLIT}", TURNING),
+    "base.R0m": ("N.m", f"Moment R0 {_SPLIT}", TURNING),
+    "base.mxx": ("kg", _MASS.format("xx"), TURNED),
+    "base.mxz": ("kg", _MASS.format("xz"), TURNED),
+    "base.mxt": ("kg.m", _MASS.format("x alpha"), TURNED),
+    "base.mzz": ("kg", _MASS.format("zz"), TURNED),
+    "base.mzt": ("kg.m", _MASS.format("z alpha"), TURNED),
+    "base.mtt": ("kg.m2", _MASS.format("alpha alpha"), TURNED),
 }
 OVERTURN_TIME = output_of(
     "overturn_time", "s", "Time of overturning, -1 while it stands", variability="discrete", initially=()
 )
 OVERTURN_JOINT = output_of(
     *("overturn_joint", "", "Joint over which the column has fallen, 0 while it stands"),
+    *("Integer", "discrete"),
+    initially=(),
+)
+OVERTURNED_BLOCK = output_of(
+    *("overturned_block", "", "Number of the block that has fallen, 0 while none has"),
     *("Integer", "discrete"),
     initially=(),
 )
@@ -167,6 +175,7 @@ JOINT_PARAMETERS = {
 # what may change during a run: no length, no mass, nothing of the solver's
 TUNABLE = ("g", "joint.damping", "joints.damping_scale")
 RECORD = "base.record"
+DRIVE, SLOPE_OF_BASE = "base.drive", "base.slope"
 RECORD_SCALE = "base.record_scale"
 TOLERANCE = "solver.tolerance"
 LISTED_BLOCKS = 10  # up to which the outputs of each block list what they follow in initialization: that grows with n2
@@ -178,27 +187,30 @@ _SETTINGS_PARAMETERS = {
 }
 
 
-def variables(column: Column, record: str = "", reads_files: bool = True) -> list[Variable]:
+def variables(column: Column, record: str = "", reads_files: bool = True, drive: Drive | None = None) -> list[Variable]:
     """The table for a column, whose values are the parameters' start values, in the order given above.
 
     record: name of the record inside the FMU, empty without one. reads_files: whether the FMU reads others, too.
     """
-    parameters = _parameters(column, record, RECORD_TEXT if reads_files else RECORD_TEXT_NATIVE)
+    parameters = [*_parameters(column), *(drive.parameters if drive else ()), *of_record(record, reads_files)]
     numbers, sizes = [""] * column.n, _sizes(column)  # without names; the base has the sizes of the lowest joint
     row, peaks = seen(OUTPUTS, {BLOCK: numbers, JOINT: numbers}, lambda unit, i: sizes[unit][i - 1])
     row = [replace(output, depends_on=_direct(output.name, column.n)) for output in row]
     outputs = [*row, *_split_outputs(column), *peaks]
-    outputs += [OVERTURN_TIME, OVERTURN_JOINT, OVERTURNED, VERDICT_NOW, RECORD_PGA]
-    numerical = ("solver.step", "solver.tolerance", "solver.without")
+    if drive:
+        outputs = [replace(output, depends_on=drive.direct(output.depends_on)) for output in outputs]
+    outputs += outcome(OVERTURN_JOINT)
+    numerical = ("solver.step", "solver.tolerance", "solver.without", SLOPE_OF_BASE)
     described = tuple(item.name for item in parameters if item.name not in (*numerical, RECORD, RECORD_SCALE))
-    return [*INPUTS, *(_with_initial(output, column.n, described) for output in outputs), *parameters]
+    inputs = [*INPUTS, *(drive.inputs() if drive else ())]
+    return [*inputs, *(_with_initial(output, column.n, described) for output in outputs), *parameters]
 
 
 def _direct(name: str, n: int) -> tuple[str, ...]:
     """Inputs that an output of n blocks depends on without delay."""
     place, _, quantity = name.partition(".")
-    inputs = _DIRECT.get(quantity, _ALL)
-    return () if inputs == _TURNING and place != f"joint[{n}]" else inputs
+    inputs = _DIRECT.get(quantity, MOVING)
+    return () if inputs == TURNING and place != f"joint[{n}]" else inputs
 
 
 def _with_initial(output: Variable, n: int, described: tuple[str, ...]) -> Variable:
@@ -206,7 +218,7 @@ def _with_initial(output: Variable, n: int, described: tuple[str, ...]) -> Varia
     if output.initially is not None or ("[" in output.name and n > LISTED_BLOCKS):
         return output
     if output.name.endswith("].theta"):
-        return replace(output, initially=(*_TURNED, *described))
+        return replace(output, initially=(*TURNED, *described))
     record = (RECORD, RECORD_SCALE) if "base.ax" in output.depends_on else ()
     return replace(output, initially=(*output.depends_on, *described, *record))
 
@@ -285,7 +297,24 @@ def parameter_of(
     return Variable(name, reference, "Real", *common, start or 0.0, 0.0 if optional and least > 0.0 else least, most)
 
 
-def _parameters(column: Column, record: str, record_text: str) -> list[Variable]:
+def outcome(fallen: Variable) -> list[Variable]:
+    """The outputs behind those of the model: verdict and record; fallen: the number of what has fallen."""
+    return [OVERTURN_TIME, fallen, OVERTURNED, VERDICT_NOW, RECORD_PGA]
+
+
+def of_record(record: str, reads_files: bool) -> list[Variable]:
+    """The last parameters: the record, whose name is `record`, and its factor."""
+    text = RECORD_TEXT if reads_files else RECORD_TEXT_NATIVE
+    factor = parameter_of(RECORD_SCALE, "", "Factor on the record's accelerations", 1.0)
+    return [parameter_of(RECORD, "", text, record), factor]
+
+
+def tolerance_of(value: float) -> Variable:
+    """The parameter of the error control."""
+    return parameter_of(TOLERANCE, "", "Error relative to the largest motion", value)
+
+
+def _parameters(column: Column) -> list[Variable]:
     rows = [parameter_of("g", "m/s2", "Acceleration of gravity", column.g)]
     for i, block in enumerate(column.blocks, start=1):
         for key, (unit, text, optional) in _BLOCK_PARAMETERS.items():
@@ -298,8 +327,6 @@ def _parameters(column: Column, record: str, record_text: str) -> list[Variable]
     for key in _settings_of(column):
         (unit, text), start = _SETTINGS_PARAMETERS[key], getattr(column.settings, key)
         rows.append(parameter_of(f"solver.{key}", unit, text, ", ".join(start) if key == "without" else start))
-    rows.append(parameter_of(RECORD, "", record_text, record))
-    rows.append(parameter_of(RECORD_SCALE, "", "Factor on the record's accelerations", 1.0))
     return rows
 
 

@@ -81,7 +81,7 @@ def follow(
 
 
 COUNTED = {"steps": "steps", "implicit": "implicit_steps", "elastic": "elastic_steps", "rejected": "rejected"}
-MIRRORED = ("ux", "theta", "M", "S", "T", "Fx", "My")  # outputs that change their sign
+MIRRORED = ("ux", "theta", "M", "S", "T", "slip", "Fx", "My")  # outputs that change their sign
 
 
 def _cut(motion: Motion, pieces: int) -> Motion:

@@ -101,7 +101,7 @@ class Case:
     def couple(self, h: float, way: str = "", stop: float | None = None) -> Run:
         """Coupled: way is plain, held, line, parabola or iterated; empty for the partner's own."""
         damping = {f"joint[{i}].damping": self.eta for i in (1, 2, 3)}
-        column = Fmu(self.fmus["column"], **damping)
+        column = Fmu(self.fmus["column"], **{"base.drive": "acceleration"}, **damping)
         own: dict[str, Any] = dict(self.parameters)
         if way:
             own["slope"] = {"plain": "held", "iterated": "given"}.get(way, way)

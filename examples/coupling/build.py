@@ -2,7 +2,8 @@
 
     python examples/coupling/build.py [COLUMN.toml] [-o FOLDER] [--native [--platforms NAME,...]] [--record FILE]
 
-Writes column.fmu, isolator.fmu, soil.fmu; isolated_inputs.ssp and on_soil_inputs.ssp, in which the ground motion is an
+Writes column.fmu and column_on_soil.fmu, whose base is driven by isolators and by soil, isolator.fmu, soil.fmu;
+isolated_inputs.ssp and on_soil_inputs.ssp, in which the ground motion is an
 input of the system; and, where the compiler of the native FMUs is installed, ground.fmu, which holds the record
 (without --record five waves of 1 Hz and 0.1 g), with isolated.ssp and on_soil.ssp, which need nothing from outside.
 With --native also in_c/, for master.c on Linux.
@@ -26,6 +27,7 @@ from pythonfmu import FmuBuilder
 
 from build_fmu import build_fmu, build_native_fmu, repack, write_archive
 from fmu_src import host
+from fmu_src.drive import Drive
 from fmu_src.native.library import has_tools
 from fmu_src.native.platforms import PLATFORMS
 from fmu_src.record import read_motion
@@ -34,6 +36,9 @@ from multiblock import Column
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
 PARTNERS = ("isolator", "soil")
+# the column on each of them, driven by it with the slope that it takes
+COLUMNS = {"column": Drive("horizontal", "parabola"), "column_on_soil": Drive("body", "line")}
+OF_PARTNER = dict(zip(PARTNERS, COLUMNS, strict=True))
 DEFAULT_COLUMN = ROOT / "examples" / "columns" / "phocas-damped.toml"
 STEP = 1e-3  # s
 WAVES = "waves.csv"  # the ground where no record is given
@@ -97,11 +102,12 @@ def build_all(
     """Build everything into a folder; paths by name."""
     folder.mkdir(parents=True, exist_ok=True)
     platforms = [*PLATFORMS[2]] if platforms is None else platforms
-    made = {name: folder / f"{name}.fmu" for name in ("column", *PARTNERS)}
-    if native:
-        build_native_fmu(column, made["column"], platforms=platforms)
-    else:
-        build_fmu(column, made["column"])
+    made = {name: folder / f"{name}.fmu" for name in (*COLUMNS, *PARTNERS)}
+    for name, drive in COLUMNS.items():
+        if native:
+            build_native_fmu(column, made[name], platforms=platforms, drive=drive)
+        else:
+            build_fmu(column, made[name], drive=drive)
     for name in PARTNERS:
         if native:
             build_native_partner(name, made[name], platforms)
@@ -129,8 +135,9 @@ def build_systems(
     }
     outside = {name: path for name, path in fmus.items() if name != "ground"}
     made = {}
-    for inside in (fmus, outside) if "ground" in fmus else (outside,):
+    for given in (fmus, outside) if "ground" in fmus else (outside,):
         for partner in PARTNERS:
+            inside = {**given, "column": fmus[OF_PARTNER[partner]]}
             system = ssp.coupled(partner, inside, parameters, stop, STEP)
             made[system.name] = ssp.write(system, folder / f"{system.name}.ssp")
             if native and "ground" in inside:

@@ -17,7 +17,7 @@ import numpy as np
 
 from fmu_src import rules
 from fmu_src.alternation import Alternation
-from solver.models.structure.driven import DrivenStructure, packed
+from solver.models.structure.driven import Chosen, DrivenStructure, packed
 from solver.models.structure.model import Structure
 
 TRILITH = Path(__file__).resolve().parent.parent / "structures" / "trilith.toml"
@@ -42,7 +42,7 @@ def couple(
     mass: of the slab, kg. order: 1: held, 2: the line from the step before, 3: the parabola through two before. Raises
     SolverError where it diverges, and warns as the FMUs do.
     """
-    body = DrivenStructure(structure, model, (1e-8, 0.0, 1.0))
+    body = DrivenStructure(structure, model, Chosen(1e-8))
     weight, n = structure.weight + mass * structure.g, structure.n
     places = slice(-6, -4)  # of the reaction in a row
     x, v, z = np.zeros(2), np.zeros(2), np.zeros(2)

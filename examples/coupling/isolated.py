@@ -57,7 +57,7 @@ def run_both(column: Column, fmus: dict[str, Path], motion: Motion, isolator: st
     def ground(t: float) -> float:
         return float(motion.acceleration(motion.start + t)[0])
 
-    fixed = Fmu(fmus["column"])
+    fixed = Fmu(fmus["column"], **{"base.drive": "acceleration"})
     rows = []
     for k in range(round(stop / STEP) + 1):
         t = k * STEP
@@ -66,7 +66,7 @@ def run_both(column: Column, fmus: dict[str, Path], motion: Motion, isolator: st
         fixed.step(t, STEP)
     fixed.close()
     standing = Run(zip(("time", *watch), np.array(rows).T, strict=True))
-    upper = Fmu(fmus["column"])
+    upper = Fmu(fmus["column"], **{"base.drive": "acceleration"})
     lower = Fmu(fmus["isolator"], mass=SLAB, kind=isolator, **ISOLATORS[isolator])
     floating = couple(upper, lower, ground, STEP, stop, watch=watch, watch_partner=("x", "force"))
     upper.close()

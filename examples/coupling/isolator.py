@@ -9,7 +9,7 @@ Force of the isolators on the slab, x being its displacement relative to the gro
 z is the hysteretic variable of Bouc and Wen with exponent 1 (Wen, J. Eng. Mech. Div. ASCE 102 (1976) 249-263),
 z' = (x' - (|x'| z + x' |z|) / 2) / yield, which is a function of the path x alone: exact for any step.
 
-motion = [x, x', z, velocity of the ground].
+motion = [x, x', z, velocity of the ground, N at the last exchange and at the one before].
 """
 
 import math
@@ -29,7 +29,7 @@ from .law import (
 
 TITLE = "isolator"
 ABOUT = "Rigid slab on isolators that carries a column"
-MOTION = 4
+MOTION = 6
 LINEAR, LEAD_RUBBER, PENDULUM = range(3)
 KINDS = ("linear", "lead-rubber", "friction-pendulum")
 ALL = ("column.R0x", "column.R0z", "column.mxx", "column.mxz", "ground.ax", "ground.az")
@@ -50,8 +50,10 @@ PORTS = (
     port_output("x", "m", "Displacement of the slab relative to the ground"),
     port_output("v", "m/s", "Its rate"),
     port_output("z", "", "Hysteretic variable, -1 to 1"),
-    port_output("force", "N", "Force of the isolators on the slab", ("column.R0z", "ground.az")),
+    port_output("force", "N", "Force of the isolators on the slab"),
     port_output("base.vx", "m/s", "Velocity of the slab in space"),
+    port_output("body.F0x", "N", "Force on the slab, as its state determines it, for a column that it drives"),
+    port_output("body.Mxx", "kg", "Mass of the slab, for that column"),
     port_output("work", "J", "Energy given to the column so far"),
     parameter("mass", "kg", "Mass of the slab", 40e3, POSITIVE),
     choice("kind", "What the slab stands on", KINDS, LINEAR),
@@ -74,8 +76,13 @@ def isolator_force(value, motion):
         return -(value.stiffness * x + value.damping * v)
     if value.kind == LEAD_RUBBER:
         return -(value.stiffness * x + value.damping * v + value.strength * z)
-    normal = value.mass * (value.g + value.ground_az) - value.column_R0z
+    normal = weight_at(motion)
     return -(normal / value.radius * x + value.damping * v + value.friction * normal * z)
+
+
+def weight_at(motion):
+    """What slab and column weigh now, N, by the line through the last two exchanges: so it belongs to the state."""
+    return motion[4] if motion[5] == 0.0 else 2.0 * motion[4] - motion[5]
 
 
 def accelerations(value, motion):
@@ -112,12 +119,13 @@ def move(value, motion, a, slope, h):
             here = there
     motion[0], motion[1] = travel(x, v, acceleration, jerk, h)
     motion[3] += h * (value.ground_ax + 0.5 * h * value.ground_jx)
+    motion[5], motion[4] = motion[4], value.mass * (value.g + value.ground_az) - value.column_R0z
 
 
 def outputs(value, motion, a, slope):
     """In the order of the table, but for the work."""
-    x, v, z, ground = motion[0], motion[1], motion[2], motion[3]
-    return a[0], value.ground_az, slope[0], value.ground_jz, x, v, z, isolator_force(value, motion), v + ground
+    x, v, z, ground, force = motion[0], motion[1], motion[2], motion[3], isolator_force(value, motion)
+    return a[0], value.ground_az, slope[0], value.ground_jz, x, v, z, force, v + ground, force, value.mass
 
 
 def hysteresis(z, path):

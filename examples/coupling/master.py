@@ -1,7 +1,11 @@
-"""A master for a column on a partner, with FMPy: copy this file.
+"""Masters for a column on a partner, with FMPy: copy this file.
 
-Explicit, R0 and the effective mass one way, acceleration and slope the other (`couple`); the same made again with the
-state rolled back until both agree at the end of the step (iterations > 0); or, to see why not, the plain reaction.
+`run` is any master: it reads every output once a step, sets every input once, and steps the FMUs in any order. What
+each says follows from its state alone: R0 and m of the column, force F0 and mass M of the partner (`BY_STATE`).
+
+`couple` asks for more, outputs read again after inputs were set: R0 and m one way, acceleration and slope the other;
+the same made again with the state rolled back until both agree at the end of the step (iterations > 0); or, to see why
+not, the plain reaction.
 """
 
 from __future__ import annotations
@@ -19,6 +23,49 @@ PLAIN = {"R0x": "Fx", "R0z": "Fz", "R0m": "My"}
 MOTION = ("ax", "az", "jx", "jz", "theta", "omega", "alpha")
 AXES = ("ax", "az", "alpha")
 TOO_FAR = 100.0  # m or whatever is watched first: the run is given up
+
+
+BODY = ("F0x", "F0z", "F0m", "Mxx", "Mxz", "Mxt", "Mzz", "Mzt", "Mtt")
+Wire = tuple[str, str, str, str]  # output of one FMU, input of another: names of FMU and variable
+
+
+def by_state(column: Fmu, partner: Fmu, names: tuple[str, str] = ("column", "partner")) -> list[Wire]:
+    """What a column and the body under it say to each other; names: of both in `run`."""
+    one, other = names
+    split = [name for name in SPLIT if f"column.{name}" in partner.variables]
+    body = [name for name in BODY if f"body.{name}" in partner.variables]
+    return [
+        *((one, f"base.{name}", other, f"column.{name}") for name in split),
+        *((other, f"body.{name}", one, f"body.{name}") for name in body),
+    ]
+
+
+def run(
+    fmus: dict[str, Fmu],
+    wires: list[Wire],
+    h: float,
+    stop: float,
+    watch: list[tuple[str, str]],
+    shake: Callable[[float], dict[tuple[str, str], float]] | None = None,
+) -> np.ndarray:
+    """Lead FMUs through steps of h s; rows of time and what is watched (FMU, variable), from t = 0.
+
+    shake: inputs from outside by FMU and variable, from time t on.
+    """
+    count, rows = round(stop / h), []
+    for k in range(count + 1):
+        t = k * h
+        read = [fmus[source].get(output)[0] for source, output, _, _ in wires]
+        rows.append([t, *(fmus[part].get(name)[0] for part, name in watch)])
+        if k == count:
+            break
+        for (_, _, target, name), value in zip(wires, read, strict=True):
+            fmus[target].set(**{name: value})
+        for (part, name), value in (shake(t) if shake else {}).items():
+            fmus[part].set(**{name: value})
+        for fmu in fmus.values():
+            fmu.step(t, h)
+    return np.array(rows)
 
 
 class Fmu:

@@ -66,7 +66,7 @@ def _entries(begin: Callable[..., Any], step: Callable[..., Any], see: Callable[
         begin(row_at(given), from_rest, row_at(model), row_at(state))
         return 0
 
-    def follow(n, model, state, counts, base, work, inputs, start, h, count, times, ax, az, scale):
+    def follow(n, model, state, counts, base, work, inputs, start, h, count, times, ax, az, scale, row, split):
         return step(row_at(inputs), row_at(model), row_at(state), row_at(work), h)
 
     # fmt: off
@@ -181,9 +181,10 @@ def rates(n, model, state, counts, base, work, t, count, times, ax, az, scale, r
     return NO_DERIVATIVES
 
 
-def feedthrough(
-    n, model, state, counts, base, work, seeds, elapsed, t, count, times, ax, az, scale, row, split, other, other_split
-):
+# fmt: off
+def feedthrough(n, model, state, counts, base, work, inputs, seeds, elapsed, t, count, times, ax, az, scale, row, split,
+                other, other_split):
+    # fmt: on
     return NO_DERIVATIVES
 
 

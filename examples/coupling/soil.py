@@ -41,6 +41,12 @@ PORTS = (
     port_output("uz", "m", "Rise of the foundation from rest, relative to the free field"),
     port_output("base.vx", "m/s", "Horizontal velocity of the foundation in space"),
     port_output("base.vz", "m/s", "Its vertical velocity in space"),
+    port_output("body.F0x", "N", "Force on the foundation, as its state determines it, for a column that it drives"),
+    port_output("body.F0z", "N", "The same, vertical"),
+    port_output("body.F0m", "N.m", "The same, moment"),
+    port_output("body.Mxx", "kg", "Mass of the foundation, for that column"),
+    port_output("body.Mzz", "kg", "The same, vertical"),
+    port_output("body.Mtt", "kg.m2", "Its moment of inertia, for that column"),
     port_output("work", "J", "Energy given to the column so far"),
     parameter("mass", "kg", "Mass of the foundation", 60e3, POSITIVE),
     parameter("inertia", "kg.m2", "Its moment of inertia about the centre of the column's base joint", 1.2e5, POSITIVE),
@@ -86,8 +92,13 @@ def accelerations(value, motion):
         (value.mass + value.column_mxx, value.column_mxz, value.column_mxt),
         (value.mass + value.column_mzz, value.column_mzt),
         value.inertia + value.column_mtt,
-        (f_x + value.column_R0x, f_z + value.column_R0z + value.weight, f_t + value.column_R0m),
+        (f_x + value.column_R0x, f_z + value.column_R0z + carried(value), f_t + value.column_R0m),
     )
+
+
+def carried(value):
+    """Weight that the soil balances at rest, N: none before a column stands on it, which always weighs."""
+    return value.weight if value.column_R0z != 0.0 else 0.0
 
 
 def given_slopes(value):
@@ -97,7 +108,7 @@ def given_slopes(value):
 def needs(value, motion, a):
     """Forces and moment that the foundation needs of the column to accelerate by a: what its equation lacks."""
     f_x, f_z, f_t = soil_forces(value, motion)
-    return value.mass * a[0] - f_x, value.mass * a[1] - f_z - value.weight, value.inertia * a[2] - f_t
+    return value.mass * a[0] - f_x, value.mass * a[1] - f_z - carried(value), value.inertia * a[2] - f_t
 
 
 def velocities(motion):
@@ -124,7 +135,9 @@ def outputs(value, motion, a, slope):
     """In the order of the table, but for the work."""
     x, v, z, theta, omega = motion[0], motion[1], motion[2], motion[4], motion[5]
     v_x, v_z, _ = velocities(motion)
-    return a[0], a[1], slope[0], slope[1], theta, omega, a[2], x, v, z, v_x, v_z
+    f_x, f_z, f_t = soil_forces(value, motion)
+    seen = a[0], a[1], slope[0], slope[1], theta, omega, a[2], x, v, z, v_x, v_z
+    return (*seen, f_x, f_z + value.weight, f_t, value.mass, value.mass, value.inertia)
 
 
 def solve(first, second, third, right):

@@ -26,7 +26,7 @@ SPACE = "http://ssp-standard.org/SSP1/SystemStructure"
 SPACES = {"xmlns:ssd": f"{SPACE}Description", "xmlns:ssc": f"{SPACE}Common", "xmlns:ssv": f"{SPACE}ParameterValues"}
 OMS = {"xmlns:oms": "https://raw.githubusercontent.com/OpenModelica/OMSimulator/master/schema/oms.xsd"}
 SPLIT = ("R0x", "R0z", "R0m", "mxx", "mxz", "mxt", "mzz", "mzt", "mtt")
-MOTION = ("ax", "az", "jx", "jz", "theta", "omega", "alpha")
+BODY = ("F0x", "F0z", "F0m", "Mxx", "Mxz", "Mxt", "Mzz", "Mzt", "Mtt")
 GROUND = ("ax", "az", "jx", "jz")
 SHOWN = re.compile(r"block\[\d+\]\.ux|joint\[\d+\]\.[NMT]")  # of the column
 WIDTH, GAP, PITCH = 60.0, 40.0, 4.0  # of a component, between two of them, between two connectors; in mm
@@ -59,12 +59,14 @@ def coupled(
     for axis in GROUND:
         source = ("ground", f"ground.{axis}") if inside else ("", f"ground_{axis}")
         system.connections.append((*source, partner, f"ground.{axis}"))
+        if axis[1] == "z" and "body.F0z" not in known:  # vertically the base goes with the ground
+            system.connections.append((*source, "column", f"base.{axis}"))
     for part in SPLIT:
         if f"column.{part}" in known:
             system.connections.append(("column", f"base.{part}", partner, f"column.{part}"))
-    for part in MOTION:
-        if f"base.{part}" in known:
-            system.connections.append((partner, f"base.{part}", "column", f"base.{part}"))
+    for part in BODY:
+        if f"body.{part}" in known:
+            system.connections.append((partner, f"body.{part}", "column", f"body.{part}"))
     used = {(element, name) for element, name, _, _ in system.connections}
     for part in ("column", partner):
         for variable in read_model_description(str(fmus[part])).modelVariables:

@@ -20,19 +20,15 @@ from solver.models.column.settings import SKIP_CODES
 from solver.models.column.stepper import REASONS
 
 from .. import rules
-from ..variables import (
-    JOINT_PARAMETERS,
-    OVERTURN_JOINT,
-    RECORD_SCALE,
-    TOLERANCE,
-)
+from ..drive import USUAL, Drive
+from ..variables import DRIVE, JOINT_PARAMETERS, OVERTURN_JOINT, RECORD_SCALE, SLOPE_OF_BASE, TOLERANCE
 from .table import OF_BLOCKS, REFUSALS, Check, Chosen, Subject, codes_with
 
 # input -> the input that is its slope
 SLOPES = {"base.ax": "base.jx", "base.az": "base.jz", "base.theta": "base.omega", "base.omega": "base.alpha"}
 
 
-def column_subject(column: Column) -> Subject:
+def column_subject(column: Column, drive: Drive = USUAL) -> Subject:
     """Of a column, of which only the number of blocks and the sections matter."""
     n = column.n
     return Subject(
@@ -57,11 +53,14 @@ def column_subject(column: Column) -> Subject:
         | {name: getattr(engine, name) for name in REFUSALS}
         | codes_with(OUTPUTS, column.sizes, at.STATE.size(n)),
         places={**OF_BLOCKS, "FALLEN": OVERTURN_JOINT.name},
-        inputs=[f"base.{name}" for name in engine.BASE_INPUTS.fields],
+        inputs=[*(f"base.{name}" for name in engine.BASE_INPUTS.fields), *(item.name for item in drive.inputs())],
         slopes=SLOPES,
         split="base.R0x",
-        given=_given(column),
-        choices=[Chosen("solver.without", "ANY_WORDS", [(code, word) for word, code in SKIP_CODES.items()])],
+        given=_given(column, drive),
+        choices=[
+            *choices_of(drive),
+            Chosen("solver.without", "ANY_WORDS", [(code, word) for word, code in SKIP_CODES.items()]),
+        ],
         checks=_checks(column),
         reasons=REASONS,
         misfits=[MISFITS[kind] for kind in sorted(MISFITS)],
@@ -69,8 +68,18 @@ def column_subject(column: Column) -> Subject:
     )
 
 
-def _given(column: Column) -> list[str | float]:
+def choices_of(drive: Drive) -> list[Chosen]:
+    """How the base moves."""
+    ways = [(int(at.DRIVES[word]), word) for word in drive.words]
+    return [
+        Chosen(DRIVE, "ONE_WORD", ways),
+        Chosen(SLOPE_OF_BASE, "ONE_WORD", [(int(code), word) for word, code in at.SLOPES.items()]),
+    ]
+
+
+def _given(column: Column, drive: Drive) -> list[str | float]:
     settings: dict[str, str | float] = {"g": "g", "step": 0.0}  # no step is fixed
+    settings |= {"drive": DRIVE, "slope": SLOPE_OF_BASE, "bodies": float(drive.bodies)}
     names = [settings.get(name, f"solver.{name}") for name in engine.GIVEN_SETTINGS.fields]
     for i, block in enumerate(column.blocks, start=1):
         names += [f"block[{i}].{name}" for name in engine.GIVEN_BLOCK]

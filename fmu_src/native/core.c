@@ -593,12 +593,15 @@ static Status advance(Instance *instance, double start, double step, char *reaso
     Moment *now = &instance->now;
     memcpy(instance->before.state, now->state, sizeof now->state);
     memcpy(instance->before.counts, now->counts, sizeof now->counts);
+    memcpy(instance->before.base, now->base, sizeof now->base);
     if (now->retune && !build(instance, 0, reason)) return ST_DISCARD;
     now->input_time = start;
-    int64_t code = follow((Follow){COLUMN(instance), RECORD(instance), .inputs = now->reals, .start = start, .h = step});
+    int64_t code = follow((Follow){COLUMN(instance), RECORD(instance), .inputs = now->reals, .start = start, .h = step,
+                                   .row = instance->row, .split = instance->split});
     if (code < 0) {
         memcpy(now->state, instance->before.state, sizeof now->state);
         memcpy(now->counts, instance->before.counts, sizeof now->counts);
+        memcpy(now->base, instance->before.base, sizeof now->base);
         now->inputs_stand = 0;
         instance->outdated = 1;
         snprintf(reason, MESSAGE, "at t = %.6g s: %s", start, reason_of(code));
@@ -727,7 +730,8 @@ Status core_directional(Instance *instance, const Reference unknowns[], size_t u
         along[known->place] += seeds[k];
     }
     if (!up_to_date(instance)) return ST_ERROR;
-    int64_t code = feedthrough((Feedthrough){COLUMN(instance), RECORD(instance), .seeds = along, .elapsed = now->time - now->input_time,
+    int64_t code = feedthrough((Feedthrough){COLUMN(instance), RECORD(instance), .inputs = now->reals, .seeds = along,
+                                             .elapsed = now->time - now->input_time,
                                              .t = now->time, .row = instance->row, .split = instance->split,
                                              .other = instance->other_row, .other_split = instance->other_split});
     for (size_t k = 0; k < unknown_count; k++) values[k] = *visible(instance, unknowns[k]);

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import hashlib
 import uuid
+from collections.abc import Callable
 from dataclasses import replace
+from typing import Any, NamedTuple
 from xml.etree.ElementTree import Element, tostring
 
 from solver import __version__
@@ -24,7 +26,7 @@ from .platforms import PLATFORMS, USUAL_FORM, Form
 from .source import describe_sources, source_files
 from .structure_subject import structure_subject
 from .symbols import Symbols
-from .table import Contents, headers
+from .table import Contents, Subject, headers
 
 NATIVE_FLAGS = FLAGS | {
     "canInterpolateInputs": True,
@@ -48,24 +50,32 @@ FLAGS_3 = {
     "canReturnEarlyAfterIntermediateUpdate": False,
     "hasEventMode": False,
 }
+
+
+class Core(NamedTuple):
+    """What the C core has to know of a body, and the kernels that it calls."""
+
+    subject: Callable[[Any], Subject]
+    kernels: Kernels
+
+
+CORES: dict[type[Body], Core] = {
+    ColumnBody: Core(lambda body: column_subject(body.column, body.drive), COLUMN),
+    StructureBody: Core(structure_subject, STRUCTURE),
+}
 XML = b'<?xml version="1.0" encoding="UTF-8"?>\n'
 
 
 def contents_of(body: Body, record: Motion | None = None, record_name: str = "", form: Form = USUAL_FORM) -> Contents:
     """The content of the FMU of a body, under a GUID that follows from everything its libraries are made of."""
     table = body.table(record_name, reads_files=False)
-    if isinstance(body, StructureBody):
-        subject = structure_subject(body)
-    else:
-        assert isinstance(body, ColumnBody)
-        subject = column_subject(body.column)
-    contents = Contents(subject, table, "", record_name, record, form.scalars)
+    contents = Contents(CORES[type(body)].subject(body), table, "", record_name, record, form.scalars)
     return identified(contents, kernels_of(body), form.fmi, body.text)
 
 
 def kernels_of(body: Body) -> Kernels:
     """The kernels that the FMU of a body is linked with."""
-    return STRUCTURE if isinstance(body, StructureBody) else COLUMN
+    return CORES[type(body)].kernels
 
 
 def identified(contents: Contents, kernels: Kernels, fmi: int, *texts: str) -> Contents:

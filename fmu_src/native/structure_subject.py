@@ -12,15 +12,17 @@ from solver.models.structure.outputs import OUTPUTS
 
 from .. import rules
 from ..body import StructureBody
-from ..structure_variables import DAMPING_SCALE, OVERTURNED_BLOCK, WITHOUT
-from ..variables import RECORD_SCALE, TOLERANCE
+from ..structure_variables import DAMPING_SCALE, WITHOUT
+from ..variables import DRIVE, OVERTURNED_BLOCK, RECORD_SCALE, SLOPE_OF_BASE, TOLERANCE
+from .column_subject import choices_of
 from .table import FIRST_PEAK, OF_BLOCKS, Check, Chosen, Subject, codes_with
 
 
 def structure_subject(body: StructureBody) -> Subject:
     """Of a structure; its model and rest are numbers that never change."""
     sizes = sizes_in(body.packed)
-    given = {"tolerance": TOLERANCE, "without": WITHOUT, "damping_scale": DAMPING_SCALE}
+    given: dict[str, str | float] = {"tolerance": TOLERANCE, "without": WITHOUT, "damping_scale": DAMPING_SCALE}
+    given |= {"drive": DRIVE, "slope": SLOPE_OF_BASE, "bodies": float(body.drive.bodies)}
     lengths = {"MODEL": at.MODEL.size(sizes), "STATE": at.STATE.size(sizes), "WORK": at.WORK.size(sizes)}
     return Subject(
         falls=True,
@@ -36,11 +38,14 @@ def structure_subject(body: StructureBody) -> Subject:
         }
         | codes_with(OUTPUTS, body.structure.sizes, lengths["STATE"]),
         places={**OF_BLOCKS, "FALLEN": OVERTURNED_BLOCK.name},
-        inputs=[f"base.{name}" for name in driven.INPUTS.fields],
+        inputs=[item.name for item in body.inputs],
         slopes={f"base.a{axis}": f"base.j{axis}" for axis in "xyz"},
         split=FIRST_PEAK,
         given=[*(given[name] for name in driven.GIVEN.fields), *body.packed.tolist()],
-        choices=[Chosen(WITHOUT, "ANY_WORDS", [(code, word) for word, code in SKIP_CODES.items()])],
+        choices=[
+            *choices_of(body.drive),
+            Chosen(WITHOUT, "ANY_WORDS", [(code, word) for word, code in SKIP_CODES.items()]),
+        ],
         checks=[
             Check(DAMPING_SCALE, *rules.DAMPING_SCALE_LIMITS),
             Check(TOLERANCE, *NUMBERS["tolerance"]),

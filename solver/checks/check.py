@@ -12,23 +12,21 @@ from typing import Any
 
 import numpy as np
 
-from ..common.errors import InputError, shown
 from ..common.files import write_table
+from ..models.protocol import Model
 from ..models.uncertainty import PERCENTILES
 from ..runs.many import Callback
 from ..runs.table import Table
+from . import of_column, of_structure  # noqa: F401  # subjects that they register
 from .action import ARTIFICIAL, Action, Level, Motions, action_on
 from .answer import PASSES, answer, margin_sentence, outcome_of, verdict_sentence
 from .by_hand import ByHand
-from .kinematic import CONFIDENCE_FACTOR
 from .limits import Plan
 from .margin import Margin, margin_of
-from .of_column import InPlane
-from .of_structure import InSpace
 from .runs import as_given, own_runs, run_all, varied
 from .scaling import LEAST_PART
 from .spectra import TargetSpectrum
-from .subject import Model, Subject
+from .subject import Subject, subject_of
 from .table import Row, rows_of
 from .verdicts import Verdicts, verdicts_of
 
@@ -163,16 +161,6 @@ class Check:
         ]
         head = ["check", "where", "demand", "capacity", "ratio", "passes", "note", *BANDS]
         write_table(path, [*head, *names], rows)
-
-
-def subject_of(model: Model, confidence_factor: float = CONFIDENCE_FACTOR) -> Subject:
-    """A column or structure as subject of checks. Raises InputError, and SolverError if it does not stand at rest."""
-    subjects: dict[str, type[Any]] = {"column": InPlane, "structure": InSpace}
-    kind = getattr(model, "kind", None)
-    if kind is None:
-        raise InputError(f"column = {shown(model)}: must be a Column or a Structure")
-    found: Subject = subjects[kind.word](model, confidence_factor)
-    return found
 
 
 def checked(subject: Subject, action: Action, plan: Plan, callback: Callback | None = None) -> Check:

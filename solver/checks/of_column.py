@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -21,7 +20,7 @@ from .action import Action
 from .by_hand import ByHand, by_hand
 from .kinematic import Mechanism, mechanism
 from .limits import Limits
-from .subject import FloatArray, Joints
+from .subject import FloatArray, Joints, Subject, subject_of
 
 # of the explicit steps of its own run: with less a column goes through lanes, however stiff its dampers. Measured
 # (Phocas, doric, statue; eta 5e-4 to 2e-2 s; 0.04 to 0.6 g): 1.1 to 3.3 times as fast as alone, 0.2 to 1.4 with more
@@ -30,12 +29,12 @@ MOST_IMPLICIT = 0.05
 ROLLS = "Its contacts are round: in space they roll on their rims, and may fall under less than here (--space)."
 
 
+@subject_of.register(Column)
 @dataclass(frozen=True, eq=False)
-class InPlane:
+class InPlane(Subject):
     """A column as subject of a check. Raises as `check_rest` does."""
 
     model: Column
-    confidence_factor: float
     of_model = (
         "The column moves in one vertical plane. It does not twist, and no motion across the plane is applied.",
         "Once a column has fallen it is held; what it hits is not considered.",
@@ -55,11 +54,6 @@ class InPlane:
             strength=np.array([law.strength or math.nan for law in laws]),
             friction=np.array([math.nan if law.friction is None else law.friction for law in laws]),
         )
-
-    @property
-    def yields(self) -> FloatArray:
-        """A column has no ties."""
-        return np.empty(0)
 
     @cached_property
     def mechanism(self) -> Mechanism:
@@ -101,10 +95,6 @@ class InPlane:
         """|T| / N of each joint (rows, joints)."""
         return friction_history(run.T, run.N, carried_weights(run.column))
 
-    def overlap(self, run: Response) -> None:
-        """Every block is joined to its neighbours, and others cannot meet before it has fallen."""
-        return
-
     def to_vary(self, run: Response) -> Column:
         """The column; without implicit steps if its own run took hardly any, so that it goes through lanes."""
         column = self.model
@@ -122,7 +112,3 @@ class InPlane:
         """Kinematic verification and ASCE 43."""
         smooth = action.target is not None
         return by_hand(self.model, self.mechanism, action.spectrum, smooth, self.period, action.motions, limits)
-
-    def digest(self) -> bytes:
-        """The keys of its file."""
-        return json.dumps(self.model.to_dict(), sort_keys=True).encode()

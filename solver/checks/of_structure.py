@@ -16,23 +16,19 @@ from ..models.structure.modes import modes_in_space
 from ..models.structure.overlap import Overlap
 from ..models.structure.response import SpatialResponse
 from ..models.structure.rest import rest_of
-from ..runs.table import Table
-from .action import Action
 from .kinematic import rocking_period
-from .limits import Limits
-from .subject import FloatArray, Joints
+from .subject import FloatArray, Joints, Subject, subject_of
 
 CARRIES = 1e-3  # of all weight: what a joint counts as carrying, at least
 
 
+@subject_of.register(Structure)
 @dataclass(frozen=True, eq=False)
-class InSpace:
+class InSpace(Subject):
     """A structure as subject of a check. Raises InputError if it has no stable rest."""
 
     model: Structure
-    confidence_factor: float
     two_ways = True  # turned by half a turn
-    edge = math.nan
     of_model = (
         "The blocks move in space. Contacts move as faces slide. Blocks that no joint connects do not meet.",
         f"A run that still rocks {SETTLE:g} s after the motion is undecided: rocking in space decays slowly.",
@@ -72,14 +68,6 @@ class InSpace:
         height = sum(block.mass * float(block.centroid[2]) for block in blocks) / sum(block.mass for block in blocks)
         return rocking_period(height, self.model.g, self.confidence_factor)
 
-    def left_to_others(self, both: bool) -> tuple[str, ...]:
-        """Nothing: it moves in all directions."""
-        return ()
-
-    def moved(self, run: SpatialResponse) -> float:
-        """Largest horizontal displacement of a block, m."""
-        return float(np.max(run.peaks["u"]))
-
     def shear_ratio(self, run: SpatialResponse) -> FloatArray:
         """Shear over compression of each joint (rows, joints)."""
         carried = np.maximum(run.N[0], CARRIES * self.model.weight)
@@ -88,19 +76,6 @@ class InSpace:
     def overlap(self, run: SpatialResponse) -> Overlap | None:
         """Of its blocks; None of a single one."""
         return run.overlap if self.model.n > 1 else None
-
-    def to_vary(self, run: SpatialResponse) -> Structure:
-        """The structure."""
-        return self.model
-
-    def tops(self, table: Table) -> FloatArray:
-        """Largest horizontal displacements, m."""
-        found: FloatArray = np.max(table["peak_u"], axis=1)
-        return found
-
-    def by_hand(self, action: Action, limits: Limits) -> None:
-        """None: both methods are for what turns in a plane about one edge."""
-        return
 
     def digest(self) -> bytes:
         """The arrays of the kernels, strengths and names."""

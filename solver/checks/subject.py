@@ -1,22 +1,24 @@
-"""What is checked: the questions that a column in its plane and a structure in space answer differently."""
+"""What is checked: the questions that models answer differently."""
 
 from __future__ import annotations
 
+import json
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any, Protocol
+from functools import singledispatch
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..common.errors import InputError, shown
 from ..ground.motion import Motion
-from ..models.column.model import Column
-from ..models.structure.model import Structure
 from ..models.structure.overlap import Overlap
 from ..runs.table import Table
+from .kinematic import CONFIDENCE_FACTOR
 
 FloatArray = NDArray[np.float64]
-Model = Column | Structure
 Pair = tuple[Any, Motion]  # a model and its motion
 
 
@@ -30,57 +32,84 @@ class Joints:
     friction: FloatArray
 
 
-class Subject(Protocol):
-    """A column or a structure under a check. run: its response to one motion."""
+@dataclass(frozen=True, eq=False)
+class Subject:
+    """A model under a check; run: its response to one motion. As it stands: of a model without joints and ties."""
+
+    model: Any
+    confidence_factor: float = CONFIDENCE_FACTOR
+    of_model: ClassVar[tuple[str, ...]] = ()  # sentences on what the model leaves out
 
     @property
-    def model(self) -> Any: ...
-    @property
-    def joints(self) -> Joints: ...
+    def joints(self) -> Joints:
+        """The joints."""
+        return Joints((), *np.empty((3, 0)))
+
     @property
     def yields(self) -> FloatArray:
         """Forces at which the ties yield, N; NaN where they do not."""
+        return np.empty(0)
 
     @property
     def period(self) -> float:
-        """Of the first mode about rest, s."""
+        """Of the first mode about rest, s; 0 where nothing sways before it lifts."""
+        return 0.0
 
     @property
     def longest(self) -> float:
         """Period when it rocks by 0.4 of what overturns it, s."""
+        return math.inf
 
     @property
     def edge(self) -> float:
         """Displacement of the top at which it balances without a push, m; NaN if there is no such number."""
+        return math.nan
 
     @property
     def two_ways(self) -> bool:
         """Whether a motion and its mirror image differ."""
-
-    @property
-    def of_model(self) -> tuple[str, ...]:
-        """Sentences on what the model leaves out."""
+        return False
 
     def left_to_others(self, both: bool) -> Iterable[str]:
         """Sentences on what is left to another check; both: the other direction is checked beside it."""
+        return ()
 
     def moved(self, run: Any) -> float:
-        """Largest displacement, m."""
+        """Largest displacement, m; of a column that of its top."""
+        return float(np.max(run.peaks[self.model.kind.largest]))
 
     def shear_ratio(self, run: Any) -> FloatArray:
         """Shear over compression of each joint, where it is compressed (rows, joints)."""
+        return np.empty((len(run.time), 0))
 
     def overlap(self, run: Any) -> Overlap | None:
         """Of blocks that no joint connects; None where there are none."""
+        return None
 
     def to_vary(self, run: Any) -> Any:
         """The model that is varied around a run."""
+        return self.model
 
     def tops(self, table: Table) -> FloatArray:
         """As `moved`, of a table of runs with the largest displacements."""
+        found: FloatArray = np.max(table[f"peak_{self.model.kind.largest}"], axis=1)
+        return found
 
     def by_hand(self, action: Any, limits: Any) -> Any:
         """`ByHand` under an Action with Limits; None if there are no such methods."""
+        return None
 
     def digest(self) -> bytes:
         """All numbers of the model."""
+        return json.dumps(self.model.to_dict(), sort_keys=True).encode()
+
+
+@singledispatch
+def subject_of(model: Any, confidence_factor: float = CONFIDENCE_FACTOR) -> Subject:
+    """A model as subject of checks: what is registered for its class (`subject_of.register`).
+
+    Raises InputError, and SolverError if it does not stand at rest.
+    """
+    registered = "; of another model its class must be known to subject_of (checks/subject.py)"
+    more = registered if hasattr(model, "kind") else ""
+    raise InputError(f"column = {shown(model)}: must be a Column or a Structure{more}")

@@ -130,9 +130,7 @@ def rows_of(
     return (
         *overturning(verdicts, limits, margin, table.stats["failures"]),
         _displacement(demands, table, verdicts, limits),
-        _pressure(demands, limits),
-        *_sliding(demands, limits),
-        _opening(demands, limits),
+        *(_of_joints(demands, limits) if subject.joints.names else ()),
         *_overlap(demands, limits),
         *_ties(demands),
     )
@@ -217,6 +215,10 @@ def _displacement(demands: Demands, table: Table, verdicts: Verdicts, limits: Li
         note = "at which it balances is not known in space: the margin says how far it is from falling"
     capacity = limits.displacement * edge
     return Row(name, float(statistic(values)), capacity, MM, where, note, tuple(values.tolist()), band)
+
+
+def _of_joints(demands: Demands, limits: Limits) -> list[Row]:
+    return [_pressure(demands, limits), *_sliding(demands, limits), _opening(demands, limits)]
 
 
 def _pressure(demands: Demands, limits: Limits) -> Row:

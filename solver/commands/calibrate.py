@@ -69,24 +69,21 @@ def _calibrate(options: argparse.Namespace) -> None:
         for key in keys:
             if getattr(options, key) is not None and getattr(options, needed) is None:
                 raise InputError(f"--{key.replace('_', '-')}: must be left out, or --{needed.replace('_', '-')} given")
-    if options.output is not None:
-        check_suffix(options.output, ".json")
+    check_suffix(options.output, ".json")
     check_outputs((options.output,), (options.column, options.free_vibration), options.force)
     column = read_column(options.column)
     compile_kernels()
     decay = None if options.free_vibration is None else _decay_of_record(options)
     fit: ModulusFit | None = None
     if options.young is not None:
-        column = with_joints(
-            column, modulus_from_elasticity(column, options.young, options.joint_thickness or 0.0, options.joint_young)
-        )
+        thickness = options.joint_thickness or 0.0
+        column = with_joints(column, modulus_from_elasticity(column, options.young, thickness, options.joint_young))
     elif options.frequencies is not None:
         fit = fit_moduli(column, options.frequencies)
         column = with_joints(column, fit.moduli)
     if options.restitution is not None:
-        column = with_joints(
-            column, damping=damping_from_restitution(column, _number(options.restitution), options.release)
-        )
+        wanted = _number(options.restitution)
+        column = with_joints(column, damping=damping_from_restitution(column, wanted, options.release))
     elif options.damping_ratio is not None:
         column = with_joints(column, damping=damping_from_ratio(column, options.damping_ratio))
     elif decay is not None:
@@ -124,10 +121,8 @@ def _decay_of_record(options: argparse.Namespace) -> FreeVibration:
 def _decay(options: argparse.Namespace, decay: FreeVibration | None) -> str:
     if decay is None:
         return ""
-    return (
-        f"{options.free_vibration}: {decay.frequency:.5g} Hz, damping {decay.ratio:.3%}; "
-        f"a decaying swing explains {decay.explained:.1%}\n"
-    )
+    swing = f"{decay.frequency:.5g} Hz, damping {decay.ratio:.3%}; a decaying swing explains {decay.explained:.1%}"
+    return f"{options.free_vibration}: {swing}\n"
 
 
 def _fit(fit: ModulusFit | None) -> str:
@@ -160,9 +155,7 @@ def _joints(column: Column) -> str:
     return "\n".join(lines)
 
 
-def _found(
-    column: Column, release: float, decay: FreeVibration | None, fit: ModulusFit | None = None
-) -> dict[str, Any]:
+def _found(column: Column, release: float, decay: FreeVibration | None, fit: ModulusFit | None) -> dict[str, Any]:
     """All results in SI units; a restitution that is not found is None, with the reason."""
     modes = modes_about_rest(column)
     first = int(np.argmax(modes.sways))

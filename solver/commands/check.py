@@ -12,10 +12,10 @@ from pathlib import Path
 from typing import Any
 
 from ..checks.action import ARTIFICIAL, Action, Level, action_on
-from ..checks.check import Check, checked, subject_of
+from ..checks.check import Check, checked
 from ..checks.limits import UNCERTAIN, Limits, Plan
 from ..checks.scaling import LEAST_PART
-from ..checks.subject import Subject
+from ..checks.subject import Subject, subject_of
 from ..common.errors import InputError, needing, reading
 from ..common.files import check_outputs, printable
 from ..common.ranges import listed

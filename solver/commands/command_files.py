@@ -45,8 +45,7 @@ def check_picture(path: Path | None) -> None:
 
 def outputs_of_run(options: argparse.Namespace) -> tuple[Path | None, ...]:
     """The table, pictures and film that `simulate` is to write, checked. Raises InputError."""
-    if options.output is not None:
-        check_suffix(options.output, ".csv")
+    check_suffix(options.output, ".csv")
     check_picture(options.plot)
     check_picture(options.plot_column)
     if options.film is not None:
@@ -72,7 +71,7 @@ def write_outputs(outputs: Iterable[tuple[Path | None, Callable[[Path], object]]
             print(printable(str(path)))
 
 
-def check_suffix(path: Path, *known: str) -> None:
-    """Raise InputError unless the file's name ends in a known suffix, in either case."""
-    if path.suffix.lower() not in {suffix.lower() for suffix in known}:
+def check_suffix(path: Path | None, *known: str) -> None:
+    """Raise InputError unless the file's name, if one is given, ends in one of these suffixes, in either case."""
+    if path is not None and path.suffix.lower() not in known:
         raise InputError(f"{path}: must end in {' or '.join(known)}")

@@ -241,10 +241,8 @@ def _film(response: Any, path: Path) -> None:
 
 def _run(subject: Any, motion: Motion, duration: float | None, **options: Any) -> Any:
     """`simulate`, with a progress line on a terminal."""
-    if not sys.stderr.isatty():
-        return simulate(subject, motion, duration, **options)
     with ProgressLine(motion.start, motion.duration if duration is None else duration) as line:
-        return simulate(subject, motion, duration, callback=line, **options)
+        return simulate(subject, motion, duration, callback=line if sys.stderr.isatty() else None, **options)
 
 
 def _record(options: argparse.Namespace) -> None:

@@ -8,6 +8,7 @@ import io
 import sys
 import tomllib
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
@@ -62,14 +63,6 @@ class Shape(NamedTuple):
     blocks: Callable[[dict[str, float]], list[dict[str, float]]]
 
 
-def _drums(asked: dict[str, float]) -> list[dict[str, float]]:
-    return _stack(asked, "diameter")
-
-
-def _tapered(asked: dict[str, float]) -> list[dict[str, float]]:
-    return _stack(asked, "width")
-
-
 def _stack(asked: dict[str, float], across: str) -> list[dict[str, float]]:
     """Equal heights; sizes fall in a straight line from the bottom to the top."""
     count = int(asked["count"])
@@ -120,7 +113,7 @@ SHAPES = {
             "bottom": Question("diameter at the bottom (m)", 1.0),
             "top": Question("diameter at the top (m)", 0.85),
         },
-        _drums,
+        partial(_stack, across="diameter"),
     ),
     "statue": Shape(
         "a statue on a pedestal",
@@ -155,7 +148,7 @@ SHAPES = {
             "bottom": Question("width at the bottom (m)", 0.8),
             "top": Question("width at the top (m)", 0.5),
         },
-        _tapered,
+        partial(_stack, across="width"),
     ),
     "survey": Shape("blocks from a survey, a table FILE.csv", {}, lambda asked: []),
 }
@@ -193,8 +186,8 @@ def _new(options: argparse.Namespace) -> None:
     with reading(path):
         column = Column.from_dict(tomllib.loads(text))
         check_rest(column, from_rest=False)
-        with whole_file(path) as partial:
-            partial.write_text(text, encoding="utf-8")
+        with whole_file(path) as beside:
+            beside.write_text(text, encoding="utf-8")
     height = sum(block.height for block in column.blocks)
     mass = sum(block.mass for block in column.blocks)
     print(f"{path}: {column.n} blocks, {height:.4g} m, {mass:.5g} kg. Next:")

@@ -52,9 +52,7 @@ def _length(metres: float) -> str:
 def motion_report(motion: Motion) -> str:
     """Return the measures of every component that is not zero. Raises InputError if all are."""
     there = components(motion)
-    if there == ["ax"]:
-        return _component(motion, "ax", "")
-    return "\n".join(_component(motion, component, f"{NAMES[component]} ") for component in there)
+    return "\n".join(_component(motion, one, "" if there == ["ax"] else f"{NAMES[one]} ") for one in there)
 
 
 def _component(motion: Motion, component: Component, name: str) -> str:

@@ -106,7 +106,6 @@ def _pushed(structure: Structure, options: argparse.Namespace) -> PushOver:
 
 
 def _check(options: argparse.Namespace) -> None:
-    if options.output is not None:
-        check_suffix(options.output, ".csv")
+    check_suffix(options.output, ".csv")
     check_picture(options.plot)
     check_outputs((options.output, options.plot), (options.column,), options.force)

@@ -43,13 +43,8 @@ def add_command(commands: Any) -> None:
     where.add_argument("--processes", type=int, metavar="N", help="processes of this machine")
     where.add_argument("--dask", metavar="ADDRESS", help="scheduler, tcp://HOST:PORT; or local, to try")
     run.add_argument("--samples", type=int, metavar="N", help="of the random parameters, in place of the file's")
-    run.add_argument(
-        "--chunk",
-        type=float,
-        default=CHUNK_SECONDS,
-        metavar="S",
-        help=f"s of work at once ({CHUNK_SECONDS:g})",
-    )
+    words = f"s of work at once ({CHUNK_SECONDS:g})"
+    run.add_argument("--chunk", type=float, default=CHUNK_SECONDS, metavar="S", help=words)
     show = actions.add_parser("show", help="print what came out, also while it runs")
     show.set_defaults(command=_show)
     _add_study(show)
@@ -88,12 +83,7 @@ def _run(options: argparse.Namespace) -> None:
         compile_kernels()
     with _executor(options) as executor, RunsLine() if sys.stderr.isatty() else PlainLine() as line:
         results = run_study(
-            study,
-            folder,
-            executor=executor,
-            threads=options.threads,
-            callback=line,
-            chunk_seconds=options.chunk,
+            study, folder, executor=executor, threads=options.threads, callback=line, chunk_seconds=options.chunk
         )
     print(summary(results))
     for suffix in (SUFFIX, ".csv", *([".nc"] if Results.can_write_netcdf() else [])):

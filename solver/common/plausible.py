@@ -60,17 +60,17 @@ def lines_of(facts: Facts) -> list[str]:
     return lines
 
 
-def warn_of(lines: Iterable[str], stacklevel: int = 3) -> None:
+def warn_of(lines: Iterable[str]) -> None:
     """Warn (InputWarning) with each line."""
     for line in lines:
-        warnings.warn(line, InputWarning, stacklevel=stacklevel + 1)
+        warnings.warn(line, InputWarning, stacklevel=4)
 
 
-def warn_of_first(lines: Iterable[Sequence[str]], stacklevel: int = 3) -> None:
+def warn_of_first(lines: Iterable[Sequence[str]]) -> None:
     """Warn (InputWarning) of the first of many columns that has such values; lines: of each."""
     for number, found in enumerate(lines):
         if found:
-            warnings.warn(f"columns[{number}]: {found[0]}", InputWarning, stacklevel=stacklevel)
+            warnings.warn(f"columns[{number}]: {found[0]}", InputWarning, stacklevel=3)
             return
 
 

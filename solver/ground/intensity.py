@@ -14,8 +14,8 @@ from ..common.errors import POSITIVE, InputError, check_number
 from ..common.frames import Frame, Framed
 from . import oscillator
 from .motion import STANDARD_GRAVITY, Motion
+from .records.record import FloatArray
 
-FloatArray = NDArray[np.float64]
 Component = Literal["ax", "ay", "az"]
 
 NAMES: dict[Component, str] = {"ax": "horizontal", "ay": "across", "az": "vertical"}

@@ -9,23 +9,24 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ..common.errors import FINITE, NOT_NEGATIVE, POSITIVE, InputError, InputWarning, check_number, reading, shown
 from ..common.files import printable, whole_file
 from ..common.frames import Frame, Framed
 from ..common.notebook import Shown, counted, history
 from .records import STANDARD_GRAVITY as STANDARD_GRAVITY
-from .records import Record, read_record
-from .records.columns import LEAD, SLOPES
-from .records.reader import read_at2, read_csv
+from .records import Record, peer, read_record
+from .records.columns import LEAD, SLOPES, read_csv
+from .records.record import FloatArray
+from .records.text import lines_of
 
 STRONGEST = 3.0 * STANDARD_GRAVITY  # of any record that can be believed
 LARGEST = 1e6  # m/s2: a larger acceleration is a mistake of units, and no column can be followed under it
 ACCELERATION = (-LARGEST, LARGEST), "a finite acceleration in m/s2, at most 1e6 either way"
 MOST_CYCLES = 1e6  # of a harmonic whose crests are looked for
 DRAWN = 5000  # instants of a harmonic in its picture
-_NONE: NDArray[np.float64] = np.zeros(0)
+_NONE: FloatArray = np.zeros(0)
 SAME_INSTANT = 1e-6  # of the shortest sampling interval: two records' instants that close differ by rounding
 
 
@@ -40,15 +41,15 @@ class Motion(Framed, Shown):
     not increase.
     """
 
-    time: NDArray[np.float64]  # (m,) s, strictly increasing; time[0] is the start
-    ax: NDArray[np.float64]  # (m,) m/s2, horizontal, +x to the right
-    az: NDArray[np.float64]  # (m,) m/s2, vertical, +z up
+    time: FloatArray  # (m,) s, strictly increasing; time[0] is the start
+    ax: FloatArray  # (m,) m/s2, horizontal, +x to the right
+    az: FloatArray  # (m,) m/s2, vertical, +z up
     name: str = field(default="", kw_only=True)  # for titles: of the file, or of the formula
     duration: float  # s; linear: time[-1] - time[0], held: more, the last sample holds until the end
     hold: bool = False
     amplitude: float = 0.0  # m/s2, of the harmonic part of ax
     frequency: float = 0.0  # Hz, of the harmonic part; positive where an amplitude is not 0
-    ay: NDArray[np.float64] = field(default_factory=lambda: _NONE)  # (m,) m/s2, across x, for structures; none: zeros
+    ay: FloatArray = field(default_factory=lambda: _NONE)  # (m,) m/s2, across x, for structures; none: zeros
     amplitude_y: float = 0.0  # m/s2, of the harmonic part of ay
 
     def __post_init__(self) -> None:
@@ -124,7 +125,7 @@ class Motion(Framed, Shown):
         instants = np.concatenate([self.time, crests, [self.end]])
         return float(np.max(np.abs(self.acceleration(instants)[0])))
 
-    def acceleration(self, t: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def acceleration(self, t: ArrayLike) -> tuple[FloatArray, FloatArray]:
         """Return (ax, az) at the instants t (any shape, s), m/s2, each of the shape of t."""
         t = np.asarray(t, dtype=np.float64)
         if self.hold:
@@ -236,7 +237,7 @@ class Motion(Framed, Shown):
         with reading(path), whole_file(path) as partial:
             np.savetxt(partial, table, fmt="%.17g", delimiter=",", header=",".join(names), comments="")
 
-    def _grid(self, step: float) -> NDArray[np.float64]:
+    def _grid(self, step: float) -> FloatArray:
         """Return the instants start + k step that `to_csv` writes."""
         meaning = f"a time in s that divides the duration, {self.duration} s"
         step = check_number("step", step, (1e-9 * self.duration, self.duration), meaning)
@@ -252,9 +253,9 @@ class Motion(Framed, Shown):
     @classmethod
     def unchecked(
         cls,
-        time: NDArray[np.float64],
-        ax: NDArray[np.float64],
-        az: NDArray[np.float64],
+        time: FloatArray,
+        ax: FloatArray,
+        az: FloatArray,
         duration: float,
         hold: bool = False,
         amplitude: float = 0.0,
@@ -334,14 +335,24 @@ class Motion(Framed, Shown):
             return cls.from_record(record, Path(path).name)
 
     @classmethod
-    def from_record(cls, record: Record, name: str = "") -> Motion:
+    def from_record(cls, record: Record, name: str = "", hold: bool = False) -> Motion:
         """Return the motion of a record that has been read; piecewise linear. Raises InputError as `Motion` does.
 
-        Warns (InputWarning) of a peak beyond 3 g: the units are probably others.
+        hold: held instead, the last sample as long as the one before. Warns (InputWarning) of a peak beyond 3 g: the
+        units are probably others.
         """
-        duration = float(record.time[-1] - record.time[0])
-        ay = _NONE if record.ay is None else record.ay
-        return _plausible(cls(record.time, record.ax, record.az, duration, ay=ay, name=printable(name)))
+        time, ay = record.time, _NONE if record.ay is None else record.ay
+        duration = float(time[-1] - time[0] + (time[-1] - time[-2] if hold else 0.0))
+        motion = cls(time, record.ax, record.az, duration, hold, ay=ay, name=printable(name))
+        largest = max(float(np.max(np.abs(samples))) for samples in (motion.ax, motion.ay, motion.az))
+        if largest > STRONGEST:
+            warnings.warn(
+                f"{motion.name or 'record'}: largest acceleration {largest / STANDARD_GRAVITY:.4g} g, ground motions "
+                f"reach {STRONGEST / STANDARD_GRAVITY:g} g: is it in other units (g, m/s2, cm/s2)?",
+                InputWarning,
+                stacklevel=2,
+            )
+        return motion
 
     @classmethod
     def from_csv(cls, path: str | os.PathLike[str], hold: bool = False) -> Motion:
@@ -353,13 +364,8 @@ class Motion(Framed, Shown):
 
         Raises InputError that begins with `path` and, for a wrong row, its line number.
         """
-        record = read_csv(path)
         with reading(path):
-            time = record.time
-            duration = time[-1] - time[0] + (time[-1] - time[-2] if hold else 0.0)
-            ay = _NONE if record.ay is None else record.ay
-            name = printable(Path(path).name)
-            return _plausible(cls(time, record.ax, record.az, float(duration), hold, ay=ay, name=name))
+            return cls.from_record(read_csv(lines_of(path)), Path(path).name, hold)
 
     @classmethod
     def from_at2(cls, path: str | os.PathLike[str]) -> Motion:
@@ -367,22 +373,8 @@ class Motion(Framed, Shown):
 
         Raises InputError that begins with `path` if units, number of samples, step or a value is not what it should be.
         """
-        record = read_at2(path)
         with reading(path):
-            return cls.from_record(record, Path(path).name)
-
-
-def _plausible(motion: Motion) -> Motion:
-    """The motion of a record; warns (InputWarning) if it is stronger than any that was recorded."""
-    largest = max(float(np.max(np.abs(samples))) for samples in (motion.ax, motion.ay, motion.az))
-    if largest > STRONGEST:
-        warnings.warn(
-            f"{motion.name or 'record'}: largest acceleration {largest / STANDARD_GRAVITY:.4g} g, ground motions reach "
-            f"{STRONGEST / STANDARD_GRAVITY:g} g: is it in other units (g, m/s2, cm/s2)?",
-            InputWarning,
-            stacklevel=3,
-        )
-    return motion
+            return cls.from_record(peer.read(lines_of(path)), Path(path).name)
 
 
 def check_in_plane(motion: Motion) -> None:
@@ -393,7 +385,7 @@ def check_in_plane(motion: Motion) -> None:
         )
 
 
-def _with_slopes(table: NDArray[np.float64], hold: bool) -> NDArray[np.float64]:
+def _with_slopes(table: FloatArray, hold: bool) -> FloatArray:
     """Rows of time, accelerations and slopes, with an extra row just before the end of each interval."""
     between = np.diff(table[:, :1], axis=0)
     slopes = np.zeros((len(table), table.shape[1] - 1))
@@ -406,7 +398,7 @@ def _with_slopes(table: NDArray[np.float64], hold: bool) -> NDArray[np.float64]:
     return rows
 
 
-def _at_instants(time: NDArray[np.float64], motion: Motion, same: float) -> NDArray[np.float64]:
+def _at_instants(time: FloatArray, motion: Motion, same: float) -> FloatArray:
     """Return ax at instants, some of which are the motion's own but for rounding: there its samples, to the bit."""
     values = np.interp(time, motion.time, motion.ax, left=0.0, right=0.0)
     after = np.minimum(np.searchsorted(motion.time, time), len(motion.time) - 1)
@@ -416,7 +408,7 @@ def _at_instants(time: NDArray[np.float64], motion: Motion, same: float) -> NDAr
     return values
 
 
-def _checked_samples(key: str, values: ArrayLike, unit: str) -> NDArray[np.float64]:
+def _checked_samples(key: str, values: ArrayLike, unit: str) -> FloatArray:
     """Return a read-only float64 copy of `values` if it is a list of finite numbers."""
     if isinstance(values, np.ma.MaskedArray) and np.ma.is_masked(values):
         raise InputError(f"{key}: has gaps (masked values), must be numbers in {unit} throughout")

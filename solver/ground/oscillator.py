@@ -6,9 +6,8 @@ The closed form of Nigam and Jennings (1969), Bull. Seism. Soc. Am. 59 (2), 909-
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from .records.record import FloatArray
 
 
 def response(

@@ -18,6 +18,6 @@ def check_strength(motion: Motion) -> bool:
     for name, most in MOST.items():
         largest = (float(np.max(np.abs(getattr(motion, name)))) + abs(beside[name])) / STANDARD_GRAVITY
         if largest > most:
-            warn_of([f"motion.{name}: reaches {largest:.4g} g, should be {most:g} g at most; {UNITS}"], stacklevel=3)
+            warn_of([f"motion.{name}: reaches {largest:.4g} g, should be {most:g} g at most; {UNITS}"])
             return True
     return False

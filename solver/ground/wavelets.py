@@ -5,13 +5,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..common.errors import FINITE, POSITIVE, InputError, check_number
 from . import oscillator
 from .motion import Motion
-
-FloatArray = NDArray[np.float64]
+from .records.record import FloatArray
 
 PER_CYCLE = 400  # samples to a cycle: straight lines between them have an error of 3e-5 of the peak
 RICKER_HALF = 2.0  # cycles from the start to the middle of a Ricker wavelet, where 1e-15 of it is cut off

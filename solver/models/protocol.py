@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Collection, Hashable, Mapping, Sequence
-from typing import Any, NamedTuple, Protocol, Self
+from dataclasses import asdict, dataclass, field, replace
+from typing import Any, ClassVar, NamedTuple, Protocol, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..common.errors import InputError
-from ..ground.motion import Motion
+from ..ground.motion import Motion, check_in_plane
 from .outputs import BASE, Output
 from .uncertainty import Varied
 
@@ -97,6 +98,15 @@ class Work(NamedTuple):
         return self.run + self.second * duration
 
 
+@dataclass(frozen=True)
+class Settings:
+    """What every model has: tolerance of a run, its integrator, and what is left out, of the kind's own words."""
+
+    tolerance: float = 1e-6
+    integrator: str = ""
+    without: tuple[str, ...] = ()
+
+
 class Law(Protocol):
     """Modulus, N/m3, damping, s, and coefficient of friction, None without sliding, of a joint."""
 
@@ -129,7 +139,7 @@ class Model(Protocol):
 
     @property
     def settings(self) -> Any:
-        """Tolerance, what is left out, and what else a kind has."""
+        """What `Settings` has, and what else a kind has."""
 
     @property
     def with_settings(self) -> Callable[..., Self]:
@@ -142,48 +152,94 @@ class Model(Protocol):
         """A copy whose joints have these moduli, N/m3, and dampings, s."""
 
 
-class Kind(Protocol):
-    """What all models of a kind share."""
+@dataclass(frozen=True)
+class PlainModel:
+    """A model of one block without joints: the rest of what `Model` asks for."""
+
+    settings: Settings = field(default_factory=Settings, kw_only=True)
+    n: ClassVar[int] = 1
+    laws: ClassVar[Sequence[Law]] = ()
+    sizes: ClassVar[Mapping[str, int]] = {"block": 1, "joint": 0, "tie": 0, "base": 0}
+
+    def with_settings(self, **changes: Any) -> Self:
+        """As of `Model`."""
+        return replace(self, settings=replace(self.settings, **{k: v for k, v in changes.items() if v is not None}))
+
+    def with_joints(self, stiffness: Sequence[float], damping: Sequence[float]) -> Self:
+        """Itself."""
+        return self
+
+    def to_dict(self) -> dict[str, Any]:
+        """Its fields, and those of its settings."""
+        return asdict(self)
+
+    @classmethod
+    def from_dict(cls, data: Mapping[str, Any]) -> Self:
+        """From what `to_dict` gives, also by way of JSON."""
+        settings = {**data["settings"], "without": tuple(data["settings"]["without"])}
+        return cls(**{**data, "settings": Settings(**settings)})
+
+
+class Kind:
+    """What all models of a kind share. As it stands: without lanes, files and warnings.
+
+    A kind of its own has at least `word`, `outputs`, `largest`, `kept` and `single_run`.
+    """
 
     word: str  # for sentences
-    across: bool  # whether motions have two horizontal components
-    settings: Collection[str]  # names of those that `simulate` takes
+    across = False  # whether motions have two horizontal components
+    settings: Collection[str] = ("tolerance", "without")  # names of those that `simulate` takes
     outputs: Sequence[Output]  # in the order of output rows and peaks
     largest: str  # name of the peaks that are the largest displacements
     kept: Mapping[str, Kept]
+    numbers: Collection[str] = ()  # names of those that a study varies, as block.width: the model's field of that name
 
     def warnings(self, model: Any, at_rest: bool = True) -> Sequence[str]:
         """Values that are probably not intended, a line each; at_rest: also what follows from the rest."""
+        return ()
 
     def check(self, model: Any, from_rest: bool) -> None:
         """Raise InputError for a model that cannot run; from_rest: NoRestError where it has none, and falls at once."""
 
     def check_motion(self, motion: Motion) -> None:
         """Raise InputError for a motion that such models cannot have."""
+        if not self.across:
+            check_in_plane(motion)
 
     def simplest(self, model: Any, motion: Motion) -> Any:
         """The simplest model that runs alike from rest under this motion: itself, unless there is one."""
+        return model
 
     def single_run(self, model: Any, plan: Plan) -> tuple[Any, FloatArray]:
         """A response, and the displacements at its rows, m (rows, any number). Raises InputError and SolverError."""
+        raise NotImplementedError
 
     def largest_of(self, response: Any, places: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Largest displacements and their histories, m (n,), (rows, n), of what `single_run` has returned."""
+        return response.peaks[self.largest], places
+
+    # --- an ensemble
 
     def in_lanes(self, response: Any, plan: Plan) -> bool:
         """Whether runs with rows around one that gave a response are made in lanes, and that is faster."""
+        return False
 
     def varied_in_lanes(self, pairs: Sequence[tuple[Any, Motion]], plan: Plan) -> list[Varied | None]:
         """Runs of varied models and motions by a plan; None where lanes do not go on."""
+        return [None for _ in pairs]
+
+    # --- many
 
     def check_kept(self, model: Any, keep: Collection[str]) -> None:
         """Raise InputError for a model that does not compute what is to be kept."""
 
     def lanes(self, model: Any, keep: Collection[str]) -> Lanes:
         """Whether runs of a model of which this is kept are made in lanes."""
+        return Lanes("a model without lanes", None, 1.0)
 
     def under(self, model: Any, motion: Motion) -> tuple[str, Hashable]:
         """Why not under a motion, "" if they are; and what else runs that share lanes have in common."""
+        return "", None
 
     def load(self, model: Any, keep: Collection[str]) -> None:
         """Load what runs of a model in lanes need into this process, which may take as long as many runs."""
@@ -192,21 +248,35 @@ class Kind(Protocol):
         self, runs: Sequence[Run], keep: Collection[str], settle: float, flag: FloatArray
     ) -> tuple[dict[str, NDArray[Any]], NDArray[np.bool_]]:
         """Results of runs that share lanes, by name, and which of them lanes finish; ends soon once flag[0] is set."""
+        return {}, np.zeros(len(runs), dtype=bool)
 
     def alone(self, run: Run, keep: Collection[str], settle: float, look: Callable[..., object]) -> dict[str, Any]:
         """Results of a run by name; look: called some times a second. Raises NoRestError and SolverError."""
+        end = np.array([run.motion.start + run.duration])
+        found, _ = self.single_run(run.model, Plan(run.motion, run.duration, end, None, settle, look))
+        return {name: found.kept(name) for name in keep}
 
     def work(self, model: Any, keep: Collection[str]) -> Work:
         """Rough cost of the runs of a model."""
+        return Work(SETTLE, 1.0)
+
+    # --- numbers by name
 
     def has_number(self, model: Any, name: str) -> bool:
         """Whether a dotted name, as joint.stiffness or block[1].height, is of a number of a model."""
+        return name in self.numbers
 
     def numbers_of(self, model: Any, name: str) -> list[str]:
         """The names of the numbers that a name refers to, one for each block, joint or tie."""
+        return [name]
 
     def with_numbers(self, model: Any, values: Mapping[str, tuple[float, bool]]) -> Any:
         """A model with numbers set: name -> (number, whether it multiplies what is there). Raises InputError."""
+        fields = {name.rpartition(".")[2]: value for name, value in values.items()}
+        missing = next((key for key, (_, times) in fields.items() if times and getattr(model, key) is None), None)
+        if missing is not None:
+            raise InputError(f"{missing}: must be a number of the model before it can be multiplied")
+        return replace(model, **{key: x * getattr(model, key) if times else x for key, (x, times) in fields.items()})
 
 
 def output_times(motion: Motion, duration: float, step: float = OUTPUT_STEP) -> FloatArray:

@@ -4,24 +4,48 @@ from __future__ import annotations
 
 import math
 import os
+from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Polygon
 
 from ..common.errors import POSITIVE, check_number
+from ..models.column.model import Column
 from ..models.column.packing import FloatArray
 from ..models.column.response import Response
-from .drawable import Shapes
 from .figures import Figure
-from .style import GREY, INK, RED, STONE, header, save
+from .style import GREY, INK, RED, STONE, header, nice, save
 from .words import length, setting_of
 
 SHOWN = 0.15  # of the column's height: displacement of its top in a picture whose scale is not given
-NICE = (1.0, 2.0, 5.0)  # times powers of ten: scales to choose from
 MOST_NUMBERED = 15  # joints that get a number; of more, every second, third ...
 BAR = 0.3  # of the width of a drawing: the longest scale bar
 LOST = 0.5  # of the height: displacement at which a column that falls is drawn
+
+
+class Shapes(Protocol):
+    """Rows of places of a column, (rows, n) each: of a Response, of Modes, of a CapacityCurve."""
+
+    @property
+    def column(self) -> Column: ...
+    @property
+    def ux(self) -> FloatArray: ...
+    @property
+    def uz(self) -> FloatArray: ...
+    @property
+    def theta(self) -> FloatArray: ...
+
+
+@dataclass(frozen=True, eq=False)
+class Places:
+    """Such rows alone."""
+
+    column: Column
+    ux: FloatArray
+    uz: FloatArray
+    theta: FloatArray
 
 
 def plot_column(
@@ -60,10 +84,8 @@ def draw_column(axes: Axes, response: Shapes, k: int, scale: float, linewidth: f
     for patch in patches:
         axes.add_patch(patch)
     blocks = response.column.blocks
-    height, width = (
-        sum(block.height for block in blocks),
-        max(max(block.width, block.top_width or 0.0) for block in blocks),
-    )
+    height = sum(block.height for block in blocks)
+    width = max(max(block.width, block.top_width or 0.0) for block in blocks)
     reach = 0.6 * width + max(SHOWN * height, scale * float(np.max(np.abs(response.ux))))
     axes.axhline(0.0, color=INK, linewidth=3.0 * linewidth)
     axes.plot([0.0, 0.0], [0.0, 1.03 * height], color=INK, linewidth=0.7, linestyle=":")
@@ -89,7 +111,7 @@ def measure_column(axes: Axes, response: Shapes, k: int, scale: float) -> None:
             axes.annotate(text, end, (5.0, above), textcoords="offset points", fontsize=9, va="center", color=INK)
     axes.set(xlim=(left, right), ylim=(low, max(1.04 * height, top + 0.03 * height)))
     axes.text(left, 0.35 * low, rf"$\times$ {scale:g}", fontsize=22, color=RED, ha="left", va="top")
-    begin, bar = left + 0.42 * (right - left), _nice(BAR * (right - left) / scale)
+    begin, bar = left + 0.42 * (right - left), nice(BAR * (right - left) / scale)
     axes.plot([begin, begin + scale * bar], 2 * [0.52 * low], color=RED, linewidth=3.0, solid_capstyle="butt")
     axes.text(begin, 0.6 * low, f"{length(bar)} of motion", fontsize=9, color=RED, ha="left", va="top")
     _rule_heights(axes, height, left)
@@ -97,7 +119,7 @@ def measure_column(axes: Axes, response: Shapes, k: int, scale: float) -> None:
 
 def _rule_heights(axes: Axes, height: float, place: float) -> None:
     """A scale of heights, m, from the ground to the top of the column as built."""
-    every = _nice(height / 4.0)
+    every = nice(height / 4.0)
     marks = [every * k for k in range(math.ceil(height / every - 0.3))]
     axes.plot([place, place], [0.0, height], color=GREY, linewidth=1.0)
     for mark in [*marks, height]:
@@ -173,10 +195,4 @@ def scale_of(response: Shapes, scale: float | None) -> float:
         return check_number("scale", scale, POSITIVE, "a positive factor on the deformation")
     largest = float(np.max(np.abs(response.ux)))
     wanted = SHOWN * sum(block.height for block in response.column.blocks) / max(largest, 1e-300)
-    return 1.0 if wanted <= 1.0 or largest < 1e-12 else _nice(wanted)
-
-
-def _nice(most: float) -> float:
-    """The largest 1, 2 or 5 times a power of ten up to `most`."""
-    power = 10.0 ** math.floor(math.log10(most))
-    return float(f"{power * max(nice for nice in NICE if nice * power <= most * (1.0 + 1e-9)):.3g}")
+    return 1.0 if wanted <= 1.0 or largest < 1e-12 else nice(wanted)

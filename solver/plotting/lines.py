@@ -15,11 +15,7 @@ COLUMNS = 600  # pixels across a panel, about: finer detail cannot be distinguis
 
 
 def draw_lines(
-    axes: Axes,
-    time: FloatArray,
-    values: FloatArray,
-    colours: dict[int, str],
-    largest_only: bool = False,
+    axes: Axes, time: FloatArray, values: FloatArray, colours: dict[int, str], largest_only: bool = False
 ) -> None:
     """Draw one line for each column of values (nt, n) in `colours`, those of the largest range first.
 
@@ -28,7 +24,7 @@ def draw_lines(
     """
     width = 0.8 if len(colours) <= len(FEW_COLOURS) // 2 else 0.6
     if len(colours) < values.shape[1]:
-        least, largest = (np.asarray(by.reduce(_reduced(values, by), axis=1)) for by in (np.fmin, np.fmax))
+        least, largest = (np.asarray(by.reduce(reduced(values, by), axis=1)) for by in (np.fmin, np.fmax))
         axes.fill_between(_pixels(time), least, largest, color="0.88", linewidth=0.0, zorder=1.0)
     ranges = {i: float(np.nan_to_num(np.fmax.reduce(values[:, i]) - np.fmin.reduce(values[:, i]))) for i in colours}
     for rank, i in enumerate(sorted(colours, key=lambda i: -ranges[i])):
@@ -41,7 +37,7 @@ def thinned(time: FloatArray, values: FloatArray, largest_only: bool = False) ->
     if len(time) <= 2 * COLUMNS:
         return time, values
     if largest_only:
-        return _pixels(time), _reduced(values[:, None], np.fmax)[:, 0]
+        return _pixels(time), reduced(values[:, None], np.fmax)[:, 0]
     starts = starts_of(len(time))
     kept = []
     for first, last in zip(starts, [*starts[1:], len(time)], strict=True):
@@ -64,11 +60,6 @@ def draw_ensemble(axes: Axes, time: FloatArray, ensemble: FloatArray, colours: d
     axes.text(0.99, 0.02, text, transform=axes.transAxes, ha="right", fontsize=7)
 
 
-def least_of(values: FloatArray) -> FloatArray:
-    """The least of the samples (nt, n) in each pixel column."""
-    return _reduced(values, np.fmin)
-
-
 def starts_of(count: int) -> Any:
     """Index of the first sample of each pixel column."""
     return np.unique(np.linspace(0, count, min(count, COLUMNS), endpoint=False).astype(np.int64))
@@ -82,7 +73,7 @@ def _pixels(time: FloatArray) -> FloatArray:
     return middles
 
 
-def _reduced(values: FloatArray, by: Callable[..., Any]) -> FloatArray:
+def reduced(values: FloatArray, by: Callable[..., Any]) -> FloatArray:
     """The minimum or maximum (`by`) of the samples (nt, n) in each pixel column and the first of the next.
 
     The first of the next is included so that the band of a steep line has no gaps. NaN is left out.

@@ -20,8 +20,9 @@ from ..kernels.layout.spaces import COUNTS_FROM
 from ..models.column.model import Column
 from ..models.column.packing import FloatArray, carried_weights
 from ..models.column.response import Response, friction_history
+from .drawings import Places
 from .figures import Figure
-from .lines import draw_ensemble, draw_lines, least_of
+from .lines import draw_ensemble, draw_lines, reduced
 from .profiles import draw_last_moments, draw_offsets, draw_profiles
 from .style import FEW_COLOURS, GREY, INK, RED, TINT, VERDICT_COLOURS, aside, header, name_of, save, show_names, tidy
 from .words import setting_of, verdict_of
@@ -77,6 +78,18 @@ class _Shown:
     @property
     def falls(self) -> bool:
         return self.gone < len(self.time)
+
+    @property
+    def has_profiles(self) -> bool:
+        return len(self.chosen) < self.column.n
+
+    @property
+    def has_last_moments(self) -> bool:
+        return bool(self.overturn_time <= self.time[-1]) and "uz" in self.histories
+
+    @property
+    def has_slip(self) -> bool:
+        return self.column.slides and "slip" in self.histories
 
 
 def plot_response(response: Response, path: str | os.PathLike[str] | None = None) -> Figure:
@@ -234,9 +247,9 @@ def _chosen(n: int, histories: Mapping[str, FloatArray], rows: int) -> dict[int,
 
 def _layout(shown: _Shown) -> tuple[Figure, Axes, dict[Axes, _Panel]]:
     """The figure, the panel of the ground, and those of the histories."""
-    wanted = [*_PANELS, *([_SLIP] if shown.column.slides and "slip" in shown.histories else [])]
+    wanted = [*_PANELS, *([_SLIP] if shown.has_slip else [])]
     rows = math.ceil(len(wanted) / 2)
-    beside = _has_profiles(shown) + _has_last_moments(shown)
+    beside = shown.has_profiles + shown.has_last_moments
     figure = Figure(figsize=(10.0, 2.0 * (rows + 1 + 1.1 * beside)), layout="constrained")
     heights = (0.7, *(1.0,) * rows, *(1.15,) * beside)
     grid = figure.add_gridspec(rows + 1 + beside, 2, height_ratios=heights)
@@ -245,25 +258,17 @@ def _layout(shown: _Shown) -> tuple[Figure, Axes, dict[Axes, _Panel]]:
     return figure, ground, panels
 
 
-def _has_profiles(shown: _Shown) -> bool:
-    return len(shown.chosen) < shown.column.n
-
-
-def _has_last_moments(shown: _Shown) -> bool:
-    return bool(shown.overturn_time <= shown.time[-1]) and "uz" in shown.histories
-
-
 def _draw_beside(figure: Figure, shown: _Shown) -> None:
     """Offsets left at the end, peaks over the height, the last moments before a fall."""
     grid = figure.axes[0].get_subplotspec().get_gridspec()  # type: ignore[union-attr]
-    last = grid.nrows - 1 - _has_last_moments(shown)
-    if _has_profiles(shown):
+    last = grid.nrows - 1 - shown.has_last_moments
+    if shown.has_profiles:
         draw_profiles(_split(figure, grid[last, :], 4), shown.column, _largest(shown), shown.chosen)
         last -= 1
-    if _has_last_moments(shown):
-        places = SimpleNamespace(column=shown.column, **{name: shown.histories[name] for name in ("ux", "uz", "theta")})
+    if shown.has_last_moments:
+        places = Places(shown.column, *(shown.histories[name] for name in ("ux", "uz", "theta")))
         draw_last_moments(_split(figure, grid[-1, :], 6), shown.time, places, shown.gone, shown.overturn_time)
-    if shown.column.slides and "slip" in shown.histories:
+    if shown.has_slip:
         draw_offsets(figure.add_subplot(grid[last, 1]), 1e3 * shown.histories["slip"][-1])
 
 
@@ -359,7 +364,7 @@ def _mark_peak(axes: Axes, panel: _Panel, shown: _Shown) -> None:
 def _draw_contact(axes: Axes, time: FloatArray, contact: FloatArray) -> None:
     """Draw a strip per joint: joints open and close so often that lines would cover one another."""
     n = contact.shape[1]
-    least = least_of(contact)
+    least = reduced(contact, np.fmin)
     half = 0.5 * (time[-1] - time[0]) / max(1, len(least) - 1)
     extent = (time[0] - half, time[-1] + half, n + 0.5, 0.5)
     shades = LinearSegmentedColormap.from_list("contact", ["0.2", "1.0"])

@@ -10,8 +10,7 @@ from matplotlib.axes import Axes
 
 from ..models.column.model import Column
 from ..models.column.packing import FloatArray
-from .drawable import Shapes
-from .drawings import corners_of, draw_column
+from .drawings import Shapes, corners_of, draw_column
 from .style import GREY, GRID, INK
 
 MOST_LABELLED = 12  # bars with a number beside each

@@ -10,8 +10,8 @@ import numpy as np
 
 from ..ground.motion import STANDARD_GRAVITY
 from .figures import Figure
-from .structures import VISIBLE, draw_blocks, extent_of, round_scale
-from .style import BLUE, GREY, INK, RED, header, plain, save, tidy
+from .structures import VISIBLE, draw_blocks, extent_of
+from .style import BLUE, GREY, INK, RED, header, nice, plain, save, tidy
 
 if TYPE_CHECKING:
     from ..models.structure.modes import SpatialModes
@@ -69,7 +69,7 @@ def plot_push_over(found: PushOver, path: str | os.PathLike[str] | None) -> Figu
     drawn = figure.add_subplot(grid[1], projection="3d")
     u = np.stack([found.ux[-1], found.uy[-1], found.uz[-1]], axis=-1)
     largest = max(float(np.max(np.abs(u))), 1e-12)
-    scale = max(1.0, round_scale(VISIBLE * extent_of(structure) / largest))
+    scale = max(1.0, nice(VISIBLE * extent_of(structure) / largest))
     draw_blocks(drawn, structure, scale * u, scale * found.rotation[-1])
     drawn.set_title(f"at the largest push, deformation x {scale:g}", fontsize=10)
     words = f"Towards {math.degrees(found.direction):.4g} degrees from x to y it balances at most {push[-1]:.4g} g."

@@ -20,11 +20,12 @@ from .figures import Figure
 from .film import FILM_DPI, FRAMES_PER_SECOND, Progress, shoot
 from .plots import draw_ground
 from .solids import EDGE, SHADED, Solids
-from .style import GREY, GRID, INK, RED, TINT, VERDICT_COLOURS, header, plain, save, tidy
+from .style import GREY, GRID, INK, RED, TINT, VERDICT_COLOURS, header, nice, plain, save, tidy
 from .words import setting_of, verdict_of
 
 VISIBLE = 0.08  # of the extent: largest deformation in a picture
 MARGIN, BAR = 0.06, 0.2  # of the extent: ground around the blocks, longest bar of the scale
+DPI = 130
 FILLED = 0.96  # of the axes
 GROUND = "#eceae4"
 
@@ -42,7 +43,7 @@ def plot_structure(
     factor = f", deformation x {scale:g}" if scale != 1.0 else ", to scale"
     axes.set_title(f"at {response.time[k]:.3g} s{factor}", fontsize=10, color=RED, loc="left")
     _head(figure, response)
-    return save(figure, path)
+    return save(figure, path, DPI)
 
 
 def structure_picture(structure: Structure) -> Figure:
@@ -155,7 +156,7 @@ def draw_blocks(
     x, y = np.array([low[0], high[0], high[0], low[0]]), np.array([low[1], low[1], high[1], high[1]])
     ground = Poly3DCollection([np.column_stack([x, y, np.zeros(4)])], facecolors=GROUND, edgecolors="0.75", zorder=0.5)
     axes.add_collection3d(ground, autolim=False)
-    _measure(axes, np.array([low[0], low[1], 0.0]), round_scale(BAR * largest))
+    _measure(axes, np.array([low[0], low[1], 0.0]), nice(BAR * largest))
     return solids
 
 
@@ -193,7 +194,7 @@ def plot_plan(
     axes.set_ylabel("$u_y$ (mm)")
     axes.grid(alpha=0.3)
     axes.legend()
-    return save(figure, path)
+    return save(figure, path, DPI)
 
 
 def plot_response(response: SpatialResponse, path: str | os.PathLike[str] | None) -> Figure:
@@ -215,7 +216,7 @@ def plot_response(response: SpatialResponse, path: str | os.PathLike[str] | None
         mark_fall(axes, response.overturn_time)
     top.set_xlim(response.time[0], response.time[-1])
     _head(figure, response)
-    return save(figure, path)
+    return save(figure, path, DPI)
 
 
 def mark_fall(axes: Axes, overturn_time: float) -> None:
@@ -245,15 +246,9 @@ def _places(response: SpatialResponse, k: int) -> tuple[FloatArray, FloatArray]:
 def _scale_of(response: SpatialResponse, k: int) -> float:
     """A scale by which the deformation at row k is seen; 1 where it is large."""
     largest = max(float(np.max(np.abs(_places(response, k)[0]))), 1e-12)
-    return min(max(1.0, round_scale(VISIBLE * extent_of(response.structure) / largest)), 1e4)
+    return min(max(1.0, nice(VISIBLE * extent_of(response.structure) / largest)), 1e4)
 
 
 def extent_of(structure: Structure) -> float:
     """The largest extent of a structure along an axis, m."""
     return max(float(np.max(np.ptp(_all_corners(structure), axis=0))), 1e-9)
-
-
-def round_scale(value: float) -> float:
-    """The largest of 1, 2, 5 times a power of ten that is not above."""
-    power = 10.0 ** np.floor(np.log10(value))
-    return float(power * max(k for k in (1.0, 2.0, 5.0) if k * power <= value * (1.0 + 1e-9)))

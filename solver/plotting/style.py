@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import textwrap
 from collections.abc import Sequence
@@ -22,6 +23,7 @@ from .figures import Figure
 Where = Literal["outside lower center", "outside upper center", "outside right upper"]
 
 DPI = 150
+NICE = (1.0, 2.0, 5.0)  # times powers of ten: scales to choose from
 STONE, INK, GREY, GRID = "#cdbfa7", "#3b3a38", "#7a7873", "0.9"
 # Okabe and Ito's colours that stand out on white; the colour-blind can distinguish them too
 FEW_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
@@ -35,6 +37,12 @@ TITLE, LINE, LETTER = 13.0, 10.5, 0.112  # points of the title and the line belo
 def plain(name: str) -> str:
     """A name as matplotlib shows it unchanged: "$" would begin a formula, a leading "_" hides a legend's entry."""
     return (" " if name.startswith("_") else "") + name.replace("$", r"\$")
+
+
+def nice(most: float) -> float:
+    """The largest 1, 2 or 5 times a power of ten up to `most`."""
+    power = 10.0 ** math.floor(math.log10(most))
+    return float(f"{power * max(factor for factor in NICE if factor * power <= most * (1.0 + 1e-9)):.3g}")
 
 
 def header(figure: Figure, title: str, line: str = "", colour: str = INK) -> None:
@@ -83,21 +91,15 @@ def name_of(i: int, n: int, of: str = "block") -> str:
     return f"{of} {i + 1}{place}"
 
 
-def show_blocks(
-    figure: Figure,
-    axes: Sequence[Axes],
-    colours: Sequence[str],
-    where: Where = "outside lower center",
-    of: str = "block",
-) -> None:
+def show_blocks(figure: Figure, axes: Sequence[Axes], colours: Sequence[str], where: Where) -> None:
     """Show the colour of each block (`block_colours`): a legend at `where` for few, a colour bar aside for many."""
     n = len(colours)
     if n <= len(FEW_COLOURS):
-        show_names(figure, [name_of(i, n, of) for i in range(n)], colours, where)
+        show_names(figure, [name_of(i, n) for i in range(n)], colours, where)
         return
     mappable = ScalarMappable(Normalize(0.5, n + 0.5), ListedColormap(list(colours)))
     bar = figure.colorbar(mappable, ax=list(axes), aspect=60, pad=0.01)
-    bar.set_ticks([1, n], labels=[name_of(i, n, of) for i in (0, n - 1)])
+    bar.set_ticks([1, n], labels=[name_of(i, n) for i in (0, n - 1)])
     bar.ax.invert_yaxis()
 
 
@@ -112,7 +114,7 @@ def show_names(
     figure.legend(handles, [*names, *filter(None, [mark])], loc=where, ncols=across, frameon=False)
 
 
-def save(figure: Figure, path: str | os.PathLike[str] | None) -> Figure:
+def save(figure: Figure, path: str | os.PathLike[str] | None, dpi: int = DPI) -> Figure:
     """The figure, written in the format of the file's suffix if there is a path.
 
     Raises InputError for an unknown suffix, OSError.
@@ -123,5 +125,5 @@ def save(figure: Figure, path: str | os.PathLike[str] | None) -> Figure:
     if Path(path).suffix.lower().removeprefix(".") not in known:
         raise InputError(f"{path}: must end in one of .{', .'.join(known)}")
     with whole_file(path) as partial:
-        figure.savefig(partial, dpi=DPI)
+        figure.savefig(partial, dpi=dpi)
     return figure

@@ -27,13 +27,12 @@ def housner_restitution(column: Column) -> float:
     From angular momentum about the new edge: 1 - 2 m c^2 / I, with c half the width of the lowest joint and I the
     moment of inertia about an edge. Of a homogeneous rectangle that is 1 - 1.5 sin^2(alpha).
     """
-    mass, first, inertia = 0.0, 0.0, 0.0  # moments of mass about the base
+    mass, inertia = 0.0, 0.0  # about the base
     below = sum(block.height for block in column.blocks)
     for block in column.blocks:
         below -= block.height
         rise = below + block.resolved_centroid
         mass += block.mass
-        first += block.mass * rise
         inertia += block.resolved_inertia + block.mass * rise * rise
     half = 0.5 * column.contacts[-1].width
     return 1.0 - 2.0 * mass * half * half / (inertia + mass * half * half)

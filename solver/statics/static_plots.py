@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,8 +12,7 @@ from matplotlib.axes import Axes
 
 from ..ground.motion import STANDARD_GRAVITY
 from ..models.column.model import Column
-from ..models.column.packing import FloatArray
-from ..plotting.drawings import SHOWN, draw_column, measure_column
+from ..plotting.drawings import SHOWN, Places, draw_column, measure_column
 from ..plotting.figures import Figure
 from ..plotting.style import BLUE, GREY, RED, header, save, tidy
 from ..plotting.words import length
@@ -25,16 +23,6 @@ if TYPE_CHECKING:
 
 SMALL = 1e-6  # m: the amplitude of shapes, which drawings magnify
 TURNED, RAISED = 0.3, 0.1  # rad, and part of the lowest block's height: largest rotation and rise of a drawn shape
-
-
-@dataclass(frozen=True, eq=False)
-class _Places:
-    """Rows of places of a column, for `drawings`."""
-
-    column: Column
-    ux: FloatArray
-    uz: FloatArray
-    theta: FloatArray
 
 
 def plot_modes(modes: Modes, path: str | os.PathLike[str] | None = None, most: int = 6) -> Figure:
@@ -51,7 +39,7 @@ def plot_modes(modes: Modes, path: str | os.PathLike[str] | None = None, most: i
             (RAISED * min(block.height for block in modes.column.blocks), uz),
         )
         scale = min(most / max(float(np.max(np.abs(values))), 1e-300) for most, values in limits)
-        for patch in draw_column(axes, _Places(modes.column, ux, uz, theta), 0, scale):
+        for patch in draw_column(axes, Places(modes.column, ux, uz, theta), 0, scale):
             patch.set_alpha(0.85)
         mass = abs(modes.mass_x[k] if modes.sways[k] else modes.mass_z[k]) / _mass(modes.column)
         way = "sways" if modes.sways[k] else "moves up"
@@ -94,7 +82,7 @@ def plot_capacity(curve: CapacityCurve, path: str | os.PathLike[str] | None = No
     drawn = figure.add_subplot(grid[:, 2])
     wanted = SHOWN * sum(block.height for block in curve.column.blocks) / max(float(top[strongest]), 1e-300)
     scale = max(1.0, float(f"{wanted:.0e}"))
-    places = _Places(curve.column, curve.ux[: strongest + 1], curve.uz, curve.theta)
+    places = Places(curve.column, curve.ux[: strongest + 1], curve.uz, curve.theta)
     draw_column(drawn, places, strongest, scale)
     measure_column(drawn, places, strongest, scale)
     drawn.set_title("(e) at the largest push", loc="left", fontsize=10)
@@ -135,14 +123,8 @@ def _name_openings(shear: Axes, curve: CapacityCurve, limit: float) -> None:
     for (joint, k), place, height in zip(opened, spread(wanted, gap, 0.5 * gap, 0.9 * reach), wanted, strict=True):
         dot = factor * curve.direction * float(curve.ux[k, 0]), height
         name = f"joint {joint} opens, {curve.acceleration[k] / STANDARD_GRAVITY:.3g} g"
-        line = {
-            "arrowstyle": "-",
-            "color": GREY,
-            "linewidth": 0.6,
-            "shrinkA": 0.0,
-            "shrinkB": 2.0,
-            "relpos": (0.0, 0.5),
-        }
+        line = {"arrowstyle": "-", "color": GREY, "linewidth": 0.6}
+        line |= {"shrinkA": 0.0, "shrinkB": 2.0, "relpos": (0.0, 0.5)}
         shear.annotate(name, dot, (0.3 * factor * limit, place), fontsize=7, va="center", arrowprops=line)
 
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import AbstractContextManager
 from importlib import import_module
 from tempfile import TemporaryDirectory
-from types import TracebackType
 from typing import Any
 
 from ..common.errors import InputError, needing
@@ -27,7 +27,7 @@ def _same(thing: Any) -> Any:
     return thing
 
 
-class Cluster:
+class Cluster(AbstractContextManager["Cluster"]):
     """An executor for `run_study`, to be used as a context. address: tcp://HOST:PORT of a scheduler, or "local".
 
     Data that every chunk needs travel once to each worker (`carry`). A chunk whose worker dies is done by another.
@@ -78,10 +78,5 @@ class Cluster:
         self._client.close(timeout=5)
         self._scratch.cleanup()
 
-    def __enter__(self) -> Cluster:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()

@@ -6,10 +6,12 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from ..common.errors import InputError, shown
+from ..common.errors import InputError, check_whole, shown
 from ..common.files import check_file_name
+from ..common.ranges import check_choice
 from ..models.protocol import WORDS, Kept
 from .definition import KINDS, MOST_RUNS, SAMPLINGS
+from .distributions import Random
 from .motions import Measure
 from .subjects import always_kept, check_alike, kind_in, sizes_of, subject_from
 
@@ -22,33 +24,32 @@ def check_head(head: Mapping[str, Any]) -> None:
     _part(head, "versions", dict)
     runs, blocks = _whole(head, "runs", 1, MOST_RUNS), _whole(head, "blocks", 1, 10**6)
     check_file_name("study.name", _part(study, "name", str))
-    for key, known in (("kind", KINDS), ("sampling", SAMPLINGS)):
-        _must(f"study.{key}", study.get(key), study.get(key) in known, f"one of {', '.join(known)}")
+    check_choice("study.kind", study.get("kind"), KINDS)
+    check_choice("study.sampling", study.get("sampling"), SAMPLINGS)
     _whole(study, "seed", 0, math.inf)
     samples = _whole(study, "samples", 1, MOST_RUNS)
-    columns = [subject_from(_is(f"columns[{k}]", table, dict)) for k, table in enumerate(_list(study, "columns"))]
+    columns = [subject_from(_is(f"columns[{k}]", table, dict)) for k, table in enumerate(_part(study, "columns", list))]
     check_alike(columns)
     sizes, kind = sizes_of(columns), columns[0].kind
     _must("blocks", blocks, blocks == sizes["block"], f"{sizes['block']}, the most of a column")
     _must("sizes", head.get("sizes"), head.get("sizes") == (sizes if kind.across else None), f"{sizes}, of structures")
-    motions = [_is(f"motions[{k}]", table, dict) for k, table in enumerate(_list(study, "motions"))]
+    motions = [_is(f"motions[{k}]", table, dict) for k, table in enumerate(_part(study, "motions", list))]
     for table in motions:
         _part(table, "name", str)
     grid = _part(study, "grid", dict)
     for name in grid:
-        _numbers(f"grid.{name}", _list(grid, name), finite=True)
+        _numbers(f"grid.{name}", _part(grid, name, list), finite=True)
     made = len(columns) * len(motions) * samples * math.prod(map(len, grid.values()))
     _must("runs", runs, runs == made, f"{made}, as the study has them")
     for name, table in _part(study, "random", dict).items():
-        _part(_is(f"random.{name}", table, dict), "distribution", str)
-        _part(table, "each", bool)
+        Random.from_table(f"random.{name}", table)
     _must("study.intensity", None, "intensity" in study, "a table, or null")
     if study["intensity"] is not None:
         Measure.from_table(_part(study, "intensity", dict))
-    _numbers("limits", _list(study, "limits"), finite=True)
-    _names("keep", _list(study, "keep"), tuple(kind.kept), always_kept(kind))
-    _names("varied", _list(head, "varied"), None, ("column", "motion", *grid))
-    _names("measured", _list(head, "measured"), ("pga", "pgv", "sa"), ("pga", "pgv"))
+    _numbers("limits", _part(study, "limits", list), finite=True)
+    _names("keep", _part(study, "keep", list), tuple(kind.kept), always_kept(kind))
+    _names("varied", _part(head, "varied", list), None, ("column", "motion", *grid))
+    _names("measured", _part(head, "measured", list), ("pga", "pgv", "sa"), ("pga", "pgv"))
 
 
 def check_row(head: Mapping[str, Any], row: Any) -> None:
@@ -72,8 +73,7 @@ def check_row(head: Mapping[str, Any], row: Any) -> None:
     for name in study["keep"]:
         value = outputs.get(name)
         if name in WORDS:
-            known = (*WORDS[name], FAILED)
-            _must(name, value, value in known, f"one of {', '.join(known)}")
+            check_choice(name, value, (*WORDS[name], FAILED))
         elif kept_in(head)[name].kind is not None:
             _numbers(name, [value])
         else:
@@ -108,15 +108,8 @@ def _part(table: Mapping[str, Any], key: str, kind: type) -> Any:
     return _is(key, table.get(key), kind)
 
 
-def _list(table: Mapping[str, Any], key: str) -> list[Any]:
-    found: list[Any] = _part(table, key, list)
-    return found
-
-
-def _whole(table: Mapping[str, Any], key: str, low: float, high: float) -> int:
-    value = table.get(key)
-    _must(key, value, type(value) is int and low <= value <= high, f"a whole number, at least {low:g}")
-    return int(value)  # type: ignore[arg-type]
+def _whole(table: Mapping[str, Any], key: str, low: int, high: float) -> int:
+    return check_whole(key, table.get(key), low, high, f"a whole number, at least {low}")
 
 
 def _numbers(key: str, values: list[Any], finite: bool = False) -> None:

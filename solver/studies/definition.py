@@ -12,27 +12,23 @@ import math
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .. import __version__
 from ..common.errors import FINITE, POSITIVE, InputError, check_number, check_whole, needing, reading, shown
 from ..common.files import check_file_name, toml_of
 from ..common.notebook import Shown, counted
 from ..common.ranges import check_choice, check_keys
-from ..ground.intensity import pgv
-from ..ground.motion import STANDARD_GRAVITY, Motion
+from ..ground.motion import Motion
 from ..kernels.numba_ext.jit import SOURCES
-from ..models.protocol import Model, Run
+from ..models.protocol import FloatArray, Model, Run
 from .distributions import Random
 from .motions import BESIDE, Measure, Shaking, tilted
 from .subjects import DIRECTION, IN_PLANE, always_kept, check_alike, check_motion, sizes_of, subjects_in
-
-FloatArray = NDArray[np.float64]
 
 KINDS = ("sweep", "ida", "fragility", "spectrum", "montecarlo")
 SAMPLINGS = ("latin-hypercube", "sobol", "random")
@@ -43,7 +39,6 @@ OF_MOTION = "motion."
 MOST_RUNS = 10**8
 QUICK_RUNS, QUICK_VALUES = 200, 5  # of a quick study: runs, and values of each name of the grid
 _SIMPLE = ("samples", "sampling", "seed", "tolerance", "duration")
-_TEXTS = ("name", "kind", "sampling")
 _KEYS = (
     *("name", "kind", *SUBJECTS, "motion", "grid", "random", "intensity", "samples", "sampling", "seed"),
     *("keep", "tolerance", "duration", "limits"),
@@ -175,10 +170,10 @@ class Study(Shown):
         """Whether it is of structures."""
         return self.columns[0].kind.across
 
-    @property
+    @cached_property
     def varied(self) -> tuple[str, ...]:
         """Names of the numbers that make a run, one each: `column` and `motion` are counted from 0."""
-        return _varied(self)
+        return ("column", "motion", *self.grid, *(each for name in self.random for each in self._each(name)))
 
     @property
     def measured(self) -> tuple[str, ...]:
@@ -188,7 +183,7 @@ class Study(Shown):
     def run(self, number: int) -> Planned:
         """The run of a number, from 0. Raises InputError where a value does not suit the column or the motion."""
         values = self.values(number)
-        column = _column(self, int(values["column"]), tuple([values[name] for name in _of_columns(self)]))
+        column = _column(self, int(values["column"]), tuple([values[name] for name in self._of_columns]))
         motion, base, measures = self._shaken(values)
         duration = motion.duration
         if self.duration is not None:
@@ -205,6 +200,23 @@ class Study(Shown):
         values.update(zip(self.varied[len(values) :], drawn, strict=True))
         return values
 
+    def _each(self, name: str) -> Sequence[str]:
+        """Names of the numbers of a random parameter."""
+        column = self.columns[0]
+        return column.kind.numbers_of(column, name) if self.random[name].each else [name]
+
+    @cached_property
+    def _of_columns(self) -> dict[str, bool]:
+        """Names of the varied numbers of the columns, and whether each multiplies the present value."""
+        names = [name for name in self.varied if name not in ("column", "motion", INTENSITY)]
+        return {name: self._relative(name) for name in names if not name.startswith(OF_MOTION)}
+
+    @cached_property
+    def _of_motions(self) -> dict[str, tuple[str, bool]]:
+        """Names of the varied numbers of the motions, with the key there, and whether each multiplies."""
+        names = [name for name in self.varied if name.startswith(OF_MOTION)]
+        return {name: (name.removeprefix(OF_MOTION), self._relative(name)) for name in names}
+
     def _relative(self, name: str) -> bool:
         parameter = self.random.get(name) or self.random.get(_without_number(name))
         return parameter is not None and parameter.relative
@@ -212,7 +224,7 @@ class Study(Shown):
     def _numbers(self, values: Mapping[str, float], shaking: Shaking) -> dict[str, float]:
         """The varied numbers of a motion, by its keys."""
         found = {}
-        for name, (key, relative) in _of_motions(self).items():
+        for name, (key, relative) in self._of_motions.items():
             value = values[name]
             if relative:
                 if key not in shaking.numbers and key != "scale":
@@ -275,9 +287,6 @@ class Study(Shown):
         for key in ("name", "kind"):
             if key not in data:
                 raise InputError(f"{key}: missing, must be a text")
-        for key in _TEXTS:
-            if not isinstance(data.get(key, ""), str):
-                raise InputError(f"{key} = {shown(data[key])}: must be a text")
         tables = data.get("motion", [])
         if not isinstance(tables, list) or not tables or not all(isinstance(table, Mapping) for table in tables):
             raise InputError("motion: must be one table [[motion]] for each motion")
@@ -346,28 +355,6 @@ def axis(key: str, values: object) -> tuple[float, ...]:
 
 
 @lru_cache(maxsize=8)
-def _varied(study: Study) -> tuple[str, ...]:
-    names = ["column", "motion", *study.grid]
-    for name, parameter in study.random.items():
-        names += study.columns[0].kind.numbers_of(study.columns[0], name) if parameter.each else [name]
-    return tuple(names)
-
-
-@lru_cache(maxsize=8)
-def _of_columns(study: Study) -> dict[str, bool]:
-    """Names of the varied numbers of the columns, and whether each multiplies the present value."""
-    names = [name for name in study.varied if name not in ("column", "motion", INTENSITY)]
-    return {name: study._relative(name) for name in names if not name.startswith(OF_MOTION)}
-
-
-@lru_cache(maxsize=8)
-def _of_motions(study: Study) -> dict[str, tuple[str, bool]]:
-    """Names of the varied numbers of the motions, with the key there, and whether each multiplies."""
-    names = [name for name in study.varied if name.startswith(OF_MOTION)]
-    return {name: (name.removeprefix(OF_MOTION), study._relative(name)) for name in names}
-
-
-@lru_cache(maxsize=8)
 def _columns(study: Study) -> tuple[Model, ...]:
     """The columns at the tolerance of the study."""
     return tuple(column.with_settings(tolerance=study.tolerance) for column in study.columns)
@@ -376,31 +363,24 @@ def _columns(study: Study) -> tuple[Model, ...]:
 @lru_cache(maxsize=256)
 def _column(study: Study, which: int, numbers: tuple[float, ...]) -> Any:
     """A column with the numbers that `_of_columns` names: the same one at all points of a grid of motions."""
-    relative = _of_columns(study).items()
-    given = {name: (number, flag) for (name, flag), number in zip(relative, numbers, strict=True)}
+    given = {name: (number, flag) for (name, flag), number in zip(study._of_columns.items(), numbers, strict=True)}
     model = _columns(study)[which]
     return model.kind.with_numbers(model, given)
 
 
 @lru_cache(maxsize=8)
 def _drawn_of(study: Study) -> FloatArray:
-    """Values of the random parameters, (samples, numbers)."""
-    numbers = tuple(
-        len(study.columns[0].kind.numbers_of(study.columns[0], name)) if parameter.each else 1
-        for name, parameter in study.random.items()
-    )
-    return _drawn(tuple(study.random.values()), numbers, study.samples, study.sampling, study.seed)
+    """Values of the random parameters, (samples, numbers), as `Study.varied` names them."""
+    owners = tuple(parameter for name, parameter in study.random.items() for _ in study._each(name))
+    return _drawn(owners, study.samples, study.sampling, study.seed)
 
 
-@lru_cache(maxsize=8)
-def _drawn(random: tuple[Random, ...], numbers: tuple[int, ...], samples: int, sampling: str, seed: int) -> FloatArray:
-    """Samples of all random numbers, (samples, numbers), one after the other as Study.varied names them."""
-    owners = [parameter for parameter, count in zip(random, numbers, strict=True) for _ in range(count)]
-    if not owners:
+@lru_cache(maxsize=8)  # a worker has another study, of the same parameters, with every chunk
+def _drawn(random: tuple[Random, ...], samples: int, sampling: str, seed: int) -> FloatArray:
+    if not random:
         return np.empty((samples, 0))
-    quantiles = _quantiles(len(owners), samples, sampling, seed)
-    columns = [parameter.distribution.at(quantiles[:, k]) for k, parameter in enumerate(owners)]
-    return np.column_stack(columns)
+    quantiles = _quantiles(len(random), samples, sampling, seed)
+    return np.column_stack([parameter.distribution.at(quantiles[:, k]) for k, parameter in enumerate(random)])
 
 
 def _quantiles(numbers: int, samples: int, sampling: str, seed: int) -> FloatArray:
@@ -425,10 +405,9 @@ def _base(
     made = study.motions[motion].base(dict(numbers), unit)
     if not np.any(made.ax) and not made.amplitude:
         return made, dict.fromkeys(study.measured, 0.0)
-    measures = {"pga": made.pga / STANDARD_GRAVITY, "pgv": pgv(made)}
-    if study.measure is not None and study.measure.name == "sa":
-        measures["sa"] = study.measure.of(made)
-    return made, measures
+    given = study.measure
+    measures = (given if given is not None and given.name == name else Measure(name) for name in study.measured)
+    return made, {measure.name: measure.of(made) for measure in measures}
 
 
 def _without_number(name: str) -> str:

@@ -7,12 +7,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..common.errors import FINITE, POSITIVE, InputError, check_number, needing, shown
 from ..common.ranges import check_keys
-
-FloatArray = NDArray[np.float64]
+from ..models.protocol import FloatArray
 
 # keys that a distribution needs, in the order of its arguments; and those that cut its tails
 _NEEDS = {
@@ -52,25 +50,17 @@ class Distribution:
             raise InputError(f"{key}.distribution = {shown(kind)}: must be one of {', '.join(KINDS)}")
         allowed = _NEEDS[kind] + (_TAILS if kind in _CAN_BE_CUT else ())
         check_keys(f"{key}.", [name for name in table if name != "distribution"], allowed, f" of {kind}")
-        numbers: list[tuple[str, Any]] = []
-        for name in allowed:
+        for name in _NEEDS[kind]:
             if name not in table:
-                if name in _NEEDS[kind]:
-                    raise InputError(f"{key}.{name}: missing, {kind} needs {', '.join(_NEEDS[kind])}")
-                continue
-            numbers.append((name, _value(f"{key}.{name}", kind, name, table[name])))
-        made = cls(kind, tuple(numbers))
-        made._check(key)
-        return made
-
-    def _check(self, key: str) -> None:
-        given = dict(self.numbers)
+                raise InputError(f"{key}.{name}: missing, {kind} needs {', '.join(_NEEDS[kind])}")
+        given = {name: _value(f"{key}.{name}", kind, name, table[name]) for name in allowed if name in table}
         if "low" in given and "high" in given:
-            enough = given["low"] <= given["high"] if self.kind == "integers" else given["low"] < given["high"]
+            enough = given["low"] <= given["high"] if kind == "integers" else given["low"] < given["high"]
             if not enough:
                 raise InputError(f"{key}.high = {given['high']}: must be more than low = {given['low']}")
         if "mode" in given and not given["low"] <= given["mode"] <= given["high"]:
             raise InputError(f"{key}.mode = {given['mode']}: must lie between low and high")
+        return cls(kind, tuple(given.items()))
 
     def at(self, quantile: FloatArray) -> FloatArray:
         """The values (any shape) below which the parts `quantile` of it lie, each from 0 to 1, both excluded."""

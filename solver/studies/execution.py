@@ -64,11 +64,15 @@ def run_study(
     with reading("folder: must be left out, a journal cannot be read without its models"):
         subject_from(study.columns[0].to_dict())  # all are of one kind
     with Journal(Path(folder) / f"{study.name}{SUFFIX}", head_of(study)) as journal:
-        saver = Saver(journal.path)
+        saved, took = clock.monotonic(), 0.0
         for rows in _made(study, journal.finished, executor, threads, callback, chunk_seconds):
             journal.add(rows)
-            saver.look()
-        return saver.save()
+            begin = clock.monotonic()
+            if begin - saved > max(SAVE_EVERY, took / SAVE_PART):
+                _saved(journal.path)
+                saved = clock.monotonic()
+                took = saved - begin
+        return _saved(journal.path)
 
 
 def head_of(study: Study) -> dict[str, Any]:
@@ -85,29 +89,13 @@ def head_of(study: Study) -> dict[str, Any]:
     }
 
 
-class Saver:
-    """Writes the tables beside a journal, from time to time and at the end."""
-
-    def __init__(self, journal: Path) -> None:
-        self.journal = journal
-        self._last = clock.monotonic()
-        self._took = 0.0
-
-    def look(self) -> None:
-        """Write the table if it is time to."""
-        if clock.monotonic() - self._last > max(SAVE_EVERY, self._took / SAVE_PART):
-            self.save()
-
-    def save(self) -> Results:
-        """Write the tables; returns what is in them."""
-        begin = clock.monotonic()
-        results = Results.from_journal(self.journal)
-        results.to_csv(self.journal.with_suffix(".csv"))
-        if Results.can_write_netcdf():
-            results.to_netcdf(self.journal.with_suffix(".nc"))
-        self._last = clock.monotonic()
-        self._took = self._last - begin
-        return results
+def _saved(journal: Path) -> Results:
+    """Write the tables beside a journal; returns what is in them."""
+    results = Results.from_journal(journal)
+    results.to_csv(journal.with_suffix(".csv"))
+    if Results.can_write_netcdf():
+        results.to_netcdf(journal.with_suffix(".nc"))
+    return results
 
 
 def _made(

@@ -14,9 +14,8 @@ import re
 import sys
 import zlib
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
-from types import TracebackType
 from typing import IO, Any
 
 from ..common.errors import InputError, reading, shown
@@ -25,10 +24,10 @@ from ..common.files import check_size
 SUFFIX = ".journal"
 FORMAT = 1
 LONGEST = 16 * 10**6  # bytes of a line: the first one has all columns
-_CUT_HEAD = re.compile(rb"[0-9a-f]{0,7}|[0-9a-f]{8}( (\{[^\n]*)?)?")
+_CUT_HEAD = re.compile(rb"[0-9a-f]{0,7}|[0-9a-f]{8}( (\{[^\n]*)?)?")  # nothing, or a first line that was cut off
 
 
-class Journal:
+class Journal(AbstractContextManager["Journal"]):
     """A journal that runs are added to: `finished` are the numbers of those that it has. Use it as a context.
 
     It is created if it does not exist. Raises InputError if the file is no journal, of another study or of other
@@ -65,14 +64,12 @@ class Journal:
                 self.finished.add(_number(number, content))
             else:
                 self.damaged += 1
-            whole += len(line)
-            if not line.endswith(b"\n"):  # the process ended within the line
-                whole -= len(line)
+            if line.endswith(b"\n"):  # else the process ended within it
+                whole += len(line)
         if present is None:
-            self._file.seek(0, os.SEEK_END)
-            if self._file.tell() > 0 and not _is_cut_head(self._file):
+            self._file.seek(0)
+            if not _CUT_HEAD.fullmatch(self._file.read()):
                 raise InputError("is not the journal of a study, must be one or not be there")
-            whole = 0
         self._file.truncate(whole)
         self._file.seek(whole)
         if present is None:
@@ -91,12 +88,7 @@ class Journal:
             self._file.flush()
             os.fsync(self._file.fileno())
 
-    def __enter__(self) -> Journal:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         """Close the file, which gives the lock free."""
         self._file.close()
 
@@ -194,12 +186,6 @@ def _head(content: Any) -> dict[str, Any]:
         if not isinstance(content.get(key), kind):
             raise InputError(f"line 1: {key} = {shown(content.get(key))}: must be as a study writes it")
     return content
-
-
-def _is_cut_head(file: IO[bytes]) -> bool:
-    """Whether all there is in a file is a first line that was cut off."""
-    file.seek(0)
-    return _CUT_HEAD.fullmatch(file.read()) is not None
 
 
 def _check_same(present: dict[str, Any], head: dict[str, Any]) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -32,6 +32,7 @@ class Formula:
     amplitude: str = "amplitude"  # the number that sets its size; "": its size is fixed
 
 
+_NEAR_FAULT = Formula(("magnitude", "distance", "seed"), near_fault.motion, near_fault.OPTIONAL, amplitude="")
 FORMULAS = {
     "harmonic": Formula(("frequency", "duration"), Motion.harmonic),
     "ricker": Formula(("frequency",), wavelets.ricker),
@@ -45,17 +46,9 @@ FORMULAS = {
         ("phase",),
         amplitude="velocity",
     ),
-    "noise": Formula(
-        ("frequency", "duration", "seed"),
-        lambda amplitude, frequency, duration, seed: wavelets.filtered_noise(amplitude, frequency, duration, seed),
-    ),
-    "near-fault": Formula(("magnitude", "distance", "seed"), near_fault.motion, near_fault.OPTIONAL, amplitude=""),
-    "near-fault-1981": Formula(
-        ("magnitude", "distance", "seed"),
-        partial(near_fault.motion, velocity=near_fault.pgv_of_all),
-        near_fault.OPTIONAL,
-        amplitude="",
-    ),
+    "noise": Formula(("frequency", "duration", "seed"), wavelets.filtered_noise),
+    "near-fault": _NEAR_FAULT,
+    "near-fault-1981": replace(_NEAR_FAULT, makes=partial(near_fault.motion, velocity=near_fault.pgv_of_all)),
 }
 WHOLE = ("seed",)
 _OF_RECORDS = ("record", "vertical", "across", "dt", "units", "channel", "vertical_channel")

@@ -15,6 +15,7 @@ from matplotlib.ticker import ScalarFormatter
 from numpy.typing import NDArray
 
 from ..common.errors import InputError
+from ..models.protocol import FloatArray
 from ..models.structure.blocks.parts import OF_COLUMN
 from ..models.uncertainty import PERCENTILES
 from ..plotting.figures import Figure
@@ -33,8 +34,6 @@ from .statistics import (
     percentiles,
 )
 from .subjects import can_slide, subject_from
-
-FloatArray = NDArray[np.float64]
 
 WIDTH = 138  # letters of a caption's line
 LONG = 45  # letters of names in a title
@@ -76,18 +75,14 @@ def draw_sweep(results: Results) -> Figure:
         for i, colour in enumerate(colours):
             axes.plot(frequencies, 1e3 * points[1, :, i], "o-", color=colour, linewidth=1.0, markersize=2.5)
             if results.study["samples"] > 1:
-                axes.fill_between(
-                    frequencies, 1e3 * points[0, :, i], 1e3 * points[2, :, i], color=colour, alpha=0.25, linewidth=0.0
-                )
+                low, high = 1e3 * points[0, :, i], 1e3 * points[2, :, i]
+                axes.fill_between(frequencies, low, high, color=colour, alpha=0.25, linewidth=0.0)
         top = axes.get_xaxis_transform()  # Hz across, parts of the panel up
-        for marker, name, there in (
-            ("^", "all overturned", fell >= 1.0),
-            ("2", "some overturned", (fell > 0.0) & (fell < 1.0)),
-        ):
+        some = (fell > 0.0) & (fell < 1.0)
+        for marker, name, there in (("^", "all overturned", fell >= 1.0), ("2", "some overturned", some)):
             if np.any(there):
-                axes.plot(
-                    frequencies[there], np.full(np.sum(there), 0.97), marker, color="black", transform=top, label=name
-                )
+                x = frequencies[there]
+                axes.plot(x, np.full_like(x, 0.97), marker, color="black", transform=top, label=name)
         if axes.get_legend_handles_labels()[0]:
             axes.legend(loc="upper right", bbox_to_anchor=(1.0, 0.95), frameon=False)
         axes.set_yscale("log")
@@ -119,13 +114,10 @@ def _by_frequency(
 def _draw_boundary(axes: Axes, figure: Figure, results: Results, levels: FloatArray, frequencies: FloatArray) -> None:
     """Share that overturns over frequency and amplitude, and the line along which half of them do."""
     share = np.full((len(levels), len(frequencies)), math.nan)
-    row, column = (
-        np.searchsorted(levels, results["intensity"]),
-        np.searchsorted(frequencies, results["motion.frequency"]),
-    )
+    cell = np.searchsorted(levels, results["intensity"]), np.searchsorted(frequencies, results["motion.frequency"])
     runs, fell = np.zeros_like(share), np.zeros_like(share)
-    np.add.at(runs, (row, column), 1.0)
-    np.add.at(fell, (row, column), results.overturned)
+    np.add.at(runs, cell, 1.0)
+    np.add.at(fell, cell, results.overturned)
     share = np.divide(fell, runs, out=share, where=runs > 0.0)
     mesh = axes.pcolormesh(frequencies, levels, share, cmap="Reds", vmin=0.0, vmax=1.0, shading="nearest")
     figure.colorbar(mesh, ax=axes, label="share that overturns")
@@ -153,10 +145,8 @@ def draw_ida(results: Results) -> Figure:
             last = int(np.flatnonzero(stands)[-1])
             axes.plot(1e3 * points[last], curves.levels[last], ">", color=colour, markersize=8.0)
     axes.set_xscale("log")
-    axes.set(
-        title="grey: one column under one motion; thick: of all runs", xlabel="largest displacement of any block (mm)"
-    )
-    axes.set_ylabel(_measure(results))
+    axes.set(title="grey: one column under one motion; thick: of all runs", ylabel=_label(results, curves.name))
+    axes.set_xlabel("largest displacement of any block (mm)")
     axes.legend(frameon=False, title="an arrow: beyond it they overturn", loc="upper left")
     fallen.plot(curves.overturned, curves.levels, "o-", color="black", markersize=3.0, label="overturned")
     either = curves.overturned + curves.undecided
@@ -222,16 +212,9 @@ def _draw_scenarios(axes: Axes, results: Results, limit: float | None) -> None:
         low, high = bounds_of(hits[there], runs[there])
         share = hits[there] / runs[there]
         beside = 0.02 * (k - 0.5 * (len(distances) - 1))  # so that bounds do not cover each other
-        axes.errorbar(
-            magnitudes[there] + beside,
-            share,
-            np.abs(np.array([low, high]) - share),
-            fmt="o-",
-            color=colour,
-            markersize=4.0,
-            capsize=2.5,
-            label=f"{distance:g} km",
-        )
+        bounds = np.abs(np.array([low, high]) - share)
+        place, name = magnitudes[there] + beside, f"{distance:g} km"
+        axes.errorbar(place, share, bounds, fmt="o-", color=colour, markersize=4.0, capsize=2.5, label=name)
     what = "overturned" if limit is None else f"overturned or moved by more than {limit:g} m"
     axes.set(xlabel="magnitude", ylabel="share of the runs", ylim=(-0.02, None))
     axes.set_title(f"{what}; bounds: 95 % binomial", loc="left", fontsize=10)
@@ -274,31 +257,21 @@ def draw_spectrum(results: Results) -> Figure:
             continue
         here = results["motion"] == k
         table = np.full((len(slender), len(sizes)), math.nan)
-        fell = np.zeros_like(table)
         for i, slenderness in enumerate(slender):
             for j, size in enumerate(sizes):
                 cell = here & (results["column.size"] == size) & (results["column.slenderness"] == slenderness)
                 if np.any(cell):
                     table[i, j] = percentiles(part[cell])[1]
-                    fell[i, j] = np.mean(results.overturned[cell])
-        shown = np.where(np.isinf(table), math.nan, table)
-        mesh = axes.pcolormesh(sizes * height, slender, shown, norm=norm, cmap="viridis", shading="nearest")
-        axes.pcolormesh(
-            sizes * height,
-            slender,
-            np.where(np.isinf(table), 1.0, math.nan),
-            cmap="gray",
-            vmin=0.0,
-            vmax=3.0,
-            shading="nearest",
-        )
+        fell = np.isinf(table)
+        stands, grey = np.where(fell, math.nan, table), np.where(fell, 1.0, math.nan)
+        mesh = axes.pcolormesh(sizes * height, slender, stands, norm=norm, cmap="viridis", shading="nearest")
+        axes.pcolormesh(sizes * height, slender, grey, cmap="gray", vmin=0.0, vmax=3.0, shading="nearest")
         axes.set_title(names[k], loc="left", fontsize=10)
         axes.set_xscale("log")
         axes.xaxis.set_major_formatter(ScalarFormatter())
         axes.xaxis.set_minor_formatter("")
-        axes.set_xticks(
-            [tick for tick in (0.5, 1, 2, 5, 10, 20, 50) if sizes[0] * height <= tick <= sizes[-1] * height]
-        )
+        ticks = (0.5, 1, 2, 5, 10, 20, 50)
+        axes.set_xticks([tick for tick in ticks if sizes[0] * height <= tick <= sizes[-1] * height])
         tidy(axes, grid=False)
     for axes in panels[-1]:
         axes.set_xlabel("height of the column (m)")
@@ -344,10 +317,6 @@ def draw_tornado(results: Results) -> Figure:
     return _captioned(figure, results, text)
 
 
-def _measure(results: Results) -> str:
-    return _label(results, intensity_name(results))
-
-
 def _label(results: Results, name: str) -> str:
     table = results.study["intensity"]
     if table is not None and table["measure"] == name:
@@ -361,7 +330,7 @@ def caption(results: Results) -> list[str]:
     study = results.study
     columns = ", ".join(f"{column['name']} ({len(column['block'])} blocks)" for column in _columns(results))
     random = ", ".join(
-        f"{name} ({table['distribution']}{', each' if table['each'] else ''})"
+        f"{name} ({table['distribution']}{', each' if table.get('each') else ''})"
         for name, table in study["random"].items()
     )
     failed = int(np.sum(results["failure"] != ""))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,10 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..common.errors import InputError, needing
+from ..models.protocol import FloatArray
 from ..models.uncertainty import CONFIDENCE, PERCENTILES, share_bounds
 from .results import Results
 
-FloatArray = NDArray[np.float64]
+# of weights of the runs and a first guess: median and deviation
+Fit = Callable[[FloatArray, tuple[float, float] | None], tuple[float, float]]
 
 RESAMPLED = 200  # times, for confidence
 GROUPS = 1000  # of neighbouring intensities, if there are more different ones: the likelihood uses their middles
@@ -123,16 +125,16 @@ def fit_fragility(
     if not 0 < np.sum(failed) < len(failed):
         raise InputError(f"{name}: {np.sum(failed)} of {len(failed)} runs failed: a fragility needs some of both")
     if method == "failures":
-        fit = _Failures(im, failed)
+        fit = _of_failures(im, failed)
         how = "overturned" if limit is None else f"overturned or moved by more than {limit:g} m"
     elif method == "demand":
         if limit is None:
             raise InputError("limit: must be given for the method demand, in m")
-        fit = _Demand(im, results.largest[valid], limit)  # type: ignore[assignment]
+        fit = _of_demand(im, results.largest[valid], limit)
         how = f"moved by more than {limit:g} m, by the demand of those that stand"
     else:
         raise InputError(f"method = {method!r}: must be failures or demand")
-    best = fit(np.ones(len(im)))
+    best = fit(np.ones(len(im)), None)
     rng = np.random.default_rng(results.study["seed"])
     count = int(clusters.max()) + 1
 
@@ -192,29 +194,24 @@ def bounds_of(count: NDArray[np.int64], size: NDArray[np.int64]) -> tuple[FloatA
     return low, high
 
 
-class _Failures:
+def _of_failures(intensity: FloatArray, failed: NDArray[np.bool_]) -> Fit:
     """Maximum likelihood of the failures: probability ndtr((log im - log median) / deviation)."""
+    with needing("studies", "scipy"):
+        from scipy.special import log_ndtr
+    every = np.log(intensity)
+    x, group = np.unique(every, return_inverse=True)
+    if len(x) > GROUPS:
+        order = np.argsort(every, kind="stable")
+        group = np.empty(len(every), dtype=np.int64)
+        group[order] = np.arange(len(every)) * GROUPS // len(every)
+        x = np.bincount(group, weights=every) / np.bincount(group)
 
-    def __init__(self, intensity: FloatArray, failed: NDArray[np.bool_]) -> None:
-        x = np.log(intensity)
-        levels, self._group = np.unique(x, return_inverse=True)
-        if len(levels) > GROUPS:
-            order = np.argsort(x, kind="stable")
-            self._group = np.empty(len(x), dtype=np.int64)
-            self._group[order] = np.arange(len(x)) * GROUPS // len(x)
-            levels = np.bincount(self._group, weights=x) / np.bincount(self._group)
-        self._x, self._failed = levels, failed
-
-    def __call__(self, weights: FloatArray, start: tuple[float, float] | None = None) -> tuple[float, float]:
-        count = len(self._x)
-        runs = np.bincount(self._group, weights=weights, minlength=count)
-        hits = np.bincount(self._group, weights=weights * self._failed, minlength=count)
-        with needing("studies", "scipy"):
-            from scipy.special import log_ndtr
+    def fit(weights: FloatArray, start: tuple[float, float] | None) -> tuple[float, float]:
+        runs, hits = (np.bincount(group, weights=each, minlength=len(x)) for each in (weights, weights * failed))
 
         def loss(p: FloatArray) -> tuple[float, FloatArray]:
             deviation = math.exp(p[1])
-            z = (self._x - p[0]) / deviation
+            z = (x - p[0]) / deviation
             yes, no = log_ndtr(z), log_ndtr(-z)
             density = -0.5 * z * z - 0.5 * math.log(2.0 * math.pi)
             slope = hits * np.exp(density - yes) - (runs - hits) * np.exp(density - no)
@@ -222,37 +219,34 @@ class _Failures:
             return value, np.array([np.sum(slope) / deviation, np.sum(slope * z)])
 
         if start is None:
-            middle = float(np.sum(runs * self._x) / np.sum(runs))
-            start = math.exp(middle), max(LEAST_DEVIATION, float(np.std(self._x)))
+            start = math.exp(float(np.sum(runs * x) / np.sum(runs))), max(LEAST_DEVIATION, float(np.std(x)))
         median, deviation = _minimum(loss, start)
         return math.exp(median), math.exp(deviation)
 
+    return fit
 
-class _Demand:
+
+def _of_demand(intensity: FloatArray, largest: FloatArray, limit: float) -> Fit:
     """Maximum likelihood of log u = a + b log im + s e; displacements beyond the limit are censored there."""
+    with needing("studies", "scipy"):
+        from scipy.optimize import minimize
+        from scipy.special import log_ndtr
+    x, beyond = np.log(intensity), largest > limit
+    y = np.log(np.where(beyond, limit, largest))
 
-    def __init__(self, intensity: FloatArray, largest: FloatArray, limit: float) -> None:
-        self._x = np.log(intensity)
-        self._beyond = largest > limit
-        self._y = np.log(np.where(self._beyond, limit, largest))
-        self._limit = math.log(limit)
-
-    def __call__(self, weights: FloatArray, start: tuple[float, float] | None = None) -> tuple[float, float]:
-        with needing("studies", "scipy"):
-            from scipy.optimize import minimize
-            from scipy.special import log_ndtr
-
+    def fit(weights: FloatArray, _: tuple[float, float] | None) -> tuple[float, float]:
         def loss(p: FloatArray) -> float:
-            spread = math.exp(p[2])
-            z = (self._y - p[0] - p[1] * self._x) / spread
+            z = (y - p[0] - p[1] * x) / math.exp(p[2])
             seen = -0.5 * z * z - p[2]
-            return -float(np.sum(weights * np.where(self._beyond, log_ndtr(-z), seen)))
+            return -float(np.sum(weights * np.where(beyond, log_ndtr(-z), seen)))
 
-        slope, base = np.polyfit(self._x[~self._beyond], self._y[~self._beyond], 1)
+        slope, base = np.polyfit(x[~beyond], y[~beyond], 1)
         found = minimize(loss, np.array([base, max(slope, 0.1), math.log(0.5)]), method="Nelder-Mead").x
         if not found[1] > 0.0:
             raise InputError("the displacements do not grow with the intensity: the method demand does not apply")
-        return math.exp((self._limit - found[0]) / found[1]), math.exp(found[2]) / found[1]
+        return math.exp((math.log(limit) - found[0]) / found[1]), math.exp(found[2]) / found[1]
+
+    return fit
 
 
 def _minimum(loss: Any, start: tuple[float, float]) -> tuple[float, float]:
@@ -312,11 +306,11 @@ def ida_curves(results: Results) -> Curves:
     )
 
 
-def percentiles(values: FloatArray, points: Sequence[float] = PERCENTILES) -> FloatArray:
-    """Points over the first axis, among values that are not NaN, infinite ones included; between two the lower one."""
+def percentiles(values: FloatArray) -> FloatArray:
+    """16, 50 and 84 % points over the first axis, NaN left out, infinite values included; between two the lower one."""
     ordered = np.sort(values, axis=0)
     last = np.sum(~np.isnan(ordered), axis=0) - 1
-    places = [np.maximum(np.floor(0.01 * point * last + 0.5).astype(np.int64), 0) for point in points]
+    places = [np.maximum(np.floor(0.01 * point * last + 0.5).astype(np.int64), 0) for point in PERCENTILES]
     return np.array([np.take_along_axis(ordered, place[None], axis=0)[0] for place in places])
 
 

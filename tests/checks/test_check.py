@@ -27,11 +27,12 @@ from multiblock import (
     wavelets,
 )
 from solver.checks.action import Action
-from solver.checks.check import checked, subject_of
+from solver.checks.check import checked
 from solver.checks.limits import TOLERANCE
 from solver.checks.margin import MOST, NARROW, STEP, margin_of
 from solver.checks.runs import as_given, varied
 from solver.checks.scaling import ScaledMotion, applied
+from solver.checks.subject import subject_of
 from solver.checks.table import Row
 from solver.checks.verdicts import Verdicts
 

@@ -24,10 +24,10 @@ from multiblock import (
     spectrum,
     wavelets,
 )
-from solver.checks.check import subject_of
 from solver.checks.kinematic import mechanism, rocking_period
 from solver.checks.margin import NARROW
 from solver.checks.scaling import horizontal_pga, horizontal_psa, scaled_to_pga, scaled_to_sa, scaled_to_spectrum
+from solver.checks.subject import subject_of
 from solver.checks.table import Row
 from solver.checks.verdicts import falls, verdicts_of
 from solver.commands.command_line import main

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from graphlib import TopologicalSorter
 from pathlib import Path
 
@@ -11,31 +12,36 @@ from fmpy import read_model_description
 from support.child import call_with_example as example
 from support.fmus import REFUSED, ROOT, run
 from support.inside import coupled as inside
+from support.inside import systems
 
 pytestmark = pytest.mark.long  # builds native FMUs
 
 EXAMPLE = ROOT / "examples" / "coupling"
+SPLIT = ("R0x", "R0z", "R0m", "mxx", "mxz", "mxt", "mzz", "mzt", "mtt")
+BODY = ("F0x", "F0z", "F0m", "Mxx", "Mxz", "Mxt", "Mzz", "Mzt", "Mtt")
 
 
 @pytest.mark.parametrize("partner", ["isolator", "soil"])
 def test_initialization_has_no_algebraic_loop(coupled: Path, partner: str) -> None:
-    """Outputs of initialization and what they follow, within the FMUs and through the connections."""
-    follows: dict[tuple[str, str], set[tuple[str, str]]] = {}
-    variables = {}
-    for part in ("column", partner):
-        description = read_model_description(str(coupled / f"{part}.fmu"))
-        variables[part] = {variable.name for variable in description.modelVariables}
-        for unknown in description.initialUnknowns:
-            assert unknown.dependencies is not None
-            names = {(part, variable.name) for variable in unknown.dependencies}
-            follows[part, unknown.variable.name] = names
-            if part == "column":
-                reaction = unknown.variable.name.removeprefix("base.")
-                follows[partner, f"column.{reaction}"] = {(part, unknown.variable.name)}
-    for name in ("ax", "az", "jx", "jz", "theta", "omega", "alpha"):
-        if f"base.{name}" in variables[partner]:
-            follows["column", f"base.{name}"] = {(partner, f"base.{name}")}
-    TopologicalSorter(follows).prepare()  # raises CycleError
+    """Outputs and what they follow, in initialization and later, within the FMUs and through the connections."""
+    for when in ("initialUnknowns", "outputs"):
+        follows: dict[tuple[str, str], set[tuple[str, str]]] = {}
+        variables = {}
+        for part in ("column", partner):
+            description = read_model_description(systems.path_of(str(coupled), partner, part))
+            variables[part] = {variable.name for variable in description.modelVariables}
+            for unknown in getattr(description, when):
+                assert unknown.dependencies is not None
+                names = {(part, variable.name) for variable in unknown.dependencies}
+                follows[part, unknown.variable.name] = names
+                if when == "outputs" and re.match(r"base\.(R0|m)|body\.", unknown.variable.name):
+                    assert {name for _, name in names} <= {"base.theta", "base.omega"}  # nobody connects these
+        for name in SPLIT:
+            follows[partner, f"column.{name}"] = {("column", f"base.{name}")}
+        for name in BODY:
+            if f"body.{name}" in variables[partner]:
+                follows["column", f"body.{name}"] = {(partner, f"body.{name}")}
+        TopologicalSorter(follows).prepare()  # raises CycleError
 
 
 @pytest.mark.parametrize("damping", [1e-3, 0.0])

@@ -16,7 +16,7 @@ import build_fmu
 from fmu_src.references import FAMILIES, FAMILY, REFERENCES
 from fmu_src.structure_variables import structure_variables
 from solver import Motion, simulate
-from solver.models.structure.driven import DrivenStructure, packed
+from solver.models.structure.driven import Chosen, DrivenStructure, packed
 from solver.models.structure.model import Structure
 from solver.models.structure.outputs import OUTPUTS
 
@@ -133,7 +133,7 @@ def test_a_fall_is_told_and_held(trilith: Path) -> None:
 def test_a_motion_in_a_plane_stays_in_it() -> None:
     """Exactly, until something pushes across."""
     structure = Structure.from_toml(FOLDER / "doric-in-space.toml")
-    driven = DrivenStructure(structure, packed(structure), (1e-5, 0.0, 1.0))
+    driven = DrivenStructure(structure, packed(structure), Chosen(1e-5))
     n = structure.n
 
     def uy(t: float, ay: float) -> np.ndarray:

@@ -54,7 +54,7 @@ def write_report(
 def _content(checks: Sequence[Check]) -> dict[str, Any]:
     """Everything that the template names."""
     check = checks[0]
-    shown = shown_of(check)
+    shown = shown_of(check.subject.model, check, check.responses[check.governing])
     return {
         "check": check,
         "word": check.subject.model.kind.word,

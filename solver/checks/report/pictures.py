@@ -5,16 +5,14 @@ from __future__ import annotations
 import base64
 import io
 import math
-from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.figure import Figure
 
 from ...ground.motion import STANDARD_GRAVITY
 from ...models.column.model import Column
-from ...models.column.packing import FloatArray
 from ...models.column.response import Response
-from ...plotting.drawings import draw_column, plot_column
+from ...plotting.drawings import Places, draw_column, plot_column
 from ...plotting.plots import HISTORIES, plot_histories
 from ...plotting.style import INK, block_colours, plain
 from ...plotting.words import verdict_of
@@ -25,16 +23,6 @@ DPI = 140
 PERIODS = np.geomspace(0.04, 4.0, 100)  # s
 MOST_NUMBERED = 15  # joints that get a number; of more, every second, third ...
 LABELS = {0.05: "0.05", 0.1: "0.1", 0.2: "0.2", 0.5: "0.5", 1.0: "1", 2.0: "2", 4.0: "4"}
-
-
-@dataclass(frozen=True, eq=False)
-class _Rest:
-    """The column as built, for `drawings`."""
-
-    column: Column
-    ux: FloatArray
-    uz: FloatArray
-    theta: FloatArray
 
 
 def embedded(figure: Figure, tight: bool = False) -> str:
@@ -50,7 +38,7 @@ def column_picture(column: Column) -> Figure:
     figure = Figure(figsize=(2.6, 4.6), layout="constrained")
     axes = figure.add_subplot()
     zero = np.zeros((1, column.n))
-    draw_column(axes, _Rest(column, zero, zero, zero), 0, 1.0)
+    draw_column(axes, Places(column, zero, zero, zero), 0, 1.0)
     widest = max(max(block.width, block.top_width or 0.0) for block in column.blocks)
     aside, foot = 0.62 * widest, height
     every = math.ceil(column.n / MOST_NUMBERED)

@@ -45,18 +45,6 @@ def format_of(path: str | os.PathLike[str]) -> str:
         return _format(lines_of(path))
 
 
-def read_at2(path: str | os.PathLike[str]) -> Record:
-    """Return a PEER AT2 record. Raises InputError that begins with `path`."""
-    with reading(path):
-        return peer.read(lines_of(path))
-
-
-def read_csv(path: str | os.PathLike[str]) -> Record:
-    """Return the record of a CSV file with a header. Raises InputError that begins with `path`."""
-    with reading(path):
-        return columns.read_csv(lines_of(path))
-
-
 def _format(lines: list[str]) -> str:
     if columns.recognised(lines):
         return columns.CSV

@@ -12,6 +12,7 @@ from ..column.normal_modes import scratch_size as modes_scratch
 from ..column.rest import find_rest
 from ..column.solids import homogeneous
 from ..formulations.base_motion import base_motion, enter
+from ..formulations.coupled_base import couple, driven_along
 from ..formulations.dispatch import Column
 from ..formulations.exact import Motion
 from ..formulations.feedthrough import (
@@ -26,15 +27,18 @@ from ..integrators.interpolation import slips_of
 from ..joint.law import joint_forces, law_of
 from ..joint.sliding import RIGID
 from ..layout.spaces import (
+    ACCELERATION,
     BASE,
     COUNTS,
     ELASTIC,
+    HORIZONTAL,
     LAW,
     MODAL_MOST,
     MODEL,
     MOST_STRIPS,
     OK,
     OTHER_LAW,
+    RECORD_BESIDE,
     ROW,
     SNAPSHOT,
     SPLIT,
@@ -50,7 +54,7 @@ from ..sections.section import contact_of, full_stiffness, is_off_centre, lay_ou
 from ..stepping.advance import advance, take_phase
 
 # description of a column: settings, then a record for each block; 0 for an optional value that is not given
-GIVEN_SETTINGS = Record("g", "step", "tolerance", "without")
+GIVEN_SETTINGS = Record("g", "step", "tolerance", "without", "drive", "slope", "bodies")
 GIVEN_BLOCK = ("height", "width", "depth", "mass", "centroid", "inertia", "tilt")
 GIVEN_JOINT = (*LAW, "width", "depth", "friction", "dowel", "offset", "inclination")
 # properties that no parameter of an FMU changes: of the block the code of the section, inner diameter m, sizes of the
@@ -60,7 +64,8 @@ GIVEN_SHAPE = (
     *("joint_section", "joint_bore", "strips", *(f"strip_{k}" for k in range(MOST_STRIPS))),
 )
 GIVEN = Record(*GIVEN_BLOCK, *(f"joint_{name}" for name in GIVEN_JOINT), *GIVEN_SHAPE)
-# inputs of the base, set by a caller: accelerations, their slopes, rotation
+# inputs of the base, set by a caller: accelerations, their slopes, rotation; behind them those of each body that drives
+# it (formulations/coupled_base.py, BODY)
 BASE_INPUTS = Record("ax", "az", "jx", "jz", "theta", "omega", "alpha")
 
 # codes of `assemble`, beside those of layout/spaces.py
@@ -84,7 +89,7 @@ _SETTINGS_FIELDS, _BLOCK_FIELDS = GIVEN_SETTINGS.beside, GIVEN.beside
 _ROW_FIELDS, _ROW_BESIDE = ROW.per_n, ROW.beside
 _WORK_PER_N, _WORK_BESIDE = WORK.per_n, WORK.beside
 _CONTROL_FIELDS, _STATE_PER_N = STATE.beside, STATE.per_n
-_COUNTS, _BASE, _SPLIT = COUNTS.beside, BASE.beside, SPLIT.beside
+_COUNTS, _BASE, _SPLIT, _INPUTS = COUNTS.beside, BASE.beside, SPLIT.beside, BASE_INPUTS.beside
 
 
 def model_room(n: int) -> int:
@@ -147,6 +152,7 @@ def describe(column, given, detail):
     settings.step = described.step
     settings.tolerance = described.tolerance
     settings.without = described.without
+    settings.drive, settings.slope, settings.bodies = described.drive, described.slope, described.bodies
     settings.has_modes = 0.0
     settings.slides = 0.0
     settings.off_axis = 0.0
@@ -279,7 +285,26 @@ def drive(base, inputs, elapsed, t):
     base.theta = given.theta + elapsed * (given.omega + 0.5 * elapsed * given.alpha)
     base.omega = given.omega + elapsed * given.alpha
     base.alpha = given.alpha
+    base.jalpha = 0.0
     base.t0 = t
+
+
+@kernel
+def exchange(column, inputs, t, row, split):
+    """Let the base go on from time t as bodies drive it, by inputs of that instant. Returns a code.
+
+    row, split: filled with the outputs at t as the base has moved so far.
+    """
+    if column.samples.size > 0:
+        return RECORD_BESIDE
+    code = see(column, base_of(column, t), row, split)
+    return join(column.base, column.model.settings, inputs, t, split) if code == OK else code
+
+
+@kernel
+def join(base, settings, inputs, t, split):
+    """`exchange` where the split of the column at t is known. Returns a code."""
+    return couple(base, settings, _base_inputs(inputs, 0), inputs, _INPUTS, t, split)
 
 
 @kernel
@@ -295,9 +320,17 @@ def base_of(column, t):
 
 
 @kernel
-def follow(column, inputs, start, h, watch):
-    """Take the column from `start` to start + h, s, under inputs that begin there, and the record. Returns a code."""
-    drive(column.base, inputs, 0.0, start)
+def follow(column, inputs, start, h, watch, row, split):
+    """Take the column from `start` to start + h, s, under inputs that begin there, and the record. Returns a code.
+
+    row, split: room.
+    """
+    if column.model.settings.drive == ACCELERATION:
+        drive(column.base, inputs, 0.0, start)
+    else:
+        code = exchange(column, inputs, start, row, split)
+        if code != OK:
+            return code
     return advance(column, start, h, watch)
 
 
@@ -336,7 +369,10 @@ def look(column, inputs, new_inputs, upright, elapsed, t, row, split):
     """
     base, control = column.base, column.state.control
     if new_inputs != 0:
-        drive(base, inputs, elapsed, t)
+        if column.model.settings.drive == ACCELERATION:
+            drive(base, inputs, elapsed, t)
+        else:  # before there is a mass at the base it does not move
+            exchange(column, inputs, t, row, split)
     enter(base, column.samples, t)
     if upright != 0:
         control.base_theta = base.theta
@@ -399,10 +435,10 @@ def _go_on(saved, to, i, past):
 
 
 @kernel
-def feedthrough(column, seeds, elapsed, t, row, split, other, other_split):
+def feedthrough(column, inputs, seeds, elapsed, t, row, split, other, other_split):
     """Fill row and split with the derivative of every output by the base's inputs, in the direction `seeds`.
 
-    seeds: one for each of BASE_INPUTS, which were set `elapsed` s before; at time t under the inputs that `look` has
+    seeds: one for each of the inputs, which were set `elapsed` s before; at time t under the inputs that `look` has
     left. Outputs that depend on the accelerations of the base at once are linear in them: forces along the joints and
     reaction, by formulations/feedthrough.py. Dependence on the rotation and its rate is differenced. Returns a code.
     """
@@ -419,6 +455,12 @@ def feedthrough(column, seeds, elapsed, t, row, split, other, other_split):
     turn = seed.theta + elapsed * (seed.omega + 0.5 * elapsed * alpha)
     motion = base_motion(column.base, column.samples, t)
     see(column, motion, other, other_split)
+    if model.settings.drive != ACCELERATION:
+        along_x, along_z, alpha = driven_along(
+            model.settings, inputs, seeds, _INPUTS, other_split, motion, along_z, alpha
+        )
+        if model.settings.drive != HORIZONTAL:
+            turn = spin = 0.0  # they belong to the state
     phase = work.between
     g_x, g_z, g_m = base_direction(model, phase, motion.theta)
     met = g_x * along_x + g_z * along_z + g_m * alpha

@@ -3,7 +3,7 @@
 from ..formulations.base_motion import Samples, enter
 from ..joint.energy import least_energy
 from ..joint.law import joint_potential, law_of
-from ..layout.spaces import MODEL, ROW, SPLIT
+from ..layout.spaces import BASE, MODEL, ROW, SPLIT
 from ..numba_ext.jit import entry
 from ..numba_ext.views import row_of
 from ..output.watch import Watch
@@ -11,10 +11,10 @@ from ..sections.circle import ring_part
 from ..sections.faces import Face
 from ..sections.section import contact_of, lay_out, part_stiffness
 from ..stepping.advance import advance
-from .engine import assemble, base_of, column_over, observe_all, see
+from .engine import assemble, base_of, column_over, join, observe_all, see
 
 _model = MODEL.over
-_row, _split = ROW.over, SPLIT.over
+_row, _split, _base = ROW.over, SPLIT.over, BASE.over
 
 # a column is (n, model, state, counts, base, work); a record (times, ax, az, scale, held)
 
@@ -45,6 +45,13 @@ def observe_state(n, model, state, counts, base, work, times, ax, az, scale, hel
     column = column_over(n, row_of(model), row_of(state), row_of(counts), row_of(base), samples, row_of(work))
     enter(column.base, samples, t)
     return see(column, base_of(column, t), _row(row_of(row), n), _split(row_of(split), 0))
+
+
+@entry
+def join_base(n, model, base, inputs, t, split):
+    """`engine.join`."""
+    settings = _model(row_of(model), n).settings
+    return join(_base(row_of(base), 0), settings, row_of(inputs), t, _split(row_of(split), 0))
 
 
 @entry

@@ -33,10 +33,11 @@ def assemble(n, given, from_rest, model, state, counts, base, work, scratch, det
     return engine.assemble(column, row_at(given), from_rest, row_at(scratch), row_at(detail))
 
 
-def follow(n, model, state, counts, base, work, inputs, start, h, count, times, ax, az, scale):
+def follow(n, model, state, counts, base, work, inputs, start, h, count, times, ax, az, scale, row, split):
     """`engine.follow`."""
     column = _column(n, model, state, counts, base, work, _samples(count, times, ax, az, scale))
-    return engine.follow(column, row_at(inputs), start, h, Watch(0, row_at(work), row_at(work), True))
+    watch, here, parts = Watch(0, row_at(work), row_at(work), True), _row(row_at(row), n), _split(row_at(split), 0)
+    return engine.follow(column, row_at(inputs), start, h, watch, here, parts)
 
 
 def look(
@@ -73,13 +74,31 @@ def rates(n, model, state, counts, base, work, t, count, times, ax, az, scale, r
 
 
 def feedthrough(
-    n, model, state, counts, base, work, seeds, elapsed, t, count, times, ax, az, scale, row, split, other, other_split
+    n,
+    model,
+    state,
+    counts,
+    base,
+    work,
+    inputs,
+    seeds,
+    elapsed,
+    t,
+    count,
+    times,
+    ax,
+    az,
+    scale,
+    row,
+    split,
+    other,
+    other_split,
 ):
     """`engine.feedthrough`."""
     column = _column(n, model, state, counts, base, work, _samples(count, times, ax, az, scale))
     here, there = _row(row_at(row), n), _row(row_at(other), n)
     parts, other_parts = _split(row_at(split), 0), _split(row_at(other_split), 0)
-    return engine.feedthrough(column, row_at(seeds), elapsed, t, here, parts, there, other_parts)
+    return engine.feedthrough(column, row_at(inputs), row_at(seeds), elapsed, t, here, parts, there, other_parts)
 
 
 _numbers, _counters = types.CPointer(types.double), types.CPointer(types.int64)
@@ -90,8 +109,8 @@ _outputs = (_numbers, _numbers)  # row, split
 # entry -> types of its arguments; all return a code
 ENTRIES = {
     assemble: (_whole, _numbers, _whole, _numbers, _numbers, _counters, _numbers, _numbers, _numbers, _numbers),
-    follow: (*_arguments, _numbers, _number, _number, *_record),
+    follow: (*_arguments, _numbers, _number, _number, *_record, *_outputs),
     look: (*_arguments, _numbers, _whole, _whole, _number, _number, *_record, *_outputs),
     rates: (*_arguments, _number, *_record, *_outputs, *_outputs),
-    feedthrough: (*_arguments, _numbers, _number, _number, *_record, *_outputs, *_outputs),
+    feedthrough: (*_arguments, _numbers, _numbers, _number, _number, *_record, *_outputs, *_outputs),
 }

@@ -11,11 +11,11 @@ def assemble(n, given, from_rest, model, state, counts, base, work, scratch, det
     return driven.assemble(*arrays, row_at(given), from_rest)
 
 
-def follow(n, model, state, counts, base, work, inputs, start, h, count, times, ax, ay, az, scale):
+def follow(n, model, state, counts, base, work, inputs, start, h, count, times, ax, ay, az, scale, row, split):
     """`driven.follow`."""
     arrays = row_at(model), row_at(state), row_at(counts), row_at(base), row_at(work)
     record = count, row_at(times), row_at(ax), row_at(ay), row_at(az), scale
-    return driven.follow(*arrays, row_at(inputs), start, h, *record)
+    return driven.follow(*arrays, row_at(inputs), start, h, *record, row_at(row))
 
 
 def look(
@@ -51,8 +51,8 @@ def rates(n, model, state, counts, base, work, t, count, times, ax, ay, az, scal
 
 
 # fmt: off
-def feedthrough(n, model, state, counts, base, work, seeds, elapsed, t, count, times, ax, ay, az, scale, row, split,
-                other, other_split):
+def feedthrough(n, model, state, counts, base, work, inputs, seeds, elapsed, t, count, times, ax, ay, az, scale, row,
+                split, other, other_split):
     # fmt: on
     """`driven.feedthrough`."""
     return driven.feedthrough(row_at(model), row_at(row))

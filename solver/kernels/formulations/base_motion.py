@@ -150,27 +150,27 @@ def base_motion_beside(base, samples, t, sine):
     amplitude = wave_amplitude(base, samples)
     if amplitude != 0.0:
         ax += amplitude * sine
-    omega, alpha = base.omega, base.alpha
-    return Motion(ax, az, base.theta + past * (omega + 0.5 * past * alpha), omega + past * alpha, alpha)
+    return Motion(ax, az, base_turn(base, t), base_spin(base, t), base.alpha + past * base.jalpha)
 
 
 @leaf
 def base_turn(base, t):
     """Rotation of the base at time t, rad clockwise."""
     past = t - base.t0
-    return base.theta + past * (base.omega + 0.5 * past * base.alpha)
+    return base.theta + past * (base.omega + (0.5 * past * base.alpha + past * past * (base.jalpha / 6.0)))
 
 
 @leaf
 def base_spin(base, t):
     """Rate of rotation of the base at time t, rad/s."""
-    return base.omega + (t - base.t0) * base.alpha
+    past = t - base.t0
+    return base.omega + past * (base.alpha + 0.5 * past * base.jalpha)
 
 
 @leaf
 def base_rotates(base):
     """Whether the base is turned or turning."""
-    return base.theta != 0.0 or base.omega != 0.0 or base.alpha != 0.0
+    return base.theta != 0.0 or base.omega != 0.0 or base.alpha != 0.0 or base.jalpha != 0.0
 
 
 @leaf

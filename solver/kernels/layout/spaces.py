@@ -25,6 +25,12 @@ RESULTANTS = 8  # output rows only where they are asked for
 IMPLICIT = 16  # the implicit method where it goes further than the explicit one
 EXTREMES = 32  # no short cut: peaks of more than u_x
 
+# --- how the base moves: as its inputs say, or by what acts at it (formulations/coupled_base.py), along x alone or not
+ACCELERATION, BODY, HORIZONTAL = 0.0, 1.0, 2.0
+DRIVES = {"acceleration": ACCELERATION, "body": BODY, "horizontal": HORIZONTAL}
+SLOPE_PARABOLA, SLOPE_LINE, SLOPE_HELD = 0.0, 1.0, 2.0
+SLOPES = {"parabola": SLOPE_PARABOLA, "line": SLOPE_LINE, "held": SLOPE_HELD}
+
 # --- model
 SETTINGS = Record(
     "n",  # number of blocks
@@ -40,6 +46,9 @@ SETTINGS = Record(
     "slides",  # 1 where some joint may slide, or the column is off its axis: slips are coordinates
     "off_axis",  # 1 where the rest is not the straight column
     "per_slip",  # 1/m, rotation of the column that moves its top as far as a slip
+    "drive",  # how the base moves: a code of DRIVES
+    "slope",  # how its acceleration goes on where a body drives it: a code of SLOPES
+    "bodies",  # that drive it
 )
 MOST_STRIPS = 32  # of a section made of strips
 STRIP_NUMBERS = 2 + MOST_STRIPS  # how many strips, their width in m, their depths in m
@@ -182,7 +191,7 @@ COUNTS = Record(
 )
 
 # --- base: a_x = ax + jx (t - t0) + wave_amplitude sin(wave_omega t + wave_phase); the base turns by
-# theta + omega (t - t0) + alpha (t - t0)^2 / 2, clockwise
+# theta + omega (t - t0) + alpha (t - t0)^2 / 2 + jalpha (t - t0)^3 / 6, clockwise
 BASE = Record(
     "t0",  # s
     "ax",  # m/s2
@@ -205,6 +214,17 @@ BASE = Record(
     "piece_jx",  # m/s3
     "piece_az",
     "piece_jz",
+    "jalpha",  # rad/s3, slope of alpha
+    "coupled",  # 1 once a body has driven the base
+    "steps",  # exchanges before this one that are kept, at most 2
+    "last_step",  # s, from the last one to this one; m/s2 and rad/s2, what it was driven by then
+    "last_ax",
+    "last_az",
+    "last_alpha",
+    "before_step",  # and the one before
+    "before_ax",
+    "before_az",
+    "before_alpha",
 )
 
 # --- one snapshot: the base acceleration, then the phase that belongs to it, slips where there are any
@@ -302,6 +322,8 @@ ROTATES = -4  # the base, which the paper does not know
 TOO_MUCH_WORK = -5  # more evaluations than any column takes
 INPUT_TOO_LARGE = -6
 CALL_TOO_LONG = -7  # shorter ones can be made
+BODY_LACKING = -8  # forces act at the base, and no mass
+RECORD_BESIDE = -9  # a record shakes the base beside the body that drives it
 MOST_INPUT = 1e6  # of each input of the base, in its unit
 
 

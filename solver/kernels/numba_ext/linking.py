@@ -9,7 +9,9 @@ All private parts of numba that this uses are listed in numba_parts.py. jit.py i
 missing; otherwise it uses numba's own pipeline.
 """
 
-from collections.abc import Iterable
+import gc
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from typing import Any
 
 from llvmlite import binding as llvm
@@ -19,6 +21,25 @@ from numba.core.compiler_machinery import LoweringPass, register_pass
 from numba.core.environment import Environment
 from numba.core.funcdesc import _dynamic_modname
 from numba.core.typed_passes import NativeLowering
+
+# What numba looks for and kernels do not have: closures, `with`, `raise` of what is only known as it runs,
+# `literally`, `literal_unroll`, functions that it inlines as Python, expressions of arrays, loops in parallel. Each of
+# these passes goes through the whole function, most more than once.
+_NEEDLESS = {
+    "DumpParforDiagnostics",
+    "FindLiterallyCalls",
+    "IRProcessing",
+    "InlineClosureLikes",
+    "InlineInlinables",
+    "InlineOverloads",
+    "LiteralPropagationSubPipelinePass",
+    "LiteralUnroll",
+    "MakeFunctionToJitFunction",
+    "NoPythonSupportedFeatureValidation",
+    "NopythonRewrites",
+    "RewriteDynamicRaises",
+    "WithLifting",
+}
 
 _EXTERNAL, _SHARED, _OWN = llvm.Linkage.external, llvm.Linkage.linkonce_odr, llvm.Linkage.internal
 
@@ -138,6 +159,15 @@ class _StandIn(LoweringPass):  # type: ignore[misc]
         return True
 
 
+def _passes(state: Any, own: Any) -> list[Any]:
+    """Numba's pipeline with a pass of our own after the code is written, without those that find nothing in kernels."""
+    passes = DefaultPassBuilder.define_nopython_pipeline(state)
+    passes.passes = [each for each in passes.passes if each[0].__name__ not in _NEEDLESS]
+    passes.add_pass_after(own, NativeLowering)
+    passes.finalize()
+    return [passes]
+
+
 class KernelCompiler(Compiler):  # type: ignore[misc]
     """Compiles a kernel as far as it is typed; only other kernels and entries can call it."""
 
@@ -146,21 +176,31 @@ class KernelCompiler(Compiler):  # type: ignore[misc]
         flags = self.state.flags
         flags.no_compile = flags.no_cpython_wrapper = flags.no_cfunc_wrapper = True
         self.state.library = _library(self.state, WaitingLibrary)
-        passes = DefaultPassBuilder.define_nopython_pipeline(self.state)
-        passes.add_pass_after(_StandIn, NativeLowering)
-        passes.finalize()
-        return [passes]
+        return _passes(self.state, _StandIn)
+
+
+@contextmanager
+def _collecting_seldom() -> Iterator[None]:
+    """Let Python collect garbage less often: its scans of the compiler's objects take a sixth of the time."""
+    usual = gc.get_threshold()
+    gc.set_threshold(100_000, 20, 100)
+    try:
+        yield
+    finally:
+        gc.set_threshold(*usual)
 
 
 class EntryCompiler(Compiler):  # type: ignore[misc]
     """Compiles an entry with all kernels below it."""
+
+    def compile_extra(self, func: Any) -> Any:
+        """As numba does."""
+        with _collecting_seldom():
+            return super().compile_extra(func)
 
     def define_pipelines(self) -> list[Any]:
         """Numba's own, without parts specific to this process or to this copy of the sources."""
         flags = self.state.flags
         flags.no_cfunc_wrapper = not flags.no_cpython_wrapper  # either Python calls it or another program
         self.state.library = _library(self.state, WholeLibrary)
-        passes = DefaultPassBuilder.define_nopython_pipeline(self.state)
-        passes.add_pass_after(_Anonymous, NativeLowering)
-        passes.finalize()
-        return [passes]
+        return _passes(self.state, _Anonymous)

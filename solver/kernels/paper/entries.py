@@ -1,6 +1,7 @@
 """Entries called from Python, with the arguments of those of the same names in api/entries.py and batch/entries.py."""
 
 from ..api.engine import NO_REST, base_of, carries, describe, observe_all, reset, see
+from ..api.entries import join_base as join_base
 from ..batch.entries import queue_of
 from ..batch.follow import batch_over
 from ..formulations.base_motion import Samples, enter

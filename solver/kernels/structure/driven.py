@@ -6,7 +6,17 @@ structure follows from its state, and nothing from the acceleration of the same 
 
 import math
 
-from ..layout.spaces import CALL_TOO_LONG, INPUT_TOO_LARGE, MOST_INPUT, TOO_MUCH_WORK
+from ..formulations.coupled_base import are_silent, has_gone_on, slope_of
+from ..layout.spaces import (
+    ACCELERATION,
+    BODY_LACKING,
+    CALL_TOO_LONG,
+    HORIZONTAL,
+    INPUT_TOO_LARGE,
+    MOST_INPUT,
+    RECORD_BESIDE,
+    TOO_MUCH_WORK,
+)
 from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.views import Record, clear, copy
 from ..stepping.control import most_of_a_call, most_work
@@ -17,6 +27,7 @@ from .layout import (
     COUNTS,
     HEAD,
     MODEL,
+    OF_BASE,
     OK,
     PAUSED,
     PHASE,
@@ -31,15 +42,17 @@ from .stepping import advance
 from .watch import RATES, STAGE, Watch, row, seen
 
 INPUTS = Record("ax", "ay", "az", "jx", "jy", "jz")  # m/s2; m/s3, their slopes
+BODY = Record("F0x", "F0y", "F0z", "M")  # behind them, of each body that drives the base: N, kg
 # description of a structure: what a caller may choose, the model, then its rest: a state
-GIVEN = Record("tolerance", "without", "damping_scale")
+GIVEN = Record("tolerance", "without", "damping_scale", "drive", "slope", "bodies")
 WITHOUT_PEAKS, WITHOUT_ELASTIC = 1, 2  # codes of `without`: peaks but those of displacements, steps by modes
 HEAVIER = 4.0  # an evaluation of a block or joint, over that of a block of a column
 RATE_PART = 1e-4  # of the first step: half the time over which outputs are differenced
 
 _inputs, _head, _given, _base, _phase = INPUTS.over, HEAD.over, GIVEN.over, BASE.over, PHASE.over
 _model, _state = MODEL.over, STATE.over
-_GIVEN, _COUNTS, _BASE = GIVEN.beside, COUNTS.beside, BASE.beside
+_body, _INPUTS, _BODY = BODY.over, INPUTS.beside, BODY.beside
+_GIVEN, _COUNTS, _BASE, _REACTION = GIVEN.beside, COUNTS.beside, BASE.beside, len(OF_BASE)
 
 
 @kernel
@@ -55,6 +68,7 @@ def assemble(model, state, counts, base, work, given, from_rest):
     settings.watches = 0.0 if int(described.without) & WITHOUT_PEAKS else 1.0
     if int(described.without) & WITHOUT_ELASTIC:
         settings.has_modes = 0.0
+    settings.drive, settings.slope, settings.bodies = described.drive, described.slope, described.bodies
     for j in range(sizes.m):
         joints.damping[j] *= described.damping_scale
         least = settings.relaxation if joints.friction[j] != math.inf else 0.0
@@ -90,6 +104,47 @@ def _drive(base, inputs, elapsed, t):
     base.t0 = t
 
 
+@kernel
+def _exchange(scene, shaking, inputs, phase, t, flat, visible):
+    """Let the base go on from time t as bodies drive it (formulations/coupled_base.py). Returns a code.
+
+    flat: whether the structure moves in the plane x, z alone. visible: filled with the outputs at time t.
+    """
+    base, settings, given = shaking.base, scene.settings, _inputs(inputs, 0)
+    _see(scene, phase, visible)
+    reaction = visible[scene.visible - _REACTION :]
+    x, y, z, mass = reaction[0], 0.0 if flat else reaction[1], reaction[2], 0.0
+    for k in range(int(settings.bodies)):
+        body = _body(inputs[_INPUTS + k * _BODY :], 0)
+        x, y, z, mass = x + body.F0x, y + body.F0y, z + body.F0z, mass + body.M
+    step = t - base.t0
+    if has_gone_on(base, step, t):
+        base.steps = min(base.steps + 1.0, 2.0)
+        base.before_step, base.before_ax = base.last_step, base.last_ax
+        base.before_ay, base.before_az = base.last_ay, base.last_az
+        base.last_step, base.last_ax, base.last_ay, base.last_az = step, base.ax, base.ay, base.az
+    base.t0, base.coupled = t, 1.0
+    if not mass > 0.0:  # without one it does not accelerate
+        base.ax, base.ay, base.az, base.jx, base.jy, base.jz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+        return OK if are_silent(inputs, _INPUTS, int(settings.bodies) * _BODY) else BODY_LACKING
+    way, steps, step, before = settings.slope, base.steps, base.last_step, base.before_step
+    base.ax, base.ay, base.az, base.jz = x / mass, y / mass, given.az, given.jz
+    base.jx = slope_of(way, steps, step, before, base.ax, base.last_ax, base.before_ax)
+    base.jy = slope_of(way, steps, step, before, base.ay, base.last_ay, base.before_ay)
+    if settings.drive != HORIZONTAL:
+        base.az = z / mass
+        base.jz = slope_of(way, steps, step, before, base.az, base.last_az, base.before_az)
+    return OK
+
+
+@kernel
+def _see(scene, phase, visible):
+    """Fill an output row with the outputs of the state."""
+    recall(scene, phase.row)
+    evaluate(scene, phase, _phase(row(scene, RATES), scene.n), 0.0, 0.0, 0.0)
+    show(scene, phase, visible)
+
+
 @leaf
 def _are_bounded(base, h):
     """Whether every input is at most MOST_INPUT, m/s2, now and h s later."""
@@ -108,6 +163,12 @@ def _is_flat(shaking, phase, n, t, stop):
             return False
         if shaking.times[k] >= stop:
             break
+    return _lies_flat(phase, n)
+
+
+@leaf
+def _lies_flat(phase, n):
+    """Whether the state has no part across the plane x, z."""
     for i in range(n):
         across = phase.uy[i] != 0.0 or phase.vy[i] != 0.0 or phase.q1[i] != 0.0 or phase.q3[i] != 0.0
         if across or phase.wx[i] != 0.0 or phase.wz[i] != 0.0:
@@ -116,18 +177,27 @@ def _is_flat(shaking, phase, n, t, stop):
 
 
 @kernel
-def follow(model, state, counts, base, work, inputs, start, h, count, times, ax, ay, az, scale):
+def follow(model, state, counts, base, work, inputs, start, h, count, times, ax, ay, az, scale, visible):
     """Take the structure from `start` to start + h, s, under inputs that begin there, and the record. Returns a code.
+
+    visible: room for an output row.
 
     A structure that is its own mirror image in the plane x, z stays in it exactly as long as nothing moves it across.
     """
     scene, shaking = scene_of(model, state, counts, work), _shaking(base, count, times, ax, ay, az, scale)
-    _drive(shaking.base, inputs, 0.0, start)
+    phase, stop = _state(state, sizes_in(model)).phase, start + h
+    is_plane = _head(model, 0).is_plane != 0.0
+    if scene.settings.drive == ACCELERATION:
+        _drive(shaking.base, inputs, 0.0, start)
+    else:
+        code = RECORD_BESIDE
+        if count == 0:
+            code = _exchange(scene, shaking, inputs, phase, start, is_plane and _lies_flat(phase, scene.n), visible)
+        if code != OK:
+            return code
     if not _are_bounded(shaking.base, h):
         return INPUT_TOO_LARGE
     scene.counts.resting = 0
-    phase, stop = _state(state, sizes_in(model)).phase, start + h
-    is_plane = _head(model, 0).is_plane != 0.0
     flat = is_plane and _is_flat(shaking, phase, scene.n, start, stop)
     most, bounded = most_work(scene.settings, h), most_of_a_call(HEAVIER * (scene.n + scene.m))
     code_beyond = TOO_MUCH_WORK if most <= bounded else CALL_TOO_LONG
@@ -144,12 +214,9 @@ def look(model, state, counts, base, work, inputs, new_inputs, elapsed, t, visib
     With `new_inputs` the base follows, from time t on, the inputs set `elapsed` s before.
     """
     scene = scene_of(model, state, counts, work)
-    if new_inputs != 0:
+    if new_inputs != 0 and scene.settings.drive == ACCELERATION:  # else no output depends on them
         _drive(_base(base, 0), inputs, elapsed, t)
-    phase = _state(state, sizes_in(model)).phase
-    recall(scene, phase.row)
-    evaluate(scene, phase, _phase(row(scene, RATES), scene.n), 0.0, 0.0, 0.0)
-    show(scene, phase, visible)
+    _see(scene, _state(state, sizes_in(model)).phase, visible)
     return OK
 
 

@@ -125,10 +125,10 @@ def assemble_structure(arrays, given, from_rest):
 
 
 @entry
-def follow_structure(arrays, inputs, t, h, times, ax, ay, az):
+def follow_structure(arrays, inputs, t, h, times, ax, ay, az, row):
     """`driven.follow`."""
     record = times.size, row_of(times), row_of(ax), row_of(ay), row_of(az), 1.0
-    return driven.follow(*_rows(arrays), row_of(inputs), t, h, *record)
+    return driven.follow(*_rows(arrays), row_of(inputs), t, h, *record, row_of(row))
 
 
 @entry

@@ -42,6 +42,7 @@ SETTINGS = Record(
     "gives_way",  # 1: joints may slide or ties yield, what they give way by is integrated
     "has_modes",  # 1: steps by modes while all joints are in full contact
     "relaxation",  # s: least damping along a joint that may slide; what a tie yields by follows its stretch so fast
+    *("drive", "slope", "bodies"),  # as of a column (layout/spaces.py)
 )
 BODIES = Table(
     *("mass", "per_mass"),  # kg, 1/kg
@@ -119,6 +120,9 @@ BASE = Record(
     *("ax", "ay", "az"),  # m/s2, at time t0: inputs beside the samples
     *("jx", "jy", "jz"),  # m/s3, their slopes
     "t0",  # s
+    *("coupled", "steps"),  # as of a column, of exchanges before this one
+    *("last_step", "last_ax", "last_ay", "last_az"),
+    *("before_step", "before_ax", "before_ay", "before_az"),
 )
 # of an evaluation
 POSES = Table(  # of n + 1 bodies

@@ -6,13 +6,10 @@ cache: two thirds of the time on two cores.
 
 from __future__ import annotations
 
-import gc
 import multiprocessing
 import os
 import subprocess
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -40,8 +37,7 @@ def make_kernels(entries: Any = exact) -> None:
         return
     beside = None if are_kept(entries.run) else _process_beside(entries)
     try:
-        with _collecting_seldom():
-            compile_for(entries.run, *_column(), *SILENCE.arguments, 0.0, 0.0, np.empty(0), np.empty(0), True)
+        compile_for(entries.run, *_column(), *SILENCE.arguments, 0.0, 0.0, np.empty(0), np.empty(0), True)
         if beside is not None:
             beside.wait()
     finally:
@@ -71,21 +67,10 @@ def _process_beside(entries: Any) -> subprocess.Popen[bytes] | None:
 def compile_the_rest(entries: Any) -> None:
     """Compile, or read from the disk, all entries that a run needs besides `run`."""
     row = np.empty(0)
-    with _collecting_seldom():
-        compile_for(entries.assemble_column, *_column(), row, 1, row, row)
-        compile_for(entries.observe_snapshots, *_column(), row, row, 1)
-        compile_for(entries.observe_state, *_column(), *SILENCE.arguments, 0.0, row, row)
-
-
-@contextmanager
-def _collecting_seldom() -> Iterator[None]:
-    """Let Python collect garbage less often: its scans of the compiler's objects take a sixth of the time."""
-    usual = gc.get_threshold()
-    gc.set_threshold(100_000, 20, 100)
-    try:
-        yield
-    finally:
-        gc.set_threshold(*usual)
+    compile_for(entries.assemble_column, *_column(), row, 1, row, row)
+    compile_for(entries.observe_snapshots, *_column(), row, row, 1)
+    compile_for(entries.observe_state, *_column(), *SILENCE.arguments, 0.0, row, row)
+    compile_for(entries.join_base, 1, row, row, row, 0.0, row)
 
 
 def _column() -> tuple[Any, ...]:

@@ -12,15 +12,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...common.errors import InputError
-from ...ground.motion import Motion, check_in_plane
+from ...ground.motion import Motion
 from ...kernels.api import entries
-from ..protocol import LANES, OVERTURNED, Lanes, Plan, Run, Work, code_of
+from ..protocol import LANES, OVERTURNED, Kind, Lanes, Plan, Run, Work, code_of
 from ..uncertainty import Varied
 from .first_run import make_kernels
 from .kept import KEPT, WATCHED
 from .kinematics import Chain, chain_of
 from .lane_policy import HELD, first_step_of, kind_of, why_not_in_lanes
-from .lanes import BatchResult, Kind, follow_in_lanes, lanes_of, load_kernels, run_batch
+from .lanes import BatchResult, LaneKernels, follow_in_lanes, lanes_of, load_kernels, run_batch
 from .model import Column
 from .numbers import column_with, is_of_column, single_names
 from .outputs import OUTPUTS
@@ -35,7 +35,7 @@ MOST_DAMPED = 0.5  # of the steps implicit: beyond it lanes, which step explicit
 ALONE = 10.0  # work of a run alone, over that in lanes
 
 
-class Columns:
+class Columns(Kind):
     """Columns in their plane, with finite rotations; models/paper/kind.py has other equations.
 
     entries: module of the kernels; chain: what a phase means; own_lanes: all that it has, None: those of lanes.py;
@@ -44,12 +44,11 @@ class Columns:
 
     entries: ModuleType = entries
     chain: type[Chain] = Chain
-    own_lanes: Kind | None = None
+    own_lanes: LaneKernels | None = None
     fixed = False
     why_not = staticmethod(why_not_in_lanes)
 
     word = "column"
-    across = False
     settings = ("formulation", "integrator", "step", "tolerance", "without")
     outputs = OUTPUTS
     largest = "ux"
@@ -64,23 +63,11 @@ class Columns:
         if from_rest:
             check_stable(model)
 
-    def check_motion(self, motion: Motion) -> None:
-        """Columns move in one plane."""
-        check_in_plane(motion)
-
-    def simplest(self, model: Column, motion: Motion) -> Column:
-        """Itself."""
-        return model
-
     def single_run(self, model: Column, plan: Plan) -> tuple[Response, FloatArray]:
         """A response, and ux of the tops."""
         make_kernels(self.entries)
         response, phases = single_run(model, plan)
         return response, chain_of(model).top_displacements(phases)
-
-    def largest_of(self, response: Response, places: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Peaks and histories of ux."""
-        return response.peak_ux, places
 
     # --- many
 

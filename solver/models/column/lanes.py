@@ -41,7 +41,7 @@ MOST_ASSEMBLED = 64  # columns whose arrays are kept for their other runs
 LINE = 64  # bytes that the processor reads at once: lanes that lie across two of them cost a tenth more
 
 
-class Kind(NamedTuple):
+class LaneKernels(NamedTuple):
     """A kind of lanes; each is compiled separately."""
 
     follow: Callable[..., None]  # entry
@@ -52,11 +52,11 @@ class Kind(NamedTuple):
 
 # the later, the more sections; kinds with slips and without never share lanes
 KINDS = {
-    "plain": Kind(run_lanes),
-    "round": Kind(run_round, section="circle"),
-    "slipping": Kind(run_slipping, True),
-    "round, slipping": Kind(run_round_slipping, True, "circle"),
-    "strips, slipping": Kind(run_stripped, True, "strips"),
+    "plain": LaneKernels(run_lanes),
+    "round": LaneKernels(run_round, section="circle"),
+    "slipping": LaneKernels(run_slipping, True),
+    "round, slipping": LaneKernels(run_round_slipping, True, "circle"),
+    "strips, slipping": LaneKernels(run_stripped, True, "strips"),
 }
 KNOW = tuple(KINDS)
 
@@ -141,14 +141,20 @@ def follow_in_lanes(
     return batch.result()
 
 
-def lanes_of(columns: Sequence[Column]) -> Kind:
+def lanes_of(columns: Sequence[Column]) -> LaneKernels:
     """The kind of lanes with most sections, which has the same bits as the others for those that these know."""
-    own: Kind | None = columns[0].kind.own_lanes
+    own: LaneKernels | None = columns[0].kind.own_lanes
     return own or KINDS[max({kind_of(column) for column in columns}, key=KNOW.index)]
 
 
 def rest_in_lanes(
-    models: FloatArray, n: int, kind: Kind, phases: FloatArray, begin: FloatArray, end: FloatArray, flag: FloatArray
+    models: FloatArray,
+    n: int,
+    kind: LaneKernels,
+    phases: FloatArray,
+    begin: FloatArray,
+    end: FloatArray,
+    flag: FloatArray,
 ) -> BatchResult:
     """Follow columns of n blocks on a still base, in one thread and unchecked; `flag` as for `follow_in_lanes`.
 
@@ -185,7 +191,7 @@ class _Records:
 class _Batch:
     """Runs as rows for the kernels (kernels/batch/runs.py), and room for the first part of one run at a time."""
 
-    def __init__(self, n: int, count: int, records: _Records, rows: FloatArray, kind: Kind) -> None:
+    def __init__(self, n: int, count: int, records: _Records, rows: FloatArray, kind: LaneKernels) -> None:
         self.n, self._kind = n, kind
         self._slips = np.zeros((count, SLIP_FIELDS * n if self._kind.slips else 0))
         self._records = records

@@ -11,6 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 from ...common import effort
 from ...common.errors import SolverError, TooMuchWorkError
 from ...ground.motion import Motion
+from ...kernels.api.engine import BASE_INPUTS
+from ...kernels.formulations.coupled_base import BODY
 from ...kernels.layout import spaces as at
 from ...kernels.stepping.control import most_work
 from ..outputs import peaks_by_name, visible_peaks
@@ -28,6 +30,9 @@ REASONS = {
     "do not suffice; the input or the state is not a physical one, or a fixed step is far too short",
     at.CALL_TOO_LONG: "the step takes more evaluations than one call may; several shorter ones can be made",
     at.INPUT_TOO_LARGE: "an input of the base is, or becomes, larger than 1e6 (m/s2, rad, rad/s, rad/s2)",
+    at.BODY_LACKING: "what drives the base has no mass: body.Mxx must be positive, and Mzz and Mtt where base.drive is "
+    "body",
+    at.RECORD_BESIDE: "base.record must be empty where a body drives the base: the ground moves that body",
     at.ROTATES: 'the base rotates: formulation = "paper" has no such motion, "exact" has',
 }
 
@@ -77,6 +82,7 @@ class Stepper:
         self.counts = at.COUNTS.see(self.arrays.counts)
         self.base = at.BASE.see(self.arrays.base)
         self.record = SILENCE
+        self.lacks_mass = False  # whether forces drive the base, and no mass
         self._row = np.zeros(at.ROW.size(self.n))
         self._split = np.zeros(at.SPLIT.beside)
 
@@ -90,20 +96,41 @@ class Stepper:
         theta: float = 0.0,
         omega: float = 0.0,
         alpha: float = 0.0,
-        *,
+        *bodies: float,
         since: float | None = None,
     ) -> None:
         """Set the motion of the base from time t on: accelerations m/s2, slopes m/s3, rotation rad, rad/s, rad/s2.
 
-        since: s, the time that all of these are given for; None: t.
+        since: s, the time that all of these are given for; None: t. bodies: what drives a base that is `driven_by`
+        them, at time t: of each F0x to Mtt (kernels/formulations/coupled_base.py, BODY); the column adds R0 and m.
+        Raises SolverError where nothing at the base has a mass.
         """
+        if self.model.settings.drive != at.ACCELERATION:
+            self._join(t, [ax, az, jx, jz, theta, omega, alpha, *bodies])
+            return
         base, elapsed = self.arrays.base, 0.0 if since is None else t - since
         base[:5] = t, ax + jx * elapsed, jx, az + jz * elapsed, jz
         turn = theta + elapsed * (omega + 0.5 * elapsed * alpha)
         base[_ROTATION : _ROTATION + 3] = turn, omega + elapsed * alpha, alpha
 
+    def driven_by(self, drive: str, slope: str, bodies: int) -> None:
+        """Let `bodies` at the base drive it, by words of DRIVES and SLOPES (kernels/layout/spaces.py)."""
+        settings = self.model.settings
+        settings.drive, settings.slope, settings.bodies = at.DRIVES[drive], at.SLOPES[slope], bodies
+
+    def _join(self, t: float, given: list[float]) -> None:
+        if self.record is not SILENCE:
+            raise SolverError(f"at t = {t:.6g} s: {REASONS[at.RECORD_BESIDE]}")
+        self.observe(t)
+        model, base = self.arrays.model, self.arrays.base
+        inputs = np.zeros(BASE_INPUTS.beside + BODY.beside * int(self.model.settings.bodies))
+        inputs[: len(given)] = given
+        self.lacks_mass = self._entries.join_base(self.n, model, base, inputs, float(t), self._split) < at.OK
+
     def advance(self, t: float, h: float) -> None:
         """Advance from t to t + h, s, under `base` and `record`; all peaks are kept. Raises SolverError."""
+        if self.lacks_mass:
+            self._check(at.BODY_LACKING, t)
         self._check(self._run(t, h, self.record, _NONE, _NONE, True), t)
 
     def observe(self, t: float) -> FloatArray:
@@ -224,9 +251,12 @@ class Stepper:
 
     def retune(self, column: Column) -> None:
         """Continue from the present coordinates and rates with new parameters of the same blocks. Raises InputError."""
+        before = self.model.settings
         self.arrays = self.arrays._replace(model=pack_model(column).copy())
         self.column = column
         self.model = at.MODEL.see(self.arrays.model, self.n)
+        settings = self.model.settings
+        settings.drive, settings.slope, settings.bodies = before.drive, before.slope, before.bodies
         self.arrays.work[:] = 0.0  # the responses of the modes belong to the previous model
         if not self.overturned_joint:
             self.state.control.base_ax = math.nan  # matches no input, so that the accelerations are evaluated

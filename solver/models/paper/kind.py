@@ -9,7 +9,7 @@ from ...kernels.paper import entries
 from ..column.block import Block, Joint
 from ..column.kind import Columns
 from ..column.lane_policy import why_no_lanes
-from ..column.lanes import Kind, run_shortly
+from ..column.lanes import LaneKernels, run_shortly
 from ..column.model import Column
 from ..column.response import Response
 from ..column.settings import Settings
@@ -26,7 +26,7 @@ class PaperColumns(Columns):
 
     entries = entries
     chain = PaperChain
-    own_lanes = Kind(entries.run_fixed_steps, stages=1)
+    own_lanes = LaneKernels(entries.run_fixed_steps, stages=1)
     fixed = True
     check_step = staticmethod(check_step)
 

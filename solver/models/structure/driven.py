@@ -8,7 +8,15 @@ import numpy as np
 
 from ...common.errors import SolverError, TooMuchWorkError
 from ...ground.motion import Motion
-from ...kernels.layout.spaces import CALL_TOO_LONG, INPUT_TOO_LARGE, TOO_MUCH_WORK
+from ...kernels.layout.spaces import (
+    ACCELERATION,
+    BODY_LACKING,
+    CALL_TOO_LONG,
+    INPUT_TOO_LARGE,
+    RECORD_BESIDE,
+    SLOPE_PARABOLA,
+    TOO_MUCH_WORK,
+)
 from ...kernels.structure import driven
 from ...kernels.structure import layout as at
 from ...kernels.structure.entries import assemble_structure, follow_structure, look_structure
@@ -27,9 +35,22 @@ REASONS = {
     at.STEP_TOO_SMALL: TOO_SMALL,
     CALL_TOO_LONG: IN_PLANE[CALL_TOO_LONG],
     TOO_MUCH_WORK: "the motion is too fast to be followed; the input or the state is not a physical one",
+    BODY_LACKING: "what drives the base has no mass: body.M must be positive",
+    RECORD_BESIDE: IN_PLANE[RECORD_BESIDE],
     INPUT_TOO_LARGE: "an input of the base is, or becomes, larger than 1e6 (m/s2)",
 }
 SKIP_CODES = {"peaks": driven.WITHOUT_PEAKS, "elastic": driven.WITHOUT_ELASTIC}
+
+
+class Chosen(NamedTuple):
+    """What a caller may choose, in the order of the kernels (driven.py, GIVEN)."""
+
+    tolerance: float
+    without: float = 0.0  # sum of SKIP_CODES
+    damping_scale: float = 1.0
+    drive: float = ACCELERATION  # how the base moves: codes of layout/spaces.py; bodies that drive it
+    slope: float = SLOPE_PARABOLA
+    bodies: float = 1.0
 
 
 class Record(NamedTuple):
@@ -72,7 +93,7 @@ def make_kernels(_: object = None) -> None:
     row = np.empty(0)
     arrays = row, row, np.empty(0, dtype=np.int64), row, row
     compile_for(assemble_structure, arrays, row, 1)
-    compile_for(follow_structure, arrays, row, 0.0, 0.0, *record_of(None))
+    compile_for(follow_structure, arrays, row, 0.0, 0.0, *record_of(None), row)
     compile_for(look_structure, arrays, row, 1, 0.0, 0.0, row)
 
 
@@ -82,7 +103,7 @@ class DrivenStructure:
     packed: see `packed`. record: followed beside the inputs.
     """
 
-    def __init__(self, structure: Structure, model: FloatArray, given: tuple[float, float, float]) -> None:
+    def __init__(self, structure: Structure, model: FloatArray, given: Chosen) -> None:
         self.structure = structure
         self.sizes = sizes_in(model)
         self.packed = model
@@ -90,31 +111,34 @@ class DrivenStructure:
         # machine code is kept by types, and in an FMU the class of the arrays has another name
         self._arrays = tuple(self.arrays)
         self.record = record_of(None)
-        self._inputs, self._row = np.zeros(driven.INPUTS.beside), np.zeros(self.sizes.visible)
+        self._inputs = np.zeros(driven.INPUTS.beside + driven.BODY.beside * int(given.bodies))
+        self._row = np.zeros(self.sizes.visible)
+        self._room = np.zeros(self.sizes.visible)
         self._elapsed, self._new = 0.0, False
         self.counts, self._state = at.COUNTS.see(self.arrays.counts), at.STATE.see(self.arrays.state, self.sizes)
         self.split = np.zeros(0)  # of the reaction: it follows from the state alone
         self._assemble(given, True)
 
-    def _assemble(self, given: tuple[float, float, float], from_rest: bool) -> None:
+    def _assemble(self, given: Chosen, from_rest: bool) -> None:
         described = np.concatenate([np.array(given, dtype=np.float64), self.packed])
         assemble_structure(self._arrays, described, int(from_rest))
 
-    def retune(self, given: tuple[float, float, float]) -> None:
-        """Go on with another tolerance, code of what is left out, and factor on the damping (GIVEN)."""
+    def retune(self, given: Chosen) -> None:
+        """Go on with other choices, but of the base."""
         self._assemble(given, False)
 
     def drive(self, t: float, *inputs: float, since: float | None = None) -> None:
         """Set accelerations of the base, m/s2, and their slopes, m/s3, from time t on.
 
-        since: s, the time that they are given for; None: t.
+        Behind them what bodies that drive it say (kernels/structure/driven.py, BODY). since: s, the time that all are
+        given for; None: t.
         """
-        self._inputs[:] = inputs
+        self._inputs[: len(inputs)] = inputs
         self._elapsed, self._new = 0.0 if since is None else t - since, True
 
     def advance(self, t: float, h: float) -> None:
         """Go from t to t + h, s. Raises SolverError."""
-        code = follow_structure(self._arrays, self._inputs, float(t), float(h), *self.record)
+        code = follow_structure(self._arrays, self._inputs, float(t), float(h), *self.record, self._room)
         self._new = False
         if code < at.OK:
             kind = TooMuchWorkError if code == TOO_MUCH_WORK else SolverError

@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 from ...ground.motion import Motion
 from ..column.model import Column
 from ..column.numbers import column_with, is_of_column
-from ..protocol import SETTLE, Lanes, NoRestError, Plan, Run, Work, output_times, table_entry
-from ..uncertainty import Varied
+from ..protocol import SETTLE, Kind, Lanes, NoRestError, Plan, Run, Work, output_times, table_entry
 from .blocks.faces import FloatArray
 from .blocks.parts import OF_COLUMN
 from .kept import FROM_LANES, KEPT, OF_RUN
@@ -29,12 +28,11 @@ from .run import single_run
 WORK = 50.0  # of a block for a second alone, over that of a column in lanes
 
 
-class Structures:
+class Structures(Kind):
     """Structures in space."""
 
     word = "structure"
     across = True
-    settings = ("tolerance", "without")
     outputs = OUTPUTS
     largest = "u"
     kept = KEPT
@@ -47,9 +45,6 @@ class Structures:
         """It has a rest."""
         if from_rest:
             rest_of(model)
-
-    def check_motion(self, motion: Motion) -> None:
-        """Any will do."""
 
     def simplest(self, model: Structure, motion: Motion) -> Structure | Column:
         """The column that it is, shaken in its plane."""
@@ -66,9 +61,6 @@ class Structures:
         return response.peaks["u"], np.hypot(places[:, :n], places[:, n : 2 * n])
 
     # --- many
-
-    def check_kept(self, model: Structure, keep: Collection[str]) -> None:
-        """All can be kept."""
 
     def lanes(self, model: Structure, keep: Collection[str]) -> Lanes:
         """Lanes watch displacements alone; of lightly damped structures the steps are of order 8, which they lack."""
@@ -132,16 +124,6 @@ class Structures:
                 model = Structure.stack(column_with(column, of_column))
             values = {name: value for name, value in values.items() if _is_law(name)}
         return structure_with(model, values)
-
-    # --- an ensemble
-
-    def in_lanes(self, response: SpatialResponse, plan: Plan) -> bool:
-        """Lanes have no rows."""
-        return False
-
-    def varied_in_lanes(self, pairs: Sequence[tuple[Structure, Motion]], plan: Plan) -> list[Varied | None]:
-        """None."""
-        return [None for _ in pairs]
 
 
 STRUCTURES = Structures()

@@ -105,7 +105,14 @@ def same(first: str, second: str, partner: str, parameters: dict[str, Any]) -> t
     found = []
     for folder in (first, second):
         partner_fmu = Fmu(f"{folder}/{partner}.fmu", **parameters)
-        run = couple(Fmu(f"{first}/column.fmu"), partner_fmu, ground, 1e-3, 0.5, watch_partner=("x", "v", "base.ax"))
+        run = couple(
+            Fmu(f"{first}/column.fmu", **{"base.drive": "acceleration"}),
+            partner_fmu,
+            ground,
+            1e-3,
+            0.5,
+            watch_partner=("x", "v", "base.ax"),
+        )
         found.append([run["block[1].ux"].tolist(), run["x"].tolist(), run["base.ax"].tolist(), run["work_given"]])
     return found[0] == found[1], max(map(abs, found[0][1]))
 

@@ -16,7 +16,7 @@ from support.instance import keep_what_is_unpacked_together
 
 STEP = 1e-3  # s
 SEEN = (("column", "block[1].ux"), ("", "x"), ("ground", "ground.ax"))
-CONNECTED = (("column", "base.R0x"), ("", "base.ax"), ("ground", "ground.ax"))  # FMPy shows connectors alone
+CONNECTED = (("column", "base.R0x"), ("", "body.F0x"), ("ground", "ground.ax"))  # FMPy shows connectors alone
 NAMES = {"isolator": "isolated", "soil": "on_soil"}
 VALUES = "{http://ssp-standard.org/SSP1/SystemStructureParameterValues}"
 
@@ -40,6 +40,11 @@ def parameters(folder: str, partner: str) -> dict[str, dict[str, float]]:
     return found
 
 
+def path_of(folder: str, partner: str, part: str) -> str:
+    """The FMU of a component of the system of a partner."""
+    return f"{folder}/{'column_on_soil' if (part, partner) == ('column', 'soil') else part}.fmu"
+
+
 def one_pass(folder: str, partner: str, steps: int, as_fmpy: bool = False) -> list[list[float]]:
     """What masters do that make all steps, read all outputs once, and set all inputs once.
 
@@ -48,7 +53,7 @@ def one_pass(folder: str, partner: str, steps: int, as_fmpy: bool = False) -> li
     from master import Fmu
     from ssp import coupled
 
-    fmus = {part: f"{folder}/{part}.fmu" for part in ("ground", "column", partner)}
+    fmus = {part: path_of(folder, partner, part) for part in ("ground", "column", partner)}
     given = parameters(folder, partner)
     parts = {part: Fmu(path, **given.get(part, {})) for part, path in fmus.items()}
     connections = coupled(partner, fmus, {}, 1.0, STEP).connections  # type: ignore[arg-type]
@@ -73,7 +78,7 @@ def one_pass(folder: str, partner: str, steps: int, as_fmpy: bool = False) -> li
 
 
 def sorted_master(folder: str, partner: str, steps: int) -> list[list[float]]:
-    """The same by the example's own master, the ground as a component."""
+    """By the example's other master, which exchanges in the order of dependencies, the ground as a component."""
     from master import Fmu, couple
 
     given = parameters(folder, partner)
@@ -83,7 +88,7 @@ def sorted_master(folder: str, partner: str, steps: int) -> list[list[float]]:
         samples += ground.get("ground.ax")
         ground.step(k * STEP, STEP)
     run = couple(
-        Fmu(f"{folder}/column.fmu"),
+        Fmu(f"{folder}/column.fmu", **{"base.drive": "acceleration"}),
         Fmu(f"{folder}/{partner}.fmu", **given.get(partner, {})),
         lambda t: samples[round(t / STEP)],
         STEP,

@@ -1,0 +1,75 @@
+"""How the base of an FMU moves: as its inputs say, or by bodies at it, which say force and mass (theory.md, 15)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
+
+from solver.common.ranges import check_choice
+from solver.kernels.layout.spaces import DRIVES, SLOPES
+
+from .references import MOST_BODIES, OF_COLUMN, names_of_body
+from .variables import DRIVE, MOVING, SLOPE_OF_BASE, Variable, input_of, parameter_of
+
+# what a body says -> unit, what it is
+SAID = {
+    **dict.fromkeys(("F0x", "F0y", "F0z"), ("N", "Force")),
+    "F0m": ("N.m", "Moment"),
+    **dict.fromkeys(("M", "Mxx", "Mxz", "Mzz"), ("kg", "Mass")),
+    **dict.fromkeys(("Mxt", "Mzt"), ("kg.m", "Mass")),
+    "Mtt": ("kg.m2", "Inertia"),
+}
+
+
+class Drive(NamedTuple):
+    """As built: words of DRIVES and SLOPES (kernels/layout/spaces.py), and how many bodies may be at the base."""
+
+    drive: str = "acceleration"
+    slope: str = "parabola"
+    bodies: int = 1
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """What the parameter may be: an FMU that is built for bodies has outputs that depend on nothing else."""
+        return (self.drive,) if self.drive == "body" else tuple(DRIVES)
+
+    def inputs(self, said: Sequence[str] = OF_COLUMN) -> tuple[Variable, ...]:
+        """The rows of the bodies, each of which says this."""
+        return tuple(_input(name) for k in range(self.bodies) for name in names_of_body(k, said))
+
+    @property
+    def parameters(self) -> list[Variable]:
+        """How the base moves, and how its acceleration goes on within a step."""
+        ways = f"How the base moves ({', '.join(self.words)}): by base.a*, by body.*, or by body.* horizontally alone"
+        slopes = f"Slope of its acceleration within a step where body.* move it ({', '.join(SLOPES)})"
+        return [parameter_of(DRIVE, "", ways, self.drive), parameter_of(SLOPE_OF_BASE, "", slopes, self.slope)]
+
+    def chosen(self, value: Callable[[str], Any]) -> Drive:
+        """As parameters say. Raises InputError."""
+        return drive_of(value(DRIVE), value(SLOPE_OF_BASE), self.bodies, self.words)
+
+    def direct(self, of: tuple[str, ...]) -> tuple[str, ...]:
+        """Inputs that an output of a column depends on without delay; of: those of a base that is accelerated.
+
+        Built for bodies it has no others: then what does not feel the acceleration depends on none.
+        """
+        own = {"body": (), "horizontal": tuple(name for name in of if name != "base.ax")}.get(self.drive, of)
+        return (*own, *(variable.name for variable in self.inputs())) if of == MOVING else own
+
+
+USUAL = Drive()
+
+
+def _input(name: str) -> Variable:
+    key = name.partition(".")[2]
+    unit, what = SAID[key]
+    text = f"{what} {key} of a body that moves the base (M a = F0 + what stands on it does), as its state determines it"
+    return input_of(name, text, unit, 1.0)
+
+
+def drive_of(drive: str, slope: str, bodies: int, words: tuple[str, ...] = tuple(DRIVES)) -> Drive:
+    """A drive, which is one of the words. Raises InputError."""
+    check_choice(DRIVE, drive, words)
+    check_choice(SLOPE_OF_BASE, slope, tuple(SLOPES))
+    check_choice("--bodies", str(bodies), tuple(map(str, range(1, MOST_BODIES + 1))))
+    return Drive(drive, slope, bodies)

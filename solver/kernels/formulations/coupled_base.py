@@ -1,0 +1,163 @@
+"""The base as a body that a partner moves too, which both solve for: a coupling without feedthrough (theory.md, 15).
+
+The partner says what its state determines, its force F0 and its mass M at the base, and the column R0 and m:
+
+    (M + m) a = F0 + R0
+
+is the acceleration of the base at the instant of the exchange, the same on both sides. Over the step both go on with
+the same slope of it, by the accelerations at the steps before, so that the base is in one place for both.
+"""
+
+from typing import NamedTuple
+
+from ..layout.spaces import BODY_LACKING, HORIZONTAL, OK, SLOPE_HELD, SLOPE_LINE
+from ..numba_ext.jit import kernel, leaf
+from ..numba_ext.views import Record
+from .base_motion import base_spin, base_turn
+
+# what a caller sets for each body at the base: force, N and N m, and mass, kg, kg m and kg m2
+BODY = Record("F0x", "F0z", "F0m", "Mxx", "Mxz", "Mxt", "Mzz", "Mzt", "Mtt")
+SINGULAR = 1e-12  # of a mass: what is left of it is none
+ALIKE = 1e-6  # of a step: steps that differ by less are the same
+ROUNDING = 1e-12  # of a time
+
+_body, _BODY = BODY.over, BODY.beside
+
+
+class Sums(NamedTuple):
+    """Forces and masses at the base, of all bodies and the column: N, N m, kg, kg m, kg m2."""
+
+    x: float
+    z: float
+    m: float
+    xx: float
+    xz: float
+    xt: float
+    zz: float
+    zt: float
+    tt: float
+
+
+@leaf
+def sums(bodies, inputs, first, split):
+    """All that acts at the base: `bodies` of the inputs from place `first` on, and R0 and m of the column."""
+    x, z, m = split.R0x, split.R0z, split.R0m
+    xx, xz, xt, zz, zt, tt = split.mxx, split.mxz, split.mxt, split.mzz, split.mzt, split.mtt
+    for k in range(bodies):
+        body = _body(inputs[first + k * _BODY :], 0)
+        x, z, m = x + body.F0x, z + body.F0z, m + body.F0m
+        xx, xz, xt = xx + body.Mxx, xz + body.Mxz, xt + body.Mxt
+        zz, zt, tt = zz + body.Mzz, zt + body.Mzt, tt + body.Mtt
+    return Sums(x, z, m, xx, xz, xt, zz, zt, tt)
+
+
+@leaf
+def are_silent(inputs, first, count):
+    """Whether the bodies have said nothing yet: hosts that exchange after steps alone begin with zeros."""
+    silent = True
+    for k in range(first, first + count):
+        silent = silent and inputs[k] == 0.0
+    return silent
+
+
+@leaf
+def solve(drive, of, az, alpha):
+    """(code, ax, az, alpha) of the base, m/s2 and rad/s2; az and alpha are given where it is driven along x alone."""
+    if drive == HORIZONTAL:
+        if not of.xx > 0.0:
+            return BODY_LACKING, 0.0, 0.0, 0.0
+        return OK, (of.x - of.xz * az - of.xt * alpha) / of.xx, az, alpha
+    if not (of.xx > 0.0 and of.zz > 0.0 and of.tt > 0.0):
+        return BODY_LACKING, 0.0, 0.0, 0.0
+    by_z, by_t = of.xz / of.xx, of.xt / of.xx
+    zz, zt = of.zz - by_z * of.xz, of.zt - by_z * of.xt
+    if not zz > SINGULAR * of.zz:
+        return BODY_LACKING, 0.0, 0.0, 0.0
+    by = zt / zz
+    tt = of.tt - by_t * of.xt - by * zt
+    if not tt > SINGULAR * of.tt:
+        return BODY_LACKING, 0.0, 0.0, 0.0
+    z, m = of.z - by_z * of.x, of.m - by_t * of.x
+    turned = (m - by * z) / tt
+    lifted = (z - zt * turned) / zz
+    return OK, (of.x - of.xz * lifted - of.xt * turned) / of.xx, lifted, turned
+
+
+@leaf
+def slope_of(way, steps, step, before, here, last, earlier):
+    """Slope of an acceleration from here on, per s, by those at the `steps` steps before, which took such times, s.
+
+    The parabola through three instants, as the line that gives the same velocity at the end of a step as long.
+    """
+    if way == SLOPE_HELD or steps < 1.0:
+        return 0.0
+    line = (here - last) / step
+    if way == SLOPE_LINE or steps < 2.0 or abs(before - step) > ALIKE * step:
+        return line
+    return (11.0 * line - 5.0 * (last - earlier) / step) / 6.0
+
+
+@leaf
+def has_gone_on(base, step, t):
+    """Whether a step of so many s, up to time t, is one: instants that differ by rounding are the same."""
+    return base.coupled != 0.0 and step > ALIKE * base.last_step + ROUNDING * abs(t)
+
+
+@leaf
+def _remember(base, t):
+    """Where time has gone on since the last exchange: keep its accelerations, and turn the base as it has."""
+    step = t - base.t0
+    if has_gone_on(base, step, t):
+        base.steps = min(base.steps + 1.0, 2.0)
+        base.before_step, base.before_ax = base.last_step, base.last_ax
+        base.before_az, base.before_alpha = base.last_az, base.last_alpha
+        base.last_step, base.last_ax, base.last_az, base.last_alpha = step, base.ax, base.az, base.alpha
+        base.theta, base.omega = base_turn(base, t), base_spin(base, t)
+    base.t0 = t
+
+
+@kernel
+def couple(base, settings, given, inputs, first, t, split):
+    """Let the base go on from time t as the bodies and the column move it, whose split at t it is. Returns a code.
+
+    given: inputs of the base by name; bodies from place `first` of `inputs` on. Without a mass, and before a body has
+    said anything, it does not accelerate.
+    """
+    _remember(base, t)
+    bodies, code, ax, az, alpha = int(settings.bodies), OK, 0.0, 0.0, 0.0
+    if not are_silent(inputs, first, bodies * _BODY):
+        code, ax, az, alpha = solve(settings.drive, sums(bodies, inputs, first, split), given.az, given.alpha)
+    base.ax, base.az, base.alpha = ax, az, alpha
+    way, steps, step, before = settings.slope, base.steps, base.last_step, base.before_step
+    base.jx = slope_of(way, steps, step, before, ax, base.last_ax, base.before_ax)
+    if settings.drive == HORIZONTAL:
+        base.jz, base.theta, base.omega, base.jalpha = given.jz, given.theta, given.omega, 0.0
+    else:
+        base.jz = slope_of(way, steps, step, before, az, base.last_az, base.before_az)
+        base.jalpha = slope_of(way, steps, step, before, alpha, base.last_alpha, base.before_alpha)
+        if base.coupled == 0.0:
+            base.theta, base.omega = given.theta, given.omega
+    base.coupled = 1.0
+    return code
+
+
+@kernel
+def driven_along(settings, inputs, seeds, first, split, motion, az, alpha):
+    """(ax, az, alpha) by which the base accelerates more as its inputs change by `seeds`: m/s2, rad/s2.
+
+    split: of the column, which the inputs meet; motion: of the base. az, alpha: by which its own inputs change.
+    """
+    bodies = int(settings.bodies)
+    of = sums(bodies, inputs, first, split)
+    x, z, m, xx, xz, xt, zz, zt, tt = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for k in range(bodies):
+        seed = _body(seeds[first + k * _BODY :], 0)
+        x, z, m = x + seed.F0x, z + seed.F0z, m + seed.F0m
+        xx, xz, xt = xx + seed.Mxx, xz + seed.Mxz, xt + seed.Mxt
+        zz, zt, tt = zz + seed.Mzz, zt + seed.Mzt, tt + seed.Mtt
+    x -= xx * motion.ax + xz * motion.az + xt * motion.alpha
+    z -= xz * motion.ax + zz * motion.az + zt * motion.alpha
+    m -= xt * motion.ax + zt * motion.az + tt * motion.alpha
+    changed = Sums(x, z, m, of.xx, of.xz, of.xt, of.zz, of.zt, of.tt)
+    _, along_x, along_z, turned = solve(settings.drive, changed, az, alpha)
+    return along_x, along_z, turned

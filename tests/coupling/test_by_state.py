@@ -1,0 +1,218 @@
+"""A base driven by bodies, exchanged once a step: partners of their own, against the same systems solved as one."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.integrate import solve_ivp
+from support.lagrange import Reference
+
+from multiblock import Block, Column, Joint
+from solver.common.errors import SolverError
+from solver.models.column.packing import settlements
+from solver.models.column.stepper import Stepper
+
+Array = NDArray[np.float64]
+LAW = Joint(stiffness=2e8, damping=4e-3)
+COLUMN = Column("two", tuple(Block(height=1.0, width=0.8, depth=0.8, mass=1500.0, joint=LAW) for _ in range(2)))
+OTHER = replace(COLUMN, blocks=COLUMN.blocks[:1])
+STOP, EVERY = 0.6, 0.02  # s
+
+
+def exact(column: Column) -> Column:
+    return column.with_settings(tolerance=1e-10)
+
+
+class Partner:
+    """A linear structure M (u'' + ground) + C u' + K u = P lambda, of which P picks the place where columns stand.
+
+    It says force and mass there, and moves on with the acceleration that both sides find: a + j s over a step.
+    """
+
+    def __init__(self, mass: Array, damping: Array, stiffness: Array, port: int) -> None:
+        self.inverse = np.linalg.inv(mass)
+        self.damping, self.stiffness, self.port = damping, stiffness, port
+        self.u, self.v = np.zeros(len(mass)), np.zeros(len(mass))
+        self.at_port = 1.0 / self.inverse[port, port]
+        self.before: list[float] = []
+
+    def force(self, u: Array, v: Array) -> Array:
+        found: Array = -self.damping @ v - self.stiffness @ u
+        return found
+
+    def said(self) -> tuple[float, float]:
+        """F0 and M."""
+        return self.at_port * float(self.inverse[self.port] @ self.force(self.u, self.v)), self.at_port
+
+    def rates(self, t: float, u: Array, v: Array, a: float) -> Array:
+        """u'' where its port accelerates by a."""
+        f = self.force(u, v)
+        f[self.port] += self.at_port * (a - self.inverse[self.port] @ f)
+        found: Array = self.inverse @ f - ground(t)
+        return found
+
+    def move(self, t: float, h: float, a: float) -> None:
+        """By the parabola through the accelerations of the steps before, as the column does."""
+        slope = 0.0
+        if self.before:
+            slope = (a - self.before[-1]) / h
+        if len(self.before) > 1:
+            slope = (11.0 * slope - 5.0 * (self.before[-1] - self.before[-2]) / h) / 6.0
+        self.before.append(a)
+        part = h / 8
+        for k in range(8):
+            s = k * part
+            stages: list[tuple[Array, Array]] = []
+            for c in (0.0, 0.5, 0.5, 1.0):
+                du, dv = stages[-1] if stages else (self.v, 0.0 * self.v)
+                u, v = self.u + c * part * du, self.v + c * part * dv
+                stages.append((v, self.rates(t + s + c * part, u, v, a + slope * (s + c * part))))
+            weights = (1.0, 2.0, 2.0, 1.0)
+            self.u = self.u + part / 6.0 * sum(w * du for w, (du, _) in zip(weights, stages, strict=True))
+            self.v = self.v + part / 6.0 * sum(w * dv for w, (_, dv) in zip(weights, stages, strict=True))
+
+
+def ground(t: float) -> float:
+    """Acceleration, m/s2, that begins softly."""
+    return 3.0 * float(np.sin(12.0 * t) * np.sin(3.0 * t))
+
+
+def slab(ratio: float) -> Partner:
+    """A slab on springs and dashpots, of so many times the mass that the column opposes at once."""
+    mass = ratio * 600.0
+    return Partner(np.array([[mass]]), np.array([[8e3]]), np.array([[4e5]]), 0)
+
+
+def building(storeys: int = 10) -> Partner:
+    """A shear building whose storeys have the consistent mass of a bar, so that its roof has an effective mass."""
+    size = np.eye(storeys)
+    below = np.eye(storeys, k=-1)
+    mass = 4e3 * (4.0 * size + below + below.T) / 6.0
+    stiffness = 3e7 * (2.0 * size - below - below.T)
+    mass[-1, -1] *= 0.5
+    stiffness[-1, -1] *= 0.5
+    return Partner(mass, 2e-3 * stiffness, stiffness, storeys - 1)
+
+
+def coupled(columns: list[Column], partner: Partner, h: float) -> Array:
+    """Histories of the tops and of the port every EVERY s: all say their states, then all are set, then all step."""
+    steppers = [Stepper(exact(column)) for column in columns]
+    for stepper in steppers:
+        stepper.driven_by("horizontal", "parabola", len(columns))
+    rows = []
+    for k in range(round(STOP / h) + 1):
+        t = k * h
+        tops = [float(stepper.observe(t)[0]) for stepper in steppers]
+        splits = [(float(stepper.split[0]), float(stepper.split[3])) for stepper in steppers]
+        force, mass = partner.said()
+        if k % round(EVERY / h) == 0:
+            rows.append([*tops, float(partner.u[partner.port])])
+        for i, stepper in enumerate(steppers):
+            said = [(force, mass), *(split for j, split in enumerate(splits) if j != i)]
+            stepper.drive(t, 0, 0, 0, 0, 0, 0, 0, *(x for f, m in said for x in (f, 0, 0, m, 0, 0, 0, 0, 0)))
+        a = (force + sum(f for f, _ in splits)) / (mass + sum(m for _, m in splits))
+        for stepper in reversed(steppers):  # in any order
+            stepper.advance(t, h)
+        partner.move(t, h, a)
+    return np.array(rows)
+
+
+def as_one(columns: list[Column], partner: Partner) -> Array:
+    """The same by Lagrange's equations and one integrator; it is at rest, under the weight of the columns."""
+    references = [Reference.of(column) for column in columns]
+    rests = [np.append(np.zeros(column.n), -settlements(column)) for column in columns]
+    sizes, dofs = [2 * reference.n for reference in references], len(partner.u)
+
+    def rates(t: float, y: Array) -> Array:
+        parts, first = [], 0
+        for size in sizes:
+            parts.append((y[first : first + size], y[first + size : first + 2 * size]))
+            first += 2 * size
+        u, v = y[first : first + dofs], y[first + dofs :]
+        force = partner.force(u, v)
+        found, slopes, masses = [], [], np.linalg.inv(partner.inverse)
+        for reference, (q, rate) in zip(references, parts, strict=True):
+            still = reference.accelerations(q, rate)
+            per = reference.accelerations(q, rate, 1.0) - still
+            found.append(still)
+            slopes.append(per)
+            x, _ = reference.centroid_accelerations(q, rate, still)
+            moved, _ = reference.centroid_accelerations(q, rate, still + per)
+            force[partner.port] -= float(reference.mass @ x)
+            masses[partner.port, partner.port] += float(reference.mass @ (1.0 + moved - x))
+        a = np.linalg.solve(masses, force)
+        bent = [still + a[partner.port] * per for still, per in zip(found, slopes, strict=True)]
+        of_columns = [x for (_, rate), b in zip(parts, bent, strict=True) for x in (rate, b)]
+        return np.concatenate([*of_columns, v, a - ground(t)])
+
+    begin = np.concatenate([*(np.append(rest, np.zeros_like(rest)) for rest in rests), np.zeros(2 * dofs)])
+    count = round(STOP / EVERY) + 1
+    made = solve_ivp(rates, (0.0, STOP), begin, "DOP853", EVERY * np.arange(count), rtol=1e-9, atol=1e-12)
+    rows, first = [], 0
+    for size, reference in zip(sizes, references, strict=True):
+        rows.append([reference.tops(q)[0][0] for q in made.y[first : first + size].T])
+        first += 2 * size
+    return np.column_stack([*rows, made.y[first + partner.port]])
+
+
+def errors(seen: Array, truth: Array) -> Array:
+    """Of each history, in parts of its peak."""
+    found: Array = np.max(np.abs(seen - truth), axis=0) / np.max(np.abs(truth), axis=0)
+    return found
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("ratio", [0.01, 1.0])
+def test_a_column_on_a_slab_is_of_order_3(ratio: float) -> None:
+    truth = as_one([COLUMN], slab(ratio))
+    found = np.array([errors(coupled([COLUMN], slab(ratio), h), truth) for h in (2e-3, 1e-3, 5e-4, 2.5e-4)])
+    assert np.all(found[1] < 2e-6)  # measured 6e-7, 5e-7
+    assert np.all(found[3] < 1e-7)  # measured 3e-8
+    orders = np.log2(found[:-1] / found[1:])
+    assert np.all(np.max(orders, axis=0) > 2.9)  # until the reference's own error is met
+    assert np.all(np.mean(orders, axis=0) > 2.4)
+
+
+@pytest.mark.long
+def test_a_column_on_the_roof_of_a_building() -> None:
+    """Ten storeys, of which the column meets an effective mass and force."""
+    truth = as_one([COLUMN], building())
+    assert np.all(errors(coupled([COLUMN], building(), 1e-3), truth) < 1e-5)  # measured 4e-6
+    assert np.all(errors(coupled([COLUMN], building(), 5e-4), truth) < 1e-6)  # measured 4e-7
+
+
+def test_two_columns_on_one_slab() -> None:
+    """Each is given the other's R0 and m as one more body."""
+    truth = as_one([COLUMN, OTHER], slab(1.0))
+    assert np.all(errors(coupled([COLUMN, OTHER], slab(1.0), 1e-3), truth) < 5e-6)  # measured 4e-7, 1.8e-6, 2e-7
+
+
+@pytest.mark.parametrize("mass", [0.0, 1e-3, 1e3, 1e9])
+def test_no_mass_of_a_partner_makes_it_unstable(mass: float) -> None:
+    """A free body: column and body keep the momentum that a blow gives; without a mass of its own, too."""
+    stepper, h, blow = Stepper(exact(COLUMN)), 1e-3, 1e3
+    stepper.driven_by("horizontal", "parabola", 1)
+    velocity = 0.0
+    for k in range(400):
+        stepper.observe(k * h)
+        force = blow * max(mass, 1e3) / 1e3 if k < 50 else 0.0
+        stepper.drive(k * h, 0, 0, 0, 0, 0, 0, 0, force, 0, 0, mass, 0, 0, 0, 0, 0)
+        base = stepper.base
+        stepper.advance(k * h, h)
+        velocity += h * float(base.ax + 0.5 * h * base.jx)
+    total, given = mass + sum(block.mass for block in COLUMN.blocks), 50 * h * blow * max(mass, 1e3) / 1e3
+    assert velocity == pytest.approx(given / total, rel=0.2)  # beside what the column sways
+
+
+def test_forces_without_a_mass_are_refused() -> None:
+    stepper = Stepper(COLUMN)
+    stepper.driven_by("body", "line", 1)
+    stepper.drive(0.0)  # nothing is said yet: it rests
+    stepper.advance(0.0, 1e-3)
+    assert float(stepper.base.ax) == 0.0
+    stepper.drive(1e-3, 0, 0, 0, 0, 0, 0, 0, 1e3, 0, 0, 0, 0, 0, 0, 0, 0)
+    with pytest.raises(SolverError, match=r"at t = 0.001 s: what drives the base has no mass: body.Mxx must"):
+        stepper.advance(1e-3, 1e-3)
