@@ -9,7 +9,7 @@ import multiprocessing
 import sys
 from typing import Any
 
-from numba.core import event
+from numba.core.event import Listener, register
 
 # by the package of kernels and what their names begin with: what they are for, s on two cores (measured)
 TAKES = {
@@ -33,7 +33,7 @@ def notice(module: str, name: str) -> str:
     return ""
 
 
-class _Compiling(event.Listener):
+class _Compiling(Listener):
     """Is called by numba, under its lock, when it begins to compile a function and when it has ended."""
 
     depth = 0
@@ -54,4 +54,4 @@ class _Compiling(event.Listener):
 
 def announce() -> None:
     """Listen from now on."""
-    event.register("numba:compile", _Compiling())  # type: ignore[no-untyped-call]
+    register("numba:compile", _Compiling())  # type: ignore[no-untyped-call]
