@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator
 
 from multiblock import Motion, Structure, simulate
 from solver.ground.motion import STANDARD_GRAVITY
@@ -36,10 +35,6 @@ def main() -> None:
         axes = figure.add_subplot(grid[row, column], projection="3d")
         u = np.stack([response.ux[at], response.uy[at], response.uz[at]], axis=1)
         draw_blocks(axes, structure, scale * u, scale * response.rotation[at])
-        axes.tick_params(labelsize=6, pad=-2)
-        axes.yaxis.set_major_locator(MaxNLocator(2))
-        for axis in "xyz":
-            getattr(axes, f"set_{axis}label")(axis, fontsize=7, labelpad=-6)
         times = f", deformation x {scale}" if scale > 1 else ""
         axes.set_title(f"{name}, {response.time[at]:.2f} s{times}", fontsize=10)
         top = int(np.argmax([block.centroid[2] for block in structure.blocks]))

@@ -1,6 +1,7 @@
 """Seismic response of stacked rigid blocks with no-tension elastic joints."""
 
 from .common.errors import InputError, InputWarning, SolverError
+from .common.waiting import announce
 from .ground.motion import Motion
 from .models.column.block import Block, Joint
 from .models.column.model import Column
@@ -13,7 +14,9 @@ from .runs.many import simulate_many
 from .runs.simulate import simulate
 from .runs.table import Table
 
-__version__ = "0.1.0"
+__version__ = "1.0.0"
+
+announce()
 
 __all__ = [
     "Block",

@@ -14,8 +14,8 @@ from typing import Any, NoReturn
 import numpy as np
 
 from .. import __version__
-from ..common.errors import InputError, InputWarning, SolverError, reading
-from ..common.files import check_outputs, printable
+from ..common.errors import InputError, InputWarning, SolverError, needing, reading
+from ..common.files import check_outputs, printable, with_point
 from ..ground.motion import STANDARD_GRAVITY, Motion
 from ..models.column.response import Response
 from ..models.column.settings import FORMULATIONS, INTEGRATORS
@@ -61,7 +61,9 @@ class OneLineParser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """Raise InputError."""
-        raise InputError(f"{message} (--help shows the options)")
+        option, invalid, text = message.partition(": invalid float value: ")
+        hint = with_point(text.strip("'")) if invalid else ""
+        raise InputError(f"{option}: {hint}" if hint else f"{message} (--help shows the options)")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -220,17 +222,21 @@ def _simulate(options: argparse.Namespace) -> None:
             lambda path: response.to_csv(path, options.digits),
             response.plot,
             response.plot_structure if in_space else response.plot_column,
-            response.film if in_space else partial(_film, response),
+            partial(_film, response),
         )
         write_outputs(zip(outputs, writers, strict=True))
     except MemoryError:
         raise SolverError("not enough memory for the response: a larger --output-step may help") from None
 
 
-def _film(response: Response, path: Path) -> None:
+def _film(response: Any, path: Path) -> None:
     """Film a response, with a progress line on a terminal."""
+    with needing("plot", "matplotlib"):
+        from ..plotting import film, structures
+
+    film_it = structures.film if response.model.kind.across else film.film
     with Line(unit="picture") as line:
-        response.film(path, callback=line.show if sys.stderr.isatty() else None)
+        film_it(response, path, callback=line.show if sys.stderr.isatty() else None)
 
 
 def _run(subject: Any, motion: Motion, duration: float | None, **options: Any) -> Any:

@@ -13,8 +13,9 @@ from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
 from ..common.errors import InputError, check_number, reading
-from ..common.files import MB, check_file_name, check_outputs, content_of, whole_file
-from ..common.ranges import LENGTH, NUMBERS, listed
+from ..common.files import MB, check_file_name, check_outputs, content_of, whole_file, with_point
+from ..common.plausible import HIGHEST
+from ..common.ranges import listed
 from ..models.column.materials import MATERIALS, Material
 from ..models.column.model import Column
 from ..models.column.rest import check_rest
@@ -34,15 +35,23 @@ MASS_NOTE = (
 SURVEYS = (("height", "width", "depth"), ("height", "diameter"))
 
 
+Limits = tuple[tuple[float, float], str]
+# narrower than what a column file takes: it is asked for once more
+SIZE: Limits = ((0.01, HIGHEST), f"a positive length in m, from 0.01 to {HIGHEST:g}")
+HEIGHT: Limits = ((0.01, 300.0), "a positive length in m, from 0.01 to 300")
+DAMPINGS: Limits = ((0.0, 1.0), "a time in s, from 0 to 1")
+MASSES = 0.05, 3.0  # of the box of the material over the base of a statue; more if it is wider above
+
+
 class Question(NamedTuple):
     """A question for a number: words, the answer to an empty line, range and meaning, factor to SI.
 
-    usual: may follow from the answers before.
+    usual, limits: may follow from the answers before.
     """
 
     text: str
     usual: float | Callable[[dict[str, float]], float]
-    limits: tuple[tuple[float, float], str] = LENGTH
+    limits: Limits | Callable[[dict[str, float]], Limits] = SIZE
     factor: float = 1.0
 
 
@@ -78,17 +87,29 @@ def _statue(asked: dict[str, float]) -> list[dict[str, float]]:
 
 def _mass_of_statue(asked: dict[str, float]) -> float:
     """An estimate, kg: its material in a part of the box over its base, to three digits."""
-    box = asked["height"] * asked["width"] * asked["depth"]
-    return float(f"{asked['part'] * asked['density'] * box:.3g}")
+    return float(f"{asked['part'] * _mass_of_box(asked):.3g}")
 
 
-_COUNT = ((1.0, 1000.0), "a whole number from 1 to 1000")
+def _mass_of_box(asked: dict[str, float]) -> float:
+    return asked["density"] * asked["height"] * asked["width"] * asked["depth"]
+
+
+def _masses_of_statue(asked: dict[str, float]) -> Limits:
+    least, most = (part * _mass_of_box(asked) for part in MASSES)
+    return (least, most), f"a mass in kg, from {least:.3g} to {most:.3g} in a box of that size"
+
+
+def _centroids(asked: dict[str, float]) -> Limits:
+    return (1e-3, asked["height"]), f"a height in m, up to that of the statue, {asked['height']:g}"
+
+
+_COUNT: Limits = ((1.0, 1000.0), "a whole number from 1 to 1000")
 SHAPES = {
     "drums": Shape(
         "a column of round drums",
         {
             "count": Question("number of drums", 6, _COUNT),
-            "height": Question("height of all drums together (m)", 6.0),
+            "height": Question("height of all drums together (m)", 6.0, HEIGHT),
             "bottom": Question("diameter at the bottom (m)", 1.0),
             "top": Question("diameter at the top (m)", 0.85),
         },
@@ -105,10 +126,13 @@ SHAPES = {
                 PART_OF_BOX,
                 ((0.01, 1.0), "a part from 0.01 to 1"),
             ),
-            "mass": Question("mass of the statue (kg), if unknown that of this part", _mass_of_statue, NUMBERS["mass"]),
+            "mass": Question(
+                "mass of the statue (kg), if unknown that of this part", _mass_of_statue, _masses_of_statue
+            ),
             "centroid": Question(
                 "height of its centre of mass over its base (m), half of its own if unknown",
                 lambda asked: 0.5 * asked["height"],
+                _centroids,
             ),
             "pedestal_height": Question("height of the pedestal (m)", 1.0),
             "pedestal_width": Question("width of the pedestal, in the direction of the motion (m)", 0.7),
@@ -120,7 +144,7 @@ SHAPES = {
         "an obelisk, a pinnacle or a chimney that narrows, square",
         {
             "count": Question("number of blocks", 4, _COUNT),
-            "height": Question("height of all blocks together (m)", 4.0),
+            "height": Question("height of all blocks together (m)", 4.0, HEIGHT),
             "bottom": Question("width at the bottom (m)", 0.8),
             "top": Question("width at the top (m)", 0.5),
         },
@@ -150,11 +174,9 @@ def _new(options: argparse.Namespace) -> None:
         asked = {"density": MATERIALS[material].density}
         for key, question in SHAPES[shape].questions.items():
             asked[key] = _number(question, asked)
-        if "count" in asked and asked["count"] != int(asked["count"]):
-            raise InputError(f"{asked['count']:g}: must be {_COUNT[1]}")
         blocks = SHAPES[shape].blocks(asked)
     words = "damping eta of the joints (s), a guess for dry stone: try half and twice; 1e-3 is 1 % at 3 Hz"
-    damping = _number(Question(words, DAMPING, NUMBERS["damping"]))
+    damping = _number(Question(words, DAMPING, DAMPINGS))
     friction = _choice("joints may slide", {"yes": "by friction", "no": "they never slide"}, "no") == "yes"
     dowel = 0.0
     if friction:
@@ -229,7 +251,7 @@ def _survey() -> list[dict[str, float]]:
         for line, row in enumerate(rows[1:], start=2):
             if len(row) != len(header):
                 raise InputError(f"line {line}: {len(row)} values, must be {len(header)}")
-            values = (_parsed(f"line {line}: {key}", text, LENGTH) for key, text in zip(header, row, strict=True))
+            values = (_parsed(f"line {line}: {key}", text, SIZE) for key, text in zip(header, row, strict=True))
             blocks.append(dict(zip(header, values, strict=True)))
         if not blocks:
             raise InputError("must have a line for each block")
@@ -249,8 +271,9 @@ def _choice(text: str, choices: dict[str, str], usual: str) -> str:
 
 def _number(question: Question, asked: dict[str, float] | None = None) -> float:
     usual = question.usual(asked or {}) if callable(question.usual) else question.usual
+    limits = question.limits(asked or {}) if callable(question.limits) else question.limits
     return question.factor * _accepted(
-        question.text, f"{usual:g}", lambda answer: _parsed(question.text, answer, question.limits)
+        question.text, f"{usual:g}", lambda answer: _parsed(question.text, answer, limits)
     )
 
 
@@ -266,12 +289,17 @@ def _accepted(text: str, usual: str, check: Callable[[str], T]) -> T:
             print(error)
 
 
-def _parsed(key: str, text: str, limits: tuple[tuple[float, float], str]) -> float:
+def _parsed(key: str, text: str, limits: Limits) -> float:
+    (least, most), meaning = limits
     try:
         value = float(text)
     except ValueError:
-        raise InputError(f"{key} = {text}: must be {limits[1]}") from None
-    return check_number(key, value, *limits)
+        raise InputError(with_point(text) or f"{key} = {text}: must be {meaning}") from None
+    if value > most and limits in (SIZE, HEIGHT) and value < 1e3 * most:
+        meaning += f"; {text} mm are {1e-3 * value:g}"
+    if limits == _COUNT and value != round(value):
+        raise InputError(f"{key} = {text}: must be {meaning}")
+    return check_number(key, value, (least, most), meaning)
 
 
 def _answer(text: str, usual: str) -> str:

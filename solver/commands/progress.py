@@ -7,18 +7,19 @@ import time as clock
 from types import TracebackType
 from typing import Any, Self
 
+from ..common.waiting import notice
 from ..kernels.api import entries as exact
 from ..kernels.numba_ext.numba_parts import LINKING
 from ..models.column.first_run import are_kept, make_kernels
 from ..runs.ensemble import interruptible
 
-PLAIN_TAKES = ", by numba's own pipeline: two minutes and more"
+PLAIN_TAKES = "; by numba's own pipeline two minutes and more"
 PATIENCE = 2.0  # s, for which nothing is shown
 FIRST_LINE, LONGER = 10.0, 1.5  # s until a first line in a pipe; later each interval is this part of the time so far
 
 
 class Line:
-    """A line of tqdm (in a notebook its bar), if installed, for work that takes longer than 2 s; a context."""
+    """A line of tqdm (in a notebook its bar), for work that takes longer than 2 s; a context."""
 
     def __init__(self, **form: Any) -> None:
         self._form = form  # as tqdm takes it
@@ -28,11 +29,8 @@ class Line:
     def show(self, reached: float, total: float | None) -> None:
         """Draw the part of the total, if known, that is reached."""
         if self._bar is None and clock.monotonic() - self._begin > PATIENCE:
-            try:
-                from tqdm import auto
-            except ModuleNotFoundError:
-                self._begin = float("inf")
-                return
+            from tqdm import auto
+
             self._bar = auto.tqdm(total=total, initial=reached, leave=False, file=sys.stderr, **self._form)
         if self._bar is not None:
             self._bar.n = reached
@@ -94,12 +92,20 @@ class PlainLine(Line):
 
 
 def compile_kernels(entries: Any = exact) -> None:
-    """Load or compile the kernels that every run needs; print a line if they must be compiled, which takes a while.
+    """Load or compile the kernels that every run needs; print a line if they must be compiled.
 
     entries: their module (`Columns.entries`).
 
     They are made in another thread: an interruption acts at once.
     """
     if not are_kept(entries.run):
-        print("compiling the kernels, once" + ("" if LINKING else PLAIN_TAKES), flush=True)
+        say_that_it_compiles(entries.run)
         interruptible(lambda: make_kernels(entries))
+
+
+def say_that_it_compiles(entry: Any) -> None:
+    """Print that the kernels of this entry must be compiled, and how long it takes; nothing where they are cached."""
+    if not are_kept(entry):
+        line = notice(entry.py_func.__module__, entry.__name__)
+        if line:
+            print(line + ("" if LINKING else PLAIN_TAKES), flush=True)

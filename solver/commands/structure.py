@@ -10,10 +10,10 @@ import numpy as np
 from ..common.errors import InputError
 from ..ground.motion import STANDARD_GRAVITY, Motion
 from ..kernels.structure.entries import run_structure
-from ..models.column.first_run import are_kept
 from ..models.structure.model import Structure
 from ..models.structure.modes import modes_in_space
 from ..models.structure.response import SpatialResponse
+from .progress import say_that_it_compiles
 
 MOST_LINES = 20  # of a table
 MOST_BLOCKS = 60  # with more, natural frequencies take too long for a report
@@ -29,8 +29,7 @@ def prepare(options: argparse.Namespace) -> None:
 
 def compile_for_space(entry: Any = run_structure) -> None:
     """A notice if the kernels of structures must be compiled; entry: the one of them that will be called."""
-    if not are_kept(entry):
-        print("compiling the kernels, once", flush=True)
+    say_that_it_compiles(entry)
 
 
 def report(structure: Structure, motion: Motion) -> str:

@@ -24,7 +24,7 @@ MOST_RECORD = 64 * MB  # an hour of three columns at 200 Hz has 40 MB
 MOST_TABLE = 256 * MB  # of histories
 LONGEST_NAME = 200  # characters; a suffix has to fit into the 255 bytes of file systems
 MARKS = ((codecs.BOM_UTF8, "UTF-8"), (codecs.BOM_UTF16_LE, "UTF-16"), (codecs.BOM_UTF16_BE, "UTF-16"))
-DECIMAL_COMMA = re.compile(r"=\s*([-+]?\d+),(\d+)\s*(?:[,}#]|$)")
+DECIMAL_COMMA = re.compile(r"=\s*([-+]?\d+,\d+)\s*(?:[,}#]|$)")
 
 
 def check_file_name(key: str, value: object) -> str:
@@ -93,11 +93,14 @@ def toml_of(path: str | os.PathLike[str]) -> dict[str, Any]:
         place = re.search(r"at line (\d+)", str(error))
         line = text.splitlines()[int(place[1]) - 1] if place else ""
         if place and (comma := DECIMAL_COMMA.search(line)):
-            whole, part = comma.groups()
-            raise InputError(
-                f"line {place[1]}: {whole},{part} has a decimal comma, must be {whole}.{part} with a decimal point"
-            ) from None
+            raise InputError(f"line {place[1]}: {with_point(comma[1])}") from None
         raise
+
+
+def with_point(text: str) -> str:
+    """What to write in place of a number with a decimal comma; empty for other texts."""
+    number = re.fullmatch(r"([-+]?\d*),(\d+)", text.strip())
+    return f"{number[0]} has a decimal comma, must be {number[1]}.{number[2]} with a decimal point" if number else ""
 
 
 def check_outputs(outputs: Iterable[Path | None], inputs: Iterable[Path | None], force: bool = False) -> None:

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from matplotlib.animation import FFMpegWriter
@@ -32,6 +32,7 @@ FRAMES_PER_SECOND = 20
 MOST_FRAMES = 5000
 FILM_DPI = 72
 BLENDS = (1.0, 0.6, 0.25)  # of a colour with white, in a GIF: at the edges of lines
+PALE = 240  # of 255: what is paler would take the place of white
 AFTER_FALL = 1.0  # s, filmed after a fall
 
 Progress = Callable[[int, int], object]
@@ -52,6 +53,18 @@ def film(
     hundredths of a second. speed: seconds of motion in a second of film. callback: is given the pictures made and
     their number. Raises InputError, OSError.
     """
+    shoot(response, path, lambda end: _Scene(response, scale_of(response, scale), end), fps, speed, callback)
+
+
+def shoot(
+    response: Any,
+    path: str | os.PathLike[str],
+    scene_of: Callable[[float], Scene],
+    fps: int,
+    speed: float,
+    callback: Progress | None,
+) -> None:
+    """Write the pictures of a scene, which is made for the time at which they end, s. Otherwise as `film`."""
     check_film(path)
     fps = round(check_number("fps", fps, (1.0, 100.0), "a whole number of pictures a second, from 1 to 100"))
     speed = check_number("speed", speed, POSITIVE, "seconds of motion in a second of film, positive")
@@ -62,8 +75,9 @@ def film(
         raise InputError(
             f"speed = {speed:g}: makes {len(instants)} pictures, must be larger, for at most {MOST_FRAMES}"
         )
-    scene = _Scene(response, scale_of(response, scale), end)
-    frames = _pictures(scene, np.searchsorted(time, instants - 1e-9), callback)
+    scene = scene_of(end)
+    rows = np.minimum(np.searchsorted(time, instants - 1e-9), len(time) - 1)
+    frames = _pictures(scene, rows, callback)
     with whole_file(path) as partial:
         if Path(path).suffix.lower() == ".mp4":
             writer = _PixelWriter(fps=fps)
@@ -81,6 +95,21 @@ def check_film(path: str | os.PathLike[str]) -> None:
         raise InputError(f"{path}: must end in {' or '.join(FILMS)}")
     if suffix == ".mp4" and not FFMpegWriter.isAvailable():
         raise InputError(f"{path}: needs ffmpeg, which is not installed; .gif does not")
+
+
+class Scene(Protocol):
+    """A figure of which some artists move; colours: all in it that matter."""
+
+    figure: Figure
+    canvas: Any
+    moving: tuple[Artist, ...]
+
+    @property
+    def colours(self) -> Sequence[str]:
+        """All that matter; each is blended with white at edges."""
+
+    def show(self, k: int) -> None:
+        """Move everything to row k."""
 
 
 class _Scene:
@@ -102,8 +131,9 @@ class _Scene:
             tidy(axes)
             axes.set_xlim(response.time[0], end)
         word, sentence = verdict_of(response)
-        self.verdict_colour = VERDICT_COLOURS.get(word, INK)
-        header(self.figure, setting_of(response.column, response.motion), sentence, self.verdict_colour)
+        colour = VERDICT_COLOURS.get(word, INK)
+        header(self.figure, setting_of(response.column, response.motion), sentence, colour)
+        self.colours = (INK, GRID, STONE, RED, colour, *FEW_COLOURS[: len(self.patches)])
         factor = "to scale" if scale == 1.0 else rf"deformation $\times$ {scale:g}"
         column.text(0.5, -0.01, factor, transform=column.transAxes, ha="center", va="top", fontsize=11, color=RED)
         self.clock = column.text(0.98, 1.0, "", transform=column.transAxes, ha="right", va="top", fontsize=12)
@@ -144,13 +174,12 @@ class _PixelWriter(FFMpegWriter):
         self._proc.stdin.write(picture.tobytes())  # type: ignore[attr-defined]
 
 
-def _pictures(scene: _Scene, rows: Any, callback: Progress | None) -> Iterator[Pixels]:
+def _pictures(scene: Scene, rows: Any, callback: Progress | None) -> Iterator[Pixels]:
     """Draw what moves over a picture of the rest, row by row: some 20 times faster than whole pictures."""
     scene.canvas.draw()
     still = scene.canvas.copy_from_bbox(scene.figure.bbox)
-    last = len(scene.response.time) - 1
     for done, k in enumerate(rows, start=1):
-        scene.show(min(int(k), last))
+        scene.show(int(k))
         scene.canvas.restore_region(still)
         for artist in scene.moving:
             scene.figure.draw_artist(artist)
@@ -159,19 +188,20 @@ def _pictures(scene: _Scene, rows: Any, callback: Progress | None) -> Iterator[P
             callback(done, len(rows))
 
 
-def _write_gif(scene: _Scene, frames: Iterator[Pixels], fps: int, path: Path) -> None:
+def _write_gif(scene: Scene, frames: Iterator[Pixels], fps: int, path: Path) -> None:
     """Write pictures in one palette, so that a picture keeps only the pixels that change."""
     palette = _palette(scene)
     images = [Image.fromarray(frame[..., :3]).quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames]
     images[0].save(
-        path, format="GIF", save_all=True, append_images=images[1:], duration=round(1e3 / fps), loop=0, optimize=False
+        path, format="GIF", save_all=True, append_images=images[1:], duration=round(1e3 / fps), loop=0, optimize=True
     )
 
 
-def _palette(scene: _Scene) -> Image.Image:
+def _palette(scene: Scene) -> Image.Image:
     """The colours of a scene and their blends with white: what is chosen from a picture loses the rare ones."""
-    used = ("black", INK, GRID, STONE, RED, scene.verdict_colour, *FEW_COLOURS[: len(scene.patches)])
-    whole = {tuple(round(255 * (1.0 - part * (1.0 - c))) for c in to_rgb(name)) for name in used for part in BLENDS}
+    used = ("black", *scene.colours)
+    blends = {tuple(round(255 * (1.0 - part * (1.0 - c))) for c in to_rgb(name)) for name in used for part in BLENDS}
+    whole = {blend for blend in blends if min(blend) < PALE} | {tuple(round(255 * c) for c in to_rgb(GRID))}
     palette = Image.new("P", (1, 1))
     palette.putpalette([255, 255, 255, *(value for colour in sorted(whole) for value in colour)])
     return palette

@@ -177,11 +177,15 @@ def draw_ground(axes: Axes, motion: Motion | None) -> None:
         axes.set_yticks([])
         return
     time, ax, az = _ground_lines(motion)
-    for name, values, style in (("horizontal", ax, "-"), ("vertical", az, ":")):
-        if np.any(values) or name == "horizontal":
-            axes.plot(time, values / STANDARD_GRAVITY, color="0.2", linestyle=style, linewidth=0.7, label=name)
-    if np.any(az):
-        axes.legend(loc="upper right", fontsize=8, frameon=False, ncols=2)
+    lines = [("along x" if motion.has_ay else "horizontal", time, ax, "-"), ("vertical", time, az, ":")]
+    if motion.has_ay:
+        across, ay, _ = _ground_lines(motion.turned(-0.5 * math.pi))
+        lines.insert(1, ("along y", across, ay, "--"))
+    shown = [line for line in lines if line is lines[0] or np.any(line[2])]
+    for name, instants, values, style in shown:
+        axes.plot(instants, values / STANDARD_GRAVITY, color="0.2", linestyle=style, linewidth=0.7, label=name)
+    if len(shown) > 1:
+        axes.legend(loc="upper right", fontsize=8, frameon=False, ncols=3)
     axes.set_ylabel("$a$ (g)")
     axes.grid(color="0.9", linewidth=0.6)
     axes.set_axisbelow(True)

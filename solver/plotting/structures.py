@@ -7,27 +7,27 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from matplotlib.animation import AbstractMovieWriter, FFMpegWriter, PillowWriter
-from matplotlib.ticker import MaxNLocator
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
+from mpl_toolkits.mplot3d.proj3d import proj_transform
 
-from ..common.errors import POSITIVE, check_number
-from ..common.files import whole_file
 from ..models.structure.blocks.faces import FloatArray
-from ..models.structure.blocks.parts import Solid
-from ..models.structure.blocks.shapes import turned
 from ..models.structure.model import Structure
 from ..models.structure.response import SpatialResponse
 from .figures import Figure
-from .film import FILM_DPI, check_film
-from .style import nice, plain, save
+from .film import FILM_DPI, FRAMES_PER_SECOND, Progress, shoot
+from .plots import draw_ground
+from .solids import EDGE, SHADED, Solids
+from .style import GREY, GRID, INK, RED, TINT, VERDICT_COLOURS, header, nice, plain, save, tidy
+from .words import setting_of, verdict_of
 
-ROOM = 0.12  # of the extent: around a structure that is filmed
 VISIBLE = 0.08  # of the extent: largest deformation in a picture
-STONE, EDGE = "#d9d2c3", "#6b6558"
-SIDES = 24
+MARGIN, BAR = 0.06, 0.2  # of the extent: ground around the blocks, longest bar of the scale
 DPI = 130
-TICKS = 6  # along the longest axis
+FILLED = 0.96  # of the axes
+GROUND = "#eceae4"
 
 
 def plot_structure(
@@ -37,11 +37,12 @@ def plot_structure(
     k = _row_at(response, at)
     scale = _scale_of(response, k) if scale is None else scale
     u, turn = _places(response, k)
-    figure = Figure(figsize=(6.4, 6.4), layout="constrained")
+    figure = Figure(figsize=(6.4, 6.8), layout="constrained")
     axes = figure.add_subplot(projection="3d")
     draw_blocks(axes, response.structure, scale * u, scale * turn)
-    times = f", deformation x {scale:g}" if scale != 1.0 else ""
-    axes.set_title(f"{plain(response.structure.name)} at {response.time[k]:.3g} s{times}", fontsize=10)
+    factor = f", deformation x {scale:g}" if scale != 1.0 else ", to scale"
+    axes.set_title(f"at {response.time[k]:.3g} s{factor}", fontsize=10, color=RED, loc="left")
+    _head(figure, response)
     return save(figure, path, DPI)
 
 
@@ -53,52 +54,126 @@ def structure_picture(structure: Structure) -> Figure:
     return figure
 
 
-def film(response: SpatialResponse, path: str | os.PathLike[str], scale: float | None, fps: int, speed: float) -> None:
-    """The structure in motion, deformation enlarged; fps: pictures a second, speed: s of motion in a second of film."""
-    check_film(path)
-    fps = round(check_number("fps", fps, (1.0, 100.0), "a whole number of pictures a second, from 1 to 100"))
-    speed = check_number("speed", speed, POSITIVE, "seconds of motion in a second of film, positive")
-    time, scale = response.time, _scale_of(response, _row_at(response, None)) if scale is None else scale
-    figure = Figure(figsize=(5.6, 5.6), layout="constrained")
-    axes = figure.add_subplot(projection="3d")
-    writer: AbstractMovieWriter = FFMpegWriter(fps=fps) if os.fspath(path).endswith(".mp4") else PillowWriter(fps=fps)
-    with whole_file(path) as partial, writer.saving(figure, os.fspath(partial), FILM_DPI):
-        for instant in np.arange(time[0], time[-1] + 1e-9, speed / fps):
-            k = _row_at(response, float(instant))
-            axes.clear()
-            u, turn = _places(response, k)
-            draw_blocks(axes, response.structure, scale * u, scale * turn, _limits(response.structure))
-            axes.set_title(f"{time[k]:.2f} s, deformation x {scale:g}", fontsize=10)
-            writer.grab_frame()
+def film(
+    response: SpatialResponse,
+    path: str | os.PathLike[str],
+    scale: float | None = None,
+    fps: int = FRAMES_PER_SECOND,
+    speed: float = 1.0,
+    callback: Progress | None = None,
+) -> None:
+    """The structure in motion, deformation enlarged; fps: pictures a second, speed: s of motion in a second of film.
+
+    callback: is given the pictures made and their number.
+    """
+    scale = _scale_of(response, _row_at(response, None)) if scale is None else scale
+    shoot(response, path, lambda end: _Scene(response, scale, end), fps, speed, callback)
+
+
+class _Scene:
+    """A figure of which the blocks, the cursor and the clock move."""
+
+    def __init__(self, response: SpatialResponse, scale: float, end: float) -> None:
+        self._response, self._scale = response, scale
+        self.figure = Figure(figsize=(5.6, 6.4), dpi=FILM_DPI, layout="constrained")
+        self.canvas: Any = FigureCanvasAgg(self.figure)
+        grid = self.figure.add_gridspec(2, 1, height_ratios=(5.0, 1.0))
+        axes, ground = self.figure.add_subplot(grid[0], projection="3d"), self.figure.add_subplot(grid[1])
+        zero = np.zeros((response.structure.n, 3))
+        self._solids = draw_blocks(axes, response.structure, zero, zero, _reached(response, scale, end))
+        draw_ground(ground, response.motion)
+        tidy(ground)
+        ground.set_xlim(response.time[0], end)
+        mark_fall(ground, response.overturn_time)
+        colour = _head(self.figure, response)
+        factor = "to scale" if scale == 1.0 else rf"deformation $\times$ {scale:g}"
+        axes.text2D(0.0, 1.02, factor, transform=axes.transAxes, color=RED)
+        self._solids.set_antialiased(False)  # edges of mixed colours would double the size of a GIF
+        self._clock = axes.text2D(1.0, 1.02, "", transform=axes.transAxes, ha="right", fontsize=12)
+        self._cursor = ground.axvline(response.time[0], color="black", linewidth=0.8)
+        self.moving: tuple[Artist, ...] = (self._solids, self._cursor, self._clock)
+        for artist in self.moving:
+            artist.set_animated(True)
+        self.colours = (*SHADED, EDGE, GROUND, INK, RED, GRID, colour)
+
+    def show(self, k: int) -> None:
+        """Move everything to row k."""
+        u, turn = _places(self._response, k)
+        self._solids.place(self._scale * u, self._scale * turn)
+        self._solids.do_3d_projection()
+        instant = self._response.time[k]
+        self._cursor.set_xdata([instant, instant])
+        self._clock.set_text(f"{instant:.2f} s")
+
+
+def _reached(response: SpatialResponse, scale: float, end: float) -> FloatArray:
+    """Centroids' ways in a film, added to the corners of the blocks as built, m: what it has to have room for."""
+    rows = response.time <= end
+    corners = []
+    for i, block in enumerate(response.structure.blocks):
+        moved = np.stack([getattr(response, name)[rows, i] for name in ("ux", "uy", "uz")], axis=-1)
+        corners += [block.corners + scale * by(moved, axis=0) for by in (np.min, np.max)]
+    reach = np.concatenate(corners)
+    built = _all_corners(response.structure)
+    low, high = built.min(axis=0), built.max(axis=0)
+    most = float(np.max(high - low))  # a block that flies off leaves the picture
+    within: FloatArray = np.clip(reach, low - most, high + most)
+    return within
+
+
+def _head(figure: Figure, response: SpatialResponse) -> str:
+    """Title and verdict; returns the colour of the verdict."""
+    word, sentence = verdict_of(response)
+    colour = VERDICT_COLOURS.get(word, INK)
+    header(figure, setting_of(response.structure, response.motion), sentence, colour)
+    return colour
 
 
 def draw_blocks(
-    axes: Any,
-    structure: Structure,
-    u: FloatArray,
-    turn: FloatArray,
-    limits: tuple[FloatArray, FloatArray] | None = None,
-) -> None:
-    """Blocks displaced by u, m (n, 3), and turned, rad (n, 3), into axes in space; limits: of the axes, m."""
-    points = []
-    for block, moved, rotation in zip(structure.blocks, u, turn, strict=True):
-        faces = [_moved(face, block, moved, rotation) for face in _surfaces(block)]
-        points += faces
-        axes.add_collection3d(Poly3DCollection(faces, facecolors=STONE, edgecolors=EDGE, linewidth=0.3, shade=True))
-    corners = np.concatenate(points)
-    low, high = (corners.min(axis=0), corners.max(axis=0)) if limits is None else limits
-    low = low.copy()
-    low[2] = min(low[2], 0.0)
-    middle, half = 0.5 * (low + high), 0.5 * float(np.max(high - low))
-    span = np.maximum(high - low, 0.25 * 2.0 * half)
-    for k, name in enumerate("xyz"):
-        begin = middle[k] - 0.5 * span[k] if k < 2 else low[2]
-        getattr(axes, f"set_{name}lim")(begin, begin + span[k])
-        getattr(axes, f"set_{name}label")(f"{name} (m)")
-        few = max(1, round(TICKS * span[k] / float(np.max(span))))
-        getattr(axes, f"{name}axis").set_major_locator(MaxNLocator(few))
-    axes.set_box_aspect(span)
+    axes: Any, structure: Structure, u: FloatArray, turn: FloatArray, room: FloatArray | None = None
+) -> Solids:
+    """Blocks displaced by u, m (n, 3), and turned, rad (n, 3), into axes in space, on the ground and with a scale.
+
+    room: points that have room in the picture, too, m (points, 3).
+    """
+    solids = Solids(structure)
+    solids.place(u, turn)
+    axes.set_proj_type("ortho")
     axes.view_init(elev=18, azim=-62)
+    axes.computed_zorder = False
+    axes.add_collection(solids, autolim=False)
+    corners = solids.points if room is None else np.concatenate([solids.points, room])
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    low[2] = min(low[2], 0.0)
+    largest = float(np.max(high - low))
+    margin = MARGIN * largest * np.array([1.0, 1.0, 0.0])
+    low, high = low - margin, high + margin
+    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
+    axes.set_box_aspect(high - low)
+    flat = axes.transLimits.transform(np.column_stack(proj_transform(*_box(low, high).T, axes.get_proj())[:2]))
+    axes.set_box_aspect(high - low, zoom=FILLED / float(np.max(np.ptp(flat, axis=0))))
+    axes.set_axis_off()
+    x, y = np.array([low[0], high[0], high[0], low[0]]), np.array([low[1], low[1], high[1], high[1]])
+    ground = Poly3DCollection([np.column_stack([x, y, np.zeros(4)])], facecolors=GROUND, edgecolors="0.75", zorder=0.5)
+    axes.add_collection3d(ground, autolim=False)
+    _measure(axes, np.array([low[0], low[1], 0.0]), nice(BAR * largest))
+    return solids
+
+
+def _box(low: FloatArray, high: FloatArray) -> FloatArray:
+    """Its corners, (8, 3)."""
+    found: FloatArray = np.stack(np.meshgrid(*zip(low, high, strict=True)), axis=-1).reshape(-1, 3)
+    return found
+
+
+def _measure(axes: Any, corner: FloatArray, length: float) -> None:
+    """Bars of one length along the three axes from a corner of the ground, with its name."""
+    for k, name in enumerate("xyz"):
+        end = corner + length * np.eye(3)[k]
+        axes.plot(*zip(corner, end, strict=True), color=GREY, linewidth=1.6, zorder=0.8, solid_capstyle="round")
+        text = f"{name}, {length:g} m" if k == 0 else name
+        place = ("left", "top") if k == 0 else ("center", "bottom")
+        axes.text(*end, text, color=GREY, fontsize=8, ha=place[0], va=place[1], zorder=3.0)
 
 
 def plot_plan(
@@ -123,22 +198,32 @@ def plot_plan(
 
 
 def plot_response(response: SpatialResponse, path: str | os.PathLike[str] | None) -> Figure:
-    """Displacements of the block that moves most, the largest rotation, and the least contact, over time."""
-    figure = Figure(figsize=(7.5, 7.0), layout="constrained")
-    top, middle, bottom = figure.subplots(3, 1, sharex=True)
+    """Over time: the base, the block that moves most, the largest rotation, and the least contact; with the fall."""
+    figure = Figure(figsize=(7.5, 8.4), layout="constrained")
+    ground, top, middle, bottom = figure.subplots(4, 1, sharex=True)
+    draw_ground(ground, response.motion)
     i = int(np.argmax(response.peaks["u"]))
     for name in ("ux", "uy", "uz"):
         top.plot(response.time, 1e3 * getattr(response, name)[:, i], linewidth=0.9, label=f"$u_{name[1]}$")
-    top.set_ylabel(f"{plain(response.structure.names[i])} (mm)")
-    top.legend(ncols=3)
+    top.set(title=f"displacement of {plain(response.structure.names[i])}", ylabel="$u$ (mm)")
+    top.legend(ncols=3, frameon=False, fontsize=8)
     middle.plot(response.time, 1e3 * np.max(np.linalg.norm(response.rotation, axis=2), axis=1), linewidth=0.9)
-    middle.set_ylabel("largest rotation (mrad)")
+    middle.set(title="largest rotation of a block", ylabel="rotation (mrad)")
     bottom.plot(response.time, np.min(response.contact, axis=1), linewidth=0.9)
-    bottom.set_ylabel("least contact")
-    bottom.set_xlabel("time (s)")
-    for axes in (top, middle, bottom):
-        axes.grid(alpha=0.3)
+    bottom.set(title="least contact of a joint", ylabel="part of its area", xlabel="time (s)", ylim=(-0.03, 1.03))
+    for axes in (ground, top, middle, bottom):
+        tidy(axes)
+        mark_fall(axes, response.overturn_time)
+    top.set_xlim(response.time[0], response.time[-1])
+    _head(figure, response)
     return save(figure, path, DPI)
+
+
+def mark_fall(axes: Axes, overturn_time: float) -> None:
+    """A dashed line when a block falls, and a tint from then on; nothing where none does."""
+    if np.isfinite(overturn_time):
+        axes.axvline(overturn_time, color="black", linestyle="--", linewidth=1.0)
+        axes.axvspan(overturn_time, axes.get_xlim()[1], color=TINT, linewidth=0.0, zorder=0.0)
 
 
 def _row_at(response: SpatialResponse, at: float | None) -> int:
@@ -149,14 +234,6 @@ def _row_at(response: SpatialResponse, at: float | None) -> int:
 
 def _all_corners(structure: Structure) -> FloatArray:
     return np.concatenate([block.corners for block in structure.blocks])
-
-
-def _limits(structure: Structure) -> tuple[FloatArray, FloatArray]:
-    """Corners of a box around the structure, with room for its motion, m."""
-    corners = _all_corners(structure)
-    low, high = corners.min(axis=0), corners.max(axis=0)
-    room = ROOM * float(np.max(high - low))
-    return low - room * np.array([1.0, 1.0, 0.0]), high + room
 
 
 def _places(response: SpatialResponse, k: int) -> tuple[FloatArray, FloatArray]:
@@ -170,27 +247,6 @@ def _scale_of(response: SpatialResponse, k: int) -> float:
     """A scale by which the deformation at row k is seen; 1 where it is large."""
     largest = max(float(np.max(np.abs(_places(response, k)[0]))), 1e-12)
     return min(max(1.0, nice(VISIBLE * extent_of(response.structure) / largest)), 1e4)
-
-
-def _surfaces(block: Solid) -> list[FloatArray]:
-    """Polygons of the surface of a block as built, (corners, 3) m each; a drum's side in strips."""
-    found = [face.points(SIDES) for face in block.faces]
-    round_faces = [face for face in block.faces if face.radius]
-    if len(round_faces) == 2:
-        low, high = (face.points(SIDES) for face in round_faces)
-        high = np.roll(high[::-1], 1, axis=0)  # seen from the other side
-        found += [np.array([low[k - 1], low[k], high[k], high[k - 1]]) for k in range(SIDES)]
-    elif len(block.faces) == 2:  # a box that tapers
-        low, high = (face.points() for face in block.faces)
-        high = high[[int(np.argmin(np.linalg.norm(high[:, :2] - corner[:2], axis=1))) for corner in low]]
-        found += [np.array([low[k - 1], low[k], high[k], high[k - 1]]) for k in range(len(low))]
-    return found
-
-
-def _moved(points: FloatArray, block: Solid, u: FloatArray, turn: FloatArray) -> FloatArray:
-    arms = points - block.centroid
-    found: FloatArray = points + u + turned(np.broadcast_to(turn, arms.shape), arms)
-    return found
 
 
 def extent_of(structure: Structure) -> float:

@@ -9,18 +9,20 @@ import numpy as np
 
 from ..common.errors import InputError
 from ..ground.motion import STANDARD_GRAVITY, Motion
-from ..models.column.model import Column
+from .style import plain
 
 
-def setting_of(column: Column, motion: Motion | None) -> str:
-    """The column and the motion of its base, with the largest horizontal acceleration."""
+def setting_of(column: Any, motion: Motion | None) -> str:
+    """The column or structure and the motion of its base, with the largest acceleration along x (and across)."""
     if motion is None:
-        return column.name
+        return str(column.name)
     under = f"{column.name} under {motion.name}" if motion.name else column.name
     if np.any(motion.az):
         under += " with a vertical component"
     try:
-        return f"{under}, PGA {motion.pga / STANDARD_GRAVITY:.3g} g"
+        under += f", PGA {motion.pga / STANDARD_GRAVITY:.3g} g"
+        across = motion.turned(-0.5 * math.pi).pga / STANDARD_GRAVITY if motion.has_ay else 0.0
+        return f"{under} along x, {across:.3g} g along y" if across else under
     except InputError:  # a harmonic of more cycles than are looked through for its crests
         return under
 
@@ -34,12 +36,16 @@ def verdict_of(response: Any) -> tuple[str, str]:
     if math.isfinite(response.overturn_time):
         word = "overturned"
         text = f"Overturned at {response.overturn_time:.2f} s"
-        text += f" over joint {response.overturned_joint}" if response.overturned_joint else ""
+        joint, block = (getattr(response, f"overturned_{of}", 0) for of in ("joint", "block"))
+        text += f" over joint {joint}" if joint else f": {plain(str(block))} fell" if block else ""
         time = getattr(response, "time", None)
         text += ", after the end of the histories" if time is not None and response.overturn_time > time[-1] else ""
     elif word in ("standing", "undecided"):
-        block = int(np.argmax(response.peaks["ux"]))
-        moved = f"largest displacement {length(float(response.peaks['ux'][block]))}, block {block + 1}"
+        structure = getattr(response, "structure", None)
+        peaks = response.peaks["ux" if structure is None else "u"]
+        block = int(np.argmax(peaks))
+        name = f"block {block + 1}" if structure is None else plain(structure.names[block])
+        moved = f"largest displacement {length(float(peaks[block]))}, {name}"
         text = f"Stands: {moved}" if word == "standing" else f"Undecided, {response.reason}; {moved}"
     else:
         return "", ""

@@ -304,3 +304,9 @@ def test_every_option_of_a_run_is_in_a_group(
     for name, group in found.items():
         for option in OF_THE_COMMAND.get(name, [name]):
             assert f"--{option.replace('_', '-')} " in texts[group].replace("\n", " "), option
+
+
+def test_a_decimal_comma_of_an_option_is_called_by_its_name(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["simulate", "a.toml", "b.csv", "--pga", "0,3"]) == 2
+    line = "argument --pga: 0,3 has a decimal comma, must be 0.3 with a decimal point\n"
+    assert capsys.readouterr().err.endswith(line)

@@ -135,6 +135,11 @@ def test_survey(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.
         (("drums", "", "2.5", "", "", ""), "2.5: must be a whole number from 1 to 1000"),
         (("drums", "", "2", "tall"), "height of all drums together (m) = tall: must be a positive length in m"),
         (("drums", ""), "number of drums: no answer, the input has ended"),
+        (("statue", "", "1800"), "(m) = 1800.0: must be a positive length in m, from 0.01 to 30; 1800 mm are 1.8"),
+        (("drums", "", "2", "400"), "must be a positive length in m, from 0.01 to 300; 400 mm are 0.4"),
+        (("statue", "", "1,8"), "1,8 has a decimal comma, must be 1.8 with a decimal point"),
+        (("statue", *[""] * 5, "5"), "must be a mass in kg, from 60.8 to 3.64e+03 in a box of that size"),
+        (("statue", *[""] * 6, "2"), "must be a height in m, up to that of the statue, 1.8"),
     ],
 )
 def test_mistakes_end_in_one_line(
@@ -155,15 +160,6 @@ def test_what_is_refused_leaves_the_file_that_is_there(tmp_path: Path, monkeypat
     monkeypatch.setattr(sys, "stdin", io.StringIO("".join(f"{answer}\n" for answer in answers)))
     assert main(["new", str(path), "--force"]) == 2
     assert path.read_text(encoding="utf-8") == "good"
-
-
-def test_a_statue_in_millimetres_is_warned_of(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    answers = ("statue", "", "1800", "500", "500", *[""] * 8)
-    assert ask(monkeypatch, tmp_path / "a.toml", *answers) == 0
-    assert "warning: " in (said := capsys.readouterr().err)
-    assert "1800" in said
 
 
 def test_a_survey_may_begin_with_a_byte_order_mark(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -89,7 +89,7 @@ def ground(t: float) -> float:
 
 
 def slab(ratio: float) -> Partner:
-    """A slab on springs and dashpots, of so many times the mass that the column opposes at once."""
+    """A slab on springs and dashpots, of `ratio` times the mass that the column opposes at once."""
     mass = ratio * 600.0
     return Partner(np.array([[mass]]), np.array([[8e3]]), np.array([[4e5]]), 0)
 

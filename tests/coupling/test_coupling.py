@@ -35,7 +35,7 @@ def test_initialization_has_no_algebraic_loop(coupled: Path, partner: str) -> No
                 names = {(part, variable.name) for variable in unknown.dependencies}
                 follows[part, unknown.variable.name] = names
                 if when == "outputs" and re.match(r"base\.(R0|m)|body\.", unknown.variable.name):
-                    assert {name for _, name in names} <= {"base.theta", "base.omega"}  # nobody connects these
+                    assert {name for _, name in names} <= {"base.theta", "base.omega"}  # which are not connected
         for name in SPLIT:
             follows[partner, f"column.{name}"] = {("column", f"base.{name}")}
         for name in BODY:

@@ -11,7 +11,7 @@ from support.fmus import ROOT
 import multiblock
 
 NOTES = sorted((ROOT / "docs" / "notes").glob("*.md"))
-PAGES = [ROOT / "README.md", ROOT / "CHANGELOG.md", *sorted((ROOT / "docs").rglob("*.md"))]
+PAGES = [*sorted(ROOT.glob("*.md")), *sorted((ROOT / "docs").rglob("*.md"))]
 CODE = ("solver", "fmu_src", "tests", "benchmarks", "examples", "stress", "validation")
 CITED = re.compile(r"theory\.md[,(`]*\s+(?:#\s*)?section\s+(\d+)")
 WIDTH = 100

@@ -254,6 +254,13 @@ def test_one_version_everywhere() -> None:
     assert f"\n## {__version__}\n" in (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
 
 
+def test_a_commit_is_linted_as_continuous_integration_does() -> None:
+    hooks = re.findall(r" entry: ([^,]+),", (ROOT / ".pre-commit-config.yaml").read_text(encoding="utf-8"))
+    run = (ROOT / ".ci" / "run").read_text(encoding="utf-8")
+    (linted,) = re.findall(r"PATH=.*bin:.*\n((?: +.*\n)+?) +python -m sphinx", run)
+    assert [line.strip() for line in linted.splitlines()] == hooks
+
+
 def test_every_package_is_installed() -> None:
     settings = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
     listed = settings["tool"]["setuptools"]["packages"]

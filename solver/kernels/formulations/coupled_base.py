@@ -99,7 +99,7 @@ def slope_of(way, steps, step, before, here, last, earlier):
 
 @leaf
 def has_gone_on(base, step, t):
-    """Whether a step of so many s, up to time t, is one: instants that differ by rounding are the same."""
+    """Whether a step of `step` s up to time t is one: instants that differ by rounding are the same."""
     return base.coupled != 0.0 and step > ALIKE * base.last_step + ROUNDING * abs(t)
 
 
