@@ -56,6 +56,7 @@ LEFT_AT_HOME = {
     "commands",
     "documentation.py",
     "intensity.py",
+    "licences.py",
     "model_description3.py",
     "native",
     "oscillator.py",
@@ -251,6 +252,7 @@ def build_fmu(
         from pythonfmu import FmuBuilder
 
         from fmu_src import documentation
+        from fmu_src.licences import REQUIRED, legal_files
         from fmu_src.slave import BODY_FILE, GUID_FILE, RECORD_FOLDER
     body, output = _body_and_output(column, output, record, space, drive)
     record_name = ""
@@ -296,8 +298,9 @@ def build_fmu(
             sys.path[:] = [entry for entry in sys.path if not entry.startswith(str(stage))]
         output.parent.mkdir(parents=True, exist_ok=True)
         needs = NEEDS if has_tools() else f"{NEEDS} {guard.WITHOUT}"
-        pages = documentation.pages(body, body.table(record_name), needs)
+        pages = documentation.pages(body, body.table(record_name), needs) | legal_files(needs, "pythonfmu")
         extra = {"model.png": pages["documentation/model.png"]} | pages
+        extra["resources/requirements.txt"] = REQUIRED.encode()
         extra |= {f"resources/{MACHINE_CODE}/{name}": code for name, code in machine_code.items()}
         repack(built, output, extra)
     return output

@@ -88,7 +88,8 @@ def pages(body: Body, table: list[Variable], needs: str) -> dict[str, bytes]:
     picture, words = _shown(body)
     others = {"documentation/signs.png": sign_conventions()} if "signs.png" in words["signs"] else {}
     page = _page(body, table, {**words, "needs": escape(needs)})
-    return {"documentation/index.html": page.encode(), "documentation/model.png": picture} | others
+    pictures = dict.fromkeys(("documentation/model.png", "documentation/diagram.png"), picture)  # the latter of FMI 3
+    return {"documentation/index.html": page.encode()} | pictures | others
 
 
 @singledispatch

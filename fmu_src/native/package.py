@@ -16,6 +16,7 @@ from solver.ground.motion import Motion
 from .. import documentation
 from ..body import Body, ColumnBody, StructureBody
 from ..description_parts import About
+from ..licences import legal_files
 from ..model_description import FLAGS, model_description
 from ..model_description3 import model_description3, terminals
 from ..record import usual_experiment
@@ -100,7 +101,7 @@ def native_files(
         description = model_description3(about, contents.table, contents.subject.lines, form.scalars)
     else:
         description = model_description(about, contents.table)
-    pages = documentation.pages(body, contents.table, NEEDS)
+    pages = documentation.pages(body, contents.table, NEEDS) | legal_files(NEEDS)
     pages["terminalsAndIcons/icon.png" if fmi == 3 else "model.png"] = pages["documentation/model.png"]
     if fmi == 3 or form.terminals:
         pages["terminalsAndIcons/terminalsAndIcons.xml"] = XML + tostring(terminals(contents.table))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import tomllib
 import zipfile
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
@@ -127,6 +128,16 @@ def test_the_documentation_explains_every_variable(archive: dict[str, bytes], ro
     for picture in re.findall(r'src="([^"]+)"', page):
         assert archive[f"documentation/{picture}"].startswith(b"\x89PNG"), picture
     assert archive["model.png"].startswith(b"\x89PNG")
+
+
+def test_says_what_is_inside_and_what_it_needs(archive: dict[str, bytes]) -> None:
+    """Licences where FMI looks for them; what `pythonfmu deploy` installs is what the project itself needs."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    needed = [text for text in project["dependencies"] if re.match("(numpy|numba)\\b", text)]
+    assert archive["resources/requirements.txt"].decode().split() == needed
+    assert archive["documentation/licenses/license.txt"] == (ROOT / "LICENSE").read_bytes()
+    assert b"Permission is hereby granted" in archive["documentation/licenses/pythonfmu.txt"]
+    assert b"numba" in archive["documentation/externalDependencies.txt"]
 
 
 def test_carries_both_binaries_and_only_what_it_needs(archive: dict[str, bytes]) -> None:

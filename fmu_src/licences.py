@@ -1,0 +1,36 @@
+"""What an FMU says of rights and of what it needs from outside, where the standard looks for it (FMI 3.0.2, 2.5.1.1).
+
+Needed by the builder only. FMI 2.0 knows the folder of licences (2.0.2, 2.3); its tools pass the rest over.
+"""
+
+from __future__ import annotations
+
+from importlib import metadata
+from pathlib import Path
+
+import fmu_src
+from solver.common.errors import InputError
+
+FOLDER = "documentation/licenses"
+OWN = "multiblock-fmu"
+REQUIRED = "numpy>=1.26,<3\nnumba>=0.59,<1\n"  # of the FMU that runs in Python, as pip takes it: `pythonfmu deploy`
+
+
+def legal_files(needs: str, *inside: str) -> dict[str, bytes]:
+    """Licences, of this project and of the distributions `inside`, and the needs; path in the FMU -> content.
+
+    Raises InputError for a distribution that has no licence with it.
+    """
+    files = {f"{FOLDER}/license.txt": _licence(OWN), "documentation/externalDependencies.txt": f"{needs}\n".encode()}
+    return files | {f"{FOLDER}/{name}.txt": _licence(name) for name in inside}
+
+
+def _licence(name: str) -> bytes:
+    clone = Path(fmu_src.__path__[0]).parent / "LICENSE"
+    if name == OWN and clone.is_file():
+        return clone.read_bytes()
+    installed = metadata.distribution(name)
+    text = installed.read_text("licenses/LICENSE") or installed.read_text("LICENSE")
+    if not text:
+        raise InputError(f"{name}: is installed without its licence, which the FMU has to carry; install it anew")
+    return text.encode()
