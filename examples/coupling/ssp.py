@@ -108,7 +108,9 @@ def wire(system: System, folder: Path, platform: str, watched: list[tuple[str, s
     for part, path in system.fmus.items():
         with zipfile.ZipFile(path) as archive:
             (inside,) = (name for name in archive.namelist() if name.startswith(f"binaries/{platform}/"))
-            library = folder / Path(inside).name
+            library = (
+                folder / f"{path.stem}{Path(inside).suffix}"
+            )  # names inside follow the column, of which there are two
             library.write_bytes(archive.read(inside))
         lines.append(f"fmu {part} {descriptions[part].guid} {library.resolve()}")
         for name, value in system.parameters.get(part, {}).items():
