@@ -10,7 +10,7 @@ not, the plain reaction.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from tempfile import TemporaryDirectory
 from typing import Any
 
@@ -41,7 +41,7 @@ def by_state(column: Fmu, partner: Fmu, names: tuple[str, str] = ("column", "par
 
 
 def run(
-    fmus: dict[str, Fmu],
+    fmus: Mapping[str, Fmu],
     wires: list[Wire],
     h: float,
     stop: float,
