@@ -20,6 +20,7 @@ from solver.common.ranges import check, check_choice
 from solver.ground.motion import Motion, check_in_plane
 from solver.kernels.layout import spaces as at
 from solver.kernels.layout.spaces import DRIVES, SLOPES
+from solver.kernels.structure.layout import BASE as BASE_OF_STRUCTURE
 from solver.models.column import stepper as in_plane
 from solver.models.column.model import Column
 from solver.models.column.rest import check_rest
@@ -57,6 +58,7 @@ class Body:
     fallen = variables.OVERTURNED_BLOCK  # the joint or block that has fallen
     first_parameter = variables.TOLERANCE
     segment: int | None = None  # place in the array `base` of a number of a sample
+    base: tuple[str, ...] = ("", "ax", "jx")  # what stands in that array, inputs by their names
     kernels = Carried()
     why_not_native = "is followed in Python, must have kernels"  # "": its FMU can do without Python
 
@@ -126,6 +128,7 @@ class ColumnBody(Body, word="column"):
     fallen = variables.OVERTURN_JOINT
     first_parameter = "g"
     segment = at.BASE.fields.index("segment")
+    base = at.BASE.fields
 
     def __init__(self, column: Column, drive: Drive = USUAL) -> None:
         self.column, self.name, self.tolerance = column, column.name, column.settings.tolerance
@@ -178,6 +181,7 @@ class StructureBody(Body, word="structure"):
     kernels = Carried(
         "models.structure.driven", "structure", ("assemble_structure", "follow_structure", "look_structure")
     )
+    base = BASE_OF_STRUCTURE.fields
     why_not_native = ""
 
     def __init__(self, data: Mapping[str, Any], model: list[float] | None = None, drive: Drive = USUAL) -> None:

@@ -34,6 +34,7 @@ from .model_description import FLAGS, model_description
 from .record import Record, usual_experiment
 from .state import Mode
 from .variables import (
+    ACCELERATIONS,
     OVERTURN_TIME,
     OVERTURNED,
     RECORD,
@@ -50,7 +51,6 @@ BODY_FILE = "body.json"
 GUID_FILE = "guid.txt"
 RECORD_FOLDER = "record"  # holds the record inside the FMU, if there is one
 ARRAYS = ("state", "counts", "base")  # of the stepper: all that differs from one moment to another
-ACCELERATIONS = ("m/s2", "rad/s2")
 # what the calls of FMI 2.0 get and set -> kinds of variables
 ACCESS = {"Real": ("Real",), "Integer": ("Integer", "Enumeration"), "Boolean": ("Boolean",), "String": ("String",)}
 
@@ -67,6 +67,7 @@ class Request:
             self.places.append(place)
         self.references = list(references)
         self.needs_outputs = any(table[place].causality == "output" for place in self.places)
+        self.last = max(self.places, default=-1)
         first = self.places[0] if references else 0
         row = self.places == list(range(first, first + len(references)))
         self.row = slice(first, first + len(references)) if row else None
@@ -120,10 +121,12 @@ class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
         self._retune = False  # whether a tunable parameter was set and has not acted yet
         self._inputs_stand = False  # whether the stepper still has the inputs of the last step, and no others were set
         self._outdated = True  # whether the outputs belong to an earlier time, input or parameter
+        self._late_outdated = False  # whether peaks and verdict do while the others are up to date
         self._shaken = False  # whether the base has moved yet
         self._stepped = False  # whether this instance has made a step
         self._coarse_warned = self._unstable_warned = False
-        self._accelerations = [k for k, item in enumerate(self._inputs) if item.unit in ACCELERATIONS]
+        self._accelerations = [item for item in self._inputs if item.unit in ACCELERATIONS]
+        self._in_base = [self._body.base.index(item.name.removeprefix("base.")) for item in self._accelerations]
         self._alternation = Alternation(len(self._accelerations))  # no part of the state
         self.modelName = identifier_of(self._body.name)  # what PythonFMU calls the libraries
         guid = resources / GUID_FILE
@@ -248,11 +251,11 @@ class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
 
     def _warn_of_instability(self, start: float) -> None:
         """Say once that the accelerations of the base, held from `start` on, diverge with the coupling."""
-        accelerations = [self._values[k] for k in self._accelerations]
+        accelerations = self._stepper.arrays.base[self._in_base].tolist()
         found = self._alternation.found(start, accelerations)
         if found >= 0:
             self._unstable_warned = True
-            variable = self._inputs[self._accelerations[found]]
+            variable = self._accelerations[found]
             said = variable.name, accelerations[found], variable.unit, start
             self._say(Fmi2Status.warning, rules.UNSTABLE % said)
 
@@ -322,6 +325,8 @@ class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
                 request = self._requests[kind] = Request(vrs, self._table, self._place_of, kind)
             if self._outdated and request.needs_outputs:
                 self._update()
+            if self._late_outdated and request.last >= self._peaks.start:
+                self._update_the_rest()
             return request.of(self._values)
         except Exception as error:
             self._fail(rules.NOT_READ % (self._time, _message_of(error)))
@@ -352,13 +357,20 @@ class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
 
     # As PythonFMU calls them. Outputs are brought up to date with time and inputs first. Inputs and tunable parameters
     # can be set before any step, other parameters before the end of initialization, no Boolean.
-    get_real, set_real = partialmethod(_get, kind="Real"), partialmethod(_set, kind="Real")
     get_integer, set_integer = partialmethod(_get, kind="Integer"), partialmethod(_set, kind="Integer")
     get_boolean, set_boolean = partialmethod(_get, kind="Boolean"), partialmethod(_set, kind="Boolean")
     get_string, set_string = partialmethod(_get, kind="String"), partialmethod(_set, kind="String")
 
+    def get_real(self, vrs: list[int]) -> list[Any]:
+        """As the others; at every step, and so without a partial method."""
+        return self._get(vrs, "Real")
+
+    def set_real(self, vrs: list[int], values: list[Any]) -> None:
+        """As the others."""
+        self._set(vrs, values, "Real")
+
     def _update(self) -> None:
-        """Bring the outputs up to date."""
+        """Bring the outputs up to date, but peaks and verdict, which are asked for less often."""
         if self._mode == Mode.INSTANTIATED:
             raise InputError(rules.TOO_EARLY)
         if self._mode == Mode.INITIALIZATION:
@@ -375,11 +387,18 @@ class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
             stepper.stand_on_base()
         self._values[self._row] = stepper.observe(self._time).tolist()
         self._values[self._split] = stepper.split.tolist()
+        self._outdated, self._late_outdated = False, True
+
+    def _update_the_rest(self) -> None:
+        """Bring peaks and verdict up to date; all else is."""
+        self._late_outdated = False
+        stepper = self._stepper
+        if stepper is None:
+            return
         self._values[self._peaks] = stepper.visible_peaks.tolist()
         fallen, when = self._body.fall(stepper)
         word = "overturned" if fallen else "standing" if stepper.counts.resting else "undecided"
         self._tell_verdict(when if fallen else -1.0, fallen, fallen > 0, VERDICT.items[word])
-        self._outdated = False
 
     # --- parameters
 

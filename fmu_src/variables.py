@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
 from .references import array_of, reference_of
 
+ACCELERATIONS = ("m/s2", "rad/s2")  # units
 ROLES = ("input", "output", "parameter")  # in the order of the table
 
 START_TIME = 0.0  # s

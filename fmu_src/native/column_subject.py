@@ -65,6 +65,7 @@ def column_subject(column: Column, drive: Drive = USUAL) -> Subject:
         reasons=REASONS,
         misfits=[MISFITS[kind] for kind in sorted(MISFITS)],
         segment=at.BASE.fields.index("segment"),
+        base=at.BASE.fields,
     )
 
 

@@ -580,12 +580,12 @@ static void warn_of_instability(Instance *instance, double start) {
     instance->watched = start;
     for (int k = 0; k < BASE_INPUTS; k++) {
         const Variable *input = &variables[k];
-        char value[NUMBER], time[NUMBER];
-        if (strcmp(input->unit, "m/s2") && strcmp(input->unit, "rad/s2")) continue;
-        if (!alternates(&instance->alternations[k], instance->now.reals[k]) || instance->unstable_warned) continue;
+        char text[NUMBER], time[NUMBER];
+        if (place_in_base[k] < 0) continue;
+        double value = instance->now.base[place_in_base[k]];
+        if (!alternates(&instance->alternations[k], value) || instance->unstable_warned) continue;
         instance->unstable_warned = 1;
-        core_say(instance, ST_WARNING, SAY_UNSTABLE, input->name, shown(instance->now.reals[k], value), input->unit,
-                 shown(start, time));
+        core_say(instance, ST_WARNING, SAY_UNSTABLE, input->name, shown(value, text), input->unit, shown(start, time));
     }
 }
 

@@ -52,5 +52,6 @@ def structure_subject(body: StructureBody) -> Subject:
             Check(RECORD_SCALE, *rules.SCALE_LIMITS),
         ],
         reasons=REASONS,
+        base=at.BASE.fields,
         entries=pointers_in_space.ENTRIES,
     )

@@ -22,7 +22,7 @@ from solver.models.outputs import Output, places_of
 from .. import alternation, rules
 from ..record import Record
 from ..references import FAMILY, array_of
-from ..variables import STEP_SIZE, VERDICT, Variable
+from ..variables import ACCELERATIONS, STEP_SIZE, VERDICT, Variable
 from .machine_code import PREFIX
 
 TEXT = 256  # bytes of a String, its end included
@@ -80,6 +80,7 @@ class Subject:
     reasons: dict[int, str]
     misfits: list[tuple[str, str]] = field(default_factory=list)  # name and relation, by the kind from 1 on
     segment: int = -1
+    base: tuple[str, ...] = ()  # what stands in `base`, accelerations by the names of their inputs
     entries: Mapping[Any, tuple[Any, ...]] = field(default_factory=lambda: pointers.ENTRIES)
 
     @property
@@ -224,6 +225,10 @@ def declarations(contents: Contents) -> str:
     lines += _array("int", "whole_starts", [str(int(_start(variable))) for variable in wholes])
     lines += _array("char *const", "text_starts", [_quoted(str(variable.start)) for variable in texts])
     lines += _families(table, contents.scalars)
+    units = {variable.name: variable.unit for variable in table}
+    watched = [name.removeprefix("base.") if units[name] in ACCELERATIONS else "" for name in subject.inputs]
+    places_in_base = [subject.base.index(name) if name in subject.base and name else -1 for name in watched]
+    lines += _array("int", "place_in_base", list(map(str, places_in_base)))
     lines += _array("int", "slope_of", [str(places.get(subject.slopes.get(name, ""), -1)) for name in subject.inputs])
     references = {variable.name: variable.reference for variable in table}
     listed = [f"{{{references[name]}, {references[slope]}}}" for name, slope in subject.lines.items()]
