@@ -30,12 +30,13 @@ class Alternation:
         self._time = time
         found = -1
         for k, value in enumerate(values):
-            change = value - self._last[k]
-            if not change * self._change[k] < 0.0 or abs(change) < BACK * self._largest[k]:
-                self._in_a_row[k], self._before[k] = 0, max(self._largest[k], abs(value))
-            self._in_a_row[k] += 1
-            self._last[k], self._change[k] = value, change
-            self._largest[k] = max(self._largest[k], abs(value))
-            if self._in_a_row[k] >= MANY and self._largest[k] > GROWTH * self._before[k]:
-                found = k
+            change, largest = value - self._last[k], self._largest[k]
+            now = max(largest, abs(value))
+            if change * self._change[k] < 0.0 and abs(change) >= BACK * largest:
+                self._in_a_row[k] += 1
+                if self._in_a_row[k] >= MANY and now > GROWTH * self._before[k]:
+                    found = k
+            else:
+                self._in_a_row[k], self._before[k] = 1, now
+            self._last[k], self._change[k], self._largest[k] = value, change, now
         return found

@@ -251,7 +251,8 @@ class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
 
     def _warn_of_instability(self, start: float) -> None:
         """Say once that the accelerations of the base, held from `start` on, diverge with the coupling."""
-        accelerations = self._stepper.arrays.base[self._in_base].tolist()
+        base = self._stepper.arrays.base
+        accelerations = [base.item(place) for place in self._in_base]
         found = self._alternation.found(start, accelerations)
         if found >= 0:
             self._unstable_warned = True
