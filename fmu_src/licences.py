@@ -32,5 +32,5 @@ def _licence(name: str) -> bytes:
     installed = metadata.distribution(name)
     text = installed.read_text("licenses/LICENSE") or installed.read_text("LICENSE")
     if not text:
-        raise InputError(f"{name}: is installed without its licence, which the FMU has to carry; install it anew")
+        raise InputError(f"{name}: is installed without its licence, which the FMU has to carry; install it again")
     return text.encode()
