@@ -140,6 +140,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--source", action="store_true", help="with the source code inside, for hosts that compile")
     parser.add_argument("--terminals", action="store_true", help="terminals of FMI 3.0 in an FMU of FMI 2.0, too")
     known = "; ".join(f"FMI {version}: {','.join(names)}" for version, names in PLATFORMS.items())
+    parser.add_argument("--plain-names", action="store_true", help="block1.ux in place of block[1].ux")
     parser.add_argument("--platforms", help=f"of the native FMU, with commas (default: all; {known})")
 
 
@@ -151,15 +152,18 @@ def _build(options: argparse.Namespace) -> None:
     drive = drive_of(options.drive, options.slope, options.bodies)
     if drive.drive != USUAL.drive and options.record is not None:
         raise InputError("--record: must be left out with --drive, the ground moves the bodies at the base")
+    if options.plain_names and options.fmi == 3 and not options.scalars:
+        raise InputError("--plain-names: with --fmi 3 only beside --scalars, arrays have no brackets in their names")
+    rest = options.space, drive, options.plain_names
     if options.native:
         platforms = options.platforms.split(",") if options.platforms else None
         form = Form(options.fmi, options.source, options.terminals, options.scalars)
-        path = build_native_fmu(options.column, options.output, options.record, platforms, form, options.space, drive)
+        path = build_native_fmu(options.column, options.output, options.record, platforms, form, *rest)
     elif options.fmi != 2 or options.source or options.terminals:
         option = "--source" if options.source else "--terminals" if options.terminals else f"--fmi {options.fmi}"
         raise InputError(f"{option}: with --native only")
     else:
-        path = build_fmu(options.column, options.output, options.record, options.space, drive)
+        path = build_fmu(options.column, options.output, options.record, *rest)
     print(path)
 
 
@@ -182,11 +186,12 @@ def build_native_fmu(
     form: Form = USUAL_FORM,
     space: bool = False,
     drive: Drive = USUAL,
+    plain_names: bool = False,
 ) -> Path:
     """Build the FMU that needs no Python and return its path; prints what its libraries need from outside.
 
     platforms: of PLATFORMS[form.fmi], None: all of them. space: a column as a structure in space. drive: how its base
-    moves (fmu_src/drive.py).
+    moves (fmu_src/drive.py). plain_names: as of `without_brackets`.
     Raises InputError, OSError.
     """
     if not LINKING:
@@ -208,7 +213,7 @@ def build_native_fmu(
     files, needs = native_files(body, list(dict.fromkeys(platforms)), motion, record_name, form)
     print(needs_report(needs), file=sys.stderr)
     output.parent.mkdir(parents=True, exist_ok=True)
-    write_archive(output, files)
+    write_archive(output, without_brackets(files) if plain_names else files)
     return output
 
 
@@ -242,6 +247,7 @@ def build_fmu(
     record: Path | None = None,
     space: bool = False,
     drive: Drive = USUAL,
+    plain_names: bool = False,
 ) -> Path:
     """Build the FMU of a file, or of a model, and return its path; a record is put inside it.
 
@@ -302,7 +308,7 @@ def build_fmu(
         extra = {"model.png": pages["documentation/model.png"]} | pages
         extra["resources/requirements.txt"] = REQUIRED.encode()
         extra |= {f"resources/{MACHINE_CODE}/{name}": code for name, code in machine_code.items()}
-        repack(built, output, extra)
+        repack(built, output, extra, plain_names)
     return output
 
 
@@ -357,11 +363,19 @@ def _carry_package(package: ModuleType, stage: Path, renamed: dict[str, str], ke
     return name
 
 
-def repack(source: Path, target: Path, extra: dict[str, bytes]) -> None:
+def repack(source: Path, target: Path, extra: dict[str, bytes], plain_names: bool = False) -> None:
     """Write the archive, guarded, with the additions compressed, in a fixed order and with a fixed date."""
     with zipfile.ZipFile(source) as old:
         files = {name: old.read(name) for name in old.namelist()}
-    write_archive(target, guard.guarded(files) | extra)
+    files = guard.guarded(files) | extra
+    write_archive(target, without_brackets(files) if plain_names else files)
+
+
+def without_brackets(files: dict[str, bytes]) -> dict[str, bytes]:
+    """The files of an FMU whose variables are block1.ux in place of block[1].ux, where tools and people read them."""
+    named = "modelDescription.xml", "terminalsAndIcons/terminalsAndIcons.xml", "documentation/index.html"
+    found = {name: re.sub(rb"\b(block|joint|tie)\[(\d+)\]", rb"\1\2", files[name]) for name in named if name in files}
+    return files | found
 
 
 def write_archive(target: Path, content: dict[str, bytes]) -> None:

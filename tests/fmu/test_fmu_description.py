@@ -10,10 +10,12 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
+from fmpy import read_model_description
 from support.child import call
-from support.fmus import DAMPED, ROOT, Fmus
+from support.fmus import DAMPED, ROOT, Fmus, read_results, run
 from support.inside import initialization
 
+from build_fmu import build_fmu
 from fmu_src.documentation import drawing
 from solver import Column
 
@@ -139,6 +141,18 @@ def test_says_what_is_inside_and_what_it_needs(archive: dict[str, bytes]) -> Non
     assert archive["documentation/licenses/license.txt"] == (ROOT / "LICENSE").read_bytes()
     assert b"Permission is hereby granted" in archive["documentation/licenses/pythonfmu.txt"]
     assert b"numba" in archive["documentation/externalDependencies.txt"]
+
+
+def test_plain_names_have_no_brackets(tmp_path: Path) -> None:
+    fmu = build_fmu(DAMPED, tmp_path / "plain.fmu", plain_names=True)
+    assert "No problems found" in run("fmpy", "validate", fmu)
+    names = {variable.name for variable in read_model_description(str(fmu)).modelVariables}
+    assert {"block1.ux", "joint3.N_peak", "block2.height", "base.ax"} <= names
+    assert not any("[" in name for name in names)
+    results = tmp_path / "rows.csv"
+    values = ("--start-values", "joint1.damping", "2e-3", "base.jx", "1.0")
+    run("fmpy", "simulate", fmu, "--stop-time", "0.1", *values, "--output-file", results)
+    assert abs(read_results(results)["block1.ux"][-1]) > 1e-6
 
 
 def test_carries_both_binaries_and_only_what_it_needs(archive: dict[str, bytes]) -> None:
