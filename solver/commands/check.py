@@ -27,7 +27,7 @@ from .check_report import action_lines, check_lines, variants_lines
 from .code_spectra import add_code_options, add_spectrum, target_of
 from .command_files import add_force, add_space, check_suffix, read_subject, write_outputs
 from .motion_options import FORMATS, add_file_options, check_file_options, file_line, read_with_options
-from .progress import RunsLine, compile_kernels
+from .progress import PlainLine, RunsLine, compile_kernels
 from .structure import compile_for_space
 
 
@@ -199,14 +199,14 @@ def _across(path: Path, model: Any) -> Any:
 
 def _subject(path: Path, model: Column | Structure, plan: Plan) -> Subject:
     with reading(path):
-        {"column": compile_kernels, "structure": compile_for_space}[model.kind.word]()
+        compile_for_space() if model.kind.across else compile_kernels()
         model.kind.check(model, from_rest=True)
         return subject_of(model, plan.confidence_factor)
 
 
 def _checked(path: Path, subject: Subject, action: Action, plan: Plan) -> Check:
-    with reading(path), RunsLine() as line:
-        return checked(subject, action, plan, line if sys.stderr.isatty() else None)
+    with reading(path), RunsLine() if sys.stderr.isatty() else PlainLine() as line:
+        return checked(subject, action, plan, line)
 
 
 def _plan(options: argparse.Namespace) -> Plan:

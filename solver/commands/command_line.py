@@ -14,7 +14,7 @@ from typing import Any, NoReturn
 import numpy as np
 
 from .. import __version__
-from ..common.errors import InputError, InputWarning, SolverError, needing, reading
+from ..common.errors import InputError, InputWarning, SolverError, reading
 from ..common.files import check_outputs, printable, with_point
 from ..ground.motion import STANDARD_GRAVITY, Motion
 from ..models.column.response import Response
@@ -231,12 +231,8 @@ def _simulate(options: argparse.Namespace) -> None:
 
 def _film(response: Any, path: Path) -> None:
     """Film a response, with a progress line on a terminal."""
-    with needing("plot", "matplotlib"):
-        from ..plotting import film, structures
-
-    film_it = structures.film if response.model.kind.across else film.film
     with Line(unit="picture") as line:
-        film_it(response, path, callback=line.show if sys.stderr.isatty() else None)
+        response.film(path, callback=line.show if sys.stderr.isatty() else None)
 
 
 def _run(subject: Any, motion: Motion, duration: float | None, **options: Any) -> Any:

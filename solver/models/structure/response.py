@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from types import MappingProxyType
@@ -119,14 +119,21 @@ class SpatialResponse(StructureHistories, Result):
             from ...plotting.structures import plot_structure
         return plot_structure(self, path, at, scale)
 
-    def film(self, path: str | os.PathLike[str], scale: float | None = None, fps: int = 20, speed: float = 1.0) -> None:
+    def film(
+        self,
+        path: str | os.PathLike[str],
+        scale: float | None = None,
+        fps: int = 20,
+        speed: float = 1.0,
+        callback: Callable[[int, int], object] | None = None,
+    ) -> None:
         """Write a film of the structure, a GIF or, if ffmpeg is installed, an MP4; `speed`: s of motion in a s of film.
 
-        Raises InputError without matplotlib (the extra `plot`).
+        callback: is given the number of pictures made, and of all. Raises InputError without matplotlib (the extra `plot`).
         """
         with needing("plot", "matplotlib"):
             from ...plotting.structures import film
-        film(self, path, scale, fps, speed)
+        film(self, path, scale, fps, speed, callback)
 
     def plot_plan(
         self, path: str | os.PathLike[str] | None = None, blocks: Sequence[str | int] | None = None
