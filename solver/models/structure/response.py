@@ -129,7 +129,8 @@ class SpatialResponse(StructureHistories, Result):
     ) -> None:
         """Write a film of the structure, a GIF or, if ffmpeg is installed, an MP4; `speed`: s of motion in a s of film.
 
-        callback: is given the number of pictures made, and of all. Raises InputError without matplotlib (the extra `plot`).
+        callback: is given the number of pictures made, and of all.
+        Raises InputError without matplotlib (the extra `plot`).
         """
         with needing("plot", "matplotlib"):
             from ...plotting.structures import film
