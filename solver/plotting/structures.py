@@ -84,7 +84,8 @@ def draw_blocks(
     for block, moved, rotation in zip(structure.blocks, u, turn, strict=True):
         faces = [_moved(face, block, moved, rotation) for face in _surfaces(block)]
         points += faces
-        axes.add_collection3d(Poly3DCollection(faces, facecolors=STONE, edgecolors=EDGE, linewidth=0.3, shade=True))
+        edge = STONE if len(block.surface) else EDGE  # triangles of a scan are too many to be outlined
+        axes.add_collection3d(Poly3DCollection(faces, facecolors=STONE, edgecolors=edge, linewidth=0.3, shade=True))
     corners = np.concatenate(points)
     low, high = (corners.min(axis=0), corners.max(axis=0)) if limits is None else limits
     low = low.copy()
@@ -174,6 +175,8 @@ def _scale_of(response: SpatialResponse, k: int) -> float:
 
 def _surfaces(block: Solid) -> list[FloatArray]:
     """Polygons of the surface of a block as built, (corners, 3) m each; a drum's side in strips."""
+    if len(block.surface):
+        return list(block.surface)
     found = [face.points(SIDES) for face in block.faces]
     round_faces = [face for face in block.faces if face.radius]
     if len(round_faces) == 2:
