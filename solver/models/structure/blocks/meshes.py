@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ....common.errors import InputError, needing, reading
 from ....common.files import MB, check_size
@@ -37,20 +38,26 @@ def triangles_of(path: Path, unit: float, up: str | None) -> FloatArray:
             raise
         except Exception as error:  # parsers of many formats raise anything
             raise InputError(f"cannot be read as a mesh: {type(error).__name__}: {error}".partition("\n")[0]) from None
-        corners = np.asarray(mesh.vertices, dtype=np.float64)
-        if not len(mesh.faces) or not np.isfinite(corners).all():
-            raise InputError(
-                "has no triangles, must be a closed mesh" if not len(mesh.faces) else "has no finite places"
-            )
-        if not mesh.is_watertight:
-            count = int(np.sum(np.unique(mesh.edges_sorted, axis=0, return_counts=True)[1] != 2))
-            raise InputError(f"is not closed: {count} edges do not have two triangles, must be a closed mesh")
-        if not mesh.is_winding_consistent:
-            raise InputError(
-                "has triangles that look inwards beside others that look outwards, must be one closed mesh"
-            )
+        corners, faces = np.asarray(mesh.vertices, dtype=np.float64), np.asarray(mesh.faces)
+        faces = faces[np.all(faces != np.roll(faces, 1, axis=1), axis=1)]  # corners that are one since they were merged
+        if not len(faces) or not np.isfinite(corners).all():
+            raise InputError("has no triangles, must be a closed mesh" if not len(faces) else "has no finite places")
+        _check_closed(faces)
     order = TURNS[up or ("y" if kind in (".gltf", ".glb") else "z")]
-    found: FloatArray = unit * corners[np.asarray(mesh.faces)][:, :, order]
+    found: FloatArray = unit * corners[faces][:, :, order]
     middle = np.mean(found, axis=(0, 1))
     a, b, c = np.moveaxis(found - middle, 1, 0)
     return found if float(np.einsum("ij,ij->", a, np.cross(b, c))) > 0.0 else found[:, ::-1].copy()
+
+
+def _check_closed(faces: NDArray[np.int64]) -> None:
+    """Raise InputError unless each edge is passed as often one way as the other: then Green's theorem holds."""
+    ends = np.concatenate([faces[:, [k, (k + 1) % 3]] for k in range(3)])
+    forth = np.where(ends[:, 0] < ends[:, 1], 1, -1)
+    _, edge = np.unique(np.sort(ends, axis=1), axis=0, return_inverse=True)
+    passed, turns = np.bincount(edge.ravel()), np.bincount(edge.ravel(), weights=forth)
+    single = int(np.sum(passed % 2))
+    if single:
+        raise InputError(f"is not closed: {single} edges do not have two triangles, must be a closed mesh")
+    if np.any(turns):
+        raise InputError("has triangles that look inwards beside others that look outwards, must be one closed mesh")
