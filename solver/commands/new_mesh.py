@@ -23,7 +23,7 @@ from .command_files import check_suffix
 
 TALL = 100.0  # m: a mesh higher than this is probably in mm
 DAMPING = 1e-3  # s
-TURN = 22.5  # degrees: directions that are told of a foot of many edges
+TURN = 22.5  # degrees between the directions that are shown of a foot of many edges
 
 
 class Edge(NamedTuple):
@@ -71,7 +71,7 @@ def new_from_mesh(options: argparse.Namespace, path: Path) -> None:
         structure = _structure(text, path.parent)
         with whole_file(path) as beside:
             beside.write_text(text, encoding="utf-8")
-    print("\n".join(told(structure)))
+    print("\n".join(facts_of(structure)))
     if height > TALL:
         print(f"  It is {height:.4g} m high: if the mesh is in mm, --unit 1e-3.")
     try:
@@ -85,7 +85,7 @@ def new_from_mesh(options: argparse.Namespace, path: Path) -> None:
     print(f"  multiblock check {path} --spectrum ec8 --ag 0.25 --soil B --report report.html")
 
 
-def told(structure: Structure) -> list[str]:
+def facts_of(structure: Structure) -> list[str]:
     """Mass, centroid, foot and slenderness of the only block of a structure."""
     block = structure.blocks[0]
     foot, edges = block.faces[0], edges_of(block)
