@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import itertools
 import json
 import sys
 from pathlib import Path
@@ -15,7 +16,7 @@ from support.fmus import ROOT
 from fmu_src.body import body_of, read_body
 from multiblock import InputError, Motion, Structure, simulate, simulate_many
 from solver.models.column.model import Column
-from solver.models.structure.blocks.hulls import bulk_of, hull_of, simpler
+from solver.models.structure.blocks.hulls import bulk_of, checked, convex_surface, hull_of
 from solver.models.structure.hull_tables import with_hulls
 from solver.models.structure.overlap import deepest_overlap
 from solver.models.structure.planar import column_of
@@ -57,7 +58,7 @@ def about(inertia: np.ndarray, volume: float, arm: np.ndarray) -> np.ndarray:
 def test_bulk_of_a_box_anywhere() -> None:
     turn, _ = np.linalg.qr(np.random.default_rng(1).normal(size=(3, 3)))
     points = np.array(BOX) @ turn.T + [30.0, -20.0, 7.0]
-    hull = hull_of(points)
+    hull = hull_of(convex_surface(points))
     bulk = bulk_of(hull.triangles)
     assert len(hull.faces) == 6
     assert {len(face) for face in hull.faces} == {4}
@@ -71,7 +72,7 @@ def test_bulk_of_a_box_anywhere() -> None:
 def test_bulk_of_a_tetrahedron() -> None:
     """Corners 0, a ex, b ey, c ez: volume a b c / 6, second moments V a^2 / 10 and V a b / 20 about the first."""
     sides = np.array([1.0, 2.0, 3.0])
-    hull = hull_of(np.concatenate([np.zeros((1, 3)), np.diag(sides)]))
+    hull = hull_of(convex_surface(np.concatenate([np.zeros((1, 3)), np.diag(sides)])))
     bulk = bulk_of(hull.triangles)
     assert bulk.volume == pytest.approx(1.0, rel=1e-14)
     assert bulk.centroid == pytest.approx(sides / 4.0, rel=1e-14)
@@ -82,7 +83,7 @@ def test_bulk_of_a_tetrahedron() -> None:
 
 def test_bulk_of_an_octahedron() -> None:
     """Half diagonals of 1: volume 4 / 3, inertia V / 5."""
-    bulk = bulk_of(hull_of(np.concatenate([np.eye(3), -np.eye(3)])).triangles)
+    bulk = bulk_of(convex_surface(np.concatenate([np.eye(3), -np.eye(3)])))
     assert bulk.volume == pytest.approx(4.0 / 3.0, rel=1e-14)
     assert np.max(np.abs(bulk.inertia - 4.0 / 15.0 * np.eye(3))) < 1e-14
 
@@ -91,7 +92,7 @@ def test_bulk_of_an_ellipsoid_converges_by_the_size_of_its_triangles() -> None:
     axes = np.array([1.0, 2.0, 3.0])
     errors = []
     for count in (1000, 4000):
-        bulk = bulk_of(hull_of(sphere(count) * axes).triangles)
+        bulk = bulk_of(convex_surface(sphere(count) * axes))
         volume = 4.0 / 3.0 * np.pi * np.prod(axes)
         inertia = volume / 5.0 * np.diag(np.sum(axes**2) - axes**2)
         errors.append((1.0 - bulk.volume / volume, 1.0 - np.diag(bulk.inertia)[0] / inertia[0, 0]))
@@ -103,9 +104,23 @@ def test_bulk_of_an_ellipsoid_converges_by_the_size_of_its_triangles() -> None:
 def test_a_hull_that_is_simplified_keeps_its_corners() -> None:
     """A box whose edges are rounded by 600 points has the same flat sides within a thousandth."""
     rounded = np.array([[0.5, 0.3, 1.0]]) * np.sign(sphere(600)) + 0.02 * sphere(600)
-    small = simpler(hull_of(rounded))
+    small = hull_of(convex_surface(rounded))
     assert len(small.points) < 310
     assert np.max(small.points, axis=0) == pytest.approx(np.max(rounded, axis=0), rel=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_flat_sides_that_are_rounded_in_a_file_are_one_face(seed: int) -> None:
+    """A box of many small triangles in single precision, as STL has it, far from the origin in double precision."""
+    rng = np.random.default_rng(seed)
+    grid = np.linspace(0.0, 1.0, 9)
+    cube = np.array([p for p in itertools.product(grid, repeat=3) if {0.0, 1.0} & set(p)])
+    turn, _ = np.linalg.qr(rng.normal(size=(3, 3)))
+    points = (cube * rng.uniform(0.3, 2.0, 3)) @ turn
+    for found in (points.astype(np.float32).astype(np.float64), points + 300.0 * rng.normal(size=3)):
+        hull = hull_of(convex_surface(found))
+        assert len(hull.faces) == 6
+        assert checked(hull.points, hull.faces) == hull
 
 
 # the block

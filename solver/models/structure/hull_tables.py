@@ -12,7 +12,7 @@ import numpy as np
 from ...common.errors import InputError, check_number, shown
 from ...common.ranges import check_choice, check_keys
 from .blocks.faces import NEAR, FloatArray
-from .blocks.hulls import Bulk, Hull, block_of_hull, bulk_of, checked, foot_of, hull_of, simpler
+from .blocks.hulls import Bulk, Hull, block_of_hull, bulk_of, checked, convex_surface, foot_of, hull_of
 from .blocks.meshes import UP, triangles_of
 from .blocks.outlines import MOST_CORNERS, outline_of
 from .blocks.parts import Solid
@@ -93,11 +93,11 @@ def solid_from_hull(
 
 def _hull_table(key: str, table: Mapping[str, Any]) -> Mapping[str, Any]:
     points = _points(key, table)
-    hull = _within(f"{key}.points", hull_of, points)
-    bulk = _bulk(key, table) or _within(f"{key}.points", bulk_of, hull.triangles)
+    surface = _within(f"{key}.points", convex_surface, points)
+    bulk = _bulk(key, table) or bulk_of(surface)
     share = _optional(f"{key}.level", table, NEAR, _LEVEL)
     foot = _foot(key, table, points, share * float(np.ptp(points[:, 2])))
-    return {**table, **_known(simpler(hull), bulk, foot, share)}
+    return {**table, **_known(hull_of(surface), bulk, foot, share)}
 
 
 def _mesh_table(key: str, table: Mapping[str, Any]) -> tuple[Mapping[str, Any], FloatArray]:
@@ -111,7 +111,7 @@ def _mesh_table(key: str, table: Mapping[str, Any]) -> tuple[Mapping[str, Any], 
     share = _optional(f"{key}.level", table, LEVEL, _LEVEL)
     triangles = _within(f"{key}.file", triangles_of, Path(file), unit, table.get("up"))
     points = np.unique(triangles.reshape(-1, 3), axis=0)
-    hull = simpler(_within(f"{key}.file: {file}", hull_of, points))
+    hull = hull_of(_within(f"{key}.file: {file}", convex_surface, points))
     bulk = _within(f"{key}.file: {file}", bulk_of, triangles)
     foot = _foot(key, table, points, share * float(np.ptp(points[:, 2])))
     rest = {word: value for word, value in table.items() if word not in ("file", "unit", "up")}

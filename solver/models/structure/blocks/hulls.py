@@ -20,6 +20,8 @@ EXTRA = "mesh"
 THIN = 1e-12  # of the cube of its extent: the least volume
 FEW = 100  # corners of a hull that is kept as it is; of others the farthest points in DIRECTIONS, and their hull
 DIRECTIONS = 300
+THINNEST_HULL = 1e-5  # of the cube of its extent: the least volume of a hull, whose faces must differ
+MERGED = 1e-5  # of the height of a triangle: corners nearer to its plane are of its face
 STRAIGHT = 1e-9  # of the area of a face: a corner that takes away less is none
 BLUNT = 1e-4  # the same of a foot that is found among the points of a mesh
 ZERO = 1e-14  # of the trace: products of inertia below this are 0, so that what is symmetric stays in its plane
@@ -69,45 +71,89 @@ class Hull(NamedTuple):
         return found
 
 
-def hull_of(points: FloatArray) -> Hull:
-    """The convex hull of points (n, 3) m, triangles in a plane merged. Raises InputError if they have no volume."""
+def convex_surface(points: FloatArray) -> FloatArray:
+    """Triangles (k, 3, 3) m of the convex hull of points (n, 3) m, outside anticlockwise.
+
+    Raises InputError if they have no volume, or hardly any.
+    """
     with needing(EXTRA, "scipy"):
-        from scipy.sparse import coo_array
-        from scipy.sparse.csgraph import connected_components
         from scipy.spatial import ConvexHull, QhullError
+    local = points - points[0]
     try:
-        made = ConvexHull(points - points[0])
+        made = ConvexHull(local)
     except QhullError:
         raise InputError("has no volume, must be points that do not all lie in a plane") from None
-    normals, beside = made.equations[:, :3], made.neighbors
-    alike = np.einsum("ij,ikj->ik", normals, normals[beside]) > 1.0 - 0.5 * NEAR**2
-    pairs = np.repeat(np.arange(len(beside)), 3)[alike.ravel()], beside[alike]
-    count, which = connected_components(coo_array((np.ones(len(pairs[0])), pairs), shape=(len(beside),) * 2))
+    if not made.volume > THINNEST_HULL * float(np.max(np.ptp(points, axis=0))) ** 3:
+        raise InputError("has hardly any volume, must be points that do not all lie in a plane")
+    corners = local[made.simplices]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    inwards = np.einsum("ij,ij->i", normals, made.equations[:, :3]) < 0.0
+    found: FloatArray = points[np.where(inwards[:, None], made.simplices[:, ::-1], made.simplices)]
+    return found
+
+
+def hull_of(surface: FloatArray) -> Hull:
+    """The hull that `convex_surface` has found, triangles in a plane merged.
+
+    The largest triangles make the planes; all corners near a plane are of its face, and triangles between them are
+    used up. Of more than FEW corners the farthest in directions all around make the hull.
+    """
+    points = np.unique(surface.reshape(-1, 3), axis=0)
+    if len(points) > FEW:
+        points = _farthest(points)
+        surface = convex_surface(points)
+    local = points - points[0]
+    extent = float(np.max(np.ptp(points, axis=0)))
+    number = {tuple(point): k for k, point in enumerate(points.tolist())}
+    triangles = np.array([[number[tuple(point)] for point in triangle] for triangle in surface.tolist()])
+    sides = np.roll(local[triangles], -1, axis=1) - local[triangles]
+    normals = np.cross(sides[:, 0], sides[:, 1])
+    size = np.linalg.norm(normals, axis=1)
+    height = size / np.max(np.linalg.norm(sides, axis=2), axis=1)
+    left = height > NEAR * extent  # thinner ones are rounding
     faces = []
-    for k in range(count):
-        group = which == k
-        corners = np.unique(made.simplices[group])
-        flat = (points[corners] - points[corners[0]]) @ _axes(np.mean(normals[group], axis=0))[:, :2]
-        away = flat - np.mean(flat, axis=0)
-        order = np.argsort(np.arctan2(away[:, 1], away[:, 0]))
-        kept = order[thinned(flat[order], STRAIGHT)]
-        if len(kept) > 2:
+    for k in np.argsort(-size):
+        if left[k]:
+            normal = normals[k] / size[k]
+            near = np.abs((local - local[triangles[k, 0]]) @ normal) <= min(MERGED * height[k], NEAR * extent)
+            left &= ~near[triangles].all(axis=1)
+            corners = np.flatnonzero(near)
+            flat = local[corners] @ _axes(normal)[:, :2]
+            order = np.array(_around(flat))
+            kept = order[thinned(flat[order], STRAIGHT)]
             faces.append(tuple(corners[kept].tolist()))
     used = np.unique([corner for face in faces for corner in face])
-    number = {int(corner): k for k, corner in enumerate(used)}
-    return Hull(points[used], tuple(tuple(number[corner] for corner in face) for face in faces))
+    place = {int(corner): k for k, corner in enumerate(used)}
+    return Hull(points[used], tuple(tuple(place[corner] for corner in face) for face in faces))
 
 
-def simpler(hull: Hull) -> Hull:
-    """A hull of few corners as it is; else that of its farthest points in directions all around."""
-    if len(hull.points) <= FEW:
-        return hull
+def _around(flat: FloatArray) -> list[int]:
+    """Numbers of the corners of the convex hull of points (n, 2), anticlockwise (Andrew's chain)."""
+    order = np.lexsort((flat[:, 1], flat[:, 0])).tolist()
+    points = flat.tolist()
+    found: list[int] = []
+    for way in (order, order[::-1]):
+        chain: list[int] = []
+        for k in way:
+            while len(chain) > 1:
+                (x0, y0), (x1, y1), (x, y) = points[chain[-2]], points[chain[-1]], points[k]
+                if (x1 - x0) * (y - y0) - (y1 - y0) * (x - x0) > 0.0:
+                    break
+                chain.pop()
+            chain.append(k)
+        found += chain[:-1]
+    return found
+
+
+def _farthest(points: FloatArray) -> FloatArray:
+    """The points that lie farthest in directions all around."""
     k = np.arange(DIRECTIONS) + 0.5
     upwards, angle = 1.0 - 2.0 * k / DIRECTIONS, np.pi * (1.0 + np.sqrt(5.0)) * k  # a spiral of equal areas
     level = np.sqrt(1.0 - upwards**2)
     ways = np.stack([level * np.cos(angle), level * np.sin(angle), upwards])
     ways = np.concatenate([ways, np.eye(3), -np.eye(3)], axis=1)
-    return hull_of(hull.points[np.unique(np.argmax(hull.points @ ways, axis=0))])
+    found: FloatArray = points[np.unique(np.argmax((points - points[0]) @ ways, axis=0))]
+    return found
 
 
 def foot_of(points: FloatArray, level: float) -> FloatArray:
@@ -193,8 +239,8 @@ def checked(points: FloatArray, faces: Sequence[Sequence[int]]) -> Hull:
         area = np.sum(np.cross(sides[1:-1], sides[2:]), axis=0)
         closing += area
         size = float(np.linalg.norm(area))
-        if not size > 0.0 or np.max((points - corners[0]) @ area) > 10.0 * NEAR * extent * size:
+        if not size > 0.0 or np.max((points - corners[0]) @ area) > 10.0 * MERGED * extent * size:
             raise InputError(f"faces[{k}]: must be plane, anticlockwise from outside, with all points behind it")
-    if np.linalg.norm(closing) > NEAR * extent**2:
+    if np.linalg.norm(closing) > 10.0 * MERGED * extent**2:
         raise InputError("faces: do not close, must be all those of the hull of the points")
     return Hull(points, tuple(tuple(face) for face in faces))
