@@ -1,6 +1,7 @@
 """Draw the structures of examples/structures under one motion: `python docs/make_structure_images.py`.
 
-Each as it stands where it moves most, and the orbit of its highest block in plan.
+Each as it stands where it moves most, and the orbit of its highest block in plan; the statue from a mesh beside its
+hull, and its foot.
 """
 
 from pathlib import Path
@@ -9,6 +10,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from multiblock import Motion, Structure, simulate
+from solver.commands.new_mesh import edges_of
 from solver.ground.motion import STANDARD_GRAVITY
 from solver.plotting.structures import draw_blocks
 from solver.plotting.style import INK
@@ -21,7 +23,8 @@ SHOWN = 0.06  # of the height: how far the block that moves most is drawn
 
 
 def main() -> None:
-    """Write images/structures.png."""
+    """Write images/structures.png and images/statue-mesh.png."""
+    draw_statue()
     figure = Figure(figsize=(13.5, 9.2), layout="constrained")
     grid = figure.add_gridspec(4, 3, height_ratios=(2.0, 1.0, 2.0, 1.0))
     for k, name in enumerate(NAMES):
@@ -47,6 +50,49 @@ def main() -> None:
         plan.grid(alpha=0.3)
         print(f"{name}: {apart.max() * 1e3:.0f} mm, {response.verdict}")
     figure.savefig(HERE / "images" / "structures.png", dpi=90)
+
+
+def draw_statue() -> None:
+    """The mesh of `statue-mesh.toml`, the hull by which it meets others, and the foot that it stands on."""
+    statue = Structure.from_toml(EXAMPLES / "statue-mesh.toml")
+    hull = Structure.from_dict(statue.to_dict())  # which holds no mesh
+    figure = Figure(figsize=(10.0, 6.2), layout="constrained")
+    grid = figure.add_gridspec(1, 3, width_ratios=(1.0, 1.0, 1.1))
+    zero = np.zeros((statue.n, 3))
+    for k, (structure, what) in enumerate(
+        ((statue, "as it is drawn and weighs"), (hull, "its hull, which others meet"))
+    ):
+        axes = figure.add_subplot(grid[k], projection="3d")
+        draw_blocks(axes, structure, zero, zero)
+        axes.tick_params(labelsize=6, pad=-2)
+        axes.set_xlabel("x (m)", fontsize=7, labelpad=-6)
+        axes.set_ylabel("y (m)", fontsize=7, labelpad=-4)
+        axes.set_title(what, fontsize=10)
+    block = statue.blocks[1]
+    corners = block.faces[0].points()[:, :2]
+    plan = figure.add_subplot(grid[2])
+    plan.fill(*corners.T, facecolor="#d9d2c3", edgecolor=INK, linewidth=1.0)
+    plan.plot(*block.centroid[:2], "o", color=INK, markersize=4)
+    plan.annotate("centroid", block.centroid[:2], xytext=(5, 18), textcoords="offset points", fontsize=9)
+    height = block.centroid[2] - block.faces[0].centre[2]
+    for edge in edges_of(block):
+        way = np.array([np.cos(np.radians(edge.direction)), np.sin(np.radians(edge.direction))])
+        end = block.centroid[:2] + edge.lever * way
+        plan.plot(*np.array([block.centroid[:2], end]).T, color=INK, linewidth=0.7, linestyle=":")
+        plan.annotate(
+            f"{edge.slenderness:.3f} rad",
+            block.centroid[:2] + 0.65 * edge.lever * way,
+            ha="center",
+            va="center",
+            fontsize=9,
+            backgroundcolor="#d9d2c3",
+        )
+    plan.set_aspect("equal")
+    plan.margins(0.12)
+    plan.set_xlabel("x (m)")
+    plan.set_ylabel("y (m)")
+    plan.set_title(f"foot; centroid {height:.3f} m over it", fontsize=10)
+    figure.savefig(HERE / "images" / "statue-mesh.png", dpi=110, bbox_inches="tight")
 
 
 if __name__ == "__main__":

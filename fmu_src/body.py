@@ -28,6 +28,7 @@ from solver.models.outputs import BASE
 from solver.models.protocol import Kind
 from solver.models.structure.driven import SKIP_CODES, Chosen, DrivenStructure, packed, record_of, sizes_in
 from solver.models.structure.file import describes_structure, in_space
+from solver.models.structure.hull_tables import in_folder, with_hulls
 from solver.models.structure.model import Structure
 
 from . import structure_variables, variables
@@ -251,7 +252,7 @@ def read_body(file: Path, space: bool = False, drive: Drive = USUAL) -> Body:
     with reading(file):
         data = in_space(toml_of(file)) if space else toml_of(file)
         if describes_structure(data):
-            return StructureBody(data, drive=drive)
+            return StructureBody(with_hulls(in_folder(data, file.parent))[0], drive=drive)
     column = Column.from_toml(file)
     with reading(file):
         check_rest(column)

@@ -9,6 +9,7 @@ from pathlib import Path
 from ..common.errors import InputError, needing, reading
 from ..common.files import check_outputs, printable, toml_of
 from ..models.column.model import Column
+from ..models.structure.hull_tables import in_folder
 from ..models.structure.model import Structure
 from ..studies.subjects import subject_from
 
@@ -24,7 +25,7 @@ def read_subject(path: Path, space: bool = False) -> Column | Structure:
     """Read a file that describes a column or a structure; space: a column as its stack in space. Raises InputError."""
     check_suffix(path, ".toml")
     with reading(path):
-        return subject_from(toml_of(path), space)
+        return subject_from(in_folder(toml_of(path), path.parent), space)
 
 
 def read_column(path: Path) -> Column:

@@ -19,7 +19,9 @@ from ..common.ranges import listed
 from ..models.column.materials import MATERIALS, Material
 from ..models.column.model import Column
 from ..models.column.rest import check_rest
+from ..models.structure.blocks.meshes import UP
 from .command_files import add_force, check_suffix
+from .new_mesh import new_from_mesh
 
 T = TypeVar("T")
 
@@ -158,12 +160,21 @@ def add_new_command(commands: argparse._SubParsersAction[Any]) -> None:
     """Add `new`."""
     parser = commands.add_parser("new", help="asks about a column and writes its file, with comments")
     parser.set_defaults(command=_new)
-    parser.add_argument("column", type=Path, metavar="COLUMN.toml", help="the file to write")
+    parser.add_argument("column", type=Path, nargs="?", metavar="COLUMN.toml", help="the file to write")
+    parser.add_argument("-o", "--output", type=Path, metavar="FILE.toml", help="the same, beside --mesh")
+    parser.add_argument("--mesh", type=Path, metavar="FILE", help="a closed mesh (OBJ, STL, glTF) as a block in space")
+    parser.add_argument("--material", default="marble", help=f"of the mesh: {', '.join(MATERIALS)}")
+    parser.add_argument("--unit", type=float, default=1.0, help="m of a unit of the mesh, 1e-3 where it is in mm")
+    parser.add_argument("--up", choices=UP, help="axis of the mesh that points up; else y of glTF, z of others")
     add_force(parser)
 
 
 def _new(options: argparse.Namespace) -> None:
-    path: Path = options.column
+    path: Path | None = options.column or options.output
+    if path is None:
+        raise InputError("COLUMN.toml: missing, must be the file to write")
+    if options.mesh is not None:
+        return new_from_mesh(options, path)
     check_suffix(path, ".toml")
     check_outputs((path,), (), options.force)
     name = check_file_name("name", path.stem)

@@ -31,13 +31,14 @@ class Solids(PolyCollection):
         super().__init__([], linewidths=0.5, edgecolors=EDGE, zorder=1.0)
         self._centre = np.array([block.centroid for block in structure.blocks])
         faces, normals, edged = [], [], []
+        meshed = np.array([len(block.surface) > 0 for block in structure.blocks])
         for i, block in enumerate(structure.blocks):
             for face, has_edges in surfaces(block):
-                normal = _normal(face, self._centre[i])
+                normal = _normal(face, None if meshed[i] else self._centre[i])
                 faces.append((i, face))
                 normals.append(normal)
                 edged.append(has_edges)
-                if not has_edges:  # the rims of a drum
+                if not (has_edges or meshed[i]):  # the rims of a drum
                     faces += (i, face[:2]), (i, face[2:])
                     normals += normal, normal
                     edged += True, True
@@ -47,7 +48,8 @@ class Solids(PolyCollection):
         self._counts = np.array([len(face) for _, face in faces])
         self._starts = np.concatenate([[0], np.cumsum(self._counts)])
         self._of = np.repeat(self._owner, self._counts)
-        self._whole = np.repeat(self._edged & (self._counts > 2), self._counts)  # corners of the faces of blocks
+        whole = (self._edged | meshed[self._owner]) & (self._counts > 2)
+        self._whole = np.repeat(whole, self._counts)  # corners of the faces of blocks
         self._built = np.concatenate([face for _, face in faces])
         self._normals = np.array(normals)
         self._every, self._seen, self._order = -(-self._n // AT_ONCE), 0, np.arange(self._n)
@@ -75,7 +77,8 @@ class Solids(PolyCollection):
         x, y, _ = proj_transform(*self._points.T, axes.M)
         flat, rank = np.column_stack([x, y]), np.argsort(self._order)
         visible = np.flatnonzero(self._outward @ towards > 1e-9)
-        visible = visible[np.argsort(rank[self._owner[visible]], kind="stable")]
+        depth = np.add.reduceat(self._points @ towards, self._starts[:-1]) / self._counts  # within a mesh
+        visible = visible[np.lexsort((depth[visible], rank[self._owner[visible]]))]
         self.set_verts([flat[self._starts[f] : self._starts[f + 1]] for f in visible])
         light = np.clip(self._outward[visible] @ (LIGHT / np.linalg.norm(LIGHT)), 0.0, 1.0)
         shade = SHADES[np.rint(light * (len(SHADES) - 1)).astype(int)]
@@ -116,8 +119,10 @@ class Solids(PolyCollection):
 def surfaces(block: Solid) -> list[tuple[FloatArray, bool]]:
     """Polygons of the surface of a block as built, (corners, 3) m each, and whether it has edges.
 
-    A drum's side is in strips, which have none, two corners below and two above.
+    A drum's side is in strips, which have none, two corners below and two above; of a mesh the triangles have none.
     """
+    if len(block.surface):
+        return [(triangle, False) for triangle in block.surface]
     found = [(face.points(SIDES), True) for face in block.faces]
     round_faces = [face for face in block.faces if face.radius]
     if len(round_faces) == 2:
@@ -131,10 +136,12 @@ def surfaces(block: Solid) -> list[tuple[FloatArray, bool]]:
     return found
 
 
-def _normal(face: FloatArray, centre: FloatArray) -> FloatArray:
-    """The unit vector out of a face of a body around `centre`."""
+def _normal(face: FloatArray, centre: FloatArray | None) -> FloatArray:
+    """The unit vector out of a face of a body around `centre`; None: to the side from which it turns to the left."""
     found = np.sum(np.cross(face, np.roll(face, -1, axis=0)), axis=0)
     found = found / max(float(np.linalg.norm(found)), 1e-300)
+    if centre is None:
+        return found
     outward: FloatArray = found * np.sign((np.mean(face, axis=0) - centre) @ found)
     return outward
 

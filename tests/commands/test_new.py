@@ -6,8 +6,9 @@ import sys
 from pathlib import Path
 
 import pytest
+from support.fmus import ROOT
 
-from multiblock import Column, InputError
+from multiblock import Column, InputError, Structure
 from solver.commands.command_line import main
 from solver.models.column.materials import DRY_JOINT, MATERIALS
 
@@ -166,3 +167,36 @@ def test_a_survey_may_begin_with_a_byte_order_mark(tmp_path: Path, monkeypatch: 
     (tmp_path / "survey.csv").write_text("height,diameter\n1.0,0.8\n1.1,0.9\n", encoding="utf-8-sig")
     assert ask(monkeypatch, tmp_path / "a.toml", "survey", "", str(tmp_path / "survey.csv"), "", "") == 0
     assert Column.from_toml(tmp_path / "a.toml").n == 2
+
+
+def test_a_mesh(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    pytest.importorskip("trimesh")
+    pytest.importorskip("matplotlib")
+    (tmp_path / "statue.obj").write_bytes((ROOT / "examples" / "structures" / "statue.obj").read_bytes())
+    path = tmp_path / "my-statue.toml"
+    assert main(["new", "--mesh", str(tmp_path / "statue.obj"), "--material", "granite", "-o", str(path)]) == 0
+    said = capsys.readouterr().out
+    assert "431.35 kg, 0.15976 m3, 1.9 m high, 2688 triangles" in said
+    assert "least: 0.3264 rad towards 90 degrees" in said  # lever 0.2365 m, centroid 0.6987 m high
+    structure = Structure.from_toml(path)
+    assert structure.name == "my-statue"
+    assert structure.joints[0].bed.stiffness == pytest.approx(MATERIALS["granite"].modulus(1.9), rel=1e-3)
+    assert path.with_suffix(".png").is_file()
+
+
+@pytest.mark.parametrize(
+    ("options", "line"),
+    [
+        (["--mesh", "nothing.obj", "-o", "a.toml"], "nothing.obj: No such file"),
+        (["--mesh", "nothing.obj", "--material", "cheese", "-o", "a.toml"], "--material = 'cheese': must be one of"),
+        (["--mesh", "nothing.obj", "--unit", "0", "-o", "a.toml"], "--unit = 0.0: must be a positive factor"),
+        (["--mesh", "nothing.obj"], "COLUMN.toml: missing"),
+    ],
+)
+def test_wrong_meshes(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], options: list[str], line: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(["new", *options]) == 2
+    assert line in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())

@@ -18,8 +18,9 @@ from .blocks.outlines import MEANING, MOST_CORNERS, outline_of
 from .blocks.parts import BASE, OF_COLUMN, TOLERANCE, Bed, Joint, Solid, Tie
 from .blocks.placement import check_joints, check_places
 from .blocks.shapes import box, drum, placed, prism, rectangle, rotation_matrix
+from .hull_tables import OF_HULL, OF_MESH, solid_from_hull
 
-SHAPES = ("box", "drum", "prism")
+SHAPES = ("box", "drum", "prism", "hull", "mesh")
 _OF_SECTION = {
     "rectangle": ("width", "depth"),
     "circle": ("diameter",),
@@ -32,6 +33,8 @@ _OF_SHAPE = {
     "box": ("width", "depth", "height", "top_width", "top_depth"),
     "drum": ("diameter", "top_diameter", "bore", "height"),
     "prism": ("outline", "depth"),
+    "hull": OF_HULL,
+    "mesh": OF_MESH,
 }
 _BLOCK = ("name", "shape", "on", "at", "position", "rotation", "mass", "density", "joint", "repeat")
 _PATCH = ("normal", "section", "width", "depth", "diameter", "bore", "outline")  # of a joint at a place of its own
@@ -52,8 +55,11 @@ _OF_TIES = {
 }
 
 
-def parts_from(data: Mapping[str, Any]) -> dict[str, Any]:
-    """The fields of the structure in `data` (docs/structures.md). Raises InputError for a wrong key."""
+def parts_from(data: Mapping[str, Any], surfaces: Mapping[int, FloatArray]) -> dict[str, Any]:
+    """The fields of the structure in `data` (docs/structures.md), in which hulls stand for meshes (hull_tables.py).
+
+    surfaces: triangles (k, 3, 3) m to draw the blocks of a table by, by its number from 1. Raises InputError.
+    """
     _check_keys("", data, _KEYS)
     if "name" not in data:
         raise InputError('name: missing, must be a file name: letters, digits, "_", "-", "." and space')
@@ -66,7 +72,7 @@ def parts_from(data: Mapping[str, Any]) -> dict[str, Any]:
         raise InputError(f"block: {count} blocks, must be 1 to {MAX_BLOCKS}")
     for number, table in enumerate(tables, start=1):
         for part in _repeated(f"block[{number}]", table):
-            solids.add(f"block[{number}]", part)
+            solids.add(f"block[{number}]", part, surfaces.get(number))
     blocks = tuple(solids.found)
     check_places([key for key, _ in solids.standing], blocks)
     for upper, (key, supports) in enumerate(solids.standing):
@@ -157,8 +163,8 @@ class _Solids:
         self.standing: list[tuple[str, list[int]]] = []  # key of the table
         self.laws: list[Mapping[str, Any]] = []
 
-    def add(self, key: str, table: Mapping[str, Any]) -> None:
-        """Read one table."""
+    def add(self, key: str, table: Mapping[str, Any], surface: FloatArray | None) -> None:
+        """Read one table; surface: as of `solid_from_hull`."""
         shape = table.get("shape", "box")
         check_choice(f"{key}.shape", shape, SHAPES)
         _check_keys(f"{key}.", table, (*_BLOCK, *_OF_SHAPE[shape]))
@@ -170,7 +176,7 @@ class _Solids:
         own = table.get("joint", {})
         _check_keys(f"{key}.joint.", own, _LAW)
         supports = self._named(key, table)
-        solid = _solid_from(key, name, shape, table, self._place(key, table, supports))
+        solid = _solid_from(key, name, shape, table, self._place(key, table, supports), surface)
         self.numbers[name] = len(self.found)
         self.found.append(solid)
         self.laws.append(own)
@@ -192,7 +198,7 @@ class _Solids:
         return [self.numbers[name] for name in given]
 
     def _place(self, key: str, table: Mapping[str, Any], supports: list[int]) -> FloatArray:
-        """The middle of the bottom face of a block, or the origin of a prism's outline, m."""
+        """The middle of the bottom face of a block, or the origin of a prism's outline or a hull's points, m."""
         if "position" in table:
             if "at" in table:
                 raise InputError(f"{key}.at: must be left out beside position")
@@ -210,7 +216,9 @@ class _Solids:
         return level[0].centre if level else np.array([*first.centroid[:2], top])
 
 
-def _solid_from(key: str, name: str, shape: str, table: Mapping[str, Any], place: FloatArray) -> Solid:
+def _solid_from(
+    key: str, name: str, shape: str, table: Mapping[str, Any], place: FloatArray, surface: FloatArray | None
+) -> Solid:
     def number(word: str, default: float | None = None) -> float:
         return _number(key, table, word, default)
 
@@ -230,6 +238,8 @@ def _solid_from(key: str, name: str, shape: str, table: Mapping[str, Any], place
         if bore >= min(outer, top_outer):
             raise InputError(f"{key}.bore = {bore}: must be less than the outer diameter = {min(outer, top_outer)} m")
         made = drum(name, outer, top_outer, bore, number("height"), density)
+    elif shape == "hull":
+        made = solid_from_hull(key, name, table, density, surface, stands="position" not in table)
     else:
         made = prism(name, _outline(f"{key}.outline", table), number("depth"), density)
     made = placed(made, place, turn)

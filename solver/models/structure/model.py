@@ -8,6 +8,7 @@ from collections import Counter, defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
+from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
@@ -22,6 +23,7 @@ from ..column.settings import Settings
 from .blocks.faces import Face
 from .blocks.parts import BASE, OF_COLUMN, TOLERANCE, Bed, Joint, Solid, Tie
 from .file import in_space, names_from, parts_from, written_out
+from .hull_tables import in_folder, with_hulls
 from .packing import Model, centroid_of, model_of
 from .stack import stacked
 
@@ -207,7 +209,7 @@ class Structure(Shown):
     def from_toml(cls, path: str | os.PathLike[str]) -> Structure:
         """Read a structure from a TOML file, or the stack of the column that it describes. Raises InputError."""
         with reading(path):
-            return cls.from_dict(in_space(toml_of(path)))
+            return cls.from_dict(in_folder(in_space(toml_of(path)), Path(path).parent))
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> Structure:
@@ -218,7 +220,8 @@ class Structure(Shown):
         if OF_COLUMN in data:
             ranges.check_keys("", data, (OF_COLUMN,))
             return cls.stack(Column.from_dict(data[OF_COLUMN]))
-        return cls(**parts_from(data), described=written_out(data))
+        data, surfaces = with_hulls(data)
+        return cls(**parts_from(data, surfaces), described=written_out(data))
 
     @classmethod
     def stack(cls, column: Column) -> Structure:

@@ -19,6 +19,7 @@ from typing import Any, NamedTuple
 from ...common.errors import POSITIVE, InputError, check_number
 from .blocks.parts import Bed
 from .file import bed_from
+from .hull_tables import FIXED
 from .model import Structure
 
 SIZE = "structure.size"
@@ -114,6 +115,12 @@ def _set(data: dict[str, Any], structure: Structure, name: str, number: float, r
 
 
 def _put(table: dict[str, Any], name: str, found: Named, number: float, relative: bool) -> None:
+    if table.get("shape") == "hull":
+        if found.key in FIXED:
+            raise InputError(
+                f"{name}: no study varies it, must be mass, density, scale, at or position of a hull or mesh"
+            )
+        table.setdefault("scale", 1.0)
     if not found.coordinate:
         table[found.key] = _moved(name, table.get(found.key), number, relative)
         if not relative:  # one of them replaces the other
@@ -150,6 +157,8 @@ def _resize(data: dict[str, Any], factor: float) -> None:
                 table[key] = _times(table[key], factor)
             if "mass" in table:
                 table["mass"] *= factor**3
+            if table.get("shape") == "hull":
+                table["scale"] = factor * table.get("scale", 1.0)
 
 
 def _times(value: Any, factor: float) -> Any:

@@ -23,7 +23,8 @@ from .outputs import StructureHistories
 
 TOUCH = 1e-4  # m, of overlap: joints give as much under their load
 ROWS = 1000  # instants at once: memory
-PARALLEL = 1e-6  # sine of the angle between two edges
+PARALLEL = 1e-6  # sine of the angle between two edges; of the size of a block: corners closer than this are one
+PAIRS = 2000  # of edges; where two hulls have more, their many normals have to do: overlaps seem deeper, never less
 
 
 class Overlap(NamedTuple):
@@ -52,7 +53,11 @@ class _Hull:
     def corners(self) -> FloatArray:
         """(corners, 3) m, of its polygons."""
         found = [face.points() - self.block.centroid for face in self.block.faces if not face.radius]
-        return np.concatenate(found) if found else np.empty((0, 3))
+        if not found:
+            return np.empty((0, 3))
+        every = np.concatenate(found)
+        _, first = np.unique(np.round(every / (PARALLEL * self.block.size)), axis=0, return_index=True)
+        return every[np.sort(first)]
 
     @cached_property
     def rims(self) -> list[tuple[FloatArray, FloatArray, float]]:
@@ -184,8 +189,10 @@ def _apart(one: _Hull, other: _Hull, r1: FloatArray, r2: FloatArray, between: Fl
     """
     mine, yours = ((hull, rotation[:, None]) for hull, rotation in ((one, r1), (other, r2)))
     normals = [hull.normals + turned(rotation, hull.normals[None]) for hull, rotation in (mine, yours)]
-    edges = [hull.edges + turned(rotation, hull.edges[None]) for hull, rotation in (mine, yours)]
-    across = np.cross(edges[0][:, :, None], edges[1][:, None]).reshape(len(between), -1, 3)
+    across = np.empty((len(between), 0, 3))
+    if len(one.edges) * len(other.edges) <= PAIRS:
+        edges = [hull.edges + turned(rotation, hull.edges[None]) for hull, rotation in (mine, yours)]
+        across = np.cross(edges[0][:, :, None], edges[1][:, None]).reshape(len(between), -1, 3)
     facing = one.facing(r1, other, r2, between), other.facing(r2, one, r1, -between)
     axes = np.concatenate([*normals, across, *facing, between[:, None]], axis=1)
     length = np.linalg.norm(axes, axis=2)

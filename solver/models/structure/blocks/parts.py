@@ -26,6 +26,7 @@ class Solid:
     faces: tuple[Face, ...]  # plane ones, by which it may touch others
     axes: FloatArray = field(default_factory=lambda: np.eye(3))  # (3, 3), its own axes by columns
     volume: float = math.nan  # m3
+    surface: FloatArray = field(default_factory=lambda: np.empty((0, 3, 3)))  # m, triangles to draw it by; else faces
 
     @property
     def size(self) -> float:

@@ -126,4 +126,7 @@ def placed(solid: Solid, place: FloatArray, turn: FloatArray) -> Solid:
     )
     inertia = turn @ solid.inertia @ turn.T
     inertia = 0.5 * (inertia + inertia.T)
-    return replace(solid, centroid=place + turn @ solid.centroid, inertia=inertia, faces=faces, axes=turn)
+    surface = place + solid.surface @ turn.T
+    return replace(
+        solid, centroid=place + turn @ solid.centroid, inertia=inertia, faces=faces, axes=turn, surface=surface
+    )

@@ -1,0 +1,145 @@
+"""`new --mesh`: the file of a structure that is one mesh on the ground, and what its foot says of it."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import os
+import tomllib
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from ..common.errors import check_number, reading
+from ..common.files import check_file_name, check_outputs, whole_file
+from ..common.ranges import check_choice
+from ..models.column.materials import MATERIALS
+from ..models.structure.blocks.parts import Solid
+from ..models.structure.hull_tables import FACTOR, in_folder
+from ..models.structure.model import Structure
+from .command_files import check_suffix
+
+TALL = 100.0  # m: a mesh higher than this is probably in mm
+DAMPING = 1e-3  # s
+TURN = 22.5  # degrees between the directions that are shown of a foot of many edges
+
+
+class Edge(NamedTuple):
+    """An edge of a foot, over which a block may tip."""
+
+    direction: float  # degrees from x to y, of the way out
+    lever: float  # m, of the weight about it; below 0: it falls over it
+    slenderness: float  # rad, angle of the centroid over it, from the vertical
+
+    @property
+    def line(self) -> str:
+        """For the terminal."""
+        return f"{self.direction:13.1f} {self.lever:12.4f} {self.slenderness:13.4f} {math.tan(self.slenderness):14.4f}"
+
+
+def edges_of(block: Solid) -> list[Edge]:
+    """The edges of the foot of a block, by their direction; the foot is its first face."""
+    foot = block.faces[0]
+    corners = foot.points()[::-1, :2] - block.centroid[:2]  # anticlockwise from above
+    side = np.roll(corners, -1, axis=0) - corners
+    out = np.column_stack([side[:, 1], -side[:, 0]]) / np.hypot(*side.T)[:, None]
+    lever = np.sum(out * corners, axis=1)
+    height = float(block.centroid[2] - foot.centre[2])
+    found = [
+        Edge(math.degrees(math.atan2(y, x)) % 360.0, float(arm), math.atan2(float(arm), height))
+        for (x, y), arm in zip(out, lever, strict=True)
+    ]
+    return sorted(found)
+
+
+def new_from_mesh(options: argparse.Namespace, path: Path) -> None:
+    """Write the file, say what it describes, and draw it where matplotlib is there. Raises InputError."""
+    mesh: Path = options.mesh
+    picture = path.with_suffix(".png")
+    check_suffix(path, ".toml")
+    check_outputs((path, picture), (mesh,), options.force)
+    name = check_file_name("name", path.stem)
+    check_choice("--material", options.material, tuple(MATERIALS))
+    check_number("--unit", options.unit, *FACTOR)
+    text = mesh_text(name, os.path.relpath(mesh, path.parent), options.material, options.unit, options.up, 1.0)
+    structure = _structure(text, path.parent)
+    height = float(np.ptp(structure.blocks[0].corners[:, 2]))
+    text = mesh_text(name, os.path.relpath(mesh, path.parent), options.material, options.unit, options.up, height)
+    with reading(path):
+        structure = _structure(text, path.parent)
+        with whole_file(path) as beside:
+            beside.write_text(text, encoding="utf-8")
+    print("\n".join(facts_of(structure)))
+    if height > TALL:
+        print(f"  It is {height:.4g} m high: if the mesh is in mm, --unit 1e-3.")
+    try:
+        from ..plotting.structures import structure_picture
+        from ..plotting.style import save
+    except ModuleNotFoundError:
+        print(f"{path}. Next:")
+    else:
+        save(structure_picture(structure), picture)
+        print(f"{path}, {picture}. Next:")
+    print(f"  multiblock check {path} --spectrum ec8 --ag 0.25 --soil B --report report.html")
+
+
+def facts_of(structure: Structure) -> list[str]:
+    """Mass, centroid, foot and slenderness of the only block of a structure."""
+    block = structure.blocks[0]
+    foot, edges = block.faces[0], edges_of(block)
+    x, y, z = (float(part) for part in block.centroid - foot.centre)
+    least = min(edges, key=lambda edge: edge.slenderness)
+    high, count = float(np.ptp(block.corners[:, 2])), len(block.surface)
+    lines = [
+        f"{structure.name}: {block.mass:.5g} kg, {block.volume:.5g} m3, {high:.4g} m high, {count} triangles",
+        f"centroid: {z:.4g} m over the foot, {x:.4g} m along x and {y:.4g} m along y from its middle",
+        f"foot: {len(foot.outline)} corners, {foot.moments[0]:.4g} m2, least width {foot.width:.4g} m",
+        "direction (deg)    lever (m)  slenderness (rad)  tips at (g)",
+    ]
+    shown = edges if len(edges) <= 360.0 / TURN else [_nearest(edges, turn) for turn in np.arange(0.0, 360.0, TURN)]
+    lines += [edge.line for edge in dict.fromkeys(shown)]
+    lines.append(f"least: {least.slenderness:.4g} rad towards {least.direction:.4g} degrees from x")
+    if least.lever <= 0.0:
+        lines.append(
+            "  It does not stand: its centroid is not over its foot. Give foot = [[x, y], ...] or another level."
+        )
+    return lines
+
+
+def _nearest(edges: list[Edge], direction: float) -> Edge:
+    """The edge that is nearest to a direction, degrees."""
+    return min(edges, key=lambda edge: abs((edge.direction - direction + 180.0) % 360.0 - 180.0))
+
+
+def mesh_text(name: str, file: str, material: str, unit: float, up: str | None, height: float) -> str:
+    """The text of the file; height: m, of the mesh, for the modulus of its joint."""
+    found = MATERIALS[material]
+    lines = [
+        f"# A block from the mesh {Path(file).name}. Lengths in m, masses in kg.",
+        f"# {material}: {found.source}",
+        "# Better than any table: measure a natural frequency, and choose the stiffness by `multiblock modes`.",
+        f'name = "{name}"',
+        "",
+        "[joints]                     # under the block",
+        f"stiffness = {found.modulus(height):.4g}        # N/m3, of the material over its height, and a dry joint",
+        f"damping = {DAMPING!r}            # s, eta: a mode of frequency f has the damping ratio pi f eta",
+        f"friction = {found.friction!r}",
+        f"strength = {found.strength!r}      # Pa, with which `multiblock check` compares the pressure",
+        "",
+        "[[block]]",
+        'name = "statue"',
+        'shape = "mesh"',
+        f"file = {json.dumps(Path(file).as_posix())}",
+        f"unit = {unit!r}                  # m of a unit of the mesh",
+        *([f'up = "{up}"                     # axis of the mesh'] if up else []),
+        'on = "base"',
+        f"density = {found.density!r}",
+        "# foot = [[x, y], ...]       # m; else the points within level = 1e-3 of its height of the lowest",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _structure(text: str, folder: Path) -> Structure:
+    return Structure.from_dict(in_folder(tomllib.loads(text), folder))

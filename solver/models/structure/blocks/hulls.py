@@ -1,0 +1,246 @@
+"""Convex blocks from points, and blocks from closed meshes: mass properties, faces of the hull, the foot."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....common.errors import InputError, needing
+from ....kernels.structure.layout import MOST_CORNERS
+from .contacts import axis_of
+from .faces import NEAR, Face, FloatArray, polygon_moments
+from .outlines import THINNEST
+from .parts import Solid
+
+EXTRA = "mesh"
+THIN = 1e-12  # of the cube of its extent: the least volume
+FEW = 100  # corners of a hull that is kept as it is; of others the farthest points in DIRECTIONS, and their hull
+DIRECTIONS = 300
+THINNEST_HULL = 1e-5  # of the cube of its extent: the least volume of a hull, whose faces must differ
+MERGED = 1e-5  # of the height of a triangle: corners nearer to its plane are of its face
+STRAIGHT = 1e-9  # of the area of a face: a corner that takes away less is none
+BLUNT = 1e-4  # the same of a foot that is found among the points of a mesh
+ZERO = 1e-14  # of the trace: products of inertia below this are 0, so that what is symmetric stays in its plane
+
+
+class Bulk(NamedTuple):
+    """What a closed surface contains."""
+
+    volume: float  # m3
+    centroid: FloatArray  # (3,) m
+    inertia: FloatArray  # (3, 3) m5, about the centroid, of density 1
+
+
+def bulk_of(triangles: FloatArray) -> Bulk:
+    """Of a closed surface of triangles (k, 3, 3) m, outside anticlockwise or all clockwise, by Green's theorem.
+
+    Each triangle makes a tetrahedron with a point amid them; volumes and moments of these are closed forms, which add
+    up with their signs. Raises InputError for one without volume.
+    """
+    middle = np.mean(triangles, axis=(0, 1))
+    a, b, c = np.moveaxis(triangles - middle, 1, 0)
+    parts = np.einsum("ij,ij->i", a, np.cross(b, c)) / 6.0
+    volume = float(np.sum(parts))
+    extent = float(np.max(np.ptp(triangles, axis=(0, 1)), initial=0.0))
+    if not abs(volume) > THIN * extent**3:
+        raise InputError("has no volume")
+    total = a + b + c
+    first = parts @ total / (4.0 * volume)
+    products = sum(np.einsum("i,ij,ik->jk", parts, point, point) for point in (a, b, c, total)) / 20.0
+    second = np.asarray(products) / volume - np.outer(first, first)
+    inertia = abs(volume) * (np.trace(second) * np.eye(3) - second)
+    inertia[np.abs(inertia) < ZERO * np.trace(inertia)] = 0.0
+    return Bulk(abs(volume), middle + first, inertia)
+
+
+class Hull(NamedTuple):
+    """A convex polyhedron: corners (n, 3) m, and those of each face by number, anticlockwise from outside."""
+
+    points: FloatArray
+    faces: tuple[tuple[int, ...], ...]
+
+    @property
+    def triangles(self) -> FloatArray:
+        """Of its surface, (k, 3, 3) m."""
+        fans = [(face[0], one, other) for face in self.faces for one, other in pairwise(face[1:])]
+        found: FloatArray = self.points[np.array(fans)]
+        return found
+
+
+def convex_surface(points: FloatArray) -> FloatArray:
+    """Triangles (k, 3, 3) m of the convex hull of points (n, 3) m, outside anticlockwise.
+
+    Raises InputError if they have no volume, or hardly any.
+    """
+    with needing(EXTRA, "scipy"):
+        from scipy.spatial import ConvexHull, QhullError
+    local = points - points[0]
+    try:
+        made = ConvexHull(local)
+    except QhullError:
+        raise InputError("has no volume, must be points that do not all lie in a plane") from None
+    if not made.volume > THINNEST_HULL * float(np.max(np.ptp(points, axis=0))) ** 3:
+        raise InputError("has hardly any volume, must be points that do not all lie in a plane")
+    corners = local[made.simplices]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    inwards = np.einsum("ij,ij->i", normals, made.equations[:, :3]) < 0.0
+    found: FloatArray = points[np.where(inwards[:, None], made.simplices[:, ::-1], made.simplices)]
+    return found
+
+
+def hull_of(surface: FloatArray) -> Hull:
+    """The hull that `convex_surface` has found, triangles in a plane merged.
+
+    The largest triangles make the planes; all corners near a plane are of its face, and triangles between them are
+    used up. Of more than FEW corners the farthest in directions all around make the hull.
+    """
+    points = np.unique(surface.reshape(-1, 3), axis=0)
+    if len(points) > FEW:
+        points = _farthest(points)
+        surface = convex_surface(points)
+    local = points - points[0]
+    extent = float(np.max(np.ptp(points, axis=0)))
+    number = {tuple(point): k for k, point in enumerate(points.tolist())}
+    triangles = np.array([[number[tuple(point)] for point in triangle] for triangle in surface.tolist()])
+    sides = np.roll(local[triangles], -1, axis=1) - local[triangles]
+    normals = np.cross(sides[:, 0], sides[:, 1])
+    size = np.linalg.norm(normals, axis=1)
+    height = size / np.max(np.linalg.norm(sides, axis=2), axis=1)
+    left = height > NEAR * extent  # thinner ones are rounding
+    faces = []
+    for k in np.argsort(-size):
+        if left[k]:
+            normal = normals[k] / size[k]
+            near = np.abs((local - local[triangles[k, 0]]) @ normal) <= min(MERGED * height[k], NEAR * extent)
+            left &= ~near[triangles].all(axis=1)
+            corners = np.flatnonzero(near)
+            flat = local[corners] @ _axes(normal)[:, :2]
+            order = np.array(_around(flat))
+            kept = order[thinned(flat[order], STRAIGHT)]
+            faces.append(tuple(corners[kept].tolist()))
+    used = np.unique([corner for face in faces for corner in face])
+    place = {int(corner): k for k, corner in enumerate(used)}
+    return Hull(points[used], tuple(tuple(place[corner] for corner in face) for face in faces))
+
+
+def _around(flat: FloatArray) -> list[int]:
+    """Numbers of the corners of the convex hull of points (n, 2), anticlockwise (Andrew's chain)."""
+    order = np.lexsort((flat[:, 1], flat[:, 0])).tolist()
+    points = flat.tolist()
+    found: list[int] = []
+    for way in (order, order[::-1]):
+        chain: list[int] = []
+        for k in way:
+            while len(chain) > 1:
+                (x0, y0), (x1, y1), (x, y) = points[chain[-2]], points[chain[-1]], points[k]
+                if (x1 - x0) * (y - y0) - (y1 - y0) * (x - x0) > 0.0:
+                    break
+                chain.pop()
+            chain.append(k)
+        found += chain[:-1]
+    return found
+
+
+def _farthest(points: FloatArray) -> FloatArray:
+    """The points that lie farthest in directions all around."""
+    k = np.arange(DIRECTIONS) + 0.5
+    upwards, angle = 1.0 - 2.0 * k / DIRECTIONS, np.pi * (1.0 + np.sqrt(5.0)) * k  # a spiral of equal areas
+    level = np.sqrt(1.0 - upwards**2)
+    ways = np.stack([level * np.cos(angle), level * np.sin(angle), upwards])
+    ways = np.concatenate([ways, np.eye(3), -np.eye(3)], axis=1)
+    found: FloatArray = points[np.unique(np.argmax((points - points[0]) @ ways, axis=0))]
+    return found
+
+
+def foot_of(points: FloatArray, level: float) -> FloatArray:
+    """The convex polygon (corners, 2) m of the points that lie within `level`, m, of the lowest; empty without area."""
+    low = np.unique(points[points[:, 2] <= np.min(points[:, 2]) + level, :2], axis=0)
+    if len(low) < 3:
+        return np.empty((0, 2))
+    with needing(EXTRA, "scipy"):
+        from scipy.spatial import ConvexHull, QhullError
+    try:
+        found = low[ConvexHull(low - low[0]).vertices]
+    except QhullError:
+        return np.empty((0, 2))
+    extent = float(np.max(np.ptp(points, axis=0)))
+    if polygon_moments(found - found[0])[0] <= THINNEST * extent**2:
+        return np.empty((0, 2))
+    return found[thinned(found, BLUNT, MOST_CORNERS)]
+
+
+def thinned(outline: FloatArray, least: float, most: int = 10**9) -> NDArray[np.intp]:
+    """Numbers of the corners of a convex polygon that stay.
+
+    The one that takes away the least area goes first, while that is below `least` of all or more than `most` are left.
+    """
+    kept = np.arange(len(outline))
+    whole = polygon_moments(outline - outline[0])[0]
+    while len(kept) > 2:
+        now = outline[kept]
+        before, after = np.roll(now, 1, axis=0) - now, np.roll(now, -1, axis=0) - now
+        ears = 0.5 * (after[:, 0] * before[:, 1] - after[:, 1] * before[:, 0])
+        k = int(np.argmin(ears))
+        if ears[k] > least * whole and len(kept) <= most:
+            break
+        kept = np.delete(kept, k)
+    return kept
+
+
+def block_of_hull(
+    name: str, hull: Hull, bulk: Bulk, density: float, foot: FloatArray, level: float, surface: FloatArray
+) -> Solid:
+    """A block whose contacts are the faces of a hull; its foot first, then from the most upward face down.
+
+    foot: (corners, 2) m, in place of the faces that lie within `level`, m, of the lowest point; empty: they stay.
+    surface: triangles (k, 3, 3) m to draw it by; none: its faces.
+    """
+    bottom = float(np.min(hull.points[:, 2]))
+    faces = []
+    for face in hull.faces:
+        corners = hull.points[list(face)]
+        if not len(foot) or np.max(corners[:, 2]) > bottom + level:
+            faces.append(_face(corners))
+    faces.sort(key=lambda face: -float(face.normal[2]))
+    if len(foot):
+        below = np.column_stack([foot[::-1], np.full(len(foot), bottom)])
+        faces.insert(0, _face(below))
+    inertia = density * bulk.inertia
+    return Solid(name, density * bulk.volume, bulk.centroid, inertia, tuple(faces), np.eye(3), bulk.volume, surface)
+
+
+def _face(corners: FloatArray) -> Face:
+    """A face of corners (k, 3) m in a plane, anticlockwise from outside, its centre at its centroid."""
+    sides = corners - corners[0]
+    axes = _axes(np.sum(np.cross(sides[1:-1], sides[2:]), axis=0))
+    outline = sides @ axes[:, :2]
+    area, first, _ = polygon_moments(outline)
+    return Face(corners[0] + axes[:, :2] @ first / area, axes, outline - first / area)
+
+
+def _axes(normal: FloatArray) -> FloatArray:
+    unit = normal / np.linalg.norm(normal)
+    unit[np.abs(unit) < 1e-15] = 0.0
+    along = axis_of(unit)
+    return np.column_stack([along, np.cross(unit, along), unit])
+
+
+def checked(points: FloatArray, faces: Sequence[Sequence[int]]) -> Hull:
+    """The hull whose faces are known. Raises InputError if they are not those of a convex polyhedron."""
+    extent = float(np.max(np.ptp(points, axis=0)))
+    closing = np.zeros(3)
+    for k, numbers in enumerate(faces):
+        corners = points[list(numbers)]
+        sides = corners - corners[0]
+        area = np.sum(np.cross(sides[1:-1], sides[2:]), axis=0)
+        closing += area
+        size = float(np.linalg.norm(area))
+        if not size > 0.0 or np.max((points - corners[0]) @ area) > 10.0 * MERGED * extent * size:
+            raise InputError(f"faces[{k}]: must be plane, anticlockwise from outside, with all points behind it")
+    if np.linalg.norm(closing) > 10.0 * MERGED * extent**2:
+        raise InputError("faces: do not close, must be all those of the hull of the points")
+    return Hull(points, tuple(tuple(face) for face in faces))

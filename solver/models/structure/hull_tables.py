@@ -1,0 +1,215 @@
+"""Tables of blocks of any convex shape: points, or a mesh, which becomes points with the numbers of its bulk."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from itertools import chain
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...common.errors import InputError, check_number, shown
+from ...common.ranges import check_choice, check_keys
+from .blocks.faces import NEAR, FloatArray
+from .blocks.hulls import Bulk, Hull, block_of_hull, bulk_of, checked, convex_surface, foot_of, hull_of
+from .blocks.meshes import UP, triangles_of
+from .blocks.outlines import MOST_CORNERS, outline_of
+from .blocks.parts import Solid
+from .blocks.shapes import placed
+
+OF_HULL = ("points", "foot", "level", "scale", "faces", "volume", "centroid", "inertia")
+OF_MESH = ("file", "unit", "up", "foot", "level", "scale")
+FIXED = frozenset(OF_HULL + OF_MESH) - {"scale"}  # no study varies them
+MOST_POINTS = 100_000
+LEVEL = 1e-3  # of the height of a mesh: points that lie within it of the lowest one bear
+FACTOR = (1e-6, 1e6), "a positive factor, from 1e-6 to 1e6"
+POINTS = f"a list of 4 to {MOST_POINTS} points [x, y, z] in m"
+FOOT = "a list of corners [x, y] in m of a convex polygon"
+_PLACE = (-1e6, 1e6), "a length in m, at most 1e6 either way"
+_LEVEL = (0.0, 0.5), "a share of the height, from 0 to 0.5"
+_SIZE = (1e-18, 1e18), "a positive volume in m3"
+_MOMENT = (-1e30, 1e30), "a moment in m5, of density 1"
+_SIX = [0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]  # xx, yy, zz, xy, xz, yz
+
+
+def in_folder(data: Mapping[str, Any], folder: Path) -> Mapping[str, Any]:
+    """The mapping of a file, the files of its meshes named from the folder that it lies in."""
+
+    def placed_in(table: Any) -> Any:
+        file = table.get("file") if _shape(table) == "mesh" else None
+        return {**table, "file": str(folder / file)} if isinstance(file, str) and file else table
+
+    return _with_tables(data, placed_in)
+
+
+def with_hulls(data: Mapping[str, Any]) -> tuple[Mapping[str, Any], dict[int, FloatArray]]:
+    """The mapping with numbers in place of meshes, and with the faces of hulls, so that it needs no file and no scipy.
+
+    Also the triangles of meshes (k, 3, 3) m, by the number of the table, from 1. Raises InputError.
+    """
+    surfaces, number = {}, 0
+
+    def resolved(table: Any) -> Any:
+        nonlocal number
+        number += 1
+        if _shape(table) == "hull" and "faces" not in table:
+            return _hull_table(f"block[{number}]", table)
+        if _shape(table) == "mesh":
+            table, surfaces[number] = _mesh_table(f"block[{number}]", table)
+        return table
+
+    return _with_tables(data, resolved), surfaces
+
+
+def solid_from_hull(
+    key: str, name: str, table: Mapping[str, Any], density: float, surface: FloatArray | None, stands: bool
+) -> Solid:
+    """The block of a table of points, as `with_hulls` writes it. Raises InputError.
+
+    surface: triangles to draw it by, (k, 3, 3) m; stands: the middle of its foot lies at the origin.
+    """
+    points = _points(key, table)
+    hull = _within(key, checked, points, _numbers(f"{key}.faces", table.get("faces"), len(points)))
+    bulk = _bulk(key, table) or _within(f"{key}.points", bulk_of, hull.triangles)
+    scale = _optional(f"{key}.scale", table, 1.0, FACTOR)
+    level = float(np.ptp(points[:, 2])) * _optional(f"{key}.level", table, NEAR, _LEVEL)
+    foot = _foot(key, table, points, level)
+    made = block_of_hull(
+        name,
+        hull._replace(points=scale * points),
+        Bulk(bulk.volume * scale**3, bulk.centroid * scale, bulk.inertia * scale**5),
+        density,
+        scale * foot,
+        scale * level,
+        np.empty((0, 3, 3)) if surface is None else scale * surface,
+    )
+    if not stands:
+        return made
+    if not len(foot):
+        raise InputError(f"{key}.foot: stands on a point or an edge, must be given as {FOOT}, or the block a position")
+    return placed(made, -made.faces[0].centre, np.eye(3))
+
+
+def _hull_table(key: str, table: Mapping[str, Any]) -> Mapping[str, Any]:
+    points = _points(key, table)
+    surface = _within(f"{key}.points", convex_surface, points)
+    bulk = _bulk(key, table) or bulk_of(surface)
+    share = _optional(f"{key}.level", table, NEAR, _LEVEL)
+    foot = _foot(key, table, points, share * float(np.ptp(points[:, 2])))
+    return {**table, **_known(hull_of(surface), bulk, foot, share)}
+
+
+def _mesh_table(key: str, table: Mapping[str, Any]) -> tuple[Mapping[str, Any], FloatArray]:
+    file = table.get("file")
+    if not isinstance(file, str) or not file:
+        raise InputError(f"{key}.file = {shown(file)}: must be the name of a mesh, from the folder of the TOML file")
+    if "up" in table:
+        check_choice(f"{key}.up", table["up"], UP)
+    check_keys(f"{key}.", table.keys() & (set(OF_HULL) - set(OF_MESH)), OF_MESH, " of a mesh")
+    unit = _optional(f"{key}.unit", table, 1.0, FACTOR)
+    share = _optional(f"{key}.level", table, LEVEL, _LEVEL)
+    triangles = _within(f"{key}.file", triangles_of, Path(file), unit, table.get("up"))
+    points = np.unique(triangles.reshape(-1, 3), axis=0)
+    hull = hull_of(_within(f"{key}.file: {file}", convex_surface, points))
+    bulk = _within(f"{key}.file: {file}", bulk_of, triangles)
+    foot = _foot(key, table, points, share * float(np.ptp(points[:, 2])))
+    rest = {word: value for word, value in table.items() if word not in ("file", "unit", "up")}
+    return {**rest, **_known(hull, bulk, foot, share)}, triangles
+
+
+def _known(hull: Hull, bulk: Bulk, foot: FloatArray, level: float) -> dict[str, Any]:
+    """The keys of a hull of which nothing is left to find."""
+    return {
+        "shape": "hull",
+        "points": hull.points.tolist(),
+        "faces": [list(face) for face in hull.faces],
+        "foot": foot.tolist(),
+        "level": level,
+        "volume": bulk.volume,
+        "centroid": bulk.centroid.tolist(),
+        "inertia": bulk.inertia[_SIX].tolist(),
+    }
+
+
+def _foot(key: str, table: Mapping[str, Any], points: FloatArray, level: float) -> FloatArray:
+    """The corners of the foot, (corners, 2) m, anticlockwise; empty: it has none."""
+    if "foot" not in table:
+        return foot_of(points, level)
+    given = table["foot"]
+    if isinstance(given, (list, tuple)) and not given:
+        return np.empty((0, 2))
+    return outline_of(f"{key}.foot", list(_rows(f"{key}.foot", given, 2, (3, MOST_CORNERS + 1), FOOT)))
+
+
+def _points(key: str, table: Mapping[str, Any]) -> FloatArray:
+    return _rows(f"{key}.points", table.get("points"), 3, (4, MOST_POINTS), POINTS)
+
+
+def _bulk(key: str, table: Mapping[str, Any]) -> Bulk | None:
+    """Volume, centroid and inertia of a block that is not its hull, or not all of one material; None: not given."""
+    known = [word for word in ("volume", "centroid", "inertia") if word in table]
+    if not known:
+        return None
+    if len(known) < 3:
+        raise InputError(f"{key}.{known[0]}: must be beside volume, centroid and inertia, all three of them, or none")
+    volume = check_number(f"{key}.volume", table["volume"], *_SIZE)
+    centroid = _numbers_of(f"{key}.centroid", table["centroid"], 3, _PLACE)
+    inertia = np.zeros((3, 3))
+    inertia[_SIX] = inertia[_SIX[1], _SIX[0]] = _numbers_of(f"{key}.inertia", table["inertia"], 6, _MOMENT)
+    if not np.min(np.linalg.eigvalsh(inertia)) > 0.0:
+        raise InputError(f"{key}.inertia: must be xx, yy, zz, xy, xz, yz of a body in m5, of density 1")
+    return Bulk(volume, centroid, inertia)
+
+
+def _shape(table: Any) -> Any:
+    return table.get("shape") if isinstance(table, Mapping) else None
+
+
+def _with_tables(data: Mapping[str, Any], changed: Callable[[Any], Any]) -> Mapping[str, Any]:
+    """The mapping with its tables of blocks changed; what is no list of tables is left to the reader."""
+    tables = data.get("block")
+    if not isinstance(tables, list) or not {"hull", "mesh"} & {str(_shape(table)) for table in tables}:
+        return data
+    return {**data, "block": [changed(table) for table in tables]}
+
+
+def _within(key: str, function: Any, *arguments: Any) -> Any:
+    """What the function gives; its InputError begins with the key."""
+    try:
+        return function(*arguments)
+    except InputError as error:
+        dot = "." if str(error).startswith("faces") else ": "
+        raise InputError(f"{key}{dot}{error}") from None
+
+
+def _optional(key: str, table: Mapping[str, Any], usual: float, limits: tuple[tuple[float, float], str]) -> float:
+    word = key.rpartition(".")[2]
+    return check_number(key, table[word], *limits) if word in table else usual
+
+
+def _numbers_of(key: str, value: object, count: int, limits: tuple[tuple[float, float], str]) -> FloatArray:
+    if not isinstance(value, (list, tuple, np.ndarray)) or len(value) != count:
+        raise InputError(f"{key} = {shown(value)}: must be a list of {count} numbers")
+    return np.array([check_number(f"{key}[{k}]", part, *limits) for k, part in enumerate(value)])
+
+
+def _rows(key: str, value: object, width: int, counts: tuple[int, int], meaning: str) -> FloatArray:
+    if not isinstance(value, (list, tuple, np.ndarray)):
+        raise InputError(f"{key} = {shown(value)}: must be {meaning}")
+    if not counts[0] <= len(value) <= counts[1]:
+        raise InputError(f"{key}: {len(value)} points, must be {meaning}")
+    return np.array([_numbers_of(f"{key}[{k}]", row, width, _PLACE) for k, row in enumerate(value)])
+
+
+def _numbers(key: str, value: object, count: int) -> Sequence[Sequence[int]]:
+    """Corners of faces by number."""
+    good = isinstance(value, (list, tuple)) and all(isinstance(face, (list, tuple)) for face in value)
+    faces: Iterable[Any] = value if good else ()  # type: ignore[assignment]
+    if good and all(type(k) is int and 0 <= k < count for k in chain(*faces)):
+        found = [tuple(face) for face in faces]
+        if all(len(set(face)) == len(face) >= 3 for face in found) and len(found) >= 4:
+            return found
+    raise InputError(
+        f"{key}: must be lists of at least 3 numbers of points, from 0 to {count - 1}, a list for each face"
+    )
