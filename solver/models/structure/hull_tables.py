@@ -21,7 +21,7 @@ from .blocks.shapes import placed
 OF_HULL = ("points", "foot", "level", "scale", "faces", "volume", "centroid", "inertia")
 OF_MESH = ("file", "unit", "up", "foot", "level", "scale")
 FIXED = frozenset(OF_HULL + OF_MESH) - {"scale"}  # no study varies them
-MOST_POINTS = 100_000
+MOST_POINTS = 10_000
 LEVEL = 1e-3  # of the height of a mesh: points that lie within it of the lowest one bear
 FACTOR = (1e-6, 1e6), "a positive factor, from 1e-6 to 1e6"
 POINTS = f"a list of 4 to {MOST_POINTS} points [x, y, z] in m"
