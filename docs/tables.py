@@ -16,6 +16,7 @@ from dataclasses import MISSING, fields, is_dataclass
 from pathlib import Path
 
 import multiblock
+from fmu_src.drive import Drive
 from fmu_src.model_description3 import ELEMENT
 from fmu_src.structure_variables import structure_variables
 from fmu_src.variables import Variable, variables
@@ -190,7 +191,12 @@ def fmu_variables(causality: str) -> str:
     """The variables of one causality, of both formulations, those of blocks and joints once for all."""
     block = Block(1.0, 1.0, 1.0, 1.0, Joint(1e9, 1e-3))
     columns = (Column("one", (block,), Settings(formulation)) for formulation in FORMULATIONS)
-    rows = {item.name: _row(item) for one in columns for item in variables(one) if item.causality == causality}
+    rows = {
+        item.name: _row(item)
+        for one in columns
+        for item in variables(one, drive=Drive("body"))
+        if item.causality == causality
+    }
     return table(["name", "unit", "type", "meaning"], list(rows.values()))
 
 

@@ -29,23 +29,33 @@ class Drive(NamedTuple):
     bodies: int = 1
 
     @property
+    def is_chosen(self) -> bool:
+        """Whether the FMU has inputs and parameters for bodies at its base; the usual one has none."""
+        return self.drive != "acceleration"
+
+    @property
     def words(self) -> tuple[str, ...]:
         """What the parameter may be: an FMU that is built for bodies has outputs that depend on nothing else."""
         return (self.drive,) if self.drive == "body" else tuple(DRIVES)
 
     def inputs(self, said: Sequence[str] = OF_COLUMN) -> tuple[Variable, ...]:
         """The rows of the bodies, each of which says this."""
-        return tuple(_input(name) for k in range(self.bodies) for name in names_of_body(k, said))
+        count = self.bodies if self.is_chosen else 0
+        return tuple(_input(name) for k in range(count) for name in names_of_body(k, said))
 
     @property
     def parameters(self) -> list[Variable]:
         """How the base moves, and how its acceleration goes on within a step."""
+        if not self.is_chosen:
+            return []
         ways = f"How the base moves ({', '.join(self.words)}): by base.a*, by body.*, or by body.* horizontally alone"
         slopes = f"Slope of its acceleration within a step where body.* move it ({', '.join(SLOPES)})"
         return [parameter_of(DRIVE, "", ways, self.drive), parameter_of(SLOPE_OF_BASE, "", slopes, self.slope)]
 
     def chosen(self, value: Callable[[str], Any]) -> Drive:
         """As parameters say. Raises InputError."""
+        if not self.is_chosen:
+            return self
         return drive_of(value(DRIVE), value(SLOPE_OF_BASE), self.bodies, self.words)
 
     def direct(self, of: tuple[str, ...]) -> tuple[str, ...]:
@@ -53,6 +63,8 @@ class Drive(NamedTuple):
 
         Built for bodies it has no others: then what does not feel the acceleration depends on none.
         """
+        if not self.is_chosen:
+            return of
         own = {"body": (), "horizontal": tuple(name for name in of if name != "base.ax")}.get(self.drive, of)
         return (*own, *(variable.name for variable in self.inputs())) if of == MOVING else own
 

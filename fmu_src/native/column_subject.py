@@ -71,6 +71,8 @@ def column_subject(column: Column, drive: Drive = USUAL) -> Subject:
 
 def choices_of(drive: Drive) -> list[Chosen]:
     """How the base moves."""
+    if not drive.is_chosen:
+        return []
     ways = [(int(at.DRIVES[word]), word) for word in drive.words]
     return [
         Chosen(DRIVE, "ONE_WORD", ways),
@@ -78,9 +80,16 @@ def choices_of(drive: Drive) -> list[Chosen]:
     ]
 
 
+def given_of(drive: Drive) -> dict[str, str | float]:
+    """The same as `assemble` is given it: parameters, or numbers that never change."""
+    if not drive.is_chosen:
+        return {"drive": at.ACCELERATION, "slope": at.SLOPE_PARABOLA, "bodies": 1.0}
+    return {"drive": DRIVE, "slope": SLOPE_OF_BASE, "bodies": float(drive.bodies)}
+
+
 def _given(column: Column, drive: Drive) -> list[str | float]:
     settings: dict[str, str | float] = {"g": "g", "step": 0.0}  # no step is fixed
-    settings |= {"drive": DRIVE, "slope": SLOPE_OF_BASE, "bodies": float(drive.bodies)}
+    settings |= given_of(drive)
     names = [settings.get(name, f"solver.{name}") for name in engine.GIVEN_SETTINGS.fields]
     for i, block in enumerate(column.blocks, start=1):
         names += [f"block[{i}].{name}" for name in engine.GIVEN_BLOCK]

@@ -13,8 +13,8 @@ from solver.models.structure.outputs import OUTPUTS
 from .. import rules
 from ..body import StructureBody
 from ..structure_variables import DAMPING_SCALE, WITHOUT
-from ..variables import DRIVE, OVERTURNED_BLOCK, RECORD_SCALE, SLOPE_OF_BASE, TOLERANCE
-from .column_subject import choices_of
+from ..variables import OVERTURNED_BLOCK, RECORD_SCALE, TOLERANCE
+from .column_subject import choices_of, given_of
 from .table import FIRST_PEAK, OF_BLOCKS, Check, Chosen, Subject, codes_with
 
 
@@ -22,7 +22,7 @@ def structure_subject(body: StructureBody) -> Subject:
     """Of a structure; its model and rest are numbers that never change."""
     sizes = sizes_in(body.packed)
     given: dict[str, str | float] = {"tolerance": TOLERANCE, "without": WITHOUT, "damping_scale": DAMPING_SCALE}
-    given |= {"drive": DRIVE, "slope": SLOPE_OF_BASE, "bodies": float(body.drive.bodies)}
+    given |= given_of(body.drive)
     lengths = {"MODEL": at.MODEL.size(sizes), "STATE": at.STATE.size(sizes), "WORK": at.WORK.size(sizes)}
     return Subject(
         falls=True,

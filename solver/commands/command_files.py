@@ -53,7 +53,8 @@ def outputs_of_run(options: argparse.Namespace) -> tuple[Path | None, ...]:
         with needing("plot", "matplotlib"):
             from ..plotting.film import check_film
         check_film(options.film)
-    outputs = (options.output, options.plot, options.plot_column, options.film)
+    check_suffix(options.view, ".html")
+    outputs = (options.output, options.plot, options.plot_column, options.film, options.view)
     check_outputs(outputs, (options.column, options.motion, options.vertical, options.across), options.force)
     return outputs
 

@@ -183,6 +183,7 @@ def _add_run_options(run: argparse.ArgumentParser) -> None:
     out.add_argument("--plot", type=Path, metavar="FILE.png", help=f"draw the histories ({', '.join(PICTURES)})")
     out.add_argument("--plot-column", type=Path, metavar="FILE.png", help="draw the deformed column at its peak")
     out.add_argument("--film", type=Path, metavar="FILE.gif", help="film the column (.gif; .mp4 where ffmpeg is)")
+    out.add_argument("--view", type=Path, metavar="FILE.html", help="write a page that plays the blocks in a browser")
     words = f"s after the end in which to find out whether it falls (default: {SETTLE:g}; 0: none)"
     verdict = run.add_argument_group("verdict")
     verdict.add_argument("--settle", type=float, default=SETTLE, metavar="S", help=words)
@@ -223,6 +224,7 @@ def _simulate(options: argparse.Namespace) -> None:
             response.plot,
             response.plot_structure if in_space else response.plot_column,
             partial(_film, response),
+            response.view,
         )
         write_outputs(zip(outputs, writers, strict=True))
     except MemoryError:

@@ -58,6 +58,24 @@ class Result(Histories, Framed, Shown):
         """Write time and every history. Raises InputError, OSError."""
         self._write(path, digits, {"time": self.time})
 
+    def view(self, path: str | os.PathLike[str], scale: float | None = None) -> None:
+        """Write one HTML page that plays the motion in any browser and fetches nothing.
+
+        scale: the factor on the deformation that it begins with; None: chosen. Raises InputError, OSError.
+        """
+        from ..plotting.scene.page import write_view
+
+        write_view(self, path, scale)
+
+    def to_gltf(self, path: str | os.PathLike[str]) -> None:
+        """Write the blocks and their motion, relative to the base, as binary glTF 2.0 (.glb), for Blender and others.
+
+        30 pictures a second at most. Raises InputError, OSError.
+        """
+        from ..plotting.scene.gltf import write_gltf
+
+        write_gltf(self, path)
+
     def kept(self, name: str) -> Any:
         """A result that many runs can keep (Kind.kept), of this one."""
         if name == "path":

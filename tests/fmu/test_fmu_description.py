@@ -119,8 +119,7 @@ def direct_inputs(name: str) -> set[str]:
     if name.startswith(("joint[3].", "base.R0")) and not name.endswith((".S", ".T")):
         return {"base.theta", "base.omega"}
     if name in ("base.Fx", "base.Fz", "base.My") or name.endswith((".S", ".T")):
-        body = {f"body.{name}" for name in ("F0x", "F0z", "F0m", "Mxx", "Mxz", "Mxt", "Mzz", "Mzt", "Mtt")}
-        return {"base.ax", "base.az", "base.theta", "base.omega", "base.alpha"} | body
+        return {"base.ax", "base.az", "base.theta", "base.omega", "base.alpha"}
     return set()
 
 

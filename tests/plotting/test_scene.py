@@ -1,0 +1,146 @@
+"""The scene of a response: the same places in files as in the response."""
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from support.fmus import ROOT
+
+from multiblock import Structure
+from solver import Column, InputError, Motion, simulate
+from solver.models.structure.blocks.shapes import turned
+from solver.plotting.scene.bodies import scene_of
+from solver.plotting.scene.gltf import normal_of
+
+INSTANTS = (0.1, 0.4, 0.7)
+SHAKING = Motion.harmonic(3.0, 2.0, 0.8)
+
+
+@pytest.fixture(scope="module")
+def in_space() -> Any:
+    structure = Structure.from_toml(ROOT / "examples" / "structures" / "podium.toml")
+    return simulate(structure, SHAKING, check=False, settle=0.0)
+
+
+@pytest.fixture(scope="module")
+def in_plane() -> Any:
+    column = Column.from_toml(ROOT / "examples" / "columns" / "phocas-round.toml")
+    return simulate(column, SHAKING, check=False, settle=0.0)
+
+
+def contents(path: Path) -> tuple[Any, bytes]:
+    """JSON and buffer of a .glb."""
+    data = path.read_bytes()
+    assert data[:4] == b"glTF"
+    assert int.from_bytes(data[8:12], "little") == len(data)
+    size = int.from_bytes(data[12:16], "little")
+    return json.loads(data[20 : 20 + size]), data[28 + size :]
+
+
+def numbers(gltf: Any, data: bytes, accessor: int) -> Any:
+    """The numbers of an accessor."""
+    found = gltf["accessors"][accessor]
+    view, size = gltf["bufferViews"][found["bufferView"]], {"SCALAR": 1, "VEC3": 3, "VEC4": 4}[found["type"]]
+    kind = {5126: "<f4", 5125: "<u4"}[found["componentType"]]
+    values = np.frombuffer(data, kind, found["count"] * size, view["byteOffset"])
+    return values.reshape(-1, size).astype(float)
+
+
+def rotated(q: Any, points: Any) -> Any:
+    """Points turned by a quaternion, the real part last."""
+    across = np.cross(q[:3], points)
+    return points + 2.0 * (q[3] * across + np.cross(q[:3], across))
+
+
+def vertices_of(path: Path, t: float) -> dict[str, tuple[Any, Any]]:
+    """By name of the body: its vertices about its centroid as built, and in the scene at t, in m, z up."""
+    gltf, data = contents(path)
+    found = {}
+    (animation,) = gltf["animations"]
+    holders = {node["children"][0]: node for node in gltf["nodes"][1:] if "children" in node}
+    for number, node in enumerate(gltf["nodes"]):
+        if "mesh" not in node:
+            continue
+        pose = {}
+        for channel in animation["channels"]:
+            if channel["target"]["node"] == number:
+                sampler = animation["samplers"][channel["sampler"]]
+                k = np.argmin(np.abs(numbers(gltf, data, sampler["input"])[:, 0] - t))
+                pose[channel["target"]["path"]] = numbers(gltf, data, sampler["output"])[k]
+        primitive = gltf["meshes"][node["mesh"]]["primitives"][0]
+        points = numbers(gltf, data, primitive["attributes"]["POSITION"])
+        placed = rotated(pose["rotation"], points) + pose["translation"] + holders[number]["translation"]
+        found[node["name"]] = points, placed
+    return found
+
+
+def test_gltf_has_the_places_of_a_structure(in_space: Any, tmp_path: Path) -> None:
+    in_space.to_gltf(tmp_path / "scene.glb")
+    sampled = scene_of(in_space, 30.0).time
+    for instant in INSTANTS:
+        t = sampled[np.argmin(np.abs(sampled - instant))]
+        row = int(np.argmin(np.abs(in_space.time - t)))
+        for name, (points, placed) in vertices_of(tmp_path / "scene.glb", t).items():
+            block = in_space.structure.blocks[in_space.structure.number(name)]
+            for point, place in zip(points[::7], placed[::7], strict=True):
+                moved = in_space.displacement(name, block.axes.T @ point)[row]
+                assert place == pytest.approx(block.centroid + point + moved, abs=1e-6)
+
+
+def test_gltf_has_the_places_of_a_column(in_plane: Any, tmp_path: Path) -> None:
+    in_plane.to_gltf(tmp_path / "scene.glb")
+    sampled = scene_of(in_plane, 30.0).time
+    for instant in INSTANTS:
+        t = sampled[np.argmin(np.abs(sampled - instant))]
+        row = int(np.argmin(np.abs(in_plane.time - t)))
+        for i, block in enumerate(in_plane.column.blocks):
+            points, placed = vertices_of(tmp_path / "scene.glb", t)[f"block {i + 1}"]
+            top = np.isclose(points[:, 2], np.max(points[:, 2]))
+            assert np.mean(np.unique(placed[top].round(9), axis=0)[:, 0]) == pytest.approx(
+                in_plane.ux[row, i], abs=1e-6
+            )
+            theta = in_plane.theta[row, i]
+            height = sum(other.height for other in in_plane.column.blocks[i + 1 :]) + block.resolved_centroid
+            arm = points[0]
+            place = height + in_plane.uz[row, i] - math.sin(theta) * arm[0] + math.cos(theta) * arm[2]
+            assert placed[0, 2] == pytest.approx(place, abs=1e-6)
+
+
+@pytest.mark.parametrize("name", ["structures/arch", "structures/colonnade", "structures/casks", "columns/leaning"])
+def test_surfaces_are_closed_and_look_outwards(name: str) -> None:
+    path = ROOT / "examples" / f"{name}.toml"
+    model: Any = (Structure if name.startswith("structures") else Column).from_toml(path)
+    response = simulate(model, Motion.harmonic(0.1, 2.0, 0.02), check=False, settle=0.0)
+    for body in scene_of(response, 30.0).bodies:
+        areas = 0.0
+        volume = 0.0
+        for surface in body.surfaces:
+            arms = surface.points - surface.points[0]
+            area = 0.5 * np.sum(np.cross(arms[1:-1], arms[2:]), axis=0)
+            areas = areas + area
+            volume += float(area @ surface.points[0]) / 3.0
+            assert normal_of(surface.points) @ area > 0.0
+        assert np.max(np.abs(areas)) < 1e-9
+        assert volume > 0.0
+
+
+def test_rows_of_a_column_turn_as_in_space() -> None:
+    assert turned(np.array([0.0, 0.1, 0.0]), np.array([0.0, 0.0, 1.0]))[0] > 0.0  # clockwise, as x points to the right
+
+
+def test_another_suffix_is_refused(in_plane: Any, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"must end in \.glb"):
+        in_plane.to_gltf(tmp_path / "scene.gltf")
+
+
+def test_a_page_fetches_nothing_and_is_small(in_space: Any, tmp_path: Path) -> None:
+    in_space.view(tmp_path / "scene.html")
+    text = (tmp_path / "scene.html").read_text(encoding="utf-8")
+    assert len(text) < 3_000_000
+    assert not any(word in text for word in ("http:", "https:", "src=", "fetch(", "import "))
+    assert not any(mark in text for mark in ("@TITLE@", "@NAME@", "@LINE@", "@SCENE@", "@VIEWER@"))
+    with pytest.raises(InputError, match=r"must end in \.html"):
+        in_space.view(tmp_path / "scene.png")
