@@ -208,7 +208,7 @@ def fmu_variables_in_space(causality: str) -> str:
         "joints": {"stiffness": 1e9, "damping": 1e-3},
         "tie": [{"between": ["block", "base"], "from": [0, 0, 0], "to": [2, 0, 0], "stiffness": 1e6}],
     }
-    table_of_one = structure_variables(Structure.from_dict(data))
+    table_of_one = structure_variables(Structure.from_dict(data), drive=Drive("body"))
     rows = [_row(item) for item in table_of_one if item.causality == causality]
     return table(["name", "unit", "type", "meaning"], rows)
 
