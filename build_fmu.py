@@ -93,8 +93,7 @@ RESOURCES = Path(__file__).resolve().parent
 finalize_at_exit(RESOURCES)  # also if no slave will do it
 try:
     import_solver("{solver}", RESOURCES)
-    from {fmu_src}.slave import BlocksSlave
-    {others}
+    from {fmu_src}.slave import BlocksSlave{others}
 except ImportError as error:
     print(f"{name}: needs Python 3.11 or newer with numpy and numba 0.59 or newer "
           f"(pip install 'numba>=0.59,<1'): {{error}}", file=sys.stderr)
@@ -278,9 +277,8 @@ def build_fmu(
         if package != fmu_src.__name__:  # of another model
             renamed = {"solver": carried_solver, "fmu_src": carried_fmu_src}
             carried.append(_carry_package(sys.modules[package], stage, renamed))
-            others = f"import {carried[-1]}.{module}  # noqa: F401"
+            others = f"\n    import {carried[-1]}.{module}  # noqa: F401"
         script = SCRIPT.format(name=body.name, solver=carried_solver, fmu_src=carried_fmu_src, others=others)
-        script = re.sub(r"\n +\n", "\n", script)
         content = script.encode() + body.text.encode()
         if record is not None:
             content += record.name.encode() + record.read_bytes()

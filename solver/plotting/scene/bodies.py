@@ -69,8 +69,7 @@ def scene_of(response: Any, fps: float) -> Scene:
     """The scene of a Response or SpatialResponse, of rows at most `fps` a second, the last one among them."""
     rows = _rows(response.time, fps)
     model = response.model
-    parts = _of_structure(response, rows) if isinstance(model, Structure) else _of_column(response, rows)
-    bodies, rims, u, turn = parts
+    bodies, rims, u, turn = (_of_structure if model.kind.across else _of_column)(response, rows)
     return Scene(model.name, bodies, rims, response.time[rows], u, turn, response.contact[rows])
 
 
