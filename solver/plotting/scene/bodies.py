@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...common.errors import InputError
 from ...kernels.sections.faces import is_round
 from ...models.column.block import Block
 from ...models.column.model import Column
@@ -81,8 +82,11 @@ def scene_of(response: Any, fps: float) -> Scene:
 
 
 def parts_of(model: Any) -> tuple[tuple[Body, ...], tuple[Contact, ...]]:
-    """The blocks and joints of a Column or Structure."""
-    return _of_structure(model) if model.kind.across else _of_column(model)
+    """The blocks and joints of a model. Raises InputError for one whose shape is not known."""
+    word = model.kind.word
+    if word not in SHAPES:
+        raise InputError(f"scene: a {word} has none, only {' and '.join(SHAPES)} have")
+    return SHAPES[word](model)
 
 
 def poses(bodies: Sequence[Any], histories: Any) -> tuple[FloatArray, FloatArray]:
@@ -216,3 +220,9 @@ def _of_block(
     rim = ring(block.joint_width, block.joint_depth, heights[0], below, is_disc)
     inner = ring(block.joint_bore, block.joint_bore, heights[0], below) if block.joint_bore else np.empty((0, 3))
     return _between(low, high, bore, edged=not is_drum), (rim, inner)
+
+
+SHAPES: dict[str, Callable[[Any], tuple[tuple[Body, ...], tuple[Contact, ...]]]] = {
+    "column": _of_column,
+    "structure": _of_structure,
+}

@@ -93,7 +93,7 @@ function build() {
   });
   rims = SCENE.rims.map(({ points }) => { // a band around the joint, a little outside of the blocks
     const m = [0, 1, 2].map((c) => points.reduce((sum, p) => sum + p[c], 0) / points.length), q = normal(points), found = [];
-    const half = 0.02 * SCENE.band, out = points.map((p) => p.map((v, c) => v + (v - m[c]) * 0.012));
+    const half = Math.max(0.02 * SCENE.band, 0.0035 * SCENE.extent), out = points.map((p) => p.map((v, c) => v + (v - m[c]) * 0.012));
     out.forEach((a, k) => {
       const b = out[(k + 1) % out.length], up = (p, s) => p.map((v, c) => v + s * half * q[c]);
       for (const corner of [up(a, -1), up(b, -1), up(b, 1), up(a, -1), up(b, 1), up(a, 1)]) found.push(...corner, ...q);
