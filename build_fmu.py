@@ -374,7 +374,9 @@ def repack(source: Path, target: Path, extra: dict[str, bytes], plain_names: boo
 def without_brackets(files: dict[str, bytes]) -> dict[str, bytes]:
     """The files of an FMU whose variables are block1.ux in place of block[1].ux, where tools and people read them."""
     named = "modelDescription.xml", "terminalsAndIcons/terminalsAndIcons.xml", "documentation/index.html"
-    found = {name: re.sub(rb"\b(block|joint|tie)\[(\d+)\]", rb"\1\2", files[name]) for name in named if name in files}
+    found = {
+        name: re.sub(rb"\b(block|joint|tie|port)\[(\d+)\]", rb"\1\2", files[name]) for name in named if name in files
+    }
     return files | found
 
 

@@ -7,7 +7,8 @@ from ..numba_ext.lanes import any_of, zero_like
 from ..numba_ext.views import copy
 from .joint import joint_energy, load_joint
 from .kinematics import accelerate_bodies, pose_bodies
-from .layout import MEMORY, OF_BASE, OF_BLOCK, OF_JOINT, PHASE
+from .layout import MEMORY, OF_BASE, OF_BLOCK, OF_JOINT, OF_PORT, PHASE
+from .port import load_ports, see_ports
 from .tie import load_tie, tie_energy
 
 _phase = PHASE.over
@@ -62,7 +63,9 @@ def evaluate(scene, phase, rates, ax, ay, az):
         load_joint(scene, phase, j)
     for e in range(scene.k):
         load_tie(scene, phase, e)
+    load_ports(scene, phase, scene.settings.gravity)
     accelerate_bodies(scene, phase, rates, ax, ay, az)
+    see_ports(scene, phase, rates, scene.settings.gravity)
 
 
 @kernel
@@ -124,6 +127,7 @@ def show(scene, phase, row):
     of_ties = row[_BLOCKS * n + _JOINTS * m :]
     for e in range(k):
         of_ties[e] = scene.pulls.force[e]
-    base, poses = of_ties[k:], scene.poses
+    copy(of_ties[k:], scene.spots.row, len(OF_PORT) * scene.spotted)
+    base, poses = of_ties[k + len(OF_PORT) * scene.spotted :], scene.poses
     base[0], base[1], base[2] = poses.fx[n], poses.fy[n], poses.fz[n]
     base[3], base[4], base[5] = poses.mx[n], poses.my[n], poses.mz[n]

@@ -9,7 +9,7 @@ import numpy as np
 
 from ...common.errors import InputError
 from ...kernels.structure import layout as at
-from ..outputs import BASE, BLOCK, JOINT, TIE, Histories, Output, units_of
+from ..outputs import BASE, BLOCK, JOINT, PORT, TIE, Histories, Output, units_of
 from .blocks.faces import FloatArray
 from .blocks.shapes import turned
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 class StructureHistories(Histories):
-    """What has a structure and rows (rows, numbers) of it: of blocks, joints along their axes, ties and the base."""
+    """What has a structure and rows (rows, numbers) of it: of blocks, joints along their axes, ties, ports and base."""
 
     ux = Output(
         BLOCK, "m", "Centroid of {it} along x, relative to the base, from the structure as built and without weight"
@@ -38,6 +38,17 @@ class StructureHistories(Histories):
     sigma_max = Output(JOINT, "Pa", "Largest pressure on {it}", 0.0)
     slip = Output(JOINT, "m", "Slip of {it} that friction has given way by", 0.0)
     tie = Output(TIE, "N", "Force in {it}, tension", name="F")
+    port_x = Output(
+        PORT, "m", "{it} along x, relative to the base, from the structure as built and without weight", name="x"
+    )
+    port_y = Output(PORT, "m", "{it} along y", name="y")
+    port_z = Output(PORT, "m", "{it} upwards", name="z")
+    port_vx = Output(PORT, "m/s", "Velocity of {it} along x, relative to the base", name="vx")
+    port_vy = Output(PORT, "m/s", "Velocity of {it} along y", name="vy")
+    port_vz = Output(PORT, "m/s", "Velocity of {it} upwards", name="vz")
+    port_ax = Output(PORT, "m/s2", "Acceleration of {it} along x, relative to the base", name="ax")
+    port_ay = Output(PORT, "m/s2", "Acceleration of {it} along y", name="ay")
+    port_az = Output(PORT, "m/s2", "Acceleration of {it} upwards", name="az")
     base = Output(
         *(BASE, ""),
         parts=(
@@ -60,11 +71,12 @@ class StructureHistories(Histories):
 
     @property
     def labels(self) -> dict[str, Sequence[object]]:
-        """The names of blocks and joints, the numbers of ties, the components of the base."""
+        """The names of blocks, joints and ports, the numbers of ties, the components of the base."""
         structure = self.structure
         ties = [str(e) for e in range(1, len(structure.ties) + 1)]
         base = [part.name_of("") for part in StructureHistories.base.parts]
-        return {BLOCK: structure.names, JOINT: structure.joint_names, TIE: ties, BASE: base}
+        ports = [port.name for port in structure.ports]
+        return {BLOCK: structure.names, JOINT: structure.joint_names, TIE: ties, PORT: ports, BASE: base}
 
     @property
     def rotation(self) -> FloatArray:
@@ -111,5 +123,6 @@ class StructureHistories(Histories):
 
 OUTPUTS = StructureHistories.outputs
 UNITS = units_of(OUTPUTS)
-assert [output.field for output in OUTPUTS] == [*at.OF_BLOCK, *at.OF_JOINT, "tie", "base"]
+_PORTS = [f"port_{name}" for name in at.OF_PORT]
+assert [output.field for output in OUTPUTS] == [*at.OF_BLOCK, *at.OF_JOINT, "tie", *_PORTS, "base"]
 assert tuple(part.name for part in StructureHistories.base.parts) == at.OF_BASE
