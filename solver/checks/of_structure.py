@@ -44,8 +44,16 @@ class InSpace(Subject):
     @cached_property
     def joints(self) -> Joints:
         """The joints by the names of the blocks that they connect."""
-        width = [joint.face.width for joint in self.model.joints]
-        return Joints.of(self.model.joint_names, width, self.model.laws)
+        found = Joints.of(self.model.joint_names, [joint.face.width for joint in self.model.joints], self.model.laws)
+        if self.model.bearings:  # they are meant to slide: their displacement is compared, not their slip
+            first = len(self.model.joints) - len(self.model.bearings)
+            found.width[first:], found.friction[first:] = math.nan, 0.0
+        return found
+
+    @cached_property
+    def bearings(self) -> tuple[tuple[str, ...], FloatArray]:
+        capacity = [joint.bearing.capacity for joint in self.model.bearings if joint.bearing is not None]
+        return self.model.bearing_names, np.array(capacity)
 
     @cached_property
     def yields(self) -> FloatArray:

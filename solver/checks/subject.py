@@ -57,6 +57,11 @@ class Subject:
         return np.empty(0)
 
     @property
+    def bearings(self) -> tuple[tuple[str, ...], FloatArray]:
+        """Names of the bearings, and the displacements that they allow, m."""
+        return (), np.empty(0)
+
+    @property
     def period(self) -> float:
         """Of the first mode about rest, s; 0 where nothing sways before it lifts."""
         return 0.0
