@@ -72,6 +72,11 @@ class Subject:
         return math.inf
 
     @property
+    def isolated(self) -> float:
+        """Longest period while all bearings slide or yield, s; 0 without bearings."""
+        return 0.0
+
+    @property
     def edge(self) -> float:
         """Displacement of the top at which it balances without a push, m; NaN if there is no such number."""
         return math.nan

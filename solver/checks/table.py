@@ -32,7 +32,8 @@ class Unit:
 
 
 MM, MPA, KN, PERCENT = Unit("mm", 1e3), Unit("MPa", 1e-6), Unit("kN", 1e-3), Unit("%", 100.0)
-FACTOR, PLAIN = Unit("x"), Unit()
+FACTOR, PLAIN, MRAD = Unit("x"), Unit(), Unit("mrad", 1e3)
+BEARING = "displacement of a bearing"
 
 
 def three_digits(value: float) -> str:
@@ -304,4 +305,4 @@ def _bearings(demands: Demands) -> list[Row]:
     values = demands.largest(lambda run: run.peaks["d"])
     i = _worst(statistic(values), capacity)
     note = "the displacement beyond which what it carries has come off it"
-    return [_of_part("displacement of a bearing", names[i], float(capacity[i]), MM, note, values[:, i])]
+    return [_of_part(BEARING, names[i], float(capacity[i]), MM, note, values[:, i])]

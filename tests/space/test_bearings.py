@@ -152,7 +152,7 @@ def test_the_period_of_a_pendulum_is_that_of_its_radius_whatever_the_mass() -> N
         k = int(np.flatnonzero((u[:-1] < 0.0) & (u[1:] >= 0.0))[0])  # at three quarters
         crossing = response.time[k] - u[k] * (response.time[k + 1] - response.time[k]) / (u[k + 1] - u[k])
         periods.append(crossing / 0.75)
-    # measured 2e-7 of the modes (settlement), 2e-6 of the swing (chord of a row)
+    # measured 1e-7 and 1e-6 of the modes, which settle, 7e-6 of the swings, 6e-6 of it by the chord between two rows
     assert np.max(np.abs(np.array(periods) / expected - 1.0)) <= 1e-5
 
 
@@ -244,8 +244,9 @@ def test_two_directions_are_those_of_a_reference_written_apart(name: str) -> Non
         errors.append(float(np.max(np.abs(place - known)) / np.max(np.abs(known))))
         steps.append(float(response.stats["steps"]))
     assert np.min(np.max(np.abs(known[:2]), axis=1)) > 0.02  # m
-    print(name, errors, steps)
-    assert errors[-1] <= 1e-6
+    # measured 1e-7, 1e-8, 5e-10 with 310, 342, 635 steps; 3e-7, 6e-8, 8e-9 with 272, 331, 539
+    assert np.all(errors <= np.array([1e-5, 1e-6, 1e-7]))
+    assert math.log(errors[0] / errors[-1]) > 2.0 * math.log(steps[-1] / steps[0])
 
 
 @pytest.mark.parametrize("name", ["smooth", "rubber", "ring"])
@@ -255,7 +256,7 @@ def test_undamped_throws_keep_their_energy(name: str) -> None:
     structure = slab(law, vertical_damping=0.0, tolerance=1e-6)
     for seed in range(3):
         energies = _thrown(structure, seed)
-        assert np.max(np.abs(energies - energies[0])) <= 1e-5 * energies[0]  # measured
+        assert np.max(np.abs(energies - energies[0])) <= 1e-6 * energies[0]  # measured 3e-8 and less
 
 
 @pytest.mark.parametrize("name", list(KINDS))
@@ -264,7 +265,7 @@ def test_energy_is_never_gained(name: str) -> None:
     structure = slab({**KINDS[name], **rim}, tolerance=1e-7)
     for seed in range(3):
         energies = _thrown(structure, seed)
-        assert np.max(np.diff(energies)) <= 1e-6 * energies[0]
+        assert np.max(np.diff(energies)) <= 0.0  # between any two rows it falls: measured -1e-9 and less
         assert energies[-1] < 0.7 * energies[0]
 
 
@@ -290,7 +291,7 @@ def test_lanes_and_alone_agree() -> None:
     for k, structure in enumerate(structures):
         alone = simulate(structure, motion, settle=60.0)
         assert table["verdict"][k] == alone.verdict
-        assert table["peak_u"][k][0] == pytest.approx(alone.peaks["u"][0], rel=2e-4)
+        assert table["peak_u"][k][0] == pytest.approx(alone.peaks["u"][0], rel=2e-4)  # rows of 5 ms: measured 4e-5
 
 
 def test_a_slab_comes_off_beyond_the_displacement_that_its_bearing_allows() -> None:
