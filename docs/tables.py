@@ -225,6 +225,8 @@ def _row(variable: Variable) -> list[str]:
 
 # the Python interface
 
+NOT_OURS = "tuple, dict, Protocol"  # classes whose members are not on the page
+
 
 def python_names() -> str:
     """Every public name of `multiblock`, with its docstring."""
@@ -236,7 +238,10 @@ def python_names() -> str:
             parts["Modules"].append(f".. automodule:: {thing.__name__}\n   :exclude-members: {', '.join(elsewhere)}")
         elif inspect.isclass(thing):
             error = issubclass(thing, (Exception, Warning))
-            parts["Exceptions and warnings" if error else "Classes"].append(f".. autoclass:: multiblock.{name}")
+            inherited = "" if error else f"\n   :inherited-members: {NOT_OURS}"
+            parts["Exceptions and warnings" if error else "Classes"].append(
+                f".. autoclass:: multiblock.{name}{inherited}"
+            )
         elif callable(thing):
             parts["Functions"].append(f".. autofunction:: multiblock.{name}")
     return "\n\n".join(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
@@ -47,6 +47,15 @@ class Action:
             return None
         mean = Fit({scaled.name: scaled.motion for scaled in self.motions}, self.target, self.periods).mean()
         return float(np.min(mean)), float(np.max(mean))
+
+    def turned(self) -> Action:
+        """The same with all motions turned by a quarter, from x to y."""
+        made = []
+        for scaled in self.motions:
+            motion = replace(scaled.motion, ax=-scaled.motion.ay, ay=scaled.motion.ax)
+            motion = replace(motion, amplitude=-motion.amplitude_y, amplitude_y=motion.amplitude)
+            made.append(scaled._replace(motion=motion))
+        return replace(self, motions=tuple(made), how=f"{self.how}, turned by a quarter")
 
     @property
     def statistic(self) -> str:

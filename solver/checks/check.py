@@ -92,12 +92,29 @@ class Check:
     @property
     def governing(self) -> int:
         """Place of the motion that is worst: it falls first, or has the least margin, or moves the top most."""
+        return self._governing[0]
+
+    @property
+    def governing_sentence(self) -> str:
+        """Which run that is, and why it is not the demand of the table."""
+        place, why = self._governing
+        word, name = self.subject.model.kind.word, self.action.motions[place].name
+        row = next(row for row in self.rows if row.name.startswith("displacement"))
+        value, counts = row.shown(row.values[place]), row.shown(row.demand)
+        said = f"The run of the {word} as described under {name}: {why}."
+        if value == counts:
+            return said
+        return f"{said} Its displacement is {value}; the demand of the table, {counts}, is the {self.action.statistic}."
+
+    @property
+    def _governing(self) -> tuple[int, str]:
         fell = [response.overturn_time if response.overturned else np.inf for response in self.responses]
         if np.isfinite(fell).any():
-            return int(np.argmin(fell))
+            return int(np.argmin(fell)), "under this motion it falls first"
         if self.margin is not None and not self.margin.is_open:
-            return self.margin.place
-        return int(np.argmax([self.subject.moved(response) for response in self.responses]))
+            return self.margin.place, "as the motions grow, the first run that falls is under this one"
+        moved = [self.subject.moved(response) for response in self.responses]
+        return int(np.argmax(moved)), "this motion moves it most"
 
     @property
     def verdict(self) -> str:

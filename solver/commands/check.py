@@ -44,7 +44,11 @@ def add_check_command(commands: argparse._SubParsersAction[Any]) -> None:
     way = parser.add_mutually_exclusive_group()
     add_space(way)
     way.add_argument("--plane", action="store_true", help="check a column of round drums in its plane, not in space")
-    way.add_argument("--both", action="store_true", help="check a column in its plane in both horizontal directions")
+    way.add_argument(
+        "--both",
+        action="store_true",
+        help="check in both horizontal directions, a structure under motions turned by a quarter",
+    )
     add_file_options(parser)
     _add_action(parser)
     _add_plan(parser)
@@ -156,7 +160,8 @@ def _check(options: argparse.Namespace) -> None:
     checks: list[Check] = []
     for path, subject in subjects:
         both = options.both and len(checks) < 2
-        checks.append(replace(_checked(path, subject, action, plan), both=both))
+        turned = both and checks and subject.model.kind.across
+        checks.append(replace(_checked(path, subject, action.turned() if turned else action, plan), both=both))
         if both or len(checks) == 1:
             print(*check_lines(checks[-1]), sep="\n", flush=True)
     if options.both:
@@ -190,7 +195,9 @@ def _model(path: Path, options: argparse.Namespace) -> Any:
 
 
 def _across(path: Path, model: Any) -> Any:
-    """The column in the other direction. Raises InputError."""
+    """The column in the other direction, or the structure, for which the motions are turned. Raises InputError."""
+    if model.kind.across and not model.is_stack:
+        return replace(model, name=f"{model.name} across")
     if model.is_alike_across:
         raise InputError(f"--both: must be left out, {path} is the same in both directions, or is checked in space")
     with reading(path):

@@ -10,6 +10,7 @@ from ..checks.action import Action
 from ..checks.by_hand import NOT_IN_SPACE
 from ..checks.check import Check
 from ..checks.table import Row
+from ..checks.variants import difference
 from ..ground.intensity import peak, pgv
 from ..ground.motion import STANDARD_GRAVITY
 
@@ -59,7 +60,7 @@ def variants_lines(checks: Sequence[Check]) -> list[str]:
             row = next((row for row in check.rows if row.name == name), None)
             cells.append("" if row is None else row.brief)
         lines.append(f"{name:26s}" + "".join(f"  {cell:>{width}s}" for cell in cells))
-    return lines
+    return [*lines, *(difference(checks[0], check) for check in checks[1:])]
 
 
 def _table(rows: Sequence[Row]) -> list[str]:

@@ -1,27 +1,27 @@
-"""The command `new`: asks about a column and writes its file, with comments and the sources of its values."""
+"""The command `new`: asks what stands there and writes its file, with comments and the sources of its values."""
 
 from __future__ import annotations
 
 import argparse
 import csv
 import io
-import sys
 import tomllib
 from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
-from ..common.errors import InputError, check_number, reading
-from ..common.files import MB, check_file_name, check_outputs, content_of, whole_file, with_point
-from ..common.plausible import HIGHEST
-from ..common.ranges import listed
+from ..common.errors import InputError, reading
+from ..common.files import MB, check_file_name, check_outputs, content_of, whole_file
 from ..models.column.materials import MATERIALS, Material
 from ..models.column.model import Column
 from ..models.column.rest import check_rest
 from ..models.structure.blocks.meshes import UP
+from ..models.structure.model import Structure
 from .command_files import add_force, check_suffix
 from .new_mesh import new_from_mesh
+from .new_structures import BUILT, Built, structure_text
+from .questions import HEIGHT, SIZE, Limits, Question, answer_to, choice, number, parsed
 
 T = TypeVar("T")
 
@@ -37,24 +37,8 @@ MASS_NOTE = (
 SURVEYS = (("height", "width", "depth"), ("height", "diameter"))
 
 
-Limits = tuple[tuple[float, float], str]
-# narrower than what a column file takes: it is asked for once more
-SIZE: Limits = ((0.01, HIGHEST), f"a positive length in m, from 0.01 to {HIGHEST:g}")
-HEIGHT: Limits = ((0.01, 300.0), "a positive length in m, from 0.01 to 300")
 DAMPINGS: Limits = ((0.0, 1.0), "a time in s, from 0 to 1")
 MASSES = 0.05, 3.0  # of the box of the material over the base of a statue; more if it is wider above
-
-
-class Question(NamedTuple):
-    """A question for a number: words, the answer to an empty line, range and meaning, factor to SI.
-
-    usual, limits: may follow from the answers before.
-    """
-
-    text: str
-    usual: float | Callable[[dict[str, float]], float]
-    limits: Limits | Callable[[dict[str, float]], Limits] = SIZE
-    factor: float = 1.0
 
 
 class Shape(NamedTuple):
@@ -105,12 +89,12 @@ def _centroids(asked: dict[str, float]) -> Limits:
     return (1e-3, asked["height"]), f"a height in m, up to that of the statue, {asked['height']:g}"
 
 
-_COUNT: Limits = ((1.0, 1000.0), "a whole number from 1 to 1000")
+COUNT: Limits = ((1.0, 1000.0), "a whole number from 1 to 1000")
 SHAPES = {
     "drums": Shape(
         "a column of round drums",
         {
-            "count": Question("number of drums", 6, _COUNT),
+            "count": Question("number of drums", 6, COUNT),
             "height": Question("height of all drums together (m)", 6.0, HEIGHT),
             "bottom": Question("diameter at the bottom (m)", 1.0),
             "top": Question("diameter at the top (m)", 0.85),
@@ -145,7 +129,7 @@ SHAPES = {
     "tapered": Shape(
         "an obelisk, a pinnacle or a chimney that narrows, square",
         {
-            "count": Question("number of blocks", 4, _COUNT),
+            "count": Question("number of blocks", 4, COUNT),
             "height": Question("height of all blocks together (m)", 4.0, HEIGHT),
             "bottom": Question("width at the bottom (m)", 0.8),
             "top": Question("width at the top (m)", 0.5),
@@ -158,7 +142,7 @@ SHAPES = {
 
 def add_new_command(commands: argparse._SubParsersAction[Any]) -> None:
     """Add `new`."""
-    parser = commands.add_parser("new", help="asks about a column and writes its file, with comments")
+    parser = commands.add_parser("new", help="asks about a column or structure and writes its file, with comments")
     parser.set_defaults(command=_new)
     parser.add_argument("column", type=Path, nargs="?", metavar="COLUMN.toml", help="the file to write")
     parser.add_argument("-o", "--output", type=Path, metavar="FILE.toml", help="the same, beside --mesh")
@@ -178,33 +162,56 @@ def _new(options: argparse.Namespace) -> None:
     check_suffix(path, ".toml")
     check_outputs((path,), (), options.force)
     name = check_file_name("name", path.stem)
-    shape = _choice("what stands there", {key: shape.text for key, shape in SHAPES.items()}, "drums")
-    material = _choice("material", {key: found.source for key, found in MATERIALS.items()}, "marble")
+    shapes: dict[str, Shape | Built] = {**SHAPES, **BUILT}
+    shape = choice("what stands there", {key: one.text for key, one in shapes.items()}, "drums")
+    material = choice("material", {key: found.source for key, found in MATERIALS.items()}, "marble")
     blocks = _survey() if shape == "survey" else []
-    if not blocks:
-        asked = {"density": MATERIALS[material].density}
-        for key, question in SHAPES[shape].questions.items():
-            asked[key] = _number(question, asked)
-        blocks = SHAPES[shape].blocks(asked)
+    asked = {"density": MATERIALS[material].density}
+    for key, question in shapes[shape].questions.items():
+        asked[key] = number(question, asked)
     words = "damping eta of the joints (s), a guess for dry stone: try half and twice; 1e-3 is 1 % at 3 Hz"
-    damping = _number(Question(words, DAMPING, DAMPINGS))
-    friction = _choice("joints may slide", {"yes": "by friction", "no": "they never slide"}, "no") == "yes"
+    damping = number(Question(words, DAMPING, DAMPINGS))
+    friction = choice("joints may slide", {"yes": "by friction", "no": "they never slide"}, "no") == "yes"
     dowel = 0.0
     if friction:
         force = ((0.0, 1e9), "a force in kN, zero or positive")
-        dowel = _number(Question("shear that dowels bear in each joint (kN), 0 without", 0.0, force, 1e3))
-    text = column_text(name, SHAPES[shape].text, blocks, material, damping, friction, dowel)
+        dowel = number(Question("shear that dowels bear in each joint (kN), 0 without", 0.0, force, 1e3))
+    law = material, damping, friction, dowel
+    if shape in BUILT:
+        text = structure_text(name, BUILT[shape], asked, *law)
+    else:
+        text = column_text(name, SHAPES[shape].text, blocks or SHAPES[shape].blocks(asked), *law)
     with reading(path):
-        column = Column.from_dict(tomllib.loads(text))
-        check_rest(column, from_rest=False)
+        said = (_structure_said if shape in BUILT else _column_said)(tomllib.loads(text), path)
         with whole_file(path) as beside:
             beside.write_text(text, encoding="utf-8")
+    print(*said, sep="\n")
+
+
+def _column_said(data: dict[str, Any], path: Path) -> list[str]:
+    """What is printed of a new column, and what to do next. Raises InputError."""
+    column = Column.from_dict(data)
+    check_rest(column, from_rest=False)
     height = sum(block.height for block in column.blocks)
     mass = sum(block.mass for block in column.blocks)
-    print(f"{path}: {column.n} blocks, {height:.4g} m, {mass:.5g} kg. Next:")
     both = "" if column.is_alike_across else " --both"  # else it is shaken along its width alone
-    print(f"  multiblock statics {path}")
-    print(f"  multiblock check {path}{both} --spectrum ec8 --ag 0.25 --soil B --report report.html")
+    return [
+        f"{path}: {column.n} blocks, {height:.4g} m, {mass:.5g} kg. Next:",
+        f"  multiblock statics {path}",
+        f"  multiblock check {path}{both} --spectrum ec8 --ag 0.25 --soil B --report report.html",
+    ]
+
+
+def _structure_said(data: dict[str, Any], path: Path) -> list[str]:
+    """The same of a structure."""
+    structure = Structure.from_dict(data)
+    height = max(float(block.corners[:, 2].max()) for block in structure.blocks)
+    mass = sum(block.mass for block in structure.blocks)
+    return [
+        f"{path}: {structure.n} blocks, {len(structure.joints)} joints, {height:.4g} m, {mass:.5g} kg. Next:",
+        f"  multiblock simulate {path} --wavelet ricker --frequency 1 --pga 0.3 --view scene.html",
+        f"  multiblock check {path} --spectrum ec8 --ag 0.25 --soil B --report report.html",
+    ]
 
 
 def column_text(
@@ -252,7 +259,7 @@ def column_text(
 
 def _survey() -> list[dict[str, float]]:
     """The blocks of a table: height,width,depth or height,diameter, a line a block from the top down; m."""
-    path = Path(_answer("table, with the first line height,width,depth or height,diameter", "survey.csv"))
+    path = Path(answer_to("table, with the first line height,width,depth or height,diameter", "survey.csv"))
     with reading(path):
         rows = [row for row in csv.reader(io.StringIO(content_of(path, MB).decode("utf-8-sig"))) if row]
         header = tuple(key.strip().lower() for key in rows[0]) if rows else ()
@@ -262,63 +269,8 @@ def _survey() -> list[dict[str, float]]:
         for line, row in enumerate(rows[1:], start=2):
             if len(row) != len(header):
                 raise InputError(f"line {line}: {len(row)} values, must be {len(header)}")
-            values = (_parsed(f"line {line}: {key}", text, SIZE) for key, text in zip(header, row, strict=True))
+            values = (parsed(f"line {line}: {key}", text, SIZE) for key, text in zip(header, row, strict=True))
             blocks.append(dict(zip(header, values, strict=True)))
         if not blocks:
             raise InputError("must have a line for each block")
     return blocks
-
-
-def _choice(text: str, choices: dict[str, str], usual: str) -> str:
-    def chosen(answer: str) -> str:
-        if answer not in choices:
-            raise InputError(f"{text} = {answer}: must be one of {listed(choices, answer)}")
-        return answer
-
-    for key, meaning in choices.items():
-        print(f"  {key}: {meaning}")
-    return _accepted(text, usual, chosen)
-
-
-def _number(question: Question, asked: dict[str, float] | None = None) -> float:
-    usual = question.usual(asked or {}) if callable(question.usual) else question.usual
-    limits = question.limits(asked or {}) if callable(question.limits) else question.limits
-    return question.factor * _accepted(
-        question.text, f"{usual:g}", lambda answer: _parsed(question.text, answer, limits)
-    )
-
-
-def _accepted(text: str, usual: str, check: Callable[[str], T]) -> T:
-    """What `check` makes of the answer; a wrong one is asked for again on a terminal. Raises InputError elsewhere."""
-    while True:
-        answer = _answer(text, usual)
-        try:
-            return check(answer)
-        except InputError as error:
-            if not sys.stdin.isatty():
-                raise
-            print(error)
-
-
-def _parsed(key: str, text: str, limits: Limits) -> float:
-    (least, most), meaning = limits
-    try:
-        value = float(text)
-    except ValueError:
-        raise InputError(with_point(text) or f"{key} = {text}: must be {meaning}") from None
-    if value > most and limits in (SIZE, HEIGHT) and value < 1e3 * most:
-        meaning += f"; {text} mm are {1e-3 * value:g}"
-    if limits == _COUNT and value != round(value):
-        raise InputError(f"{key} = {text}: must be {meaning}")
-    return check_number(key, value, (least, most), meaning)
-
-
-def _answer(text: str, usual: str) -> str:
-    """The answer on the terminal, or from a pipe; an empty line takes what is usual, shown in brackets."""
-    print(f"{text} [{usual}]: ", end="", flush=True)
-    line = sys.stdin.readline()
-    if not line:
-        raise InputError(f"{text}: no answer, the input has ended")
-    if not sys.stdin.isatty():
-        print(line.strip())
-    return line.strip() or usual

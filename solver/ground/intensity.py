@@ -192,17 +192,24 @@ def intensity(motion: Motion, component: Component = "ax") -> Intensity:
 
 def spectrum(
     motion: Motion,
-    periods: Sequence[float] | FloatArray = PERIODS,
+    periods: Sequence[float] | FloatArray | None = None,
     damping: float = DAMPING,
     component: Component = "ax",
 ) -> Spectrum:
     """Return the response spectrum at periods (p,), s; damping of critical, at least 0 and less than 1.
 
+    periods: None: 120 from 0.05 to 10 s.
+
     Exact for the motion as straight lines from sample to sample; between two instants, at least ten to a period, the
     peak is that of a cubic. Raises InputError on a period that is not positive, a wrong damping, or samples that are
     too far apart, or too unevenly, for such periods.
     """
-    period = np.array([check_number("period", float(t), POSITIVE, "a positive time in s") for t in periods])
+    period = np.array(
+        [
+            check_number("period", float(t), POSITIVE, "a positive time in s")
+            for t in (PERIODS if periods is None else periods)
+        ]
+    )
     damping = check_number("damping", damping, (0.0, 0.999), "a part of critical, at least 0 and less than 1")
     lines = lines_of(motion, component)
     longest, shortest = float(np.max(lines.steps)), float(np.min(lines.steps))

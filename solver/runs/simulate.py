@@ -64,6 +64,23 @@ def simulate(
     plane: None = None,
 ) -> SpatialResponse: ...
 @overload
+def simulate(
+    column: Structure,
+    motion: Motion | str | os.PathLike[str],
+    duration: float | None = None,
+    *,
+    tolerance: float | None = None,
+    without: Sequence[str] | None = None,
+    output_step: float | None = None,
+    initial: SpatialState | None = None,
+    settle: float = SETTLE,
+    check: bool = False,
+    ensemble: int = 0,
+    spread: Spread | None = None,
+    callback: SpatialCallback | Callback | None = None,
+    plane: str,
+) -> Response | SpatialResponse: ...
+@overload
 def simulate(column: Model, motion: Motion | str | os.PathLike[str], *args: Any, **options: Any) -> Any: ...
 def simulate(
     column: Any,

@@ -5,15 +5,19 @@ from __future__ import annotations
 import os
 from collections import Counter
 from collections.abc import ItemsView, Iterable, Iterator, KeysView, Mapping, Sequence, ValuesView
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..common.errors import needing
 from ..common.files import write_table
 from ..common.frames import Frame, Framed
 from ..common.notebook import Shown, counted, rows_of
 from ..models.protocol import WORDS
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 Columns = dict[str, NDArray[Any]]
 
@@ -82,6 +86,15 @@ class Table(Framed, Shown):
 
     def _frame(self) -> Frame:
         return Frame(("run", np.arange(self.first, self.first + len(self))), dict(self.items()), of=self._of)
+
+    def plot(self, path: str | os.PathLike[str] | None = None) -> Figure:
+        """Draw how far each run moves and its verdict, over the numbers of the runs; saved to `path` if given.
+
+        Raises InputError without a kept displacement, and without matplotlib (the extra `plot`).
+        """
+        with needing("plot", "matplotlib"):
+            from ..plotting.tables import plot_table
+        return plot_table(self._frame(), path)
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write a line for each run, the number of the run first; a column of blocks as peak_ux[1], peak_ux[2] ..."""

@@ -8,7 +8,7 @@ import json
 import math
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +22,9 @@ from ..runs.table import Columns, counts
 from .contents import FAILED, check_head, check_row, kept_in, length_of
 from .journal import read_journal
 from .subjects import ALL_KEPT, always_kept, kind_in
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 # units by the name of a column of the table; what is varied has those of the column file and the study file
 UNITS = {"pga": "g", "pgv": "m/s", "sa": "g"} | {name: one.unit for name, one in ALL_KEPT.items() if one.unit}
@@ -105,6 +108,15 @@ class Results(Framed, Shown):
         largest = np.full(len(self), math.nan)
         largest[known] = np.nanmax(peaks[known], axis=1)
         return np.where(self.overturned, math.inf, largest)
+
+    def plot(self, path: str | os.PathLike[str] | None = None) -> Figure:
+        """Draw the picture of the kind of the study; saved to `path` if given.
+
+        Raises InputError without finished runs, and without matplotlib (the extra `plot`).
+        """
+        with needing("plot", "matplotlib"):
+            from .pictures import draw
+        return draw(self, path)
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write a line a run, every float64 in full, nothing where there is no value. Raises InputError, OSError."""

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..common.errors import InputError, needing
+from ..common.notebook import Shown, counted
 from ..models.protocol import FloatArray
 from ..models.uncertainty import CONFIDENCE, PERCENTILES, share_bounds
 from .results import Results
@@ -25,8 +26,8 @@ LEAST_DEVIATION, MOST_DEVIATION = 0.01, 5.0
 TAIL = 0.16  # of the runs, at either end of a parameter
 
 
-@dataclass(frozen=True)
-class Bins:
+@dataclass(frozen=True, repr=False)
+class Bins(Shown):
     """Shares of failures between intensities: `edges` (b + 1,), `runs` (b,), `failed` (b,), `middle` (b,) of the runs.
 
     undecided (b,): runs that have not failed and may yet overturn. low, high (b,): bounds of Clopper and Pearson
@@ -41,14 +42,17 @@ class Bins:
     low: FloatArray
     high: FloatArray
 
+    def _facts(self) -> tuple[str, ...]:
+        return f"of {len(self.runs)}", f"{self.failed.sum()} of {self.runs.sum()} runs failed"
+
     @property
     def share(self) -> FloatArray:
         """(b,)"""
         return np.asarray(self.failed / self.runs)
 
 
-@dataclass(frozen=True)
-class Fragility:
+@dataclass(frozen=True, repr=False)
+class Fragility(Shown):
     """A lognormal probability of failure over an intensity: median, and deviation of the logarithm.
 
     median_bounds, deviation_bounds: at 95 % confidence, by the bootstrap. curves (resampled, 2): the two of each of its
@@ -67,6 +71,15 @@ class Fragility:
     failed: int
     undecided: int
     how: str
+
+    def _facts(self) -> tuple[str, ...]:
+        parts = ("median", self.median, self.median_bounds), ("deviation", self.deviation, self.deviation_bounds)
+        of_the_curve = (f"{name} {value:.3g} ({low:.3g} to {high:.3g})" for name, value, (low, high) in parts)
+        return (
+            f"over {self.name}",
+            *of_the_curve,
+            f"{self.failed} of {self.runs} runs failed, {self.undecided} undecided",
+        )
 
     def probability(self, intensity: FloatArray) -> FloatArray:
         """Of failure at intensities of any shape."""
@@ -268,8 +281,8 @@ def _clusters(results: Results) -> NDArray[np.int64]:
     return np.asarray(results["motion"] * samples + results["run"] % samples)
 
 
-@dataclass(frozen=True)
-class Curves:
+@dataclass(frozen=True, repr=False)
+class Curves(Shown):
     """Percentiles of the largest displacement over intensity, m (3, levels): 16, 50, 84 %; infinite where they fell.
 
     overturned, undecided (levels,): shares of the runs at each level. each: one curve a motion and sample, (curves,
@@ -282,6 +295,9 @@ class Curves:
     overturned: FloatArray
     undecided: FloatArray
     each: FloatArray
+
+    def _facts(self) -> tuple[str, ...]:
+        return f"over {self.name}", counted(len(self.levels), "level"), counted(len(self.each), "curve")
 
 
 def ida_curves(results: Results) -> Curves:

@@ -170,6 +170,16 @@ def test_both_directions_in_one_command(folder: Path, capsys: pytest.CaptureFixt
     assert "--both: must be left out, block.toml is the same in both directions" in capsys.readouterr().err
 
 
+def test_both_directions_of_a_structure(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The second check turns the motions: along its short side the block falls, along the other it stands."""
+    block = 'name = "slab"\n[joints]\nstiffness = 2e9\ndamping = 2e-3\n[[block]]\nname = "slab"\non = "base"\n'
+    Path("slab.toml").write_text(f"{block}width = 0.5\ndepth = 1.5\nheight = 2.0\nmass = 1200.0\n", encoding="utf-8")
+    assert main(["check", "slab.toml", "slow.csv", "--pga", "0.4", *QUICK, "--both"]) == 0
+    printed = capsys.readouterr().out
+    answers = [line for line in printed.splitlines() if line.startswith(("slab: ", "slab across: "))]
+    assert [line.partition(":")[2].split()[0] for line in answers] == ["FAILS", "PASSES:"]
+
+
 @pytest.mark.long
 def test_round_contacts_are_checked_in_space_unless_kept_in_the_plane(
     folder: Path, capsys: pytest.CaptureFixture[str]

@@ -5,12 +5,15 @@ import math
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 from support.fmus import ROOT
 
-from multiblock import Column, InputError, Structure
+from multiblock import Column, InputError, Structure, colonnade
 from solver.commands.command_line import main
+from solver.commands.new_structures import BUILT
 from solver.models.column.materials import DRY_JOINT, MATERIALS
+from solver.models.structure.rest import rest_of
 
 
 def ask(monkeypatch: pytest.MonkeyPatch, path: Path, *answers: str) -> int:
@@ -53,6 +56,48 @@ def test_mass_of_a_statue_follows_size_part_and_material(
     assert ask(monkeypatch, tmp_path / "a.toml", *answers) == 0
     mass = Column.from_toml(tmp_path / "a.toml").blocks[0].mass
     assert mass == pytest.approx(share * MATERIALS[material].density * 3.6 * 1.0 * 0.5, rel=0.005)  # three digits
+
+
+def test_columns_under_architraves(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The same blocks and joints as those of the builder."""
+    path = tmp_path / "a.toml"
+    sizes = ("3", "2.5", "4", "5", "0.9", "0.7", "0.6", "0.5")
+    assert ask(monkeypatch, path, "colonnade", "granite", *sizes, "2e-3", "yes", "20") == 0
+    found, stone = Structure.from_toml(path), MATERIALS["granite"]
+    law = {"stiffness": 1e9, "damping": 2e-3}
+    expected = colonnade(3, 4, 2.5, 0.9, 5.0, law, 0.7, (0.6, 0.5), stone.density)
+    assert [block.mass for block in found.blocks] == pytest.approx([block.mass for block in expected.blocks])
+    assert [block.centroid.tolist() for block in found.blocks] == [block.centroid.tolist() for block in expected.blocks]
+    assert len(found.joints) == len(expected.joints)
+    bed = found.joints[0].bed
+    assert (bed.damping, bed.friction, bed.dowel, bed.strength) == (2e-3, stone.friction, 2e4, stone.strength)
+    assert bed.stiffness == pytest.approx(stone.modulus(1.25), rel=1e-3)
+
+
+def test_an_arch_has_its_span_and_rise(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Of its middle line: the first and the last face are half the span aside, their middles below the crown by it."""
+    path = tmp_path / "a.toml"
+    assert ask(monkeypatch, path, "arch", "", "40", "8", "2", "0.5", "1", *[""] * 2) == 0
+    found = Structure.from_toml(path)
+    places = np.array([joint.face.centre for joint in found.joints if joint.lower == found.n])
+    assert np.ptp(places[:, 0]) == pytest.approx(8.0)
+    crown = max(float(block.corners[:, 2].max()) for block in found.blocks) - 0.25
+    assert crown - places[:, 2] == pytest.approx(2.0, abs=2e-3)  # sides are straight
+    assert "a.toml: 40 blocks, 41 joints" in capsys.readouterr().out
+    with pytest.raises(AssertionError):  # a rise above half of the span is no arch of these questions
+        assert ask(monkeypatch, path, "arch", "", "7", "8", "5") == 0
+
+
+@pytest.mark.parametrize("shape", BUILT)
+@pytest.mark.parametrize("material", MATERIALS)
+def test_empty_answers_make_a_structure_that_stands(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, shape: str, material: str
+) -> None:
+    assert ask(monkeypatch, tmp_path / "a.toml", shape, material, *[""] * len(BUILT[shape].questions), "", "") == 0
+    structure = Structure.from_toml(tmp_path / "a.toml")
+    assert rest_of(structure).row[6 * structure.n :][: len(structure.joints)].min() > 0.0  # all joints are pressed
 
 
 def test_known_mass_of_a_statue(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -132,7 +177,11 @@ def test_survey(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.
 @pytest.mark.parametrize(
     ("answers", "message"),
     [
-        (("drum",), "what stands there = drum: must be one of drums, statue, tapered, survey; did you mean drums?"),
+        (
+            ("drum",),
+            "what stands there = drum: must be one of drums, statue, tapered, survey, colonnade, arch, stacks; did you "
+            "mean drums?",
+        ),
         (("drums", "", "2.5", "", "", ""), "2.5: must be a whole number from 1 to 1000"),
         (("drums", "", "2", "tall"), "height of all drums together (m) = tall: must be a positive length in m"),
         (("drums", ""), "number of drums: no answer, the input has ended"),

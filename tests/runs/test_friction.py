@@ -20,7 +20,7 @@ def response(T: list[float], N: list[float], step: float = 0.5, g: float = STAND
     rows[:, places["T"]] = np.array(T)[:, None]
     rows[:, places["N"]] = np.array(N)[:, None]
     time = np.arange(len(T), dtype=np.float64) * step
-    return Response(column, lambda: rows, 0, time=time, peaks={}, stats={})
+    return Response(column, lambda: rows, 0, np.empty((len(rows), 0)), time=time, peaks={}, stats={})
 
 
 def test_the_largest_ratio_does_not_count_a_joint_that_is_open() -> None:

@@ -25,6 +25,7 @@ from ..by_hand import NOT_IN_SPACE
 from ..check import Check
 from ..limits import TOLERANCE
 from ..table import three_digits
+from ..variants import difference
 from .model import shown_of
 from .pictures import embedded, spectra_picture
 
@@ -70,6 +71,7 @@ def _content(checks: Sequence[Check]) -> dict[str, Any]:
             for item in fields(check.plan.limits)
             if item.name != ("displacement" if math.isnan(check.subject.edge) else "overlap")
         ],
+        "differences": [difference(check, one) for one in checks[1:]],
         "left_out": (*check.subject.of_model, *LIMITS_OF_THE_MODEL),
         "not_by_hand": NOT_IN_SPACE,
         "tolerance": TOLERANCE,

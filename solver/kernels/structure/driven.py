@@ -202,7 +202,7 @@ def follow(model, state, counts, base, work, inputs, start, h, count, times, ax,
     most, bounded = most_work(scene.settings, h), most_of_a_call(HEAVIER * (scene.n + scene.m))
     code_beyond = TOO_MUCH_WORK if most <= bounded else CALL_TOO_LONG
     scene.settings.in_plane = 1.0 if flat else 0.0
-    code = advance(scene, shaking, Watch(0, work, work), phase.row, start, stop, int(min(most, bounded)) // STAGES)
+    code = advance(scene, shaking, Watch(0, work, work, 0), phase.row, start, stop, int(min(most, bounded)) // STAGES)
     scene.settings.in_plane = 0.0  # of this step, no part of the model
     return code_beyond if code == PAUSED else code
 

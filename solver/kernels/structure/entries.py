@@ -31,11 +31,15 @@ def see(arrays):
 
 @entry
 def run_structure(arrays, record, at, rows, t, stop, most):
-    """`stepping.advance` over a record (times, ax, ay, az), with an output row at each of the times `at`."""
+    """`stepping.advance` over a record (times, ax, ay, az), with an output row at each of the times `at`.
+
+    rows: with room for a state behind each, that is filled in too, as far as it moves.
+    """
     scene, state = see(arrays)
     times, ax, ay, az = record
     shaking = Shaking(times.size, row_of(times), row_of(ax), row_of(ay), row_of(az), _base(row_of(arrays[3]), 0))
-    return advance(scene, shaking, Watch(at.size, row_of(at), row_of(rows)), state, t, stop, most)
+    watch = Watch(at.size, row_of(at), row_of(rows), rows.size // max(1, at.size))
+    return advance(scene, shaking, watch, state, t, stop, most)
 
 
 @entry

@@ -111,10 +111,13 @@ def relaxing(scene):
 @kernel
 def _serve_rows(scene, shaking, watch, segment, t, h):
     """Take the output rows whose time lies within the step from t to t + h."""
-    counts, size = scene.counts, scene.visible
+    counts = scene.counts
     while counts.next_row < watch.size and watch.times[counts.next_row] <= t + h * (1.0 + SLACK):
         part = 1.0 if h == 0.0 else min(1.0, max(0.0, (watch.times[counts.next_row] - t) / h))
-        look(scene, shaking, segment, t, h, part, watch.rows[counts.next_row * size :])
+        into = watch.rows[counts.next_row * watch.wide :]
+        look(scene, shaking, segment, t, h, part, into)
+        if watch.wide > scene.visible:
+            copy(into[scene.visible :], row(scene, BETWEEN), moving(scene))
         counts.next_row += 1
 
 

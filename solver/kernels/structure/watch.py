@@ -26,11 +26,12 @@ QUIET = 1e-3  # of the largest peak of its kind: smaller ones are searched to a 
 
 
 class Watch(NamedTuple):
-    """Instants, s, at which output rows are taken."""
+    """Instants, s, at which output rows are taken; behind each, where rows are as `wide`, the state there."""
 
     size: int
     times: object
     rows: object
+    wide: int  # numbers from one row to the next
 
 
 @leaf

@@ -125,6 +125,17 @@ class Chain:
         steps = opening * np.sin(mean) + slip * np.cos(mean) + self.height * np.sin(theta + self.tilt)
         return from_base(steps) - self.built_x
 
+    def top_velocities(self, phase: FloatArray) -> FloatArray:
+        """The rates of `top_displacements`, m/s, (..., n)."""
+        places = self.places(phase)
+        return self._tops(places, self.joints(places)).imag
+
+    def gaps(self, phase: FloatArray) -> FloatArray:
+        """Largest gap of each joint, at an edge of its contact, m, (..., n); 0 where it is pressed all over."""
+        places = self.places(phase)
+        slope = 2.0 * np.sin(self.joints(places).half_turn)
+        return np.maximum(places.opening - 0.5 * places.slip * slope + 0.5 * self.width * np.abs(slope), 0.0)
+
     def energy(self, phase: FloatArray) -> float:
         """Kinetic, elastic and gravitational energy of one phase above that of the rest under gravity, J."""
         return float(self.energies(phase))
@@ -157,11 +168,18 @@ class Chain:
 
     def velocities(self, places: Places, joints: Joints) -> NDArray[np.complex128]:
         """Of the centroids, m/s, (..., n)."""
-        theta, _, spin, opening_rate, _, slip_rate = places
-        turning = 1j * spin * np.exp(1j * (theta + self.tilt))  # times a length along the block: the rate of its end
+        return self._tops(places, joints) - (self.height - self.centroid) * self._turning(places)
+
+    def _tops(self, places: Places, joints: Joints) -> NDArray[np.complex128]:
+        """Velocities of the middles of the top faces, m/s, (..., n)."""
+        spin, rates = places.spin, places.opening_rate + 1j * places.slip_rate
         mean_spin = spin - 0.5 * over_below(spin)
-        steps = (opening_rate + 1j * slip_rate) * joints.normal + 1j * mean_spin * joints.step + self.height * turning
-        return from_base(steps) - (self.height - self.centroid) * turning
+        steps = rates * joints.normal + 1j * mean_spin * joints.step + self.height * self._turning(places)
+        return from_base(steps)
+
+    def _turning(self, places: Places) -> NDArray[np.complex128]:
+        """Times a length along a block: the rate of its end, 1/s, (..., n)."""
+        return 1j * places.spin * np.exp(1j * (places.theta + self.tilt))
 
     def elastic(self, opening: FloatArray, slope: FloatArray, slip: FloatArray | float = 0.0) -> FloatArray:
         """Elastic energy of each joint, J, from opening at the middle of the contact (m), slope (rad) and slip (m)."""

@@ -6,7 +6,7 @@ import os
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from functools import cached_property
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from ...common import ranges
 from ...common.errors import InputError, reading, shown
@@ -17,6 +17,9 @@ from .block import Block, Joint, check_block, check_friction
 from .contact import Contact, check_contacts, contacts_of
 from .file import parts_from, plain
 from .settings import Settings, check_settings
+
+if TYPE_CHECKING:
+    from ..structure.model import Structure
 
 
 @dataclass(frozen=True, repr=False)
@@ -191,7 +194,7 @@ class Column(Shown):
         """
         return next((block.joint.other_law for block in self.blocks if block.joint.other_law), "")
 
-    def in_space(self) -> Any:
+    def in_space(self) -> Structure:
         """These blocks and joints as a structure in space (`Structure.stack`). Raises InputError."""
         from ..structure.model import Structure
 

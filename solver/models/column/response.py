@@ -16,6 +16,7 @@ from ...kernels.layout import spaces as at
 from ..outputs import DIGITS
 from ..response import Result
 from ..uncertainty import PERCENTILES
+from .kinematics import chain_of
 from .model import Column
 from .outputs import ColumnHistories
 from .packing import FloatArray, carried_weights
@@ -55,6 +56,22 @@ class Response(ColumnHistories, Result):
     column: Column
     _observe: Callable[[], FloatArray]  # returns the output rows (nt, ROW of layout/spaces.py)
     overturned_joint: int
+    _phases: FloatArray  # as of kinematics.py, (nt, 4 n) or (nt, 6 n)
+
+    @property
+    def velocity(self) -> FloatArray:
+        """Horizontal velocities of the top faces relative to the base, the rates of ux, m/s (nt, n)."""
+        return chain_of(self.column).top_velocities(self._phases)
+
+    @property
+    def opening(self) -> FloatArray:
+        """Largest gap of each joint, at an edge of its contact, m (nt, n); 0 where it is pressed all over."""
+        return chain_of(self.column).gaps(self._phases)
+
+    @cached_property
+    def energy(self) -> FloatArray:
+        """Kinetic, elastic and gravitational energy above that at rest, of the motion relative to the base, J (nt,)."""
+        return chain_of(self.column).energies(self._phases)
 
     @property
     def _fall(self) -> str:

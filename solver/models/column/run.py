@@ -49,10 +49,12 @@ def single_run(column: Column, plan: Plan) -> tuple[Response, FloatArray]:
     peaks = stepper.peaks
     verdict = settled_verdict(stepper, stop, plan.settle)
     stats["settled_for"] = verdict.time - stop
+    phases = _coordinates(at.phases_in(snapshots), column)
     response = Response(
         column,
         lambda: stepper.rows_of(snapshots),
         stepper.overturned_joint,
+        phases,
         time=plan.times,
         peaks=peaks,
         overturn_time=stepper.overturn_time,
@@ -63,7 +65,7 @@ def single_run(column: Column, plan: Plan) -> tuple[Response, FloatArray]:
     )
     if "resultants" in column.settings.without:
         response.observe()
-    return response, _coordinates(at.phases_in(snapshots), column)
+    return response, phases
 
 
 def phase_of(stepper: Stepper) -> FloatArray:

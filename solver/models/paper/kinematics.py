@@ -24,3 +24,7 @@ class PaperChain(Chain):
     def top_displacements(self, phase: FloatArray) -> FloatArray:
         """v, (..., n)."""
         return phase[..., : self.n].copy()
+
+    def top_velocities(self, phase: FloatArray) -> FloatArray:
+        """The rates of v, (..., n)."""
+        return phase[..., 2 * self.n : 3 * self.n].copy()

@@ -71,6 +71,31 @@ class StructureHistories(Histories):
         """Axis times angle of each block, rad (rows, n, 3)."""
         return np.stack([self.rx, self.ry, self.rz], axis=-1)
 
+    @property
+    def opening(self) -> FloatArray:
+        """Largest gap of each joint, m (rows, joints): of the upper face over the plane of the lower one, as built."""
+        structure, turns = self.structure, self.rotation
+        moves = np.stack([self.ux, self.uy, self.uz], axis=-1)
+        still = np.zeros((len(moves), 3))
+        found = np.empty((len(moves), len(structure.joints)))
+        for j, joint in enumerate(structure.joints):
+            face, sides = joint.face, []
+            for i in (joint.upper, joint.lower):
+                block = structure.blocks[i] if i < structure.n else None
+                turn = still if block is None else turns[:, i]
+                centre = still if block is None else moves[:, i] + turned(turn, face.centre - block.centroid)
+                sides.append((centre, *(turned(turn, axis) for axis in face.axes.T)))
+            upper, lower = sides
+            normal = face.normal + lower[3]
+            apart, x, y = (
+                np.sum((one - other) * normal, axis=1) for one, other in zip(upper[:3], lower[:3], strict=True)
+            )
+            if face.radius:
+                found[:, j] = apart + face.radius * np.hypot(x, y)
+            else:
+                found[:, j] = apart + np.max(np.outer(face.outline[:, 0], x) + np.outer(face.outline[:, 1], y), axis=0)
+        return np.maximum(found, 0.0)
+
     def displacement(self, block: str | int, point: Sequence[float] = (0.0, 0.0, 0.0)) -> FloatArray:
         """Displacement of a point of a block, m (rows, 3); the point counts from its centroid, along its own axes.
 

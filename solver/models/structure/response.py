@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -24,6 +24,13 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from .model import Structure
+
+
+class Moved(NamedTuple):
+    """What the rows of a run do not have: velocities m/s (rows, n, 3), energies J (rows,)."""
+
+    velocity: FloatArray
+    energy: FloatArray
 
 
 @dataclass(eq=False, repr=False)
@@ -47,6 +54,7 @@ class SpatialResponse(StructureHistories, Result):
 
     structure: Structure
     rows: FloatArray
+    _again: Callable[[], Moved]  # makes the run again, and keeps what rows do not have
     overturned_block: str = ""
     dimensions = MappingProxyType({TIE: "tie_number", BASE: "component"})
 
@@ -61,6 +69,26 @@ class SpatialResponse(StructureHistories, Result):
     def _picture(self) -> str:
         most = int(np.argmax(self.peaks["u"]))
         return history(self.time, 1e3 * self.ux[:, most], f"ux of {self.structure.names[most]} (mm)")
+
+    @cached_property
+    def _moved(self) -> Moved:
+        return self._again()
+
+    @property
+    def velocity(self) -> FloatArray:
+        """Velocities of the centroids relative to the base along x, y, z, m/s (rows, n, 3).
+
+        The run is made once more when velocity or energy is first used, which takes its time. Raises SolverError.
+        """
+        return self._moved.velocity
+
+    @property
+    def energy(self) -> FloatArray:
+        """Kinetic, elastic and gravitational energy above that at rest, of the motion relative to the base, J (rows,).
+
+        Raises as velocity.
+        """
+        return self._moved.energy
 
     @cached_property
     def overlap(self) -> Overlap:

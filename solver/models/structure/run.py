@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time as clock
 from collections.abc import Callable
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -16,7 +17,7 @@ from ..still_base import settled
 from .blocks.faces import FloatArray
 from .modal_data import modal_data_of
 from .model import Structure
-from .response import SpatialResponse, peaks_in_space
+from .response import Moved, SpatialResponse, peaks_in_space
 from .rest import rest_of, start_from
 from .stepper import Stepper
 from .verdict import next_look, well_of
@@ -65,13 +66,32 @@ def single_run(structure: Structure, plan: Plan) -> SpatialResponse:
     stats["why_no_modes"] = why_no_modes or coupled
     stats["wall_time"] = clock.perf_counter() - begin
     peaks = peaks_in_space(structure, rows, stepper.state.peaks)
-    response = SpatialResponse(structure, rows, time=plan.times, peaks=peaks, stats=stats, motion=motion)
+    again = partial(moved, structure, motion, stop, plan.times, plan.initial)
+    response = SpatialResponse(structure, rows, again, time=plan.times, peaks=peaks, stats=stats, motion=motion)
     found = settled_verdict(stepper, stop, plan.settle)
     response.verdict, response.reason, stats["settled_for"] = found.word, found.reason, found.time - stop
     if found.word == OVERTURNED:
         response.overturn_time = float(stepper.control.fall_time)
         response.overturned_block = structure.names[int(stepper.counts.fallen) - 1]
     return response
+
+
+def moved(structure: Structure, motion: Motion, stop: float, times: FloatArray, initial: SpatialState | None) -> Moved:
+    """Velocities and energies at `times` of a run, which is made again: to the bit the same. Raises SolverError."""
+    stepper, _ = begun(structure, motion)
+    at_rest = stepper.observe()
+    if initial is not None:
+        stepper, _ = begun(structure, motion, initial)
+    states = stepper.run(motion, motion.start, stop, times, states=True)[:, stepper.sizes.visible :]
+    if not stepper.model.settings.gives_way:  # what is remembered stays
+        states[:, 13 * structure.n :] = stepper.phase[13 * structure.n :]
+    velocity, energy = np.empty((len(times), structure.n, 3)), np.empty(len(times))
+    see = stepper.see
+    for k, state in enumerate(states):
+        stepper.phase[:] = state
+        velocity[k] = np.column_stack([see.vx, see.vy, see.vz])
+        energy[k] = stepper.observe() - at_rest
+    return Moved(velocity, energy)
 
 
 def begun(structure: Structure, motion: Motion, initial: SpatialState | None = None) -> tuple[Stepper, str]:

@@ -79,10 +79,15 @@ class Stepper:
         stop: float,
         times: FloatArray,
         after_chunk: Callable[[float], None] | None = None,
+        states: bool = False,
     ) -> FloatArray:
-        """Follow a motion, or a still base, from t to `stop`, s; a row for each of `times`. Raises SolverError."""
+        """Follow a motion, or a still base, from t to `stop`, s; a row for each of `times`. Raises SolverError.
+
+        states: behind each row the state there, as far as it moves.
+        """
         record = _SILENCE if motion is None else self.drive(motion)
-        rows = np.zeros((len(times), self.sizes.visible))
+        visible = self.sizes.visible
+        rows = np.zeros((len(times), visible + states * self.sizes.state))
         self.counts.next_row = 0
         whole = stop - t
         most = max(100, int(AT_ONCE / (7 * max(1, self.sizes.m))))
@@ -101,7 +106,8 @@ class Stepper:
         first = int(self.counts.next_row)
         if first < len(times):  # after a fall or at rest: nothing moves any more
             self.observe()
-            rows[first:] = self.row
+            rows[first:, :visible] = self.row
+            rows[first:, visible:] = self.phase[: rows.shape[1] - visible]
         return rows
 
     def _causes(self, motion: Motion | None) -> Iterator[effort.Cause]:

@@ -1,0 +1,84 @@
+"""A variant against the model that is checked, in a sentence: better, worse, or not to be distinguished."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ..models.uncertainty import CONFIDENCE
+from .check import Check
+from .spectra import FloatArray
+from .table import MM, PERCENT, Unit
+from .verdicts import falls
+
+SAME = "cannot be distinguished"
+STRIPS = 10_000  # of a quarter turn: Student to 1e-6
+
+
+def difference(first: Check, other: Check) -> str:
+    """What `other` does against `first` under the same motions: how often it falls, and how far it moves.
+
+    Runs are pairs: of one motion, of the same random numbers. The runs under one motion are alike, so that the mean of
+    its pairs is one trial; of a single motion each pair is a trial. Pairs of which one falls say nothing of how far.
+    """
+    pairs = _moved(first), _moved(other)
+    of = "motions" if len(pairs[0]) > 1 else "runs"
+    fell = [np.isinf(moved) for moved in pairs]
+    found = []
+    if np.any(fell):
+        more = pairs_of(fell[1].astype(float), fell[0].astype(float))
+        found.append(_said("{} of its runs fall", more, PERCENT, of))
+    stand = ~(fell[0] | fell[1])
+    if stand.any():
+        moved = pairs_of(*(np.where(stand, values, math.nan) for values in reversed(pairs)))
+        found.append(_said("it moves {}", moved, MM, of))
+    words = {word for _, word in found} - {SAME}
+    word = " in one and ".join(sorted(words)) + (" in the other" if len(words) > 1 else "") if words else SAME
+    parts = "; ".join(f"{text}: {one}" if len(found) > 1 else text for text, one in found)
+    return f"{other.name} against {first.name}: {word}. {parts[0].upper()}{parts[1:]}."
+
+
+def _moved(check: Check) -> FloatArray:
+    """How far each run moves, m (motions, runs), the one as described first; infinite where it falls."""
+    own = next(row.values for row in check.rows if row.name.startswith("displacement"))
+    varied = np.where(falls(check.verdicts.varied), math.inf, check.subject.tops(check.runs))
+    return np.column_stack([own, varied.reshape(len(own), -1)])
+
+
+def pairs_of(one: FloatArray, other: FloatArray) -> FloatArray:
+    """Differences of each trial, from values of paired runs (motions, runs); pairs with NaN are left out."""
+    apart = one - other
+    if len(apart) == 1:
+        return apart[~np.isnan(apart)]
+    return np.array([np.mean(row[~np.isnan(row)]) for row in apart if not np.isnan(row).all()])
+
+
+def _said(what: str, trials: FloatArray, unit: Unit, of: str) -> tuple[str, str]:
+    """The mean difference and its bounds in words, and which is better; less is."""
+    mean = float(np.mean(trials))
+    shown = what.format(f"{unit.factor * abs(mean):.3g} {unit.name} {'less' if mean < 0.0 else 'more'}")
+    if len(trials) < 2:
+        return f"{shown}, of one pair alone", SAME
+    low, high = mean_bounds(trials)
+    bounds = f"{unit.factor * low:+.3g} to {unit.factor * high:+.3g} {unit.name} at {100.0 * CONFIDENCE:g} % confidence"
+    word = "better" if high < 0.0 else "worse" if low > 0.0 else SAME
+    return f"{shown} ({bounds}, {len(trials)} {of})", word
+
+
+def mean_bounds(trials: FloatArray) -> tuple[float, float]:
+    """Student's bounds on the mean of very many such trials, of which there are two at least."""
+    free = len(trials) - 1
+    mean, apart = float(np.mean(trials)), student(free) * float(np.std(trials, ddof=1)) / math.sqrt(len(trials))
+    return mean - apart, mean + apart
+
+
+def student(free: int) -> float:
+    """The two-sided quantile of Student's distribution at `CONFIDENCE`: sqrt(free) tan(angle), by a sum over the angle.
+
+    The density over the angle is cos(angle)^(free - 1).
+    """
+    width = 0.5 * math.pi / STRIPS
+    share = np.cumsum(np.cos(width * (np.arange(STRIPS) + 0.5)) ** (free - 1))
+    angle = np.interp(CONFIDENCE * share[-1], share, width * np.arange(1, STRIPS + 1))
+    return math.sqrt(free) * math.tan(float(angle))

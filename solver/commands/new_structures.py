@@ -1,0 +1,150 @@
+"""Structures that `new` asks about: columns under architraves, an arch, stacks side by side; as text of a file."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, NamedTuple
+
+from ..models.column.materials import MATERIALS
+from ..models.structure.builders import arch
+from .questions import Limits, Question
+
+Asked = Mapping[str, float]
+
+COUNTS: Limits = ((1.0, 100.0), "a whole number from 1 to 100")
+SEVERAL: Limits = ((2.0, 100.0), "a whole number from 2 to 100")
+
+
+class Built(NamedTuple):
+    """A structure to choose: words, the questions, and what follows from the answers.
+
+    parts: the tables [[block]] and [[joint]], with a density. high: m, what the modulus of a joint is of.
+    """
+
+    text: str
+    questions: dict[str, Question]
+    parts: Callable[[Asked], dict[str, Any]]
+    high: Callable[[Asked], float]
+
+
+def _colonnade(asked: Asked) -> dict[str, Any]:
+    """Shafts of drums in a row along x, an architrave from the axis of each to that of the next."""
+    columns, drums, spacing, density = int(asked["columns"]), int(asked["drums"]), asked["spacing"], asked["density"]
+    blocks: list[dict[str, Any]] = []
+    for c in range(columns):
+        shaft = {"name": f"column{c + 1}", "shape": "drum", "repeat": drums, "on": "base", "at": [c * spacing, 0.0]}
+        shaft |= {"diameter": asked["bottom"], "top_diameter": asked["top"], "height": asked["height"] / drums}
+        blocks.append(shaft | {"density": density})
+    for c in range(1, columns):
+        beam: dict[str, Any] = {"name": f"architrave{c}", "on": [f"column{k}.{drums}" for k in (c, c + 1)]}
+        beam |= {"at": [(c - 0.5) * spacing, 0.0], "width": spacing, "depth": asked["deep"], "height": asked["high"]}
+        blocks.append(beam | {"density": density})
+    pairs = [{"between": [f"architrave{c}", f"architrave{c + 1}"]} for c in range(1, columns - 1)]
+    return {"block": blocks, "joint": pairs}
+
+
+def _arch(asked: Asked) -> dict[str, Any]:
+    """From the span and the rise of its middle line."""
+    half, rise = 0.5 * asked["span"], asked["rise"]
+    radius, angle = 0.5 * (half**2 / rise + rise), 4.0 * math.atan2(rise, half)
+    law = {"stiffness": 1e9, "damping": 0.0}  # those of the file take its place
+    sizes = asked["thickness"], asked["depth"]
+    found = arch(int(asked["voussoirs"]), radius, *sizes, law, angle, asked["density"]).to_dict()
+    return {name: found[name] for name in ("block", "joint")}
+
+
+def _stacks(asked: Asked) -> dict[str, Any]:
+    """Equal stacks in a row along x, which no joint connects."""
+    sizes = {"width": asked["width"], "depth": asked["depth"], "height": asked["height"], "density": asked["density"]}
+    apart = asked["width"] + asked["gap"]
+    places = [[k * apart, 0.0] for k in range(int(asked["stacks"]))]
+    shared: dict[str, Any] = {"repeat": int(asked["levels"]), "on": "base"}
+    return {"block": [{"name": f"stack{k}", **shared, "at": at, **sizes} for k, at in enumerate(places, start=1)]}
+
+
+def _rises(asked: Asked) -> Limits:
+    most = 0.5 * asked["span"]
+    return (0.01, most), f"a length in m, up to half of the span, {most:g}: a semicircle"
+
+
+BUILT = {
+    "colonnade": Built(
+        "columns of drums in a row, under architraves",
+        {
+            "columns": Question("number of columns", 2, SEVERAL),
+            "spacing": Question("distance of their axes (m)", 3.0),
+            "drums": Question("number of drums in each", 6, COUNTS),
+            "height": Question("height of a column (m)", 6.0),
+            "bottom": Question("diameter at the bottom (m)", 1.0),
+            "top": Question("diameter at the top (m)", 0.85),
+            "high": Question("height of the architraves (m)", 0.8),
+            "deep": Question("depth of the architraves, across the row (m)", 0.8),
+        },
+        _colonnade,
+        lambda asked: asked["height"] / asked["drums"],
+    ),
+    "arch": Built(
+        "an arch of equal voussoirs on the ground",
+        {
+            "voussoirs": Question("number of voussoirs", 9, COUNTS),
+            "span": Question("span of its middle line (m)", 6.0),
+            "rise": Question("rise of its middle line (m)", lambda asked: 0.5 * asked["span"], _rises),
+            "thickness": Question("thickness, along the radius (m)", lambda asked: 0.15 * asked["span"]),
+            "depth": Question("depth, across (m)", 1.0),
+        },
+        _arch,
+        lambda asked: 2.0 * asked["rise"] / asked["voussoirs"],
+    ),
+    "stacks": Built(
+        "equal stacks of blocks side by side, that do not touch",
+        {
+            "stacks": Question("number of stacks", 2, COUNTS),
+            "levels": Question("number of blocks in each", 3, COUNTS),
+            "width": Question("width of a block, along the row (m)", 0.8),
+            "depth": Question("depth of a block (m)", 0.8),
+            "height": Question("height of a block (m)", 0.8),
+            "gap": Question("gap between two stacks (m)", 0.1),
+        },
+        _stacks,
+        lambda asked: asked["height"],
+    ),
+}
+
+
+def structure_text(
+    name: str, built: Built, asked: Asked, material: str, damping: float, friction: bool = False, dowel: float = 0.0
+) -> str:
+    """The text of the file of a structure, with comments. dowel: N, of each joint. Raises InputError."""
+    found = MATERIALS[material]
+    why = "E / H of masonry" if found.has_joints else "1 / (H / E + 1 / 5e9): a dry joint, estimated"
+    lines = [
+        f"# {built.text[0].upper()}{built.text[1:]}. Lengths in m along x, y and z (up), masses in kg.",
+        f"# {material}: {found.source}",
+        "# Better than any table: measure a natural frequency, and choose the stiffness by `multiblock modes`.",
+        f'name = "{name}"',
+        "",
+        "[joints]                     # of every joint",
+        f"stiffness = {found.modulus(built.high(asked)):.4g}        # N/m3, of the material: {why}",
+        f"damping = {damping!r}            # s, eta: a mode of frequency f has the damping ratio pi f eta",
+        f"strength = {found.strength!r}      # Pa, with which `multiblock check` compares the pressure",
+    ]
+    if friction:
+        lines.append(f"friction = {found.friction!r}         # coefficient; without it the joints never slide")
+    if dowel:
+        lines.append(f"dowel = {dowel!r}            # N, shear borne beside friction")
+    for table, parts in built.parts(asked).items():
+        for part in parts:
+            lines += ["", f"[[{table}]]", *(f"{key} = {_value(value)}" for key, value in part.items())]
+    return "\n".join(lines) + "\n"
+
+
+def _value(value: Any) -> str:
+    """As TOML has it."""
+    if isinstance(value, float):
+        value = round(value, 10)
+        return repr(value) if value == round(value) else f"{value:.10g}"
+    if isinstance(value, Sequence) and not isinstance(value, str):
+        return f"[{', '.join(map(_value, value))}]"
+    return json.dumps(value)

@@ -1,0 +1,49 @@
+"""Picture of a table of runs."""
+
+from __future__ import annotations
+
+import os
+
+import numpy as np
+from matplotlib.ticker import MaxNLocator
+
+from ..common.errors import InputError
+from ..common.frames import Frame
+from ..common.notebook import counted
+from .figures import Figure
+from .style import INK, VERDICT_COLOURS, header, save, tidy
+
+MOVES = ("peak_ux", "peak_u")  # of columns, of structures: the first that a table has
+
+
+def plot_table(frame: Frame, path: str | os.PathLike[str] | None) -> Figure:
+    """The largest displacement of each run over its number, coloured by the verdict; what fell is drawn at the top.
+
+    Raises InputError without a displacement.
+    """
+    name = next((name for name in MOVES if name in frame.columns), None)
+    if name is None:
+        raise InputError(f"keep: must have one of {', '.join(MOVES)} for a picture")
+    runs, peaks = frame.index[1], 1e3 * np.atleast_2d(frame.columns[name].T).T
+    moved = np.max(np.nan_to_num(peaks, nan=0.0), axis=1)
+    verdicts = frame.columns.get("verdict", np.full(len(runs), ""))
+    figure = Figure(figsize=(8.0, 4.2), layout="constrained")
+    axes = figure.add_subplot()
+    fell = verdicts == "overturned"
+    for verdict in sorted(set(verdicts.tolist())):
+        here = verdicts == verdict
+        colour = VERDICT_COLOURS.get(verdict, INK)
+        label = f"{verdict or 'runs'}: {np.sum(here)}"
+        if verdict == "overturned":
+            top = np.full(np.sum(here), 0.97)
+            axes.plot(runs[here], top, "^", color=colour, label=label, transform=axes.get_xaxis_transform())
+        else:
+            axes.plot(runs[here], moved[here], "o", color=colour, label=label, markersize=4.0)
+    if len(runs) and not fell.all():
+        axes.set_ylim(0.0, 1.15 * float(np.max(moved[~fell])) or 1.0)
+    axes.set(xlabel="run", ylabel="largest displacement (mm)")
+    axes.xaxis.set_major_locator(MaxNLocator(integer=True))
+    axes.legend(frameon=False, loc="center left", bbox_to_anchor=(1.0, 0.5))
+    tidy(axes)
+    header(figure, counted(len(runs), "run"))
+    return save(figure, path)

@@ -1,0 +1,55 @@
+"""Pictures of tables, short texts of fragilities, and the types of responses, which mypy checks: it reads tests too."""
+
+from pathlib import Path
+from typing import assert_type
+
+import numpy as np
+import pytest
+from support.fmus import ROOT
+
+from multiblock import (
+    Column,
+    InputError,
+    Motion,
+    Response,
+    SpatialResponse,
+    Structure,
+    simulate,
+    simulate_many,
+    studies,
+    wavelets,
+)
+
+STATUE = Column.from_toml(ROOT / "examples" / "columns" / "statue.toml")
+PULSES = [wavelets.ricker(size * 9.80665, 1.0) for size in (0.2, 0.4, 0.6, 0.8)]
+
+
+def types(column: Column, structure: Structure, motion: Motion) -> None:
+    """Never called."""
+    assert_type(simulate(column, motion), Response)
+    assert_type(simulate(structure, "RECORD.AT2"), SpatialResponse)
+    assert_type(simulate(structure, motion, plane="auto"), Response | SpatialResponse)
+    assert_type(column.in_space(), Structure)
+
+
+def test_the_picture_of_a_table_has_a_mark_for_each_run(tmp_path: Path) -> None:
+    table = simulate_many(STATUE, PULSES)
+    (axes,) = table.plot(tmp_path / "table.png").axes
+    assert (tmp_path / "table.png").stat().st_size > 1000
+    drawn = np.sort(np.concatenate([np.asarray(line.get_xdata()) for line in axes.lines]))
+    np.testing.assert_array_equal(drawn, range(len(PULSES)))
+    stands = table["verdict"] == "standing"
+    (standing,) = (line for line in axes.lines if str(line.get_label()).startswith("standing"))
+    np.testing.assert_allclose(np.asarray(standing.get_ydata()), 1e3 * table["peak_ux"].max(axis=1)[stands])
+    with pytest.raises(InputError, match="keep: must have one of peak_ux, peak_u"):
+        simulate_many(STATUE, PULSES, keep=("verdict",)).plot()
+
+
+def test_results_draw_the_picture_of_their_kind_and_fragilities_are_short() -> None:
+    motions = {f"pulse {k}": pulse for k, pulse in enumerate(PULSES)}
+    results = studies.fragility(STATUE, motions, {}, 1, levels=[0.2, 0.4, 0.6, 0.8])
+    assert results.plot().axes[0].get_ylabel() == "probability of failure"
+    found = studies.fit_fragility(results)
+    assert found.curves.shape == (200, 2)
+    assert repr(found).startswith(f"<Fragility over pga: median {found.median:.3g} (")
+    assert max(len(repr(found)), len(repr(found.bins))) < 160
