@@ -74,7 +74,7 @@ REFERENCES = {
     "base.drive": 2010,
     "base.slope": 2011,
 }
-# Variables of every block, joint, tie or port: a family each, of 1000 numbers.
+# Variables of every block, joint, tie, bearing or port: a family each, of 1000 numbers.
 FAMILY = 1000
 FAMILIES = {
     "block.ux": 10,
@@ -133,17 +133,23 @@ FAMILIES = {
     "joint.inclination": 63,
     "block.tilt": 64,
     "tie.F_peak": 65,
-    **{f"port.{name}": 70 + i for i, name in enumerate(OF_PORT)},
-    **{f"port.{name}_peak": 79 + i for i, name in enumerate(OF_PORT)},
-    **{f"port.{name}": 88 + i for i, name in enumerate(COMPONENTS)},
-    **{f"port.d{name}": 94 + i for i, name in enumerate(COMPONENTS)},
+    "bearing.dx": 66,
+    "bearing.dy": 67,
+    "bearing.d": 68,
+    "bearing.dx_peak": 69,
+    "bearing.dy_peak": 70,
+    "bearing.d_peak": 71,
+    **{f"port.{name}": 80 + i for i, name in enumerate(OF_PORT)},
+    **{f"port.{name}_peak": 89 + i for i, name in enumerate(OF_PORT)},
+    **{f"port.{name}": 98 + i for i, name in enumerate(COMPONENTS)},
+    **{f"port.d{name}": 104 + i for i, name in enumerate(COMPONENTS)},
 }
 assert MAX_BLOCKS <= FAMILY
 
 
 def reference_of(name: str) -> int:
     """The value reference of a variable: that of REFERENCES, or 1000 times its family plus the number of its block."""
-    parts = re.fullmatch(r"(block|joint|tie|port)\[(\d+)\]\.(\w+)", name)
+    parts = re.fullmatch(r"(block|joint|tie|bearing|port)\[(\d+)\]\.(\w+)", name)
     if parts is None:
         return REFERENCES[name]
     owner, number, quantity = parts.groups()

@@ -14,7 +14,7 @@ from .base import acceleration
 from .evaluate import evaluate_state, moving, show, show_block, show_joint
 from .joint import load_joint
 from .kinematics import pose_body, spin_of
-from .layout import MEMORY, OF_BLOCK, OF_JOINT, OF_PORT, PHASE, STAGES
+from .layout import MEMORY, OF_BEARING, OF_BLOCK, OF_JOINT, OF_PORT, PHASE, STAGES
 from .port import push_ports
 
 _phase = PHASE.over
@@ -176,6 +176,8 @@ def _allow(scene, allowed):
     first += len(OF_JOINT) * m
     _allow_field(scene, allowed, first, scene.k)
     first += scene.k
+    _allow_field(scene, allowed, first, len(OF_BEARING) * scene.b)
+    first += len(OF_BEARING) * scene.b
     for third in range(3):
         _allow_field(scene, allowed, first + 3 * third * scene.spotted, 3 * scene.spotted)
     first += len(OF_PORT) * scene.spotted
