@@ -36,6 +36,7 @@ from .command_files import (
     read_subject,
     write_outputs,
 )
+from .export import add_export_command
 from .motion_options import (
     FORMATS,
     add_file_options,
@@ -134,7 +135,7 @@ def _parsed(parser: argparse.ArgumentParser, arguments: Sequence[str] | None) ->
 
 
 def add_commands(commands: argparse._SubParsersAction[OneLineParser]) -> None:
-    """Add `simulate`, `check`, `new`, `record`, `convert`, `modes`, `statics`, `calibrate` and `study`."""
+    """Add `simulate`, `export`, `check`, `new`, `record`, `convert`, `modes`, `statics`, `calibrate` and `study`."""
     run = commands.add_parser("simulate", help="response of a column or structure to a base motion")
     run.set_defaults(command=_simulate, paths=("motion",))
     run.add_argument("column", type=Path, metavar="FILE.toml", help="a column, or a structure in space")
@@ -157,6 +158,7 @@ def add_commands(commands: argparse._SubParsersAction[OneLineParser]) -> None:
         "output", type=Path, metavar="MOTION.csv", help="time, base.ax, base.az, slopes base.jx, base.jz"
     )
     add_force(convert)
+    add_export_command(commands)
     add_check_command(commands)
     add_new_command(commands)
     add_static_commands(commands)

@@ -108,6 +108,11 @@ def _amplitude(motion: Motion, component: Component) -> float:
     return {"ax": motion.amplitude, "ay": motion.amplitude_y, "az": 0.0}[component]
 
 
+def is_measurable(motion: Motion) -> bool:
+    """Whether its harmonic has few enough cycles to be taken as lines."""
+    return motion.frequency * motion.duration * PER_CYCLE <= MOST_LINES
+
+
 def lines_of(motion: Motion, component: Component = "ax") -> Lines:
     """Return a component as straight lines: samples as they are, a harmonic by 400 to a cycle."""
     samples: FloatArray = getattr(motion, component)
@@ -117,11 +122,9 @@ def lines_of(motion: Motion, component: Component = "ax") -> Lines:
         time, before, after = motion.time, samples[:-1], samples[1:]
     amplitude = _amplitude(motion, component)
     if amplitude:
-        cycles = motion.frequency * motion.duration
-        if cycles * PER_CYCLE > MOST_LINES:
-            raise InputError(
-                f"frequency: {cycles:.4g} cycles, must be at most {MOST_LINES // PER_CYCLE} to be measured"
-            )
+        if not is_measurable(motion):
+            cycles, most = motion.frequency * motion.duration, MOST_LINES // PER_CYCLE
+            raise InputError(f"frequency: {cycles:.4g} cycles, must be at most {most} to be measured")
         parts = np.ceil(PER_CYCLE * motion.frequency * np.diff(time)).astype(np.int64)
         line = np.repeat(np.arange(len(parts)), parts)
         within = (np.arange(len(line)) - np.repeat(np.cumsum(parts) - parts, parts)) / parts[line]

@@ -10,6 +10,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from ..common.errors import InputError
 from ..common.frames import Frame, Framed
 from ..common.notebook import Shown, counted
 from ..ground.motion import Motion
@@ -75,6 +76,24 @@ class Result(Histories, Framed, Shown):
         from ..plotting.scene.gltf import write_gltf
 
         write_gltf(self, path)
+
+    def _repr_html_(self) -> str:
+        from ..plotting.scene.page import frame_of
+
+        try:
+            return f"<div>{super()._repr_html_()}{frame_of(self)}</div>"
+        except InputError:  # a model of another kind, whose shape is not known
+            return super()._repr_html_()
+
+    def to_vtk(self, folder: str | os.PathLike[str], fps: float = 30.0) -> None:
+        """Write blocks.pvd and joints.pvd, for ParaView: the blocks, and the loaded parts of joints, over time.
+
+        fps: rows a second at most. Blocks and joints have their outputs as data of cells, loaded parts the elastic
+        pressure (Pa) at their corners. Raises InputError, OSError.
+        """
+        from ..plotting.scene.vtk import write_vtk
+
+        write_vtk(self, folder, fps)
 
     def kept(self, name: str) -> Any:
         """A result that many runs can keep (Kind.kept), of this one."""

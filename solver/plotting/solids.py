@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -11,12 +12,10 @@ from mpl_toolkits.mplot3d.proj3d import proj_transform
 from numpy.typing import NDArray
 
 from ..models.structure.blocks.faces import FloatArray
-from ..models.structure.blocks.parts import Solid
 from ..models.structure.blocks.shapes import turned
-from ..models.structure.model import Structure
+from .scene.bodies import Body, normal_of
 
 STONE, EDGE = "#d9d2c3", "#6b6558"
-SIDES = 24
 LIGHT = np.array([-0.35, -0.6, 0.72])
 SHADES = np.linspace(0.66, 1.0, 5)  # few, so that a GIF has a colour for each
 SHADED = [to_hex(shade * np.array(to_rgb(STONE))) for shade in SHADES]
@@ -27,29 +26,27 @@ AT_ONCE = 10  # blocks, for which the order is found again at every picture
 class Solids(PolyCollection):
     """The faces of all blocks that are seen, in axes in space of parallel projection."""
 
-    def __init__(self, structure: Structure) -> None:
+    def __init__(self, bodies: Sequence[Body]) -> None:
         super().__init__([], linewidths=0.5, edgecolors=EDGE, zorder=1.0)
-        self._centre = np.array([block.centroid for block in structure.blocks])
+        self._centre = np.array([body.centroid for body in bodies])
         faces, normals, edged = [], [], []
-        meshed = np.array([len(block.surface) > 0 for block in structure.blocks])
-        for i, block in enumerate(structure.blocks):
-            for face, has_edges in surfaces(block):
-                normal = _normal(face, None if meshed[i] else self._centre[i])
+        for i, body in enumerate(bodies):
+            for surface in body.surfaces:
+                face, normal = body.centroid + surface.points, normal_of(surface.points)
                 faces.append((i, face))
                 normals.append(normal)
-                edged.append(has_edges)
-                if not (has_edges or meshed[i]):  # the rims of a drum
+                edged.append(surface.edged)
+                if not (surface.edged or body.meshed):  # the rims of a drum
                     faces += (i, face[:2]), (i, face[2:])
                     normals += normal, normal
                     edged += True, True
-        self._n = structure.n
+        self._n = len(bodies)
         self._owner = np.array([i for i, _ in faces])
         self._edged = np.array(edged)
         self._counts = np.array([len(face) for _, face in faces])
         self._starts = np.concatenate([[0], np.cumsum(self._counts)])
         self._of = np.repeat(self._owner, self._counts)
-        whole = (self._edged | meshed[self._owner]) & (self._counts > 2)
-        self._whole = np.repeat(whole, self._counts)  # corners of the faces of blocks
+        self._whole = np.repeat(self._counts > 2, self._counts)  # not those of rims
         self._built = np.concatenate([face for _, face in faces])
         self._normals = np.array(normals)
         self._every, self._seen, self._order = -(-self._n // AT_ONCE), 0, np.arange(self._n)
@@ -114,36 +111,6 @@ class Solids(PolyCollection):
             order.append(next(free, left[0]))  # a circle of three or more: the farthest
             left.remove(order[-1])
         return np.array(order)
-
-
-def surfaces(block: Solid) -> list[tuple[FloatArray, bool]]:
-    """Polygons of the surface of a block as built, (corners, 3) m each, and whether it has edges.
-
-    A drum's side is in strips, which have none, two corners below and two above; of a mesh the triangles have none.
-    """
-    if len(block.surface):
-        return [(triangle, False) for triangle in block.surface]
-    found = [(face.points(SIDES), True) for face in block.faces]
-    round_faces = [face for face in block.faces if face.radius]
-    if len(round_faces) == 2:
-        low, high = (face.points(SIDES) for face in round_faces)
-        high = np.roll(high[::-1], 1, axis=0)  # seen from the other side
-        found += [(np.array([low[k - 1], low[k], high[k], high[k - 1]]), False) for k in range(SIDES)]
-    elif len(block.faces) == 2:  # a box that tapers
-        low, high = (face.points() for face in block.faces)
-        high = high[[int(np.argmin(np.linalg.norm(high[:, :2] - corner[:2], axis=1))) for corner in low]]
-        found += [(np.array([low[k - 1], low[k], high[k], high[k - 1]]), True) for k in range(len(low))]
-    return found
-
-
-def _normal(face: FloatArray, centre: FloatArray | None) -> FloatArray:
-    """The unit vector out of a face of a body around `centre`; None: to the side from which it turns to the left."""
-    found = np.sum(np.cross(face, np.roll(face, -1, axis=0)), axis=0)
-    found = found / max(float(np.linalg.norm(found)), 1e-300)
-    if centre is None:
-        return found
-    outward: FloatArray = found * np.sign((np.mean(face, axis=0) - centre) @ found)
-    return outward
 
 
 def _towards_viewer(axes: Any) -> FloatArray:

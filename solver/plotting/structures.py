@@ -19,6 +19,7 @@ from ..models.structure.response import SpatialResponse
 from .figures import Figure
 from .film import FILM_DPI, FRAMES_PER_SECOND, Progress, shoot
 from .plots import draw_ground
+from .scene.bodies import parts_of
 from .solids import EDGE, SHADED, Solids
 from .style import GREY, GRID, INK, RED, TINT, VERDICT_COLOURS, header, nice, plain, save, tidy
 from .words import setting_of, verdict_of
@@ -136,7 +137,7 @@ def draw_blocks(
 
     room: points that have room in the picture, too, m (points, 3).
     """
-    solids = Solids(structure)
+    solids = Solids(parts_of(structure)[0])
     solids.place(u, turn)
     axes.set_proj_type("ortho")
     axes.view_init(elev=18, azim=-62)

@@ -12,8 +12,7 @@ from support.fmus import ROOT
 from multiblock import Structure
 from solver import Column, InputError, Motion, simulate
 from solver.models.structure.blocks.shapes import turned
-from solver.plotting.scene.bodies import scene_of
-from solver.plotting.scene.gltf import normal_of
+from solver.plotting.scene.bodies import normal_of, scene_of
 
 INSTANTS = (0.1, 0.4, 0.7)
 SHAKING = Motion.harmonic(3.0, 2.0, 0.8)

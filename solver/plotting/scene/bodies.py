@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from ...common.errors import InputError
 from ...kernels.sections.faces import is_round
 from ...models.column.block import Block
 from ...models.column.model import Column
 from ...models.structure.blocks.faces import Face, FloatArray
-from ...models.structure.blocks.parts import Solid
+from ...models.structure.blocks.parts import Joint, Solid
 from ...models.structure.model import Structure
 
 SIDES = 32  # of a round face
@@ -35,15 +37,21 @@ class Body:
     name: str
     centroid: FloatArray  # (3,) m
     surfaces: tuple[Surface, ...]
+    meshed: bool = False  # its surfaces are those of a mesh, and may be hollow
+    reach: float = 0.0  # m, from the centroid to the top face: a column's ux is that of its middle
+    tilt: float = 0.0  # rad, as built, of that way
 
 
 @dataclass(frozen=True, eq=False)
-class Rim:
-    """The rim of a joint, (points, 3) m from the centroid of its upper body as built."""
+class Contact:
+    """The face of a joint, (points, 3) m from the centroid of its upper body as built, anticlockwise from above."""
 
     name: str
     body: int
+    below: int  # the number of bodies: the base
     points: FloatArray
+    hole: FloatArray  # the inner rim, empty without one
+    stiffness: float  # N/m3
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,11 +61,11 @@ class Scene:
 
     name: str
     bodies: tuple[Body, ...]
-    rims: tuple[Rim, ...]
+    contacts: tuple[Contact, ...]
+    rows: NDArray[np.intp]  # of the response
     time: FloatArray  # s (rows,)
     u: FloatArray  # m (rows, n, 3)
     turn: FloatArray  # axis times angle, rad (rows, n, 3)
-    contact: FloatArray  # 0..1 (rows, joints)
 
     @property
     def corners(self) -> FloatArray:
@@ -67,10 +75,34 @@ class Scene:
 
 def scene_of(response: Any, fps: float) -> Scene:
     """The scene of a Response or SpatialResponse, of rows at most `fps` a second, the last one among them."""
-    rows = _rows(response.time, fps)
-    model = response.model
-    bodies, rims, u, turn = (_of_structure if model.kind.across else _of_column)(response, rows)
-    return Scene(model.name, bodies, rims, response.time[rows], u, turn, response.contact[rows])
+    rows, model = _rows(response.time, fps), response.model
+    bodies, contacts = parts_of(model)
+    u, turn = poses(bodies, response)
+    return Scene(model.name, bodies, contacts, rows, response.time[rows], u[rows], turn[rows])
+
+
+def parts_of(model: Any) -> tuple[tuple[Body, ...], tuple[Contact, ...]]:
+    """The blocks and joints of a model. Raises InputError for one whose shape is not known."""
+    word = model.kind.word
+    if word not in SHAPES:
+        raise InputError(f"scene: a {word} has none, only {' and '.join(SHAPES)} have")
+    return SHAPES[word](model)
+
+
+def poses(bodies: Sequence[Any], histories: Any) -> tuple[FloatArray, FloatArray]:
+    """Displacements, m, and rotations, rad, (rows, n, 3) each, from ux, uy, uz, rx, ry, rz, or from ux, uz, theta.
+
+    bodies: what has reach and tilt of a Body.
+    """
+    if hasattr(histories, "rz"):
+        found = [np.stack([getattr(histories, f"{kind}{axis}") for axis in "xyz"], axis=-1) for kind in "ur"]
+        return found[0], found[1]
+    u, turn = np.zeros((2, *histories.theta.shape, 3))
+    turn[..., 1] = histories.theta  # clockwise, as x points to the right: about y
+    reach, tilt = (np.array([getattr(body, name) for body in bodies]) for name in ("reach", "tilt"))
+    u[..., 0] = histories.ux - reach * (np.sin(tilt + histories.theta) - np.sin(tilt))
+    u[..., 2] = histories.uz
+    return u, turn
 
 
 def _rows(time: FloatArray, fps: float) -> Any:
@@ -83,19 +115,24 @@ def _rows(time: FloatArray, fps: float) -> Any:
     return np.array([*found, len(time) - 1])
 
 
-def _of_structure(response: Any, rows: Any) -> tuple[Any, ...]:
-    structure: Structure = response.structure
-    bodies = tuple(Body(block.name, block.centroid, _surfaces(block)) for block in structure.blocks)
-    rims = tuple(
-        Rim(name, joint.upper, joint.face.points(SIDES) - structure.blocks[joint.upper].centroid)
-        for name, joint in zip(structure.joint_names, structure.joints, strict=True)
+def _of_structure(structure: Structure) -> tuple[tuple[Body, ...], tuple[Contact, ...]]:
+    bodies = tuple(
+        Body(block.name, block.centroid, surfaces(block), len(block.surface) > 0) for block in structure.blocks
     )
-    u = np.stack([response.ux, response.uy, response.uz], axis=-1)[rows]
-    return bodies, rims, u, response.rotation[rows]
+    contacts = zip(structure.joint_names, structure.joints, strict=True)
+    return bodies, tuple(_contact(name, joint, bodies[joint.upper].centroid) for name, joint in contacts)
 
 
-def _surfaces(block: Solid) -> tuple[Surface, ...]:
+def _contact(name: str, joint: Joint, centroid: FloatArray) -> Contact:
+    face = joint.face
+    hole = _inner(face) - centroid if face.bore else np.empty((0, 3))
+    return Contact(name, joint.upper, joint.lower, face.points(SIDES) - centroid, hole, joint.bed.stiffness)
+
+
+def surfaces(block: Solid) -> tuple[Surface, ...]:
     """The surface of a block in space."""
+    if len(block.surface):
+        return tuple(Surface(triangle - block.centroid, False) for triangle in block.surface)
     round_faces = [face for face in block.faces if face.radius]
     if len(block.faces) != 2:
         return tuple(Surface(face.points() - block.centroid) for face in block.faces)
@@ -131,12 +168,16 @@ def _between(
     return tuple(found)
 
 
-def _of_column(response: Any, rows: Any) -> tuple[Any, ...]:
-    column: Column = response.column
-    bodies, rims = [], []
-    u, turn = np.zeros((2, len(rows), column.n, 3))
-    turn[:, :, 1] = response.theta[rows]  # clockwise, as x points to the right: about y
-    u[:, :, 2] = response.uz[rows]
+def normal_of(points: FloatArray) -> FloatArray:
+    """The unit normal of a plane polygon."""
+    arms = points - points[0]
+    area = np.sum(np.cross(arms[1:-1], arms[2:]), axis=0)
+    found: FloatArray = area / max(float(np.linalg.norm(area)), 1e-300)
+    return found
+
+
+def _of_column(column: Column) -> tuple[tuple[Body, ...], tuple[Contact, ...]]:
+    bodies, contacts = [], []
     foot = np.zeros(3)  # middle of the bottom face as built
     for i in range(column.n - 1, -1, -1):
         block = column.blocks[i]
@@ -146,25 +187,26 @@ def _of_column(response: Any, rows: Any) -> tuple[Any, ...]:
         foot = foot + (block.joint.offset or 0.0) * np.array([math.cos(lean), 0.0, -math.sin(lean)])
         up = np.array([math.sin(tilt), 0.0, math.cos(tilt)])
         rise = block.resolved_centroid
-        surfaces, rim = _of_block(block, tilt, lean - tilt, lean_above - tilt)
-        bodies.append(Body(f"block {i + 1}", foot + rise * up, surfaces))
-        rims.append(Rim(f"joint {i + 1}", i, rim))
-        reach = block.height - rise  # ux is that of the top face
-        u[:, i, 0] = response.ux[rows, i] - reach * (np.sin(tilt + turn[:, i, 1]) - math.sin(tilt))
+        made, rims = _of_block(block, tilt, lean - tilt, lean_above - tilt)
+        centroid = foot + rise * up
+        bodies.append(Body(f"block {i + 1}", centroid, made, False, block.height - rise, tilt))
+        contacts.append(Contact(f"joint {i + 1}", i, i + 1, *rims, block.joint.stiffness))
         foot = foot + block.height * up
-    return tuple(bodies[::-1]), tuple(rims[::-1]), u, turn
+    return tuple(bodies[::-1]), tuple(contacts[::-1])
 
 
-def _of_block(block: Block, tilt: float, below: float, above: float) -> tuple[tuple[Surface, ...], FloatArray]:
-    """The surface of a column's block and the rim of its bottom face; below, above: obliqueness of its faces, rad."""
+def _of_block(
+    block: Block, tilt: float, below: float, above: float
+) -> tuple[tuple[Surface, ...], tuple[FloatArray, FloatArray]]:
+    """The surface of a column's block and the rims of its joint; below, above: obliqueness of its faces, rad."""
     ends = (block.width, block.depth), (block.top_width or block.width, block.top_depth or block.depth)
-    is_drum = is_round(block.shape[0])
+    is_drum, is_disc = is_round(block.shape[0]), is_round(float(block.joint_section))
     heights = -block.resolved_centroid, block.height - block.resolved_centroid
     cos, sin = math.cos(tilt), math.sin(tilt)
     turned = np.array([[cos, 0.0, sin], [0.0, 1.0, 0.0], [-sin, 0.0, cos]])
 
-    def ring(wide: float, deep: float, height: float, oblique: float) -> FloatArray:
-        if is_drum:
+    def ring(wide: float, deep: float, height: float, oblique: float, curved: bool = True) -> FloatArray:
+        if curved:
             angle = 2.0 * math.pi * np.arange(SIDES) / SIDES
             x, y = 0.5 * wide * np.cos(angle), 0.5 * wide * np.sin(angle)
         else:
@@ -172,7 +214,15 @@ def _of_block(block: Block, tilt: float, below: float, above: float) -> tuple[tu
         found: FloatArray = np.column_stack([x, y, height - x * math.tan(oblique)]) @ turned.T
         return found
 
-    low, high = (ring(*end, z, oblique) for end, z, oblique in zip(ends, heights, (below, above), strict=True))
+    low, high = (ring(*end, z, oblique, is_drum) for end, z, oblique in zip(ends, heights, (below, above), strict=True))
     hole = block.bore or 0.0
     bore = [ring(hole, hole, z, o) for z, o in zip(heights, (below, above), strict=True)] if hole else []
-    return _between(low, high, bore, edged=not is_drum), low
+    rim = ring(block.joint_width, block.joint_depth, heights[0], below, is_disc)
+    inner = ring(block.joint_bore, block.joint_bore, heights[0], below) if block.joint_bore else np.empty((0, 3))
+    return _between(low, high, bore, edged=not is_drum), (rim, inner)
+
+
+SHAPES: dict[str, Callable[[Any], tuple[tuple[Body, ...], tuple[Contact, ...]]]] = {
+    "column": _of_column,
+    "structure": _of_structure,
+}

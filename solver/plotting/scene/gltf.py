@@ -6,7 +6,9 @@ import json
 import math
 import os
 import struct
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -14,7 +16,7 @@ import numpy as np
 from ...common.errors import InputError
 from ...common.files import whole_file
 from ...models.structure.blocks.faces import FloatArray
-from .bodies import Body, Scene, scene_of
+from .bodies import Body, normal_of, poses, scene_of
 
 FPS = 30.0  # the most pictures a second
 FLOAT, UNSIGNED = 5126, 5125  # component types
@@ -26,9 +28,30 @@ def write_gltf(response: Any, path: str | os.PathLike[str]) -> None:
     """Write the scene of a response. Raises InputError, OSError."""
     if Path(path).suffix.lower() != ".glb":
         raise InputError(f"{path}: must end in .glb")
-    content = _glb(scene_of(response, FPS))
+    scene = scene_of(response, FPS)
+    content = _moving(still(scene.name, scene.bodies), scene.time, scene.u, scene.turn)
     with whole_file(path) as partial:
         Path(partial).write_bytes(content)
+
+
+def animated(found: bytes, time: FloatArray, histories: Mapping[str, FloatArray]) -> bytes:
+    """What `still` gives, with the motion in the outputs of its FMU: block[1].ux or block1.ux and so on by name.
+
+    time (rows,) s. Raises InputError for a name that is missing.
+    """
+    bodies = [SimpleNamespace(**node["extras"]) for node in _parts(found)[0]["nodes"] if "extras" in node]
+    outputs = ("ux", "uz", "theta") if bodies[0].in_plane else ("ux", "uy", "uz", "rx", "ry", "rz")
+
+    def history(number: int, output: str) -> FloatArray:
+        for name in (f"block[{number}].{output}", f"block{number}.{output}"):
+            if name in histories:
+                return histories[name]
+        raise InputError(f"block[{number}].{output}: is missing, the table must have all outputs of blocks")
+
+    rows = {
+        output: np.column_stack([history(number, output) for number in range(1, len(bodies) + 1)]) for output in outputs
+    }
+    return _moving(found, time, *poses(bodies, SimpleNamespace(**rows)))
 
 
 def quaternions(turn: FloatArray) -> FloatArray:
@@ -41,10 +64,10 @@ def quaternions(turn: FloatArray) -> FloatArray:
 class _Buffer:
     """The binary part, and the views and accessors into it."""
 
-    def __init__(self) -> None:
-        self.data = bytearray()
-        self.views: list[dict[str, Any]] = []
-        self.accessors: list[dict[str, Any]] = []
+    def __init__(self, description: Any, data: bytes = b"") -> None:
+        self.data = bytearray(data)
+        self.views: list[dict[str, Any]] = description.setdefault("bufferViews", [])
+        self.accessors: list[dict[str, Any]] = description.setdefault("accessors", [])
 
     def add(self, values: FloatArray, kind: str, bounds: bool = False, target: int | None = None) -> int:
         """Add float32 numbers, or indices (kind SCALAR and target 34963); returns the number of the accessor."""
@@ -63,42 +86,63 @@ class _Buffer:
         return len(self.accessors) - 1
 
 
-def _glb(scene: Scene) -> bytes:
-    buffer = _Buffer()
-    meshes = [_mesh(body, buffer) for body in scene.bodies]
-    n = len(scene.bodies)
+def still(name: str, bodies: Sequence[Body], in_plane: bool | None = None) -> bytes:
+    """Bodies as built. in_plane: with numbers in each node by which `animated` places it by the outputs of an FMU."""
+    n = len(bodies)
     # a body's place as built is a number of JSON, in full; float32 has only its displacement
-    nodes: list[dict[str, Any]] = [{"name": scene.name, "rotation": UPWARDS, "children": list(range(1, n + 1))}]
-    nodes += [{"translation": body.centroid.tolist(), "children": [n + 1 + i]} for i, body in enumerate(scene.bodies)]
-    nodes += [{"name": body.name, "mesh": i} for i, body in enumerate(scene.bodies)]
-    clock = buffer.add(scene.time - scene.time[0], "SCALAR", bounds=True)
-    samplers, channels = [], []
-    turns = quaternions(scene.turn)
-    nearest = np.cumprod(np.where(np.sum(turns[1:] * turns[:-1], axis=-1) < 0.0, -1.0, 1.0), axis=0)
-    turns[1:] *= nearest[..., None]  # of q and -q the one that is nearer to the last
-    for i in range(n):
-        for name, values, kind in (("translation", scene.u, "VEC3"), ("rotation", turns, "VEC4")):
-            samplers.append({"input": clock, "output": buffer.add(values[:, i], kind), "interpolation": "LINEAR"})
-            channels.append({"sampler": len(samplers) - 1, "target": {"node": n + 1 + i, "path": name}})
-    description = {
+    nodes: list[dict[str, Any]] = [{"name": name, "rotation": UPWARDS, "children": list(range(1, n + 1))}]
+    nodes += [{"translation": body.centroid.tolist(), "children": [n + 1 + i]} for i, body in enumerate(bodies)]
+    nodes += [{"name": body.name, "mesh": i} for i, body in enumerate(bodies)]
+    if in_plane is not None:
+        for node, body in zip(nodes[n + 1 :], bodies, strict=True):
+            node["extras"] = {"in_plane": in_plane, "reach": body.reach, "tilt": body.tilt}
+    description: dict[str, Any] = {
         "asset": {"version": "2.0", "generator": "multiblock-fmu"},
         "scene": 0,
         "scenes": [{"nodes": [0]}],
         "nodes": nodes,
-        "meshes": meshes,
         "materials": [
             {"pbrMetallicRoughness": {"baseColorFactor": STONE, "metallicFactor": 0.0, "roughnessFactor": 0.9}}
         ],
-        "animations": [{"name": "response", "samplers": samplers, "channels": channels}],
-        "accessors": buffer.accessors,
-        "bufferViews": buffer.views,
-        "buffers": [{"byteLength": len(buffer.data)}],
     }
+    buffer = _Buffer(description)
+    description["meshes"] = [_mesh(body, buffer) for body in bodies]
+    return _packed(description, buffer)
+
+
+def _moving(found: bytes, time: FloatArray, u: FloatArray, turn: FloatArray) -> bytes:
+    """What `still` gives, with displacements, m, and rotations, rad, (rows, n, 3) each, as an animation."""
+    description, data = _parts(found)
+    buffer, n = _Buffer(description, data), u.shape[1]
+    clock = buffer.add(time - time[0], "SCALAR", bounds=True)
+    samplers, channels = [], []
+    turns = quaternions(turn)
+    nearest = np.cumprod(np.where(np.sum(turns[1:] * turns[:-1], axis=-1) < 0.0, -1.0, 1.0), axis=0)
+    turns[1:] *= nearest[..., None]  # of q and -q the one that is nearer to the last
+    for i in range(n):
+        for name, values, kind in (("translation", u, "VEC3"), ("rotation", turns, "VEC4")):
+            samplers.append({"input": clock, "output": buffer.add(values[:, i], kind), "interpolation": "LINEAR"})
+            channels.append({"sampler": len(samplers) - 1, "target": {"node": n + 1 + i, "path": name}})
+    description["animations"] = [{"name": "response", "samplers": samplers, "channels": channels}]
+    return _packed(description, buffer)
+
+
+def _packed(description: dict[str, Any], buffer: _Buffer) -> bytes:
+    """A .glb."""
+    description["buffers"] = [{"byteLength": len(buffer.data)}]
     text = json.dumps(description, separators=(",", ":")).encode()
     text += b" " * (-len(text) % 4)
     data = bytes(buffer.data) + bytes(-len(buffer.data) % 4)
     chunks = struct.pack("<I4s", len(text), b"JSON") + text + struct.pack("<I4s", len(data), b"BIN\0") + data
     return struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks
+
+
+def _parts(found: bytes) -> tuple[Any, bytes]:
+    """The description and the buffer of a .glb."""
+    size = int.from_bytes(found[12:16], "little")
+    description = json.loads(found[20 : 20 + size])
+    begin = 28 + size
+    return description, found[begin : begin + description["buffers"][0]["byteLength"]]
 
 
 def _mesh(body: Body, buffer: _Buffer) -> dict[str, Any]:
@@ -116,11 +160,3 @@ def _mesh(body: Body, buffer: _Buffer) -> dict[str, Any]:
     }
     indices = buffer.add(np.array(corners).ravel(), "SCALAR", target=34963)
     return {"name": body.name, "primitives": [{"attributes": attributes, "indices": indices, "material": 0}]}
-
-
-def normal_of(points: FloatArray) -> FloatArray:
-    """The unit normal of a plane polygon."""
-    arms = points - points[0]
-    area = np.sum(np.cross(arms[1:-1], arms[2:]), axis=0)
-    found: FloatArray = area / np.linalg.norm(area)
-    return found

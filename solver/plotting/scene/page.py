@@ -15,15 +15,24 @@ import numpy as np
 
 from ...common.errors import POSITIVE, InputError, check_number
 from ...common.files import whole_file
+from ...ground.intensity import Component, histories, is_measurable
+from ...ground.motion import Motion
 from ...models.structure.blocks.faces import FloatArray
-from .bodies import Scene, scene_of
+from .bodies import Body, Scene, scene_of
 
 FPS = 30.0  # the most rows a second
-MOST_NUMBERS = 300_000  # displacements and rotations: 1.6 MB of the page
+MOST_NUMBERS = 270_000  # displacements, rotations and joints: 1.4 MB of the page
+MOST_TRIANGLES = 16_000  # of meshes: 0.8 MB
+EMBEDDED_FPS, EMBEDDED_NUMBERS, EMBEDDED_TRIANGLES = 15.0, 60_000, 4_000  # of a page in another one
 VISIBLE = 0.08  # of the extent: largest displacement at the factor that the page begins with
 MOST_TIMES = 1e4  # factor on the deformation
 DIGITS = 5  # of lengths in m: of what is drawn
+WHOLE = 65535  # of what is kept as a part
 VERDICTS = {"standing": "It stands.", "overturned": "It falls.", "undecided": "Whether it stands is undecided."}
+FRAME = (
+    '<iframe class="scene" srcdoc="{}" title="the blocks in motion" loading="lazy" '
+    'style="width: 100%; height: {}px; border: 1px solid #8886; border-radius: 6px"></iframe>'
+)
 
 
 def write_view(response: Any, path: str | os.PathLike[str], scale: float | None) -> None:
@@ -31,7 +40,7 @@ def write_view(response: Any, path: str | os.PathLike[str], scale: float | None)
     check_page(path)
     if scale is not None:
         scale = check_number("scale", scale, POSITIVE, "a positive factor on the deformation")
-    text = _page(response, scale)
+    text = _page(response, scale, FPS, MOST_NUMBERS, MOST_TRIANGLES)
     with whole_file(path) as partial:
         Path(partial).write_text(text, encoding="utf-8")
 
@@ -42,17 +51,24 @@ def check_page(path: str | os.PathLike[str]) -> None:
         raise InputError(f"{path}: must end in .html")
 
 
-def _page(response: Any, scale: float | None) -> str:
-    n, span = response.model.n, max(float(response.time[-1] - response.time[0]), 1e-9)
-    scene = scene_of(response, min(FPS, MOST_NUMBERS / (6.0 * n * span)))
+def frame_of(response: Any, height: int = 480) -> str:
+    """HTML that shows a smaller page within another one; height: px."""
+    page = _page(response, None, EMBEDDED_FPS, EMBEDDED_NUMBERS, EMBEDDED_TRIANGLES)
+    return FRAME.format(escape(page), height)
+
+
+def _page(response: Any, scale: float | None, fps: float, numbers: int, triangles: int) -> str:
+    sizes, span = response.model.sizes, max(float(response.time[-1] - response.time[0]), 1e-9)
+    scene = scene_of(response, min(fps, numbers / ((6 * sizes["block"] + sizes["joint"] + 3) * span)))
     name, facts = escape(scene.name), VERDICTS.get(response.verdict, "")
     line = f"{facts} Largest displacement {1e3 * float(np.max(response.peaks[response.model.kind.largest])):.3g} mm."
     folder = files(__package__)
+    contents = _contents(scene, response, scale, triangles)
     parts = {
         "@TITLE@": name,
         "@NAME@": name,
         "@LINE@": escape(line),
-        "@SCENE@": json.dumps(_contents(scene, response, scale), separators=(",", ":")).replace("<", "\\u003c"),
+        "@SCENE@": json.dumps(contents, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c"),
         "@VIEWER@": (folder / "viewer.js").read_text(encoding="utf-8"),
     }
     text = (folder / "viewer.html").read_text(encoding="utf-8")
@@ -61,7 +77,7 @@ def _page(response: Any, scale: float | None) -> str:
     return text
 
 
-def _contents(scene: Scene, response: Any, scale: float | None) -> dict[str, Any]:
+def _contents(scene: Scene, response: Any, scale: float | None, triangles: int) -> dict[str, Any]:
     """What viewer.js draws."""
     corners = scene.corners
     low, high = corners.min(axis=0), corners.max(axis=0)
@@ -71,23 +87,34 @@ def _contents(scene: Scene, response: Any, scale: float | None) -> dict[str, Any
     fell = not math.isnan(fall) and fall <= scene.time[-1]
     wanted = VISIBLE * extent / max(float(np.max(across)), 1e-12)
     factor = scale or (1.0 if fell else float(min(max(1.0, float(f"{wanted:.1g}")), MOST_TIMES)))
+    of_mesh = triangles // max(1, sum(body.meshed for body in scene.bodies))
     bodies = [
-        {
-            "name": body.name,
-            "centroid": body.centroid.tolist(),
-            "surfaces": [[int(part.edged), part.points.round(DIGITS).tolist()] for part in body.surfaces],
-        }
+        {"name": body.name, "centroid": body.centroid.tolist()}
+        | (
+            {"surfaces": [], "mesh": _packed(_coarse(body, of_mesh), "<f4")}
+            if body.meshed
+            else {"surfaces": [[int(part.edged), part.points.round(DIGITS).tolist()] for part in body.surfaces]}
+        )
         for body in scene.bodies
     ]
-    rims = [{"name": rim.name, "body": rim.body, "points": rim.points.round(DIGITS).tolist()} for rim in scene.rims]
-    sizes = [float(np.max(np.ptp(rim.points, axis=0))) for rim in scene.rims]
+    rims = [
+        {"name": contact.name, "body": contact.body, "points": contact.points.round(DIGITS).tolist()}
+        for contact in scene.contacts
+    ]
+    sizes = [float(np.max(np.ptp(contact.points, axis=0))) for contact in scene.contacts]
+    pressure = np.nan_to_num(response.sigma_max[scene.rows])
+    most = max(float(np.max(pressure, initial=0.0)), 1.0)
+    base = _path_of_base(response.motion, scene.time)
     return {
         "bodies": bodies,
         "rims": rims,
         "time": scene.time.round(6).tolist(),
         "u": _packed(scene.u, "<f4"),
         "turn": _packed(scene.turn, "<f4"),
-        "contact": _packed(np.round(255.0 * np.clip(scene.contact, 0.0, 1.0)), "u1"),
+        "base": _packed(base, "<f4") if np.any(base) else "",
+        "contact": _packed(np.round(WHOLE * np.clip(response.contact[scene.rows], 0.0, 1.0)), "<u2"),
+        "pressure": _packed(np.round(WHOLE * np.clip(pressure / most, 0.0, 1.0)), "<u2"),
+        "most": most,
         "marks": [["peak", float(peak)], *([["fall", float(fall)]] if fell else [])],
         "begin": float(peak),
         "factor": factor,
@@ -95,6 +122,31 @@ def _contents(scene: Scene, response: Any, scale: float | None) -> dict[str, Any
         "band": float(np.median(sizes)) if sizes else 0.0,
         "middle": (0.5 * (low + high)).tolist(),
     }
+
+
+def _coarse(body: Body, most: int) -> FloatArray:
+    """The triangles of a mesh, (k, 3, 3) m, its corners moved to a grid as wide as leaves `most` at most."""
+    whole = np.array([surface.points for surface in body.surfaces])
+    found, cell = whole, 0.002 * float(np.max(np.ptp(whole, axis=(0, 1))))
+    while len(found) > most:
+        found = cell * np.round(whole / cell)
+        found = found[[np.all(np.any(triangle != np.roll(triangle, 1, axis=0), axis=1)) for triangle in found]]
+        cell *= 1.3
+    return found
+
+
+def _path_of_base(motion: Motion | None, time: FloatArray) -> FloatArray:
+    """Displacement of the base, m (rows, 3), without the parabola that fits it best: records and harmonics drift."""
+    found = np.zeros((len(time), 3))
+    components: tuple[Component, ...] = ("ax", "ay", "az")
+    for axis, component in enumerate(components):
+        if motion is not None and is_measurable(motion) and (component != "ay" or motion.has_ay):
+            base = histories(motion, component)
+            span = base.time - base.time[0]
+            trend = np.column_stack([span, span**2])
+            drift = trend @ np.linalg.lstsq(trend, base.displacement, rcond=None)[0]
+            found[:, axis] = np.interp(time, base.time, base.displacement - drift)
+    return found
 
 
 def _packed(values: FloatArray, kind: str) -> str:

@@ -1,0 +1,160 @@
+"""A response as files that ParaView plays: the blocks, and what of their joints is loaded, with the pressure."""
+
+from __future__ import annotations
+
+import base64
+import os
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...common.errors import POSITIVE, InputError, check_number
+from ...models.outputs import BLOCK, JOINT
+from ...models.structure.blocks.faces import FloatArray
+from ...models.structure.blocks.shapes import turned
+from .bodies import Contact, Scene, normal_of, scene_of
+
+FPS = 30.0
+POLYGON = 7  # a type of cell
+NAMES = {"float64": "Float64", "int64": "Int64", "uint8": "UInt8"}
+PAGE = """<?xml version="1.0"?>
+<VTKFile type="UnstructuredGrid" version="1.0" byte_order="LittleEndian" header_type="UInt32">
+<UnstructuredGrid><Piece NumberOfPoints="{points}" NumberOfCells="{cells}">
+{parts}
+</Piece></UnstructuredGrid></VTKFile>
+"""
+SERIES = """<?xml version="1.0"?>
+<VTKFile type="Collection" version="0.1" byte_order="LittleEndian"><Collection>
+{lines}
+</Collection></VTKFile>
+"""
+
+
+def write_vtk(response: Any, folder: str | os.PathLike[str], fps: float = FPS) -> None:
+    """Write blocks.pvd and joints.pvd, and a file of each at rows of at most `fps` a second.
+
+    Cells have the number of their block or joint and its outputs; points of joints have the elastic pressure, Pa.
+    Raises InputError, OSError.
+    """
+    fps = check_number("fps", fps, POSITIVE, "a positive number of rows a second")
+    where = Path(folder)
+    if where.suffix or (where.exists() and not where.is_dir()):
+        raise InputError(f"{folder}: must be a folder, for one file at each instant")
+    scene = scene_of(response, fps)
+    where.mkdir(parents=True, exist_ok=True)
+    outputs = {owner: _histories(response, owner) for owner in (BLOCK, JOINT)}
+    for k, row in enumerate(scene.rows):
+        _write_cells(where / f"blocks_{k:05d}.vtu", *_blocks(scene, k), BLOCK, outputs[BLOCK], row)
+        _write_cells(where / f"joints_{k:05d}.vtu", *_joints(scene, k), JOINT, outputs[JOINT], row)
+    for name in ("blocks", "joints"):
+        lines = (f'<DataSet timestep="{t:.9g}" file="{name}_{k:05d}.vtu"/>' for k, t in enumerate(scene.time))
+        (where / f"{name}.pvd").write_text(SERIES.format(lines="\n".join(lines)), encoding="ascii")
+
+
+def _histories(response: Any, owner: str) -> dict[str, FloatArray]:
+    """Outputs of blocks or joints, (rows, count) each."""
+    seen = [output for output in response.outputs if output.owner == owner and not output.only_peak]
+    return {output.field: getattr(response, output.field) for output in seen}
+
+
+def _blocks(scene: Scene, k: int) -> tuple[list[FloatArray], list[int], dict[str, FloatArray]]:
+    """Polygons of the surfaces at an instant, m, the numbers of their blocks from 0, and numbers of points: none."""
+    found, owners = [], []
+    for i, body in enumerate(scene.bodies):
+        counts = [len(surface.points) for surface in body.surfaces]
+        points = _placed(scene, k, i, body.centroid + np.concatenate([surface.points for surface in body.surfaces]))
+        found += np.split(points, np.cumsum(counts)[:-1])
+        owners += [i] * len(counts)
+    return found, owners, {}
+
+
+def _joints(scene: Scene, k: int) -> tuple[list[FloatArray], list[int], dict[str, FloatArray]]:
+    """Likewise the parts of the joints that bear, and the elastic pressure at their corners, Pa."""
+    found, owners, pressures = [], [], []
+    for j, contact in enumerate(scene.contacts):
+        for piece in _pieces(contact):
+            points, closed = _loaded(scene, k, contact, scene.bodies[contact.body].centroid + piece)
+            if len(points) > 2:
+                found.append(points)
+                owners.append(j)
+                pressures.append(contact.stiffness * closed)
+    return found, owners, {"pressure": np.concatenate(pressures) if pressures else np.empty(0)}
+
+
+def _pieces(contact: Contact) -> list[FloatArray]:
+    """Convex polygons that make up the face of a joint."""
+    outer, inner = contact.points, contact.hole
+    if not len(inner):
+        return [outer]
+    return [np.array([outer[k - 1], outer[k], inner[k], inner[k - 1]]) for k in range(len(outer))]
+
+
+def _placed(scene: Scene, k: int, i: int, points: FloatArray) -> FloatArray:
+    """Where points of a body, as built, are at an instant; those of the base stay."""
+    if i >= len(scene.bodies):
+        return points
+    found: FloatArray = points + scene.u[k, i] + turned(scene.turn[k, i], points - scene.bodies[i].centroid)
+    return found
+
+
+def _loaded(scene: Scene, k: int, contact: Contact, piece: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """The part of a polygon of the upper body's face that is pressed into the lower one, m, and by how much, m.
+
+    A joint opens along the mean of both faces' normals (theory.md section 13).
+    """
+    built, below = normal_of(contact.points), contact.below
+    normal = 2.0 * built + turned(scene.turn[k, contact.body], built)
+    if below < len(scene.bodies):
+        normal = normal + turned(scene.turn[k, below], built)
+    points = _placed(scene, k, contact.body, piece)
+    closed = (_placed(scene, k, below, piece) - points) @ normal / np.linalg.norm(normal)
+    found, depths = [], []
+    for a, b in zip(range(-1, len(points) - 1), range(len(points)), strict=True):
+        if (closed[a] > 0.0) != (closed[b] > 0.0):
+            part = closed[a] / (closed[a] - closed[b])
+            found.append(points[a] + part * (points[b] - points[a]))
+            depths.append(0.0)
+        if closed[b] > 0.0:
+            found.append(points[b])
+            depths.append(closed[b])
+    return np.array(found), np.array(depths)
+
+
+def _write_cells(
+    path: Path,
+    polygons: Sequence[FloatArray],
+    owners: Sequence[int],
+    of_points: Mapping[str, FloatArray],
+    owner: str,
+    histories: Mapping[str, FloatArray],
+    row: int,
+) -> None:
+    """Write polygons with the number of what they are of, and its outputs at a row."""
+    counts, of = np.array([len(polygon) for polygon in polygons], dtype=np.int64), np.array(owners, dtype=np.int64)
+    points = np.concatenate(polygons) if polygons else np.empty((0, 3))
+    cells = {owner: of + 1} | {name: values[row][of] for name, values in histories.items()}
+    topology = {
+        "connectivity": np.arange(len(points), dtype=np.int64),
+        "offsets": np.cumsum(counts),
+        "types": np.full(len(counts), POLYGON, dtype=np.uint8),
+    }
+    parts: dict[str, Mapping[str, Any]] = {
+        "Points": {"points": points},
+        "Cells": topology,
+        "PointData": of_points,
+        "CellData": cells,
+    }
+    text = "\n".join(
+        f"<{kind}>{''.join(_array(name, values) for name, values in arrays.items())}</{kind}>"
+        for kind, arrays in parts.items()
+    )
+    path.write_text(PAGE.format(points=len(points), cells=len(counts), parts=text), encoding="ascii")
+
+
+def _array(name: str, values: Any) -> str:
+    size = np.uint32(values.nbytes).tobytes()  # before the numbers
+    content = base64.b64encode(size + np.ascontiguousarray(values).tobytes()).decode()
+    wide = f' NumberOfComponents="{values.shape[1]}"' if values.ndim > 1 else ""
+    return f'<DataArray type="{NAMES[values.dtype.name]}" Name="{name}"{wide} format="binary">{content}</DataArray>\n'
