@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Mapping
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -109,6 +110,7 @@ def mean_bounds(trials: FloatArray) -> tuple[float, float]:
     return mean - apart, mean + apart
 
 
+@lru_cache
 def student(free: int) -> float:
     """The two-sided quantile of Student's distribution at `CONFIDENCE`: sqrt(free) tan(angle), by a sum over the angle.
 
