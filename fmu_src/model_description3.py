@@ -106,12 +106,18 @@ def _structure(arrays: dict[str, list[Variable]]) -> Element:
     return structure
 
 
-def terminals(table: list[Variable]) -> Element:
+def terminals(table: list[Variable], has_icon: bool = False) -> Element:
     """The port at the base, so that its signals connect as one: motion in, reaction and effective mass out.
 
-    With it one for each body that drives the base: what that body says of its forces and mass.
+    With it one for each body that drives the base: what that body says of its forces and mass. has_icon: icon.png is
+    beside the file.
     """
     root = Element("fmiTerminalsAndIcons", fmiVersion="3.0")
+    if has_icon:
+        square = {"x1": "-100", "y1": "-100", "x2": "100", "y2": "100"}
+        picture = SubElement(root, "GraphicalRepresentation")
+        SubElement(picture, "CoordinateSystem", square | {"suggestedScalingFactorTo_mm": "0.1"})
+        SubElement(picture, "Icon", square)
     has_split = any(variable.name == f"{TERMINAL}.mxx" for variable in table)
     out = "split reaction R0 and effective mass of the column" if has_split else "reaction of the structure"
     found = SubElement(root, "Terminals")
