@@ -94,7 +94,10 @@ class StructureHistories(Histories):
             apart, x, y = (
                 np.sum((one - other) * normal, axis=1) for one, other in zip(upper[:3], lower[:3], strict=True)
             )
-            if face.radius:
+            if joint.bearing is not None:  # at its point, over where it would be as it moves
+                moved = np.sum((upper[0] - lower[0]) ** 2, axis=1) - apart**2
+                found[:, j] = apart - 0.5 * joint.bearing.pendulum * moved
+            elif face.radius:
                 found[:, j] = apart + face.radius * np.hypot(x, y)
             else:
                 found[:, j] = apart + np.max(np.outer(face.outline[:, 0], x) + np.outer(face.outline[:, 1], y), axis=0)
