@@ -17,7 +17,7 @@ from solver import Column, InputError, Motion, simulate
 from solver.models.structure.blocks.shapes import turned
 from solver.plotting.scene.bodies import normal_of, parts_of, scene_of
 from solver.plotting.scene.gltf import animated, still
-from solver.plotting.scene.page import _path_of_base, write_view
+from solver.plotting.scene.page import _coarse, _path_of_base, write_view
 
 INSTANTS = (0.1, 0.4, 0.7)
 SHAKING = Motion.harmonic(3.0, 2.0, 0.8)
@@ -179,6 +179,15 @@ def test_the_base_moves_by_its_displacement_without_drift() -> None:
     path = _path_of_base(Motion.harmonic(2.0, 2.0, 20.0), np.linspace(0.0, 20.0, 4001))
     assert np.max(np.abs(path[200:-200, 0])) == pytest.approx(2.0 / (4.0 * np.pi) ** 2, rel=0.1)
     assert np.max(np.abs(path[:, 1:])) == 0.0
+
+
+def test_a_mesh_keeps_its_shape_in_few_triangles() -> None:
+    structure = Structure.from_toml(ROOT / "examples" / "structures" / "statue-mesh.toml")
+    (body,) = (body for body in parts_of(structure)[0] if body.meshed)
+    whole, few = _coarse(body, 10**6), _coarse(body, 300)
+    assert len(whole) == len(body.surfaces) > 300 >= len(few) > 50
+    ends = [np.concatenate(triangles.reshape(-1, 3)[None].min(axis=1)) for triangles in (whole, few)]
+    assert ends[1] == pytest.approx(ends[0], abs=0.1 * np.ptp(whole[:, :, 2]))
 
 
 def test_another_suffix_is_refused(in_plane: Any, tmp_path: Path) -> None:

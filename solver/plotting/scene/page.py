@@ -141,7 +141,7 @@ def _coarse(body: Body, most: int) -> FloatArray:
     found, cell = whole, 0.002 * float(np.max(np.ptp(whole, axis=(0, 1))))
     while len(found) > most:
         found = cell * np.round(whole / cell)
-        found = found[[np.all(np.any(triangle != np.roll(triangle, 1, axis=0), axis=1)) for triangle in found]]
+        found = found[np.all(np.any(found != np.roll(found, 1, axis=1), axis=2), axis=1)]
         cell *= 1.3
     return found
 

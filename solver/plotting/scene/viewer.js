@@ -279,7 +279,7 @@ function begin() {
     $("marks").append(mark);
   }
   $("moves").hidden = !BASE; $("cell").textContent = `squares of ${CELL} m`;
-  if (!gl) { $("none").hidden = false; return; }
+  if (!gl) { $("none").hidden = false; $("legend").hidden = $("axes").hidden = true; return; }
   build(); listen(); show();
   if (location.hash === "#play") { state.again = true; state.t = time[0]; play(true); }
 }
