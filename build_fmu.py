@@ -1,7 +1,7 @@
 """Build a co-simulation FMU from the TOML file of a column or of a structure in space.
 
     multiblock build-fmu [FILE.toml] [-o FILE.fmu] [--record RECORD] [--space]
-                         [--native [--fmi 3 [--scalars]] [--source] [--terminals] [--platforms NAME,...]]
+                         [--reference] [--native [--fmi 3 [--scalars]] [--source] [--terminals] [--platforms NAME,...]]
     python build_fmu.py ...
 
 Packaging only. Inside the FMU the two packages carry the hash of their content in their names, so that two FMUs in one
@@ -37,6 +37,8 @@ from fmu_src.host import MACHINE_CODE, content_hash
 from fmu_src.native import guard
 from fmu_src.native.library import has_tools
 from fmu_src.native.platforms import PLATFORMS, USUAL_FORM, Form
+from fmu_src.reference_run import FOLDER as RUN_FOLDER
+from fmu_src.reference_run import reference_files, replay
 from solver import InputError
 from solver.commands.command_files import add_force, add_space
 from solver.commands.command_line import program_parser, run_command
@@ -62,6 +64,7 @@ LEFT_AT_HOME = {
     "oscillator.py",
     "plotting",
     "push.py",
+    "reference_run.py",
     "rocking.py",
     "static_plots.py",
     "studies",
@@ -140,7 +143,14 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--terminals", action="store_true", help="terminals of FMI 3.0 in an FMU of FMI 2.0, too")
     known = "; ".join(f"FMI {version}: {','.join(names)}" for version, names in PLATFORMS.items())
     parser.add_argument("--plain-names", action="store_true", help="block1.ux in place of block[1].ux")
+    parser.add_argument("--reference", action="store_true", help="with a short run and its results inside (replay)")
     parser.add_argument("--platforms", help=f"of the native FMU, with commas (default: all; {known})")
+
+
+def add_replay(parser: argparse.ArgumentParser) -> None:
+    """The options of the command that runs the reference results of an FMU, for `run_command`."""
+    parser.set_defaults(command=lambda options: print(replay(options.fmu)))
+    parser.add_argument("fmu", type=Path, help="FMU built with --reference")
 
 
 def _build(options: argparse.Namespace) -> None:
@@ -155,7 +165,7 @@ def _build(options: argparse.Namespace) -> None:
         raise InputError("--record: must be left out with --drive, the ground moves the bodies at the base")
     if options.plain_names and options.fmi == 3 and not options.scalars:
         raise InputError("--plain-names: with --fmi 3 only beside --scalars, arrays have no brackets in their names")
-    rest = options.space, drive, options.plain_names
+    rest = options.space, drive, options.plain_names, options.reference
     if options.native:
         platforms = options.platforms.split(",") if options.platforms else None
         form = Form(options.fmi, options.source, options.terminals, options.scalars)
@@ -188,11 +198,12 @@ def build_native_fmu(
     space: bool = False,
     drive: Drive = USUAL,
     plain_names: bool = False,
+    reference: bool = False,
 ) -> Path:
     """Build the FMU that needs no Python and return its path; prints what its libraries need from outside.
 
     platforms: of PLATFORMS[form.fmi], None: all of them. space: a column as a structure in space. drive: how its base
-    moves (fmu_src/drive.py). plain_names: as of `without_brackets`.
+    moves (fmu_src/drive.py). plain_names: as of `without_brackets`. reference: with what `replay` compares.
     Raises InputError, OSError.
     """
     if not LINKING:
@@ -213,6 +224,8 @@ def build_native_fmu(
     record_name = record.name if record else ""
     files, needs = native_files(body, list(dict.fromkeys(platforms)), motion, record_name, form)
     print(needs_report(needs), file=sys.stderr)
+    if reference:
+        files |= reference_files(body, motion, form.fmi == 3 and not form.scalars)
     output.parent.mkdir(parents=True, exist_ok=True)
     write_archive(output, without_brackets(files) if plain_names else files)
     return output
@@ -249,11 +262,13 @@ def build_fmu(
     space: bool = False,
     drive: Drive = USUAL,
     plain_names: bool = False,
+    reference: bool = False,
 ) -> Path:
     """Build the FMU of a file, or of a model, and return its path; a record is put inside it.
 
     space: the column of a file as a structure in space. drive: how its base moves (fmu_src/drive.py). Another model
-    has its `Body` (fmu_src/body.py), whose package is put inside. Raises InputError, OSError.
+    has its `Body` (fmu_src/body.py), whose package is put inside. reference: with what `replay` compares.
+    Raises InputError, OSError.
     """
     with needing("fmu", *BUILDER_PACKAGES):
         from pythonfmu import FmuBuilder
@@ -262,9 +277,10 @@ def build_fmu(
         from fmu_src.licences import REQUIRED, legal_files
         from fmu_src.slave import BODY_FILE, GUID_FILE, RECORD_FOLDER
     body, output = _body_and_output(column, output, record, space, drive)
-    record_name = ""
+    record_name, motion = "", None
     if record is not None:
-        body.samples(Motion.from_file(record))
+        motion = Motion.from_file(record)
+        body.samples(motion)
         record_name = record.name
     with tempfile.TemporaryDirectory(prefix="build_fmu_") as folder:
         stage = Path(folder)
@@ -308,6 +324,8 @@ def build_fmu(
         extra = {"model.png": pages["documentation/model.png"]} | pages
         extra["resources/requirements.txt"] = REQUIRED.encode()
         extra |= {f"resources/{MACHINE_CODE}/{name}": code for name, code in machine_code.items()}
+        if reference:
+            extra |= reference_files(body, motion)
         repack(built, output, extra, plain_names)
     return output
 
@@ -373,7 +391,8 @@ def repack(source: Path, target: Path, extra: dict[str, bytes], plain_names: boo
 
 def without_brackets(files: dict[str, bytes]) -> dict[str, bytes]:
     """The files of an FMU whose variables are block1.ux in place of block[1].ux, where tools and people read them."""
-    named = "modelDescription.xml", "terminalsAndIcons/terminalsAndIcons.xml", "documentation/index.html"
+    named = ["modelDescription.xml", "terminalsAndIcons/terminalsAndIcons.xml", "documentation/index.html"]
+    named += [name for name in files if name.startswith(RUN_FOLDER)]
     found = {name: re.sub(rb"\b(block|joint|tie)\[(\d+)\]", rb"\1\2", files[name]) for name in named if name in files}
     return files | found
 

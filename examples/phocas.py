@@ -3,9 +3,9 @@
     python phocas.py [--amplitude G] [--frequency HZ] [--duration S] [--column COLUMN.toml] [--output-folder FOLDER]
                      [--output-step S]
 
-Writes the FMU, results.csv and results.png into the output folder. Without options it is the example of Brigante,
-Ercolano and Santorelli, 0.05 g at 2 Hz for 20 s, with damped joints; with `--column examples/columns/phocas.toml`
-undamped, as in the paper.
+Writes the FMU, results.csv, results.png and scene.html, which plays in a browser, into the output folder. Without
+options it is the example of Brigante, Ercolano and Santorelli, 0.05 g at 2 Hz for 20 s, with damped joints; with
+`--column examples/columns/phocas.toml` undamped, as in the paper.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ import math
 import sys
 import tempfile
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 from fmpy import extract, simulate_fmu
@@ -29,6 +30,7 @@ from solver.ground.motion import STANDARD_GRAVITY
 from solver.models.column.outputs import OUTPUTS
 from solver.models.outputs import BASE
 from solver.plotting.plots import plot_histories
+from solver.plotting.scene.page import write_view
 
 PROGRAM = "phocas.py"
 PHOCAS = Path(__file__).resolve().parent / "columns" / "phocas-damped.toml"
@@ -67,7 +69,7 @@ def main() -> int:
         if output.owner != BASE and not output.only_peak
     }
     overturned, overturn_time = bool(results["overturned"][-1]), float(results["overturn_time"][-1])
-    table, picture = options.output_folder / "results.csv", options.output_folder / "results.png"
+    table, picture, scene = (options.output_folder / name for name in ("results.csv", "results.png", "scene.html"))
     peaks = {
         output.field: np.array([results[output.peak_of(i)][-1] for i in range(1, column.n + 1)])
         for output in OUTPUTS
@@ -78,6 +80,9 @@ def main() -> int:
         write_csv(table, results[rows])
         fell = overturn_time if overturned else math.nan
         plot_histories(results["time"], histories, column, motion, None, fell, picture, verdict=verdict, peaks=peaks)
+        known = {"model": column, "motion": motion, "time": results["time"], "overturn_time": fell, "peaks": peaks}
+        found = SimpleNamespace(**known, **histories, verdict="overturned" if overturned else "")
+        write_view(found, scene, None)
     except OSError as error:
         print(f"{PROGRAM}: {error}", file=sys.stderr)
         return 2
@@ -86,7 +91,7 @@ def main() -> int:
     for i, peak in enumerate(np.max(np.abs(histories["ux"]), axis=0), start=1):
         print(f"{i:5d}  {1e3 * peak:14.5g}")
     print(f"overturned at {overturn_time:.4g} s" if overturned else "not overturned")
-    print(fmu, table, picture, sep="\n")
+    print(fmu, table, picture, scene, sep="\n")
     return 0
 
 

@@ -16,6 +16,8 @@ from matplotlib.transforms import Affine2D
 
 from solver.models.column.model import Column
 from solver.models.structure.model import Structure
+from solver.plotting.scene.bodies import parts_of
+from solver.plotting.scene.gltf import still
 from solver.plotting.structures import draw_blocks
 
 from .body import Body, ColumnBody, StructureBody
@@ -89,7 +91,15 @@ def pages(body: Body, table: list[Variable], needs: str) -> dict[str, bytes]:
     others = {"documentation/signs.png": sign_conventions()} if "signs.png" in words["signs"] else {}
     page = _page(body, table, {**words, "needs": escape(needs)})
     pictures = dict.fromkeys(("documentation/model.png", "documentation/diagram.png"), picture)  # the latter of FMI 3
-    return {"documentation/index.html": page.encode()} | pictures | others
+    return {"documentation/index.html": page.encode()} | pictures | others | _scene(body)
+
+
+def _scene(body: Body) -> dict[str, bytes]:
+    """The blocks as binary glTF, for examples/animate_fmu.py; of a structure from a mesh its hull."""
+    if not isinstance(body, (ColumnBody, StructureBody)):
+        return {}
+    model = body.column if isinstance(body, ColumnBody) else body.structure
+    return {"resources/scene.glb": still(model.name, parts_of(model)[0], not model.kind.across)}
 
 
 @singledispatch

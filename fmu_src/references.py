@@ -72,7 +72,7 @@ REFERENCES = {
     "base.drive": 2010,
     "base.slope": 2011,
 }
-# Variables of every block, joint or tie: a family each, of 1000 numbers.
+# Variables of every block, joint, tie or bearing: a family each, of 1000 numbers.
 FAMILY = 1000
 FAMILIES = {
     "block.ux": 10,
@@ -131,13 +131,19 @@ FAMILIES = {
     "joint.inclination": 63,
     "block.tilt": 64,
     "tie.F_peak": 65,
+    "bearing.dx": 66,
+    "bearing.dy": 67,
+    "bearing.d": 68,
+    "bearing.dx_peak": 69,
+    "bearing.dy_peak": 70,
+    "bearing.d_peak": 71,
 }
 assert MAX_BLOCKS <= FAMILY
 
 
 def reference_of(name: str) -> int:
     """The value reference of a variable: that of REFERENCES, or 1000 times its family plus the number of its block."""
-    parts = re.fullmatch(r"(block|joint|tie)\[(\d+)\]\.(\w+)", name)
+    parts = re.fullmatch(r"(block|joint|tie|bearing)\[(\d+)\]\.(\w+)", name)
     if parts is None:
         return REFERENCES[name]
     owner, number, quantity = parts.groups()

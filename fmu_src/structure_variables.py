@@ -13,7 +13,7 @@ import numpy as np
 
 from solver.common.errors import InputError
 from solver.ground.motion import STANDARD_GRAVITY
-from solver.models.outputs import BLOCK, JOINT, TIE
+from solver.models.outputs import BEARING, BLOCK, JOINT, TIE
 from solver.models.structure.model import Structure
 from solver.models.structure.outputs import OUTPUTS
 
@@ -41,7 +41,7 @@ def structure_variables(
     for what, parts in (("joint", structure.joints), ("tie", structure.ties)):
         if len(parts) > FAMILY:
             raise InputError(f"{what}: {len(parts)} of them, must be at most {FAMILY} in an FMU")
-    named = {BLOCK: structure.names, JOINT: structure.joint_names}
+    named = {BLOCK: structure.names, JOINT: structure.joint_names, BEARING: structure.bearing_names}
     names = {what: [f"{what} {i} ({name})" for i, name in enumerate(of, start=1)] for what, of in named.items()}
     names[TIE] = [f"tie {e}" for e in range(1, len(structure.ties) + 1)]
     sizes = _sizes(structure)

@@ -14,6 +14,7 @@ def command_parser() -> OneLineParser:
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
     add_commands(commands)
     build_fmu.add_options(commands.add_parser("build-fmu", help="FMU of a column, with a record inside if wanted"))
+    build_fmu.add_replay(commands.add_parser("replay", help="run an FMU's reference results and compare"))
     return parser
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -90,14 +90,18 @@ class Level:
             raise InputError("periods: must be left out without a target spectrum")
 
 
-def action_on(subject: Subject, motions: Motions, level: Level) -> Action:
-    """The motions brought to a level; where none is given, artificial ones. Raises InputError as `check` does."""
+def action_on(subject: Subject, motions: Motions, level: Level, variants: Sequence[Subject] = ()) -> Action:
+    """The motions brought to a level; where none is given, artificial ones. Raises InputError as `check` does.
+
+    variants: which the same motions shake. They follow a target up to the periods of their bearings, too.
+    """
     given, own = _named(motions), subject.period
     if not subject.model.kind.across:
         for motion in given.values():
             check_in_plane(motion)
     if level.target is not None:
-        return _following(level.target, given, level, subject)
+        longest = max([subject.longest, *(one.isolated for one in (subject, *variants))])
+        return _following(level.target, given, level, subject, longest)
     if not given:
         raise InputError("motions: none given, must be records, or a target spectrum that artificial ones follow")
     if level.pga is not None:
@@ -111,10 +115,12 @@ def action_on(subject: Subject, motions: Motions, level: Level) -> Action:
     return Action(tuple(scaled), how)
 
 
-def _following(target: TargetSpectrum, given: Mapping[str, Motion], level: Level, subject: Subject) -> Action:
+def _following(
+    target: TargetSpectrum, given: Mapping[str, Motion], level: Level, subject: Subject, longest: float
+) -> Action:
     """Motions whose spectra follow the target: those given, scaled, or artificial ones."""
     own = subject.period
-    usual = (SHORTEST_PART * own, max(LONGEST_PART * own, min(subject.longest, LONGEST_PERIOD)))
+    usual = (SHORTEST_PART * own, max(LONGEST_PART * own, min(longest, LONGEST_PERIOD)))
     low, high = usual if level.periods is None else level.periods
     if given:
         scaled = scaling.scaled_to_spectrum(given, target, (low, high), level.least)

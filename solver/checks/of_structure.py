@@ -12,7 +12,7 @@ from ..common.errors import InputError
 from ..models.column.response import friction_history
 from ..models.protocol import SETTLE
 from ..models.structure.model import Structure
-from ..models.structure.modes import modes_in_space
+from ..models.structure.modes import modes_in_space, sliding_frequencies
 from ..models.structure.overlap import Overlap
 from ..models.structure.response import SpatialResponse
 from ..models.structure.rest import rest_of
@@ -44,8 +44,16 @@ class InSpace(Subject):
     @cached_property
     def joints(self) -> Joints:
         """The joints by the names of the blocks that they connect."""
-        width = [joint.face.width for joint in self.model.joints]
-        return Joints.of(self.model.joint_names, width, self.model.laws)
+        found = Joints.of(self.model.joint_names, [joint.face.width for joint in self.model.joints], self.model.laws)
+        if self.model.bearings:  # they are meant to slide: their displacement is compared, not their slip
+            first = len(self.model.joints) - len(self.model.bearings)
+            found.width[first:], found.friction[first:] = math.nan, 0.0
+        return found
+
+    @cached_property
+    def bearings(self) -> tuple[tuple[str, ...], FloatArray]:
+        capacity = [joint.bearing.capacity for joint in self.model.bearings if joint.bearing is not None]
+        return self.model.bearing_names, np.array(capacity)
 
     @cached_property
     def yields(self) -> FloatArray:
@@ -61,6 +69,13 @@ class InSpace(Subject):
         blocks = self.model.blocks
         height = sum(block.mass * float(block.centroid[2]) for block in blocks) / sum(block.mass for block in blocks)
         return rocking_period(height, self.model.g, self.confidence_factor)
+
+    @cached_property
+    def isolated(self) -> float:
+        if not self.model.bearings:
+            return 0.0
+        slowest = float(sliding_frequencies(self.model)[0])
+        return 1.0 / slowest if slowest > 0.0 else math.inf
 
     def shear_ratio(self, run: SpatialResponse) -> FloatArray:
         carried = np.maximum(run.N[0], CARRIES * self.model.weight)

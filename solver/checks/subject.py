@@ -57,6 +57,11 @@ class Subject:
         return np.empty(0)
 
     @property
+    def bearings(self) -> tuple[tuple[str, ...], FloatArray]:
+        """Names of the bearings, and the displacements that they allow, m."""
+        return (), np.empty(0)
+
+    @property
     def period(self) -> float:
         """Of the first mode about rest, s; 0 where nothing sways before it lifts."""
         return 0.0
@@ -65,6 +70,11 @@ class Subject:
     def longest(self) -> float:
         """Period when it rocks by 0.4 of what overturns it, s."""
         return math.inf
+
+    @property
+    def isolated(self) -> float:
+        """Longest period while all bearings slide or yield, s; 0 without bearings."""
+        return 0.0
 
     @property
     def edge(self) -> float:

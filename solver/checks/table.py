@@ -32,7 +32,8 @@ class Unit:
 
 
 MM, MPA, KN, PERCENT = Unit("mm", 1e3), Unit("MPa", 1e-6), Unit("kN", 1e-3), Unit("%", 100.0)
-FACTOR, PLAIN = Unit("x"), Unit()
+FACTOR, PLAIN, MRAD = Unit("x"), Unit(), Unit("mrad", 1e3)
+BEARING = "displacement of a bearing"
 
 
 def three_digits(value: float) -> str:
@@ -132,6 +133,7 @@ def rows_of(
         *(_of_joints(demands, limits) if subject.joints.names else ()),
         *_overlap(demands, limits),
         *_ties(demands),
+        *_bearings(demands),
     )
 
 
@@ -232,7 +234,7 @@ def _sliding(demands: Demands, limits: Limits) -> list[Row]:
     rows: list[Row] = []
     subject, joints = demands.subject, demands.subject.joints
     slides = ~np.isnan(joints.friction)
-    if slides.any():
+    if (slides & ~np.isnan(joints.width)).any():
         width = np.where(slides, joints.width, math.nan)
         for name, part, values in (
             ("slip", limits.slip, demands.largest(lambda run: np.max(np.abs(run.slip - run.slip[0]), axis=0))),
@@ -293,3 +295,14 @@ def _ties(demands: Demands) -> list[Row]:
     i = _worst(statistic(values), yields)
     note = "no tie has a yield" if np.isnan(yields).all() else "the force at which it yields: at 1 it has yielded"
     return [_of_part("force of a tie", f"tie {i + 1}", float(yields[i]), KN, note, values[:, i])]
+
+
+def _bearings(demands: Demands) -> list[Row]:
+    """Of the bearing that is asked for most of the displacement that it allows; none without bearings."""
+    names, capacity = demands.subject.bearings
+    if not names:
+        return []
+    values = demands.largest(lambda run: run.peaks["d"])
+    i = _worst(statistic(values), capacity)
+    note = "the displacement beyond which what it carries has come off it"
+    return [_of_part(BEARING, names[i], float(capacity[i]), MM, note, values[:, i])]

@@ -14,7 +14,7 @@ from ..common.errors import InputError
 from ..models.uncertainty import CONFIDENCE
 from .check import Check
 from .spectra import FloatArray
-from .table import MM, PERCENT, Unit
+from .table import BEARING, MM, MRAD, PERCENT, Unit
 from .verdicts import falls
 
 MOST_NAMED = 4  # changes of a variant
@@ -36,7 +36,10 @@ def difference(first: Check, other: Check) -> str:
         more = pairs_of(fell[1].astype(float), fell[0].astype(float))
         found.append(_said("{} of its runs fall", more, PERCENT, of))
     stand = ~(fell[0] | fell[1])
-    if stand.any():
+    if any(check.subject.bearings[0] for check in (first, other)):  # what they let move is no damage
+        apart = pairs_of(*(np.where(stand[:, :1], _tilt(check), math.nan) for check in (other, first)))
+        found += [_said("its blocks tilt by {}", apart, MRAD, "motions")] if apart.size else []
+    elif stand.any():
         moved = pairs_of(*(np.where(stand, values, math.nan) for values in reversed(pairs)))
         found.append(_said("it moves {}", moved, MM, of))
     words = {word for _, word in found} - {SAME}
@@ -44,7 +47,7 @@ def difference(first: Check, other: Check) -> str:
     parts = "; ".join(f"{text}: {one}" if len(found) > 1 else text for text, one in found)
     what = described(first.subject.model, other.subject.model)
     name = f"{other.name} ({what})" if what else other.name
-    return f"{name} against {first.name}: {word}. {parts[0].upper()}{parts[1:]}."
+    return f"{name} against {first.name}: {word}. {parts[0].upper()}{parts[1:]}.{_asked(other)}"
 
 
 def described(first: Any, other: Any) -> str:
@@ -74,6 +77,24 @@ def _flat(key: str, value: Any) -> dict[str, str]:
     if isinstance(value, (list, tuple)):
         return {name: text for k, v in enumerate(value, 1) for name, text in _flat(f"{key}[{k}]", v).items()}
     return {key: f"{value:.4g}" if isinstance(value, float) else str(value)}
+
+
+def _tilt(check: Check) -> FloatArray:
+    """Largest rotation of a block about a horizontal axis, rad, of the run of each motion (motions, 1)."""
+    return np.array([[np.max(np.hypot(run.peaks["rx"], run.peaks["ry"]))] for run in check.responses])
+
+
+def _asked(check: Check) -> str:
+    """What displacement is asked of the bearings, in a sentence; "" without."""
+    row = next((row for row in check.rows if row.name == BEARING), None)
+    if row is None or not np.isfinite(row.values).all():
+        return "" if row is None else f" The displacement of {row.where} is not known: it falls."
+    values = np.array(row.values)
+    said = f" {row.where} is asked for {MM.factor * np.mean(values):.3g} mm, the mean of {len(values)} motions"
+    if len(values) > 1:
+        low, high = mean_bounds(values)
+        said += f" ({MM.factor * low:.3g} to {MM.factor * high:.3g} mm at {100.0 * CONFIDENCE:g} % confidence)"
+    return f"{said}, at most {MM.factor * np.max(values):.3g} mm; it allows {MM.factor * row.capacity:.3g} mm."
 
 
 def _moved(check: Check) -> FloatArray:

@@ -155,7 +155,7 @@ def _check(options: argparse.Namespace) -> None:
     motions = _motions(options)
     subjects = [(path, _subject(path, model, plan)) for path, model in models]
     with reading(options.column):
-        action = action_on(subjects[0][1], motions, level)
+        action = action_on(subjects[0][1], motions, level, [subject for _, subject in subjects[1:]])
     print(*action_lines(action), sep="\n", flush=True)
     checks: list[Check] = []
     for path, subject in subjects:

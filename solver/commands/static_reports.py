@@ -8,7 +8,7 @@ import numpy as np
 
 from ..ground.motion import STANDARD_GRAVITY
 from ..models.structure.blocks.faces import FloatArray
-from ..models.structure.modes import SpatialModes
+from ..models.structure.modes import SpatialModes, sliding_frequencies
 from ..models.structure.push import PushOver
 from .reports import MOST_MODES
 from .structure import MOST_LINES
@@ -28,6 +28,12 @@ def modes_in_space_report(modes: SpatialModes) -> str:
         lines.append(
             f"{k + 1:4d}  {modes.frequency[k]:14.6g}  {1.0 / modes.frequency[k]:10.4g}  "
             f"{100.0 * modes.damping_ratio[k]:11.4g}  {x:>21s} {y} {z}  {100.0 * modes.twists[k]:9.2f}"
+        )
+    if any(joint.bed.friction is not None for joint in modes.structure.bearings):
+        slow = sliding_frequencies(modes.structure)[:3]
+        periods = ", ".join(f"{1.0 / value:.4g}" for value in slow if value > 0.0) or "none, nothing pulls them back"
+        lines.append(
+            "bearings are as stiff as about rest, until they slide or yield; periods (s) once all have: " + periods
         )
     return "\n".join(lines)
 

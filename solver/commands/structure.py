@@ -59,6 +59,14 @@ def summary(response: SpatialResponse) -> str:
     lines += [f"... {left} more joints"] if left > 0 else []
     if structure.ties:
         lines.append("ties: peak forces (kN) " + ", ".join(f"{1e-3 * force:.4g}" for force in peaks["tie"]))
+    if structure.bearings:
+        moved = zip(structure.bearing_names, structure.bearings, peaks["d"].tolist(), strict=True)
+        lines.append("bearing         displacement (mm)  of it at the end  it allows")
+        lines += [
+            f"{name[:14]:14s}  {1e3 * most:17.5g} {1e3 * response.d[-1, k]:17.5g} {1e3 * joint.bearing.capacity:10.5g}"
+            for k, (name, joint, most) in enumerate(moved)
+            if joint.bearing is not None
+        ][:MOST_LINES]
     lines.append(f"{response.verdict}: {response.reason}")
     if response.estimated_error is not None and response.horizon is not None:
         error = response.estimated_error

@@ -159,7 +159,7 @@ class PlainModel:
     settings: Settings = field(default_factory=Settings, kw_only=True)
     n: ClassVar[int] = 1
     laws: ClassVar[Sequence[Law]] = ()
-    sizes: ClassVar[Mapping[str, int]] = {"block": 1, "joint": 0, "tie": 0, "base": 0}
+    sizes: ClassVar[Mapping[str, int]] = {"block": 1, "joint": 0, "tie": 0, "bearing": 0, "base": 0}
 
     def with_settings(self, **changes: Any) -> Self:
         """As of `Model`."""

@@ -10,7 +10,6 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ..common.errors import InputError
 from ..common.frames import Frame, Framed
 from ..common.notebook import Shown, counted
 from ..ground.motion import Motion
@@ -80,10 +79,7 @@ class Result(Histories, Framed, Shown):
     def _repr_html_(self) -> str:
         from ..plotting.scene.page import frame_of
 
-        try:
-            return f"<div>{super()._repr_html_()}{frame_of(self)}</div>"
-        except InputError:  # a model of another kind, whose shape is not known
-            return super()._repr_html_()
+        return f"<div>{super()._repr_html_()}{frame_of(self)}</div>"
 
     def to_vtk(self, folder: str | os.PathLike[str], fps: float = 30.0) -> None:
         """Write blocks.pvd and joints.pvd, for ParaView: the blocks, and the loaded parts of joints, over time.

@@ -264,9 +264,10 @@ def test_report_has_everything_inside(found: Check, tmp_path: Path) -> None:
     path = tmp_path / "report.html"
     write_report([found, found], path, "multiblock check <block>")
     text = path.read_text(encoding="utf-8")
-    addresses = re.findall(r"(?:src|href|url)\s*[=(]\s*[\"']?([^\"')\s>]{1,30})", text)
-    assert len(addresses) == 4
-    assert all(address.startswith("data:image/png;base64,") for address in addresses)
+    addresses = re.findall(r"(?:src|href|url)\s*[=(]\s*(?:[\"']|&quot;)?([^\"')\s>]{1,30})", text)
+    assert sum(address.startswith("data:image/png;base64,") for address in addresses) == 4
+    assert all(address.startswith("data:") for address in addresses)
+    assert text.count("<iframe") == 1  # the scene of the governing run
     assert "http" not in text
     for said in (found.verdict, found.fingerprint, "multiblock check &lt;block&gt;", "Variants under the same motions"):
         assert said in text

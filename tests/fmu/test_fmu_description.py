@@ -136,6 +136,7 @@ def test_says_what_is_inside_and_what_it_needs(archive: dict[str, bytes]) -> Non
     """Licences where FMI looks for them; what `pythonfmu deploy` installs is what the project itself needs."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     needed = [text for text in project["dependencies"] if re.match("(numpy|numba)\\b", text)]
+    assert archive["resources/scene.glb"].startswith(b"glTF")
     assert archive["resources/requirements.txt"].decode().split() == needed
     assert archive["documentation/licenses/license.txt"] == (ROOT / "LICENSE").read_bytes()
     assert b"Permission is hereby granted" in archive["documentation/licenses/pythonfmu.txt"]

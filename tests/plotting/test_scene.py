@@ -2,6 +2,8 @@
 
 import json
 import math
+import runpy
+import zipfile
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +14,8 @@ from support.fmus import ROOT
 from multiblock import Structure
 from solver import Column, InputError, Motion, simulate
 from solver.models.structure.blocks.shapes import turned
-from solver.plotting.scene.bodies import normal_of, scene_of
+from solver.plotting.scene.bodies import normal_of, parts_of, scene_of
+from solver.plotting.scene.gltf import animated, still
 
 INSTANTS = (0.1, 0.4, 0.7)
 SHAKING = Motion.harmonic(3.0, 2.0, 0.8)
@@ -128,6 +131,32 @@ def test_surfaces_are_closed_and_look_outwards(name: str) -> None:
 
 def test_rows_of_a_column_turn_as_in_space() -> None:
     assert turned(np.array([0.0, 0.1, 0.0]), np.array([0.0, 0.0, 1.0]))[0] > 0.0  # clockwise, as x points to the right
+
+
+@pytest.mark.parametrize("which", ["in_space", "in_plane"])
+def test_results_of_an_fmu_move_the_blocks_inside_it(
+    which: str, request: pytest.FixtureRequest, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """By the numbers of the blocks, as an FMU has them, or by plain names; the same places as from the response."""
+    response = request.getfixturevalue(which)
+    model, labels = response.model, {1: "block[{}].{}", 0: "block{}.{}"}[which == "in_plane"]
+    bodies, _ = parts_of(model)
+    with zipfile.ZipFile(tmp_path / "some.fmu", "w") as archive:
+        archive.writestr("resources/scene.glb", still(model.name, bodies, not model.kind.across))
+    outputs = ("ux", "uz", "theta") if which == "in_plane" else ("ux", "uy", "uz", "rx", "ry", "rz")
+    named = {labels.format(i + 1, name): getattr(response, name)[:, i] for i in range(model.n) for name in outputs}
+    table = np.column_stack([response.time, *named.values()])
+    head = ",".join(f'"{name}"' for name in ("time", *named))
+    np.savetxt(tmp_path / "results.csv", table, delimiter=",", header=head, comments="", fmt="%.17g")
+    monkeypatch.setattr("sys.argv", ["", *(str(tmp_path / name) for name in ("some.fmu", "results.csv", "moving.glb"))])
+    runpy.run_path(str(ROOT / "examples" / "animate_fmu.py"))
+    response.to_gltf(tmp_path / "scene.glb")
+    t = float(scene_of(response, 30.0).time[12])
+    expected = vertices_of(tmp_path / "scene.glb", t)
+    for name, (_, placed) in vertices_of(tmp_path / "moving.glb", t).items():
+        assert placed == pytest.approx(expected[name][1], abs=1e-9)
+    with pytest.raises(InputError, match=r"block\[1\].ux: is missing"):
+        animated(still(model.name, bodies, which == "in_plane"), response.time, {})
 
 
 def test_another_suffix_is_refused(in_plane: Any, tmp_path: Path) -> None:

@@ -50,11 +50,13 @@ def too_stiff(folder: Path) -> Path:
 
 # phocas.py
 
+WRITTEN = "results.csv", "results.png", "scene.html"
+
 
 def test_phocas(tmp_path: Path) -> None:
     run = example("phocas.py", tmp_path, "--column", PHOCAS, "--duration", 2, "--output-step", 0.001)
     assert (run.returncode, run.stderr) == (0, "")
-    assert sorted(file.name for file in tmp_path.iterdir()) == ["phocas.fmu", "results.csv", "results.png"]
+    assert sorted(file.name for file in tmp_path.iterdir()) == ["phocas.fmu", *WRITTEN]
     assert is_picture(tmp_path / "results.png")
     assert "modelDescription.xml" in zipfile.ZipFile(tmp_path / "phocas.fmu").namelist()
 
@@ -73,7 +75,7 @@ def test_phocas(tmp_path: Path) -> None:
     lines = run.stdout.splitlines()
     printed = [float(line.split()[1]) for line in lines[1:4]]
     assert printed == pytest.approx(1e3 * peaks, rel=1e-4)
-    assert lines[4:] == ["not overturned", "phocas.fmu", "results.csv", "results.png"]
+    assert lines[4:] == ["not overturned", "phocas.fmu", *WRITTEN]
 
 
 def test_phocas_with_options(tmp_path: Path) -> None:
@@ -81,7 +83,7 @@ def test_phocas_with_options(tmp_path: Path) -> None:
     options = ["--amplitude", 0.6, "--frequency", 0.25, "--duration", 2.5]
     run = example("phocas.py", tmp_path, *options, "--output-folder", folder)
     assert (run.returncode, run.stderr) == (0, "")
-    assert sorted(file.name for file in folder.iterdir()) == ["phocas_damped.fmu", "results.csv", "results.png"]
+    assert sorted(file.name for file in folder.iterdir()) == ["phocas_damped.fmu", *WRITTEN]
     response = simulate(Column.from_toml(DAMPED), Motion.harmonic(0.6 * STANDARD_GRAVITY, 0.25, 2.5))
     assert response.overturned
     last = read(folder / "results.csv")[-1]

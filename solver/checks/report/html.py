@@ -14,11 +14,13 @@ from typing import Any
 import numba
 import numpy as np
 from jinja2 import Environment, StrictUndefined
+from markupsafe import Markup
 
 from ... import __version__
 from ...common.files import whole_file
 from ...ground.intensity import peak, pgv
 from ...ground.motion import STANDARD_GRAVITY
+from ...plotting.scene.page import frame_of
 from ..by_hand import NOT_IN_SPACE
 from ..check import Check
 from ..limits import TOLERANCE
@@ -55,7 +57,8 @@ def write_report(
 def _content(checks: Sequence[Check]) -> dict[str, Any]:
     """Everything that the template names."""
     check = checks[0]
-    shown = shown_of(check.subject.model, check, check.responses[check.governing])
+    run = check.responses[check.governing]
+    shown = shown_of(check.subject.model, check, run)
     return {
         "check": check,
         "word": check.subject.model.kind.word,
@@ -79,6 +82,7 @@ def _content(checks: Sequence[Check]) -> dict[str, Any]:
             "histories": embedded(shown.histories),
             "deformed": embedded(shown.deformed, check.subject.model.kind.across),
         },
+        "scene": Markup(frame_of(run)),
         "worst": check.action.motions[check.governing],
         "versions": {
             "multiblock-fmu": __version__,

@@ -114,6 +114,10 @@ def _structure(structure: Structure, check: Check, run: SpatialResponse) -> Show
             _merged([_joint(*pair) for pair in zip(structure.joint_names, structure.joints, strict=True)]),
         ),
     ]
+    if structure.bearings:
+        known = ("bearing", "kind", "radius (m)", "rubber (MN/m)", "damping (kN s/m)", "lead (kN)", "allows (m)")
+        pairs = zip(structure.bearing_names, structure.bearings, strict=True)
+        sheets.append(Sheet(known, _merged([_bearing(*pair) for pair in pairs])))
     if structure.ties:
         headings = ("tie", "between", "stiffness (MN/m)", "yield (kN)")
         names = (*structure.names, "base")
@@ -140,6 +144,15 @@ def _joint(name: str, joint: Joint) -> tuple[str, ...]:
     bed, face = joint.bed, joint.face
     contact = f"diameter {2.0 * face.radius:.4g}" if face.radius else f"width {face.width:.4g}"
     return name, contact, *_law(bed.stiffness, bed.damping, bed.friction, bed.strength)
+
+
+def _bearing(name: str, joint: Joint) -> tuple[str, ...]:
+    bearing = joint.bearing
+    assert bearing is not None
+    radius = f"{1.0 / bearing.pendulum:.4g}" if bearing.pendulum else "none"
+    given = bearing.spring, bearing.dashpot, joint.bed.dowel
+    shown = (_or_none(value or None, factor) for value, factor in zip(given, (1e-6, 1e-3, 1e-3), strict=True))
+    return name, bearing.kind, radius, *shown, f"{bearing.capacity:.4g}"
 
 
 def _tie(number: int, tie: Tie, names: Sequence[str]) -> tuple[str, ...]:

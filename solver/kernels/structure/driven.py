@@ -73,6 +73,8 @@ def assemble(model, state, counts, base, work, given, from_rest):
         joints.damping[j] *= described.damping_scale
         least = settings.relaxation if joints.friction[j] != math.inf else 0.0
         joints.shear_damping[j] = max(least, described.damping_scale * joints.shear_damping[j])
+        joints.dashpot[j] *= described.damping_scale
+        joints.ring_damping[j] *= described.damping_scale
     for e in range(sizes.k):
         made.ties.damping[e] *= described.damping_scale
     scene = scene_of(model, state, counts, work)

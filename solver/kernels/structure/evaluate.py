@@ -7,12 +7,12 @@ from ..numba_ext.lanes import any_of, zero_like
 from ..numba_ext.views import copy
 from .joint import joint_energy, load_joint
 from .kinematics import accelerate_bodies, pose_bodies
-from .layout import MEMORY, OF_BASE, OF_BLOCK, OF_JOINT, PHASE
+from .layout import MEMORY, OF_BASE, OF_BEARING, OF_BLOCK, OF_JOINT, PHASE
 from .tie import load_tie, tie_energy
 
 _phase = PHASE.over
 _PER_BODY, _PER_JOINT = PHASE.per_n, MEMORY.per_n
-_BLOCKS, _JOINTS, _BASE = len(OF_BLOCK), len(OF_JOINT), len(OF_BASE)
+_BLOCKS, _JOINTS, _BASE, _BEARINGS = len(OF_BLOCK), len(OF_JOINT), len(OF_BASE), len(OF_BEARING)
 
 
 @leaf
@@ -124,6 +124,10 @@ def show(scene, phase, row):
     of_ties = row[_BLOCKS * n + _JOINTS * m :]
     for e in range(k):
         of_ties[e] = scene.pulls.force[e]
-    base, poses = of_ties[k:], scene.poses
+    b, of_bearings = scene.b, of_ties[k:]
+    for i in range(b):
+        x, y = scene.resultants.s1[m - b + i], scene.resultants.s2[m - b + i]
+        of_bearings[i], of_bearings[b + i], of_bearings[2 * b + i] = x, y, math.hypot(x, y)
+    base, poses = of_bearings[_BEARINGS * b :], scene.poses
     base[0], base[1], base[2] = poses.fx[n], poses.fy[n], poses.fz[n]
     base[3], base[4], base[5] = poses.mx[n], poses.my[n], poses.mz[n]

@@ -71,7 +71,8 @@ def error_of_forces(scene, errors):
                 bent = joints.arm[j] * found.area[j] / joints.area[j] * math.sqrt(k1 * k1 + k2 * k2)
                 across = max(across, joints.stiffness[j] * found.area[j] * (abs(opening) + bent))
             elif kind == 1 and scene.giving_slips.p1[j] == 0.0 and scene.giving_slips.p2[j] == 0.0:
-                along = max(along, joints.shear[j] * math.sqrt(dot(e1, gap) ** 2 + dot(e2, gap) ** 2))
+                stiffness = joints.shear[j] + joints.spring[j] + joints.pendulum[j] * normal
+                along = max(along, stiffness * math.sqrt(dot(e1, gap) ** 2 + dot(e2, gap) ** 2))
             if kind == 1 and scene.giving_slips.p3[j] == 0.0:
                 along = max(along, joints.twist[j] / joints.arm[j] * abs(dot(e3, turn)))
     shear = max(control.largest_shear, LEAST_SHEAR * control.largest_normal)

@@ -19,6 +19,7 @@ class Sizes(NamedTuple):
     n: int  # blocks
     m: int  # joints
     k: int  # ties
+    b: int  # of the joints, the last ones: bearings
     corners: int  # numbers of the corners of all sections
     modal: int  # numbers of the modal data (modal_layout.py), 0 without modes
     modal_room: int  # numbers that steps by modes need
@@ -52,7 +53,7 @@ BODIES = Table(
     "size",  # m, by which rotations become displacements
     "drop",  # m: a block this far below its place as built has fallen
 )
-POLYGON, ROUND = 0.0, 1.0  # sections
+POLYGON, ROUND, POINT = 0.0, 1.0, 2.0  # sections; a bearing bears at a point
 JOINTS = Table(
     *("upper", "lower"),  # numbers of the bodies A and B
     *("ax", "ay", "az", "bx", "by", "bz"),  # m, the centre of the joint from the centroids of A and B, as built
@@ -60,7 +61,7 @@ JOINTS = Table(
     *("stiffness", "damping"),  # N/m3, s
     *("shear", "twist", "shear_damping"),  # N/m, N m/rad, s
     *("friction", "dowel"),  # coefficient, infinite where nothing slides; N
-    "section",  # POLYGON or ROUND
+    "section",  # POLYGON, ROUND or POINT
     *("area", "ixx", "iyy", "ixy"),  # m2; m4, integrals of x^2, y^2, x y about the centre, which is the centroid
     "reach",  # m, elastic slip that friction and dowel bear under the weight of one block; infinite without
     "arm",  # m, mean distance of the section from the centre
@@ -68,6 +69,12 @@ JOINTS = Table(
     *("first", "corners"),  # place and number of the corners of a polygon
     *("above", "below"),  # places of the faces of A and B among the corners, where it may slide
     *("rim_a", "rim_b"),  # m, distance of the nearest edge of either face from the centre; infinite if it never slides
+    # of a bearing, whose displacement u, m, has two components along the joint
+    "pendulum",  # 1/m: the force N u/R, by which it rises
+    *("spring", "dashpot"),  # N/m, N s/m
+    *("ring", "ring_stiffness", "ring_damping"),  # m, infinite without; N/m, s: a stiff ring from this |u| on
+    "capacity",  # m: beyond this |u| what it bears has come off
+    "holds",  # 1: it bears tension too
 )
 # a face among the corners of all sections, with its own corners behind it: their number, 0 where it is round; its
 # centre from that of the joint, m; its radius, infinite where it has no end, and that of its bore
@@ -143,6 +150,7 @@ STAGES = 13  # of a step of order 8, with its start and its end
 # --- an output row
 OF_BLOCK = ("ux", "uy", "uz", "rx", "ry", "rz")
 OF_JOINT = ("N", "Mx", "My", "Tx", "Ty", "Mz", "contact", "sigma_max", "slip")
+OF_BEARING = ("dx", "dy", "d")
 OF_BASE = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
 
 # codes
@@ -197,11 +205,11 @@ WORK = Space(
 )
 
 
-def sizes_of(n: int, m: int, k: int, corners: int, modal: int = 0, modal_room: int = 0) -> Sizes:
-    """The sizes of n blocks, m joints and k ties."""
+def sizes_of(n: int, m: int, k: int, b: int, corners: int, modal: int = 0, modal_room: int = 0) -> Sizes:
+    """The sizes of n blocks, m joints, of them b bearings, and k ties."""
     state = PHASE.size(n) + MEMORY.size(m) + k
-    row = len(OF_BLOCK) * n + len(OF_JOINT) * m + k + len(OF_BASE)
-    return Sizes(n, m, k, corners, modal, modal_room, state, (state + PACK - 1) // PACK * PACK, row)
+    row = len(OF_BLOCK) * n + len(OF_JOINT) * m + k + len(OF_BEARING) * b + len(OF_BASE)
+    return Sizes(n, m, k, b, corners, modal, modal_room, state, (state + PACK - 1) // PACK * PACK, row)
 
 
 class Scene(NamedTuple):
@@ -210,6 +218,7 @@ class Scene(NamedTuple):
     n: int
     m: int
     k: int
+    b: int  # bearings, the last joints
     stride: int  # numbers from one state of a step to the next
     visible: int  # numbers of an output row
     settings: object
@@ -244,7 +253,7 @@ _head, _model, _state, _counts, _work = HEAD.over, MODEL.over, STATE.over, COUNT
 def sizes_in(model):
     """The sizes at the head of a model."""
     head = _head(model, 0)
-    shape = int(head.n), int(head.m), int(head.k), int(head.corners)
+    shape = int(head.n), int(head.m), int(head.k), int(head.b), int(head.corners)
     return Sizes(*shape, int(head.modal), int(head.modal_room), int(head.state), int(head.stride), int(head.visible))
 
 
@@ -265,6 +274,7 @@ def scene_over(sizes, model, control, counts, peaks, work):
         sizes.n,
         sizes.m,
         sizes.k,
+        sizes.b,
         sizes.stride,
         sizes.visible,
         model.settings,

@@ -192,6 +192,12 @@ def _has_slid_far(scene, j):
     return max(abs(p1), abs(p2), arm * abs(p3)) > FAR * arm
 
 
+@leaf
+def _to_ring(scene, k, i):
+    """How far bearing i is from its ring, m, by row k of a step."""
+    return scene.joints.ring[scene.m - scene.b + i] - _ties_in(scene, k)[scene.k + 2 * scene.b + i]
+
+
 @kernel
 def _is_as_at_rest(body, k, giving):
     """Whether all joints are in full contact and stick, and ties pull as at rest, by row k of a step and its rates."""
@@ -202,6 +208,9 @@ def _is_as_at_rest(body, k, giving):
             return False
     for e in range(scene.k):
         if (ties[e] != 0.0) != (body.data.taut[e] != 0.0):
+            return False
+    for i in range(scene.b):
+        if not _to_ring(scene, k, i) > 0.0:
             return False
     slides = 0.0
     for place in range(_PER_BODY * scene.n, moving(scene)):
@@ -243,9 +252,12 @@ def _leaves(body):
     for j in range(body.scene.m):
         if _joint_leaves(body.scene, j):
             return True
-    leaves = False
-    for e in range(body.scene.k):
+    leaves, scene = False, body.scene
+    for e in range(scene.k):
         leaves = leaves or _tie_leaves(body, e)
+    for i in range(scene.b):
+        begins, halfway, ends = _to_ring(scene, 0, i), _to_ring(scene, 1, i), _to_ring(scene, 2, i)
+        leaves = leaves or (ends != math.inf and _dips(begins, halfway, ends))
     return leaves
 
 

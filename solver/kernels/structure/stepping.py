@@ -68,7 +68,8 @@ def _take_stock(scene, phase):
 def fallen(scene, phase):
     """Number, from 1, of a block that has fallen; 0 if there is none.
 
-    It lies far below its place as built, or is tipped over what it stands on: beyond that a joint has no meaning.
+    It lies far below its place as built, or is tipped over what it stands on: beyond that a joint has no meaning. Or it
+    has come off a bearing, by the place that was evaluated last.
     """
     found = zero_like(phase.uz[0])
     for k in range(scene.n):
@@ -77,6 +78,9 @@ def fallen(scene, phase):
     for j in range(scene.m):
         upper, lower = index_of(scene.joints.upper[j]), index_of(scene.joints.lower[j])
         found = where(is_tipped(scene, phase, j), (upper if upper < scene.n else lower) + 1.0, found)
+    for j in range(scene.m - scene.b, scene.m):
+        x, y, capacity = scene.resultants.s1[j], scene.resultants.s2[j], scene.joints.capacity[j]
+        found = where(x * x + y * y > capacity * capacity, index_of(scene.joints.upper[j]) + 1.0, found)
     return found
 
 
@@ -143,9 +147,9 @@ def _finish(scene, shaking, watch, segment, t, h, by_modes):
     phase = _phase(row(scene, END), scene.n)
     scene.counts.steps += 1
     _take_stock(scene, phase)
+    block = int(fallen(scene, phase))
     track_peaks(scene, shaking, segment, t, h, by_modes)
     _serve_rows(scene, shaking, watch, segment, t, h)
-    block = int(fallen(scene, phase))
     if block > 0:
         scene.counts.fallen, scene.control.fall_time = block, t + h
     copy(row(scene, START), row(scene, END), moving(scene))

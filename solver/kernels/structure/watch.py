@@ -14,7 +14,7 @@ from .base import acceleration
 from .evaluate import evaluate_state, moving, show, show_block, show_joint
 from .joint import load_joint
 from .kinematics import pose_body, spin_of
-from .layout import MEMORY, OF_BLOCK, OF_JOINT, PHASE, STAGES
+from .layout import MEMORY, OF_BEARING, OF_BLOCK, OF_JOINT, PHASE, STAGES
 
 _phase = PHASE.over
 _PER_BODY, _PER_JOINT = PHASE.per_n, MEMORY.per_n
@@ -173,8 +173,11 @@ def _allow(scene, allowed):
         _allow_field(scene, allowed, first + field * m, m)
     first += len(OF_JOINT) * m
     _allow_field(scene, allowed, first, scene.k)
+    first += scene.k
+    _allow_field(scene, allowed, first, len(OF_BEARING) * scene.b)
+    first += len(OF_BEARING) * scene.b
     for half in range(2):
-        _allow_field(scene, allowed, first + scene.k + 3 * half, 3)
+        _allow_field(scene, allowed, first + 3 * half, 3)
 
 
 @kernel

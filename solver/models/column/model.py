@@ -86,7 +86,7 @@ class Column(Shown):
     @property
     def sizes(self) -> dict[str, int]:
         """Numbers of blocks, joints, ties and components of the base."""
-        return {"block": self.n, "joint": self.n, "tie": 0, "base": 6}
+        return {"block": self.n, "joint": self.n, "tie": 0, "bearing": 0, "base": 6}
 
     @property
     def laws(self) -> tuple[Joint, ...]:

@@ -12,6 +12,7 @@ import numpy as np
 from ...common.errors import InputError, check_number, check_whole, shown
 from ...common.ranges import LENGTH, MAX_BLOCKS, NUMBERS, check, check_choice, check_keys
 from ..column.file import has_blocks_in_space
+from .bearing_tables import bearings_from, check_table
 from .blocks.contacts import joints_between, turned_face
 from .blocks.faces import Face, FloatArray, polygon_moments
 from .blocks.outlines import MEANING, MOST_CORNERS, outline_of
@@ -27,7 +28,7 @@ _OF_SECTION = {
     "ring": ("diameter", "bore"),
     "polygon": ("outline",),
 }
-_KEYS = ("name", "g", "block", "joint", "joints", "tie", "solver")
+_KEYS = ("name", "g", "block", "joint", "joints", "bearing", "tie", "solver")
 _LAW = ("stiffness", "damping", "shear_ratio", "shear_damping", "friction", "dowel", "strength")
 _OF_SHAPE = {
     "box": ("width", "depth", "height", "top_width", "top_depth"),
@@ -82,6 +83,8 @@ def parts_from(data: Mapping[str, Any], surfaces: Mapping[int, FloatArray]) -> d
             joints += joints_between(blocks, upper, below, bed, f"{key}.on")
     for number, table in enumerate(explicit, start=1):
         joints += _joints_from(f"joint[{number}]", table, law, blocks)
+    for number, table in enumerate(_tables("bearing", data, 0), start=1):
+        joints += _bearings_from(f"bearing[{number}]", table, blocks)
     check_joints(blocks, joints)
     ties = tuple(_tie_from(f"tie[{e}]", table, blocks) for e, table in enumerate(_tables("tie", data, 0), start=1))
     solver = data.get("solver", {})
@@ -287,23 +290,14 @@ def bed_from(key: str, table: Mapping[str, Any]) -> Bed:
 
 def _joints_from(key: str, table: Mapping[str, Any], law: Mapping[str, Any], blocks: tuple[Solid, ...]) -> list[Joint]:
     _check_keys(f"{key}.", table, _JOINT)
-    upper, lower = _pair(key, table, blocks)
-    if upper == len(blocks):
-        raise InputError(f'{key}.between: must name the block first, then "{BASE}"')
+    upper, lower = _upper_first(key, table, blocks)
     bed = bed_from(key, {**law, **{word: table[word] for word in _LAW if word in table}})
     if "at" not in table:
         for word in _PATCH:
             if word in table:
                 raise InputError(f"{key}.{word}: must be left out, or at given with it: the faces that touch are taken")
         return joints_between(blocks, upper, lower, bed, key, sides=True)
-    normal = _vector(f"{key}.normal", table.get("normal", [0.0, 0.0, 1.0]), 3)
-    size = float(np.linalg.norm(normal))
-    if not size > 0.0:
-        raise InputError(f"{key}.normal = {shown(table['normal'])}: must have a length")
-    normal = normal / size
-    place = _vector(f"{key}.at", table["at"], 3)
-    across = np.column_stack([np.zeros(3), np.zeros(3), normal])
-    frame = turned_face(Face(place, across, np.zeros((0, 2)), 1.0)).axes
+    place, frame = _vector(f"{key}.at", table["at"], 3), _frame(key, table)
     section = table.get("section", "rectangle")
     check_choice(f"{key}.section", section, tuple(_OF_SECTION))
     for word in ("width", "depth", "diameter", "bore", "outline"):
@@ -323,6 +317,29 @@ def _joints_from(key: str, table: Mapping[str, Any], law: Mapping[str, Any], blo
     area, first, _ = polygon_moments(outline)
     middle = first / area
     return [Joint(upper, lower, Face(place + frame[:, :2] @ middle, frame, outline - middle), bed, key)]
+
+
+def _frame(key: str, table: Mapping[str, Any]) -> FloatArray:
+    """Axes of a joint by its normal, (3, 3)."""
+    normal = _vector(f"{key}.normal", table.get("normal", [0.0, 0.0, 1.0]), 3)
+    size = float(np.linalg.norm(normal))
+    if not size > 0.0:
+        raise InputError(f"{key}.normal = {shown(table['normal'])}: must have a length")
+    across = np.column_stack([np.zeros(3), np.zeros(3), normal / size])
+    return turned_face(Face(np.zeros(3), across, np.zeros((0, 2)), 1.0)).axes
+
+
+def _bearings_from(key: str, table: Mapping[str, Any], blocks: tuple[Solid, ...]) -> list[Joint]:
+    """The bearings of a table: one, or equal ones at several places."""
+    check_table(key, table)
+    bodies, at = _upper_first(key, table, blocks), table.get("at")
+    if not isinstance(at, (list, tuple)) or not at:
+        raise InputError(f"{key}.at = {shown(at)}: must be a place [x, y, z] in m, or a list of them")
+    several = isinstance(at[0], (list, tuple))
+    places = (
+        [_vector(f"{key}.at[{k}]", part, 3) for k, part in enumerate(at)] if several else [_vector(f"{key}.at", at, 3)]
+    )
+    return bearings_from(key, table, bodies, _frame(key, table), places)
 
 
 def _tie_from(key: str, table: Mapping[str, Any], blocks: tuple[Solid, ...]) -> Tie:
@@ -346,6 +363,14 @@ def _tie_from(key: str, table: Mapping[str, Any], blocks: tuple[Solid, ...]) -> 
     tie = Tie(one, other, ends[0], ends[1], tension_only=tension_only, **given)
     tie.check(key)
     return tie
+
+
+def _upper_first(key: str, table: Mapping[str, Any], blocks: tuple[Solid, ...]) -> tuple[int, int]:
+    """As `_pair`; the first body is a block."""
+    upper, lower = _pair(key, table, blocks)
+    if upper == len(blocks):
+        raise InputError(f'{key}.between: must name the block first, then "{BASE}"')
+    return upper, lower
 
 
 def _pair(key: str, table: Mapping[str, Any], blocks: tuple[Solid, ...]) -> tuple[int, int]:

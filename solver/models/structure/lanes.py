@@ -29,7 +29,9 @@ def share_of(structure: Structure) -> Hashable:
     """What structures that share lanes have in common."""
     names = structure.model.names
     places = names.joints  # of what lanes find by that of the first
-    joints = tuple(getattr(places, name).tobytes() for name in ("upper", "lower", "first", "corners", "above", "below"))
+    joints = tuple(
+        getattr(places, name).tobytes() for name in ("upper", "lower", "first", "corners", "above", "below", "section")
+    )
     ties = tuple((tie.one, tie.other) for tie in structure.ties)
     return structure.n, len(names.corners), joints, ties, bool(names.settings.gives_way)
 

@@ -21,7 +21,7 @@ from ...kernels.structure.layout import MOST_CORNERS
 from ..column.model import Column
 from ..column.settings import Settings
 from .blocks.faces import Face
-from .blocks.parts import BASE, OF_COLUMN, TOLERANCE, Bed, Joint, Solid, Tie
+from .blocks.parts import BASE, OF_COLUMN, TOLERANCE, Bearing, Bed, Joint, Solid, Tie
 from .file import in_space, names_from, parts_from, written_out
 from .hull_tables import in_folder, with_hulls
 from .packing import Model, centroid_of, model_of
@@ -69,6 +69,8 @@ class Structure(Shown):
                 if joint.bed.friction is not None and face is not None and len(face.outline) > MOST_CORNERS:
                     limit = f"must be {MOST_CORNERS} at most where a joint may slide"
                     raise InputError(f"{joint.key}: a face of {len(face.outline)} corners, {limit}")
+        if any(joint.bearing is None for joint in self.joints[len(self.joints) - len(self.bearings) :]):
+            raise InputError("joints: bearings must come last")
         self._check_held()
 
     def _check_held(self) -> None:
@@ -110,8 +112,14 @@ class Structure(Shown):
 
     @property
     def sizes(self) -> dict[str, int]:
-        """Numbers of blocks, joints, ties and components of the base."""
-        return {"block": self.n, "joint": len(self.joints), "tie": len(self.ties), "base": 6}
+        """Numbers of blocks, joints, ties, bearings (which are joints too) and components of the base."""
+        return {
+            "block": self.n,
+            "joint": len(self.joints),
+            "tie": len(self.ties),
+            "bearing": len(self.bearings),
+            "base": 6,
+        }
 
     @property
     def laws(self) -> tuple[Bed, ...]:
@@ -140,6 +148,16 @@ class Structure(Shown):
             so_far[name] += 1
             found.append(name if several[name] == 1 else f"{name}.{so_far[name]}")
         return tuple(found)
+
+    @cached_property
+    def bearings(self) -> tuple[Joint, ...]:
+        """The bearings: the last joints."""
+        return tuple(joint for joint in self.joints if joint.bearing is not None)
+
+    @property
+    def bearing_names(self) -> tuple[str, ...]:
+        """Names of the bearings: those of their joints."""
+        return self.joint_names[len(self.joints) - len(self.bearings) :]
 
     @property
     def is_stack(self) -> bool:
@@ -190,9 +208,12 @@ class Structure(Shown):
         return replace(self, tolerance=tolerance, without=without, described=described)
 
     def with_joints(self, stiffness: Sequence[float], damping: Sequence[float]) -> Structure:
-        """A copy whose joints have these moduli, N/m3, and dampings, s, a number for each joint."""
+        """A copy whose joints have these moduli, N/m3, and dampings, s, a number for each joint.
+
+        The rubber of a bearing becomes as many times as stiff as its modulus.
+        """
         joints = tuple(
-            replace(joint, bed=replace(joint.bed, stiffness=float(k), damping=float(eta)))
+            replace(joint, bed=replace(joint.bed, stiffness=float(k), damping=float(eta)), bearing=_stiffer(joint, k))
             for joint, k, eta in zip(self.joints, stiffness, damping, strict=True)
         )
         return replace(self, joints=joints, described=None)
@@ -234,6 +255,12 @@ def _with_solver(described: Mapping[str, Any], solver: Mapping[str, Any]) -> Map
         column = described[OF_COLUMN]
         return {OF_COLUMN: {**column, "solver": {**column.get("solver", {}), **solver}}}
     return {**described, "solver": solver}
+
+
+def _stiffer(joint: Joint, stiffness: float) -> Bearing | None:
+    """The bearing of a joint that gets another modulus, N/m3."""
+    bearing, factor = joint.bearing, float(stiffness) / joint.bed.stiffness
+    return bearing and replace(bearing, spring=factor * bearing.spring, dashpot=factor * bearing.dashpot)
 
 
 @lru_cache(maxsize=1024)

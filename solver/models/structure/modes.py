@@ -22,6 +22,7 @@ from .stepper import Stepper
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+SLIDING_PART = 1e-3  # of the settlement: displacements for the tangent while bearings slide
 PART = 1e-6  # of the settlement: displacements within a radian of the fastest mode at the rates of differences
 
 
@@ -80,13 +81,9 @@ def modes_in_space(structure: Structure) -> SpatialModes:
     """Modes about rest. Raises InputError for a structure that has no stable rest."""
     n = structure.n
     rest = rest_of(structure)
-    stiffness = rest.stiffness if structure.weight > 0.0 else full_stiffness(structure)
-    root = np.zeros((6 * n, 6 * n))
-    for i, block in enumerate(structure.blocks):
-        at = 6 * i
-        root[at : at + 3, at : at + 3] = np.eye(3) * math.sqrt(block.mass)
-        root[at + 3 : at + 6, at + 3 : at + 6] = np.linalg.cholesky(block.inertia)
+    root = _root_of_mass(structure)
     inverse = np.linalg.inv(root)
+    stiffness = rest.stiffness if structure.weight > 0.0 else full_stiffness(structure)
     squares, vectors = np.linalg.eigh(inverse @ (0.5 * (stiffness + stiffness.T)) @ inverse.T)
     if squares[0] <= 0.0:
         raise InputError(f"{structure.name}: its rest is not stable, it falls without any motion")
@@ -107,6 +104,35 @@ def modes_in_space(structure: Structure) -> SpatialModes:
     frequency, ratio = omega / (2.0 * math.pi), np.maximum(modal, 0.0) / (2.0 * omega)
     mass, twists = participation.T**2, twists / np.sum(twists)
     return SpatialModes(structure, frequency, parts[..., :3], parts[..., 3:], mass, ratio, twists)
+
+
+def sliding_frequencies(structure: Structure) -> FloatArray:
+    """Natural frequencies while all bearings slide or yield, Hz (6 n,): pendulums as under the weight, rubber alone.
+
+    0 where nothing pulls back. Raises InputError for a structure that has no stable rest.
+    """
+    stepper = Stepper(structure)
+    rest = rest_of(structure)
+    start_from(stepper, rest)
+    stuck = sticking(stepper)
+    stuck.model.joints.shear[len(structure.joints) - len(structure.bearings) :] = 0.0
+    inverse = np.linalg.inv(_root_of_mass(structure))
+    stiffness = stuck.stiffness(
+        deltas_of(structure, SLIDING_PART * float(np.max(np.abs(rest.phase[: 3 * structure.n]))))
+    )
+    squares = np.linalg.eigvalsh(inverse @ (0.5 * (stiffness + stiffness.T)) @ inverse.T)
+    found: FloatArray = np.sqrt(np.maximum(0.0, squares)) / (2.0 * math.pi)
+    return found
+
+
+def _root_of_mass(structure: Structure) -> FloatArray:
+    """Cholesky's root of masses and inertias, (6 n, 6 n)."""
+    root = np.zeros((6 * structure.n, 6 * structure.n))
+    for i, block in enumerate(structure.blocks):
+        at = 6 * i
+        root[at : at + 3, at : at + 3] = np.eye(3) * math.sqrt(block.mass)
+        root[at + 3 : at + 6, at + 3 : at + 6] = np.linalg.cholesky(block.inertia)
+    return root
 
 
 def _damping(structure: Structure, rest: Rest, fastest: float) -> FloatArray:

@@ -3,6 +3,7 @@
 block[left].height      of a block by its name, or by its number in the file, from 1; block.density: of every block
 block[left].at[1]       a coordinate, from 1
 joint[beam-left].friction  the law of a joint by its name, as in the results, or its number; joint.stiffness: of all
+bearing[1].friction     of a table of bearings by its number; bearing.friction: of all
 tie[1].yield            of a tie; tie.stiffness: of all
 g, solver.tolerance
 structure.size          factor on every length; masses grow with its cube, moduli and ties' forces do not change
@@ -24,15 +25,15 @@ from .model import Structure
 
 SIZE = "structure.size"
 _WHOLE = ("g", "solver.tolerance")
-_PARTS = re.compile(r"(block|joint|tie)(?:\[([^\[\]]+)\])?\.([a-z_]+)(?:\[([1-9])\])?")
+_PARTS = re.compile(r"(block|joint|tie|bearing)(?:\[([^\[\]]+)\])?\.([a-z_]+)(?:\[([1-9])\])?")
 _LENGTHS = (
     *("width", "depth", "height", "top_width", "top_depth", "diameter", "top_diameter", "bore", "outline"),
-    *("at", "position", "from", "to", "slack"),
+    *("at", "position", "from", "to", "slack", "radius", "rim", "capacity"),
 )
 
 
 class Named(NamedTuple):
-    """A name in its parts: block, joint or tie; which ("": all); key; coordinate (0: the number itself)."""
+    """A name in its parts: block, joint, tie or bearing; which ("": all); key; coordinate (0: the number itself)."""
 
     kind: str
     which: str
@@ -83,7 +84,11 @@ def _named(name: str) -> Named | None:
 def _names(kind: str, structure: Structure) -> Sequence[str]:
     if kind == "tie":
         return [str(e) for e in range(1, len(structure.ties) + 1)]
-    return structure.names if kind == "block" else structure.joint_names
+    if kind == "bearing":
+        tables = structure.described.get("bearing", []) if structure.described is not None else []
+        return [str(k) for k in range(1, len(tables) + 1)]
+    joints = structure.joint_names[: len(structure.joints) - len(structure.bearings)]
+    return structure.names if kind == "block" else joints
 
 
 def _which(name: str, structure: Structure) -> Sequence[int]:
@@ -150,7 +155,7 @@ def _bed_with(bed: Bed, name: str, number: float, relative: bool) -> Bed:
 
 
 def _resize(data: dict[str, Any], factor: float) -> None:
-    for kind in ("block", "joint", "tie"):
+    for kind in ("block", "joint", "tie", "bearing"):
         tables = data.get(kind, [])
         for table in tables if isinstance(tables, list) else []:
             for key in table.keys() & set(_LENGTHS):

@@ -9,7 +9,7 @@ import numpy as np
 
 from ...common.errors import InputError
 from ...kernels.structure import layout as at
-from ..outputs import BASE, BLOCK, JOINT, TIE, Histories, Output, units_of
+from ..outputs import BASE, BEARING, BLOCK, JOINT, TIE, Histories, Output, units_of
 from .blocks.faces import FloatArray
 from .blocks.shapes import turned
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 class StructureHistories(Histories):
-    """What has a structure and rows (rows, numbers) of it: of blocks, joints along their axes, ties and the base."""
+    """What has a structure and rows (rows, numbers) of it: of blocks, joints along their axes, ties, bearings, base."""
 
     ux = Output(
         BLOCK, "m", "Centroid of {it} along x, relative to the base, from the structure as built and without weight"
@@ -38,6 +38,9 @@ class StructureHistories(Histories):
     sigma_max = Output(JOINT, "Pa", "Largest pressure on {it}", 0.0)
     slip = Output(JOINT, "m", "Slip of {it} that friction has given way by", 0.0)
     tie = Output(TIE, "N", "Force in {it}, tension", name="F")
+    dx = Output(BEARING, "m", "Displacement of the first block of {it} over the second, along its first axis")
+    dy = Output(BEARING, "m", "Displacement of the first block of {it} over the second, along its second axis")
+    d = Output(BEARING, "m", "Displacement of {it}, whichever way", 0.0)
     base = Output(
         *(BASE, ""),
         parts=(
@@ -64,7 +67,8 @@ class StructureHistories(Histories):
         structure = self.structure
         ties = [str(e) for e in range(1, len(structure.ties) + 1)]
         base = [part.name_of("") for part in StructureHistories.base.parts]
-        return {BLOCK: structure.names, JOINT: structure.joint_names, TIE: ties, BASE: base}
+        joints = {BLOCK: structure.names, JOINT: structure.joint_names, BEARING: structure.bearing_names}
+        return {**joints, TIE: ties, BASE: base}
 
     @property
     def rotation(self) -> FloatArray:
@@ -111,5 +115,5 @@ class StructureHistories(Histories):
 
 OUTPUTS = StructureHistories.outputs
 UNITS = units_of(OUTPUTS)
-assert [output.field for output in OUTPUTS] == [*at.OF_BLOCK, *at.OF_JOINT, "tie", "base"]
+assert [output.field for output in OUTPUTS] == [*at.OF_BLOCK, *at.OF_JOINT, "tie", *at.OF_BEARING, "base"]
 assert tuple(part.name for part in StructureHistories.base.parts) == at.OF_BASE

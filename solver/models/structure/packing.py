@@ -15,7 +15,7 @@ from ...kernels.structure.modal_layout import AXES, MODAL_ROOM
 from ..column.packing import Arrays
 from .blocks.contacts import GROUND
 from .blocks.faces import Face, FloatArray, edge_distance
-from .blocks.parts import Joint, Solid, Tie
+from .blocks.parts import Bearing, Joint, Solid, Tie
 
 FLOOR = 1e-3  # of the motion under which the structure settles as it is loaded: the least that errors are measured by
 # least damping along a joint that may slide, times the frequency of the fastest joint: the elastic slip turns with the
@@ -50,7 +50,7 @@ def arrays_of(model: Model) -> Arrays:
 def with_modes(model: Model, modal: FloatArray) -> Model:
     """A copy of a model without modes, with their data."""
     room = MODAL_ROOM.size((AXES * model.sizes.n, model.sizes.k))
-    sizes = at.sizes_of(*model.sizes[:4], modal.size, room if modal.size else 0)
+    sizes = at.sizes_of(*model.sizes[:5], modal.size, room if modal.size else 0)
     made = Model(sizes, np.concatenate([model.numbers, modal]))
     made.numbers[: len(sizes)] = sizes
     made.names.settings.has_modes = float(modal.size > 0)
@@ -75,7 +75,8 @@ def _model_of(solids: tuple[Solid, ...], joints: tuple[Joint, ...], ties: tuple[
     outlines = [joint.face.outline.ravel() for joint in joints]
     faces = [_faces_of(joint) for joint in joints]
     corners = np.concatenate([np.zeros(0), *outlines, *(part for pair in faces for part in pair)])
-    sizes = at.sizes_of(len(solids), len(joints), len(ties), corners.size)
+    bearings = sum(joint.bearing is not None for joint in joints)
+    sizes = at.sizes_of(len(solids), len(joints), len(ties), bearings, corners.size)
     model = Model(sizes, np.zeros(at.MODEL.size(sizes)))
     model.numbers[: len(sizes)] = sizes
     names = model.names
@@ -156,11 +157,20 @@ def _fill_joint(table: Any, j: int, joint: Joint, solids: tuple[Solid, ...], pla
     table.outer[j], table.inner[j] = face.radius, face.bore
     table.first[j], table.corners[j] = place, len(face.outline)
     table.rim_a[j], table.rim_b[j] = math.inf, math.inf
+    if joint.bearing is not None:
+        _fill_bearing(table, j, joint.bearing)
+
+
+def _fill_bearing(table: Any, j: int, bearing: Bearing) -> None:
+    table.section[j], table.twist[j] = at.POINT, 0.0
+    table.rim_a[j], table.rim_b[j] = 0.0, 0.0  # a point has no edges: a slip moves no contact
+    for name in ("pendulum", "spring", "dashpot", "ring", "ring_stiffness", "ring_damping", "capacity", "holds"):
+        getattr(table, name)[j] = getattr(bearing, name)
 
 
 def _faces_of(joint: Joint) -> tuple[FloatArray, ...]:
     """Both faces of a joint that may slide, for the kernels (layout.py, FACE)."""
-    if joint.bed.friction is None:
+    if joint.bed.friction is None or joint.bearing is not None:
         return ()
     return _face_of(joint, joint.above), _face_of(joint, joint.below)
 
@@ -202,7 +212,11 @@ def _fill_settings(settings: Any, table: Any, solids: tuple[Solid, ...], joints:
     for j, joint in enumerate(joints):
         for body in (joint.upper, joint.lower):
             if body < len(solids):
-                fastest = max(fastest, float(table.stiffness[j] * table.area[j]) / solids[body].mass)
+                across = float(table.stiffness[j] * table.area[j])
+                if joint.bearing is not None:
+                    along = table.shear[j] + joint.bearing.spring + joint.bearing.ring_stiffness
+                    across = max(across, float(along))
+                fastest = max(fastest, across / solids[body].mass)
     frequency = math.sqrt(2.0 * fastest)
     settings.gravity = g
     settings.first_step = FIRST / frequency

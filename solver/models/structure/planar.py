@@ -27,7 +27,7 @@ def column_of(structure: Structure) -> Column | None:
     order = np.argsort([-float(block.centroid[2]) for block in structure.blocks], kind="stable")
     solids = [structure.blocks[i] for i in order]
     under = {joint.upper: joint for joint in structure.joints}
-    if structure.ties or not len(under) == len(structure.joints) == structure.n:
+    if structure.ties or structure.bearings or not len(under) == len(structure.joints) == structure.n:
         return None
     joints = [under[i] for i in order]
     lowers = [*order[1:], structure.n]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from contextlib import suppress
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -13,7 +14,7 @@ from ...common.errors import InputError
 from ..column.model import Column
 from ..column.rest import known_warnings
 from .blocks.faces import FloatArray
-from .blocks.parts import OF_COLUMN
+from .blocks.parts import OF_COLUMN, Bearing
 from .model import Structure
 from .rest import Rest, full_stiffness, rest_of
 
@@ -65,7 +66,9 @@ def _first_damping_ratio(structure: Structure, rest: Rest) -> float:
     if not any(damping) or not structure.weight > 0.0:
         return 0.0
     moduli = [joint.bed.damping * joint.bed.stiffness for joint in structure.joints]
-    dampers = full_stiffness(structure.with_joints(moduli, damping))
+    joints = structure.with_joints(moduli, damping).joints  # bearings are meant to damp
+    joints = tuple(replace(joint, bearing=joint.bearing and Bearing(joint.bearing.kind)) for joint in joints)
+    dampers = full_stiffness(replace(structure, joints=joints, described=None))
     inertia = np.zeros((structure.n, 6, 6))
     for own, block in zip(inertia, structure.blocks, strict=True):
         own[:3, :3], own[3:, 3:] = block.mass * np.eye(3), block.inertia

@@ -141,6 +141,10 @@ def full_stiffness(structure: Structure) -> FloatArray:
         across, along = joint.bed.stiffness, joint.bed.shear_ratio * joint.bed.stiffness
         own = np.diag([along * area, along * area, across * area, across * iyy, across * ixx, along * (ixx + iyy)])
         own[3, 4] = own[4, 3] = -across * ixy
+        if joint.bearing is not None:  # of a point; a pendulum as under an equal part of the weight
+            share = structure.weight / len(structure.bearings)
+            along = along * area + joint.bearing.spring + joint.bearing.pendulum * share
+            own = np.diag([along, along, across * area, 0.0, 0.0, 0.0])
         motion = np.zeros((6, 12))
         for k, (body, sign) in enumerate(((joint.upper, 1.0), (joint.lower, -1.0))):
             motion[:, 6 * k : 6 * k + 6] = sign * _moved(structure, joint.face.axes, joint.face.centre, body)

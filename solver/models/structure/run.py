@@ -12,11 +12,13 @@ import numpy as np
 from ...common.errors import InputError
 from ...ground.motion import Motion
 from ...kernels.structure import layout as at
+from ..outputs import places_of
 from ..protocol import OVERTURNED, Plan, Verdict
 from ..still_base import settled
 from .blocks.faces import FloatArray
 from .modal_data import modal_data_of
 from .model import Structure
+from .outputs import OUTPUTS
 from .response import Moved, SpatialResponse, peaks_in_space
 from .rest import rest_of, start_from
 from .stepper import Stepper
@@ -148,8 +150,16 @@ class _Settling:
 
     @property
     def fallen(self) -> str:
-        block = int(self._stepper.counts.fallen)
-        return f"block {self._stepper.structure.names[block - 1]} has fallen" if block else ""
+        stepper, block = self._stepper, int(self._stepper.counts.fallen)
+        if not block:
+            return ""
+        structure = stepper.structure
+        stepper.observe()
+        d = stepper.row[places_of(OUTPUTS, structure.sizes)["d"]]
+        for name, joint, moved in zip(structure.bearing_names, structure.bearings, d.tolist(), strict=True):
+            if joint.bearing is not None and moved > joint.bearing.capacity:
+                return f"block {structure.names[block - 1]} has come off the bearing {name}"
+        return f"block {structure.names[block - 1]} has fallen"
 
     @property
     def fall_time(self) -> float:

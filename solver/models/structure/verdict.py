@@ -59,6 +59,7 @@ class Well:
         self._delta = PERTURBED * deltas_of(structure, settlement)
         self._small = 0.5 * PERTURBED**2 * structure.weight * settlement  # J, of displacements as small as these
         self._heights = _heights(structure)
+        self._groups = _groups(structure)
         self._alone = _bears_alone(structure)
         self._upright = np.array([joint.face.normal[2] >= UPRIGHT for joint in structure.joints])
         stepper = Stepper(structure)
@@ -109,7 +110,7 @@ class Well:
 
         stiffness: of the rest. left: J, that friction may still turn into slips.
         """
-        least = min(self._lifting(rest, left), self._bending(rest, stiffness))
+        least = min(self._lifting(rest, left), self._bending(rest, stiffness), self._coming_off(rest))
         return least if math.isfinite(least) else 0.0  # where ties alone hold it, nothing is known
 
     def _holds(self, left: float, barrier: float) -> bool:
@@ -133,7 +134,7 @@ class Well:
         Of an arch it cannot be said: a mechanism falls before that.
         """
         structure, n = self._structure, self._structure.n
-        moments, normal = self._moments(rest, 0.0), _field(rest, "N")
+        moments, normal = self._moments(rest, 0.0), self._carried(rest)
         if self._leans(normal):
             return False
         moved = np.zeros((n + 1, 3))
@@ -166,7 +167,7 @@ class Well:
 
         A joint that does not bear alone opens together with another one at least, which has its own lever.
         """
-        normal, moments, least = _field(rest, "N"), self._moments(rest, left), math.inf
+        normal, moments, least = self._carried(rest), self._moments(rest, left), math.inf
         if np.any(moments <= 0.0):
             return 0.0
         others = np.sort(moments[~self._alone & ~np.isnan(moments)])[:2]
@@ -189,12 +190,15 @@ class Well:
         force stays within it by a third of what is still in contact, half-way to the fall.
         """
         structure = self._structure
-        normal, mx, my = (_field(rest, name) for name in ("N", "Mx", "My"))
+        normal, (mx, my) = self._carried(rest), (_field(rest, name) for name in ("Mx", "My"))
         together = self._upright & (normal > HARDLY * structure.weight) & (not self._leans(normal))
         moments = np.full(len(normal), math.nan)
         for j in np.flatnonzero(self._alone | together).tolist():
             joint, carried, moments[j] = structure.joints[j], float(normal[j]), 0.0
             if not carried > 0.0:
+                continue
+            if joint.bearing is not None:
+                moments[j] = carried * _lever_of_group(structure, self._groups[j], _field(rest, "N"))
                 continue
             place = np.array([my[j], -mx[j]]) / carried
             lever = min(reach - float(out @ place) for out, reach in _edges(joint, _slip(rest, j), place))
@@ -203,6 +207,27 @@ class Well:
             settled = carried / (joint.bed.stiffness * joint.face.moments[0])
             moments[j] = carried * (lever - math.sqrt(8.0 * settled * self._height(j)) / 3.0)
         return moments
+
+    def _carried(self, rest: Stepper) -> FloatArray:
+        """Normal forces of the joints, N; the first bearing between two bodies has those of all of them."""
+        normal = _field(rest, "N").copy()
+        for first, group in self._groups.items():
+            normal[group] = np.where(np.array(group) == first, np.sum(normal[group]), 0.0)
+        return normal
+
+    def _coming_off(self, rest: Stepper) -> float:
+        """The least energy, J, by which some bearing moves as far as what it bears comes off."""
+        structure, normal, d = self._structure, _field(rest, "N"), _field(rest, "d")
+        m, least = len(structure.joints) - len(structure.bearings), math.inf
+        for j, joint in enumerate(structure.bearings):
+            bearing, bed, carried = joint.bearing, joint.bed, max(0.0, float(normal[m + j]))
+            assert bearing is not None
+            left = max(0.0, bearing.capacity - float(d[j]))
+            slides = bed.dowel + (bed.friction or 0.0) * carried
+            along = bed.shear_ratio * bed.stiffness * joint.face.moments[0]
+            takes = slides * max(0.0, left - slides / along) if slides else 0.0
+            least = min(least, 0.5 * (carried * bearing.pendulum + bearing.spring) * left**2 + takes)
+        return least
 
     def _bending(self, rest: Stepper, stiffness: FloatArray) -> float:
         """The least energy, J, by which the resultant of some joint of an arch comes to the edge of its contact.
@@ -310,6 +335,36 @@ def _edges_of(
     return list(zip(outwards, np.sum(outwards * corners, axis=1).tolist(), strict=True))
 
 
+def _groups(structure: Structure) -> dict[int, list[int]]:
+    """Numbers of the bearings between two bodies, by the first one: together they bear like one joint."""
+    found: dict[tuple[int, int], list[int]] = {}
+    for j, joint in enumerate(structure.joints):
+        if joint.bearing is not None:
+            found.setdefault((joint.upper, joint.lower), []).append(j)
+    return {group[0]: group for group in found.values()}
+
+
+def _lever_of_group(structure: Structure, group: list[int], normal: FloatArray) -> float:
+    """How far the resultant of bearings is from the nearest line about which what they carry tips, m.
+
+    It tips about two of them with none beyond, and has moved by half of what they allow before it comes off. Those that
+    hold do not let it: NaN.
+    """
+    joints = [structure.joints[j] for j in group]
+    bearings = [joint.bearing for joint in joints if joint.bearing is not None]
+    if any(bearing.holds for bearing in bearings):
+        return math.nan
+    places = np.array([joint.face.centre for joint in joints]) @ joints[0].face.axes[:, :2]
+    middle, least = normal[group] @ places / float(np.sum(normal[group])), math.inf
+    for a in places:
+        for b in places:
+            across = np.array([b[1] - a[1], a[0] - b[0]])
+            length = float(np.hypot(*across))
+            if length and np.max((places - a) @ across) <= 1e-9 * length**2:
+                least = min(least, float((a - middle) @ across) / length)
+    return max(0.0, least - 0.5 * min(bearing.capacity for bearing in bearings)) if math.isfinite(least) else 0.0
+
+
 def _heights(structure: Structure) -> FloatArray:
     """How far the centroid of what a joint carries is above it, m (joints,).
 
@@ -338,9 +393,12 @@ def _bears_alone(structure: Structure) -> NDArray[np.bool_]:
     In a tree of paths from the base, a link is such a one if no other link leads past it. Each link outside the tree
     has a bit, which the blocks on both paths to its ends get: those on both keep none.
     """
-    links = [(joint.upper, joint.lower) for joint in structure.joints] + [
+    bodies = [(joint.upper, joint.lower) for joint in structure.joints] + [
         (tie.one, tie.other) for tie in structure.ties
     ]
+    behind = {j for group in _groups(structure).values() for j in group[1:]}
+    numbers = [number for number in range(len(bodies)) if number not in behind]  # bearings of two bodies are one link
+    links = [bodies[number] for number in numbers]
     at_body: list[list[int]] = [[] for _ in range(structure.n + 1)]
     for number, (one, other) in enumerate(links):
         at_body[one].append(number)
@@ -357,10 +415,10 @@ def _bears_alone(structure: Structure) -> NDArray[np.bool_]:
         if number not in (by[one], by[other]):
             past[one] ^= 1 << number
             past[other] ^= 1 << number
-    found = np.zeros(len(links), dtype=np.bool_)
+    found = np.zeros(len(bodies), dtype=np.bool_)
     for body in order[:0:-1]:
         number = by[body]
         one, other = links[number]
         past[other if one == body else one] ^= past[body]
-        found[number] = past[body] == 0
+        found[numbers[number]] = past[body] == 0
     return found[: len(structure.joints)]

@@ -18,7 +18,7 @@ from ...common.files import whole_file
 from ...ground.intensity import Component, histories, is_measurable
 from ...ground.motion import Motion
 from ...models.structure.blocks.faces import FloatArray
-from .bodies import Body, Scene, scene_of
+from .bodies import SHAPES, Body, Scene, scene_of
 
 FPS = 30.0  # the most rows a second
 MOST_NUMBERS = 270_000  # displacements, rotations and joints: 1.4 MB of the page
@@ -52,7 +52,9 @@ def check_page(path: str | os.PathLike[str]) -> None:
 
 
 def frame_of(response: Any, height: int = 480) -> str:
-    """HTML that shows a smaller page within another one; height: px."""
+    """HTML that shows a smaller page within another one; height: px. Empty if the shape of its model is not known."""
+    if response.model.kind.word not in SHAPES:
+        return ""
     page = _page(response, None, EMBEDDED_FPS, EMBEDDED_NUMBERS, EMBEDDED_TRIANGLES)
     return FRAME.format(escape(page), height)
 

@@ -50,7 +50,7 @@ function camera() {
 
 // drawing
 const CELL = ((size) => { const ten = 10 ** Math.floor(Math.log10(size)); return ten * ([5, 2, 1].find((k) => k * ten <= size) || 1); })(SCENE.extent / 5); // m
-let program, meshes, rims, ground, grid, place;
+let program, meshes, rims, ground, grid, triad, place;
 function shader(kind, text) {
   const made = gl.createShader(kind);
   gl.shaderSource(made, text); gl.compileShader(made); gl.attachShader(program, made);
@@ -105,6 +105,7 @@ function build() {
   const lines = [];
   for (let k = -cells; k <= cells; k++) for (const [a, b] of [[k * CELL, -r], [k * CELL, r], [-r, k * CELL], [r, k * CELL]]) lines.push(x + a, y + b, z, 0, 0, 1);
   grid = buffer(lines);
+  triad = buffer([0, 1, 2].flatMap((k) => [0, 0, 0, 0, 0, 1, ...[0, 1, 2].map((c) => (c === k ? 1 : 0)), 0, 0, 1]));
   gl.enable(gl.DEPTH_TEST); gl.enable(gl.POLYGON_OFFSET_FILL); gl.polygonOffset(1, 1);
 }
 function put({ made, count }, kind, body, colour, lit) {
@@ -118,6 +119,17 @@ function put({ made, count }, kind, body, colour, lit) {
 }
 const colours = () => { const style = getComputedStyle(document.body); return (name) => rgb(style.getPropertyValue(name)); };
 const coded = (k) => [((k + 1) & 255) / 255, (k + 1 >> 8) / 255, 0];
+function axes() { // in a corner: x, y, z as they are seen
+  const { yaw, pitch } = state, ratio = canvas.width / canvas.clientWidth, size = 64 * ratio, left = canvas.width - size - 8 * ratio;
+  const [cy, sy, cp, sp] = [Math.cos(yaw), Math.sin(yaw), Math.cos(pitch), Math.sin(pitch)], none = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1];
+  gl.viewport(left, 8 * ratio, size, size);
+  gl.uniformMatrix4fv(place.eye, false, [-0.7 * sy, -0.7 * sp * cy, 0, 0, 0.7 * cy, -0.7 * sp * sy, 0, 0, 0, 0.7 * cp, 0, 0, 0, 0, -1, 1]);
+  put(triad, gl.LINES, none, rgb(getComputedStyle(document.body).getPropertyValue("--ink")), 0);
+  [[-sy, -sp * cy], [cy, -sp * sy], [0, cp]].forEach(([a, b], k) => {
+    const letter = $("axes").children[k];
+    letter.style.left = `${32 + 30 * a}px`; letter.style.bottom = `${32 + 30 * b}px`;
+  });
+}
 let beside = null;
 function sharp() { // a picture beside the canvas whose edges mix no colours
   if (beside && beside.width === canvas.width && beside.height === canvas.height) return beside.frame;
@@ -154,6 +166,7 @@ function draw(numbers = false) { // numbers: bodies and joints in colours of the
     const part = values[nearest * joints + j] / 65535;
     put(rims[j], gl.TRIANGLES, bodies[body], j + n === state.chosen ? chosen : least.map((v, c) => v + part * (most[c] - v)), 0);
   });
+  axes();
 }
 function partAt(x, y) { // number of the body, or n and that of the joint, at a place of the page, px; -1: none
   const box = canvas.getBoundingClientRect(), found = new Uint8Array(4), ratio = canvas.width / box.width;

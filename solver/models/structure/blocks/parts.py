@@ -57,6 +57,25 @@ class Bed:
     strength: float | None = None  # Pa, pressure that the faces bear; compared with by checks, the motion ignores it
 
 
+@dataclass(frozen=True)
+class Bearing:
+    """What a bearing bears by its displacement u, beside a joint that bears at a point (theory.md section 13).
+
+    Its horizontal force is N u times `pendulum`, `spring` u, `dashpot` u' and that of the ring; its bed has the rest:
+    `stiffness` times the area across, `shear_ratio` of it along until friction or the dowel gives way.
+    """
+
+    kind: str
+    pendulum: float = 0.0  # 1/m, over the radius of curvature
+    spring: float = 0.0  # N/m
+    dashpot: float = 0.0  # N s/m
+    ring: float = math.inf  # m, the displacement from which on a stiff ring pushes back
+    ring_stiffness: float = 0.0  # N/m
+    ring_damping: float = 0.0  # s
+    capacity: float = math.inf  # m, the displacement beyond which what it bears has come off
+    holds: bool = False  # bears tension
+
+
 @dataclass(frozen=True, eq=False)
 class Joint:
     """A contact between two blocks, or a block and the base; the face's normal points from `lower` to `upper`."""
@@ -68,6 +87,7 @@ class Joint:
     key: str = ""  # of the table it is from, for messages
     above: Face | None = None  # faces of `upper` and `lower`, which end the contact after a slip; None: alike `face`
     below: Face | None = None
+    bearing: Bearing | None = None  # then it bears at the centre of `face`, which has the size of the bearing
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,0 +1,152 @@
+"""A run that an FMU carries with its results, and how it is repeated: extra/org.fmi-standard.fmi-ls-ref.
+
+Inputs and results are CSV files, which the manifest of the layered standard names (fmi-ls-ref 1.0.0-alpha.1).
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+import zipfile
+from pathlib import Path
+from typing import Any
+from xml.sax.saxutils import quoteattr
+
+import numpy as np
+
+from solver.common.errors import InputError, needing
+from solver.common.files import identifier_of
+from solver.ground.motion import STANDARD_GRAVITY, Motion
+
+from .body import Body
+from .variables import ACCELERATIONS
+
+FOLDER = "extra/org.fmi-standard.fmi-ls-ref"
+STEP, STEPS = 0.01, 100  # s
+FREQUENCY, AMPLITUDE = 2.0, 0.2 * STANDARD_GRAVITY  # Hz, m/s2
+BODY_MASS = 1e6  # kg, of a body that drives the base
+ALIKE = 1e-5  # of the largest value of a unit: hosts that add times up otherwise differ by 4e-7
+MANIFEST = """\
+<?xml version="1.0" encoding="UTF-8"?>
+<fmiReferences xmlns:fmi-ls="http://fmi-standard.org/fmi-ls-manifest"
+    fmi-ls:fmi-ls-name="org.fmi-standard.fmi-ls-ref" fmi-ls:fmi-ls-version="1.0.0-alpha.1"
+    fmi-ls:fmi-ls-description="Layered Standard providing information on related files included in an FMU.">
+    <Related type="text/csv" source={inputs} role="other" description="Inputs, each held over a step of {step} s"/>
+    <Related type="text/csv" source={outputs} role="result" description="What the outputs are under these inputs"/>
+</fmiReferences>
+"""
+
+
+def reference_files(body: Body, motion: Motion | None = None, arrays: bool = False) -> dict[str, bytes]:
+    """The files of a short run of a body, path in the FMU -> content. motion: its record.
+
+    arrays: the variables of blocks and joints are arrays, and are left out. Raises InputError, SolverError.
+    """
+    table = body.table()
+    start = {variable.name: variable.start for variable in table}
+    stepper = body.stepper(body.described(start.__getitem__))
+    stepper.record = body.samples(motion)
+    inputs = [[_input(variable.name, variable.unit, k * STEP) for variable in body.inputs] for k in range(STEPS + 1)]
+    rows = []
+    for k in range(STEPS + 1):
+        if k:
+            stepper.drive((k - 1) * STEP, *inputs[k - 1])
+            stepper.advance((k - 1) * STEP, STEP)
+        else:
+            stepper.drive(0.0, *inputs[0])
+            stepper.stand_on_base()
+        rows.append([k * STEP, *stepper.observe(k * STEP).tolist()])
+    outputs = [variable.name for variable in table[len(body.inputs) : len(body.inputs) + body.sizes[0]]]
+    kept = [k for k, name in enumerate(["time", *outputs]) if not arrays or "[" not in name]
+    name = identifier_of(body.name)
+    return {
+        f"{FOLDER}/fmi-ls-manifest.xml": MANIFEST.format(
+            inputs=quoteattr(f"{name}_in.csv"), outputs=quoteattr(f"{name}_out.csv"), step=STEP
+        ).encode(),
+        f"{FOLDER}/{name}_in.csv": _csv(
+            ["time", *(variable.name for variable in body.inputs)],
+            [[k * STEP, *row] for k, row in enumerate(inputs)],
+        ),
+        f"{FOLDER}/{name}_out.csv": _csv(
+            [["time", *outputs][k] for k in kept], [[row[k] for k in kept] for row in rows]
+        ),
+    }
+
+
+def _input(name: str, unit: str, t: float) -> float:
+    """A shaking along x, by the base or by the first body that drives it, which stands on springs along z."""
+    acceleration = AMPLITUDE * math.sin(2.0 * math.pi * FREQUENCY * t)
+    owner, _, what = name.partition(".")
+    if owner == "base":
+        return acceleration if what == "ax" and unit in ACCELERATIONS else 0.0
+    if owner != "body":
+        return 0.0
+    return {"F0x": BODY_MASS * acceleration, **dict.fromkeys(("M", "Mxx", "Mzz", "Mtt"), BODY_MASS)}.get(what, 0.0)
+
+
+def _csv(names: list[str], rows: list[list[float]]) -> bytes:
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(names)
+    writer.writerows([[f"{value:.12g}" for value in row] for row in rows])
+    return text.getvalue().encode()
+
+
+def replay(file: Path) -> str:
+    """Run an FMU as its reference results say, by FMPy, and say how they agree. Raises InputError if they do not."""
+    with needing("fmu", "fmpy"):
+        import fmpy
+    inputs, expected = _carried(file)
+    names = [name for name in expected.dtype.names or () if name != "time"]
+    try:
+        found = fmpy.simulate_fmu(
+            str(file), stop_time=STEPS * STEP, output_interval=STEP, input=inputs, output=names, fmi_type="CoSimulation"
+        )
+    except Exception as error:
+        raise InputError(f"{file}: does not run its reference results: {error}") from error
+    units = {v.name: v.unit or (v.declaredType.unit if v.declaredType else "") for v in _variables(file)}
+    largest: dict[str, float] = {}
+    for name in names:
+        largest[units[name]] = max(largest.get(units[name], 0.0), float(np.max(np.abs(expected[name]))))
+    worst, where = max((_difference(found[name], expected[name], largest[units[name]]), name) for name in names)
+    said = f"{file}: {len(names)} outputs at {len(expected)} instants, largest difference {worst:.1e} ({where})"
+    if not worst <= ALIKE:
+        raise InputError(f"{said}; must be at most {ALIKE:g} of the largest value of its unit")
+    return said
+
+
+def _difference(found: Any, expected: Any, largest: float) -> float:
+    if len(found) != len(expected):
+        return math.inf
+    return float(np.max(np.abs(found - expected))) / (largest or 1.0)
+
+
+def _variables(file: Path) -> Any:
+    from fmpy import read_model_description
+
+    return read_model_description(str(file), validate=False).modelVariables
+
+
+def _carried(file: Path) -> tuple[Any, ...]:
+    """Inputs and results that an FMU carries. Raises InputError."""
+    try:
+        with zipfile.ZipFile(file) as archive:
+            found = [
+                [
+                    archive.read(name).decode()
+                    for name in archive.namelist()
+                    if name.startswith(FOLDER + "/") and end in name
+                ]
+                for end in ("_in.csv", "_out.csv")
+            ]
+    except (OSError, zipfile.BadZipFile) as error:
+        raise InputError(f"{file}: must be an FMU: {error}") from error
+    if not all(found):
+        raise InputError(f"{file}: has no reference results inside, must be built with build-fmu --reference")
+    return tuple(_table(texts[0]) for texts in found)
+
+
+def _table(text: str) -> Any:
+    names, *rows = csv.reader(io.StringIO(text))
+    return np.array([tuple(map(float, row)) for row in rows], dtype=[(name, float) for name in names])

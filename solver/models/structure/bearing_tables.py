@@ -1,0 +1,133 @@
+"""Tables of bearings: what the keys of each kind make of the law of a joint that bears at a point."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from ...common.errors import InputError, check_number, shown
+from ...common.ranges import LENGTH, NUMBERS, check_choice, check_keys
+from .blocks.faces import Face, FloatArray
+from .blocks.parts import Bearing, Bed, Joint
+
+_OF_STIFFNESS = (1e-6, 1e15), "a positive stiffness in N/m"
+_OF_DASHPOT = (0.0, 1e15), "a damping in N s/m, zero or positive"
+_RANGES = {
+    "diameter": LENGTH,
+    "vertical_stiffness": _OF_STIFFNESS,
+    "vertical_damping": NUMBERS["damping"],
+    "capacity": ((1e-6, 1e6), "a displacement in m beyond which what the bearing carries has come off it"),
+    "radius": ((1e-3, 1e6), "a radius of curvature in m, the effective one of a pendulum"),
+    "height": ((0.0, 1e6), "a height in m between the two concave surfaces, zero or positive"),
+    "friction": ((0.0, 1e3), "a coefficient of friction, 0 without friction"),
+    "initial_stiffness": ((1e-6, 1e15), "a positive stiffness in N/m, of what slides or yields until it does"),
+    "stiffness": ((1e-6, 1e15), "a positive horizontal stiffness in N/m, of the rubber"),
+    "damping": _OF_DASHPOT,
+    "yield": ((1e-6, 1e15), "a positive force in N, at which the lead yields"),
+    "rim": ((1e-6, 1e6), "a displacement in m at which a stiff ring stops the bearing"),
+    "rim_stiffness": _OF_STIFFNESS,
+    "rim_damping": NUMBERS["damping"],
+    "strength": NUMBERS["strength"],
+}
+_SLIDES = ("friction", "initial_stiffness")
+_OF_RIM = ("rim", "rim_stiffness", "rim_damping")
+_PLACE = ("kind", "between", "at", "normal")
+_NEEDED = ("diameter", "vertical_stiffness", "vertical_damping", "capacity")
+# by kind: what a table must have beside _PLACE and _NEEDED, and what it may have beside _OF_RIM and strength
+KINDS = {
+    "pendulum": (("radius", "friction"), ("initial_stiffness", "damping")),
+    "double_concave": (("radius", "height", "friction"), ("initial_stiffness", "damping")),
+    "elastomeric": (("stiffness", "damping"), ("tension",)),
+    "lead_rubber": (("stiffness", "yield", "initial_stiffness"), ("damping", "tension")),
+    "rolling": (("friction",), ("radius", "initial_stiffness", "damping")),
+}
+
+
+def check_table(key: str, table: Mapping[str, Any]) -> str:
+    """The kind of a table, whose keys are those of it. Raises InputError."""
+    kind = table.get("kind")
+    check_choice(f"{key}.kind", kind, tuple(KINDS))
+    needed, other = KINDS[str(kind)]
+    needed = (*_NEEDED, *needed)
+    check_keys(f"{key}.", table, (*_PLACE, *needed, *other, *_OF_RIM, "strength"), of=f" of a {kind} bearing")
+    for word in needed:
+        if word not in table:
+            raise InputError(f"{key}.{word}: missing, must be {_RANGES[word][1]}")
+    return str(kind)
+
+
+def bearings_from(
+    key: str, table: Mapping[str, Any], bodies: tuple[int, int], axes: FloatArray, places: Sequence[FloatArray]
+) -> list[Joint]:
+    """The bearings of a table between two bodies, equal ones at these places, m. Raises InputError."""
+    kind = check_table(key, table)
+    given = {
+        word: check_number(f"{key}.{word}", table[word], *_RANGES[word]) for word in _RANGES if _is_number(word, table)
+    }
+    bearing, bed = _laws(key, kind, table, given)
+    radius = 0.5 * given["diameter"]
+    many = len(places) > 1
+    return [
+        Joint(
+            *bodies,
+            Face(place, axes, np.zeros((0, 2)), radius),
+            bed,
+            f"{key}.at[{k}]" if many else key,
+            bearing=bearing,
+        )
+        for k, place in enumerate(places)
+    ]
+
+
+def _is_number(word: str, table: Mapping[str, Any]) -> bool:
+    return word in table and not (word == "radius" and table["kind"] == "double_concave")
+
+
+def _laws(key: str, kind: str, table: Mapping[str, Any], given: Mapping[str, float]) -> tuple[Bearing, Bed]:
+    friction: float | None = given.get("friction")
+    if kind in ("pendulum", "double_concave", "rolling"):
+        if friction and "initial_stiffness" not in given:
+            raise InputError(f"{key}.initial_stiffness: missing, must be {_RANGES['initial_stiffness'][1]}")
+        if not friction and "initial_stiffness" in given:
+            raise InputError(f"{key}.initial_stiffness: must be left out where friction = 0, nothing slides")
+    friction = 0.0 if kind == "lead_rubber" else friction or None  # lead bears as much under any weight
+    if "rim" in given:
+        for word in _OF_RIM:
+            if word not in given:
+                raise InputError(f"{key}.{word}: missing beside rim, must be {_RANGES[word][1]}")
+        if not given["rim"] < given["capacity"]:
+            raise InputError(f"{key}.rim = {given['rim']}: must be less than capacity = {given['capacity']} m")
+    elif "rim_stiffness" in given or "rim_damping" in given:
+        raise InputError(f"{key}.rim: missing beside rim_stiffness and rim_damping, must be {_RANGES['rim'][1]}")
+    holds = table.get("tension", False)
+    if not isinstance(holds, bool):
+        raise InputError(f"{key}.tension = {shown(holds)}: must be true or false")
+    radius = _double(key, table, given) if kind == "double_concave" else given.get("radius", math.inf)
+    across = given["vertical_stiffness"]
+    area = 0.25 * math.pi * given["diameter"] ** 2
+    bed = Bed(
+        stiffness=across / area,
+        damping=given["vertical_damping"],
+        shear_ratio=given.get("initial_stiffness", 0.0) / across,
+        friction=friction,
+        dowel=given.get("yield", 0.0),
+        strength=given.get("strength"),
+    )
+    ring = given.get("rim", math.inf), given.get("rim_stiffness", 0.0), given.get("rim_damping", 0.0)
+    spring, dashpot = given.get("stiffness", 0.0), given.get("damping", 0.0)
+    return Bearing(kind, 1.0 / radius, spring, dashpot, *ring, given["capacity"], holds), bed
+
+
+def _double(key: str, table: Mapping[str, Any], given: Mapping[str, float]) -> float:
+    """Effective radius of two concave surfaces, m."""
+    pair = table["radius"]
+    if not isinstance(pair, (list, tuple)) or len(pair) != 2:
+        raise InputError(f"{key}.radius = {shown(pair)}: must be the radii of curvature of both surfaces, in m")
+    radii = [check_number(f"{key}.radius[{k}]", part, *_RANGES["radius"]) for k, part in enumerate(pair)]
+    effective = sum(radii) - given["height"]
+    if not effective > 0.0:
+        raise InputError(f"{key}.height = {given['height']}: must be less than both radii together = {sum(radii):g} m")
+    return effective

@@ -1,0 +1,380 @@
+"""Bearings: loops against closed forms, their period, two directions against a reference, energy, lanes, FMU, files."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.spatial.transform import Rotation
+from support.fmus import ROOT
+from support.probe import G
+from support.structures import run
+
+from solver import simulate, simulate_many
+from solver.checks.of_structure import InSpace
+from solver.common.errors import InputError
+from solver.ground.motion import Motion
+from solver.models.column.model import Column
+from solver.models.outputs import places_of
+from solver.models.structure.blocks.faces import FloatArray
+from solver.models.structure.model import Structure
+from solver.models.structure.modes import modes_in_space, sliding_frequencies
+from solver.models.structure.numbers import structure_with
+from solver.models.structure.outputs import OUTPUTS
+from solver.models.structure.rest import rest_of, start_from
+from solver.models.structure.run import SpatialState
+from solver.models.structure.stepper import Stepper
+
+Law = dict[str, Any]
+CORNERS = [[-1.0, -1.0, 0.3], [1.0, -1.0, 0.3], [1.0, 1.0, 0.3], [-1.0, 1.0, 0.3]]  # at the height of the centroid
+ACROSS = {"diameter": 0.3, "vertical_stiffness": 1e8, "vertical_damping": 1e-3, "capacity": 0.6}
+PENDULUM: Law = {"kind": "pendulum", "radius": 2.0, "friction": 0.05, "initial_stiffness": 5e6}
+SMOOTH: Law = {"kind": "pendulum", "radius": 2.0, "friction": 0.0}
+DOUBLE: Law = {
+    "kind": "double_concave",
+    "radius": [1.2, 1.0],
+    "height": 0.2,
+    "friction": 0.05,
+    "initial_stiffness": 5e6,
+}
+RUBBER: Law = {"kind": "elastomeric", "stiffness": 2e4, "damping": 2e3}
+LEAD: Law = {"kind": "lead_rubber", "stiffness": 2e4, "yield": 1e3, "initial_stiffness": 2e5}
+ROLLING: Law = {"kind": "rolling", "friction": 0.02, "initial_stiffness": 5e6}
+KINDS: dict[str, Law] = {"pendulum": PENDULUM, "double": DOUBLE, "rubber": RUBBER, "lead": LEAD, "rolling": ROLLING}
+
+
+def slab(
+    law: Law, mass: float = 5000.0, at: Any = CORNERS, tolerance: float = 1e-5, width: float = 2.4, **more: Any
+) -> Structure:
+    """A slab on equal bearings at these places."""
+    bearing = {"between": ["slab", "base"], "at": at, **ACROSS, **law, **more}
+    block = {"name": "slab", "width": width, "depth": width, "height": 0.4, "mass": mass, "position": [0.0, 0.0, 0.1]}
+    law = {"stiffness": 1e9, "damping": 1e-3}
+    data = {"name": "slab", "joints": law, "block": [block], "bearing": [bearing]}
+    return Structure.from_dict({**data, "solver": {"tolerance": tolerance}})
+
+
+class Pulled:
+    """One bearing in the middle of a slab that is displaced along x under a constant load, N."""
+
+    def __init__(self, law: Law, load: float) -> None:
+        self.structure = slab(law, at=[0.0, 0.0, 0.3])
+        self.stepper, self.load = Stepper(self.structure), load
+        self.places = places_of(OUTPUTS, self.structure.sizes)
+        bearing = self.structure.bearings[0].bearing
+        assert bearing is not None
+        self.pendulum = bearing.pendulum
+
+    def force(self, u: float, v: float = 0.0) -> float:
+        """The horizontal force on the slab, N; what slides remembers it."""
+        see, stiffness = self.stepper.see, ACROSS["vertical_stiffness"]
+        see.ux[0], see.uz[0] = u, 0.5 * self.pendulum * u * u - self.load / stiffness  # so far does it rise
+        see.vx[0], see.vz[0] = v, self.pendulum * u * v
+        self.stepper.observe(keep=True)
+        row = self.stepper.row
+        assert row[self.places["N"]][0] == pytest.approx(self.load, rel=1e-9)
+        return float(row[self.places["Tx"]][0])
+
+
+def loop(pulled: Pulled, amplitude: float, reach: float) -> float:
+    """What one cycle of this amplitude dissipates, J; reach: m, what slides moves so far elastically.
+
+    The force is piecewise linear in the place, with its corners among the places: trapezoids are exact.
+    """
+    back = amplitude * np.linspace(1.0, -1.0, 101)
+    back = np.sort(np.append(back, amplitude - 2.0 * reach))[::-1]
+    for place in np.linspace(0.0, amplitude, 51).tolist():
+        pulled.force(place)
+    u = np.concatenate([back, -back])
+    t = np.array([pulled.force(place) for place in u.tolist()])
+    return float(np.trapezoid(t, u))
+
+
+@pytest.mark.parametrize("law", [PENDULUM, DOUBLE, {**ROLLING, "radius": 1.5}, ROLLING])
+def test_a_pendulum_dissipates_what_friction_does(law: Law) -> None:
+    """4 F (U - F/K_0), with F = mu N, whatever the radius; 4 F U where it is rigid until it slides."""
+    amplitude, load = 0.2, 12e3
+    friction, stiffness = law["friction"] * load, law["initial_stiffness"]
+    closed = 4.0 * friction * (amplitude - friction / stiffness)
+    assert loop(Pulled(law, load), amplitude, friction / stiffness) == pytest.approx(closed, rel=1e-6)
+    rigid = {**law, "initial_stiffness": 1e5 * stiffness}
+    found = loop(Pulled(rigid, load), amplitude, 1e-5 * friction / stiffness)
+    assert found == pytest.approx(4.0 * friction * amplitude, rel=1e-6)
+
+
+def test_lead_rubber_dissipates_what_the_lead_does() -> None:
+    amplitude = 0.2
+    lead, stiffness = LEAD["yield"], LEAD["initial_stiffness"]
+    pulled = Pulled(LEAD, 12e3)
+    closed = 4.0 * lead * (amplitude - lead / stiffness)
+    assert loop(pulled, amplitude, lead / stiffness) == pytest.approx(closed, rel=1e-6)
+    assert pulled.force(amplitude) == pytest.approx(LEAD["stiffness"] * amplitude + lead, rel=1e-12)
+
+
+def test_rubber_is_a_spring_and_a_dashpot() -> None:
+    """An ellipse: pi c omega U^2."""
+    amplitude, omega = 0.2, 3.0
+    angle = np.linspace(0.0, 2.0 * math.pi, 257)
+    u, v = amplitude * np.sin(angle), amplitude * omega * np.cos(angle)
+    pulled = Pulled(RUBBER, 12e3)
+    t = np.array([pulled.force(*pair) for pair in zip(u.tolist(), v.tolist(), strict=True)])
+    assert np.trapezoid(t * v / omega, angle) == pytest.approx(math.pi * 2e3 * omega * amplitude**2, rel=1e-12)
+    assert np.max(np.abs(t - 2e4 * u - 2e3 * v)) <= 1e-9 * np.max(np.abs(t))
+
+
+def test_a_double_pendulum_has_both_radii_less_its_height() -> None:
+    smooth = {key: value for key, value in DOUBLE.items() if key != "initial_stiffness"} | {"friction": 0.0}
+    pulled = Pulled(smooth, 12e3)
+    assert pulled.force(0.1) == pytest.approx(12e3 * 0.1 / 2.0, rel=1e-12)
+
+
+def test_a_ring_pushes_back_beyond_the_rim() -> None:
+    rim = {"rim": 0.15, "rim_stiffness": 1e7, "rim_damping": 1e-3}
+    pulled = Pulled({**RUBBER, **rim}, 12e3)
+    assert pulled.force(0.14) == pytest.approx(2e4 * 0.14, rel=1e-12)
+    assert pulled.force(0.16) == pytest.approx(2e4 * 0.16 + 1e7 * 0.01, rel=1e-12)
+    assert pulled.force(0.16, 2.0) == pytest.approx(2e4 * 0.16 + 2e3 * 2.0 + 1e7 * (0.01 + 2e-3), rel=1e-12)
+    assert pulled.force(0.16, -20.0) == pytest.approx(2e4 * 0.16 - 2e3 * 20.0, rel=1e-12)  # it does not pull
+
+
+def test_the_period_of_a_pendulum_is_that_of_its_radius_whatever_the_mass() -> None:
+    expected, periods = 2.0 * math.pi * math.sqrt(2.0 / G), []
+    for mass in (2e3, 2e4):
+        structure = slab(SMOOTH, mass, vertical_stiffness=1e10, tolerance=1e-8)
+        periods.append(1.0 / float(modes_in_space(structure).frequency[0]))
+        initial = SpatialState(*(np.zeros((1, 3)) for _ in range(4)))
+        initial.displacement[0] = [0.01, 0.0, 0.5 * 0.01**2 / 2.0 + rest_of(structure).phase[2]]
+        response = run(structure, Motion.harmonic(0.0, 1.0, 3.1), initial=initial)
+        u = response.ux[:, 0]
+        k = int(np.flatnonzero((u[:-1] < 0.0) & (u[1:] >= 0.0))[0])  # at three quarters
+        crossing = response.time[k] - u[k] * (response.time[k + 1] - response.time[k]) / (u[k + 1] - u[k])
+        periods.append(crossing / 0.75)
+    # measured 1e-7 and 1e-6 of the modes, which settle, 7e-6 of the swings, 6e-6 of it by the chord between two rows
+    assert np.max(np.abs(np.array(periods) / expected - 1.0)) <= 1e-5
+
+
+def test_modes_say_the_stiffness_before_and_after_a_slide() -> None:
+    structure = slab(PENDULUM, vertical_stiffness=1e10)
+    stuck, slides = modes_in_space(structure).frequency, sliding_frequencies(structure)
+    along = 4.0 * PENDULUM["initial_stiffness"] + 5000.0 * G / 2.0
+    assert stuck[0] == pytest.approx(math.sqrt(along / 5000.0) / (2.0 * math.pi), rel=1e-4)
+    assert slides[0] == pytest.approx(math.sqrt(G / 2.0) / (2.0 * math.pi), rel=1e-4)
+    assert sliding_frequencies(slab(ROLLING))[0] == pytest.approx(0.0, abs=1e-3)
+
+
+def _motion(seed: int, seconds: float, size: float = 4.0, step: float = 0.02) -> Motion:
+    """Noise about 0.8 Hz in three components."""
+    rng, t = np.random.default_rng(seed), np.arange(0.0, seconds, step)
+    envelope = np.sin(math.pi * t / seconds)
+    ax, ay, az = (
+        sum(rng.normal() * np.sin(2.0 * math.pi * f * t + rng.uniform(0.0, 6.3)) for f in (0.4, 0.7, 1.1, 1.7))
+        * envelope
+        for _ in range(3)
+    )
+    return Motion.from_samples(step, 0.5 * size * ax, ay=0.4 * size * ay, az=0.2 * size * az)
+
+
+def _reference(law: Law, motion: Motion, mass: float, times: FloatArray, stiffness: float) -> FloatArray:
+    """Place of the slab at these times, m (3, times): the whole system as one, written apart, for scipy.
+
+    The forces of a bearing act half-way between its two ends, along axes turned by half of the slab's rotation.
+    """
+    eta, arms = ACROSS["vertical_damping"], np.array(CORNERS) - [0.0, 0.0, 0.3]
+    per, slides = 1.0 / law.get("radius", math.inf), law.get("friction", 0.0)
+    spring, dashpot, lead = (law.get(name, 0.0) for name in ("stiffness", "damping", "yield"))
+    initial = law.get("initial_stiffness", 0.0)
+    delay = max(eta, 0.1 / math.sqrt(2.0 * max(stiffness, spring + initial) / mass))
+    inertia = mass / 12.0 * np.array([2.4**2 + 0.4**2, 2.4**2 + 0.4**2, 2.0 * 2.4**2])
+
+    def rate(t: float, y: FloatArray) -> FloatArray:
+        place, turn, v, w, slips = y[:3], Rotation.from_quat(y[3:7]), y[7:10], y[10:13], y[13:].reshape(4, 2)
+        base = np.array([np.interp(t, motion.time, a) for a in (motion.ax, motion.ay, motion.az)])
+        force, moment, gives = np.array([0.0, 0.0, -mass * G]), np.zeros(3), np.zeros((4, 2))
+        half = Rotation.from_rotvec(0.5 * turn.as_rotvec())
+        for k, arm in enumerate(arms):
+            out = turn.apply(arm)
+            moved = place + out - arm
+            d = half.inv().apply(moved)
+            pace = half.inv().apply(v + np.cross(w, out) - 0.5 * np.cross(w, moved))
+            deep = -d[2] + 0.5 * per * (d[0] ** 2 + d[1] ** 2)
+            pressed = deep + eta * (-pace[2] + per * (d[0] * pace[0] + d[1] * pace[1]))
+            normal = stiffness * pressed if deep > 0.0 and pressed > 0.0 else 0.0
+            elastic = -initial * (d[:2] - slips[k] + delay * pace[:2])
+            size, limit = float(np.hypot(*elastic)), slides * normal + lead
+            if initial and size > limit:
+                gives[k] = -elastic * (1.0 - limit / size) / (initial * delay)
+                elastic = elastic * (limit / size)
+            along = elastic - (spring + normal * per) * d[:2] - dashpot * pace[:2]
+            push = half.apply([along[0], along[1], normal])
+            force, moment = force + push, moment + np.cross(out - 0.5 * moved, push)
+        own = turn.inv().apply(w)
+        spin = turn.apply((turn.inv().apply(moment) - np.cross(own, inertia * own)) / inertia)
+        turns = 0.5 * np.array([*(y[6] * w + np.cross(w, y[3:6])), -w @ y[3:6]])
+        return np.concatenate([v, turns, force / mass - base, spin, gives.ravel()])
+
+    state = np.zeros(21)
+    state[2], state[6] = -mass * G / (4.0 * stiffness), 1.0
+    ends, found = motion.time, []
+    for a, b in zip(
+        ends[:-1].tolist(), ends[1:].tolist(), strict=True
+    ):  # from sample to sample: the motion has corners
+        inside = times[(times >= a) & (times < b)]
+        piece = solve_ivp(rate, (a, b), state, method="DOP853", t_eval=[*inside, b], rtol=1e-8, atol=1e-11)
+        found.append(piece.y[:3, : len(inside)])
+        state = piece.y[:, -1]
+    return np.concatenate(found, axis=1)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", ["pendulum", "lead"])
+def test_two_directions_are_those_of_a_reference_written_apart(name: str) -> None:
+    """Under noise in three components; the error falls with the tolerance, with the steps by an order above 2."""
+    law, motion = KINDS[name], _motion(3, 0.8, 4.0)
+    errors: list[float] = []
+    steps, known = [], np.zeros((3, 0))
+    for tolerance in (1e-3, 1e-5, 1e-7):
+        structure = slab(law, tolerance=tolerance).with_settings(without=("elastic", "peaks"))
+        response = run(structure, motion)
+        if not errors:
+            known = _reference(law, motion, 5000.0, response.time, ACROSS["vertical_stiffness"])
+        place = np.stack([response.ux[:, 0], response.uy[:, 0], response.uz[:, 0]])[:, : known.shape[1]]
+        errors.append(float(np.max(np.abs(place - known)) / np.max(np.abs(known))))
+        steps.append(float(response.stats["steps"]))
+    assert np.min(np.max(np.abs(known[:2]), axis=1)) > 0.02  # m
+    # measured 1e-7, 1e-8, 5e-10 with 310, 342, 635 steps; 3e-7, 6e-8, 8e-9 with 272, 331, 539
+    assert np.all(errors <= np.array([1e-5, 1e-6, 1e-7]))
+    assert math.log(errors[0] / errors[-1]) > 2.0 * math.log(steps[-1] / steps[0])
+
+
+@pytest.mark.parametrize("name", ["smooth", "rubber", "ring"])
+def test_undamped_throws_keep_their_energy(name: str) -> None:
+    rim = {"rim": 0.05, "rim_stiffness": 1e6, "rim_damping": 0.0}
+    law = {"smooth": SMOOTH, "rubber": {**RUBBER, "damping": 0.0}, "ring": {**SMOOTH, **rim}}[name]
+    structure = slab(law, vertical_damping=0.0, tolerance=1e-6)
+    for seed in range(3):
+        energies = _thrown(structure, seed)
+        assert np.max(np.abs(energies - energies[0])) <= 1e-6 * energies[0]  # measured 3e-8 and less
+
+
+@pytest.mark.parametrize("name", list(KINDS))
+def test_energy_is_never_gained(name: str) -> None:
+    rim = {"rim": 0.05, "rim_stiffness": 1e6, "rim_damping": 1e-3}
+    structure = slab({**KINDS[name], **rim}, tolerance=1e-7)
+    for seed in range(3):
+        energies = _thrown(structure, seed)
+        assert np.max(np.diff(energies)) <= 0.0  # between any two rows it falls: measured -1e-9 and less
+        assert energies[-1] < 0.7 * energies[0]
+
+
+def _thrown(structure: Structure, seed: int) -> FloatArray:
+    """Energy above rest of a slab that is thrown at random, every 10 ms of 2 s, J."""
+    stepper, rng = Stepper(structure), np.random.default_rng(seed)
+    start_from(stepper, rest_of(structure))
+    at_rest = stepper.observe()
+    for name, size in {"vx": 0.5, "vy": 0.5, "vz": 0.1, "wx": 0.05, "wy": 0.05, "wz": 0.3}.items():
+        getattr(stepper.see, name)[:] = size * rng.normal()
+    energies = [stepper.observe() - at_rest]
+    for k in range(200):
+        stepper.run(None, 0.01 * k, 0.01 * (k + 1), np.zeros(0))
+        energies.append(stepper.observe() - at_rest)
+    return np.array(energies)
+
+
+def test_lanes_and_alone_agree() -> None:
+    structures = [slab(law) for law in KINDS.values()]
+    motion = _motion(5, 4.0, 2.0)
+    table = simulate_many(structures, [motion] * len(structures), keep=("path", "verdict", "peak_u"))
+    assert set(np.asarray(table["path"]).tolist()) == {"lanes"}
+    for k, structure in enumerate(structures):
+        alone = simulate(structure, motion, settle=60.0)
+        assert table["verdict"][k] == alone.verdict
+        assert table["peak_u"][k][0] == pytest.approx(alone.peaks["u"][0], rel=2e-4)  # rows of 5 ms: measured 4e-5
+
+
+def test_a_slab_comes_off_beyond_the_displacement_that_its_bearing_allows() -> None:
+    structure = slab(ROLLING, capacity=0.1)
+    response = simulate(structure, Motion.harmonic(2.0, 0.4, 4.0))
+    assert response.verdict == "overturned"
+    assert "block slab has come off the bearing slab-base.1" in response.reason
+    assert 0.1 < response.peaks["d"].max() < 0.12
+    lanes = simulate_many([structure], [Motion.harmonic(2.0, 0.4, 4.0)], keep=("path", "verdict", "overturn_time"))
+    assert lanes["path"][0] == "lanes"
+    assert lanes["verdict"][0] == "overturned"
+    assert lanes["overturn_time"][0] == pytest.approx(response.overturn_time, rel=1e-2)
+
+
+def test_the_displacement_of_a_bearing_is_an_output() -> None:
+    structure = slab(PENDULUM)
+    response = simulate(structure, _motion(2, 4.0))
+    moved = response.displacement("slab", (-1.0, -1.0, 0.0))
+    assert np.allclose(response.dx[:, 0], moved[:, 0], atol=1e-4 * np.max(np.abs(moved)))
+    assert np.allclose(np.hypot(response.dx, response.dy), response.d, rtol=1e-12, atol=1e-15)
+    assert response.peaks["d"][0] >= np.max(response.d[:, 0])
+    assert "bearing[slab-base.1].dx" in response.names
+    names, capacity = InSpace(structure).bearings
+    assert names == structure.bearing_names
+    assert set(capacity.tolist()) == {0.6}
+
+
+@pytest.mark.parametrize(
+    ("changes", "line"),
+    [
+        ({"kind": "ball"}, "bearing[1].kind = 'ball': must be one of pendulum, double_concave, elastomeric"),
+        ({"stiffness": 1.0}, "bearing[1].stiffness: unknown key of a pendulum bearing"),
+        ({"radius": None}, "bearing[1].radius: missing, must be a radius of curvature in m"),
+        ({"radius": -1.0}, "bearing[1].radius = -1.0: must be a radius of curvature"),
+        ({"initial_stiffness": None}, "bearing[1].initial_stiffness: missing"),
+        ({"friction": 0.0}, "bearing[1].initial_stiffness: must be left out where friction = 0"),
+        ({"rim": 0.7}, "bearing[1].rim_stiffness: missing beside rim"),
+        ({"rim": 0.7, "rim_stiffness": 1e6, "rim_damping": 0.0}, "bearing[1].rim = 0.7: must be less than capacity"),
+        ({"rim_damping": 0.0}, "bearing[1].rim: missing beside rim_stiffness and rim_damping"),
+        ({"at": None}, "bearing[1].at = None: must be a place [x, y, z] in m, or a list of them"),
+        ({"at": [[0.0, 0.0]]}, "bearing[1].at[0] = [0.0, 0.0]: must be a list of 3 numbers"),
+        ({"at": [[0, 0, 0.3], [0, 0, 0.3]]}, "counts twice"),
+        ({"at": [9.0, 0.0, 0.3]}, "bearing[1].at: is 7.8 m away from slab"),
+        ({"between": ["base", "slab"]}, 'bearing[1].between: must name the block first, then "base"'),
+        ({**DOUBLE, "height": 3.0}, "bearing[1].height = 3.0: must be less than both radii together = 2.2 m"),
+        ({**DOUBLE, "radius": 2.0}, "bearing[1].radius = 2.0: must be the radii of curvature of both surfaces"),
+    ],
+)
+def test_wrong_values_are_named_in_one_line(changes: dict[str, Any], line: str) -> None:
+    law = {**ACROSS, **PENDULUM, "between": ["slab", "base"], "at": CORNERS, **changes}
+    law = {key: value for key, value in law.items() if value is not None or key == "at"}
+    block = {"name": "slab", "width": 2.4, "depth": 2.4, "height": 0.4, "mass": 5e3, "position": [0.0, 0.0, 0.1]}
+    with pytest.raises(InputError) as error:
+        Structure.from_dict({"name": "slab", "block": [block], "bearing": [law]})
+    assert line in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+def test_a_column_in_its_plane_has_no_bearings() -> None:
+    data = {"name": "c", "block": [{"height": 1.0, "width": 1.0, "mass": 1.0}], "bearing": [PENDULUM]}
+    for read in (Column.from_dict, lambda data: Structure.from_dict({"column": data})):
+        with pytest.raises(InputError, match="bearing: needs blocks in space"):
+            read(data)
+
+
+def test_studies_vary_the_numbers_of_a_bearing() -> None:
+    structure = slab(PENDULUM)
+    changed = structure_with(structure, {"bearing.radius": (3.0, False), "bearing[1].friction": (2.0, True)})
+    for joint in changed.bearings:
+        assert joint.bearing is not None
+        assert joint.bearing.pendulum == pytest.approx(1.0 / 3.0)
+        assert joint.bed.friction == pytest.approx(0.1)
+    double = structure_with(slab(DOUBLE), {"bearing[1].radius[2]": (2.0, False), "structure.size": (2.0, False)})
+    assert double.bearings[0].bearing is not None
+    assert double.bearings[0].bearing.pendulum == pytest.approx(1.0 / (2.4 + 2.0 - 0.4))
+
+
+@pytest.mark.parametrize("name", ["pendulums", "lead-rubber", "rubber"])
+def test_the_statue_stands_on_its_bearings(name: str) -> None:
+    folder = ROOT / "examples" / "structures"
+    fixed, isolated = (Structure.from_toml(folder / f"statue-{kind}.toml") for kind in ("fixed", f"on-{name}"))
+    assert isolated.weight == pytest.approx(fixed.weight, rel=1e-12)
+    motion = _motion(1, 6.0, 2.5)
+    response = simulate(isolated, motion)
+    assert response.verdict == "standing"
+    assert 0.01 < response.peaks["d"].max() < 0.25
