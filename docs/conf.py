@@ -19,13 +19,16 @@ extensions = [
     "sphinx_argparse_cli",
     "sphinxcontrib.mermaid",
     "sphinx_copybutton",
+    "equations",
 ]
 exclude_patterns = ["images", "notes", "**/.ipynb_checkpoints"]  # notes are read in the repository
 nitpicky = True
+smartquotes = False  # primes stay primes
 
 myst_heading_anchors = 4
-myst_enable_extensions = ["deflist"]
-myst_fence_as_directive = ["mermaid"]
+myst_enable_extensions = ["deflist", "dollarmath"]
+myst_fence_as_directive = ["mermaid", "math"]
+html_math_renderer = "mathml"
 nb_execution_mode = "off"  # notebooks are kept with their results, which a test makes again
 
 autodoc_default_options = {"members": True, "member-order": "bysource"}

@@ -1,6 +1,7 @@
 """The Column of Phocas as an FMU: build it, simulate it in FMPy under a harmonic base acceleration, keep the results.
 
     python phocas.py [--amplitude G] [--frequency HZ] [--duration S] [--column COLUMN.toml] [--output-folder FOLDER]
+                     [--output-step S]
 
 Writes the FMU, results.csv, results.png and scene.html, which plays in a browser, into the output folder. Without
 options it is the example of Brigante, Ercolano and Santorelli, 0.05 g at 2 Hz for 20 s, with damped joints; with
@@ -44,6 +45,7 @@ def main() -> int:
         column = Column.from_toml(options.column)
         motion = Motion.harmonic(options.amplitude * STANDARD_GRAVITY, options.frequency, options.duration)
         signals = sampled(motion)
+        rows = rows_of(len(signals), options.output_step)
         fmu = build_fmu(options.column, options.output_folder / f"{column.name}.fmu")
     except (InputError, OSError) as error:
         print(f"{PROGRAM}: {error}", file=sys.stderr)
@@ -75,7 +77,7 @@ def main() -> int:
     }
     verdict = None if overturned else ("", f"Not overturned within {motion.duration:g} s.")
     try:
-        write_csv(table, results)
+        write_csv(table, results[rows])
         fell = overturn_time if overturned else math.nan
         plot_histories(results["time"], histories, column, motion, None, fell, picture, verdict=verdict, peaks=peaks)
         known = {"model": column, "motion": motion, "time": results["time"], "overturn_time": fell, "peaks": peaks}
@@ -91,6 +93,14 @@ def main() -> int:
     print(f"overturned at {overturn_time:.4g} s" if overturned else "not overturned")
     print(fmu, table, picture, scene, sep="\n")
     return 0
+
+
+def rows_of(count: int, step: float) -> NDArray[np.int64]:
+    """Numbers of the rows that results.csv has, the last one among them: in 20 s 29 MB at 1 ms, 6 MB at 5 ms."""
+    every = round(step / COMMUNICATION_STEP)
+    if every < 1 or not math.isclose(every * COMMUNICATION_STEP, step):
+        raise InputError(f"output step = {step}: must be a multiple of {COMMUNICATION_STEP} s")
+    return np.append(np.arange(0, count - 1, every), count - 1)
 
 
 def sampled(motion: Motion) -> NDArray[np.void]:
@@ -116,6 +126,9 @@ def _options() -> argparse.Namespace:
     parser.add_argument("--amplitude", type=float, default=0.05, metavar="G", help="g (default: %(default)s)")
     parser.add_argument("--frequency", type=float, default=2.0, metavar="HZ", help="Hz (default: %(default)s)")
     parser.add_argument("--duration", type=float, default=20.0, metavar="S", help="s (default: %(default)s)")
+    parser.add_argument(
+        "--output-step", type=float, default=0.005, metavar="S", help="of the CSV (default: %(default)s)"
+    )
     parser.add_argument("--output-folder", type=Path, default=Path(), help="default: the current folder")
     return parser.parse_args()
 

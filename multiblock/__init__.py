@@ -1,4 +1,4 @@
-"""Seismic response of stacked rigid blocks with no-tension elastic joints: the public interface.
+"""Seismic response of columns and structures of rigid blocks with no-tension joints: the public interface.
 
 Every name that a program needs is here; the modules behind it (`solver`, `fmu_src`) may move.
 """

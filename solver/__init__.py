@@ -1,4 +1,4 @@
-"""Seismic response of stacked rigid blocks with no-tension elastic joints."""
+"""Seismic response of columns and structures of rigid blocks with no-tension elastic joints."""
 
 from .common.errors import InputError, InputWarning, SolverError
 from .common.waiting import announce

@@ -3,15 +3,21 @@
 from __future__ import annotations
 
 import math
+import re
+from collections.abc import Mapping
+from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
+from ..common.errors import InputError
 from ..models.uncertainty import CONFIDENCE
 from .check import Check
 from .spectra import FloatArray
 from .table import BEARING, MM, MRAD, PERCENT, Unit
 from .verdicts import falls
 
+MOST_NAMED = 4  # changes of a variant
 SAME = "cannot be distinguished"
 STRIPS = 10_000  # of a quarter turn: Student to 1e-6
 
@@ -39,7 +45,38 @@ def difference(first: Check, other: Check) -> str:
     words = {word for _, word in found} - {SAME}
     word = " in one and ".join(sorted(words)) + (" in the other" if len(words) > 1 else "") if words else SAME
     parts = "; ".join(f"{text}: {one}" if len(found) > 1 else text for text, one in found)
-    return f"{other.name} against {first.name}: {word}. {parts[0].upper()}{parts[1:]}.{_asked(other)}"
+    what = described(first.subject.model, other.subject.model)
+    name = f"{other.name} ({what})" if what else other.name
+    return f"{name} against {first.name}: {word}. {parts[0].upper()}{parts[1:]}.{_asked(other)}"
+
+
+def described(first: Any, other: Any) -> str:
+    """Which numbers of another model differ, in words; equal changes of several blocks once. Empty if not known."""
+    try:
+        before, after = _flat("", first.to_dict()), _flat("", other.to_dict())
+    except InputError:
+        return ""
+    if first.n != other.n:
+        return f"{other.n} blocks in place of {first.n}"
+    changes: dict[str, list[str]] = {}
+    for key in dict.fromkeys((*before, *after)):
+        old, new = before.get(key, "none"), after.get(key, "none")
+        if old != new and key != "name":
+            changes.setdefault(f"{re.sub(r'[0-9]+', '', key)} {old} to {new}", []).append(key)
+    said = [
+        keys[0] + change[change.index(" ") :] if len(keys) == 1 else f"{change.replace('[]', '')}, {len(keys)} times"
+        for change, keys in changes.items()
+    ]
+    return "; ".join(said[:MOST_NAMED]) + (f"; {len(said) - MOST_NAMED} more" if len(said) > MOST_NAMED else "")
+
+
+def _flat(key: str, value: Any) -> dict[str, str]:
+    """The numbers and words of nested tables by their keys, as block[1].joint.damping."""
+    if isinstance(value, Mapping):
+        return {name: text for k, v in value.items() for name, text in _flat(f"{key}.{k}".lstrip("."), v).items()}
+    if isinstance(value, (list, tuple)):
+        return {name: text for k, v in enumerate(value, 1) for name, text in _flat(f"{key}[{k}]", v).items()}
+    return {key: f"{value:.4g}" if isinstance(value, float) else str(value)}
 
 
 def _tilt(check: Check) -> FloatArray:
@@ -94,6 +131,7 @@ def mean_bounds(trials: FloatArray) -> tuple[float, float]:
     return mean - apart, mean + apart
 
 
+@lru_cache
 def student(free: int) -> float:
     """The two-sided quantile of Student's distribution at `CONFIDENCE`: sqrt(free) tan(angle), by a sum over the angle.
 

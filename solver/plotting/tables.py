@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 
 import numpy as np
@@ -25,7 +26,8 @@ def plot_table(frame: Frame, path: str | os.PathLike[str] | None) -> Figure:
     if name is None:
         raise InputError(f"keep: must have one of {', '.join(MOVES)} for a picture")
     runs, peaks = frame.index[1], 1e3 * np.atleast_2d(frame.columns[name].T).T
-    moved = np.max(np.nan_to_num(peaks, nan=0.0), axis=1)
+    moved = np.max(np.where(np.isnan(peaks), -math.inf, peaks), axis=1)
+    moved[np.isinf(moved)] = math.nan  # not made
     verdicts = frame.columns.get("verdict", np.full(len(runs), ""))
     figure = Figure(figsize=(8.0, 4.2), layout="constrained")
     axes = figure.add_subplot()
@@ -33,17 +35,19 @@ def plot_table(frame: Frame, path: str | os.PathLike[str] | None) -> Figure:
     for verdict in sorted(set(verdicts.tolist())):
         here = verdicts == verdict
         colour = VERDICT_COLOURS.get(verdict, INK)
-        label = f"{verdict or 'runs'}: {np.sum(here)}"
+        label = f"{verdict}: {np.sum(here)}"
         if verdict == "overturned":
             top = np.full(np.sum(here), 0.97)
             axes.plot(runs[here], top, "^", color=colour, label=label, transform=axes.get_xaxis_transform())
         else:
             axes.plot(runs[here], moved[here], "o", color=colour, label=label, markersize=4.0)
-    if len(runs) and not fell.all():
-        axes.set_ylim(0.0, 1.15 * float(np.max(moved[~fell])) or 1.0)
+    seen = moved[~fell & ~np.isnan(moved)]
+    if seen.size:
+        axes.set_ylim(0.0, 1.15 * float(np.max(seen)) or 1.0)
     axes.set(xlabel="run", ylabel="largest displacement (mm)")
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
-    axes.legend(frameon=False, loc="center left", bbox_to_anchor=(1.0, 0.5))
+    if "verdict" in frame.columns:
+        axes.legend(frameon=False, loc="center left", bbox_to_anchor=(1.0, 0.5))
     tidy(axes)
     header(figure, counted(len(runs), "run"))
     return save(figure, path)

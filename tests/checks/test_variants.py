@@ -1,6 +1,7 @@
 """Variants of a check: pairs of runs, bounds of their mean difference, and the sentence."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,7 +10,7 @@ from scipy import stats
 from multiblock import Block, Column, Joint, check, wavelets
 from solver.checks.check import Check
 from solver.checks.limits import Plan
-from solver.checks.variants import difference, mean_bounds, pairs_of, student
+from solver.checks.variants import described, difference, mean_bounds, pairs_of, student
 
 G = 9.80665
 MOTIONS = {f"{frequency} Hz": wavelets.ricker(0.35 * G, frequency) for frequency in (0.8, 1.0, 1.2, 1.5)}
@@ -49,10 +50,21 @@ def test_a_column_against_itself_cannot_be_distinguished(given: Check) -> None:
 
 
 def test_wider_is_better_and_narrower_worse(given: Check) -> None:
-    assert difference(given, checked("wider", 0.75)).startswith("wider against given: better. ")
+    wider = "wider (block[1].width 0.6 to 0.75) against given: better. "
+    assert difference(given, checked("wider", 0.75)).startswith(wider)
     narrow = difference(given, checked("narrow", 0.3))
-    assert narrow.startswith("narrow against given: worse. ")
+    assert narrow.startswith("narrow (block[1].width 0.6 to 0.3) against given: worse. ")
     assert re.search(r"% more of its runs fall", narrow)
+
+
+def test_changes_of_several_blocks_are_said_once() -> None:
+    block = Block(1.0, 1.0, 1.0, 2000.0, Joint(stiffness=2e9, damping=2e-3))
+    rough = replace(block, joint=replace(block.joint, friction=0.7))
+    plain, sliding = Column("plain", (block,) * 3), Column("sliding", (rough,) * 3)
+    assert described(plain, sliding) == "block.joint.friction none to 0.7, 3 times"
+    assert described(plain, Column("one", (rough, block, block))) == "block[1].joint.friction none to 0.7"
+    assert described(plain, plain) == ""
+    assert described(plain, Column("two", (block,) * 2)) == "2 blocks in place of 3"
 
 
 def test_the_governing_run_says_which_it_is_and_what_counts(given: Check) -> None:

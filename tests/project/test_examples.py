@@ -54,7 +54,7 @@ WRITTEN = "results.csv", "results.png", "scene.html"
 
 
 def test_phocas(tmp_path: Path) -> None:
-    run = example("phocas.py", tmp_path, "--column", PHOCAS, "--duration", 2)
+    run = example("phocas.py", tmp_path, "--column", PHOCAS, "--duration", 2, "--output-step", 0.001)
     assert (run.returncode, run.stderr) == (0, "")
     assert sorted(file.name for file in tmp_path.iterdir()) == ["phocas.fmu", *WRITTEN]
     assert is_picture(tmp_path / "results.png")
@@ -88,6 +88,7 @@ def test_phocas_with_options(tmp_path: Path) -> None:
     assert response.overturned
     last = read(folder / "results.csv")[-1]
     assert float(last["time"]) == pytest.approx(2.5)
+    assert len(read(folder / "results.csv")) == 501
     assert last["overturned"] == "True"
     assert float(last["overturn_time"]) == pytest.approx(response.overturn_time, abs=5e-3)
     assert f"overturned at {float(last['overturn_time']):.4g} s" in run.stdout
@@ -108,6 +109,7 @@ def test_phocas_does_not_pass_over_a_run_cut_short(tmp_path: Path) -> None:
         ("phocas.py --amplitude much", "argument --amplitude"),
         ("phocas.py --amplitude nan", "amplitude = nan"),
         ("phocas.py --frequency 0", "frequency = 0"),
+        ("phocas.py --output-step 0.0015", "output step = 0.0015: must be a multiple of 0.001 s"),
         ("phocas.py --duration -1", "duration = -1"),
         ("phocas.py --duration 0.0015", "must be a multiple of 0.001 s"),
         ("phocas.py --duration 1e300", "at most 3600.0 s"),

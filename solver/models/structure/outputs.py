@@ -88,7 +88,10 @@ class StructureHistories(Histories):
 
     @property
     def opening(self) -> FloatArray:
-        """Largest gap of each joint, m (rows, joints): of the upper face over the plane of the lower one, as built."""
+        """Largest gap of each joint, m (rows, joints): of the upper face over the plane of the lower one.
+
+        0 where all of it is in contact. The faces are those as built.
+        """
         structure, turns = self.structure, self.rotation
         moves = np.stack([self.ux, self.uy, self.uz], axis=-1)
         still = np.zeros((len(moves), 3))
@@ -105,11 +108,14 @@ class StructureHistories(Histories):
             apart, x, y = (
                 np.sum((one - other) * normal, axis=1) for one, other in zip(upper[:3], lower[:3], strict=True)
             )
-            if face.radius:
+            if joint.bearing is not None:  # at its point, over where it would be as it moves
+                moved = np.sum((upper[0] - lower[0]) ** 2, axis=1) - apart**2
+                found[:, j] = apart - 0.5 * joint.bearing.pendulum * moved
+            elif face.radius:
                 found[:, j] = apart + face.radius * np.hypot(x, y)
             else:
                 found[:, j] = apart + np.max(np.outer(face.outline[:, 0], x) + np.outer(face.outline[:, 1], y), axis=0)
-        return np.maximum(found, 0.0)
+        return np.where(self.contact < 1.0, np.maximum(found, 0.0), 0.0)  # pendulum bearings rise, and do not open
 
     def displacement(self, block: str | int, point: Sequence[float] = (0.0, 0.0, 0.0)) -> FloatArray:
         """Displacement of a point of a block, m (rows, 3); the point counts from its centroid, along its own axes.
