@@ -27,6 +27,7 @@ import math
 import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -201,6 +202,21 @@ def on_one_grid(
             found[acts, 0, c, p] = value[:-1][acts]
             found[acts, 1, c, p] = (np.diff(value) / lengths)[acts]
     return time, ax, ay, az, found.ravel()
+
+
+def loads_by_port(given: Mapping[str, Any], folder: str | os.PathLike[str] = ".") -> dict[str, dict[str, Any]]:
+    """Loads by port and component, from PORT.COMPONENT -> a number, or the name of a file in `folder`.
+
+    Raises InputError.
+    """
+    found: dict[str, dict[str, Any]] = {}
+    for name, value in given.items():
+        port, dot, component = name.rpartition(".")
+        if not (dot and port):
+            raise InputError(f"{name}: must be PORT.COMPONENT, as roof.Fx")
+        load = load_from_file(Path(folder) / value) if isinstance(value, str) else value
+        found.setdefault(port, {})[component] = load
+    return found
 
 
 def load_from_file(path: str | os.PathLike[str]) -> tuple[FloatArray, FloatArray]:

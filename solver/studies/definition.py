@@ -27,7 +27,7 @@ from ..ground.motion import Motion
 from ..kernels.numba_ext.jit import SOURCES
 from ..models.protocol import FloatArray, Model, Run
 from .distributions import Random
-from .motions import BESIDE, Measure, Shaking, tilted
+from .motions import BESIDE, LOAD_SCALE, Measure, Shaking, tilted
 from .subjects import DIRECTION, IN_PLANE, always_kept, check_alike, check_motion, sizes_of, subjects_in
 
 KINDS = ("sweep", "ida", "fragility", "spectrum", "montecarlo")
@@ -227,7 +227,7 @@ class Study(Shown):
         for name, (key, relative) in self._of_motions.items():
             value = values[name]
             if relative:
-                if key not in shaking.numbers and key != "scale":
+                if key not in shaking.numbers and key not in ("scale", LOAD_SCALE):
                     raise InputError(f"{name}: {shaking.name} has none that could be multiplied")
                 value *= shaking.numbers.get(key, 1.0)
             found[key] = value
@@ -249,6 +249,7 @@ class Study(Shown):
             factor *= values[INTENSITY] / present
         size = abs(factor)
         motion = tilted(base.scaled(factor).turned(given.get(DIRECTION, 0.0)), given.get("tilt", 0.0))
+        motion = shaking.with_loads(motion, base, given.get(LOAD_SCALE))
         return motion, base, {name: size * value for name, value in measures.items()}
 
     # what it is known by

@@ -15,6 +15,7 @@ from ..common.errors import FINITE, POSITIVE, InputError, check_number, shown
 from ..common.ranges import check_keys
 from ..ground import wavelets
 from ..ground.intensity import pgv, spectrum
+from ..ground.loads import loads_by_port, loads_from
 from ..ground.motion import STANDARD_GRAVITY, Motion
 from . import near_fault
 
@@ -53,8 +54,9 @@ FORMULAS = {
 WHOLE = ("seed",)
 _OF_RECORDS = ("record", "vertical", "across", "dt", "units", "channel", "vertical_channel")
 # numbers of every motion: factor; tilt of the base, rad, clockwise positive; of structures also the direction in plan,
-# rad from x to y
-BESIDE = ("scale", "tilt", "direction")
+# rad from x to y, and a factor on the loads on their ports
+LOAD_SCALE = "load_scale"
+BESIDE = ("scale", "tilt", "direction", LOAD_SCALE)
 MEASURES = ("pga", "pgv", "sa")
 
 
@@ -109,12 +111,14 @@ class Shaking:
     """A motion of a study: a record that has been read, or a formula with the numbers that are given.
 
     name: as shown to users. formula: one of FORMULAS, "" for a record. numbers: of the formula, and those of BESIDE.
+    loads: on ports of structures, as of `simulate`.
     """
 
     name: str
     formula: str = ""
     numbers: Mapping[str, float] = field(default_factory=dict)
     record: Motion | None = None
+    loads: Mapping[str, Any] = field(default_factory=dict)
 
     @classmethod
     def from_table(cls, key: str, table: Mapping[str, Any], folder: Path) -> Shaking:
@@ -128,14 +132,29 @@ class Shaking:
         if formula and formula not in FORMULAS:
             raise InputError(f"{key}.formula = {shown(formula)}: must be one of {', '.join(FORMULAS)}")
         numbers = cls.numbers_of(formula)
-        known = ("name", "formula", *numbers) if formula else ("name", *_OF_RECORDS, *numbers)
+        known = ("name", "load", "formula", *numbers) if formula else ("name", "load", *_OF_RECORDS, *numbers)
         check_keys(f"{key}.", table, known)
         given = {
             item: check_number(f"{key}.{item}", table[item], FINITE, "a number") for item in numbers & table.keys()
         }
         record = None if formula else _record(key, table, folder)
         shown_as = formula or Path(str(table["record"])).stem
-        return cls(str(name) if name is not None else shown_as, formula, given, record)
+        loads = table.get("load", {})
+        if not isinstance(loads, Mapping):
+            raise InputError(f'{key}.load = {shown(loads)}: must be a table, as {{ "roof.Fx" = 1000.0 }}')
+        shown_as = str(name) if name is not None else shown_as
+        return cls(shown_as, formula, given, record, loads_by_port(loads, folder))
+
+    def with_loads(self, motion: Motion, before: Motion, factor: float | None) -> Motion:
+        """The motion with the loads of this table, and of the record before it was scaled, times a factor.
+
+        Raises InputError for a factor without loads.
+        """
+        loads = {**before.loads, **loads_from(self.loads, motion.start, motion.duration)}
+        if factor is not None and not loads:
+            raise InputError(f"motion.{LOAD_SCALE}: {self.name} has no loads, must have a table load")
+        scale = 1.0 if factor is None else factor
+        return motion.with_loads({port: load.scaled(scale) for port, load in loads.items()}) if loads else motion
 
     @staticmethod
     def numbers_of(formula: str) -> set[str]:
@@ -168,7 +187,12 @@ class Shaking:
 
     def to_table(self) -> dict[str, Any]:
         """Values that distinguish this motion from others: for fingerprints and captions."""
-        return {"name": self.name, "formula": self.formula, **self.numbers}
+        found = {"name": self.name, "formula": self.formula, **self.numbers}
+        loads = loads_from(self.loads, 0.0, 1.0)
+        if self.record is not None:
+            loads = {**self.record.loads, **loads}
+        listed = {port: [load.time.tolist(), load.values.tolist()] for port, load in loads.items()}
+        return {**found, "loads": listed} if listed else found
 
 
 def _record(key: str, table: Mapping[str, Any], folder: Path) -> Motion:

@@ -10,9 +10,22 @@ from typing import Any
 import numpy as np
 import pytest
 
-from multiblock import Column, InputError, Load, Motion, Structure, push_over, simulate, simulate_many, wavelets
+from multiblock import (
+    Column,
+    InputError,
+    Load,
+    Motion,
+    Structure,
+    Study,
+    push_over,
+    run_study,
+    simulate,
+    simulate_many,
+    wavelets,
+)
 from solver.commands.command_line import main
 from solver.ground.loads import COMPONENTS, load_from_file, on_one_grid
+from solver.studies.motions import Shaking
 
 MASS, SIDE, STIFFNESS, RATIO, G = 2500.0, 1.0, 1e9, 0.4, 9.80665
 STILL = Motion.from_samples(1.0, np.zeros(3))
@@ -219,3 +232,17 @@ def test_the_command_takes_loads_and_a_pattern(tmp_path: Path, capsys: pytest.Ca
     assert "times the pattern" in capsys.readouterr().out
     assert main(["simulate", str(file), str(record), "--load", "top"]) == 2
     assert "must be PORT.COMPONENT=LOAD" in capsys.readouterr().err
+
+
+def test_a_study_varies_the_scale_of_loads(tmp_path: Path) -> None:
+    (tmp_path / "still.csv").write_text("time,base.ax\n0,0\n0.3,0\n", encoding="utf-8")
+    table = {"record": "still.csv", "load": {"top.Fx": 1e3}}
+    shaking = Shaking.from_table("motion[1]", table, tmp_path)
+    keep = ("verdict", "peak_u", "peak_port_x")
+    study = Study("push", "sweep", (block(),), (shaking,), grid={"motion.load_scale": (1.0, 2.0)}, keep=keep)
+    peaks = run_study(study, tmp_path / "results")["peak_port_x"]
+    assert peaks[1] == pytest.approx(2.0 * peaks[0], rel=1e-3)
+    none = Shaking.from_table("motion[1]", {"record": "still.csv"}, tmp_path)
+    study = Study("push", "sweep", (block(),), (none,), grid={"motion.load_scale": (1.0, 2.0)})
+    with pytest.raises(InputError, match=r"motion.load_scale: still has no loads"):
+        study.run(0)
