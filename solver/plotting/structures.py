@@ -14,6 +14,7 @@ from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 from mpl_toolkits.mplot3d.proj3d import proj_transform
 
 from ..models.structure.blocks.faces import FloatArray
+from ..models.structure.blocks.parts import Joint
 from ..models.structure.model import Structure
 from ..models.structure.response import SpatialResponse
 from .figures import Figure
@@ -28,7 +29,8 @@ VISIBLE = 0.08  # of the extent: largest deformation in a picture
 MARGIN, BAR = 0.06, 0.2  # of the extent: ground around the blocks, longest bar of the scale
 DPI = 130
 FILLED = 0.96  # of the axes
-GROUND = "#eceae4"
+GROUND = "#e9e6df"
+BEARING, SIDES, FLAT = "#4f4a44", 24, 0.3  # colour; points of its rim; height over the diameter of one not on the base
 
 
 def plot_structure(
@@ -157,8 +159,21 @@ def draw_blocks(
     x, y = np.array([low[0], high[0], high[0], low[0]]), np.array([low[1], low[1], high[1], high[1]])
     ground = Poly3DCollection([np.column_stack([x, y, np.zeros(4)])], facecolors=GROUND, edgecolors="0.75", zorder=0.5)
     axes.add_collection3d(ground, autolim=False)
+    for joint in structure.bearings:
+        moved = u[joint.lower] if joint.lower < structure.n else np.zeros(3)
+        axes.add_collection3d(_bearing(joint, moved, joint.lower == structure.n), autolim=False)
     _measure(axes, np.array([low[0], low[1], 0.0]), nice(BAR * largest))
     return solids
+
+
+def _bearing(joint: Joint, moved: FloatArray, on_base: bool) -> Poly3DCollection:
+    """A bearing as a flat drum under its place, behind all blocks; moved: as what it stands on, m."""
+    high = joint.face.points(SIDES) + moved
+    low = high - FLAT * 2.0 * joint.face.radius * joint.face.normal
+    if on_base:
+        low[:, 2] = 0.0
+    sides = [np.array([low[k - 1], low[k], high[k], high[k - 1]]) for k in range(len(low))]
+    return Poly3DCollection(sides, facecolors=BEARING, edgecolors=BEARING, linewidths=0.3, zorder=0.7)
 
 
 def _box(low: FloatArray, high: FloatArray) -> FloatArray:

@@ -14,7 +14,10 @@ from support.probe import G
 from support.structures import run
 
 from solver import simulate, simulate_many
+from solver.checks.check import check
+from solver.checks.limits import Plan
 from solver.checks.of_structure import InSpace
+from solver.checks.variants import difference
 from solver.common.errors import InputError
 from solver.ground.motion import Motion
 from solver.models.column.model import Column
@@ -367,6 +370,24 @@ def test_studies_vary_the_numbers_of_a_bearing() -> None:
     double = structure_with(slab(DOUBLE), {"bearing[1].radius[2]": (2.0, False), "structure.size": (2.0, False)})
     assert double.bearings[0].bearing is not None
     assert double.bearings[0].bearing.pendulum == pytest.approx(1.0 / (2.4 + 2.0 - 0.4))
+
+
+def test_a_check_says_what_is_asked_of_bearings_and_whether_they_help() -> None:
+    folder, motions = ROOT / "examples" / "structures", {f"noise {k}": _motion(k, 4.0, 3.0) for k in range(3)}
+    fixed, isolated = (
+        check(Structure.from_toml(folder / f"{name}.toml"), motions, plan=Plan(ensemble=1, margin=False))
+        for name in ("statue-fixed", "statue-on-pendulums")
+    )
+    row = next(row for row in isolated.rows if row.name == "displacement of a bearing")
+    k = isolated.subject.bearings[0].index(row.where)
+    assert row.values == tuple(run.peaks["d"][k] for run in isolated.responses)
+    assert row.capacity == 0.25
+    assert not any("slip" in row.name and row.where.startswith("slab-base") for row in isolated.rows)
+    said = difference(fixed, isolated)
+    assert "its blocks tilt by" in said or "of its runs fall" in said
+    assert f"is asked for {1e3 * np.mean(row.values):.3g} mm, the mean of 3 motions (" in said
+    assert "it allows 250 mm." in said
+    assert isolated.subject.isolated == pytest.approx(2.0 * math.pi * math.sqrt(1.0 / G), rel=1e-3)
 
 
 @pytest.mark.parametrize("name", ["pendulums", "lead-rubber", "rubber"])

@@ -41,6 +41,7 @@ CLOSE, ROUGH = 1e-10, 1e-7  # of the weight: forces that are left; at most, wher
 DIFFERENCE, ROUNDED = 1e-5, 1e-9
 NARROWED = 1e-4  # of a step: in what part of it a joint begins to open or to slide, or the push to fall
 LEAST_GROWTH = 1e-9  # of the push in a step: with less it does not grow
+STEEP = 1e-3  # part of the push in a step, in the measure, with which it grows however short the step was
 FALLS = "beyond it the push falls, or does not grow"
 TURN = 0.9  # least cosine between a step and the next one
 OPEN, SLID = 1e-9, 1e-9  # of the contact, of the largest displacement: from where on a joint is open, and has slid
@@ -227,7 +228,7 @@ class _Path:
         rest, row = self.places[0].row, place.row
         contact, slip, moved = self.contact, self.slip, slice(0, 3 * self.stepper.structure.n)
         return _Seen(
-            place.ahead[-1] > 0.0 and place.push > last.push * (1.0 + LEAST_GROWTH),
+            place.ahead[-1] > (0.0 if place.push > last.push * (1.0 + LEAST_GROWTH) else STEEP),
             before.opened or bool(np.any(_opened(row[contact], rest[contact]))),
             before.slid
             or bool(np.any(_slid(row[slip] - rest[slip], row[contact], np.max(np.abs(row[moved] - rest[moved]))))),
