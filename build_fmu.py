@@ -393,7 +393,8 @@ def without_brackets(files: dict[str, bytes]) -> dict[str, bytes]:
     """The files of an FMU whose variables are block1.ux in place of block[1].ux, where tools and people read them."""
     named = ["modelDescription.xml", "terminalsAndIcons/terminalsAndIcons.xml", "documentation/index.html"]
     named += [name for name in files if name.startswith(RUN_FOLDER)]
-    found = {name: re.sub(rb"\b(block|joint|tie)\[(\d+)\]", rb"\1\2", files[name]) for name in named if name in files}
+    owners = rb"\b(block|joint|tie|bearing|port)\[(\d+)\]"
+    found = {name: re.sub(owners, rb"\1\2", files[name]) for name in named if name in files}
     return files | found
 
 

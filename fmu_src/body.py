@@ -190,8 +190,10 @@ class StructureBody(Body, word="structure"):
         self.packed = packed(structure) if model is None else np.array(model, dtype=np.float64)
         self.name, self.tolerance = structure.name, structure.tolerance
         self.drive, self.inputs = drive, (*structure_variables.INPUTS, *drive.inputs(OF_STRUCTURE))
+        self.inputs += tuple(structure_variables.inputs_of_ports(structure))
         self.text = json.dumps({"structure": data, "packed": self.packed.tolist(), "drive": drive})
         parts = {"block": structure.n, "joint": len(structure.joints), "tie": len(structure.ties)}
+        parts["port"] = len(structure.ports)
         counted = ", ".join(f"{count} {what}{'' if count == 1 else 's'}" for what, count in parts.items() if count)
         self.about = f"Structure of rigid blocks in space with no-tension elastic joints: {counted}"
         size = sizes_in(self.packed).visible

@@ -26,7 +26,7 @@ KINDS = {
 TERMINAL = "base"  # motion in, reaction and effective mass out
 REACTION = "[FM][xyz]"  # of a structure: what it does to the base, which follows from its state alone
 SPLIT = "R0[xzm]|m[xzt][xzt]"  # of a column
-ELEMENT = r"\b(block|joint|tie) 1\b(?: \(.*?\))?"  # in the description of the first of an array
+ELEMENT = r"\b(block|joint|tie|bearing|port) 1\b(?: \(.*?\))?"  # in the description of the first of an array
 
 
 def model_description3(
@@ -106,18 +106,41 @@ def _structure(arrays: dict[str, list[Variable]]) -> Element:
     return structure
 
 
-def terminals(table: list[Variable]) -> Element:
-    """The port at the base, so that its signals connect as one: motion in, reaction and effective mass out."""
+def terminals(table: list[Variable], has_icon: bool = False) -> Element:
+    """The port at the base, so that its signals connect as one: motion in, reaction and effective mass out.
+
+    With it one for each body that drives the base: what that body says of its forces and mass. has_icon: icon.png is
+    beside the file.
+    """
     root = Element("fmiTerminalsAndIcons", fmiVersion="3.0")
-    words = {"name": TERMINAL, "matchingRule": "plug", "terminalKind": "org.multiblock-fmu.base"}
+    if has_icon:
+        square = {"x1": "-100", "y1": "-100", "x2": "100", "y2": "100"}
+        picture = SubElement(root, "GraphicalRepresentation")
+        SubElement(picture, "CoordinateSystem", square | {"suggestedScalingFactorTo_mm": "0.1"})
+        SubElement(picture, "Icon", square)
     has_split = any(variable.name == f"{TERMINAL}.mxx" for variable in table)
     out = "split reaction R0 and effective mass of the column" if has_split else "reaction of the structure"
-    words["description"] = f"Motion of the base in; {out} out"
+    found = SubElement(root, "Terminals")
+    base = _terminal(found, TERMINAL, "org.multiblock-fmu.base", f"Motion of the base in; {out} out")
     members = SPLIT if has_split else REACTION
-    terminal = SubElement(SubElement(root, "Terminals"), "Terminal", words)
+    bodies: dict[str, Element] = {}
     for variable in table:
         owner, _, member = variable.name.partition(".")
         if owner == TERMINAL and (variable.causality == "input" or re.fullmatch(members, member)):
-            kind = {"variableName": variable.name, "memberName": member, "variableKind": "signal"}
-            SubElement(terminal, "TerminalMemberVariable", kind)
+            _member(base, variable.name, member)
+        elif variable.causality == "input" and re.fullmatch(r"body\d*", owner):
+            if owner not in bodies:
+                says = "Forces and mass of a body that moves the base, as its state determines them"
+                bodies[owner] = _terminal(found, owner, "org.multiblock-fmu.body", says)
+            _member(bodies[owner], variable.name, member)
     return root
+
+
+def _terminal(parent: Element, name: str, kind: str, description: str) -> Element:
+    words = {"name": name, "matchingRule": "plug", "terminalKind": kind, "description": description}
+    return SubElement(parent, "Terminal", words)
+
+
+def _member(terminal: Element, name: str, member: str) -> None:
+    words = {"variableName": name, "memberName": member, "variableKind": "signal"}
+    SubElement(terminal, "TerminalMemberVariable", words)

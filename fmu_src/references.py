@@ -6,6 +6,8 @@ import re
 from collections.abc import Sequence
 
 from solver.common.ranges import MAX_BLOCKS
+from solver.ground.loads import COMPONENTS
+from solver.kernels.structure.layout import OF_PORT
 
 MOST_BODIES = 9  # that drive a base
 # what one says to a column and to a structure, in the order of the kernels
@@ -72,7 +74,7 @@ REFERENCES = {
     "base.drive": 2010,
     "base.slope": 2011,
 }
-# Variables of every block, joint, tie or bearing: a family each, of 1000 numbers.
+# Variables of every block, joint, tie, bearing or port: a family each, of 1000 numbers.
 FAMILY = 1000
 FAMILIES = {
     "block.ux": 10,
@@ -137,13 +139,17 @@ FAMILIES = {
     "bearing.dx_peak": 69,
     "bearing.dy_peak": 70,
     "bearing.d_peak": 71,
+    **{f"port.{name}": 80 + i for i, name in enumerate(OF_PORT)},
+    **{f"port.{name}_peak": 89 + i for i, name in enumerate(OF_PORT)},
+    **{f"port.{name}": 98 + i for i, name in enumerate(COMPONENTS)},
+    **{f"port.d{name}": 104 + i for i, name in enumerate(COMPONENTS)},
 }
 assert MAX_BLOCKS <= FAMILY
 
 
 def reference_of(name: str) -> int:
     """The value reference of a variable: that of REFERENCES, or 1000 times its family plus the number of its block."""
-    parts = re.fullmatch(r"(block|joint|tie|bearing)\[(\d+)\]\.(\w+)", name)
+    parts = re.fullmatch(r"(block|joint|tie|bearing|port)\[(\d+)\]\.(\w+)", name)
     if parts is None:
         return REFERENCES[name]
     owner, number, quantity = parts.groups()
@@ -151,6 +157,6 @@ def reference_of(name: str) -> int:
 
 
 def array_of(name: str) -> str:
-    """The array that a variable of a block, joint or tie belongs to, block[3].ux to block.ux; "" for others."""
+    """The array that a variable of a block, joint, tie or port belongs to, block[3].ux to block.ux; "" for others."""
     parts = re.fullmatch(r"(\w+)\[\d+\]\.(\w+)", name)
     return f"{parts[1]}.{parts[2]}" if parts else ""

@@ -1,6 +1,6 @@
 """The table of variables of a structure in space (variables.py has what it shares with that of a column).
 
-Blocks, joints and ties have their numbers in the structure, from 1, and their descriptions have their names. The
+Blocks, joints, ties and ports have their numbers in the structure, from 1, and their descriptions have their names. The
 outputs begin with one output row as the kernels write it (solver/kernels/structure/layout.py), then peaks in the same
 order.
 """
@@ -12,8 +12,9 @@ from dataclasses import replace
 import numpy as np
 
 from solver.common.errors import InputError
+from solver.ground.loads import COMPONENTS
 from solver.ground.motion import STANDARD_GRAVITY
-from solver.models.outputs import BEARING, BLOCK, JOINT, TIE
+from solver.models.outputs import BEARING, BLOCK, JOINT, PORT, TIE
 from solver.models.structure.model import Structure
 from solver.models.structure.outputs import OUTPUTS
 
@@ -34,19 +35,50 @@ INPUTS = (
 )
 
 
+LOAD_SLOPE = "Slope of port[{}].{} within a communication step, counted from its start; 0: held"
+
+
+def inputs_of_ports(structure: Structure) -> list[Variable]:
+    """The loads on the ports, then their slopes, in the order of the kernels (INPUT_LOADS)."""
+    size, found = _sizes(structure), []
+    for prefix in ("", "d"):
+        for name in COMPONENTS:
+            what, unit = ("Force", "N") if name[0] == "F" else ("Couple", "N.m")
+            nominal = (10.0 if prefix else 1.0) * size[unit.replace(".", " ")]
+            for p, port in enumerate(structure.ports, start=1):
+                text = LOAD_SLOPE.format(p, name) if prefix else f"{what} along {name[1]} on port {p} ({port.name})"
+                found.append(input_of(f"port[{p}].{prefix}{name}", text, unit + "/s" * bool(prefix), nominal))
+    return found
+
+
+def _direct(structure: Structure, name: str, drive: Drive | None) -> tuple[str, ...]:
+    """Inputs that an output depends on without delay: accelerations of ports on loads on their block and the base's."""
+    owner, _, quantity = name.partition("].")
+    if not owner.startswith("port[") or quantity not in ("ax", "ay", "az"):
+        return ()
+    own, ports = int(owner.removeprefix("port[")), list(enumerate(structure.ports, start=1))
+    beside = [p for p, port in ports if port.body == structure.ports[own - 1].body]
+    base = () if drive and drive.drive == "body" else (f"base.{quantity}",)
+    return (*base, *(f"port[{p}].{component}" for component in COMPONENTS for p in beside))
+
+
 def structure_variables(
     structure: Structure, record: str = "", reads_files: bool = True, drive: Drive | None = None
 ) -> list[Variable]:
     """The table; as `variables` of a column. Raises InputError for a structure with too many joints or ties."""
-    for what, parts in (("joint", structure.joints), ("tie", structure.ties)):
+    for what, parts in (("joint", structure.joints), ("tie", structure.ties), ("port", structure.ports)):
         if len(parts) > FAMILY:
             raise InputError(f"{what}: {len(parts)} of them, must be at most {FAMILY} in an FMU")
     named = {BLOCK: structure.names, JOINT: structure.joint_names, BEARING: structure.bearing_names}
     names = {what: [f"{what} {i} ({name})" for i, name in enumerate(of, start=1)] for what, of in named.items()}
     names[TIE] = [f"tie {e}" for e in range(1, len(structure.ties) + 1)]
+    names[PORT] = [f"port {p} ({port.name})" for p, port in enumerate(structure.ports, start=1)]
     sizes = _sizes(structure)
     row, peaks = seen(OUTPUTS, names, lambda unit, i: sizes[unit])
-    row = [replace(output, initially=()) for output in row]
+    direct = {output.name: _direct(structure, output.name, drive) for output in row}
+    row = [
+        replace(output, depends_on=direct[output.name], initially=None if direct[output.name] else ()) for output in row
+    ]
     parameters = [
         parameter_of(DAMPING_SCALE, "", "Factor on the damping of all joints and ties", 1.0, DAMPING_SCALE_LIMITS[0]),
         tolerance_of(structure.tolerance),
@@ -54,7 +86,7 @@ def structure_variables(
         *(drive.parameters if drive else ()),
         *of_record(record, reads_files),
     ]
-    inputs = [*INPUTS, *(drive.inputs(OF_STRUCTURE) if drive else ())]
+    inputs = [*INPUTS, *(drive.inputs(OF_STRUCTURE) if drive else ()), *inputs_of_ports(structure)]
     return [*inputs, *row, *peaks, *outcome(OVERTURNED_BLOCK), *parameters]
 
 
@@ -66,6 +98,8 @@ def _sizes(structure: Structure) -> dict[str, float]:
     area = min((joint.face.moments[0] for joint in structure.joints), default=1.0)
     return {
         "m": 1e-3 * extent,
+        "m/s": 1e-2,
+        "m/s2": 1.0,
         "rad": 1e-3,
         "N": weight,
         "N m": weight * extent / 6.0,

@@ -30,6 +30,7 @@ from solver.checks.limits import Limits, Plan
 from solver.commands.progress import RunsLine
 from solver.ground import wavelets
 from solver.ground.intensity import Intensity, Spectrum, intensity, pgv, spectrum
+from solver.ground.loads import Load
 from solver.models.column.modes import Modes, natural_modes
 from solver.models.structure.builders import arch, colonnade, wall
 from solver.models.structure.model import Structure
@@ -62,6 +63,7 @@ __all__ = [
     "Intensity",
     "Joint",
     "Limits",
+    "Load",
     "Modes",
     "Motion",
     "Plan",

@@ -104,7 +104,7 @@ def native_files(
     pages = documentation.pages(body, contents.table, NEEDS) | legal_files(NEEDS)
     pages["terminalsAndIcons/icon.png" if fmi == 3 else "model.png"] = pages["documentation/model.png"]
     if fmi == 3 or form.terminals:
-        pages["terminalsAndIcons/terminalsAndIcons.xml"] = XML + tostring(terminals(contents.table))
+        pages["terminalsAndIcons/terminalsAndIcons.xml"] = XML + tostring(terminals(contents.table, fmi == 3))
     if form.source:
         pages |= source_files(name, headers(contents), kernels, fmi)
         pages |= describe_sources(description, name, fmi)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from solver.common.ranges import NUMBERS
+from solver.ground.loads import COMPONENTS
 from solver.kernels.api import pointers_of_structures as pointers_in_space
 from solver.kernels.layout import spaces
 from solver.kernels.structure import driven
@@ -27,7 +28,12 @@ def structure_subject(body: StructureBody) -> Subject:
     return Subject(
         falls=True,
         sizes={
-            **{"N": body.structure.n, "COUNTS": at.COUNTS.beside, "BASE": at.BASE.beside, "ROW": sizes.visible},
+            **{
+                "N": body.structure.n,
+                "COUNTS": at.COUNTS.beside,
+                "BASE": at.INPUT_MOTION.size(sizes),
+                "ROW": sizes.visible,
+            },
             **{**lengths, "SPLIT": 0, "ROOM": 1},
         },
         codes={
@@ -39,7 +45,12 @@ def structure_subject(body: StructureBody) -> Subject:
         | codes_with(OUTPUTS, body.structure.sizes, lengths["STATE"]),
         places={**OF_BLOCKS, "FALLEN": OVERTURNED_BLOCK.name},
         inputs=[item.name for item in body.inputs],
-        slopes={f"base.a{axis}": f"base.j{axis}" for axis in "xyz"},
+        slopes={f"base.a{axis}": f"base.j{axis}" for axis in "xyz"}
+        | {
+            f"port[{p}].{name}": f"port[{p}].d{name}"
+            for name in COMPONENTS
+            for p in range(1, len(body.structure.ports) + 1)
+        },
         split=FIRST_PEAK,
         given=[*(given[name] for name in driven.GIVEN.fields), *body.packed.tolist()],
         choices=[

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import os
 import warnings
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -15,6 +16,7 @@ from ..common.errors import FINITE, NOT_NEGATIVE, POSITIVE, InputError, InputWar
 from ..common.files import printable, whole_file
 from ..common.frames import Frame, Framed
 from ..common.notebook import Shown, counted, history
+from .loads import Load
 from .records import STANDARD_GRAVITY as STANDARD_GRAVITY
 from .records import Record, peer, read_record
 from .records.columns import LEAD, SLOPES, read_csv
@@ -51,6 +53,7 @@ class Motion(Framed, Shown):
     frequency: float = 0.0  # Hz, of the harmonic part; positive where an amplitude is not 0
     ay: FloatArray = field(default_factory=lambda: _NONE)  # (m,) m/s2, across x, for structures; none: zeros
     amplitude_y: float = 0.0  # m/s2, of the harmonic part of ay
+    loads: Mapping[str, Load] = field(default_factory=dict, kw_only=True)  # on the ports of a structure, beside it
 
     def __post_init__(self) -> None:
         if self.ay is _NONE:
@@ -138,7 +141,7 @@ class Motion(Framed, Shown):
         return np.where(inside, ax, 0.0), np.where(inside, az, 0.0)
 
     def scaled(self, factor: float) -> Motion:
-        """Return the motion with every acceleration multiplied by `factor`. Raises InputError beyond 1e6 m/s2."""
+        """Return the motion with accelerations, no loads, multiplied by `factor`. Raises InputError beyond 1e6 m/s2."""
         factor = check_number("factor", factor, FINITE, "a finite number")
         ax, az, amplitude = factor * self.ax, factor * self.az, factor * self.amplitude
         largest = max(np.abs(ax).max(), np.abs(az).max(), abs(amplitude))
@@ -146,12 +149,18 @@ class Motion(Framed, Shown):
             ay, amplitude_y = factor * self.ay, factor * self.amplitude_y
             return replace(self, ax=ax, ay=ay, az=az, amplitude=amplitude, amplitude_y=amplitude_y)
         made = Motion.unchecked(self.time, ax, az, self.duration, self.hold, amplitude, self.frequency)
-        return made.named(self.name)
+        return made.with_loads(self.loads).named(self.name)
 
     def named(self, name: str) -> Motion:
         """Return the motion with a name for titles; the samples are shared."""
         made: Motion = object.__new__(Motion)
         made.__dict__.update(vars(self) | {"name": name})
+        return made
+
+    def with_loads(self, loads: Mapping[str, Load]) -> Motion:
+        """Return the motion with loads on ports, by their names, beside it (loads.py); the samples are shared."""
+        made: Motion = object.__new__(Motion)
+        made.__dict__.update(vars(self) | {"loads": dict(loads)})
         return made
 
     def scaled_to(self, pga: float) -> Motion:
@@ -272,7 +281,7 @@ class Motion(Framed, Shown):
         made.__dict__.update(
             time=time, ax=ax, az=az, duration=duration, hold=hold, amplitude=amplitude, frequency=frequency
         )
-        made.__dict__.update(ay=ay, amplitude_y=0.0)
+        made.__dict__.update(ay=ay, amplitude_y=0.0, loads={})
         return made
 
     @classmethod

@@ -205,6 +205,10 @@ class Kind:
         """Raise InputError for a motion that such models cannot have."""
         if not self.across:
             check_in_plane(motion)
+            if motion.loads:
+                raise InputError(
+                    f"loads: must be left out, a {self.word} has no ports; blocks in space (--space) have them"
+                )
 
     def simplest(self, model: Any, motion: Motion) -> Any:
         """The simplest model that runs alike from rest under this motion: itself, unless there is one."""

@@ -15,7 +15,7 @@ from ..models.structure.blocks.faces import FloatArray
 from ..models.structure.blocks.shapes import turned
 from .scene.bodies import Body, normal_of
 
-STONE, EDGE = "#d9d2c3", "#6b6558"
+STONE, EDGE = "#e6dac4", "#6b6558"
 LIGHT = np.array([-0.35, -0.6, 0.72])
 SHADES = np.linspace(0.66, 1.0, 5)  # few, so that a GIF has a colour for each
 SHADED = [to_hex(shade * np.array(to_rgb(STONE))) for shade in SHADES]

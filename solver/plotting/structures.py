@@ -29,7 +29,7 @@ VISIBLE = 0.08  # of the extent: largest deformation in a picture
 MARGIN, BAR = 0.06, 0.2  # of the extent: ground around the blocks, longest bar of the scale
 DPI = 130
 FILLED = 0.96  # of the axes
-GROUND = "#eceae4"
+GROUND = "#e9e6df"
 BEARING, SIDES, FLAT = "#4f4a44", 24, 0.3  # colour; points of its rim; height over the diameter of one not on the base
 
 

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, overload
 
 from ..common.errors import POSITIVE, InputError, InputWarning, SolverError, check_number, check_whole, shown
 from ..common.plausible import warn_of
 from ..common.ranges import check_choice
+from ..ground.loads import Load, loads_from, place_of, static_loads
 from ..ground.motion import Motion
 from ..ground.plausible import check_strength
 from ..models.column.model import Column
@@ -20,12 +21,13 @@ from ..models.protocol import OUTPUT_STEP, SETTLE, Kind, Model, Plan, output_tim
 from ..models.structure.model import Structure
 from ..models.structure.response import SpatialResponse
 from ..models.structure.run import Callback as SpatialCallback
-from ..models.structure.run import SpatialState
+from ..models.structure.run import Released, SpatialState
 from ..models.uncertainty import Spread
 from .ensemble import ensemble_of
 from .trust import finer, judge
 
 MOST_RUNS = 10**5
+Loads = Mapping[str, Load | Mapping[str, Any]]
 
 
 @overload
@@ -61,6 +63,8 @@ def simulate(
     ensemble: int = 0,
     spread: Spread | None = None,
     callback: SpatialCallback | None = None,
+    loads: Loads | None = None,
+    release: Mapping[str, Mapping[str, float]] | None = None,
     plane: None = None,
 ) -> SpatialResponse: ...
 @overload
@@ -78,6 +82,8 @@ def simulate(
     ensemble: int = 0,
     spread: Spread | None = None,
     callback: SpatialCallback | Callback | None = None,
+    loads: Loads | None = None,
+    release: Mapping[str, Mapping[str, float]] | None = None,
     plane: str,
 ) -> Response | SpatialResponse: ...
 @overload
@@ -99,11 +105,17 @@ def simulate(
     spread: Spread | None = None,
     callback: Any = None,
     plane: str | None = None,
+    loads: Loads | None = None,
+    release: Mapping[str, Mapping[str, float]] | None = None,
 ) -> Any:
     """Response of a column, or of a structure in space, to a base motion or a record in a file, from its start.
 
     duration: s; None: that of the motion. Beyond the motion the base does not accelerate. initial: None is rest in
-    static equilibrium. The other options are in four groups.
+    static equilibrium. The other options are in five groups.
+
+    Loads, of structures with ports (ground/loads.py). loads: port -> `Load`, or component (Fx, Fy, Fz, N; Mx, My, Mz,
+    N m) -> a number, constant over the run, or (times, values). release: port -> component -> number: rest under these
+    loads, let go at the start.
 
     Accuracy; None keeps the setting of the column. tolerance: relative to the peak. formulation, integrator, step (s):
     structures have none of these. without: names of settings.SKIPS, short cuts that are not to be taken; "peaks": those
@@ -134,6 +146,13 @@ def simulate(
     times = output_times(motion, duration, output_step)
     settle = 0.0 if settle == 0 else _positive("settle", settle)
     ensemble = check_whole("ensemble", ensemble, 0, MOST_RUNS, f"a number of runs, at most {MOST_RUNS}")
+    if loads:
+        motion = motion.with_loads({**motion.loads, **loads_from(loads, motion.start, duration)})
+    if release:
+        if initial is not None:
+            raise InputError("release: must be left out beside initial, both say how the run begins")
+        initial = Released(static_loads("release", release, _ports_of(column)))
+    _check_ports(motion, column)
     plan, spread = Plan(motion, duration, times, initial, settle, callback), Spread() if spread is None else spread
     if plane is not None:
         check_choice("plane", plane, ("auto",))
@@ -160,6 +179,17 @@ def simulate(
     for remark in response.remarks:
         warnings.warn(remark, InputWarning, stacklevel=2)
     return response
+
+
+def _ports_of(model: Any) -> list[str]:
+    return [port.name for port in getattr(model, "ports", ())]
+
+
+def _check_ports(motion: Motion, model: Any) -> None:
+    """Raise InputError for a load on a port that a structure has not; models of other kinds say so themselves."""
+    if model.kind.across:
+        for port in motion.loads:
+            place_of("loads", port, _ports_of(model))
 
 
 def _positive(key: str, value: float) -> float:

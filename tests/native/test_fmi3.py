@@ -17,8 +17,12 @@ from support.child import call, command, returned
 from support.fmus import DAMPED, LINUX, Fmus, finish, run, stack_file
 from support.inside import fmi3, masters
 
+from fmu_src.body import ColumnBody
+from fmu_src.drive import Drive
+from fmu_src.model_description3 import terminals
 from fmu_src.native import library, symbols
 from fmu_src.native.platforms import PLATFORMS
+from multiblock import Column
 
 pytestmark = pytest.mark.long  # builds native FMUs
 
@@ -69,6 +73,17 @@ def test_the_base_is_one_terminal(native: Path, native3: Path) -> None:
         assert {f"base.{member.get('memberName')}" for member in terminal} == set(members)
         known = {variable.name for variable in read_model_description(str(fmu)).modelVariables}
         assert set(members) <= known
+
+
+def test_bodies_at_the_base_are_terminals_too() -> None:
+    """An FMU built for two bodies has a terminal for each, with every input of it and nothing else."""
+    table = ColumnBody(Column.from_toml(DAMPED), Drive("body", "parabola", 2)).table()
+    ports = terminals(table).iter("Terminal")
+    found = {port.get("name"): [part.get("variableName") for part in port] for port in ports}
+    assert list(found) == ["base", "body", "body2"]
+    for body in ("body", "body2"):
+        assert found[body] == [row.name for row in table if row.name.startswith(f"{body}.")]
+        assert len(found[body]) == 9
 
 
 def test_fmi_3_has_an_icon_and_fmi_2_no_terminals_by_default(native3: Path, tmp_path: Path) -> None:

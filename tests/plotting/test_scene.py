@@ -5,6 +5,7 @@ import math
 import runpy
 import zipfile
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,7 @@ from solver import Column, InputError, Motion, simulate
 from solver.models.structure.blocks.shapes import turned
 from solver.plotting.scene.bodies import normal_of, parts_of, scene_of
 from solver.plotting.scene.gltf import animated, still
+from solver.plotting.scene.page import _coarse, _path_of_base, write_view
 
 INSTANTS = (0.1, 0.4, 0.7)
 SHAKING = Motion.harmonic(3.0, 2.0, 0.8)
@@ -159,16 +161,51 @@ def test_results_of_an_fmu_move_the_blocks_inside_it(
         animated(still(model.name, bodies, which == "in_plane"), response.time, {})
 
 
+def test_a_page_of_many_blocks_for_20_s_has_3_mb_at_most(in_space: Any, tmp_path: Path) -> None:
+    """The rows are fewer where there are many blocks. 2.5 MB was measured."""
+    n, rows = 200, 2001
+    drum = {"shape": "drum", "diameter": 1.0, "height": 1.0, "mass": 2000.0}
+    blocks = [{"name": f"b{i}", "on": f"b{i - 1}" if i else "base", **drum} for i in range(n)]
+    structure = Structure.from_dict({"name": "tower", "joints": {"stiffness": 1e9, "damping": 1e-3}, "block": blocks})
+    long = {name: np.zeros((rows, n)) for name in ("ux", "uy", "uz", "rx", "ry", "rz", "contact", "sigma_max")}
+    found = SimpleNamespace(model=structure, time=np.linspace(0.0, 20.0, rows), verdict="standing", **long)
+    found.peaks, found.overturn_time, found.motion = {"u": np.zeros(n)}, math.nan, in_space.motion
+    write_view(found, tmp_path / "scene.html", None)
+    assert (tmp_path / "scene.html").stat().st_size < 3_000_000
+
+
+def test_the_base_moves_by_its_displacement_without_drift() -> None:
+    """A harmonic of acceleration drifts; what is left has its amplitude, a over omega squared, to 3 %."""
+    path = _path_of_base(Motion.harmonic(2.0, 2.0, 20.0), np.linspace(0.0, 20.0, 4001))
+    assert np.max(np.abs(path[200:-200, 0])) == pytest.approx(2.0 / (4.0 * np.pi) ** 2, rel=0.1)
+    assert np.max(np.abs(path[:, 1:])) == 0.0
+
+
+def test_a_mesh_keeps_its_shape_in_few_triangles() -> None:
+    structure = Structure.from_toml(ROOT / "examples" / "structures" / "statue-mesh.toml")
+    (body,) = (body for body in parts_of(structure)[0] if body.meshed)
+    whole, few = _coarse(body, 10**6), _coarse(body, 300)
+    assert len(whole) == len(body.surfaces) > 300 >= len(few) > 50
+    ends = [np.concatenate(triangles.reshape(-1, 3)[None].min(axis=1)) for triangles in (whole, few)]
+    assert ends[1] == pytest.approx(ends[0], abs=0.1 * np.ptp(whole[:, :, 2]))
+
+
 def test_another_suffix_is_refused(in_plane: Any, tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"must end in \.glb"):
         in_plane.to_gltf(tmp_path / "scene.gltf")
+
+
+LINKS = "http:", "https:", "src=", "fetch(", "import "
 
 
 def test_a_page_fetches_nothing_and_is_small(in_space: Any, tmp_path: Path) -> None:
     in_space.view(tmp_path / "scene.html")
     text = (tmp_path / "scene.html").read_text(encoding="utf-8")
     assert len(text) < 3_000_000
-    assert not any(word in text for word in ("http:", "https:", "src=", "fetch(", "import "))
+    assert not any(word in text for word in LINKS)
+    of_site = (ROOT / "docs" / "style" / "scene.html").read_text(encoding="utf-8")
+    assert len(of_site) < 500_000
+    assert not any(word in of_site for word in LINKS)
     assert not any(mark in text for mark in ("@TITLE@", "@NAME@", "@LINE@", "@SCENE@", "@VIEWER@"))
     with pytest.raises(InputError, match=r"must end in \.html"):
         in_space.view(tmp_path / "scene.png")

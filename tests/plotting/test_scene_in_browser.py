@@ -17,6 +17,7 @@ from support.fmus import ROOT
 
 from multiblock import Structure
 from solver import Column, Motion, simulate
+from solver.plotting.scene.bodies import scene_of
 
 SIZE = (900, 700)  # px
 WITHIN = 2.0  # px: 1.0 was measured, a pixel of the edge
@@ -170,6 +171,23 @@ def test_the_validator_of_khronos_has_nothing_to_say(podium: tuple[Any, Path], c
         done = subprocess.run([node, "-e", text, folder / "scene.glb"], capture_output=True, text=True, env=os.environ)
         issues = json.loads(done.stdout)
         assert (issues["numErrors"], issues["numWarnings"]) == (0, 0), issues["messages"]
+
+
+def test_three_js_moves_the_blocks_as_the_response_says(podium: tuple[Any, Path]) -> None:
+    """At rows, between which it blends: 3e-8 m was measured."""
+    response, folder = podium
+    if not (Path(os.environ.get("NODE_PATH", "")) / "three" / "package.json").is_file():
+        pytest.skip("no three here: npm install three, and NODE_PATH")
+    scene = scene_of(response, 30.0)
+    rows = (3, 12, 20)
+    times = json.dumps([float(scene.time[k]) for k in rows])
+    script = ROOT / "tests" / "support" / "vertices.mjs"
+    done = subprocess.run(["node", script, folder / "scene.glb", times], capture_output=True, text=True, check=True)
+    for k, found in zip(rows, json.loads(done.stdout), strict=True):
+        for i, block in enumerate(response.structure.blocks):
+            vertices = np.array(found[block.name])
+            for place in places(response, int(scene.rows[k]), i):
+                assert np.min(np.linalg.norm(vertices - place, axis=1)) < 1e-6
 
 
 def test_another_reader_finds_the_blocks_as_built(podium: tuple[Any, Path]) -> None:

@@ -41,7 +41,8 @@ def look(
 ):
     """`driven.look`."""
     arrays = row_at(model), row_at(state), row_at(counts), row_at(base), row_at(work)
-    return driven.look(*arrays, row_at(inputs), new_inputs, elapsed, t, row_at(row))
+    record = count, row_at(times), row_at(ax), row_at(ay), row_at(az), scale
+    return driven.look(*arrays, row_at(inputs), new_inputs, elapsed, t, *record, row_at(row))
 
 
 def rates(n, model, state, counts, base, work, t, count, times, ax, ay, az, scale, row, split, other, other_split):
@@ -55,7 +56,8 @@ def feedthrough(n, model, state, counts, base, work, inputs, seeds, elapsed, t, 
                 split, other, other_split):
     # fmt: on
     """`driven.feedthrough`."""
-    return driven.feedthrough(row_at(model), row_at(row))
+    arrays = row_at(model), row_at(state), row_at(counts), row_at(base), row_at(work)
+    return driven.feedthrough(*arrays, row_at(seeds), row_at(row))
 
 
 def _with_ay(of_column):

@@ -15,6 +15,7 @@ from .base import acceleration
 from .evaluate import evaluate_state, moving
 from .force_errors import error_of_forces
 from .layout import MEMORY, OF_BLOCK, OF_JOINT, PHASE, STAGES
+from .port import push_ports
 from .watch import BETWEEN, END, RATES, STAGE, START, row, seen
 
 _phase, _memory = PHASE.over, MEMORY.over
@@ -35,6 +36,7 @@ def evaluate_at(scene, shaking, segment, y, f, t):
     """Rates f of a state y at time t, s."""
     scene.counts.evaluations += 1
     ax, ay, az = acceleration(shaking, segment, t)
+    push_ports(scene, shaking, segment, t)
     evaluate_state(scene, y, f, ax, ay, az)
 
 

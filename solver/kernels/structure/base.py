@@ -12,14 +12,22 @@ SLACK = 1e-9  # of a sampling interval: instants closer than this are equal
 
 
 class Shaking(NamedTuple):
-    """Samples of the base acceleration, m/s2 at times in s, zero before the first and after the last; and the rest."""
+    """Samples of the base acceleration, m/s2, zero before the first and after the last; and the rest.
 
-    size: int
+    times: s, of the samples, and of those of the loads on ports, which may go on after the base. loads: from each time
+    on, for all ports, their values and slopes (port.py).
+    """
+
+    size: int  # of times
+    shaken: int  # of them with a sample of the base
     times: object
     ax: object
     ay: object
     az: object
     base: object  # BASE
+    loaded: int  # 1: there are loads
+    loads: object
+    inputs: object  # INPUT_LOADS, at time t0
 
 
 @leaf
@@ -36,7 +44,7 @@ def segment_after(shaking, t):
 @leaf
 def is_still(shaking, k):
     """Whether the samples are zero from sample k on until the next."""
-    return k < 0 or k >= shaking.size - 1
+    return k < 0 or k >= shaking.shaken - 1
 
 
 @by_width
@@ -96,7 +104,7 @@ def line(shaking, k, t):
 
 @kernel
 def is_quiet(shaking, k):
-    """Whether the base stays still for good from segment k on."""
+    """Whether base and inputs stay still, and no load acts any more, for good from segment k on."""
     base = shaking.base
     pushed = base.ax != 0.0 or base.ay != 0.0 or base.az != 0.0
     pushed = pushed or base.jx != 0.0 or base.jy != 0.0 or base.jz != 0.0

@@ -1,7 +1,7 @@
 """A structure under inputs that a caller sets from call to call: the engine behind its FMUs.
 
 All that it is lies in the flat rows of layout.py. The joints are elastic along themselves, so that everything seen of a
-structure follows from its state, and nothing from the acceleration of the same instant.
+structure follows from its state, and nothing from the acceleration of the same instant; but the accelerations of ports.
 """
 
 import math
@@ -23,9 +23,10 @@ from ..stepping.control import most_of_a_call, most_work
 from .base import Shaking, acceleration, segment_after
 from .evaluate import evaluate, evaluate_state, moving, recall, show
 from .layout import (
-    BASE,
     COUNTS,
     HEAD,
+    INPUT_MOTION,
+    LOAD,
     MODEL,
     OF_BASE,
     OK,
@@ -38,21 +39,22 @@ from .layout import (
     step_tolerance,
 )
 from .modal import prepare
+from .port import let_go, push_ports
 from .stepping import advance
 from .watch import RATES, STAGE, Watch, row, seen
 
 INPUTS = Record("ax", "ay", "az", "jx", "jy", "jz")  # m/s2; m/s3, their slopes
-BODY = Record("F0x", "F0y", "F0z", "M")  # behind them, of each body that drives the base: N, kg
+BODY = Record("F0x", "F0y", "F0z", "M")  # behind them, of each body that drives the base: N, kg; then INPUT_LOADS
 # description of a structure: what a caller may choose, the model, then its rest: a state
 GIVEN = Record("tolerance", "without", "damping_scale", "drive", "slope", "bodies")
 WITHOUT_PEAKS, WITHOUT_ELASTIC = 1, 2  # codes of `without`: peaks but those of displacements, steps by modes
 HEAVIER = 4.0  # an evaluation of a block or joint, over that of a block of a column
 RATE_PART = 1e-4  # of the first step: half the time over which outputs are differenced
 
-_inputs, _head, _given, _base, _phase = INPUTS.over, HEAD.over, GIVEN.over, BASE.over, PHASE.over
+_inputs, _head, _given, _input, _phase = INPUTS.over, HEAD.over, GIVEN.over, INPUT_MOTION.over, PHASE.over
 _model, _state = MODEL.over, STATE.over
 _body, _INPUTS, _BODY = BODY.over, INPUTS.beside, BODY.beside
-_GIVEN, _COUNTS, _BASE, _REACTION = GIVEN.beside, COUNTS.beside, BASE.beside, len(OF_BASE)
+_GIVEN, _COUNTS, _REACTION, _LOAD = GIVEN.beside, COUNTS.beside, len(OF_BASE), len(LOAD)
 
 
 @kernel
@@ -83,16 +85,27 @@ def assemble(model, state, counts, base, work, given, from_rest):
         clear(state, lasting.total)
         copy(lasting.phase.row, packed[made.total :], sizes.state)
         clear(counts, _COUNTS)
-        clear(base, _BASE)
-    prepare(scene, Shaking(0, given, given, given, given, _base(base, 0)))
+        clear(base, _input(base, sizes).total)
+    let_go(scene)
+    prepare(scene, _shaking(base, sizes, 0, given, given, given, given, 1.0))
     return OK
 
 
 @leaf
-def _shaking(base, count, times, ax, ay, az, scale):
-    names = _base(base, 0)
-    names.scale = scale
-    return Shaking(count, times, ax, ay, az, names)
+def _shaking(base, sizes, count, times, ax, ay, az, scale):
+    inputs = _input(base, sizes)
+    inputs.motion.scale = scale
+    return Shaking(count, count, times, ax, ay, az, inputs.motion, 0, times, inputs.loads.row)
+
+
+@leaf
+def _load(scene, shaking, inputs, elapsed, t):
+    """Set the inputs at the ports, which were set `elapsed` s before time t."""
+    count, given = _LOAD * scene.spotted, inputs[_INPUTS + _BODY * int(scene.settings.bodies) :]
+    past = elapsed - (t - shaking.base.t0)
+    for i in range(count):
+        slope = given[count + i]
+        shaking.inputs[i], shaking.inputs[count + i] = given[i] + slope * past, slope
 
 
 @leaf
@@ -147,6 +160,18 @@ def _see(scene, phase, visible):
     show(scene, phase, visible)
 
 
+@kernel
+def _see_pushed(scene, shaking, phase, t, visible):
+    """Fill an output row with the outputs of the state and of what acts at time t: accelerations follow from both."""
+    segment = segment_after(shaking, t)
+    push_ports(scene, shaking, segment, t)
+    pushed = acceleration(shaking, segment, t)
+    recall(scene, phase.row)
+    evaluate(scene, phase, _phase(row(scene, RATES), scene.n), pushed[0], pushed[1], pushed[2])
+    show(scene, phase, visible)
+    let_go(scene)
+
+
 @leaf
 def _are_bounded(base, h):
     """Whether every input is at most MOST_INPUT, m/s2, now and h s later."""
@@ -156,10 +181,15 @@ def _are_bounded(base, h):
 
 
 @kernel
-def _is_flat(shaking, phase, n, t, stop):
-    """Whether neither the state nor the base until `stop` has a part across the plane x, z."""
+def _is_flat(scene, shaking, phase, t, stop):
+    """Whether neither the state nor base and ports until `stop` have a part across the plane x, z."""
+    n, ports = scene.n, scene.spotted
     if shaking.base.ay != 0.0 or shaking.base.jy != 0.0:
         return False
+    for way in (1, 3, 5):  # fy, mx, mz, and their slopes
+        for p in range(way * ports, (way + 1) * ports):
+            if shaking.inputs[p] != 0.0 or shaking.inputs[_LOAD * ports + p] != 0.0:
+                return False
     for k in range(max(0, segment_after(shaking, t)), shaking.size):
         if shaking.ay[k] != 0.0:
             return False
@@ -186,8 +216,9 @@ def follow(model, state, counts, base, work, inputs, start, h, count, times, ax,
 
     A structure that is its own mirror image in the plane x, z stays in it exactly as long as nothing moves it across.
     """
-    scene, shaking = scene_of(model, state, counts, work), _shaking(base, count, times, ax, ay, az, scale)
-    phase, stop = _state(state, sizes_in(model)).phase, start + h
+    sizes = sizes_in(model)
+    scene, shaking = scene_of(model, state, counts, work), _shaking(base, sizes, count, times, ax, ay, az, scale)
+    phase, stop = _state(state, sizes).phase, start + h
     is_plane = _head(model, 0).is_plane != 0.0
     if scene.settings.drive == ACCELERATION:
         _drive(shaking.base, inputs, 0.0, start)
@@ -197,10 +228,11 @@ def follow(model, state, counts, base, work, inputs, start, h, count, times, ax,
             code = _exchange(scene, shaking, inputs, phase, start, is_plane and _lies_flat(phase, scene.n), visible)
         if code != OK:
             return code
+    _load(scene, shaking, inputs, 0.0, start)
     if not _are_bounded(shaking.base, h):
         return INPUT_TOO_LARGE
     scene.counts.resting = 0
-    flat = is_plane and _is_flat(shaking, phase, scene.n, start, stop)
+    flat = is_plane and _is_flat(scene, shaking, phase, start, stop)
     most, bounded = most_work(scene.settings, h), most_of_a_call(HEAVIER * (scene.n + scene.m))
     code_beyond = TOO_MUCH_WORK if most <= bounded else CALL_TOO_LONG
     scene.settings.in_plane = 1.0 if flat else 0.0
@@ -210,15 +242,22 @@ def follow(model, state, counts, base, work, inputs, start, h, count, times, ax,
 
 
 @kernel
-def look(model, state, counts, base, work, inputs, new_inputs, elapsed, t, visible):
+def look(model, state, counts, base, work, inputs, new_inputs, elapsed, t, count, times, ax, ay, az, scale, visible):
     """Fill an output row with the outputs of the state. Returns OK.
 
-    With `new_inputs` the base follows, from time t on, the inputs set `elapsed` s before.
+    With `new_inputs` base and ports follow, from time t on, the inputs set `elapsed` s before.
     """
-    scene = scene_of(model, state, counts, work)
+    sizes, scene = sizes_in(model), scene_of(model, state, counts, work)
+    phase = _state(state, sizes).phase
     if new_inputs != 0 and scene.settings.drive == ACCELERATION:  # else no output depends on them
-        _drive(_base(base, 0), inputs, elapsed, t)
-    _see(scene, _state(state, sizes_in(model)).phase, visible)
+        _drive(_input(base, sizes).motion, inputs, elapsed, t)
+    if scene.spotted == 0:
+        _see(scene, phase, visible)
+        return OK
+    shaking = _shaking(base, sizes, count, times, ax, ay, az, scale)
+    if new_inputs != 0:
+        _load(scene, shaking, inputs, elapsed, t)
+    _see_pushed(scene, shaking, phase, t, visible)
     return OK
 
 
@@ -228,29 +267,55 @@ def rates(model, state, counts, base, work, t, count, times, ax, ay, az, scale, 
 
     Central differences along the rates of the state, over a fraction of the first step.
     """
-    scene, shaking = scene_of(model, state, counts, work), _shaking(base, count, times, ax, ay, az, scale)
-    size, here, between = scene.visible, _state(state, sizes_in(model)).phase.row, row(scene, STAGE)
+    sizes = sizes_in(model)
+    scene, shaking = scene_of(model, state, counts, work), _shaking(base, sizes, count, times, ax, ay, az, scale)
+    size, here, between = scene.visible, _state(state, sizes).phase.row, row(scene, STAGE)
     clear(visible, size)
     if scene.counts.fallen > 0:
         return OK
-    pace = row(scene, RATES)
-    pushed = acceleration(shaking, segment_after(shaking, t), t)
+    pace, segment = row(scene, RATES), segment_after(shaking, t)
+    pushed = acceleration(shaking, segment, t)
+    push_ports(scene, shaking, segment, t)
     recall(scene, here)
     evaluate_state(scene, here, pace, pushed[0], pushed[1], pushed[2])
     past = RATE_PART * scene.settings.first_step
     for _ in range(2):
         for i in range(moving(scene)):
             between[i] = here[i] + past * pace[i]
-        evaluate_state(scene, between, row(scene, RATES + 1), 0.0, 0.0, 0.0)
+        pushed = acceleration(shaking, segment, t + past)  # accelerations of ports follow from it, nothing else
+        push_ports(scene, shaking, segment, t + past)
+        evaluate_state(scene, between, row(scene, RATES + 1), pushed[0], pushed[1], pushed[2])
         show(scene, _phase(between, scene.n), seen(scene, 0))
         for i in range(size):
             visible[i] += 0.5 / past * seen(scene, 0)[i]
         past = -past
+    let_go(scene)
     return OK
 
 
 @kernel
-def feedthrough(model, visible):
-    """Fill an output row with the derivatives of the outputs by the inputs of the same instant: zeros. Returns OK."""
-    clear(visible, sizes_in(model).visible)
+def feedthrough(model, state, counts, base, work, seeds, visible):
+    """Fill an output row with the derivatives of the outputs along inputs of the same instant, the seeds. Returns OK.
+
+    Only accelerations of ports depend on these, by straight lines.
+    """
+    sizes, scene = sizes_in(model), scene_of(model, state, counts, work)
+    clear(visible, sizes.visible)
+    if scene.spotted == 0 or scene.counts.fallen > 0:
+        return OK
+    phase, pace, inputs = _state(state, sizes).phase, _phase(row(scene, RATES), scene.n), _inputs(seeds, 0)
+    loads = seeds[_INPUTS + _BODY * int(scene.settings.bodies) :]
+    recall(scene, phase.row)
+    let_go(scene)
+    evaluate(scene, phase, pace, 0.0, 0.0, 0.0)
+    show(scene, phase, seen(scene, 0))
+    copy(scene.pushes.row, loads, _LOAD * scene.spotted)
+    if scene.settings.drive == ACCELERATION:
+        evaluate(scene, phase, pace, inputs.ax, inputs.ay, inputs.az)
+    else:
+        evaluate(scene, phase, pace, 0.0, 0.0, 0.0)
+    show(scene, phase, visible)
+    let_go(scene)
+    for i in range(sizes.visible):
+        visible[i] -= seen(scene, 0)[i]
     return OK

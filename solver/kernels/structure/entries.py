@@ -6,11 +6,11 @@ from . import driven
 from .base import Shaking
 from .evaluate import energy, evaluate, recall, settle_memory, show
 from .in_lanes import Queue, batch_over, follow_queue
-from .layout import BASE, PHASE, STATE, scene_of, sizes_in
+from .layout import INPUT_MOTION, PHASE, STATE, scene_of, sizes_in
 from .stepping import advance
 from .watch import Watch
 
-_phase, _base, _state = PHASE.over, BASE.over, STATE.over
+_phase, _input, _state = PHASE.over, INPUT_MOTION.over, STATE.over
 
 # arrays: model, state, counts, base, work
 
@@ -29,22 +29,29 @@ def see(arrays):
     return scene, _state(state, sizes_in(model)).phase.row
 
 
+@kernel
+def _input_of(arrays):
+    return _input(row_of(arrays[3]), sizes_in(row_of(arrays[0])))
+
+
 @entry
 def run_structure(arrays, record, at, rows, t, stop, most):
-    """`stepping.advance` over a record (times, ax, ay, az), with an output row at each of the times `at`.
+    """`stepping.advance` over a record (times, ax, ay, az, loads: base.py), with an output row at each time of `at`.
 
     rows: with room for a state behind each, that is filled in too, as far as it moves.
     """
     scene, state = see(arrays)
-    times, ax, ay, az = record
-    shaking = Shaking(times.size, row_of(times), row_of(ax), row_of(ay), row_of(az), _base(row_of(arrays[3]), 0))
+    times, ax, ay, az, loads = record
+    samples, inputs = (row_of(times), row_of(ax), row_of(ay), row_of(az)), _input_of(arrays)
+    of_loads = 1 if loads.size > 0 else 0, row_of(loads), inputs.loads.row
+    shaking = Shaking(times.size, ax.size, *samples, inputs.motion, *of_loads)
     watch = Watch(at.size, row_of(at), row_of(rows), rows.size // max(1, at.size))
     return advance(scene, shaking, watch, state, t, stop, most)
 
 
 @entry
 def observe_structure(arrays, rates, ax, ay, az, row, keep):
-    """Evaluate the state under an acceleration of the base, m/s2: its rates and output row.
+    """Evaluate the state under an acceleration of the base, m/s2, and the loads in WORK: its rates and output row.
 
     Returns its energy, J.
     keep: whether joints and ties remember this state, as after a long rest.
@@ -136,6 +143,7 @@ def follow_structure(arrays, inputs, t, h, times, ax, ay, az, row):
 
 
 @entry
-def look_structure(arrays, inputs, new_inputs, elapsed, t, row):
+def look_structure(arrays, inputs, new_inputs, elapsed, t, times, ax, ay, az, row):
     """`driven.look`."""
-    return driven.look(*_rows(arrays), row_of(inputs), new_inputs, elapsed, t, row_of(row))
+    record = times.size, row_of(times), row_of(ax), row_of(ay), row_of(az), 1.0
+    return driven.look(*_rows(arrays), row_of(inputs), new_inputs, elapsed, t, *record, row_of(row))

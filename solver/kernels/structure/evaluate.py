@@ -7,12 +7,14 @@ from ..numba_ext.lanes import any_of, zero_like
 from ..numba_ext.views import copy
 from .joint import joint_energy, load_joint
 from .kinematics import accelerate_bodies, pose_bodies
-from .layout import MEMORY, OF_BASE, OF_BEARING, OF_BLOCK, OF_JOINT, PHASE
+from .layout import MEMORY, OF_BASE, OF_BEARING, OF_BLOCK, OF_JOINT, OF_PORT, PHASE
+from .port import load_ports, see_ports
 from .tie import load_tie, tie_energy
 
 _phase = PHASE.over
 _PER_BODY, _PER_JOINT = PHASE.per_n, MEMORY.per_n
 _BLOCKS, _JOINTS, _BASE, _BEARINGS = len(OF_BLOCK), len(OF_JOINT), len(OF_BASE), len(OF_BEARING)
+_PORTS = len(OF_PORT)
 
 
 @leaf
@@ -62,7 +64,9 @@ def evaluate(scene, phase, rates, ax, ay, az):
         load_joint(scene, phase, j)
     for e in range(scene.k):
         load_tie(scene, phase, e)
+    load_ports(scene, phase, scene.settings.gravity)
     accelerate_bodies(scene, phase, rates, ax, ay, az)
+    see_ports(scene, phase, rates, scene.settings.gravity)
 
 
 @kernel
@@ -128,6 +132,8 @@ def show(scene, phase, row):
     for i in range(b):
         x, y = scene.resultants.s1[m - b + i], scene.resultants.s2[m - b + i]
         of_bearings[i], of_bearings[b + i], of_bearings[2 * b + i] = x, y, math.hypot(x, y)
-    base, poses = of_bearings[_BEARINGS * b :], scene.poses
+    of_ports, ports = of_bearings[_BEARINGS * b :], _PORTS * scene.spotted
+    copy(of_ports, scene.spots.row, ports)
+    base, poses = of_ports[ports:], scene.poses
     base[0], base[1], base[2] = poses.fx[n], poses.fy[n], poses.fz[n]
     base[3], base[4], base[5] = poses.mx[n], poses.my[n], poses.mz[n]

@@ -98,7 +98,7 @@ def batch_over(sizes, buffer, queue):
     """The batch over a row of lanes, or of one of them."""
     seen = _all(buffer, sizes)
     scene = scene_over(sizes, seen.model, seen.control, seen.counts, seen.peaks.row, seen.work)
-    shaking = Shaking(0, queue.times, queue.ax, queue.ay, queue.az, seen.base)
+    shaking = Shaking(0, 0, queue.times, queue.ax, queue.ay, queue.az, seen.base, 0, queue.times, queue.times)
     return Batch(scene, shaking, seen.lane, buffer, sizes, queue)
 
 
@@ -134,7 +134,7 @@ def _silence(one):
 def _record_of(batch, one, run):
     queue, first = batch.queue, int(run.first)
     samples = queue.times[first:], queue.ax[first:], queue.ay[first:], queue.az[first:]
-    return Shaking(int(run.count), *samples, one.shaking.base)
+    return Shaking(int(run.count), int(run.count), *samples, one.shaking.base, 0, queue.times, queue.times)
 
 
 @kernel

@@ -1,7 +1,7 @@
 """The layout of the flat arrays of a structure in space, by name (numba_ext/views.py lays the names over them).
 
-n blocks, m joints, k ties. The base is body n: it has a place in the tables of bodies, and does not move relative to
-itself. Rotations count from the structure as built, so that the axes of a body are those of the base then.
+n blocks, m joints, k ties, ports. The base is body n: it has a place in the tables of bodies, and does not move
+relative to itself. Rotations count from the structure as built, so that the axes of a body are those of the base then.
 
 A structure is five arrays, as a column: MODEL, STATE, COUNTS, BASE, and WORK, which can be discarded between calls. Its
 sizes stand at the head of its model.
@@ -21,6 +21,7 @@ class Sizes(NamedTuple):
     k: int  # ties
     b: int  # of the joints, the last ones: bearings
     corners: int  # numbers of the corners of all sections
+    ports: int
     modal: int  # numbers of the modal data (modal_layout.py), 0 without modes
     modal_room: int  # numbers that steps by modes need
     state: int  # numbers of a state: the phase, and what joints and ties remember
@@ -92,6 +93,10 @@ TIES = Table(
     "tension_only",
     "yields_at",  # N, infinite where it does not
 )
+PORTS = Table(
+    "body",  # number of the block
+    *("x", "y", "z"),  # m, the point from the centroid, as built
+)
 PHASE = Table(
     *("ux", "uy", "uz"),  # m, displacement of the centroid
     *("q0", "q1", "q2", "q3"),  # rotation from the place as built, a unit quaternion
@@ -131,7 +136,12 @@ BASE = Record(
     *("last_step", "last_ax", "last_ay", "last_az"),
     *("before_step", "before_ax", "before_ay", "before_az"),
 )
+LOAD = ("fx", "fy", "fz", "mx", "my", "mz")  # N, N m, along the axes of the base, at a port
+# behind it: inputs at the ports at time t0, and their slopes, N/s, N m/s
+INPUT_LOADS = Table(*LOAD, *(f"d{name}" for name in LOAD))
 # of an evaluation
+PUSHES = Table(*LOAD)  # zero but while a run, an output or whoever sets them needs them
+SPOTS = Table(*("x", "y", "z", "vx", "vy", "vz", "ax", "ay", "az"))  # m, m/s, m/s2, of ports relative to the base
 POSES = Table(  # of n + 1 bodies
     *("r11", "r12", "r13", "r21", "r22", "r23", "r31", "r32", "r33"),  # rotation less the identity
     *("wx", "wy", "wz"),  # rad/s, along the axes of the base
@@ -151,6 +161,7 @@ STAGES = 13  # of a step of order 8, with its start and its end
 OF_BLOCK = ("ux", "uy", "uz", "rx", "ry", "rz")
 OF_JOINT = ("N", "Mx", "My", "Tx", "Ty", "Mz", "contact", "sigma_max", "slip")
 OF_BEARING = ("dx", "dy", "d")
+OF_PORT = SPOTS.fields
 OF_BASE = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
 
 # codes
@@ -187,9 +198,11 @@ MODEL = Space(
     joints=(JOINTS, "m"),
     ties=(TIES, "k"),
     corners=(EACH, "corners"),
+    ports=(PORTS, "ports"),
     modal=(EACH, "modal"),
 )
 STATE = Space(*_SIZES, control=CONTROL, phase=(PHASE, "n"), remembered=REMEMBERED, peaks=(EACH, "visible"))
+INPUT_MOTION = Space(*_SIZES, motion=BASE, loads=(INPUT_LOADS, "ports"))  # the array BASE
 WORK = Space(
     *_SIZES,
     states=(Numbers(STAGES + 5), "stride"),  # and rates of a step
@@ -197,6 +210,8 @@ WORK = Space(
     poses=(POSES, "n", 1),
     resultants=(RESULTANTS, "m"),
     pulls=(PULLS, "k"),
+    pushes=(PUSHES, "ports"),
+    spots=(SPOTS, "ports"),
     memory=REMEMBERED,
     giving=REMEMBERED,
     room=Numbers(beside=ROOM),
@@ -205,11 +220,13 @@ WORK = Space(
 )
 
 
-def sizes_of(n: int, m: int, k: int, b: int, corners: int, modal: int = 0, modal_room: int = 0) -> Sizes:
-    """The sizes of n blocks, m joints, of them b bearings, and k ties."""
+def sizes_of(
+    n: int, m: int, k: int, b: int, corners: int, ports: int = 0, modal: int = 0, modal_room: int = 0
+) -> Sizes:
+    """The sizes of n blocks, m joints, of them b bearings, k ties and the ports."""
     state = PHASE.size(n) + MEMORY.size(m) + k
-    row = len(OF_BLOCK) * n + len(OF_JOINT) * m + k + len(OF_BEARING) * b + len(OF_BASE)
-    return Sizes(n, m, k, b, corners, modal, modal_room, state, (state + PACK - 1) // PACK * PACK, row)
+    row = len(OF_BLOCK) * n + len(OF_JOINT) * m + k + len(OF_BEARING) * b + len(OF_PORT) * ports + len(OF_BASE)
+    return Sizes(n, m, k, b, corners, ports, modal, modal_room, state, (state + PACK - 1) // PACK * PACK, row)
 
 
 class Scene(NamedTuple):
@@ -219,6 +236,7 @@ class Scene(NamedTuple):
     m: int
     k: int
     b: int  # bearings, the last joints
+    spotted: int  # ports
     stride: int  # numbers from one state of a step to the next
     visible: int  # numbers of an output row
     settings: object
@@ -226,6 +244,7 @@ class Scene(NamedTuple):
     joints: object
     ties: object
     corners: object
+    ports: object
     modal: object  # row (modal_layout.py), empty without modes
     control: object
     counts: object
@@ -233,6 +252,8 @@ class Scene(NamedTuple):
     poses: object
     resultants: object
     pulls: object
+    pushes: object  # on ports
+    spots: object  # motion of ports
     memory: object  # what joints and ties remember, of the state that is evaluated
     slips: object  # of it the part of the joints
     plastic: object  # and of the ties
@@ -253,7 +274,7 @@ _head, _model, _state, _counts, _work = HEAD.over, MODEL.over, STATE.over, COUNT
 def sizes_in(model):
     """The sizes at the head of a model."""
     head = _head(model, 0)
-    shape = int(head.n), int(head.m), int(head.k), int(head.b), int(head.corners)
+    shape = int(head.n), int(head.m), int(head.k), int(head.b), int(head.corners), int(head.ports)
     return Sizes(*shape, int(head.modal), int(head.modal_room), int(head.state), int(head.stride), int(head.visible))
 
 
@@ -275,6 +296,7 @@ def scene_over(sizes, model, control, counts, peaks, work):
         sizes.m,
         sizes.k,
         sizes.b,
+        sizes.ports,
         sizes.stride,
         sizes.visible,
         model.settings,
@@ -282,6 +304,7 @@ def scene_over(sizes, model, control, counts, peaks, work):
         model.joints,
         model.ties,
         model.corners,
+        model.ports,
         model.modal,
         control,
         counts,
@@ -289,6 +312,8 @@ def scene_over(sizes, model, control, counts, peaks, work):
         work.poses,
         work.resultants,
         work.pulls,
+        work.pushes,
+        work.spots,
         work.memory.row,
         work.memory.slips,
         work.memory.plastic,

@@ -27,6 +27,7 @@ from .evaluate import evaluate_state, moving, recall, show
 from .kinematics import is_tipped
 from .layout import MEMORY, OK, PAUSED, PHASE, STAGES, STEP_TOO_SMALL
 from .modal_layout import data_of
+from .port import is_loaded, let_go
 from .watch import BETWEEN, END, STAGE, START, look, raise_peaks, row, seen, track_peaks
 
 _phase, _memory = PHASE.over, MEMORY.over
@@ -188,7 +189,8 @@ def _plan(scene, shaking, segment, left):
     most = 1.0 / shaking.base.omega if shaking.base.omega != 0.0 else math.inf
     if settings.has_modes != 0.0:
         longest = data_of(scene).limits.longest
-        if may_be_elastic(counts, control, longest, left, modal.cost_of(scene)):
+        loaded = is_loaded(scene, shaking, segment)  # modes know of no loads
+        if not loaded and may_be_elastic(counts, control, longest, left, modal.cost_of(scene)):
             if modal.suits(scene, shaking, segment):
                 return shared(min(control.elastic_step, longest, most), left), True
             counts.elastic_wait = WAIT_OPEN
@@ -266,7 +268,8 @@ def advance(scene, shaking, watch, state, t, stop, most):
             code = PAUSED
             break
         made += 1
-        if is_quiet(shaking, segment) and not moves(scene, _phase(begin, scene.n), _phase(rate(scene, 0), scene.n)):
+        quiet = is_quiet(shaking, segment) and not is_loaded(scene, shaking, segment)
+        if quiet and not moves(scene, _phase(begin, scene.n), _phase(rate(scene, 0), scene.n)):
             counts.resting = 1
             t = stop
             break
@@ -287,6 +290,7 @@ def advance(scene, shaking, watch, state, t, stop, most):
             evaluate_at(scene, shaking, segment, begin, rate(scene, 0), t)
             show(scene, _phase(begin, scene.n), seen(scene, 0))
             raise_peaks(scene, seen(scene, 0))
+    let_go(scene)
     control.reached = t
     copy(state, begin, moving(scene))
     return code

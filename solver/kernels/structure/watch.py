@@ -14,7 +14,8 @@ from .base import acceleration
 from .evaluate import evaluate_state, moving, show, show_block, show_joint
 from .joint import load_joint
 from .kinematics import pose_body, spin_of
-from .layout import MEMORY, OF_BEARING, OF_BLOCK, OF_JOINT, PHASE, STAGES
+from .layout import MEMORY, OF_BEARING, OF_BLOCK, OF_JOINT, OF_PORT, PHASE, STAGES
+from .port import push_ports
 
 _phase = PHASE.over
 _PER_BODY, _PER_JOINT = PHASE.per_n, MEMORY.per_n
@@ -119,6 +120,7 @@ def look(scene, shaking, segment, t, h, s, into):
     scene.counts.looks += 1
     _interpolate(scene, h, s)
     ax, ay, az = acceleration(shaking, segment, t + s * h)
+    push_ports(scene, shaking, segment, t + s * h)
     evaluate_state(scene, row(scene, BETWEEN), row(scene, BETWEEN_RATES), ax, ay, az)
     show(scene, _phase(row(scene, BETWEEN), scene.n), into)
 
@@ -164,7 +166,7 @@ def _allow_field(scene, allowed, first, count):
 
 @kernel
 def _allow(scene, allowed):
-    """`_allow_field` of all fields; of the base, forces and moments."""
+    """`_allow_field` of all fields; of ports, places, velocities, accelerations; of the base, forces and moments."""
     n, m = scene.n, scene.m
     for field in range(2):  # displacements, rotations
         _allow_field(scene, allowed, 3 * field * n, 3 * n)
@@ -176,6 +178,9 @@ def _allow(scene, allowed):
     first += scene.k
     _allow_field(scene, allowed, first, len(OF_BEARING) * scene.b)
     first += len(OF_BEARING) * scene.b
+    for third in range(3):
+        _allow_field(scene, allowed, first + 3 * third * scene.spotted, 3 * scene.spotted)
+    first += len(OF_PORT) * scene.spotted
     for half in range(2):
         _allow_field(scene, allowed, first + 3 * half, 3)
 

@@ -42,6 +42,8 @@ def parts_from(data: Mapping[str, Any]) -> dict[str, Any]:
     """
     if has_blocks_in_space(data):
         raise InputError("is a structure in space, must be a column: Structure.from_toml and from_dict read structures")
+    if "port" in data:
+        raise InputError("port: must be left out, a column in its plane has none; blocks in space (--space) have ports")
     if "bearing" in data:
         raise InputError('bearing: needs blocks in space, with on = "base" or position: a column in its plane has none')
     check_keys("", data, _COLUMN_KEYS)

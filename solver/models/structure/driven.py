@@ -94,7 +94,7 @@ def make_kernels(_: object = None) -> None:
     arrays = row, row, np.empty(0, dtype=np.int64), row, row
     compile_for(assemble_structure, arrays, row, 1)
     compile_for(follow_structure, arrays, row, 0.0, 0.0, *record_of(None), row)
-    compile_for(look_structure, arrays, row, 1, 0.0, 0.0, row)
+    compile_for(look_structure, arrays, row, 1, 0.0, 0.0, *record_of(None), row)
 
 
 class DrivenStructure:
@@ -111,7 +111,8 @@ class DrivenStructure:
         # machine code is kept by types, and in an FMU the class of the arrays has another name
         self._arrays = tuple(self.arrays)
         self.record = record_of(None)
-        self._inputs = np.zeros(driven.INPUTS.beside + driven.BODY.beside * int(given.bodies))
+        of_ports = at.INPUT_LOADS.size(self.sizes.ports)
+        self._inputs = np.zeros(driven.INPUTS.beside + driven.BODY.beside * int(given.bodies) + of_ports)
         self._row = np.zeros(self.sizes.visible)
         self._room = np.zeros(self.sizes.visible)
         self._elapsed, self._new = 0.0, False
@@ -130,8 +131,8 @@ class DrivenStructure:
     def drive(self, t: float, *inputs: float, since: float | None = None) -> None:
         """Set accelerations of the base, m/s2, and their slopes, m/s3, from time t on.
 
-        Behind them what bodies that drive it say (kernels/structure/driven.py, BODY). since: s, the time that all are
-        given for; None: t.
+        Behind them what bodies that drive it say (kernels/structure/driven.py, BODY), and the loads on ports with their
+        slopes (layout.py, INPUT_LOADS). since: s, the time that all are given for; None: t.
         """
         self._inputs[: len(inputs)] = inputs
         self._elapsed, self._new = 0.0 if since is None else t - since, True
@@ -145,7 +146,8 @@ class DrivenStructure:
 
     def observe(self, t: float) -> FloatArray:
         """The output row (kernels/structure/layout.py); overwritten by the next call."""
-        look_structure(self._arrays, self._inputs, int(self._new), self._elapsed, float(t), self._row)
+        new = int(self._new)
+        look_structure(self._arrays, self._inputs, new, self._elapsed, float(t), *self.record, self._row)
         return self._row
 
     def stand_on_base(self) -> None:

@@ -16,7 +16,7 @@ from .bearing_tables import bearings_from, check_table
 from .blocks.contacts import joints_between, turned_face
 from .blocks.faces import Face, FloatArray, polygon_moments
 from .blocks.outlines import MEANING, MOST_CORNERS, outline_of
-from .blocks.parts import BASE, OF_COLUMN, TOLERANCE, Bed, Joint, Solid, Tie
+from .blocks.parts import BASE, OF_COLUMN, TOLERANCE, Bed, Joint, Port, Solid, Tie
 from .blocks.placement import check_joints, check_places
 from .blocks.shapes import box, drum, placed, prism, rectangle, rotation_matrix
 from .hull_tables import OF_HULL, OF_MESH, solid_from_hull
@@ -28,7 +28,7 @@ _OF_SECTION = {
     "ring": ("diameter", "bore"),
     "polygon": ("outline",),
 }
-_KEYS = ("name", "g", "block", "joint", "joints", "bearing", "tie", "solver")
+_KEYS = ("name", "g", "block", "joint", "joints", "bearing", "tie", "port", "solver")
 _LAW = ("stiffness", "damping", "shear_ratio", "shear_damping", "friction", "dowel", "strength")
 _OF_SHAPE = {
     "box": ("width", "depth", "height", "top_width", "top_depth"),
@@ -41,6 +41,7 @@ _BLOCK = ("name", "shape", "on", "at", "position", "rotation", "mass", "density"
 _PATCH = ("normal", "section", "width", "depth", "diameter", "bore", "outline")  # of a joint at a place of its own
 _JOINT = ("between", "at", *_PATCH, *_LAW)
 _TIE = ("between", "from", "to", "stiffness", "damping", "slack", "pretension", "tension_only", "yield")
+_PORT = ("name", "block", "at")
 _OWN_RANGES = {
     "shear_ratio": ((1e-6, 1e6), "a positive ratio of the modulus along the joint to that across it"),
     "shear_damping": NUMBERS["damping"],
@@ -87,11 +88,19 @@ def parts_from(data: Mapping[str, Any], surfaces: Mapping[int, FloatArray]) -> d
         joints += _bearings_from(f"bearing[{number}]", table, blocks)
     check_joints(blocks, joints)
     ties = tuple(_tie_from(f"tie[{e}]", table, blocks) for e, table in enumerate(_tables("tie", data, 0), start=1))
+    ports = ports_from(data, blocks)
     solver = data.get("solver", {})
     _check_keys("solver.", solver, ("tolerance", "without"))
     tolerance = check("solver.tolerance", solver.get("tolerance", TOLERANCE))
     gravity = check("g", data.get("g", 9.80665))
-    found = {"name": data["name"], "blocks": blocks, "joints": tuple(joints), "ties": ties, "g": gravity}
+    found = {
+        "name": data["name"],
+        "blocks": blocks,
+        "joints": tuple(joints),
+        "ties": ties,
+        "ports": ports,
+        "g": gravity,
+    }
     return found | {"tolerance": tolerance, "without": names_from("solver.without", solver.get("without", ()))}
 
 
@@ -154,7 +163,10 @@ def describes_structure(data: Mapping[str, Any]) -> bool:
 
 def in_space(data: Mapping[str, Any]) -> Mapping[str, Any]:
     """The mapping of a structure: what a file holds, or around it if that is a column."""
-    return data if describes_structure(data) else {OF_COLUMN: data}
+    if describes_structure(data):
+        return data
+    column = {key: value for key, value in data.items() if key != "port"}
+    return {OF_COLUMN: column, **{key: data[key] for key in ("port",) if key in data}}
 
 
 class _Solids:
@@ -363,6 +375,24 @@ def _tie_from(key: str, table: Mapping[str, Any], blocks: tuple[Solid, ...]) -> 
     tie = Tie(one, other, ends[0], ends[1], tension_only=tension_only, **given)
     tie.check(key)
     return tie
+
+
+def ports_from(data: Mapping[str, Any], blocks: tuple[Solid, ...]) -> tuple[Port, ...]:
+    """The ports of a structure with these blocks. Raises InputError."""
+    found: dict[str, Port] = {}
+    for number, table in enumerate(_tables("port", data, 0), start=1):
+        key, names = f"port[{number}]", [block.name for block in blocks]
+        _check_keys(f"{key}.", table, _PORT)
+        name = table.get("name")
+        if not isinstance(name, str) or not name or not name.isprintable() or set(name) & set('[].=,"'):
+            raise InputError(f'{key}.name = {shown(name)}: must be a word that can be printed, without [ ] . = , and "')
+        if name in found:
+            raise InputError(f"{key}.name = {shown(name)}: must be another name, it is taken")
+        check_choice(f"{key}.block", table.get("block"), names)
+        body = names.index(table["block"])
+        point = _vector(f"{key}.at", table.get("at", [0.0, 0.0, 0.0]), 3)
+        found[name] = Port(name, body, blocks[body].axes @ point)
+    return tuple(found.values())
 
 
 def _upper_first(key: str, table: Mapping[str, Any], blocks: tuple[Solid, ...]) -> tuple[int, int]:

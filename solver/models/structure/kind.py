@@ -47,8 +47,8 @@ class Structures(Kind):
             rest_of(model)
 
     def simplest(self, model: Structure, motion: Motion) -> Structure | Column:
-        """The column that it is, shaken in its plane."""
-        return model if motion.has_ay else column_of(model) or model
+        """The column that it is, shaken in its plane, without loads on ports."""
+        return model if motion.has_ay or motion.loads else column_of(model) or model
 
     def single_run(self, model: Structure, plan: Plan) -> tuple[SpatialResponse, FloatArray]:
         """A response, and ux, uy, uz of the centroids."""
@@ -73,8 +73,8 @@ class Structures(Kind):
         return Lanes(why, share_of(model), float(model.model.names.settings.first_step))
 
     def under(self, model: Structure, motion: Motion) -> tuple[str, Hashable]:
-        """Runs that stay in a plane share lanes."""
-        return "", is_flat_run(model, motion)
+        """Runs that stay in a plane share lanes; those with loads go alone."""
+        return "loads on ports" if motion.loads else "", is_flat_run(model, motion)
 
     def load(self, model: Structure, keep: Collection[str]) -> None:
         """The kernels of lanes, where they may be used."""
@@ -117,8 +117,9 @@ class Structures(Kind):
         if model.is_stack:
             of_column = {name: value for name, value in values.items() if not _is_law(name)}
             if of_column:
-                column = Column.from_dict(model.to_dict()[OF_COLUMN])
-                model = Structure.stack(column_with(column, of_column))
+                data = model.to_dict()
+                column = column_with(Column.from_dict(data[OF_COLUMN]), of_column)
+                model = Structure.from_dict({**data, OF_COLUMN: column.to_dict()})
             values = {name: value for name, value in values.items() if _is_law(name)}
         return structure_with(model, values)
 

@@ -101,7 +101,7 @@ class _Lanes:
             model.names.settings.in_plane = float(is_flat_run(run.model, run.motion))
             models.append(model.numbers)
             if id(run.motion) not in self._samples:
-                record = self._stepper(k).drive(run.motion)
+                record = self._stepper(k).drive(run.motion)[:4]
                 self._samples[id(run.motion)] = sum(len(times) for times, *_ in records), len(record[0])
                 records.append(record)
         self._models, self._states = np.array(models), np.array([rest.phase for rest in rests])

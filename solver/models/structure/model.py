@@ -21,8 +21,8 @@ from ...kernels.structure.layout import MOST_CORNERS
 from ..column.model import Column
 from ..column.settings import Settings
 from .blocks.faces import Face
-from .blocks.parts import BASE, OF_COLUMN, TOLERANCE, Bearing, Bed, Joint, Solid, Tie
-from .file import in_space, names_from, parts_from, written_out
+from .blocks.parts import BASE, OF_COLUMN, TOLERANCE, Bearing, Bed, Joint, Port, Solid, Tie
+from .file import in_space, names_from, parts_from, ports_from, written_out
 from .hull_tables import in_folder, with_hulls
 from .packing import Model, centroid_of, model_of
 from .stack import stacked
@@ -46,6 +46,7 @@ class Structure(Shown):
     tolerance: float = TOLERANCE  # error relative to the largest motion
     without: tuple[str, ...] = ()  # of SKIPS
     described: Mapping[str, Any] | None = None  # the file, a table for each block; None: made otherwise
+    ports: tuple[Port, ...] = ()
 
     def __post_init__(self) -> None:
         check_file_name("name", self.name)
@@ -112,12 +113,13 @@ class Structure(Shown):
 
     @property
     def sizes(self) -> dict[str, int]:
-        """Numbers of blocks, joints, ties, bearings (which are joints too) and components of the base."""
+        """Numbers of blocks, joints, ties, bearings (which are joints too), ports and components of the base."""
         return {
             "block": self.n,
             "joint": len(self.joints),
             "tie": len(self.ties),
             "bearing": len(self.bearings),
+            "port": len(self.ports),
             "base": 6,
         }
 
@@ -176,7 +178,7 @@ class Structure(Shown):
     @cached_property
     def model(self) -> Model:
         """The arrays for the kernels."""
-        return model_of(self.blocks, self.joints, self.ties, self.g, self.tolerance)
+        return model_of(self.blocks, self.joints, self.ties, self.ports, self.g, self.tolerance)
 
     @property
     def weight(self) -> float:
@@ -191,7 +193,8 @@ class Structure(Shown):
             for block in self.blocks
         )
         ties = all(tie.from_[1] == 0.0 and tie.to[1] == 0.0 for tie in self.ties)
-        return blocks and ties and all(_is_mirrored(joint.face) for joint in self.joints)
+        ports = all(abs(self.blocks[port.body].centroid[1] + port.at[1]) <= 1e-9 for port in self.ports)
+        return blocks and ties and ports and all(_is_mirrored(joint.face) for joint in self.joints)
 
     @property
     def settings(self) -> Settings:
@@ -239,8 +242,12 @@ class Structure(Shown):
         Raises InputError.
         """
         if OF_COLUMN in data:
-            ranges.check_keys("", data, (OF_COLUMN,))
-            return cls.stack(Column.from_dict(data[OF_COLUMN]))
+            ranges.check_keys("", data, (OF_COLUMN, "port"))
+            made = cls.stack(Column.from_dict(data[OF_COLUMN]))
+            if "port" not in data:
+                return made
+            described = {**(made.described or {}), "port": data["port"]}
+            return replace(made, ports=ports_from(data, made.blocks), described=described)
         data, surfaces = with_hulls(data)
         return cls(**parts_from(data, surfaces), described=written_out(data))
 
@@ -253,7 +260,7 @@ class Structure(Shown):
 def _with_solver(described: Mapping[str, Any], solver: Mapping[str, Any]) -> Mapping[str, Any]:
     if OF_COLUMN in described:
         column = described[OF_COLUMN]
-        return {OF_COLUMN: {**column, "solver": {**column.get("solver", {}), **solver}}}
+        return {**described, OF_COLUMN: {**column, "solver": {**column.get("solver", {}), **solver}}}
     return {**described, "solver": solver}
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from ...common.errors import InputError
 from ...kernels.structure import layout as at
-from ..outputs import BASE, BEARING, BLOCK, JOINT, TIE, Histories, Output, units_of
+from ..outputs import BASE, BEARING, BLOCK, JOINT, PORT, TIE, Histories, Output, units_of
 from .blocks.faces import FloatArray
 from .blocks.shapes import turned
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 class StructureHistories(Histories):
-    """What has a structure and rows (rows, numbers) of it: of blocks, joints along their axes, ties, bearings, base."""
+    """What has a structure and output rows (rows, numbers) of it: of all its parts, and of its base."""
 
     ux = Output(
         BLOCK, "m", "Centroid of {it} along x, relative to the base, from the structure as built and without weight"
@@ -41,6 +41,17 @@ class StructureHistories(Histories):
     dx = Output(BEARING, "m", "Displacement of the first block of {it} over the second, along its first axis")
     dy = Output(BEARING, "m", "Displacement of the first block of {it} over the second, along its second axis")
     d = Output(BEARING, "m", "Displacement of {it}, whichever way", 0.0)
+    port_x = Output(
+        PORT, "m", "{it} along x, relative to the base, from the structure as built and without weight", name="x"
+    )
+    port_y = Output(PORT, "m", "{it} along y", name="y")
+    port_z = Output(PORT, "m", "{it} upwards", name="z")
+    port_vx = Output(PORT, "m/s", "Velocity of {it} along x, relative to the base", name="vx")
+    port_vy = Output(PORT, "m/s", "Velocity of {it} along y", name="vy")
+    port_vz = Output(PORT, "m/s", "Velocity of {it} upwards", name="vz")
+    port_ax = Output(PORT, "m/s2", "Acceleration of {it} along x, relative to the base", name="ax")
+    port_ay = Output(PORT, "m/s2", "Acceleration of {it} along y", name="ay")
+    port_az = Output(PORT, "m/s2", "Acceleration of {it} upwards", name="az")
     base = Output(
         *(BASE, ""),
         parts=(
@@ -63,12 +74,12 @@ class StructureHistories(Histories):
 
     @property
     def labels(self) -> dict[str, Sequence[object]]:
-        """The names of blocks and joints, the numbers of ties, the components of the base."""
+        """The names of blocks, joints and ports, the numbers of ties, the components of the base."""
         structure = self.structure
         ties = [str(e) for e in range(1, len(structure.ties) + 1)]
         base = [part.name_of("") for part in StructureHistories.base.parts]
         joints = {BLOCK: structure.names, JOINT: structure.joint_names, BEARING: structure.bearing_names}
-        return {**joints, TIE: ties, BASE: base}
+        return {**joints, TIE: ties, PORT: [port.name for port in structure.ports], BASE: base}
 
     @property
     def rotation(self) -> FloatArray:
@@ -77,7 +88,10 @@ class StructureHistories(Histories):
 
     @property
     def opening(self) -> FloatArray:
-        """Largest gap of each joint, m (rows, joints): of the upper face over the plane of the lower one, as built."""
+        """Largest gap of each joint, m (rows, joints): of the upper face over the plane of the lower one.
+
+        0 where all of it is in contact. The faces are those as built.
+        """
         structure, turns = self.structure, self.rotation
         moves = np.stack([self.ux, self.uy, self.uz], axis=-1)
         still = np.zeros((len(moves), 3))
@@ -101,7 +115,7 @@ class StructureHistories(Histories):
                 found[:, j] = apart + face.radius * np.hypot(x, y)
             else:
                 found[:, j] = apart + np.max(np.outer(face.outline[:, 0], x) + np.outer(face.outline[:, 1], y), axis=0)
-        return np.maximum(found, 0.0)
+        return np.where(self.contact < 1.0, np.maximum(found, 0.0), 0.0)  # pendulum bearings rise, and do not open
 
     def displacement(self, block: str | int, point: Sequence[float] = (0.0, 0.0, 0.0)) -> FloatArray:
         """Displacement of a point of a block, m (rows, 3); the point counts from its centroid, along its own axes.
@@ -118,5 +132,6 @@ class StructureHistories(Histories):
 
 OUTPUTS = StructureHistories.outputs
 UNITS = units_of(OUTPUTS)
-assert [output.field for output in OUTPUTS] == [*at.OF_BLOCK, *at.OF_JOINT, "tie", *at.OF_BEARING, "base"]
+_FIELDS = [*at.OF_BLOCK, *at.OF_JOINT, "tie", *at.OF_BEARING, *(f"port_{name}" for name in at.OF_PORT), "base"]
+assert [output.field for output in OUTPUTS] == _FIELDS
 assert tuple(part.name for part in StructureHistories.base.parts) == at.OF_BASE

@@ -15,7 +15,7 @@ from ...kernels.structure.modal_layout import AXES, MODAL_ROOM
 from ..column.packing import Arrays
 from .blocks.contacts import GROUND
 from .blocks.faces import Face, FloatArray, edge_distance
-from .blocks.parts import Bearing, Joint, Solid, Tie
+from .blocks.parts import Bearing, Joint, Port, Solid, Tie
 
 FLOOR = 1e-3  # of the motion under which the structure settles as it is loaded: the least that errors are measured by
 # least damping along a joint that may slide, times the frequency of the fastest joint: the elastic slip turns with the
@@ -42,7 +42,7 @@ def arrays_of(model: Model) -> Arrays:
         model.numbers.copy(),
         np.zeros(at.STATE.size(model.sizes)),
         np.zeros(at.COUNTS.beside, dtype=np.int64),
-        np.zeros(at.BASE.beside),
+        np.zeros(at.INPUT_MOTION.size(model.sizes)),
         np.zeros(at.WORK.size(model.sizes)),
     )
 
@@ -50,7 +50,7 @@ def arrays_of(model: Model) -> Arrays:
 def with_modes(model: Model, modal: FloatArray) -> Model:
     """A copy of a model without modes, with their data."""
     room = MODAL_ROOM.size((AXES * model.sizes.n, model.sizes.k))
-    sizes = at.sizes_of(*model.sizes[:5], modal.size, room if modal.size else 0)
+    sizes = at.sizes_of(*model.sizes[:6], modal.size, room if modal.size else 0)
     made = Model(sizes, np.concatenate([model.numbers, modal]))
     made.numbers[: len(sizes)] = sizes
     made.names.settings.has_modes = float(modal.size > 0)
@@ -58,10 +58,15 @@ def with_modes(model: Model, modal: FloatArray) -> Model:
 
 
 def model_of(
-    solids: tuple[Solid, ...], joints: tuple[Joint, ...], ties: tuple[Tie, ...], g: float, tolerance: float
+    solids: tuple[Solid, ...],
+    joints: tuple[Joint, ...],
+    ties: tuple[Tie, ...],
+    ports: tuple[Port, ...],
+    g: float,
+    tolerance: float,
 ) -> Model:
     """The model of a structure, without modes."""
-    made = _model_of(solids, joints, ties, g)
+    made = _model_of(solids, joints, ties, ports, g)
     made = made._replace(numbers=made.numbers.copy())
     settings = made.names.settings
     settings.tolerance = tolerance
@@ -70,13 +75,15 @@ def model_of(
 
 
 @lru_cache(maxsize=64)
-def _model_of(solids: tuple[Solid, ...], joints: tuple[Joint, ...], ties: tuple[Tie, ...], g: float) -> Model:
+def _model_of(
+    solids: tuple[Solid, ...], joints: tuple[Joint, ...], ties: tuple[Tie, ...], ports: tuple[Port, ...], g: float
+) -> Model:
     """The model of a structure, without tolerances."""
     outlines = [joint.face.outline.ravel() for joint in joints]
     faces = [_faces_of(joint) for joint in joints]
     corners = np.concatenate([np.zeros(0), *outlines, *(part for pair in faces for part in pair)])
     bearings = sum(joint.bearing is not None for joint in joints)
-    sizes = at.sizes_of(len(solids), len(joints), len(ties), bearings, corners.size)
+    sizes = at.sizes_of(len(solids), len(joints), len(ties), bearings, corners.size, len(ports))
     model = Model(sizes, np.zeros(at.MODEL.size(sizes)))
     model.numbers[: len(sizes)] = sizes
     names = model.names
@@ -94,6 +101,9 @@ def _model_of(solids: tuple[Solid, ...], joints: tuple[Joint, ...], ties: tuple[
             behind += above.size + below.size
     for e, tie in enumerate(ties):
         _fill_tie(names.ties, e, tie, solids)
+    for p, port in enumerate(ports):
+        names.ports.body[p] = port.body
+        names.ports.x[p], names.ports.y[p], names.ports.z[p] = port.at
     _fill_settings(settings, table, solids, joints, g)
     slides = any(joint.bed.friction is not None for joint in joints)
     settlement = settings.motion_floor * settings.extent / FLOOR

@@ -18,7 +18,7 @@ from ...common.errors import InputError
 from ...kernels.structure import layout as at
 from ..protocol import NoRestError
 from .blocks.faces import FloatArray
-from .blocks.parts import Joint, Solid, Tie
+from .blocks.parts import Joint, Port, Solid, Tie
 from .model import Structure
 from .packing import FLOOR, centroid_of
 from .stepper import Stepper
@@ -28,6 +28,7 @@ from .stepper import Stepper
 LOADS = (4, 1, 5)
 MOST_ITERATIONS = 200
 STILL = (0.0, 0.0, 0.0)
+PUSHES = 5  # steps in which loads on ports are put on
 CLOSE = 1e-11  # of the weight: forces that are left
 PERTURBED = 1e-3  # of the settlement: displacements for the tangent
 OF_ONE = 0.1  # of the settlement of a joint under one block: displacements for the tangent at rest
@@ -45,15 +46,17 @@ class Rest(NamedTuple):
 def rest_of(structure: Structure) -> Rest:
     """The rest of a structure. Raises NoRestError if it has none that is stable, InputError if a block is free."""
     try:
-        return _rest_of(structure.blocks, structure.joints, structure.ties, structure.g)
+        return _rest_of(structure.blocks, structure.joints, structure.ties, structure.g, structure.ports)
     except InputError as error:
         raise type(error)(f"{structure.name}: {error}") from None
 
 
 @lru_cache(maxsize=64)
-def _rest_of(blocks: tuple[Solid, ...], joints: tuple[Joint, ...], ties: tuple[Tie, ...], g: float) -> Rest:
+def _rest_of(
+    blocks: tuple[Solid, ...], joints: tuple[Joint, ...], ties: tuple[Tie, ...], g: float, ports: tuple[Port, ...]
+) -> Rest:
     """The rest does not depend on the settings of a run."""
-    structure = Structure("structure", blocks, joints, ties, g)
+    structure = Structure("structure", blocks, joints, ties, g, ports=ports)
     linear = full_stiffness(structure)
     if not structure.weight > 0.0:
         return _finished(Stepper(structure), linear)
@@ -79,6 +82,22 @@ def _loaded(
             return None
         stepper.observe(keep=True)
     return stepper
+
+
+def rest_under(structure: Structure, loads: FloatArray) -> FloatArray:
+    """The phase at rest under loads on the ports, (6, ports) N and N m, put on in steps. Raises InputError."""
+    rest = rest_of(structure)
+    stepper, linear = Stepper(structure), full_stiffness(structure)
+    start_from(stepper, rest)
+    size = structure.model.names.settings.motion_floor * structure.model.names.settings.extent / FLOOR
+    delta = PERTURBED * deltas_of(structure, size)
+    for step in range(1, PUSHES + 1):
+        for name, row in zip(at.LOAD, loads, strict=True):
+            getattr(stepper.pushes, name)[:] = row * step / PUSHES
+        if not balance(stepper, linear, delta, CLOSE * max(structure.weight, float(np.max(np.abs(loads[:3]))))):
+            raise InputError(f"release: {structure.name} has no rest under this load, it must balance it")
+        stepper.observe(keep=True)
+    return stepper.phase.copy()
 
 
 def sticking(stepper: Stepper) -> Stepper:
@@ -226,7 +245,10 @@ def balance(stepper: Stepper, linear: FloatArray, delta: FloatArray, close: floa
     left, energy = residual_of(stepper)
     size = float(np.max(np.abs(left * per)))
     softening = 0.0
-    potential = bool(np.all(np.isinf(stepper.model.joints.friction)))
+    # the energy leaves out the work of loads
+    potential = bool(np.all(np.isinf(stepper.model.joints.friction))) and not any(
+        np.any(getattr(stepper.pushes, name)) for name in at.LOAD
+    )
     tangent = stepper.stiffness(delta)
     for _ in range(MOST_ITERATIONS):
         if size <= close:

@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...common.errors import InputError
+from ...ground.loads import ACROSS, COMPONENTS
 from ...ground.motion import Motion
 from ...kernels.structure import layout as at
 from ..outputs import places_of
@@ -20,7 +21,7 @@ from .modal_data import modal_data_of
 from .model import Structure
 from .outputs import OUTPUTS
 from .response import Moved, SpatialResponse, peaks_in_space
-from .rest import rest_of, start_from
+from .rest import rest_of, rest_under, start_from
 from .stepper import Stepper
 from .verdict import next_look, well_of
 
@@ -47,6 +48,12 @@ class SpatialState(NamedTuple):
     rotation: FloatArray
     velocity: FloatArray
     spin: FloatArray
+
+
+class Released(NamedTuple):
+    """An initial state: rest under loads on the ports, (6, ports) N and N m, which are let go at the start."""
+
+    loads: FloatArray
 
 
 def single_run(structure: Structure, plan: Plan) -> SpatialResponse:
@@ -78,7 +85,9 @@ def single_run(structure: Structure, plan: Plan) -> SpatialResponse:
     return response
 
 
-def moved(structure: Structure, motion: Motion, stop: float, times: FloatArray, initial: SpatialState | None) -> Moved:
+def moved(
+    structure: Structure, motion: Motion, stop: float, times: FloatArray, initial: SpatialState | Released | None
+) -> Moved:
     """Velocities and energies at `times` of a run, which is made again: to the bit the same. Raises SolverError."""
     stepper, _ = begun(structure, motion)
     at_rest = stepper.observe()
@@ -96,7 +105,7 @@ def moved(structure: Structure, motion: Motion, stop: float, times: FloatArray, 
     return Moved(velocity, energy)
 
 
-def begun(structure: Structure, motion: Motion, initial: SpatialState | None = None) -> tuple[Stepper, str]:
+def begun(structure: Structure, motion: Motion, initial: SpatialState | Released | None = None) -> tuple[Stepper, str]:
     """A structure at rest, or as `initial` says, before a motion; and why it has no modes.
 
     Raises InputError.
@@ -104,8 +113,11 @@ def begun(structure: Structure, motion: Motion, initial: SpatialState | None = N
     rest, modes = rest_of(structure), modal_data_of(structure)
     stepper = Stepper(structure, modes.numbers)
     start_from(stepper, rest)
-    flat = structure.is_plane and not motion.has_ay
-    if initial is not None:
+    flat = structure.is_plane and not motion.has_ay and all(load.is_in_plane for load in motion.loads.values())
+    if isinstance(initial, Released):
+        stepper.phase[:] = rest_under(structure, initial.loads)
+        flat = flat and not np.any(initial.loads[[COMPONENTS.index(name) for name in ACROSS]])
+    elif initial is not None:
         set_initial(stepper, initial)
         flat = flat and is_flat(initial)
     stepper.model.settings.in_plane = float(flat)

@@ -11,6 +11,7 @@ import numpy as np
 
 from ...common import effort
 from ...common.errors import SolverError, TooMuchWorkError
+from ...ground.loads import on_one_grid
 from ...ground.motion import Motion
 from ...kernels.structure import layout as at
 from ...kernels.structure.entries import observe_structure, run_structure, stiffness_of
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
 TOO_SMALL = "the tolerance requires a step that is too small to continue; a larger tolerance may help"
 AT_ONCE = 2e5  # evaluations of joints, about, after which an interruption is noticed
 _NONE = np.zeros(0)
-_SILENCE = (_NONE, _NONE, _NONE, _NONE)
+_SILENCE = (_NONE, _NONE, _NONE, _NONE, _NONE)
 
 
 class Stepper:
@@ -45,7 +46,8 @@ class Stepper:
     def _take(self, arrays: Arrays) -> None:
         self.arrays, sizes = arrays, self.sizes
         self.model, self.state = at.MODEL.see(arrays.model, sizes), at.STATE.see(arrays.state, sizes)
-        self.counts, self.base = at.COUNTS.see(arrays.counts), at.BASE.see(arrays.base)
+        self.counts, self.base = at.COUNTS.see(arrays.counts), at.INPUT_MOTION.see(arrays.base, sizes).motion
+        self.pushes = at.WORK.see(arrays.work, sizes).pushes
         self.control, self.see, self.slips = self.state.control, self.state.phase, self.state.remembered.slips
         self.phase = arrays.state[at.CONTROL.beside :][: sizes.state]
 
@@ -56,7 +58,7 @@ class Stepper:
         return other
 
     def observe(self, ax: float = 0.0, ay: float = 0.0, az: float = 0.0, keep: bool = False) -> float:
-        """Evaluate the phase under an acceleration of the base, m/s2; returns the energy, J.
+        """Evaluate the phase under an acceleration of the base, m/s2, and under `pushes`; returns the energy, J.
 
         It leaves `rates` and `row`.
 
@@ -123,8 +125,8 @@ class Stepper:
         if motion is not None and (motion.amplitude or motion.amplitude_y):
             yield effort.of_harmonic(motion.frequency)
 
-    def drive(self, motion: Motion) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-        """The record of a motion for the kernels; its harmonic part is set."""
+    def drive(self, motion: Motion) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]:
+        """The record of a motion for the kernels, and its loads; its harmonic part is set."""
         base = self.base
         base.held, base.scale = float(motion.hold), 1.0
         base.amplitude_x, base.amplitude_y = motion.amplitude, motion.amplitude_y
@@ -134,5 +136,9 @@ class Stepper:
         samples = [motion.time, motion.ax, motion.ay, motion.az]
         if motion.end > motion.time[-1]:  # the last held sample lasts until the motion ends
             samples = [np.append(motion.time, motion.end), *(np.append(a, 0.0) for a in samples[1:])]
-        time, ax, ay, az = (np.require(a, np.float64, ["C", "W"]) for a in samples)
-        return time, ax, ay, az
+        loads = _NONE
+        if motion.loads:
+            names = [port.name for port in self.structure.ports]
+            *samples, loads = on_one_grid(samples, motion.hold, motion.loads, names)
+        time, ax, ay, az, loads = (np.require(a, np.float64, ["C", "W"]) for a in (*samples, loads))
+        return time, ax, ay, az, loads

@@ -52,6 +52,7 @@ class Contact:
     points: FloatArray
     hole: FloatArray  # the inner rim, empty without one
     stiffness: float  # N/m3
+    at_point: bool = False  # a bearing, which bears at its centre
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,7 +127,8 @@ def _of_structure(structure: Structure) -> tuple[tuple[Body, ...], tuple[Contact
 def _contact(name: str, joint: Joint, centroid: FloatArray) -> Contact:
     face = joint.face
     hole = _inner(face) - centroid if face.bore else np.empty((0, 3))
-    return Contact(name, joint.upper, joint.lower, face.points(SIDES) - centroid, hole, joint.bed.stiffness)
+    points, at_point = face.points(SIDES) - centroid, joint.bearing is not None
+    return Contact(name, joint.upper, joint.lower, points, hole, joint.bed.stiffness, at_point)
 
 
 def surfaces(block: Solid) -> tuple[Surface, ...]:

@@ -28,7 +28,11 @@ VISIBLE = 0.08  # of the extent: largest displacement at the factor that the pag
 MOST_TIMES = 1e4  # factor on the deformation
 DIGITS = 5  # of lengths in m: of what is drawn
 WHOLE = 65535  # of what is kept as a part
-VERDICTS = {"standing": "It stands.", "overturned": "It falls.", "undecided": "Whether it stands is undecided."}
+VERDICTS = {
+    "standing": "It stands.",
+    "overturned": "It falls at {:.2f} s.",
+    "undecided": "Whether it stands is undecided.",
+}
 FRAME = (
     '<iframe class="scene" srcdoc="{}" title="the blocks in motion" loading="lazy" '
     'style="width: 100%; height: {}px; border: 1px solid #8886; border-radius: 6px"></iframe>'
@@ -55,15 +59,20 @@ def frame_of(response: Any, height: int = 480) -> str:
     """HTML that shows a smaller page within another one; height: px. Empty if the shape of its model is not known."""
     if response.model.kind.word not in SHAPES:
         return ""
-    page = _page(response, None, EMBEDDED_FPS, EMBEDDED_NUMBERS, EMBEDDED_TRIANGLES)
-    return FRAME.format(escape(page), height)
+    return FRAME.format(escape(small_page(response)), height)
+
+
+def small_page(response: Any, scale: float | None = None) -> str:
+    """A page of fewer rows and coarser meshes; scale: as of write_view."""
+    return _page(response, scale, EMBEDDED_FPS, EMBEDDED_NUMBERS, EMBEDDED_TRIANGLES)
 
 
 def _page(response: Any, scale: float | None, fps: float, numbers: int, triangles: int) -> str:
     sizes, span = response.model.sizes, max(float(response.time[-1] - response.time[0]), 1e-9)
     scene = scene_of(response, min(fps, numbers / ((6 * sizes["block"] + sizes["joint"] + 3) * span)))
-    name, facts = escape(scene.name), VERDICTS.get(response.verdict, "")
-    line = f"{facts} Largest displacement {1e3 * float(np.max(response.peaks[response.model.kind.largest])):.3g} mm."
+    name, facts = escape(scene.name), VERDICTS.get(response.verdict, "").format(response.overturn_time)
+    most = float(np.max(response.peaks[response.model.kind.largest]))
+    line = f"{facts} Largest displacement {f'{most:.3g} m' if most >= 1.0 else f'{1e3 * most:.3g} mm'}."
     folder = files(__package__)
     contents = _contents(scene, response, scale, triangles)
     parts = {
@@ -132,7 +141,7 @@ def _coarse(body: Body, most: int) -> FloatArray:
     found, cell = whole, 0.002 * float(np.max(np.ptp(whole, axis=(0, 1))))
     while len(found) > most:
         found = cell * np.round(whole / cell)
-        found = found[[np.all(np.any(triangle != np.roll(triangle, 1, axis=0), axis=1)) for triangle in found]]
+        found = found[np.all(np.any(found != np.roll(found, 1, axis=1), axis=2), axis=1)]
         cell *= 1.3
     return found
 

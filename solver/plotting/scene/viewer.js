@@ -7,7 +7,7 @@ const U = new Float32Array(bytes(SCENE.u)), TURN = new Float32Array(bytes(SCENE.
 const CONTACT = new Uint16Array(bytes(SCENE.contact)), PRESSURE = new Uint16Array(bytes(SCENE.pressure)); // 65535: all
 const BASE = SCENE.base ? new Float32Array(bytes(SCENE.base)) : null;
 const canvas = $("view"), gl = canvas.getContext("webgl", { antialias: true, preserveDrawingBuffer: true });
-const state = { t: 0, playing: false, speed: 1, factor: SCENE.factor, chosen: -1, moving: false, by: "contact", yaw: -1.0, pitch: 0.3, far: 1, shift: [0, 0] };
+const state = { t: 0, playing: false, speed: 1, factor: SCENE.factor, chosen: -1, moving: false, again: false, by: "contact", yaw: -1.0, pitch: 0.3, far: 1, shift: [0, 0] };
 const SCALES = { contact: [CONTACT, "#d64d0d", "#547da3"], pressure: [PRESSURE, "#e8dfc8", "#7a1f5c"] }; // of 0, of all
 const rgb = (text) => text.trim().match(/\w\w/g).map((v) => parseInt(v, 16) / 255);
 
@@ -229,7 +229,7 @@ function play(on) {
   const step = (at) => {
     if (!state.playing) return;
     state.t = Math.min(time[last], state.t + state.speed * Math.max(0, at - before) / 1e3); before = at;
-    if (state.t >= time[last]) play(false);
+    if (state.t >= time[last]) { if (state.again) state.t = time[0]; else play(false); }
     now();
     if (state.playing) requestAnimationFrame(step);
   };
@@ -279,7 +279,8 @@ function begin() {
     $("marks").append(mark);
   }
   $("moves").hidden = !BASE; $("cell").textContent = `squares of ${CELL} m`;
-  if (!gl) { $("none").hidden = false; return; }
+  if (!gl) { $("none").hidden = false; $("legend").hidden = $("axes").hidden = true; return; }
   build(); listen(); show();
+  if (location.hash === "#play") { state.again = true; state.t = time[0]; play(true); }
 }
 begin();

@@ -110,6 +110,8 @@ def _loaded(scene: Scene, k: int, contact: Contact, piece: FloatArray) -> tuple[
         normal = normal + turned(scene.turn[k, below], built)
     points = _placed(scene, k, contact.body, piece)
     closed = (_placed(scene, k, below, piece) - points) @ normal / np.linalg.norm(normal)
+    if contact.at_point:
+        closed = np.full(len(points), np.mean(closed))
     found, depths = [], []
     for a, b in zip(range(-1, len(points) - 1), range(len(points)), strict=True):
         if (closed[a] > 0.0) != (closed[b] > 0.0):

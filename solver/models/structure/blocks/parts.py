@@ -91,6 +91,15 @@ class Joint:
 
 
 @dataclass(frozen=True, eq=False)
+class Port:
+    """A point of a block at which loads act, and whose motion is an output."""
+
+    name: str
+    body: int  # number of the block, from 0
+    at: FloatArray  # (3,) m, along the axes of the base, from its centroid
+
+
+@dataclass(frozen=True, eq=False)
 class Tie:
     """A rod, clamp, tendon or damper between points of two blocks, or of a block and the base."""
 

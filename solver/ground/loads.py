@@ -1,0 +1,228 @@
+"""Loads on the ports of a structure: forces and couples over time, along the axes of the base.
+
+The contract, for every kind of model that has ports:
+
+File. `[[port]]` has `name`, `block` (the name of one) and `at` (m, from the centroid of the block along its axes as
+built; the centroid if it is left out). Names are unique, and have none of `[ ] . = , "`.
+
+Load. Samples (time, values) of six components, Fx Fy Fz (N) and Mx My Mz (N m), on the point, with straight lines
+between samples. Before its first and after its last sample it is zero, so that it begins and ends at once. Time is that
+of the motion of the base. What comes before the motion begins is left out.
+
+`simulate(..., loads=...)`: port -> `Load`, or component -> a number (constant from the start of the run to its end) or
+(times, values). `release`: port -> component -> number: at the start of the run the model rests under these loads, and
+is let go. A load ends with the run: the verdict is that of the model without it.
+
+Merging. The kernels have one grid of times: the instants of the motion and of all loads (`on_one_grid`). Samples of the
+base that are joined by lines, or held, are so on that grid as well; a load has a value and a slope on each of its
+intervals. `Motion.with_loads` carries loads wherever a motion goes; a scaled motion has the same loads.
+
+FMU. Inputs `port[k].Fx` ... `port[k].Mz` and `port[k].dFx` ... their slopes within a communication step; outputs
+`port[k].x` ... `port[k].az`.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..common.errors import POSITIVE, InputError, check_number, reading, shown
+from ..common.ranges import check_choice
+from .records.record import FloatArray
+from .records.text import lines_of, number
+
+if TYPE_CHECKING:
+    from .motion import Motion
+
+COMPONENTS = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
+ACROSS = ("Fy", "Mx", "Mz")  # that move a structure out of the plane x, z
+LARGEST = 1e15
+FORCE = (-LARGEST, LARGEST), "a finite force in N, or couple in N m"
+SAME_INSTANT = 1e-6  # of the shortest interval: instants that close differ by rounding
+MOST_SAMPLES = 10**7
+
+Given = Mapping[str, Any]  # by component, or a Load
+
+
+@dataclass(frozen=True, eq=False)
+class Load:
+    """Forces and couples on a point. time: (m,) s, increasing; values: (m, 6) N, N m, in the order of COMPONENTS.
+
+    Raises InputError for values that are not finite, and times that do not increase.
+    """
+
+    time: FloatArray
+    values: FloatArray
+
+    def __post_init__(self) -> None:
+        time, values = (_numbers(key, getattr(self, key)) for key in ("time", "values"))
+        if time.ndim != 1 or len(time) < 2 or values.shape != (len(time), len(COMPONENTS)):
+            raise InputError("load: must be 2 times at least, and 6 components for each")
+        late = np.flatnonzero(np.diff(time) <= 0.0)
+        if late.size:
+            k = int(late[0]) + 1
+            raise InputError(f"load: time[{k}] = {time[k]}: must be later than the sample before, {time[k - 1]} s")
+        object.__setattr__(self, "time", time)
+        object.__setattr__(self, "values", values)
+
+    @classmethod
+    def of(cls, time: ArrayLike, **components: ArrayLike) -> Load:
+        """Samples by component, as `Load.of([0, 1], Fx=[0, 1e4])`; the other components are zero."""
+        instants = _numbers("time", time)
+        values = np.zeros((len(instants), len(COMPONENTS)))
+        for name, given in components.items():
+            check_choice("component", name, COMPONENTS)
+            samples = _numbers(name, given)
+            if samples.shape != instants.shape:
+                raise InputError(f"{name}: {samples.size} samples, must be {len(instants)}, one for each time")
+            values[:, COMPONENTS.index(name)] = samples
+        return cls(instants, values)
+
+    @classmethod
+    def formula(cls, duration: float, step: float, start: float = 0.0, **components: Callable[[float], float]) -> Load:
+        """Functions of the time, s, sampled every `step` s: `Load.formula(2.0, 1e-3, Fx=lambda t: 1e4 * sin(9 * t))`.
+
+        Lines between samples differ from a sine of the angular frequency w by (w step)^2 / 8 of its amplitude at most.
+        """
+        check_number("duration", duration, POSITIVE, "a positive time in s")
+        check_number("step", step, (duration / MOST_SAMPLES, duration), "a time in s, at most the duration")
+        count = math.ceil(duration / step - 1e-9)
+        time = start + np.linspace(0.0, duration, count + 1)
+        return cls.of(time, **{name: [function(t) for t in time.tolist()] for name, function in components.items()})
+
+    @classmethod
+    def from_motion(cls, motion: Motion, step: float | None = None, **factors: float) -> Load:
+        """A record or formula of a motion as a load: its ax (m/s2) times factors (kg, kg m), as Fx=5000.0.
+
+        So all wavelets and harmonics serve as loads. step: s, at which a harmonic is sampled. Raises InputError.
+        """
+        if motion.amplitude or motion.hold:
+            if step is None:
+                raise InputError("step: missing, must be the time in s at which a harmonic or held motion is sampled")
+            count = math.ceil(motion.duration / step - 1e-9)
+            time = motion.start + np.linspace(0.0, motion.duration, count + 1)
+        else:
+            time = motion.time
+        ax = motion.acceleration(time)[0]
+        return cls.of(time, **{name: factor * ax for name, factor in factors.items()})
+
+    def scaled(self, factor: float) -> Load:
+        """The load times a factor."""
+        return Load(self.time, factor * self.values)
+
+    @property
+    def is_in_plane(self) -> bool:
+        """Whether it moves nothing out of the plane x, z, where its port lies in it."""
+        return not any(np.any(self.values[:, COMPONENTS.index(name)]) for name in ACROSS)
+
+
+def loads_from(given: Mapping[str, Load | Given], start: float, duration: float) -> dict[str, Load]:
+    """The loads on ports as `simulate` is given them; constants last `duration` s from `start`. Raises InputError."""
+    return {port: _load_from(f"loads[{port}]", load, start, duration) for port, load in given.items()}
+
+
+def _load_from(key: str, given: Load | Given, start: float, duration: float) -> Load:
+    if isinstance(given, Load):
+        return given
+    if not isinstance(given, Mapping) or not given:
+        raise InputError(f"{key} = {shown(given)}: must be a Load, or components {', '.join(COMPONENTS)}")
+    parts: list[tuple[str, ArrayLike, ArrayLike]] = []
+    for name, value in given.items():
+        check_choice(f"{key}", name, COMPONENTS)
+        if isinstance(value, (list, tuple)) and len(value) == 2:
+            parts.append((name, value[0], value[1]))
+        else:
+            force = check_number(f"{key}.{name}", value, *FORCE)
+            parts.append((name, np.array([start, start + duration]), np.full(2, force)))
+    try:
+        loads = [Load.of(time, **{name: values}) for name, time, values in parts]
+    except InputError as error:
+        raise InputError(f"{key}: {error}") from None
+    if all(np.array_equal(load.time, loads[0].time) for load in loads):
+        return Load(loads[0].time, np.sum([load.values for load in loads], axis=0))
+    raise InputError(f"{key}: its components have other times, must be those of one Load, or numbers for all")
+
+
+def static_loads(key: str, given: Mapping[str, Given], ports: Sequence[str]) -> FloatArray:
+    """Constant loads by port and component as (6, ports). Raises InputError."""
+    found = np.zeros((len(COMPONENTS), len(ports)))
+    if not isinstance(given, Mapping):
+        raise InputError(f"{key} = {shown(given)}: must be ports with components, as {{'roof': {{'Fx': 1000.0}}}}")
+    for port, components in given.items():
+        p = place_of(key, port, ports)
+        if not isinstance(components, Mapping):
+            raise InputError(f"{key}[{port}] = {shown(components)}: must be components {', '.join(COMPONENTS)}")
+        for name, value in components.items():
+            check_choice(f"{key}[{port}]", name, COMPONENTS)
+            found[COMPONENTS.index(name), p] = check_number(f"{key}[{port}].{name}", value, *FORCE)
+    return found
+
+
+def place_of(key: str, port: object, ports: Sequence[str]) -> int:
+    """Number of a port by its name. Raises InputError."""
+    if not ports:
+        raise InputError(f"{key}[{port}]: the structure has no ports, must have a table [[port]] for it")
+    check_choice(key, port, ports)
+    return list(ports).index(str(port))
+
+
+def on_one_grid(
+    samples: Sequence[FloatArray], hold: bool, loads: Mapping[str, Load], ports: Sequence[str]
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Times, ax, ay, az of the base (times may go on after it), and of each interval all loads, then their slopes.
+
+    samples: times and accelerations of the base. Raises InputError for an unknown port.
+    """
+    own, *accelerations = samples
+    others = np.unique(np.concatenate([load.time for load in loads.values()]))
+    shortest = min(float(np.min(np.diff(part))) for part in (own, others) if len(part) > 1)
+    same = SAME_INSTANT * max(shortest, SAME_INSTANT)
+    others = others[others > own[0] + same]
+    others = others[np.diff(others, prepend=-math.inf) > same]
+    nearest = np.minimum(np.searchsorted(own, others), len(own) - 1)
+    near = np.minimum(np.abs(own[nearest] - others), np.abs(own[np.maximum(nearest - 1, 0)] - others))
+    time = np.union1d(own, others[near > same])
+    within = time[: np.searchsorted(time, own[-1]) + 1]
+    latest = np.searchsorted(own, within, side="right") - 1
+    ax, ay, az = (a[latest] if hold else np.interp(within, own, a) for a in accelerations)
+    found = np.zeros((len(time) - 1, 2, len(COMPONENTS), len(ports)))
+    middle, lengths = 0.5 * (time[1:] + time[:-1]), np.diff(time)
+    for port, load in loads.items():
+        p = place_of("loads", port, ports)
+        acts = (load.time[0] < middle) & (middle < load.time[-1])
+        for c in range(len(COMPONENTS)):
+            value = np.interp(time, load.time, load.values[:, c])
+            found[acts, 0, c, p] = value[:-1][acts]
+            found[acts, 1, c, p] = (np.diff(value) / lengths)[acts]
+    return time, ax, ay, az, found.ravel()
+
+
+def load_from_file(path: str | os.PathLike[str]) -> tuple[FloatArray, FloatArray]:
+    """Times, s, and values of a file of two columns, with commas between and a header or none. Raises InputError."""
+    with reading(path):
+        rows = [
+            [number(k, text) for text in line.split(",")]
+            for k, line in enumerate(lines_of(path), start=1)
+            if line.strip() and not (k == 1 and line.strip()[0].isalpha())
+        ]
+        if len(rows) < 2 or any(len(row) != 2 for row in rows):
+            raise InputError("must have two columns, time (s) and load (N, N m), and two rows at least")
+        table = np.array(rows)
+        return table[:, 0], table[:, 1]
+
+
+def _numbers(key: str, given: ArrayLike) -> FloatArray:
+    try:
+        found = np.array(given, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise InputError(f"{key}: must be numbers") from None
+    if not np.all(np.abs(found) <= LARGEST):
+        raise InputError(f"{key}: must be finite numbers, at most {LARGEST:g}")
+    found.setflags(write=False)
+    return found

@@ -1,0 +1,187 @@
+"""Loads on ports: closed forms of a block on its bed, free flight, rest under a load that is let go, and mistakes."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from multiblock import Column, InputError, Load, Motion, Structure, simulate, simulate_many, wavelets
+from solver.ground.loads import COMPONENTS, load_from_file, on_one_grid
+
+MASS, SIDE, STIFFNESS, RATIO, G = 2500.0, 1.0, 1e9, 0.4, 9.80665
+STILL = Motion.from_samples(1.0, np.zeros(3))
+ROOT = Path(__file__).parents[2]
+
+
+def block(g: float = G, at: tuple[float, float, float] = (0.0, 0.0, 0.5), **joint: float) -> Structure:
+    """A cube of 1 m on its bed, with a port."""
+    return Structure.from_dict(
+        {
+            "name": "cube",
+            "g": g,
+            "joints": {"stiffness": STIFFNESS, "damping": 1e-3, **joint},
+            "block": [{"name": "cube", "width": SIDE, "depth": SIDE, "height": SIDE, "mass": MASS, "on": "base"}],
+            "port": [{"name": "top", "block": "cube", "at": list(at)}],
+        }
+    )
+
+
+def test_a_slow_force_moves_the_block_on_its_bed_as_in_closed_form() -> None:
+    """In full contact: shear of the bed, and its rotation less what the weight and the load add."""
+    force = 3000.0
+    ramp = Load.of([0.0, 1.0, 2.0], Fx=[0.0, force, force])
+    x = simulate(block(), STILL, 2.0, loads={"top": ramp}, output_step=0.1).port_x[-1, 0]
+    settlement = MASS * G / STIFFNESS
+    turn = force * (SIDE - settlement) / (STIFFNESS / 12.0 - MASS * G * 0.5)
+    assert x == pytest.approx(
+        force / (RATIO * STIFFNESS) + turn, rel=1e-4
+    )  # measured 5e-5: the weight acts across the tilted joint
+    y = simulate(block(), STILL, 2.0, loads={"top": Load.of([0.0, 1.0, 2.0], My=[0.0, 1500.0, 1500.0])})
+    assert y.ry[-1, 0] == pytest.approx(1500.0 / (STIFFNESS / 12.0 - MASS * G * 0.5), rel=1e-4)
+
+
+def test_a_blow_gives_a_free_block_its_impulse() -> None:
+    """Without weight, upwards: m v is the impulse."""
+    blow = Load.of([0.0, 1e-3, 2e-3], Fz=[0.0, 2e6, 0.0])
+    found = simulate(block(g=0.0), STILL, 0.05, loads={"top": blow}, output_step=1e-3, settle=0.0)
+    speed = 2000.0 / MASS
+    assert found.velocity[-1, 0, 2] == pytest.approx(speed, rel=1e-9)
+    assert found.energy[-1] == pytest.approx(0.5 * MASS * speed**2, rel=1e-9)
+    assert found.port_az[1, 0] == pytest.approx(2e6 / MASS)
+    assert found.port_z[-1, 0] == pytest.approx(speed * 0.049, rel=1e-9)
+
+
+def test_rates_of_a_port_are_those_of_its_place() -> None:
+    force = wavelets.ricker(1.0, 8.0)
+    load = Load.from_motion(force, Fx=2e4, Fy=1e4, Mz=3e3)
+    found = simulate(block(at=(0.3, 0.2, 0.5)), STILL, 0.5, loads={"top": load}, output_step=1e-4, tolerance=1e-9)
+    for axis in "xyz":
+        place, rate, second = (getattr(found, f"port_{name}{axis}")[:, 0] for name in ("", "v", "a"))
+        for value, slope in ((place, rate), (rate, second)):
+            differences = (value[2:] - value[:-2]) / 2e-4
+            assert np.max(np.abs(differences - slope[1:-1])) < 1e-2 * np.max(np.abs(slope))  # measured 6e-3, kinks
+
+
+def test_released_it_swings_from_the_place_where_the_load_held_it() -> None:
+    """At the lowest frequency of the bed, undamped; rest under the load is what a slow load reaches."""
+    slow = simulate(block(), STILL, 2.0, loads={"top": Load.of([0.0, 1.0, 2.0], Fx=[0.0, 3e3, 3e3])}, tolerance=1e-8)
+    undamped = block(damping=0.0)
+    found = simulate(undamped, STILL, 0.4, release={"top": {"Fx": 3e3}}, output_step=1e-4, settle=0.0, tolerance=1e-8)
+    x = found.port_x[:, 0]
+    assert x[0] == pytest.approx(slow.port_x[-1, 0], rel=1e-6)  # measured 3e-9
+    # displacement at the foot and rotation: (k_s, coupling) over (m, I about the centroid)
+    shear, bending, h = RATIO * STIFFNESS, STIFFNESS / 12.0, 0.5
+    stiff = np.array([[shear, -shear * h], [-shear * h, shear * h * h + bending - MASS * G * h]])
+    mass = np.diag([MASS, MASS / 6.0])
+    squares, shapes = np.linalg.eig(np.linalg.solve(mass, stiff))
+    start = np.linalg.solve(stiff, [3e3, 3e3 * 0.5])
+    parts = np.linalg.solve(shapes, start)
+    exact = [
+        float(np.array([1.0, 0.5]) @ (shapes @ (parts * np.cos(np.sqrt(squares) * t)))) for t in found.time.tolist()
+    ]
+    assert np.max(np.abs(x - exact)) < 3e-3 * x[0]  # measured 1.7e-3: the weight acts across the tilted joint
+    assert np.ptp(found.energy) < 1e-6 * found.energy[0]
+
+
+def test_loads_and_base_motion_are_followed_on_one_grid() -> None:
+    """Base and load both held constant at the same acceleration of the block cancel: m a at the centroid."""
+    structure = block(at=(0.0, 0.0, 0.0))
+    shaken = wavelets.ricker(1.0, 3.0)
+    against = Load.of(shaken.time[::1] + 0.0, Fx=MASS * shaken.ax)
+    found = simulate(structure, shaken, loads={"top": against}, settle=0.0)
+    alone = simulate(structure, shaken, settle=0.0)
+    assert found.peaks["ux"][0] < 1e-9 * alone.peaks["ux"][0]
+    # other times of the same straight lines give the same motion; the load ends later than the motion of the base
+    time = np.sort(np.concatenate([shaken.time, 0.5 * (shaken.time[1:] + shaken.time[:-1])]))
+    finer = Load.of(time, Fx=MASS * np.interp(time, shaken.time, shaken.ax))
+    again = simulate(structure, shaken, loads={"top": finer}, settle=0.0)
+    assert again.peaks["ux"][0] < 1e-6 * alone.peaks["ux"][0]
+
+
+def test_the_grid_has_the_instants_of_both_and_loads_begin_and_end_at_once() -> None:
+    base = [np.array([0.0, 1.0, 2.0]), *(np.array([0.0, 1.0, 0.0]) for _ in "xyz")]
+    load = Load.of([0.5, 2.5], Fz=[4.0, 8.0])
+    time, ax, _, _, found = on_one_grid(base, False, {"a": load}, ["b", "a"])
+    assert time.tolist() == [0.0, 0.5, 1.0, 2.0, 2.5]
+    assert ax.tolist() == [0.0, 0.5, 1.0, 0.0]  # none beyond its end
+    table = found.reshape(4, 2, len(COMPONENTS), 2)[:, :, 2, 1]
+    assert table.tolist() == [[0.0, 0.0], [4.0, 2.0], [5.0, 2.0], [7.0, 2.0]]
+    _, held, *_ = on_one_grid(base, True, {"a": load}, ["a"])
+    assert held.tolist() == [0.0, 0.0, 1.0, 0.0]
+
+
+def test_a_constant_lasts_to_the_end_and_a_fallen_block_is_told() -> None:
+    found = simulate(block(), STILL, 2.0, loads={"top": {"Fx": 0.6 * MASS * G}}, settle=0.0)
+    assert found.verdict == "overturned"  # at half the height of the edge it would balance 0.5 m g
+    assert simulate(block(), STILL, 1.0, loads={"top": {"Fx": 0.1 * MASS * G}}).verdict == "standing"
+
+
+def test_a_stack_of_a_column_has_ports_too_and_a_load_keeps_it_in_space() -> None:
+    data = Column.from_toml(ROOT / "examples" / "columns" / "phocas-damped.toml").to_dict()
+    with pytest.raises(InputError, match=r"port: must be left out.*--space"):
+        Column.from_dict({**data, "port": []})
+    port = {"name": "top", "block": "block1"}
+    structure = Structure.from_dict({"column": data, "port": [port]})
+    assert Structure.from_dict(structure.to_dict()).ports[0].name == "top"
+    found: Any = simulate(structure, STILL, 0.2, loads={"top": {"Fx": 1e4}}, plane="auto", settle=0.0)
+    assert found.port_x[-1, 0] > 0.0
+
+
+def test_a_port_without_load_changes_no_bit() -> None:
+    structure, motion = block(), Motion.harmonic(2.0, 2.0, 1.0)
+    with_port, without = (simulate(one, motion, 1.0) for one in (structure, replace(structure, ports=())))
+    assert np.array_equal(with_port.ux, without.ux)
+    assert with_port.stats["steps"] == without.stats["steps"]
+
+
+def test_many_runs_with_loads_go_alone() -> None:
+    motions = [STILL.with_loads({"top": Load.of([0.0, 0.1], Fx=[0.0, k * 1e3])}) for k in (1, 2)]
+    table = simulate_many(block(), motions, keep=("peak_port_x", "path"))
+    assert table["peak_port_x"][1, 0] == pytest.approx(2.0 * table["peak_port_x"][0, 0], rel=1e-2)
+
+
+@pytest.mark.parametrize(
+    ("options", "line"),
+    [
+        ({"loads": {"roof": {"Fx": 1.0}}}, "loads = 'roof': must be one of top"),
+        ({"loads": {"top": {"F": 1.0}}}, r"loads\[top\] = 'F': must be one of Fx"),
+        ({"loads": {"top": {"Fx": math.nan}}}, r"loads\[top\].Fx = nan: must be a finite force"),
+        ({"loads": {"top": 1.0}}, r"loads\[top\] = 1.0: must be a Load, or components Fx"),
+        ({"release": {"top": {"Fx": 1e9}}}, "no rest under this load"),
+        ({"release": {"roof": {"Fx": 1.0}}}, "release = 'roof': must be one of top"),
+    ],
+)
+def test_mistakes_are_one_line(options: dict[str, Any], line: str) -> None:
+    with pytest.raises(InputError, match=line):
+        simulate(block(), STILL, **options)
+
+
+def test_mistakes_of_a_load_and_of_a_port() -> None:
+    with pytest.raises(InputError, match="must be later than the sample before"):
+        Load.of([0.0, 0.0], Fx=[1.0, 1.0])
+    data = block().to_dict()
+    for key, value, line in (
+        ("block", "roof", r"port\[1\].block = 'roof': must be one of cube"),
+        ("name", "a.b", r"port\[1\].name = 'a.b': must be a word"),
+        ("at", [0.0], r"port\[1\].at = \[0.0\]: must be a list of 3 numbers"),
+        ("where", 1, r"port\[1\].where: unknown key"),
+    ):
+        with pytest.raises(InputError, match=line):
+            Structure.from_dict({**data, "port": [{**data["port"][0], key: value}]})
+
+
+def test_formulas_and_files(tmp_path: Path) -> None:
+    load = Load.formula(1.0, 0.01, Fx=lambda t: math.sin(3.0 * t))
+    assert len(load.time) == 101
+    assert load.values[50, 0] == pytest.approx(math.sin(1.5))
+    wave = Load.from_motion(Motion.harmonic(2.0, 1.0, 1.0), step=0.25, Fz=10.0)
+    assert wave.values[:, 2] == pytest.approx([0.0, 20.0, 0.0, -20.0, 0.0])
+    path = tmp_path / "push.csv"
+    path.write_text("time,force\n0,0\n1,5e3\n", encoding="utf-8")
+    time, values = load_from_file(path)
+    assert (time.tolist(), values.tolist()) == ([0.0, 1.0], [0.0, 5e3])
