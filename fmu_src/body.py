@@ -189,8 +189,8 @@ class StructureBody(Body, word="structure"):
         structure = self.structure = Structure.from_dict(data)
         self.packed = packed(structure) if model is None else np.array(model, dtype=np.float64)
         self.name, self.tolerance = structure.name, structure.tolerance
-        self.drive, self.inputs = drive, (*structure_variables.INPUTS, *drive.inputs(OF_STRUCTURE))
-        self.inputs += tuple(structure_variables.inputs_of_ports(structure))
+        of_ports = structure_variables.inputs_of_ports(structure)
+        self.drive, self.inputs = drive, (*structure_variables.INPUTS, *of_ports, *drive.inputs(OF_STRUCTURE))
         self.text = json.dumps({"structure": data, "packed": self.packed.tolist(), "drive": drive})
         parts = {"block": structure.n, "joint": len(structure.joints), "tie": len(structure.ties)}
         parts["port"] = len(structure.ports)

@@ -86,7 +86,7 @@ def structure_variables(
         *(drive.parameters if drive else ()),
         *of_record(record, reads_files),
     ]
-    inputs = [*INPUTS, *(drive.inputs(OF_STRUCTURE) if drive else ()), *inputs_of_ports(structure)]
+    inputs = [*INPUTS, *inputs_of_ports(structure), *(drive.inputs(OF_STRUCTURE) if drive else ())]
     return [*inputs, *row, *peaks, *outcome(OVERTURNED_BLOCK), *parameters]
 
 

@@ -5,9 +5,11 @@ from __future__ import annotations
 import argparse
 from collections.abc import Callable, Iterable
 from pathlib import Path
+from typing import Any
 
 from ..common.errors import InputError, needing, reading
 from ..common.files import check_outputs, printable, toml_of
+from ..ground.loads import load_from_file
 from ..models.column.model import Column
 from ..models.structure.hull_tables import in_folder
 from ..models.structure.model import Structure
@@ -26,6 +28,22 @@ def read_subject(path: Path, space: bool = False) -> Column | Structure:
     check_suffix(path, ".toml")
     with reading(path):
         return subject_from(in_folder(toml_of(path), path.parent), space)
+
+
+def loads_of(texts: Iterable[str]) -> dict[str, dict[str, Any]]:
+    """Loads by port and component, from PORT.COMPONENT=LOAD: a number, or the name of a file. Raises InputError."""
+    found: dict[str, dict[str, Any]] = {}
+    for text in texts:
+        place, equals, value = text.partition("=")
+        port, dot, component = place.rpartition(".")
+        if not (equals and dot and port and value):
+            raise InputError(f"{text}: must be PORT.COMPONENT=LOAD, as roof.Fx=1000 or roof.Fx=push.csv")
+        try:
+            load: Any = float(value)
+        except ValueError:
+            load = load_from_file(value)
+        found.setdefault(port, {})[component] = load
+    return found
 
 
 def read_column(path: Path) -> Column:

@@ -32,6 +32,7 @@ from .command_files import (
     add_space,
     check_picture,
     check_suffix,
+    loads_of,
     outputs_of_run,
     read_subject,
     write_outputs,
@@ -177,6 +178,11 @@ def _add_run_options(run: argparse.ArgumentParser) -> None:
     way = accuracy.add_mutually_exclusive_group()
     way.add_argument("--plane", choices=("auto",), help=words)
     add_space(way)
+    words = "a number (N, N m), or a CSV of time (s) and load, on a port of a structure; may be given again"
+    loads = run.add_argument_group("loads")
+    loads.add_argument("--load", action="append", default=[], metavar="PORT.Fx=LOAD", help=words)
+    words = "rest under this load at the start, then let go; may be given again"
+    loads.add_argument("--release", action="append", default=[], metavar="PORT.Fx=N", help=words)
     out = run.add_argument_group("output")
     out.add_argument("--output-step", type=float, metavar="S", help=f"s between two rows (default: {OUTPUT_STEP})")
     out.add_argument("-o", "--output", type=Path, metavar="FILE.csv", help="write the histories")
@@ -216,6 +222,8 @@ def _simulate(options: argparse.Namespace) -> None:
     print(*lines, report_of(subject, motion), sep="\n", flush=True)
     names = ("formulation", "integrator", "step", "tolerance", "output_step", "settle", "ensemble")
     given = {name: getattr(options, name) for name in names}
+    if options.load or options.release:
+        given |= {"loads": loads_of(options.load), "release": loads_of(options.release)}
     stiffness, damping, shaking = options.spread
     given |= {"check": not options.no_check, "spread": Spread(stiffness, damping, shaking, options.spread_seed)}
     try:

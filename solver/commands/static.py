@@ -18,7 +18,16 @@ from ..models.structure.modes import SpatialModes, modes_in_space
 from ..models.structure.plausible import known_warnings_in_space
 from ..models.structure.push import PushOver, push_over
 from ..statics.capacity import CapacityCurve, capacity_curve, rest_of
-from .command_files import PICTURES, add_force, add_space, check_picture, check_suffix, read_subject, write_outputs
+from .command_files import (
+    PICTURES,
+    add_force,
+    add_space,
+    check_picture,
+    check_suffix,
+    loads_of,
+    read_subject,
+    write_outputs,
+)
 from .progress import compile_kernels
 from .reports import modes_report, statics_report
 from .static_reports import modes_in_space_report, push_line, push_over_report, rest_in_space_report
@@ -47,6 +56,8 @@ def add_static_commands(commands: argparse._SubParsersAction[Any]) -> None:
     statics.add_argument("--direction", type=float, metavar="DEG", help=words)
     words = "part of the push on a structure that acts upwards, over the horizontal one (default: 0)"
     statics.add_argument("--vertical", type=float, metavar="PART", help=words)
+    words = "push by this load on a port of a structure, whose factor grows; may be given again"
+    statics.add_argument("--pattern", action="append", metavar="PORT.Fx=N", help=words)
 
 
 def _modes(options: argparse.Namespace) -> None:
@@ -75,7 +86,7 @@ def _statics(options: argparse.Namespace) -> None:
     if subject.kind.across:
         curve = _pushed(subject, options)
     else:
-        for key in ("direction", "vertical"):
+        for key in ("direction", "vertical", "pattern"):
             if getattr(options, key) is not None:
                 raise InputError(
                     f"--{key}: is for structures in space, a column is pushed in its plane; --space pushes it in space"
@@ -91,11 +102,16 @@ def _statics(options: argparse.Namespace) -> None:
 def _pushed(structure: Structure, options: argparse.Namespace) -> PushOver:
     """The push-over in the direction asked for, or in that of the least push; prints all."""
     degrees = range(0, 360, EVERY) if options.direction is None else (options.direction,)
+    pattern = None
+    if options.pattern:
+        loads = loads_of(options.pattern)
+        pattern = {f"{port}.{name}": load for port, parts in loads.items() for name, load in parts.items()}
+        degrees = (0.0,)
     compile_for_space(stiffness_of)
     found = []
     with reading(options.column):
         for angle in degrees:
-            found.append(push_over(structure, math.radians(angle), options.vertical or 0.0))
+            found.append(push_over(structure, math.radians(angle), options.vertical or 0.0, pattern))
             if len(found) == 1:
                 print(rest_in_space_report(found[0]), flush=True)
             print(push_line(found[-1]), flush=True)

@@ -6,7 +6,6 @@ import math
 
 import numpy as np
 
-from ..ground.motion import STANDARD_GRAVITY
 from ..models.structure.blocks.faces import FloatArray
 from ..models.structure.modes import SpatialModes, sliding_frequencies
 from ..models.structure.push import PushOver
@@ -57,40 +56,44 @@ def rest_in_space_report(found: PushOver) -> str:
     lines += [f"... {left} more joints"] if left > 0 else []
     if structure.ties:
         lines.append("ties: forces (kN) " + ", ".join(f"{1e-3 * force:.4g}" for force in found.tie[0]))
-    lines.append("push towards (deg)  first opening (g)  first sliding (g)  largest (g)  which moves (mm)")
+    unit = "g" if found.pattern is None else "1"
+    pushed = f"first opening ({unit})  first sliding ({unit})  largest ({unit})  which moves (mm)"
+    lines.append(f"push towards (deg)  {pushed}")
     return "\n".join(lines)
 
 
 def push_line(found: PushOver) -> str:
     """Return the pushes of one direction."""
-    opens, slides = (_in_g(push) for push in (found.uplift, found.sliding))
+    opens, slides = (_shown(found, push) for push in (found.uplift, found.sliding))
     moved = f"{found.structure.names[found.moves_most]} {1e3 * found.moved[-1]:.4g}"
-    largest = _in_g(found.largest_acceleration)
-    return f"{math.degrees(found.direction):18.4g}  {opens:>17s}  {slides:>17s}  {largest:>11s}  {moved}"
+    largest = _shown(found, found.largest_acceleration)
+    towards = f"{math.degrees(found.direction):.4g}" if found.pattern is None else "pattern"
+    return f"{towards:>18s}  {opens:>17s}  {slides:>17s}  {largest:>11s}  {moved}"
 
 
 def push_over_report(found: PushOver) -> str:
     """Return what holds the largest push, and where the structure gives way."""
-    names, force = found.structure.joint_names, 1e-3 * found.base[-1]
+    names, force, (_, unit) = found.structure.joint_names, 1e-3 * found.base[-1], found.unit
+    towards = f", towards {math.degrees(found.direction):.4g} degrees from x to y" if found.pattern is None else ""
+    steady = "a steady " if found.pattern is None else ""
     lines = [
-        f"balances a steady {_in_g(found.largest_acceleration)} g at most, towards {math.degrees(found.direction):.4g} "
-        f"degrees from x to y: {found.ends}",
+        f"balances {steady}{_shown(found, found.largest_acceleration)} {unit} at most{towards}: {found.ends}",
         f"base shear {math.hypot(force[0], force[1]):.5g} kN, largest pressure "
         f"{1e-6 * float(np.max(found.sigma_max[-1])):.4g} MPa in {names[int(np.argmax(found.sigma_max[-1]))]}",
     ]
     least = int(np.argmin(found.contact[-1]))
     if math.isfinite(found.uplift):
-        first = f"{found.uplift_joint} opens first, at {_in_g(found.uplift)} g"
+        first = f"{found.uplift_joint} opens first, at {_shown(found, found.uplift)} {unit}"
         lines.append(f"{first}; least contact at the end {found.contact[-1, least]:.3g}, of {names[least]}")
     if math.isfinite(found.sliding):
         slip = np.where(found.slides[-1], np.abs(found.slip[-1] - found.slip[0]), 0.0)
-        first = f"{found.sliding_joint} slides first, at {_in_g(found.sliding)} g"
+        first = f"{found.sliding_joint} slides first, at {_shown(found, found.sliding)} {unit}"
         lines.append(f"{first}; largest slip at the end {1e3 * np.max(slip):.3g} mm, of {names[int(np.argmax(slip))]}")
     return "\n".join(lines)
 
 
-def _in_g(push: float) -> str:
-    return "-" if math.isnan(push) else f"{push / STANDARD_GRAVITY:.5g}"
+def _shown(found: PushOver, push: float) -> str:
+    return "-" if math.isnan(push) else f"{push / found.unit[0]:.5g}"
 
 
 def _friction_used(found: PushOver) -> FloatArray:

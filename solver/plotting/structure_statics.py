@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..ground.motion import STANDARD_GRAVITY
 from .figures import Figure
 from .structures import VISIBLE, draw_blocks, extent_of
 from .style import BLUE, GREY, INK, RED, header, nice, plain, save, tidy
@@ -47,7 +46,8 @@ def plot_push_over(found: PushOver, path: str | os.PathLike[str] | None) -> Figu
 
     Raises InputError, OSError as `save` does.
     """
-    structure, moved, push = found.structure, 1e3 * found.moved, found.acceleration / STANDARD_GRAVITY
+    size, unit = found.unit
+    structure, moved, push = found.structure, 1e3 * found.moved, found.acceleration / size
     figure = Figure(figsize=(11.0, 5.2), layout="constrained")
     grid = figure.add_gridspec(1, 2, width_ratios=(1.1, 1.0))
     curve = figure.add_subplot(grid[0])
@@ -60,9 +60,9 @@ def plot_push_over(found: PushOver, path: str | os.PathLike[str] | None) -> Figu
     for words, (at, marker, colour) in begins.items():
         if math.isfinite(at):
             k = int(np.searchsorted(found.acceleration, at))
-            curve.plot(moved[k], push[k], marker, color=colour, label=f"{words}, {push[k]:.4g} g")
+            curve.plot(moved[k], push[k], marker, color=colour, label=f"{words}, {push[k]:.4g} {unit}")
     curve.legend(loc="lower right", frameon=False, fontsize=9)
-    curve.set(xlabel=f"displacement of {plain(structure.names[found.moves_most])} (mm)", ylabel="push (g)")
+    curve.set(xlabel=f"displacement of {plain(structure.names[found.moves_most])} (mm)", ylabel=f"push ({unit})")
     curve.set_xlim(left=0.0)
     curve.set_ylim(bottom=0.0)
     tidy(curve)
@@ -72,6 +72,7 @@ def plot_push_over(found: PushOver, path: str | os.PathLike[str] | None) -> Figu
     scale = max(1.0, nice(VISIBLE * extent_of(structure) / largest))
     draw_blocks(drawn, structure, scale * u, scale * found.rotation[-1])
     drawn.set_title(f"at the largest push, deformation x {scale:g}", fontsize=10)
-    words = f"Towards {math.degrees(found.direction):.4g} degrees from x to y it balances at most {push[-1]:.4g} g."
+    towards = f"Towards {math.degrees(found.direction):.4g} degrees from x to y it" if found.pattern is None else "It"
+    words = f"{towards} balances at most {push[-1]:.4g} {unit}."
     header(figure, f"{structure.name}: push-over", words)
     return save(figure, path)

@@ -113,7 +113,7 @@ def simulate(
     duration: s; None: that of the motion. Beyond the motion the base does not accelerate. initial: None is rest in
     static equilibrium. The other options are in five groups.
 
-    Loads, of structures with ports (ground/loads.py). loads: port -> `Load`, or component (Fx, Fy, Fz, N; Mx, My, Mz,
+    Loads; of structures with ports (ground/loads.py). loads: port -> `Load`, or component (Fx, Fy, Fz, N; Mx, My, Mz,
     N m) -> a number, constant over the run, or (times, values). release: port -> component -> number: rest under these
     loads, let go at the start.
 

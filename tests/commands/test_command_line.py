@@ -267,8 +267,14 @@ def test_a_mistake_ends_the_process_with_2(tmp_path: Path) -> None:
 
 
 # options of `simulate` -> those of the command, where they have other names
-OF_THE_COMMAND = {"check": ["no_check"], "spread": ["spread", "spread_seed"], "without": [], "callback": []}
-GROUPS = ("Accuracy", "Output", "Verdict", "Trust", "Work")
+OF_THE_COMMAND = {
+    "check": ["no_check"],
+    "spread": ["spread", "spread_seed"],
+    "without": [],
+    "callback": [],
+    "loads": ["load"],
+}
+GROUPS = ("Loads", "Accuracy", "Output", "Verdict", "Trust", "Work")
 
 
 def options_by_group(function: Callable[..., object]) -> dict[str, str]:
@@ -292,7 +298,7 @@ def test_every_option_of_a_run_is_in_a_group(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     found, of_many = options_by_group(simulate), options_by_group(simulate_many)
-    assert set(found.values()) == set(GROUPS[:4])
+    assert set(found.values()) == set(GROUPS[:5])
     assert {name: of_many[name] for name in found if name in of_many} == {
         name: group for name, group in found.items() if name in of_many
     }

@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from multiblock import Column, InputError, Load, Motion, Structure, simulate, simulate_many, wavelets
+from multiblock import Column, InputError, Load, Motion, Structure, push_over, simulate, simulate_many, wavelets
+from solver.commands.command_line import main
 from solver.ground.loads import COMPONENTS, load_from_file, on_one_grid
 
 MASS, SIDE, STIFFNESS, RATIO, G = 2500.0, 1.0, 1e9, 0.4, 9.80665
@@ -185,3 +186,36 @@ def test_formulas_and_files(tmp_path: Path) -> None:
     path.write_text("time,force\n0,0\n1,5e3\n", encoding="utf-8")
     time, values = load_from_file(path)
     assert (time.tolist(), values.tolist()) == ([0.0, 1.0], [0.0, 5e3])
+
+
+def test_a_pattern_pushes_as_the_acceleration_that_it_is() -> None:
+    """m at the centroid: the same path; at the top by its moment about the edge, but for the bed's penetration."""
+    structure = block(at=(0.0, 0.0, 0.0))
+    one, other = push_over(structure), push_over(structure, pattern={"top.Fx": MASS})
+    assert other.acceleration == pytest.approx(one.acceleration, rel=1e-9, abs=1e-9)
+    assert other.uplift == pytest.approx(one.uplift)
+    assert other.ends == one.ends
+    assert "times the pattern" in str(other)
+    top = push_over(block(), pattern={"top.Fx": 1000.0})
+    assert top.uplift == pytest.approx(1e-3 * MASS * G / 6.0, rel=1e-3)  # the kern; measured 2e-4
+    with pytest.raises(InputError, match="pattern = 'roof': must be one of top"):
+        push_over(block(), pattern={"roof.Fx": 1.0})
+
+
+def test_the_command_takes_loads_and_a_pattern(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file, record, load = tmp_path / "cube.toml", tmp_path / "still.csv", tmp_path / "push.csv"
+    file.write_text(
+        'name = "cube"\njoints = { stiffness = 1e9, damping = 1e-3 }\n[[block]]\nname = "cube"\non = "base"\n'
+        'width = 1.0\ndepth = 1.0\nheight = 1.0\nmass = 2500.0\n[[port]]\nname = "top"\nblock = "cube"\n',
+        encoding="utf-8",
+    )
+    record.write_text("time,base.ax\n0,0\n0.3,0\n", encoding="utf-8")
+    load.write_text("0,0\n0.3,1000\n", encoding="utf-8")
+    options = ["--no-check", "--load", f"top.Fx={load}", "-o", str(tmp_path / "out.csv")]
+    assert main(["simulate", str(file), str(record), *options]) == 0
+    assert "port[top].ax" in (tmp_path / "out.csv").read_text(encoding="utf-8").splitlines()[0]
+    assert main(["simulate", str(file), str(record), "--no-check", "--release", "top.Fx=100"]) == 0
+    assert main(["statics", str(file), "--pattern", "top.Fx=1000"]) == 0
+    assert "times the pattern" in capsys.readouterr().out
+    assert main(["simulate", str(file), str(record), "--load", "top"]) == 2
+    assert "must be PORT.COMPONENT=LOAD" in capsys.readouterr().err

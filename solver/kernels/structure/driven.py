@@ -43,8 +43,8 @@ from .port import let_go, push_ports
 from .stepping import advance
 from .watch import RATES, STAGE, Watch, row, seen
 
-INPUTS = Record("ax", "ay", "az", "jx", "jy", "jz")  # m/s2; m/s3, their slopes
-BODY = Record("F0x", "F0y", "F0z", "M")  # behind them, of each body that drives the base: N, kg; then INPUT_LOADS
+INPUTS = Record("ax", "ay", "az", "jx", "jy", "jz")  # m/s2; m/s3, their slopes; then INPUT_LOADS of the ports
+BODY = Record("F0x", "F0y", "F0z", "M")  # behind them, of each body that drives the base: N, kg
 # description of a structure: what a caller may choose, the model, then its rest: a state
 GIVEN = Record("tolerance", "without", "damping_scale", "drive", "slope", "bodies")
 WITHOUT_PEAKS, WITHOUT_ELASTIC = 1, 2  # codes of `without`: peaks but those of displacements, steps by modes
@@ -101,7 +101,7 @@ def _shaking(base, sizes, count, times, ax, ay, az, scale):
 @leaf
 def _load(scene, shaking, inputs, elapsed, t):
     """Set the inputs at the ports, which were set `elapsed` s before time t."""
-    count, given = _LOAD * scene.spotted, inputs[_INPUTS + _BODY * int(scene.settings.bodies) :]
+    count, given = _LOAD * scene.spotted, inputs[_INPUTS:]
     past = elapsed - (t - shaking.base.t0)
     for i in range(count):
         slope = given[count + i]
@@ -129,8 +129,9 @@ def _exchange(scene, shaking, inputs, phase, t, flat, visible):
     _see(scene, phase, visible)
     reaction = visible[scene.visible - _REACTION :]
     x, y, z, mass = reaction[0], 0.0 if flat else reaction[1], reaction[2], 0.0
+    first = _INPUTS + 2 * _LOAD * scene.spotted
     for k in range(int(settings.bodies)):
-        body = _body(inputs[_INPUTS + k * _BODY :], 0)
+        body = _body(inputs[first + k * _BODY :], 0)
         x, y, z, mass = x + body.F0x, y + body.F0y, z + body.F0z, mass + body.M
     step = t - base.t0
     if has_gone_on(base, step, t):
@@ -141,7 +142,7 @@ def _exchange(scene, shaking, inputs, phase, t, flat, visible):
     base.t0, base.coupled = t, 1.0
     if not mass > 0.0:  # without one it does not accelerate
         base.ax, base.ay, base.az, base.jx, base.jy, base.jz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-        return OK if are_silent(inputs, _INPUTS, int(settings.bodies) * _BODY) else BODY_LACKING
+        return OK if are_silent(inputs, first, int(settings.bodies) * _BODY) else BODY_LACKING
     way, steps, step, before = settings.slope, base.steps, base.last_step, base.before_step
     base.ax, base.ay, base.az, base.jz = x / mass, y / mass, given.az, given.jz
     base.jx = slope_of(way, steps, step, before, base.ax, base.last_ax, base.before_ax)
@@ -304,7 +305,7 @@ def feedthrough(model, state, counts, base, work, seeds, visible):
     if scene.spotted == 0 or scene.counts.fallen > 0:
         return OK
     phase, pace, inputs = _state(state, sizes).phase, _phase(row(scene, RATES), scene.n), _inputs(seeds, 0)
-    loads = seeds[_INPUTS + _BODY * int(scene.settings.bodies) :]
+    loads = seeds[_INPUTS:]
     recall(scene, phase.row)
     let_go(scene)
     evaluate(scene, phase, pace, 0.0, 0.0, 0.0)

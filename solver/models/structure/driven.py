@@ -131,8 +131,8 @@ class DrivenStructure:
     def drive(self, t: float, *inputs: float, since: float | None = None) -> None:
         """Set accelerations of the base, m/s2, and their slopes, m/s3, from time t on.
 
-        Behind them what bodies that drive it say (kernels/structure/driven.py, BODY), and the loads on ports with their
-        slopes (layout.py, INPUT_LOADS). since: s, the time that all are given for; None: t.
+        Behind them the loads on ports with their slopes (layout.py, INPUT_LOADS), then what bodies that drive the base
+        say (kernels/structure/driven.py, BODY). since: s, the time that all are given for; None: t.
         """
         self._inputs[: len(inputs)] = inputs
         self._elapsed, self._new = 0.0 if since is None else t - since, True

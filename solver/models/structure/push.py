@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -18,7 +18,9 @@ from numpy.typing import NDArray
 
 from ...common.errors import FINITE, InputError, check_number, needing
 from ...common.notebook import Shown, counted, history, rows_of
+from ...ground.loads import static_loads
 from ...ground.motion import STANDARD_GRAVITY
+from ...kernels.structure.layout import LOAD
 from ..outputs import DIGITS, places_of
 from .blocks.faces import FloatArray
 from .model import Structure
@@ -56,10 +58,20 @@ class PushOver(StructureHistories, Shown):
 
     uplift, sliding: m/s2, from which on the first joint that was closed at rest opens, and the first one slides; NaN if
     none does. uplift_joint, sliding_joint: their names. ends: why the path ends, in words.
+
+    pattern: the loads on ports that were pushed with in place of an acceleration: then all pushes are factors on them.
     """
 
-    def __init__(self, structure: Structure, direction: float, vertical: float, places: Sequence[_Place]) -> None:
+    def __init__(
+        self,
+        structure: Structure,
+        direction: float,
+        vertical: float,
+        places: Sequence[_Place],
+        pattern: Mapping[str, float] | None = None,
+    ) -> None:
         self.structure, self.direction, self.vertical = structure, direction, vertical
+        self.pattern = None if pattern is None else dict(pattern)
         self.acceleration: FloatArray = np.array([place.push for place in places])
         self.rows: FloatArray = np.array([place.row for place in places])
         self.uplift, self.uplift_joint = self._first(self.opened)
@@ -84,6 +96,11 @@ class PushOver(StructureHistories, Shown):
         return _slid(self.slip - self.slip[0], self.contact, np.max(np.abs(moved), axis=1, keepdims=True))
 
     @property
+    def unit(self) -> tuple[float, str]:
+        """What pushes are shown in: its size and its name."""
+        return (STANDARD_GRAVITY, "g") if self.pattern is None else (1.0, "times the pattern")
+
+    @property
     def largest_acceleration(self) -> float:
         """The largest push that the structure balances, m/s2."""
         return float(self.acceleration[-1])
@@ -101,10 +118,12 @@ class PushOver(StructureHistories, Shown):
         return np.linalg.norm(path - path[0], axis=1)
 
     def _facts(self) -> tuple[str, ...]:
-        facts = [f"of {self.structure.name}", f"towards {math.degrees(self.direction):.4g} degrees"]
+        size, unit = self.unit
+        towards = "by loads" if self.pattern else f"towards {math.degrees(self.direction):.4g} degrees"
+        facts = [f"of {self.structure.name}", towards]
         for word, push in (("opens", self.uplift), ("slides", self.sliding)):
-            facts += [f"{word} from {push / STANDARD_GRAVITY:.4g} g on"] if math.isfinite(push) else []
-        facts.append(f"{self.largest_acceleration / STANDARD_GRAVITY:.4g} g at most")
+            facts += [f"{word} from {push / size:.4g} {unit} on"] if math.isfinite(push) else []
+        facts.append(f"{self.largest_acceleration / size:.4g} {unit} at most")
         return *facts, counted(len(self.rows), "place")
 
     def _lines(self) -> Iterable[Sequence[object]]:
@@ -112,7 +131,8 @@ class PushOver(StructureHistories, Shown):
         return rows_of({"joint": np.array(self.structure.joint_names), **shown})
 
     def _picture(self) -> str:
-        return history(1e3 * self.moved, self.acceleration / STANDARD_GRAVITY, "push (g)")
+        size, unit = self.unit
+        return history(1e3 * self.moved, self.acceleration / size, f"push ({unit})")
 
     def to_csv(self, path: str | os.PathLike[str], digits: int = DIGITS) -> None:
         """Write a row for each place, under the names of a SpatialResponse. Raises InputError, OSError."""
@@ -128,10 +148,13 @@ class PushOver(StructureHistories, Shown):
         return plot_push_over(self, path)
 
 
-def push_over(structure: Structure, direction: float = 0.0, vertical: float = 0.0) -> PushOver:
+def push_over(
+    structure: Structure, direction: float = 0.0, vertical: float = 0.0, pattern: Mapping[str, float] | None = None
+) -> PushOver:
     """Push a structure by a steady acceleration that grows from zero to the largest one that it balances.
 
-    direction: rad from x to y. vertical: the part of the push upwards, over the horizontal one.
+    direction: rad from x to y. vertical: the part of the push upwards, over the horizontal one. pattern: loads on ports
+    in its place, as {"roof.Fx": 1000.0} (N, N m), whose factor grows; then `acceleration` is the factor.
 
     The largest push, the first opening and the first sliding are found to 1e-4 of a step or better. Raises InputError
     for a wrong value, and for a structure that has no weight or no stable rest.
@@ -140,10 +163,23 @@ def push_over(structure: Structure, direction: float = 0.0, vertical: float = 0.
     check_number("vertical", vertical, FINITE, "a ratio, upwards positive")
     if not structure.weight > 0.0:
         raise InputError(f"{structure.name}: g = {structure.g}: must be positive, without weight nothing stands")
-    path = _Path(structure, np.array([math.cos(direction), math.sin(direction), float(vertical)]))
+    loads = None if pattern is None else _loads_of(structure, pattern)
+    path = _Path(structure, np.array([math.cos(direction), math.sin(direction), float(vertical)]), loads)
     ends = path.follow()
-    found = PushOver(structure, float(direction), float(vertical), path.places)
+    found = PushOver(structure, float(direction), float(vertical), path.places, pattern)
     found.ends = ends
+    return found
+
+
+def _loads_of(structure: Structure, pattern: Mapping[str, float]) -> FloatArray:
+    """Loads on the ports by component, (6, ports). Raises InputError."""
+    given: dict[str, dict[str, float]] = {}
+    for name, value in pattern.items():
+        port, _, component = str(name).rpartition(".")
+        given.setdefault(port, {})[component] = value
+    found = static_loads("pattern", given, [port.name for port in structure.ports])
+    if not np.any(found):
+        raise InputError("pattern: must have a load that is not zero")
     return found
 
 
@@ -174,7 +210,7 @@ class _Seen(NamedTuple):
 class _Path:
     """The path of one structure pushed along `way`, (3,)."""
 
-    def __init__(self, structure: Structure, way: FloatArray) -> None:
+    def __init__(self, structure: Structure, way: FloatArray, loads: FloatArray | None = None) -> None:
         rest = rest_of(structure)
         self.stepper, self.way = Stepper(structure), way
         start_from(self.stepper, rest)
@@ -183,7 +219,14 @@ class _Path:
         self.weight = structure.weight
         masses = np.array([block.mass for block in structure.blocks])
         self.load = np.concatenate([masses[:, None] * way, np.zeros((n, 3))], axis=1).ravel()  # of a push of 1 m/s2
-        first = FIRST * STANDARD_GRAVITY
+        self.loads, first = loads, FIRST * STANDARD_GRAVITY
+        if loads is not None:
+            self.load, parts = np.zeros(6 * n), loads.T
+            for port, part in zip(structure.ports, parts, strict=True):
+                self.load[6 * port.body :][:6] += [*part[:3], *(part[3:] + np.cross(port.at, part[:3]))]
+            # a factor that pushes as much as that acceleration
+            first *= self.weight / structure.g / float(np.max(np.abs(self.load * self.per)))
+        self.largest = LARGEST / FIRST * first
         linear = np.linalg.solve(rest.stiffness, first * self.load)
         self.unit = float(np.linalg.norm(linear / self.per)) * self.per, first
         ahead = np.append(linear / self.unit[0], 1.0)
@@ -214,7 +257,7 @@ class _Path:
             self.places.append(place)
             if not now.grows:
                 return FALLS
-            if place.push > LARGEST * STANDARD_GRAVITY:
+            if place.push > self.largest:
                 return f"it balances {LARGEST:g} g, and was not pushed further"
             if now != seen or not seeking:
                 narrow, seeking = 0.0, False
@@ -234,6 +277,14 @@ class _Path:
             or bool(np.any(_slid(row[slip] - rest[slip], row[contact], np.max(np.abs(row[moved] - rest[moved]))))),
         )
 
+    def _push(self, push: float) -> FloatArray:
+        """Put a push on the ports, or return the acceleration of the base that it is, m/s2."""
+        if self.loads is None:
+            return -push * self.way
+        for name, row in zip(LOAD, self.loads, strict=True):
+            getattr(self.stepper.pushes, name)[:] = push * row
+        return np.zeros(3)
+
     def _next(self, last: _Place, step: float) -> _Place | None:
         """The place a step further along the path; None where Newton's method does not find it."""
         stepper, (lengths, first), size = self.stepper, self.unit, len(self.load)
@@ -247,7 +298,7 @@ class _Path:
         delta = max(DIFFERENCE * step * float(lengths[0]), ROUNDED * most) * self.per
         iterations, left, right = 0, math.inf, np.zeros(size + 1)
         while True:
-            right[:size], _ = residual_of(stepper, -push * self.way)
+            right[:size], _ = residual_of(stepper, self._push(push))
             before, left = left, float(np.max(np.abs(right[:size] * self.per))) / self.weight
             arrived = left <= CLOSE or (left <= ROUGH and left > 0.3 * before)
             if arrived:  # what slides is beyond what the last place remembers: so the tangent is that of sliding
@@ -265,6 +316,6 @@ class _Path:
                 return None
             push += float(change[-1])
             move(stepper, np.asarray(change[:-1], dtype=np.float64))
-        ax, ay, az = -push * self.way
+        ax, ay, az = self._push(push)
         stepper.observe(ax, ay, az, keep=True)
         return _Place(push, stepper.row.copy(), stepper.phase.copy(), scaled / np.linalg.norm(scaled), iterations)

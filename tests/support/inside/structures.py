@@ -27,6 +27,18 @@ def follow(fmu: str, samples: list[list[float]], h: float, values: dict[str, Any
     body.close()
 
 
+def follow_inputs(fmu: str, samples: dict[str, list[float]], slopes: dict[str, str], h: float, output: str) -> None:
+    """All outputs after each step of h s under samples of inputs that lines join; saved as an array."""
+    body, seen = Instance(fmu), []
+    for k in range(len(next(iter(samples.values()))) - 1):
+        body.set({name: values[k] for name, values in samples.items()})
+        body.set({slopes[name]: (values[k + 1] - values[k]) / h for name, values in samples.items()})
+        body.step(k * h, h)
+        seen.append([float(value) for value in body.get()])
+    np.save(output, np.array(seen))
+    body.close()
+
+
 def simulate(fmu: str, duration: float, h: float, values: dict[str, Any], output: str) -> None:
     """The table of a run of FMPy's own without inputs, of an FMU with a record inside."""
     result = simulate_fmu(fmu, stop_time=duration, output_interval=h, start_values=values)
