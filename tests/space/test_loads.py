@@ -240,7 +240,7 @@ def test_a_study_varies_the_scale_of_loads(tmp_path: Path) -> None:
     shaking = Shaking.from_table("motion[1]", table, tmp_path)
     keep = ("verdict", "peak_u", "peak_port_x")
     study = Study("push", "sweep", (block(),), (shaking,), grid={"motion.load_scale": (1.0, 2.0)}, keep=keep)
-    peaks = run_study(study, tmp_path / "results")["peak_port_x"]
+    peaks = run_study(study, tmp_path)["peak_port_x"]
     assert peaks[1] == pytest.approx(2.0 * peaks[0], rel=1e-3)
     none = Shaking.from_table("motion[1]", {"record": "still.csv"}, tmp_path)
     study = Study("push", "sweep", (block(),), (none,), grid={"motion.load_scale": (1.0, 2.0)})
