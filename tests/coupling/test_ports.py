@@ -66,7 +66,7 @@ def samples() -> dict[str, np.ndarray]:
 
 
 def test_inputs_of_ports_are_followed_as_simulate_follows_loads() -> None:
-    """Values and slopes of the same lines: to the tolerance, with another grid of steps."""
+    """Values and slopes of the same lines."""
     structure, given = pair(), samples()
     time = H * np.arange(len(given["Fx"]))
     load = Load.of(time, **{name: given[name] for name in ("Fx", "Fy", "Mz")})
@@ -86,7 +86,7 @@ def test_inputs_of_ports_are_followed_as_simulate_follows_loads() -> None:
     places = places_of(OUTPUTS, structure.sizes)
     for name in ("ux", "uy", "rz", "port_x", "port_vy", "port_ax"):
         apart = np.abs(np.array(rows)[:-1, places[name]] - one.rows[:-1, places[name]])  # at the end the load is gone
-        assert np.max(apart) < 1e-5 * np.max(np.abs(one.rows[:, places[name]])), name  # measured 2e-6, accelerations
+        assert np.max(apart) < 1e-11 * np.max(np.abs(one.rows[:, places[name]])), name  # measured 5e-13
 
 
 def test_variables_of_ports_and_what_they_depend_on(tmp_path: Path) -> None:
@@ -155,9 +155,9 @@ def test_a_damper_between_two_ports_is_one_between_two_points() -> None:
             body.drive(t, ax, 0.0, 0.0, (then - ax) / h, 0.0, 0.0, *loads)
             body.advance(t, h)
         errors.append(np.max(np.abs(np.array(rows) - one.ux[:-1])))
-    print(errors, np.max(np.abs(one.ux)), np.max(np.abs(soft.ux - one.ux)))
-    assert errors[1] < 1e-3 * np.max(np.abs(one.ux))
-    assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.4)
+    assert np.max(np.abs(soft.ux - one.ux)) > 0.1 * np.max(np.abs(one.ux))  # the damper acts
+    assert errors[1] < 3e-6 * np.max(np.abs(one.ux))  # measured 9e-7
+    assert errors[0] > 2.0 * errors[1]  # measured 2.8, near the solver's own error
 
 
 def test_ports_beside_a_base_that_a_body_drives() -> None:
