@@ -214,6 +214,7 @@ def fmu_variables_in_space(causality: str) -> str:
             | {"vertical_stiffness": 1e9, "vertical_damping": 0.0, "stiffness": 1e6, "damping": 0.0}
         ],
         "tie": [{"between": ["block", "base"], "from": [0, 0, 0], "to": [2, 0, 0], "stiffness": 1e6}],
+        "port": [{"name": "point", "block": "block"}],
     }
     table_of_one = structure_variables(Structure.from_dict(data), drive=Drive("body"))
     rows = [_row(item) for item in table_of_one if item.causality == causality and "[2]" not in item.name]

@@ -97,21 +97,32 @@ def test_check_page(folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytes
     assert "displacement of the top" in capsys.readouterr().out
 
 
+def write_structure(folder: Path) -> None:
+    """The file that the page shows, as its commands and programs name it."""
+    (text,) = (text for text in pages.blocks(STRUCTURES, "toml") if "[[port]]" in text)
+    (folder / "structure.toml").write_text(text, encoding="utf-8")
+
+
 def test_structures_page(folder: Path) -> None:
     for name in ("SECOND", "THIRD"):
         shutil.copy(folder / "RECORD.AT2", folder / f"{name}.AT2")
+    write_structure(folder)
+    (folder / "push.csv").write_text("0,0\n1,2e4\n", encoding="utf-8")
     for command in pages.commands(STRUCTURES):
         if command.startswith("multiblock new "):
             shutil.copy(ROOT / "examples" / "structures" / "statue.obj", folder)
             pages.call(command, "--force")
         elif not command.startswith("python "):  # examples and benchmarks have tests of their own
             pages.call(command, "--duration", "0.1", "--settle", "0", "--no-check")
-    for text in pages.blocks(STRUCTURES, "toml"):
-        assert Structure.from_dict(tomllib.loads(text)).n == 6
+    whole, bearing = (tomllib.loads(text) for text in pages.blocks(STRUCTURES, "toml"))
+    assert Structure.from_dict(whole).n == 6
+    slab = {"name": "slab", "position": [0, 0, 0.15], "width": 1.5, "depth": 1.0, "height": 0.3, "density": 2500.0}
+    assert Structure.from_dict({"name": "isolated", "block": [slab], **bearing}).bearings
 
 
 def test_programs_of_the_structures_page(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """The programs run, and print the figure that the page names."""
+    write_structure(folder)
     for program in pages.blocks(STRUCTURES, "python"):
         exec(program, {})
     (least,) = re.findall(r"print\(min\(gaps\)\)  # m, (-[\d.]+):", STRUCTURES.read_text(encoding="utf-8"))
