@@ -20,7 +20,7 @@ from ..models.structure.blocks.meshes import UP
 from ..models.structure.model import Structure
 from .command_files import add_force, check_suffix
 from .new_mesh import new_from_mesh
-from .new_structures import BUILT, Built, structure_text
+from .new_structures import BUILT, Built, origin_of_stiffness, sliding_lines, structure_text
 from .questions import HEIGHT, SIZE, Limits, Question, answer_to, choice, number, parsed
 
 T = TypeVar("T")
@@ -239,11 +239,8 @@ def column_text(
         f"damping = {damping!r}            # s, eta: a mode of frequency f has the damping ratio pi f eta",
         f"# strength = {found.strength!r}  # Pa, of the material: pressure at the edge is compared with it",
     ]
-    if friction:
-        lines.append(f"friction = {found.friction!r}         # coefficient; without it the joints never slide")
-    if dowel:
-        lines.append(f"dowel = {dowel!r}            # N, shear borne beside friction")
-    why = "E / H of masonry" if found.has_joints else "1 / (H / E + 1 / 5e9): a dry joint, estimated"
+    lines += sliding_lines(found, friction, dowel)
+    why = origin_of_stiffness(found)
     for block in blocks:
         lines += ["", "[[block]]"]
         if "diameter" in block:

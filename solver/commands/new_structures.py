@@ -7,7 +7,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
-from ..models.column.materials import MATERIALS
+from ..models.column.materials import MATERIALS, Material
 from ..models.structure.builders import arch
 from .questions import Limits, Question
 
@@ -113,12 +113,27 @@ BUILT = {
 }
 
 
+def origin_of_stiffness(material: Material) -> str:
+    """How the stiffness of joints follows from a material, in a comment of a file."""
+    return "E / H of masonry" if material.has_joints else "1 / (H / E + 1 / 5e9): a dry joint, estimated"
+
+
+def sliding_lines(material: Material, friction: bool, dowel: float) -> list[str]:
+    """The lines of a file that let joints slide; none without friction and dowel, N."""
+    lines = []
+    if friction:
+        lines.append(f"friction = {material.friction!r}         # coefficient; without it the joints never slide")
+    if dowel:
+        lines.append(f"dowel = {dowel!r}            # N, shear borne beside friction")
+    return lines
+
+
 def structure_text(
     name: str, built: Built, asked: Asked, material: str, damping: float, friction: bool = False, dowel: float = 0.0
 ) -> str:
     """The text of the file of a structure, with comments. dowel: N, of each joint. Raises InputError."""
     found = MATERIALS[material]
-    why = "E / H of masonry" if found.has_joints else "1 / (H / E + 1 / 5e9): a dry joint, estimated"
+    why = origin_of_stiffness(found)
     lines = [
         f"# {built.text[0].upper()}{built.text[1:]}. Lengths in m along x, y and z (up), masses in kg.",
         f"# {material}: {found.source}",
@@ -130,10 +145,7 @@ def structure_text(
         f"damping = {damping!r}            # s, eta: a mode of frequency f has the damping ratio pi f eta",
         f"strength = {found.strength!r}      # Pa, with which `multiblock check` compares the pressure",
     ]
-    if friction:
-        lines.append(f"friction = {found.friction!r}         # coefficient; without it the joints never slide")
-    if dowel:
-        lines.append(f"dowel = {dowel!r}            # N, shear borne beside friction")
+    lines += sliding_lines(found, friction, dowel)
     for table, parts in built.parts(asked).items():
         for part in parts:
             lines += ["", f"[[{table}]]", *(f"{key} = {_value(value)}" for key, value in part.items())]
