@@ -6,6 +6,7 @@ import base64
 import json
 import os
 import shutil
+import signal
 import subprocess
 import tempfile
 from pathlib import Path
@@ -45,6 +46,8 @@ class Browser:
             command,
             preexec_fn=as_the_browser_has_them,
             close_fds=False,
+            env=dict(os.environ, TMPDIR=self._folder.name),  # where it leaves a socket behind
+            start_new_session=True,
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
         )
@@ -63,7 +66,7 @@ class Browser:
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._process.terminate()
+        os.killpg(self._process.pid, signal.SIGKILL)  # its helpers too: a polite end leaves some, which still write
         self._process.wait(timeout=20)
         self._read.close()
         os.close(self._to)
