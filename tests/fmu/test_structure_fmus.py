@@ -222,16 +222,16 @@ def test_derivatives_of_outputs_of_the_native_fmu(native_trilith: Path) -> None:
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("name", ["doric-in-space", "colonnade", "statue-on-pendulums"])
+@pytest.mark.parametrize("name", ["doric-in-space", "colonnade", "statue-on-pendulums", "statue-mesh"])
 def test_other_structures_have_the_same_bits(name: str, tmp_path: Path) -> None:
-    """Round sections, ties that yield, many blocks; a record of three components inside; FMI 3.0 too."""
+    """Round sections, ties that yield, many blocks, bearings, meshes; a record inside; FMI 3.0 too of the first."""
     pytest.importorskip("ziglang", reason="needs the extra native")
     motion_of(shaking(0.5)).to_csv(tmp_path / "record.csv")
     record, linux = ("--record", tmp_path / "record.csv"), ("--native", "--platforms", "linux64")
     of_3 = ("--native", "--fmi", "3", "--platforms", "x86_64-linux")
     fmus = [
         Fmus.build(FOLDER / f"{name}.toml", tmp_path / f"{kind}.fmu", *options, *record)
-        for kind, options in (("python", ()), ("native", linux), ("third", of_3))
+        for kind, options in (("python", ()), ("native", linux), ("third", of_3))[: 3 if name == "doric-in-space" else 2]
     ]
     results = []
     for fmu in fmus:
@@ -243,4 +243,5 @@ def test_other_structures_have_the_same_bits(name: str, tmp_path: Path) -> None:
     one, other = ([list(row) for row in found.tolist()] for found in results[:2])
     assert one == other
     of_blocks = [key for key in names if key.startswith("block[") and key.endswith("].ux")]
-    assert np.array_equal(results[2]["block.ux"], np.column_stack([results[0][key] for key in of_blocks]))
+    if len(results) == 3:
+        assert np.array_equal(results[2]["block.ux"], np.column_stack([results[0][key] for key in of_blocks]))
