@@ -13,9 +13,9 @@ from ..numba_ext.lanes import any_of, greater, index_of, lesser, magnitude, squa
 from ..numba_ext.views import packs, packs_of
 from .base import acceleration
 from .evaluate import evaluate_state, moving
+from .extras import take_extras
 from .force_errors import error_of_forces
 from .layout import MEMORY, OF_BLOCK, OF_JOINT, PHASE, STAGES
-from .port import push_ports
 from .watch import BETWEEN, END, RATES, STAGE, START, row, seen
 
 _phase, _memory = PHASE.over, MEMORY.over
@@ -36,7 +36,7 @@ def evaluate_at(scene, shaking, segment, y, f, t):
     """Rates f of a state y at time t, s."""
     scene.counts.evaluations += 1
     ax, ay, az = acceleration(shaking, segment, t)
-    push_ports(scene, shaking, segment, t)
+    take_extras(scene, shaking, segment, t)
     evaluate_state(scene, y, f, ax, ay, az)
 
 

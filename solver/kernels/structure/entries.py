@@ -12,12 +12,12 @@ from .watch import Watch
 
 _phase, _input, _state = PHASE.over, INPUT_MOTION.over, STATE.over
 
-# arrays: model, state, counts, base, work
+# arrays: model, state, counts, base, work; extras: None if the structure has none, else any number
 
 
 @kernel
 def _rows(arrays):
-    model, state, counts, base, work = arrays
+    model, state, counts, base, work, _ = arrays
     return row_of(model), row_of(state), row_of(counts), row_of(base), row_of(work)
 
 
@@ -25,7 +25,7 @@ def _rows(arrays):
 def see(arrays):
     """The scene of a structure, and its state as a row."""
     model, state, counts, _, work = _rows(arrays)
-    scene = scene_of(model, state, counts, work)
+    scene = scene_of(model, state, counts, work, arrays[5])
     return scene, _state(state, sizes_in(model)).phase.row
 
 
@@ -118,11 +118,11 @@ def _turn(phase, i, axis, angle):
 
 
 @entry
-def run_structures_in_lanes(buffer, size, models, states, runs, outcomes, peaks, record, flag):
-    """`in_lanes.follow_queue` over arrays; buffer: eight numbers for each of a lane."""
+def run_structures_in_lanes(buffer, size, models, states, runs, outcomes, peaks, record, flag, extras):
+    """`in_lanes.follow_queue` over arrays; buffer: eight numbers for each of a lane; extras: as above."""
     given = row_of(models), row_of(states), row_of(runs), row_of(outcomes), row_of(peaks)
     times, ax, ay, az = record
-    queue = Queue(size, *given, row_of(times), row_of(ax), row_of(ay), row_of(az), row_of(flag))
+    queue = Queue(size, *given, row_of(times), row_of(ax), row_of(ay), row_of(az), row_of(flag), extras)
     follow_queue(batch_over(sizes_in(row_of(models)), lanes_of(buffer), queue))
 
 
@@ -132,18 +132,18 @@ def run_structures_in_lanes(buffer, size, models, states, runs, outcomes, peaks,
 @entry
 def assemble_structure(arrays, given, from_rest):
     """`driven.assemble`."""
-    return driven.assemble(*_rows(arrays), row_of(given), from_rest)
+    return driven.assemble(*_rows(arrays), arrays[5], row_of(given), from_rest)
 
 
 @entry
 def follow_structure(arrays, inputs, t, h, times, ax, ay, az, row):
     """`driven.follow`."""
     record = times.size, row_of(times), row_of(ax), row_of(ay), row_of(az), 1.0
-    return driven.follow(*_rows(arrays), row_of(inputs), t, h, *record, row_of(row))
+    return driven.follow(*_rows(arrays), arrays[5], row_of(inputs), t, h, *record, row_of(row))
 
 
 @entry
 def look_structure(arrays, inputs, new_inputs, elapsed, t, times, ax, ay, az, row):
     """`driven.look`."""
     record = times.size, row_of(times), row_of(ax), row_of(ay), row_of(az), 1.0
-    return driven.look(*_rows(arrays), row_of(inputs), new_inputs, elapsed, t, *record, row_of(row))
+    return driven.look(*_rows(arrays), arrays[5], row_of(inputs), new_inputs, elapsed, t, *record, row_of(row))

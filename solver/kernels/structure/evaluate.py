@@ -5,16 +5,15 @@ import math
 from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.lanes import any_of, zero_like
 from ..numba_ext.views import copy
+from .extras import load_extras, see_extras, show_extras
 from .joint import joint_energy, load_joint
 from .kinematics import accelerate_bodies, pose_bodies
-from .layout import MEMORY, OF_BASE, OF_BEARING, OF_BLOCK, OF_JOINT, OF_PORT, PHASE
-from .port import load_ports, see_ports
+from .layout import MEMORY, OF_BASE, OF_BLOCK, OF_JOINT, PHASE
 from .tie import load_tie, tie_energy
 
 _phase = PHASE.over
 _PER_BODY, _PER_JOINT = PHASE.per_n, MEMORY.per_n
-_BLOCKS, _JOINTS, _BASE, _BEARINGS = len(OF_BLOCK), len(OF_JOINT), len(OF_BASE), len(OF_BEARING)
-_PORTS = len(OF_PORT)
+_BLOCKS, _JOINTS, _BASE = len(OF_BLOCK), len(OF_JOINT), len(OF_BASE)
 
 
 @leaf
@@ -64,9 +63,9 @@ def evaluate(scene, phase, rates, ax, ay, az):
         load_joint(scene, phase, j)
     for e in range(scene.k):
         load_tie(scene, phase, e)
-    load_ports(scene, phase, scene.settings.gravity)
+    load_extras(scene, phase)
     accelerate_bodies(scene, phase, rates, ax, ay, az)
-    see_ports(scene, phase, rates, scene.settings.gravity)
+    see_extras(scene, phase, rates)
 
 
 @kernel
@@ -128,12 +127,7 @@ def show(scene, phase, row):
     of_ties = row[_BLOCKS * n + _JOINTS * m :]
     for e in range(k):
         of_ties[e] = scene.pulls.force[e]
-    b, of_bearings = scene.b, of_ties[k:]
-    for i in range(b):
-        x, y = scene.resultants.s1[m - b + i], scene.resultants.s2[m - b + i]
-        of_bearings[i], of_bearings[b + i], of_bearings[2 * b + i] = x, y, math.hypot(x, y)
-    of_ports, ports = of_bearings[_BEARINGS * b :], _PORTS * scene.spotted
-    copy(of_ports, scene.spots.row, ports)
-    base, poses = of_ports[ports:], scene.poses
+    show_extras(scene, of_ties[k:])
+    base, poses = row[scene.visible - _BASE :], scene.poses
     base[0], base[1], base[2] = poses.fx[n], poses.fy[n], poses.fz[n]
     base[3], base[4], base[5] = poses.mx[n], poses.my[n], poses.mz[n]

@@ -7,6 +7,7 @@ of a joint into stiffness times (d + damping d'). The embedded error of a step s
 import math
 
 from ..numba_ext.jit import kernel, leaf
+from .bearing import stiffness_along
 from .kinematics import cross, dot, minus, plus, turned
 from .layout import PHASE
 from .watch import END, row
@@ -71,8 +72,7 @@ def error_of_forces(scene, errors):
                 bent = joints.arm[j] * found.area[j] / joints.area[j] * math.sqrt(k1 * k1 + k2 * k2)
                 across = max(across, joints.stiffness[j] * found.area[j] * (abs(opening) + bent))
             elif kind == 1 and scene.giving_slips.p1[j] == 0.0 and scene.giving_slips.p2[j] == 0.0:
-                stiffness = joints.shear[j] + joints.spring[j] + joints.pendulum[j] * normal
-                along = max(along, stiffness * math.sqrt(dot(e1, gap) ** 2 + dot(e2, gap) ** 2))
+                along = max(along, stiffness_along(scene, j, normal) * math.sqrt(dot(e1, gap) ** 2 + dot(e2, gap) ** 2))
             if kind == 1 and scene.giving_slips.p3[j] == 0.0:
                 along = max(along, joints.twist[j] / joints.arm[j] * abs(dot(e3, turn)))
     shear = max(control.largest_shear, LEAST_SHEAR * control.largest_normal)

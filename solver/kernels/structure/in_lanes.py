@@ -80,6 +80,7 @@ class Queue(NamedTuple):
     ay: object
     az: object
     flag: object
+    extras: object  # None if the structures have none
 
 
 class Batch(NamedTuple):
@@ -97,7 +98,7 @@ class Batch(NamedTuple):
 def batch_over(sizes, buffer, queue):
     """The batch over a row of lanes, or of one of them."""
     seen = _all(buffer, sizes)
-    scene = scene_over(sizes, seen.model, seen.control, seen.counts, seen.peaks.row, seen.work)
+    scene = scene_over(sizes, seen.model, seen.control, seen.counts, seen.peaks.row, seen.work, queue.extras)
     shaking = Shaking(0, 0, queue.times, queue.ax, queue.ay, queue.az, seen.base, 0, queue.times, queue.times)
     return Batch(scene, shaking, seen.lane, buffer, sizes, queue)
 

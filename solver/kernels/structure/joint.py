@@ -2,7 +2,7 @@
 
 import math
 
-from ..numba_ext.jit import kernel, leaf
+from ..numba_ext.jit import kernel, leaf, varied_leaf
 from ..numba_ext.lanes import (
     any_of,
     greater,
@@ -15,14 +15,13 @@ from ..numba_ext.lanes import (
     with_sign,
     zero_like,
 )
-from .bed import Bed, Plane, chosen, nothing, whole
+from .bearing import TINY, bed_of_point, beside_slider, risen, rising, with_bearing
+from .bed import Plane, chosen, nothing, whole
 from .disc import round_bed
 from .kinematics import cross, dot, out_of, plus, push, relative_motion
-from .layout import POINT, POLYGON
+from .layout import POINT, POLYGON, has_extras
 from .overlap import bed_after_slip, goes_by_faces
 from .polygon import polygon_bed
-
-TINY = 1e-300  # m
 
 
 @leaf
@@ -48,11 +47,21 @@ def middle_of(scene, j):
     return part * p1, part * p2
 
 
-@leaf
+@varied_leaf
 def bed_of_joint(scene, j, p, q):
     """The bed of joint j: of the section as built until it has slid, then of what both faces share."""
+    return _bed_of_faces(scene, j, p, q)
+
+
+@bed_of_joint.version(has_extras)
+def _bed_of_any(scene, j, p, q):
     if any_of(scene.joints.section[j] == POINT):
-        return _bed_of_point(scene.joints, j, p, q)
+        return bed_of_point(scene.joints, j, p, q)
+    return _bed_of_faces(scene, j, p, q)
+
+
+@leaf
+def _bed_of_faces(scene, j, p, q):
     bed, slid = nothing(p), goes_by_faces(scene, j, _has_slid(scene, j))
     if any_of(opposite(slid)):
         bed = _bed_as_built(scene, j, p, q)
@@ -71,55 +80,16 @@ def _bed_as_built(scene, j, p, q):
 
 
 @leaf
-def _bed_of_point(joints, j, p, q):
-    """The bed of a bearing: a spring without couples, which bears tension if it holds."""
-    bears = ((p.at > 0.0) & (q.at > 0.0)) | (joints.holds[j] != 0.0)
-    area, pressed, zero = where(bears, joints.area[j], 0.0), where(bears, q.at, 0.0), zero_like(q.at)
-    return Bed(area * pressed, zero, zero, area, pressed)
-
-
-@leaf
 def penetration(scene, j, motion):
-    """The penetration over the section, m; a pendulum rises by u^2 / 2R as it moves: its force is conservative."""
-    p = Plane(-motion.gap[2], motion.turn[1], -motion.turn[0])
-    if any_of(scene.joints.section[j] == POINT):
-        x, y = motion.gap[0], motion.gap[1]
-        p = Plane(p.at + 0.5 * scene.joints.pendulum[j] * (x * x + y * y), p.along_x, p.along_y)
-    return p
+    """The penetration over the section, m."""
+    return risen(scene, j, motion, Plane(-motion.gap[2], motion.turn[1], -motion.turn[0]))
 
 
 @leaf
 def _penetration_rate(scene, j, motion):
     """Its rate, m/s."""
     rate = motion.turn_rate
-    p = Plane(-motion.gap_rate[2], rate[1], -rate[0])
-    if any_of(scene.joints.section[j] == POINT):
-        rises = motion.gap[0] * motion.gap_rate[0] + motion.gap[1] * motion.gap_rate[1]
-        p = Plane(p.at + scene.joints.pendulum[j] * rises, p.along_x, p.along_y)
-    return p
-
-
-@leaf
-def _beyond_ring(joints, j, x, y):
-    """By how much the displacement of a bearing is beyond its ring, m, and its size, m."""
-    out = square_root(x * x + y * y)
-    return greater(out - joints.ring[j], 0.0), greater(out, TINY)
-
-
-@leaf
-def _restoring(joints, j, motion, normal):
-    """What a bearing bears beside its slider, N: pendulum, spring, dashpot and ring."""
-    x, y, v1, v2 = motion.gap[0], motion.gap[1], motion.gap_rate[0], motion.gap_rate[1]
-    stiffness, dashpot = joints.pendulum[j] * normal + joints.spring[j], joints.dashpot[j]
-    t1, t2 = -(stiffness * x + dashpot * v1), -(stiffness * y + dashpot * v2)
-    beyond, out = _beyond_ring(joints, j, x, y)
-    touches = beyond > 0.0
-    if any_of(touches):
-        pace = (x * v1 + y * v2) / out
-        push = joints.ring_stiffness[j] * greater(beyond + joints.ring_damping[j] * pace, 0.0)
-        per = where(touches, push / out, 0.0)
-        t1, t2 = t1 - per * x, t2 - per * y
-    return t1, t2
+    return rising(scene, j, motion, Plane(-motion.gap_rate[2], rate[1], -rate[0]))
 
 
 @leaf
@@ -178,9 +148,7 @@ def _along_joint(scene, j, motion, normal, g1, g2):
         if any_of(beyond):
             z3 = where(beyond, with_sign(couple / twist, z3), z3)
     g3 += t1 * y - t2 * x  # about the place half-way
-    if any_of(joints.section[j] == POINT):
-        beside = _restoring(joints, j, motion, normal)
-        t1, t2 = t1 + beside[0], t2 + beside[1]
+    t1, t2 = beside_slider(scene, j, motion, normal, t1, t2)
     giving.p1[j], giving.p2[j], giving.p3[j] = r1 + r3 * y, r2 - r3 * x, r3
     found.t1[j], found.t2[j], found.g3[j] = t1, t2, g3
     found.s1[j], found.s2[j], found.s3[j] = s1, s2, s3
@@ -225,8 +193,4 @@ def joint_energy(scene, phase, j):
     z1, z2 = found.z1[j] - z3 * y, found.z2[j] + z3 * x
     shear, twist = z1 * z1 + z2 * z2, z3 * z3
     doubled = joints.stiffness[j] * square + joints.shear[j] * shear + joints.twist[j] * twist
-    if any_of(joints.section[j] == POINT):
-        s1, s2 = found.s1[j], found.s2[j]
-        beyond, _ = _beyond_ring(joints, j, s1, s2)
-        doubled += joints.spring[j] * (s1 * s1 + s2 * s2) + joints.ring_stiffness[j] * beyond * beyond
-    return 0.5 * doubled
+    return 0.5 * with_bearing(scene, j, doubled)

@@ -7,9 +7,11 @@ A structure is five arrays, as a column: MODEL, STATE, COUNTS, BASE, and WORK, w
 sizes stand at the head of its model.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-from ..numba_ext.jit import in_both, leaf
+from numba import types
+
+from ..numba_ext.jit import in_both, leaf, varied_leaf
 from ..numba_ext.views import Numbers, Record, Space, Table
 
 
@@ -229,14 +231,22 @@ def sizes_of(
     return Sizes(n, m, k, b, corners, ports, modal, modal_room, state, (state + PACK - 1) // PACK * PACK, row)
 
 
+class Extras(NamedTuple):
+    """What only some structures have; kernels of others are compiled without (extras.py)."""
+
+    b: int  # bearings, the last joints
+    spotted: int  # ports
+    ports: object
+    pushes: object  # on ports
+    spots: object  # motion of ports
+
+
 class Scene(NamedTuple):
     """A structure as the kernels see it: sizes, what describes it, and room for an evaluation."""
 
     n: int
     m: int
     k: int
-    b: int  # bearings, the last joints
-    spotted: int  # ports
     stride: int  # numbers from one state of a step to the next
     visible: int  # numbers of an output row
     settings: object
@@ -244,7 +254,6 @@ class Scene(NamedTuple):
     joints: object
     ties: object
     corners: object
-    ports: object
     modal: object  # row (modal_layout.py), empty without modes
     control: object
     counts: object
@@ -252,8 +261,6 @@ class Scene(NamedTuple):
     poses: object
     resultants: object
     pulls: object
-    pushes: object  # on ports
-    spots: object  # motion of ports
     memory: object  # what joints and ties remember, of the state that is evaluated
     slips: object  # of it the part of the joints
     plastic: object  # and of the ties
@@ -265,6 +272,12 @@ class Scene(NamedTuple):
     states: object  # and rates of a step
     outputs: object  # output rows of a step
     modal_room: object  # row, for modes; not there in lanes
+    extras: object  # Extras, or nothing
+
+
+def has_extras(scene: Any, *_: Any) -> bool:
+    """Whether the type of a scene is one with extras: for versions of kernels (`varied`)."""
+    return not isinstance(scene.types[scene.fields.index("extras")], types.NoneType)
 
 
 _head, _model, _state, _counts, _work = HEAD.over, MODEL.over, STATE.over, COUNTS.over, WORK.over
@@ -279,24 +292,30 @@ def sizes_in(model):
 
 
 @leaf
-def scene_of(model, state, counts, work):
-    """The structure whose arrays these rows are."""
+def scene_of(model, state, counts, work, extras):
+    """The structure whose arrays these rows are; extras: None if it has none, else any number."""
     sizes = sizes_in(model)
-    lasting = _state(state, sizes)
-    return scene_over(
-        sizes, _model(model, sizes), lasting.control, _counts(counts, 0), lasting.peaks, _work(work, sizes)
-    )
+    lasting, counted, seen = _state(state, sizes), _counts(counts, 0), _work(work, sizes)
+    return scene_over(sizes, _model(model, sizes), lasting.control, counted, lasting.peaks, seen, extras)
+
+
+@varied_leaf
+def _extras_over(extras, sizes, model, work):
+    return Extras(sizes.b, sizes.ports, model.ports, work.pushes, work.spots)
+
+
+@_extras_over.version(lambda extras, *_: isinstance(extras, types.NoneType))
+def _no_extras(extras, sizes, model, work):
+    return None
 
 
 @leaf
-def scene_over(sizes, model, control, counts, peaks, work):
+def scene_over(sizes, model, control, counts, peaks, work, extras):
     """The scene of MODEL and WORK."""
     return Scene(
         sizes.n,
         sizes.m,
         sizes.k,
-        sizes.b,
-        sizes.ports,
         sizes.stride,
         sizes.visible,
         model.settings,
@@ -304,7 +323,6 @@ def scene_over(sizes, model, control, counts, peaks, work):
         model.joints,
         model.ties,
         model.corners,
-        model.ports,
         model.modal,
         control,
         counts,
@@ -312,8 +330,6 @@ def scene_over(sizes, model, control, counts, peaks, work):
         work.poses,
         work.resultants,
         work.pulls,
-        work.pushes,
-        work.spots,
         work.memory.row,
         work.memory.slips,
         work.memory.plastic,
@@ -325,4 +341,5 @@ def scene_over(sizes, model, control, counts, peaks, work):
         work.states,
         work.outputs,
         work.modal_room,
+        _extras_over(extras, sizes, model, work),
     )

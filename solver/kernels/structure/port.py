@@ -1,16 +1,27 @@
 """Ports: points of blocks at which loads act, and whose motion is an output (theory.md section 15).
 
 A load is a force and a couple along the axes of the base: samples that lines join, with jumps between them where there
-are any, and the inputs of an FMU beside them. Without ports nothing is done here, and lanes have no loads.
+are any, and the inputs of an FMU beside them. Scenes with extras alone get here (extras.py), and lanes have no loads.
 """
 
-from ..numba_ext.jit import by_width, kernel, leaf
+from ..numba_ext.jit import by_width, kernel, leaf, varied_leaf
 from ..numba_ext.lanes import LanesType, index_of
 from ..numba_ext.views import clear
 from .kinematics import cross, plus, point_of, push, turned
-from .layout import LOAD
+from .layout import LOAD, has_extras
 
 _COMPONENTS = len(LOAD)
+
+
+@varied_leaf
+def ports_of(scene):
+    """How many ports there are."""
+    return 0
+
+
+@ports_of.version(has_extras)
+def _ports_of(scene):
+    return scene.extras.spotted
 
 
 @by_width
@@ -24,13 +35,13 @@ def _nothing_at(scene, shaking, k, t):
 
 
 def _push_at(scene, shaking, k, t):
-    if scene.spotted > 0:
+    if scene.extras.spotted > 0:
         _take_loads(scene, shaking, k, t)
 
 
 @kernel
 def _take_loads(scene, shaking, k, t):
-    count, taken, given = _COMPONENTS * scene.spotted, scene.pushes.row, shaking.inputs
+    count, taken, given = _COMPONENTS * scene.extras.spotted, scene.extras.pushes.row, shaking.inputs
     past = t - shaking.base.t0
     for i in range(count):
         taken[i] = given[i] + past * given[count + i]
@@ -41,15 +52,15 @@ def _take_loads(scene, shaking, k, t):
 
 
 @leaf
-def let_go(scene):
+def let_ports_go(scene):
     """Leave no load on any port."""
-    clear(scene.pushes.row, _COMPONENTS * scene.spotted)
+    clear(scene.extras.pushes.row, _COMPONENTS * scene.extras.spotted)
 
 
 @kernel
-def is_loaded(scene, shaking, k):
+def is_pushed(scene, shaking, k):
     """Whether a load acts on segment k."""
-    count = 2 * _COMPONENTS * scene.spotted
+    count = 2 * _COMPONENTS * scene.extras.spotted
     for i in range(count):
         if shaking.inputs[i] != 0.0:
             return True
@@ -72,14 +83,14 @@ def _nothing_on(scene, phase, like):
 
 
 def _load_on(scene, phase, like):
-    if scene.spotted > 0:
+    if scene.extras.spotted > 0:
         _load_blocks(scene, phase)
 
 
 @kernel
 def _load_blocks(scene, phase):
-    ports, loads = scene.ports, scene.pushes
-    for p in range(scene.spotted):
+    ports, loads = scene.extras.ports, scene.extras.pushes
+    for p in range(scene.extras.spotted):
         i = index_of(ports.body[p])
         arm = point_of(scene, phase, i, ports.x[p], ports.y[p], ports.z[p]).arm
         force, couple = (loads.fx[p], loads.fy[p], loads.fz[p]), (loads.mx[p], loads.my[p], loads.mz[p])
@@ -97,14 +108,14 @@ def _nothing_seen(scene, phase, rates, like):
 
 
 def _see_on(scene, phase, rates, like):
-    if scene.spotted > 0:
+    if scene.extras.spotted > 0:
         _see_points(scene, phase, rates)
 
 
 @kernel
 def _see_points(scene, phase, rates):
-    ports, seen, poses = scene.ports, scene.spots, scene.poses
-    for p in range(scene.spotted):
+    ports, seen, poses = scene.extras.ports, scene.extras.spots, scene.poses
+    for p in range(scene.extras.spotted):
         i = index_of(ports.body[p])
         point = point_of(scene, phase, i, ports.x[p], ports.y[p], ports.z[p])
         own = rates.wx[i], rates.wy[i], rates.wz[i]

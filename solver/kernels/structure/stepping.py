@@ -23,11 +23,12 @@ from ..stepping.control import (
 from . import modal
 from .attempt import attempt, evaluate_at, rate, size_of, square_of
 from .base import is_quiet, segment_after
+from .bearing import come_off
 from .evaluate import evaluate_state, moving, recall, show
+from .extras import is_loaded, let_go
 from .kinematics import is_tipped
 from .layout import MEMORY, OK, PAUSED, PHASE, STAGES, STEP_TOO_SMALL
 from .modal_layout import data_of
-from .port import is_loaded, let_go
 from .watch import BETWEEN, END, STAGE, START, look, raise_peaks, row, seen, track_peaks
 
 _phase, _memory = PHASE.over, MEMORY.over
@@ -79,10 +80,7 @@ def fallen(scene, phase):
     for j in range(scene.m):
         upper, lower = index_of(scene.joints.upper[j]), index_of(scene.joints.lower[j])
         found = where(is_tipped(scene, phase, j), (upper if upper < scene.n else lower) + 1.0, found)
-    for j in range(scene.m - scene.b, scene.m):
-        x, y, capacity = scene.resultants.s1[j], scene.resultants.s2[j], scene.joints.capacity[j]
-        found = where(x * x + y * y > capacity * capacity, index_of(scene.joints.upper[j]) + 1.0, found)
-    return found
+    return come_off(scene, found)
 
 
 @kernel

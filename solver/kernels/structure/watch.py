@@ -8,14 +8,14 @@ import math
 from typing import NamedTuple
 
 from ..integrators.interpolation import quintic_through, value_of
-from ..numba_ext.jit import kernel, leaf
+from ..numba_ext.jit import kernel, leaf, varied
 from ..output.peaks import MARGIN, MOST_TRIALS, NEAR, apart, nearer, vertex
 from .base import acceleration
 from .evaluate import evaluate_state, moving, show, show_block, show_joint
+from .extras import take_extras
 from .joint import load_joint
 from .kinematics import pose_body, spin_of
-from .layout import MEMORY, OF_BEARING, OF_BLOCK, OF_JOINT, OF_PORT, PHASE, STAGES
-from .port import push_ports
+from .layout import MEMORY, OF_BASE, OF_BEARING, OF_BLOCK, OF_JOINT, PHASE, STAGES, has_extras
 
 _phase = PHASE.over
 _PER_BODY, _PER_JOINT = PHASE.per_n, MEMORY.per_n
@@ -120,7 +120,7 @@ def look(scene, shaking, segment, t, h, s, into):
     scene.counts.looks += 1
     _interpolate(scene, h, s)
     ax, ay, az = acceleration(shaking, segment, t + s * h)
-    push_ports(scene, shaking, segment, t + s * h)
+    take_extras(scene, shaking, segment, t + s * h)
     evaluate_state(scene, row(scene, BETWEEN), row(scene, BETWEEN_RATES), ax, ay, az)
     show(scene, _phase(row(scene, BETWEEN), scene.n), into)
 
@@ -166,7 +166,7 @@ def _allow_field(scene, allowed, first, count):
 
 @kernel
 def _allow(scene, allowed):
-    """`_allow_field` of all fields; of ports, places, velocities, accelerations; of the base, forces and moments."""
+    """`_allow_field` of all fields; of the base, forces and moments."""
     n, m = scene.n, scene.m
     for field in range(2):  # displacements, rotations
         _allow_field(scene, allowed, 3 * field * n, 3 * n)
@@ -175,14 +175,25 @@ def _allow(scene, allowed):
         _allow_field(scene, allowed, first + field * m, m)
     first += len(OF_JOINT) * m
     _allow_field(scene, allowed, first, scene.k)
-    first += scene.k
-    _allow_field(scene, allowed, first, len(OF_BEARING) * scene.b)
-    first += len(OF_BEARING) * scene.b
-    for third in range(3):
-        _allow_field(scene, allowed, first + 3 * third * scene.spotted, 3 * scene.spotted)
-    first += len(OF_PORT) * scene.spotted
+    _allow_extras(scene, allowed, first + scene.k)
+    first = scene.visible - len(OF_BASE)
     for half in range(2):
         _allow_field(scene, allowed, first + 3 * half, 3)
+
+
+@varied
+def _allow_extras(scene, allowed, first):
+    """The same of extras, from `first` on; of ports, places, velocities, accelerations."""
+    return
+
+
+@_allow_extras.version(has_extras)
+def _allow_those(scene, allowed, first):
+    b, spotted = scene.extras.b, scene.extras.spotted
+    _allow_field(scene, allowed, first, len(OF_BEARING) * b)
+    first += len(OF_BEARING) * b
+    for third in range(3):
+        _allow_field(scene, allowed, first + 3 * third * spotted, 3 * spotted)
 
 
 @kernel

@@ -91,7 +91,7 @@ def sizes_in(packed: FloatArray) -> at.Sizes:
 def make_kernels(_: object = None) -> None:
     """Compile the entries that an FMU calls, unless they are cached."""
     row = np.empty(0)
-    arrays = row, row, np.empty(0, dtype=np.int64), row, row
+    arrays = row, row, np.empty(0, dtype=np.int64), row, row, None
     compile_for(assemble_structure, arrays, row, 1)
     compile_for(follow_structure, arrays, row, 0.0, 0.0, *record_of(None), row)
     compile_for(look_structure, arrays, row, 1, 0.0, 0.0, *record_of(None), row)

@@ -144,7 +144,7 @@ class _Lanes:
         lanes.reshape(-1, WIDTH)[: models.shape[1]] = models[0][:, None]  # so that lanes without a run have numbers
         found = models.ravel(), states.ravel(), rows.ravel(), outcomes.ravel(), peaks.ravel()
         with others_turn():
-            run_structures_in_lanes(lanes, len(which), *found, self._record, flag)
+            run_structures_in_lanes(lanes, len(which), *found, self._record, flag, self._stepper(0).arrays.extras)
         self._states[which], self.outcomes[which], self.peaks[which] = states, outcomes, peaks
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from ...kernels.column.assembly import LIGHTLY_DAMPED
 from ...kernels.structure import layout as at
 from ...kernels.structure.modal_layout import AXES, MODAL_ROOM
-from ..column.packing import Arrays
+from ..column.packing import IntArray
 from .blocks.contacts import GROUND
 from .blocks.faces import Face, FloatArray, edge_distance
 from .blocks.parts import Bearing, Joint, Port, Solid, Tie
@@ -22,6 +22,17 @@ FLOOR = 1e-3  # of the motion under which the structure settles as it is loaded:
 # motion within that time, which explicit steps must follow
 RELAXATION = 0.1
 FIRST = 0.1  # of the time in which the fastest joint turns by a radian
+
+
+class Arrays(NamedTuple):
+    """The flat arrays of a structure in motion: copying `state`, `counts` and `base` saves it."""
+
+    model: FloatArray
+    state: FloatArray
+    counts: IntArray
+    base: FloatArray
+    work: FloatArray
+    extras: int | None  # None if it has none: kernels are compiled by this type (kernels/structure/extras.py)
 
 
 class Model(NamedTuple):
@@ -35,6 +46,11 @@ class Model(NamedTuple):
         """The numbers by name: settings, bodies, joints, ties, corners, modal."""
         return at.MODEL.see(self.numbers, self.sizes)
 
+    @property
+    def extras(self) -> int | None:
+        """1 if it has bearings or ports, else None: which kernels it takes (kernels/structure/extras.py)."""
+        return 1 if self.sizes.b or self.sizes.ports else None
+
 
 def arrays_of(model: Model) -> Arrays:
     """The arrays of a structure, zero but for its own model."""
@@ -44,6 +60,7 @@ def arrays_of(model: Model) -> Arrays:
         np.zeros(at.COUNTS.beside, dtype=np.int64),
         np.zeros(at.INPUT_MOTION.size(model.sizes)),
         np.zeros(at.WORK.size(model.sizes)),
+        model.extras,
     )
 
 

@@ -15,9 +15,8 @@ from ...ground.loads import on_one_grid
 from ...ground.motion import Motion
 from ...kernels.structure import layout as at
 from ...kernels.structure.entries import observe_structure, run_structure, stiffness_of
-from ..column.packing import Arrays
 from .blocks.faces import FloatArray
-from .packing import arrays_of, with_modes
+from .packing import Arrays, arrays_of, with_modes
 
 if TYPE_CHECKING:
     from .model import Structure

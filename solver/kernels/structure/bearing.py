@@ -1,0 +1,126 @@
+"""What a bearing adds to the joint: it bears at a point, and beside its slider (theory.md section 13).
+
+All of it belongs to scenes with extras: without, each function leaves what it is given as it is.
+"""
+
+from ..numba_ext.jit import leaf, varied, varied_leaf
+from ..numba_ext.lanes import any_of, greater, index_of, square_root, where, zero_like
+from .bed import Bed, Plane
+from .layout import POINT, has_extras
+
+TINY = 1e-300  # m
+
+
+@leaf
+def bed_of_point(joints, j, p, q):
+    """The bed of a bearing: a spring without couples, which bears tension if it holds."""
+    bears = ((p.at > 0.0) & (q.at > 0.0)) | (joints.holds[j] != 0.0)
+    area, pressed, zero = where(bears, joints.area[j], 0.0), where(bears, q.at, 0.0), zero_like(q.at)
+    return Bed(area * pressed, zero, zero, area, pressed)
+
+
+@varied_leaf
+def risen(scene, j, motion, p):
+    """The penetration p, m, of joint j; a pendulum rises by u^2 / 2R as it moves: its force is conservative."""
+    return p
+
+
+@risen.version(has_extras)
+def _risen(scene, j, motion, p):
+    if any_of(scene.joints.section[j] == POINT):
+        x, y = motion.gap[0], motion.gap[1]
+        p = Plane(p.at + 0.5 * scene.joints.pendulum[j] * (x * x + y * y), p.along_x, p.along_y)
+    return p
+
+
+@varied_leaf
+def rising(scene, j, motion, p):
+    """Its rate, m/s."""
+    return p
+
+
+@rising.version(has_extras)
+def _rising(scene, j, motion, p):
+    if any_of(scene.joints.section[j] == POINT):
+        rises = motion.gap[0] * motion.gap_rate[0] + motion.gap[1] * motion.gap_rate[1]
+        p = Plane(p.at + scene.joints.pendulum[j] * rises, p.along_x, p.along_y)
+    return p
+
+
+@leaf
+def _beyond_ring(joints, j, x, y):
+    """By how much the displacement of a bearing is beyond its ring, m, and its size, m."""
+    out = square_root(x * x + y * y)
+    return greater(out - joints.ring[j], 0.0), greater(out, TINY)
+
+
+@leaf
+def _restoring(joints, j, motion, normal):
+    """What a bearing bears beside its slider, N: pendulum, spring, dashpot and ring."""
+    x, y, v1, v2 = motion.gap[0], motion.gap[1], motion.gap_rate[0], motion.gap_rate[1]
+    stiffness, dashpot = joints.pendulum[j] * normal + joints.spring[j], joints.dashpot[j]
+    t1, t2 = -(stiffness * x + dashpot * v1), -(stiffness * y + dashpot * v2)
+    beyond, out = _beyond_ring(joints, j, x, y)
+    touches = beyond > 0.0
+    if any_of(touches):
+        pace = (x * v1 + y * v2) / out
+        push = joints.ring_stiffness[j] * greater(beyond + joints.ring_damping[j] * pace, 0.0)
+        per = where(touches, push / out, 0.0)
+        t1, t2 = t1 - per * x, t2 - per * y
+    return t1, t2
+
+
+@varied_leaf
+def beside_slider(scene, j, motion, normal, t1, t2):
+    """The forces along joint j, N, of its slider, with what it bears beside that."""
+    return t1, t2
+
+
+@beside_slider.version(has_extras)
+def _beside_slider(scene, j, motion, normal, t1, t2):
+    if any_of(scene.joints.section[j] == POINT):
+        beside = _restoring(scene.joints, j, motion, normal)
+        t1, t2 = t1 + beside[0], t2 + beside[1]
+    return t1, t2
+
+
+@varied_leaf
+def with_bearing(scene, j, doubled):
+    """Twice the elastic energy of joint j, J, with that of spring and ring; a pendulum's is that of the penetration."""
+    return doubled
+
+
+@with_bearing.version(has_extras)
+def _with_bearing(scene, j, doubled):
+    joints, found = scene.joints, scene.resultants
+    if any_of(joints.section[j] == POINT):
+        s1, s2 = found.s1[j], found.s2[j]
+        beyond, _ = _beyond_ring(joints, j, s1, s2)
+        doubled += joints.spring[j] * (s1 * s1 + s2 * s2) + joints.ring_stiffness[j] * beyond * beyond
+    return doubled
+
+
+@varied_leaf
+def stiffness_along(scene, j, normal):
+    """Stiffness along joint j while it sticks, N/m."""
+    return scene.joints.shear[j]
+
+
+@stiffness_along.version(has_extras)
+def _stiffness_along(scene, j, normal):
+    joints = scene.joints
+    return joints.shear[j] + joints.spring[j] + joints.pendulum[j] * normal
+
+
+@varied
+def come_off(scene, found):
+    """Number, from 1, of a block that has come off a bearing, by the place evaluated last; else `found`."""
+    return found
+
+
+@come_off.version(has_extras)
+def _come_off(scene, found):
+    for j in range(scene.m - scene.extras.b, scene.m):
+        x, y, capacity = scene.resultants.s1[j], scene.resultants.s2[j], scene.joints.capacity[j]
+        found = where(x * x + y * y > capacity * capacity, index_of(scene.joints.upper[j]) + 1.0, found)
+    return found
