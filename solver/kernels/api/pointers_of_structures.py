@@ -4,20 +4,18 @@ from ..numba_ext.views import row_at
 from ..structure import driven
 from . import pointers
 
-EXTRAS = 1  # one machine code for all structures: the gate is open (structure/extras.py)
-
 
 def assemble(n, given, from_rest, model, state, counts, base, work, scratch, detail):
     """`driven.assemble`."""
     arrays = row_at(model), row_at(state), row_at(counts), row_at(base), row_at(work)
-    return driven.assemble(*arrays, EXTRAS, row_at(given), from_rest)
+    return driven.assemble(*arrays, row_at(given), from_rest)
 
 
 def follow(n, model, state, counts, base, work, inputs, start, h, count, times, ax, ay, az, scale, row, split):
     """`driven.follow`."""
     arrays = row_at(model), row_at(state), row_at(counts), row_at(base), row_at(work)
     record = count, row_at(times), row_at(ax), row_at(ay), row_at(az), scale
-    return driven.follow(*arrays, EXTRAS, row_at(inputs), start, h, *record, row_at(row))
+    return driven.follow(*arrays, row_at(inputs), start, h, *record, row_at(row))
 
 
 def look(
@@ -44,15 +42,13 @@ def look(
     """`driven.look`."""
     arrays = row_at(model), row_at(state), row_at(counts), row_at(base), row_at(work)
     record = count, row_at(times), row_at(ax), row_at(ay), row_at(az), scale
-    return driven.look(*arrays, EXTRAS, row_at(inputs), new_inputs, elapsed, t, *record, row_at(row))
+    return driven.look(*arrays, row_at(inputs), new_inputs, elapsed, t, *record, row_at(row))
 
 
 def rates(n, model, state, counts, base, work, t, count, times, ax, ay, az, scale, row, split, other, other_split):
     """`driven.rates`."""
     arrays = row_at(model), row_at(state), row_at(counts), row_at(base), row_at(work)
-    return driven.rates(
-        *arrays, EXTRAS, t, count, row_at(times), row_at(ax), row_at(ay), row_at(az), scale, row_at(row)
-    )
+    return driven.rates(*arrays, t, count, row_at(times), row_at(ax), row_at(ay), row_at(az), scale, row_at(row))
 
 
 # fmt: off
@@ -61,7 +57,7 @@ def feedthrough(n, model, state, counts, base, work, inputs, seeds, elapsed, t, 
     # fmt: on
     """`driven.feedthrough`."""
     arrays = row_at(model), row_at(state), row_at(counts), row_at(base), row_at(work)
-    return driven.feedthrough(*arrays, EXTRAS, row_at(seeds), row_at(row))
+    return driven.feedthrough(*arrays, row_at(seeds), row_at(row))
 
 
 def _with_ay(of_column):

@@ -2,6 +2,7 @@
 
 All that it is lies in the flat rows of layout.py. The joints are elastic along themselves, so that everything seen of a
 structure follows from its state, and nothing from the acceleration of the same instant; but the accelerations of ports.
+Whatever it has, it is compiled with extras (extras.py): one machine code serves all FMUs.
 """
 
 import math
@@ -17,7 +18,7 @@ from ..layout.spaces import (
     RECORD_BESIDE,
     TOO_MUCH_WORK,
 )
-from ..numba_ext.jit import kernel, leaf, varied
+from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.views import Record, clear, copy
 from ..stepping.control import most_of_a_call, most_work
 from .base import Shaking, acceleration, segment_after
@@ -35,13 +36,12 @@ from .layout import (
     PHASE,
     STAGES,
     STATE,
-    has_extras,
+    WITH_EXTRAS,
     scene_of,
     sizes_in,
     step_tolerance,
 )
 from .modal import prepare
-from .port import ports_of
 from .stepping import advance
 from .watch import RATES, STAGE, Watch, row, seen
 
@@ -59,12 +59,14 @@ _body, _INPUTS, _BODY = BODY.over, INPUTS.beside, BODY.beside
 _GIVEN, _COUNTS, _REACTION, _LOAD = GIVEN.beside, COUNTS.beside, len(OF_BASE), len(LOAD)
 
 
-@kernel
-def assemble(model, state, counts, base, work, extras, given, from_rest):
-    """The model that `given` describes; the structure at rest with `from_rest`. Returns OK.
+@leaf
+def _scene(model, state, counts, work):
+    return scene_of(model, state, counts, work, WITH_EXTRAS)
 
-    extras, here and below: None if the structure has none, else any number (extras.py).
-    """
+
+@kernel
+def assemble(model, state, counts, base, work, given, from_rest):
+    """The model that `given` describes; the structure at rest with `from_rest`. Returns OK."""
     described, packed = _given(given, 0), given[_GIVEN:]
     sizes = sizes_in(packed)
     made = _model(model, sizes)
@@ -84,7 +86,7 @@ def assemble(model, state, counts, base, work, extras, given, from_rest):
         joints.ring_damping[j] *= described.damping_scale
     for e in range(sizes.k):
         made.ties.damping[e] *= described.damping_scale
-    scene = scene_of(model, state, counts, work, extras)
+    scene = _scene(model, state, counts, work)
     if from_rest != 0:
         lasting = _state(state, sizes)
         clear(state, lasting.total)
@@ -103,15 +105,10 @@ def _shaking(base, sizes, count, times, ax, ay, az, scale):
     return Shaking(count, count, times, ax, ay, az, inputs.motion, 0, times, inputs.loads.row)
 
 
-@varied
+@leaf
 def _load(scene, shaking, inputs, elapsed, t):
     """Set the inputs at the ports, which were set `elapsed` s before time t."""
-    return
-
-
-@_load.version(has_extras)
-def _load_ports(scene, shaking, inputs, elapsed, t):
-    count, given = _LOAD * ports_of(scene), inputs[_INPUTS:]
+    count, given = _LOAD * scene.extras.spotted, inputs[_INPUTS:]
     past = elapsed - (t - shaking.base.t0)
     for i in range(count):
         slope = given[count + i]
@@ -139,7 +136,7 @@ def _exchange(scene, shaking, inputs, phase, t, flat, visible):
     _see(scene, phase, visible)
     reaction = visible[scene.visible - _REACTION :]
     x, y, z, mass = reaction[0], 0.0 if flat else reaction[1], reaction[2], 0.0
-    first = _INPUTS + 2 * _LOAD * ports_of(scene)
+    first = _INPUTS + 2 * _LOAD * scene.extras.spotted
     for k in range(int(settings.bodies)):
         body = _body(inputs[first + k * _BODY :], 0)
         x, y, z, mass = x + body.F0x, y + body.F0y, z + body.F0z, mass + body.M
@@ -171,17 +168,9 @@ def _see(scene, phase, visible):
     show(scene, phase, visible)
 
 
-@varied
-def _see_now(scene, shaking, phase, t, visible):
-    """Fill an output row with the outputs of the state and of what acts at time t: of ports accelerations are seen."""
-    _see(scene, phase, visible)
-
-
-@_see_now.version(has_extras)
+@kernel
 def _see_pushed(scene, shaking, phase, t, visible):
-    if ports_of(scene) == 0:
-        _see(scene, phase, visible)
-        return
+    """Fill an output row with the outputs of the state and of what acts at time t: accelerations follow from both."""
     segment = segment_after(shaking, t)
     take_extras(scene, shaking, segment, t)
     pushed = acceleration(shaking, segment, t)
@@ -199,35 +188,22 @@ def _are_bounded(base, h):
     return bounded and abs(base.az + base.jz * h) <= MOST_INPUT
 
 
-@varied
-def _is_pushed_across(scene, shaking):
-    """Whether an input at a port has a part across the plane x, z."""
-    return False
-
-
-@_is_pushed_across.version(has_extras)
-def _are_pushed_across(scene, shaking):
-    ports = ports_of(scene)
-    for way in (1, 3, 5):  # fy, mx, mz, and their slopes
-        for p in range(way * ports, (way + 1) * ports):
-            if shaking.inputs[p] != 0.0 or shaking.inputs[_LOAD * ports + p] != 0.0:
-                return True
-    return False
-
-
 @kernel
 def _is_flat(scene, shaking, phase, t, stop):
     """Whether neither the state nor base and ports until `stop` have a part across the plane x, z."""
+    n, ports = scene.n, scene.extras.spotted
     if shaking.base.ay != 0.0 or shaking.base.jy != 0.0:
         return False
-    if _is_pushed_across(scene, shaking):
-        return False
+    for way in (1, 3, 5):  # fy, mx, mz, and their slopes
+        for p in range(way * ports, (way + 1) * ports):
+            if shaking.inputs[p] != 0.0 or shaking.inputs[_LOAD * ports + p] != 0.0:
+                return False
     for k in range(max(0, segment_after(shaking, t)), shaking.size):
         if shaking.ay[k] != 0.0:
             return False
         if shaking.times[k] >= stop:
             break
-    return _lies_flat(phase, scene.n)
+    return _lies_flat(phase, n)
 
 
 @leaf
@@ -241,7 +217,7 @@ def _lies_flat(phase, n):
 
 
 @kernel
-def follow(model, state, counts, base, work, extras, inputs, start, h, count, times, ax, ay, az, scale, visible):
+def follow(model, state, counts, base, work, inputs, start, h, count, times, ax, ay, az, scale, visible):
     """Take the structure from `start` to start + h, s, under inputs that begin there, and the record. Returns a code.
 
     visible: room for an output row.
@@ -249,10 +225,7 @@ def follow(model, state, counts, base, work, extras, inputs, start, h, count, ti
     A structure that is its own mirror image in the plane x, z stays in it exactly as long as nothing moves it across.
     """
     sizes = sizes_in(model)
-    scene, shaking = (
-        scene_of(model, state, counts, work, extras),
-        _shaking(base, sizes, count, times, ax, ay, az, scale),
-    )
+    scene, shaking = _scene(model, state, counts, work), _shaking(base, sizes, count, times, ax, ay, az, scale)
     phase, stop = _state(state, sizes).phase, start + h
     is_plane = _head(model, 0).is_plane != 0.0
     if scene.settings.drive == ACCELERATION:
@@ -277,34 +250,33 @@ def follow(model, state, counts, base, work, extras, inputs, start, h, count, ti
 
 
 @kernel
-def look(
-    model, state, counts, base, work, extras, inputs, new_inputs, elapsed, t, count, times, ax, ay, az, scale, visible
-):
+def look(model, state, counts, base, work, inputs, new_inputs, elapsed, t, count, times, ax, ay, az, scale, visible):
     """Fill an output row with the outputs of the state. Returns OK.
 
     With `new_inputs` base and ports follow, from time t on, the inputs set `elapsed` s before.
     """
-    sizes, scene = sizes_in(model), scene_of(model, state, counts, work, extras)
-    phase, shaking = _state(state, sizes).phase, _shaking(base, sizes, count, times, ax, ay, az, scale)
+    sizes, scene = sizes_in(model), _scene(model, state, counts, work)
+    phase = _state(state, sizes).phase
+    if new_inputs != 0 and scene.settings.drive == ACCELERATION:  # else no output depends on them
+        _drive(_input(base, sizes).motion, inputs, elapsed, t)
+    if scene.extras.spotted == 0:
+        _see(scene, phase, visible)
+        return OK
+    shaking = _shaking(base, sizes, count, times, ax, ay, az, scale)
     if new_inputs != 0:
-        if scene.settings.drive == ACCELERATION:  # else no output depends on them
-            _drive(shaking.base, inputs, elapsed, t)
         _load(scene, shaking, inputs, elapsed, t)
-    _see_now(scene, shaking, phase, t, visible)
+    _see_pushed(scene, shaking, phase, t, visible)
     return OK
 
 
 @kernel
-def rates(model, state, counts, base, work, extras, t, count, times, ax, ay, az, scale, visible):
+def rates(model, state, counts, base, work, t, count, times, ax, ay, az, scale, visible):
     """Fill an output row with the rate of every output at time t, 1/s; `look` has been called then. Returns OK.
 
     Central differences along the rates of the state, over a fraction of the first step.
     """
     sizes = sizes_in(model)
-    scene, shaking = (
-        scene_of(model, state, counts, work, extras),
-        _shaking(base, sizes, count, times, ax, ay, az, scale),
-    )
+    scene, shaking = _scene(model, state, counts, work), _shaking(base, sizes, count, times, ax, ay, az, scale)
     size, here, between = scene.visible, _state(state, sizes).phase.row, row(scene, STAGE)
     clear(visible, size)
     if scene.counts.fallen > 0:
@@ -330,37 +302,28 @@ def rates(model, state, counts, base, work, extras, t, count, times, ax, ay, az,
 
 
 @kernel
-def feedthrough(model, state, counts, base, work, extras, seeds, visible):
+def feedthrough(model, state, counts, base, work, seeds, visible):
     """Fill an output row with the derivatives of the outputs along inputs of the same instant, the seeds. Returns OK.
 
     Only accelerations of ports depend on these, by straight lines.
     """
-    sizes, scene = sizes_in(model), scene_of(model, state, counts, work, extras)
+    sizes, scene = sizes_in(model), _scene(model, state, counts, work)
     clear(visible, sizes.visible)
-    if ports_of(scene) > 0 and scene.counts.fallen == 0:
-        _feed_through(scene, _state(state, sizes).phase, seeds, visible)
-    return OK
-
-
-@varied
-def _feed_through(scene, phase, seeds, visible):
-    """Without ports nothing passes."""
-    return
-
-
-@_feed_through.version(has_extras)
-def _feed_to_ports(scene, phase, seeds, visible):
-    pace, inputs, loads = _phase(row(scene, RATES), scene.n), _inputs(seeds, 0), seeds[_INPUTS:]
+    if scene.extras.spotted == 0 or scene.counts.fallen > 0:
+        return OK
+    phase, pace, inputs = _state(state, sizes).phase, _phase(row(scene, RATES), scene.n), _inputs(seeds, 0)
+    loads = seeds[_INPUTS:]
     recall(scene, phase.row)
     let_go(scene)
     evaluate(scene, phase, pace, 0.0, 0.0, 0.0)
     show(scene, phase, seen(scene, 0))
-    copy(scene.extras.pushes.row, loads, _LOAD * ports_of(scene))
+    copy(scene.extras.pushes.row, loads, _LOAD * scene.extras.spotted)
     if scene.settings.drive == ACCELERATION:
         evaluate(scene, phase, pace, inputs.ax, inputs.ay, inputs.az)
     else:
         evaluate(scene, phase, pace, 0.0, 0.0, 0.0)
     show(scene, phase, visible)
     let_go(scene)
-    for i in range(scene.visible):
+    for i in range(sizes.visible):
         visible[i] -= seen(scene, 0)[i]
+    return OK

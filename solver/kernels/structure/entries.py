@@ -12,13 +12,13 @@ from .watch import Watch
 
 _phase, _input, _state = PHASE.over, INPUT_MOTION.over, STATE.over
 
-# arrays: model, state, counts, base, work; extras: None if the structure has none, else any number
+# arrays: model, state, counts, base, work; behind them, but for the entries of driven.py, extras: WITH_EXTRAS, or None
+# if the structure has none
 
 
 @kernel
 def _rows(arrays):
-    model, state, counts, base, work, _ = arrays
-    return row_of(model), row_of(state), row_of(counts), row_of(base), row_of(work)
+    return row_of(arrays[0]), row_of(arrays[1]), row_of(arrays[2]), row_of(arrays[3]), row_of(arrays[4])
 
 
 @kernel
@@ -132,18 +132,18 @@ def run_structures_in_lanes(buffer, size, models, states, runs, outcomes, peaks,
 @entry
 def assemble_structure(arrays, given, from_rest):
     """`driven.assemble`."""
-    return driven.assemble(*_rows(arrays), arrays[5], row_of(given), from_rest)
+    return driven.assemble(*_rows(arrays), row_of(given), from_rest)
 
 
 @entry
 def follow_structure(arrays, inputs, t, h, times, ax, ay, az, row):
     """`driven.follow`."""
     record = times.size, row_of(times), row_of(ax), row_of(ay), row_of(az), 1.0
-    return driven.follow(*_rows(arrays), arrays[5], row_of(inputs), t, h, *record, row_of(row))
+    return driven.follow(*_rows(arrays), row_of(inputs), t, h, *record, row_of(row))
 
 
 @entry
 def look_structure(arrays, inputs, new_inputs, elapsed, t, times, ax, ay, az, row):
     """`driven.look`."""
     record = times.size, row_of(times), row_of(ax), row_of(ay), row_of(az), 1.0
-    return driven.look(*_rows(arrays), arrays[5], row_of(inputs), new_inputs, elapsed, t, *record, row_of(row))
+    return driven.look(*_rows(arrays), row_of(inputs), new_inputs, elapsed, t, *record, row_of(row))

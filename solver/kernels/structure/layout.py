@@ -231,6 +231,9 @@ def sizes_of(
     return Sizes(n, m, k, b, corners, ports, modal, modal_room, state, (state + PACK - 1) // PACK * PACK, row)
 
 
+WITH_EXTRAS = 1  # what callers give as `extras` where there are some; else None
+
+
 class Extras(NamedTuple):
     """What only some structures have; kernels of others are compiled without (extras.py)."""
 
@@ -293,7 +296,7 @@ def sizes_in(model):
 
 @leaf
 def scene_of(model, state, counts, work, extras):
-    """The structure whose arrays these rows are; extras: None if it has none, else any number."""
+    """The structure whose arrays these rows are; extras: WITH_EXTRAS, or None if it has none."""
     sizes = sizes_in(model)
     lasting, counted, seen = _state(state, sizes), _counts(counts, 0), _work(work, sizes)
     return scene_over(sizes, _model(model, sizes), lasting.control, counted, lasting.peaks, seen, extras)

@@ -4,24 +4,13 @@ A load is a force and a couple along the axes of the base: samples that lines jo
 are any, and the inputs of an FMU beside them. Scenes with extras alone get here (extras.py), and lanes have no loads.
 """
 
-from ..numba_ext.jit import by_width, kernel, leaf, varied_leaf
+from ..numba_ext.jit import by_width, kernel, leaf
 from ..numba_ext.lanes import LanesType, index_of
 from ..numba_ext.views import clear
 from .kinematics import cross, plus, point_of, push, turned
-from .layout import LOAD, has_extras
+from .layout import LOAD
 
 _COMPONENTS = len(LOAD)
-
-
-@varied_leaf
-def ports_of(scene):
-    """How many ports there are."""
-    return 0
-
-
-@ports_of.version(has_extras)
-def _ports_of(scene):
-    return scene.extras.spotted
 
 
 @by_width

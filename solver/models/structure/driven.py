@@ -91,7 +91,7 @@ def sizes_in(packed: FloatArray) -> at.Sizes:
 def make_kernels(_: object = None) -> None:
     """Compile the entries that an FMU calls, unless they are cached."""
     row = np.empty(0)
-    arrays = row, row, np.empty(0, dtype=np.int64), row, row, None
+    arrays = row, row, np.empty(0, dtype=np.int64), row, row
     compile_for(assemble_structure, arrays, row, 1)
     compile_for(follow_structure, arrays, row, 0.0, 0.0, *record_of(None), row)
     compile_for(look_structure, arrays, row, 1, 0.0, 0.0, *record_of(None), row)
@@ -109,7 +109,7 @@ class DrivenStructure:
         self.packed = model
         self.arrays = arrays_of(Model(self.sizes, model[: at.MODEL.size(self.sizes)]))
         # machine code is kept by types, and in an FMU the class of the arrays has another name
-        self._arrays = tuple(self.arrays)
+        self._arrays = tuple(self.arrays[:-1])
         self.record = record_of(None)
         of_ports = at.INPUT_LOADS.size(self.sizes.ports)
         self._inputs = np.zeros(driven.INPUTS.beside + driven.BODY.beside * int(given.bodies) + of_ports)

@@ -32,7 +32,7 @@ class Arrays(NamedTuple):
     counts: IntArray
     base: FloatArray
     work: FloatArray
-    extras: int | None  # None if it has none: kernels are compiled by this type (kernels/structure/extras.py)
+    extras: int | None  # by whose type kernels are compiled (kernels/structure/extras.py)
 
 
 class Model(NamedTuple):
@@ -48,8 +48,8 @@ class Model(NamedTuple):
 
     @property
     def extras(self) -> int | None:
-        """1 if it has bearings or ports, else None: which kernels it takes (kernels/structure/extras.py)."""
-        return 1 if self.sizes.b or self.sizes.ports else None
+        """WITH_EXTRAS if it has bearings or ports, else None: which kernels it takes (kernels/structure/extras.py)."""
+        return at.WITH_EXTRAS if self.sizes.b or self.sizes.ports else None
 
 
 def arrays_of(model: Model) -> Arrays:
