@@ -207,7 +207,17 @@ def fmu_variables_in_space(causality: str) -> str:
         "block": [
             {"name": "block", "position": [0, 0, 0], "width": 1.0, "depth": 1.0, "height": 1.0, "density": 1.0},
             {"name": "top", "on": "block", "width": 1.0, "depth": 1.0, "height": 1.0, "density": 1.0},
+            {
+                "name": "drum",
+                "on": "base",
+                "at": [1, 0],
+                "shape": "drum",
+                "diameter": 0.5,
+                "height": 1.0,
+                "density": 1.0,
+            },
         ],
+        "neighbours": {"reach": 1.0, "line_stiffness": 1e9, "damping": 0.0, "friction": 0.0},
         "joints": {"stiffness": 1e9, "damping": 1e-3},
         "bearing": [
             {"kind": "elastomeric", "between": ["block", "base"], "at": [0, 0, 0], "diameter": 1.0, "capacity": 1.0}

@@ -74,7 +74,7 @@ REFERENCES = {
     "base.drive": 2010,
     "base.slope": 2011,
 }
-# Variables of every block, joint, tie, bearing or port: a family each, of 1000 numbers.
+# Variables of every block, joint, tie, bearing, pair of neighbours or port: a family each, of 1000 numbers.
 FAMILY = 1000
 FAMILIES = {
     "block.ux": 10,
@@ -139,6 +139,10 @@ FAMILIES = {
     "bearing.dx_peak": 69,
     "bearing.dy_peak": 70,
     "bearing.d_peak": 71,
+    "contact.gap": 72,
+    "contact.force": 73,
+    "contact.gap_least": 74,
+    "contact.force_peak": 75,
     **{f"port.{name}": 80 + i for i, name in enumerate(OF_PORT)},
     **{f"port.{name}_peak": 89 + i for i, name in enumerate(OF_PORT)},
     **{f"port.{name}": 98 + i for i, name in enumerate(COMPONENTS)},
@@ -149,7 +153,7 @@ assert MAX_BLOCKS <= FAMILY
 
 def reference_of(name: str) -> int:
     """The value reference of a variable: that of REFERENCES, or 1000 times its family plus the number of its block."""
-    parts = re.fullmatch(r"(block|joint|tie|bearing|port)\[(\d+)\]\.(\w+)", name)
+    parts = re.fullmatch(r"(block|joint|tie|bearing|contact|port)\[(\d+)\]\.(\w+)", name)
     if parts is None:
         return REFERENCES[name]
     owner, number, quantity = parts.groups()

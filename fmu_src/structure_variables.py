@@ -14,7 +14,7 @@ import numpy as np
 from solver.common.errors import InputError
 from solver.ground.loads import COMPONENTS
 from solver.ground.motion import STANDARD_GRAVITY
-from solver.models.outputs import BEARING, BLOCK, JOINT, PORT, TIE
+from solver.models.outputs import BEARING, BLOCK, CONTACT, JOINT, PORT, TIE
 from solver.models.structure.model import Structure
 from solver.models.structure.outputs import OUTPUTS
 
@@ -66,12 +66,19 @@ def structure_variables(
     structure: Structure, record: str = "", reads_files: bool = True, drive: Drive | None = None
 ) -> list[Variable]:
     """The table; as `variables` of a column. Raises InputError for a structure with too many joints or ties."""
-    for what, parts in (("joint", structure.joints), ("tie", structure.ties), ("port", structure.ports)):
+    several = {
+        "joint": structure.joints,
+        "tie": structure.ties,
+        "contact": structure.neighbours,
+        "port": structure.ports,
+    }
+    for what, parts in several.items():
         if len(parts) > FAMILY:
             raise InputError(f"{what}: {len(parts)} of them, must be at most {FAMILY} in an FMU")
     named = {BLOCK: structure.names, JOINT: structure.joint_names, BEARING: structure.bearing_names}
     names = {what: [f"{what} {i} ({name})" for i, name in enumerate(of, start=1)] for what, of in named.items()}
     names[TIE] = [f"tie {e}" for e in range(1, len(structure.ties) + 1)]
+    names[CONTACT] = [f"contact {p} ({name})" for p, name in enumerate(structure.contact_names, start=1)]
     names[PORT] = [f"port {p} ({port.name})" for p, port in enumerate(structure.ports, start=1)]
     sizes = _sizes(structure)
     row, peaks = seen(OUTPUTS, names, lambda unit, i: sizes[unit])

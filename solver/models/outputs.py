@@ -21,7 +21,8 @@ from ..common.files import whole_file
 FloatArray = NDArray[np.float64]
 Columns = Mapping[str, FloatArray]
 
-BLOCK, JOINT, TIE, BEARING, PORT, BASE = "block", "joint", "tie", "bearing", "port", "base"  # what an output is of
+BLOCK, JOINT, TIE, BASE = "block", "joint", "tie", "base"  # what an output is of
+BEARING, CONTACT, PORT = "bearing", "contact", "port"
 DIGITS = 9  # significant ones of histories as text: far more than a run is exact to
 MOST_DIGITS = 17  # with which every float64 is read back to the bit
 

@@ -24,7 +24,8 @@ def overlap_of(solids: list[Solid], u: Any, rotation: Any, joined: tuple[tuple[i
     u, rotation = np.asarray(u, dtype=np.float64), np.asarray(rotation, dtype=np.float64)
     joints = tuple(SimpleNamespace(upper=i, lower=j) for i, j in joined)
     names = tuple(solid.name for solid in solids)
-    structure: Any = SimpleNamespace(n=len(solids), blocks=tuple(solids), joints=joints, names=names)
+    parts = {"blocks": tuple(solids), "joints": joints, "neighbours": ()}
+    structure: Any = SimpleNamespace(n=len(solids), names=names, **parts)
     rows: Any = SimpleNamespace(ux=u[..., 0], uy=u[..., 1], uz=u[..., 2], rotation=rotation)
     return deepest_overlap(structure, np.arange(len(u), dtype=np.float64), rows)
 

@@ -13,7 +13,7 @@ from ..numba_ext.lanes import any_of, greater, index_of, lesser, magnitude, squa
 from ..numba_ext.views import packs, packs_of
 from .base import acceleration
 from .evaluate import evaluate_state, moving
-from .extras import take_extras
+from .extras import error_of_extras, take_extras
 from .force_errors import error_of_forces
 from .layout import MEMORY, OF_BLOCK, OF_JOINT, PHASE, STAGES
 from .watch import BETWEEN, END, RATES, STAGE, START, row, seen
@@ -185,7 +185,7 @@ def _error_of_memory(scene, errors, allowed, h):
         error = _with_kink(magnitude(plastic[e]), magnitude(ends - begins), turns, h)
         reach = scene.ties.yields_at[e] / scene.ties.stiffness[e]
         largest = worse(largest, error / lesser(RESOLVED * reach, scene.settings.extent * allowed))
-    return largest
+    return worse(largest, error_of_extras(scene, errors) / (scene.settings.extent * allowed))
 
 
 @kernel

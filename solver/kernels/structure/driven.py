@@ -86,6 +86,9 @@ def assemble(model, state, counts, base, work, given, from_rest):
         joints.ring_damping[j] *= described.damping_scale
     for e in range(sizes.k):
         made.ties.damping[e] *= described.damping_scale
+    for p in range(sizes.pairs):
+        made.pairs.damping[p] *= described.damping_scale
+        made.pairs.decay[p] /= described.damping_scale
     scene = _scene(model, state, counts, work)
     if from_rest != 0:
         lasting = _state(state, sizes)

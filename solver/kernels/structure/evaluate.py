@@ -5,14 +5,14 @@ import math
 from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.lanes import any_of, zero_like
 from ..numba_ext.views import copy
-from .extras import load_extras, see_extras, show_extras
+from .extras import extras_energy, load_extras, see_extras, show_extras
 from .joint import joint_energy, load_joint
 from .kinematics import accelerate_bodies, pose_bodies
-from .layout import MEMORY, OF_BASE, OF_BLOCK, OF_JOINT, PHASE
+from .layout import OF_BASE, OF_BLOCK, OF_JOINT, PHASE
 from .tie import load_tie, tie_energy
 
 _phase = PHASE.over
-_PER_BODY, _PER_JOINT = PHASE.per_n, MEMORY.per_n
+_PER_BODY = PHASE.per_n
 _BLOCKS, _JOINTS, _BASE = len(OF_BLOCK), len(OF_JOINT), len(OF_BASE)
 
 
@@ -21,14 +21,14 @@ def moving(scene):
     """How many numbers of a state move: those of the phase, and the memory where something gives way."""
     count = _PER_BODY * scene.n
     if any_of(scene.settings.gives_way != 0.0):
-        count += _PER_JOINT * scene.m + scene.k
+        count += scene.remembered
     return count
 
 
 @kernel
 def recall(scene, state):
-    """Take the memory of joints and ties from a state."""
-    copy(scene.memory, state[_PER_BODY * scene.n :], _PER_JOINT * scene.m + scene.k)
+    """Take what joints, ties and pairs remember from a state."""
+    copy(scene.memory, state[_PER_BODY * scene.n :], scene.remembered)
 
 
 @kernel
@@ -41,7 +41,7 @@ def settle_memory(scene, state):
         slips.p3[j] = found.s3[j] - found.z3[j]
     for e in range(scene.k):
         scene.plastic[e] = scene.pulls.stretch[e] - scene.pulls.elastic[e]
-    copy(state[_PER_BODY * scene.n :], scene.memory, _PER_JOINT * scene.m + scene.k)
+    copy(state[_PER_BODY * scene.n :], scene.memory, scene.remembered)
 
 
 @kernel
@@ -52,7 +52,7 @@ def evaluate_state(scene, state, rates, ax, ay, az):
         recall(scene, state)
     evaluate(scene, _phase(state, n), _phase(rates, n), ax, ay, az)
     if gives_way:
-        copy(rates[_PER_BODY * n :], scene.giving, _PER_JOINT * scene.m + scene.k)
+        copy(rates[_PER_BODY * n :], scene.giving, scene.remembered)
 
 
 @kernel
@@ -82,7 +82,7 @@ def energy(scene, phase):
         total += joint_energy(scene, phase, j)
     for e in range(scene.k):
         total += tie_energy(scene, e)
-    return total
+    return total + extras_energy(scene)
 
 
 @leaf
@@ -127,7 +127,7 @@ def show(scene, phase, row):
     of_ties = row[_BLOCKS * n + _JOINTS * m :]
     for e in range(k):
         of_ties[e] = scene.pulls.force[e]
-    show_extras(scene, of_ties[k:])
+    show_extras(scene, phase, of_ties[k:])
     base, poses = row[scene.visible - _BASE :], scene.poses
     base[0], base[1], base[2] = poses.fx[n], poses.fy[n], poses.fz[n]
     base[3], base[4], base[5] = poses.mx[n], poses.my[n], poses.mz[n]

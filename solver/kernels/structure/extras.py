@@ -1,4 +1,4 @@
-"""What only some structures have: bearings, and ports with their loads.
+"""What only some structures have: bearings, ports with their loads, and neighbours that meet.
 
 One gate, by type. The scene of a structure without any has no `extras` (layout.py, Extras), and what it compiles is the
 first of each pair of functions here and in bearing.py: nothing. All others compile the second, with everything in it,
@@ -8,8 +8,10 @@ whichever of the extras they have. What another extra needs is added to `Extras`
 import math
 
 from ..numba_ext.jit import varied
+from ..numba_ext.lanes import zero_like
 from ..numba_ext.views import copy
-from .layout import OF_BEARING, OF_PORT, has_extras
+from .contact import error_of_pairs, gap_of, load_pairs, pairs_energy
+from .layout import OF_BEARING, OF_PAIR, OF_PORT, has_extras
 from .port import is_pushed, let_ports_go, load_ports, push_ports, see_ports
 
 
@@ -55,6 +57,29 @@ def load_extras(scene, phase):
 @load_extras.version(has_extras)
 def _load(scene, phase):
     load_ports(scene, phase, scene.settings.gravity)
+    load_pairs(scene, phase, scene.settings.gravity)
+
+
+@varied
+def error_of_extras(scene, errors):
+    """Largest error, m, of what extras remember, of those of all that joints and the rest remember."""
+    return zero_like(scene.settings.tolerance)
+
+
+@error_of_extras.version(has_extras)
+def _error(scene, errors):
+    return error_of_pairs(scene, errors, scene.settings.tolerance)
+
+
+@varied
+def extras_energy(scene):
+    """Elastic energy of extras, J, of the last evaluation, but that of bearings, which are joints."""
+    return 0.0
+
+
+@extras_energy.version(has_extras)
+def _energy(scene):
+    return pairs_energy(scene)
 
 
 @varied
@@ -69,15 +94,18 @@ def _see(scene, phase, rates):
 
 
 @varied
-def show_extras(scene, shown):
+def show_extras(scene, phase, shown):
     """Fill in what an output row has of extras: between ties and base, from `shown` on."""
     return
 
 
 @show_extras.version(has_extras)
-def _show(scene, shown):
+def _show(scene, phase, shown):
     m, b = scene.m, scene.extras.b
     for i in range(b):
         x, y = scene.resultants.s1[m - b + i], scene.resultants.s2[m - b + i]
         shown[i], shown[b + i], shown[2 * b + i] = x, y, math.hypot(x, y)
-    copy(shown[len(OF_BEARING) * b :], scene.extras.spots.row, len(OF_PORT) * scene.extras.spotted)
+    of_pairs, met = shown[len(OF_BEARING) * b :], scene.extras.met
+    for p in range(met):
+        of_pairs[p], of_pairs[met + p] = gap_of(scene, phase, scene.extras.pairs, p), scene.extras.hits.force[p]
+    copy(of_pairs[len(OF_PAIR) * met :], scene.extras.spots.row, len(OF_PORT) * scene.extras.spotted)

@@ -1,7 +1,8 @@
 """The layout of the flat arrays of a structure in space, by name (numba_ext/views.py lays the names over them).
 
-n blocks, m joints, k ties, ports. The base is body n: it has a place in the tables of bodies, and does not move
-relative to itself. Rotations count from the structure as built, so that the axes of a body are those of the base then.
+n blocks, m joints, k ties, ports, pairs of neighbours. The base is body n: it has a place in the tables of bodies, and
+does not move relative to itself. Rotations count from the structure as built, so that the axes of a body are those of
+the base then.
 
 A structure is five arrays, as a column: MODEL, STATE, COUNTS, BASE, and WORK, which can be discarded between calls. Its
 sizes stand at the head of its model.
@@ -24,6 +25,7 @@ class Sizes(NamedTuple):
     b: int  # of the joints, the last ones: bearings
     corners: int  # numbers of the corners of all sections
     ports: int
+    pairs: int  # of neighbours
     modal: int  # numbers of the modal data (modal_layout.py), 0 without modes
     modal_room: int  # numbers that steps by modes need
     state: int  # numbers of a state: the phase, and what joints and ties remember
@@ -99,6 +101,23 @@ PORTS = Table(
     "body",  # number of the block
     *("x", "y", "z"),  # m, the point from the centroid, as built
 )
+DRUMS, PLANE = 0.0, 1.0  # a drum beside a drum, a drum before a plane face
+PAIRS = Table(
+    *("one", "other"),  # numbers of the bodies
+    "kind",  # DRUMS or PLANE
+    *("ax", "ay", "az"),  # m, middle of the axis of the first drum from its centroid, as built
+    *("bx", "by", "bz"),  # m, that of the other drum, or the centre of the face
+    *("ux", "uy", "uz"),  # axis of the first drum as built
+    *("vx", "vy", "vz"),  # that of the other one, or the normal of the face
+    *("e1x", "e1y", "e1z"),  # first axis of the face
+    *("radius_a", "radius_b"),  # m, less what the sides are taken to be farther apart by
+    *("half_a", "half_b"),  # m, half of the lengths of the drums
+    *("first", "corners"),  # place and number of the corners of the face
+    *("stiffness", "damping"),  # N/m2, s
+    *("friction", "shear", "shear_damping"),  # coefficient, N/m, s
+    "decay",  # s, in which its damping stops the lighter of two blocks
+    "reach",  # m, of the spheres about both blocks together
+)
 PHASE = Table(
     *("ux", "uy", "uz"),  # m, displacement of the centroid
     *("q0", "q1", "q2", "q3"),  # rotation from the place as built, a unit quaternion
@@ -106,8 +125,10 @@ PHASE = Table(
     *("wx", "wy", "wz"),  # rad/s, angular velocity in the axes of the body
 )
 # behind the phase, which with it is a state: slips and twist that friction has given way by, m, m, rad; then the
-# plastic stretch of each tie, m
+# plastic stretch of each tie, m; then what pairs remember
 MEMORY = Table("p1", "p2", "p3")
+# of each pair: what friction stretches it by, m, along the axes of the base; 1 while it touches
+STRETCH = Table("z1", "z2", "z3", "touches")
 CONTROL = Record(
     "next_step",  # s
     "previous_error",  # tolerances
@@ -156,6 +177,7 @@ RESULTANTS = Table(  # of m joints, along the axes of the joint
     *("s1", "s2", "s3"),  # m, m, rad: slips and twist
     *("z1", "z2", "z3"),  # their elastic parts
 )
+HITS = Table("force", "along", "energy", "slides")  # of pairs: N, N, J; 1 while friction gives way
 PULLS = Table("force", "stretch", "elastic")  # of k ties: N, m; the elastic part of the stretch
 STAGES = 13  # of a step of order 8, with its start and its end
 
@@ -163,6 +185,7 @@ STAGES = 13  # of a step of order 8, with its start and its end
 OF_BLOCK = ("ux", "uy", "uz", "rx", "ry", "rz")
 OF_JOINT = ("N", "Mx", "My", "Tx", "Ty", "Mz", "contact", "sigma_max", "slip")
 OF_BEARING = ("dx", "dy", "d")
+OF_PAIR = ("gap", "hit")
 OF_PORT = SPOTS.fields
 OF_BASE = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
 
@@ -191,7 +214,7 @@ ROOM = 2 * 2 * (2 * MOST_CORNERS + 4)
 SEEN = 5  # output rows of a step: at its start, in its middle, at its end, of a trial; what is allowed
 EACH = Numbers(1)
 _SIZES = Sizes._fields
-REMEMBERED = Space(*_SIZES, slips=(MEMORY, "m"), plastic=(EACH, "k"))
+REMEMBERED = Space(*_SIZES, slips=(MEMORY, "m"), plastic=(EACH, "k"), stretches=(STRETCH, "pairs"))
 MODEL = Space(
     *_SIZES,
     head=HEAD,
@@ -201,6 +224,7 @@ MODEL = Space(
     ties=(TIES, "k"),
     corners=(EACH, "corners"),
     ports=(PORTS, "ports"),
+    pairs=(PAIRS, "pairs"),
     modal=(EACH, "modal"),
 )
 STATE = Space(*_SIZES, control=CONTROL, phase=(PHASE, "n"), remembered=REMEMBERED, peaks=(EACH, "visible"))
@@ -214,6 +238,7 @@ WORK = Space(
     pulls=(PULLS, "k"),
     pushes=(PUSHES, "ports"),
     spots=(SPOTS, "ports"),
+    hits=(HITS, "pairs"),
     memory=REMEMBERED,
     giving=REMEMBERED,
     room=Numbers(beside=ROOM),
@@ -223,12 +248,14 @@ WORK = Space(
 
 
 def sizes_of(
-    n: int, m: int, k: int, b: int, corners: int, ports: int = 0, modal: int = 0, modal_room: int = 0
+    n: int, m: int, k: int, b: int, corners: int, ports: int = 0, pairs: int = 0, modal: int = 0, modal_room: int = 0
 ) -> Sizes:
-    """The sizes of n blocks, m joints, of them b bearings, k ties and the ports."""
-    state = PHASE.size(n) + MEMORY.size(m) + k
-    row = len(OF_BLOCK) * n + len(OF_JOINT) * m + k + len(OF_BEARING) * b + len(OF_PORT) * ports + len(OF_BASE)
-    return Sizes(n, m, k, b, corners, ports, modal, modal_room, state, (state + PACK - 1) // PACK * PACK, row)
+    """The sizes of n blocks, m joints, of them b bearings, k ties, the ports and the pairs of neighbours."""
+    state = PHASE.size(n) + MEMORY.size(m) + k + STRETCH.size(pairs)
+    row = len(OF_BLOCK) * n + len(OF_JOINT) * m + k + len(OF_BASE)
+    row += len(OF_BEARING) * b + len(OF_PAIR) * pairs + len(OF_PORT) * ports
+    stride = (state + PACK - 1) // PACK * PACK
+    return Sizes(n, m, k, b, corners, ports, pairs, modal, modal_room, state, stride, row)
 
 
 WITH_EXTRAS = 1  # what callers give as `extras` where there are some; else None
@@ -242,6 +269,11 @@ class Extras(NamedTuple):
     ports: object
     pushes: object  # on ports
     spots: object  # motion of ports
+    met: int  # pairs of neighbours
+    pairs: object
+    hits: object  # what they bear
+    stretches: object  # what they remember, of the state that is evaluated
+    giving_stretches: object  # the rates of it
 
 
 class Scene(NamedTuple):
@@ -264,7 +296,8 @@ class Scene(NamedTuple):
     poses: object
     resultants: object
     pulls: object
-    memory: object  # what joints and ties remember, of the state that is evaluated
+    remembered: int  # numbers that joints, ties and pairs remember
+    memory: object  # those of the state that is evaluated
     slips: object  # of it the part of the joints
     plastic: object  # and of the ties
     giving: object  # the rate of the memory
@@ -283,6 +316,7 @@ def has_extras(scene: Any, *_: Any) -> bool:
     return not isinstance(scene.types[scene.fields.index("extras")], types.NoneType)
 
 
+_PER_BODY = PHASE.per_n
 _head, _model, _state, _counts, _work = HEAD.over, MODEL.over, STATE.over, COUNTS.over, WORK.over
 
 
@@ -290,7 +324,7 @@ _head, _model, _state, _counts, _work = HEAD.over, MODEL.over, STATE.over, COUNT
 def sizes_in(model):
     """The sizes at the head of a model."""
     head = _head(model, 0)
-    shape = int(head.n), int(head.m), int(head.k), int(head.b), int(head.corners), int(head.ports)
+    shape = int(head.n), int(head.m), int(head.k), int(head.b), int(head.corners), int(head.ports), int(head.pairs)
     return Sizes(*shape, int(head.modal), int(head.modal_room), int(head.state), int(head.stride), int(head.visible))
 
 
@@ -304,7 +338,18 @@ def scene_of(model, state, counts, work, extras):
 
 @varied_leaf
 def _extras_over(extras, sizes, model, work):
-    return Extras(sizes.b, sizes.ports, model.ports, work.pushes, work.spots)
+    return Extras(
+        sizes.b,
+        sizes.ports,
+        model.ports,
+        work.pushes,
+        work.spots,
+        sizes.pairs,
+        model.pairs,
+        work.hits,
+        work.memory.stretches,
+        work.giving.stretches,
+    )
 
 
 @_extras_over.version(lambda extras, *_: isinstance(extras, types.NoneType))
@@ -333,6 +378,7 @@ def scene_over(sizes, model, control, counts, peaks, work, extras):
         work.poses,
         work.resultants,
         work.pulls,
+        sizes.state - _PER_BODY * sizes.n,
         work.memory.row,
         work.memory.slips,
         work.memory.plastic,

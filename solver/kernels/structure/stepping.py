@@ -28,6 +28,7 @@ from .evaluate import evaluate_state, moving, recall, show
 from .extras import is_loaded, let_go
 from .kinematics import is_tipped
 from .layout import MEMORY, OK, PAUSED, PHASE, STAGES, STEP_TOO_SMALL
+from .meeting import clear_gaps, longest_touching, meet, until_closed
 from .modal_layout import data_of
 from .watch import BETWEEN, END, STAGE, START, look, raise_peaks, row, seen, track_peaks
 
@@ -128,9 +129,11 @@ def _serve_rows(scene, shaking, watch, segment, t, h):
 def _begin(scene, shaking, segment, t, phase):
     """Evaluate the phase from which the steps go on; the first call sets scales and the first step."""
     control, counts, settings = scene.control, scene.counts, scene.settings
+    meet(scene)
     evaluate_at(scene, shaking, segment, row(scene, START), rate(scene, 0), t)
     if counts.started == 0:
         counts.started = 1
+        clear_gaps(scene)
         control.next_step, control.previous_error = settings.first_step, 1.0
         control.elastic_step = 10.0 * settings.first_step
         control.largest = max(control.largest, settings.motion_floor)
@@ -195,7 +198,7 @@ def _plan(scene, shaking, segment, left):
         modal.forget(scene, shaking)
     if control.decay == 0.0:
         control.decay = _fastest_decay(scene)
-    step = min(control.next_step, most, SEEN / control.decay)
+    step = min(control.next_step, most, SEEN / control.decay, STABLE * longest_touching(scene))
     if settings.gives_way != 0.0:
         step = min(step, STABLE * relaxing(scene))
     return shared(step, left), False
@@ -280,10 +283,13 @@ def advance(scene, shaking, watch, state, t, stop, most):
                 code = STEP_TOO_SMALL
                 break
             continue
+        h = until_closed(scene, shaking, segment, t, h)
         _finish(scene, shaking, watch, segment, t, h, by_modes)
         t = end if h == end - t else t + h
+        begins_anew = meet(scene)
         if t == end and end < stop:
-            segment = segment_after(shaking, t)
+            segment, begins_anew = segment_after(shaking, t), True
+        if begins_anew:
             modal.forget(scene, shaking)
             evaluate_at(scene, shaking, segment, begin, rate(scene, 0), t)
             show(scene, _phase(begin, scene.n), seen(scene, 0))

@@ -8,14 +8,14 @@ import math
 from typing import NamedTuple
 
 from ..integrators.interpolation import quintic_through, value_of
-from ..numba_ext.jit import kernel, leaf, varied
+from ..numba_ext.jit import kernel, leaf, varied, varied_leaf
 from ..output.peaks import MARGIN, MOST_TRIALS, NEAR, apart, nearer, vertex
 from .base import acceleration
 from .evaluate import evaluate_state, moving, show, show_block, show_joint
 from .extras import take_extras
 from .joint import load_joint
 from .kinematics import pose_body, spin_of
-from .layout import MEMORY, OF_BASE, OF_BEARING, OF_BLOCK, OF_JOINT, PHASE, STAGES, has_extras
+from .layout import MEMORY, OF_BASE, OF_BEARING, OF_BLOCK, OF_JOINT, OF_PAIR, OF_PORT, PHASE, STAGES, has_extras
 
 _phase = PHASE.over
 _PER_BODY, _PER_JOINT = PHASE.per_n, MEMORY.per_n
@@ -73,7 +73,7 @@ def _through(h, s, q0, v0, a0, q1, v1, a1):
 
 
 @kernel
-def _interpolate_body(scene, h, s, i):
+def interpolate_body(scene, h, s, i):
     """Fill in the place and the rates of body i at fraction s of the step."""
     n = scene.n
     start, end, between = _phase(row(scene, START), n), _phase(row(scene, END), n), _phase(row(scene, BETWEEN), n)
@@ -108,7 +108,7 @@ def _remembered(scene, h, s, place):
 def _interpolate(scene, h, s):
     """Fill in the state at fraction s of the step."""
     for i in range(scene.n):
-        _interpolate_body(scene, h, s, i)
+        interpolate_body(scene, h, s, i)
     between = row(scene, BETWEEN)
     for place in range(_PER_BODY * scene.n, moving(scene)):
         between[place] = _remembered(scene, h, s, place)
@@ -125,11 +125,38 @@ def look(scene, shaking, segment, t, h, s, into):
     show(scene, _phase(row(scene, BETWEEN), scene.n), into)
 
 
+@varied_leaf
+def first_gap(scene):
+    """Place of the first gap of neighbours in an output row; beyond it if there is none."""
+    return scene.visible
+
+
+@first_gap.version(has_extras)
+def _first_gap(scene):
+    return scene.visible - len(OF_BASE) - len(OF_PORT) * scene.extras.spotted - len(OF_PAIR) * scene.extras.met
+
+
+@varied_leaf
+def _gaps(scene):
+    return 0
+
+
+@_gaps.version(has_extras)
+def _gaps_of_pairs(scene):
+    return scene.extras.met
+
+
+@leaf
+def _by_least(scene, j):
+    """Whether the least value of quantity j of an output row counts: of contacts and gaps."""
+    first, gap = _BLOCKS * scene.n + _CONTACT * scene.m, first_gap(scene)
+    return first <= j < first + scene.m or gap <= j < gap + _gaps(scene)
+
+
 @leaf
 def _value(scene, j, value):
-    """What counts for the peak of quantity j of an output row; of contacts the part that is open."""
-    there, first = abs(value), _BLOCKS * scene.n + _CONTACT * scene.m
-    return 1.0 - there if first <= j < first + scene.m else there
+    """What counts for the peak of quantity j of an output row; of those whose least counts, 1 less it."""
+    return 1.0 - value if _by_least(scene, j) else abs(value)
 
 
 @leaf
@@ -192,6 +219,9 @@ def _allow_those(scene, allowed, first):
     b, spotted = scene.extras.b, scene.extras.spotted
     _allow_field(scene, allowed, first, len(OF_BEARING) * b)
     first += len(OF_BEARING) * b
+    for field in range(len(OF_PAIR)):
+        _allow_field(scene, allowed, first + field * scene.extras.met, scene.extras.met)
+    first += len(OF_PAIR) * scene.extras.met
     for third in range(3):
         _allow_field(scene, allowed, first + 3 * third * spotted, 3 * spotted)
 
@@ -228,7 +258,7 @@ def _look_at(scene, shaking, segment, t, h, s, q):
     phase = _phase(between, n)
     if q < of_joints:
         i = q % n
-        _interpolate_body(scene, h, s, i)
+        interpolate_body(scene, h, s, i)
         show_block(scene, phase, i, trial)
         for place in range(i, of_joints, n):
             _raise_peak(scene, place, trial[place])
@@ -236,7 +266,7 @@ def _look_at(scene, shaking, segment, t, h, s, q):
         j = (q - of_joints) % m
         for body in (int(scene.joints.upper[j]), int(scene.joints.lower[j])):
             if body < n:
-                _interpolate_body(scene, h, s, body)
+                interpolate_body(scene, h, s, body)
                 pose_body(scene, phase, body)
         if scene.settings.gives_way != 0.0:
             for place in range(j, _PER_JOINT * m, m):
@@ -257,15 +287,14 @@ def _find_tops(scene, shaking, segment, t, h):
     begin, middle, end = seen(scene, 0), seen(scene, 1), seen(scene, 2)
     allowed = seen(scene, 4)
     _allow(scene, allowed)
-    first = _BLOCKS * scene.n + _CONTACT * scene.m  # contacts: the open part counts
     for j in range(scene.visible):
-        is_contact = first <= j < first + scene.m
-        sign = -1.0 if (middle[j] < 0.0) != is_contact else 1.0
+        by_least = _by_least(scene, j)
+        sign = -1.0 if middle[j] < 0.0 or by_least else 1.0
         a, b, c = sign * begin[j], sign * middle[j], sign * end[j]
         bend, rise = 2.0 * b - a - c, c - a
         if abs(rise) >= NEAR * bend:
             continue
-        above = scene.peaks[j] + allowed[j] - (1.0 if is_contact else 0.0)
+        above = scene.peaks[j] + allowed[j] - (1.0 if by_least else 0.0)
         s, height, trials = 0.5 + rise / (4.0 * bend), b + rise * rise / (8.0 * bend) + MARGIN * bend, 0
         s = min(max(s, EDGE), 1.0 - EDGE)
         known = (0.0, a, 0.5, b, 1.0, c)

@@ -20,6 +20,7 @@ from .blocks.parts import BASE, OF_COLUMN, TOLERANCE, Bed, Joint, Port, Solid, T
 from .blocks.placement import check_joints, check_places
 from .blocks.shapes import box, drum, placed, prism, rectangle, rotation_matrix
 from .hull_tables import OF_HULL, OF_MESH, solid_from_hull
+from .neighbours import neighbours_from
 
 SHAPES = ("box", "drum", "prism", "hull", "mesh")
 _OF_SECTION = {
@@ -28,7 +29,7 @@ _OF_SECTION = {
     "ring": ("diameter", "bore"),
     "polygon": ("outline",),
 }
-_KEYS = ("name", "g", "block", "joint", "joints", "bearing", "tie", "port", "solver")
+_KEYS = ("name", "g", "block", "joint", "joints", "bearing", "tie", "port", "neighbours", "solver")
 _LAW = ("stiffness", "damping", "shear_ratio", "shear_damping", "friction", "dowel", "strength")
 _OF_SHAPE = {
     "box": ("width", "depth", "height", "top_width", "top_depth"),
@@ -99,6 +100,7 @@ def parts_from(data: Mapping[str, Any], surfaces: Mapping[int, FloatArray]) -> d
         "joints": tuple(joints),
         "ties": ties,
         "ports": ports,
+        "neighbours": neighbours_from(data, blocks, joints),
         "g": gravity,
     }
     return found | {"tolerance": tolerance, "without": names_from("solver.without", solver.get("without", ()))}

@@ -21,7 +21,7 @@ from ...kernels.structure.layout import MOST_CORNERS
 from ..column.model import Column
 from ..column.settings import Settings
 from .blocks.faces import Face
-from .blocks.parts import BASE, OF_COLUMN, TOLERANCE, Bearing, Bed, Joint, Port, Solid, Tie
+from .blocks.parts import BASE, OF_COLUMN, TOLERANCE, Bearing, Bed, Joint, Pair, Port, Side, Solid, Tie
 from .file import in_space, names_from, parts_from, ports_from, written_out
 from .hull_tables import in_folder, with_hulls
 from .packing import Model, centroid_of, model_of
@@ -47,6 +47,7 @@ class Structure(Shown):
     without: tuple[str, ...] = ()  # of SKIPS
     described: Mapping[str, Any] | None = None  # the file, a table for each block; None: made otherwise
     ports: tuple[Port, ...] = ()
+    neighbours: tuple[Pair, ...] = ()
 
     def __post_init__(self) -> None:
         check_file_name("name", self.name)
@@ -113,12 +114,13 @@ class Structure(Shown):
 
     @property
     def sizes(self) -> dict[str, int]:
-        """Numbers of blocks, joints, ties, bearings (which are joints too), ports and components of the base."""
+        """Numbers of blocks, joints, ties, bearings (joints too), neighbours, ports, components of the base."""
         return {
             "block": self.n,
             "joint": len(self.joints),
             "tie": len(self.ties),
             "bearing": len(self.bearings),
+            "contact": len(self.neighbours),
             "port": len(self.ports),
             "base": 6,
         }
@@ -161,6 +163,11 @@ class Structure(Shown):
         """Names of the bearings: those of their joints."""
         return self.joint_names[len(self.joints) - len(self.bearings) :]
 
+    @cached_property
+    def contact_names(self) -> tuple[str, ...]:
+        """Names of the pairs of neighbours."""
+        return tuple(f"{self.names[pair.one]}-{self.names[pair.other]}" for pair in self.neighbours)
+
     @property
     def is_stack(self) -> bool:
         """Whether its numbers are those of a column's file."""
@@ -178,7 +185,8 @@ class Structure(Shown):
     @cached_property
     def model(self) -> Model:
         """The arrays for the kernels."""
-        return model_of(self.blocks, self.joints, self.ties, self.ports, self.g, self.tolerance)
+        parts = self.blocks, self.joints, self.ties, self.ports, self.neighbours
+        return model_of(*parts, self.g, self.tolerance)
 
     @property
     def weight(self) -> float:
@@ -194,7 +202,8 @@ class Structure(Shown):
         )
         ties = all(tie.from_[1] == 0.0 and tie.to[1] == 0.0 for tie in self.ties)
         ports = all(abs(self.blocks[port.body].centroid[1] + port.at[1]) <= 1e-9 for port in self.ports)
-        return blocks and ties and ports and all(_is_mirrored(joint.face) for joint in self.joints)
+        pairs = all(_is_mirrored_pair(pair) for pair in self.neighbours)
+        return blocks and ties and ports and pairs and all(_is_mirrored(joint.face) for joint in self.joints)
 
     @property
     def settings(self) -> Settings:
@@ -268,6 +277,17 @@ def _stiffer(joint: Joint, stiffness: float) -> Bearing | None:
     """The bearing of a joint that gets another modulus, N/m3."""
     bearing, factor = joint.bearing, float(stiffness) / joint.bed.stiffness
     return bearing and replace(bearing, spring=factor * bearing.spring, dashpot=factor * bearing.dashpot)
+
+
+def _is_mirrored_pair(pair: Pair) -> bool:
+    """Whether both sides of a pair are their own mirror images about the plane x, z."""
+    for side in (pair.drum, pair.beside):
+        if not isinstance(side, Side):
+            if not _is_mirrored(side):
+                return False
+        elif abs(side.middle[1]) > 1e-9 * side.radius or 1e-9 < abs(side.axis[1]) < 1.0 - 1e-9:
+            return False
+    return True
 
 
 @lru_cache(maxsize=1024)

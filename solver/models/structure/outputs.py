@@ -9,7 +9,7 @@ import numpy as np
 
 from ...common.errors import InputError
 from ...kernels.structure import layout as at
-from ..outputs import BASE, BEARING, BLOCK, JOINT, PORT, TIE, Histories, Output, units_of
+from ..outputs import BASE, BEARING, BLOCK, CONTACT, JOINT, PORT, TIE, Histories, Output, units_of
 from .blocks.faces import FloatArray
 from .blocks.shapes import turned
 
@@ -41,6 +41,8 @@ class StructureHistories(Histories):
     dx = Output(BEARING, "m", "Displacement of the first block of {it} over the second, along its first axis")
     dy = Output(BEARING, "m", "Displacement of the first block of {it} over the second, along its second axis")
     d = Output(BEARING, "m", "Displacement of {it}, whichever way", 0.0)
+    gap = Output(CONTACT, "m", "Distance of {it}, below 0 while they press on each other", by_least=True)
+    hit = Output(CONTACT, "N", "Force across of {it}, compression", 0.0, name="force")
     port_x = Output(
         PORT, "m", "{it} along x, relative to the base, from the structure as built and without weight", name="x"
     )
@@ -74,11 +76,12 @@ class StructureHistories(Histories):
 
     @property
     def labels(self) -> dict[str, Sequence[object]]:
-        """The names of blocks, joints and ports, the numbers of ties, the components of the base."""
+        """The names of blocks, joints, neighbours and ports, the numbers of ties, the components of the base."""
         structure = self.structure
         ties = [str(e) for e in range(1, len(structure.ties) + 1)]
         base = [part.name_of("") for part in StructureHistories.base.parts]
         joints = {BLOCK: structure.names, JOINT: structure.joint_names, BEARING: structure.bearing_names}
+        joints[CONTACT] = structure.contact_names
         return {**joints, TIE: ties, PORT: [port.name for port in structure.ports], BASE: base}
 
     @property
@@ -132,6 +135,14 @@ class StructureHistories(Histories):
 
 OUTPUTS = StructureHistories.outputs
 UNITS = units_of(OUTPUTS)
-_FIELDS = [*at.OF_BLOCK, *at.OF_JOINT, "tie", *at.OF_BEARING, *(f"port_{name}" for name in at.OF_PORT), "base"]
+_FIELDS = [
+    *at.OF_BLOCK,
+    *at.OF_JOINT,
+    "tie",
+    *at.OF_BEARING,
+    *at.OF_PAIR,
+    *(f"port_{name}" for name in at.OF_PORT),
+    "base",
+]
 assert [output.field for output in OUTPUTS] == _FIELDS
 assert tuple(part.name for part in StructureHistories.base.parts) == at.OF_BASE

@@ -15,7 +15,7 @@ from ...kernels.structure.modal_layout import AXES, MODAL_ROOM
 from ..column.packing import IntArray
 from .blocks.contacts import GROUND
 from .blocks.faces import Face, FloatArray, edge_distance
-from .blocks.parts import Bearing, Joint, Port, Solid, Tie
+from .blocks.parts import Bearing, Joint, Pair, Port, Side, Solid, Tie
 
 FLOOR = 1e-3  # of the motion under which the structure settles as it is loaded: the least that errors are measured by
 # least damping along a joint that may slide, times the frequency of the fastest joint: the elastic slip turns with the
@@ -48,8 +48,8 @@ class Model(NamedTuple):
 
     @property
     def extras(self) -> int | None:
-        """WITH_EXTRAS if it has bearings or ports, else None: which kernels it takes (kernels/structure/extras.py)."""
-        return at.WITH_EXTRAS if self.sizes.b or self.sizes.ports else None
+        """WITH_EXTRAS if it has bearings, ports or neighbours, else None: it takes other kernels (extras.py)."""
+        return at.WITH_EXTRAS if self.sizes.b or self.sizes.ports or self.sizes.pairs else None
 
 
 def arrays_of(model: Model) -> Arrays:
@@ -67,7 +67,7 @@ def arrays_of(model: Model) -> Arrays:
 def with_modes(model: Model, modal: FloatArray) -> Model:
     """A copy of a model without modes, with their data."""
     room = MODAL_ROOM.size((AXES * model.sizes.n, model.sizes.k))
-    sizes = at.sizes_of(*model.sizes[:6], modal.size, room if modal.size else 0)
+    sizes = at.sizes_of(*model.sizes[:7], modal.size, room if modal.size else 0)
     made = Model(sizes, np.concatenate([model.numbers, modal]))
     made.numbers[: len(sizes)] = sizes
     made.names.settings.has_modes = float(modal.size > 0)
@@ -79,11 +79,12 @@ def model_of(
     joints: tuple[Joint, ...],
     ties: tuple[Tie, ...],
     ports: tuple[Port, ...],
+    pairs: tuple[Pair, ...],
     g: float,
     tolerance: float,
 ) -> Model:
     """The model of a structure, without modes."""
-    made = _model_of(solids, joints, ties, ports, g)
+    made = _model_of(solids, joints, ties, ports, pairs, g)
     made = made._replace(numbers=made.numbers.copy())
     settings = made.names.settings
     settings.tolerance = tolerance
@@ -93,14 +94,21 @@ def model_of(
 
 @lru_cache(maxsize=64)
 def _model_of(
-    solids: tuple[Solid, ...], joints: tuple[Joint, ...], ties: tuple[Tie, ...], ports: tuple[Port, ...], g: float
+    solids: tuple[Solid, ...],
+    joints: tuple[Joint, ...],
+    ties: tuple[Tie, ...],
+    ports: tuple[Port, ...],
+    pairs: tuple[Pair, ...],
+    g: float,
 ) -> Model:
     """The model of a structure, without tolerances."""
     outlines = [joint.face.outline.ravel() for joint in joints]
     faces = [_faces_of(joint) for joint in joints]
     corners = np.concatenate([np.zeros(0), *outlines, *(part for pair in faces for part in pair)])
+    sides = [pair.beside.outline.ravel() if isinstance(pair.beside, Face) else np.zeros(0) for pair in pairs]
+    corners = np.concatenate([corners, *sides])
     bearings = sum(joint.bearing is not None for joint in joints)
-    sizes = at.sizes_of(len(solids), len(joints), len(ties), bearings, corners.size, len(ports))
+    sizes = at.sizes_of(len(solids), len(joints), len(ties), bearings, corners.size, len(ports), len(pairs))
     model = Model(sizes, np.zeros(at.MODEL.size(sizes)))
     model.numbers[: len(sizes)] = sizes
     names = model.names
@@ -121,6 +129,10 @@ def _model_of(
     for p, port in enumerate(ports):
         names.ports.body[p] = port.body
         names.ports.x[p], names.ports.y[p], names.ports.z[p] = port.at
+    place = corners.size - sum(side.size for side in sides)
+    for p, pair in enumerate(pairs):
+        _fill_pair(names.pairs, p, pair, solids, place)
+        place += sides[p].size
     _fill_settings(settings, table, solids, joints, g)
     slides = any(joint.bed.friction is not None for joint in joints)
     settlement = settings.motion_floor * settings.extent / FLOOR
@@ -129,7 +141,7 @@ def _model_of(
         if joint.bed.friction is not None:
             table.reach[j] = joint.bed.friction * settlement / joint.bed.shear_ratio + joint.bed.dowel / table.shear[j]
             table.shear_damping[j] = max(table.shear_damping[j], settings.relaxation)
-    settings.gives_way = float(slides or any(tie.yield_ is not None for tie in ties))
+    settings.gives_way = float(slides or bool(pairs) or any(tie.yield_ is not None for tie in ties))
     return model
 
 
@@ -231,6 +243,40 @@ def _fill_tie(table: Any, e: int, tie: Tie, solids: tuple[Solid, ...]) -> None:
     table.length[e] = float(np.linalg.norm(built)) + tie.slack - tie.pretension / tie.stiffness
     table.tension_only[e] = 1.0 if tie.tension_only else 0.0
     table.yields_at[e] = math.inf if tie.yield_ is None else tie.yield_
+
+
+def _fill_pair(table: Any, p: int, pair: Pair, solids: tuple[Solid, ...], place: int) -> None:
+    drum, beside = pair.drum, pair.beside
+    is_drum = isinstance(beside, Side)
+    table.one[p], table.other[p], table.kind[p] = pair.one, pair.other, at.DRUMS if is_drum else at.PLANE
+    middle, along = (beside.middle, beside.axis) if isinstance(beside, Side) else (beside.centre, beside.normal)
+    vectors = {
+        "a": drum.middle - solids[pair.one].centroid,
+        "b": middle - solids[pair.other].centroid,
+        "u": drum.axis,
+        "v": along,
+        "e1": np.zeros(3) if isinstance(beside, Side) else beside.axes[:, 0],
+    }
+    for prefix, vector in vectors.items():
+        for axis, part in zip("xyz", vector, strict=True):
+            getattr(table, prefix + axis)[p] = part
+    table.radius_a[p], table.half_a[p] = drum.radius - pair.farther, drum.half
+    if isinstance(beside, Side):
+        table.radius_b[p], table.half_b[p] = beside.radius, beside.half
+    else:
+        table.first[p], table.corners[p] = place, len(beside.outline)
+    masses = [solids[i].mass for i in (pair.one, pair.other)]
+    stiffness = pair.stiffness * pair.length
+    frequency = math.sqrt(2.0 * stiffness / min(masses))
+    table.stiffness[p], table.damping[p] = pair.stiffness, pair.damping
+    table.friction[p], table.shear[p] = pair.friction, pair.shear
+    table.shear_damping[p] = RELAXATION / frequency
+    table.decay[p] = 1.0 / (pair.damping * frequency**2) if pair.damping else math.inf
+    spheres = [
+        float(np.max(np.linalg.norm(solid.corners - solid.centroid, axis=1)))
+        for solid in (solids[pair.one], solids[pair.other])
+    ]
+    table.reach[p] = sum(spheres) + max(0.0, -pair.farther)
 
 
 def _fill_settings(settings: Any, table: Any, solids: tuple[Solid, ...], joints: tuple[Joint, ...], g: float) -> None:

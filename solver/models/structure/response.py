@@ -14,7 +14,7 @@ import numpy as np
 from ...common.errors import needing
 from ...common.frames import EXTRA
 from ...common.notebook import history, rows_of
-from ..outputs import BASE, DIGITS, TIE, peaks_by_name
+from ..outputs import BASE, CONTACT, DIGITS, TIE, peaks_by_name
 from ..response import Result
 from .blocks.faces import FloatArray
 from .outputs import OUTPUTS, StructureHistories
@@ -41,7 +41,8 @@ class SpatialResponse(StructureHistories, Result):
     weight; rotation (rows, n, 3), axis times angle (rad). Joints, along the axes of the joint: N (N, compression), Mx,
     My, Mz (N m, restoring), Tx, Ty (N, of the upper block on the lower one), contact (0..1 of the area), sigma_max
     (Pa), slip (m, that friction has given way by). tie (N, tension). Bearings: dx, dy, d (m), along their axes, and
-    whichever way. base (rows, 6): force and moment about the origin of the structure on the base.
+    whichever way. Neighbours, pair by pair: gap (m, below 0 while
+    they press on each other), hit (N). base (rows, 6): force and moment about the origin of the structure on the base.
 
     peaks: largest absolute values of the continuous motion by these names; the least of contact; u: of the horizontal
     displacement, over the rows. verdict: "overturned" (some block lies lower than built by half of its least extent, is
@@ -56,7 +57,7 @@ class SpatialResponse(StructureHistories, Result):
     rows: FloatArray
     _again: Callable[[], Moved]  # makes the run again, and keeps what rows do not have
     overturned_block: str = ""
-    dimensions = MappingProxyType({TIE: "tie_number", BASE: "component"})
+    dimensions = MappingProxyType({TIE: "tie_number", CONTACT: "pair", BASE: "component"})
 
     @property
     def _fall(self) -> str:

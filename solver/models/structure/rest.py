@@ -18,7 +18,7 @@ from ...common.errors import InputError
 from ...kernels.structure import layout as at
 from ..protocol import NoRestError
 from .blocks.faces import FloatArray
-from .blocks.parts import Joint, Port, Solid, Tie
+from .blocks.parts import Joint, Pair, Port, Solid, Tie
 from .model import Structure
 from .packing import FLOOR, centroid_of
 from .stepper import Stepper
@@ -46,17 +46,23 @@ class Rest(NamedTuple):
 def rest_of(structure: Structure) -> Rest:
     """The rest of a structure. Raises NoRestError if it has none that is stable, InputError if a block is free."""
     try:
-        return _rest_of(structure.blocks, structure.joints, structure.ties, structure.g, structure.ports)
+        parts = structure.blocks, structure.joints, structure.ties, structure.g
+        return _rest_of(*parts, structure.ports, structure.neighbours)
     except InputError as error:
         raise type(error)(f"{structure.name}: {error}") from None
 
 
 @lru_cache(maxsize=64)
 def _rest_of(
-    blocks: tuple[Solid, ...], joints: tuple[Joint, ...], ties: tuple[Tie, ...], g: float, ports: tuple[Port, ...]
+    blocks: tuple[Solid, ...],
+    joints: tuple[Joint, ...],
+    ties: tuple[Tie, ...],
+    g: float,
+    ports: tuple[Port, ...],
+    neighbours: tuple[Pair, ...],
 ) -> Rest:
     """The rest does not depend on the settings of a run."""
-    structure = Structure("structure", blocks, joints, ties, g, ports=ports)
+    structure = Structure("structure", blocks, joints, ties, g, ports=ports, neighbours=neighbours)
     linear = full_stiffness(structure)
     if not structure.weight > 0.0:
         return _finished(Stepper(structure), linear)

@@ -100,6 +100,33 @@ class Port:
 
 
 @dataclass(frozen=True, eq=False)
+class Side:
+    """The round side of a drum."""
+
+    middle: FloatArray  # (3,) m, of its axis
+    axis: FloatArray  # (3,) unit vector
+    half: float  # m, half of its length
+    radius: float  # m
+
+
+@dataclass(frozen=True, eq=False)
+class Pair:
+    """Two sides of blocks that no joint connects, and what they bear where they meet (theory.md section 14)."""
+
+    one: int  # number of the block, from 0, whose side is `drum`
+    other: int
+    drum: Side
+    beside: Side | Face  # of the other block
+    gap: float  # m, between both as built
+    length: float  # m, over which they face each other as built
+    farther: float = 0.0  # m, by which they are taken to be farther apart than the blocks are
+    stiffness: float = 0.0  # N/m2
+    damping: float = 0.0  # s
+    friction: float = 0.0
+    shear: float = 0.0  # N/m, stiffness along the contact
+
+
+@dataclass(frozen=True, eq=False)
 class Tie:
     """A rod, clamp, tendon or damper between points of two blocks, or of a block and the base."""
 

@@ -1,0 +1,168 @@
+"""Blocks that stand beside each other meet: momentum, energy, closed forms of impacts (theory.md section 14)."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+from solver import simulate
+from solver.ground.motion import Motion
+from solver.models.structure.blocks.faces import FloatArray
+from solver.models.structure.model import Structure
+from solver.models.structure.neighbours import damping_of, restitution_of
+from solver.models.structure.run import SpatialState, begun
+from solver.models.structure.stepper import Stepper
+
+HEIGHT, DIAMETER, LINE = 2.0, 1.0, 1e8
+STILL = Motion.from_samples(0.5, np.zeros(3))
+DRUM = {"shape": "drum", "diameter": DIAMETER, "height": HEIGHT, "density": 2000.0}
+BOX = {"width": 1.0, "depth": 1.5, "height": HEIGHT, "density": 2000.0}
+MASS = 2000.0 * HEIGHT * math.pi * 0.25 * DIAMETER**2
+
+
+def structure(
+    *shapes: dict[str, Any], apart: float = 1.2, tolerance: float = 1e-6, of_joints: float = 1e-3, **law: float
+) -> Structure:
+    """Blocks side by side along x on a base without gravity, which they leave at once."""
+    blocks = [{"name": f"b{k}", "on": "base", "at": [k * apart, 0.0], **shape} for k, shape in enumerate(shapes)]
+    neighbours = {"reach": 0.5, "line_stiffness": LINE, "damping": 0.0, "friction": 0.0} | law
+    if "restitution" in law:
+        del neighbours["damping"]
+    joints = {"stiffness": 1e9, "damping": of_joints, "friction": 0.5}  # what is open bears nothing
+    data = {"name": "beside", "g": 0.0, "joints": joints, "neighbours": neighbours, "block": blocks}
+    return Structure.from_dict({**data, "solver": {"tolerance": tolerance}})
+
+
+def thrown(made: Structure, velocity: Any, rotation: Any = None, spin: Any = None) -> Stepper:
+    """The structure high above its base, its blocks in motion."""
+    none = np.zeros((made.n, 3))
+    up = none + np.array([0.0, 0.0, 2.0])
+    turned, turning = (none if part is None else np.asarray(part) for part in (rotation, spin))
+    return begun(made, STILL, SpatialState(up, turned, np.asarray(velocity, dtype=np.float64), turning))[0]
+
+
+def follow(stepper: Stepper, stop: float) -> None:
+    """Go on from time 0."""
+    stepper.run(STILL, 0.0, stop, np.zeros(0))
+
+
+def momenta(stepper: Stepper) -> tuple[FloatArray, FloatArray]:
+    """Momentum, N s, and angular momentum about the origin, N m s."""
+    made, see = stepper.structure, stepper.see
+    linear, angular = np.zeros(3), np.zeros(3)
+    for i, block in enumerate(made.blocks):
+        v = np.array([see.vx[i], see.vy[i], see.vz[i]])
+        q0, q = see.q0[i], np.array([see.q1[i], see.q2[i], see.q3[i]])
+        own = block.inertia @ np.array([see.wx[i], see.wy[i], see.wz[i]])
+        across = np.cross(q, own)
+        own = own + 2.0 * (q0 * across + np.cross(q, across))
+        place = block.centroid + np.array([see.ux[i], see.uy[i], see.uz[i]])
+        linear += block.mass * v
+        angular += block.mass * np.cross(place, v) + own
+    return linear, angular
+
+
+def _random(shapes: tuple[dict[str, Any], ...], seed: int, **more: float) -> tuple[Stepper, float]:
+    """A throw at random against each other, and the time by which they have met and parted."""
+    rng = np.random.default_rng(seed)
+    made = structure(*shapes, **more)
+    speed = np.array([[0.6, 0.0, 0.0], [-0.6, 0.0, 0.0]]) + 0.1 * rng.normal(size=(2, 3))
+    tilt = 0.08 * rng.uniform(-1.0, 1.0, size=(2, 3))
+    return thrown(made, speed, tilt, 0.3 * rng.normal(size=(2, 3))), 0.6
+
+
+@pytest.mark.parametrize("shapes", [(DRUM, DRUM), (DRUM, BOX)], ids=["drums", "drum and face"])
+@pytest.mark.parametrize("seed", range(4))
+def test_throws_keep_momentum_and_energy(shapes: tuple[dict[str, Any], ...], seed: int) -> None:
+    for tolerance in (1e-4, 1e-6):
+        stepper, stop = _random(shapes, seed, tolerance=tolerance, of_joints=0.0)
+        before, energy = momenta(stepper), stepper.observe()
+        follow(stepper, stop)
+        after = momenta(stepper)
+        assert stepper.state.peaks[-7] > 1e5  # N: they have met
+        assert np.max(np.abs(after[0] - before[0])) <= 1e-14 * MASS  # of 0.6 m/s: measured 1.7e-15
+        assert np.max(np.abs(after[1] - before[1])) <= 1e-12 * MASS  # measured 2.5e-13
+        # measured 7e-5 of the tolerance 1e-4, 1.7e-4 of 1e-6
+        assert abs(stepper.observe() / energy - 1.0) <= 1e-2 * tolerance
+
+
+def test_equal_drums_exchange_their_velocities() -> None:
+    stepper = thrown(structure(DRUM, DRUM), [[1.0, 0.0, 0.0], [0.0, 0.0, 0.0]])
+    follow(stepper, 0.5)
+    assert stepper.see.vx == pytest.approx([0.0, 1.0], abs=1e-5)  # measured 2.1e-6
+
+
+@pytest.mark.parametrize("shapes", [(DRUM, DRUM), (DRUM, BOX)], ids=["drums", "drum and face"])
+@pytest.mark.parametrize("wanted", [0.9, 0.5, 0.1])
+def test_the_restitution_is_the_one_asked_for(shapes: tuple[dict[str, Any], ...], wanted: float) -> None:
+    stepper = thrown(structure(*shapes, restitution=wanted), [[1.0, 0.0, 0.0], [0.0, 0.0, 0.0]])
+    follow(stepper, 0.5)
+    assert stepper.see.vx[1] - stepper.see.vx[0] == pytest.approx(wanted, abs=1e-5)
+
+
+def test_restitution_and_damping_are_inverse() -> None:
+    for wanted in (0.999, 0.5, math.exp(-2.0), 0.05):
+        assert restitution_of(damping_of(wanted, 10.0, 1e6), 10.0, 1e6) == pytest.approx(wanted, rel=1e-10)
+    assert damping_of(1.0, 10.0, 1e6) == 0.0
+
+
+@pytest.mark.parametrize("shapes", [(DRUM, DRUM), (DRUM, BOX)], ids=["drums", "drum and face"])
+def test_a_drum_that_spins_is_held_back_by_friction(shapes: tuple[dict[str, Any], ...]) -> None:
+    made = structure(*shapes, friction=0.1, restitution=0.7)
+    stepper = thrown(made, [[1.0, 0.0, 0.0], [0.0, 0.0, 0.0]], spin=[[0.0, 0.0, 20.0], [0.0, 0.0, 0.0]])
+    before, energy = momenta(stepper), stepper.observe()
+    follow(stepper, 0.5)
+    after = momenta(stepper)
+    assert np.max(np.abs(after[0] - before[0])) <= 1e-14 * MASS
+    assert np.max(np.abs(after[1] - before[1])) <= 1e-12 * MASS
+    assert stepper.observe() < energy
+    # it slides all the time, along a normal that turns by 2e-3: measured 1.9e-3 and 1.3e-3
+    assert abs(stepper.see.vy[1] / stepper.see.vx[1]) == pytest.approx(0.1, rel=3e-3)
+
+
+def test_friction_that_sticks_keeps_energy_but_for_what_slides() -> None:
+    """Two drums that roll on each other: what is stretched comes back, nothing is gained."""
+    for seed in range(4):
+        stepper, stop = _random((DRUM, DRUM), seed, friction=0.5, of_joints=0.0)
+        energy, spans = stepper.observe(), []
+        for k in range(12):
+            stepper.run(STILL, k * stop / 12, (k + 1) * stop / 12, np.zeros(0))
+            spans.append(stepper.observe() / energy)
+        assert np.all(np.diff([1.0, *spans]) <= 1e-8)
+        assert spans[-1] > 0.9
+
+
+def test_cradle_of_newton() -> None:
+    """Five drums 1 mm apart: so slow that one impact ends before the next begins, the last one leaves alone."""
+    stepper = thrown(structure(*(DRUM,) * 5, apart=1.001), [[0.05, 0.0, 0.0]] + 4 * [[0.0, 0.0, 0.0]])
+    follow(stepper, 0.3)
+    assert stepper.see.vx == pytest.approx([0.0, 0.0, 0.0, 0.0, 0.05], abs=1e-6)
+
+
+def test_pairs_that_stay_apart_change_no_bit() -> None:
+    data = structure(DRUM, BOX, DRUM).to_dict() | {"g": 9.81}
+    alone = Structure.from_dict({key: value for key, value in data.items() if key != "neighbours"})
+    motion = Motion.harmonic(1.0, 2.0, 1.0)
+    found = [
+        simulate(made.with_settings(without=("elastic",)), motion, settle=0.0)
+        for made in (Structure.from_dict(data), alone)
+    ]
+    assert np.array_equal(found[0].ux, found[1].ux)
+    assert np.array_equal(found[0].N, found[1].N)
+    assert found[0].gap.shape[1] == 2
+    least = found[0].gap.min(axis=0)
+    assert np.all(found[0].peaks["gap"] <= least + 1e-7)  # a tenth of the tolerance is not searched for
+    assert found[0].peaks["gap"] == pytest.approx(least, abs=1e-5)
+
+
+def test_a_step_ends_where_a_gap_closes_whatever_the_damping() -> None:
+    """Impacts of a damped pair, whose force begins at once, on joints without damping, whose steps are exact."""
+    for tolerance in (1e-4, 1e-7):
+        made = structure(DRUM, DRUM, restitution=0.3, of_joints=0.0, tolerance=tolerance)
+        stepper = thrown(made, [[1.0, 0.0, 0.0], [0.0, 0.0, 0.0]])
+        follow(stepper, 0.5)
+        assert stepper.see.vx[1] - stepper.see.vx[0] == pytest.approx(0.3, abs=1e-7)
+        assert stepper.counts.rejected < 30
