@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
+from support.bearings import Pulled, ellipse, loop
 from support.fmus import ROOT
 from support.probe import G
 from support.structures import run
@@ -21,12 +22,10 @@ from solver.checks.variants import difference
 from solver.common.errors import InputError
 from solver.ground.motion import Motion
 from solver.models.column.model import Column
-from solver.models.outputs import places_of
 from solver.models.structure.blocks.faces import FloatArray
 from solver.models.structure.model import Structure
 from solver.models.structure.modes import modes_in_space, sliding_frequencies
 from solver.models.structure.numbers import structure_with
-from solver.models.structure.outputs import OUTPUTS
 from solver.models.structure.rest import rest_of, start_from
 from solver.models.structure.run import SpatialState
 from solver.models.structure.stepper import Stepper
@@ -60,40 +59,9 @@ def slab(
     return Structure.from_dict({**data, "solver": {"tolerance": tolerance}})
 
 
-class Pulled:
-    """One bearing in the middle of a slab that is displaced along x under a constant load, N."""
-
-    def __init__(self, law: Law, load: float) -> None:
-        self.structure = slab(law, at=[0.0, 0.0, 0.3])
-        self.stepper, self.load = Stepper(self.structure), load
-        self.places = places_of(OUTPUTS, self.structure.sizes)
-        bearing = self.structure.bearings[0].bearing
-        assert bearing is not None
-        self.pendulum = bearing.pendulum
-
-    def force(self, u: float, v: float = 0.0) -> float:
-        """The horizontal force on the slab, N; what slides remembers it."""
-        see, stiffness = self.stepper.see, ACROSS["vertical_stiffness"]
-        see.ux[0], see.uz[0] = u, 0.5 * self.pendulum * u * u - self.load / stiffness  # so far does it rise
-        see.vx[0], see.vz[0] = v, self.pendulum * u * v
-        self.stepper.observe(keep=True)
-        row = self.stepper.row
-        assert row[self.places["N"]][0] == pytest.approx(self.load, rel=1e-9)
-        return float(row[self.places["Tx"]][0])
-
-
-def loop(pulled: Pulled, amplitude: float, reach: float) -> float:
-    """What one cycle of this amplitude dissipates, J; reach: m, what slides moves so far elastically.
-
-    The force is piecewise linear in the place, with its corners among the places: trapezoids are exact.
-    """
-    back = amplitude * np.linspace(1.0, -1.0, 101)
-    back = np.sort(np.append(back, amplitude - 2.0 * reach))[::-1]
-    for place in np.linspace(0.0, amplitude, 51).tolist():
-        pulled.force(place)
-    u = np.concatenate([back, -back])
-    t = np.array([pulled.force(place) for place in u.tolist()])
-    return float(np.trapezoid(t, u))
+def pulled(law: Law, load: float = 12e3) -> Pulled:
+    """One bearing in the middle of a slab."""
+    return Pulled(slab(law, at=[0.0, 0.0, 0.3]), load)
 
 
 @pytest.mark.parametrize("law", [PENDULUM, DOUBLE, {**ROLLING, "radius": 1.5}, ROLLING])
@@ -102,45 +70,42 @@ def test_a_pendulum_dissipates_what_friction_does(law: Law) -> None:
     amplitude, load = 0.2, 12e3
     friction, stiffness = law["friction"] * load, law["initial_stiffness"]
     closed = 4.0 * friction * (amplitude - friction / stiffness)
-    assert loop(Pulled(law, load), amplitude, friction / stiffness) == pytest.approx(closed, rel=1e-6)
+    assert loop(pulled(law, load), amplitude, friction / stiffness) == pytest.approx(closed, rel=1e-6)
     rigid = {**law, "initial_stiffness": 1e5 * stiffness}
-    found = loop(Pulled(rigid, load), amplitude, 1e-5 * friction / stiffness)
+    found = loop(pulled(rigid, load), amplitude, 1e-5 * friction / stiffness)
     assert found == pytest.approx(4.0 * friction * amplitude, rel=1e-6)
 
 
 def test_lead_rubber_dissipates_what_the_lead_does() -> None:
     amplitude = 0.2
     lead, stiffness = LEAD["yield"], LEAD["initial_stiffness"]
-    pulled = Pulled(LEAD, 12e3)
+    bearing = pulled(LEAD)
     closed = 4.0 * lead * (amplitude - lead / stiffness)
-    assert loop(pulled, amplitude, lead / stiffness) == pytest.approx(closed, rel=1e-6)
-    assert pulled.force(amplitude) == pytest.approx(LEAD["stiffness"] * amplitude + lead, rel=1e-12)
+    assert loop(bearing, amplitude, lead / stiffness) == pytest.approx(closed, rel=1e-6)
+    assert bearing.force(amplitude) == pytest.approx(LEAD["stiffness"] * amplitude + lead, rel=1e-12)
 
 
 def test_rubber_is_a_spring_and_a_dashpot() -> None:
     """An ellipse: pi c omega U^2."""
-    amplitude, omega = 0.2, 3.0
-    angle = np.linspace(0.0, 2.0 * math.pi, 257)
-    u, v = amplitude * np.sin(angle), amplitude * omega * np.cos(angle)
-    pulled = Pulled(RUBBER, 12e3)
-    t = np.array([pulled.force(*pair) for pair in zip(u.tolist(), v.tolist(), strict=True)])
-    assert np.trapezoid(t * v / omega, angle) == pytest.approx(math.pi * 2e3 * omega * amplitude**2, rel=1e-12)
-    assert np.max(np.abs(t - 2e4 * u - 2e3 * v)) <= 1e-9 * np.max(np.abs(t))
+    amplitude, omega, bearing = 0.2, 3.0, pulled(RUBBER)
+    assert ellipse(bearing, amplitude, omega) == pytest.approx(math.pi * 2e3 * omega * amplitude**2, rel=1e-12)
+    for u, v in ((0.2, 0.0), (-0.1, 0.5), (0.0, -0.6)):
+        assert bearing.force(u, v) == pytest.approx(2e4 * u + 2e3 * v, rel=1e-9)
 
 
 def test_a_double_pendulum_has_both_radii_less_its_height() -> None:
     smooth = {key: value for key, value in DOUBLE.items() if key != "initial_stiffness"} | {"friction": 0.0}
-    pulled = Pulled(smooth, 12e3)
-    assert pulled.force(0.1) == pytest.approx(12e3 * 0.1 / 2.0, rel=1e-12)
+    bearing = pulled(smooth)
+    assert bearing.force(0.1) == pytest.approx(12e3 * 0.1 / 2.0, rel=1e-12)
 
 
 def test_a_ring_pushes_back_beyond_the_rim() -> None:
     rim = {"rim": 0.15, "rim_stiffness": 1e7, "rim_damping": 1e-3}
-    pulled = Pulled({**RUBBER, **rim}, 12e3)
-    assert pulled.force(0.14) == pytest.approx(2e4 * 0.14, rel=1e-12)
-    assert pulled.force(0.16) == pytest.approx(2e4 * 0.16 + 1e7 * 0.01, rel=1e-12)
-    assert pulled.force(0.16, 2.0) == pytest.approx(2e4 * 0.16 + 2e3 * 2.0 + 1e7 * (0.01 + 2e-3), rel=1e-12)
-    assert pulled.force(0.16, -20.0) == pytest.approx(2e4 * 0.16 - 2e3 * 20.0, rel=1e-12)  # it does not pull
+    bearing = pulled({**RUBBER, **rim})
+    assert bearing.force(0.14) == pytest.approx(2e4 * 0.14, rel=1e-12)
+    assert bearing.force(0.16) == pytest.approx(2e4 * 0.16 + 1e7 * 0.01, rel=1e-12)
+    assert bearing.force(0.16, 2.0) == pytest.approx(2e4 * 0.16 + 2e3 * 2.0 + 1e7 * (0.01 + 2e-3), rel=1e-12)
+    assert bearing.force(0.16, -20.0) == pytest.approx(2e4 * 0.16 - 2e3 * 20.0, rel=1e-12)  # it does not pull
 
 
 def test_the_period_of_a_pendulum_is_that_of_its_radius_whatever_the_mass() -> None:

@@ -1,0 +1,58 @@
+"""Bearings that are displaced by hand, for their loops."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from solver.models.outputs import places_of
+from solver.models.structure.model import Structure
+from solver.models.structure.outputs import OUTPUTS
+from solver.models.structure.stepper import Stepper
+
+
+class Pulled:
+    """The bearings of a structure, equal ones, whose blocks are displaced along x under a constant load on each, N."""
+
+    def __init__(self, structure: Structure, load: float) -> None:
+        self.stepper, self.load = Stepper(structure), load
+        places, self.many = places_of(OUTPUTS, structure.sizes), len(structure.bearings)
+        self.along, self.across = places["Tx"], places["N"]
+        joint = structure.bearings[0]
+        assert joint.bearing is not None
+        self.pendulum = joint.bearing.pendulum
+        self.sag = load / (joint.bed.stiffness * math.pi * joint.face.radius**2)
+
+    def force(self, u: float, v: float = 0.0) -> float:
+        """The horizontal force on all of them, N; what slides remembers it."""
+        see = self.stepper.see
+        see.ux[:], see.uz[:] = u, 0.5 * self.pendulum * u * u - self.sag  # so far do they rise
+        see.vx[:], see.vz[:] = v, self.pendulum * u * v
+        self.stepper.observe(keep=True)
+        row = self.stepper.row
+        assert row[self.across][-self.many :] == pytest.approx(self.load, rel=1e-9)
+        return float(np.sum(row[self.along][-self.many :]))
+
+
+def loop(pulled: Pulled, amplitude: float, reach: float) -> float:
+    """What one cycle of this amplitude dissipates, J; reach: m, what slides moves so far elastically.
+
+    The force is piecewise linear in the place, with its corners among the places: trapezoids are exact.
+    """
+    back = amplitude * np.linspace(1.0, -1.0, 101)
+    back = np.sort(np.append(back, amplitude - 2.0 * reach))[::-1]
+    for place in np.linspace(0.0, amplitude, 51).tolist():
+        pulled.force(place)
+    u = np.concatenate([back, -back])
+    t = np.array([pulled.force(place) for place in u.tolist()])
+    return float(np.trapezoid(t, u))
+
+
+def ellipse(pulled: Pulled, amplitude: float, omega: float) -> float:
+    """What one cycle of this amplitude, m, and frequency, rad/s, dissipates, J."""
+    angle = np.linspace(0.0, 2.0 * math.pi, 257)
+    u, v = amplitude * np.sin(angle), amplitude * omega * np.cos(angle)
+    t = np.array([pulled.force(*pair) for pair in zip(u.tolist(), v.tolist(), strict=True)])
+    return float(np.trapezoid(t * v / omega, angle))
