@@ -101,19 +101,21 @@ PORTS = Table(
     "body",  # number of the block
     *("x", "y", "z"),  # m, the point from the centroid, as built
 )
-DRUMS, PLANE = 0.0, 1.0  # a drum beside a drum, a drum before a plane face
+DRUMS, PLANE, FACES = 0.0, 1.0, 2.0  # a drum beside a drum, a drum before a plane face, two plane faces
 PAIRS = Table(
     *("one", "other"),  # numbers of the bodies
-    "kind",  # DRUMS or PLANE
-    *("ax", "ay", "az"),  # m, middle of the axis of the first drum from its centroid, as built
+    "kind",  # DRUMS, PLANE or FACES
+    *("ax", "ay", "az"),  # m, middle of the axis of the first drum, or of the first face, from its centroid, as built
     *("bx", "by", "bz"),  # m, that of the other drum, or the centre of the face
-    *("ux", "uy", "uz"),  # axis of the first drum as built
+    *("ux", "uy", "uz"),  # axis of the first drum as built, or the normal of the first face
     *("vx", "vy", "vz"),  # that of the other one, or the normal of the face
-    *("e1x", "e1y", "e1z"),  # first axis of the face
-    *("radius_a", "radius_b"),  # m, less what the sides are taken to be farther apart by
+    *("e1x", "e1y", "e1z"),  # first axis of the other face
+    *("f1x", "f1y", "f1z"),  # that of the first face
+    *("radius_a", "radius_b"),  # m, 0 of faces; less what the sides are taken to be farther apart by
     *("half_a", "half_b"),  # m, half of the lengths of the drums
-    *("first", "corners"),  # place and number of the corners of the face
-    *("stiffness", "damping"),  # N/m2, s
+    *("first", "corners"),  # place and number of the corners of the other face
+    *("first_a", "corners_a"),  # of the first face
+    *("stiffness", "damping"),  # N/m2, of faces N/m3; s
     *("friction", "shear", "shear_damping"),  # coefficient, N/m, s
     "decay",  # s, in which its damping stops the lighter of two blocks
     "reach",  # m, of the spheres about both blocks together

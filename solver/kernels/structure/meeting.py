@@ -4,9 +4,10 @@ import math
 
 from ..numba_ext.jit import kernel, leaf, varied
 from .attempt import attempt
-from .contact import SLACK, gap_of, is_near
+from .contact import gap_of, is_near
 from .kinematics import pose_body
 from .layout import MEMORY, PHASE, STRETCH, has_extras
+from .sides import SLACK
 from .watch import BETWEEN, END, START, first_gap, interpolate_body, row
 
 _phase, _stretch = PHASE.over, STRETCH.over

@@ -88,7 +88,7 @@ def _square(room, x, y, half):
 
 
 @kernel
-def _cut(room, count, plane):
+def cut(room, count, plane):
     """Leave the part of the polygon where a linear function is positive; returns the number of its corners."""
     least, most = math.inf, -math.inf
     for k in range(count):
@@ -121,7 +121,7 @@ def _within(room, count, face):
     for k in range(int(face.record.corners)):
         x0, y0 = _corner(face, k)
         x1, y1 = _corner(face, k + 1)
-        count = _cut(room, count, Plane((y1 - y0) * x0 - (x1 - x0) * y0, y0 - y1, x1 - x0))
+        count = cut(room, count, Plane((y1 - y0) * x0 - (x1 - x0) * y0, y0 - y1, x1 - x0))
     return count
 
 
@@ -141,9 +141,9 @@ def _cuts_disc(plane, x, y, radius):
 def _pressed_in(room, count, x, y, radius, p, q):
     """Leave the part of a polygon where p and q are positive, as far as that lies within a disc."""
     if _cuts_disc(p, x, y, radius):
-        count = _cut(room, count, p)
+        count = cut(room, count, p)
     if _differ(p, q) and _cuts_disc(q, x, y, radius):
-        count = _cut(room, count, q)
+        count = cut(room, count, q)
     return count
 
 
@@ -240,7 +240,7 @@ def _of_one_disc(room, x, y, radius, other_x, other_y, other, first, p, q):
             return nothing(q)
     else:  # distance^2 - radius^2 about the own centre less the same about the other one
         more = (other - radius) * (other + radius) - dx * (x + other_x) - dy * (y + other_y)
-        count = _cut(room, count, Plane(more, 2.0 * dx, 2.0 * dy))
+        count = cut(room, count, Plane(more, 2.0 * dx, 2.0 * dy))
     return _of_disc(room, _pressed_in(room, count, x, y, radius, p, q), x, y, radius, q)
 
 

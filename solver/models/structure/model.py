@@ -166,7 +166,10 @@ class Structure(Shown):
     @cached_property
     def contact_names(self) -> tuple[str, ...]:
         """Names of the pairs of neighbours."""
-        return tuple(f"{self.names[pair.one]}-{self.names[pair.other]}" for pair in self.neighbours)
+        return tuple(
+            f"{self.names[pair.one]}-{self.names[pair.other] if not pair.wall else f'wall {pair.wall}'}"
+            for pair in self.neighbours
+        )
 
     @property
     def is_stack(self) -> bool:
@@ -281,7 +284,7 @@ def _stiffer(joint: Joint, stiffness: float) -> Bearing | None:
 
 def _is_mirrored_pair(pair: Pair) -> bool:
     """Whether both sides of a pair are their own mirror images about the plane x, z."""
-    for side in (pair.drum, pair.beside):
+    for side in (pair.side, pair.beside):
         if not isinstance(side, Side):
             if not _is_mirrored(side):
                 return False

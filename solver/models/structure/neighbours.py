@@ -3,32 +3,45 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from ...common.errors import InputError, check_number, shown
-from ...common.ranges import NUMBERS, check_keys
-from .blocks.faces import Face
+from ...common.ranges import LENGTH, NUMBERS, check_keys
+from .blocks.faces import Face, clipped, polygon_moments
 from .blocks.parts import Joint, Pair, Side, Solid
+from .blocks.shapes import rectangle
 
 _REACH = (0.0, 1e6), "a length in m, zero or positive: sides that face each other within it may meet"
 _FRICTION = (0.0, 1e3), "a coefficient of friction, 0 without friction"
 _RANGES = {
     "reach": _REACH,
+    "stiffness": ((1e-6, 1e15), "a positive stiffness in N/m3, of plane faces that meet"),
     "line_stiffness": ((1e-6, 1e15), "a positive stiffness in N/m2, along the line in which drums meet"),
     "damping": NUMBERS["damping"],
     "restitution": ((1e-3, 1.0), "a coefficient of restitution, from 1e-3 to 1"),
     "friction": _FRICTION,
     "shear_ratio": ((1e-6, 1e6), "a positive ratio of the stiffness along the contact to that across it"),
 }
+_OF_WALL = ("at", "normal", "width", "height")
 _OF_PAIR = ("between", "gap", *(name for name in _RANGES if name != "reach"))
-KEYS = (*_RANGES, "pair")
+KEYS = (*_RANGES, "pair", "wall")
+_PLACE = (-1e6, 1e6), "a number, at most 1e6 either way"
+_MEANT = {
+    "at": "the middle [x, y, z] of its lower edge, three lengths in m",
+    "normal": "the direction [x, y] in which it faces",
+    "width": LENGTH[1],
+    "height": LENGTH[1],
+}
+MOST = 1000  # pairs
 _GAP = (0.0, 1e6), "a length in m, zero or positive"
 SHEAR_RATIO = 0.4
 PARALLEL = 0.5  # cosine of the angle between the axis of a drum and a face beyond which the drum's end faces it
+OPPOSITE = -0.9  # cosine of the angle between the normals of faces that face each other, at most
+LEVEL = 0.9  # of a normal: faces that lie more level than that are no sides
 LEAST = 1e-6  # of half the length of a drum: sides that face each other over less do not meet
 NEAR = 1e-6  # m: of less overlap as built nothing is said
 
@@ -42,14 +55,12 @@ def neighbours_from(data: Mapping[str, Any], blocks: tuple[Solid, ...], joints: 
         raise InputError(f"neighbours = {shown(table)}: must be a table with the keys {', '.join(KEYS)}")
     check_keys("neighbours.", table, KEYS)
     given = _numbers("neighbours", table, tuple(_RANGES))
-    tables = table.get("pair", [])
-    if not isinstance(tables, list) or not all(isinstance(part, Mapping) for part in tables):
-        raise InputError("neighbours.pair: must be one table [[neighbours.pair]] for each")
     declared: dict[tuple[int, int], tuple[str, dict[str, float]]] = {}
-    for number, part in enumerate(tables, start=1):
+    for number, part in enumerate(_list(table, "pair"), start=1):
         key = f"neighbours.pair[{number}]"
         check_keys(f"{key}.", part, _OF_PAIR)
         declared[_between(key, part, blocks)] = key, _numbers(key, part, _OF_PAIR[1:])
+    walls = [_wall(f"neighbours.wall[{number}]", part) for number, part in enumerate(_list(table, "wall"), start=1)]
     if "reach" not in given and not declared:
         raise InputError(f"neighbours.reach: missing, must be {_REACH[1]}, or give tables [[neighbours.pair]]")
     joined = {frozenset((joint.upper, joint.lower)) for joint in joints}
@@ -61,11 +72,51 @@ def neighbours_from(data: Mapping[str, Any], blocks: tuple[Solid, ...], joints: 
                 if key:
                     raise InputError(f"{key}.between: must be two blocks without a joint between them")
                 continue
-            pairs = list(_facing(blocks, one, other, math.inf if key else given.get("reach", -1.0)))
+            pairs = _facing(blocks, one, other, math.inf if key else given.get("reach", -1.0))
             if key and not pairs:
-                raise InputError(f"{key}.between: must be two drums, or a drum and a plane face that it stands before")
+                raise InputError(f"{key}.between: must be two blocks whose sides face each other: drums, plane faces")
             found += [_with_law(key or "neighbours", pair, {**_law(given, own), **own}, blocks) for pair in pairs]
+    for one, block in enumerate(blocks):
+        for number, wall in enumerate(walls, start=1):
+            for pair in _before_faces(block, one, (wall,), len(blocks), given.get("reach", -1.0)):
+                found.append(_with_law("neighbours", replace(pair, wall=number), given, blocks))
+    if len(found) > MOST:
+        raise InputError(f"neighbours.reach: {len(found)} pairs of sides lie within it, must be at most {MOST}")
     return tuple(found)
+
+
+def _list(table: Mapping[str, Any], word: str) -> list[Mapping[str, Any]]:
+    tables = table.get(word, [])
+    if not isinstance(tables, list) or not all(isinstance(part, Mapping) for part in tables):
+        raise InputError(f"neighbours.{word}: must be one table [[neighbours.{word}]] for each")
+    return tables
+
+
+def _wall(key: str, table: Mapping[str, Any]) -> Face:
+    """An upright plane that moves with the base: `at` is the middle of its lower edge."""
+    check_keys(f"{key}.", table, _OF_WALL)
+    for word in _OF_WALL:
+        if word not in table:
+            raise InputError(f"{key}.{word}: missing, must be {_MEANT[word]}")
+    at = [check_number(f"{key}.at[{k}]", part, *_PLACE) for k, part in enumerate(_three(f"{key}.at", table, "at", 3))]
+    normal = [
+        check_number(f"{key}.normal[{k}]", part, *_PLACE)
+        for k, part in enumerate(_three(f"{key}.normal", table, "normal", 2))
+    ]
+    size = math.hypot(*normal)
+    if not size > 0.0:
+        raise InputError(f"{key}.normal = {shown(table['normal'])}: must have a length")
+    width, height = (check_number(f"{key}.{word}", table[word], *LENGTH) for word in ("width", "height"))
+    third, second = np.array([normal[0] / size, normal[1] / size, 0.0]), np.array([0.0, 0.0, 1.0])
+    axes = np.column_stack([np.cross(second, third), second, third])
+    return Face(np.array(at) + 0.5 * height * second, axes, rectangle(width, height))
+
+
+def _three(key: str, table: Mapping[str, Any], word: str, count: int) -> Sequence[Any]:
+    value = table[word]
+    if not isinstance(value, (list, tuple)) or len(value) != count:
+        raise InputError(f"{key} = {shown(value)}: must be {_MEANT[word]}")
+    return value
 
 
 def _law(given: Mapping[str, float], own: Mapping[str, float]) -> dict[str, float]:
@@ -103,19 +154,43 @@ def side_of_drum(solid: Solid) -> Side | None:
     return Side(0.5 * (ends[0].centre + ends[1].centre), along / length, 0.5 * length, ends[0].radius)
 
 
-def _facing(blocks: tuple[Solid, ...], one: int, other: int, reach: float) -> Iterator[Pair]:
+def _facing(blocks: tuple[Solid, ...], one: int, other: int, reach: float) -> list[Pair]:
     """Pairs of sides of two blocks that face each other within a reach, m, without their laws."""
     drums = side_of_drum(blocks[one]), side_of_drum(blocks[other])
     if drums[0] and drums[1]:
         gap, length = _gap_of_drums(drums[0], drums[1])
-        if gap <= reach:
-            yield Pair(one, other, drums[0], drums[1], gap, length)
-    for a, b, drum in ((one, other, drums[0]), (other, one, drums[1])):
-        if drum and not drums[0 if drum is drums[1] else 1]:
-            for face in blocks[b].faces:
-                found = _gap_before_face(drum, face)
-                if found and found[0] <= reach:
-                    yield Pair(a, b, drum, face, *found)
+        return [Pair(one, other, drums[0], drums[1], gap, length)] if gap <= reach else []
+    if drums[1]:
+        one, other = other, one
+    return _before_faces(blocks[one], one, blocks[other].faces, other, reach)
+
+
+def _before_faces(block: Solid, one: int, faces: Sequence[Face], other: int, reach: float) -> list[Pair]:
+    """Pairs of a block with faces of another one that a side of it stands before, within a reach."""
+    drum, found = side_of_drum(block), []
+    for face in faces:
+        sides = (drum,) if drum else block.faces
+        for side in sides:
+            gap = _gap_before_face(side, face) if isinstance(side, Side) else _gap_of_faces(side, face)
+            if gap and gap[0] <= reach:
+                found.append(Pair(one, other, side, face, *gap))
+    return found
+
+
+def _gap_of_faces(one: Face, other: Face) -> tuple[float, float] | None:
+    """Distance of two faces that face each other, m, and the area over which they do, m2; None if they do not."""
+    cosine = float(one.normal @ other.normal)
+    if one.radius or other.radius or cosine > OPPOSITE or max(abs(one.normal[2]), abs(other.normal[2])) > LEVEL:
+        return None
+    common = clipped(one.seen_from(other), other.outline)
+    if not len(common):
+        return None
+    area = float(polygon_moments(common)[0])
+    if area < LEAST * float(polygon_moments(other.outline)[0]):
+        return None
+    places = other.centre + common @ other.axes[:, :2].T
+    gap = float(np.min((one.centre - places) @ one.normal / cosine))
+    return (gap, area) if gap >= -NEAR else None
 
 
 def _gap_of_drums(a: Side, b: Side) -> tuple[float, float]:
@@ -161,27 +236,28 @@ def _gap_before_face(drum: Side, face: Face) -> tuple[float, float] | None:
 
 def _with_law(key: str, pair: Pair, law: Mapping[str, float], blocks: tuple[Solid, ...]) -> Pair:
     """A pair with its law and gap. Raises InputError."""
-    names = f"{blocks[pair.one].name} and {blocks[pair.other].name}"
-    if "line_stiffness" not in law:
-        raise InputError(f"{key}.line_stiffness: missing, must be {_RANGES['line_stiffness'][1]}: {names} may meet")
+    names = f"{blocks[pair.one].name} and {f'wall {pair.wall}' if pair.wall else blocks[pair.other].name}"
+    of_kind = "line_stiffness" if isinstance(pair.side, Side) else "stiffness"
+    if of_kind not in law:
+        raise InputError(f"{key}.{of_kind}: missing, must be {_RANGES[of_kind][1]}: {names} may meet")
     if "friction" not in law:
         raise InputError(f"{key}.friction: missing, must be {_FRICTION[1]}: {names} may meet")
     if not {"damping", "restitution"} & law.keys():
         raise InputError(f"{key}.damping: missing, must be {NUMBERS['damping'][1]}, or a restitution: {names} may meet")
     if "gap" not in law and pair.gap < -NEAR:
         raise InputError(f"{key}: {names} overlap by {-pair.gap:.3g} m as built, must stand apart, or have a gap")
-    stiffness = law["line_stiffness"] * pair.length
+    stiffness = law[of_kind] * pair.size
     if "damping" in law:
         damping = law["damping"]
     else:
-        mass = 1.0 / sum(1.0 / blocks[i].mass for i in (pair.one, pair.other))
+        mass = 1.0 / sum(1.0 / blocks[i].mass for i in (pair.one, pair.other) if i < len(blocks))
         damping = damping_of(law["restitution"], mass, stiffness)
     gap = law.get("gap", max(pair.gap, 0.0))
     return replace(
         pair,
         gap=gap,
         farther=gap - pair.gap,
-        stiffness=law["line_stiffness"],
+        stiffness=law[of_kind],
         damping=damping,
         friction=law["friction"],
         shear=law.get("shear_ratio", SHEAR_RATIO) * stiffness,

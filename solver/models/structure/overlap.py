@@ -179,7 +179,7 @@ def _may_meet(structure: Structure, reach: FloatArray, most: FloatArray) -> NDAr
     for joint in structure.joints:
         if joint.lower < n:
             found[joint.upper, joint.lower] = found[joint.lower, joint.upper] = False
-    for pair in structure.neighbours:
+    for pair in (pair for pair in structure.neighbours if not pair.wall):
         found[pair.one, pair.other] = found[pair.other, pair.one] = False
     return found
 

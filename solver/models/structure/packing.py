@@ -105,7 +105,7 @@ def _model_of(
     outlines = [joint.face.outline.ravel() for joint in joints]
     faces = [_faces_of(joint) for joint in joints]
     corners = np.concatenate([np.zeros(0), *outlines, *(part for pair in faces for part in pair)])
-    sides = [pair.beside.outline.ravel() if isinstance(pair.beside, Face) else np.zeros(0) for pair in pairs]
+    sides = [np.concatenate(_outlines_of(pair)).ravel() for pair in pairs]
     corners = np.concatenate([corners, *sides])
     bearings = sum(joint.bearing is not None for joint in joints)
     sizes = at.sizes_of(len(solids), len(joints), len(ties), bearings, corners.size, len(ports), len(pairs))
@@ -245,38 +245,41 @@ def _fill_tie(table: Any, e: int, tie: Tie, solids: tuple[Solid, ...]) -> None:
     table.yields_at[e] = math.inf if tie.yield_ is None else tie.yield_
 
 
+def _outlines_of(pair: Pair) -> tuple[FloatArray, FloatArray]:
+    """Corners of the faces of a pair, (corners, 2) m; none of a drum."""
+    side, beside = (part.outline if isinstance(part, Face) else np.zeros((0, 2)) for part in (pair.side, pair.beside))
+    return side, beside
+
+
 def _fill_pair(table: Any, p: int, pair: Pair, solids: tuple[Solid, ...], place: int) -> None:
-    drum, beside = pair.drum, pair.beside
-    is_drum = isinstance(beside, Side)
-    table.one[p], table.other[p], table.kind[p] = pair.one, pair.other, at.DRUMS if is_drum else at.PLANE
-    middle, along = (beside.middle, beside.axis) if isinstance(beside, Side) else (beside.centre, beside.normal)
-    vectors = {
-        "a": drum.middle - solids[pair.one].centroid,
-        "b": middle - solids[pair.other].centroid,
-        "u": drum.axis,
-        "v": along,
-        "e1": np.zeros(3) if isinstance(beside, Side) else beside.axes[:, 0],
-    }
-    for prefix, vector in vectors.items():
-        for axis, part in zip("xyz", vector, strict=True):
-            getattr(table, prefix + axis)[p] = part
-    table.radius_a[p], table.half_a[p] = drum.radius - pair.farther, drum.half
-    if isinstance(beside, Side):
-        table.radius_b[p], table.half_b[p] = beside.radius, beside.half
-    else:
-        table.first[p], table.corners[p] = place, len(beside.outline)
-    masses = [solids[i].mass for i in (pair.one, pair.other)]
-    stiffness = pair.stiffness * pair.length
-    frequency = math.sqrt(2.0 * stiffness / min(masses))
+    table.one[p], table.other[p] = pair.one, pair.other
+    kind = at.DRUMS if isinstance(pair.beside, Side) else at.PLANE if isinstance(pair.side, Side) else at.FACES
+    table.kind[p] = kind
+    table.radius_a[p] = -pair.farther
+    for body, side, arm, along, axis in (
+        (pair.one, pair.side, "a", "u", "f1"),
+        (pair.other, pair.beside, "b", "v", "e1"),
+    ):
+        is_drum = isinstance(side, Side)
+        middle, direction = (side.middle, side.axis) if is_drum else (side.centre, side.normal)  # type: ignore
+        first = np.zeros(3) if is_drum else side.axes[:, 0]  # type: ignore
+        for prefix, vector in ((arm, middle - centroid_of(solids, body)), (along, direction), (axis, first)):
+            for name, part in zip("xyz", vector, strict=True):
+                getattr(table, prefix + name)[p] = part
+        if isinstance(side, Side):
+            getattr(table, f"radius_{arm}")[p] += side.radius
+            getattr(table, f"half_{arm}")[p] = side.half
+    own, other = _outlines_of(pair)
+    table.first_a[p], table.corners_a[p] = place, len(own)
+    table.first[p], table.corners[p] = place + own.size, len(other)
+    blocks = [solids[i] for i in (pair.one, pair.other) if i < len(solids)]
+    frequency = math.sqrt(2.0 * pair.stiffness * pair.size / min(solid.mass for solid in blocks))
     table.stiffness[p], table.damping[p] = pair.stiffness, pair.damping
     table.friction[p], table.shear[p] = pair.friction, pair.shear
     table.shear_damping[p] = RELAXATION / frequency
     table.decay[p] = 1.0 / (pair.damping * frequency**2) if pair.damping else math.inf
-    spheres = [
-        float(np.max(np.linalg.norm(solid.corners - solid.centroid, axis=1)))
-        for solid in (solids[pair.one], solids[pair.other])
-    ]
-    table.reach[p] = sum(spheres) + max(0.0, -pair.farther)
+    reach = sum(float(np.max(np.linalg.norm(solid.corners - solid.centroid, axis=1))) for solid in blocks)
+    table.reach[p] = math.inf if len(blocks) < 2 else reach + max(0.0, -pair.farther)
 
 
 def _fill_settings(settings: Any, table: Any, solids: tuple[Solid, ...], joints: tuple[Joint, ...], g: float) -> None:

@@ -113,17 +113,18 @@ class Side:
 class Pair:
     """Two sides of blocks that no joint connects, and what they bear where they meet (theory.md section 14)."""
 
-    one: int  # number of the block, from 0, whose side is `drum`
-    other: int
-    drum: Side
-    beside: Side | Face  # of the other block
+    one: int  # number of the block, from 0
+    other: int  # of another one, or of the base
+    side: Side | Face  # of the first block; a face only before another face
+    beside: Side | Face  # of the other one
     gap: float  # m, between both as built
-    length: float  # m, over which they face each other as built
+    size: float  # m, or m2 of two faces, over which they face each other as built
     farther: float = 0.0  # m, by which they are taken to be farther apart than the blocks are
-    stiffness: float = 0.0  # N/m2
+    stiffness: float = 0.0  # N/m2, or N/m3 of two faces
     damping: float = 0.0  # s
     friction: float = 0.0
     shear: float = 0.0  # N/m, stiffness along the contact
+    wall: int = 0  # number of the wall, from 1, where the other one is the base
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,0 +1,231 @@
+"""A drum beside a drum, and a drum before a plane face (theory.md section 14).
+
+Along the axis of the first drum, s from its middle, both sides overlap by delta(s). The force per length is stiffness
+times q = delta + damping d(delta)/dt where that is positive. Its ends are in closed form; where the end of the other
+drum, or an edge of the face, sets one, the energy changes as that end moves, which is a force there.
+"""
+
+import math
+from typing import NamedTuple
+
+from ..numba_ext.jit import leaf
+from .kinematics import cross, dot, plus, push
+from .sides import NOTHING, SLACK, Touch, apart, directed, push_both, rate_along, scaled
+
+PARALLEL = 1e-24  # square of the sine of the angle between axes that are taken as parallel
+ALONG = 1e-9  # cosine of the angle to an axis from which on an edge across it ends a contact
+NODES = (0.0, 0.5384693101056831, -0.5384693101056831, 0.906179845938664, -0.906179845938664)  # of Gauss and Legendre
+WEIGHTS = (0.5688888888888889, 0.47862867049936647, 0.47862867049936647, 0.23692688505618908, 0.23692688505618908)
+
+
+class Part(NamedTuple):
+    """A part of the axis of the first drum."""
+
+    low: float
+    high: float
+    by_low: object  # what ends it there: a direction across which the other block ends; (0, 0, 0): something else
+    by_high: object
+
+
+@leaf
+def _cut(part, level, slope, edge):
+    """The part where level + slope s is positive; edge: outwards across what ends it there."""
+    if slope > 0.0:
+        s = -level / slope
+        return Part(s, part.high, edge, part.by_high) if s > part.low else part
+    if slope < 0.0:
+        s = -level / slope
+        return Part(part.low, s, part.by_low, edge) if s < part.high else part
+    return part if level > 0.0 else Part(1.0, -1.0, part.by_low, part.by_high)
+
+
+# --- two drums
+
+
+@leaf
+def _beside_drum(sides, half_a, half_b):
+    """The part of the axis of the first drum that lies between the ends of both."""
+    t0, c = dot(sides.between, sides.v), dot(sides.u, sides.v)
+    part = Part(-half_a, half_a, NOTHING, NOTHING)
+    if abs(c) < ALONG:
+        return part if abs(t0) < half_b else Part(1.0, -1.0, NOTHING, NOTHING)
+    part = _cut(part, half_b - t0, -c, sides.v)
+    return _cut(part, half_b + t0, c, sides.v)
+
+
+class _Axes(NamedTuple):
+    """From the axis of the other drum, across it, to a point of that of the first one: at + s along."""
+
+    at: object
+    along: object
+    square: float  # of along, and so forth
+    product: float
+    level: float
+
+
+@leaf
+def _axes(sides):
+    t0, c = dot(sides.between, sides.v), dot(sides.u, sides.v)
+    at, along = plus(sides.between, sides.v, -t0), plus(sides.u, sides.v, -c)
+    return _Axes(at, along, dot(along, along), dot(at, along), dot(at, at))
+
+
+@leaf
+def _nearer_than(axes, part, distance):
+    """What of a part of the axis is nearer to the other one than that, m."""
+    beyond = axes.level - distance * distance
+    if axes.square <= PARALLEL:
+        return part if beyond < 0.0 else Part(1.0, -1.0, part.by_low, part.by_high)
+    found = axes.product * axes.product - axes.square * beyond
+    if found <= 0.0:
+        return Part(1.0, -1.0, part.by_low, part.by_high)
+    far = -(axes.product + math.copysign(math.sqrt(found), axes.product))
+    one, other = far / axes.square, beyond / far
+    low, high = min(one, other), max(one, other)
+    by_low = NOTHING if low > part.low else part.by_low
+    by_high = NOTHING if high < part.high else part.by_high
+    return Part(max(low, part.low), min(high, part.high), by_low, by_high)
+
+
+@leaf
+def _outwards(axes, s):
+    """Unit vector and distance, m, from the axis of the other drum to place s of that of the first one."""
+    w = plus(axes.at, axes.along, s)
+    rho = math.sqrt(dot(w, w))
+    return (w[0] / rho, w[1] / rho, w[2] / rho), rho
+
+
+@leaf
+def _push_end(scene, sides, s, edge, energy, way):
+    """The force of an end of the loaded part that the other block sets; energy: per length there, J/m."""
+    across = dot(sides.u, edge)
+    if energy > 0.0 and abs(across) >= ALONG:
+        push_both(scene, sides, scaled(sides.u, s), scaled(edge, way * energy / across))
+
+
+@leaf
+def load_drums(scene, phase, pairs, p, sides):
+    """Add the forces across of two drums."""
+    k, eta, reach = pairs.stiffness[p], pairs.damping[p], pairs.radius_a[p] + pairs.radius_b[p]
+    axes, c, t0 = _axes(sides), dot(sides.u, sides.v), dot(sides.between, sides.v)
+    part = _nearer_than(axes, _beside_drum(sides, pairs.half_a[p], pairs.half_b[p]), reach + SLACK)
+    total, first, energy = 0.0, 0.0, 0.0
+    if part.high > part.low:
+        middle, half = 0.5 * (part.high + part.low), 0.5 * (part.high - part.low)
+        for g in range(len(NODES)):
+            s = middle + half * NODES[g]
+            n, rho = _outwards(axes, s)
+            delta = reach - rho
+            on_a = plus(sides.arm_a, sides.u, s)
+            on_b = plus(sides.arm_b, sides.v, t0 + s * c)
+            q = delta + eta * rate_along(scene, phase, sides, n, on_a, on_b)
+            force = k * half * WEIGHTS[g] * max(q, 0.0)
+            push(scene.poses, sides.a, on_a, scaled(n, force), NOTHING, 1.0)
+            push(scene.poses, sides.b, on_b, scaled(n, force), NOTHING, -1.0)
+            total, first = total + force, first + s * force
+            energy += 0.5 * k * half * WEIGHTS[g] * max(delta, 0.0) ** 2
+        for way in (-1.0, 1.0):
+            s = part.low if way < 0.0 else part.high
+            n, rho = _outwards(axes, s)
+            delta = max(reach - rho, 0.0)
+            _push_end(scene, sides, s, part.by_low if way < 0.0 else part.by_high, 0.5 * k * delta * delta, way)
+    normal, place = sides.u, NOTHING
+    if total > 0.0:
+        s = first / total
+        normal, rho = _outwards(axes, s)
+        place = plus(scaled(sides.u, s), normal, 0.5 * (reach - rho) - pairs.radius_a[p])
+    return Touch(total, energy, normal, place)
+
+
+@leaf
+def gap_of_drums(pairs, p, sides):
+    """Distance of two drums, m, below 0 by the deepest overlap; beside their ends that of these."""
+    half, axes = pairs.half_a[p], _axes(sides)
+    part = _beside_drum(sides, half, pairs.half_b[p])
+    low, high = max(min(part.low, half), -half), min(max(part.high, -half), half)
+    beside = max(low - high, 0.0) * abs(dot(sides.u, sides.v))
+    s = -axes.product / axes.square if axes.square > PARALLEL else 0.0
+    s = min(max(s, min(low, high)), max(low, high))
+    return apart(_outwards(axes, s)[1] - pairs.radius_a[p] - pairs.radius_b[p], beside)
+
+
+# --- a drum before a face
+
+
+@leaf
+def _before_face(scene, pairs, p, sides, part):
+    """What of a part of the axis lies within the edges of the face."""
+    e1 = directed(scene, sides.b, pairs.e1x[p], pairs.e1y[p], pairs.e1z[p])
+    e2 = cross(sides.v, e1)
+    x0, x1 = dot(sides.between, e1), dot(sides.u, e1)
+    y0, y1 = dot(sides.between, e2), dot(sides.u, e2)
+    first, count = int(pairs.first[p]), int(pairs.corners[p])
+    corners = scene.corners
+    for k in range(count):
+        after = k + 1 if k + 1 < count else 0
+        ax, ay = corners[first + 2 * k], corners[first + 2 * k + 1]
+        dx, dy = corners[first + 2 * after] - ax, corners[first + 2 * after + 1] - ay
+        edge = plus(scaled(e1, dy), e2, -dx)  # outwards
+        level, slope = dx * (y0 - ay) - dy * (x0 - ax), dx * y1 - dy * x1
+        part = _cut(part, level, slope, edge)
+    return part
+
+
+class _Lowest(NamedTuple):
+    """The line of a drum that is nearest to a face: its overlap at + along s, and where it is from the axis, m."""
+
+    at: float
+    along: float
+    off: object
+
+
+@leaf
+def _lowest(sides, radius):
+    c = dot(sides.u, sides.v)
+    sine = math.sqrt(max(1.0 - c * c, 0.0))
+    off = NOTHING if sine < ALONG else scaled(plus(sides.v, sides.u, -c), -radius / sine)
+    return _Lowest(radius * sine - dot(sides.between, sides.v), -c, off)
+
+
+@leaf
+def load_drum_before_face(scene, phase, pairs, p, sides):
+    """Add the forces across of a drum before a face."""
+    k, eta, half, n = pairs.stiffness[p], pairs.damping[p], pairs.half_a[p], sides.v
+    line = _lowest(sides, pairs.radius_a[p])
+    total, energy, place = 0.0, 0.0, NOTHING
+    part = Part(-half, half, NOTHING, NOTHING)
+    if line.at < pairs.radius_a[p] and line.at + abs(line.along) * half > -SLACK:
+        part = _cut(_before_face(scene, pairs, p, sides, part), line.at + SLACK, line.along, NOTHING)
+        if part.high > part.low:
+            on_a = plus(sides.arm_a, line.off, 1.0)
+            on_b = plus(plus(sides.arm_b, sides.between, 1.0), line.off, 1.0)
+            rate = rate_along(scene, phase, sides, n, on_a, on_b)
+            pace = rate_along(scene, phase, sides, n, plus(on_a, sides.u, 1.0), plus(on_b, sides.u, 1.0)) - rate
+            at, along = line.at + eta * rate, line.along + eta * pace
+            low, high = part.low, part.high
+            for way in (-1.0, 1.0):
+                s = low if way < 0.0 else high
+                delta = max(line.at + line.along * s, 0.0)
+                _push_end(scene, sides, s, part.by_low if way < 0.0 else part.by_high, 0.5 * k * delta * delta, way)
+            d0, d1 = max(line.at + line.along * low, 0.0), max(line.at + line.along * high, 0.0)
+            energy = k * (high - low) * (d0 * d0 + d0 * d1 + d1 * d1) / 6.0
+            pressed = _cut(part, at, along, NOTHING)
+            low, high = pressed.low, pressed.high
+            if high > low:
+                length, middle = high - low, 0.5 * (high + low)
+                mean = at + along * middle
+                total = k * length * mean
+                first = total * middle + k * along * length * length * length / 12.0  # about the middle of the drum
+                place = plus(line.off, sides.u, first / total)
+                push_both(scene, sides, place, scaled(n, total))
+    return Touch(total, energy, n, place)
+
+
+@leaf
+def gap_before_face(scene, pairs, p, sides):
+    """Distance of a drum from a face, m, likewise."""
+    half, line = pairs.half_a[p], _lowest(sides, pairs.radius_a[p])
+    part = _before_face(scene, pairs, p, sides, Part(-half, half, NOTHING, NOTHING))
+    low, high = max(min(part.low, half), -half), min(max(part.high, -half), half)
+    gap = -max(line.at + line.along * low, line.at + line.along * high)
+    return apart(gap, max(part.low - part.high, 0.0))

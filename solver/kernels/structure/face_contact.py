@@ -1,0 +1,210 @@
+"""Two plane faces across a gap (theory.md section 14).
+
+Over the plane of the other face, x and y from its middle, the plane of the first one overlaps by delta(x, y). The
+pressure is stiffness times q = delta + damping d(delta)/dt where both are positive, over what both faces share as they
+stand. The energy is half the stiffness times the integral of delta squared. It also changes as the edges of the first
+face move over the other one, which is a force there; so undamped contact without friction keeps it.
+"""
+
+from typing import NamedTuple
+
+from ..numba_ext.jit import kernel, leaf
+from .bed import Plane, value
+from .kinematics import cross, dot, minus, plus
+from .overlap import cut
+from .sides import NOTHING, SLACK, Touch, apart, directed, push_both, scaled, velocity_of
+
+FACING = -0.1  # cosine of the angle between the normals of faces that face each other, at most
+SIMPSON = ((0.0, 1.0 / 6.0), (0.5, 4.0 / 6.0), (1.0, 1.0 / 6.0))  # exact for cubics
+
+
+class _Facing(NamedTuple):
+    """The first face over the plane of the other one."""
+
+    e1: object  # axes of that plane
+    e2: object
+    f1: object  # of the first face
+    f2: object
+    pull: object  # the normal of the first face, of such a length that it has 1 along that of the other one
+    shift: float  # m, by which the first face is taken to be nearer
+    delta: Plane  # m, overlap
+
+
+@leaf
+def _facing(scene, pairs, p, sides):
+    e1 = directed(scene, sides.b, pairs.e1x[p], pairs.e1y[p], pairs.e1z[p])
+    f1 = directed(scene, sides.a, pairs.f1x[p], pairs.f1y[p], pairs.f1z[p])
+    e2, f2 = cross(sides.v, e1), cross(sides.u, f1)
+    pull, shift = scaled(sides.u, 1.0 / dot(sides.u, sides.v)), pairs.radius_a[p]
+    delta = Plane(shift - dot(sides.between, pull), dot(e1, pull), dot(e2, pull))
+    return _Facing(e1, e2, f1, f2, pull, shift, delta)
+
+
+@leaf
+def _corner(scene, pairs, p, sides, facing, k):
+    """Corner k of the first face over the plane of the other one, those around it clockwise: x, y."""
+    place = int(pairs.first_a[p]) + 2 * k
+    on_a = plus(sides.between, facing.f1, scene.corners[place])
+    on_a = plus(on_a, facing.f2, scene.corners[place + 1])
+    return dot(on_a, facing.e1), dot(on_a, facing.e2)
+
+
+@leaf
+def _edge(scene, pairs, p, k):
+    """A linear function that is positive inside of edge k of the other face, m2, and the length of the edge, m."""
+    first, count = int(pairs.first[p]), int(pairs.corners[p])
+    after, corners = k + 1 if k + 1 < count else 0, scene.corners
+    ax, ay = corners[first + 2 * k], corners[first + 2 * k + 1]
+    dx, dy = corners[first + 2 * after] - ax, corners[first + 2 * after + 1] - ay
+    return Plane(dy * ax - dx * ay, -dy, dx), (dx * dx + dy * dy) ** 0.5
+
+
+@kernel
+def _share(scene, pairs, p, sides, facing):
+    """Put what both faces share into the room, as x and y; returns the number of its corners."""
+    room, count = scene.room, int(pairs.corners_a[p])
+    for k in range(count):
+        room[2 * k], room[2 * k + 1] = _corner(scene, pairs, p, sides, facing, count - 1 - k)
+    for k in range(int(pairs.corners[p])):
+        count = cut(room, count, _edge(scene, pairs, p, k)[0])
+    return count
+
+
+@leaf
+def _above(sides, facing, x, y):
+    """The place of the first face over (x, y), from the middle of the first face, m."""
+    on_b = plus(scaled(facing.e1, x), facing.e2, y)
+    rise = facing.shift - value(facing.delta, x, y)
+    return minus(plus(on_b, sides.v, rise), sides.between)
+
+
+@leaf
+def _rate(scene, phase, sides, facing):
+    """The rate of the overlap, m/s."""
+    place = plus(_above(sides, facing, 0.0, 0.0), sides.between, 1.0)  # from the middle of the other face
+    on_a, on_b = plus(plus(sides.arm_a, place, 1.0), sides.between, -1.0), plus(sides.arm_b, place, 1.0)
+    moves = minus(velocity_of(scene, phase, sides.a, on_a), velocity_of(scene, phase, sides.b, on_b))
+    spin = minus(_spin(scene, sides.a), _spin(scene, sides.b))
+    along_x = cross(spin, plus(facing.e1, sides.v, -facing.delta.along_x))
+    along_y = cross(spin, plus(facing.e2, sides.v, -facing.delta.along_y))
+    return Plane(-dot(facing.pull, moves), -dot(facing.pull, along_x), -dot(facing.pull, along_y))
+
+
+@leaf
+def _spin(scene, i):
+    return scene.poses.wx[i], scene.poses.wy[i], scene.poses.wz[i]
+
+
+@leaf
+def _linear(plane, x0, y0, x1, y1, x2, y2):
+    """Values of a linear function at three corners."""
+    return value(plane, x0, y0), value(plane, x1, y1), value(plane, x2, y2)
+
+
+@leaf
+def _product(a, b):
+    """Twelve times the mean over a triangle of the product of two linear functions, by their values at its corners."""
+    return (a[0] + a[1] + a[2]) * (b[0] + b[1] + b[2]) + a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+class _Sums(NamedTuple):
+    """Integrals over a polygon of a linear function f, and of its products with x, y and the overlap."""
+
+    force: float
+    x: float
+    y: float
+    delta: float
+
+
+@kernel
+def _integrals(room, count, f, delta):
+    """The integrals over the polygon in the room."""
+    force, first_x, first_y, product = 0.0, 0.0, 0.0, 0.0
+    x0, y0 = room[0], room[1]
+    for k in range(2, count):
+        x1, y1, x2, y2 = room[2 * k - 2], room[2 * k - 1], room[2 * k], room[2 * k + 1]
+        twelfth = ((x1 - x0) * (y2 - y0) - (x2 - x0) * (y1 - y0)) / 24.0
+        q = _linear(f, x0, y0, x1, y1, x2, y2)
+        force += 4.0 * twelfth * (q[0] + q[1] + q[2])
+        first_x += twelfth * _product(q, (x0, x1, x2))
+        first_y += twelfth * _product(q, (y0, y1, y2))
+        product += twelfth * _product(q, _linear(delta, x0, y0, x1, y1, x2, y2))
+    return _Sums(force, first_x, first_y, product)
+
+
+@kernel
+def _push_edges(scene, pairs, p, sides, facing):
+    """Add the forces of the edges of the first face, as far as they lie within the other one and overlap."""
+    count = int(pairs.corners_a[p])
+    for k in range(count):
+        x0, y0 = _corner(scene, pairs, p, sides, facing, k)
+        x1, y1 = _corner(scene, pairs, p, sides, facing, k + 1 if k + 1 < count else 0)
+        dx, dy, low, high = x1 - x0, y1 - y0, 0.0, 1.0
+        for e in range(int(pairs.corners[p]) + 1):
+            inside = facing.delta if e == int(pairs.corners[p]) else _edge(scene, pairs, p, e)[0]
+            begin, end = value(inside, x0, y0), value(inside, x1, y1)
+            if begin <= 0.0 and end <= 0.0:
+                high = -1.0
+            elif begin < 0.0:
+                low = max(low, begin / (begin - end))
+            elif end < 0.0:
+                high = min(high, begin / (begin - end))
+        if high > low:
+            out = plus(scaled(facing.e1, -dy), facing.e2, dx)  # of an outline that goes round clockwise
+            for part, weight in SIMPSON:
+                s = low + part * (high - low)
+                x, y = x0 + s * dx, y0 + s * dy
+                delta = value(facing.delta, x, y)
+                size = -0.5 * pairs.stiffness[p] * delta * delta * weight * (high - low)
+                push_both(scene, sides, _above(sides, facing, x, y), scaled(out, size))
+
+
+@kernel
+def load_faces(scene, phase, pairs, p, sides):
+    """Add the forces across of two faces."""
+    if dot(sides.u, sides.v) > FACING:
+        return Touch(0.0, 0.0, sides.v, NOTHING)
+    facing, room, k = _facing(scene, pairs, p, sides), scene.room, pairs.stiffness[p]
+    force, energy, place = 0.0, 0.0, NOTHING
+    count = _share(scene, pairs, p, sides, facing)
+    delta = facing.delta
+    count = cut(room, count, Plane(delta.at + SLACK, delta.along_x, delta.along_y))
+    if count > 2:
+        energy = 0.5 * k * _integrals(room, count, delta, delta).delta
+        _push_edges(scene, pairs, p, sides, facing)
+        q = delta
+        if pairs.damping[p] != 0.0:
+            rate, eta = _rate(scene, phase, sides, facing), pairs.damping[p]
+            q = Plane(delta.at + eta * rate.at, delta.along_x + eta * rate.along_x, delta.along_y + eta * rate.along_y)
+        count = cut(room, count, q)
+        if count > 2:
+            sums = _integrals(room, count, q, delta)
+            force = k * sums.force
+            place = plus(scaled(facing.e1, sums.x / sums.force), facing.e2, sums.y / sums.force)
+            place = minus(plus(place, sides.v, facing.shift - sums.delta / sums.force), sides.between)
+            push_both(scene, sides, place, scaled(facing.pull, force))
+    return Touch(force, energy, sides.v, place)
+
+
+@kernel
+def gap_of_faces(scene, pairs, p, sides):
+    """Distance of two faces, m, below 0 by the deepest overlap; beside their edges that of these."""
+    if dot(sides.u, sides.v) > FACING:
+        return dot(sides.between, sides.between) ** 0.5
+    facing = _facing(scene, pairs, p, sides)
+    count, corners = _share(scene, pairs, p, sides, facing), int(pairs.corners_a[p])
+    if count > 2:
+        deepest = value(facing.delta, scene.room[0], scene.room[1])
+        for k in range(1, count):
+            deepest = max(deepest, value(facing.delta, scene.room[2 * k], scene.room[2 * k + 1]))
+        return -deepest
+    beside, highest = 0.0, -facing.delta.at
+    for e in range(int(pairs.corners[p])):
+        inside, length = _edge(scene, pairs, p, e)
+        nearest = 1e300
+        for k in range(corners):
+            x, y = _corner(scene, pairs, p, sides, facing, k)
+            nearest = min(nearest, -value(inside, x, y) / length)
+            highest = min(highest, -value(facing.delta, x, y))
+        beside = max(beside, nearest)
+    return apart(highest, max(beside, SLACK))

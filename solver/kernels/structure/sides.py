@@ -1,0 +1,99 @@
+"""Two sides that face each other: where they are, how fast they approach, and forces on both (theory.md section 14)."""
+
+import math
+from typing import NamedTuple
+
+from ..numba_ext.jit import leaf
+from .kinematics import cross, dot, minus, plus, push, turned
+
+NOTHING = (0.0, 0.0, 0.0)
+SLACK = 1e-9  # m: a pair lets go beyond this gap, and touches within half of it
+
+
+class Sides(NamedTuple):
+    """Both sides of a pair as they are: directions along the axes of the base, lengths in m."""
+
+    a: int  # bodies
+    b: int
+    arm_a: object  # from their centroids to the middle of the axis of the first drum or of the first face, and to
+    arm_b: object  # that of the other one
+    between: object  # from the latter to the former
+    u: object  # axis of the first drum, or the normal of the first face
+    v: object  # that of the other one
+
+
+class Touch(NamedTuple):
+    """What a pair bears across."""
+
+    force: float  # N
+    energy: float  # J
+    normal: object  # towards the first body
+    place: object  # m, of the force, from the middle of the first side
+
+
+@leaf
+def directed(scene, i, x, y, z):
+    """A direction that is fixed to body i, along the axes of the base."""
+    return plus((x, y, z), turned(scene.poses, i, x, y, z), 1.0)
+
+
+@leaf
+def place_of(scene, phase, i):
+    """Place of the centroid of body i, m."""
+    bodies = scene.bodies
+    if i == scene.n:
+        return bodies.x[i], bodies.y[i], bodies.z[i]
+    return bodies.x[i] + phase.ux[i], bodies.y[i] + phase.uy[i], bodies.z[i] + phase.uz[i]
+
+
+@leaf
+def sides_of(scene, phase, pairs, p):
+    """Both sides of pair p."""
+    a, b = int(pairs.one[p]), int(pairs.other[p])
+    arm_a = directed(scene, a, pairs.ax[p], pairs.ay[p], pairs.az[p])
+    arm_b = directed(scene, b, pairs.bx[p], pairs.by[p], pairs.bz[p])
+    between = minus(plus(place_of(scene, phase, a), arm_a, 1.0), plus(place_of(scene, phase, b), arm_b, 1.0))
+    u = directed(scene, a, pairs.ux[p], pairs.uy[p], pairs.uz[p])
+    v = directed(scene, b, pairs.vx[p], pairs.vy[p], pairs.vz[p])
+    return Sides(a, b, arm_a, arm_b, between, u, v)
+
+
+@leaf
+def velocity_of(scene, phase, i, arm):
+    """Velocity, m/s, of the end of an arm from the centroid of body i."""
+    if i == scene.n:
+        return NOTHING
+    spin = scene.poses.wx[i], scene.poses.wy[i], scene.poses.wz[i]
+    return plus((phase.vx[i], phase.vy[i], phase.vz[i]), cross(spin, arm), 1.0)
+
+
+@leaf
+def rate_along(scene, phase, sides, n, on_a, on_b):
+    """Rate, m/s, at which the ends of two arms from the centroids of both bodies approach each other along n."""
+    return -dot(n, minus(velocity_of(scene, phase, sides.a, on_a), velocity_of(scene, phase, sides.b, on_b)))
+
+
+@leaf
+def arms_to(sides, place):
+    """Arms from the centroids of both bodies to a place from the middle of the first side, m."""
+    return plus(sides.arm_a, place, 1.0), plus(plus(sides.arm_b, sides.between, 1.0), place, 1.0)
+
+
+@leaf
+def push_both(scene, sides, place, force):
+    """Add a force, N, on the first body, and its opposite on the other one, at a place from the middle of its side."""
+    on_a, on_b = arms_to(sides, place)
+    push(scene.poses, sides.a, on_a, force, NOTHING, 1.0)
+    push(scene.poses, sides.b, on_b, force, NOTHING, -1.0)
+
+
+@leaf
+def scaled(a, factor):
+    """A vector times a number."""
+    return a[0] * factor, a[1] * factor, a[2] * factor
+
+
+@leaf
+def apart(gap, beside):
+    """Distance, m, of sides that are a gap apart, and do not face each other by a length beside it."""
+    return gap if beside == 0.0 else math.sqrt(beside * beside + max(gap, 0.0) ** 2)

@@ -1,0 +1,106 @@
+"""The table `neighbours` of a structure: which sides face each other, and what is refused."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+from solver.common.errors import InputError
+from solver.models.structure.blocks.parts import Side
+from solver.models.structure.model import Structure
+
+DRUM = {"shape": "drum", "diameter": 1.0, "height": 2.0, "density": 2000.0}
+BOX = {"width": 1.0, "depth": 1.5, "height": 2.0, "density": 2000.0}
+LAW = {"reach": 0.5, "line_stiffness": 1e8, "stiffness": 1e9, "damping": 1e-3, "friction": 0.4}
+WALL = {"at": [-0.7, 0.0, 0.0], "normal": [1.0, 0.0], "width": 2.0, "height": 3.0}
+
+
+def described(*blocks: dict[str, Any], **neighbours: Any) -> dict[str, Any]:
+    """A structure of blocks 1.2 m apart along x."""
+    tables = [{"name": f"b{k}", "on": "base", "at": [1.2 * k, 0.0], **block} for k, block in enumerate(blocks)]
+    table = {key: value for key, value in {**LAW, **neighbours}.items() if value is not None}
+    return {"name": "row", "joints": {"stiffness": 1e9, "damping": 1e-3}, "block": tables, "neighbours": table}
+
+
+def test_sides_that_face_each_other_are_found() -> None:
+    made = Structure.from_dict(described(DRUM, DRUM, BOX, BOX, {**DRUM, "at": [1.2, 3.0]}))
+    assert made.contact_names == ("b0-b1", "b1-b2", "b2-b3")
+    assert [pair.gap for pair in made.neighbours] == pytest.approx([0.2, 0.2, 0.2], abs=1e-12)
+    assert [pair.size for pair in made.neighbours] == pytest.approx([2.0, 2.0, 3.0], rel=1e-12)
+    assert [isinstance(pair.side, Side) for pair in made.neighbours] == [True, True, False]
+    assert Structure.from_dict(made.to_dict()).contact_names == made.contact_names
+    assert Structure.from_dict(described(DRUM, DRUM, reach=0.1)).neighbours == ()
+
+
+def test_drums_on_different_levels_face_each_other_where_both_are() -> None:
+    plinth = {"width": 0.2, "depth": 0.2, "height": 1.5, "density": 2000.0}
+    made = Structure.from_dict(described(DRUM, plinth, {**DRUM, "on": "b1", "at": [1.2, 0.0]}))
+    (pair,) = made.neighbours
+    assert pair.size == pytest.approx(0.5, rel=1e-12)
+
+
+def test_gaps_and_laws_of_a_pair_replace_those_of_all() -> None:
+    own = {"between": ["b1", "b0"], "gap": 0.05, "restitution": 0.5, "friction": 0.1}
+    made = Structure.from_dict(described(DRUM, DRUM, DRUM, pair=[own]))
+    first, second = made.neighbours
+    assert (first.gap, first.friction) == (0.05, 0.1)
+    assert first.farther == pytest.approx(-0.15, abs=1e-12)
+    assert first.damping != second.damping == 1e-3
+    far = {"between": ["b0", "b2"], "gap": 2.0}
+    assert Structure.from_dict(described(DRUM, DRUM, DRUM, pair=[far])).contact_names == ("b0-b1", "b0-b2", "b1-b2")
+
+
+def test_walls() -> None:
+    made = Structure.from_dict(described(DRUM, BOX, wall=[WALL]))
+    assert made.contact_names == ("b0-b1", "b0-wall 1")
+    assert made.neighbours[1].gap == pytest.approx(0.2, abs=1e-12)
+    assert made.is_plane
+    turned = {**WALL, "normal": [1.0, 1.0], "at": [-0.7, -0.7, 0.0]}
+    (_, pair) = Structure.from_dict(described(DRUM, BOX, wall=[turned])).neighbours
+    assert pair.gap == pytest.approx(math.sqrt(0.98) - 0.5, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("changed", "message"),
+    [
+        ({"reach": None}, r"neighbours.reach: missing, must be a length in m"),
+        ({"reach": -1.0}, r"neighbours.reach = -1.0: must be a length in m"),
+        ({"line_stiffness": None}, r"neighbours.line_stiffness: missing, must be .* N/m2.*: b0 and b1 may meet"),
+        ({"stiffness": None}, r"neighbours.stiffness: missing, must be .* N/m3.*: b2 and b3 may meet"),
+        ({"friction": None}, r"neighbours.friction: missing, must be a coefficient of friction"),
+        ({"damping": None}, r"neighbours.damping: missing, must be .*, or a restitution"),
+        ({"restitution": 0.5}, r"neighbours.restitution: must be left out beside damping"),
+        ({"speed": 1.0}, r"neighbours.speed: unknown"),
+        ({"pair": [{"between": ["b0", "b9"]}]}, r"neighbours.pair\[1\].between: 'b9' must be the name of a block"),
+        ({"pair": [{"between": ["b0"]}]}, r"neighbours.pair\[1\].between = \['b0'\]: must be two names of blocks"),
+        ({"pair": [{"between": ["b0", "b1"], "gap": -1}]}, r"neighbours.pair\[1\].gap = -1: must be a length in m"),
+        ({"pair": {}}, r"neighbours.pair: must be one table \[\[neighbours.pair\]\] for each"),
+        ({"wall": [{"at": [0.0, 0.0, 0.0]}]}, r"neighbours.wall\[1\].normal: missing, must be the direction"),
+        ({"wall": [{**WALL, "normal": [0.0, 0.0]}]}, r"neighbours.wall\[1\].normal = .*: must have a length"),
+        ({"wall": [{**WALL, "at": [0.0]}]}, r"neighbours.wall\[1\].at = \[0.0\]: must be the middle"),
+    ],
+)
+def test_what_is_wrong_is_refused_in_one_line(changed: dict[str, Any], message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        Structure.from_dict(described(DRUM, DRUM, BOX, BOX, **changed))
+
+
+def test_pairs_with_a_joint_and_overlaps_are_refused() -> None:
+    joined = described(DRUM, {**DRUM, "on": "b0", "at": [0.0, 0.0]}, pair=[{"between": ["b0", "b1"]}])
+    with pytest.raises(InputError, match=r"neighbours.pair\[1\].between: must be two blocks without a joint"):
+        Structure.from_dict(joined)
+    with pytest.raises(InputError, match=r"neighbours: b0 and b1 overlap by 0.1 m as built"):
+        Structure.from_dict(described(DRUM, {**DRUM, "at": [0.9, 0.0]}))
+    with pytest.raises(InputError, match=r"neighbours = 3: must be a table"):
+        Structure.from_dict({**described(DRUM, DRUM), "neighbours": 3})
+
+
+def test_declared_gaps_move_the_contact() -> None:
+    """A drum taken to be nearer than it is meets as one that stands there."""
+    for gap in (0.05, 0.4):
+        made = Structure.from_dict(described(DRUM, DRUM, pair=[{"between": ["b0", "b1"], "gap": gap}]))
+        pairs = made.model.names.pairs
+        assert np.isclose(pairs.radius_a[0] + pairs.radius_b[0], 1.2 - gap, rtol=1e-12)
