@@ -23,6 +23,7 @@ from . import (
     executors,
     in_space,
     machine,
+    neighbours,
     opensees,
     plots,
     report,
@@ -215,6 +216,15 @@ def measure_space(wanted: Scenes, quick: bool, results: Results) -> Iterator[Non
         yield
 
 
+def measure_neighbours(wanted: Scenes, quick: bool, results: Results) -> Iterator[None]:
+    """Blocks that meet across a gap."""
+    results["neighbours"] = []
+    for found in neighbours.measure(quick):
+        results["neighbours"].append(asdict(found))
+        say(f"{found.title}\n" + report.table(found.head, found.rows))
+        yield
+
+
 def measure_engines(wanted: Scenes, quick: bool, results: Results) -> Iterator[None]:
     """Structures in space against physics engines."""
     found = engines.against_engines(quick)
@@ -241,6 +251,7 @@ PARTS: dict[str, Callable[[Scenes, bool, Results], Iterator[None]]] = {
     "trust": measure_trust,
     "space": measure_space,
     "engines": measure_engines,
+    "neighbours": measure_neighbours,
 }
 
 

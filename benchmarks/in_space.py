@@ -12,7 +12,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import partial
@@ -137,11 +137,15 @@ def _places(response: SpatialResponse) -> Array:
     return np.stack([response.ux, response.uy, response.uz])
 
 
-def tolerances(quick: bool) -> Table:
-    """Largest error of all blocks and instants in tolerances of the largest displacement."""
+def tolerances(
+    quick: bool,
+    scenes: Iterable[tuple[Structure, Motion]] | None = None,
+    title: str = "Structures in space: error over tolerance",
+) -> Table:
+    """Largest error of all blocks and instants in tolerances of the largest displacement; None: random structures."""
     asked = QUICK_TOLERANCES if quick else TOLERANCES
     rows = []
-    for structure, motion in random_structures():
+    for structure, motion in random_structures() if scenes is None else scenes:
         closest = run(structure, motion, tolerance=REFERENCES[1])
         near, best = _places(run(structure, motion, tolerance=REFERENCES[0])), _places(closest)
         peak = float(np.max(np.abs(best)))
@@ -157,7 +161,7 @@ def tolerances(quick: bool) -> Table:
         rows.append([structure.name, *facts, *judged])
     head = ["structure", "peak, mm", "slip, mm", "references differ by", "amplification"]
     head += [*(f"{value:.0e}" for value in asked)]
-    return Table("Structures in space: error over tolerance", head, rows)
+    return Table(title, head, rows)
 
 
 def _rocking() -> Iterator[tuple[Structure, Motion]]:

@@ -42,12 +42,13 @@ def _rub(scene, phase, extras, p, sides, touch):
 
 
 @kernel
-def load_pair(scene, phase, extras, p):
-    """Add the forces of a pair that touches to those on its two blocks."""
+def _load_pair(scene, phase, extras, p):
+    """Add the forces of a pair that touches to those on its two blocks; one that has let go bears nothing."""
     hits, giving, pairs = extras.hits, extras.giving_stretches, extras.pairs
     hits.force[p], hits.along[p], hits.energy[p], hits.slides[p] = 0.0, 0.0, 0.0, 0.0
     giving.z1[p], giving.z2[p], giving.z3[p] = 0.0, 0.0, 0.0
-    if extras.stretches.touches[p] == 0.0:
+    hits.bears[p] = extras.stretches.touches[p]
+    if hits.bears[p] == 0.0:
         return
     sides = sides_of(scene, phase, pairs, p)
     if pairs.kind[p] == DRUMS:
@@ -72,8 +73,10 @@ def _nothing_on(scene, phase, like):
 
 
 def _load_on(scene, phase, like):
+    touches, bears = scene.extras.stretches.touches, scene.extras.hits.bears
     for p in range(scene.extras.met):
-        load_pair(scene, phase, scene.extras, p)
+        if touches[p] != 0.0 or bears[p] != 0.0:
+            _load_pair(scene, phase, scene.extras, p)
 
 
 @by_width

@@ -9,8 +9,8 @@ import math
 from typing import NamedTuple
 
 from ..numba_ext.jit import leaf
-from .kinematics import cross, dot, plus, push
-from .sides import NOTHING, SLACK, Touch, apart, directed, push_both, rate_along, scaled
+from .kinematics import cross, dot, minus, plus, push
+from .sides import NOTHING, SLACK, Touch, apart, directed, push_both, rate_along, scaled, spin_of, velocity_of
 
 PARALLEL = 1e-24  # square of the sine of the angle between axes that are taken as parallel
 ALONG = 1e-9  # cosine of the angle to an axis from which on an edge across it ends a contact
@@ -112,18 +112,21 @@ def load_drums(scene, phase, pairs, p, sides):
     total, first, energy = 0.0, 0.0, 0.0
     if part.high > part.low:
         middle, half = 0.5 * (part.high + part.low), 0.5 * (part.high - part.low)
+        on_a, on_b, along_b = sides.arm_a, plus(sides.arm_b, sides.v, t0), scaled(sides.v, c)
+        moves = minus(velocity_of(scene, phase, sides.a, on_a), velocity_of(scene, phase, sides.b, on_b))
+        turns = minus(cross(spin_of(scene, sides.a), sides.u), cross(spin_of(scene, sides.b), along_b))
+        pushed, times_s = NOTHING, NOTHING  # sums of the force, and of s times it
         for g in range(len(NODES)):
             s = middle + half * NODES[g]
             n, rho = _outwards(axes, s)
             delta = reach - rho
-            on_a = plus(sides.arm_a, sides.u, s)
-            on_b = plus(sides.arm_b, sides.v, t0 + s * c)
-            q = delta + eta * rate_along(scene, phase, sides, n, on_a, on_b)
+            q = delta - eta * (dot(n, moves) + s * dot(n, turns))
             force = k * half * WEIGHTS[g] * max(q, 0.0)
-            push(scene.poses, sides.a, on_a, scaled(n, force), NOTHING, 1.0)
-            push(scene.poses, sides.b, on_b, scaled(n, force), NOTHING, -1.0)
+            pushed, times_s = plus(pushed, n, force), plus(times_s, n, s * force)
             total, first = total + force, first + s * force
             energy += 0.5 * k * half * WEIGHTS[g] * max(delta, 0.0) ** 2
+        push(scene.poses, sides.a, on_a, pushed, cross(sides.u, times_s), 1.0)
+        push(scene.poses, sides.b, on_b, pushed, scaled(cross(along_b, times_s), -1.0), -1.0)
         for way in (-1.0, 1.0):
             s = part.low if way < 0.0 else part.high
             n, rho = _outwards(axes, s)

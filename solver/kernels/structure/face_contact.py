@@ -12,7 +12,7 @@ from ..numba_ext.jit import kernel, leaf
 from .bed import Plane, value
 from .kinematics import cross, dot, minus, plus
 from .overlap import cut
-from .sides import NOTHING, SLACK, Touch, apart, directed, push_both, scaled, velocity_of
+from .sides import NOTHING, SLACK, Touch, apart, directed, push_both, scaled, spin_of, velocity_of
 
 FACING = -0.1  # cosine of the angle between the normals of faces that face each other, at most
 SIMPSON = ((0.0, 1.0 / 6.0), (0.5, 4.0 / 6.0), (1.0, 1.0 / 6.0))  # exact for cubics
@@ -84,15 +84,10 @@ def _rate(scene, phase, sides, facing):
     place = plus(_above(sides, facing, 0.0, 0.0), sides.between, 1.0)  # from the middle of the other face
     on_a, on_b = plus(plus(sides.arm_a, place, 1.0), sides.between, -1.0), plus(sides.arm_b, place, 1.0)
     moves = minus(velocity_of(scene, phase, sides.a, on_a), velocity_of(scene, phase, sides.b, on_b))
-    spin = minus(_spin(scene, sides.a), _spin(scene, sides.b))
+    spin = minus(spin_of(scene, sides.a), spin_of(scene, sides.b))
     along_x = cross(spin, plus(facing.e1, sides.v, -facing.delta.along_x))
     along_y = cross(spin, plus(facing.e2, sides.v, -facing.delta.along_y))
     return Plane(-dot(facing.pull, moves), -dot(facing.pull, along_x), -dot(facing.pull, along_y))
-
-
-@leaf
-def _spin(scene, i):
-    return scene.poses.wx[i], scene.poses.wy[i], scene.poses.wz[i]
 
 
 @leaf

@@ -179,7 +179,8 @@ RESULTANTS = Table(  # of m joints, along the axes of the joint
     *("s1", "s2", "s3"),  # m, m, rad: slips and twist
     *("z1", "z2", "z3"),  # their elastic parts
 )
-HITS = Table("force", "along", "energy", "slides")  # of pairs: N, N, J; 1 while friction gives way
+# of pairs: N, N, J; 1 while friction gives way; 1 while the pair bears something
+HITS = Table("force", "along", "energy", "slides", "bears")
 PULLS = Table("force", "stretch", "elastic")  # of k ties: N, m; the elastic part of the stretch
 STAGES = 13  # of a step of order 8, with its start and its end
 

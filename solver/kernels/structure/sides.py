@@ -59,12 +59,17 @@ def sides_of(scene, phase, pairs, p):
 
 
 @leaf
+def spin_of(scene, i):
+    """Angular velocity of body i, rad/s, along the axes of the base."""
+    return scene.poses.wx[i], scene.poses.wy[i], scene.poses.wz[i]
+
+
+@leaf
 def velocity_of(scene, phase, i, arm):
     """Velocity, m/s, of the end of an arm from the centroid of body i."""
     if i == scene.n:
         return NOTHING
-    spin = scene.poses.wx[i], scene.poses.wy[i], scene.poses.wz[i]
-    return plus((phase.vx[i], phase.vy[i], phase.vz[i]), cross(spin, arm), 1.0)
+    return plus((phase.vx[i], phase.vy[i], phase.vz[i]), cross(spin_of(scene, i), arm), 1.0)
 
 
 @leaf
