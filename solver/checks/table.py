@@ -280,7 +280,7 @@ def _overlap(demands: Demands, limits: Limits) -> list[Row]:
     if not overlaps:
         return []
     deepest = max(overlaps, key=lambda found: found.depth)
-    note = "the deepest under any motion; no joint connects these blocks: they do not meet in the model"
+    note = "the deepest under any motion; these blocks do not meet in the model: no joint, no neighbours"
     values = tuple(found.depth for found in overlaps)
     where = ", ".join(deepest.between)
     return [Row("overlap of blocks", deepest.depth, limits.overlap, MM, where, note if where else "", values)]

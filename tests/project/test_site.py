@@ -18,13 +18,14 @@ from support.fmus import ROOT, read_results
 import multiblock
 from fmu_src.references import FAMILIES, REFERENCES
 from multiblock import Column, Plan, Structure
+from solver.models.structure.neighbours import restitution_of
 
 pytestmark = pytest.mark.long  # runs the commands of the site
 
 DOCS = pages.DOCS
 TUTORIALS = sorted((DOCS / "tutorials").glob("*.md"))
 GALLERY = DOCS / "gallery.md"
-CHECK, STRUCTURES = DOCS / "check.md", DOCS / "structures.md"
+CHECK, STRUCTURES, NEIGHBOURS = DOCS / "check.md", DOCS / "structures.md", DOCS / "neighbours.md"
 FMU = DOCS / "tutorials" / "5-first-fmu.md"
 (STATUE,) = pages.blocks(DOCS / "tutorials" / "2-your-column.md", "toml")
 
@@ -129,6 +130,24 @@ def test_programs_of_the_structures_page(folder: Path, capsys: pytest.CaptureFix
         r"print\(response.peaks\[\"gap\"\].min\(\)\)  # m, (-[\d.]+):", STRUCTURES.read_text(encoding="utf-8")
     )
     assert float(capsys.readouterr().out.split()[-1]) == pytest.approx(float(least), abs=5e-4)
+
+
+def test_neighbours_page(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Its program prints the figures that stand behind its lines; its table of restitutions is the closed form."""
+    (text,), (program,) = pages.blocks(NEIGHBOURS, "toml"), pages.blocks(NEIGHBOURS, "python")
+    (folder / "store.toml").write_text(text, encoding="utf-8")
+    exec(program, {})
+    printed = capsys.readouterr().out.translate(str.maketrans("[],()'", "      ")).splitlines()
+    names, *numbers = re.findall(r"print\(.*\)  # (?:\w+: )?(.*)", program)
+    assert printed[0].split() == names.split(", ")
+    for line, shown in zip(printed[1:], numbers, strict=True):
+        assert [float(number) for number in line.split()] == pytest.approx(
+            [float(number) for number in shown.split()], rel=5e-3
+        )
+    text = NEIGHBOURS.read_text(encoding="utf-8")
+    zeta, restitution = re.findall(r"^\| e(?:ta sqrt\(k / m\) / 2)? \| (.*) \|$", text, re.MULTILINE)
+    for part, found in zip(zeta.split(" | "), restitution.split(" | "), strict=True):
+        assert restitution_of(2.0 * float(part), 1.0, 1.0) == pytest.approx(float(found), abs=5e-4)
 
 
 def test_column_file_page() -> None:

@@ -63,7 +63,10 @@ class Structures(Kind):
     # --- many
 
     def lanes(self, model: Structure, keep: Collection[str]) -> Lanes:
-        """Lanes watch displacements alone; of lightly damped structures the steps are of order 8, which they lack."""
+        """Lanes watch displacements alone, and neighbours pass through each other in them.
+
+        Of lightly damped structures the steps are of order 8, which they lack.
+        """
         why = _why_not_in_lanes(model, keep)
         if not why:
             try:
@@ -129,6 +132,8 @@ STRUCTURES = Structures()
 
 def _why_not_in_lanes(structure: Structure, keep: Collection[str]) -> str:
     """Why runs of a structure that rests are not made in lanes; "" if they are."""
+    if structure.neighbours:
+        return "neighbours may meet"
     if not FROM_LANES.issuperset(keep):
         return "peaks of more than displacements"
     return "" if structure.model.names.settings.order == 5.0 else "steps of order 8"

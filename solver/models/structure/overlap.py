@@ -1,4 +1,4 @@
-"""Whether blocks that no joint connects pass into each other: the model does not let them meet.
+"""Whether blocks pass into each other that no joint connects and that are no neighbours: in the model they do not meet.
 
 Two convex blocks are apart where some axis separates them. Of boxes and prisms the axes are the normals of faces and
 the cross products of edges, which are all that are needed. Of drums they are those in which two of them, or a drum and
@@ -28,7 +28,7 @@ PAIRS = 2000  # of edges; where two hulls have more, their many normals have to 
 
 
 class Overlap(NamedTuple):
-    """The deepest overlap of two blocks that no joint connects, beyond what it is as built."""
+    """The deepest overlap of two blocks that do not meet in the model, beyond what it is as built."""
 
     depth: float = 0.0  # m
     between: tuple[str, ...] = ()  # their names; empty without an overlap
@@ -39,7 +39,7 @@ class Overlap(NamedTuple):
         """What a user should know of it."""
         return (
             f"{' and '.join(self.between)} pass into each other by {1e3 * self.depth:.3g} mm at {self.time:.4g} s: no "
-            "joint connects them, so they do not meet in the model; move them apart, or do not rely on this run"
+            "joint connects them and no [neighbours] lets them meet; move them apart, or do not rely on this run"
         )
 
 

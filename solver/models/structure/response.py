@@ -93,14 +93,14 @@ class SpatialResponse(StructureHistories, Result):
 
     @cached_property
     def overlap(self) -> Overlap:
-        """The deepest overlap of blocks that no joint connects: they do not meet in the model."""
+        """The deepest overlap of blocks that no joint connects and that are no neighbours: they do not meet."""
         return deepest_overlap(self.structure, self.time, self)
 
     model = StructureHistories.model
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """Whether blocks that no joint connects overlap."""
+        """Whether blocks that do not meet in the model overlap."""
         return (self.overlap.sentence,) if self.overlap.between else ()
 
     def to_csv(self, path: str | os.PathLike[str], digits: int = DIGITS) -> None:
