@@ -47,6 +47,9 @@ def simulate(
     ensemble: int = 0,
     spread: Spread | None = None,
     callback: Callback | None = None,
+    *,
+    loads: Loads | None = None,
+    release: Mapping[str, Mapping[str, float]] | None = None,
 ) -> Response: ...
 @overload
 def simulate(
@@ -186,8 +189,8 @@ def _ports_of(model: Any) -> list[str]:
 
 
 def _check_ports(motion: Motion, model: Any) -> None:
-    """Raise InputError for a load on a port that a structure has not; models of other kinds say so themselves."""
-    if model.kind.across:
+    """Raise InputError for a load on a port that a model has not; kinds without ports say so themselves."""
+    if model.kind.takes_loads:
         for port in motion.loads:
             place_of("loads", port, _ports_of(model))
 

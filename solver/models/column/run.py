@@ -52,7 +52,7 @@ def single_run(column: Column, plan: Plan) -> tuple[Response, FloatArray]:
     phases = _coordinates(at.phases_in(snapshots), column)
     response = Response(
         column,
-        lambda: stepper.rows_of(snapshots),
+        lambda: stepper.rows_of(snapshots, plan.times),
         stepper.overturned_joint,
         phases,
         time=plan.times,
