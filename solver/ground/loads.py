@@ -173,6 +173,18 @@ def check_loads_in_plane(loads: Mapping[str, Load]) -> None:
             raise InputError(f"loads[{port}]: a column in its plane has {', '.join(IN_PLANE)} only (--space has all)")
 
 
+def pattern_of(pattern: Mapping[str, float], ports: Sequence[str]) -> FloatArray:
+    """Loads of a push by port.component, as {"roof.Fx": 1000.0}: (6, ports). Raises InputError."""
+    given: dict[str, dict[str, float]] = {}
+    for name, value in pattern.items():
+        port, _, component = str(name).rpartition(".")
+        given.setdefault(port, {})[component] = value
+    found = static_loads("pattern", given, ports)
+    if not np.any(found):
+        raise InputError("pattern: must have a load that is not zero")
+    return found
+
+
 def place_of(key: str, port: object, ports: Sequence[str]) -> int:
     """Number of a port by its name. Raises InputError."""
     if not ports:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from ..common.errors import InputError, shown
 from ..common.ranges import check_choice, check_keys
+from ..ground.records.record import FloatArray
 
 KEYS = ("name", "block", "at")
 Point = Callable[[str, object, int], Sequence[float]]  # from key, value (None: none is given) and number of the block
@@ -21,6 +22,12 @@ class Port:
     body: int  # number of the block, from 0
     # m, from its centroid: x, y, z along the axes of the base, as built; in the plane x, z along those of the block
     at: tuple[float, ...]
+
+
+class Released(NamedTuple):
+    """An initial state: rest under loads on the ports, (6, ports) N and N m, which are let go at the start."""
+
+    loads: FloatArray
 
 
 def ports_from(data: Mapping[str, Any], names: Sequence[str], point: Point) -> tuple[Port, ...]:
